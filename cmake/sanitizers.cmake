@@ -1,0 +1,5 @@
+# FURCULA_SANITIZE=address,undefined: every target is built with these sanitizers, and a finding ends the program.
+if(FURCULA_SANITIZE)
+  add_compile_options(-fsanitize=${FURCULA_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)
+  add_link_options(-fsanitize=${FURCULA_SANITIZE})
+endif()

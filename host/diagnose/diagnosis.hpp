@@ -1,0 +1,125 @@
+// What a diagnosis says: the figures, the findings and the traces that the JSON and the report are made from.
+#pragma once
+
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "furcula/dynamics/effects/catalogue.hpp"
+#include "host/model/model.hpp"
+
+namespace furcula::diagnose {
+
+enum class Verdict { adequate, explained, partly_explained, unexplained, not_identifiable };
+
+/// Errors of a prediction on one channel, all windows pooled. NMSE: squared errors over squares about the window's
+/// mean. MAE and RMSE in the channel's unit.
+struct ChannelErrors {
+  double nmse = 0.0;
+  double mae = 0.0;
+  double rmse = 0.0;
+};
+
+/// By channel: "height", "velocity" on the hopper (and "height_stance", "height_flight"), "position", "angle"
+/// elsewhere. Units: m, m/s, rad, rad/s.
+using Errors = std::map<std::string, ChannelErrors>;
+
+struct Estimate {
+  double value = 0.0;
+  double lower = 0.0;  ///< 95 % interval
+  double upper = 0.0;
+};
+
+/// A set of effects or free parameters that competes with a finding.
+struct Rival {
+  std::vector<std::string> names;
+  std::string why;                             ///< why not, or why it cannot be told apart
+  std::map<std::string, Estimate> parameters;  ///< "effect.parameter" -> fitted value
+};
+
+struct Finding {
+  dynamics::Effect effect;
+  std::map<std::string, Estimate> parameters;  ///< names as on this kind of axis
+  double explainable_nmse_removed = 0.0;       ///< 1 = all that is above the noise floor
+  double held_out_mae_before = 0.0;            ///< of the main channel, without the effect, all else re-fitted
+  double held_out_mae_after = 0.0;
+  double confidence = 0.0;
+  std::vector<Rival> alternatives;
+  std::vector<Rival> indistinguishable_from;
+  std::string explanation;
+  std::string next_experiment;
+};
+
+/// One hypothesis that was tried: a row of the report's table.
+struct Candidate {
+  std::vector<std::string> effects;
+  std::map<std::string, Estimate> parameters;  ///< "effect.parameter"
+  double training_gain = 0.0;                  ///< share of the cross-validated error removed on the training logs
+  double held_out_gain = 0.0;                  ///< share of the held-out error above the floor removed
+  bool chosen = false;
+  std::string outcome;  ///< "named", or in plain words why it lost
+};
+
+/// A channel over one held-out window: measured, and predicted by the model as given, re-fitted and extended.
+struct Trace {
+  std::string log;
+  std::string channel;  ///< "height", ...
+  std::string unit;
+  std::vector<double> time_s;
+  std::vector<double> measured;
+  std::vector<double> as_given;
+  std::vector<double> refitted;
+  std::vector<double> extended;
+};
+
+/// What force the re-fitted model lacks, where: one sample an instant of the logs, averaged over a few ms.
+struct ResidualForce {
+  std::string unit;           ///< "N" or "N m"
+  std::string velocity_unit;  ///< "m/s" or "rad/s"
+  std::string position_unit;
+  std::vector<double> time_s;       ///< since the log's start
+  std::vector<double> velocity;
+  std::vector<double> position;
+  std::vector<double> force;        ///< what would have to be added to the re-fitted model
+  std::vector<double> law;          ///< what the findings' laws add at the same instants (empty: no finding)
+};
+
+struct Association {
+  std::string signal;
+  double strength = 0.0;
+  std::string how;
+};
+
+struct Diagnosis {
+  dynamics::Kind kind = dynamics::Kind::hopper_linear;
+  std::size_t logs = 0, hops = 0, samples = 0, held_out_logs = 0;
+  std::vector<std::string> training_files, held_out_files;
+  Verdict verdict = Verdict::adequate;
+  std::string summary;  ///< the verdict in one plain sentence
+  std::string main_channel;  ///< "height", "position" or "angle"
+  std::string main_unit;
+  Errors baseline, refitted, extended, noise_floor;  ///< held-out; the floor has nmse alone
+  std::vector<Finding> findings;
+  std::vector<Candidate> candidates;
+  /// Parameters of the model as given, re-fitted, extended; and which were free.
+  struct ParameterRow {
+    std::string name, unit;
+    bool free = false;
+    double given = 0.0;
+    Estimate refitted, extended;
+    std::string verdict;  ///< identified, correlated with ..., at_bound ..., not_excited; empty if held
+  };
+  std::vector<ParameterRow> parameters;
+  double unexplained_fraction = 0.0;
+  bool residual_white = true;
+  std::vector<Association> goes_along_with;
+  std::string next_experiment;  ///< of the whole diagnosis
+  model::Model extended_model;
+  std::vector<Trace> traces;
+  ResidualForce residual;
+};
+
+std::string_view name(Verdict v);
+
+}  // namespace furcula::diagnose

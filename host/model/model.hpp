@@ -1,0 +1,29 @@
+// A model file in memory: a kind of machine, its parameters, what a fit may move, and the effects switched on.
+#pragma once
+
+#include <array>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "furcula/dynamics/effects/catalogue.hpp"
+#include "furcula/dynamics/kinds.hpp"
+
+namespace furcula::model {
+
+struct Bounds {
+  double lower;
+  double upper;
+};
+
+struct Model {
+  dynamics::Kind kind = dynamics::Kind::hopper_linear;
+  std::vector<double> parameters;             ///< in the order of dynamics::info(kind).parameters
+  std::map<std::size_t, Bounds> free;         ///< index of a parameter -> bounds of its fit
+  /// Effects switched on, each with its parameters in the order of the catalogue.
+  std::map<dynamics::Effect, std::array<double, dynamics::kMaxEffectParameters>> effects;
+
+  double parameter(std::string_view name) const { return parameters[*dynamics::parameter_index(kind, name)]; }
+};
+
+}  // namespace furcula::model
