@@ -1,0 +1,16 @@
+// The subcommands of `furcula`. Each function adds one to the program, with its options and a callback that
+// runs it. A callback throws UsageError, log::DataError, log::OutputError or Refusal; main.cpp makes exit
+// statuses of them.
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+namespace furcula::cli {
+
+void add_sim_command(CLI::App& app);
+void add_identify_command(CLI::App& app);
+void add_diagnose_command(CLI::App& app);
+void add_effects_command(CLI::App& app);
+void add_check_command(CLI::App& app);
+
+}  // namespace furcula::cli

@@ -1,0 +1,23 @@
+// Pieces of error messages: values as they stood in a file, and the name that was perhaps meant.
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace furcula::log {
+
+/// The value in single quotes, control and non-ASCII bytes as \xNN, cut after 40 characters.
+std::string quoted(std::string_view value);
+
+/// Shortest decimal form that reads back as the same double.
+std::string shortest(double value);
+
+/// `; did you mean 'x'?` for the nearest of the names by edit distance, or nothing if none is near.
+std::string did_you_mean(std::string_view name, std::span<const std::string_view> names);
+
+/// "a, b, c"
+std::string listed(std::span<const std::string_view> names);
+
+}  // namespace furcula::log

@@ -1,0 +1,61 @@
+// Reads `furcula-log/1` (docs/contracts.md, section 1): as a whole into memory, or row by row in bounded
+// memory.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "host/log/column_map.hpp"
+#include "host/log/error.hpp"
+#include "host/log/log.hpp"
+
+namespace furcula::log {
+
+/// What stands above the rows.
+struct LogHeader {
+  std::map<std::string, std::string> metadata;  ///< the `# key: value` lines
+  std::vector<std::string> columns;  ///< our names (after the map), in the order of the file's rows
+};
+
+struct LogSummary {
+  LogHeader header;
+  /// Columns that the rig does not know and that hold something else than finite numbers: ignored, not in a
+  /// Log.
+  std::vector<std::string> ignored_columns;
+  std::uint64_t rows = 0;
+  double duration_s = 0.0;         ///< last time minus first
+  double interval_min_s = 0.0;     ///< between neighbouring rows; 0 for a single row
+  double interval_median_s = 0.0;  ///< to 0.1 %
+  double interval_max_s = 0.0;
+  bool last_row_ends = true;  ///< false: no line end after the last row, so its last number may have been cut
+};
+
+/// Called for each row with the values in the order of LogHeader::columns; NaN where an ignored column has no
+/// number.
+using RowVisitor = std::function<void(std::span<const double>)>;
+
+/// Reads a log into memory. `rig` is that of the model's kind; the `# rig:` line, if there, must agree.
+/// @throws DataError naming file, line, column, value and what was expected: not readable, empty, no rows,
+/// missing required column, wrong unit suffix, duplicate column, ragged or torn row, no number, NaN or
+/// infinity, flag that is not 0 or 1, time that does not increase, line above 1 MiB.
+Log read_log(const std::string& path, const std::string& rig, const ColumnMap* map = nullptr);
+
+/// Checks a log as read_log does, in memory that does not grow with the file.
+LogSummary check_log(const std::string& path, const std::string& rig, const ColumnMap* map = nullptr);
+
+/// Goes through a log row by row, in memory that does not grow with the file. What check_log and read_log
+/// stand on.
+LogSummary visit_log(const std::string& path, const std::string& rig, const ColumnMap* map,
+                     const std::function<RowVisitor(const LogHeader&)>& on_header);
+
+/// As read_log, on text; `name` stands for the path in messages.
+Log parse_log(std::string_view text, const std::string& name, const std::string& rig,
+              const ColumnMap* map = nullptr);
+
+}  // namespace furcula::log

@@ -1,0 +1,98 @@
+// The rigs whose logs can be read, and their columns (docs/contracts.md, section 1): each column stands here
+// once.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <string_view>
+
+namespace furcula::log {
+
+/// What the numbers of a column are.
+enum class ColumnKind { time, quantity, flag };  // a flag is 0 or 1
+
+struct ColumnInfo {
+  std::string_view name;  ///< quantity_unit, or the flag's name
+  bool required;
+  ColumnKind kind;
+  std::string_view meaning;
+};
+
+inline constexpr std::array<ColumnInfo, 11> kHopperColumns{{
+    {"time_s", true, ColumnKind::time, "time since any instant, increasing"},
+    {"height_m", true, ColumnKind::quantity, "height of the body's centre of mass above the ground plane"},
+    {"velocity_mps", false, ColumnKind::quantity, "vertical velocity as the rig derived it"},
+    {"leg_angle_rad", false, ColumnKind::quantity,
+     "leg angle on the motor's side; in stance height = 2 L cos(angle)"},
+    {"contact", true, ColumnKind::flag, "the raw contact switch, 1 = pressed"},
+    {"torque_cmd_nm", true, ColumnKind::quantity, "torque commanded to the drive in this row"},
+    {"torque_nm", false, ColumnKind::quantity, "torque as the drive makes it of its phase current"},
+    {"solenoid", false, ColumnKind::flag, "1 = energised = spring released"},
+    {"clutch_travel_m", false, ColumnKind::quantity, "travel of the clutch's cable"},
+    {"bus_voltage_v", false, ColumnKind::quantity, "voltage of the drive's supply"},
+    {"motor_temp_c", false, ColumnKind::quantity, "temperature of the motor, degrees Celsius"},
+}};
+
+inline constexpr std::array<ColumnInfo, 5> kRailCarriageColumns{{
+    {"time_s", true, ColumnKind::time, "time since any instant, increasing"},
+    {"height_m", true, ColumnKind::quantity, "height of the carriage"},
+    {"velocity_mps", false, ColumnKind::quantity, "vertical velocity as the rig derived it"},
+    {"contact", false, ColumnKind::flag, "1 = the carriage touches its stop"},
+    {"force_n", false, ColumnKind::quantity, "force of the stop on the carriage, up positive"},
+}};
+
+inline constexpr std::array<ColumnInfo, 6> kMotorAxisColumns{{
+    {"time_s", true, ColumnKind::time, "time since any instant, increasing"},
+    {"position_m", true, ColumnKind::quantity, "position of the axis"},
+    {"velocity_mps", false, ColumnKind::quantity, "velocity as the rig derived it"},
+    {"reference_m", false, ColumnKind::quantity, "position that the axis was told to follow"},
+    {"force_n", true, ColumnKind::quantity, "force commanded to the drive in this row"},
+    {"voltage_v", false, ColumnKind::quantity, "control voltage of the drive"},
+}};
+
+inline constexpr std::array<ColumnInfo, 6> kRotaryJointColumns{{
+    {"time_s", true, ColumnKind::time, "time since any instant, increasing"},
+    {"angle_rad", true, ColumnKind::quantity, "angle of the joint, 0 hanging down"},
+    {"velocity_radps", false, ColumnKind::quantity, "angular velocity as the rig derived it"},
+    {"torque_nm", true, ColumnKind::quantity, "torque that the drive reports"},
+    {"torque_cmd_nm", false, ColumnKind::quantity, "torque commanded to the drive in this row"},
+    {"torque_enable", false, ColumnKind::flag, "1 = the drive is switched on"},
+}};
+
+inline constexpr std::array<ColumnInfo, 6> kClutchBenchColumns{{
+    {"time_s", true, ColumnKind::time, "time since any instant, increasing"},
+    {"pulley_angle_rad", true, ColumnKind::quantity, "angle of the pulley"},
+    {"solenoid", true, ColumnKind::flag, "1 = energised = spring released"},
+    {"load_n", false, ColumnKind::quantity, "force on the cable"},
+    {"current_a", false, ColumnKind::quantity, "current of the solenoid"},
+    {"voltage_v", false, ColumnKind::quantity, "voltage of the solenoid"},
+}};
+
+struct RigInfo {
+  std::string_view name;
+  std::span<const ColumnInfo> columns;  ///< in the order of the contract, in which logs are written
+
+  constexpr const ColumnInfo* column(std::string_view column_name) const {
+    for (const ColumnInfo& c : columns)
+      if (c.name == column_name) return &c;
+    return nullptr;
+  }
+};
+
+inline constexpr std::array<RigInfo, 5> kRigs{{
+    {"hopper", kHopperColumns},
+    {"rail_carriage", kRailCarriageColumns},
+    {"motor_axis", kMotorAxisColumns},
+    {"rotary_joint", kRotaryJointColumns},
+    {"clutch_bench", kClutchBenchColumns},
+}};
+
+constexpr const RigInfo* rig_named(std::string_view name) {
+  for (const RigInfo& r : kRigs)
+    if (r.name == name) return &r;
+  return nullptr;
+}
+
+}  // namespace furcula::log
