@@ -1,4 +1,5 @@
-// The kinds of machine that can be simulated, and their parameters: each name, unit and bound stands here once.
+// The kinds of machine that can be simulated, and their parameters: each name, unit and bound stands here
+// once.
 #pragma once
 
 #include <array>
@@ -14,8 +15,8 @@ enum class Kind : std::uint8_t { hopper_linear, motor_axis, rotary_joint };
 
 inline constexpr std::size_t kKindCount = 3;
 
-/// One parameter of a kind. `lower` and `upper` are the values that make physical sense at all; a file outside of
-/// them is refused. They are not the bounds of a fit: those stand in the model's [free] table.
+/// One parameter of a kind. `lower` and `upper` are the values that make physical sense at all; a file
+/// outside of them is refused. They are not the bounds of a fit: those stand in the model's [free] table.
 struct ParameterInfo {
   std::string_view name;  ///< carries the unit, as in the model file
   std::string_view unit;
@@ -47,7 +48,8 @@ inline constexpr std::array<ParameterInfo, 2> kMotorAxisParameters{{
 // In the order of the members of RotaryJointParameters.
 inline constexpr std::array<ParameterInfo, 3> kRotaryJointParameters{{
     {"inertia_kgm2", "kg m^2", 1e-9, 1e4, "inertia about the joint, the rotor's included"},
-    {"gravity_torque_nm", "N m", -1e4, 1e4, "m g l: torque = gravity_torque sin(angle), angle 0 hanging down"},
+    {"gravity_torque_nm", "N m", -1e4, 1e4,
+     "m g l: torque = gravity_torque sin(angle), angle 0 hanging down"},
     {"damping_nmspr", "N m s/rad", 0.0, 1e4, "viscous friction"},
 }};
 

@@ -1,0 +1,119 @@
+// A driven axis without contact: a linear motor axis or a rotary joint under gravity. Dry friction, where it
+// is switched on, holds the axis at rest until the applied force exceeds it; turning points are located
+// inside the step.
+#pragma once
+
+#include <cmath>
+
+#include "furcula/dynamics/effects/laws.hpp"
+#include "furcula/dynamics/parameters.hpp"
+#include "furcula/dynamics/segment.hpp"
+
+namespace furcula::dynamics {
+
+/// m x'' = u - d x' - load(x) + effects, with load = 0 (MotorAxisParameters) or gravity_torque sin(x)
+/// (RotaryJointParameters; angle 0 hanging down). The input u (N or N m) is held over a step; forces that
+/// depend on position or speed are taken at the step's predicted midpoint.
+template <class Parameters, class T>
+class Axis {
+ public:
+  using V = ValueOf<T>;
+  static constexpr bool kRotary = Parameters::kKind == Kind::rotary_joint;
+
+  Axis(const Parameters& p, const Effects<T>& effects = {}) : p_(p), e_(effects), dry_(has_dry_friction(e_)) {
+    if constexpr (kRotary) {
+      inverse_mass_ = T(V(1)) / p.inertia_kgm2;
+      delta_ = p.damping_nmspr * inverse_mass_;
+    } else {
+      inverse_mass_ = T(V(1)) / p.mass_kg;
+      delta_ = p.damping_nspm * inverse_mass_;
+    }
+    constant_force_ = e_.has(Effect::force_offset) ? e_.value(Effect::force_offset) : T(V(0));
+  }
+
+  /// Starts at a position (m or rad) and velocity.
+  void reset(const T& position, const T& velocity) {
+    x_ = position;
+    v_ = velocity;
+  }
+
+  /// Moves on by `dt_s` >= 0 with the input u (N or N m) held. Steps longer than kLongestStep are divided.
+  void advance(const T& input, V dt_s) {
+    if (dt_s <= V(0)) return;
+    const int parts = dt_s <= kLongestStep ? 1 : 1 + static_cast<int>(dt_s / kLongestStep);
+    const V h = parts == 1 ? dt_s : dt_s / static_cast<V>(parts);
+    if (h != step_) {
+      step_ = h;
+      full_ = flow(T(V(0)), delta_, T(h));
+    }
+    for (int i = 0; i < parts; ++i) {
+      T left = T(h);
+      for (int round = 0; round < kMaxTurns && value_of(left) > V(0); ++round)
+        if (move(input, left, round == 0)) break;
+    }
+  }
+
+  const T& position() const { return x_; }
+  const T& velocity() const { return v_; }
+
+ private:
+  // A step this short turns gravity's sine into a chord with an error of its square's order.
+  static constexpr V kLongestStep = kRotary ? V(4e-3) : V(20e-3);
+  static constexpr int kMaxTurns = 8;
+
+  bool move(const T& input, T& left, bool full) {
+    using std::sin;
+    const V h = value_of(left);
+    T force = input + constant_force_;
+    if constexpr (kRotary) {
+      // At the midpoint, by the velocity and the acceleration at the start.
+      const T start = (force - p_.gravity_torque_nm * sin(x_)) * inverse_mass_ - delta_ * v_;
+      force -= p_.gravity_torque_nm * sin(x_ + v_ * (V(0.5) * h) + start * (V(0.125) * h * h));
+    }
+    T acceleration = force * inverse_mass_;
+    const bool at_rest = value_of(v_) == V(0);
+    const bool up = at_rest ? value_of(acceleration) > V(0) : value_of(v_) > V(0);
+    if (e_.any()) {
+      const T zero = T(V(0));
+      const T middle = v_ + (acceleration - delta_ * v_) * (V(0.5) * h);
+      const bool passes_zero = up ? value_of(middle) < V(0) : value_of(middle) > V(0);
+      const T& velocity = passes_zero ? zero : middle;
+      if (dry_) {
+        const T speed = at_rest ? zero : (up ? velocity : T(-velocity));
+        const T push = dry_friction(e_, up, speed) * inverse_mass_;
+        if (at_rest && value_of(push) >= (up ? value_of(acceleration) : -value_of(acceleration))) return true;
+        acceleration = up ? T(acceleration - push) : T(acceleration + push);
+      }
+      if (e_.has(Effect::quadratic_drag))
+        acceleration += quadratic_drag(e_.value(Effect::quadratic_drag), velocity) * inverse_mass_;
+    }
+    const Segment<T> segment{x_, v_, acceleration, T(V(0)), delta_};
+    const Flow<T> whole = full ? full_ : segment.over(left);
+    const T v_end = segment.velocity_after(whole);
+    if (dry_ && (up ? value_of(v_end) < V(0) : value_of(v_end) > V(0))) {
+      const T t = segment.turning_time(h);
+      x_ = segment.position_after(segment.over(t));
+      v_ = T(V(0));
+      left = left - t;
+      return false;
+    }
+    x_ = segment.position_after(whole);
+    v_ = v_end;
+    return true;
+  }
+
+  Parameters p_;
+  Effects<T> e_;
+  bool dry_;
+  T inverse_mass_{}, delta_{}, constant_force_{};
+  T x_{}, v_{};
+  V step_ = V(-1);
+  Flow<T> full_{};
+};
+
+template <class T>
+using MotorAxis = Axis<MotorAxisParameters<T>, T>;
+template <class T>
+using RotaryJoint = Axis<RotaryJointParameters<T>, T>;
+
+}  // namespace furcula::dynamics

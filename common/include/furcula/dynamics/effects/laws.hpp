@@ -1,0 +1,47 @@
+// The laws of the effects: one function a law, in the words of the catalogue. Forces are positive in the
+// direction of growing position, SI units; on a rotary axis read torque, rad/s and rad.
+#pragma once
+
+#include <cmath>
+
+#include "furcula/dynamics/effects/effects.hpp"
+#include "furcula/dynamics/scalar.hpp"
+
+namespace furcula::dynamics {
+
+/// Stribeck curve: the size of the friction at a speed >= 0.
+template <class T>
+T stribeck(const T& coulomb, const T& static_force, const T& stribeck_velocity, const T& speed) {
+  using std::exp;
+  const T ratio = speed / stribeck_velocity;
+  return coulomb + (static_force - coulomb) * exp(-(ratio * ratio));
+}
+
+/// Everything that opposes the motion with a size that does not vanish with the speed: dry friction. `up` is
+/// the direction of the motion (or of the motion that would begin), `speed` >= 0. The force is -size upwards,
+/// +size downwards.
+template <class T>
+T dry_friction(const Effects<T>& e, bool up, const T& speed) {
+  T size = T(ValueOf<T>(0));
+  if (e.has(Effect::coulomb_friction)) size += e.value(Effect::coulomb_friction);
+  if (e.has(Effect::stribeck_friction))
+    size += stribeck(e.value(Effect::stribeck_friction, 0), e.value(Effect::stribeck_friction, 1),
+                     e.value(Effect::stribeck_friction, 2), speed);
+  if (e.has(Effect::asymmetric_friction)) size += e.value(Effect::asymmetric_friction, up ? 0 : 1);
+  return size;
+}
+
+/// True if dry_friction() is not zero throughout.
+template <class T>
+bool has_dry_friction(const Effects<T>& e) {
+  return e.has(Effect::coulomb_friction) || e.has(Effect::stribeck_friction) ||
+         e.has(Effect::asymmetric_friction);
+}
+
+/// -c v |v|, force.
+template <class T>
+T quadratic_drag(const T& drag, const T& velocity) {
+  return value_of(velocity) > 0 ? -(drag * velocity * velocity) : drag * velocity * velocity;
+}
+
+}  // namespace furcula::dynamics

@@ -1,0 +1,61 @@
+// The parameters of each kind as plain structs, templated on the scalar. Names, units and meaning: kinds.hpp.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <span>
+
+#include "furcula/dynamics/kinds.hpp"
+
+namespace furcula::dynamics {
+
+template <class T>
+struct HopperLinearParameters {
+  static constexpr Kind kKind = Kind::hopper_linear;
+  T mass_kg{}, stiffness_npm{}, rest_height_m{}, damping_stance_nspm{}, damping_flight_nspm{};
+  T restitution_touchdown{}, restitution_liftoff{}, link_length_m{}, touchdown_angle_rad{}, gravity_mps2{};
+
+  using Self = HopperLinearParameters;
+  static constexpr std::array<T Self::*, 10> kMembers{&Self::mass_kg,
+                                                      &Self::stiffness_npm,
+                                                      &Self::rest_height_m,
+                                                      &Self::damping_stance_nspm,
+                                                      &Self::damping_flight_nspm,
+                                                      &Self::restitution_touchdown,
+                                                      &Self::restitution_liftoff,
+                                                      &Self::link_length_m,
+                                                      &Self::touchdown_angle_rad,
+                                                      &Self::gravity_mps2};
+  static_assert(kMembers.size() == kHopperLinearParameters.size());
+};
+
+template <class T>
+struct MotorAxisParameters {
+  static constexpr Kind kKind = Kind::motor_axis;
+  T mass_kg{}, damping_nspm{};
+
+  using Self = MotorAxisParameters;
+  static constexpr std::array<T Self::*, 2> kMembers{&Self::mass_kg, &Self::damping_nspm};
+  static_assert(kMembers.size() == kMotorAxisParameters.size());
+};
+
+template <class T>
+struct RotaryJointParameters {
+  static constexpr Kind kKind = Kind::rotary_joint;
+  T inertia_kgm2{}, gravity_torque_nm{}, damping_nmspr{};
+
+  using Self = RotaryJointParameters;
+  static constexpr std::array<T Self::*, 3> kMembers{&Self::inertia_kgm2, &Self::gravity_torque_nm,
+                                                     &Self::damping_nmspr};
+  static_assert(kMembers.size() == kRotaryJointParameters.size());
+};
+
+/// The struct from values in the order of the kind's table (`values.size()` = number of parameters).
+template <class Parameters, class T>
+constexpr Parameters from_table(std::span<const T> values) {
+  Parameters p{};
+  for (std::size_t i = 0; i < Parameters::kMembers.size(); ++i) p.*Parameters::kMembers[i] = values[i];
+  return p;
+}
+
+}  // namespace furcula::dynamics

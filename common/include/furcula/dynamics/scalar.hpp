@@ -1,0 +1,25 @@
+// The scalar type of the dynamics: float on the target, double on the host, and automatic-differentiation
+// types, whose value is read through ScalarTraits.
+#pragma once
+
+#include <cmath>
+
+namespace furcula::dynamics {
+
+/// How to read the plain value of a scalar. Automatic-differentiation types specialise it
+/// (host/identify/jet.hpp).
+template <class T>
+struct ScalarTraits {
+  using Value = T;
+  static constexpr Value value(const T& x) { return x; }
+};
+
+template <class T>
+using ValueOf = typename ScalarTraits<T>::Value;
+
+template <class T>
+constexpr ValueOf<T> value_of(const T& x) {
+  return ScalarTraits<T>::value(x);
+}
+
+}  // namespace furcula::dynamics
