@@ -3,6 +3,7 @@
 
 #include <map>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -13,8 +14,8 @@ namespace furcula::diagnose {
 
 enum class Verdict { adequate, explained, partly_explained, unexplained, not_identifiable };
 
-/// Errors of a prediction on one channel, all windows pooled. NMSE: squared errors over squares about the window's
-/// mean. MAE and RMSE in the channel's unit.
+/// Errors of a prediction on one channel, all windows pooled. NMSE: squared errors over squares about the
+/// window's mean. MAE and RMSE in the channel's unit.
 struct ChannelErrors {
   double nmse = 0.0;
   double mae = 0.0;
@@ -42,7 +43,7 @@ struct Finding {
   dynamics::Effect effect;
   std::map<std::string, Estimate> parameters;  ///< names as on this kind of axis
   double explainable_nmse_removed = 0.0;       ///< 1 = all that is above the noise floor
-  double held_out_mae_before = 0.0;            ///< of the main channel, without the effect, all else re-fitted
+  double held_out_mae_before = 0.0;  ///< of the main channel, without the effect, all else re-fitted
   double held_out_mae_after = 0.0;
   double confidence = 0.0;
   std::vector<Rival> alternatives;
@@ -55,8 +56,8 @@ struct Finding {
 struct Candidate {
   std::vector<std::string> effects;
   std::map<std::string, Estimate> parameters;  ///< "effect.parameter"
-  double training_gain = 0.0;                  ///< share of the cross-validated error removed on the training logs
-  double held_out_gain = 0.0;                  ///< share of the held-out error above the floor removed
+  double training_gain = 0.0;  ///< share of the cross-validated error removed on the training logs
+  double held_out_gain = 0.0;  ///< share of the held-out error above the floor removed
   bool chosen = false;
   std::string outcome;  ///< "named", or in plain words why it lost
 };
@@ -78,11 +79,11 @@ struct ResidualForce {
   std::string unit;           ///< "N" or "N m"
   std::string velocity_unit;  ///< "m/s" or "rad/s"
   std::string position_unit;
-  std::vector<double> time_s;       ///< since the log's start
+  std::vector<double> time_s;  ///< since the log's start
   std::vector<double> velocity;
   std::vector<double> position;
-  std::vector<double> force;        ///< what would have to be added to the re-fitted model
-  std::vector<double> law;          ///< what the findings' laws add at the same instants (empty: no finding)
+  std::vector<double> force;  ///< what would have to be added to the re-fitted model
+  std::vector<double> law;    ///< what the findings' laws add at the same instants (empty: no finding)
 };
 
 struct Association {
@@ -96,7 +97,7 @@ struct Diagnosis {
   std::size_t logs = 0, hops = 0, samples = 0, held_out_logs = 0;
   std::vector<std::string> training_files, held_out_files;
   Verdict verdict = Verdict::adequate;
-  std::string summary;  ///< the verdict in one plain sentence
+  std::string summary;       ///< the verdict in one plain sentence
   std::string main_channel;  ///< "height", "position" or "angle"
   std::string main_unit;
   Errors baseline, refitted, extended, noise_floor;  ///< held-out; the floor has nmse alone
@@ -120,6 +121,11 @@ struct Diagnosis {
   ResidualForce residual;
 };
 
-std::string_view name(Verdict v);
+/// As in the JSON.
+constexpr std::string_view name(Verdict v) {
+  constexpr std::string_view kNames[] = {"adequate", "explained", "partly_explained", "unexplained",
+                                         "not_identifiable"};
+  return kNames[static_cast<std::size_t>(v)];
+}
 
 }  // namespace furcula::diagnose
