@@ -1,4 +1,5 @@
-// A model file in memory: a kind of machine, its parameters, what a fit may move, and the effects switched on.
+// A model file in memory: a kind of machine, its parameters, what a fit may move, and the effects switched
+// on.
 #pragma once
 
 #include <array>
@@ -18,8 +19,8 @@ struct Bounds {
 
 struct Model {
   dynamics::Kind kind = dynamics::Kind::hopper_linear;
-  std::vector<double> parameters;             ///< in the order of dynamics::info(kind).parameters
-  std::map<std::size_t, Bounds> free;         ///< index of a parameter -> bounds of its fit
+  std::vector<double> parameters;      ///< in the order of dynamics::info(kind).parameters
+  std::map<std::size_t, Bounds> free;  ///< index of a parameter -> bounds of its fit
   /// Effects switched on, each with its parameters in the order of the catalogue.
   std::map<dynamics::Effect, std::array<double, dynamics::kMaxEffectParameters>> effects;
 

@@ -1,0 +1,88 @@
+// Writing logs, see writer.hpp.
+#include "host/log/writer.hpp"
+
+#include <charconv>
+#include <cmath>
+#include <stdexcept>
+#include <vector>
+
+#include "host/log/atomic_file.hpp"
+#include "host/log/message.hpp"
+#include "host/log/rigs.hpp"
+
+namespace furcula::log {
+namespace {
+
+bool has_any(std::string_view text, std::string_view bytes) { return text.find_first_of(bytes) != text.npos; }
+
+bool has_outer_space(std::string_view text) {
+  constexpr std::string_view kSpace = " \t";
+  return !text.empty() &&
+         (kSpace.find(text.front()) != kSpace.npos || kSpace.find(text.back()) != kSpace.npos);
+}
+
+// A column's name as a CSV field; in quotes where it would not be read back otherwise.
+std::string header_field(const std::string& name) {
+  if (!has_any(name, ",\"\r\n") && !has_outer_space(name) && name.front() != '#') return name;
+  std::string out = "\"";
+  for (const char c : name) {
+    if (c == '"') out += '"';
+    out += c;
+  }
+  return out + '"';
+}
+
+void append_metadata(std::string& out, const std::string& key, const std::string& value) {
+  if (key.empty() || has_any(key, ":\r\n") || has_any(value, "\r\n") || has_outer_space(key) ||
+      has_outer_space(value))
+    throw std::invalid_argument("metadata " + quoted(key) + ": " + quoted(value) +
+                                " cannot be written as a line");
+  out += "# " + key + ": " + value + "\n";
+}
+
+}  // namespace
+
+std::string format_log(const Log& log) {
+  std::string out;
+  append_metadata(out, "format", "furcula-log/1");
+  append_metadata(out, "rig", log.rig);
+  for (const auto& [key, value] : log.metadata)
+    if (key != "format" && key != "rig") append_metadata(out, key, value);
+
+  // The contract's columns in its order, then the others by name.
+  std::vector<const std::vector<double>*> columns;
+  const auto add = [&](const std::string& name, const std::vector<double>& values) {
+    if (name.empty() || values.size() != log.rows())
+      throw std::invalid_argument("column " + quoted(name) +
+                                  " has no name or not as many rows as the others");
+    if (!columns.empty()) out += ',';
+    out += header_field(name);
+    columns.push_back(&values);
+  };
+  const RigInfo* rig = rig_named(log.rig);
+  if (rig == nullptr) throw std::invalid_argument("no rig is called " + quoted(log.rig));
+  for (const ColumnInfo& c : rig->columns)
+    if (const auto found = log.columns.find(std::string(c.name)); found != log.columns.end())
+      add(found->first, found->second);
+  for (const auto& [name, values] : log.columns)
+    if (rig->column(name) == nullptr) add(name, values);
+  out += '\n';
+
+  char number[32];
+  for (std::size_t row = 0; row < log.rows(); ++row) {
+    for (std::size_t i = 0; i < columns.size(); ++i) {
+      const double value = (*columns[i])[row];
+      if (!std::isfinite(value))
+        throw std::invalid_argument("row " + std::to_string(row + 1) +
+                                    " of the log holds a value that is not finite");
+      if (i != 0) out += ',';
+      out.append(number, std::to_chars(number, number + sizeof number, value).ptr);
+    }
+    out += '\n';
+  }
+  return out;
+}
+
+void write_log(const Log& log, const std::string& path) { write_file_atomically(path, format_log(log)); }
+
+}  // namespace furcula::log
