@@ -53,7 +53,9 @@ std::string did_you_mean(std::string_view name, std::span<const std::string_view
   std::string_view best;
   std::size_t least = 1 + std::max<std::size_t>(2, name.size() / 3);
   for (const std::string_view candidate : names) {
-    const std::size_t distance = edit_distance(name, candidate);
+    // A part of a name is as good as a slip of the pen.
+    const bool part = name.size() >= 3 && candidate.find(name) != candidate.npos;
+    const std::size_t distance = part ? 1 : edit_distance(name, candidate);
     if (distance < least) {
       least = distance;
       best = candidate;

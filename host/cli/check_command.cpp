@@ -1,0 +1,82 @@
+// `furcula check`: reads logs as the other commands would, in bounded memory, and says what is in them.
+#include <cstdio>
+#include <iostream>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host/cli/commands.hpp"
+#include "host/cli/errors.hpp"
+#include "host/log/message.hpp"
+#include "host/log/reader.hpp"
+#include "host/log/rigs.hpp"
+#include "host/model/reader.hpp"
+
+namespace furcula::cli {
+namespace {
+
+struct CheckOptions {
+  std::string rig;
+  std::string model;
+  std::string map;
+  std::vector<std::string> logs;
+};
+
+std::string rig_of(const CheckOptions& options) {
+  if (!options.model.empty()) {
+    const model::Model m = model::read_model(options.model);
+    return std::string(dynamics::info(m.kind).rig);
+  }
+  std::vector<std::string_view> rigs;
+  for (const auto& r : log::kRigs) rigs.push_back(r.name);
+  if (log::rig_named(options.rig) == nullptr)
+    throw UsageError("--rig " + options.rig + ": no such rig; expected one of " + log::listed(rigs) +
+                     log::did_you_mean(options.rig, rigs));
+  return options.rig;
+}
+
+void print(const std::string& path, const log::LogSummary& s) {
+  char figures[200];
+  std::snprintf(figures, sizeof figures, "%llu rows, %.6g s, interval min %.6g, median %.6g, max %.6g ms",
+                static_cast<unsigned long long>(s.rows), s.duration_s, 1e3 * s.interval_min_s,
+                1e3 * s.interval_median_s, 1e3 * s.interval_max_s);
+  std::cout << path << ": " << figures << "\n";
+  for (const std::string& column : s.ignored_columns)
+    std::cerr << path << ": note: column " << log::quoted(column)
+              << " is not of this rig and not numeric: ignored\n";
+  if (!s.last_row_ends)
+    std::cerr << path << ": note: no line end after the last row: its last number may have been cut\n";
+}
+
+void run(const CheckOptions& options) {
+  if (options.rig.empty() == options.model.empty())
+    throw UsageError("expected either --rig or --model, and not both");
+  const std::string rig = rig_of(options);
+  std::optional<log::ColumnMap> map;
+  if (!options.map.empty()) map = log::read_column_map(options.map);
+  std::string errors;
+  for (const std::string& path : options.logs) {
+    try {
+      print(path, log::check_log(path, rig, map ? &*map : nullptr));
+    } catch (const log::DataError& e) {
+      // One line for each bad log; the good ones after it are checked all the same.
+      errors += (errors.empty() ? "" : "\nfurcula: ") + std::string(e.what());
+    }
+  }
+  if (!errors.empty()) throw log::DataError(errors);
+}
+
+}  // namespace
+
+void add_check_command(CLI::App& app) {
+  const auto options = std::make_shared<CheckOptions>();
+  CLI::App* command = app.add_subcommand("check", "Check logs, however large, and print what is in them");
+  command->add_option("--rig", options->rig, "Rig that the logs are of");
+  command->add_option("--model", options->model, "Model file, whose kind tells the rig");
+  command->add_option("--map", options->map, "Map file, for logs with other columns");
+  command->add_option("LOG", options->logs, "Logs (CSV)")->required();
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace furcula::cli

@@ -1,0 +1,197 @@
+// `furcula effects`: the catalogue of effects, for reading, for programs and for the documentation.
+#include <cmath>
+#include <iostream>
+#include <limits>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "furcula/dynamics/effects/catalogue.hpp"
+#include "host/cli/commands.hpp"
+#include "host/cli/errors.hpp"
+#include "host/log/message.hpp"
+
+namespace furcula::cli {
+namespace {
+
+using dynamics::EffectInfo;
+using dynamics::EffectParameterInfo;
+using dynamics::Kind;
+using log::shortest;
+
+struct EffectsOptions {
+  std::string name;
+  std::string kind;
+  bool json = false;
+  bool markdown = false;
+};
+
+std::string_view stage_name(dynamics::Stage stage) {
+  switch (stage) {
+    case dynamics::Stage::actuation:
+      return "actuation";
+    case dynamics::Stage::mechanism:
+      return "mechanism";
+    case dynamics::Stage::contact:
+      return "contact";
+    case dynamics::Stage::sensing:
+      return "sensing";
+  }
+  return "";
+}
+
+std::vector<Kind> kinds_of(const EffectInfo& effect) {
+  std::vector<Kind> kinds;
+  for (const auto& k : dynamics::kKinds)
+    if (dynamics::applies(effect.effect, k.kind)) kinds.push_back(k.kind);
+  return kinds;
+}
+
+std::string kind_list(const EffectInfo& effect) {
+  std::vector<std::string_view> names;
+  for (const Kind k : kinds_of(effect)) names.push_back(dynamics::info(k).name);
+  return log::listed(names);
+}
+
+// "N" or, where the effect exists on both sorts of axis and differs, "N (N m on a rotary joint)".
+std::string with_rotary(std::string_view linear, std::string_view rotary, const EffectInfo& effect,
+                        std::optional<Kind> kind) {
+  if (kind) return std::string(dynamics::info(*kind).rotary ? rotary : linear);
+  bool on_rotary = false;
+  for (const Kind k : kinds_of(effect)) on_rotary = on_rotary || dynamics::info(k).rotary;
+  std::string out(linear);
+  if (on_rotary && linear != rotary) out += " (" + std::string(rotary) + " on a rotary joint)";
+  return out;
+}
+
+std::string neutral_text(const EffectParameterInfo& p) {
+  if (!std::isnan(p.neutral)) return shortest(p.neutral);
+  for (const auto& k : dynamics::kKinds)
+    if (dynamics::parameter_index(k.kind, p.name)) return "the model's";
+  return "any";
+}
+
+std::string unit_text(std::string_view linear, std::string_view rotary, const EffectInfo& effect,
+                      std::optional<Kind> kind) {
+  return linear.empty() ? "1" : with_rotary(linear, rotary, effect, kind);
+}
+
+void print_text(const EffectInfo& e, std::optional<Kind> kind) {
+  std::cout << e.name << "\n  law         " << e.law << "\n  stage       " << stage_name(e.stage) << ", "
+            << e.phase << "\n  kinds       " << kind_list(e) << "\n";
+  for (const auto& p : e.parameters())
+    std::cout << "  parameter   " << with_rotary(p.name, p.rotary_name, e, kind) << ", in "
+              << unit_text(p.unit, p.rotary_unit, e, kind) << ", from " << shortest(p.lower) << " to "
+              << shortest(p.upper) << "; without the effect: " << neutral_text(p) << "\n";
+  std::cout << "  what        " << e.explanation << "\n  look at     " << e.where_to_look
+            << "\n  experiment  " << e.best_experiment << "\n";
+}
+
+// Cells of a table must not hold its separator; laws hold |v|.
+std::string cell(std::string text) {
+  for (std::size_t i = 0; (i = text.find('|', i)) != text.npos; i += 2) text.insert(i, 1, '\\');
+  return text;
+}
+
+void print_markdown(const std::vector<const EffectInfo*>& effects, std::optional<Kind> kind) {
+  std::cout << "# Effects\n\n"
+               "The catalogue of causes that the simulator can switch on and a diagnosis can name. This page "
+               "is what\n"
+               "`furcula effects --markdown` prints; the table itself is "
+               "`common/include/furcula/dynamics/effects/catalogue.hpp`.\n"
+               "`v` is the velocity of the axis. Forces are positive in the direction of growing position "
+               "(up, for heights).\n";
+  for (const EffectInfo* e : effects) {
+    std::cout << "\n## " << e->name << "\n\n"
+              << e->explanation << "\n\n"
+              << "| law | stage | phase on a hopper | kinds |\n| --- | --- | --- | --- |\n| `"
+              << cell(std::string(e->law)) << "` | " << stage_name(e->stage) << " | " << e->phase << " | "
+              << kind_list(*e) << " |\n\n"
+              << "| parameter | unit | from | to | without the effect |\n| --- | --- | --- | --- | --- |\n";
+    for (const auto& p : e->parameters())
+      std::cout << "| "
+                << with_rotary("`" + std::string(p.name) + "`", "`" + std::string(p.rotary_name) + "`", *e,
+                               kind)
+                << " | " << unit_text(p.unit, p.rotary_unit, *e, kind) << " | " << shortest(p.lower) << " | "
+                << shortest(p.upper) << " | " << neutral_text(p) << " |\n";
+    std::cout << "\nWhere to look: " << e->where_to_look
+              << "\n\nThe experiment that shows it best: " << e->best_experiment << "\n";
+  }
+}
+
+nlohmann::ordered_json to_json(const EffectInfo& e, std::optional<Kind> kind) {
+  nlohmann::ordered_json out{
+      {"effect", e.name}, {"law", e.law}, {"stage", stage_name(e.stage)}, {"phase", e.phase}};
+  for (const Kind k : kinds_of(e)) out["kinds"].push_back(dynamics::info(k).name);
+  for (const auto& p : e.parameters()) {
+    const bool rotary = kind && dynamics::info(*kind).rotary;
+    nlohmann::ordered_json parameter{{"name", rotary ? p.rotary_name : p.name},
+                                     {"unit", rotary ? p.rotary_unit : p.unit}};
+    if (!kind) {
+      parameter["rotary_name"] = p.rotary_name;
+      parameter["rotary_unit"] = p.rotary_unit;
+    }
+    parameter["lower"] = p.lower;
+    parameter["upper"] = p.upper;
+    parameter["neutral"] =
+        std::isnan(p.neutral) ? nlohmann::ordered_json() : nlohmann::ordered_json(p.neutral);
+    out["parameters"].push_back(parameter);
+  }
+  out["explanation"] = e.explanation;
+  out["where_to_look"] = e.where_to_look;
+  out["best_experiment"] = e.best_experiment;
+  return out;
+}
+
+void run(const EffectsOptions& options) {
+  if (options.json && options.markdown) throw UsageError("--json and --markdown: expected one of them");
+  std::optional<Kind> kind;
+  if (!options.kind.empty()) {
+    std::vector<std::string_view> kinds;
+    for (const auto& k : dynamics::kKinds) kinds.push_back(k.name);
+    kind = dynamics::kind_named(options.kind);
+    if (!kind)
+      throw UsageError("--kind " + options.kind + ": no such kind; expected one of " + log::listed(kinds) +
+                       log::did_you_mean(options.kind, kinds));
+  }
+  std::vector<std::string_view> names;
+  std::vector<const EffectInfo*> effects;
+  for (const EffectInfo& e : dynamics::kCatalogue) {
+    if (kind && !dynamics::applies(e.effect, *kind)) continue;
+    names.push_back(e.name);
+    if (options.name.empty() || options.name == e.name) effects.push_back(&e);
+  }
+  if (effects.empty())
+    throw UsageError("no effect " + log::quoted(options.name) + (kind ? " on " + options.kind : "") +
+                     "; expected one of " + log::listed(names) + log::did_you_mean(options.name, names));
+
+  if (options.markdown) {
+    print_markdown(effects, kind);
+  } else if (options.json) {
+    nlohmann::ordered_json out{{"schema", "furcula-effects/1"}};
+    for (const EffectInfo* e : effects) out["effects"].push_back(to_json(*e, kind));
+    std::cout << out.dump(2) << "\n";
+  } else {
+    for (const EffectInfo* e : effects) {
+      if (e != effects.front()) std::cout << "\n";
+      print_text(*e, kind);
+    }
+  }
+}
+
+}  // namespace
+
+void add_effects_command(CLI::App& app) {
+  const auto options = std::make_shared<EffectsOptions>();
+  CLI::App* command =
+      app.add_subcommand("effects", "The catalogue of effects: laws, units, bounds, experiments");
+  command->add_option("NAME", options->name, "One effect only");
+  command->add_option("--kind", options->kind, "Effects and parameter names of this kind of machine");
+  command->add_flag("--json", options->json, "For programs");
+  command->add_flag("--markdown", options->markdown, "For docs/effects.md");
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace furcula::cli

@@ -1,0 +1,86 @@
+// The program `furcula`: the subcommands, and the exit status that each way to end has.
+#include <exception>
+#include <iostream>
+#include <new>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "host/cli/commands.hpp"
+#include "host/cli/errors.hpp"
+#include "host/log/atomic_file.hpp"
+#include "host/log/error.hpp"
+#include "host/log/message.hpp"
+
+namespace {
+
+// docs/contracts.md, section 4.
+enum ExitStatus { kWritten = 0, kUnusableArguments = 2, kUnusableData = 3, kRefused = 4 };
+
+std::string unknown_command(CLI::App& app, const std::string& name) {
+  std::vector<std::string_view> names;
+  for (const CLI::App* command : app.get_subcommands({})) names.push_back(command->get_name());
+  return "no command " + furcula::log::quoted(name) + "; expected one of " + furcula::log::listed(names) +
+         furcula::log::did_you_mean(name, names);
+}
+
+void run(int argc, char** argv) {
+  CLI::App app("Finds what a simulation gets wrong about a legged robot, and why.", "furcula");
+  app.set_version_flag("--version", "furcula " FURCULA_VERSION);
+  app.require_subcommand(1);
+#ifdef FURCULA_WITH_SIM
+  furcula::cli::add_sim_command(app);
+#endif
+#ifdef FURCULA_WITH_IDENTIFY
+  furcula::cli::add_identify_command(app);
+#endif
+#ifdef FURCULA_WITH_DIAGNOSE
+  furcula::cli::add_diagnose_command(app);
+#endif
+  furcula::cli::add_effects_command(app);
+  furcula::cli::add_check_command(app);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    // --help and --version come as "errors" with status 0.
+    if (e.get_exit_code() == 0) {
+      app.exit(e);
+      return;
+    }
+    // CLI11 asks for a subcommand before it looks at what stands in its place.
+    const std::vector<std::string> rest =
+        app.get_subcommands().empty() ? app.remaining() : std::vector<std::string>{};
+    throw furcula::cli::UsageError(rest.empty()
+                                       ? e.what() + std::string(" (furcula --help, furcula COMMAND --help)")
+                                       : unknown_command(app, rest.front()));
+  }
+}
+
+int tell(const std::string& message, ExitStatus status) {
+  std::cerr << "furcula: " << message << "\n";
+  return status;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    run(argc, argv);
+    std::cout.flush();
+    return std::cout ? kWritten : tell("stdout: cannot be written", kUnusableArguments);
+  } catch (const furcula::cli::UsageError& e) {
+    return tell(e.what(), kUnusableArguments);
+  } catch (const furcula::log::OutputError& e) {
+    return tell(e.what(), kUnusableArguments);
+  } catch (const furcula::log::DataError& e) {
+    return tell(e.what(), kUnusableData);
+  } catch (const furcula::cli::Refusal& e) {
+    return tell(e.what(), kRefused);
+  } catch (const std::bad_alloc&) {
+    return tell("not enough memory for these data", kUnusableData);
+  } catch (const std::exception& e) {
+    return tell(std::string("unexpected error: ") + e.what(), kUnusableData);
+  } catch (...) {
+    return tell("unexpected error of unknown kind", kUnusableData);
+  }
+}
