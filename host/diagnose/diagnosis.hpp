@@ -8,23 +8,15 @@
 #include <vector>
 
 #include "furcula/dynamics/effects/catalogue.hpp"
+#include "host/identify/prediction.hpp"
 #include "host/model/model.hpp"
 
 namespace furcula::diagnose {
 
 enum class Verdict { adequate, explained, partly_explained, unexplained, not_identifiable };
 
-/// Errors of a prediction on one channel, all windows pooled. NMSE: squared errors over squares about the
-/// window's mean. MAE and RMSE in the channel's unit.
-struct ChannelErrors {
-  double nmse = 0.0;
-  double mae = 0.0;
-  double rmse = 0.0;
-};
-
-/// By channel: "height", "velocity" on the hopper (and "height_stance", "height_flight"), "position", "angle"
-/// elsewhere. Units: m, m/s, rad, rad/s.
-using Errors = std::map<std::string, ChannelErrors>;
+using identify::ChannelErrors;
+using identify::Errors;
 
 struct Estimate {
   double value = 0.0;

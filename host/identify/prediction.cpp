@@ -1,0 +1,126 @@
+#include "host/identify/prediction.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "host/identify/jet.hpp"
+#include "host/identify/simulate.hpp"
+
+namespace furcula::identify {
+namespace {
+
+/// Adds up one channel.
+struct Sums {
+  double squares = 0.0, absolute = 0.0, spread = 0.0, count = 0.0;
+
+  /// `errors` and `measured` over the rows [first, last] of a window.
+  void add(const std::vector<double>& measured, std::size_t offset, const std::vector<double>& errors, std::size_t first,
+           std::size_t last) {
+    if (last < first) return;
+    double mean = 0.0;
+    const auto rows = static_cast<double>(last - first + 1);
+    for (std::size_t i = first; i <= last; ++i) mean += measured[offset + i] / rows;
+    for (std::size_t i = first; i <= last; ++i) {
+      squares += errors[i] * errors[i];
+      absolute += std::abs(errors[i]);
+      spread += (measured[offset + i] - mean) * (measured[offset + i] - mean);
+    }
+    count += rows;
+  }
+  ChannelErrors errors() const {
+    if (count == 0.0) return {};
+    return {spread > 0.0 ? squares / spread : 0.0, absolute / count, std::sqrt(squares / count)};
+  }
+};
+
+/// Pools the errors of all windows; `position_error(window, row errors)` and the like fill a vector of one entry a row.
+template <class Fill>
+Errors pool(const std::vector<Recording>& recordings, const std::vector<Window>& windows, const Fill& fill) {
+  std::map<std::string, Sums> sums;
+  std::vector<double> position, velocity;
+  for (const Window& w : windows) {
+    const Recording& r = recordings[w.recording];
+    position.assign(w.rows(), 0.0);
+    velocity.assign(w.rows(), 0.0);
+    fill(r, w, position, velocity);
+    const std::string channel = channel_names(r.kind).position;
+    sums[channel].add(r.position, w.first, position, 0, w.rows() - 1);
+    const bool hopper = r.kind == dynamics::Kind::hopper_linear;
+    if (hopper || r.velocity_recorded) sums["velocity"].add(r.velocity, w.first, velocity, 0, w.rows() - 1);
+    if (w.kind == WindowKind::stride) {
+      sums["height_stance"].add(r.position, w.first, position, w.touchdown - w.first, w.liftoff - w.first - 1);
+      sums["height_flight"].add(r.position, w.first, position, 0, w.touchdown - w.first - 1);
+      sums["height_flight"].add(r.position, w.first, position, w.liftoff - w.first, w.rows() - 1);
+    }
+  }
+  Errors errors;
+  for (const auto& [channel, s] : sums) errors[channel] = s.errors();
+  return errors;
+}
+
+}  // namespace
+
+Run predict(const model::Model& model, const Recording& r, const Window& w) {
+  const PlantSetup<double> setup(model, {}, nullptr);
+  const StartState start = start_state(r, w);
+  Run run;
+  run.position.reserve(w.rows());
+  run.velocity.reserve(w.rows());
+  simulate(setup, r, w, start.position, start.velocity, [&](std::size_t, double x, double v) {
+    run.position.push_back(x);
+    run.velocity.push_back(v);
+  });
+  return run;
+}
+
+Errors prediction_errors(const model::Model& model, const std::vector<Recording>& recordings,
+                         const std::vector<Window>& windows) {
+  return pool(recordings, windows,
+              [&](const Recording& r, const Window& w, std::vector<double>& position, std::vector<double>& velocity) {
+                const Run run = predict(model, r, w);
+                for (std::size_t i = 0; i < w.rows(); ++i) {
+                  position[i] = run.position[i] - r.position[w.first + i];
+                  velocity[i] = run.velocity[i] - r.velocity[w.first + i];
+                }
+              });
+}
+
+std::vector<double> window_squares(const model::Model& model, const std::vector<Recording>& recordings,
+                                   const std::vector<Window>& windows) {
+  std::vector<double> all;
+  for (const Window& w : windows) {
+    const Recording& r = recordings[w.recording];
+    const Run run = predict(model, r, w);
+    double squares = 0.0;
+    for (std::size_t i = 0; i < w.rows(); ++i) {
+      const double error = (run.position[i] - r.position[w.first + i]) / std::max(r.position_noise, 1e-12);
+      squares += error * error;
+    }
+    all.push_back(squares);
+  }
+  return all;
+}
+
+Errors noise_floor(const model::Model& model, const std::vector<Recording>& recordings,
+                   const std::vector<Window>& windows) {
+  using Jet = ceres::Jet<double, 2>;
+  const PlantSetup<Jet> setup(model, {}, nullptr);
+  Errors floor = pool(
+      recordings, windows,
+      [&](const Recording& r, const Window& w, std::vector<double>& position, std::vector<double>& velocity) {
+        const StartState s = start_state(r, w);
+        const double noise = r.position_noise * r.position_noise;
+        const auto spread = [&](const Jet& x) {
+          return noise * (x.v[0] * x.v[0] * s.position_variance + 2.0 * x.v[0] * x.v[1] * s.covariance +
+                          x.v[1] * x.v[1] * s.velocity_variance);
+        };
+        simulate(setup, r, w, Jet(s.position, 0), Jet(s.velocity, 1), [&](std::size_t row, const Jet& x, const Jet& v) {
+          position[row - w.first] = std::sqrt(noise + spread(x));
+          velocity[row - w.first] = std::sqrt(r.velocity_noise * r.velocity_noise + spread(v));
+        });
+      });
+  for (auto& [channel, e] : floor) e.mae = 0.0;
+  return floor;
+}
+
+}  // namespace furcula::identify

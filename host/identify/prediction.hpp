@@ -1,0 +1,45 @@
+// How well a model predicts: free runs over windows from a state estimated in their first 50 ms, against the measured
+// channels. The same for every model compared.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "host/identify/windows.hpp"
+#include "host/model/model.hpp"
+
+namespace furcula::identify {
+
+/// Errors of a prediction on one channel, all windows pooled. NMSE: squared errors over squares about the window's
+/// mean. MAE and RMSE in the channel's unit.
+struct ChannelErrors {
+  double nmse = 0.0;
+  double mae = 0.0;
+  double rmse = 0.0;
+};
+
+/// By channel: "height", "velocity" on the hopper (and "height_stance", "height_flight" for the parts of a stride),
+/// "position" or "angle", and "velocity" where it was recorded, elsewhere.
+using Errors = std::map<std::string, ChannelErrors>;
+
+/// A window's free run: one entry a row.
+struct Run {
+  std::vector<double> position;
+  std::vector<double> velocity;
+};
+Run predict(const model::Model& model, const Recording& r, const Window& w);
+
+Errors prediction_errors(const model::Model& model, const std::vector<Recording>& recordings,
+                         const std::vector<Window>& windows);
+
+/// Sum of squared position errors of each window, over the noise's variance.
+std::vector<double> window_squares(const model::Model& model, const std::vector<Recording>& recordings,
+                                   const std::vector<Window>& windows);
+
+/// The NMSE that a perfect model would have: measuring noise, and what the noise in the first 50 ms does to the start
+/// state and through it to the run (to first order). Only `nmse` and `rmse` are set.
+Errors noise_floor(const model::Model& model, const std::vector<Recording>& recordings,
+                   const std::vector<Window>& windows);
+
+}  // namespace furcula::identify

@@ -1,0 +1,135 @@
+#include "host/identify/recording.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Dense>
+
+#include "host/log/error.hpp"
+
+namespace furcula::identify {
+namespace {
+
+constexpr std::size_t kFewestRows = 20;
+constexpr double kSlopeHalfWidth_s = 0.006;
+
+/// Slope of the position by a local parabola over +-6 ms (at least two rows on either side): no delay.
+std::vector<double> smoothed_slope(const std::vector<double>& time_s, const std::vector<double>& position) {
+  const std::size_t n = time_s.size();
+  std::vector<double> slope(n);
+  std::size_t first = 0, last = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    while (time_s[first] < time_s[i] - kSlopeHalfWidth_s) ++first;
+    while (last + 1 < n && time_s[last + 1] <= time_s[i] + kSlopeHalfWidth_s) ++last;
+    const std::size_t from = std::min(first, i >= 2 ? i - 2 : 0);
+    const std::size_t to = std::min(n - 1, std::max(last, i + 2));
+    slope[i] = local_polynomial(time_s, position, from, to, time_s[i], 2).slope;
+  }
+  return slope;
+}
+
+/// Standard deviation of what neighbouring samples do not share: the scatter about a cubic through eight rows in a
+/// row, the median over the log (so that impacts and standstill do not decide). A channel that is quantised and hardly
+/// moves gives the mean instead.
+double sample_noise(const std::vector<double>& time_s, const std::vector<double>& values) {
+  constexpr std::size_t kRows = 8;
+  std::vector<double> variances;
+  const std::size_t stride = std::max<std::size_t>(kRows / 2, time_s.size() / 4000);
+  for (std::size_t first = 0; first + kRows <= time_s.size(); first += stride)
+    variances.push_back(
+        local_polynomial(time_s, values, first, first + kRows - 1, time_s[first + kRows / 2], 3).residual_variance);
+  if (variances.empty()) return 0.0;
+  double mean = 0.0;
+  for (double v : variances) mean += v / static_cast<double>(variances.size());
+  auto middle = variances.begin() + static_cast<std::ptrdiff_t>(variances.size() / 2);
+  std::nth_element(variances.begin(), middle, variances.end());
+  constexpr double kMedianOfChiSquare4 = 3.3567 / 4.0;  // median of a chi-square with 4 degrees of freedom, over 4
+  const double by_median = *middle / kMedianOfChiSquare4;
+  return std::sqrt(by_median > 0.0 ? by_median : mean);
+}
+
+}  // namespace
+
+LocalPolynomial local_polynomial(const std::vector<double>& time_s, const std::vector<double>& values, std::size_t first,
+                                 std::size_t last, double at_s, int order) {
+  using Vector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 4, 1>;
+  using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 4, 4>;
+  const int terms = order + 1;
+  const double scale = std::max(1e-9, std::max(time_s[last] - at_s, at_s - time_s[first]));
+  Matrix normal = Matrix::Zero(terms, terms);
+  Vector right = Vector::Zero(terms);
+  Vector row(terms);
+  const double origin = values[first];
+  for (std::size_t i = first; i <= last; ++i) {
+    const double s = (time_s[i] - at_s) / scale;
+    row(0) = 1.0;
+    for (int k = 1; k < terms; ++k) row(k) = row(k - 1) * s;
+    normal.noalias() += row * row.transpose();
+    right += row * (values[i] - origin);
+  }
+  const Eigen::LDLT<Matrix> factors(normal);
+  const Vector c = factors.solve(right);
+  double squares = 0.0;
+  for (std::size_t i = first; i <= last; ++i) {
+    const double s = (time_s[i] - at_s) / scale;
+    double fitted = c(terms - 1);
+    for (int k = terms - 2; k >= 0; --k) fitted = fitted * s + c(k);
+    squares += (values[i] - origin - fitted) * (values[i] - origin - fitted);
+  }
+  const Matrix inverse = factors.solve(Matrix::Identity(terms, terms));
+  LocalPolynomial p;
+  p.value = c(0) + origin;
+  p.slope = order >= 1 ? c(1) / scale : 0.0;
+  p.curvature = order >= 2 ? 2.0 * c(2) / (scale * scale) : 0.0;
+  const auto freedom = static_cast<double>(last - first + 1) - terms;
+  p.residual_variance = freedom > 0.0 ? squares / freedom : 0.0;
+  p.value_variance = inverse(0, 0);
+  if (order >= 1) {
+    p.slope_variance = inverse(1, 1) / (scale * scale);
+    p.covariance = inverse(0, 1) / scale;
+  }
+  return p;
+}
+
+ChannelNames channel_names(dynamics::Kind kind) {
+  switch (kind) {
+    case dynamics::Kind::hopper_linear: return {"height", "m", "mps"};
+    case dynamics::Kind::motor_axis: return {"position", "m", "mps"};
+    case dynamics::Kind::rotary_joint: return {"angle", "rad", "radps"};
+  }
+  return {};
+}
+
+Recording make_recording(const log::Log& log, dynamics::Kind kind) {
+  if (log.rows() < kFewestRows)
+    throw log::DataError(log.path + ": " + std::to_string(log.rows()) + " rows are too few to learn anything from; expected at least " +
+                         std::to_string(kFewestRows));
+  Recording r;
+  r.name = log.path;
+  r.kind = kind;
+  r.time_s = log.time_s();
+  const char* velocity_column = "velocity_mps";
+  switch (kind) {
+    case dynamics::Kind::hopper_linear:
+      r.position = log.at("height_m");
+      r.input = log.at("torque_cmd_nm");
+      break;
+    case dynamics::Kind::motor_axis:
+      r.position = log.at("position_m");
+      r.input = log.at("force_n");
+      break;
+    case dynamics::Kind::rotary_joint:
+      r.position = log.at("angle_rad");
+      r.input = log.at("torque_nm");
+      velocity_column = "velocity_radps";
+      break;
+  }
+  r.velocity_smoothed = smoothed_slope(r.time_s, r.position);
+  r.velocity_recorded = log.has(velocity_column);
+  r.velocity = r.velocity_recorded ? log.at(velocity_column) : r.velocity_smoothed;
+  r.position_noise = sample_noise(r.time_s, r.position);
+  r.velocity_noise = sample_noise(r.time_s, r.velocity);
+  return r;
+}
+
+}  // namespace furcula::identify

@@ -1,0 +1,231 @@
+#include "host/identify/simulation_fit.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <deque>
+#include <limits>
+
+#include <ceres/ceres.h>
+
+#include "host/identify/jet.hpp"
+
+namespace furcula::identify {
+namespace {
+
+constexpr int kStartSize = 2;
+
+struct Weights {
+  double position = 0.0;
+  double velocity = 0.0;  ///< 0: not used
+};
+
+Weights weights_of(const Recording& r, const Window& w, Weighting weighting) {
+  if (weighting == Weighting::noise) return {1.0 / std::max(r.position_noise, 1e-12), 0.0};
+  const auto spread = [&](const std::vector<double>& values) {
+    double mean = 0.0, squares = 0.0;
+    for (std::size_t i = w.first; i <= w.last; ++i) mean += values[i] / static_cast<double>(w.rows());
+    for (std::size_t i = w.first; i <= w.last; ++i) squares += (values[i] - mean) * (values[i] - mean);
+    return std::max(std::sqrt(squares), 1e-12);
+  };
+  return {1.0 / spread(r.position), 1.0 / spread(r.velocity_smoothed)};
+}
+
+/// Residuals of one window against the unknowns (block 0, absent if there are none) and its start state.
+class WindowCost final : public ceres::CostFunction {
+ public:
+  WindowCost(const model::Model& model, const std::vector<Unknown>& unknowns, const Recording& recording,
+             const Window& window, Weights weights)
+      : model_(model), unknowns_(unknowns), recording_(recording), window_(window), weights_(weights) {
+    set_num_residuals(static_cast<int>(window.rows()) * (weights.velocity > 0.0 ? 2 : 1));
+    if (!unknowns.empty()) mutable_parameter_block_sizes()->push_back(static_cast<int>(unknowns.size()));
+    mutable_parameter_block_sizes()->push_back(kStartSize);
+  }
+
+  bool Evaluate(double const* const* blocks, double* residuals, double** jacobians) const override {
+    if (jacobians == nullptr) return run<double>(blocks, residuals, nullptr);
+    const std::size_t size = unknowns_.size() + kStartSize;
+    if (size <= 4) return run<ceres::Jet<double, 4>>(blocks, residuals, jacobians);
+    if (size <= 6) return run<ceres::Jet<double, 6>>(blocks, residuals, jacobians);
+    if (size <= 8) return run<ceres::Jet<double, 8>>(blocks, residuals, jacobians);
+    if (size <= 12) return run<ceres::Jet<double, 12>>(blocks, residuals, jacobians);
+    return run<ceres::Jet<double, 20>>(blocks, residuals, jacobians);
+  }
+
+ private:
+  template <class T>
+  bool run(double const* const* blocks, double* residuals, double** jacobians) const {
+    const std::size_t count = unknowns_.size();
+    const double* start = blocks[count == 0 ? 0 : 1];
+    std::vector<T> values(count);
+    T position(start[0]), velocity(start[1]);
+    for (std::size_t i = 0; i < count; ++i) values[i] = T(blocks[0][i]);
+    if constexpr (!std::is_same_v<T, double>) {
+      for (std::size_t i = 0; i < count; ++i) values[i].v[static_cast<Eigen::Index>(i)] = 1.0;
+      position.v[static_cast<Eigen::Index>(count)] = 1.0;
+      velocity.v[static_cast<Eigen::Index>(count) + 1] = 1.0;
+    }
+    const PlantSetup<T> setup(model_, unknowns_, values.data());
+    bool finite = true;
+    std::size_t at = 0;
+    double* of_unknowns = jacobians != nullptr && count > 0 ? jacobians[0] : nullptr;
+    double* of_start = jacobians != nullptr ? jacobians[count == 0 ? 0 : 1] : nullptr;
+    const auto put = [&](const T& simulated, double measured, double weight) {
+      residuals[at] = (dynamics::value_of(simulated) - measured) * weight;
+      finite = finite && std::isfinite(residuals[at]);
+      if constexpr (!std::is_same_v<T, double>) {
+        if (of_unknowns != nullptr)
+          for (std::size_t i = 0; i < count; ++i)
+            of_unknowns[at * count + i] = simulated.v[static_cast<Eigen::Index>(i)] * weight;
+        if (of_start != nullptr)
+          for (std::size_t i = 0; i < kStartSize; ++i)
+            of_start[at * kStartSize + i] = simulated.v[static_cast<Eigen::Index>(count + i)] * weight;
+      }
+      ++at;
+    };
+    simulate(setup, recording_, window_, position, velocity, [&](std::size_t row, const T& x, const T& v) {
+      put(x, recording_.position[row], weights_.position);
+      if (weights_.velocity > 0.0) put(v, recording_.velocity_smoothed[row], weights_.velocity);
+    });
+    return finite;
+  }
+
+  const model::Model& model_;
+  const std::vector<Unknown>& unknowns_;
+  const Recording& recording_;
+  const Window& window_;
+  Weights weights_;
+};
+
+/// The window's share at these values, its start state moved to its own optimum (a few Gauss-Newton rounds).
+WindowShare share_of(const WindowCost& cost, const std::vector<double>& values, double* start) {
+  const auto rows = static_cast<Eigen::Index>(cost.num_residuals());
+  const auto count = static_cast<Eigen::Index>(values.size());
+  Eigen::VectorXd residual(rows);
+  using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  RowMajor by_unknowns(rows, count);
+  RowMajor by_start(rows, kStartSize);
+  const auto evaluate = [&](const double* at) {
+    const double* blocks[2] = {values.data(), at};
+    double* jacobians[2] = {by_unknowns.data(), by_start.data()};
+    return count == 0 ? cost.Evaluate(blocks + 1, residual.data(), jacobians + 1)
+                      : cost.Evaluate(blocks, residual.data(), jacobians);
+  };
+  double best = evaluate(start) ? residual.squaredNorm() : std::numeric_limits<double>::infinity();
+  for (int round = 0; round < 6; ++round) {
+    const Eigen::Vector2d step = by_start.colPivHouseholderQr().solve(residual);
+    const double trial[kStartSize] = {start[0] - step(0), start[1] - step(1)};
+    const bool usable = evaluate(trial);
+    const double squares = usable ? residual.squaredNorm() : best;
+    if (!(squares < best * (1.0 - 1e-9))) {
+      evaluate(start);
+      break;
+    }
+    best = squares;
+    std::copy(trial, trial + kStartSize, start);
+  }
+  WindowShare share;
+  const Eigen::ColPivHouseholderQR<RowMajor> qr(by_start);
+  const Eigen::MatrixXd basis = qr.householderQ() * Eigen::MatrixXd::Identity(rows, qr.rank());
+  if (count > 0) {
+    const Eigen::MatrixXd projected = by_unknowns - basis * (basis.transpose() * by_unknowns);
+    share.gradient = projected.transpose() * residual;
+    share.information = projected.transpose() * projected;
+  } else {
+    share.gradient.resize(0);
+    share.information.resize(0, 0);
+  }
+  share.squares = residual.squaredNorm();
+  return share;
+}
+
+}  // namespace
+
+Eigen::MatrixXd sandwich_covariance(const std::vector<WindowShare>& shares, const std::vector<bool>& at_bound) {
+  const auto count = static_cast<Eigen::Index>(at_bound.size());
+  std::vector<Eigen::Index> moving;
+  for (Eigen::Index i = 0; i < count; ++i)
+    if (!at_bound[static_cast<std::size_t>(i)]) moving.push_back(i);
+  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(count, count);
+  const auto free = static_cast<Eigen::Index>(moving.size());
+  if (free == 0 || shares.empty()) return covariance;
+  Eigen::MatrixXd information = Eigen::MatrixXd::Zero(free, free);
+  Eigen::MatrixXd scatter = Eigen::MatrixXd::Zero(free, free);
+  for (const WindowShare& s : shares) {
+    Eigen::VectorXd g(free);
+    for (Eigen::Index i = 0; i < free; ++i) {
+      g(i) = s.gradient(moving[static_cast<std::size_t>(i)]);
+      for (Eigen::Index k = 0; k < free; ++k)
+        information(i, k) += s.information(moving[static_cast<std::size_t>(i)], moving[static_cast<std::size_t>(k)]);
+    }
+    scatter += g * g.transpose();
+  }
+  // Scaled to a unit diagonal: the unknowns have different units.
+  Eigen::VectorXd scale(free);
+  for (Eigen::Index i = 0; i < free; ++i) scale(i) = information(i, i) > 0.0 ? 1.0 / std::sqrt(information(i, i)) : 0.0;
+  const Eigen::MatrixXd scaled = scale.asDiagonal() * information * scale.asDiagonal();
+  const Eigen::MatrixXd inverse =
+      scale.asDiagonal() * scaled.completeOrthogonalDecomposition().pseudoInverse() * scale.asDiagonal();
+  const auto windows = static_cast<double>(shares.size());
+  const double correction = windows > static_cast<double>(free) ? windows / (windows - static_cast<double>(free)) : windows;
+  const Eigen::MatrixXd small = inverse * scatter * inverse * correction;
+  for (Eigen::Index i = 0; i < free; ++i)
+    for (Eigen::Index k = 0; k < free; ++k)
+      covariance(moving[static_cast<std::size_t>(i)], moving[static_cast<std::size_t>(k)]) = small(i, k);
+  return covariance;
+}
+
+SimulationFit fit_by_simulation(const model::Model& model, const std::vector<Unknown>& unknowns,
+                                const std::vector<double>& start, const std::vector<Recording>& recordings,
+                                const std::vector<Window>& windows, Weighting weighting) {
+  SimulationFit fit;
+  fit.values = start;
+  std::deque<WindowCost> costs;
+  std::vector<double> starts(windows.size() * kStartSize);
+  for (std::size_t i = 0; i < windows.size(); ++i) {
+    const Recording& r = recordings[windows[i].recording];
+    costs.emplace_back(model, unknowns, r, windows[i], weights_of(r, windows[i], weighting));
+    const StartState s = start_state(r, windows[i]);
+    starts[kStartSize * i] = s.position;
+    starts[kStartSize * i + 1] = s.velocity;
+  }
+  if (!unknowns.empty() && !windows.empty()) {
+    ceres::Problem::Options problem_options;
+    problem_options.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+    ceres::Problem problem(problem_options);
+    ceres::Solver::Options options;
+    options.linear_solver_type = ceres::DENSE_SCHUR;
+    options.linear_solver_ordering = std::make_shared<ceres::ParameterBlockOrdering>();
+    options.max_num_iterations = 60;
+    options.function_tolerance = 1e-9;
+    options.parameter_tolerance = 1e-10;
+    options.num_threads = 1;
+    options.logging_type = ceres::SILENT;
+    for (std::size_t i = 0; i < windows.size(); ++i) {
+      problem.AddResidualBlock(&costs[i], nullptr, fit.values.data(), &starts[kStartSize * i]);
+      options.linear_solver_ordering->AddElementToGroup(&starts[kStartSize * i], 0);
+    }
+    options.linear_solver_ordering->AddElementToGroup(fit.values.data(), 1);
+    for (std::size_t i = 0; i < unknowns.size(); ++i) {
+      fit.values[i] = std::clamp(fit.values[i], unknowns[i].lower, unknowns[i].upper);
+      problem.SetParameterLowerBound(fit.values.data(), static_cast<int>(i), unknowns[i].lower);
+      problem.SetParameterUpperBound(fit.values.data(), static_cast<int>(i), unknowns[i].upper);
+    }
+    ceres::Solver::Summary summary;
+    ceres::Solve(options, &problem, &summary);
+    fit.converged = summary.IsSolutionUsable();
+  } else {
+    fit.converged = true;
+  }
+  for (std::size_t i = 0; i < unknowns.size(); ++i) {
+    const double margin = 1e-9 * (unknowns[i].upper - unknowns[i].lower);
+    fit.at_bound.push_back(fit.values[i] <= unknowns[i].lower + margin || fit.values[i] >= unknowns[i].upper - margin);
+  }
+  for (std::size_t i = 0; i < windows.size(); ++i) {
+    fit.shares.push_back(share_of(costs[i], fit.values, &starts[kStartSize * i]));
+    fit.squares += fit.shares.back().squares;
+  }
+  fit.covariance = sandwich_covariance(fit.shares, fit.at_bound);
+  return fit;
+}
+
+}  // namespace furcula::identify

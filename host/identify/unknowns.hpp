@@ -1,0 +1,56 @@
+// What a fit moves: parameters of the model and of effects, in one vector.
+#pragma once
+
+#include <array>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "furcula/dynamics/effects/effects.hpp"
+#include "host/model/model.hpp"
+
+namespace furcula::identify {
+
+/// One entry of the vector of unknowns.
+struct Unknown {
+  bool of_effect = false;
+  dynamics::Effect effect{};  ///< where of_effect
+  std::size_t parameter = 0;  ///< index in the kind's table, or in the effect's
+  std::string name;           ///< "mass_kg", "coulomb_friction.force_n"
+  std::string unit;
+  double lower = 0.0;
+  double upper = 0.0;
+};
+
+/// The model's free parameters.
+std::vector<Unknown> free_unknowns(const model::Model& model);
+
+/// The parameters of an effect, with the bounds of the catalogue.
+std::vector<Unknown> effect_unknowns(dynamics::Effect effect, dynamics::Kind kind);
+
+/// The values of the unknowns in a model (of an effect that is off: its neutral value, 0 where it has none).
+std::vector<double> values_in(const model::Model& model, const std::vector<Unknown>& unknowns);
+
+/// The model with the unknowns at these values; effects among them are switched on.
+model::Model with_values(model::Model model, const std::vector<Unknown>& unknowns, const std::vector<double>& values);
+
+/// A plant's parameters and effects, with the unknowns at `values` (unknowns.size() of them) in the scalar T.
+template <class T>
+struct PlantSetup {
+  std::array<T, 16> parameters{};
+  dynamics::Effects<T> effects;
+
+  PlantSetup(const model::Model& model, const std::vector<Unknown>& unknowns, const T* values) {
+    for (std::size_t i = 0; i < model.parameters.size(); ++i) parameters[i] = T(model.parameters[i]);
+    for (const auto& [effect, numbers] : model.effects)
+      for (std::size_t k = 0; k < numbers.size(); ++k) effects.set(effect, k, T(numbers[k]));
+    for (std::size_t i = 0; i < unknowns.size(); ++i) {
+      if (unknowns[i].of_effect)
+        effects.set(unknowns[i].effect, unknowns[i].parameter, values[i]);
+      else
+        parameters[unknowns[i].parameter] = values[i];
+    }
+  }
+};
+
+}  // namespace furcula::identify

@@ -1,0 +1,141 @@
+#include "host/identify/windows.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace furcula::identify {
+namespace {
+
+constexpr double kSmallestHop_m = 3e-3;
+constexpr double kShortestPhase_s = 0.03;
+constexpr double kAfterTouchdown_s = 0.015;
+constexpr double kAfterLiftoff_s = 0.005;
+constexpr double kStart_s = 0.05;
+
+/// A stretch of rows in the air: [first, last] above the touch-down height.
+struct Flight {
+  std::size_t first, last, apex;
+  bool starts_here, ends_here;  ///< the recording starts (ends) in it
+};
+
+std::vector<Flight> find_flights(const Recording& r, double touchdown_height) {
+  std::vector<Flight> found;
+  const std::size_t n = r.rows();
+  for (std::size_t i = 0; i < n;) {
+    if (r.position[i] <= touchdown_height) {
+      ++i;
+      continue;
+    }
+    std::size_t last = i;
+    while (last + 1 < n && r.position[last + 1] > touchdown_height) ++last;
+    // The quantised top is flat: its middle is the apex.
+    const auto begin = r.position.begin() + static_cast<std::ptrdiff_t>(i);
+    const auto end = r.position.begin() + static_cast<std::ptrdiff_t>(last) + 1;
+    const double top = *std::max_element(begin, end);
+    double weight = 0.0, moment = 0.0;
+    for (std::size_t k = i; k <= last; ++k)
+      if (r.position[k] > top - 2e-4) {
+        weight += 1.0;
+        moment += static_cast<double>(k);
+      }
+    if (top > touchdown_height + kSmallestHop_m && r.time_s[last] - r.time_s[i] > kShortestPhase_s)
+      found.push_back({i, last, static_cast<std::size_t>(std::lround(moment / weight)), i == 0, last + 1 == n});
+    i = last + 1;
+  }
+  return found;
+}
+
+bool is_apex(const Flight& f) {
+  if (f.starts_here && f.apex < 5) return true;  // dropped from rest
+  return f.apex > f.first + 2 && f.apex + 2 < f.last;
+}
+
+}  // namespace
+
+double touchdown_height_m(const model::Model& model) {
+  return 2.0 * model.parameter("link_length_m") * std::cos(model.parameter("touchdown_angle_rad"));
+}
+
+std::vector<Window> strides(const Recording& r, std::size_t index, const model::Model& model) {
+  std::vector<Window> found;
+  const std::vector<Flight> all = find_flights(r, touchdown_height_m(model));
+  for (std::size_t i = 0; i + 1 < all.size(); ++i) {
+    if (!is_apex(all[i]) || !is_apex(all[i + 1])) continue;
+    const std::size_t first = all[i].starts_here && all[i].apex < 5 ? 0 : all[i].apex;
+    found.push_back({index, first, all[i + 1].apex, WindowKind::stride, all[i].last + 1, all[i + 1].first});
+  }
+  return found;
+}
+
+std::vector<Window> stances(const Recording& r, std::size_t index, const model::Model& model) {
+  std::vector<Window> found;
+  const double touchdown = touchdown_height_m(model);
+  const std::size_t n = r.rows();
+  for (std::size_t i = 0; i < n;) {
+    if (r.position[i] > touchdown) {
+      ++i;
+      continue;
+    }
+    std::size_t last = i;
+    while (last + 1 < n && r.position[last + 1] <= touchdown) ++last;
+    std::size_t first = i;
+    if (i > 0)
+      while (first < last && r.time_s[first] < r.time_s[i] + kAfterTouchdown_s) ++first;
+    if (r.time_s[last] - r.time_s[first] > kShortestPhase_s) found.push_back({index, first, last, WindowKind::stance, 0, 0});
+    i = last + 1;
+  }
+  return found;
+}
+
+std::vector<Window> flights(const Recording& r, std::size_t index, const model::Model& model) {
+  std::vector<Window> found;
+  for (const Flight& f : find_flights(r, touchdown_height_m(model))) {
+    std::size_t first = f.first;
+    if (!f.starts_here)
+      while (first < f.last && r.time_s[first] < r.time_s[f.first] + kAfterLiftoff_s) ++first;
+    std::size_t last = f.last;
+    if (last > first + 2) last -= f.ends_here ? 0 : 2;
+    if (r.time_s[last] - r.time_s[first] > kShortestPhase_s) found.push_back({index, first, last, WindowKind::flight, 0, 0});
+  }
+  return found;
+}
+
+std::vector<Window> intervals(const Recording& r, std::size_t index, double length_s) {
+  std::vector<Window> found;
+  const std::size_t n = r.rows();
+  std::size_t first = 0;
+  while (first + 1 < n) {
+    std::size_t last = first;
+    while (last + 1 < n && r.time_s[last + 1] <= r.time_s[first] + length_s) ++last;
+    if (last - first < 5 || r.time_s[last] - r.time_s[first] < 0.5 * length_s) break;
+    found.push_back({index, first, last, WindowKind::interval, 0, 0});
+    first = last;
+  }
+  return found;
+}
+
+std::vector<Window> prediction_windows(const std::vector<Recording>& recordings, const model::Model& model,
+                                       double interval_s) {
+  std::vector<Window> all;
+  for (std::size_t i = 0; i < recordings.size(); ++i) {
+    const auto some = recordings[i].kind == dynamics::Kind::hopper_linear ? strides(recordings[i], i, model)
+                                                                          : intervals(recordings[i], i, interval_s);
+    all.insert(all.end(), some.begin(), some.end());
+  }
+  return all;
+}
+
+StartState start_state(const Recording& r, const Window& w) {
+  const double length = r.time_s[w.last] - r.time_s[w.first];
+  const double span = std::min(kStart_s, 0.1 * length);
+  std::size_t last = w.first;
+  while (last < w.last && r.time_s[last + 1] <= r.time_s[w.first] + span) ++last;
+  // A parabola wants five rows, a line three; sparser recordings take what comes after.
+  const std::size_t rows = last - w.first + 1;
+  const int order = rows >= 5 ? 2 : 1;
+  if (rows < 3) last = std::min(w.last, w.first + 2);
+  const LocalPolynomial p = local_polynomial(r.time_s, r.position, w.first, last, r.time_s[w.first], order);
+  return {p.value, p.slope, p.value_variance, p.slope_variance, p.covariance};
+}
+
+}  // namespace furcula::identify
