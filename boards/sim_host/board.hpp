@@ -1,0 +1,176 @@
+// sim_host: a hopper's rig as a board. Simulated time, the plant in double, sensors with their errors,
+// faults.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "boards/sim_host/contact_switch.hpp"
+#include "boards/sim_host/faults.hpp"
+#include "boards/sim_host/sensors.hpp"
+#include "firmware/app/app.hpp"
+#include "furcula/dynamics/hopper.hpp"
+
+namespace furcula::sim_host {
+
+struct RigConfig {
+  dynamics::HopperLinearParameters<double> hopper;
+  dynamics::Effects<double> effects;
+  double start_height_m = 0.0;
+  double start_velocity_mps = 0.0;
+  double duration_s = 0.0;
+  SensorErrors sensors;
+  std::vector<PlannedFault> faults;
+  std::uint64_t seed = 0;
+};
+
+/// Metres a count that the controller must be configured with.
+constexpr double metres_per_count(const SensorErrors& errors) {
+  return errors.quantisation ? kHeightCountM : kFineCountM;
+}
+
+/// A tick samples the sensors at its instant; the command that it answers with acts from that instant until
+/// the next tick's.
+class SimBoard {
+ public:
+  static constexpr double kPeriodS = 0.001;
+  static constexpr double kWatchdogS = 0.005;
+
+  explicit SimBoard(const RigConfig& config)
+      : config_(config),
+        plant_(config.hopper, config.effects),
+        encoder_(config.sensors, kHeightCountM, config.seed),
+        switch_(config.sensors, config.seed),
+        ticks_(static_cast<std::uint32_t>(std::lround(config.duration_s / kPeriodS))) {
+    plant_.reset(config.start_height_m, config.start_velocity_mps);
+    home_ = std::llround(config.start_height_m / metres_per_count(config.sensors));
+  }
+
+  // The board's seam.
+
+  bool wait_for_tick() {
+    if (started_) {
+      pass_millisecond();
+      for (const PlannedFault& fault : config_.faults)
+        if (fault.kind == RigFault::late_tick && starts_now(fault))
+          for (double late_s = 0.0; late_s < fault.duration_s - 1e-9; late_s += kPeriodS) pass_millisecond();
+    }
+    started_ = true;
+    if (tick_ >= ticks_) return false;
+    measure();
+    return true;
+  }
+
+  // Both counters start close to where they wrap, so that every run crosses it.
+  std::uint32_t now_us() const { return 0xffff0000u + tick_ * 1000u; }
+
+  Result<control::Sample> sense() const {
+    if (active(RigFault::peer_lost)) return Status::disconnected;
+    return sample_;
+  }
+
+  Status actuate(const control::Command& command) {
+    command_ = command;
+    return Status::ok;
+  }
+
+  void kick_watchdog() { kicked_s_ = time_s(); }
+
+  bool take_reset_request() {
+    const bool requested = reset_requested_;
+    reset_requested_ = false;
+    return requested;
+  }
+
+  void report(const firmware::Telemetry& telemetry) { telemetry_ = telemetry; }
+
+  // What a simulation sees.
+
+  double time_s() const { return static_cast<double>(tick_) * kPeriodS; }
+  const dynamics::Hopper<double>& plant() const { return plant_; }
+  const control::Command& command() const { return command_; }
+  const control::Sample& sample() const { return sample_; }
+  const firmware::Telemetry& telemetry() const { return telemetry_; }
+  /// As the sample has them, to the double; the height is NaN where the encoder is not homed.
+  double measured_height_m() const { return height_m_; }
+  double measured_leg_angle_rad() const { return leg_angle_rad_; }
+  /// As the rig derives it from counts; with ideal sensors the plant's own.
+  double measured_velocity_mps() const {
+    const bool ideal = !config_.sensors.quantisation && !config_.sensors.noise;
+    return ideal ? plant_.velocity_mps() : static_cast<double>(telemetry_.outputs.height.velocity_mps);
+  }
+  void request_reset() { reset_requested_ = true; }
+
+ private:
+  void pass_millisecond() {
+    if (time_s() - kicked_s_ > kWatchdogS) command_ = {};
+    plant_.advance(static_cast<double>(command_.torque_nm), kPeriodS);
+    switch_.follow(plant_, time_s());
+    ++tick_;
+  }
+
+  bool starts_now(const PlannedFault& fault) const {
+    return fault.time_s <= time_s() + 1e-9 && fault.time_s > time_s() - kPeriodS + 1e-9;
+  }
+
+  bool active(RigFault kind) const {
+    for (const PlannedFault& fault : config_.faults)
+      if (fault.kind == kind && time_s() >= fault.time_s - 1e-9 &&
+          time_s() < fault.time_s + fault.duration_s - 1e-9)
+        return true;
+    return false;
+  }
+
+  void measure() {
+    const bool faults = !config_.faults.empty();
+    const bool reading = switch_.read(plant_, static_cast<double>(command_.torque_nm), time_s());
+    const double height_m = encoder_.measure(plant_.height_m());
+    if (faults && active(RigFault::encoder_frozen)) {
+      sample_.age_us += 1000;
+      return;
+    }
+    if (!(faults && active(RigFault::encoder_stuck))) {
+      height_m_ = height_m;
+      const std::int64_t count = std::llround(height_m / metres_per_count(config_.sensors)) - home_;
+      sample_.height_count = kHomeCount + static_cast<std::uint32_t>(count);
+    }
+    leg_angle_rad_ = plant_.leg_angle_rad();
+    sample_.home_count = kHomeCount;
+    sample_.home_height_m =
+        static_cast<float>(static_cast<double>(home_) * metres_per_count(config_.sensors));
+    sample_.leg_angle_rad = static_cast<float>(leg_angle_rad_);
+    sample_.age_us = 0;
+    sample_.contact = reading ? 1 : 0;
+    if (!faults) return;
+    if (active(RigFault::height_nan)) {
+      sample_.home_height_m = std::numeric_limits<float>::quiet_NaN();
+      height_m_ = std::numeric_limits<double>::quiet_NaN();
+    }
+    if (active(RigFault::switch_stuck_open)) sample_.contact = 0;
+    if (active(RigFault::switch_stuck_closed)) sample_.contact = 1;
+  }
+
+  static constexpr std::uint32_t kHomeCount = 0xfffffff0u;
+
+  RigConfig config_;
+  dynamics::Hopper<double> plant_;
+  Encoder encoder_;
+  ContactSwitch switch_;
+  std::uint32_t ticks_;
+  std::int64_t home_ = 0;
+
+  bool started_ = false;
+  std::uint32_t tick_ = 0;  ///< milliseconds passed
+  control::Command command_;
+  control::Sample sample_;
+  firmware::Telemetry telemetry_;
+  double height_m_ = 0.0, leg_angle_rad_ = 0.0;
+  double kicked_s_ = 0.0;
+  bool reset_requested_ = false;
+};
+
+static_assert(firmware::Board<SimBoard>);
+
+}  // namespace furcula::sim_host

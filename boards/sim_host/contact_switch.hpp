@@ -1,0 +1,83 @@
+// The switch under the toe: bounces, and reports early or late (002 section 4.1, figure 4.4).
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+
+#include "boards/sim_host/random.hpp"
+#include "boards/sim_host/sensors.hpp"
+#include "furcula/dynamics/hopper.hpp"
+
+namespace furcula::sim_host {
+
+/// Each touch-down and each lift-off draws by how much it is reported early (negative) or late, uniform
+/// within
+/// +-10 ms. To report early the switch knows the future: a copy of the plant runs ahead with the command
+/// held. (In flight the torque does not move the body, so that an early touch-down report is exact.) Each
+/// change is followed by a time in which the reading is drawn anew on each tick: 1 to 4 ms after closing, up
+/// to 2 ms after opening.
+class ContactSwitch {
+ public:
+  using Plant = dynamics::Hopper<double>;
+  static constexpr double kJitterS = 0.010;
+
+  ContactSwitch(const SensorErrors& errors, std::uint64_t seed)
+      : errors_(errors), jitter_(seed, 2), bounce_(seed, 3), offset_s_(draw_offset()) {}
+
+  /// Takes note of what happened in the plant's last advance(), which began at `start_s`.
+  void follow(const Plant& plant, double start_s) {
+    for (const auto& event : plant.events()) {
+      const double when_s = start_s + event.offset_s;
+      if (event.kind == dynamics::ContactEvent<double>::Kind::touchdown) {
+        touchdown_s_ = when_s;
+        touched_ = true;
+      } else {
+        liftoff_s_ = when_s;
+      }
+    }
+  }
+
+  /// The raw reading at `now_s`; `torque_nm` is the command that the plant runs under.
+  bool read(const Plant& plant, double torque_nm, double now_s) {
+    if (changes(plant, torque_nm, now_s)) {
+      closed_ = !closed_;
+      touched_ = plant.in_stance();
+      offset_s_ = draw_offset();
+      if (errors_.bounce)
+        bounces_until_s_ = now_s + (closed_ ? bounce_.uniform(0.001, 0.004) : bounce_.uniform(0.0, 0.002));
+    }
+    return now_s < bounces_until_s_ ? bounce_.coin() : closed_;
+  }
+
+ private:
+  double draw_offset() { return errors_.jitter ? jitter_.uniform(-kJitterS, kJitterS) : 0.0; }
+
+  bool changes(const Plant& plant, double torque_nm, double now_s) const {
+    if (!closed_) {
+      if (plant.in_stance()) return now_s - touchdown_s_ >= offset_s_;
+      return offset_s_ < 0.0 && plant.velocity_mps() < 0.0 && will_change(plant, torque_nm);
+    }
+    if (!touched_) return false;  // closed early: the touch-down is still to come
+    if (!plant.in_stance()) return now_s - liftoff_s_ >= offset_s_;
+    return offset_s_ < 0.0 && plant.velocity_mps() > 0.0 && will_change(plant, torque_nm);
+  }
+
+  /// Whether the plant changes phase within the (early) offset.
+  bool will_change(const Plant& plant, double torque_nm) const {
+    // Further away than this it cannot get there in 10 ms: spares the run in most ticks.
+    const double distance_m = std::abs(plant.height_m() - plant.touchdown_height_m());
+    if (distance_m > 1.5 * kJitterS * std::abs(plant.velocity_mps()) + 0.005) return false;
+    Plant ahead = plant;
+    ahead.advance(torque_nm, -offset_s_);
+    return !ahead.events().empty();
+  }
+
+  SensorErrors errors_;
+  Random jitter_, bounce_;
+  bool closed_ = false;
+  bool touched_ = false;  ///< the toe was on the ground since the switch closed
+  double offset_s_;       ///< of the next change
+  double touchdown_s_ = -1.0, liftoff_s_ = -1.0, bounces_until_s_ = -1.0;
+};
+
+}  // namespace furcula::sim_host

@@ -1,0 +1,131 @@
+// The controller: a pure step from what the board measured to what the drive is told. No clock, no I/O, no
+// globals, no heap; the same bits on the target and on the host.
+#pragma once
+
+#include <cstdint>
+
+#include "furcula/control/debounce.hpp"
+#include "furcula/control/height.hpp"
+#include "furcula/control/limits.hpp"
+#include "furcula/control/phase.hpp"
+#include "furcula/control/sample.hpp"
+#include "furcula/control/supervisor.hpp"
+#include "furcula/control/torque_profile.hpp"
+#include "furcula/core/count.hpp"
+#include "furcula/core/sine.hpp"
+#include "furcula/core/status.hpp"
+
+namespace furcula::control {
+
+struct Config {
+  float link_length_m = 0.15f;  ///< of each of the four links
+  HeightConfig height;
+  DebounceConfig debounce;
+  PhaseConfig phase;
+  TorqueProfileConfig torque;
+  LimitsConfig limits;
+  SupervisorConfig supervisor;
+};
+
+struct Inputs {
+  Sample sample;
+  bool sample_valid = false;           ///< false: the device with the sensors did not answer on this tick
+  bool reset = false;                  ///< a person asks for the latched fault to be cleared
+  std::uint32_t tick_interval_us = 0;  ///< measured, since the last tick
+};
+
+/// Made by begin(); a State that was not is in the fault bad_configuration.
+struct State {
+  Status configuration = Status::invalid;
+  HeightState height;
+  DebounceState debounce;
+  PhaseState phase;
+  LimitsState limits;
+  SupervisorState supervisor;
+  Sample last_sample;
+  std::uint32_t missed_samples = 1;  ///< running; nothing was ever measured
+};
+
+struct Outputs {
+  Command command;
+  HeightEstimate height;
+  PhaseEstimate phase;
+  Fault fault = Fault::none;
+};
+
+/// Height of the hip with the toe on the ground, 2 L cos(leg angle); cos as a sine a quarter turn on.
+inline float leg_height_m(float link_length_m, float leg_angle_rad) {
+  return 2.0f * link_length_m * sine_of_turns(leg_angle_rad * 0.159154943f + 0.25f);
+}
+
+/// Whether every number of the configuration makes sense: finite, and positive where it must be.
+inline Status check(const Config& c) {
+  const float positive[] = {c.link_length_m,          c.height.metres_per_count,  c.debounce.close_settle_s,
+                            c.debounce.open_settle_s, c.phase.touchdown_height_m, c.limits.torque_nm,
+                            c.limits.torque_rate_nmps};
+  const float any_sign[] = {c.phase.touchdown_margin_m,     c.phase.touchdown_velocity_max_mps,
+                            c.phase.liftoff_margin_m,       c.phase.shortest_stance_s,
+                            c.torque.amplitude_nm,          c.supervisor.height_min_m,
+                            c.supervisor.height_max_m,      c.supervisor.leg_angle_min_rad,
+                            c.supervisor.leg_angle_max_rad, c.supervisor.height_mismatch_m,
+                            c.supervisor.contact_margin_m,  c.supervisor.implausible_contact_s};
+  for (const float x : positive)
+    if (!is_finite(x) || x <= 0.0f) return Status::invalid;
+  for (const float x : any_sign)
+    if (!is_finite(x)) return Status::invalid;
+  // Shorter than ten ticks it is no profile.
+  if (!is_finite(c.torque.period_s) || c.torque.period_s < 0.01f) return Status::invalid;
+  return Status::ok;
+}
+
+/// The state before the first tick.
+inline State begin(const Config& config) {
+  State state;
+  state.configuration = check(config);
+  return state;
+}
+
+/// One tick, `dt_s` after the last (the nominal period: that a tick was late is an input).
+inline Outputs step(const Config& config, State& state, const Inputs& inputs, float dt_s) {
+  // One lost sample is bridged with the last one; what it measures is then one tick older.
+  if (inputs.sample_valid) {
+    state.last_sample = inputs.sample;
+    state.missed_samples = 0;
+  } else {
+    state.last_sample.age_us += inputs.tick_interval_us;
+    if (state.missed_samples != 0xffffffffu) ++state.missed_samples;
+  }
+  const Sample& sample = state.last_sample;
+  const bool reading = sample.contact != 0;
+
+  Outputs out;
+  out.height =
+      estimate_height(config.height, state.height, count_difference(sample.height_count, sample.home_count),
+                      sample.home_height_m, dt_s);
+  const bool closed = debounce(config.debounce, state.debounce, reading, dt_s);
+  out.phase = estimate_phase(config.phase, state.phase, closed, out.height, dt_s);
+
+  Observation seen;
+  seen.tick_interval_us = inputs.tick_interval_us;
+  seen.missed_samples = state.missed_samples;
+  seen.sample_age_us = sample.age_us;
+  seen.height_m = out.height.height_m;
+  seen.above_touchdown_m = out.height.height_m - config.phase.touchdown_height_m;
+  seen.leg_angle_rad = sample.leg_angle_rad;
+  seen.leg_height_m = leg_height_m(config.link_length_m, sample.leg_angle_rad);
+  seen.contact_reading = reading;
+  seen.in_stance = out.phase.phase == Phase::stance;
+  out.fault = state.configuration == Status::ok
+                  ? supervise(config.supervisor, state.supervisor, seen, inputs.reset, dt_s)
+                  : Fault::bad_configuration;
+  if (out.fault != Fault::none) {
+    state.limits = {};
+    return out;  // its command is the safe state
+  }
+  out.command.torque_nm =
+      limit_torque(config.limits, state.limits,
+                   profile_torque_nm(config.torque, out.phase, out.height.velocity_mps), dt_s);
+  return out;
+}
+
+}  // namespace furcula::control

@@ -1,0 +1,45 @@
+// Height and velocity of the body from the counts of the rail's encoder, as the rig derives them.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+namespace furcula::control {
+
+/// The velocity is the difference of counts over this many ticks: at 1 kHz and 0.09 mm a count one count is
+/// 18 mm/s, and the velocity is that of 2.5 ms ago. (Over one tick a count would be 90 mm/s.)
+inline constexpr int kVelocityWindowTicks = 5;
+
+struct HeightConfig {
+  float metres_per_count = 0.00009f;  ///< 2000 counts/rev on a rack of 0.18 m a turn, 002 chapter 4
+};
+
+struct HeightState {
+  std::array<std::int32_t, kVelocityWindowTicks> counts{};  ///< of the last ticks, a ring
+  std::uint8_t next = 0;
+  std::uint8_t filled = 0;
+};
+
+struct HeightEstimate {
+  float height_m = 0.0f;      ///< NaN where `home_height_m` is
+  float velocity_mps = 0.0f;  ///< 0 on the first tick, then over as many ticks as there are
+};
+
+/// `count` is the encoder's position from the place where the height was `home_height_m`.
+inline HeightEstimate estimate_height(const HeightConfig& config, HeightState& state, std::int32_t count,
+                                      float home_height_m, float dt_s) {
+  HeightEstimate estimate;
+  estimate.height_m = home_height_m + static_cast<float>(count) * config.metres_per_count;
+  if (state.filled > 0) {
+    const std::uint8_t oldest = state.filled == kVelocityWindowTicks ? state.next : std::uint8_t{0};
+    const auto moved = static_cast<float>(count - state.counts[oldest]);
+    estimate.velocity_mps = moved * config.metres_per_count / (static_cast<float>(state.filled) * dt_s);
+  }
+  state.counts[state.next] = count;
+  state.next =
+      state.next + 1 == kVelocityWindowTicks ? std::uint8_t{0} : static_cast<std::uint8_t>(state.next + 1);
+  if (state.filled < kVelocityWindowTicks) ++state.filled;
+  return estimate;
+}
+
+}  // namespace furcula::control

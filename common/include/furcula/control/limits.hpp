@@ -1,0 +1,26 @@
+// What the drive may be asked for at most.
+#pragma once
+
+namespace furcula::control {
+
+struct LimitsConfig {
+  float torque_nm = 20.0f;           ///< magnitude
+  float torque_rate_nmps = 4000.0f;  ///< change a second: here 4 N m a tick, a 10 Hz sine of 20 N m passes
+};
+
+struct LimitsState {
+  float last_nm = 0.0f;
+};
+
+/// `wanted_nm` within the magnitude, and changed by no more than the rate allows in `dt_s`.
+inline float limit_torque(const LimitsConfig& config, LimitsState& state, float wanted_nm, float dt_s) {
+  const auto between = [](float lower, float x, float upper) {
+    return x < lower ? lower : x > upper ? upper : x;
+  };
+  const float change = config.torque_rate_nmps * dt_s;
+  const float target = between(-config.torque_nm, wanted_nm, config.torque_nm);
+  state.last_nm = between(state.last_nm - change, target, state.last_nm + change);
+  return state.last_nm;
+}
+
+}  // namespace furcula::control

@@ -1,0 +1,81 @@
+// Where in the stride the robot is: flight or stance, since when, and how high it flew.
+#pragma once
+
+#include <cstdint>
+
+#include "furcula/control/height.hpp"
+
+namespace furcula::control {
+
+enum class Phase : std::uint8_t { flight = 0, stance = 1 };
+
+struct PhaseConfig {
+  float touchdown_height_m = 0.2819f;  ///< 2 L cos(touch-down angle)
+  /// The switch reports up to 10 ms early: further above the touch-down height than this a closed switch is
+  /// no touch-down; m.
+  float touchdown_margin_m = 0.03f;
+  /// A body that rises faster does not touch down: lift-off's bounce closes the switch again; m/s.
+  float touchdown_velocity_max_mps = 0.1f;
+  /// Further above the touch-down height than this the leg cannot reach the ground, whatever the switch reads
+  /// (it reports lift-off up to 10 ms late); m.
+  float liftoff_margin_m = 0.005f;
+  /// The touch-down's bounce ends within this time: an open switch before is no lift-off; s.
+  float shortest_stance_s = 0.02f;
+};
+
+struct PhaseState {
+  Phase phase = Phase::flight;
+  bool seen_open = true;  ///< since lift-off: a switch that stays closed touches down no second time
+  std::uint32_t ticks_in_phase = 0;
+  std::uint32_t ticks_of_last_phase = 0;
+  float highest_m = 0.0f;  ///< in this flight
+  float apex_height_m = 0.0f;
+};
+
+struct PhaseEstimate {
+  Phase phase = Phase::flight;
+  bool touchdown = false;          ///< on this tick
+  bool liftoff = false;            ///< on this tick
+  float since_touchdown_s = 0.0f;  ///< since the last one; before the first one, since the start
+  float since_liftoff_s = 0.0f;    ///< since the last one; before the first one, since the start
+  float apex_height_m = 0.0f;      ///< highest point of the last whole flight; 0 before there was one
+};
+
+/// One tick. `contact_closed` is the debounced switch, `height` from the encoder.
+inline PhaseEstimate estimate_phase(const PhaseConfig& config, PhaseState& state, bool contact_closed,
+                                    const HeightEstimate& height, float dt_s) {
+  const float height_m = height.height_m;
+  PhaseEstimate estimate;
+  if (state.ticks_in_phase != 0xffffffffu) ++state.ticks_in_phase;
+  const float in_phase_s = static_cast<float>(state.ticks_in_phase) * dt_s;
+  if (state.phase == Phase::flight) {
+    if (height_m > state.highest_m) state.highest_m = height_m;
+    if (!contact_closed) state.seen_open = true;
+    estimate.touchdown = contact_closed && state.seen_open &&
+                         height.velocity_mps <= config.touchdown_velocity_max_mps &&
+                         height_m <= config.touchdown_height_m + config.touchdown_margin_m;
+  } else {
+    const bool out_of_reach = height_m > config.touchdown_height_m + config.touchdown_margin_m;
+    const bool rising_out = height_m > config.touchdown_height_m + config.liftoff_margin_m &&
+                            in_phase_s >= config.shortest_stance_s;
+    const bool opened = !contact_closed && in_phase_s >= config.shortest_stance_s;
+    estimate.liftoff = out_of_reach || rising_out || opened;
+  }
+  if (estimate.touchdown || estimate.liftoff) {
+    if (estimate.touchdown) state.apex_height_m = state.highest_m;
+    state.highest_m = 0.0f;
+    state.seen_open = false;
+    state.phase = estimate.touchdown ? Phase::stance : Phase::flight;
+    state.ticks_of_last_phase = state.ticks_in_phase;
+    state.ticks_in_phase = 0;
+  }
+  const float now_s = static_cast<float>(state.ticks_in_phase) * dt_s;
+  const float before_s = static_cast<float>(state.ticks_of_last_phase) * dt_s;
+  estimate.phase = state.phase;
+  estimate.since_touchdown_s = state.phase == Phase::stance ? now_s : now_s + before_s;
+  estimate.since_liftoff_s = state.phase == Phase::flight ? now_s : now_s + before_s;
+  estimate.apex_height_m = state.apex_height_m;
+  return estimate;
+}
+
+}  // namespace furcula::control

@@ -1,0 +1,80 @@
+// Watches inputs and timing. A fault latches until an explicit reset; while it stands the controller is in
+// its safe state: torque 0, solenoid off.
+#pragma once
+
+#include <cstdint>
+
+#include "furcula/control/fault.hpp"
+#include "furcula/core/sine.hpp"
+
+namespace furcula::control {
+
+struct SupervisorConfig {
+  std::uint32_t tick_interval_max_us = 1500;
+  std::uint32_t sample_age_max_us = 1500;
+  std::uint32_t missed_samples_max = 1;  ///< running; one lost frame is bridged with the last sample
+  float height_min_m = 0.03f;            ///< the rail's ends
+  float height_max_m = 1.5f;
+  float leg_angle_min_rad = 0.30f;  ///< the leg's stops, and a little play
+  float leg_angle_max_rad = 1.45f;
+  /// By how much encoder and leg angle may disagree about the height in stance: the switch may report 10 ms
+  /// early, and the body is then that much higher; m.
+  float height_mismatch_m = 0.035f;
+  /// A switch that reads closed this far above the touch-down height, or open this far below it, is wrong if
+  /// it stays so for implausible_contact_s (it reports within 10 ms of the true instant, and bounces); m, s.
+  float contact_margin_m = 0.03f;
+  float implausible_contact_s = 0.02f;
+};
+
+/// What the supervisor looks at, gathered by the controller on each tick.
+struct Observation {
+  std::uint32_t tick_interval_us = 0;  ///< since the last tick
+  std::uint32_t missed_samples = 0;    ///< running
+  std::uint32_t sample_age_us = 0;
+  float height_m = 0.0f;
+  float above_touchdown_m = 0.0f;  ///< the height less the touch-down height
+  float leg_angle_rad = 0.0f;
+  float leg_height_m = 0.0f;  ///< what the height would be with the toe on the ground, 2 L cos(leg angle)
+  bool contact_reading = false;
+  bool in_stance = false;
+};
+
+struct SupervisorState {
+  Fault fault = Fault::none;  ///< latched: the first since the last reset
+  std::uint32_t implausible_contact_ticks = 0;
+};
+
+/// The fault of this tick alone, or none. Counts how long the switch has been implausible.
+inline Fault find_fault(const SupervisorConfig& config, SupervisorState& state, const Observation& seen,
+                        float dt_s) {
+  if (seen.tick_interval_us > config.tick_interval_max_us) return Fault::late_tick;
+  if (seen.missed_samples > config.missed_samples_max) return Fault::peer_lost;
+  if (seen.sample_age_us > config.sample_age_max_us) return Fault::stale_input;
+  if (!is_finite(seen.height_m) || !is_finite(seen.leg_angle_rad)) return Fault::non_finite_input;
+  if (seen.height_m < config.height_min_m || seen.height_m > config.height_max_m)
+    return Fault::height_out_of_range;
+  if (seen.leg_angle_rad < config.leg_angle_min_rad || seen.leg_angle_rad > config.leg_angle_max_rad)
+    return Fault::leg_angle_out_of_range;
+  const float mismatch = seen.height_m - seen.leg_height_m;
+  if (seen.in_stance && (mismatch > config.height_mismatch_m || mismatch < -config.height_mismatch_m))
+    return Fault::encoder_implausible;
+
+  const bool implausible = seen.contact_reading ? seen.above_touchdown_m > config.contact_margin_m
+                                                : seen.above_touchdown_m < -config.contact_margin_m;
+  state.implausible_contact_ticks = implausible ? state.implausible_contact_ticks + 1 : 0;
+  if (static_cast<float>(state.implausible_contact_ticks) * dt_s > config.implausible_contact_s)
+    return Fault::contact_implausible;
+  return Fault::none;
+}
+
+/// One tick. `reset` clears a latched fault; one that is still there latches again at once.
+/// @returns the latched fault.
+inline Fault supervise(const SupervisorConfig& config, SupervisorState& state, const Observation& seen,
+                       bool reset, float dt_s) {
+  if (reset) state = {};
+  const Fault found = find_fault(config, state, seen, dt_s);
+  if (state.fault == Fault::none) state.fault = found;
+  return state.fault;
+}
+
+}  // namespace furcula::control

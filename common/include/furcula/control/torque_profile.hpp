@@ -1,0 +1,37 @@
+// The torque that keeps the robot hopping: open loop over a stance, restarted at each detected touch-down
+// (002 section 4.1). Positive torque flexes the leg, that is, pulls the body down.
+#pragma once
+
+#include <cstdint>
+
+#include "furcula/control/phase.hpp"
+#include "furcula/core/sine.hpp"
+
+namespace furcula::control {
+
+enum class ProfileShape : std::uint8_t { zero, harmonic, constant };
+
+struct TorqueProfileConfig {
+  ProfileShape shape = ProfileShape::zero;
+  float amplitude_nm = 0.0f;  ///< positive pumps energy in, negative takes it out
+  float period_s = 0.3f;      ///< of `harmonic`
+};
+
+/// Zero in flight. In stance
+///   harmonic  T sin(2 pi (t - t_td) / P), 002 eq. 4.1
+///   constant  -T sgn(z_dot): torque pulls the body down while it sinks and pushes it up while it rises
+inline float profile_torque_nm(const TorqueProfileConfig& config, const PhaseEstimate& phase,
+                               float velocity_mps) {
+  if (phase.phase == Phase::flight) return 0.0f;
+  switch (config.shape) {
+    case ProfileShape::zero:
+      return 0.0f;
+    case ProfileShape::harmonic:
+      return config.amplitude_nm * sine_of_turns(phase.since_touchdown_s / config.period_s);
+    case ProfileShape::constant:
+      return velocity_mps < 0.0f ? config.amplitude_nm : velocity_mps > 0.0f ? -config.amplitude_nm : 0.0f;
+  }
+  return 0.0f;
+}
+
+}  // namespace furcula::control

@@ -1,0 +1,65 @@
+// `furcula sim`: a model and a scenario in, a log out.
+#include <cstdint>
+#include <iostream>
+#include <memory>
+#include <string>
+
+#include "furcula/control/fault.hpp"
+#include "host/cli/commands.hpp"
+#include "host/log/error.hpp"
+#include "host/log/message.hpp"
+#include "host/log/writer.hpp"
+#include "host/model/reader.hpp"
+#include "host/sim/simulate.hpp"
+
+namespace furcula::cli {
+namespace {
+
+struct SimOptions {
+  std::string model;
+  std::string scenario;
+  std::string out;
+  std::uint64_t seed = 0;
+};
+
+/// One line on stderr where the controller went to its safe state, and what to do about it.
+void tell_fault(const log::Log& log) {
+  if (!log.has("fault")) return;
+  for (std::size_t row = 0; row < log.rows(); ++row) {
+    const double number = log.at("fault")[row];
+    if (number == 0.0) continue;
+    const auto& fault = control::info(static_cast<control::Fault>(static_cast<int>(number)));
+    std::cerr << "furcula: safe state at " << log::shortest(log.time_s()[row]) << " s, fault "
+              << static_cast<int>(number) << " " << fault.name << ": " << fault.meaning << " " << fault.remedy
+              << "\n";
+    return;
+  }
+}
+
+void run(const SimOptions& options) {
+  const model::Model model = model::read_model(options.model);
+  const sim::Scenario scenario =
+      options.scenario.empty() ? sim::default_scenario(model) : sim::read_scenario(options.scenario, model);
+  const log::Log log = sim::simulate(model, scenario, options.seed);
+  if (log.rows() == 0)
+    throw log::DataError(options.scenario +
+                         ": the height is not homed from the start, so that the log has no row; " +
+                         "expected a [[fault]] of kind height_nan later than time_s = 0");
+  log::write_log(log, options.out);
+  tell_fault(log);
+}
+
+}  // namespace
+
+void add_sim_command(CLI::App& app) {
+  auto options = std::make_shared<SimOptions>();
+  CLI::App* command = app.add_subcommand("sim", "Simulate a model under a scenario and write its log");
+  command->add_option("--model", options->model, "Model file (TOML)")->required();
+  command->add_option("--scenario", options->scenario,
+                      "Scenario file (TOML); without it 5 s of hopping, or of a sine drive");
+  command->add_option("--out", options->out, "The log to write (furcula-log/1, CSV)")->required();
+  command->add_option("--seed", options->seed, "Seed of the sensors' errors")->capture_default_str();
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace furcula::cli

@@ -1,0 +1,196 @@
+// Reading scenarios, see scenario.hpp.
+#include "host/sim/scenario.hpp"
+
+#include <toml++/toml.h>
+
+#include <array>
+#include <cmath>
+#include <optional>
+
+#include "host/log/message.hpp"
+#include "host/log/strict_toml.hpp"
+
+namespace furcula::sim {
+namespace {
+
+using dynamics::Kind;
+using log::fail;
+using log::quoted;
+
+/// What the keys are called on a kind of machine, and how large their values may be.
+struct Names {
+  std::string_view position, position_unit, velocity, velocity_unit, drive, amplitude, amplitude_unit;
+  double position_most, velocity_most, amplitude_most;
+};
+
+Names names_on(Kind kind) {
+  switch (kind) {
+    case Kind::hopper_linear:
+      // 20 N m is what the controller commands at most.
+      return {"height_m", "m", "velocity_mps", "m/s", "torque", "amplitude_nm", "N m", 10.0, 20.0, 20.0};
+    case Kind::motor_axis:
+      return {"position_m", "m", "velocity_mps", "m/s", "force", "amplitude_n", "N", 1e3, 1e3, 1e6};
+    case Kind::rotary_joint:
+      return {"angle_rad", "rad", "velocity_radps", "rad/s", "torque", "amplitude_nm", "N m", 1e3, 1e3, 1e6};
+  }
+  return {};
+}
+
+class Reader {
+ public:
+  Reader(std::string_view text, const std::string& name, const model::Model& model)
+      : name_(name),
+        file_(log::parse_toml(text, name)),
+        kind_(model.kind),
+        names_(names_on(model.kind)),
+        scenario_(default_scenario(model)) {}
+
+  Scenario read() {
+    std::vector<std::string_view> sections{"start", "run", names_.drive, "sensors"};
+    if (kind_ == Kind::hopper_linear) sections.push_back("fault");
+    log::refuse_unknown_keys(file_, name_, "a scenario for " + std::string(dynamics::info(kind_).name),
+                             sections);
+    if (const toml::table* t = section("start")) read_start(*t);
+    if (const toml::table* t = section("run")) {
+      static constexpr std::array<std::string_view, 1> kKeys{"duration_s"};
+      log::refuse_unknown_keys(*t, name_, "[run]", kKeys);
+      number(*t, "duration_s", 0.001, 3600.0, "s", scenario_.duration_s);
+    }
+    if (const toml::table* t = section(names_.drive)) read_drive(*t);
+    if (const toml::table* t = section("sensors")) read_sensors(*t);
+    if (const toml::node* faults = file_.get("fault")) read_faults(*faults);
+    return std::move(scenario_);
+  }
+
+ private:
+  const toml::table* section(std::string_view key) {
+    const toml::node* node = file_.get(key);
+    return node == nullptr ? nullptr : &log::table(*node, name_, "[" + std::string(key) + "]");
+  }
+
+  bool number(const toml::table& t, std::string_view key, double lower, double upper, std::string_view unit,
+              double& value) {
+    const toml::node* node = t.get(key);
+    if (node != nullptr) value = log::number(*node, name_, key, lower, upper, unit);
+    return node != nullptr;
+  }
+
+  const toml::node& required(const toml::table& t, std::string_view where, std::string_view key,
+                             const std::string& expected) {
+    const toml::node* node = t.get(key);
+    if (node == nullptr)
+      fail(name_, t.source(),
+           "no key '" + std::string(key) + "' in " + std::string(where) + "; expected " + expected);
+    return *node;
+  }
+
+  void read_start(const toml::table& t) {
+    const std::array known{names_.position, names_.velocity};
+    log::refuse_unknown_keys(t, name_, "[start]", known);
+    const double least = kind_ == Kind::hopper_linear ? 1e-3 : -names_.position_most;
+    number(t, names_.position, least, names_.position_most, names_.position_unit, scenario_.start_position);
+    number(t, names_.velocity, -names_.velocity_most, names_.velocity_most, names_.velocity_unit,
+           scenario_.start_velocity);
+  }
+
+  void read_drive(const toml::table& t) {
+    const std::string where = "[" + std::string(names_.drive) + "]";
+    static constexpr std::array<std::string_view, 3> kProfiles{"harmonic", "constant", "zero"};
+    const std::array<std::string_view, 3> known{"profile", names_.amplitude, "period_s"};
+    log::refuse_unknown_keys(t, name_, where, known);
+    const toml::node& node = required(t, where, "profile", "one of " + log::listed(kProfiles));
+    const std::string profile = log::text(node, name_, "profile");
+    if (profile == "harmonic")
+      scenario_.profile = control::ProfileShape::harmonic;
+    else if (profile == "constant")
+      scenario_.profile = control::ProfileShape::constant;
+    else if (profile == "zero")
+      scenario_.profile = control::ProfileShape::zero;
+    else
+      fail(name_, node.source(),
+           "profile = " + quoted(profile) + "; expected one of " + log::listed(kProfiles) +
+               log::did_you_mean(profile, kProfiles));
+    const bool amplitude = number(t, names_.amplitude, -names_.amplitude_most, names_.amplitude_most,
+                                  names_.amplitude_unit, scenario_.amplitude);
+    const bool period = number(t, "period_s", 0.01, 3600.0, "s", scenario_.period_s);
+    if (!amplitude && profile != "zero")
+      required(t, where, names_.amplitude, "a number of " + std::string(names_.amplitude_unit));
+    if (!period && profile == "harmonic") required(t, where, "period_s", "a number of seconds");
+  }
+
+  void read_sensors(const toml::table& t) {
+    static constexpr std::array<std::string_view, 4> kKeys{"quantisation", "noise", "bounce", "jitter"};
+    const bool hopper = kind_ == Kind::hopper_linear;
+    // Bounce and jitter are the contact switch's.
+    log::refuse_unknown_keys(t, name_, "[sensors]", std::span(kKeys).first(hopper ? 4 : 2));
+    const std::array<bool*, 4> switches{&scenario_.sensors.quantisation, &scenario_.sensors.noise,
+                                        &scenario_.sensors.bounce, &scenario_.sensors.jitter};
+    for (std::size_t i = 0; i < kKeys.size(); ++i) {
+      const toml::node* node = t.get(kKeys[i]);
+      if (node == nullptr) continue;
+      if (!node->is_boolean())
+        fail(name_, node->source(),
+             std::string(kKeys[i]) + " is " + log::value_text(*node) + "; expected true or false");
+      *switches[i] = *node->value<bool>();
+    }
+  }
+
+  void read_faults(const toml::node& node) {
+    const toml::array* faults = node.as_array();
+    if (faults == nullptr)
+      fail(name_, node.source(), "fault is " + log::value_text(node) + "; expected sections [[fault]]");
+    static constexpr std::array<std::string_view, 3> kKeys{"time_s", "kind", "duration_s"};
+    std::vector<std::string_view> kinds;
+    for (const auto& f : sim_host::kRigFaults) kinds.push_back(f.name);
+    for (const toml::node& item : *faults) {
+      const toml::table& t = log::table(item, name_, "[[fault]]");
+      log::refuse_unknown_keys(t, name_, "[[fault]]", kKeys);
+      const toml::node& kind_node = required(t, "[[fault]]", "kind", "one of " + log::listed(kinds));
+      const std::string kind = log::text(kind_node, name_, "kind");
+      const auto found = sim_host::rig_fault_named(kind);
+      if (!found)
+        fail(name_, kind_node.source(),
+             "unknown fault " + quoted(kind) + "; expected one of " + log::listed(kinds) +
+                 log::did_you_mean(kind, kinds));
+      required(t, "[[fault]]", "time_s", "a number of seconds");
+      sim_host::PlannedFault fault;
+      fault.kind = *found;
+      fault.duration_s = *found == sim_host::RigFault::late_tick ? 0.005 : 3600.0;
+      number(t, "time_s", 0.0, 3600.0, "s", fault.time_s);
+      number(t, "duration_s", 0.001, 3600.0, "s", fault.duration_s);
+      scenario_.faults.push_back(fault);
+    }
+  }
+
+  const std::string& name_;
+  toml::table file_;
+  Kind kind_;
+  Names names_;
+  Scenario scenario_;
+};
+
+}  // namespace
+
+Scenario default_scenario(const model::Model& model) {
+  Scenario scenario;
+  if (model.kind == Kind::hopper_linear) {
+    scenario.start_position =
+        1.25 * 2.0 * model.parameter("link_length_m") * std::cos(model.parameter("touchdown_angle_rad"));
+    scenario.amplitude = 2.0;
+    scenario.period_s = 0.3;
+  } else {
+    scenario.amplitude = 1.0;
+    scenario.period_s = 1.0;
+  }
+  return scenario;
+}
+
+Scenario parse_scenario(std::string_view text, const std::string& name, const model::Model& model) {
+  return Reader(text, name, model).read();
+}
+
+Scenario read_scenario(const std::string& path, const model::Model& model) {
+  return parse_scenario(log::read_small_file(path, "a scenario (TOML)"), path, model);
+}
+
+}  // namespace furcula::sim

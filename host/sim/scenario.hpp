@@ -1,0 +1,47 @@
+// A scenario: how an experiment starts, what drives it, what is wrong with its sensors, and what fails when
+// (docs/contracts.md, section 4).
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "boards/sim_host/faults.hpp"
+#include "boards/sim_host/sensors.hpp"
+#include "furcula/control/torque_profile.hpp"
+#include "host/model/model.hpp"
+
+namespace furcula::sim {
+
+struct Scenario {
+  double start_position = 0.0;  ///< m or rad
+  double start_velocity = 0.0;  ///< m/s or rad/s
+  double duration_s = 5.0;
+  /// On the hopper restarted at each touch-down and zero in flight, positive pumps energy in; on an axis from
+  /// the start on: A sin(2 pi t / P), A, or 0.
+  control::ProfileShape profile = control::ProfileShape::harmonic;
+  double amplitude = 0.0;  ///< N m, on motor_axis N
+  double period_s = 0.3;
+  sim_host::SensorErrors sensors;
+  std::vector<sim_host::PlannedFault> faults;  ///< on the hopper alone
+};
+
+/// What holds for everything that a scenario file leaves out: the hopper starts at rest a quarter above its
+/// touch-down height and is driven with 2 N m, 0.3 s; an axis starts at rest at 0 and is driven with 1 N or
+/// 1 N m, 1 s; 5 s; ideal sensors; no faults.
+Scenario default_scenario(const model::Model& model);
+
+/// A scenario file for a model of this kind. @throws log::DataError naming file, line, key, value and what
+/// was expected.
+///
+///     [start]   height_m velocity_mps   (motor_axis position_m velocity_mps, rotary_joint angle_rad
+///     velocity_radps) [run]     duration_s [torque]  profile = "harmonic"|"constant"|"zero" amplitude_nm
+///     period_s   (motor_axis: [force] ... amplitude_n) [sensors] quantisation noise bounce jitter =
+///     true|false
+///     [[fault]] time_s kind duration_s   (hopper; without duration_s to the end, a late_tick 0.005)
+Scenario read_scenario(const std::string& path, const model::Model& model);
+
+/// The same on text; `name` stands for the path in messages.
+Scenario parse_scenario(std::string_view text, const std::string& name, const model::Model& model);
+
+}  // namespace furcula::sim

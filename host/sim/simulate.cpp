@@ -1,0 +1,161 @@
+// Simulating scenarios, see simulate.hpp.
+#include "host/sim/simulate.hpp"
+
+#include <cmath>
+#include <numbers>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "firmware/app/app.hpp"
+#include "furcula/dynamics/axis.hpp"
+#include "host/log/message.hpp"
+
+namespace furcula::sim {
+namespace {
+
+using dynamics::Kind;
+using sim_host::SimBoard;
+
+dynamics::Effects<double> effects_of(const model::Model& model) {
+  dynamics::Effects<double> effects;
+  for (const auto& [effect, values] : model.effects) effects.set(effect, values);
+  return effects;
+}
+
+template <class Parameters>
+Parameters parameters_of(const model::Model& model) {
+  return dynamics::from_table<Parameters>(std::span<const double>(model.parameters));
+}
+
+std::map<std::string, std::string> metadata_of(const model::Model& model, const Scenario& scenario,
+                                               std::uint64_t seed) {
+  static constexpr const char* kProfiles[] = {"zero", "harmonic", "constant"};
+  std::string sensors;
+  const auto add = [&sensors](bool on, const char* what) {
+    if (on) sensors += std::string(sensors.empty() ? "" : " ") + what;
+  };
+  add(scenario.sensors.quantisation, "quantisation");
+  add(scenario.sensors.noise, "noise");
+  add(scenario.sensors.bounce, "bounce");
+  add(scenario.sensors.jitter, "jitter");
+  return {{"sample_rate_hz", "1000"},
+          {"model", std::string(dynamics::info(model.kind).name)},
+          {"seed", std::to_string(seed)},
+          {"profile", kProfiles[static_cast<int>(scenario.profile)]},
+          {"amplitude", log::shortest(scenario.amplitude)},
+          {"period_s", log::shortest(scenario.period_s)},
+          {"sensors", sensors.empty() ? "ideal" : sensors}};
+}
+
+void simulate_hopper(const model::Model& model, const Scenario& scenario, std::uint64_t seed, log::Log& log) {
+  SimBoard board(rig_config(model, scenario, seed));
+  firmware::App app(board, controller_config(model, scenario));
+
+  const std::pair<const char*, double (*)(const SimBoard&)> columns[] = {
+      {"time_s", [](const SimBoard& b) { return b.time_s(); }},
+      {"height_m", [](const SimBoard& b) { return b.measured_height_m(); }},
+      {"velocity_mps", [](const SimBoard& b) { return b.measured_velocity_mps(); }},
+      {"leg_angle_rad", [](const SimBoard& b) { return b.measured_leg_angle_rad(); }},
+      {"contact", [](const SimBoard& b) { return static_cast<double>(b.sample().contact); }},
+      {"torque_cmd_nm", [](const SimBoard& b) { return static_cast<double>(b.command().torque_nm); }},
+      {"torque_nm", [](const SimBoard& b) { return static_cast<double>(b.command().torque_nm); }},
+      {"solenoid", [](const SimBoard& b) { return static_cast<double>(b.command().solenoid); }},
+      {"fault", [](const SimBoard& b) { return static_cast<double>(b.telemetry().outputs.fault); }},
+  };
+  std::vector<double> values[std::size(columns)];
+  for (auto& v : values) v.reserve(static_cast<std::size_t>(scenario.duration_s * 1e3) + 1);
+  while (board.wait_for_tick()) {
+    app.tick();
+    const bool homed =
+        std::isfinite(board.measured_height_m()) && std::isfinite(board.measured_velocity_mps());
+    if (!homed) continue;
+    for (std::size_t i = 0; i < std::size(columns); ++i) values[i].push_back(columns[i].second(board));
+  }
+  for (std::size_t i = 0; i < std::size(columns); ++i) log.columns[columns[i].first] = std::move(values[i]);
+}
+
+double drive(const Scenario& scenario, double time_s) {
+  switch (scenario.profile) {
+    case control::ProfileShape::zero:
+      return 0.0;
+    case control::ProfileShape::constant:
+      return scenario.amplitude;
+    case control::ProfileShape::harmonic:
+      return scenario.amplitude * std::sin(2.0 * std::numbers::pi * time_s / scenario.period_s);
+  }
+  return 0.0;
+}
+
+template <class Parameters>
+void simulate_axis(const model::Model& model, const Scenario& scenario, std::uint64_t seed, log::Log& log,
+                   const char* position_column, const char* drive_column, double count) {
+  dynamics::Axis<Parameters, double> plant(parameters_of<Parameters>(model), effects_of(model));
+  plant.reset(scenario.start_position, scenario.start_velocity);
+  sim_host::Encoder encoder(scenario.sensors, count, seed);
+  auto& time_s = log.columns["time_s"];
+  auto& position = log.columns[position_column];
+  auto& input = log.columns[drive_column];
+  const auto rows = static_cast<std::size_t>(std::llround(scenario.duration_s / SimBoard::kPeriodS));
+  for (std::size_t row = 0; row < rows; ++row) {
+    time_s.push_back(static_cast<double>(row) * SimBoard::kPeriodS);
+    position.push_back(encoder.measure(plant.position()));
+    input.push_back(drive(scenario, time_s.back()));
+    plant.advance(input.back(), SimBoard::kPeriodS);
+  }
+}
+
+}  // namespace
+
+sim_host::RigConfig rig_config(const model::Model& model, const Scenario& scenario, std::uint64_t seed) {
+  sim_host::RigConfig rig;
+  rig.hopper = parameters_of<dynamics::HopperLinearParameters<double>>(model);
+  rig.effects = effects_of(model);
+  rig.start_height_m = scenario.start_position;
+  rig.start_velocity_mps = scenario.start_velocity;
+  rig.duration_s = scenario.duration_s;
+  rig.sensors = scenario.sensors;
+  rig.faults = scenario.faults;
+  rig.seed = seed;
+  return rig;
+}
+
+control::Config controller_config(const model::Model& model, const Scenario& scenario) {
+  const double length_m = model.parameter("link_length_m");
+  const double angle_rad = model.parameter("touchdown_angle_rad");
+  control::Config config;
+  config.link_length_m = static_cast<float>(length_m);
+  config.height.metres_per_count = static_cast<float>(sim_host::metres_per_count(scenario.sensors));
+  config.phase.touchdown_height_m = static_cast<float>(2.0 * length_m * std::cos(angle_rad));
+  config.torque.shape = scenario.profile;
+  config.torque.amplitude_nm = static_cast<float>(scenario.amplitude);
+  config.torque.period_s = static_cast<float>(scenario.period_s);
+  // The rail is as long as ten links, and the leg folds until its links are almost level.
+  config.supervisor.height_max_m = static_cast<float>(10.0 * length_m);
+  config.supervisor.height_min_m = static_cast<float>(0.2 * length_m);
+  config.supervisor.leg_angle_min_rad = static_cast<float>(angle_rad - 0.05);
+  return config;
+}
+
+log::Log simulate(const model::Model& model, const Scenario& scenario, std::uint64_t seed) {
+  log::Log log;
+  log.rig = std::string(dynamics::info(model.kind).rig);
+  log.metadata = metadata_of(model, scenario, seed);
+  switch (model.kind) {
+    case Kind::hopper_linear:
+      simulate_hopper(model, scenario, seed, log);
+      break;
+    case Kind::motor_axis:
+      simulate_axis<dynamics::MotorAxisParameters<double>>(model, scenario, seed, log, "position_m",
+                                                           "force_n", sim_host::kAxisCountM);
+      break;
+    case Kind::rotary_joint:
+      simulate_axis<dynamics::RotaryJointParameters<double>>(model, scenario, seed, log, "angle_rad",
+                                                             "torque_nm", sim_host::kJointCountRad);
+      break;
+  }
+  return log;
+}
+
+}  // namespace furcula::sim
