@@ -1,0 +1,144 @@
+// The diagnosis as JSON, in the contract's order of keys.
+#include "host/diagnose/diagnosis_json.hpp"
+
+#include <cmath>
+
+namespace furcula::diagnose {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+Json pair(double first, double second) { return Json::array({number(first), number(second)}); }
+
+Json object_of(const std::map<std::string, Estimate>& parameters) {
+  Json out = Json::object();
+  for (const auto& [name, e] : parameters)
+    out[name] = {{"value", number(e.value)}, {"ci95", pair(e.lower, e.upper)}};
+  return out;
+}
+
+std::string with_suffix(std::string key, std::string_view suffix) {
+  return suffix.empty() ? key : key.append("_").append(suffix);
+}
+
+Json floor_of(const Errors& errors) {
+  Json out = Json::object();
+  for (const auto& [channel, e] : errors) out["nmse_" + channel] = number(e.nmse);
+  return out;
+}
+
+Json held_out(const Errors& errors, dynamics::Kind kind) {
+  Json out = floor_of(errors);
+  for (const auto& [channel, e] : errors)
+    out[with_suffix("mae_" + channel, channel_suffix(channel, kind))] = number(e.mae);
+  for (const auto& [channel, e] : errors)
+    out[with_suffix("rmse_" + channel, channel_suffix(channel, kind))] = number(e.rmse);
+  return {{"held_out", out}};
+}
+
+Json rivals(const std::vector<Rival>& list, const char* reason) {
+  Json out = Json::array();
+  for (const Rival& r : list) {
+    Json rival = {{"effects", r.names}, {reason, r.why}};
+    if (!r.parameters.empty()) rival["parameters"] = object_of(r.parameters);
+    out.push_back(rival);
+  }
+  return out;
+}
+
+Json finding(const Finding& f, const Diagnosis& d) {
+  const dynamics::EffectInfo& effect = dynamics::info(f.effect);
+  const std::string channel = main_channel(d);
+  const std::string mae = with_suffix("held_out_mae_" + channel, channel_suffix(channel, d.kind));
+  return {{"effect", effect.name},
+          {"phase", effect.phase},
+          {"parameters", object_of(f.parameters)},
+          {"gain",
+           {{"explainable_nmse_removed", number(f.explainable_nmse_removed)},
+            {mae, pair(f.held_out_mae_before, f.held_out_mae_after)}}},
+          {"confidence", number(f.confidence)},
+          {"alternatives", rivals(f.alternatives, "why_not")},
+          {"indistinguishable_from", rivals(f.indistinguishable_from, "why")},
+          {"explanation", f.explanation},
+          {"next_experiment", f.next_experiment}};
+}
+
+}  // namespace
+
+std::string_view channel_suffix(std::string_view channel, dynamics::Kind kind) {
+  const bool rotary = dynamics::info(kind).rotary;
+  if (channel.starts_with("height") || channel.starts_with("position")) return "m";
+  if (channel == "leg_angle" || channel.starts_with("angle")) return "rad";
+  if (channel.starts_with("velocity")) return rotary ? "radps" : "mps";
+  if (channel == "contact") return "s";
+  return "";
+}
+
+std::string main_channel(const Diagnosis& diagnosis) {
+  if (!diagnosis.main_channel.empty()) return diagnosis.main_channel;
+  switch (diagnosis.kind) {
+    case dynamics::Kind::motor_axis:
+      return "position";
+    case dynamics::Kind::rotary_joint:
+      return "angle";
+    default:
+      return "height";
+  }
+}
+
+nlohmann::ordered_json to_json(const Diagnosis& d) {
+  Json findings = Json::array();
+  for (const Finding& f : d.findings) findings.push_back(finding(f, d));
+
+  Json goes_along_with = Json::array();
+  for (const Association& a : d.goes_along_with)
+    goes_along_with.push_back({{"signal", a.signal}, {"strength", number(a.strength)}, {"how", a.how}});
+
+  Json candidates = Json::array();
+  for (const Candidate& c : d.candidates)
+    candidates.push_back({{"effects", c.effects},
+                          {"parameters", object_of(c.parameters)},
+                          {"training_gain", number(c.training_gain)},
+                          {"held_out_gain", number(c.held_out_gain)},
+                          {"chosen", c.chosen},
+                          {"outcome", c.outcome}});
+
+  Json parameters = Json::object();
+  for (const Diagnosis::ParameterRow& p : d.parameters)
+    parameters[p.name] = {{"unit", p.unit},
+                          {"free", p.free},
+                          {"given", number(p.given)},
+                          {"refitted", number(p.refitted.value)},
+                          {"refitted_ci95", pair(p.refitted.lower, p.refitted.upper)},
+                          {"extended", number(p.extended.value)},
+                          {"extended_ci95", pair(p.extended.lower, p.extended.upper)},
+                          {"verdict", p.verdict}};
+
+  return {{"schema", "furcula-diagnosis/1"},
+          {"kind", dynamics::info(d.kind).name},
+          {"data",
+           {{"logs", d.logs}, {"hops", d.hops}, {"samples", d.samples}, {"held_out_logs", d.held_out_logs}}},
+          {"verdict", name(d.verdict)},
+          {"summary", d.summary},
+          {"baseline", held_out(d.baseline, d.kind)},
+          {"refitted", held_out(d.refitted, d.kind)},
+          {"extended", held_out(d.extended, d.kind)},
+          {"noise_floor", floor_of(d.noise_floor)},
+          {"findings", findings},
+          {"unexplained",
+           {{"fraction_of_nmse", number(d.unexplained_fraction)},
+            {"white", d.residual_white},
+            {"goes_along_with", goes_along_with}}},
+          {"next_experiment", d.next_experiment},
+          {"parameters", parameters},
+          {"candidates", candidates},
+          {"files", {{"training", d.training_files}, {"held_out", d.held_out_files}}}};
+}
+
+std::string to_json_text(const Diagnosis& diagnosis) {
+  return to_json(diagnosis).dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace furcula::diagnose

@@ -1,0 +1,14 @@
+// The files that are embedded into the program when it is built, so that a report needs no other file.
+#pragma once
+
+#include <string_view>
+
+namespace furcula::report::assets {
+
+extern const std::string_view dygraphs_script;   ///< dygraph.min.js, with its licence comment
+extern const std::string_view dygraphs_style;    ///< dygraph.min.css
+extern const std::string_view dygraphs_licence;  ///< the notice that must go with it
+extern const std::string_view page_style;        ///< assets/report.css
+extern const std::string_view page_script;       ///< assets/report.js
+
+}  // namespace furcula::report::assets

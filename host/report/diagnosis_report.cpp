@@ -1,0 +1,378 @@
+// What stands on the page of a diagnosis, from top to bottom.
+#include "host/report/diagnosis_report.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "host/diagnose/diagnosis_json.hpp"
+#include "host/report/force_plot.hpp"
+#include "host/report/html.hpp"
+#include "host/report/page.hpp"
+#include "host/report/trace_plot.hpp"
+
+namespace furcula::report {
+namespace {
+
+using diagnose::Diagnosis;
+using diagnose::Verdict;
+
+constexpr const char* kArrow = " <span class=\"arrow\">&#8594;</span> ";
+
+struct VerdictWords {
+  const char* title;
+  Tone tone;
+  const char* meaning;
+};
+
+VerdictWords words(Verdict v) {
+  switch (v) {
+    case Verdict::adequate:
+      return {"Adequate", Tone::good, "The model describes these recordings as well as their noise allows."};
+    case Verdict::explained:
+      return {
+          "Explained", Tone::good,
+          "What the model got wrong has a cause with a name, and with it little more than noise remains."};
+    case Verdict::partly_explained:
+      return {"Partly explained", Tone::notice,
+              "A named cause explains a part of the error; what remains still has structure."};
+    case Verdict::unexplained:
+      return {
+          "Unexplained", Tone::bad,
+          "The error has structure, and no effect of the catalogue removes it. See what it goes along with."};
+    case Verdict::not_identifiable:
+      return {"Not identifiable", Tone::notice,
+              "Two or more causes would remove the error equally well, or the data are too poor. Another "
+              "experiment "
+              "tells them apart."};
+  }
+  return {"", Tone::neutral, ""};
+}
+
+const diagnose::ChannelErrors* find(const diagnose::Errors& errors, const std::string& channel) {
+  const auto it = errors.find(channel);
+  return it == errors.end() ? nullptr : &it->second;
+}
+
+double or_nan(const diagnose::ChannelErrors* e, double diagnose::ChannelErrors::*member) {
+  return e ? e->*member : std::numeric_limits<double>::quiet_NaN();
+}
+
+std::string unit_of(const std::string& channel, const Diagnosis& d) {
+  const std::string_view suffix = diagnose::channel_suffix(channel, d.kind);
+  if (suffix == "mps") return "m/s";
+  if (suffix == "radps") return "rad/s";
+  return suffix.empty() ? d.main_unit : std::string(suffix);
+}
+
+/// Names of effects in words; names of parameters as they stand in the model file.
+std::string names(const std::vector<std::string>& list) {
+  std::string out;
+  for (const std::string& n : list) {
+    if (!out.empty()) out += " + ";
+    out += dynamics::effect_named(n) ? escape(in_words(n)) : "<code>" + escape(n) + "</code>";
+  }
+  return out.empty() ? "nothing: the model as it is, re-fitted" : out;
+}
+
+std::string header(const Diagnosis& d) {
+  const VerdictWords v = words(d.verdict);
+  const std::string sentence = d.summary.empty() ? v.meaning : d.summary;
+  std::string out =
+      "<header>\n<p class=\"eyebrow\">Diagnosis of a simulation against measurements &middot; " +
+      escape(in_words(dynamics::info(d.kind).name)) + "</p>\n";
+  out += "<p>" + badge(v.title, v.tone) + "</p>\n<h1>" + escape(sentence) + "</h1>\n";
+  if (!d.summary.empty()) out += "<p class=\"lead\">" + escape(v.meaning) + "</p>\n";
+  return out + "</header>\n";
+}
+
+std::string figures(const Diagnosis& d) {
+  const std::string channel = diagnose::main_channel(d);
+  const auto* given = find(d.baseline, channel);
+  const auto* refitted = find(d.refitted, channel);
+  const auto* extended = find(d.extended, channel);
+  const auto three = [&](double diagnose::ChannelErrors::*member, const std::string& unit) {
+    const std::vector<double> v{or_nan(given, member), or_nan(refitted, member), or_nan(extended, member)};
+    const Scale s = scale_for(v, unit);
+    return "<small>" + number(s.factor * v[0], 2) + kArrow + number(s.factor * v[1], 2) + kArrow +
+           "</small>" + number(s.factor * v[2], 2) +
+           (s.unit.empty() ? "" : "&#8239;<small>" + escape(s.unit) + "</small>");
+  };
+  const auto* floor = find(d.noise_floor, channel);
+  std::vector<KeyFigure> list;
+  list.push_back({"Mean error of " + channel, three(&diagnose::ChannelErrors::mae, unit_of(channel, d)),
+                  "as given, re-fitted, extended; on recordings that no fit has seen"});
+  list.push_back({"NMSE of " + channel, three(&diagnose::ChannelErrors::nmse, ""),
+                  floor ? "the same three; the noise floor is " + number(floor->nmse, 2) : "the same three"});
+  list.push_back({"Still unexplained", escape(percent(d.unexplained_fraction)),
+                  d.residual_white ? "of the error above the noise; what remains looks like noise"
+                                   : "of the error above the noise; what remains has structure"});
+  return key_figures(list);
+}
+
+/// Where the error of the model as given went: one bar of shares.
+std::string budget(const Diagnosis& d) {
+  const std::string channel = diagnose::main_channel(d);
+  const double given = or_nan(find(d.baseline, channel), &diagnose::ChannelErrors::nmse);
+  const double refitted = or_nan(find(d.refitted, channel), &diagnose::ChannelErrors::nmse);
+  const double extended = or_nan(find(d.extended, channel), &diagnose::ChannelErrors::nmse);
+  const auto* floor_entry = find(d.noise_floor, channel);
+  if (!(given > 0.0) || !std::isfinite(refitted) || !std::isfinite(extended)) return "";
+  // Each step can only take away from what the step before left; a held-out error may also grow a little.
+  const double after_fit = std::clamp(refitted, 0.0, given);
+  const double after_causes = std::clamp(extended, 0.0, after_fit);
+  const double noise = std::clamp(floor_entry ? floor_entry->nmse : 0.0, 0.0, after_causes);
+  struct Part {
+    const char* style;
+    const char* label;
+    double share;
+  };
+  const Part parts[] = {{"refit", "removed by re-fitting free parameters", (given - after_fit) / given},
+                        {"cause", "removed by the named causes", (after_fit - after_causes) / given},
+                        {"rest", "remains, above the noise", (after_causes - noise) / given},
+                        {"noise", "noise of the recordings", noise / given}};
+  std::string bar, key;
+  for (const Part& p : parts) {
+    if (!(p.share > 0.0)) continue;
+    bar +=
+        "<span class=\"" + std::string(p.style) + "\" style=\"flex-grow:" + number(p.share, 4) + "\"></span>";
+    key += "<span class=\"key " + std::string(p.style) + "-key\">" + p.label + ": " +
+           escape(percent(p.share)) + "</span>";
+  }
+  return "<figure class=\"budget\"><figcaption>Where the squared error of " + escape(channel) +
+         " goes (held-out NMSE of the model as given = 100 %)</figcaption><div class=\"stack\">" + bar +
+         "</div><div class=\"legend\">" + key + "</div></figure>\n";
+}
+
+std::string errors_table(const Diagnosis& d) {
+  Table table({{"Channel"},
+               {"NMSE as given", true},
+               {"re-fitted", true},
+               {"extended", true},
+               {"noise floor", true},
+               {"MAE as given", true},
+               {"re-fitted", true},
+               {"extended", true},
+               {"RMSE as given", true},
+               {"re-fitted", true},
+               {"extended", true},
+               {"unit"}});
+  for (const auto& [channel, given] : d.baseline) {
+    const auto* refitted = find(d.refitted, channel);
+    const auto* extended = find(d.extended, channel);
+    using E = diagnose::ChannelErrors;
+    const Scale s = scale_for({given.mae, given.rmse}, unit_of(channel, d));
+    table.add({escape(in_words(channel)), number(given.nmse), number(or_nan(refitted, &E::nmse)),
+               number(or_nan(extended, &E::nmse)), number(or_nan(find(d.noise_floor, channel), &E::nmse)),
+               number(s.factor * given.mae), number(s.factor * or_nan(refitted, &E::mae)),
+               number(s.factor * or_nan(extended, &E::mae)), number(s.factor * given.rmse),
+               number(s.factor * or_nan(refitted, &E::rmse)), number(s.factor * or_nan(extended, &E::rmse)),
+               escape(s.unit)});
+  }
+  if (table.empty()) return "";
+  return "<details open><summary>Errors on the held-out recordings, by channel</summary>\n" + table.html() +
+         "</details>\n";
+}
+
+std::string estimates(const std::map<std::string, diagnose::Estimate>& parameters, const Diagnosis& d,
+                      const dynamics::EffectInfo& effect) {
+  Table table({{"Parameter"}, {"Value (95 % interval)", true}, {"Unit"}});
+  for (const auto& [name, e] : parameters) {
+    std::string unit;
+    for (const dynamics::EffectParameterInfo& p : effect.parameters())
+      if (dynamics::name_on(p, d.kind) == name) unit = dynamics::unit_on(p, d.kind);
+    table.add({"<code>" + escape(name) + "</code>", with_interval(e.value, e.lower, e.upper), escape(unit)});
+  }
+  return table.empty() ? "" : table.html();
+}
+
+std::string rivals(const std::vector<diagnose::Rival>& list) {
+  std::string out = "<ul>\n";
+  for (const diagnose::Rival& r : list) {
+    out += "<li><strong>" + names(r.names) + "</strong>";
+    std::string values;
+    for (const auto& [name, e] : r.parameters)
+      values +=
+          (values.empty() ? "" : ", ") + escape(name) + " = " + with_interval(e.value, e.lower, e.upper);
+    if (!values.empty()) out += " <small>" + values + "</small>";
+    if (!r.why.empty()) out += ": " + escape(r.why);
+    out += "</li>\n";
+  }
+  return out + "</ul>\n";
+}
+
+std::string finding(const diagnose::Finding& f, std::size_t place, const Diagnosis& d) {
+  const dynamics::EffectInfo& effect = dynamics::info(f.effect);
+  const std::string channel = diagnose::main_channel(d);
+  const Scale s = scale_for({f.held_out_mae_before, f.held_out_mae_after}, unit_of(channel, d));
+  std::string out = "<article class=\"finding\">\n<h3><span class=\"place\">" + std::to_string(place) +
+                    "</span> " + escape(in_words(effect.name)) + " <code>" + escape(effect.name) +
+                    "</code></h3>\n";
+  out +=
+      "<p class=\"plain\">" + escape(f.explanation.empty() ? effect.explanation : f.explanation) + "</p>\n";
+  out += "<div class=\"columns\"><div>\n<h4>Where to look on the machine</h4>\n" +
+         paragraph(effect.where_to_look);
+  out += "<h4>The law</h4>\n<p><code>" + escape(effect.law) + "</code>" +
+         (d.kind == dynamics::Kind::hopper_linear ? " <small>in " + escape(effect.phase) + "</small>" : "") +
+         "</p>\n";
+  out += estimates(f.parameters, d, effect) + "</div>\n<div>\n";
+  out += "<h4>What it explains</h4>\n<p>" + share_bar(f.explainable_nmse_removed) +
+         " of what can be explained. Without it, all else re-fitted, the mean error of " + escape(channel) +
+         " is " + number(s.factor * f.held_out_mae_before, 2) + " " + escape(s.unit) + "; with it " +
+         number(s.factor * f.held_out_mae_after, 2) + " " + escape(s.unit) + ".</p>\n";
+  out += "<h4>Confidence</h4>\n<p>" + share_bar(f.confidence) + "</p>\n";
+  if (!f.next_experiment.empty()) out += "<h4>To be sure</h4>\n" + paragraph(f.next_experiment);
+  out += "</div></div>\n";
+  if (!f.indistinguishable_from.empty())
+    out += "<div class=\"aside\"><h4>These recordings cannot tell it from</h4>\n" +
+           rivals(f.indistinguishable_from) + "</div>\n";
+  if (!f.alternatives.empty()) out += "<h4>What it is not</h4>\n" + rivals(f.alternatives);
+  return out + "</article>\n";
+}
+
+std::string findings(const Diagnosis& d) {
+  if (d.findings.empty())
+    return paragraph(d.verdict == Verdict::adequate
+                         ? "None. Free parameters may have moved within their bounds; that is identification."
+                         : "None: no effect of the catalogue is supported by these recordings.");
+  std::string out;
+  for (std::size_t i = 0; i < d.findings.size(); ++i) out += finding(d.findings[i], i + 1, d);
+  return out;
+}
+
+TraceData traces(const Diagnosis& d) {
+  TracePlot plot;
+  const bool extended = !d.findings.empty();
+  plot.labels = {"measured", "as given", "re-fitted"};
+  if (extended) plot.labels.push_back("extended");
+  for (const diagnose::Trace& t : d.traces) {
+    TraceWindow w{t.log, t.channel, t.unit, t.time_s, {t.measured, t.as_given, t.refitted}};
+    if (extended) w.values.push_back(t.extended);
+    plot.windows.push_back(std::move(w));
+  }
+  return encode(plot);
+}
+
+std::string remains(const Diagnosis& d) {
+  std::string out = "<p>" + escape(percent(d.unexplained_fraction)) +
+                    " of the error above the noise floor is not explained. " +
+                    (d.residual_white ? "It has no structure that could be told from noise."
+                                      : "It has structure, so it has a cause.") +
+                    "</p>\n";
+  Table table({{"It goes along with"}, {"Strength", true}, {"How"}});
+  for (const diagnose::Association& a : d.goes_along_with)
+    table.add({"<code>" + escape(a.signal) + "</code>", share_bar(a.strength), escape(a.how)});
+  return table.empty() ? out : out + table.html();
+}
+
+std::string candidates(const Diagnosis& d) {
+  std::vector<const diagnose::Candidate*> order;
+  for (const diagnose::Candidate& c : d.candidates) order.push_back(&c);
+  const auto gain = [](const diagnose::Candidate* c) {
+    return std::isfinite(c->training_gain) ? c->training_gain : -1e300;
+  };
+  std::stable_sort(order.begin(), order.end(), [&](const auto* a, const auto* b) {
+    return a->chosen != b->chosen ? a->chosen : gain(a) > gain(b);
+  });
+  Table table({{"Hypothesis"}, {"Gain in training", true}, {"Gain held out", true}, {"Outcome"}});
+  for (const auto* c : order) {
+    std::string values;
+    for (const auto& [name, e] : c->parameters) {
+      const std::size_t dot = name.rfind('.');
+      const std::string shown =
+          c->effects.size() == 1 && dot != std::string::npos ? name.substr(dot + 1) : name;
+      values += "<br><small>" + escape(shown) + " = " + number(e.value) + "</small>";
+    }
+    table.add({names(c->effects) + values, share_bar(c->training_gain), share_bar(c->held_out_gain),
+               escape(c->outcome)},
+              c->chosen);
+  }
+  if (table.empty()) return "";
+  return "<p>Gain in training: share of the cross-validated error removed on the training logs; it alone "
+         "decides. Gain held "
+         "out: share of the error above the noise floor removed on recordings that no choice has "
+         "seen.</p>\n" +
+         table.html();
+}
+
+std::string parameters(const Diagnosis& d) {
+  Table table(
+      {{"Parameter"}, {"As given", true}, {"Re-fitted", true}, {"Extended", true}, {"Unit"}, {"Verdict"}});
+  for (const Diagnosis::ParameterRow& p : d.parameters) {
+    std::string meaning;
+    if (const auto i = dynamics::parameter_index(d.kind, p.name))
+      meaning = "<br><small>" + escape(dynamics::info(d.kind).parameters[*i].meaning) + "</small>";
+    const auto fitted = [&p](const diagnose::Estimate& e) {
+      return p.free ? with_interval(e.value, e.lower, e.upper) : number(e.value, 4);
+    };
+    table.add({"<code>" + escape(p.name) + "</code>" + meaning, number(p.given, 4), fitted(p.refitted),
+               fitted(p.extended), escape(p.unit),
+               escape(p.verdict.empty() ? (p.free ? "free" : "held") : p.verdict)});
+  }
+  if (table.empty()) return "";
+  return "<p>Values with 95 % intervals. Free parameters may move within the bounds of the model file; held "
+         "ones stay as "
+         "given.</p>\n" +
+         table.html();
+}
+
+std::string next_steps(const Diagnosis& d) {
+  std::vector<std::string> steps;
+  const auto add = [&steps](const std::string& s) {
+    if (!s.empty() && std::find(steps.begin(), steps.end(), s) == steps.end()) steps.push_back(s);
+  };
+  add(d.next_experiment);
+  for (const diagnose::Finding& f : d.findings) add(f.next_experiment);
+  if (steps.empty()) return "";
+  std::string out = "<ol>\n";
+  for (const std::string& s : steps) out += "<li>" + escape(s) + "</li>\n";
+  return out + "</ol>\n";
+}
+
+std::string data(const Diagnosis& d) {
+  std::string out = "<p>" + std::to_string(d.logs) + " recordings, " + std::to_string(d.held_out_logs) +
+                    " of them held out; ";
+  if (d.kind == dynamics::Kind::hopper_linear) out += std::to_string(d.hops) + " hops, ";
+  out += std::to_string(d.samples) + " samples.</p>\n";
+  if (!d.training_files.empty()) out += "<h4>Fitted to</h4>\n" + file_list(d.training_files);
+  if (!d.held_out_files.empty()) out += "<h4>Held out</h4>\n" + file_list(d.held_out_files);
+  return out;
+}
+
+constexpr const char* kHowToRead =
+    "<dl>"
+    "<dt>NMSE</dt><dd>Sum of squared errors over the sum of squares about the window's mean: 0 is perfect, 1 "
+    "is as good as "
+    "a constant.</dd>"
+    "<dt>MAE, RMSE</dt><dd>Mean absolute error, and root of the mean squared error, in the channel's "
+    "unit.</dd>"
+    "<dt>Held out</dt><dd>Recordings that no fit and no choice between causes has seen. The model starts "
+    "each window from its "
+    "first measured samples and then runs free.</dd>"
+    "<dt>Noise floor</dt><dd>What no model can remove: sensor noise and the start's uncertainty.</dd>"
+    "<dt>As given, re-fitted, extended</dt><dd>The model file as it was; the same with its free parameters "
+    "fitted again; and "
+    "with the named causes switched on, all fitted together.</dd>"
+    "<dt>95 % interval</dt><dd>The range in which the parameter lies with that probability, if the model is "
+    "right.</dd>"
+    "</dl>\n";
+
+}  // namespace
+
+std::string render_report(const Diagnosis& d) {
+  const TraceData trace_data = traces(d);
+  std::string body = header(d) + figures(d) + budget(d) + errors_table(d);
+  body += section("findings", d.findings.size() == 1 ? "The cause" : "The causes", findings(d));
+  body += section("next", "What to do next", next_steps(d));
+  body += section("traces", "Measured against simulated, held-out recordings", trace_plot_html(trace_data));
+  body += section("force", "The force that the re-fitted model lacks", force_plots(d.residual));
+  body += section("remains", "What remains", remains(d));
+  body += section("candidates", "Everything that was tried", candidates(d));
+  body += section("parameters", "Parameters", parameters(d));
+  body += section("data", "Data", data(d));
+  body += section("reading", "How to read this page", kHowToRead);
+  return render({"Furcula: " + (d.summary.empty() ? std::string(words(d.verdict).title) : d.summary), body,
+                 trace_data.json});
+}
+
+}  // namespace furcula::report

@@ -1,0 +1,101 @@
+// Escaping, and numbers as text.
+#include "host/report/html.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <cstdio>
+
+namespace furcula::report {
+
+std::string escape(std::string_view text) {
+  std::string out;
+  out.reserve(text.size());
+  for (const char c : text) switch (c) {
+      case '&':
+        out += "&amp;";
+        break;
+      case '<':
+        out += "&lt;";
+        break;
+      case '>':
+        out += "&gt;";
+        break;
+      case '"':
+        out += "&quot;";
+        break;
+      case '\'':
+        out += "&#39;";
+        break;
+      case '\n':
+      case '\t':
+        out += ' ';
+        break;
+      default:
+        if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f)
+          out += "\xEF\xBF\xBD";
+        else
+          out += c;
+    }
+  return out;
+}
+
+std::string inside_script(std::string_view json) {
+  std::string out;
+  out.reserve(json.size());
+  for (const char c : json) switch (c) {
+      case '<':
+        out += "\\u003c";
+        break;
+      case '>':
+        out += "\\u003e";
+        break;
+      case '&':
+        out += "\\u0026";
+        break;
+      default:
+        out += c;
+    }
+  return out;
+}
+
+std::string in_words(std::string_view identifier) {
+  std::string out(identifier);
+  std::replace(out.begin(), out.end(), '_', ' ');
+  if (!out.empty()) out[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(out[0])));
+  return out;
+}
+
+std::string number(double value, int significant_digits) {
+  if (!std::isfinite(value)) return "\xE2\x80\x93";
+  if (value == 0.0) return "0";
+  char text[64];
+  const double magnitude = std::abs(value);
+  if (magnitude < 1e-4 || magnitude >= 1e7) {
+    std::snprintf(text, sizeof text, "%.*e", significant_digits - 1, value);
+    return text;
+  }
+  const int decimals = significant_digits - 1 - static_cast<int>(std::floor(std::log10(magnitude)));
+  std::snprintf(text, sizeof text, "%.*f", std::max(0, decimals), value);
+  return text;
+}
+
+std::string percent(double share) {
+  if (!std::isfinite(share)) return "\xE2\x80\x93";
+  const double p = 100.0 * share;
+  if (p != 0.0 && std::abs(p) < 0.1) return p > 0.0 ? "< 0.1 %" : "> -0.1 %";
+  char text[32];
+  std::snprintf(text, sizeof text, "%.*f %%", p != 0.0 && std::abs(p) < 10.0 ? 1 : 0, p);
+  return text;
+}
+
+Scale scale_for(const std::vector<double>& values, std::string_view unit) {
+  double largest = 0.0;
+  for (const double v : values)
+    if (std::isfinite(v)) largest = std::max(largest, std::abs(v));
+  if (largest < 0.1 && (unit == "m" || unit == "m/s" || unit == "rad" || unit == "rad/s"))
+    return {1e3, "m" + std::string(unit)};
+  return {1.0, std::string(unit)};
+}
+
+}  // namespace furcula::report

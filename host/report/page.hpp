@@ -1,0 +1,72 @@
+// The building blocks of every report: the page's frame, badges, figures, tables.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace furcula::report {
+
+/// One page. Members with `html` in their names are markup already; all others are escaped here.
+struct Page {
+  std::string title;      ///< the browser's title
+  std::string body_html;  ///< everything between <main> and </main>
+  std::string
+      data_json;  ///< what page_script draws (trace_plot.hpp); empty: no plot, and no script in the page
+};
+
+/// The whole HTML file: style, script and data embedded; its content policy forbids any request.
+std::string render(const Page& page);
+
+/// Colours carry the same meaning on every page.
+enum class Tone { good, notice, bad, neutral };
+
+std::string badge(std::string_view text, Tone tone);
+
+/// A large figure with what it is above it and a remark below it.
+struct KeyFigure {
+  std::string label;
+  std::string value_html;
+  std::string remark;
+};
+std::string key_figures(const std::vector<KeyFigure>& figures);
+
+/// A table that scrolls sideways where the screen is narrow. Cells are markup.
+class Table {
+ public:
+  struct Column {
+    std::string title;
+    bool numeric = false;
+  };
+  explicit Table(std::vector<Column> columns) : columns_(std::move(columns)) {}
+  /// `marked` sets the row off. Missing cells stay empty.
+  void add(std::vector<std::string> cells_html, bool marked = false);
+  bool empty() const { return rows_.empty(); }
+  std::string html() const;
+
+ private:
+  struct Row {
+    std::vector<std::string> cells;
+    bool marked;
+  };
+  std::vector<Column> columns_;
+  std::vector<Row> rows_;
+};
+
+/// A section with its heading; nothing if the content is empty.
+std::string section(std::string_view id, std::string_view heading, const std::string& content_html);
+
+/// <p>text</p>; nothing if the text is empty.
+std::string paragraph(std::string_view text);
+
+/// A share as a small bar beside its figure; values outside [0, 1] are drawn as its ends.
+std::string share_bar(double share);
+
+/// "1.61 <small>(1.52 to 1.70)</small>": a value with its 95 % interval, digits as the interval's width
+/// warrants.
+std::string with_interval(double value, double lower, double upper);
+
+/// A list of file names, in columns.
+std::string file_list(const std::vector<std::string>& files);
+
+}  // namespace furcula::report
