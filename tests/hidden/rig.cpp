@@ -1,0 +1,252 @@
+// See rig.hpp.
+#include "tests/hidden/rig.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace furcula::hidden {
+
+namespace {
+
+constexpr double kTwoPi = 2.0 * std::numbers::pi;
+constexpr double kRow_s = 1e-3;
+constexpr double kNever = std::numeric_limits<double>::infinity();
+
+double quantised(double value, double quantum, double offset_counts) {
+  return quantum * (std::round(value / quantum + offset_counts) - offset_counts);
+}
+
+// Rows lost on the way to the disk; the first and last stay.
+void drop_rows(log::Log& log, double fraction, Random& random) {
+  if (fraction <= 0) return;
+  const std::size_t rows = log.rows();
+  std::vector<char> kept(rows, 1);
+  for (std::size_t i = 1; i + 1 < rows; ++i)
+    if (random.chance(fraction)) kept[i] = 0;
+  for (auto& [name, column] : log.columns) {
+    std::size_t to = 0;
+    for (std::size_t from = 0; from < rows; ++from)
+      if (kept[from]) column[to++] = column[from];
+    column.resize(to);
+  }
+}
+
+// Backward difference over at least 8 ms (fewer rows at the start; the first is 0).
+std::vector<double> derived_velocity(const std::vector<double>& time_s, const std::vector<double>& position) {
+  constexpr double kSpan_s = 8e-3;
+  std::vector<double> velocity(time_s.size(), 0.0);
+  std::size_t from = 0;
+  for (std::size_t i = 1; i < time_s.size(); ++i) {
+    while (from + 1 < i && time_s[i] - time_s[from + 1] >= kSpan_s - 1e-9) ++from;
+    velocity[i] = (position[i] - position[from]) / (time_s[i] - time_s[from]);
+  }
+  return velocity;
+}
+
+// The profile's torque; positive torque flexes the leg, so it pumps energy in while the body sinks.
+double profile_torque(const HopperExperiment& e, double since_touchdown_s, double velocity_mps) {
+  switch (e.profile) {
+    case Profile::none:
+      return 0.0;
+    case Profile::harmonic:
+      return e.amplitude_nm * std::sin(kTwoPi * since_touchdown_s / e.period_s);
+    case Profile::constant:
+      return velocity_mps < 0 ? e.amplitude_nm : -e.amplitude_nm;
+  }
+  return 0.0;
+}
+
+// The switch reports an event before or after it happens, so the machine is run ahead to know when it will.
+class ContactSwitch {
+ public:
+  ContactSwitch(const HopperSensors& sensors, Random& random) : sensors_(sensors), random_(random) {}
+
+  // Called once a row. `torque_ahead(time, velocity)` is what the rig would command from here on.
+  template <class Torque>
+  bool raw(const Machine& m, const Torque& torque_ahead) {
+    constexpr double kUnseenFlight_s = 0.03;
+    const double now = m.time_s();
+    if (!m.stance() && !(flight_ == m.liftoff_s())) {
+      flight_ = m.liftoff_s();
+      Machine ahead = m;
+      while (!ahead.stance() && ahead.time_s() < now + 1.0) ahead.advance(ahead.time_s() + kRow_s, 0.0);
+      const double touchdown = ahead.touchdown_s();
+      if (touchdown - now < kUnseenFlight_s) {
+        opens_ = kNever;
+        if (!closed_) closes_ = touchdown;
+      } else {
+        if (closed_ && opens_ == kNever) opens_ = m.liftoff_s() + std::abs(error());
+        closes_ = touchdown + error();
+      }
+    }
+    if (m.stance() && m.velocity() <= 0) {
+      rising_ = false;
+      // It opened too early, and the body came down again without leaving the ground.
+      if (!closed_ && closes_ == kNever) closes_ = now;
+    }
+    if (m.stance() && m.velocity() > 0 && !rising_) {
+      rising_ = true;
+      Machine ahead = m;
+      while (ahead.stance() && ahead.velocity() > 0 && ahead.time_s() < now + 0.4)
+        ahead.advance(ahead.time_s() + kRow_s, torque_ahead(ahead.time_s(), ahead.velocity()));
+      if (!ahead.stance() && closed_) opens_ = ahead.liftoff_s() + error();
+    }
+    if (opens_ <= now) change(opens_, false);
+    if (closes_ <= now && opens_ == kNever) change(closes_, true);
+    return now - changed_s_ < sensors_.bounce_s ? random_.chance(0.5) : closed_;
+  }
+
+ private:
+  double error() { return random_.uniform(-sensors_.report_error_s, sensors_.report_error_s); }
+  void change(double& when, bool closed) {
+    if (closed_ != closed) changed_s_ = when;
+    closed_ = closed;
+    when = kNever;
+  }
+
+  const HopperSensors& sensors_;
+  Random& random_;
+  bool closed_ = false, rising_ = false;
+  double changed_s_ = -1.0, flight_ = std::numeric_limits<double>::quiet_NaN();
+  double opens_ = kNever, closes_ = kNever;  // when the next reports come
+};
+
+}  // namespace
+
+HopperRecording record_hopper(const Truth& truth, const HopperExperiment& experiment,
+                              const HopperSensors& sensors, Random& random) {
+  constexpr double kVibration_hz = 60.0, kVibrationDecay_s = 0.010, kShortestStance_s = 0.05;
+  Machine m(truth, experiment.drop_height_m, 0.0);
+  ContactSwitch contact_switch(sensors, random);
+  const double offset_counts = random.uniform(-0.5, 0.5);
+  HopperRecording out;
+  std::vector<double> time, height, contact, torque;
+
+  bool believes_stance = false, was_closed = false;
+  double believed_touchdown_s = 0.0, impact_mps = 0.0, moved_s = 0.0, last_liftoff = m.liftoff_s();
+  for (int row = 0;; ++row) {
+    const double now = row * kRow_s;
+
+    // What the sensors say.
+    double seen = m.position() + sensors.noise_m * random.normal();
+    const double since_impact_s = now - m.touchdown_s();
+    if (since_impact_s < 6 * kVibrationDecay_s)
+      seen += sensors.vibration_m * impact_mps * std::exp(-since_impact_s / kVibrationDecay_s) *
+              std::sin(kTwoPi * kVibration_hz * since_impact_s);
+    const bool closed = contact_switch.raw(m, [&](double t, double velocity) {
+      return believes_stance ? profile_torque(experiment, t - believed_touchdown_s, velocity) : 0.0;
+    });
+    time.push_back(now);
+    height.push_back(quantised(seen, sensors.quantum_m, offset_counts));
+    contact.push_back(closed ? 1.0 : 0.0);
+
+    // What the controller makes of it: a change of phase when the switch says the same twice running.
+    if (!believes_stance && closed && was_closed) {
+      believes_stance = true;
+      believed_touchdown_s = now;
+    } else if (believes_stance && !closed && !was_closed && now - believed_touchdown_s > kShortestStance_s) {
+      believes_stance = false;
+    }
+    was_closed = closed;
+    const std::size_t back = std::min<std::size_t>(time.size() - 1, 8);
+    const double rising = height.back() - height[height.size() - 1 - back];
+    const double command =
+        believes_stance ? profile_torque(experiment, now - believed_touchdown_s, rising) : 0.0;
+    torque.push_back(command);
+
+    // When to stop: enough hops, too long, or the body at rest.
+    if (m.liftoff_s() != last_liftoff) ++out.liftoffs;
+    last_liftoff = m.liftoff_s();
+    if (std::abs(m.velocity()) > 5e-3) moved_s = now;
+    if (out.liftoffs > experiment.hops || now >= experiment.longest_s || now - moved_s > 0.1) break;
+
+    if (!m.stance()) impact_mps = std::abs(m.velocity());
+    m.advance((row + 1) * kRow_s, command);
+  }
+  out.ground_pulled = m.ground_pulled();
+
+  out.log.rig = "hopper";
+  out.log.columns = {{"time_s", time}, {"height_m", height}, {"contact", contact}, {"torque_cmd_nm", torque}};
+  if (sensors.velocity_column) out.log.columns["velocity_mps"] = derived_velocity(time, height);
+  drop_rows(out.log, sensors.dropped_fraction, random);
+  return out;
+}
+
+double Course::at(double time_s) const {
+  double position = 0.0;
+  if (!moves.empty()) {
+    position = moves.front().from;
+    for (const Move& m : moves) {
+      if (time_s < m.begin_s) break;
+      const double s = std::min(1.0, (time_s - m.begin_s) / (m.end_s - m.begin_s));
+      position = m.from + (m.to - m.from) * s * s * s * (10 + s * (6 * s - 15));
+    }
+  }
+  const double fade = std::clamp(time_s / 0.5, 0.0, 1.0), smooth_fade = fade * fade * (3 - 2 * fade);
+  for (const Sine& s : sines)
+    position += smooth_fade * s.amplitude * std::sin(kTwoPi * s.frequency_hz * time_s + s.phase_rad);
+  return position;
+}
+
+double Course::velocity(double time_s) const {
+  constexpr double kH = 1e-4;
+  return (at(time_s + kH) - at(time_s - kH)) / (2 * kH);
+}
+
+double Course::acceleration(double time_s) const {
+  constexpr double kH = 1e-3;
+  return (at(time_s + kH) - 2 * at(time_s) + at(time_s - kH)) / (kH * kH);
+}
+
+log::Log record_axis(const Truth& truth, const std::vector<double>& known, const AxisExperiment& experiment,
+                     const AxisSensors& sensors, Random& random) {
+  const bool rotary = truth.kind == Kind::rotary_joint;
+  const double inertia = known[0], gravity = rotary ? known[1] : 0.0, damping = known[rotary ? 2 : 1];
+  const double bandwidth = kTwoPi * experiment.feedback_hz;
+  Machine m(truth, experiment.start_position, 0.0);
+  const double offset_counts = random.uniform(-0.5, 0.5);
+  std::vector<double> time, position, input, reference;
+  double filtered_velocity = 0.0;
+
+  for (double now = 0.0; now <= experiment.duration_s;) {
+    const double seen =
+        quantised(m.position() + sensors.noise * random.normal(), sensors.quantum, offset_counts);
+    if (!position.empty()) {
+      const double dt = now - time.back();
+      filtered_velocity += dt / (dt + 5e-3) * ((seen - position.back()) / dt - filtered_velocity);
+    }
+    double command = 0.0;
+    if (experiment.feedback_hz > 0) {
+      const double target = experiment.course.at(now), target_velocity = experiment.course.velocity(now);
+      command = inertia * (experiment.course.acceleration(now) + bandwidth * bandwidth * (target - seen) +
+                           1.4 * bandwidth * (target_velocity - filtered_velocity)) +
+                damping * target_velocity + gravity * std::sin(target);
+    }
+    for (const Sine& s : experiment.open_loop)
+      command += s.amplitude * std::sin(kTwoPi * s.frequency_hz * now + s.phase_rad);
+    command = std::clamp(command, -experiment.limit, experiment.limit);
+
+    time.push_back(now);
+    position.push_back(seen);
+    input.push_back(command);
+    reference.push_back(experiment.course.at(now));
+    now = sensors.interval_spread_s > 0 ? now + sensors.interval_s + sensors.interval_spread_s * random.unit()
+                                        : static_cast<double>(time.size()) * sensors.interval_s;
+    m.advance(now, command, 100e-6);
+  }
+
+  log::Log log;
+  log.rig = std::string(dynamics::info(truth.kind).rig);
+  log.columns = {{"time_s", time}};
+  log.columns[rotary ? "angle_rad" : "position_m"] = position;
+  log.columns[rotary ? "torque_nm" : "force_n"] = input;
+  if (!rotary && experiment.feedback_hz > 0) log.columns["reference_m"] = reference;
+  if (sensors.velocity_column)
+    log.columns[rotary ? "velocity_radps" : "velocity_mps"] = derived_velocity(time, position);
+  drop_rows(log, sensors.dropped_fraction, random);
+  return log;
+}
+
+}  // namespace furcula::hidden
