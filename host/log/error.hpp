@@ -1,4 +1,5 @@
-// Unusable data or model files: the message names file, line, column or key, the value, and what was expected.
+// Unusable data or model files: the message names file, line, column or key, the value, and what was
+// expected.
 #pragma once
 
 #include <stdexcept>

@@ -45,10 +45,18 @@ void fail(const std::string& name, const toml::source_region& where, const std::
   throw DataError(name + ":" + std::to_string(where.begin.line) + ": " + message);
 }
 
+std::string toml_float(double value) {
+  std::string text = shortest(value);
+  // "nan", "inf" and exponents are floats already.
+  if (text.find_first_of(".en") == text.npos) text += ".0";
+  return text;
+}
+
 std::string value_text(const toml::node& node) {
   if (node.is_table()) return "a table";
   if (node.is_array()) return "an array";
   if (const auto* s = node.as_string()) return quoted(s->get());
+  if (const auto* number = node.as_floating_point()) return toml_float(number->get());
   std::ostringstream out;
   node.visit([&out](const auto& v) {
     if constexpr (toml::is_value<decltype(v)>) out << v;

@@ -18,6 +18,9 @@ toml::table parse_toml(std::string_view text, const std::string& name);
 /// Throws DataError "file:line: message", the line being the node's (or key's).
 [[noreturn]] void fail(const std::string& name, const toml::source_region& where, const std::string& message);
 
+/// A float as TOML writes it: shortest, and told from an integer (605.0, 1e+22, nan).
+std::string toml_float(double value);
+
 /// How a value looks in the file, for messages: `"abc"`, `12`, `true`, `a table`, `an array`.
 std::string value_text(const toml::node& node);
 

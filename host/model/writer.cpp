@@ -2,35 +2,24 @@
 #include "host/model/writer.hpp"
 
 #include "host/log/atomic_file.hpp"
-#include "host/log/message.hpp"
+#include "host/log/strict_toml.hpp"
 
 namespace furcula::model {
-namespace {
-
-// TOML tells 605 (an integer) from 605.0; every parameter is a float.
-std::string toml_float(double value) {
-  std::string text = log::shortest(value);
-  if (text.find_first_of(".e") == text.npos) text += ".0";
-  return text;
-}
-
-}  // namespace
-
 std::string format_model(const Model& model) {
   const auto& kind = dynamics::info(model.kind);
   std::string out = "[model]\nkind = \"" + std::string(kind.name) + "\"\nschema = 1\n\n[parameters]\n";
   for (std::size_t i = 0; i < kind.parameters.size(); ++i)
-    out += std::string(kind.parameters[i].name) + " = " + toml_float(model.parameters.at(i)) + "\n";
+    out += std::string(kind.parameters[i].name) + " = " + log::toml_float(model.parameters.at(i)) + "\n";
   if (!model.free.empty()) out += "\n[free]\n";
   for (const auto& [index, bounds] : model.free)
-    out += std::string(kind.parameters[index].name) + " = [" + toml_float(bounds.lower) + ", " +
-           toml_float(bounds.upper) + "]\n";
+    out += std::string(kind.parameters[index].name) + " = [" + log::toml_float(bounds.lower) + ", " +
+           log::toml_float(bounds.upper) + "]\n";
   for (const auto& [effect, values] : model.effects) {
     const auto& info = dynamics::info(effect);
     out += "\n[effect." + std::string(info.name) + "]\n";
     for (std::size_t i = 0; i < info.parameter_count; ++i)
       out += std::string(dynamics::name_on(info.parameters()[i], model.kind)) + " = " +
-             toml_float(values[i]) + "\n";
+             log::toml_float(values[i]) + "\n";
   }
   return out;
 }

@@ -1,0 +1,132 @@
+// `furcula check` at the program's edge: what it prints, and each kind of bad input.
+#include <catch2/catch.hpp>
+
+#include "tests/host/cli/run_program.hpp"
+#include "tests/host/model/example.hpp"
+
+using namespace furcula;
+using Catch::Matchers::Contains;
+using Catch::Matchers::StartsWith;
+using test::run_furcula;
+
+namespace {
+
+const std::string kHeader = "time_s,height_m,contact,torque_cmd_nm\n";
+
+struct BadLog {
+  std::string what, content, place, value, expected;
+};
+
+// Exactly one line, from the program.
+void check_one_message(const test::Ran& ran) {
+  CHECK_THAT(ran.err, StartsWith("furcula: "));
+  CHECK(ran.err.find('\n') == ran.err.size() - 1);
+}
+
+}  // namespace
+
+TEST_CASE("a good log is told of in figures") {
+  test::TemporaryFolder folder;
+  const std::string path = folder.file("a.csv", kHeader + "0,1,0,0\n0.001,1,0,0\n0.003,1,1,0\n");
+  const test::Ran ran = run_furcula({"check", "--rig", "hopper", path});
+  CHECK(ran.status == 0);
+  CHECK(ran.out == path + ": 3 rows, 0.003 s, interval min 1, median 1, max 2 ms\n");
+  CHECK(ran.err.empty());
+}
+
+TEST_CASE("the model's kind tells the rig, and a map reads a foreign log") {
+  test::TemporaryFolder folder;
+  const std::string model = folder.file("m.toml", test::kJointModel);
+  const std::string map = folder.file("map.toml",
+                                      "rig = \"rotary_joint\"\ntime_s = { column = \"t\" }\nangle_rad = { "
+                                      "column = \"q\" }\ntorque_nm = { column = \"tau\" }\n");
+  const std::string log = folder.file("a.csv", "t,q,tau\n0,1,0\n1,1,0\n");
+  CHECK(run_furcula({"check", "--model", model, "--map", map, log}).status == 0);
+  const test::Ran ran = run_furcula({"check", "--model", model, log});
+  CHECK(ran.status == 3);
+  CHECK_THAT(ran.err, Contains("a.csv:1: no column 'time_s'"));
+}
+
+TEST_CASE("bad logs end with status 3 and one message: file, line, value, what was expected") {
+  const std::vector<BadLog> cases{
+      {"a torn row", kHeader + "0,1,0,0\n0.001,1", ":3:", "'0.001,1'", "expected 4 fields"},
+      {"a ragged row", kHeader + "0,1,0\n1,1,0,0\n", ":2:", "'0,1,0'", "expected 4 fields"},
+      {"a missing column", "time_s,height_m,contact\n0,1,0\n", ":1:", "'torque_cmd_nm'", "must have"},
+      {"time running backwards", kHeader + "0,1,0,0\n2,1,0,0\n1,1,0,0\n", ":4:", "1 s after 2 s",
+       "expected time to increase"},
+      {"a NaN", kHeader + "0,1,0,0\n1,nan,0,0\n", ":3:", "'nan'", "expected a finite decimal number"},
+      {"an infinity", kHeader + "0,-inf,0,0\n", ":2:", "'-inf'", "expected a finite decimal number"},
+      {"a non-number", kHeader + "0,1,0,ten\n", ":2:", "'ten'", "expected a finite decimal number"},
+      {"a wrong unit suffix", "time_s,height_mm,contact,torque_cmd_nm\n0,1,0,0\n", ":1:", "'height_mm'",
+       "expected 'height_m'"},
+      {"a contact that is no flag", kHeader + "0,1,2,0\n", ":2:", "2", "expected 0 or 1"},
+      {"a column twice", "time_s,height_m,contact,contact,torque_cmd_nm\n0,1,0,0,0\n", ":1:", "'contact'",
+       "expected each column once"},
+      {"an empty file", "", ":1:", "the file is empty", "expected a CSV log"},
+      {"a header alone", kHeader, ":2:", "no rows", "expected at least one"},
+      {"a file of zero bytes", std::string(100000, '\0'), ":1:", "NUL", "expected the text of a CSV log"},
+      {"a file of zero numbers", kHeader + "0,0,0,0\n0,0,0,0\n", ":3:", "0 s after 0 s",
+       "expected time to increase"},
+      {"a log of another rig", "# rig: motor_axis\ntime_s,position_m,force_n\n0,0,0\n", ":1:", "'motor_axis'",
+       "expected hopper"},
+  };
+  test::TemporaryFolder folder;
+  const std::string path = folder.path() + "/a.csv";
+  for (const BadLog& c : cases) {
+    INFO(c.what);
+    folder.file("a.csv", c.content);
+    const test::Ran ran = run_furcula({"check", "--rig", "hopper", path});
+    CHECK(ran.status == 3);
+    CHECK(ran.out.empty());
+    check_one_message(ran);
+    CHECK_THAT(ran.err, Contains(path + c.place) && Contains(c.value) && Contains(c.expected));
+  }
+}
+
+TEST_CASE("a directory, and a file that is not there, end with status 3") {
+  test::TemporaryFolder folder;
+  for (const std::string& path : {folder.path(), folder.path() + "/none.csv"}) {
+    const test::Ran ran = run_furcula({"check", "--rig", "hopper", path});
+    CHECK(ran.status == 3);
+    check_one_message(ran);
+    CHECK_THAT(ran.err, Contains(path + ": ") && Contains("expected a log"));
+  }
+}
+
+TEST_CASE("each bad log of several has its message, and the good ones their figures") {
+  test::TemporaryFolder folder;
+  const std::string bad = folder.file("bad.csv", kHeader),
+                    good = folder.file("good.csv", kHeader + "0,1,0,0\n");
+  const test::Ran ran = run_furcula({"check", "--rig", "hopper", bad, good, bad});
+  CHECK(ran.status == 3);
+  CHECK_THAT(ran.out, StartsWith(good + ": 1 rows"));
+  CHECK(ran.err == "furcula: " + bad + ":2: no rows after the header row; expected at least one\nfurcula: " +
+                       bad + ":2: no rows after the header row; expected at least one\n");
+}
+
+TEST_CASE("bad model and map files end with status 3 and one message") {
+  test::TemporaryFolder folder;
+  const std::string log = folder.file("a.csv", kHeader + "0,1,0,0\n");
+  const auto check_model = [&](const std::string& from, const std::string& to) {
+    const std::string model = folder.file("m.toml", test::with(test::kHopperModel, from, to));
+    const test::Ran ran = run_furcula({"check", "--model", model, log});
+    CHECK(ran.status == 3);
+    check_one_message(ran);
+    return ran.err;
+  };
+  const std::string path = folder.path() + "/m.toml";
+  CHECK_THAT(check_model("mass_kg", "mas_kg"),
+             Contains(path + ":6: unknown key 'mas_kg'") && Contains("expected one of mass_kg"));
+  CHECK_THAT(check_model("coulomb", "columb"),
+             Contains(path + ":20: unknown effect 'columb_friction'; expected one of"));
+  CHECK_THAT(check_model("[1.2, 2.0]", "[2.0, 1.2]"),
+             Contains(path + ":18: [free] mass_kg = [2, 1.2]") && Contains("expected lower < upper"));
+  CHECK_THAT(check_model("1.554", "nan"), Contains(path + ":6: mass_kg = nan; expected a number"));
+
+  const std::string map = folder.file("map.toml", "rig = \"hopper\"\nheight_mm = { column = \"z\" }\n");
+  const test::Ran ran = run_furcula({"check", "--rig", "hopper", "--map", map, log});
+  CHECK(ran.status == 3);
+  check_one_message(ran);
+  CHECK_THAT(ran.err,
+             Contains("map.toml:2: unknown key 'height_mm'") && Contains("did you mean 'height_m'?"));
+}

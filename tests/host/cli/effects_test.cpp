@@ -1,0 +1,44 @@
+// `furcula effects`: the catalogue as text, JSON and the documentation's page.
+#include <catch2/catch.hpp>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "tests/host/cli/run_program.hpp"
+
+using namespace furcula;
+using Catch::Matchers::Contains;
+using test::run_furcula;
+
+TEST_CASE("one effect is told with law, unit, bounds, where to look and the experiment that shows it") {
+  const test::Ran ran = run_furcula({"effects", "coulomb_friction", "--kind", "rotary_joint"});
+  CHECK(ran.status == 0);
+  CHECK_THAT(ran.out, Contains("-Fc sgn(v)") && Contains("torque_nm, in N m, from 0 to") &&
+                          Contains("look at") && Contains("experiment"));
+  CHECK_THAT(run_furcula({"effects", "coulomb_friction"}).out,
+             Contains("force_n (torque_nm on a rotary joint)"));
+}
+
+TEST_CASE("a kind has the effects that its machine can have") {
+  const test::Ran axis = run_furcula({"effects", "--kind", "motor_axis"});
+  CHECK_THAT(axis.out, Contains("force_offset") && !Contains("spring_preload") && !Contains("torque_nm"));
+  CHECK_THAT(run_furcula({"effects", "--kind", "hopper_linear"}).out, Contains("spring_preload"));
+}
+
+TEST_CASE("the JSON has every effect with its bounds, and null where no value means absence") {
+  const auto json = nlohmann::json::parse(run_furcula({"effects", "--json"}).out);
+  CHECK(json["schema"] == "furcula-effects/1");
+  CHECK(json["effects"][0]["effect"] == "coulomb_friction");
+  CHECK(json["effects"][0]["parameters"][0]["neutral"] == 0.0);
+  CHECK(json["effects"][0]["parameters"][0]["rotary_name"] == "torque_nm");
+  CHECK(json["effects"][1]["parameters"][2]["neutral"].is_null());
+  const auto one = nlohmann::json::parse(run_furcula({"effects", "stiffness_error", "--json"}).out);
+  REQUIRE(one["effects"].size() == 1);
+  CHECK(one["effects"][0]["kinds"] == nlohmann::json::array({"hopper_linear"}));
+}
+
+TEST_CASE("docs/effects.md is what the catalogue says (furcula effects --markdown > docs/effects.md)") {
+  std::ostringstream page;
+  page << std::ifstream(FURCULA_SOURCE_DIR "/docs/effects.md").rdbuf();
+  CHECK(page.str() == run_furcula({"effects", "--markdown"}).out);
+}

@@ -1,0 +1,50 @@
+// What the program says and returns when its arguments are unusable or its result cannot be written.
+#include <catch2/catch.hpp>
+
+#include "tests/host/cli/run_program.hpp"
+
+using namespace furcula;
+using Catch::Matchers::Contains;
+using test::run_furcula;
+
+TEST_CASE("help and version are results: status 0, on stdout") {
+  for (const std::vector<std::string>& arguments : std::vector<std::vector<std::string>>{
+           {"--help"}, {"--version"}, {"check", "--help"}, {"effects", "--help"}}) {
+    const test::Ran ran = run_furcula(arguments);
+    CHECK(ran.status == 0);
+    CHECK_THAT(ran.out, Contains("furcula"));
+    CHECK(ran.err.empty());
+  }
+}
+
+TEST_CASE("unusable arguments end with status 2 and one message on stderr") {
+  const std::vector<std::pair<std::vector<std::string>, std::string>> cases{
+      {{}, "A subcommand is required"},
+      {{"chek"}, "no command 'chek'; expected one of"},
+      {{"check"}, "LOG is required"},
+      {{"check", "--rig", "hopper"}, "LOG is required"},
+      {{"check", "--rig"}, "--rig"},
+      {{"check", "x.csv"}, "expected either --rig or --model"},
+      {{"check", "--rig", "hoper", "x.csv"}, "--rig hoper: no such rig; expected one of hopper"},
+      {{"check", "--rig", "hopper", "--colour", "x.csv"}, "--colour"},
+      {{"effects", "coulomb"}, "did you mean 'coulomb_friction'?"},
+      {{"effects", "--kind", "hexapod"}, "--kind hexapod: no such kind; expected one of hopper_linear"},
+      {{"effects", "spring_preload", "--kind", "motor_axis"}, "no effect 'spring_preload' on motor_axis"},
+      {{"effects", "--json", "--markdown"}, "--json and --markdown: expected one of them"},
+  };
+  for (const auto& [arguments, message] : cases) {
+    const test::Ran ran = run_furcula(arguments);
+    INFO(message);
+    CHECK(ran.status == 2);
+    CHECK(ran.out.empty());
+    CHECK_THAT(ran.err, Contains(message));
+    CHECK(ran.err.find('\n') == ran.err.size() - 1);
+  }
+}
+
+TEST_CASE("a result that cannot be written is not a success") {
+  const test::Ran ran =
+      test::run_program("/bin/sh", {"-c", std::string("exec ") + FURCULA_PROGRAM + " effects > /dev/full"});
+  CHECK(ran.status == 2);
+  CHECK(ran.err == "furcula: stdout: cannot be written\n");
+}

@@ -1,0 +1,85 @@
+// Map files: what they do to a foreign log, and what is refused.
+#include "host/log/column_map.hpp"
+
+#include <catch2/catch.hpp>
+
+#include "host/log/reader.hpp"
+#include "tests/host/error_message.hpp"
+
+using namespace furcula;
+using Catch::Matchers::Contains;
+
+namespace {
+
+const std::string kMap =
+    "rig = \"rotary_joint\"\ntime_s = { column = \"time\" }\n"
+    "angle_rad = { column = \"pos\", scale = 0.5, offset = -1.0 }\ntorque_nm = { column = \"tau\", scale = "
+    "-2 }\n";
+
+std::string refused(const std::string& text) {
+  return test::error_message([&] { log::parse_column_map(text, "map.toml"); });
+}
+std::string refused_log(const std::string& map_text, const std::string& text) {
+  const log::ColumnMap map = log::parse_column_map(map_text, "map.toml");
+  return test::error_message([&] { log::parse_log(text, "a.csv", "rotary_joint", &map); });
+}
+
+}  // namespace
+
+TEST_CASE("a map turns a foreign log's columns into ours, and keeps the others") {
+  const log::ColumnMap map = log::parse_column_map(kMap, "map.toml");
+  const log::Log log =
+      log::parse_log("tau,time,pos,temp\n1,0,4,30\n-3,0.5,5,31\n", "a.csv", "rotary_joint", &map);
+  CHECK(log.time_s() == std::vector<double>{0.0, 0.5});
+  CHECK(log.at("angle_rad") == std::vector<double>{1.0, 1.5});
+  CHECK(log.at("torque_nm") == std::vector<double>{-2.0, 6.0});
+  CHECK(log.at("temp") == std::vector<double>{30.0, 31.0});
+  CHECK_FALSE(log.has("pos"));
+}
+
+TEST_CASE("one foreign column may serve two of ours, and a namesake of a mapped column is not ours") {
+  const log::ColumnMap map =
+      log::parse_column_map(kMap + "torque_cmd_nm = { column = \"tau\" }\n", "map.toml");
+  const log::Log log = log::parse_log("tau,time,pos,angle_rad\n1,0,4,99\n", "a.csv", "rotary_joint", &map);
+  CHECK(log.at("torque_cmd_nm") == std::vector<double>{1.0});
+  CHECK(log.at("torque_nm") == std::vector<double>{-2.0});
+  CHECK(log.at("angle_rad") == std::vector<double>{1.0});
+}
+
+TEST_CASE("a foreign log that does not suit the map is refused") {
+  CHECK_THAT(refused_log(kMap, "time,tau\n0,1\n"),
+             Contains("a.csv:1: no column 'pos', which map.toml maps to 'angle_rad'"));
+  CHECK_THAT(refused_log(kMap, "time,pos,tau\n0,1,x\n"),
+             Contains("a.csv:2: column 'tau' (mapped to 'torque_nm'): 'x' is not a number"));
+  CHECK_THAT(refused_log(kMap, "time,pos,tau\n0,1,1e308\n"),
+             Contains("column 'tau' (mapped to 'torque_nm'): not finite after the map"));
+  CHECK_THAT(refused_log("rig = \"rotary_joint\"\ntime_s = { column = \"t\", scale = -1 }\n",
+                         "t,angle_rad,torque_nm\n0,1,1\n1,1,1\n"),
+             Contains("a.csv:3: column 't' (mapped to 'time_s'): -1 s after 0 s"));
+  CHECK_THAT(refused_log("rig = \"hopper\"\ntime_s = { column = \"t\" }\n", "t\n0\n"),
+             Contains("map.toml: rig is 'hopper'; expected rotary_joint"));
+}
+
+TEST_CASE("a map file that is not strict is refused with its line") {
+  CHECK_THAT(refused("time_s = { column = \"t\" }\n"), Contains("map.toml:1: no key 'rig'; expected"));
+  CHECK_THAT(refused("rig = \"hoper\"\n"),
+             Contains("map.toml:1: unknown rig 'hoper'; expected one of hopper") &&
+                 Contains("did you mean 'hopper'?"));
+  CHECK_THAT(refused("rig = 3\n"), Contains("map.toml:1: rig is 3; expected a string"));
+  CHECK_THAT(refused("rig = \"hopper\"\n"), Contains("map.toml:1: no column is mapped"));
+  CHECK_THAT(refused("rig = \"hopper\"\nheigth_m = { column = \"z\" }\n"),
+             Contains("map.toml:2: unknown key 'heigth_m'") && Contains("did you mean 'height_m'?"));
+  CHECK_THAT(refused("rig = \"hopper\"\nheight_m = \"z\"\n"),
+             Contains("map.toml:2: height_m is 'z'; expected a table"));
+  CHECK_THAT(refused("rig = \"hopper\"\nheight_m = { scale = 2 }\n"),
+             Contains("map.toml:2: height_m has no key 'column'"));
+  CHECK_THAT(refused("rig = \"hopper\"\nheight_m = { column = \"z\", scal = 2 }\n"),
+             Contains("unknown key 'scal' in height_m") && Contains("did you mean 'scale'?"));
+  CHECK_THAT(refused("rig = \"hopper\"\nheight_m = { column = \"z\", scale = 0 }\n"),
+             Contains("map.toml:2: height_m.scale = 0; expected another number than zero"));
+  CHECK_THAT(refused("rig = \"hopper\"\nheight_m = { column = \"z\", offset = nan }\n"),
+             Contains("map.toml:2: height_m.offset = nan; expected a number"));
+  CHECK_THAT(refused("rig = \"hopper\"\nheight_m = { column = \"z\", scale = \"2\" }\n"),
+             Contains("height_m.scale is '2'; expected a number"));
+  CHECK_THAT(refused("rig = \"hopper\"\nheight_m = {\n"), Contains("map.toml:2: no valid TOML"));
+}

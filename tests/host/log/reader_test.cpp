@@ -1,0 +1,276 @@
+// Logs that are read, and logs that are refused: each with file, line, column, value and what was expected.
+#include "host/log/reader.hpp"
+
+#include <sys/resource.h>
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <fstream>
+#include <random>
+
+#include "tests/host/cli/run_program.hpp"
+#include "tests/host/error_message.hpp"
+
+using namespace furcula;
+using Catch::Matchers::Contains;
+
+namespace {
+
+const std::string kHeader = "time_s,height_m,contact,torque_cmd_nm\n";
+
+log::Log hopper(const std::string& text) { return log::parse_log(text, "a.csv", "hopper"); }
+
+// The message, which must be one line that begins with file and line.
+std::string refused(const std::string& text, const std::string& rig = "hopper") {
+  const std::string message = test::error_message([&] { log::parse_log(text, "a.csv", rig); });
+  CHECK(message.find('\n') == std::string::npos);
+  return message;
+}
+
+}  // namespace
+
+TEST_CASE("a log gives its columns and metadata") {
+  const log::Log log = hopper(
+      "# format: furcula-log/1\n# rig: hopper\n# experiment: harmonic-T2.0: 03\n"
+      "time_s,height_m,velocity_mps,contact,torque_cmd_nm\n"
+      "0.000,0.28210,-1.5e-3,1,0\n0.001,0.2822,.5,0,-0.25\n");
+  CHECK(log.rig == "hopper");
+  CHECK(log.path == "a.csv");
+  CHECK(log.metadata.at("experiment") == "harmonic-T2.0: 03");
+  CHECK(log.rows() == 2);
+  CHECK(log.time_s() == std::vector<double>{0.0, 0.001});
+  CHECK(log.at("height_m") == std::vector<double>{0.2821, 0.2822});
+  CHECK(log.at("velocity_mps") == std::vector<double>{-0.0015, 0.5});
+  CHECK(log.at("contact") == std::vector<double>{1.0, 0.0});
+  CHECK(log.at("torque_cmd_nm") == std::vector<double>{0.0, -0.25});
+}
+
+TEST_CASE("columns come in any order, and unknown ones are kept") {
+  const log::Log log = hopper("contact,knee_c,torque_cmd_nm,height_m,time_s\n1,41.5,0.1,0.3,7\n");
+  CHECK(log.at("knee_c") == std::vector<double>{41.5});
+  CHECK(log.at("height_m") == std::vector<double>{0.3});
+  CHECK(log.time_s() == std::vector<double>{7.0});
+}
+
+TEST_CASE("an unknown column that is not numeric is left out and told of") {
+  test::TemporaryFolder folder;
+  const std::string path =
+      folder.file("a.csv", "time_s,state,height_m\n0,idle,1\n1,\"fall, free\",2\n2,7,3\n");
+  const log::Log log = log::read_log(path, "rail_carriage");
+  CHECK_FALSE(log.has("state"));
+  CHECK(log.at("height_m") == std::vector<double>{1.0, 2.0, 3.0});
+  CHECK(log::check_log(path, "rail_carriage").ignored_columns == std::vector<std::string>{"state"});
+}
+
+TEST_CASE("RFC 4180: quotes, CRLF, a byte order mark, and no line end after the last row") {
+  const log::Log log = hopper(
+      "\xEF\xBB\xBF\"time_s\",\"height_m\",contact,torque_cmd_nm,\"a \"\"note\"\", long\"\r\n"
+      "\"0\", 0.25 ,1,+0.5,\"two\r\nlines, \"\"quoted\"\"\"\r\n1,\"0.5\",0,-0.5,3");
+  CHECK(log.rows() == 2);
+  CHECK(log.at("height_m") == std::vector<double>{0.25, 0.5});
+  CHECK(log.at("torque_cmd_nm") == std::vector<double>{0.5, -0.5});
+  CHECK_FALSE(log.has("a \"note\", long"));
+}
+
+TEST_CASE("a line is counted where it stands in the file, line ends within quotes included") {
+  CHECK_THAT(refused("time_s,height_m,contact,torque_cmd_nm,note\n0,1,1,0,\"a\nb\nc\"\n1,x,1,0,d\n"),
+             Contains("a.csv:5: column 'height_m': 'x'"));
+}
+
+TEST_CASE("numbers at the ends of a double's range are read or refused, never changed in silence") {
+  CHECK(hopper(kHeader + "0,4.9406564584124654e-324,0,1e-999\n").at("height_m").front() ==
+        4.9406564584124654e-324);
+  CHECK(hopper(kHeader + "0,1,0,1e-999\n").at("torque_cmd_nm").front() == 0.0);
+  CHECK_THAT(refused(kHeader + "0,1e999,0,0\n"),
+             Contains("a.csv:2: column 'height_m': '1e999' is not finite"));
+}
+
+TEST_CASE("a file with nothing in it is refused") {
+  CHECK_THAT(refused(""), Contains("a.csv:1: the file is empty; expected a CSV log"));
+  CHECK_THAT(refused("# rig: hopper\n\n"), Contains("a.csv:1: there is no header row; expected"));
+  CHECK_THAT(refused(kHeader), Contains("a.csv:2: no rows after the header row; expected at least one"));
+  CHECK_THAT(refused(kHeader + "\n\n"), Contains("no rows after the header row"));
+}
+
+TEST_CASE("a file of zeros is refused, be they bytes or numbers") {
+  CHECK_THAT(refused(std::string(4096, '\0')),
+             Contains("a.csv:1: a NUL byte; expected the text of a CSV log"));
+  CHECK_THAT(refused(std::string(5 << 20, '\0')), Contains("a.csv:1: a line of NUL bytes; expected text"));
+  CHECK_THAT(refused(kHeader + "0,1,0,0\n" + std::string(512, '\0')),
+             Contains("a.csv:3: NUL bytes, '\\x00'; expected 4 fields"));
+  CHECK_THAT(refused(kHeader + "0,0,0,0\n0,0,0,0\n"), Contains("a.csv:3: column 'time_s': 0 s after 0 s"));
+}
+
+TEST_CASE("a directory or a file that cannot be read is refused") {
+  test::TemporaryFolder folder;
+  const auto message = [](const std::string& path) {
+    return test::error_message([&] { log::check_log(path, "hopper"); });
+  };
+  CHECK(message(folder.path()) == folder.path() + ": is a directory; expected a log (CSV)");
+  CHECK_THAT(message(folder.path() + "/none.csv"),
+             Contains("/none.csv: cannot be read: No such file or directory"));
+}
+
+TEST_CASE("a missing required column is refused, and the nearest name shown") {
+  CHECK_THAT(refused("time_s,contact,torque_cmd_nm\n0,1,0\n"),
+             Contains("a.csv:1: no column 'height_m', which a log of rig hopper must have; the file has "
+                      "time_s, contact"));
+  CHECK_THAT(refused("time_s,hieght_m,contact,torque_cmd_nm\n0,1,1,0\n"),
+             Contains("did you mean 'hieght_m'?"));
+  CHECK_THAT(refused("time_s;height_m;contact\n0;1;1\n"), Contains("expected columns separated by commas"));
+}
+
+TEST_CASE("each rig asks for the columns of its table in the contract") {
+  CHECK_THAT(refused("time_s,position_m\n0,1\n", "motor_axis"), Contains("no column 'force_n'"));
+  CHECK_THAT(refused("time_s,angle_rad\n0,1\n", "rotary_joint"), Contains("no column 'torque_nm'"));
+  CHECK_THAT(refused("time_s,pulley_angle_rad\n0,1\n", "clutch_bench"), Contains("no column 'solenoid'"));
+  CHECK_THAT(refused("time_s\n0\n", "rail_carriage"), Contains("no column 'height_m'"));
+}
+
+TEST_CASE("a unit suffix that is not the expected one is refused, of optional columns too") {
+  CHECK_THAT(refused("time_s,height_mm,contact,torque_cmd_nm\n0,1,1,0\n"),
+             Contains("a.csv:1: column 'height_mm' has the unit 'mm'; expected 'height_m'"));
+  CHECK_THAT(refused("time_ms,height_m,contact,torque_cmd_nm\n0,1,1,0\n"),
+             Contains("'time_ms' has the unit 'ms'; expected 'time_s'"));
+  CHECK_THAT(refused("time_s,height_m,leg_angle_deg,contact,torque_cmd_nm\n0,1,1,1,0\n"),
+             Contains("'leg_angle_deg' has the unit 'deg'; expected 'leg_angle_rad'"));
+  // Not a torque in another unit, and a second reading beside the right one.
+  CHECK_NOTHROW(hopper("time_s,height_m,contact,torque_cmd_nm,torque_enable,height_mm\n0,1,1,0,1,1000\n"));
+}
+
+TEST_CASE("a column that stands twice, or has no name, is refused") {
+  CHECK_THAT(refused("time_s,height_m,contact,height_m,torque_cmd_nm\n0,1,1,1,0\n"),
+             Contains("a.csv:1: column 'height_m' stands twice; expected each column once"));
+  CHECK_THAT(refused("time_s,height_m,,contact,torque_cmd_nm\n0,1,1,1,0\n"),
+             Contains("a.csv:1: column 3 has no name"));
+}
+
+TEST_CASE("a ragged row is refused") {
+  CHECK_THAT(refused(kHeader + "0,1,0,0\n1,1,0\n2,1,0,0\n"),
+             Contains("a.csv:3: the row has 3 fields, '1,1,0'; expected 4 fields as in the header row"));
+  CHECK_THAT(refused(kHeader + "0,1,0,0,0\n"), Contains("a.csv:2: the row has 5 fields"));
+  CHECK_THAT(refused(kHeader + "0,1,0,0\n\n1,1,0,0\n"), Contains("a.csv:3: a blank line among the rows"));
+  CHECK_THAT(refused(kHeader + "0,1,0,0\n# later\n1,1,0,0\n"),
+             Contains("a.csv:3: a comment '# later' among the rows"));
+}
+
+TEST_CASE("a row that the file's end cuts is called torn") {
+  CHECK_THAT(refused(kHeader + "0,1,0,0\n1,1"),
+             Contains("a.csv:3: the file ends in the middle of a row: the last row is torn, it has 2 fields, "
+                      "'1,1'; expected 4"));
+  CHECK_THAT(refused(kHeader + "0,1,0,0\n1,1,0,"),
+             Contains("a.csv:3: column 'torque_cmd_nm': '' is where the file ends: the last row is torn"));
+  CHECK_THAT(refused(kHeader + "0,1,0,0\n1,1,0,-"),
+             Contains("'-' is where the file ends: the last row is torn"));
+  CHECK_THAT(refused("time_s,height_m,note\n0,1,\"a\n", "rail_carriage"),
+             Contains("a.csv:2: the file ends within quotes: the last row is torn"));
+}
+
+TEST_CASE("a field that is no finite number is refused") {
+  CHECK_THAT(
+      refused(kHeader + "0,high,0,0\n"),
+      Contains("a.csv:2: column 'height_m': 'high' is not a number; expected a finite decimal number"));
+  CHECK_THAT(refused(kHeader + "0,,0,0\n"), Contains("a.csv:2: column 'height_m': no value ('')"));
+  CHECK_THAT(refused(kHeader + "0,\"0,25\",0,0\n"),
+             Contains("'0,25' is not a number; expected a finite decimal number with '.'"));
+  for (const std::string bad : {"nan", "NaN", "-nan", "inf", "-Inf", "infinity"})
+    CHECK_THAT(refused(kHeader + "0," + bad + ",0,0\n"),
+               Contains("a.csv:2: column 'height_m': '" + bad + "' is not finite"));
+  for (const std::string bad : {"0x1p3", "1 2", "1e", "--1", "+-1", "1.2.3", "\xC2\xB2"})
+    CHECK_THAT(refused(kHeader + "0," + bad + ",0,0\n"), Contains("is not a number"));
+}
+
+TEST_CASE("a contact that is not 0 or 1 is refused") {
+  CHECK_THAT(refused(kHeader + "0,1,0.5,0\n"), Contains("a.csv:2: column 'contact': 0.5; expected 0 or 1"));
+  CHECK_THAT(refused("time_s,height_m,contact,torque_cmd_nm,solenoid\n0,1,1,0,2\n"),
+             Contains("column 'solenoid': 2; expected 0 or 1"));
+}
+
+TEST_CASE("time that stands still or runs backwards is refused") {
+  CHECK_THAT(
+      refused(kHeader + "0,1,0,0\n0.5,1,0,0\n0.25,1,0,0\n"),
+      Contains("a.csv:4: column 'time_s': 0.25 s after 0.5 s in the row before; expected time to increase"));
+  CHECK_THAT(refused(kHeader + "0.5,1,0,0\n0.5,1,0,0\n"), Contains("a.csv:3: column 'time_s'"));
+}
+
+TEST_CASE("metadata that contradicts the reader is refused") {
+  CHECK_THAT(refused("# format: furcula-log/2\n" + kHeader + "0,1,0,0\n"),
+             Contains("a.csv:1: format is 'furcula-log/2'; expected furcula-log/1"));
+  CHECK_THAT(refused("# x\n# rig: motor_axis\n" + kHeader + "0,1,0,0\n"),
+             Contains("a.csv:2: rig is 'motor_axis'; expected hopper"));
+}
+
+TEST_CASE("a header that is not UTF-8 is refused") {
+  CHECK_THAT(refused("time_s,height_m,contact,torque_cmd_nm,gr\xF6\xDF"
+                     "e\n0,1,0,0,1\n"),
+             Contains("a.csv:1: byte 41 of the line, '\\xF6', is not UTF-8"));
+  CHECK_NOTHROW(
+      hopper("time_s,height_m,contact,torque_cmd_nm,gr\xC3\xB6\xC3\x9F"
+             "e\n0,1,0,0,1\n"));
+}
+
+TEST_CASE("a line longer than 1 MiB is refused, a quote that is never closed too") {
+  CHECK_THAT(refused(kHeader + "0,1,0," + std::string(2 << 20, '1') + "\n"),
+             Contains("a.csv:2: the line is longer than 1 MiB"));
+  CHECK_THAT(refused(kHeader + "0,1,0,\"" + std::string(2 << 20, '\n')),
+             Contains("a.csv:2: a quote is not closed within 1 MiB"));
+}
+
+TEST_CASE("a check counts rows and measures the sample intervals") {
+  test::TemporaryFolder folder;
+  // 1 ms, 1 ms, 2 ms, 5 ms: the lower median is 1 ms.
+  const std::string path =
+      folder.file("a.csv", kHeader + "2,1,0,0\n2.001,1,0,0\n2.002,1,0,0\n2.004,1,0,0\n2.009,1,0,0\n");
+  const log::LogSummary s = log::check_log(path, "hopper");
+  CHECK(s.rows == 5);
+  CHECK(s.duration_s == Approx(0.009));
+  CHECK(s.interval_min_s == Approx(0.001));
+  CHECK(s.interval_median_s == Approx(0.001).epsilon(1e-3));
+  CHECK(s.interval_max_s == Approx(0.005));
+  CHECK(s.last_row_ends);
+  CHECK_FALSE(log::check_log(folder.file("b.csv", kHeader + "2,1,0,0"), "hopper").last_row_ends);
+}
+
+TEST_CASE("a log larger than any buffer reads back as it was drawn") {
+  std::mt19937_64 random(7);
+  std::uniform_real_distribution<double> height(0.2, 0.4);
+  std::vector<double> heights;
+  std::string text = kHeader;
+  for (int i = 0; i < 40000; ++i) {
+    heights.push_back(height(random));
+    char row[100];
+    std::snprintf(row, sizeof row, "%.3f,%.17g,%d,%.17g\n", 0.001 * i, heights.back(), i % 2,
+                  -heights.back());
+    text += row;
+  }
+  const log::Log log = hopper(text);
+  CHECK(log.at("height_m") == heights);
+  CHECK(log.time_s()[39999] == 39.999);
+}
+
+TEST_CASE("checking a log takes memory that does not grow with it") {
+  test::TemporaryFolder folder;
+  std::string block;
+  const std::string path = folder.path() + "/long.csv";
+  {
+    std::ofstream out(path);
+    out << kHeader;
+    for (int i = 0; i < 2'000'000; ++i) {
+      block += std::to_string(i) + ",0.28210,1,0.000\n";
+      if (block.size() > 100000) {
+        out << block;
+        block.clear();
+      }
+    }
+    out << block;
+  }
+  const auto peak_kib = [] {
+    rusage usage{};
+    getrusage(RUSAGE_SELF, &usage);
+    return usage.ru_maxrss;
+  };
+  const long before = peak_kib();
+  CHECK(log::check_log(path, "hopper").rows == 2'000'000);
+  // The file has 48 MB, and its columns would take 64 MB.
+  CHECK(peak_kib() - before < 8 * 1024);
+}
