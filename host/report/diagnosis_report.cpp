@@ -79,8 +79,8 @@ std::string header(const Diagnosis& d) {
   const VerdictWords v = words(d.verdict);
   const std::string sentence = d.summary.empty() ? v.meaning : d.summary;
   std::string out =
-      "<header>\n<p class=\"eyebrow\">Diagnosis of a simulation against measurements &middot; " +
-      escape(in_words(dynamics::info(d.kind).name)) + "</p>\n";
+      "<header>\n<p class=\"eyebrow\">Diagnosis of a simulation against measurements &middot; model <code>" +
+      escape(dynamics::info(d.kind).name) + "</code></p>\n";
   out += "<p>" + badge(v.title, v.tone) + "</p>\n<h1>" + escape(sentence) + "</h1>\n";
   if (!d.summary.empty()) out += "<p class=\"lead\">" + escape(v.meaning) + "</p>\n";
   return out + "</header>\n";
@@ -134,8 +134,8 @@ std::string budget(const Diagnosis& d) {
   std::string bar, key;
   for (const Part& p : parts) {
     if (!(p.share > 0.0)) continue;
-    bar +=
-        "<span class=\"" + std::string(p.style) + "\" style=\"flex-grow:" + number(p.share, 4) + "\"></span>";
+    bar += "<span class=\"" + std::string(p.style) + "\" style=\"flex-grow:" + std::to_string(p.share) +
+           "\"></span>";
     key += "<span class=\"key " + std::string(p.style) + "-key\">" + p.label + ": " +
            escape(percent(p.share)) + "</span>";
   }
@@ -145,29 +145,28 @@ std::string budget(const Diagnosis& d) {
 }
 
 std::string errors_table(const Diagnosis& d) {
+  using E = diagnose::ChannelErrors;
   Table table({{"Channel"},
-               {"NMSE as given", true},
-               {"re-fitted", true},
-               {"extended", true},
-               {"noise floor", true},
-               {"MAE as given", true},
-               {"re-fitted", true},
-               {"extended", true},
-               {"RMSE as given", true},
-               {"re-fitted", true},
-               {"extended", true},
-               {"unit"}});
+               {"Figure"},
+               {"As given", true},
+               {"Re-fitted", true},
+               {"Extended", true},
+               {"Noise floor", true},
+               {"Unit"}});
   for (const auto& [channel, given] : d.baseline) {
     const auto* refitted = find(d.refitted, channel);
     const auto* extended = find(d.extended, channel);
-    using E = diagnose::ChannelErrors;
+    const auto* floor = find(d.noise_floor, channel);
     const Scale s = scale_for({given.mae, given.rmse}, unit_of(channel, d));
-    table.add({escape(in_words(channel)), number(given.nmse), number(or_nan(refitted, &E::nmse)),
-               number(or_nan(extended, &E::nmse)), number(or_nan(find(d.noise_floor, channel), &E::nmse)),
-               number(s.factor * given.mae), number(s.factor * or_nan(refitted, &E::mae)),
-               number(s.factor * or_nan(extended, &E::mae)), number(s.factor * given.rmse),
-               number(s.factor * or_nan(refitted, &E::rmse)), number(s.factor * or_nan(extended, &E::rmse)),
-               escape(s.unit)});
+    const auto add = [&](const char* figure, double E::*member, const Scale& scale, bool first) {
+      table.add({first ? escape(in_words(channel)) : "", figure, number(scale.factor * given.*member),
+                 number(scale.factor * or_nan(refitted, member)),
+                 number(scale.factor * or_nan(extended, member)), first && floor ? number(floor->nmse) : "",
+                 escape(scale.unit)});
+    };
+    add("NMSE", &E::nmse, {1.0, ""}, true);
+    add("MAE", &E::mae, s, false);
+    add("RMSE", &E::rmse, s, false);
   }
   if (table.empty()) return "";
   return "<details open><summary>Errors on the held-out recordings, by channel</summary>\n" + table.html() +
@@ -316,17 +315,13 @@ std::string parameters(const Diagnosis& d) {
          table.html();
 }
 
+/// The engine's advice on the whole; without it that of the findings.
 std::string next_steps(const Diagnosis& d) {
-  std::vector<std::string> steps;
-  const auto add = [&steps](const std::string& s) {
-    if (!s.empty() && std::find(steps.begin(), steps.end(), s) == steps.end()) steps.push_back(s);
-  };
-  add(d.next_experiment);
-  for (const diagnose::Finding& f : d.findings) add(f.next_experiment);
-  if (steps.empty()) return "";
-  std::string out = "<ol>\n";
-  for (const std::string& s : steps) out += "<li>" + escape(s) + "</li>\n";
-  return out + "</ol>\n";
+  if (!d.next_experiment.empty()) return paragraph(d.next_experiment);
+  std::string out;
+  for (const diagnose::Finding& f : d.findings)
+    if (!f.next_experiment.empty()) out += "<li>" + escape(f.next_experiment) + "</li>\n";
+  return out.empty() ? "" : "<ol>\n" + out + "</ol>\n";
 }
 
 std::string data(const Diagnosis& d) {
@@ -365,7 +360,10 @@ std::string render_report(const Diagnosis& d) {
   body += section("findings", d.findings.size() == 1 ? "The cause" : "The causes", findings(d));
   body += section("next", "What to do next", next_steps(d));
   body += section("traces", "Measured against simulated, held-out recordings", trace_plot_html(trace_data));
-  body += section("force", "The force that the re-fitted model lacks", force_plots(d.residual));
+  body += section("force",
+                  d.residual.unit == "N m" ? "The torque that the re-fitted model lacks"
+                                           : "The force that the re-fitted model lacks",
+                  force_plots(d.residual));
   body += section("remains", "What remains", remains(d));
   body += section("candidates", "Everything that was tried", candidates(d));
   body += section("parameters", "Parameters", parameters(d));

@@ -14,8 +14,15 @@ namespace furcula::report {
 namespace {
 
 constexpr double kWidth = 460.0, kHeight = 300.0;
-constexpr double kLeft = 52.0, kRight = 8.0, kTop = 8.0, kBottom = 42.0;
-constexpr double kMeanBins = 40.0, kLawBins = 120.0;
+constexpr double kLeft = 62.0, kRight = 8.0, kTop = 8.0, kBottom = 52.0;
+
+/// Over velocity a law may jump at zero, so it is drawn finely. Over position it is two-valued, and over time
+/// it swings with every stroke: there law and samples are averaged alike, over time widely, to show what
+/// drifts.
+struct Bins {
+  double mean, law;
+};
+constexpr Bins kOverVelocity{40.0, 120.0}, kOverPosition{40.0, 40.0}, kOverTime{12.0, 12.0};
 
 struct Interval {
   double low, high;
@@ -78,12 +85,12 @@ std::string frame(const Axes& axes, const std::string& x_title, const std::strin
   for (double v = std::ceil(axes.x.low / x_step) * x_step; v <= axes.x.high; v += x_step) {
     grid += format("M%.1f %.1f", axes.px(v), kTop) + format("V%.1f", kHeight - kBottom, 0.0);
     labels += "<text text-anchor=\"middle\" " +
-              format("x=\"%.1f\" y=\"%.1f\">", axes.px(v), kHeight - kBottom + 16) + tick_label(v, x_step) +
+              format("x=\"%.1f\" y=\"%.1f\">", axes.px(v), kHeight - kBottom + 19) + tick_label(v, x_step) +
               "</text>";
   }
   for (double v = std::ceil(axes.y.low / y_step) * y_step; v <= axes.y.high; v += y_step) {
     grid += format("M%.1f %.1f", kLeft, axes.py(v)) + format("H%.1f", kWidth - kRight, 0.0);
-    labels += "<text text-anchor=\"end\" " + format("x=\"%.1f\" y=\"%.1f\">", kLeft - 6, axes.py(v) + 4) +
+    labels += "<text text-anchor=\"end\" " + format("x=\"%.1f\" y=\"%.1f\">", kLeft - 6, axes.py(v) + 5) +
               tick_label(v, y_step) + "</text>";
   }
   std::string out = "<path class=\"grid\" d=\"" + grid + "\"/>";
@@ -92,10 +99,10 @@ std::string frame(const Axes& axes, const std::string& x_title, const std::strin
            format("H%.1f", kWidth - kRight, 0.0) + "\"/>";
   out += labels;
   out += "<text class=\"title\" text-anchor=\"middle\" " +
-         format("x=\"%.1f\" y=\"%.1f\">", 0.5 * (kLeft + kWidth - kRight), kHeight - 6) + escape(x_title) +
+         format("x=\"%.1f\" y=\"%.1f\">", 0.5 * (kLeft + kWidth - kRight), kHeight - 9) + escape(x_title) +
          "</text>";
   out += "<text class=\"title\" text-anchor=\"middle\" transform=\"" +
-         format("translate(13 %.1f) rotate(%.0f)\">", 0.5 * (kTop + kHeight - kBottom), -90.0) +
+         format("translate(15 %.1f) rotate(%.0f)\">", 0.5 * (kTop + kHeight - kBottom), -90.0) +
          escape(y_title) + "</text>";
   return out;
 }
@@ -182,7 +189,7 @@ Samples usable(const diagnose::ResidualForce& r) {
 }
 
 std::string panel(const Samples& s, const std::vector<double>& x, Interval y, const std::string& x_title,
-                  const std::string& y_title, std::size_t most_points) {
+                  const std::string& y_title, Bins bins, std::size_t most_points) {
   if (x.empty()) return "";
   const auto [low, high] = std::minmax_element(x.begin(), x.end());
   const Axes axes{not_empty(*low, *high, 0.02), y};
@@ -199,7 +206,7 @@ std::string panel(const Samples& s, const std::vector<double>& x, Interval y, co
   std::string out = "<svg viewBox=\"0 0 460 300\" role=\"img\" aria-label=\"" +
                     escape(y_title + " over " + x_title) + "\">" + frame(axes, x_title, y_title) +
                     "<path class=\"cloud\" d=\"" + cloud + "\"/>";
-  const double mean_width = axes.x.width() / kMeanBins, law_width = axes.x.width() / kLawBins;
+  const double mean_width = axes.x.width() / bins.mean, law_width = axes.x.width() / bins.law;
   out += mean_and_band(axes, binned(x, s.force, mean_width), mean_width);
   if (!s.law.empty()) out += law_line(axes, binned(x, s.law, law_width), law_width);
   return out + "</svg>\n";
@@ -231,15 +238,21 @@ std::string force_plots(const diagnose::ResidualForce& residual, std::size_t mos
       "<span class=\"key mean-key\">mean, with one standard deviation to both sides</span>";
   if (!s.law.empty()) out += "<span class=\"key law-key\">what the named causes add</span>";
   out += "</div>\n<div class=\"panels\">\n";
-  out += panel(s, s.velocity, y, in_unit("velocity", residual.velocity_unit), y_title, most_points);
-  out += panel(s, s.position, y, in_unit("position", residual.position_unit), y_title, most_points);
-  out += panel(s, s.time_s, y, "time since the recording's start (s)", y_title, most_points);
+  out += panel(s, s.velocity, y, in_unit("velocity", residual.velocity_unit), y_title, kOverVelocity,
+               most_points);
+  out += panel(s, s.position, y, in_unit("position", residual.position_unit), y_title, kOverPosition,
+               most_points);
+  out += panel(s, s.time_s, y, "time since the recording's start (s)", y_title, kOverTime, most_points);
   out += "</div>\n";
   std::string note;
   if (s.force.size() > most_points)
     note += "Of " + std::to_string(s.force.size()) + " samples about " + std::to_string(most_points) +
             " are drawn; means and bands are of all. ";
   if (outside > 0) note += std::to_string(outside) + " samples lie above or below the plots. ";
+  if (!s.law.empty())
+    note +=
+        "Where free parameters have stood in for the cause, the samples lie off the line by what these took "
+        "up.";
   if (!note.empty()) out += "<p class=\"hint\">" + note + "</p>\n";
   return out;
 }

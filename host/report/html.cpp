@@ -5,6 +5,7 @@
 #include <cctype>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 
 namespace furcula::report {
 
@@ -66,6 +67,18 @@ std::string in_words(std::string_view identifier) {
   return out;
 }
 
+namespace {
+
+std::string superscript(int value) {
+  constexpr const char* kDigits[] = {"\u2070", "\u00b9", "\u00b2", "\u00b3", "\u2074",
+                                     "\u2075", "\u2076", "\u2077", "\u2078", "\u2079"};
+  std::string out;
+  for (const char c : std::to_string(value)) out += c == '-' ? "\u207b" : kDigits[c - '0'];
+  return out;
+}
+
+}  // namespace
+
 std::string number(double value, int significant_digits) {
   if (!std::isfinite(value)) return "\xE2\x80\x93";
   if (value == 0.0) return "0";
@@ -73,7 +86,12 @@ std::string number(double value, int significant_digits) {
   const double magnitude = std::abs(value);
   if (magnitude < 1e-4 || magnitude >= 1e7) {
     std::snprintf(text, sizeof text, "%.*e", significant_digits - 1, value);
-    return text;
+    const std::string_view written(text);
+    const std::size_t e = written.find('e');
+    return std::string(written.substr(0, e)) +
+           "\xC3\x97"
+           "10" +
+           superscript(std::atoi(text + e + 1));
   }
   const int decimals = significant_digits - 1 - static_cast<int>(std::floor(std::log10(magnitude)));
   std::snprintf(text, sizeof text, "%.*f", std::max(0, decimals), value);
@@ -84,6 +102,7 @@ std::string percent(double share) {
   if (!std::isfinite(share)) return "\xE2\x80\x93";
   const double p = 100.0 * share;
   if (p != 0.0 && std::abs(p) < 0.1) return p > 0.0 ? "< 0.1 %" : "> -0.1 %";
+  if (p >= 99.5 && p < 100.0) return "> 99 %";
   char text[32];
   std::snprintf(text, sizeof text, "%.*f %%", p != 0.0 && std::abs(p) < 10.0 ? 1 : 0, p);
   return text;

@@ -17,10 +17,10 @@ std::string inside_script(std::string_view json);
 /// "coulomb_friction" as "Coulomb friction".
 std::string in_words(std::string_view identifier);
 
-/// With this many significant digits: "1.61", "605", "4.1e-05"; a dash if it is not finite.
+/// With this many significant digits: "1.61", "605", "4.1×10⁻⁵"; a dash if it is not finite.
 std::string number(double value, int significant_digits = 3);
 
-/// A share as "94 %", "0.4 %", "< 0.1 %".
+/// A share as "94 %", "0.4 %", "< 0.1 %", "> 99 %".
 std::string percent(double share);
 
 /// A unit that suits these magnitudes: metres below 0.1 as mm, rad below 0.1 as mrad, m/s below 0.1 as mm/s.

@@ -192,9 +192,10 @@ std::string trace_plot_html(const TraceData& data) {
       "<div id=\"trace-legend\" class=\"legend\"></div>\n"
       "<div class=\"plot-pair\"><div id=\"trace-plot\" class=\"plot\"></div>\n"
       "<div id=\"error-plot\" class=\"plot error-plot\"></div></div>\n"
-      "<p class=\"hint screen-only\">Drag to zoom, shift-drag to pan, double-click to see all again; the two "
+      "<p class=\"hint\">Below: error, measured minus simulated. <span class=\"screen-only\">Drag to zoom, "
+      "shift-drag to pan, double-click to see all again; the two "
       "plots move "
-      "together. Click a name in the legend to hide its line.</p>\n"
+      "together. Click a name in the legend to hide its line.</span></p>\n"
       "<noscript><p>The traces are drawn by the script inside this file; allow it to see them. All figures "
       "and "
       "tables are readable without it.</p></noscript>\n";

@@ -13,7 +13,8 @@
   };
   // Errors are small: shown in thousandths of the channel's unit.
   var THOUSANDTH = {'m': 'mm', 'm/s': 'mm/s', 'rad': 'mrad', 'rad/s': 'mrad/s'};
-  var PRINT_WIDTH = 660;  // px between the margins of A4 and of Letter
+  // Pixels on paper: the width between the margins of A4 and of Letter, the heights of the two plots.
+  var PAPER = {width: 660, heights: [270, 170]};
   var upper = null, lower = null, current = null, moving = false, visible = {};
 
   function unique(list) { return list.filter(function (v, i) { return list.indexOf(v) === i; }); }
@@ -118,7 +119,7 @@
           unhighlightCallback: function () { legend(); }
         }));
     lower = errors.length === 0 ? null : new Dygraph(element('error-plot'), rows(series, errors),
-        options(labels.slice(1), 'Measured − simulated (' + (unit || series.unit) + ')', {
+        options(labels.slice(1), 'Error (' + (unit || series.unit) + ')', {
           xlabel: series.one_after_the_other ? 'time, windows one after the other (s)' : 'time (s)',
           drawCallback: together(function () { return upper; })
         }));
@@ -141,13 +142,14 @@
     else upper.updateOptions({dateWindow: windowRange(current.series, k - 1)});
   }
 
-  function resize(width) {
-    [upper, lower].forEach(function (g, i) {
-      if (!g) return;
+  // Canvases keep the pixels they were drawn with, so they are drawn anew for the paper.
+  function resize(paper) {
+    [upper, lower].forEach(function (graph, i) {
+      if (!graph) return;
       var div = element(i ? 'error-plot' : 'trace-plot');
-      div.style.width = width ? width + 'px' : '';
-      div.style.height = '';
-      g.resize();
+      div.style.width = paper ? paper.width + 'px' : '';
+      div.style.height = paper ? paper.heights[i] + 'px' : '';
+      graph.resize();
     });
   }
 
@@ -163,7 +165,7 @@
   element('pick-window').onchange = function () { showWindow(0); };
   element('window-before').onclick = function () { showWindow(-1); };
   element('window-after').onclick = function () { showWindow(1); };
-  window.addEventListener('beforeprint', function () { resize(PRINT_WIDTH); });
-  window.addEventListener('afterprint', function () { resize(0); });
+  window.addEventListener('beforeprint', function () { resize(PAPER); });
+  window.addEventListener('afterprint', function () { resize(null); });
   show(false);
 })();

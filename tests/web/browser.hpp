@@ -1,0 +1,41 @@
+// A headless Chromium for tests of pages: runs it on a local file and hands back what it made of it.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+namespace furcula::test {
+
+class Browser {
+ public:
+  /// The first of chromium, chromium-browser, google-chrome on the PATH.
+  static std::optional<Browser> find();
+
+  /// The page's DOM as text after its scripts ran. `width` in CSS pixels.
+  std::string dom(const std::filesystem::path& page, int width = 1400) const;
+  void print(const std::filesystem::path& page, const std::filesystem::path& pdf) const;
+  void screenshot(const std::filesystem::path& page, const std::filesystem::path& png, int width,
+                  int height) const;
+
+ private:
+  explicit Browser(std::filesystem::path program) : program_(std::move(program)) {}
+  /// Runs it with a profile of its own; returns what it wrote to stdout.
+  std::string run(const std::string& arguments, const std::filesystem::path& page) const;
+  std::filesystem::path program_;
+};
+
+/// A new empty folder that is removed with the object.
+class TemporaryFolder {
+ public:
+  TemporaryFolder();
+  ~TemporaryFolder();
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+}  // namespace furcula::test
