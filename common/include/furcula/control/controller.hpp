@@ -63,12 +63,12 @@ inline Status check(const Config& c) {
   const float positive[] = {c.link_length_m,          c.height.metres_per_count,  c.debounce.close_settle_s,
                             c.debounce.open_settle_s, c.phase.touchdown_height_m, c.limits.torque_nm,
                             c.limits.torque_rate_nmps};
-  const float any_sign[] = {c.phase.touchdown_margin_m,     c.phase.touchdown_velocity_max_mps,
-                            c.phase.liftoff_margin_m,       c.phase.shortest_stance_s,
-                            c.torque.amplitude_nm,          c.supervisor.height_min_m,
-                            c.supervisor.height_max_m,      c.supervisor.leg_angle_min_rad,
-                            c.supervisor.leg_angle_max_rad, c.supervisor.height_mismatch_m,
-                            c.supervisor.contact_margin_m,  c.supervisor.implausible_contact_s};
+  const float any_sign[] = {
+      c.phase.touchdown_margin_m,     c.phase.touchdown_velocity_max_mps, c.phase.liftoff_margin_m,
+      c.phase.latest_report_s,        c.phase.shortest_stance_s,          c.torque.amplitude_nm,
+      c.supervisor.height_min_m,      c.supervisor.height_max_m,          c.supervisor.leg_angle_min_rad,
+      c.supervisor.leg_angle_max_rad, c.supervisor.height_mismatch_m,     c.supervisor.flexed_leg_m,
+      c.supervisor.contact_margin_m,  c.supervisor.implausible_contact_s};
   for (const float x : positive)
     if (!is_finite(x) || x <= 0.0f) return Status::invalid;
   for (const float x : any_sign)
@@ -114,7 +114,6 @@ inline Outputs step(const Config& config, State& state, const Inputs& inputs, fl
   seen.leg_angle_rad = sample.leg_angle_rad;
   seen.leg_height_m = leg_height_m(config.link_length_m, sample.leg_angle_rad);
   seen.contact_reading = reading;
-  seen.in_stance = out.phase.phase == Phase::stance;
   out.fault = state.configuration == Status::ok
                   ? supervise(config.supervisor, state.supervisor, seen, inputs.reset, dt_s)
                   : Fault::bad_configuration;
@@ -124,7 +123,7 @@ inline Outputs step(const Config& config, State& state, const Inputs& inputs, fl
   }
   out.command.torque_nm =
       limit_torque(config.limits, state.limits,
-                   profile_torque_nm(config.torque, out.phase, out.height.velocity_mps), dt_s);
+                   profile_torque_nm(config.torque, out.phase, out.height.velocity_mps, dt_s), dt_s);
   return out;
 }
 

@@ -19,6 +19,9 @@ struct PhaseConfig {
   /// Further above the touch-down height than this the leg cannot reach the ground, whatever the switch reads
   /// (it reports lift-off up to 10 ms late); m.
   float liftoff_margin_m = 0.005f;
+  /// Debouncing takes time, and the switch reports up to 10 ms late: how long ago the body passed the
+  /// touch-down height is told from height and velocity, up to this time; s.
+  float latest_report_s = 0.012f;
   /// The touch-down's bounce ends within this time: an open switch before is no lift-off; s.
   float shortest_stance_s = 0.02f;
 };
@@ -28,7 +31,8 @@ struct PhaseState {
   bool seen_open = true;  ///< since lift-off: a switch that stays closed touches down no second time
   std::uint32_t ticks_in_phase = 0;
   std::uint32_t ticks_of_last_phase = 0;
-  float highest_m = 0.0f;  ///< in this flight
+  float touchdown_before_s = 0.0f;  ///< touch-down was so long before the tick that it was detected on
+  float highest_m = 0.0f;           ///< in this flight
   float apex_height_m = 0.0f;
 };
 
@@ -40,6 +44,14 @@ struct PhaseEstimate {
   float since_liftoff_s = 0.0f;    ///< since the last one; before the first one, since the start
   float apex_height_m = 0.0f;      ///< highest point of the last whole flight; 0 before there was one
 };
+
+/// How long ago a sinking body passed the touch-down height: 0 if it is still above.
+inline float time_since_passed(const PhaseConfig& config, const HeightEstimate& height) {
+  const float below_m = config.touchdown_height_m - height.height_m;
+  if (!(below_m > 0.0f) || !(height.velocity_mps < 0.0f)) return 0.0f;
+  const float time_s = below_m / -height.velocity_mps;
+  return time_s < config.latest_report_s ? time_s : 0.0f;
+}
 
 /// One tick. `contact_closed` is the debounced switch, `height` from the encoder.
 inline PhaseEstimate estimate_phase(const PhaseConfig& config, PhaseState& state, bool contact_closed,
@@ -62,7 +74,10 @@ inline PhaseEstimate estimate_phase(const PhaseConfig& config, PhaseState& state
     estimate.liftoff = out_of_reach || rising_out || opened;
   }
   if (estimate.touchdown || estimate.liftoff) {
-    if (estimate.touchdown) state.apex_height_m = state.highest_m;
+    if (estimate.touchdown) {
+      state.apex_height_m = state.highest_m;
+      state.touchdown_before_s = time_since_passed(config, height);
+    }
     state.highest_m = 0.0f;
     state.seen_open = false;
     state.phase = estimate.touchdown ? Phase::stance : Phase::flight;
@@ -72,7 +87,8 @@ inline PhaseEstimate estimate_phase(const PhaseConfig& config, PhaseState& state
   const float now_s = static_cast<float>(state.ticks_in_phase) * dt_s;
   const float before_s = static_cast<float>(state.ticks_of_last_phase) * dt_s;
   estimate.phase = state.phase;
-  estimate.since_touchdown_s = state.phase == Phase::stance ? now_s : now_s + before_s;
+  estimate.since_touchdown_s =
+      (state.phase == Phase::stance ? now_s : now_s + before_s) + state.touchdown_before_s;
   estimate.since_liftoff_s = state.phase == Phase::flight ? now_s : now_s + before_s;
   estimate.apex_height_m = state.apex_height_m;
   return estimate;

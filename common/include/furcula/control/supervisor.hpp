@@ -17,9 +17,12 @@ struct SupervisorConfig {
   float height_max_m = 1.5f;
   float leg_angle_min_rad = 0.30f;  ///< the leg's stops, and a little play
   float leg_angle_max_rad = 1.45f;
-  /// By how much encoder and leg angle may disagree about the height in stance: the switch may report 10 ms
-  /// early, and the body is then that much higher; m.
+  /// The leg's height 2 L cos(leg angle) is the body's as long as the toe is on the ground, and can never be
+  /// above it. By how much the encoder may contradict that (the switch may report 10 ms early); m.
   float height_mismatch_m = 0.035f;
+  /// A leg so much shorter than at touch-down is off its stop: with the switch closed the toe is on the
+  /// ground; m.
+  float flexed_leg_m = 0.01f;
   /// A switch that reads closed this far above the touch-down height, or open this far below it, is wrong if
   /// it stays so for implausible_contact_s (it reports within 10 ms of the true instant, and bounces); m, s.
   float contact_margin_m = 0.03f;
@@ -34,9 +37,8 @@ struct Observation {
   float height_m = 0.0f;
   float above_touchdown_m = 0.0f;  ///< the height less the touch-down height
   float leg_angle_rad = 0.0f;
-  float leg_height_m = 0.0f;  ///< what the height would be with the toe on the ground, 2 L cos(leg angle)
+  float leg_height_m = 0.0f;  ///< 2 L cos(leg angle)
   bool contact_reading = false;
-  bool in_stance = false;
 };
 
 struct SupervisorState {
@@ -55,8 +57,11 @@ inline Fault find_fault(const SupervisorConfig& config, SupervisorState& state, 
     return Fault::height_out_of_range;
   if (seen.leg_angle_rad < config.leg_angle_min_rad || seen.leg_angle_rad > config.leg_angle_max_rad)
     return Fault::leg_angle_out_of_range;
-  const float mismatch = seen.height_m - seen.leg_height_m;
-  if (seen.in_stance && (mismatch > config.height_mismatch_m || mismatch < -config.height_mismatch_m))
+  const float mismatch_m = seen.height_m - seen.leg_height_m;
+  // How much shorter the leg is than at touch-down.
+  const float leg_flexed_m = mismatch_m - seen.above_touchdown_m;
+  const bool toe_on_ground = seen.contact_reading && leg_flexed_m > config.flexed_leg_m;
+  if (mismatch_m < -config.height_mismatch_m || (toe_on_ground && mismatch_m > config.height_mismatch_m))
     return Fault::encoder_implausible;
 
   const bool implausible = seen.contact_reading ? seen.above_touchdown_m > config.contact_margin_m

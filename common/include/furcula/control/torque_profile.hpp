@@ -18,16 +18,16 @@ struct TorqueProfileConfig {
 };
 
 /// Zero in flight. In stance
-///   harmonic  T sin(2 pi (t - t_td) / P), 002 eq. 4.1
-///   constant  -T sgn(z_dot): torque pulls the body down while it sinks and pushes it up while it rises
+///   harmonic  T sin(2 pi (t - t_td) / P), 002 eq. 4.1, t the middle of the tick over which the torque is
+///   held constant  -T sgn(z_dot): torque pulls the body down while it sinks and pushes it up while it rises
 inline float profile_torque_nm(const TorqueProfileConfig& config, const PhaseEstimate& phase,
-                               float velocity_mps) {
+                               float velocity_mps, float dt_s) {
   if (phase.phase == Phase::flight) return 0.0f;
   switch (config.shape) {
     case ProfileShape::zero:
       return 0.0f;
     case ProfileShape::harmonic:
-      return config.amplitude_nm * sine_of_turns(phase.since_touchdown_s / config.period_s);
+      return config.amplitude_nm * sine_of_turns((phase.since_touchdown_s + 0.5f * dt_s) / config.period_s);
     case ProfileShape::constant:
       return velocity_mps < 0.0f ? config.amplitude_nm : velocity_mps > 0.0f ? -config.amplitude_nm : 0.0f;
   }

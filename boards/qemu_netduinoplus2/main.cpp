@@ -1,0 +1,119 @@
+// The application on an emulated Cortex-M4F, in lock step with a rig on the host: processor in the loop.
+#include <cstdint>
+#include <cstring>
+
+#include "boards/qemu_netduinoplus2/semihosting.hpp"
+#include "boards/qemu_netduinoplus2/wire.hpp"
+#include "firmware/app/app.hpp"
+#include "firmware/startup/startup.hpp"
+
+namespace {
+
+using namespace furcula;
+
+// Exit statuses of QEMU.
+enum Exit : std::uint32_t { kDone = 0, kNoPipes = 2, kPeerGone = 3, kBadMessage = 4, kException = 5 };
+
+/// TIM2 counts nanoseconds of virtual time, and with `-icount shift=0` an instruction takes one: the counter
+/// counts instructions. (The real timer's clock is another; this is the emulator's.)
+class InstructionCounter {
+ public:
+  InstructionCounter() {
+    reg(kCr1) = 1;
+    const std::uint32_t first = read();
+    overhead_ = read() - first;
+  }
+  std::uint32_t read() const { return reg(kCnt); }
+  /// Between two reads, less what one read takes.
+  std::uint32_t between(std::uint32_t first, std::uint32_t second) const {
+    return second - first - overhead_;
+  }
+
+ private:
+  static constexpr std::uintptr_t kCr1 = 0x40000000, kCnt = 0x40000024;
+  static volatile std::uint32_t& reg(std::uintptr_t address) {
+    return *reinterpret_cast<volatile std::uint32_t*>(address);
+  }
+  std::uint32_t overhead_ = 0;
+};
+
+class QemuBoard {
+ public:
+  /// Opens the pipes and waits for the host's first message.
+  control::Config begin() {
+    using semihosting::Mode;
+    in_ = semihosting::open(pil::kToBoard, sizeof(pil::kToBoard) - 1, Mode::read_binary);
+    out_ = semihosting::open(pil::kFromBoard, sizeof(pil::kFromBoard) - 1, Mode::write_binary);
+    if (in_ < 0 || out_ < 0) semihosting::exit(kNoPipes);
+    pil::Begin message;
+    receive(message);
+    if (message.kind != pil::kBegin) semihosting::exit(kBadMessage);
+    return message.config;
+  }
+
+  bool wait_for_tick() {
+    receive(tick_);
+    if (tick_.kind != pil::kTick && tick_.kind != pil::kEnd) semihosting::exit(kBadMessage);
+    return tick_.kind == pil::kTick;
+  }
+  std::uint32_t now_us() const { return tick_.now_us; }
+  Result<control::Sample> sense() const {
+    if (tick_.sample_valid == 0) return Status::disconnected;
+    return tick_.sample;
+  }
+  Status actuate(const control::Command& command) {
+    command_ = command;
+    return Status::ok;
+  }
+  void kick_watchdog() { ++watchdog_kicks_; }
+  bool take_reset_request() const { return tick_.reset != 0; }
+  void report(const firmware::Telemetry& telemetry) { outputs_ = pil::outputs_of(telemetry); }
+
+  /// Answers the host's tick. The command that travels is the one that was actuated.
+  void reply(std::uint32_t instructions) {
+    outputs_.command = command_;
+    send(pil::Reply{outputs_, instructions});
+  }
+  void farewell(std::uint32_t hundred_nops) {
+    send(pil::Farewell{watchdog_kicks_, firmware::deepest_stack_bytes(), hundred_nops});
+  }
+
+ private:
+  template <class Message>
+  void receive(Message& message) {
+    if (!semihosting::read(in_, &message, sizeof(message))) semihosting::exit(kPeerGone);
+  }
+  template <class Message>
+  void send(const Message& message) {
+    if (!semihosting::write(out_, &message, sizeof(message))) semihosting::exit(kPeerGone);
+  }
+
+  std::int32_t in_ = -1, out_ = -1;
+  pil::Tick tick_;
+  pil::Outputs outputs_;
+  control::Command command_;
+  std::uint32_t watchdog_kicks_ = 0;
+};
+
+static_assert(firmware::Board<QemuBoard>);
+
+}  // namespace
+
+void furcula::firmware::on_exception() { semihosting::exit(kException); }
+
+int main() {
+  QemuBoard board;
+  firmware::App<QemuBoard> app(board, board.begin());
+  const InstructionCounter counter;
+  while (board.wait_for_tick()) {
+    const std::uint32_t before = counter.read();
+    app.tick();
+    const std::uint32_t after = counter.read();
+    board.reply(counter.between(before, after));
+  }
+  const std::uint32_t before = counter.read();
+  asm volatile(".rept 100\n nop\n .endr");
+  const std::uint32_t after = counter.read();
+  board.farewell(counter.between(before, after));
+  semihosting::exit(kDone);
+}

@@ -1,0 +1,80 @@
+// What the host and the emulated board say to each other: fixed-size messages of 32-bit words over two named
+// pipes, one exchange a tick. Both ends are little-endian with the same layout.
+#pragma once
+
+#include <cstdint>
+#include <type_traits>
+
+#include "firmware/app/app.hpp"
+
+namespace furcula::pil {
+
+/// Names of the pipes, in the directory that QEMU runs in.
+inline constexpr char kToBoard[] = "to_board";
+inline constexpr char kFromBoard[] = "from_board";
+
+inline constexpr std::uint32_t kBegin = 0x46423031;  // "FB01": first message, and its version
+inline constexpr std::uint32_t kTick = 1;
+inline constexpr std::uint32_t kEnd = 2;
+
+/// Host to board, first.
+struct Begin {
+  std::uint32_t kind = kBegin;
+  control::Config config;
+};
+
+/// Host to board, each tick: all that the board asks the rig.
+struct Tick {
+  std::uint32_t kind = kTick;  ///< kEnd: no tick, the board answers with a Farewell and stops
+  std::uint32_t now_us = 0;
+  std::uint32_t sample_valid = 0;
+  std::uint32_t reset = 0;
+  control::Sample sample;
+};
+
+/// Every output of a tick, without padding.
+struct Outputs {
+  std::uint32_t tick = 0;
+  control::Command command;
+  float height_m = 0.0f, velocity_mps = 0.0f;
+  float since_touchdown_s = 0.0f, since_liftoff_s = 0.0f, apex_height_m = 0.0f;
+  std::uint8_t phase = 0, touchdown = 0, liftoff = 0, fault = 0;
+};
+
+/// Board to host, each tick.
+struct Reply {
+  Outputs outputs;
+  std::uint32_t instructions = 0;  ///< that the tick took, less what measuring takes
+};
+
+/// Board to host, last.
+struct Farewell {
+  std::uint32_t watchdog_kicks = 0;
+  std::uint32_t deepest_stack_bytes = 0;
+  std::uint32_t hundred_nops =
+      0;  ///< what 100 instructions measure: 100, if the emulator counts as it should
+};
+
+static_assert(std::is_trivially_copyable_v<Begin> && sizeof(Begin) == 112);
+static_assert(std::is_trivially_copyable_v<Tick> && sizeof(Tick) == 40);
+static_assert(std::is_trivially_copyable_v<Reply> && sizeof(Outputs) == 36 && sizeof(Reply) == 40);
+static_assert(std::has_unique_object_representations_v<Farewell>);
+
+inline Outputs outputs_of(const firmware::Telemetry& telemetry) {
+  const control::Outputs& out = telemetry.outputs;
+  Outputs wire;
+  wire.tick = telemetry.tick;
+  wire.command = out.command;
+  wire.height_m = out.height.height_m;
+  wire.velocity_mps = out.height.velocity_mps;
+  wire.since_touchdown_s = out.phase.since_touchdown_s;
+  wire.since_liftoff_s = out.phase.since_liftoff_s;
+  wire.apex_height_m = out.phase.apex_height_m;
+  wire.phase = static_cast<std::uint8_t>(out.phase.phase);
+  wire.touchdown = out.phase.touchdown ? 1 : 0;
+  wire.liftoff = out.phase.liftoff ? 1 : 0;
+  wire.fault = static_cast<std::uint8_t>(out.fault);
+  return wire;
+}
+
+}  // namespace furcula::pil

@@ -1,0 +1,260 @@
+// Processor in the loop: the controller on an emulated Cortex-M4F in lock step with the host's plant.
+#include <signal.h>
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <chrono>
+#include <cstdio>
+#include <cstring>
+#include <fstream>
+#include <map>
+#include <sstream>
+#include <string>
+
+#include "boards/sim_host/board.hpp"
+#include "firmware/app/app.hpp"
+#include "host/model/reader.hpp"
+#include "host/sim/scenario.hpp"
+#include "host/sim/simulate.hpp"
+#include "tests/pil/qemu.hpp"
+#include "tests/skip.hpp"
+
+namespace {
+
+using namespace furcula;
+using namespace std::chrono_literals;
+
+// The example of 002 section 3.2.1.
+constexpr const char* kModel = R"(
+[model]
+kind = "hopper_linear"
+schema = 1
+[parameters]
+mass_kg = 1.5
+stiffness_npm = 600.0
+rest_height_m = 0.28190778623577246
+damping_stance_nspm = 5.0
+damping_flight_nspm = 1.0
+restitution_touchdown = 1.0
+restitution_liftoff = 1.0
+link_length_m = 0.15
+touchdown_angle_rad = 0.3490658503988659
+gravity_mps2 = 9.81
+)";
+
+struct Run {
+  std::size_t ticks = 0;
+  std::size_t differing_ticks = 0;
+  std::string first_difference;
+  std::uint32_t worst_instructions = 0;
+  std::map<int, std::size_t> ticks_with_fault;  ///< by fault number
+  std::size_t touchdowns = 0;
+  float highest_torque_nm = 0.0f;
+  double highest_m = 0.0;  ///< of the last second
+  pil::Farewell farewell;
+};
+
+/// The host's application and the board's get the same samples; the plant obeys the board's command alone.
+/// `reset_at_tick` asks both to clear their faults.
+Run run_in_lock_step(const std::string& scenario_text, std::uint64_t seed, std::size_t reset_at_tick = 0) {
+  const model::Model model = model::parse_model(kModel, "example.toml");
+  const sim::Scenario scenario = sim::parse_scenario(scenario_text, "scenario.toml", model);
+  const control::Config config = sim::controller_config(model, scenario);
+  sim_host::SimBoard rig(sim::rig_config(model, scenario, seed));
+  firmware::App host(rig, config);
+  pil::Qemu qemu(FURCULA_M4F_IMAGE, config, 10s);
+
+  Run run;
+  while (rig.wait_for_tick()) {
+    const bool reset = reset_at_tick != 0 && run.ticks == reset_at_tick;
+    const auto sample = rig.sense();
+    pil::Tick tick;
+    tick.now_us = rig.now_us();
+    tick.sample_valid = sample.ok() ? 1 : 0;
+    if (sample.ok()) tick.sample = sample.value();
+    tick.reset = reset ? 1 : 0;
+    const pil::Reply there = qemu.exchange(tick);
+
+    if (reset) rig.request_reset();
+    host.tick();
+    const pil::Outputs here = pil::outputs_of(rig.telemetry());
+    if (std::memcmp(&here, &there.outputs, sizeof(here)) != 0 && run.differing_ticks++ == 0)
+      run.first_difference = "tick " + std::to_string(run.ticks) + ": torque here " +
+                             std::to_string(here.command.torque_nm) + ", there " +
+                             std::to_string(there.outputs.command.torque_nm);
+    REQUIRE(rig.actuate(there.outputs.command) == Status::ok);
+
+    ++run.ticks;
+    run.worst_instructions = std::max(run.worst_instructions, there.instructions);
+    ++run.ticks_with_fault[there.outputs.fault];
+    run.touchdowns += there.outputs.touchdown;
+    run.highest_torque_nm = std::max(run.highest_torque_nm, std::abs(there.outputs.command.torque_nm));
+    if (rig.time_s() > scenario.duration_s - 1.0)
+      run.highest_m = std::max(run.highest_m, rig.plant().height_m());
+  }
+  run.farewell = qemu.finish();
+  return run;
+}
+
+std::map<std::string, double> read_budget() {
+  std::ifstream file(FURCULA_M4F_BUDGET);
+  REQUIRE(file);
+  std::map<std::string, double> budget;
+  for (std::string line; std::getline(file, line);) {
+    if (line.starts_with("#")) continue;
+    std::istringstream words(line);
+    std::string name;
+    double most = 0.0;
+    if (words >> name >> most) budget[name] = most;
+  }
+  return budget;
+}
+
+bool cannot_run_here() {
+  const std::string reason = pil::why_not_here();
+  if (!reason.empty()) test::skip(reason.c_str());
+  return !reason.empty();
+}
+
+}  // namespace
+
+TEST_CASE("20,000 ticks of hopping with ideal sensors are bit-equal on the Cortex-M4F and on the host") {
+  if (cannot_run_here()) return;
+  const Run run = run_in_lock_step(R"(
+start = { height_m = 0.35 }
+run = { duration_s = 20 }
+torque = { profile = "harmonic", amplitude_nm = 2, period_s = 0.3 }
+)",
+                                   1);
+  INFO(run.first_difference);
+  CHECK(run.ticks == 20000);
+  CHECK(run.differing_ticks == 0);
+  // It was the hopping of 002 section 3.2.1 and not a row of zeros: steady apex 0.361 m, over 40 hops,
+  // torque.
+  CHECK(run.highest_m == Approx(0.361).margin(0.001));
+  CHECK(run.touchdowns > 40);
+  CHECK(run.highest_torque_nm == Approx(2.0f).margin(0.01));
+  CHECK(run.ticks_with_fault.size() == 1);
+  CHECK(run.farewell.watchdog_kicks == 20000);
+}
+
+TEST_CASE(
+    "hopping with quantised, noisy, bouncing and jittering sensors is bit-equal, and within the budgets") {
+  if (cannot_run_here()) return;
+  const char* profile = GENERATE("harmonic", "constant");
+  const Run run = run_in_lock_step(std::string(R"(
+start = { height_m = 0.35 }
+run = { duration_s = 20 }
+sensors = { quantisation = true, noise = true, bounce = true, jitter = true }
+torque = { amplitude_nm = 2, period_s = 0.3, profile = ")") +
+                                       profile + "\" }\n",
+                                   7);
+  INFO(profile << ": " << run.first_difference);
+  CHECK(run.ticks == 20000);
+  CHECK(run.differing_ticks == 0);
+  CHECK(run.touchdowns > 30);
+  CHECK(run.ticks_with_fault.size() == 1);
+
+  auto budget = read_budget();
+  std::ofstream(FURCULA_M4F_IMAGE ".measured")
+      << "worst_tick " << run.worst_instructions << "\nstack_measured " << run.farewell.deepest_stack_bytes
+      << "\n";
+  std::printf("%s: worst tick %u instructions of %.0f, deepest stack %u bytes of %.0f\n", profile,
+              run.worst_instructions, budget["worst_tick"], run.farewell.deepest_stack_bytes,
+              budget["stack_measured"]);
+  CHECK(run.farewell.hundred_nops == 100);  // the counter counts instructions
+  CHECK(run.worst_instructions > 100);
+  CHECK(run.worst_instructions <= budget["worst_tick"]);
+  CHECK(run.farewell.deepest_stack_bytes > 100);
+  CHECK(run.farewell.deepest_stack_bytes <= budget["stack_measured"]);
+}
+
+TEST_CASE(
+    "each fault brings the Cortex-M4F to the same safe state as the host, and a reset back to hopping") {
+  if (cannot_run_here()) return;
+  struct Case {
+    const char* kind;
+    control::Fault fault;
+  };
+  const Case c =
+      GENERATE(Case{"encoder_frozen", control::Fault::stale_input},
+               Case{"encoder_stuck", control::Fault::encoder_implausible},
+               Case{"height_nan", control::Fault::non_finite_input},
+               Case{"switch_stuck_open", control::Fault::contact_implausible},
+               Case{"switch_stuck_closed", control::Fault::contact_implausible},
+               Case{"late_tick", control::Fault::late_tick}, Case{"peer_lost", control::Fault::peer_lost});
+  const bool lasting = std::string(c.kind) != "late_tick";
+  Run run = run_in_lock_step(std::string(R"(
+start = { height_m = 0.35 }
+run = { duration_s = 4 }
+torque = { profile = "harmonic", amplitude_nm = 2, period_s = 0.3 }
+[sensors]
+quantisation = true
+bounce = true
+[[fault]]
+time_s = 1.5
+kind = ")") + c.kind + (lasting ? "\"\nduration_s = 0.5\n" : "\"\n"),
+                             3, 2500);
+  INFO(c.kind << ": " << run.first_difference);
+  CHECK(run.differing_ticks == 0);
+  CHECK(run.ticks_with_fault[static_cast<int>(c.fault)] > 400);
+  CHECK(run.ticks_with_fault[0] > 2500);  // before the fault, and after the reset at 2.5 s
+  CHECK(run.ticks_with_fault.size() == 2);
+}
+
+TEST_CASE("a board whose configuration makes no sense stays in the safe state") {
+  if (cannot_run_here()) return;
+  control::Config config;
+  config.torque.shape = control::ProfileShape::constant;
+  config.torque.amplitude_nm = 2.0f;
+  config.height.metres_per_count = 0.0f;
+  pil::Qemu qemu(FURCULA_M4F_IMAGE, config, 10s);
+  pil::Tick tick;
+  tick.sample_valid = 1;
+  tick.sample.home_height_m = 0.2f;
+  tick.sample.leg_angle_rad = 0.8f;
+  tick.sample.contact = 1;
+  for (int i = 0; i < 5; ++i) {
+    const pil::Reply reply = qemu.exchange(tick);
+    CHECK(reply.outputs.fault == static_cast<int>(control::Fault::bad_configuration));
+    CHECK(reply.outputs.command.torque_nm == 0.0f);
+  }
+  CHECK(qemu.finish().watchdog_kicks == 5);
+}
+
+TEST_CASE("a board that falls silent ends the run with a reason within the time allowed") {
+  if (cannot_run_here()) return;
+  pil::Qemu qemu(FURCULA_M4F_IMAGE, control::Config{}, 10s);
+  for (int i = 0; i < 3; ++i) qemu.exchange({});
+  pil::Qemu silent(FURCULA_M4F_IMAGE, control::Config{}, 500ms);
+  REQUIRE(::kill(silent.pid(), SIGSTOP) == 0);
+  const auto start = std::chrono::steady_clock::now();
+  CHECK_THROWS_WITH(silent.exchange({}), Catch::Contains("no answer within 500 ms at tick 0"));
+  CHECK(std::chrono::steady_clock::now() - start < 10s);
+}
+
+TEST_CASE("a board that dies ends the run with a reason") {
+  if (cannot_run_here()) return;
+  pil::Qemu qemu(FURCULA_M4F_IMAGE, control::Config{}, 10s);
+  for (int i = 0; i < 3; ++i) qemu.exchange({});
+  REQUIRE(::kill(qemu.pid(), SIGKILL) == 0);
+  CHECK_THROWS_WITH(qemu.exchange({}), Catch::Contains("was ended by signal 9 at tick 3"));
+}
+
+TEST_CASE("an image that is none ends the run with what QEMU says") {
+  if (cannot_run_here()) return;
+  CHECK_THROWS_WITH(
+      [] {
+        pil::Qemu qemu("/nonexistent.elf", control::Config{}, 10s);
+        qemu.exchange({});
+      }(),
+      Catch::Contains("QEMU ended with status 1") && Catch::Contains("nonexistent.elf"));
+}
+
+TEST_CASE("a message that makes no sense ends the board with its own exit status") {
+  if (cannot_run_here()) return;
+  pil::Qemu qemu(FURCULA_M4F_IMAGE, control::Config{}, 10s);
+  pil::Tick nonsense;
+  nonsense.kind = 99;
+  CHECK_THROWS_WITH(qemu.exchange(nonsense), Catch::Contains("QEMU ended with status 4"));
+}

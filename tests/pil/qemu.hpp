@@ -1,0 +1,56 @@
+// An emulated board as a child process, spoken to in lock step. A silent or dead board ends in an exception
+// with the reason, within the time allowed: never in waiting.
+#pragma once
+
+#include <sys/types.h>
+
+#include <chrono>
+#include <cstddef>
+#include <stdexcept>
+#include <string>
+
+#include "boards/qemu_netduinoplus2/wire.hpp"
+
+namespace furcula::pil {
+
+struct LinkError : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// Why processor-in-the-loop cannot run here, or an empty string.
+std::string why_not_here();
+
+class Qemu {
+ public:
+  /// Starts QEMU with the image in a directory of its own and hands it the configuration. `allowed` is how
+  /// long any one answer may take. @throws LinkError
+  Qemu(const std::string& image, const control::Config& config, std::chrono::milliseconds allowed);
+  /// Ends the child if it still runs, removes the directory.
+  ~Qemu();
+  Qemu(const Qemu&) = delete;
+  Qemu& operator=(const Qemu&) = delete;
+
+  /// One tick there and back. @throws LinkError
+  Reply exchange(const Tick& tick);
+  /// Ends the run; QEMU must end with status 0. @throws LinkError
+  Farewell finish();
+
+  pid_t pid() const { return child_; }
+
+ private:
+  void start(const std::string& image);
+  void send(const void* data, std::size_t size);
+  void receive(void* data, std::size_t size);
+  /// @throws LinkError if the child has ended.
+  void check_alive(const char* doing);
+  std::string last_words() const;
+  void clean_up();
+
+  std::chrono::milliseconds allowed_;
+  std::string directory_;
+  pid_t child_ = -1;
+  int to_board_ = -1, from_board_ = -1;
+  std::size_t ticks_ = 0;
+};
+
+}  // namespace furcula::pil
