@@ -91,19 +91,25 @@ std::string figures(const Diagnosis& d) {
   const auto* given = find(d.baseline, channel);
   const auto* refitted = find(d.refitted, channel);
   const auto* extended = find(d.extended, channel);
-  const auto three = [&](double diagnose::ChannelErrors::*member, const std::string& unit) {
-    const std::vector<double> v{or_nan(given, member), or_nan(refitted, member), or_nan(extended, member)};
+  // Without a finding the extended model is the re-fitted one.
+  const bool found = !d.findings.empty();
+  const auto steps = [&](double diagnose::ChannelErrors::*member, const std::string& unit) {
+    std::vector<double> v{or_nan(given, member), or_nan(refitted, member)};
+    if (found) v.push_back(or_nan(extended, member));
     const Scale s = scale_for(v, unit);
-    return "<small>" + number(s.factor * v[0], 2) + kArrow + number(s.factor * v[1], 2) + kArrow +
-           "</small>" + number(s.factor * v[2], 2) +
+    std::string out = "<small>";
+    for (std::size_t i = 0; i + 1 < v.size(); ++i) out += number(s.factor * v[i], 2) + kArrow;
+    return out + "</small>" + number(s.factor * v.back(), 2) +
            (s.unit.empty() ? "" : "&#8239;<small>" + escape(s.unit) + "</small>");
   };
   const auto* floor = find(d.noise_floor, channel);
   std::vector<KeyFigure> list;
-  list.push_back({"Mean error of " + channel, three(&diagnose::ChannelErrors::mae, unit_of(channel, d)),
-                  "as given, re-fitted, extended; on recordings that no fit has seen"});
-  list.push_back({"NMSE of " + channel, three(&diagnose::ChannelErrors::nmse, ""),
-                  floor ? "the same three; the noise floor is " + number(floor->nmse, 2) : "the same three"});
+  list.push_back({"Mean error of " + channel, steps(&diagnose::ChannelErrors::mae, unit_of(channel, d)),
+                  std::string(found ? "as given, re-fitted, extended" : "as given, re-fitted") +
+                      "; on recordings that no fit has seen"});
+  list.push_back({"NMSE of " + channel, steps(&diagnose::ChannelErrors::nmse, ""),
+                  std::string("the same ") + (found ? "three" : "two") +
+                      (floor ? "; the noise floor is " + number(floor->nmse, 2) : "")});
   list.push_back({"Still unexplained", escape(percent(d.unexplained_fraction)),
                   d.residual_white ? "of the error above the noise; what remains looks like noise"
                                    : "of the error above the noise; what remains has structure"});
@@ -153,7 +159,9 @@ std::string errors_table(const Diagnosis& d) {
                {"Extended", true},
                {"Noise floor", true},
                {"Unit"}});
-  for (const auto& [channel, given] : d.baseline) {
+  for (const auto& entry : d.baseline) {
+    const std::string& channel = entry.first;
+    const E& given = entry.second;
     const auto* refitted = find(d.refitted, channel);
     const auto* extended = find(d.extended, channel);
     const auto* floor = find(d.noise_floor, channel);
@@ -185,14 +193,20 @@ std::string estimates(const std::map<std::string, diagnose::Estimate>& parameter
   return table.empty() ? "" : table.html();
 }
 
+/// "effect.parameter" without the effect where there is but one.
+std::string short_name(const std::string& name, const std::vector<std::string>& effects) {
+  const std::size_t dot = name.rfind('.');
+  return effects.size() == 1 && dot != std::string::npos ? name.substr(dot + 1) : name;
+}
+
 std::string rivals(const std::vector<diagnose::Rival>& list) {
   std::string out = "<ul>\n";
   for (const diagnose::Rival& r : list) {
     out += "<li><strong>" + names(r.names) + "</strong>";
     std::string values;
     for (const auto& [name, e] : r.parameters)
-      values +=
-          (values.empty() ? "" : ", ") + escape(name) + " = " + with_interval(e.value, e.lower, e.upper);
+      values += (values.empty() ? "" : ", ") + escape(short_name(name, r.names)) + " = " +
+                with_interval(e.value, e.lower, e.upper);
     if (!values.empty()) out += " <small>" + values + "</small>";
     if (!r.why.empty()) out += ": " + escape(r.why);
     out += "</li>\n";
@@ -276,12 +290,8 @@ std::string candidates(const Diagnosis& d) {
   Table table({{"Hypothesis"}, {"Gain in training", true}, {"Gain held out", true}, {"Outcome"}});
   for (const auto* c : order) {
     std::string values;
-    for (const auto& [name, e] : c->parameters) {
-      const std::size_t dot = name.rfind('.');
-      const std::string shown =
-          c->effects.size() == 1 && dot != std::string::npos ? name.substr(dot + 1) : name;
-      values += "<br><small>" + escape(shown) + " = " + number(e.value) + "</small>";
-    }
+    for (const auto& [name, e] : c->parameters)
+      values += "<br><small>" + escape(short_name(name, c->effects)) + " = " + number(e.value) + "</small>";
     table.add({names(c->effects) + values, share_bar(c->training_gain), share_bar(c->held_out_gain),
                escape(c->outcome)},
               c->chosen);

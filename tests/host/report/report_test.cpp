@@ -96,6 +96,37 @@ TEST_CASE("the page is one file of less than 2 MB that refers to no other") {
   CHECK_THAT(page, Contains("@license"));
 }
 
+TEST_CASE("ten times the recordings do not make the page larger than 2 MB") {
+  diagnose::Diagnosis d = test::sample_diagnosis();
+  const std::vector<diagnose::Trace> traces = d.traces;
+  const diagnose::ResidualForce once = d.residual;
+  for (int copy = 1; copy < 10; ++copy) {
+    for (diagnose::Trace t : traces) {
+      t.log = std::to_string(copy) + t.log;
+      d.traces.push_back(t);
+    }
+    for (auto member :
+         {&diagnose::ResidualForce::time_s, &diagnose::ResidualForce::velocity,
+          &diagnose::ResidualForce::position, &diagnose::ResidualForce::force, &diagnose::ResidualForce::law})
+      (d.residual.*member).insert((d.residual.*member).end(), (once.*member).begin(), (once.*member).end());
+  }
+  const std::string page = report::render_report(d);
+  CHECK(page.size() < 2'000'000);
+  CHECK_THAT(page, Contains("of each stretch those with the smallest and the largest error"));
+}
+
+TEST_CASE("without a finding the page names no cause and draws no extended model") {
+  diagnose::Diagnosis d = test::sample_diagnosis(4, 2);
+  d.findings.clear();
+  d.verdict = diagnose::Verdict::adequate;
+  d.residual.law.clear();
+  const std::string page = report::render_report(d);
+  CHECK_THAT(page, Contains("as given, re-fitted; on recordings"));
+  CHECK_THAT(page, Contains("\"labels\":[\"measured\",\"as given\",\"re-fitted\"]"));
+  CHECK(count(page, "class=\"law\"") == 0);
+  CHECK(count(page, "class=\"finding\"") == 0);
+}
+
 TEST_CASE("hostile names stay text") {
   diagnose::Diagnosis d = test::sample_diagnosis(4, 2);
   const std::string hostile = "</script><img src=x onerror=alert(1)>\"'&.csv";
