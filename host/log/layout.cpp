@@ -10,6 +10,7 @@
 namespace furcula::log {
 namespace {
 
+constexpr std::string_view kSpace = " \t\r";
 constexpr std::size_t kMostMetadata = std::size_t{1} << 20;  // bytes, so that memory stays bounded
 
 // Suffixes that are units: `height_mm` is `height_m` in another unit, `torque_enable` is not a torque.
@@ -57,9 +58,9 @@ std::size_t first_not_utf8(std::string_view text) {
 }
 
 std::string_view trimmed(std::string_view text) {
-  const std::size_t first = text.find_first_not_of(" \t");
+  const std::size_t first = text.find_first_not_of(kSpace);
   if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(" \t") + 1 - first);
+  return text.substr(first, text.find_last_not_of(kSpace) + 1 - first);
 }
 
 std::string at(const RecordStream& records) {
@@ -71,6 +72,7 @@ void take_metadata(std::string_view record, const RecordStream& records, const R
   const std::size_t colon = record.find(':');
   if (colon == std::string_view::npos) return;
   const std::string key(trimmed(record.substr(1, colon - 1)));
+  if (key.empty()) return;
   const std::string value(trimmed(record.substr(colon + 1)));
   if (key == "format" && value != "furcula-log/1")
     throw DataError(at(records) + "format is " + quoted(value) + "; expected furcula-log/1");

@@ -16,7 +16,7 @@ namespace {
 bool has_any(std::string_view text, std::string_view bytes) { return text.find_first_of(bytes) != text.npos; }
 
 bool has_outer_space(std::string_view text) {
-  constexpr std::string_view kSpace = " \t";
+  constexpr std::string_view kSpace = " \t\r";
   return !text.empty() &&
          (kSpace.find(text.front()) != kSpace.npos || kSpace.find(text.back()) != kSpace.npos);
 }
@@ -33,7 +33,7 @@ std::string header_field(const std::string& name) {
 }
 
 void append_metadata(std::string& out, const std::string& key, const std::string& value) {
-  if (key.empty() || has_any(key, ":\r\n") || has_any(value, "\r\n") || has_outer_space(key) ||
+  if (key.empty() || has_any(key, ":\n") || has_any(value, "\n") || has_outer_space(key) ||
       has_outer_space(value))
     throw std::invalid_argument("metadata " + quoted(key) + ": " + quoted(value) +
                                 " cannot be written as a line");
