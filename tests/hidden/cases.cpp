@@ -146,6 +146,7 @@ void draw_hopper(Case& c, std::optional<Effect> effect, Random& random) {
     }
     c.ground_pulled = c.ground_pulled || recording.ground_pulled;
     (i < kTraining ? c.training : c.held_out).push_back(std::move(recording.log));
+    if (i >= kTraining) c.held_out_truth.push_back(std::move(recording.truth));
   }
 }
 
@@ -224,17 +225,18 @@ void draw_axis(Case& c, std::optional<Effect> effect, Random& random) {
   }
 
   const auto record = [&](const Truth& truth) {
-    std::vector<log::Log> logs;
+    std::vector<AxisRecording> recordings;
     for (const AxisExperiment& e : experiments)
-      logs.push_back(record_axis(truth, c.model.parameters, e, sensors, random));
-    return logs;
+      recordings.push_back(record_axis(truth, c.model.parameters, e, sensors, random));
+    return recordings;
   };
 
   // What the machine is used to: its inputs and speeds without the effect.
   double squares = 0.0;
   std::size_t rows = 0;
   std::vector<double> speeds;
-  for (const log::Log& log : record(c.truth)) {
+  for (const AxisRecording& recording : record(c.truth)) {
+    const log::Log& log = recording.log;
     for (double u : log.at(rotary ? "torque_nm" : "force_n")) squares += u * u;
     rows += log.rows();
     const auto& position = log.at(rotary ? "angle_rad" : "position_m");
@@ -250,9 +252,12 @@ void draw_axis(Case& c, std::optional<Effect> effect, Random& random) {
     c.truth.planted =
         friction_of(*effect, c.typical_input * random.uniform(0.9, 1.1) * by_size(c.size, 0.03, 0.08, 0.2),
                     c.top_speed, c.top_speed * random.uniform(0.05, 0.25), random);
-  std::vector<log::Log> logs = record(c.truth);
-  for (int i = 0; i < kTraining + kHeldOut; ++i)
-    (i < kTraining ? c.training : c.held_out).push_back(std::move(logs[static_cast<std::size_t>(i)]));
+  int number = 0;
+  for (AxisRecording& recording : record(c.truth)) {
+    const bool for_training = number++ < kTraining;
+    (for_training ? c.training : c.held_out).push_back(std::move(recording.log));
+    if (!for_training) c.held_out_truth.push_back(std::move(recording.truth));
+  }
 }
 
 }  // namespace

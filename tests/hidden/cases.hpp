@@ -10,6 +10,7 @@
 #include "host/log/log.hpp"
 #include "host/model/model.hpp"
 #include "tests/hidden/machine.hpp"
+#include "tests/hidden/rig.hpp"
 
 namespace furcula::hidden {
 
@@ -27,6 +28,7 @@ struct Case {
   double typical_input = 0.0;  ///< axes: RMS of the command without the effect, N or N m
   double top_speed = 0.0;      ///< axes: 95 % of the samples are slower, m/s or rad/s
   std::vector<log::Log> training, held_out;
+  std::vector<Trajectory> held_out_truth;  ///< what really happened while `held_out` was recorded
 
   /// One line: seed, kind, effect, size and the true values.
   std::string description() const;

@@ -18,6 +18,13 @@ double quantised(double value, double quantum, double offset_counts) {
   return quantum * (std::round(value / quantum + offset_counts) - offset_counts);
 }
 
+void note(Trajectory& truth, const Machine& m, double command) {
+  truth.time_s.push_back(m.time_s());
+  truth.position.push_back(m.position());
+  truth.velocity.push_back(m.velocity());
+  truth.command.push_back(command);
+}
+
 // Rows lost on the way to the disk; the first and last stay.
 void drop_rows(log::Log& log, double fraction, Random& random) {
   if (fraction <= 0) return;
@@ -155,6 +162,7 @@ HopperRecording record_hopper(const Truth& truth, const HopperExperiment& experi
     const double command =
         believes_stance ? profile_torque(experiment, now - believed_touchdown_s, rising) : 0.0;
     torque.push_back(command);
+    note(out.truth, m, command);
 
     // When to stop: enough hops, too long, or the body at rest.
     if (m.liftoff_s() != last_liftoff) ++out.liftoffs;
@@ -200,13 +208,14 @@ double Course::acceleration(double time_s) const {
   return (at(time_s + kH) - 2 * at(time_s) + at(time_s - kH)) / (kH * kH);
 }
 
-log::Log record_axis(const Truth& truth, const std::vector<double>& known, const AxisExperiment& experiment,
-                     const AxisSensors& sensors, Random& random) {
+AxisRecording record_axis(const Truth& truth, const std::vector<double>& known,
+                          const AxisExperiment& experiment, const AxisSensors& sensors, Random& random) {
   const bool rotary = truth.kind == Kind::rotary_joint;
   const double inertia = known[0], gravity = rotary ? known[1] : 0.0, damping = known[rotary ? 2 : 1];
   const double bandwidth = kTwoPi * experiment.feedback_hz;
   Machine m(truth, experiment.start_position, 0.0);
   const double offset_counts = random.uniform(-0.5, 0.5);
+  AxisRecording out;
   std::vector<double> time, position, input, reference;
   double filtered_velocity = 0.0;
 
@@ -231,13 +240,14 @@ log::Log record_axis(const Truth& truth, const std::vector<double>& known, const
     time.push_back(now);
     position.push_back(seen);
     input.push_back(command);
+    note(out.truth, m, command);
     reference.push_back(experiment.course.at(now));
     now = sensors.interval_spread_s > 0 ? now + sensors.interval_s + sensors.interval_spread_s * random.unit()
                                         : static_cast<double>(time.size()) * sensors.interval_s;
     m.advance(now, command, 100e-6);
   }
 
-  log::Log log;
+  log::Log& log = out.log;
   log.rig = std::string(dynamics::info(truth.kind).rig);
   log.columns = {{"time_s", time}};
   log.columns[rotary ? "angle_rad" : "position_m"] = position;
@@ -246,7 +256,7 @@ log::Log record_axis(const Truth& truth, const std::vector<double>& known, const
   if (sensors.velocity_column)
     log.columns[rotary ? "velocity_radps" : "velocity_mps"] = derived_velocity(time, position);
   drop_rows(log, sensors.dropped_fraction, random);
-  return log;
+  return out;
 }
 
 }  // namespace furcula::hidden

@@ -11,6 +11,11 @@
 
 namespace furcula::hidden {
 
+/// What really happened, row for row (none dropped): for judging predictions without the sensors' errors.
+struct Trajectory {
+  std::vector<double> time_s, position, velocity, command;
+};
+
 // ---- The hopper's rig -------------------------------------------------------------------------------------
 
 enum class Profile { none, harmonic, constant };
@@ -37,6 +42,7 @@ struct HopperSensors {
 
 struct HopperRecording {
   log::Log log;
+  Trajectory truth;
   int liftoffs = 0;
   bool ground_pulled = false;  ///< see Machine::ground_pulled
 };
@@ -84,7 +90,12 @@ struct AxisSensors {
 };
 
 /// `known` holds the parameters that the rig's controller believes in (its feed-forward).
-log::Log record_axis(const Truth& truth, const std::vector<double>& known, const AxisExperiment& experiment,
-                     const AxisSensors& sensors, Random& random);
+struct AxisRecording {
+  log::Log log;
+  Trajectory truth;
+};
+
+AxisRecording record_axis(const Truth& truth, const std::vector<double>& known,
+                          const AxisExperiment& experiment, const AxisSensors& sensors, Random& random);
 
 }  // namespace furcula::hidden

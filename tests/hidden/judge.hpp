@@ -1,0 +1,50 @@
+// Compares what the diagnosis said with what was planted.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "host/diagnose/diagnosis.hpp"
+#include "tests/hidden/cases.hpp"
+
+namespace furcula::hidden {
+
+enum class Outcome {
+  named,          ///< the planted effect stands first, or the same law under its other name does
+  nothing_named,  ///< no finding, and the verdict is adequate, unexplained or not_identifiable
+  not_separated,  ///< the verdict is not_identifiable, and the planted effect is among the named causes
+  wrong_name,     ///< another law stands first; in a clean case: any finding
+};
+
+struct ParameterError {
+  std::string name;
+  double expected = 0.0, found = 0.0, lower = 0.0, upper = 0.0;
+  double relative() const;
+  bool within_interval() const { return lower <= expected && expected <= upper; }
+  /// Within 10 % of the planted value, or the value within the estimate's 95 % interval.
+  bool acceptable() const { return relative() <= 0.10 || within_interval(); }
+};
+
+struct Judgement {
+  Outcome outcome = Outcome::nothing_named;
+  bool other_name = false;                 ///< named as the same law under its other name
+  std::vector<std::string> extra;          ///< findings beyond the planted law
+  std::vector<ParameterError> parameters;  ///< of the planted law, if it was named
+  /// Share of the held-out error above the noise floor that the extended model removes from the re-fitted
+  /// one, on the main channel, from the diagnosis' own figures.
+  double removed = 0.0;
+  /// The same share found independently: both models run in this folder's machine over what really happened
+  /// in the held-out experiments, from true states, without a sensor's error. NaN if more than one law was
+  /// added.
+  double removed_truly = 0.0;
+  std::string said;  ///< one line: verdict, findings with values, rivals, errors
+};
+
+/// The diagnosis of a case: it gets the model and the recordings, and nothing else.
+diagnose::Diagnosis diagnosed(const Case& c, unsigned threads);
+
+Judgement judge(const Case& c, const diagnose::Diagnosis& d);
+
+std::string_view name(Outcome outcome);
+
+}  // namespace furcula::hidden

@@ -1,0 +1,148 @@
+// The diagnosis must find what a virtual rig hides, and must find nothing where nothing is hidden.
+// A failing case prints its seed, what was planted and what the diagnosis said; draw_case() with the same
+// arguments makes the same recordings again (`furcula_hidden_table --write DIR` writes them as files).
+#include <catch2/catch.hpp>
+#include <string>
+
+#include "tests/hidden/cases.hpp"
+#include "tests/hidden/judge.hpp"
+
+namespace furcula::hidden {
+namespace {
+
+constexpr unsigned kThreads = 2;
+
+std::string listed(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& n : names) text += " " + n;
+  return text;
+}
+
+void expect_named(Kind kind, Effect effect, Size size, std::uint64_t seed) {
+  const Case c = draw_case(seed, kind, effect, size);
+  const Judgement j = judge(c, diagnosed(c, kThreads));
+  INFO(c.description());
+  INFO(j.said);
+  CHECK(std::string(name(j.outcome)) == std::string(name(Outcome::named)));
+  CHECK(listed(j.extra) == "");
+  for (const ParameterError& p : j.parameters) {
+    INFO(p.name << " planted " << p.expected << ", found " << p.found << " [" << p.lower << ", " << p.upper
+                << "]");
+    CHECK(p.acceptable());
+  }
+  CHECK(j.removed >= 0.9);
+  CHECK(j.removed_truly >= 0.9);
+}
+
+// A small effect may drown in the sensors' errors, but must not be taken for another.
+void expect_no_wrong_name(Kind kind, Effect effect, std::uint64_t seed) {
+  const Case c = draw_case(seed, kind, effect, Size::small);
+  const Judgement j = judge(c, diagnosed(c, kThreads));
+  INFO(c.description());
+  INFO(j.said);
+  CHECK(std::string(name(j.outcome)) != std::string(name(Outcome::wrong_name)));
+  if (j.outcome == Outcome::named) CHECK(listed(j.extra) == "");
+}
+
+void expect_found(Kind kind, Effect effect) {
+  expect_named(kind, effect, Size::large, 1);
+  expect_named(kind, effect, Size::medium, 2);
+  expect_no_wrong_name(kind, effect, 3);
+}
+
+void expect_adequate(Kind kind) {
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    const Case c = draw_case(seed, kind, std::nullopt);
+    const diagnose::Diagnosis d = diagnosed(c, kThreads);
+    INFO(c.description());
+    INFO(judge(c, d).said);
+    CHECK(d.findings.empty());
+    CHECK(std::string(diagnose::name(d.verdict)) == "adequate");
+  }
+}
+
+}  // namespace
+
+TEST_CASE("Coulomb friction hidden in a hopper is found") {
+  expect_found(Kind::hopper_linear, Effect::coulomb_friction);
+}
+
+TEST_CASE("Stribeck friction hidden in a hopper is found") {
+  expect_found(Kind::hopper_linear, Effect::stribeck_friction);
+}
+
+TEST_CASE("Asymmetric friction hidden in a hopper is found") {
+  expect_found(Kind::hopper_linear, Effect::asymmetric_friction);
+}
+
+TEST_CASE("Quadratic drag hidden in a hopper is found") {
+  expect_found(Kind::hopper_linear, Effect::quadratic_drag);
+}
+
+TEST_CASE("A force offset hidden in a hopper is found") {
+  expect_found(Kind::hopper_linear, Effect::force_offset);
+}
+
+TEST_CASE("A wrong spring rate hidden in a hopper is found") {
+  expect_found(Kind::hopper_linear, Effect::stiffness_error);
+}
+
+TEST_CASE("A spring preload hidden in a hopper is found") {
+  expect_found(Kind::hopper_linear, Effect::spring_preload);
+}
+
+TEST_CASE("A wrong torque gain hidden in a hopper is found") {
+  expect_found(Kind::hopper_linear, Effect::torque_gain_error);
+}
+
+TEST_CASE("A loss at touch-down hidden in a hopper is found") {
+  expect_found(Kind::hopper_linear, Effect::touchdown_loss);
+}
+
+TEST_CASE("Nothing is found in a hopper that hides nothing") { expect_adequate(Kind::hopper_linear); }
+
+TEST_CASE("Coulomb friction hidden in a motor axis is found") {
+  expect_found(Kind::motor_axis, Effect::coulomb_friction);
+}
+
+TEST_CASE("Stribeck friction hidden in a motor axis is found") {
+  expect_found(Kind::motor_axis, Effect::stribeck_friction);
+}
+
+TEST_CASE("Asymmetric friction hidden in a motor axis is found") {
+  expect_found(Kind::motor_axis, Effect::asymmetric_friction);
+}
+
+TEST_CASE("Quadratic drag hidden in a motor axis is found") {
+  expect_found(Kind::motor_axis, Effect::quadratic_drag);
+}
+
+TEST_CASE("A force offset hidden in a motor axis is found") {
+  expect_found(Kind::motor_axis, Effect::force_offset);
+}
+
+TEST_CASE("Nothing is found in a motor axis that hides nothing") { expect_adequate(Kind::motor_axis); }
+
+TEST_CASE("Coulomb friction hidden in a rotary joint is found") {
+  expect_found(Kind::rotary_joint, Effect::coulomb_friction);
+}
+
+TEST_CASE("Stribeck friction hidden in a rotary joint is found") {
+  expect_found(Kind::rotary_joint, Effect::stribeck_friction);
+}
+
+TEST_CASE("Asymmetric friction hidden in a rotary joint is found") {
+  expect_found(Kind::rotary_joint, Effect::asymmetric_friction);
+}
+
+TEST_CASE("Quadratic drag hidden in a rotary joint is found") {
+  expect_found(Kind::rotary_joint, Effect::quadratic_drag);
+}
+
+TEST_CASE("A force offset hidden in a rotary joint is found") {
+  expect_found(Kind::rotary_joint, Effect::force_offset);
+}
+
+TEST_CASE("Nothing is found in a rotary joint that hides nothing") { expect_adequate(Kind::rotary_joint); }
+
+}  // namespace furcula::hidden

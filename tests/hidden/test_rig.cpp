@@ -1,0 +1,217 @@
+// The virtual rigs' sensors and the drawing of cases.
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <numbers>
+
+#include "tests/hidden/cases.hpp"
+#include "tests/hidden/rig.hpp"
+
+namespace furcula::hidden {
+namespace {
+
+Truth published_hopper() {
+  return {.kind = Kind::hopper_linear,
+          .parameters = {1.554, 605.0, 0.289, 6.42, 1.18, 1.0, 1.0, 0.15, 20 * std::numbers::pi / 180, 9.81},
+          .planted = std::nullopt};
+}
+const double kTouchdownHeight_m = 0.30 * std::cos(20 * std::numbers::pi / 180);
+
+// Instants at which the switch has read closed twice running after a flight (open twice running, and 50 ms
+// after the last touch-down at the earliest: the switch chatters).
+std::vector<double> reported_touchdowns(const HopperRecording& r) {
+  std::vector<double> found;
+  const auto& contact = r.log.at("contact");
+  bool stance = false;
+  for (std::size_t i = 1; i < contact.size(); ++i) {
+    const double now = r.log.time_s()[i];
+    if (!stance && contact[i] == 1 && contact[i - 1] == 1) {
+      stance = true;
+      found.push_back(now);
+    } else if (stance && contact[i] == 0 && contact[i - 1] == 0 && now - found.back() > 0.05) {
+      stance = false;
+    }
+  }
+  return found;
+}
+
+// True instants, to the row, at which the body passes the touch-down height.
+std::vector<double> crossings(const Trajectory& t, bool downwards) {
+  std::vector<double> found;
+  for (std::size_t i = 1; i < t.time_s.size(); ++i) {
+    const bool above = t.position[i] > kTouchdownHeight_m, was_above = t.position[i - 1] > kTouchdownHeight_m;
+    if (above != was_above && above != downwards) found.push_back(t.time_s[i]);
+  }
+  return found;
+}
+
+double nearest(const std::vector<double>& values, double to) {
+  double best = 1e9;
+  for (double v : values) best = std::min(best, std::abs(v - to));
+  return best;
+}
+
+}  // namespace
+
+TEST_CASE("The switch reports every touch-down, up to 10 ms early or late") {
+  Random random(7);
+  HopperSensors sensors;
+  sensors.report_error_s = 10e-3;
+  const HopperRecording r = record_hopper(published_hopper(), {.amplitude_nm = 2.0}, sensors, random);
+  const std::vector<double> true_instants = crossings(r.truth, true), told = reported_touchdowns(r);
+  REQUIRE(true_instants.size() >= 8);
+  double earliest = 0, latest = 0;
+  for (double t : true_instants) {
+    // Two more rows: the true instant is known to a row, and the report is the second row running.
+    CHECK(nearest(told, t) <= 12e-3);
+    for (double report : told)
+      if (std::abs(report - t) < 0.02) {
+        earliest = std::min(earliest, report - t);
+        latest = std::max(latest, report - t);
+      }
+  }
+  CHECK(earliest < -2e-3);
+  CHECK(latest > 3e-3);
+}
+
+TEST_CASE("Without a report error the switch follows touch-down within two rows") {
+  Random random(7);
+  const HopperRecording r = record_hopper(published_hopper(), {.amplitude_nm = 2.0}, {}, random);
+  for (double t : crossings(r.truth, true)) CHECK(nearest(reported_touchdowns(r), t) <= 2.01e-3);
+}
+
+TEST_CASE("The torque begins anew at the reported touch-down and is zero in reported flight") {
+  Random random(7);
+  HopperSensors sensors;
+  sensors.report_error_s = 10e-3;
+  const HopperExperiment experiment{.amplitude_nm = 2.0, .period_s = 0.3};
+  const HopperRecording r = record_hopper(published_hopper(), experiment, sensors, random);
+  const auto& torque = r.log.at("torque_cmd_nm");
+  int begun = 0;
+  for (double t : reported_touchdowns(r)) {
+    const auto row = static_cast<std::size_t>(std::lround(t * 1000));
+    if (row + 30 >= torque.size()) continue;
+    ++begun;
+    CHECK(torque[row - 1] == 0.0);
+    CHECK(torque[row + 30] == Approx(2.0 * std::sin(2 * std::numbers::pi * 0.030 / 0.3)));
+  }
+  CHECK(begun >= 8);
+}
+
+TEST_CASE("The height is the true one, on a grid of encoder counts, to noise and a count") {
+  Random random(3);
+  HopperSensors sensors;
+  sensors.noise_m = 3e-5;
+  const HopperRecording r = record_hopper(published_hopper(), {}, sensors, random);
+  const auto& height = r.log.at("height_m");
+  const double first_counts = height[0] / sensors.quantum_m;
+  double squares = 0;
+  for (std::size_t i = 0; i < height.size(); ++i) {
+    const double steps = height[i] / sensors.quantum_m - first_counts;
+    REQUIRE(steps == Approx(std::round(steps)).margin(1e-6));
+    squares += std::pow(height[i] - r.truth.position[i], 2);
+  }
+  const double rms = std::sqrt(squares / static_cast<double>(height.size()));
+  // A uniform error of one count and the noise together: sqrt(0.09^2/12 + 0.03^2) = 0.040 mm.
+  CHECK(rms == Approx(0.040e-3).epsilon(0.05));
+}
+
+TEST_CASE("The body vibrates on the encoder for 30 ms after touch-down, and not before") {
+  HopperSensors still, shaken;
+  still.noise_m = shaken.noise_m = 0.0;
+  still.quantum_m = shaken.quantum_m = 1e-9;
+  shaken.vibration_m = 2e-4;
+  Random random(3), again(3);
+  const HopperRecording a = record_hopper(published_hopper(), {.profile = Profile::none}, still, random);
+  const HopperRecording b = record_hopper(published_hopper(), {.profile = Profile::none}, shaken, again);
+  const double touchdown = crossings(a.truth, true).front();
+  double before = 0, just_after = 0, later = 0;
+  for (std::size_t i = 0; i < a.log.rows(); ++i) {
+    const double since = a.log.time_s()[i] - touchdown;
+    const double difference = std::abs(a.log.at("height_m")[i] - b.log.at("height_m")[i]);
+    double& largest = since < -2e-3 ? before : since < 0.02 ? just_after : later;
+    largest = std::max(largest, difference);
+    if (since > 0.1) break;
+  }
+  CHECK(before < 1e-8);
+  CHECK(just_after > 5e-5);
+  CHECK(later < 3e-5);
+}
+
+TEST_CASE("Dropped rows are gone from every column, and time still increases") {
+  Random random(3);
+  HopperSensors sensors;
+  sensors.dropped_fraction = 0.05;
+  const HopperRecording r = record_hopper(published_hopper(), {}, sensors, random);
+  const double lost = static_cast<double>(r.truth.time_s.size() - r.log.rows());
+  CHECK(lost / static_cast<double>(r.truth.time_s.size()) == Approx(0.05).margin(0.02));
+  for (const auto& [name, column] : r.log.columns) CHECK(column.size() == r.log.rows());
+  for (std::size_t i = 1; i < r.log.rows(); ++i) REQUIRE(r.log.time_s()[i] > r.log.time_s()[i - 1]);
+}
+
+TEST_CASE("A seed draws the same case again, and another seed another") {
+  const Case a = draw_case(5, Kind::motor_axis, Effect::quadratic_drag, Size::large);
+  const Case b = draw_case(5, Kind::motor_axis, Effect::quadratic_drag, Size::large);
+  const Case other = draw_case(6, Kind::motor_axis, Effect::quadratic_drag, Size::large);
+  CHECK(a.description() == b.description());
+  CHECK(a.training[3].columns == b.training[3].columns);
+  CHECK(a.held_out[1].columns == b.held_out[1].columns);
+  CHECK(a.training[0].columns != other.training[0].columns);
+}
+
+TEST_CASE("A drawn case's model is near the truth, exact where it is held, and knows of no effect") {
+  for (const auto& kind : dynamics::kKinds)
+    for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+      const Case c = draw_case(seed, kind.kind, Effect::coulomb_friction, Size::medium);
+      REQUIRE(c.model.effects.empty());
+      for (std::size_t i = 0; i < c.model.parameters.size(); ++i) {
+        INFO(c.description() << ", parameter " << kind.parameters[i].name);
+        if (const auto free = c.model.free.find(i); free != c.model.free.end()) {
+          CHECK(c.truth.parameters[i] == Approx(c.model.parameters[i]).epsilon(0.11));
+          CHECK(c.truth.parameters[i] > free->second.lower);
+          CHECK(c.truth.parameters[i] < free->second.upper);
+        } else {
+          CHECK(c.truth.parameters[i] == c.model.parameters[i]);
+        }
+      }
+    }
+}
+
+TEST_CASE("No drawn hopper has the ground pull, and with its torque on it hops") {
+  for (std::uint64_t seed = 1; seed <= 3; ++seed)
+    for (const auto& effect : dynamics::kCatalogue)
+      for (Size size : {Size::small, Size::medium, Size::large}) {
+        const Case c = draw_case(seed, Kind::hopper_linear, effect.effect, size);
+        INFO(c.description());
+        CHECK_FALSE(c.ground_pulled);
+        for (const Trajectory& t : c.held_out_truth) CHECK(crossings(t, true).size() >= 5);
+      }
+}
+
+TEST_CASE("A motor axis stays on its rail and a joint's rows come at irregular times") {
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    const Case axis = draw_case(seed, Kind::motor_axis, Effect::force_offset, Size::large);
+    INFO(axis.description());
+    for (const log::Log& log : axis.training)
+      for (double x : log.at("position_m")) REQUIRE(std::abs(x) < 0.2);
+    const Case joint = draw_case(seed, Kind::rotary_joint, std::nullopt);
+    double shortest = 1, longest = 0;
+    const auto& time = joint.held_out[0].time_s();
+    for (std::size_t i = 1; i < time.size(); ++i) {
+      shortest = std::min(shortest, time[i] - time[i - 1]);
+      longest = std::max(longest, time[i] - time[i - 1]);
+    }
+    CHECK(shortest < 1.5e-3);
+    CHECK(longest > 5.5e-3);
+  }
+}
+
+TEST_CASE("An effect's size on an axis is a share of the input that the axis is used to") {
+  const Case c = draw_case(4, Kind::rotary_joint, Effect::coulomb_friction, Size::large);
+  CHECK(c.truth.planted->values[0] / c.typical_input == Approx(0.20).epsilon(0.101));
+  const Case drag = draw_case(4, Kind::motor_axis, Effect::quadratic_drag, Size::medium);
+  CHECK(drag.truth.planted->values[0] * drag.top_speed * drag.top_speed / drag.typical_input ==
+        Approx(0.08).epsilon(0.101));
+}
+
+}  // namespace furcula::hidden
