@@ -1,4 +1,5 @@
-// Independent jobs on several threads. Each job writes to its own place, so that the result is the same for any number.
+// Independent jobs on several threads. Each job writes to its own place, so that the result is the same for
+// any number.
 #pragma once
 
 #include <algorithm>

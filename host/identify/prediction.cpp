@@ -14,8 +14,8 @@ struct Sums {
   double squares = 0.0, absolute = 0.0, spread = 0.0, count = 0.0;
 
   /// `errors` and `measured` over the rows [first, last] of a window.
-  void add(const std::vector<double>& measured, std::size_t offset, const std::vector<double>& errors, std::size_t first,
-           std::size_t last) {
+  void add(const std::vector<double>& measured, std::size_t offset, const std::vector<double>& errors,
+           std::size_t first, std::size_t last) {
     if (last < first) return;
     double mean = 0.0;
     const auto rows = static_cast<double>(last - first + 1);
@@ -33,7 +33,8 @@ struct Sums {
   }
 };
 
-/// Pools the errors of all windows; `position_error(window, row errors)` and the like fill a vector of one entry a row.
+/// Pools the errors of all windows; `position_error(window, row errors)` and the like fill a vector of one
+/// entry a row.
 template <class Fill>
 Errors pool(const std::vector<Recording>& recordings, const std::vector<Window>& windows, const Fill& fill) {
   std::map<std::string, Sums> sums;
@@ -48,7 +49,8 @@ Errors pool(const std::vector<Recording>& recordings, const std::vector<Window>&
     const bool hopper = r.kind == dynamics::Kind::hopper_linear;
     if (hopper || r.velocity_recorded) sums["velocity"].add(r.velocity, w.first, velocity, 0, w.rows() - 1);
     if (w.kind == WindowKind::stride) {
-      sums["height_stance"].add(r.position, w.first, position, w.touchdown - w.first, w.liftoff - w.first - 1);
+      sums["height_stance"].add(r.position, w.first, position, w.touchdown - w.first,
+                                w.liftoff - w.first - 1);
       sums["height_flight"].add(r.position, w.first, position, 0, w.touchdown - w.first - 1);
       sums["height_flight"].add(r.position, w.first, position, w.liftoff - w.first, w.rows() - 1);
     }
@@ -75,14 +77,15 @@ Run predict(const model::Model& model, const Recording& r, const Window& w) {
 
 Errors prediction_errors(const model::Model& model, const std::vector<Recording>& recordings,
                          const std::vector<Window>& windows) {
-  return pool(recordings, windows,
-              [&](const Recording& r, const Window& w, std::vector<double>& position, std::vector<double>& velocity) {
-                const Run run = predict(model, r, w);
-                for (std::size_t i = 0; i < w.rows(); ++i) {
-                  position[i] = run.position[i] - r.position[w.first + i];
-                  velocity[i] = run.velocity[i] - r.velocity[w.first + i];
-                }
-              });
+  return pool(
+      recordings, windows,
+      [&](const Recording& r, const Window& w, std::vector<double>& position, std::vector<double>& velocity) {
+        const Run run = predict(model, r, w);
+        for (std::size_t i = 0; i < w.rows(); ++i) {
+          position[i] = run.position[i] - r.position[w.first + i];
+          velocity[i] = run.velocity[i] - r.velocity[w.first + i];
+        }
+      });
 }
 
 std::vector<double> window_squares(const model::Model& model, const std::vector<Recording>& recordings,
@@ -114,10 +117,11 @@ Errors noise_floor(const model::Model& model, const std::vector<Recording>& reco
           return noise * (x.v[0] * x.v[0] * s.position_variance + 2.0 * x.v[0] * x.v[1] * s.covariance +
                           x.v[1] * x.v[1] * s.velocity_variance);
         };
-        simulate(setup, r, w, Jet(s.position, 0), Jet(s.velocity, 1), [&](std::size_t row, const Jet& x, const Jet& v) {
-          position[row - w.first] = std::sqrt(noise + spread(x));
-          velocity[row - w.first] = std::sqrt(r.velocity_noise * r.velocity_noise + spread(v));
-        });
+        simulate(setup, r, w, Jet(s.position, 0), Jet(s.velocity, 1),
+                 [&](std::size_t row, const Jet& x, const Jet& v) {
+                   position[row - w.first] = std::sqrt(noise + spread(x));
+                   velocity[row - w.first] = std::sqrt(r.velocity_noise * r.velocity_noise + spread(v));
+                 });
       });
   for (auto& [channel, e] : floor) e.mae = 0.0;
   return floor;

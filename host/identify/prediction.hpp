@@ -1,5 +1,5 @@
-// How well a model predicts: free runs over windows from a state estimated in their first 50 ms, against the measured
-// channels. The same for every model compared.
+// How well a model predicts: free runs over windows from a state estimated in their first 50 ms, against the
+// measured channels. The same for every model compared.
 #pragma once
 
 #include <map>
@@ -11,16 +11,16 @@
 
 namespace furcula::identify {
 
-/// Errors of a prediction on one channel, all windows pooled. NMSE: squared errors over squares about the window's
-/// mean. MAE and RMSE in the channel's unit.
+/// Errors of a prediction on one channel, all windows pooled. NMSE: squared errors over squares about the
+/// window's mean. MAE and RMSE in the channel's unit.
 struct ChannelErrors {
   double nmse = 0.0;
   double mae = 0.0;
   double rmse = 0.0;
 };
 
-/// By channel: "height", "velocity" on the hopper (and "height_stance", "height_flight" for the parts of a stride),
-/// "position" or "angle", and "velocity" where it was recorded, elsewhere.
+/// By channel: "height", "velocity" on the hopper (and "height_stance", "height_flight" for the parts of a
+/// stride), "position" or "angle", and "velocity" where it was recorded, elsewhere.
 using Errors = std::map<std::string, ChannelErrors>;
 
 /// A window's free run: one entry a row.
@@ -37,8 +37,8 @@ Errors prediction_errors(const model::Model& model, const std::vector<Recording>
 std::vector<double> window_squares(const model::Model& model, const std::vector<Recording>& recordings,
                                    const std::vector<Window>& windows);
 
-/// The NMSE that a perfect model would have: measuring noise, and what the noise in the first 50 ms does to the start
-/// state and through it to the run (to first order). Only `nmse` and `rmse` are set.
+/// The NMSE that a perfect model would have: measuring noise, and what the noise in the first 50 ms does to
+/// the start state and through it to the run (to first order). Only `nmse` and `rmse` are set.
 Errors noise_floor(const model::Model& model, const std::vector<Recording>& recordings,
                    const std::vector<Window>& windows);
 

@@ -1,9 +1,8 @@
 #include "host/identify/recording.hpp"
 
+#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-
-#include <Eigen/Dense>
 
 #include "host/log/error.hpp"
 
@@ -28,32 +27,34 @@ std::vector<double> smoothed_slope(const std::vector<double>& time_s, const std:
   return slope;
 }
 
-/// Standard deviation of what neighbouring samples do not share: the scatter about a cubic through eight rows in a
-/// row, the median over the log (so that impacts and standstill do not decide). A channel that is quantised and hardly
-/// moves gives the mean instead.
+/// Standard deviation of what neighbouring samples do not share: the scatter about a cubic through eight rows
+/// in a row, the median over the log (so that impacts and standstill do not decide). A channel that is
+/// quantised and hardly moves gives the mean instead.
 double sample_noise(const std::vector<double>& time_s, const std::vector<double>& values) {
   constexpr std::size_t kRows = 8;
   std::vector<double> variances;
   const std::size_t stride = std::max<std::size_t>(kRows / 2, time_s.size() / 4000);
   for (std::size_t first = 0; first + kRows <= time_s.size(); first += stride)
     variances.push_back(
-        local_polynomial(time_s, values, first, first + kRows - 1, time_s[first + kRows / 2], 3).residual_variance);
+        local_polynomial(time_s, values, first, first + kRows - 1, time_s[first + kRows / 2], 3)
+            .residual_variance);
   if (variances.empty()) return 0.0;
   double mean = 0.0;
   for (double v : variances) mean += v / static_cast<double>(variances.size());
   auto middle = variances.begin() + static_cast<std::ptrdiff_t>(variances.size() / 2);
   std::nth_element(variances.begin(), middle, variances.end());
-  constexpr double kMedianOfChiSquare4 = 3.3567 / 4.0;  // median of a chi-square with 4 degrees of freedom, over 4
+  constexpr double kMedianOfChiSquare4 =
+      3.3567 / 4.0;  // median of a chi-square with 4 degrees of freedom, over 4
   const double by_median = *middle / kMedianOfChiSquare4;
   return std::sqrt(by_median > 0.0 ? by_median : mean);
 }
 
 }  // namespace
 
-LocalPolynomial local_polynomial(const std::vector<double>& time_s, const std::vector<double>& values, std::size_t first,
-                                 std::size_t last, double at_s, int order) {
-  using Vector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 4, 1>;
-  using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 4, 4>;
+LocalPolynomial local_polynomial(const std::vector<double>& time_s, const std::vector<double>& values,
+                                 std::size_t first, std::size_t last, double at_s, int order) {
+  using Vector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 5, 1>;
+  using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 5, 5>;
   const int terms = order + 1;
   const double scale = std::max(1e-9, std::max(time_s[last] - at_s, at_s - time_s[first]));
   Matrix normal = Matrix::Zero(terms, terms);
@@ -93,16 +94,20 @@ LocalPolynomial local_polynomial(const std::vector<double>& time_s, const std::v
 
 ChannelNames channel_names(dynamics::Kind kind) {
   switch (kind) {
-    case dynamics::Kind::hopper_linear: return {"height", "m", "mps"};
-    case dynamics::Kind::motor_axis: return {"position", "m", "mps"};
-    case dynamics::Kind::rotary_joint: return {"angle", "rad", "radps"};
+    case dynamics::Kind::hopper_linear:
+      return {"height", "m", "mps"};
+    case dynamics::Kind::motor_axis:
+      return {"position", "m", "mps"};
+    case dynamics::Kind::rotary_joint:
+      return {"angle", "rad", "radps"};
   }
   return {};
 }
 
 Recording make_recording(const log::Log& log, dynamics::Kind kind) {
   if (log.rows() < kFewestRows)
-    throw log::DataError(log.path + ": " + std::to_string(log.rows()) + " rows are too few to learn anything from; expected at least " +
+    throw log::DataError(log.path + ": " + std::to_string(log.rows()) +
+                         " rows are too few to learn anything from; expected at least " +
                          std::to_string(kFewestRows));
   Recording r;
   r.name = log.path;

@@ -10,15 +10,15 @@
 
 namespace furcula::identify {
 
-/// One recording. All vectors have the same length. Position in m (rad), velocity in m/s (rad/s), input in N (N m; on
-/// the hopper the torque command in N m), each row's input acting until the next row.
+/// One recording. All vectors have the same length. Position in m (rad), velocity in m/s (rad/s), input in N
+/// (N m; on the hopper the torque command in N m), each row's input acting until the next row.
 struct Recording {
   std::string name;
   dynamics::Kind kind;
   std::vector<double> time_s;
   std::vector<double> input;
   std::vector<double> position;
-  std::vector<double> velocity;           ///< as recorded if the log has it, else the smoothed slope of the position
+  std::vector<double> velocity;  ///< as recorded if the log has it, else the smoothed slope of the position
   std::vector<double> velocity_smoothed;  ///< slope of the position, without delay
   bool velocity_recorded = false;
   double position_noise = 0.0;  ///< standard deviation, from what neighbouring samples do not share
@@ -27,8 +27,8 @@ struct Recording {
   std::size_t rows() const { return time_s.size(); }
 };
 
-/// Reads the axis out of a log of the kind's rig. Throws log::DataError where the log has too few rows to estimate
-/// anything (fewer than 20).
+/// Reads the axis out of a log of the kind's rig. Throws log::DataError where the log has too few rows to
+/// estimate anything (fewer than 20).
 Recording make_recording(const log::Log& log, dynamics::Kind kind);
 
 /// Names of the channels in results: "height" and "velocity" on the hopper, "position", "angle".
@@ -37,14 +37,14 @@ struct ChannelNames {
 };
 ChannelNames channel_names(dynamics::Kind kind);
 
-/// Least-squares polynomial of `order` <= 3 through the rows [first, last] about the time `at_s`: its value, slope and
-/// second derivative there. Rows: at least order + 1.
+/// Least-squares polynomial of `order` <= 4 through the rows [first, last] about the time `at_s`: its value,
+/// slope and second derivative there. Rows: at least order + 1.
 struct LocalPolynomial {
   double value = 0.0, slope = 0.0, curvature = 0.0;
   double residual_variance = 0.0;  ///< sum of squares over degrees of freedom; 0 without any
   double value_variance = 0.0, slope_variance = 0.0, covariance = 0.0;  ///< per unit of sample variance
 };
-LocalPolynomial local_polynomial(const std::vector<double>& time_s, const std::vector<double>& values, std::size_t first,
-                                 std::size_t last, double at_s, int order);
+LocalPolynomial local_polynomial(const std::vector<double>& time_s, const std::vector<double>& values,
+                                 std::size_t first, std::size_t last, double at_s, int order);
 
 }  // namespace furcula::identify

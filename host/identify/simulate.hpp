@@ -32,21 +32,25 @@ inline const auto& speed(const auto& plant) {
 template <class T, class Use>
 void with_plant(dynamics::Kind kind, const PlantSetup<T>& setup, const Use& use) {
   const auto make = [&]<class Parameters>() {
-    return dynamics::from_table<Parameters>(std::span<const T>(setup.parameters.data(), Parameters::kMembers.size()));
+    return dynamics::from_table<Parameters>(
+        std::span<const T>(setup.parameters.data(), Parameters::kMembers.size()));
   };
   switch (kind) {
     case dynamics::Kind::hopper_linear: {
-      dynamics::Hopper<T> plant(make.template operator()<dynamics::HopperLinearParameters<T>>(), setup.effects);
+      dynamics::Hopper<T> plant(make.template operator()<dynamics::HopperLinearParameters<T>>(),
+                                setup.effects);
       use(plant);
       return;
     }
     case dynamics::Kind::motor_axis: {
-      dynamics::MotorAxis<T> plant(make.template operator()<dynamics::MotorAxisParameters<T>>(), setup.effects);
+      dynamics::MotorAxis<T> plant(make.template operator()<dynamics::MotorAxisParameters<T>>(),
+                                   setup.effects);
       use(plant);
       return;
     }
     case dynamics::Kind::rotary_joint: {
-      dynamics::RotaryJoint<T> plant(make.template operator()<dynamics::RotaryJointParameters<T>>(), setup.effects);
+      dynamics::RotaryJoint<T> plant(make.template operator()<dynamics::RotaryJointParameters<T>>(),
+                                     setup.effects);
       use(plant);
       return;
     }
@@ -55,8 +59,8 @@ void with_plant(dynamics::Kind kind, const PlantSetup<T>& setup, const Use& use)
 
 /// Starts at (position, velocity) and visits visit(row, position, velocity) for each row of the window.
 template <class T, class Visit>
-void simulate(const PlantSetup<T>& setup, const Recording& r, const Window& w, const T& position, const T& velocity,
-              const Visit& visit) {
+void simulate(const PlantSetup<T>& setup, const Recording& r, const Window& w, const T& position,
+              const T& velocity, const Visit& visit) {
   with_plant(r.kind, setup, [&](auto& plant) {
     plant.reset(position, velocity);
     visit(w.first, position, velocity);

@@ -1,11 +1,11 @@
 #include "host/identify/simulation_fit.hpp"
 
+#include <ceres/ceres.h>
+
 #include <algorithm>
 #include <cmath>
 #include <deque>
 #include <limits>
-
-#include <ceres/ceres.h>
 
 #include "host/identify/jet.hpp"
 
@@ -96,6 +96,21 @@ class WindowCost final : public ceres::CostFunction {
   Weights weights_;
 };
 
+/// How many independent numbers these residuals are worth: their count over the integrated autocorrelation,
+/// summed up to where it first falls below 0.05.
+double effective_count(const Eigen::VectorXd& residual) {
+  const auto rows = residual.size();
+  const double variance = residual.squaredNorm();
+  if (!(variance > 0.0)) return static_cast<double>(rows);
+  double time = 1.0;
+  for (Eigen::Index lag = 1; lag < rows / 2; ++lag) {
+    const double correlation = residual.head(rows - lag).dot(residual.tail(rows - lag)) / variance;
+    if (correlation < 0.05) break;
+    time += 2.0 * correlation;
+  }
+  return static_cast<double>(rows) / time;
+}
+
 /// The window's share at these values, its start state moved to its own optimum (a few Gauss-Newton rounds).
 WindowShare share_of(const WindowCost& cost, const std::vector<double>& values, double* start) {
   const auto rows = static_cast<Eigen::Index>(cost.num_residuals());
@@ -135,12 +150,15 @@ WindowShare share_of(const WindowCost& cost, const std::vector<double>& values, 
     share.information.resize(0, 0);
   }
   share.squares = residual.squaredNorm();
+  share.rows = static_cast<double>(rows);
+  share.effective_rows = effective_count(residual);
   return share;
 }
 
 }  // namespace
 
-Eigen::MatrixXd sandwich_covariance(const std::vector<WindowShare>& shares, const std::vector<bool>& at_bound) {
+Eigen::MatrixXd sandwich_covariance(const std::vector<WindowShare>& shares,
+                                    const std::vector<bool>& at_bound) {
   const auto count = static_cast<Eigen::Index>(at_bound.size());
   std::vector<Eigen::Index> moving;
   for (Eigen::Index i = 0; i < count; ++i)
@@ -155,18 +173,21 @@ Eigen::MatrixXd sandwich_covariance(const std::vector<WindowShare>& shares, cons
     for (Eigen::Index i = 0; i < free; ++i) {
       g(i) = s.gradient(moving[static_cast<std::size_t>(i)]);
       for (Eigen::Index k = 0; k < free; ++k)
-        information(i, k) += s.information(moving[static_cast<std::size_t>(i)], moving[static_cast<std::size_t>(k)]);
+        information(i, k) +=
+            s.information(moving[static_cast<std::size_t>(i)], moving[static_cast<std::size_t>(k)]);
     }
     scatter += g * g.transpose();
   }
   // Scaled to a unit diagonal: the unknowns have different units.
   Eigen::VectorXd scale(free);
-  for (Eigen::Index i = 0; i < free; ++i) scale(i) = information(i, i) > 0.0 ? 1.0 / std::sqrt(information(i, i)) : 0.0;
+  for (Eigen::Index i = 0; i < free; ++i)
+    scale(i) = information(i, i) > 0.0 ? 1.0 / std::sqrt(information(i, i)) : 0.0;
   const Eigen::MatrixXd scaled = scale.asDiagonal() * information * scale.asDiagonal();
   const Eigen::MatrixXd inverse =
       scale.asDiagonal() * scaled.completeOrthogonalDecomposition().pseudoInverse() * scale.asDiagonal();
   const auto windows = static_cast<double>(shares.size());
-  const double correction = windows > static_cast<double>(free) ? windows / (windows - static_cast<double>(free)) : windows;
+  const double correction =
+      windows > static_cast<double>(free) ? windows / (windows - static_cast<double>(free)) : windows;
   const Eigen::MatrixXd small = inverse * scatter * inverse * correction;
   for (Eigen::Index i = 0; i < free; ++i)
     for (Eigen::Index k = 0; k < free; ++k)
@@ -218,7 +239,8 @@ SimulationFit fit_by_simulation(const model::Model& model, const std::vector<Unk
   }
   for (std::size_t i = 0; i < unknowns.size(); ++i) {
     const double margin = 1e-9 * (unknowns[i].upper - unknowns[i].lower);
-    fit.at_bound.push_back(fit.values[i] <= unknowns[i].lower + margin || fit.values[i] >= unknowns[i].upper - margin);
+    fit.at_bound.push_back(fit.values[i] <= unknowns[i].lower + margin ||
+                           fit.values[i] >= unknowns[i].upper - margin);
   }
   for (std::size_t i = 0; i < windows.size(); ++i) {
     fit.shares.push_back(share_of(costs[i], fit.values, &starts[kStartSize * i]));

@@ -1,9 +1,8 @@
 // Simulation-error least squares: the unknowns that make free runs of the model meet the measured positions.
 #pragma once
 
-#include <vector>
-
 #include <Eigen/Dense>
+#include <vector>
 
 #include "host/identify/simulate.hpp"
 
@@ -12,22 +11,25 @@ namespace furcula::identify {
 /// How residuals are weighted.
 enum class Weighting {
   noise,  ///< positions over their noise
-  nmse,   ///< positions and velocities over the window's spread: each window adds NMSE(z) + NMSE(z') (002 eq. 4.4)
+  nmse,   ///< positions and velocities over the window's spread: each window adds NMSE(z) + NMSE(z') (002
+          ///< eq. 4.4)
 };
 
 /// A window's part in a fit, its start state eliminated.
 struct WindowShare {
-  double squares = 0.0;          ///< of the weighted residuals
-  Eigen::VectorXd gradient;      ///< half the derivative of `squares` by the unknowns
-  Eigen::MatrixXd information;   ///< Gauss-Newton half Hessian
+  double squares = 0.0;         ///< of the weighted residuals
+  Eigen::VectorXd gradient;     ///< half the derivative of `squares` by the unknowns
+  Eigen::MatrixXd information;  ///< Gauss-Newton half Hessian
+  double rows = 0.0;            ///< residuals
+  double effective_rows = 0.0;  ///< independent residuals that say as much: rows over the correlation time
 };
 
 struct SimulationFit {
-  std::vector<double> values;       ///< of the unknowns
+  std::vector<double> values;  ///< of the unknowns
   double squares = 0.0;
   std::vector<WindowShare> shares;  ///< one a window, in their order
-  Eigen::MatrixXd covariance;       ///< of the unknowns; from the scatter of the windows' gradients (sandwich), so that
-                                    ///< neighbouring samples need not be independent
+  Eigen::MatrixXd covariance;  ///< of the unknowns; from the scatter of the windows' gradients (sandwich), so
+                               ///< that neighbouring samples need not be independent
   std::vector<bool> at_bound;
   bool converged = false;
 };
@@ -38,6 +40,7 @@ SimulationFit fit_by_simulation(const model::Model& model, const std::vector<Unk
                                 const std::vector<Window>& windows, Weighting weighting = Weighting::noise);
 
 /// Covariance from the shares of a fit; entries of unknowns at a bound are zero.
-Eigen::MatrixXd sandwich_covariance(const std::vector<WindowShare>& shares, const std::vector<bool>& at_bound);
+Eigen::MatrixXd sandwich_covariance(const std::vector<WindowShare>& shares,
+                                    const std::vector<bool>& at_bound);
 
 }  // namespace furcula::identify

@@ -8,7 +8,13 @@ std::vector<Unknown> free_unknowns(const model::Model& model) {
   std::vector<Unknown> all;
   const auto table = dynamics::info(model.kind).parameters;
   for (const auto& [index, bounds] : model.free)
-    all.push_back({false, {}, index, std::string(table[index].name), std::string(table[index].unit), bounds.lower, bounds.upper});
+    all.push_back({false,
+                   {},
+                   index,
+                   std::string(table[index].name),
+                   std::string(table[index].unit),
+                   bounds.lower,
+                   bounds.upper});
   return all;
 }
 
@@ -44,7 +50,8 @@ std::vector<double> values_in(const model::Model& model, const std::vector<Unkno
   return values;
 }
 
-model::Model with_values(model::Model model, const std::vector<Unknown>& unknowns, const std::vector<double>& values) {
+model::Model with_values(model::Model model, const std::vector<Unknown>& unknowns,
+                         const std::vector<double>& values) {
   for (std::size_t i = 0; i < unknowns.size(); ++i) {
     if (unknowns[i].of_effect)
       model.effects[unknowns[i].effect][unknowns[i].parameter] = values[i];

@@ -32,7 +32,8 @@ std::vector<Unknown> effect_unknowns(dynamics::Effect effect, dynamics::Kind kin
 std::vector<double> values_in(const model::Model& model, const std::vector<Unknown>& unknowns);
 
 /// The model with the unknowns at these values; effects among them are switched on.
-model::Model with_values(model::Model model, const std::vector<Unknown>& unknowns, const std::vector<double>& values);
+model::Model with_values(model::Model model, const std::vector<Unknown>& unknowns,
+                         const std::vector<double>& values);
 
 /// A plant's parameters and effects, with the unknowns at `values` (unknowns.size() of them) in the scalar T.
 template <class T>

@@ -39,7 +39,8 @@ std::vector<Flight> find_flights(const Recording& r, double touchdown_height) {
         moment += static_cast<double>(k);
       }
     if (top > touchdown_height + kSmallestHop_m && r.time_s[last] - r.time_s[i] > kShortestPhase_s)
-      found.push_back({i, last, static_cast<std::size_t>(std::lround(moment / weight)), i == 0, last + 1 == n});
+      found.push_back(
+          {i, last, static_cast<std::size_t>(std::lround(moment / weight)), i == 0, last + 1 == n});
     i = last + 1;
   }
   return found;
@@ -81,7 +82,8 @@ std::vector<Window> stances(const Recording& r, std::size_t index, const model::
     std::size_t first = i;
     if (i > 0)
       while (first < last && r.time_s[first] < r.time_s[i] + kAfterTouchdown_s) ++first;
-    if (r.time_s[last] - r.time_s[first] > kShortestPhase_s) found.push_back({index, first, last, WindowKind::stance, 0, 0});
+    if (r.time_s[last] - r.time_s[first] > kShortestPhase_s)
+      found.push_back({index, first, last, WindowKind::stance, 0, 0});
     i = last + 1;
   }
   return found;
@@ -95,7 +97,8 @@ std::vector<Window> flights(const Recording& r, std::size_t index, const model::
       while (first < f.last && r.time_s[first] < r.time_s[f.first] + kAfterLiftoff_s) ++first;
     std::size_t last = f.last;
     if (last > first + 2) last -= f.ends_here ? 0 : 2;
-    if (r.time_s[last] - r.time_s[first] > kShortestPhase_s) found.push_back({index, first, last, WindowKind::flight, 0, 0});
+    if (r.time_s[last] - r.time_s[first] > kShortestPhase_s)
+      found.push_back({index, first, last, WindowKind::flight, 0, 0});
   }
   return found;
 }
@@ -118,8 +121,9 @@ std::vector<Window> prediction_windows(const std::vector<Recording>& recordings,
                                        double interval_s) {
   std::vector<Window> all;
   for (std::size_t i = 0; i < recordings.size(); ++i) {
-    const auto some = recordings[i].kind == dynamics::Kind::hopper_linear ? strides(recordings[i], i, model)
-                                                                          : intervals(recordings[i], i, interval_s);
+    const auto some = recordings[i].kind == dynamics::Kind::hopper_linear
+                          ? strides(recordings[i], i, model)
+                          : intervals(recordings[i], i, interval_s);
     all.insert(all.end(), some.begin(), some.end());
   }
   return all;
@@ -130,11 +134,18 @@ StartState start_state(const Recording& r, const Window& w) {
   const double span = std::min(kStart_s, 0.1 * length);
   std::size_t last = w.first;
   while (last < w.last && r.time_s[last + 1] <= r.time_s[w.first] + span) ++last;
-  // A parabola wants five rows, a line three; sparser recordings take what comes after.
+  if (last < w.first + 2) last = std::min(w.last, w.first + 2);
+  // The lowest order that leaves no more than the measuring noise: more would let the noise into the start's
+  // velocity, less would bias it where the force changes within the stretch. An order wants three rows more
+  // than its terms.
   const std::size_t rows = last - w.first + 1;
-  const int order = rows >= 5 ? 2 : 1;
-  if (rows < 3) last = std::min(w.last, w.first + 2);
-  const LocalPolynomial p = local_polynomial(r.time_s, r.position, w.first, last, r.time_s[w.first], order);
+  LocalPolynomial p =
+      local_polynomial(r.time_s, r.position, w.first, last, r.time_s[w.first], rows >= 5 ? 2 : 1);
+  constexpr double kNoMoreThanNoise = 1.5;
+  const double enough = kNoMoreThanNoise * r.position_noise * r.position_noise;
+  for (int order = 3;
+       order <= 4 && rows >= static_cast<std::size_t>(order) + 4 && p.residual_variance > enough; ++order)
+    p = local_polynomial(r.time_s, r.position, w.first, last, r.time_s[w.first], order);
   return {p.value, p.slope, p.value_variance, p.slope_variance, p.covariance};
 }
 

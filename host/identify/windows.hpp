@@ -11,8 +11,8 @@ namespace furcula::identify {
 
 enum class WindowKind { stride, stance, flight, interval };
 
-/// Rows [first, last] of a recording (both included). `touchdown` and `liftoff` are the rows where a stride crosses the
-/// touch-down height (0 where there is none).
+/// Rows [first, last] of a recording (both included). `touchdown` and `liftoff` are the rows where a stride
+/// crosses the touch-down height (0 where there is none).
 struct Window {
   std::size_t recording = 0;
   std::size_t first = 0;
@@ -24,17 +24,18 @@ struct Window {
   std::size_t rows() const { return last - first + 1; }
 };
 
-/// Strides of a hopper's recording from apex to apex, found in the height alone: an apex is the top of a stretch that
-/// rises at least 3 mm above the touch-down height. A recording that starts at rest in the air begins with an apex.
+/// Strides of a hopper's recording from apex to apex, found in the height alone: an apex is the top of a
+/// stretch that rises at least 3 mm above the touch-down height. A recording that starts at rest in the air
+/// begins with an apex.
 std::vector<Window> strides(const Recording& r, std::size_t index, const model::Model& model);
 
-/// Stances and flights of a hopper's recording, each from after the impact's vibration (15 ms into stance, 5 ms into
-/// flight) to before the next one.
+/// Stances and flights of a hopper's recording, each from after the impact's vibration (15 ms into stance, 5
+/// ms into flight) to before the next one.
 std::vector<Window> stances(const Recording& r, std::size_t index, const model::Model& model);
 std::vector<Window> flights(const Recording& r, std::size_t index, const model::Model& model);
 
-/// Windows of `length_s` seconds, one after the other; the last one at least half as long. Rows before or after are
-/// not dropped but belong to a neighbour.
+/// Windows of `length_s` seconds, one after the other; the last one at least half as long. Rows before or
+/// after are not dropped but belong to a neighbour.
 std::vector<Window> intervals(const Recording& r, std::size_t index, double length_s);
 
 /// The windows that predictions are judged on: strides on the hopper, intervals elsewhere.
@@ -44,8 +45,8 @@ std::vector<Window> prediction_windows(const std::vector<Recording>& recordings,
 /// 2 L cos(touch-down angle), m.
 double touchdown_height_m(const model::Model& model);
 
-/// A start state estimated from the measured positions of the window's first 50 ms alone (its first tenth where that
-/// is shorter), with its variance per unit of sample variance.
+/// A start state estimated from the measured positions of the window's first 50 ms alone (its first tenth
+/// where that is shorter), with its variance per unit of sample variance.
 struct StartState {
   double position = 0.0, velocity = 0.0;
   double position_variance = 0.0, velocity_variance = 0.0, covariance = 0.0;

@@ -1,0 +1,46 @@
+// `furcula diagnose`: logs and a model in; the verdict, the extended model and the report out.
+#include <iostream>
+#include <memory>
+
+#include "host/cli/commands.hpp"
+#include "host/cli/progress.hpp"
+#include "host/cli/recordings.hpp"
+#include "host/diagnose/diagnose.hpp"
+#include "host/diagnose/diagnosis_json.hpp"
+#include "host/log/atomic_file.hpp"
+#include "host/model/writer.hpp"
+#include "host/report/diagnosis_report.hpp"
+
+namespace furcula::cli {
+namespace {
+
+void run(const RecordingOptions& o) {
+  const Recordings r = read_recordings(o);
+  make_folder(o.out);
+  diagnose::Diagnosis d;
+  {
+    Progress progress("diagnosing");
+    diagnose::Options options;
+    options.window_s = o.window_s;
+    options.threads = o.thread_count();
+    options.seed = o.seed;
+    options.progress = [&](double fraction, std::string_view doing) { progress.update(fraction, doing); };
+    d = diagnose::diagnose(r.model, r.training, r.held_out, options);
+  }
+  log::write_file_atomically(o.out + "/diagnosis.json", diagnose::to_json_text(d));
+  log::write_file_atomically(o.out + "/extended_model.toml", model::format_model(d.extended_model));
+  log::write_file_atomically(o.out + "/report.html", report::render_report(d));
+  std::cout << diagnose::name(d.verdict) << ": " << d.summary << "\n"
+            << "report: " << o.out << "/report.html\n";
+}
+
+}  // namespace
+
+void add_diagnose_command(CLI::App& app) {
+  auto options = std::make_shared<RecordingOptions>();
+  CLI::App* command = app.add_subcommand("diagnose", "Name what a model gets wrong about measured logs");
+  options->add_to(*command);
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace furcula::cli

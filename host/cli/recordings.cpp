@@ -1,0 +1,72 @@
+#include "host/cli/recordings.hpp"
+
+#include <algorithm>
+#include <filesystem>
+#include <optional>
+#include <set>
+#include <system_error>
+#include <thread>
+
+#include "host/cli/errors.hpp"
+#include "host/identify/split.hpp"
+#include "host/log/reader.hpp"
+#include "host/model/reader.hpp"
+
+namespace furcula::cli {
+
+void RecordingOptions::add_to(CLI::App& command) {
+  command.add_option("--model", model, "Model file (TOML)")->required();
+  command.add_option("--map", map, "Map file (TOML) for logs with other column names");
+  command.add_option("--hold-out", held_out,
+                     "Logs that no fit sees; without it a seeded fifth, of one log its last quarter");
+  command.add_option("--window-s", window_s, "Length of a prediction on motor_axis and rotary_joint, s")
+      ->capture_default_str();
+  command.add_option("--out", out, "Folder for the results")->required();
+  command.add_option("--threads", threads, "Threads; the result is the same for any number");
+  command.add_option("--seed", seed, "Seed of the choice of held-out logs")->capture_default_str();
+  command.add_option("logs", logs, "Logs (furcula-log/1, or as the map says)")->required();
+}
+
+unsigned RecordingOptions::thread_count() const {
+  return threads > 0 ? threads : std::max(1u, std::thread::hardware_concurrency());
+}
+
+Recordings read_recordings(const RecordingOptions& options) {
+  if (!(options.window_s > 0.0 && options.window_s <= 60.0))
+    throw UsageError("--window-s " + std::to_string(options.window_s) +
+                     " is not a window; expected a number of seconds above 0 and up to 60");
+  std::set<std::string> seen;
+  for (const auto* list : {&options.logs, &options.held_out})
+    for (const std::string& path : *list) {
+      std::error_code error;
+      const auto canonical = std::filesystem::weakly_canonical(path, error);
+      if (!seen.insert(error ? path : canonical.string()).second)
+        throw UsageError(path + " is given twice; expected each log once, to fit or to hold out");
+    }
+  Recordings r;
+  r.model = model::read_model(options.model);
+  const std::string rig(dynamics::info(r.model.kind).rig);
+  std::optional<log::ColumnMap> map;
+  if (!options.map.empty()) map = log::read_column_map(options.map);
+  const auto read = [&](const std::vector<std::string>& paths) {
+    std::vector<log::Log> logs;
+    for (const std::string& path : paths) logs.push_back(log::read_log(path, rig, map ? &*map : nullptr));
+    return logs;
+  };
+  r.training = read(options.logs);
+  r.held_out = read(options.held_out);
+  if (options.held_out.empty())
+    std::tie(r.training, r.held_out) = identify::split(std::move(r.training), options.seed);
+  return r;
+}
+
+void make_folder(const std::string& path) {
+  std::error_code error;
+  std::filesystem::create_directories(path, error);
+  if (!std::filesystem::is_directory(path))
+    throw UsageError("--out " + path + ": cannot make this folder" +
+                     (error ? " (" + error.message() + ")" : "") +
+                     "; expected a folder that exists or can be made");
+}
+
+}  // namespace furcula::cli

@@ -1,0 +1,335 @@
+#include "host/diagnose/diagnose.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "host/diagnose/residual_force.hpp"
+#include "host/diagnose/selection.hpp"
+#include "host/diagnose/wording.hpp"
+#include "host/identify/verdicts.hpp"
+#include "host/log/error.hpp"
+
+namespace furcula::diagnose {
+namespace {
+
+using dynamics::Effect;
+using dynamics::Kind;
+using identify::Recording;
+using identify::Window;
+
+constexpr std::size_t kFewestWindows = 3;
+constexpr std::size_t kMostTraces = 48;
+constexpr double kWithinNoise = 2.0;
+constexpr double kSmallRemainder = 0.1;
+
+std::vector<Recording> recordings_of(const std::vector<log::Log>& logs, Kind kind) {
+  std::vector<Recording> all;
+  for (const auto& log : logs) all.push_back(identify::make_recording(log, kind));
+  return all;
+}
+
+std::vector<std::string> strings(const std::vector<Effect>& effects) {
+  std::vector<std::string> all;
+  for (Effect e : effects) all.emplace_back(dynamics::info(e).name);
+  return all;
+}
+
+/// Sets that are one law under two names, whatever the recordings (docs/contracts.md, section 3).
+bool always_same(const std::vector<Effect>& a, const std::vector<Effect>& b) {
+  using Set = std::set<Effect>;
+  static const std::vector<std::pair<Set, Set>> table{
+      {{Effect::asymmetric_friction}, {Effect::coulomb_friction, Effect::force_offset}},
+      // With mass and damping free, a torque gain and a spring rate divided by it are the same equation.
+      {{Effect::stiffness_error}, {Effect::torque_gain_error}},
+  };
+  Set x(a.begin(), a.end()), y(b.begin(), b.end());
+  for (Effect e : a)
+    if (y.contains(e)) x.erase(e), y.erase(e);
+  for (const auto& [one, other] : table)
+    if ((x == one && y == other) || (x == other && y == one)) return true;
+  return false;
+}
+
+std::map<std::string, Estimate> effect_parameters(const Hypothesis& h, Kind kind, bool qualified,
+                                                  const Effect* only) {
+  std::map<std::string, Estimate> all;
+  const auto verdicts = identify::parameter_verdicts(h.fit, h.unknowns);
+  for (std::size_t i = 0; i < h.unknowns.size(); ++i) {
+    const auto& u = h.unknowns[i];
+    if (!u.of_effect || (only != nullptr && u.effect != *only)) continue;
+    const std::string name =
+        qualified ? u.name
+                  : std::string(name_on(dynamics::info(u.effect).parameter_table[u.parameter], kind));
+    all[name] = {verdicts[i].value, verdicts[i].lower, verdicts[i].upper};
+  }
+  return all;
+}
+
+/// Share of what stands above the floor in `before` that is gone in `after`.
+double explained_share(double before, double after, double floor) {
+  const double explainable = before - floor;
+  return explainable > 0.0 ? std::clamp((before - after) / explainable, -9.99, 1.0) : 0.0;
+}
+
+/// Why a hypothesis of the table was not named.
+std::string why_not(const Tried& t, const Selection& s) {
+  const auto& h = t.hypothesis;
+  for (std::size_t i = 0; i < h.unknowns.size(); ++i)
+    if (h.unknowns[i].of_effect && h.fit.at_bound[i])
+      return "its best value is none at all, or a physical limit";
+  if (!t.against_smaller.significant)
+    return t.against_smaller.evidence > t.against_smaller.threshold
+               ? "removes less than differences of numerics could"
+               : "removes no more than chance would";
+  const double ratio = std::sqrt(h.fit.squares / std::max(s.chosen.fit.squares, 1e-300));
+  if (t.round == 0 && ratio > 1.05 && !s.chosen.effects.empty())
+    return "leaves " + number(ratio) + " times the error of " + names(s.chosen.effects) +
+           " on the training recordings";
+  if (h.effects.size() >= s.chosen.effects.size() && ratio <= 1.05)
+    return "no better than " + names(s.chosen.effects) + ", which has fewer parameters or stands before it";
+  return "needless beside " + names(s.chosen.effects);
+}
+
+class Assembly {
+ public:
+  Assembly(const model::Model& model, const std::vector<log::Log>& training,
+           const std::vector<log::Log>& held_out, const Options& options)
+      : model_(model),
+        options_(options),
+        training_(recordings_of(training, model.kind)),
+        held_out_(recordings_of(held_out, model.kind)),
+        training_windows_(identify::prediction_windows(training_, model, options.window_s)),
+        held_out_windows_(identify::prediction_windows(held_out_, model, options.window_s)) {
+    require(training_windows_, training_, "training");
+    require(held_out_windows_, held_out_, "held-out");
+  }
+
+  Diagnosis run() {
+    const Trainer trainer{model_, training_, training_windows_, options_.threads, options_.progress};
+    selection_ = trainer.select();
+    describe_data();
+    figures();
+    findings();
+    table();
+    parameter_rows();
+    verdict();
+    pictures();
+    d_.next_experiment = next_experiment(d_);
+    d_.summary = summary(d_);
+    return std::move(d_);
+  }
+
+ private:
+  void require(const std::vector<Window>& windows, const std::vector<Recording>& recordings,
+               const char* what) const {
+    if (!windows.empty()) return;
+    const std::string file = recordings.empty() ? std::string("no log") : recordings.front().name;
+    if (model_.kind == Kind::hopper_linear)
+      throw log::DataError(
+          file + ": the " + what +
+          " recordings hold no stride from apex to apex: expected the height to rise above the "
+          "touch-down height of " +
+          number(identify::touchdown_height_m(model_), 4) + " m at least twice in a recording");
+    throw log::DataError(file + ": the " + what + " recordings are shorter than a prediction window of " +
+                         number(options_.window_s) + " s; expected longer ones or a smaller --window-s");
+  }
+
+  void describe_data() {
+    d_.kind = model_.kind;
+    d_.logs = training_.size() + held_out_.size();
+    d_.held_out_logs = held_out_.size();
+    for (const auto& r : training_) d_.training_files.push_back(r.name), d_.samples += r.rows();
+    for (const auto& r : held_out_) d_.held_out_files.push_back(r.name), d_.samples += r.rows();
+    if (model_.kind == Kind::hopper_linear) d_.hops = training_windows_.size() + held_out_windows_.size();
+    const auto names = identify::channel_names(model_.kind);
+    d_.main_channel = names.position;
+    d_.main_unit = names.position_unit;
+  }
+
+  Errors on_held_out(const model::Model& m) const {
+    return identify::prediction_errors(m, held_out_, held_out_windows_);
+  }
+  double nmse(const Errors& e) const { return e.at(d_.main_channel).nmse; }
+
+  void figures() {
+    d_.baseline = on_held_out(model_);
+    d_.refitted = on_held_out(selection_.refitted.fitted);
+    d_.extended = on_held_out(selection_.chosen.fitted);
+    d_.noise_floor = identify::noise_floor(selection_.chosen.fitted, held_out_, held_out_windows_);
+    d_.extended_model = selection_.chosen.fitted;
+  }
+
+  void findings() {
+    const Hypothesis& chosen = selection_.chosen;
+    const double floor = nmse(d_.noise_floor), after = nmse(d_.extended);
+    std::vector<std::pair<double, Finding>> all;
+    for (std::size_t i = 0; i < chosen.effects.size(); ++i) {
+      const Effect e = chosen.effects[i];
+      Finding f;
+      f.effect = e;
+      f.parameters = effect_parameters(chosen, model_.kind, false, &e);
+      const Errors without = on_held_out(selection_.without[i].fitted);
+      f.explainable_nmse_removed = explained_share(nmse(without), after, floor);
+      f.held_out_mae_before = without.at(d_.main_channel).mae;
+      f.held_out_mae_after = d_.extended.at(d_.main_channel).mae;
+      f.explanation = std::string(dynamics::info(e).explanation);
+      f.next_experiment = std::string(dynamics::info(e).best_experiment);
+      double margin = selection_.against_without[i].evidence - selection_.against_without[i].threshold;
+      for (const auto& rival : selection_.equals)
+        if (rival.of == e) {
+          const bool same = always_same(rival.hypothesis.effects, chosen.effects);
+          Rival r{strings(without_common(rival.hypothesis.effects, chosen.effects)),
+                  same ? "the same law under another name: no recording of this kind can tell them apart"
+                       : "explains the training recordings equally well",
+                  effect_parameters(rival.hypothesis, model_.kind, true, nullptr)};
+          if (!same) {
+            undecided_ = true;
+            margin = 0.0;
+            f.next_experiment +=
+                " And for " + names(r.names) + ": " +
+                std::string(dynamics::info(*dynamics::effect_named(r.names.front())).best_experiment);
+          }
+          f.indistinguishable_from.push_back(std::move(r));
+        }
+      for (const Tried& t : selection_.tried) {
+        if (t.round != 0 || t.hypothesis.effects.front() == e || !t.against_smaller.significant) continue;
+        const std::string name(dynamics::info(t.hypothesis.effects.front()).name);
+        const bool equal = std::any_of(f.indistinguishable_from.begin(), f.indistinguishable_from.end(),
+                                       [&](const Rival& r) { return r.names == std::vector{name}; });
+        const bool named = std::find(chosen.effects.begin(), chosen.effects.end(),
+                                     t.hypothesis.effects.front()) != chosen.effects.end();
+        if (!equal && !named) f.alternatives.push_back({{name}, why_not(t, selection_), {}});
+      }
+      // Odds from the evidence beyond what chance reaches; a gain that the held-out recordings do not show
+      // halves them.
+      f.confidence = std::min(0.99, 1.0 / (1.0 + std::exp(-margin / 4.0)));
+      if (f.explainable_nmse_removed < 0.1) f.confidence *= 0.5;
+      all.emplace_back(nmse(without) - after, std::move(f));
+    }
+    std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+    for (auto& [cost, f] : all) d_.findings.push_back(std::move(f));
+  }
+
+  static std::vector<Effect> without_common(const std::vector<Effect>& a, const std::vector<Effect>& b) {
+    std::vector<Effect> rest;
+    for (Effect e : a)
+      if (std::find(b.begin(), b.end(), e) == b.end()) rest.push_back(e);
+    return rest;
+  }
+
+  void table() {
+    const double before = nmse(d_.refitted), floor = nmse(d_.noise_floor);
+    const auto row = [&](const Hypothesis& h, bool chosen, std::string outcome) {
+      Candidate c;
+      c.effects = strings(h.effects);
+      c.parameters = effect_parameters(h, model_.kind, true, nullptr);
+      c.training_gain =
+          1.0 - h.cross_validated_squares / std::max(selection_.refitted.cross_validated_squares, 1e-300);
+      c.held_out_gain = explained_share(before, nmse(on_held_out(h.fitted)), floor);
+      c.chosen = chosen;
+      c.outcome = std::move(outcome);
+      d_.candidates.push_back(std::move(c));
+    };
+    if (!selection_.chosen.effects.empty()) row(selection_.chosen, true, "named");
+    for (const auto& rival : selection_.equals)
+      if (std::none_of(d_.candidates.begin(), d_.candidates.end(),
+                       [&](const Candidate& c) { return c.effects == strings(rival.hypothesis.effects); }))
+        row(rival.hypothesis, false,
+            always_same(rival.hypothesis.effects, selection_.chosen.effects)
+                ? "the same law under another name"
+                : "explains the recordings equally well");
+    for (const Tried& t : selection_.tried)
+      if (std::none_of(d_.candidates.begin(), d_.candidates.end(),
+                       [&](const Candidate& c) { return c.effects == strings(t.hypothesis.effects); }))
+        row(t.hypothesis, false, why_not(t, selection_));
+  }
+
+  void parameter_rows() {
+    const auto table = dynamics::info(model_.kind).parameters;
+    const auto before = identify::parameter_verdicts(selection_.refitted.fit, selection_.refitted.unknowns);
+    const auto after = identify::parameter_verdicts(selection_.chosen.fit, selection_.chosen.unknowns);
+    for (std::size_t i = 0; i < table.size(); ++i) {
+      Diagnosis::ParameterRow row;
+      row.name = table[i].name;
+      row.unit = table[i].unit;
+      row.given = model_.parameters[i];
+      row.refitted = row.extended = {row.given, row.given, row.given};
+      for (std::size_t k = 0; k < selection_.refitted.unknowns.size(); ++k) {
+        if (selection_.refitted.unknowns[k].parameter != i) continue;
+        row.free = true;
+        row.refitted = {before[k].value, before[k].lower, before[k].upper};
+        row.extended = {after[k].value, after[k].lower, after[k].upper};
+        row.verdict = after[k].verdict;
+        if (after[k].verdict == "correlated") row.verdict += " with " + after[k].with;
+        if (after[k].verdict == "at_bound") row.verdict += " (" + after[k].with + ")";
+      }
+      d_.parameters.push_back(std::move(row));
+    }
+  }
+
+  void verdict() {
+    const double floor = nmse(d_.noise_floor), before = nmse(d_.refitted), after = nmse(d_.extended);
+    const auto& fit = selection_.chosen.fit;
+    double rows = 0.0;
+    for (const auto& s : fit.shares) rows += s.rows;
+    // Two looks at what remains: predictions on the held-out recordings, and free runs with the best start
+    // state on the training ones.
+    const bool noise_alone = after <= kWithinNoise * floor || fit.squares <= kWithinNoise * rows;
+    const bool little = after - floor < kSmallRemainder * (before - floor);
+    d_.residual_white = noise_alone;
+    d_.unexplained_fraction = before > 0.0 ? std::clamp((after - floor) / before, 0.0, 1.0) : 0.0;
+    if (d_.findings.empty())
+      d_.verdict = noise_alone                                 ? Verdict::adequate
+                   : training_windows_.size() < kFewestWindows ? Verdict::not_identifiable
+                                                               : Verdict::unexplained;
+    else if (undecided_)
+      d_.verdict = Verdict::not_identifiable;
+    else
+      d_.verdict = noise_alone || little ? Verdict::explained : Verdict::partly_explained;
+  }
+
+  void pictures() {
+    const std::size_t step =
+        std::max<std::size_t>(1, (held_out_windows_.size() + kMostTraces - 1) / kMostTraces);
+    for (std::size_t i = 0; i < held_out_windows_.size(); i += step) {
+      const Window& w = held_out_windows_[i];
+      const Recording& r = held_out_[w.recording];
+      Trace t;
+      t.log = r.name;
+      t.channel = d_.main_channel;
+      t.unit = d_.main_unit;
+      const auto slice = [&](const std::vector<double>& v) {
+        return std::vector<double>(v.begin() + static_cast<std::ptrdiff_t>(w.first),
+                                   v.begin() + static_cast<std::ptrdiff_t>(w.last) + 1);
+      };
+      t.time_s = slice(r.time_s);
+      t.measured = slice(r.position);
+      t.as_given = identify::predict(model_, r, w).position;
+      t.refitted = identify::predict(selection_.refitted.fitted, r, w).position;
+      t.extended = identify::predict(selection_.chosen.fitted, r, w).position;
+      d_.traces.push_back(std::move(t));
+    }
+    std::vector<Recording> all = training_;
+    all.insert(all.end(), held_out_.begin(), held_out_.end());
+    d_.residual = residual_force(selection_.chosen.fitted, selection_.chosen.effects, all);
+    if (!d_.residual_white) d_.goes_along_with = associations(d_.residual);
+  }
+
+  const model::Model& model_;
+  const Options& options_;
+  std::vector<Recording> training_, held_out_;
+  std::vector<Window> training_windows_, held_out_windows_;
+  Selection selection_;
+  Diagnosis d_;
+  bool undecided_ = false;
+};
+
+}  // namespace
+
+Diagnosis diagnose(const model::Model& model, const std::vector<log::Log>& training,
+                   const std::vector<log::Log>& held_out, const Options& options) {
+  return Assembly(model, training, held_out, options).run();
+}
+
+}  // namespace furcula::diagnose

@@ -1,0 +1,123 @@
+#include "host/diagnose/residual_force.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "host/identify/simulate.hpp"
+
+namespace furcula::diagnose {
+namespace {
+
+using dynamics::Kind;
+using identify::Recording;
+
+constexpr double kHalfWidth_s = 0.015;  // of the local parabola that gives the acceleration
+constexpr double kProbe_s = 1e-5;       // the model's acceleration is read off a step this short
+constexpr std::size_t kFewestRows = 7;
+
+/// The model's acceleration at a state.
+class Acceleration {
+ public:
+  Acceleration(const model::Model& m) : kind_(m.kind), setup_(m, {}, nullptr) {}
+
+  double at(double position, double velocity, double input) const {
+    double result = 0.0;
+    identify::with_plant(kind_, setup_, [&](auto& plant) {
+      plant.reset(position, velocity);
+      plant.advance(input, kProbe_s);
+      result = (identify::detail::speed(plant) - velocity) / kProbe_s;
+    });
+    return result;
+  }
+
+ private:
+  Kind kind_;
+  identify::PlantSetup<double> setup_;
+};
+
+}  // namespace
+
+ResidualForce residual_force(const model::Model& model, const std::vector<dynamics::Effect>& named,
+                             const std::vector<Recording>& recordings, std::size_t most) {
+  ResidualForce out;
+  const bool rotary = dynamics::info(model.kind).rotary;
+  out.unit = rotary ? "N m" : "N";
+  out.velocity_unit = rotary ? "rad/s" : "m/s";
+  out.position_unit = rotary ? "rad" : "m";
+  model::Model bare = model;
+  for (dynamics::Effect e : named) bare.effects.erase(e);
+  const Acceleration with(model), without(bare);
+  const double mass = model.parameters[0];  // inertia on a rotary axis
+  const bool hopper = model.kind == Kind::hopper_linear;
+  const double touchdown = hopper ? identify::touchdown_height_m(model) : 0.0;
+
+  std::size_t rows = 0;
+  for (const Recording& r : recordings) rows += r.rows();
+  const std::size_t stride = std::max<std::size_t>(1, rows / std::max<std::size_t>(most, 1));
+  for (const Recording& r : recordings)
+    for (std::size_t i = 0; i < r.rows(); i += stride) {
+      std::size_t first = i, last = i;
+      while (first > 0 && r.time_s[first - 1] >= r.time_s[i] - kHalfWidth_s) --first;
+      while (last + 1 < r.rows() && r.time_s[last + 1] <= r.time_s[i] + kHalfWidth_s) ++last;
+      while (last - first + 1 < kFewestRows && (first > 0 || last + 1 < r.rows())) {
+        if (first > 0) --first;
+        if (last + 1 < r.rows()) ++last;
+      }
+      if (i - first < 2 || last - i < 2) continue;
+      if (hopper) {
+        const auto [low, high] =
+            std::minmax_element(r.position.begin() + static_cast<std::ptrdiff_t>(first),
+                                r.position.begin() + static_cast<std::ptrdiff_t>(last) + 1);
+        // Near a change of phase: within about 10 mm of the touch-down height.
+        if (*low < touchdown + 0.010 && *high > touchdown - 0.010) continue;
+      }
+      const auto p = identify::local_polynomial(r.time_s, r.position, first, last, r.time_s[i], 2);
+      double input = 0.0;  // as the parabola sees it: averaged over its rows
+      for (std::size_t k = first; k <= last; ++k) input += r.input[k] / static_cast<double>(last - first + 1);
+      const double lacking = without.at(p.value, p.slope, input);
+      out.time_s.push_back(r.time_s[i] - r.time_s.front());
+      out.velocity.push_back(p.slope);
+      out.position.push_back(p.value);
+      out.force.push_back(mass * (p.curvature - lacking));
+      if (!named.empty()) out.law.push_back(mass * (with.at(p.value, p.slope, input) - lacking));
+    }
+  return out;
+}
+
+std::vector<Association> associations(const ResidualForce& r) {
+  constexpr std::size_t kBins = 12;
+  constexpr double kWeakest = 0.1;
+  const std::size_t n = r.force.size();
+  std::vector<Association> found;
+  if (n < 10 * kBins) return found;
+  std::vector<double> rest = r.force;
+  for (std::size_t i = 0; i < r.law.size(); ++i) rest[i] -= r.law[i];
+  const double mean = std::accumulate(rest.begin(), rest.end(), 0.0) / static_cast<double>(n);
+  double total = 0.0;
+  for (double f : rest) total += (f - mean) * (f - mean);
+  if (!(total > 0.0)) return found;
+  const auto look = [&](const std::vector<double>& signal, const char* name, const std::string& how) {
+    // Bins of equal count.
+    std::vector<std::size_t> order(n);
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::sort(order.begin(), order.end(),
+              [&](std::size_t a, std::size_t b) { return signal[a] < signal[b]; });
+    double between = 0.0;
+    for (std::size_t b = 0; b < kBins; ++b) {
+      const std::size_t from = b * n / kBins, to = (b + 1) * n / kBins;
+      double sum = 0.0;
+      for (std::size_t i = from; i < to; ++i) sum += rest[order[i]] - mean;
+      between += sum * sum / static_cast<double>(to - from);
+    }
+    const double share = between / total;
+    if (share > kWeakest) found.push_back({name, share, how});
+  };
+  look(r.velocity, "velocity", "the remaining force changes with the velocity");
+  look(r.position, "position", "the remaining force changes with the position");
+  look(r.time_s, "time_s", "the remaining force changes with the time since the recording began");
+  std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.strength > b.strength; });
+  return found;
+}
+
+}  // namespace furcula::diagnose

@@ -1,0 +1,75 @@
+// Which effects the data ask for: nested extensions of the model, each fitted with the model's free
+// parameters moving, compared on the training recordings alone.
+#pragma once
+
+#include <functional>
+#include <string_view>
+#include <vector>
+
+#include "host/identify/simulation_fit.hpp"
+
+namespace furcula::diagnose {
+
+/// The model with a set of effects, all unknowns fitted.
+struct Hypothesis {
+  std::vector<dynamics::Effect> effects;  ///< in the order of the catalogue
+  std::vector<identify::Unknown> unknowns;
+  identify::SimulationFit fit;
+  model::Model fitted;  ///< the model at the fit's values
+  double cross_validated_squares = 0.0;
+};
+
+/// Which of two hypotheses the training data prefer. All in units of a log-likelihood ratio times two, with
+/// the number of independent samples that the residuals are worth.
+struct Comparison {
+  double evidence = 0.0;   ///< of the larger over the smaller
+  double threshold = 0.0;  ///< what chance would reach, the number of hypotheses tried taken into account
+  double gain = 0.0;       ///< share of the smaller one's cross-validated error that the larger removes
+  bool significant = false;
+};
+
+/// One row of the diagnosis' table.
+struct Tried {
+  Hypothesis hypothesis;
+  std::size_t round = 0;  ///< 0: alone on top of the re-fitted model
+  Comparison against_smaller;
+};
+
+struct Selection {
+  Hypothesis refitted;  ///< no effect added
+  Hypothesis chosen;
+  std::vector<Tried> tried;
+  /// Sets that explain the training data as well as `chosen` with as many parameters, by the member that they
+  /// replace.
+  struct Rival {
+    dynamics::Effect of;
+    Hypothesis hypothesis;
+  };
+  std::vector<Rival> equals;
+  /// For each chosen effect, the chosen set without it, re-fitted; in the order of chosen.effects.
+  std::vector<Hypothesis> without;
+  std::vector<Comparison> against_without;
+};
+
+struct Trainer {
+  const model::Model& model;
+  const std::vector<identify::Recording>& recordings;
+  const std::vector<identify::Window>& windows;
+  unsigned threads = 1;
+  std::function<void(double, std::string_view)> progress;
+
+  /// The effects of the catalogue that could extend the model: they exist on its kind, are not on already,
+  /// and do not repeat a parameter that is free anyway.
+  std::vector<dynamics::Effect> candidates() const;
+
+  /// Fits the model with these effects from the values of `from` (a hypothesis with some of them).
+  Hypothesis fit(const std::vector<dynamics::Effect>& effects, const Hypothesis* from) const;
+
+  /// `larger` has parameters that `smaller` has not; `tries` hypotheses were looked at.
+  Comparison compare(const Hypothesis& smaller, const Hypothesis& larger, std::size_t tries) const;
+
+  /// Forward selection with backward elimination, then the search for equals.
+  Selection select() const;
+};
+
+}  // namespace furcula::diagnose

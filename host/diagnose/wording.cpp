@@ -1,0 +1,112 @@
+#include "host/diagnose/wording.hpp"
+
+#include <cmath>
+#include <cstdio>
+
+namespace furcula::diagnose {
+namespace {
+
+template <class Names>
+std::string joined(const Names& all, const char* between) {
+  std::string text;
+  for (const auto& name : all) text += (text.empty() ? "" : between) + std::string(name);
+  return text;
+}
+
+std::string before_and_after(const Diagnosis& d, const Errors& before, const Errors& after) {
+  const auto b = before.find(d.main_channel), a = after.find(d.main_channel);
+  if (b == before.end() || a == after.end()) return "";
+  return "from " + readable(b->second.rmse, d.main_unit) + " to " + readable(a->second.rmse, d.main_unit);
+}
+
+}  // namespace
+
+std::string number(double value, int digits) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.*g", digits, value);
+  return text;
+}
+
+std::string with_interval(const Estimate& e, const std::string& unit) {
+  return number(e.value) + (unit.empty() ? "" : " " + unit) + " (" + number(e.lower) + " to " +
+         number(e.upper) + ")";
+}
+
+std::string names(const std::vector<dynamics::Effect>& effects) {
+  std::vector<std::string_view> all;
+  for (auto e : effects) all.push_back(dynamics::info(e).name);
+  return joined(all, " + ");
+}
+std::string names(const std::vector<std::string>& effects) { return joined(effects, " + "); }
+
+std::string readable(double value, const std::string& unit) {
+  return unit == "m" ? number(1e3 * value) + " mm" : number(value) + " " + unit;
+}
+
+std::string summary(const Diagnosis& d) {
+  const std::string where = "held-out " + d.main_channel + " error (RMSE)";
+  std::string named;
+  for (const Finding& f : d.findings) {
+    const auto& info = dynamics::info(f.effect);
+    std::string values;
+    for (std::size_t i = 0; i < info.parameter_count; ++i) {
+      const std::string key(name_on(info.parameter_table[i], d.kind));
+      const auto found = f.parameters.find(key);
+      if (found == f.parameters.end()) continue;
+      values += (values.empty() ? "" : ", ") + (info.parameter_count > 1 ? key + " " : "") +
+                number(found->second.value) + " " + std::string(unit_on(info.parameter_table[i], d.kind));
+    }
+    while (!values.empty() && values.back() == ' ') values.pop_back();
+    named += (named.empty() ? "" : " and ") + std::string(info.name) + " (" + values + ")";
+  }
+  switch (d.verdict) {
+    case Verdict::adequate:
+      return "The model is adequate: after moving its free parameters, nothing is left but measuring noise "
+             "(" +
+             where + " " + before_and_after(d, d.baseline, d.refitted) + ").";
+    case Verdict::explained:
+      return "The model lacks " + named + ": with it the " + where + " falls " +
+             before_and_after(d, d.refitted, d.extended) + ", and what remains is small.";
+    case Verdict::partly_explained:
+      return "The model lacks " + named + ": with it the " + where + " falls " +
+             before_and_after(d, d.refitted, d.extended) +
+             ", but structure remains that no effect of the catalogue removes.";
+    case Verdict::unexplained:
+      return "The model is wrong in a way that no effect of the catalogue explains: the " + where +
+             " stays at " + readable(d.refitted.at(d.main_channel).rmse, d.main_unit) +
+             ", above the measuring noise.";
+    case Verdict::not_identifiable:
+      if (d.findings.empty())
+        return "The recordings are too few or too poor to tell whether the model is right.";
+      return "Something is missing, and these recordings cannot tell what: " + named + ", or " +
+             names(d.findings.front().indistinguishable_from.empty()
+                       ? std::vector<std::string>{}
+                       : d.findings.front().indistinguishable_from.front().names) +
+             ", explain them equally well.";
+  }
+  return "";
+}
+
+std::string next_experiment(const Diagnosis& d) {
+  switch (d.verdict) {
+    case Verdict::adequate:
+      return "None is needed. To test the model further, record motion that the recordings do not hold yet: "
+             "slower, faster, "
+             "longer.";
+    case Verdict::unexplained:
+    case Verdict::partly_explained:
+      if (!d.goes_along_with.empty())
+        return "Repeat one recording unchanged, then vary " + d.goes_along_with.front().signal +
+               " alone: what remains goes along with it most.";
+      return "Repeat one recording unchanged: what comes back the same is in the machine, what does not is "
+             "in the measuring.";
+    case Verdict::explained:
+    case Verdict::not_identifiable:
+      if (!d.findings.empty()) return d.findings.front().next_experiment;
+      return "Record more: several hops or strokes at different amplitudes and speeds, in at least five "
+             "recordings.";
+  }
+  return "";
+}
+
+}  // namespace furcula::diagnose

@@ -1,0 +1,27 @@
+// The sentences of a diagnosis, in plain words.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "host/diagnose/diagnosis.hpp"
+#include "host/diagnose/selection.hpp"
+
+namespace furcula::diagnose {
+
+/// "1.61 N (1.52 to 1.70)": three significant digits.
+std::string with_interval(const Estimate& e, const std::string& unit);
+std::string number(double value, int digits = 3);
+std::string names(const std::vector<dynamics::Effect>& effects);
+std::string names(const std::vector<std::string>& effects);
+
+/// A length or angle in the unit that a reader likes: mm for m, degrees stay rad.
+std::string readable(double value, const std::string& unit);
+
+/// The verdict in one sentence, from everything else in the diagnosis.
+std::string summary(const Diagnosis& d);
+
+/// What to do next, from the verdict and the findings.
+std::string next_experiment(const Diagnosis& d);
+
+}  // namespace furcula::diagnose

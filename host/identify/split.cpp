@@ -1,0 +1,46 @@
+#include "host/identify/split.hpp"
+
+#include <algorithm>
+#include <random>
+#include <set>
+#include <string>
+
+#include "host/log/error.hpp"
+
+namespace furcula::identify {
+namespace {
+
+/// Rows [first, last) of a log.
+log::Log part(const log::Log& log, std::size_t first, std::size_t last) {
+  log::Log some = log;
+  for (auto& [name, values] : some.columns)
+    values = std::vector<double>(values.begin() + static_cast<std::ptrdiff_t>(first),
+                                 values.begin() + static_cast<std::ptrdiff_t>(last));
+  return some;
+}
+
+}  // namespace
+
+std::pair<std::vector<log::Log>, std::vector<log::Log>> split(std::vector<log::Log> logs,
+                                                              std::uint64_t seed) {
+  if (logs.empty()) throw log::DataError("no log given; expected at least one");
+  std::pair<std::vector<log::Log>, std::vector<log::Log>> out;
+  if (logs.size() == 1) {
+    const std::size_t rows = logs.front().rows(), cut = rows - rows / 4;
+    if (rows < 80)
+      throw log::DataError(
+          logs.front().path + ": " + std::to_string(rows) +
+          " rows are too few to hold a quarter of them out; expected at least 80, or --hold-out");
+    out.first.push_back(part(logs.front(), 0, cut));
+    out.second.push_back(part(logs.front(), cut, rows));
+    return out;
+  }
+  std::mt19937_64 random(seed);
+  std::set<std::size_t> held;
+  while (held.size() < std::max<std::size_t>(1, logs.size() / 5)) held.insert(random() % logs.size());
+  for (std::size_t i = 0; i < logs.size(); ++i)
+    (held.contains(i) ? out.second : out.first).push_back(std::move(logs[i]));
+  return out;
+}
+
+}  // namespace furcula::identify

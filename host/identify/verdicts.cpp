@@ -1,0 +1,81 @@
+#include "host/identify/verdicts.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace furcula::identify {
+namespace {
+
+/// Above this correlation of two estimates only a combination of them is known: one of them fixed, the
+/// other's interval would shrink five-fold.
+constexpr double kCorrelated = 0.98;
+constexpr double kNotExcited = 1.0;  ///< half width of the interval over the value
+
+}  // namespace
+
+double student_t95(double freedom) {
+  // Cornish-Fisher expansion about the normal point; below 3 degrees of freedom the table.
+  if (freedom < 1.5) return 12.706;
+  if (freedom < 2.5) return 4.303;
+  const double z = 1.959963985, n = freedom;
+  const double z3 = z * z * z, z5 = z3 * z * z, z7 = z5 * z * z;
+  return z + (z3 + z) / (4.0 * n) + (5.0 * z5 + 16.0 * z3 + 3.0 * z) / (96.0 * n * n) +
+         (3.0 * z7 + 19.0 * z5 + 17.0 * z3 - 15.0 * z) / (384.0 * n * n * n);
+}
+
+std::vector<ParameterVerdict> parameter_verdicts(const SimulationFit& fit,
+                                                 const std::vector<Unknown>& unknowns) {
+  const std::size_t count = unknowns.size();
+  std::vector<ParameterVerdict> all(count);
+  Eigen::MatrixXd information =
+      Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(count), static_cast<Eigen::Index>(count));
+  for (const WindowShare& s : fit.shares) information += s.information;
+  // Correlations of the estimates, over the parameters that are not at a bound.
+  std::vector<Eigen::Index> moving;
+  for (std::size_t i = 0; i < count; ++i)
+    if (!fit.at_bound[i] && information(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(i)) > 0.0)
+      moving.push_back(static_cast<Eigen::Index>(i));
+  const auto free = static_cast<Eigen::Index>(moving.size());
+  Eigen::MatrixXd scaled(free, free);
+  for (Eigen::Index i = 0; i < free; ++i)
+    for (Eigen::Index k = 0; k < free; ++k) {
+      const Eigen::Index a = moving[static_cast<std::size_t>(i)], b = moving[static_cast<std::size_t>(k)];
+      scaled(i, k) = information(a, b) / std::sqrt(information(a, a) * information(b, b));
+    }
+  const Eigen::MatrixXd inverse =
+      free > 0 ? Eigen::MatrixXd(scaled.completeOrthogonalDecomposition().pseudoInverse())
+               : Eigen::MatrixXd();
+  const double t =
+      student_t95(std::max(1.0, static_cast<double>(fit.shares.size()) - static_cast<double>(count)));
+  for (std::size_t i = 0; i < count; ++i) {
+    ParameterVerdict& v = all[i];
+    v.value = fit.values[i];
+    const double half =
+        t *
+        std::sqrt(std::max(0.0, fit.covariance(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(i))));
+    v.lower = v.value - half;
+    v.upper = v.value + half;
+    v.verdict = half > kNotExcited * std::abs(v.value) ? "not_excited" : "identified";
+    if (fit.at_bound[i]) {
+      const bool lower = v.value - unknowns[i].lower < unknowns[i].upper - v.value;
+      v.verdict = "at_bound";
+      v.with = lower ? "lower" : "upper";
+    }
+  }
+  for (Eigen::Index i = 0; i < free; ++i) {
+    double strongest = kCorrelated;
+    for (Eigen::Index k = 0; k < free; ++k) {
+      const double product = inverse(i, i) * inverse(k, k);
+      const double correlation =
+          i == k || !(product > 0.0) ? 0.0 : std::abs(inverse(i, k)) / std::sqrt(product);
+      if (correlation <= strongest) continue;
+      strongest = correlation;
+      ParameterVerdict& v = all[static_cast<std::size_t>(moving[static_cast<std::size_t>(i)])];
+      v.verdict = "correlated";
+      v.with = unknowns[static_cast<std::size_t>(moving[static_cast<std::size_t>(k)])].name;
+    }
+  }
+  return all;
+}
+
+}  // namespace furcula::identify
