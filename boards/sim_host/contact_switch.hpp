@@ -27,13 +27,9 @@ class ContactSwitch {
   /// Takes note of what happened in the plant's last advance(), which began at `start_s`.
   void follow(const Plant& plant, double start_s) {
     for (const auto& event : plant.events()) {
-      const double when_s = start_s + event.offset_s;
-      if (event.kind == dynamics::ContactEvent<double>::Kind::touchdown) {
-        touchdown_s_ = when_s;
-        touched_ = true;
-      } else {
-        liftoff_s_ = when_s;
-      }
+      const bool touchdown = event.kind == dynamics::ContactEvent<double>::Kind::touchdown;
+      (touchdown ? touchdown_s_ : liftoff_s_) = start_s + event.offset_s;
+      if (touchdown == closed_) caught_up_ = true;
     }
   }
 
@@ -41,7 +37,8 @@ class ContactSwitch {
   bool read(const Plant& plant, double torque_nm, double now_s) {
     if (changes(plant, torque_nm, now_s)) {
       closed_ = !closed_;
-      touched_ = plant.in_stance();
+      changed_s_ = now_s;
+      caught_up_ = plant.in_stance() == closed_;
       offset_s_ = draw_offset();
       if (errors_.bounce)
         bounces_until_s_ = now_s + (closed_ ? bounce_.uniform(0.001, 0.004) : bounce_.uniform(0.0, 0.002));
@@ -53,13 +50,11 @@ class ContactSwitch {
   double draw_offset() { return errors_.jitter ? jitter_.uniform(-kJitterS, kJitterS) : 0.0; }
 
   bool changes(const Plant& plant, double torque_nm, double now_s) const {
-    if (!closed_) {
-      if (plant.in_stance()) return now_s - touchdown_s_ >= offset_s_;
-      return offset_s_ < 0.0 && plant.velocity_mps() < 0.0 && will_change(plant, torque_nm);
-    }
-    if (!touched_) return false;  // closed early: the touch-down is still to come
-    if (!plant.in_stance()) return now_s - liftoff_s_ >= offset_s_;
-    return offset_s_ < 0.0 && plant.velocity_mps() > 0.0 && will_change(plant, torque_nm);
+    // Reported early: the event itself is still to come. (A lift-off that was foreseen may fail to come.)
+    if (!caught_up_ && now_s - changed_s_ < 2.0 * kJitterS) return false;
+    if (plant.in_stance() != closed_) return now_s - (closed_ ? liftoff_s_ : touchdown_s_) >= offset_s_;
+    const bool towards_change = closed_ ? plant.velocity_mps() > 0.0 : plant.velocity_mps() < 0.0;
+    return offset_s_ < 0.0 && towards_change && will_change(plant, torque_nm);
   }
 
   /// Whether the plant changes phase within the (early) offset.
@@ -75,9 +70,9 @@ class ContactSwitch {
   SensorErrors errors_;
   Random jitter_, bounce_;
   bool closed_ = false;
-  bool touched_ = false;  ///< the toe was on the ground since the switch closed
-  double offset_s_;       ///< of the next change
-  double touchdown_s_ = -1.0, liftoff_s_ = -1.0, bounces_until_s_ = -1.0;
+  bool caught_up_ = true;  ///< the plant has been in the phase that the switch reports since it changed
+  double offset_s_;        ///< of the next change
+  double touchdown_s_ = -1.0, liftoff_s_ = -1.0, changed_s_ = -1.0, bounces_until_s_ = -1.0;
 };
 
 }  // namespace furcula::sim_host

@@ -1,0 +1,148 @@
+// The supervisor.
+#include "furcula/control/supervisor.hpp"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <limits>
+
+using namespace furcula::control;
+
+namespace {
+
+constexpr float kDt = 0.001f;
+constexpr float kTouchdown = 0.2819f;
+
+/// A sound tick: in flight at `height_m` with the switch open, or in stance with the leg at the height.
+Observation sound(float height_m) {
+  Observation seen;
+  seen.tick_interval_us = 1000;
+  seen.height_m = height_m;
+  seen.above_touchdown_m = height_m - kTouchdown;
+  seen.leg_height_m = height_m < kTouchdown ? height_m : kTouchdown;
+  seen.leg_angle_rad = std::acos(seen.leg_height_m / 0.3f);
+  seen.contact_reading = height_m < kTouchdown;
+  return seen;
+}
+
+struct Fixture {
+  SupervisorConfig config;
+  SupervisorState state;
+  Fault after(const Observation& seen, int ticks = 1) {
+    Fault last = Fault::none;
+    for (int i = 0; i < ticks; ++i) last = supervise(config, state, seen, false, kDt);
+    return last;
+  }
+};
+
+}  // namespace
+
+TEST_CASE_METHOD(Fixture, "sound flight and stance raise no fault") {
+  CHECK(after(sound(0.35f), 1000) == Fault::none);
+  CHECK(after(sound(0.22f), 1000) == Fault::none);
+}
+
+TEST_CASE_METHOD(Fixture, "a tick later than 1.5 ms after the last is a fault, one of 1.4 ms is not") {
+  auto seen = sound(0.35f);
+  seen.tick_interval_us = 1400;
+  CHECK(after(seen) == Fault::none);
+  seen.tick_interval_us = 1600;
+  CHECK(after(seen) == Fault::late_tick);
+}
+
+TEST_CASE_METHOD(Fixture, "one missing sample is bridged, the second running is a lost peer") {
+  auto seen = sound(0.35f);
+  seen.missed_samples = 1;
+  CHECK(after(seen) == Fault::none);
+  seen.missed_samples = 2;
+  CHECK(after(seen) == Fault::peer_lost);
+}
+
+TEST_CASE_METHOD(Fixture, "a sample older than 1.5 ms is stale") {
+  auto seen = sound(0.35f);
+  seen.sample_age_us = 1400;
+  CHECK(after(seen) == Fault::none);
+  seen.sample_age_us = 2000;
+  CHECK(after(seen) == Fault::stale_input);
+}
+
+TEST_CASE_METHOD(Fixture, "a height or a leg angle that is not a number is a fault") {
+  auto seen = sound(0.35f);
+  SECTION("NaN height") { seen.height_m = std::numeric_limits<float>::quiet_NaN(); }
+  SECTION("infinite height") { seen.height_m = std::numeric_limits<float>::infinity(); }
+  SECTION("NaN angle") { seen.leg_angle_rad = std::numeric_limits<float>::quiet_NaN(); }
+  CHECK(after(seen) == Fault::non_finite_input);
+}
+
+TEST_CASE_METHOD(Fixture, "a height off the rail and a leg angle beyond the stops are faults") {
+  auto seen = sound(0.35f);
+  SECTION("above") {
+    seen.height_m = 1.6f;
+    CHECK(after(seen) == Fault::height_out_of_range);
+  }
+  SECTION("below") {
+    seen.height_m = 0.02f;
+    CHECK(after(seen) == Fault::height_out_of_range);
+  }
+  SECTION("leg stretched") {
+    seen.leg_angle_rad = 0.2f;
+    CHECK(after(seen) == Fault::leg_angle_out_of_range);
+  }
+  SECTION("leg folded") {
+    seen.leg_angle_rad = 1.5f;
+    CHECK(after(seen) == Fault::leg_angle_out_of_range);
+  }
+}
+
+TEST_CASE_METHOD(Fixture, "an encoder that stands still while the leg folds on the ground is a fault") {
+  auto seen = sound(0.22f);
+  seen.height_m = 0.25f;
+  seen.above_touchdown_m = 0.25f - kTouchdown;
+  CHECK(after(seen) == Fault::none);
+  seen.height_m = 0.26f;
+  seen.above_touchdown_m = 0.26f - kTouchdown;
+  CHECK(after(seen) == Fault::encoder_implausible);
+}
+
+TEST_CASE_METHOD(Fixture, "an encoder below what the leg's length allows is a fault even in flight") {
+  auto seen = sound(0.35f);  // the leg on its stop
+  seen.height_m = 0.24f;
+  seen.above_touchdown_m = 0.24f - kTouchdown;
+  CHECK(after(seen) == Fault::encoder_implausible);
+}
+
+TEST_CASE_METHOD(Fixture, "a switch closed high above the ground is a fault after 20 ms") {
+  auto seen = sound(0.35f);
+  seen.contact_reading = true;
+  CHECK(after(seen, 19) == Fault::none);
+  CHECK(after(seen, 2) == Fault::contact_implausible);
+}
+
+TEST_CASE_METHOD(
+    Fixture, "a switch open while the leg is compressed is a fault after 20 ms running, chatter is none") {
+  auto open = sound(0.22f);
+  open.contact_reading = false;
+  for (int i = 0; i < 10; ++i) {
+    CHECK(after(open, 15) == Fault::none);
+    CHECK(after(sound(0.22f)) == Fault::none);
+  }
+  CHECK(after(open, 21) == Fault::contact_implausible);
+}
+
+TEST_CASE_METHOD(Fixture, "a fault latches until a reset, and latches again at once if it is still there") {
+  auto late = sound(0.35f);
+  late.tick_interval_us = 5000;
+  CHECK(after(late) == Fault::late_tick);
+  CHECK(after(sound(0.35f), 100) == Fault::late_tick);
+  CHECK(supervise(config, state, late, true, kDt) == Fault::late_tick);
+  CHECK(supervise(config, state, sound(0.35f), true, kDt) == Fault::none);
+  CHECK(after(sound(0.35f), 100) == Fault::none);
+}
+
+TEST_CASE_METHOD(Fixture, "the first fault is kept, not the last") {
+  auto stale = sound(0.35f);
+  stale.sample_age_us = 3000;
+  after(stale);
+  auto late = sound(0.35f);
+  late.tick_interval_us = 5000;
+  CHECK(after(late) == Fault::stale_input);
+}

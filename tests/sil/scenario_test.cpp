@@ -1,0 +1,126 @@
+// Scenario files: what they mean, and what is refused with which words.
+#include "host/sim/scenario.hpp"
+
+#include <catch2/catch.hpp>
+#include <string>
+
+#include "tests/host/error_message.hpp"
+#include "tests/sil/machines.hpp"
+
+using namespace furcula;
+using Catch::Contains;
+
+namespace {
+
+sim::Scenario parse(const std::string& text, dynamics::Kind kind = dynamics::Kind::hopper_linear) {
+  model::Model model = test::example_hopper();
+  if (kind != dynamics::Kind::hopper_linear) {
+    model.kind = kind;
+    model.parameters = {1.0, 1.0, 1.0};
+  }
+  return sim::parse_scenario(text, "s.toml", model);
+}
+
+std::string message(const std::string& text, dynamics::Kind kind = dynamics::Kind::hopper_linear) {
+  return test::error_message([&] { parse(text, kind); });
+}
+
+}  // namespace
+
+TEST_CASE("every key of a scenario is read") {
+  const auto s = parse(R"(
+[start]
+height_m = 0.4
+velocity_mps = -0.5
+[run]
+duration_s = 12.5
+[torque]
+profile = "constant"
+amplitude_nm = -1.5
+[sensors]
+quantisation = true
+jitter = true
+[[fault]]
+time_s = 2
+kind = "peer_lost"
+duration_s = 0.25
+[[fault]]
+time_s = 3.5
+kind = "late_tick"
+)");
+  CHECK(s.start_position == 0.4);
+  CHECK(s.start_velocity == -0.5);
+  CHECK(s.duration_s == 12.5);
+  CHECK(s.profile == control::ProfileShape::constant);
+  CHECK(s.amplitude == -1.5);
+  CHECK(s.sensors.quantisation);
+  CHECK_FALSE(s.sensors.noise);
+  CHECK_FALSE(s.sensors.bounce);
+  CHECK(s.sensors.jitter);
+  REQUIRE(s.faults.size() == 2);
+  CHECK(s.faults[0].kind == sim_host::RigFault::peer_lost);
+  CHECK(s.faults[0].time_s == 2.0);
+  CHECK(s.faults[0].duration_s == 0.25);
+  CHECK(s.faults[1].kind == sim_host::RigFault::late_tick);
+  CHECK(s.faults[1].duration_s == 0.005);
+}
+
+TEST_CASE("what a scenario leaves out is as without one: hopping from a quarter above touch-down") {
+  const auto s = parse("# nothing\n");
+  CHECK(s.start_position == Approx(1.25 * test::kTouchdownM));
+  CHECK(s.start_velocity == 0.0);
+  CHECK(s.duration_s == 5.0);
+  CHECK(s.profile == control::ProfileShape::harmonic);
+  CHECK(s.amplitude == 2.0);
+  CHECK(s.period_s == 0.3);
+  CHECK(s.faults.empty());
+}
+
+TEST_CASE("on the other machines the keys carry their units") {
+  const auto axis =
+      parse("[start]\nposition_m = -0.1\n[force]\nprofile = \"harmonic\"\namplitude_n = 30\nperiod_s = 2\n",
+            dynamics::Kind::motor_axis);
+  CHECK(axis.start_position == -0.1);
+  CHECK(axis.amplitude == 30.0);
+  CHECK(axis.period_s == 2.0);
+  const auto joint = parse("[start]\nangle_rad = 3\nvelocity_radps = 1\n[torque]\nprofile = \"zero\"\n",
+                           dynamics::Kind::rotary_joint);
+  CHECK(joint.start_position == 3.0);
+  CHECK(joint.start_velocity == 1.0);
+  CHECK(joint.profile == control::ProfileShape::zero);
+}
+
+TEST_CASE("what is not understood is refused with file, line, value and what was expected") {
+  CHECK_THAT(message("[strat]\nheight_m = 1\n"),
+             Contains("s.toml:1:") && Contains("'strat'") && Contains("start"));
+  CHECK_THAT(message("[start]\nhieght_m = 1\n"),
+             Contains("s.toml:2:") && Contains("did you mean 'height_m'"));
+  CHECK_THAT(message("[start]\nheight_m = \"high\"\n"),
+             Contains("s.toml:2:") && Contains("'high'") && Contains("expected a number"));
+  CHECK_THAT(message("[start]\nheight_m = -1\n"), Contains("-1") && Contains("expected a number from 0.001"));
+  CHECK_THAT(message("[run]\nduration_s = 0\n"),
+             Contains("s.toml:2:") && Contains("expected a number from 0.001"));
+  CHECK_THAT(message("[run]\nduration_s = nan\n"), Contains("expected a number"));
+  CHECK_THAT(message("[torque]\namplitude_nm = 2\n"), Contains("no key 'profile'") && Contains("harmonic"));
+  CHECK_THAT(message("[torque]\nprofile = \"sine\"\n"), Contains("s.toml:2:") && Contains("'sine'"));
+  CHECK_THAT(message("[torque]\nprofile = \"harmonic\"\nperiod_s = 0.3\n"),
+             Contains("no key 'amplitude_nm'"));
+  CHECK_THAT(message("[torque]\nprofile = \"harmonic\"\namplitude_nm = 2\n"), Contains("no key 'period_s'"));
+  CHECK_THAT(message("[torque]\nprofile = \"constant\"\namplitude_nm = 21\n"),
+             Contains("from -20 to 20 N m"));
+  CHECK_THAT(message("[sensors]\nnoise = 1\n"), Contains("s.toml:2:") && Contains("true or false"));
+  CHECK_THAT(message("fault = 3\n"), Contains("s.toml:1:") && Contains("[[fault]]"));
+  CHECK_THAT(message("[[fault]]\ntime_s = 1\n"), Contains("no key 'kind'") && Contains("encoder_frozen"));
+  CHECK_THAT(message("[[fault]]\nkind = \"peer_lost\"\n"), Contains("no key 'time_s'"));
+  CHECK_THAT(message("[[fault]]\ntime_s = 1\nkind = \"peer_lots\"\n"),
+             Contains("s.toml:3:") && Contains("did you mean 'peer_lost'"));
+  CHECK_THAT(message("[start\n"), Contains("s.toml:1:") && Contains("TOML"));
+}
+
+TEST_CASE("what only the hopper has is refused on an axis") {
+  CHECK_THAT(message("[torque]\nprofile = \"zero\"\n", dynamics::Kind::motor_axis),
+             Contains("'torque'") && Contains("motor_axis"));
+  CHECK_THAT(message("[sensors]\nbounce = true\n", dynamics::Kind::motor_axis), Contains("'bounce'"));
+  CHECK_THAT(message("[[fault]]\ntime_s = 1\nkind = \"peer_lost\"\n", dynamics::Kind::rotary_joint),
+             Contains("'fault'"));
+}
