@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <chrono>
-#include <cstdio>
 #include <cstring>
 #include <fstream>
 #include <map>
@@ -141,32 +140,32 @@ torque = { profile = "harmonic", amplitude_nm = 2, period_s = 0.3 }
 TEST_CASE(
     "hopping with quantised, noisy, bouncing and jittering sensors is bit-equal, and within the budgets") {
   if (cannot_run_here()) return;
-  const char* profile = GENERATE("harmonic", "constant");
-  const Run run = run_in_lock_step(std::string(R"(
+  std::uint32_t worst_tick = 0, stack = 0;
+  for (const std::string profile : {"harmonic", "constant"}) {
+    const Run run = run_in_lock_step(R"(
 start = { height_m = 0.35 }
 run = { duration_s = 20 }
 sensors = { quantisation = true, noise = true, bounce = true, jitter = true }
-torque = { amplitude_nm = 2, period_s = 0.3, profile = ")") +
-                                       profile + "\" }\n",
-                                   7);
-  INFO(profile << ": " << run.first_difference);
-  CHECK(run.ticks == 20000);
-  CHECK(run.differing_ticks == 0);
-  CHECK(run.touchdowns > 30);
-  CHECK(run.ticks_with_fault.size() == 1);
-
-  auto budget = read_budget();
+torque = { amplitude_nm = 2, period_s = 0.3, profile = ")" +
+                                         profile + "\" }\n",
+                                     7);
+    INFO(profile << ": " << run.first_difference);
+    CHECK(run.ticks == 20000);
+    CHECK(run.differing_ticks == 0);
+    CHECK(run.touchdowns > 30);
+    CHECK(run.ticks_with_fault.size() == 1);
+    CHECK(run.farewell.hundred_nops == 100);  // the counter counts instructions
+    worst_tick = std::max(worst_tick, run.worst_instructions);
+    stack = std::max(stack, run.farewell.deepest_stack_bytes);
+  }
+  // For the table of scripts/size-budget.
   std::ofstream(FURCULA_M4F_IMAGE ".measured")
-      << "worst_tick " << run.worst_instructions << "\nstack_measured " << run.farewell.deepest_stack_bytes
-      << "\n";
-  std::printf("%s: worst tick %u instructions of %.0f, deepest stack %u bytes of %.0f\n", profile,
-              run.worst_instructions, budget["worst_tick"], run.farewell.deepest_stack_bytes,
-              budget["stack_measured"]);
-  CHECK(run.farewell.hundred_nops == 100);  // the counter counts instructions
-  CHECK(run.worst_instructions > 100);
-  CHECK(run.worst_instructions <= budget["worst_tick"]);
-  CHECK(run.farewell.deepest_stack_bytes > 100);
-  CHECK(run.farewell.deepest_stack_bytes <= budget["stack_measured"]);
+      << "worst_tick " << worst_tick << "\nstack_measured " << stack << "\n";
+  auto budget = read_budget();
+  CHECK(worst_tick > 100);
+  CHECK(worst_tick <= budget["worst_tick"]);
+  CHECK(stack > 100);
+  CHECK(stack <= budget["stack_measured"]);
 }
 
 TEST_CASE(
