@@ -1,3 +1,4 @@
+// The median of sampling intervals, against sorting.
 #include "host/log/interval_median.hpp"
 
 #include <algorithm>
