@@ -60,10 +60,4 @@ void Browser::print(const fs::path& page, const fs::path& pdf) const {
   run("--no-pdf-header-footer --print-to-pdf='" + pdf.string() + "'", page);
 }
 
-void Browser::screenshot(const fs::path& page, const fs::path& png, int width, int height) const {
-  run("--screenshot='" + png.string() + "' --window-size=" + std::to_string(width) + "," +
-          std::to_string(height),
-      page);
-}
-
 }  // namespace furcula::test

@@ -15,8 +15,6 @@ class Browser {
   /// The page's DOM as text after its scripts ran. `width` in CSS pixels.
   std::string dom(const std::filesystem::path& page, int width = 1400) const;
   void print(const std::filesystem::path& page, const std::filesystem::path& pdf) const;
-  void screenshot(const std::filesystem::path& page, const std::filesystem::path& png, int width,
-                  int height) const;
 
  private:
   explicit Browser(std::filesystem::path program) : program_(std::move(program)) {}
