@@ -31,14 +31,13 @@ class App {
     inputs.tick_interval_us = tick_ == 0 ? kTickPeriodUs : now_us - last_us_;
     last_us_ = now_us;
     const Result<control::Sample> sample = board_.sense();
-    inputs.sample_valid = sample.ok();
+    // A drive that did not take the last command is as much a lost peer as sensors that do not answer.
+    inputs.sample_valid = sample.ok() && drive_answers_;
     if (sample.ok()) inputs.sample = sample.value();
     inputs.reset = board_.take_reset_request();
 
     const Telemetry telemetry{tick_, control::step(config_, state_, inputs, kTickPeriodS)};
-    // A drive that cannot be reached makes itself safe and does not answer as a sensor either: the supervisor
-    // sees that on the next tick.
-    static_cast<void>(board_.actuate(telemetry.outputs.command));
+    drive_answers_ = board_.actuate(telemetry.outputs.command) == Status::ok;
     board_.kick_watchdog();
     board_.report(telemetry);
     ++tick_;
@@ -50,6 +49,7 @@ class App {
   control::State state_;
   std::uint32_t tick_ = 0;
   std::uint32_t last_us_ = 0;
+  bool drive_answers_ = true;
 };
 
 }  // namespace furcula::firmware

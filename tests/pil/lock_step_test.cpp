@@ -55,10 +55,12 @@ struct Run {
 
 /// The host's application and the board's get the same samples; the plant obeys the board's command alone.
 /// `reset_at_tick` asks both to clear their faults.
-Run run_in_lock_step(const std::string& scenario_text, std::uint64_t seed, std::size_t reset_at_tick = 0) {
+Run run_in_lock_step(const std::string& scenario_text, std::uint64_t seed, std::size_t reset_at_tick = 0,
+                     control::DebounceRule rule = control::DebounceRule::two_readings) {
   const model::Model model = model::parse_model(kModel, "example.toml");
   const sim::Scenario scenario = sim::parse_scenario(scenario_text, "scenario.toml", model);
-  const control::Config config = sim::controller_config(model, scenario);
+  control::Config config = sim::controller_config(model, scenario);
+  config.debounce.rule = rule;
   sim_host::SimBoard rig(sim::rig_config(model, scenario, seed));
   firmware::App host(rig, config);
   pil::Qemu qemu(FURCULA_M4F_IMAGE, config, 10s);
@@ -142,13 +144,15 @@ TEST_CASE(
   if (cannot_run_here()) return;
   std::uint32_t worst_tick = 0, stack = 0;
   for (const std::string profile : {"harmonic", "constant"}) {
-    const Run run = run_in_lock_step(R"(
+    const bool settling = profile == "constant";
+    const Run run = run_in_lock_step(
+        R"(
 start = { height_m = 0.35 }
 run = { duration_s = 20 }
 sensors = { quantisation = true, noise = true, bounce = true, jitter = true }
 torque = { amplitude_nm = 2, period_s = 0.3, profile = ")" +
-                                         profile + "\" }\n",
-                                     7);
+            profile + "\" }\n",
+        7, 0, settling ? control::DebounceRule::settling : control::DebounceRule::two_readings);
     INFO(profile << ": " << run.first_difference);
     CHECK(run.ticks == 20000);
     CHECK(run.differing_ticks == 0);
@@ -199,6 +203,7 @@ kind = ")") + c.kind + (lasting ? "\"\nduration_s = 0.5\n" : "\"\n"),
   CHECK(run.ticks_with_fault[static_cast<int>(c.fault)] > 400);
   CHECK(run.ticks_with_fault[0] > 2500);  // before the fault, and after the reset at 2.5 s
   CHECK(run.ticks_with_fault.size() == 2);
+  CHECK(run.worst_instructions <= read_budget()["worst_tick"]);
 }
 
 TEST_CASE("a board whose configuration makes no sense stays in the safe state") {

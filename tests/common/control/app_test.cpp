@@ -2,6 +2,7 @@
 #include "firmware/app/app.hpp"
 
 #include <catch2/catch.hpp>
+#include <utility>
 #include <vector>
 
 using namespace furcula;
@@ -13,6 +14,7 @@ struct RecordingBoard {
   std::vector<std::uint32_t> clock_us;
   std::size_t ticks_done = 0;
   bool answers = true;
+  bool drive_answers = true;
   bool reset = false;
   std::vector<control::Command> commands;
   std::vector<firmware::Telemetry> reports;
@@ -30,7 +32,7 @@ struct RecordingBoard {
   }
   Status actuate(const control::Command& command) {
     commands.push_back(command);
-    return Status::ok;
+    return drive_answers ? Status::ok : Status::disconnected;
   }
   void kick_watchdog() { ++kicks; }
   bool take_reset_request() { return std::exchange(reset, false); }
@@ -87,4 +89,18 @@ TEST_CASE("a board without sensors is a lost peer within two ticks, and the watc
   CHECK(board.commands.back().torque_nm == 0.0f);
   CHECK(board.reports.back().outputs.fault == control::Fault::peer_lost);
   CHECK(board.kicks == 22);
+}
+
+TEST_CASE("a drive that takes no command is a lost peer within two ticks") {
+  RecordingBoard board;
+  for (std::uint32_t i = 0; i < 30; ++i) board.clock_us.push_back(1000 * i);
+  firmware::App app(board, harmonic());
+  for (int i = 0; i < 20; ++i) app.tick();
+  board.drive_answers = false;
+  app.tick();  // the first command that is not taken
+  CHECK(board.reports.back().outputs.fault == control::Fault::none);
+  app.tick();
+  app.tick();
+  CHECK(board.reports.back().outputs.fault == control::Fault::peer_lost);
+  CHECK(board.commands.back().torque_nm == 0.0f);
 }

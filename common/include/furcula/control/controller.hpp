@@ -29,7 +29,7 @@ struct Config {
 
 struct Inputs {
   Sample sample;
-  bool sample_valid = false;           ///< false: the device with the sensors did not answer on this tick
+  bool sample_valid = false;           ///< false: sensors or drive did not answer since the last tick
   bool reset = false;                  ///< a person asks for the latched fault to be cleared
   std::uint32_t tick_interval_us = 0;  ///< measured, since the last tick
 };

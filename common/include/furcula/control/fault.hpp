@@ -39,7 +39,7 @@ inline constexpr std::array<FaultInfo, kFaultCount> kFaults{{
      "Correct the configuration and start again: a reset does not clear this fault."},
     {Fault::late_tick, "late_tick", "The control loop ran later than allowed after its last run.",
      "Look for another load on the processor or for a debugger that stopped it; then reset."},
-    {Fault::peer_lost, "peer_lost", "The device that reads the sensors did not answer.",
+    {Fault::peer_lost, "peer_lost", "The device with the sensors, or the drive, did not answer.",
      "Check its supply, its cable and the terminating resistors of the bus; then reset."},
     {Fault::stale_input, "stale_input",
      "The sensors' sample is older than allowed: the device answers, but measures no more.",
