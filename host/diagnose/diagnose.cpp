@@ -99,9 +99,9 @@ class Assembly {
         options_(options),
         training_(recordings_of(training, model.kind)),
         held_out_(recordings_of(held_out, model.kind)),
-        training_windows_(identify::prediction_windows(training_, model, options.window_s)),
+        training_windows_(identify::training_windows(training_, model, options.window_s)),
         held_out_windows_(identify::prediction_windows(held_out_, model, options.window_s)) {
-    require(training_windows_, training_, "training");
+    require(training_windows_.windows, training_, "training");
     require(held_out_windows_, held_out_, "held-out");
   }
 
@@ -141,7 +141,7 @@ class Assembly {
     d_.held_out_logs = held_out_.size();
     for (const auto& r : training_) d_.training_files.push_back(r.name), d_.samples += r.rows();
     for (const auto& r : held_out_) d_.held_out_files.push_back(r.name), d_.samples += r.rows();
-    if (model_.kind == Kind::hopper_linear) d_.hops = training_windows_.size() + held_out_windows_.size();
+    if (model_.kind == Kind::hopper_linear) d_.hops = training_windows_.windows.size() + held_out_windows_.size();
     const auto names = identify::channel_names(model_.kind);
     d_.main_channel = names.position;
     d_.main_unit = names.position_unit;
@@ -281,7 +281,7 @@ class Assembly {
     d_.unexplained_fraction = before > 0.0 ? std::clamp((after - floor) / before, 0.0, 1.0) : 0.0;
     if (d_.findings.empty())
       d_.verdict = noise_alone                                 ? Verdict::adequate
-                   : training_windows_.size() < kFewestWindows ? Verdict::not_identifiable
+                   : training_windows_.windows.size() < kFewestWindows ? Verdict::not_identifiable
                                                                : Verdict::unexplained;
     else if (undecided_)
       d_.verdict = Verdict::not_identifiable;
@@ -319,7 +319,8 @@ class Assembly {
   const model::Model& model_;
   const Options& options_;
   std::vector<Recording> training_, held_out_;
-  std::vector<Window> training_windows_, held_out_windows_;
+  identify::TrainingWindows training_windows_;
+  std::vector<Window> held_out_windows_;
   Selection selection_;
   Diagnosis d_;
   bool undecided_ = false;

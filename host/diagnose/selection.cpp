@@ -21,7 +21,7 @@ constexpr double kSmallestGain = 0.04;
 constexpr double kSmallestRefinement = 0.05;
 /// Two sets whose evidence differs by less than this explain the data equally well (odds of about 20 to 1).
 constexpr double kEqualEvidence = 6.0;
-constexpr double kBonferroniLevel = 1e-3;
+constexpr double kFalseAlarmLevel = 0.005;
 
 double squares_of(const identify::SimulationFit& fit) { return std::max(fit.squares, 1e-300); }
 
@@ -75,10 +75,23 @@ double cross_validate(const identify::SimulationFit& fit, const std::vector<iden
 /// Root mean square of the velocity over the training windows: the scale of a Stribeck velocity.
 double velocity_scale(const Trainer& t) {
   double squares = 0.0, rows = 0.0;
-  for (const auto& w : t.windows)
+  for (const auto& w : t.training.windows)
     for (std::size_t i = w.first; i <= w.last; ++i) {
       const double v = t.recordings[w.recording].velocity_smoothed[i];
       squares += v * v;
+      rows += 1.0;
+    }
+  return rows > 0.0 ? std::sqrt(squares / rows) : 1.0;
+}
+
+/// What moves the axis: the root mean square of the input force, on the hopper the weight.
+double force_scale(const Trainer& t) {
+  if (t.model.kind == dynamics::Kind::hopper_linear)
+    return t.model.parameter("mass_kg") * t.model.parameter("gravity_mps2");
+  double squares = 0.0, rows = 0.0;
+  for (const auto& r : t.recordings)
+    for (double u : r.input) {
+      squares += u * u;
       rows += 1.0;
     }
   return rows > 0.0 ? std::sqrt(squares / rows) : 1.0;
@@ -154,19 +167,27 @@ Hypothesis Trainer::fit(const std::vector<Effect>& effects, const Hypothesis* fr
         return i;
     return h.unknowns.size();
   };
-  const bool new_stribeck =
-      std::find(effects.begin(), effects.end(), Effect::stribeck_friction) != effects.end() &&
-      (from == nullptr || !from->fitted.effects.contains(Effect::stribeck_friction));
-  if (new_stribeck) {
-    // The curve starts from the constant friction that fits best, twice as large at standstill, over several
-    // widths.
-    const bool has_coulomb =
-        std::find(effects.begin(), effects.end(), Effect::coulomb_friction) != effects.end();
+  const auto add_flat_start = [&](const std::vector<std::size_t>& places) {
+    // Dry friction sticks, which makes a fit's landscape uneven: a second start from a twentieth of what moves the axis.
+    std::vector<double> other = start;
+    for (std::size_t i : places) other[i] = 0.05 * force_scale(*this);
+    starts.push_back(other);
+  };
+  const auto is_new = [&](Effect e) {
+    return std::find(effects.begin(), effects.end(), e) != effects.end() &&
+           (from == nullptr || !from->fitted.effects.contains(e));
+  };
+  if (is_new(Effect::coulomb_friction)) add_flat_start({place(Effect::coulomb_friction, 0)});
+  if (is_new(Effect::asymmetric_friction))
+    add_flat_start({place(Effect::asymmetric_friction, 0), place(Effect::asymmetric_friction, 1)});
+  if (is_new(Effect::stribeck_friction)) {
+    // The curve starts from the constant friction that fits best, twice as large at standstill, over several widths.
+    const bool has_coulomb = std::find(effects.begin(), effects.end(), Effect::coulomb_friction) != effects.end();
     double level = 0.0;
     if (!has_coulomb) {
-      const Hypothesis flat =
-          fit(with(without(effects, Effect::stribeck_friction), Effect::coulomb_friction), from);
+      const Hypothesis flat = fit(with(without(effects, Effect::stribeck_friction), Effect::coulomb_friction), from);
       level = flat.fitted.effects.at(Effect::coulomb_friction)[0];
+      start = identify::values_in(flat.fitted, h.unknowns);
     }
     starts.clear();
     const double scale = velocity_scale(*this);
@@ -178,23 +199,25 @@ Hypothesis Trainer::fit(const std::vector<Effect>& effects, const Hypothesis* fr
     }
   }
   for (const auto& s : starts) {
-    identify::SimulationFit trial = identify::fit_by_simulation(model, h.unknowns, s, recordings, windows);
+    identify::SimulationFit trial = identify::fit_by_simulation(model, h.unknowns, s, recordings, training.windows,
+                                                              identify::Weighting::noise, training.layers);
     if (h.fit.values.empty() || trial.squares < h.fit.squares) h.fit = std::move(trial);
   }
   h.fitted = identify::with_values(model, h.unknowns, h.fit.values);
-  h.cross_validated_squares = cross_validate(h.fit, windows, recordings.size());
+  h.cross_validated_squares = cross_validate(h.fit, training.windows, recordings.size());
   return h;
 }
 
 Comparison Trainer::compare(const Hypothesis& smaller, const Hypothesis& larger, std::size_t tries) const {
   Comparison c;
-  const double rows = std::max(effective_rows(smaller.fit), 2.0);
+  // The correlation time of what the larger one leaves: what the smaller one leaves holds the effect itself.
+  const double rows = std::max(effective_rows(larger.fit) / static_cast<double>(training.layers), 2.0);
   const auto extra =
       static_cast<double>(larger.unknowns.size()) - static_cast<double>(smaller.unknowns.size());
   c.evidence = rows * std::log(squares_of(smaller.fit) / squares_of(larger.fit));
-  // Schwarz's price of a parameter, and Bonferroni's of having tried many.
-  c.threshold = std::max(extra, 1.0) * std::log(rows) +
-                2.0 * std::log(static_cast<double>(std::max<std::size_t>(tries, 1)) / kBonferroniLevel);
+  // The chi-square point of the extra parameters at the level that Bonferroni's price for having tried many leaves.
+  c.threshold = 2.0 * std::log(static_cast<double>(std::max<std::size_t>(tries, 1)) / kFalseAlarmLevel) +
+                2.5 * (std::max(extra, 1.0) - 2.0);
   c.gain = 1.0 - larger.cross_validated_squares / std::max(smaller.cross_validated_squares, 1e-300);
   c.significant = c.evidence > c.threshold && c.gain > kSmallestGain;
   return c;
@@ -230,7 +253,7 @@ Selection Trainer::select() const {
           (best == nullptr || t.hypothesis.fit.squares < best->hypothesis.fit.squares))
         best = &t;
     if (best != nullptr) {
-      const double rows = effective_rows(best->hypothesis.fit);
+      const double rows = effective_rows(best->hypothesis.fit) / static_cast<double>(training.layers);
       const Tried* simplest = best;
       for (const Tried& t : trials) {
         if (!t.against_smaller.significant || !meaningful(t.hypothesis)) continue;
@@ -294,7 +317,7 @@ Selection Trainer::select() const {
     tell(0.9, names(replacements[i].effects));
     rivals[i] = fit(replacements[i].effects, &s.refitted);
   });
-  const double rows = effective_rows(s.chosen.fit);
+  const double rows = effective_rows(s.chosen.fit) / static_cast<double>(training.layers);
   for (std::size_t i = 0; i < rivals.size(); ++i)
     if (meaningful(rivals[i]) &&
         rows * std::log(squares_of(rivals[i].fit) / squares_of(s.chosen.fit)) < kEqualEvidence)

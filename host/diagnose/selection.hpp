@@ -54,7 +54,7 @@ struct Selection {
 struct Trainer {
   const model::Model& model;
   const std::vector<identify::Recording>& recordings;
-  const std::vector<identify::Window>& windows;
+  const identify::TrainingWindows& training;
   unsigned threads = 1;
   std::function<void(double, std::string_view)> progress;
 

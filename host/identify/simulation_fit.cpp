@@ -157,8 +157,8 @@ WindowShare share_of(const WindowCost& cost, const std::vector<double>& values, 
 
 }  // namespace
 
-Eigen::MatrixXd sandwich_covariance(const std::vector<WindowShare>& shares,
-                                    const std::vector<bool>& at_bound) {
+Eigen::MatrixXd sandwich_covariance(const std::vector<WindowShare>& shares, const std::vector<bool>& at_bound,
+                                    std::size_t layers) {
   const auto count = static_cast<Eigen::Index>(at_bound.size());
   std::vector<Eigen::Index> moving;
   for (Eigen::Index i = 0; i < count; ++i)
@@ -185,10 +185,10 @@ Eigen::MatrixXd sandwich_covariance(const std::vector<WindowShare>& shares,
   const Eigen::MatrixXd scaled = scale.asDiagonal() * information * scale.asDiagonal();
   const Eigen::MatrixXd inverse =
       scale.asDiagonal() * scaled.completeOrthogonalDecomposition().pseudoInverse() * scale.asDiagonal();
-  const auto windows = static_cast<double>(shares.size());
+  const auto windows = static_cast<double>(shares.size()) / static_cast<double>(layers);
   const double correction =
       windows > static_cast<double>(free) ? windows / (windows - static_cast<double>(free)) : windows;
-  const Eigen::MatrixXd small = inverse * scatter * inverse * correction;
+  const Eigen::MatrixXd small = inverse * scatter * inverse * (correction * static_cast<double>(layers));
   for (Eigen::Index i = 0; i < free; ++i)
     for (Eigen::Index k = 0; k < free; ++k)
       covariance(moving[static_cast<std::size_t>(i)], moving[static_cast<std::size_t>(k)]) = small(i, k);
@@ -197,7 +197,7 @@ Eigen::MatrixXd sandwich_covariance(const std::vector<WindowShare>& shares,
 
 SimulationFit fit_by_simulation(const model::Model& model, const std::vector<Unknown>& unknowns,
                                 const std::vector<double>& start, const std::vector<Recording>& recordings,
-                                const std::vector<Window>& windows, Weighting weighting) {
+                                const std::vector<Window>& windows, Weighting weighting, std::size_t layers) {
   SimulationFit fit;
   fit.values = start;
   std::deque<WindowCost> costs;
@@ -246,7 +246,7 @@ SimulationFit fit_by_simulation(const model::Model& model, const std::vector<Unk
     fit.shares.push_back(share_of(costs[i], fit.values, &starts[kStartSize * i]));
     fit.squares += fit.shares.back().squares;
   }
-  fit.covariance = sandwich_covariance(fit.shares, fit.at_bound);
+  fit.covariance = sandwich_covariance(fit.shares, fit.at_bound, layers);
   return fit;
 }
 

@@ -34,10 +34,12 @@ struct SimulationFit {
   bool converged = false;
 };
 
+/// `layers`: in how many of the windows each row lies; the covariance takes it into account.
 /// Fits the unknowns from `start` (values, within bounds) on the windows, each with a start state of its own.
 SimulationFit fit_by_simulation(const model::Model& model, const std::vector<Unknown>& unknowns,
                                 const std::vector<double>& start, const std::vector<Recording>& recordings,
-                                const std::vector<Window>& windows, Weighting weighting = Weighting::noise);
+                                const std::vector<Window>& windows, Weighting weighting = Weighting::noise,
+                                std::size_t layers = 1);
 
 /// Covariance from the shares of a fit; entries of unknowns at a bound are zero.
 Eigen::MatrixXd sandwich_covariance(const std::vector<WindowShare>& shares,

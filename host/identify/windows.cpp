@@ -103,10 +103,11 @@ std::vector<Window> flights(const Recording& r, std::size_t index, const model::
   return found;
 }
 
-std::vector<Window> intervals(const Recording& r, std::size_t index, double length_s) {
+std::vector<Window> intervals(const Recording& r, std::size_t index, double length_s, double from_s) {
   std::vector<Window> found;
   const std::size_t n = r.rows();
   std::size_t first = 0;
+  while (first < n && r.time_s[first] < r.time_s[0] + from_s) ++first;
   while (first + 1 < n) {
     std::size_t last = first;
     while (last + 1 < n && r.time_s[last + 1] <= r.time_s[first] + length_s) ++last;
@@ -127,6 +128,26 @@ std::vector<Window> prediction_windows(const std::vector<Recording>& recordings,
     all.insert(all.end(), some.begin(), some.end());
   }
   return all;
+}
+
+TrainingWindows training_windows(const std::vector<Recording>& recordings, const model::Model& model, double interval_s) {
+  constexpr std::size_t kEnough = 24;
+  constexpr std::size_t kMostLayers = 4;
+  TrainingWindows t;
+  t.windows = prediction_windows(recordings, model, interval_s);
+  if (model.kind == dynamics::Kind::hopper_linear || t.windows.empty()) return t;
+  t.layers = std::clamp<std::size_t>((kEnough + t.windows.size() - 1) / t.windows.size(), 1, kMostLayers);
+  for (std::size_t layer = 1; layer < t.layers; ++layer)
+    for (std::size_t i = 0; i < recordings.size(); ++i) {
+      const double from_s = interval_s * static_cast<double>(layer) / static_cast<double>(t.layers);
+      const auto more = intervals(recordings[i], i, interval_s, from_s);
+      t.windows.insert(t.windows.end(), more.begin(), more.end());
+    }
+  // In the order of their begin, so that folds are stretches of a recording.
+  std::stable_sort(t.windows.begin(), t.windows.end(), [](const Window& a, const Window& b) {
+    return a.recording != b.recording ? a.recording < b.recording : a.first < b.first;
+  });
+  return t;
 }
 
 StartState start_state(const Recording& r, const Window& w) {
