@@ -10,6 +10,7 @@ namespace furcula::cli {
 void add_sim_command(CLI::App& app);
 void add_identify_command(CLI::App& app);
 void add_diagnose_command(CLI::App& app);
+void add_demo_command(CLI::App& app);
 void add_effects_command(CLI::App& app);
 void add_check_command(CLI::App& app);
 

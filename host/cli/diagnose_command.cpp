@@ -1,10 +1,11 @@
 // `furcula diagnose`: logs and a model in; the verdict, the extended model and the report out.
+#include "host/cli/diagnose_command.hpp"
+
 #include <iostream>
 #include <memory>
 
 #include "host/cli/commands.hpp"
 #include "host/cli/progress.hpp"
-#include "host/cli/recordings.hpp"
 #include "host/diagnose/diagnose.hpp"
 #include "host/diagnose/diagnosis_json.hpp"
 #include "host/log/atomic_file.hpp"
@@ -12,9 +13,8 @@
 #include "host/report/diagnosis_report.hpp"
 
 namespace furcula::cli {
-namespace {
 
-void run(const RecordingOptions& o) {
+diagnose::Diagnosis run_diagnose(const RecordingOptions& o) {
   const Recordings r = read_recordings(o);
   make_folder(o.out);
   diagnose::Diagnosis d;
@@ -32,15 +32,14 @@ void run(const RecordingOptions& o) {
   log::write_file_atomically(o.out + "/report.html", report::render_report(d));
   std::cout << diagnose::name(d.verdict) << ": " << d.summary << "\n"
             << "report: " << o.out << "/report.html\n";
+  return d;
 }
-
-}  // namespace
 
 void add_diagnose_command(CLI::App& app) {
   auto options = std::make_shared<RecordingOptions>();
   CLI::App* command = app.add_subcommand("diagnose", "Name what a model gets wrong about measured logs");
   options->add_to(*command);
-  command->callback([options] { run(*options); });
+  command->callback([options] { run_diagnose(*options); });
 }
 
 }  // namespace furcula::cli

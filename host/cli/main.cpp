@@ -37,6 +37,9 @@ void run(int argc, char** argv) {
 #ifdef FURCULA_WITH_DIAGNOSE
   furcula::cli::add_diagnose_command(app);
 #endif
+#ifdef FURCULA_WITH_DEMO
+  furcula::cli::add_demo_command(app);
+#endif
   furcula::cli::add_effects_command(app);
   furcula::cli::add_check_command(app);
   try {

@@ -1,0 +1,14 @@
+// What `furcula diagnose` does, for the commands that diagnose recordings they have made themselves.
+#pragma once
+
+#include "host/cli/recordings.hpp"
+#include "host/diagnose/diagnosis.hpp"
+
+namespace furcula::cli {
+
+/// Reads the recordings, diagnoses them, writes the results into `options.out` and tells the verdict on
+/// stdout.
+/// @throws UsageError, log::DataError, log::OutputError
+diagnose::Diagnosis run_diagnose(const RecordingOptions& options);
+
+}  // namespace furcula::cli
