@@ -141,7 +141,8 @@ class Assembly {
     d_.held_out_logs = held_out_.size();
     for (const auto& r : training_) d_.training_files.push_back(r.name), d_.samples += r.rows();
     for (const auto& r : held_out_) d_.held_out_files.push_back(r.name), d_.samples += r.rows();
-    if (model_.kind == Kind::hopper_linear) d_.hops = training_windows_.windows.size() + held_out_windows_.size();
+    if (model_.kind == Kind::hopper_linear)
+      d_.hops = training_windows_.windows.size() + held_out_windows_.size();
     const auto names = identify::channel_names(model_.kind);
     d_.main_channel = names.position;
     d_.main_unit = names.position_unit;
@@ -280,9 +281,9 @@ class Assembly {
     d_.residual_white = noise_alone;
     d_.unexplained_fraction = before > 0.0 ? std::clamp((after - floor) / before, 0.0, 1.0) : 0.0;
     if (d_.findings.empty())
-      d_.verdict = noise_alone                                 ? Verdict::adequate
+      d_.verdict = noise_alone                                         ? Verdict::adequate
                    : training_windows_.windows.size() < kFewestWindows ? Verdict::not_identifiable
-                                                               : Verdict::unexplained;
+                                                                       : Verdict::unexplained;
     else if (undecided_)
       d_.verdict = Verdict::not_identifiable;
     else

@@ -23,9 +23,9 @@ constexpr double kSmallestRefinement = 0.05;
 constexpr double kEqualEvidence = 6.0;
 constexpr double kFalseAlarmLevel = 0.005;
 
-double squares_of(const identify::SimulationFit& fit) { return std::max(fit.squares, 1e-300); }
+double squares_of(const identify::Fit& fit) { return std::max(fit.squares, 1e-300); }
 
-double effective_rows(const identify::SimulationFit& fit) {
+double effective_rows(const identify::Fit& fit) {
   double sum = 0.0;
   for (const auto& s : fit.shares) sum += s.effective_rows;
   return sum;
@@ -33,7 +33,7 @@ double effective_rows(const identify::SimulationFit& fit) {
 
 /// Squares on windows that the estimate has not seen: the training recordings (or, of a single one, its
 /// stretches) in folds, each predicted with the estimate that one Gauss-Newton step makes without the fold.
-double cross_validate(const identify::SimulationFit& fit, const std::vector<identify::Window>& windows,
+double cross_validate(const identify::Fit& fit, const std::vector<identify::Window>& windows,
                       std::size_t recordings) {
   const auto count = static_cast<Eigen::Index>(fit.values.size());
   if (count == 0) return fit.squares;
@@ -168,7 +168,8 @@ Hypothesis Trainer::fit(const std::vector<Effect>& effects, const Hypothesis* fr
     return h.unknowns.size();
   };
   const auto add_flat_start = [&](const std::vector<std::size_t>& places) {
-    // Dry friction sticks, which makes a fit's landscape uneven: a second start from a twentieth of what moves the axis.
+    // Dry friction sticks, which makes a fit's landscape uneven: a second start from a twentieth of what
+    // moves the axis.
     std::vector<double> other = start;
     for (std::size_t i : places) other[i] = 0.05 * force_scale(*this);
     starts.push_back(other);
@@ -181,11 +182,14 @@ Hypothesis Trainer::fit(const std::vector<Effect>& effects, const Hypothesis* fr
   if (is_new(Effect::asymmetric_friction))
     add_flat_start({place(Effect::asymmetric_friction, 0), place(Effect::asymmetric_friction, 1)});
   if (is_new(Effect::stribeck_friction)) {
-    // The curve starts from the constant friction that fits best, twice as large at standstill, over several widths.
-    const bool has_coulomb = std::find(effects.begin(), effects.end(), Effect::coulomb_friction) != effects.end();
+    // The curve starts from the constant friction that fits best, twice as large at standstill, over several
+    // widths.
+    const bool has_coulomb =
+        std::find(effects.begin(), effects.end(), Effect::coulomb_friction) != effects.end();
     double level = 0.0;
     if (!has_coulomb) {
-      const Hypothesis flat = fit(with(without(effects, Effect::stribeck_friction), Effect::coulomb_friction), from);
+      const Hypothesis flat =
+          fit(with(without(effects, Effect::stribeck_friction), Effect::coulomb_friction), from);
       level = flat.fitted.effects.at(Effect::coulomb_friction)[0];
       start = identify::values_in(flat.fitted, h.unknowns);
     }
@@ -199,8 +203,8 @@ Hypothesis Trainer::fit(const std::vector<Effect>& effects, const Hypothesis* fr
     }
   }
   for (const auto& s : starts) {
-    identify::SimulationFit trial = identify::fit_by_simulation(model, h.unknowns, s, recordings, training.windows,
-                                                              identify::Weighting::noise, training.layers);
+    identify::Fit trial = identify::fit_by_simulation(model, h.unknowns, s, recordings, training.windows,
+                                                      identify::Weighting::noise, training.layers);
     if (h.fit.values.empty() || trial.squares < h.fit.squares) h.fit = std::move(trial);
   }
   h.fitted = identify::with_values(model, h.unknowns, h.fit.values);
@@ -215,7 +219,8 @@ Comparison Trainer::compare(const Hypothesis& smaller, const Hypothesis& larger,
   const auto extra =
       static_cast<double>(larger.unknowns.size()) - static_cast<double>(smaller.unknowns.size());
   c.evidence = rows * std::log(squares_of(smaller.fit) / squares_of(larger.fit));
-  // The chi-square point of the extra parameters at the level that Bonferroni's price for having tried many leaves.
+  // The chi-square point of the extra parameters at the level that Bonferroni's price for having tried many
+  // leaves.
   c.threshold = 2.0 * std::log(static_cast<double>(std::max<std::size_t>(tries, 1)) / kFalseAlarmLevel) +
                 2.5 * (std::max(extra, 1.0) - 2.0);
   c.gain = 1.0 - larger.cross_validated_squares / std::max(smaller.cross_validated_squares, 1e-300);

@@ -14,7 +14,7 @@ namespace furcula::diagnose {
 struct Hypothesis {
   std::vector<dynamics::Effect> effects;  ///< in the order of the catalogue
   std::vector<identify::Unknown> unknowns;
-  identify::SimulationFit fit;
+  identify::Fit fit;
   model::Model fitted;  ///< the model at the fit's values
   double cross_validated_squares = 0.0;
 };

@@ -157,6 +157,15 @@ WindowShare share_of(const WindowCost& cost, const std::vector<double>& values, 
 
 }  // namespace
 
+std::vector<bool> at_bounds(const std::vector<double>& values, const std::vector<Unknown>& unknowns) {
+  std::vector<bool> all;
+  for (std::size_t i = 0; i < unknowns.size(); ++i) {
+    const double margin = 1e-9 * (unknowns[i].upper - unknowns[i].lower);
+    all.push_back(values[i] <= unknowns[i].lower + margin || values[i] >= unknowns[i].upper - margin);
+  }
+  return all;
+}
+
 Eigen::MatrixXd sandwich_covariance(const std::vector<WindowShare>& shares, const std::vector<bool>& at_bound,
                                     std::size_t layers) {
   const auto count = static_cast<Eigen::Index>(at_bound.size());
@@ -195,10 +204,10 @@ Eigen::MatrixXd sandwich_covariance(const std::vector<WindowShare>& shares, cons
   return covariance;
 }
 
-SimulationFit fit_by_simulation(const model::Model& model, const std::vector<Unknown>& unknowns,
-                                const std::vector<double>& start, const std::vector<Recording>& recordings,
-                                const std::vector<Window>& windows, Weighting weighting, std::size_t layers) {
-  SimulationFit fit;
+Fit fit_by_simulation(const model::Model& model, const std::vector<Unknown>& unknowns,
+                      const std::vector<double>& start, const std::vector<Recording>& recordings,
+                      const std::vector<Window>& windows, Weighting weighting, std::size_t layers) {
+  Fit fit;
   fit.values = start;
   std::deque<WindowCost> costs;
   std::vector<double> starts(windows.size() * kStartSize);
@@ -237,11 +246,7 @@ SimulationFit fit_by_simulation(const model::Model& model, const std::vector<Unk
   } else {
     fit.converged = true;
   }
-  for (std::size_t i = 0; i < unknowns.size(); ++i) {
-    const double margin = 1e-9 * (unknowns[i].upper - unknowns[i].lower);
-    fit.at_bound.push_back(fit.values[i] <= unknowns[i].lower + margin ||
-                           fit.values[i] >= unknowns[i].upper - margin);
-  }
+  fit.at_bound = at_bounds(fit.values, unknowns);
   for (std::size_t i = 0; i < windows.size(); ++i) {
     fit.shares.push_back(share_of(costs[i], fit.values, &starts[kStartSize * i]));
     fit.squares += fit.shares.back().squares;

@@ -24,7 +24,7 @@ struct WindowShare {
   double effective_rows = 0.0;  ///< independent residuals that say as much: rows over the correlation time
 };
 
-struct SimulationFit {
+struct Fit {
   std::vector<double> values;  ///< of the unknowns
   double squares = 0.0;
   std::vector<WindowShare> shares;  ///< one a window, in their order
@@ -36,10 +36,13 @@ struct SimulationFit {
 
 /// `layers`: in how many of the windows each row lies; the covariance takes it into account.
 /// Fits the unknowns from `start` (values, within bounds) on the windows, each with a start state of its own.
-SimulationFit fit_by_simulation(const model::Model& model, const std::vector<Unknown>& unknowns,
-                                const std::vector<double>& start, const std::vector<Recording>& recordings,
-                                const std::vector<Window>& windows, Weighting weighting = Weighting::noise,
-                                std::size_t layers = 1);
+Fit fit_by_simulation(const model::Model& model, const std::vector<Unknown>& unknowns,
+                      const std::vector<double>& start, const std::vector<Recording>& recordings,
+                      const std::vector<Window>& windows, Weighting weighting = Weighting::noise,
+                      std::size_t layers = 1);
+
+/// Which values lie on a bound of their unknown.
+std::vector<bool> at_bounds(const std::vector<double>& values, const std::vector<Unknown>& unknowns);
 
 /// Covariance from the shares of a fit; entries of unknowns at a bound are zero.
 Eigen::MatrixXd sandwich_covariance(const std::vector<WindowShare>& shares,

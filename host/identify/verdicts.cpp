@@ -23,8 +23,7 @@ double student_t95(double freedom) {
          (3.0 * z7 + 19.0 * z5 + 17.0 * z3 - 15.0 * z) / (384.0 * n * n * n);
 }
 
-std::vector<ParameterVerdict> parameter_verdicts(const SimulationFit& fit,
-                                                 const std::vector<Unknown>& unknowns) {
+std::vector<ParameterVerdict> parameter_verdicts(const Fit& fit, const std::vector<Unknown>& unknowns) {
   const std::size_t count = unknowns.size();
   std::vector<ParameterVerdict> all(count);
   Eigen::MatrixXd information =

@@ -19,8 +19,7 @@ struct ParameterVerdict {
 /// One a parameter of the fit. "correlated": an exchange against another parameter changes the fit so little
 /// that the data tell a combination of the two, not each; "not_excited": the interval is as wide as the value
 /// itself.
-std::vector<ParameterVerdict> parameter_verdicts(const SimulationFit& fit,
-                                                 const std::vector<Unknown>& unknowns);
+std::vector<ParameterVerdict> parameter_verdicts(const Fit& fit, const std::vector<Unknown>& unknowns);
 
 /// Two-sided 95 % point of Student's t with `freedom` >= 1 degrees of freedom.
 double student_t95(double freedom);

@@ -130,7 +130,8 @@ std::vector<Window> prediction_windows(const std::vector<Recording>& recordings,
   return all;
 }
 
-TrainingWindows training_windows(const std::vector<Recording>& recordings, const model::Model& model, double interval_s) {
+TrainingWindows training_windows(const std::vector<Recording>& recordings, const model::Model& model,
+                                 double interval_s) {
   constexpr std::size_t kEnough = 24;
   constexpr std::size_t kMostLayers = 4;
   TrainingWindows t;

@@ -34,21 +34,22 @@ std::vector<Window> strides(const Recording& r, std::size_t index, const model::
 std::vector<Window> stances(const Recording& r, std::size_t index, const model::Model& model);
 std::vector<Window> flights(const Recording& r, std::size_t index, const model::Model& model);
 
-/// Windows of `length_s` seconds, one after the other from `from_s` seconds after the recording's first row; the
-/// last one at least half as long.
+/// Windows of `length_s` seconds, one after the other from `from_s` seconds after the recording's first row;
+/// the last one at least half as long.
 std::vector<Window> intervals(const Recording& r, std::size_t index, double length_s, double from_s = 0.0);
 
 /// The windows that predictions are judged on: strides on the hopper, intervals elsewhere.
 std::vector<Window> prediction_windows(const std::vector<Recording>& recordings, const model::Model& model,
                                        double interval_s);
 
-/// The windows that fits are made on: those of predictions; where they are few, also such that begin part-way through
-/// them, so that an estimate does not hang on where the windows happen to begin.
+/// The windows that fits are made on: those of predictions; where they are few, also such that begin part-way
+/// through them, so that an estimate does not hang on where the windows happen to begin.
 struct TrainingWindows {
   std::vector<Window> windows;
   std::size_t layers = 1;  ///< in how many windows each row lies
 };
-TrainingWindows training_windows(const std::vector<Recording>& recordings, const model::Model& model, double interval_s);
+TrainingWindows training_windows(const std::vector<Recording>& recordings, const model::Model& model,
+                                 double interval_s);
 
 /// 2 L cos(touch-down angle), m.
 double touchdown_height_m(const model::Model& model);

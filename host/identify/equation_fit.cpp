@@ -1,0 +1,129 @@
+#include "host/identify/equation_fit.hpp"
+
+#include <ceres/ceres.h>
+
+#include <algorithm>
+#include <cmath>
+#include <deque>
+
+#include "host/identify/jet.hpp"
+
+namespace furcula::identify {
+namespace {
+
+using Jet = ceres::Jet<double, 12>;
+
+double spread(const std::vector<double>& values, const Window& w) {
+  double mean = 0.0, squares = 0.0;
+  for (std::size_t i = w.first; i <= w.last; ++i) mean += values[i] / static_cast<double>(w.rows());
+  for (std::size_t i = w.first; i <= w.last; ++i) squares += (values[i] - mean) * (values[i] - mean);
+  return std::max(std::sqrt(squares), 1e-12);
+}
+
+/// Residuals of one window: two a step, against the unknowns (at most 12).
+class StepCost final : public ceres::CostFunction {
+ public:
+  StepCost(const model::Model& model, const std::vector<Unknown>& unknowns, const Recording& recording,
+           const Window& window)
+      : model_(model),
+        unknowns_(unknowns),
+        recording_(recording),
+        window_(window),
+        position_weight_(1.0 / spread(recording.position, window)),
+        velocity_weight_(1.0 / spread(recording.velocity_smoothed, window)) {
+    set_num_residuals(2 * static_cast<int>(window.rows() - 1));
+    mutable_parameter_block_sizes()->push_back(static_cast<int>(unknowns.size()));
+  }
+
+  bool Evaluate(double const* const* blocks, double* residuals, double** jacobians) const override {
+    if (jacobians == nullptr || jacobians[0] == nullptr) return run<double>(blocks[0], residuals, nullptr);
+    return run<Jet>(blocks[0], residuals, jacobians[0]);
+  }
+
+ private:
+  template <class T>
+  bool run(const double* at, double* residuals, double* jacobian) const {
+    const std::size_t count = unknowns_.size();
+    std::vector<T> values(count);
+    for (std::size_t i = 0; i < count; ++i) {
+      values[i] = T(at[i]);
+      if constexpr (!std::is_same_v<T, double>) values[i].v[static_cast<Eigen::Index>(i)] = 1.0;
+    }
+    bool finite = true;
+    const auto put = [&](const T& error, double weight) {
+      *residuals = dynamics::value_of(error) * weight;
+      finite = finite && std::isfinite(*residuals);
+      ++residuals;
+      if constexpr (!std::is_same_v<T, double>)
+        for (std::size_t i = 0; i < count; ++i) *jacobian++ = error.v[static_cast<Eigen::Index>(i)] * weight;
+    };
+    const Recording& r = recording_;
+    with_plant(r.kind, PlantSetup<T>(model_, unknowns_, values.data()), [&](auto& plant) {
+      for (std::size_t i = window_.first; i < window_.last; ++i) {
+        plant.reset(T(r.position[i]), T(r.velocity_smoothed[i]));
+        plant.advance(T(r.input[i]), r.time_s[i + 1] - r.time_s[i]);
+        put(detail::height(plant) - r.position[i + 1], position_weight_);
+        put(detail::speed(plant) - r.velocity_smoothed[i + 1], velocity_weight_);
+      }
+    });
+    return finite;
+  }
+
+  const model::Model& model_;
+  const std::vector<Unknown>& unknowns_;
+  const Recording& recording_;
+  const Window& window_;
+  double position_weight_, velocity_weight_;
+};
+
+}  // namespace
+
+Fit fit_by_equation(const model::Model& model, const std::vector<Unknown>& unknowns,
+                    const std::vector<double>& start, const std::vector<Recording>& recordings,
+                    const std::vector<Window>& windows) {
+  Fit fit;
+  fit.values = start;
+  std::deque<StepCost> costs;
+  ceres::Problem::Options problem_options;
+  problem_options.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+  ceres::Problem problem(problem_options);
+  for (const Window& w : windows) {
+    costs.emplace_back(model, unknowns, recordings[w.recording], w);
+    problem.AddResidualBlock(&costs.back(), nullptr, fit.values.data());
+  }
+  for (std::size_t i = 0; i < unknowns.size(); ++i) {
+    fit.values[i] = std::clamp(fit.values[i], unknowns[i].lower, unknowns[i].upper);
+    problem.SetParameterLowerBound(fit.values.data(), static_cast<int>(i), unknowns[i].lower);
+    problem.SetParameterUpperBound(fit.values.data(), static_cast<int>(i), unknowns[i].upper);
+  }
+  ceres::Solver::Options options;
+  options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
+  options.max_num_iterations = 60;
+  options.function_tolerance = 1e-10;
+  options.num_threads = 1;
+  options.logging_type = ceres::SILENT;
+  ceres::Solver::Summary summary;
+  ceres::Solve(options, &problem, &summary);
+  fit.converged = summary.IsSolutionUsable();
+  fit.at_bound = at_bounds(fit.values, unknowns);
+  const auto count = static_cast<Eigen::Index>(unknowns.size());
+  for (const StepCost& cost : costs) {
+    Eigen::VectorXd residual(cost.num_residuals());
+    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> jacobian(cost.num_residuals(),
+                                                                                    count);
+    const double* block = fit.values.data();
+    double* rows = jacobian.data();
+    cost.Evaluate(&block, residual.data(), &rows);
+    WindowShare share;
+    share.squares = residual.squaredNorm();
+    share.gradient = jacobian.transpose() * residual;
+    share.information = jacobian.transpose() * jacobian;
+    share.rows = share.effective_rows = static_cast<double>(residual.size());
+    fit.squares += share.squares;
+    fit.shares.push_back(std::move(share));
+  }
+  fit.covariance = sandwich_covariance(fit.shares, fit.at_bound);
+  return fit;
+}
+
+}  // namespace furcula::identify

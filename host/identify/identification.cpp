@@ -1,0 +1,195 @@
+#include "host/identify/identification.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "host/identify/equation_fit.hpp"
+#include "host/identify/parallel.hpp"
+#include "host/identify/verdicts.hpp"
+#include "host/log/error.hpp"
+
+namespace furcula::identify {
+namespace {
+
+constexpr std::size_t kMostTraces = 24;
+
+bool restitution_is_free(const model::Model& model) {
+  for (const char* name : {"restitution_touchdown", "restitution_liftoff"})
+    if (model.free.contains(*dynamics::parameter_index(model.kind, name))) return true;
+  return false;
+}
+
+/// The windows that parameters are fitted on.
+TrainingWindows fit_windows(const std::vector<Recording>& recordings, const model::Model& model,
+                            double window_s) {
+  if (model.kind != dynamics::Kind::hopper_linear) return training_windows(recordings, model, window_s);
+  TrainingWindows t;
+  const bool whole = restitution_is_free(model);
+  for (std::size_t i = 0; i < recordings.size(); ++i) {
+    for (const auto& some : {stances(recordings[i], i, model), flights(recordings[i], i, model),
+                             whole ? strides(recordings[i], i, model) : std::vector<Window>{}})
+      t.windows.insert(t.windows.end(), some.begin(), some.end());
+  }
+  return t;
+}
+
+/// Damped natural frequency of the stance, sqrt(k/m) sqrt(1 - xi^2) (002 section 4.2.1.1), rad/s.
+double damped_frequency(const model::Model& m) {
+  const double mass = m.parameter("mass_kg"), sigma = m.parameter("damping_stance_nspm") / (2.0 * mass);
+  return std::sqrt(std::max(0.0, m.parameter("stiffness_npm") / mass - sigma * sigma));
+}
+
+class Work {
+ public:
+  Work(const model::Model& model, const std::vector<log::Log>& training,
+       const std::vector<log::Log>& held_out, const IdentifyOptions& options)
+      : model_(model), options_(options), unknowns_(free_unknowns(model)) {
+    if (unknowns_.empty())
+      throw log::DataError(
+          "the model has no [free] table: nothing to identify; expected at least one parameter with bounds "
+          "in it");
+    for (const auto& log : training) training_.push_back(make_recording(log, model.kind));
+    for (const auto& log : held_out) held_out_.push_back(make_recording(log, model.kind));
+    fit_windows_ = fit_windows(training_, model, options.window_s);
+    if (fit_windows_.windows.empty())
+      throw log::DataError(training_.front().name + ": no window to fit on; expected " +
+                           (model.kind == dynamics::Kind::hopper_linear
+                                ? std::string("a stance or a flight of at least 30 ms")
+                                : "at least " + std::to_string(options.window_s) + " s of recording"));
+    held_out_windows_ = prediction_windows(held_out_, model, options.window_s);
+    folds_ = fold_count();
+  }
+
+  Identification run() {
+    Identification out;
+    out.kind = model_.kind;
+    out.logs = training_.size() + held_out_.size();
+    out.held_out_logs = held_out_.size();
+    out.windows = fit_windows_.windows.size();
+    out.folds = folds_;
+    const ChannelNames names = channel_names(model_.kind);
+    out.main_channel = names.position;
+    out.main_unit = names.position_unit;
+    for (const auto& r : training_) out.training_files.push_back(r.name), out.samples += r.rows();
+    for (const auto& r : held_out_) out.held_out_files.push_back(r.name), out.samples += r.rows();
+    if (options_.by_simulation) out.estimations.push_back(estimate(Method::simulation));
+    if (options_.by_equation) out.estimations.push_back(estimate(Method::equation));
+    if (!held_out_windows_.empty()) out.as_given = prediction_errors(model_, held_out_, held_out_windows_);
+    traces(out);
+    return out;
+  }
+
+ private:
+  std::size_t fold_count() const {
+    const bool by_recording = training_.size() > 1;
+    const std::size_t units = by_recording ? training_.size() : fit_windows_.windows.size();
+    const char* what = by_recording ? " recordings" : " windows";
+    std::size_t folds = options_.folds;
+    if (folds == 0) folds = std::min<std::size_t>(by_recording ? 10 : 5, units);
+    if (units < folds || folds < 2)
+      throw log::DataError(training_.front().name + ": " + std::to_string(units) + what +
+                           " cannot be put into " + std::to_string(std::max<std::size_t>(folds, 2)) +
+                           " folds; expected at least as many" + what + " as folds");
+    return folds;
+  }
+
+  std::size_t fold_of(std::size_t window) const {
+    return training_.size() > 1 ? fit_windows_.windows[window].recording % folds_
+                                : window * folds_ / fit_windows_.windows.size();
+  }
+
+  Fit fit(Method method, const std::vector<double>& start, const std::vector<Window>& windows) const {
+    const bool hopper = model_.kind == dynamics::Kind::hopper_linear;
+    if (method == Method::simulation)
+      return fit_by_simulation(model_, unknowns_, start, training_, windows,
+                               hopper ? Weighting::nmse : Weighting::noise, fit_windows_.layers);
+    // One step knows nothing of an impact: strides say nothing here.
+    std::vector<Window> inside;
+    for (const Window& w : windows)
+      if (w.kind != WindowKind::stride) inside.push_back(w);
+    return fit_by_equation(model_, unknowns_, start, training_, inside);
+  }
+
+  Estimation estimate(Method method) const {
+    const auto tell = [&](double fraction, const std::string& what) {
+      if (options_.progress) options_.progress(fraction, what);
+    };
+    tell(0.0, "all recordings, " + std::string(name(method)) + " error");
+    Estimation e;
+    e.method = method;
+    const std::vector<double> given = values_in(model_, unknowns_);
+    const Fit whole = fit(method, given, fit_windows_.windows);
+    e.model = with_values(model_, unknowns_, whole.values);
+    std::vector<std::vector<double>> estimates(folds_);
+    e.folds.resize(folds_);
+    parallel_for(folds_, options_.threads, [&](std::size_t fold) {
+      tell(static_cast<double>(fold + 1) / static_cast<double>(folds_ + 1),
+           "fold " + std::to_string(fold + 1));
+      std::vector<Window> seen, unseen;
+      for (std::size_t i = 0; i < fit_windows_.windows.size(); ++i)
+        (fold_of(i) == fold ? unseen : seen).push_back(fit_windows_.windows[i]);
+      estimates[fold] = fit(method, whole.values, seen).values;
+      e.folds[fold] = prediction_errors(with_values(model_, unknowns_, estimates[fold]), training_, unseen);
+    });
+    const auto verdicts = parameter_verdicts(whole, unknowns_);
+    for (std::size_t i = 0; i < unknowns_.size(); ++i) {
+      Identified p;
+      p.name = unknowns_[i].name;
+      p.unit = unknowns_[i].unit;
+      p.given = given[i];
+      p.value = verdicts[i].value;
+      p.lower = verdicts[i].lower;
+      p.upper = verdicts[i].upper;
+      for (const auto& values : estimates) p.folds.push_back(values[i]);
+      p.verdict = verdicts[i].verdict;
+      p.with = verdicts[i].with;
+      e.parameters.push_back(std::move(p));
+    }
+    if (model_.kind == dynamics::Kind::hopper_linear) {
+      Derived d{"damped_frequency_radps", "rad/s", damped_frequency(e.model), {}};
+      for (const auto& values : estimates)
+        d.folds.push_back(damped_frequency(with_values(model_, unknowns_, values)));
+      e.derived.push_back(std::move(d));
+    }
+    if (!held_out_windows_.empty()) e.held_out = prediction_errors(e.model, held_out_, held_out_windows_);
+    return e;
+  }
+
+  void traces(Identification& out) const {
+    const bool held = !held_out_windows_.empty();
+    const auto& recordings = held ? held_out_ : training_;
+    const auto& windows = held ? held_out_windows_ : fit_windows_.windows;
+    const std::size_t step = std::max<std::size_t>(1, (windows.size() + kMostTraces - 1) / kMostTraces);
+    for (std::size_t i = 0; i < windows.size(); i += step) {
+      const Window& w = windows[i];
+      const Recording& r = recordings[w.recording];
+      const auto begin = static_cast<std::ptrdiff_t>(w.first), end = static_cast<std::ptrdiff_t>(w.last) + 1;
+      out.traces.push_back({r.name,
+                            out.main_channel,
+                            out.main_unit,
+                            {r.time_s.begin() + begin, r.time_s.begin() + end},
+                            {r.position.begin() + begin, r.position.begin() + end},
+                            predict(model_, r, w).position,
+                            predict(out.estimations.front().model, r, w).position});
+    }
+  }
+
+  const model::Model& model_;
+  const IdentifyOptions& options_;
+  std::vector<Unknown> unknowns_;
+  std::vector<Recording> training_, held_out_;
+  TrainingWindows fit_windows_;
+  std::vector<Window> held_out_windows_;
+  std::size_t folds_ = 0;
+};
+
+}  // namespace
+
+std::string_view name(Method m) { return m == Method::equation ? "equation" : "simulation"; }
+
+Identification identify(const model::Model& model, const std::vector<log::Log>& training,
+                        const std::vector<log::Log>& held_out, const IdentifyOptions& options) {
+  return Work(model, training, held_out, options).run();
+}
+
+}  // namespace furcula::identify
