@@ -9,7 +9,7 @@
 namespace furcula::log {
 
 RecordStream::RecordStream(ByteSource& source, std::string name)
-    : source_(source), name_(std::move(name)), buffer_(std::size_t{1} << 18) {
+    : source_(source), name_(std::move(name)), buffer_(std::size_t{1} << 16) {
   while (end_ < 3 && fill()) {
   }
   if (end_ >= 3 && std::memcmp(buffer_.data(), "\xEF\xBB\xBF", 3) == 0) begin_ = 3;
