@@ -74,18 +74,9 @@ class Axis {
     const bool at_rest = value_of(v_) == V(0);
     const bool up = at_rest ? value_of(acceleration) > V(0) : value_of(v_) > V(0);
     if (e_.any()) {
-      const T zero = T(V(0));
-      const T middle = v_ + (acceleration - delta_ * v_) * (V(0.5) * h);
-      const bool passes_zero = up ? value_of(middle) < V(0) : value_of(middle) > V(0);
-      const T& velocity = passes_zero ? zero : middle;
-      if (dry_) {
-        const T speed = at_rest ? zero : (up ? velocity : T(-velocity));
-        const T push = dry_friction(e_, up, speed) * inverse_mass_;
-        if (at_rest && value_of(push) >= (up ? value_of(acceleration) : -value_of(acceleration))) return true;
-        acceleration = up ? T(acceleration - push) : T(acceleration + push);
-      }
-      if (e_.has(Effect::quadratic_drag))
-        acceleration += quadratic_drag(e_.value(Effect::quadratic_drag), velocity) * inverse_mass_;
+      const Resisted<T> r = resisted(e_, up, at_rest, v_, acceleration, delta_, inverse_mass_, h);
+      if (r.held) return true;
+      acceleration = r.acceleration;
     }
     const Segment<T> segment{x_, v_, acceleration, T(V(0)), delta_};
     const Flow<T> whole = full ? full_ : segment.over(left);

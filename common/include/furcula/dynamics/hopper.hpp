@@ -45,8 +45,7 @@ class Hopper {
         inverse_mass_(T(V(1)) / p.mass_kg),
         kappa_stance_(stiffness_ * inverse_mass_),
         delta_stance_(p.damping_stance_nspm * inverse_mass_),
-        delta_flight_(p.damping_flight_nspm * inverse_mass_),
-        dry_(has_dry_friction(e_)) {
+        delta_flight_(p.damping_flight_nspm * inverse_mass_) {
     using std::cos;
     touchdown_height_ = V(2) * p.link_length_m * cos(p.touchdown_angle_rad);
     leg_reach_squared_ = V(4) * p.link_length_m * p.link_length_m;
@@ -172,22 +171,12 @@ class Hopper {
     const bool at_rest = value_of(v_) == V(0);
     const bool up = at_rest ? value_of(acceleration) > V(0) : value_of(v_) > V(0);
     if (e_.any()) {
-      const T middle = v_ + (acceleration - delta * v_) * (V(0.5) * h);
-      const T zero = T(V(0));
-      const bool turns = up ? value_of(middle) < V(0) : value_of(middle) > V(0);
-      const T& velocity = turns ? zero : middle;
-      if (dry_) {
-        const T at_zero = up ? velocity : T(-velocity);
-        const T size = dry_friction(e_, up, at_rest ? zero : at_zero);
-        const T push = size * inverse_mass_;
-        if (at_rest && value_of(push) >= (up ? value_of(acceleration) : -value_of(acceleration))) {
-          elapsed_ += h;  // dry friction holds the body
-          return true;
-        }
-        acceleration = up ? T(acceleration - push) : T(acceleration + push);
+      const Resisted<T> r = resisted(e_, up, at_rest, v_, acceleration, delta, inverse_mass_, h);
+      if (r.held) {
+        elapsed_ += h;
+        return true;
       }
-      if (e_.has(Effect::quadratic_drag))
-        acceleration += quadratic_drag(e_.value(Effect::quadratic_drag), velocity) * inverse_mass_;
+      acceleration = r.acceleration;
     }
 
     if (!stance_ && !up && value_of(z_) <= value_of(touchdown_height_)) {
@@ -261,7 +250,6 @@ class Hopper {
   HopperLinearParameters<T> p_;
   Effects<T> e_;
   T stiffness_, restitution_touchdown_, inverse_mass_, kappa_stance_, delta_stance_, delta_flight_;
-  bool dry_;
   T touchdown_height_{}, leg_reach_squared_{}, constant_force_{}, leg_force_at_zero_{}, leg_damping_{};
 
   T z_{}, v_{};

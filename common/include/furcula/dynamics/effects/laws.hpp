@@ -44,4 +44,36 @@ T quadratic_drag(const T& drag, const T& velocity) {
   return value_of(velocity) > 0 ? -(drag * velocity * velocity) : drag * velocity * velocity;
 }
 
+/// All that opposes the motion on the guide or axis, as a force: dry friction against the direction `up` and
+/// drag. At rest
+/// (`velocity` zero) it is what friction can hold against a motion that would begin in that direction.
+template <class T>
+T resistance(const Effects<T>& e, bool up, const T& velocity) {
+  const T size = dry_friction(e, up, up ? velocity : T(-velocity));
+  T force = up ? T(-size) : size;
+  if (e.has(Effect::quadratic_drag)) force += quadratic_drag(e.value(Effect::quadratic_drag), velocity);
+  return force;
+}
+
+/// The mean acceleration over a step, by the resistance at its predicted midpoint, or the word that friction
+/// holds.
+template <class T>
+struct Resisted {
+  T acceleration;  ///< without viscous damping, which the flow takes exactly
+  bool held;
+};
+template <class T>
+Resisted<T> resisted(const Effects<T>& e, bool up, bool at_rest, const T& velocity, const T& acceleration,
+                     const T& delta, const T& inverse_mass, ValueOf<T> step) {
+  using V = ValueOf<T>;
+  const T zero = T(V(0));
+  const T at_start = resistance(e, up, at_rest ? zero : velocity) * inverse_mass;
+  if (at_rest &&
+      (up ? value_of(acceleration) <= -value_of(at_start) : value_of(acceleration) >= -value_of(at_start)))
+    return {zero, has_dry_friction(e)};
+  const T middle = velocity + (acceleration + at_start - delta * velocity) * (V(0.5) * step);
+  const bool turns = up ? value_of(middle) < V(0) : value_of(middle) > V(0);
+  return {acceleration + resistance(e, up, turns ? zero : middle) * inverse_mass, false};
+}
+
 }  // namespace furcula::dynamics
