@@ -140,8 +140,8 @@ class Reader {
     if (faults == nullptr)
       fail(name_, node.source(), "fault is " + log::value_text(node) + "; expected sections [[fault]]");
     static constexpr std::array<std::string_view, 3> kKeys{"time_s", "kind", "duration_s"};
-    std::vector<std::string_view> kinds;
-    for (const auto& f : sim_host::kRigFaults) kinds.push_back(f.name);
+    std::array<std::string_view, sim_host::kRigFaults.size()> kinds;
+    for (std::size_t i = 0; i < kinds.size(); ++i) kinds[i] = sim_host::kRigFaults[i].name;
     for (const toml::node& item : *faults) {
       const toml::table& t = log::table(item, name_, "[[fault]]");
       log::refuse_unknown_keys(t, name_, "[[fault]]", kKeys);

@@ -2,9 +2,10 @@
 #include <signal.h>
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <catch2/catch.hpp>
 #include <chrono>
-#include <cstring>
 #include <fstream>
 #include <map>
 #include <sstream>
@@ -40,6 +41,9 @@ link_length_m = 0.15
 touchdown_angle_rad = 0.3490658503988659
 gravity_mps2 = 9.81
 )";
+
+/// As they are in memory: 0 and -0 differ, and a NaN equals itself.
+auto bits(const pil::Outputs& outputs) { return std::bit_cast<std::array<std::uint32_t, 9>>(outputs); }
 
 struct Run {
   std::size_t ticks = 0;
@@ -79,7 +83,7 @@ Run run_in_lock_step(const std::string& scenario_text, std::uint64_t seed, std::
     if (reset) rig.request_reset();
     host.tick();
     const pil::Outputs here = pil::outputs_of(rig.telemetry());
-    if (std::memcmp(&here, &there.outputs, sizeof(here)) != 0 && run.differing_ticks++ == 0)
+    if (bits(here) != bits(there.outputs) && run.differing_ticks++ == 0)
       run.first_difference = "tick " + std::to_string(run.ticks) + ": torque here " +
                              std::to_string(here.command.torque_nm) + ", there " +
                              std::to_string(there.outputs.command.torque_nm);

@@ -11,10 +11,10 @@
 
 #include <cerrno>
 #include <cstdlib>
-#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
+#include <system_error>
 
 namespace furcula::pil {
 namespace {
@@ -22,6 +22,8 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 [[noreturn]] void fail(const std::string& what) { throw LinkError("emulated board: " + what); }
+
+std::string last_error() { return std::generic_category().message(errno); }
 
 std::string how_it_ended(int status) {
   if (WIFEXITED(status)) return "ended with status " + std::to_string(WEXITSTATUS(status));
@@ -36,7 +38,8 @@ constexpr std::chrono::milliseconds kSlice{50};
 
 std::string why_not_here() {
   bool found = false;
-  std::istringstream path(std::getenv("PATH") == nullptr ? "" : std::getenv("PATH"));
+  const char* const folders = std::getenv("PATH");  // NOLINT(concurrency-mt-unsafe): one thread
+  std::istringstream path(folders == nullptr ? "" : folders);
   for (std::string folder; std::getline(path, folder, ':');)
     found = found || ::access((folder + "/qemu-system-arm").c_str(), X_OK) == 0;
   if (!found) return "qemu-system-arm is not installed (scripts/setup installs it)";
@@ -62,15 +65,14 @@ Qemu::~Qemu() { clean_up(); }
 
 void Qemu::start(const std::string& image) {
   std::string pattern = (std::filesystem::temp_directory_path() / "furcula-pil-XXXXXX").string();
-  if (::mkdtemp(pattern.data()) == nullptr)
-    fail(std::string("no temporary directory: ") + std::strerror(errno));
+  if (::mkdtemp(pattern.data()) == nullptr) fail("no temporary directory: " + last_error());
   directory_ = pattern;
   const auto open_pipe = [this](const char* name) {
     const std::string path = directory_ + "/" + name;
     // Read and write: opening does not wait for the other end.
     const int fd =
         ::mkfifo(path.c_str(), 0600) == 0 ? ::open(path.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC) : -1;
-    if (fd < 0) fail("cannot make the pipe " + path + ": " + std::strerror(errno));
+    if (fd < 0) fail("cannot make the pipe " + path + ": " + last_error());
     return fd;
   };
   to_board_ = open_pipe(kToBoard);
@@ -79,7 +81,7 @@ void Qemu::start(const std::string& image) {
   const std::string kernel = std::filesystem::absolute(image).string();
   const pid_t parent = ::getpid();
   child_ = ::fork();
-  if (child_ < 0) fail(std::string("cannot fork: ") + std::strerror(errno));
+  if (child_ < 0) fail("cannot fork: " + last_error());
   if (child_ == 0) {
     ::prctl(PR_SET_PDEATHSIG, SIGKILL);
     if (::getppid() != parent || ::chdir(directory_.c_str()) != 0) ::_exit(127);
@@ -123,7 +125,7 @@ Farewell Qemu::finish() {
 void Qemu::send(const void* data, std::size_t size) {
   // Smaller than PIPE_BUF: written whole or not at all. The board reads each before the next is sent.
   if (::write(to_board_, data, size) != static_cast<ssize_t>(size))
-    fail("cannot write to the pipe at tick " + std::to_string(ticks_) + ": " + std::strerror(errno));
+    fail("cannot write to the pipe at tick " + std::to_string(ticks_) + ": " + last_error());
 }
 
 void Qemu::receive(void* data, std::size_t size) {
