@@ -30,9 +30,8 @@ VerdictWords words(Verdict v) {
     case Verdict::adequate:
       return {"Adequate", Tone::good, "The model describes these recordings as well as their noise allows."};
     case Verdict::explained:
-      return {
-          "Explained", Tone::good,
-          "What the model got wrong has a cause with a name, and with it little more than noise remains."};
+      return {"Explained", Tone::good,
+              "What the model got wrong has a cause with a name, and with it little remains."};
     case Verdict::partly_explained:
       return {"Partly explained", Tone::notice,
               "A named cause explains a part of the error; what remains still has structure."};

@@ -14,7 +14,7 @@ namespace furcula::report {
 namespace {
 
 constexpr double kWidth = 460.0, kHeight = 300.0;
-constexpr double kLeft = 62.0, kRight = 8.0, kTop = 8.0, kBottom = 52.0;
+constexpr double kLeft = 62.0, kRight = 16.0, kTop = 8.0, kBottom = 52.0;
 
 /// Over velocity a law may jump at zero, so it is drawn finely. Over position it is two-valued, and over time
 /// it swings with every stroke: there law and samples are averaged alike, over time widely, to show what
@@ -81,7 +81,7 @@ std::string tick_label(double value, double step) {
 
 std::string frame(const Axes& axes, const std::string& x_title, const std::string& y_title) {
   std::string grid, labels;
-  const double x_step = tick_step(axes.x.width(), 6.0), y_step = tick_step(axes.y.width(), 5.0);
+  const double x_step = tick_step(axes.x.width(), 6.0), y_step = tick_step(axes.y.width(), 6.5);
   for (double v = std::ceil(axes.x.low / x_step) * x_step; v <= axes.x.high; v += x_step) {
     grid += format("M%.1f %.1f", axes.px(v), kTop) + format("V%.1f", kHeight - kBottom, 0.0);
     labels += "<text text-anchor=\"middle\" " +

@@ -9,7 +9,7 @@
     'as given': {color: '#8d99a5', strokeWidth: 1.5, strokePattern: [5, 4]},
     're-fitted': {color: '#d55e00', strokeWidth: 1.5},
     'extended': {color: '#0072b2', strokeWidth: 1.7},
-    'simulated': {color: '#0072b2', strokeWidth: 1.7}
+    'identified': {color: '#0072b2', strokeWidth: 1.7}
   };
   // Errors are small: shown in thousandths of the channel's unit.
   var THOUSANDTH = {'m': 'mm', 'm/s': 'mm/s', 'rad': 'mrad', 'rad/s': 'mrad/s'};

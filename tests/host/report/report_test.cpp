@@ -275,7 +275,7 @@ TEST_CASE("a cloud of a hundred thousand samples is thinned, and the law jumps a
     points.emplace_back(x, y);
     i = next == std::string::npos ? law.size() : next;
   }
-  const double middle = 0.5 * (62.0 + 460.0 - 8.0);
+  const double middle = 0.5 * (62.0 + 460.0 - 16.0);
   for (const auto& [x, y] : points)
     CHECK(y == Approx(x < middle - 0.5   ? points.front().second
                       : x > middle + 0.5 ? points.back().second
