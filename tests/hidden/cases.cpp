@@ -119,6 +119,8 @@ void draw_hopper(Case& c, std::optional<Effect> effect, Random& random) {
   sensors.velocity_column = random.chance(0.7);
   sensors.dropped_fraction = random.chance(0.3) ? random.uniform(1e-3, 1e-2) : 0.0;
 
+  c.resolution = sensors.quantum_m;
+
   constexpr int kTraining = 6, kHeldOut = 2;
   constexpr int kFewestHops = 6, kAttempts = 12;
   constexpr double kStrongest_nm = 3.0;
@@ -188,6 +190,7 @@ void draw_axis(Case& c, std::optional<Effect> effect, Random& random) {
     c.model.free = {{0, around(mass, 0.7, 1.3)}, {1, around(damping, 0.0, 5.0)}};
     sensors.quantum = random.log_uniform(1e-6, 1e-5);
   }
+  c.resolution = sensors.quantum;
   sensors.noise = sensors.quantum * random.uniform(0.2, 0.6);
   sensors.velocity_column = random.chance(0.5);
   sensors.dropped_fraction = random.chance(0.3) ? random.uniform(1e-3, 1e-2) : 0.0;

@@ -25,6 +25,7 @@ struct Case {
   model::Model model;    ///< nominal; some of its parameters free
   bool weighed = false;  ///< hopper: the mass is known and held
   bool ground_pulled = false;
+  double resolution = 0.0;     ///< one count of the position sensor, m or rad
   double typical_input = 0.0;  ///< axes: RMS of the command without the effect, N or N m
   double top_speed = 0.0;      ///< axes: 95 % of the samples are slower, m/s or rad/s
   std::vector<log::Log> training, held_out;

@@ -6,6 +6,13 @@
 // - torque_gain_error g on a hopper whose mass and damping are free is stiffness_error k/g: dividing the
 //   equation of motion by g leaves the commanded torque with gain one and mass, stiffness and both dampings
 //   divided by g. With the mass known (Case::weighed) the two differ by what a scale would read.
+//
+// What no data of these rigs decide: Stribeck friction with a small (Fs - Fc) on the hopper. It passes
+// standstill twice a hop, at apex and at the deepest point, for some 20 ms each, and the excess pulls one way
+// before and the other way after. The best Coulomb friction, with mass and dampings re-fitted, then predicts
+// whole strides to about 0.04 mm (computed with this folder's machine from true states): less than half a
+// count of the encoder. Coulomb friction, the law's simpler case, is then the right name. Where it leaves
+// more than a count, it is not.
 #include "tests/hidden/judge.hpp"
 
 #include <algorithm>
@@ -58,11 +65,17 @@ ParameterError compare(Kind kind, Effect effect, std::size_t index, double expec
   return e;
 }
 
-// The sum of squared errors of position that a model makes over the true trajectories, started anew from the
+struct TrueError {
+  double squares = 0.0;
+  std::size_t samples = 0;
+  double rms() const { return std::sqrt(squares / static_cast<double>(samples)); }
+};
+
+// The errors of position that a model makes over the true trajectories, started anew from the
 // true state at each apex (hopper) or every half second.
-double squared_error(const Truth& believed, const std::vector<Trajectory>& trajectories) {
+TrueError true_error(const Truth& believed, const std::vector<Trajectory>& trajectories) {
   constexpr double kWindow_s = 0.5;
-  double sum = 0.0;
+  TrueError sum;
   for (const Trajectory& t : trajectories) {
     std::optional<Machine> m;
     double begun_s = 0.0;
@@ -76,20 +89,22 @@ double squared_error(const Truth& believed, const std::vector<Trajectory>& traje
       } else if (m) {
         m->advance(m->time_s() + (t.time_s[i] - t.time_s[i - 1]), t.command[i - 1], 100e-6);
         const double error = m->position() - t.position[i];
-        sum += error * error;
+        sum.squares += error * error;
+        ++sum.samples;
       }
     }
   }
   return sum;
 }
 
-double removed_truly(const Case& c, const diagnose::Diagnosis& d) {
+void judge_predictions(Judgement& j, const Case& c, const diagnose::Diagnosis& d) {
+  j.removed_truly = j.remaining_rms = std::nan("");
   Truth refitted{c.kind, {}, std::nullopt}, extended{c.kind, d.extended_model.parameters, std::nullopt};
   for (const auto& row : d.parameters) refitted.parameters.push_back(row.refitted.value);
   const auto& effects = d.extended_model.effects;
   if (refitted.parameters.size() != c.model.parameters.size() ||
       extended.parameters.size() != c.model.parameters.size())
-    return std::nan("");
+    return;
   if (effects.size() == 1) {
     extended.planted = Planted{effects.begin()->first, effects.begin()->second};
   } else if (effects.size() == 2 && effects.contains(Effect::coulomb_friction) &&
@@ -98,9 +113,11 @@ double removed_truly(const Case& c, const diagnose::Diagnosis& d) {
                  offset = effects.at(Effect::force_offset)[0];
     extended.planted = Planted{Effect::asymmetric_friction, {friction - offset, friction + offset}};
   } else if (!effects.empty()) {
-    return std::nan("");
+    return;
   }
-  return 1.0 - squared_error(extended, c.held_out_truth) / squared_error(refitted, c.held_out_truth);
+  const TrueError after = true_error(extended, c.held_out_truth);
+  j.remaining_rms = after.rms();
+  j.removed_truly = 1.0 - after.squares / true_error(refitted, c.held_out_truth).squares;
 }
 
 std::string line(const diagnose::Diagnosis& d, double removed) {
@@ -143,8 +160,9 @@ Judgement judge(const Case& c, const diagnose::Diagnosis& d) {
     return channel == errors.end() ? std::nan("") : channel->second.nmse;
   };
   j.removed = (nmse(d.refitted) - nmse(d.extended)) / (nmse(d.refitted) - nmse(d.noise_floor));
-  j.removed_truly = removed_truly(c, d);
-  j.said = line(d, j.removed) + format(", truly %.3f", j.removed_truly);
+  judge_predictions(j, c, d);
+  j.said = line(d, j.removed) + format(", truly %.3f", j.removed_truly) +
+           format(", true rms left %.2g", j.remaining_rms) + format(" (resolution %.2g)", c.resolution);
   if (d.findings.empty()) return j;
   const Finding& first = d.findings.front();
   if (!c.truth.planted) {
@@ -190,7 +208,11 @@ Judgement judge(const Case& c, const diagnose::Diagnosis& d) {
   else if (d.verdict == diagnose::Verdict::not_identifiable &&
            (has_rival(first, effect_name(planted)) || find(d, planted)))
     j.outcome = Outcome::not_separated;
-  else
+  else if (planted == Effect::stribeck_friction && first.effect == Effect::coulomb_friction &&
+           d.findings.size() == 1 && j.removed_truly >= 0.9 && j.remaining_rms < c.resolution) {
+    j.outcome = Outcome::simpler_law;
+    j.extra.clear();
+  } else
     j.outcome = Outcome::wrong_name;
   return j;
 }
@@ -203,6 +225,8 @@ std::string_view name(Outcome outcome) {
       return "nothing named";
     case Outcome::not_separated:
       return "not separated";
+    case Outcome::simpler_law:
+      return "simpler law";
     case Outcome::wrong_name:
       return "wrong name";
   }

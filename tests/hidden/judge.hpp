@@ -13,6 +13,8 @@ enum class Outcome {
   named,          ///< the planted effect stands first, or the same law under its other name does
   nothing_named,  ///< no finding, and the verdict is adequate, unexplained or not_identifiable
   not_separated,  ///< the verdict is not_identifiable, and the planted effect is among the named causes
+  simpler_law,    ///< the planted law's simpler case stands alone, and what it leaves is below the sensor's
+                  ///< resolution (judge.cpp)
   wrong_name,     ///< another law stands first; in a clean case: any finding
 };
 
@@ -37,7 +39,8 @@ struct Judgement {
   /// in the held-out experiments, from true states, without a sensor's error. NaN if more than one law was
   /// added.
   double removed_truly = 0.0;
-  std::string said;  ///< one line: verdict, findings with values, rivals, errors
+  double remaining_rms = 0.0;  ///< of the extended model in that calculation, m or rad
+  std::string said;            ///< one line: verdict, findings with values, rivals, errors
 };
 
 /// The diagnosis of a case: it gets the model and the recordings, and nothing else.

@@ -31,7 +31,7 @@ struct Arguments {
 };
 
 struct Row {
-  int cases = 0, named = 0, not_separated = 0, nothing = 0, wrong = 0, extra = 0, failed = 0;
+  int cases = 0, named = 0, simpler = 0, not_separated = 0, nothing = 0, wrong = 0, extra = 0, failed = 0;
   std::vector<double> errors, removed, seconds;
   int parameters = 0, covered = 0;
 };
@@ -116,10 +116,10 @@ bool as_it_should_be(const Case& c, const Judgement& j, const diagnose::Diagnosi
 }
 
 void print(const std::string& label, const Row& r) {
-  std::printf("%-52s %5d %6d %9d %8d %6d %6d %7.1f %7.1f %5d/%-4d %8.3f %7.1f %7.1f %7d\n", label.c_str(),
-              r.cases, r.named, r.not_separated, r.nothing, r.wrong, r.extra, 100 * quantile(r.errors, 0.5),
-              100 * quantile(r.errors, 0.9), r.covered, r.parameters, quantile(r.removed, 0.5),
-              quantile(r.seconds, 0.5), quantile(r.seconds, 1.0), r.failed);
+  std::printf("%-46s %5d %5d %7d %8d %8d %6d %6d %7.1f %7.1f %5d/%-4d %8.3f %7.1f %7.1f %7d\n", label.c_str(),
+              r.cases, r.named, r.simpler, r.not_separated, r.nothing, r.wrong, r.extra,
+              100 * quantile(r.errors, 0.5), 100 * quantile(r.errors, 0.9), r.covered, r.parameters,
+              quantile(r.removed, 0.5), quantile(r.seconds, 0.5), quantile(r.seconds, 1.0), r.failed);
 }
 
 int run(const Arguments& a) {
@@ -147,6 +147,7 @@ int run(const Arguments& a) {
       ++r->cases;
       r->named += j.outcome == Outcome::named;
       r->not_separated += j.outcome == Outcome::not_separated;
+      r->simpler += j.outcome == Outcome::simpler_law;
       r->nothing += j.outcome == Outcome::nothing_named;
       r->wrong += j.outcome == Outcome::wrong_name;
       r->extra += !j.extra.empty();
@@ -160,7 +161,7 @@ int run(const Arguments& a) {
       r->seconds.push_back(seconds);
     }
   }
-  std::printf("\n%-52s %5s %6s %9s %8s %6s %6s %7s %7s %10s %8s %7s %7s %7s\n", "", "cases", "named",
+  std::printf("\n%-46s %5s %5s %7s %8s %8s %6s %6s %7s %7s %10s %8s %7s %7s %7s\n", "", "cases", "named",
               "not sep.", "nothing", "wrong", "extra", "err50 %", "err90 %", "in int.", "removed", "s med",
               "s max", "failed");
   for (const auto& [label, row] : rows) print(label, row);
