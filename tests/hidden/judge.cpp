@@ -203,17 +203,20 @@ Judgement judge(const Case& c, const diagnose::Diagnosis& d) {
   for (const Finding& f : d.findings)
     if (std::find(law.begin(), law.end(), f.effect) == law.end()) j.extra.emplace_back(effect_name(f.effect));
 
-  if (!law.empty())
+  const bool below_resolution =
+      d.findings.size() == 1 && j.removed_truly >= 0.9 && j.remaining_rms < c.resolution;
+  if (!law.empty()) {
     j.outcome = Outcome::named;
-  else if (d.verdict == diagnose::Verdict::not_identifiable &&
-           (has_rival(first, effect_name(planted)) || find(d, planted)))
+  } else if (d.verdict == diagnose::Verdict::not_identifiable &&
+             (has_rival(first, effect_name(planted)) || find(d, planted))) {
     j.outcome = Outcome::not_separated;
-  else if (planted == Effect::stribeck_friction && first.effect == Effect::coulomb_friction &&
-           d.findings.size() == 1 && j.removed_truly >= 0.9 && j.remaining_rms < c.resolution) {
+  } else if (planted == Effect::stribeck_friction && first.effect == Effect::coulomb_friction &&
+             below_resolution) {
     j.outcome = Outcome::simpler_law;
     j.extra.clear();
-  } else
+  } else {
     j.outcome = Outcome::wrong_name;
+  }
   return j;
 }
 

@@ -162,8 +162,8 @@ int run(const Arguments& a) {
     }
   }
   std::printf("\n%-46s %5s %5s %7s %8s %8s %6s %6s %7s %7s %10s %8s %7s %7s %7s\n", "", "cases", "named",
-              "not sep.", "nothing", "wrong", "extra", "err50 %", "err90 %", "in int.", "removed", "s med",
-              "s max", "failed");
+              "simpler", "not sep.", "nothing", "wrong", "extra", "err50 %", "err90 %", "in int.", "removed",
+              "s med", "s max", "failed");
   for (const auto& [label, row] : rows) print(label, row);
   print("all with an effect", all);
   print("all clean (wrong = false alarm)", clean);
