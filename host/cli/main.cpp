@@ -28,18 +28,10 @@ void run(int argc, char** argv) {
   CLI::App app("Finds what a simulation gets wrong about a legged robot, and why.", "furcula");
   app.set_version_flag("--version", "furcula " FURCULA_VERSION);
   app.require_subcommand(1);
-#ifdef FURCULA_WITH_SIM
   furcula::cli::add_sim_command(app);
-#endif
-#ifdef FURCULA_WITH_IDENTIFY
   furcula::cli::add_identify_command(app);
-#endif
-#ifdef FURCULA_WITH_DIAGNOSE
   furcula::cli::add_diagnose_command(app);
-#endif
-#ifdef FURCULA_WITH_DEMO
   furcula::cli::add_demo_command(app);
-#endif
   furcula::cli::add_effects_command(app);
   furcula::cli::add_check_command(app);
   try {

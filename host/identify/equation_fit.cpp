@@ -13,10 +13,14 @@ namespace {
 
 using Jet = ceres::Jet<double, 12>;
 
-double spread(const std::vector<double>& values, const Window& w) {
+/// What a channel's errors are measured by: its spread over the window on the hopper (002 eq. 4.4), over the recording on an
+/// axis, which may rest through a window.
+double spread(const std::vector<double>& values, const Recording& r, const Window& w) {
+  const bool hopper = r.kind == dynamics::Kind::hopper_linear;
+  const std::size_t first = hopper ? w.first : 0, last = hopper ? w.last : r.rows() - 1;
   double mean = 0.0, squares = 0.0;
-  for (std::size_t i = w.first; i <= w.last; ++i) mean += values[i] / static_cast<double>(w.rows());
-  for (std::size_t i = w.first; i <= w.last; ++i) squares += (values[i] - mean) * (values[i] - mean);
+  for (std::size_t i = first; i <= last; ++i) mean += values[i] / static_cast<double>(last - first + 1);
+  for (std::size_t i = first; i <= last; ++i) squares += (values[i] - mean) * (values[i] - mean);
   return std::max(std::sqrt(squares), 1e-12);
 }
 
@@ -29,8 +33,8 @@ class StepCost final : public ceres::CostFunction {
         unknowns_(unknowns),
         recording_(recording),
         window_(window),
-        position_weight_(1.0 / spread(recording.position, window)),
-        velocity_weight_(1.0 / spread(recording.velocity_smoothed, window)) {
+        position_weight_(1.0 / spread(recording.position, recording, window)),
+        velocity_weight_(1.0 / spread(recording.velocity_smoothed, recording, window)) {
     set_num_residuals(2 * static_cast<int>(window.rows() - 1));
     mutable_parameter_block_sizes()->push_back(static_cast<int>(unknowns.size()));
   }

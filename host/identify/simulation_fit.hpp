@@ -45,7 +45,7 @@ Fit fit_by_simulation(const model::Model& model, const std::vector<Unknown>& unk
 std::vector<bool> at_bounds(const std::vector<double>& values, const std::vector<Unknown>& unknowns);
 
 /// Covariance from the shares of a fit; entries of unknowns at a bound are zero.
-Eigen::MatrixXd sandwich_covariance(const std::vector<WindowShare>& shares,
-                                    const std::vector<bool>& at_bound);
+Eigen::MatrixXd sandwich_covariance(const std::vector<WindowShare>& shares, const std::vector<bool>& at_bound,
+                                    std::size_t layers = 1);
 
 }  // namespace furcula::identify

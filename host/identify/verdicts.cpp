@@ -7,8 +7,8 @@ namespace furcula::identify {
 namespace {
 
 /// Above this correlation of two estimates only a combination of them is known: one of them fixed, the
-/// other's interval would shrink five-fold.
-constexpr double kCorrelated = 0.98;
+/// other's interval would shrink more than three-fold.
+constexpr double kCorrelated = 0.95;
 constexpr double kNotExcited = 1.0;  ///< half width of the interval over the value
 
 }  // namespace

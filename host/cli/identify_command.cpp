@@ -1,0 +1,69 @@
+// `furcula identify`: logs and a model in; parameters with intervals, the identified model and the report
+// out.
+#include <cstdio>
+#include <memory>
+#include <string>
+
+#include "host/cli/commands.hpp"
+#include "host/cli/progress.hpp"
+#include "host/cli/recordings.hpp"
+#include "host/identify/identification.hpp"
+#include "host/log/atomic_file.hpp"
+#include "host/model/writer.hpp"
+#include "host/report/identification_json.hpp"
+#include "host/report/identification_report.hpp"
+
+namespace furcula::cli {
+namespace {
+
+struct Options : RecordingOptions {
+  std::string method = "simulation";
+  std::size_t folds = 0;
+};
+
+void run(const Options& o) {
+  const Recordings r = read_recordings(o);
+  make_folder(o.out);
+  identify::Identification found;
+  {
+    Progress progress("identifying");
+    identify::IdentifyOptions options;
+    options.by_equation = o.method != "simulation";
+    options.by_simulation = o.method != "equation";
+    options.folds = o.folds;
+    options.window_s = o.window_s;
+    options.threads = o.thread_count();
+    options.progress = [&](double fraction, std::string_view doing) { progress.update(fraction, doing); };
+    found = identify::identify(r.model, r.training, r.held_out, options);
+  }
+  log::write_file_atomically(o.out + "/identification.json", report::to_json_text(found));
+  log::write_file_atomically(o.out + "/identified_model.toml",
+                             model::format_model(found.estimations.front().model));
+  log::write_file_atomically(o.out + "/report.html", report::render_identification_report(found));
+  for (const auto& e : found.estimations) {
+    std::printf("%s error, %zu windows, %zu folds\n", std::string(identify::name(e.method)).c_str(),
+                found.windows, found.folds);
+    for (const auto& p : e.parameters)
+      std::printf("  %-24s %12.6g %-8s 95 %% %.6g to %.6g  %s%s\n", p.name.c_str(), p.value, p.unit.c_str(),
+                  p.lower, p.upper, p.verdict.c_str(), p.with.empty() ? "" : (" (" + p.with + ")").c_str());
+  }
+  std::printf("report: %s/report.html\n", o.out.c_str());
+}
+
+}  // namespace
+
+void add_identify_command(CLI::App& app) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("identify", "Estimate a model's free parameters from measured logs");
+  options->add_to(*command);
+  command->add_option("--method", options->method, "equation, simulation or both")
+      ->check(CLI::IsMember({"equation", "simulation", "both"}))
+      ->capture_default_str();
+  command
+      ->add_option("--folds", options->folds,
+                   "Folds of the cross-validation; without it ten, or one a log if fewer")
+      ->check(CLI::Range(std::size_t{2}, std::size_t{1000}));
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace furcula::cli
