@@ -70,8 +70,11 @@ void run(const DemoOptions& options) {
   recordings.threads = options.threads;
   model::write_model(mystery.model, recordings.model);
   for (const log::Log& log : mystery.logs) {
-    recordings.logs.push_back(options.out + "/" + log.metadata.at("experiment") + ".csv");
-    log::write_log(log, recordings.logs.back());
+    const std::string path = options.out + "/" + log.metadata.at("experiment") + ".csv";
+    log::write_log(log, path);
+    // The last two are driven like the ones before them: fit to judge by.
+    const bool last_two = recordings.logs.size() + 2 >= mystery.logs.size();
+    (last_two ? recordings.held_out : recordings.logs).push_back(path);
   }
   std::cout << "A virtual hopper with one hidden cause, drawn from seed " << seed
             << ", has hopped: " << mystery.logs.size() << " logs and the model without the cause are in "

@@ -1,0 +1,68 @@
+// The virtual hopper with one hidden cause, see host/sim/mystery.hpp.
+#include "host/sim/mystery.hpp"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <set>
+
+using namespace furcula;
+
+TEST_CASE("a drawn machine is its model with other dampings and exactly one effect") {
+  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+    CAPTURE(seed);
+    const sim::Mystery m = sim::draw_mystery(seed);
+    CHECK(m.model.effects.empty());
+    REQUIRE(m.truth.effects.size() == 1);
+    CHECK(m.truth.effects.begin()->first == m.cause);
+    for (std::size_t i = 0; i < m.model.parameters.size(); ++i) {
+      const bool free = m.model.free.contains(i);
+      CHECK((m.truth.parameters[i] == m.model.parameters[i]) == !free);
+      if (free) {
+        CHECK(m.truth.parameters[i] > m.model.free.at(i).lower);
+        CHECK(m.truth.parameters[i] < m.model.free.at(i).upper);
+      }
+    }
+  }
+}
+
+TEST_CASE("every effect that a hopper can have is drawn") {
+  std::set<dynamics::Effect> drawn;
+  for (std::uint64_t seed = 1; seed <= 80; ++seed) drawn.insert(sim::draw_mystery(seed).cause);
+  for (const auto& e : dynamics::kCatalogue) {
+    CAPTURE(e.name);
+    CHECK(drawn.contains(e.effect) == dynamics::applies(e.effect, dynamics::Kind::hopper_linear));
+  }
+}
+
+TEST_CASE("a drawn machine keeps hopping, and its height is an encoder's") {
+  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+    const sim::Mystery m = sim::draw_mystery(seed);
+    REQUIRE(m.logs.size() == 8);
+    // The first two are a drop without torque and one with little of it.
+    for (std::size_t i = 2; i < m.logs.size(); ++i) {
+      CAPTURE(seed, i);
+      const auto& height = m.logs[i].at("height_m");
+      const auto& time = m.logs[i].time_s();
+      int apexes = 0;
+      double last_fall_s = 0.0;
+      for (std::size_t row = 1; row < height.size(); ++row) {
+        if (height[row - 1] >= 0.285 && height[row] < 0.285 && time[row] - last_fall_s > 0.1) {
+          ++apexes;
+          last_fall_s = time[row];
+        }
+        // 2000 counts a turn on 0.18 m a turn.
+        const double counts = height[row] / 0.00009;
+        REQUIRE(std::abs(counts - std::round(counts)) < 1e-6);
+      }
+      CHECK(apexes >= 4);
+    }
+  }
+}
+
+TEST_CASE("the same seed draws the same machine and the same logs, another seed others") {
+  const sim::Mystery a = sim::draw_mystery(7), b = sim::draw_mystery(7), c = sim::draw_mystery(8);
+  CHECK(a.truth.parameters == b.truth.parameters);
+  CHECK(a.cause == b.cause);
+  for (std::size_t i = 0; i < a.logs.size(); ++i) CHECK(a.logs[i].columns == b.logs[i].columns);
+  CHECK(a.truth.parameters != c.truth.parameters);
+}
