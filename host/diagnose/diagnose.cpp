@@ -108,6 +108,7 @@ class Assembly {
   Diagnosis run() {
     const Trainer trainer{model_, training_, training_windows_, options_.threads, options_.progress};
     selection_ = trainer.select();
+    starts_ = identify::start_states(held_out_, held_out_windows_, selection_.refitted.fitted);
     describe_data();
     figures();
     findings();
@@ -149,7 +150,7 @@ class Assembly {
   }
 
   Errors on_held_out(const model::Model& m) const {
-    return identify::prediction_errors(m, held_out_, held_out_windows_);
+    return identify::prediction_errors(m, held_out_, held_out_windows_, starts_);
   }
   double nmse(const Errors& e) const { return e.at(d_.main_channel).nmse; }
 
@@ -157,7 +158,7 @@ class Assembly {
     d_.baseline = on_held_out(model_);
     d_.refitted = on_held_out(selection_.refitted.fitted);
     d_.extended = on_held_out(selection_.chosen.fitted);
-    d_.noise_floor = identify::noise_floor(selection_.chosen.fitted, held_out_, held_out_windows_);
+    d_.noise_floor = identify::noise_floor(selection_.chosen.fitted, held_out_, held_out_windows_, starts_);
     d_.extended_model = selection_.chosen.fitted;
   }
 
@@ -306,9 +307,9 @@ class Assembly {
       };
       t.time_s = slice(r.time_s);
       t.measured = slice(r.position);
-      t.as_given = identify::predict(model_, r, w).position;
-      t.refitted = identify::predict(selection_.refitted.fitted, r, w).position;
-      t.extended = identify::predict(selection_.chosen.fitted, r, w).position;
+      t.as_given = identify::predict(model_, r, w, starts_[i]).position;
+      t.refitted = identify::predict(selection_.refitted.fitted, r, w, starts_[i]).position;
+      t.extended = identify::predict(selection_.chosen.fitted, r, w, starts_[i]).position;
       d_.traces.push_back(std::move(t));
     }
     std::vector<Recording> all = training_;
@@ -322,6 +323,7 @@ class Assembly {
   std::vector<Recording> training_, held_out_;
   identify::TrainingWindows training_windows_;
   std::vector<Window> held_out_windows_;
+  std::vector<identify::StartState> starts_;  // of the held-out windows, the same for every model
   Selection selection_;
   Diagnosis d_;
   bool undecided_ = false;

@@ -16,9 +16,6 @@ constexpr std::size_t kMostEffects = 4;
 /// An effect that removes less than this share of what the re-fitted model leaves (measuring noise included)
 /// is not worth a name: differences of numerics between two honest simulators are of that size.
 constexpr double kSmallestGain = 0.04;
-/// A larger set must remove at least this share of what has been removed by the smaller one, or the smaller
-/// is kept.
-constexpr double kSmallestRefinement = 0.05;
 /// Two sets whose evidence differs by less than this explain the data equally well (odds of about 20 to 1).
 constexpr double kEqualEvidence = 6.0;
 constexpr double kFalseAlarmLevel = 0.005;
@@ -106,6 +103,20 @@ std::vector<Effect> with(std::vector<Effect> effects, Effect more) {
 std::vector<Effect> without(std::vector<Effect> effects, Effect less) {
   effects.erase(std::remove(effects.begin(), effects.end(), less), effects.end());
   return effects;
+}
+
+/// True if `larger` with some values of its parameters is `smaller`: then it takes its place rather than
+/// stand beside it.
+bool contains(Effect larger, Effect smaller) {
+  return smaller == Effect::coulomb_friction &&
+         (larger == Effect::stribeck_friction || larger == Effect::asymmetric_friction);
+}
+
+/// The set with one effect more, less what that effect contains.
+std::vector<Effect> extended(std::vector<Effect> effects, Effect more) {
+  effects.erase(std::remove_if(effects.begin(), effects.end(), [&](Effect e) { return contains(more, e); }),
+                effects.end());
+  return with(std::move(effects), more);
 }
 
 std::size_t parameters_of(const std::vector<Effect>& effects) {
@@ -247,8 +258,9 @@ Selection Trainer::select() const {
         left.push_back(e);
     std::vector<Tried> trials(left.size());
     identify::parallel_for(left.size(), threads, [&](std::size_t i) {
-      tell(0.1 + 0.2 * static_cast<double>(round), names(with(s.chosen.effects, left[i])));
-      trials[i].hypothesis = fit(with(s.chosen.effects, left[i]), &s.chosen);
+      const std::vector<Effect> larger = extended(s.chosen.effects, left[i]);
+      tell(0.1 + 0.2 * static_cast<double>(round), names(larger));
+      trials[i].hypothesis = fit(larger, &s.chosen);
       trials[i].round = round;
       trials[i].against_smaller = compare(s.chosen, trials[i].hypothesis, left.size());
     });
@@ -263,14 +275,13 @@ Selection Trainer::select() const {
       for (const Tried& t : trials) {
         if (!t.against_smaller.significant || !meaningful(t.hypothesis)) continue;
         const double lost = t.hypothesis.fit.squares - best->hypothesis.fit.squares;
-        const double removed = s.chosen.fit.squares - best->hypothesis.fit.squares;
         const double evidence =
             rows * std::log(squares_of(t.hypothesis.fit) / squares_of(best->hypothesis.fit));
         const std::size_t size = parameters_of(t.hypothesis.effects),
                           now = parameters_of(simplest->hypothesis.effects);
-        const bool as_good = size < now ? evidence < kEqualEvidence || lost < kSmallestRefinement * removed ||
-                                              lost < kSmallestGain * best->hypothesis.fit.squares
-                                        : size == now && evidence < kEqualEvidence;
+        const bool as_good =
+            size < now ? evidence < kEqualEvidence || lost < kSmallestGain * best->hypothesis.fit.squares
+                       : size == now && evidence < kEqualEvidence;
         if (as_good && (size < now || (size == now && &t < simplest))) simplest = &t;
       }
       s.chosen = simplest->hypothesis;

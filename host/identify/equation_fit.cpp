@@ -13,8 +13,8 @@ namespace {
 
 using Jet = ceres::Jet<double, 12>;
 
-/// What a channel's errors are measured by: its spread over the window on the hopper (002 eq. 4.4), over the recording on an
-/// axis, which may rest through a window.
+/// What a channel's errors are measured by: its spread over the window on the hopper (002 eq. 4.4), over the
+/// recording on an axis, which may rest through a window.
 double spread(const std::vector<double>& values, const Recording& r, const Window& w) {
   const bool hopper = r.kind == dynamics::Kind::hopper_linear;
   const std::size_t first = hopper ? w.first : 0, last = hopper ? w.last : r.rows() - 1;

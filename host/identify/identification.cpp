@@ -74,7 +74,8 @@ class Work {
     for (const auto& r : held_out_) out.held_out_files.push_back(r.name), out.samples += r.rows();
     if (options_.by_simulation) out.estimations.push_back(estimate(Method::simulation));
     if (options_.by_equation) out.estimations.push_back(estimate(Method::equation));
-    if (!held_out_windows_.empty()) out.as_given = prediction_errors(model_, held_out_, held_out_windows_);
+    if (!held_out_windows_.empty())
+      out.as_given = prediction_errors(model_, held_out_, held_out_windows_, held_out_starts_);
     traces(out);
     return out;
   }
@@ -110,7 +111,7 @@ class Work {
     return fit_by_equation(model_, unknowns_, start, training_, inside);
   }
 
-  Estimation estimate(Method method) const {
+  Estimation estimate(Method method) {
     const auto tell = [&](double fraction, const std::string& what) {
       if (options_.progress) options_.progress(fraction, what);
     };
@@ -129,7 +130,8 @@ class Work {
       for (std::size_t i = 0; i < fit_windows_.windows.size(); ++i)
         (fold_of(i) == fold ? unseen : seen).push_back(fit_windows_.windows[i]);
       estimates[fold] = fit(method, whole.values, seen).values;
-      e.folds[fold] = prediction_errors(with_values(model_, unknowns_, estimates[fold]), training_, unseen);
+      e.folds[fold] = prediction_errors(with_values(model_, unknowns_, estimates[fold]), training_, unseen,
+                                        start_states(training_, unseen, e.model));
     });
     const auto verdicts = parameter_verdicts(whole, unknowns_);
     for (std::size_t i = 0; i < unknowns_.size(); ++i) {
@@ -151,7 +153,10 @@ class Work {
         d.folds.push_back(damped_frequency(with_values(model_, unknowns_, values)));
       e.derived.push_back(std::move(d));
     }
-    if (!held_out_windows_.empty()) e.held_out = prediction_errors(e.model, held_out_, held_out_windows_);
+    // The first estimate's start states serve all that are compared.
+    if (held_out_starts_.empty()) held_out_starts_ = start_states(held_out_, held_out_windows_, e.model);
+    if (!held_out_windows_.empty())
+      e.held_out = prediction_errors(e.model, held_out_, held_out_windows_, held_out_starts_);
     return e;
   }
 
@@ -163,14 +168,15 @@ class Work {
     for (std::size_t i = 0; i < windows.size(); i += step) {
       const Window& w = windows[i];
       const Recording& r = recordings[w.recording];
+      const StartState start = start_state(r, w, out.estimations.front().model);
       const auto begin = static_cast<std::ptrdiff_t>(w.first), end = static_cast<std::ptrdiff_t>(w.last) + 1;
       out.traces.push_back({r.name,
                             out.main_channel,
                             out.main_unit,
                             {r.time_s.begin() + begin, r.time_s.begin() + end},
                             {r.position.begin() + begin, r.position.begin() + end},
-                            predict(model_, r, w).position,
-                            predict(out.estimations.front().model, r, w).position});
+                            predict(model_, r, w, start).position,
+                            predict(out.estimations.front().model, r, w, start).position});
     }
   }
 
@@ -180,6 +186,7 @@ class Work {
   std::vector<Recording> training_, held_out_;
   TrainingWindows fit_windows_;
   std::vector<Window> held_out_windows_;
+  std::vector<StartState> held_out_starts_;
   std::size_t folds_ = 0;
 };
 

@@ -39,11 +39,12 @@ template <class Fill>
 Errors pool(const std::vector<Recording>& recordings, const std::vector<Window>& windows, const Fill& fill) {
   std::map<std::string, Sums> sums;
   std::vector<double> position, velocity;
-  for (const Window& w : windows) {
+  for (std::size_t k = 0; k < windows.size(); ++k) {
+    const Window& w = windows[k];
     const Recording& r = recordings[w.recording];
     position.assign(w.rows(), 0.0);
     velocity.assign(w.rows(), 0.0);
-    fill(r, w, position, velocity);
+    fill(k, position, velocity);
     const std::string channel = channel_names(r.kind).position;
     sums[channel].add(r.position, w.first, position, 0, w.rows() - 1);
     const bool hopper = r.kind == dynamics::Kind::hopper_linear;
@@ -62,9 +63,8 @@ Errors pool(const std::vector<Recording>& recordings, const std::vector<Window>&
 
 }  // namespace
 
-Run predict(const model::Model& model, const Recording& r, const Window& w) {
+Run predict(const model::Model& model, const Recording& r, const Window& w, const StartState& start) {
   const PlantSetup<double> setup(model, {}, nullptr);
-  const StartState start = start_state(r, w);
   Run run;
   run.position.reserve(w.rows());
   run.velocity.reserve(w.rows());
@@ -75,43 +75,36 @@ Run predict(const model::Model& model, const Recording& r, const Window& w) {
   return run;
 }
 
-Errors prediction_errors(const model::Model& model, const std::vector<Recording>& recordings,
-                         const std::vector<Window>& windows) {
-  return pool(
-      recordings, windows,
-      [&](const Recording& r, const Window& w, std::vector<double>& position, std::vector<double>& velocity) {
-        const Run run = predict(model, r, w);
-        for (std::size_t i = 0; i < w.rows(); ++i) {
-          position[i] = run.position[i] - r.position[w.first + i];
-          velocity[i] = run.velocity[i] - r.velocity[w.first + i];
-        }
-      });
-}
-
-std::vector<double> window_squares(const model::Model& model, const std::vector<Recording>& recordings,
-                                   const std::vector<Window>& windows) {
-  std::vector<double> all;
-  for (const Window& w : windows) {
-    const Recording& r = recordings[w.recording];
-    const Run run = predict(model, r, w);
-    double squares = 0.0;
-    for (std::size_t i = 0; i < w.rows(); ++i) {
-      const double error = (run.position[i] - r.position[w.first + i]) / std::max(r.position_noise, 1e-12);
-      squares += error * error;
-    }
-    all.push_back(squares);
-  }
+std::vector<StartState> start_states(const std::vector<Recording>& recordings,
+                                     const std::vector<Window>& windows, const model::Model& reference) {
+  std::vector<StartState> all;
+  for (const Window& w : windows) all.push_back(start_state(recordings[w.recording], w, reference));
   return all;
 }
 
+Errors prediction_errors(const model::Model& model, const std::vector<Recording>& recordings,
+                         const std::vector<Window>& windows, const std::vector<StartState>& starts) {
+  return pool(recordings, windows,
+              [&](std::size_t k, std::vector<double>& position, std::vector<double>& velocity) {
+                const Window& w = windows[k];
+                const Recording& r = recordings[w.recording];
+                const Run run = predict(model, r, w, starts[k]);
+                for (std::size_t i = 0; i < w.rows(); ++i) {
+                  position[i] = run.position[i] - r.position[w.first + i];
+                  velocity[i] = run.velocity[i] - r.velocity[w.first + i];
+                }
+              });
+}
+
 Errors noise_floor(const model::Model& model, const std::vector<Recording>& recordings,
-                   const std::vector<Window>& windows) {
+                   const std::vector<Window>& windows, const std::vector<StartState>& starts) {
   using Jet = ceres::Jet<double, 2>;
   const PlantSetup<Jet> setup(model, {}, nullptr);
   Errors floor = pool(
-      recordings, windows,
-      [&](const Recording& r, const Window& w, std::vector<double>& position, std::vector<double>& velocity) {
-        const StartState s = start_state(r, w);
+      recordings, windows, [&](std::size_t k, std::vector<double>& position, std::vector<double>& velocity) {
+        const Window& w = windows[k];
+        const Recording& r = recordings[w.recording];
+        const StartState& s = starts[k];
         const double noise = r.position_noise * r.position_noise;
         const auto spread = [&](const Jet& x) {
           return noise * (x.v[0] * x.v[0] * s.position_variance + 2.0 * x.v[0] * x.v[1] * s.covariance +

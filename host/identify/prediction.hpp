@@ -28,18 +28,19 @@ struct Run {
   std::vector<double> position;
   std::vector<double> velocity;
 };
-Run predict(const model::Model& model, const Recording& r, const Window& w);
+Run predict(const model::Model& model, const Recording& r, const Window& w, const StartState& start);
+
+/// The start states of all windows, for every model that is to be compared: by start_state() with this
+/// reference.
+std::vector<StartState> start_states(const std::vector<Recording>& recordings,
+                                     const std::vector<Window>& windows, const model::Model& reference);
 
 Errors prediction_errors(const model::Model& model, const std::vector<Recording>& recordings,
-                         const std::vector<Window>& windows);
-
-/// Sum of squared position errors of each window, over the noise's variance.
-std::vector<double> window_squares(const model::Model& model, const std::vector<Recording>& recordings,
-                                   const std::vector<Window>& windows);
+                         const std::vector<Window>& windows, const std::vector<StartState>& starts);
 
 /// The NMSE that a perfect model would have: measuring noise, and what the noise in the first 50 ms does to
 /// the start state and through it to the run (to first order). Only `nmse` and `rmse` are set.
 Errors noise_floor(const model::Model& model, const std::vector<Recording>& recordings,
-                   const std::vector<Window>& windows);
+                   const std::vector<Window>& windows, const std::vector<StartState>& starts);
 
 }  // namespace furcula::identify

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/identify/simulate.hpp"
+
 namespace furcula::identify {
 namespace {
 
@@ -151,24 +153,52 @@ TrainingWindows training_windows(const std::vector<Recording>& recordings, const
   return t;
 }
 
-StartState start_state(const Recording& r, const Window& w) {
-  const double length = r.time_s[w.last] - r.time_s[w.first];
-  const double span = std::min(kStart_s, 0.1 * length);
+namespace {
+
+/// The last row of the window's first 50 ms, or tenth; at least three rows.
+std::size_t start_rows_end(const Recording& r, const Window& w) {
+  const double span = std::min(kStart_s, 0.1 * (r.time_s[w.last] - r.time_s[w.first]));
   std::size_t last = w.first;
   while (last < w.last && r.time_s[last + 1] <= r.time_s[w.first] + span) ++last;
-  if (last < w.first + 2) last = std::min(w.last, w.first + 2);
-  // The lowest order that leaves no more than the measuring noise: more would let the noise into the start's
-  // velocity, less would bias it where the force changes within the stretch. An order wants three rows more
-  // than its terms.
-  const std::size_t rows = last - w.first + 1;
-  LocalPolynomial p =
-      local_polynomial(r.time_s, r.position, w.first, last, r.time_s[w.first], rows >= 5 ? 2 : 1);
-  constexpr double kNoMoreThanNoise = 1.5;
-  const double enough = kNoMoreThanNoise * r.position_noise * r.position_noise;
+  return std::max(last, std::min(w.last, w.first + 2));
+}
+
+/// The lowest order that leaves no more than the measuring noise: more would let the noise into the start's
+/// velocity, less would bias it where the force changes within the stretch. An order wants three rows more
+/// than its terms.
+LocalPolynomial start_polynomial(const std::vector<double>& time_s, const std::vector<double>& values,
+                                 std::size_t first, std::size_t last, double noise) {
+  const std::size_t rows = last - first + 1;
+  LocalPolynomial p = local_polynomial(time_s, values, first, last, time_s[first], rows >= 5 ? 2 : 1);
+  constexpr double kNoMoreThanNoise = 2.5;
+  const double enough = kNoMoreThanNoise * noise * noise;
   for (int order = 3;
        order <= 4 && rows >= static_cast<std::size_t>(order) + 4 && p.residual_variance > enough; ++order)
-    p = local_polynomial(r.time_s, r.position, w.first, last, r.time_s[w.first], order);
+    p = local_polynomial(time_s, values, first, last, time_s[first], order);
+  return p;
+}
+
+}  // namespace
+
+StartState start_state(const Recording& r, const Window& w) {
+  const LocalPolynomial p =
+      start_polynomial(r.time_s, r.position, w.first, start_rows_end(r, w), r.position_noise);
   return {p.value, p.slope, p.value_variance, p.slope_variance, p.covariance};
+}
+
+StartState start_state(const Recording& r, const Window& w, const model::Model& reference) {
+  const StartState first = start_state(r, w);
+  Window start = w;
+  start.last = start_rows_end(r, w);
+  std::vector<double> time_s, left;
+  simulate(PlantSetup<double>(reference, {}, nullptr), r, start, first.position, first.velocity,
+           [&](std::size_t row, double position, double) {
+             time_s.push_back(r.time_s[row]);
+             left.push_back(r.position[row] - position);
+           });
+  const LocalPolynomial p = start_polynomial(time_s, left, 0, left.size() - 1, r.position_noise);
+  return {first.position + p.value, first.velocity + p.slope, p.value_variance, p.slope_variance,
+          p.covariance};
 }
 
 }  // namespace furcula::identify

@@ -60,6 +60,13 @@ struct StartState {
   double position = 0.0, velocity = 0.0;
   double position_variance = 0.0, velocity_variance = 0.0, covariance = 0.0;
 };
+
+/// By a parabola through those positions.
 StartState start_state(const Recording& r, const Window& w);
+
+/// By a parabola through what those positions leave over a run of `reference` from the start above: a
+/// constant error of the reference's acceleration does no harm, and what the input does within the 50 ms is
+/// followed.
+StartState start_state(const Recording& r, const Window& w, const model::Model& reference);
 
 }  // namespace furcula::identify
