@@ -1,10 +1,9 @@
 // The tests' main: Catch2, and an exit status for "skipped" (77), which Catch2 2.13 does not have.
 #define CATCH_CONFIG_RUNNER
-#include "tests/skip.hpp"
-
+#include <catch2/catch.hpp>
 #include <cstdio>
 
-#include <catch2/catch.hpp>
+#include "tests/skip.hpp"
 
 namespace furcula::test {
 namespace {
