@@ -1,6 +1,7 @@
 #include "host/identify/simulation_fit.hpp"
 
 #include <ceres/ceres.h>
+#include <glog/logging.h>
 
 #include <algorithm>
 #include <cmath>
@@ -208,6 +209,8 @@ Fit fit_by_simulation(const model::Model& model, const std::vector<Unknown>& unk
                       const std::vector<double>& start, const std::vector<Recording>& recordings,
                       const std::vector<Window>& windows, Weighting weighting, std::size_t layers) {
   Fit fit;
+  // What the solver tells of rejected steps is no news to a user.
+  [[maybe_unused]] static const bool quiet = (FLAGS_minloglevel = google::GLOG_FATAL, true);
   fit.values = start;
   std::deque<WindowCost> costs;
   std::vector<double> starts(windows.size() * kStartSize);

@@ -1,0 +1,182 @@
+// The diagnosis: what it may see, what it must not depend on, and the command.
+#include "host/diagnose/diagnose.hpp"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <random>
+
+#include "host/diagnose/diagnosis_json.hpp"
+#include "host/log/error.hpp"
+#include "host/log/writer.hpp"
+#include "host/model/reader.hpp"
+#include "host/model/writer.hpp"
+#include "tests/host/cli/run_program.hpp"
+#include "tests/host/identify/synthetic.hpp"
+
+using namespace furcula;
+using diagnose::Verdict;
+
+namespace {
+
+/// An axis that coasts from one push to the next: with dry friction Fc and viscous friction d, between
+/// switches of the force, v' = (u - Fc sgn v - d v)/m in closed form, from stop to stop.
+log::Log coasting(double friction, double offset, unsigned seed) {
+  std::mt19937_64 random(seed);
+  std::normal_distribution<double> noise(0.0, 2e-5);
+  std::uniform_real_distribution<double> uniform(0.7, 1.3);
+  const double mass = 95.0, damping = 200.0, rate = damping / mass, h = 0.001;
+  double x = 0.0, v = 0.0;
+  log::Log log;
+  log.path = "coasting-" + std::to_string(seed) + ".csv";
+  log.rig = "motor_axis";
+  double u = 0.0, next = 0.0, sign = 1.0;
+  for (int n = 0; n < 6000; ++n) {
+    const double t = h * n;
+    if (t >= next) {
+      u = std::abs(u) > 0.0 ? 0.0 : sign * 80.0 * uniform(random);
+      if (u != 0.0) sign = -sign;
+      next = t + 0.35 * uniform(random);
+    }
+    log.columns["time_s"].push_back(t);
+    log.columns["position_m"].push_back(x + noise(random));
+    log.columns["force_n"].push_back(u);
+    for (double left = h; left > 0.0;) {  // exact, with a stop inside the step if there is one
+      const double push = u + offset;
+      if (v == 0.0 && std::abs(push) <= friction) break;
+      const double direction = v != 0.0 ? std::copysign(1.0, v) : std::copysign(1.0, push);
+      const double terminal = (push - direction * friction) / damping;
+      double time = left;
+      bool stops = false;
+      if (v != 0.0 && (terminal == 0.0 || std::signbit(terminal) != std::signbit(v))) {
+        const double stop = std::log1p(-v / terminal) / rate;
+        if (stop < left) {
+          time = stop;
+          stops = true;
+        }
+      }
+      const double decay = std::exp(-rate * time);
+      x += terminal * time + (v - terminal) * (1.0 - decay) / rate;
+      v = stops ? 0.0 : terminal + (v - terminal) * decay;
+      left -= time;
+    }
+  }
+  return log;
+}
+
+std::vector<log::Log> coastings(double friction, double offset, unsigned first, unsigned count) {
+  std::vector<log::Log> logs;
+  for (unsigned i = 0; i < count; ++i) logs.push_back(coasting(friction, offset, first + i));
+  return logs;
+}
+
+std::string text(const diagnose::Diagnosis& d) { return diagnose::to_json_text(d); }
+
+}  // namespace
+
+TEST_CASE("Dry friction of a closed form is named, with its size in the interval") {
+  const auto d = diagnose::diagnose(test::axis_model(80.0, 150.0), coastings(20.0, 0.0, 1, 4),
+                                    coastings(20.0, 0.0, 50, 1));
+  INFO(text(d));
+  CHECK(d.verdict == Verdict::explained);
+  REQUIRE(d.findings.size() == 1);
+  CHECK(d.findings[0].effect == dynamics::Effect::coulomb_friction);
+  const auto& force = d.findings[0].parameters.at("force_n");
+  CHECK(force.value == Approx(20.0).epsilon(0.01));
+  CHECK(force.lower < 20.0);
+  CHECK(force.upper > 20.0);
+  CHECK(d.findings[0].explainable_nmse_removed > 0.9);
+}
+
+TEST_CASE("Friction with an offset is one law under two names, and the diagnosis says so") {
+  const auto d = diagnose::diagnose(test::axis_model(80.0, 150.0), coastings(20.0, 4.0, 1, 4),
+                                    coastings(20.0, 4.0, 50, 1));
+  INFO(text(d));
+  CHECK(d.verdict == Verdict::explained);
+  REQUIRE(d.findings.size() == 1);
+  CHECK(d.findings[0].effect == dynamics::Effect::asymmetric_friction);
+  REQUIRE(d.findings[0].indistinguishable_from.size() == 1);
+  const auto& rival = d.findings[0].indistinguishable_from[0];
+  CHECK(rival.names == std::vector<std::string>{"coulomb_friction", "force_offset"});
+  CHECK(rival.parameters.at("force_offset.force_n").value == Approx(4.0).epsilon(0.02));
+}
+
+TEST_CASE("An axis without a hidden cause is adequate, though its parameters are off") {
+  const auto d = diagnose::diagnose(test::axis_model(80.0, 150.0), coastings(0.0, 0.0, 1, 4),
+                                    coastings(0.0, 0.0, 50, 1));
+  INFO(text(d));
+  CHECK(d.verdict == Verdict::adequate);
+  CHECK(d.findings.empty());
+}
+
+TEST_CASE("Diagnosing with the extended model finds nothing more") {
+  const auto training = coastings(20.0, 4.0, 1, 4), held_out = coastings(20.0, 4.0, 50, 1);
+  const auto first = diagnose::diagnose(test::axis_model(80.0, 150.0), training, held_out);
+  // As it is written and read.
+  const auto model = model::parse_model(model::format_model(first.extended_model), "extended_model.toml");
+  const auto second = diagnose::diagnose(model, training, held_out);
+  INFO(text(second));
+  CHECK(second.findings.empty());
+  CHECK(second.verdict == Verdict::adequate);
+}
+
+TEST_CASE("No fit and no choice sees the held-out recordings") {
+  const auto training = coastings(20.0, 0.0, 1, 3);
+  const auto a = diagnose::diagnose(test::axis_model(80.0, 150.0), training, coastings(20.0, 0.0, 50, 1));
+  // Held out: another machine altogether.
+  const auto b = diagnose::diagnose(test::axis_model(80.0, 150.0), training, coastings(3.0, -9.0, 70, 1));
+  REQUIRE(a.findings.size() == 1);
+  REQUIRE(b.findings.size() == 1);
+  CHECK(a.findings[0].effect == b.findings[0].effect);
+  CHECK(a.findings[0].parameters.at("force_n").value == b.findings[0].parameters.at("force_n").value);
+  CHECK(a.extended_model.parameters == b.extended_model.parameters);
+  REQUIRE(a.candidates.size() == b.candidates.size());
+  for (std::size_t i = 0; i < a.candidates.size(); ++i)
+    CHECK(a.candidates[i].training_gain == b.candidates[i].training_gain);
+  // And the held-out figures tell: on the other machine the finding helps less.
+  CHECK(b.findings[0].explainable_nmse_removed < a.findings[0].explainable_nmse_removed);
+}
+
+TEST_CASE("One thread and two give the same bytes") {
+  diagnose::Options one, two;
+  one.threads = 1;
+  two.threads = 2;
+  const auto training = coastings(20.0, 0.0, 1, 3), held_out = coastings(20.0, 0.0, 50, 1);
+  CHECK(text(diagnose::diagnose(test::axis_model(80.0, 150.0), training, held_out, one)) ==
+        text(diagnose::diagnose(test::axis_model(80.0, 150.0), training, held_out, two)));
+}
+
+TEST_CASE("Recordings without a stride, or shorter than a window, are refused with what was expected") {
+  log::Log still;
+  still.path = "still.csv";
+  for (int n = 0; n < 500; ++n) {
+    still.columns["time_s"].push_back(1e-3 * n);
+    still.columns["height_m"].push_back(0.26);
+    still.columns["torque_cmd_nm"].push_back(0.0);
+  }
+  CHECK_THROWS_WITH(
+      diagnose::diagnose(test::hopper_model(), {still}, {still}),
+      Catch::Contains("still.csv") && Catch::Contains("apex to apex") && Catch::Contains("0.2819"));
+  const std::vector<log::Log> brief{test::axis_log(95.0, 200.0, 1e-4, 1, 0.2)};
+  CHECK_THROWS_WITH(diagnose::diagnose(test::axis_model(80.0, 150.0), brief, brief),
+                    Catch::Contains("--window-s"));
+}
+
+TEST_CASE("diagnose writes its three files, and the extended model is one that sim reads") {
+  const test::TemporaryFolder folder;
+  const std::string model = folder.file("model.toml", model::format_model(test::axis_model(80.0, 150.0)));
+  std::vector<std::string> arguments{"diagnose", "--model", model, "--out", folder.path() + "/out"};
+  for (const auto& log : coastings(20.0, 0.0, 1, 3))
+    arguments.push_back(folder.file(log.path, log::format_log(log)));
+  const auto ran = test::run_furcula(arguments, 120);
+  INFO(ran.err);
+  CHECK(ran.status == 0);
+  CHECK_THAT(ran.out, Catch::Contains("explained") && Catch::Contains("coulomb_friction"));
+  CHECK(ran.err.empty());  // no bar where there is no terminal, and no library talking
+  CHECK(test::run_program("/bin/ls", {folder.path() + "/out"}).out ==
+        "diagnosis.json\nextended_model.toml\nreport.html\n");
+  const auto sim = test::run_furcula(
+      {"sim", "--model", folder.path() + "/out/extended_model.toml", "--out", folder.path() + "/sim.csv"},
+      60);
+  INFO(sim.err);
+  CHECK(sim.status == 0);
+}

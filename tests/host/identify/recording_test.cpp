@@ -1,0 +1,47 @@
+// What is read out of a log before any fit: noise, slopes, local polynomials.
+#include "host/identify/recording.hpp"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "host/log/error.hpp"
+#include "tests/host/identify/synthetic.hpp"
+
+using namespace furcula;
+using identify::local_polynomial;
+using identify::make_recording;
+
+TEST_CASE("A local polynomial gives value, slope and curvature of a cubic, at irregular times") {
+  std::vector<double> t, x;
+  for (int i = 0; i < 12; ++i) {
+    t.push_back(3.0 + 0.01 * i + 0.003 * std::sin(7.0 * i));
+    const double s = t.back() - 3.05;
+    x.push_back(0.28 + 1.2 * s - 4.9 * s * s + 20.0 * s * s * s);
+  }
+  const auto p = local_polynomial(t, x, 0, 11, 3.05, 3);
+  CHECK(p.value == Approx(0.28));
+  CHECK(p.slope == Approx(1.2).epsilon(1e-9));
+  CHECK(p.curvature == Approx(-9.8).epsilon(1e-8));
+  CHECK(p.residual_variance < 1e-20);
+}
+
+TEST_CASE("The noise of a channel is found under motion, to a tenth") {
+  for (const double noise : {2e-5, 3e-4}) {
+    const auto r = make_recording(test::axis_log(95.0, 200.0, noise, 7), dynamics::Kind::motor_axis);
+    CHECK(r.position_noise == Approx(noise).epsilon(0.1));
+  }
+}
+
+TEST_CASE("The smoothed slope of the position has no delay") {
+  const auto r = make_recording(test::axis_log(95.0, 200.0, 0.0, 3), dynamics::Kind::motor_axis);
+  // In the middle of a stretch of constant force the closed form's speed is the central difference's.
+  for (std::size_t i = 60; i < 100; ++i)
+    CHECK(r.velocity_smoothed[i] == Approx((r.position[i + 1] - r.position[i - 1]) / 0.004).epsilon(1e-3));
+}
+
+TEST_CASE("A log of a few rows is refused with its name and the number expected") {
+  log::Log log = test::axis_log(95.0, 200.0, 0.0, 1, 0.02);
+  CHECK_THROWS_WITH(make_recording(log, dynamics::Kind::motor_axis), Catch::Contains("axis-1.csv") &&
+                                                                         Catch::Contains("11 rows") &&
+                                                                         Catch::Contains("at least 20"));
+}

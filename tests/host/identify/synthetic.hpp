@@ -1,0 +1,70 @@
+// Recordings from closed forms, with noise of a known size: nothing here runs the plant under test.
+#pragma once
+
+#include <cmath>
+#include <numbers>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "host/log/log.hpp"
+#include "host/model/model.hpp"
+
+namespace furcula::test {
+
+/// A motor axis under a square wave of force, exactly: between switches x'' = (u - d x')/m has a closed form.
+/// Position noise is white, `noise_m` its standard deviation.
+inline log::Log axis_log(double mass, double damping, double noise_m, unsigned seed, double seconds = 6.0) {
+  std::mt19937_64 random(seed);
+  std::normal_distribution<double> noise(0.0, noise_m > 0.0 ? noise_m : 1.0);
+  std::uniform_real_distribution<double> uniform(0.6, 1.4);
+  const double rate = damping / mass, period = 0.7 * uniform(random), amplitude = 60.0 * uniform(random);
+  double x = 0.0, v = 0.0;
+  log::Log log;
+  log.path = "axis-" + std::to_string(seed) + ".csv";
+  log.rig = "motor_axis";
+  for (int n = 0; n <= static_cast<int>(seconds * 500.0); ++n) {
+    const double t = 0.002 * n;
+    const double u = std::fmod(t, 2.0 * period) < period ? amplitude : -amplitude;
+    log.columns["time_s"].push_back(t);
+    log.columns["position_m"].push_back(x + (noise_m > 0.0 ? noise(random) : 0.0));
+    log.columns["force_n"].push_back(u);
+    const double terminal = u / damping, decay = std::exp(-rate * 0.002);
+    x += terminal * 0.002 + (v - terminal) * (1.0 - decay) / rate;
+    v = terminal + (v - terminal) * decay;
+  }
+  return log;
+}
+
+inline model::Model axis_model(double mass, double damping) {
+  model::Model m;
+  m.kind = dynamics::Kind::motor_axis;
+  m.parameters = {mass, damping};
+  m.free = {{0, {1.0, 1000.0}}, {1, {0.0, 5000.0}}};
+  return m;
+}
+
+/// The hopper of document 002's identification: known k, z0, g; mass and dampings free.
+inline model::Model hopper_model() {
+  model::Model m;
+  m.kind = dynamics::Kind::hopper_linear;
+  const auto set = [&](const char* name, double value) {
+    m.parameters[*dynamics::parameter_index(m.kind, name)] = value;
+  };
+  m.parameters.assign(dynamics::kHopperLinearParameters.size(), 0.0);
+  set("mass_kg", 1.62);
+  set("stiffness_npm", 605.0);
+  set("rest_height_m", 0.289);
+  set("damping_stance_nspm", 5.0);
+  set("damping_flight_nspm", 1.0);
+  set("restitution_touchdown", 1.0);
+  set("restitution_liftoff", 1.0);
+  set("link_length_m", 0.15);
+  set("touchdown_angle_rad", 20.0 * std::numbers::pi / 180.0);
+  set("gravity_mps2", 9.81);
+  m.free[*dynamics::parameter_index(m.kind, "mass_kg")] = {1.2, 2.0};
+  m.free[*dynamics::parameter_index(m.kind, "damping_stance_nspm")] = {0.0, 30.0};
+  return m;
+}
+
+}  // namespace furcula::test
