@@ -159,6 +159,8 @@ Judgement judge(const Case& c, const diagnose::Diagnosis& d) {
     const auto channel = errors.find(d.main_channel);
     return channel == errors.end() ? std::nan("") : channel->second.nmse;
   };
+  constexpr double kClearlyAboveFloor = 10.0;
+  j.removed_is_told = nmse(d.refitted) > kClearlyAboveFloor * nmse(d.noise_floor);
   j.removed = (nmse(d.refitted) - nmse(d.extended)) / (nmse(d.refitted) - nmse(d.noise_floor));
   judge_predictions(j, c, d);
   j.said = line(d, j.removed) + format(", truly %.3f", j.removed_truly) +
@@ -218,6 +220,10 @@ Judgement judge(const Case& c, const diagnose::Diagnosis& d) {
     j.outcome = Outcome::wrong_name;
   }
   return j;
+}
+
+bool removes_enough(const Judgement& j) {
+  return j.removed_truly >= 0.9 && (j.removed >= 0.9 || !j.removed_is_told);
 }
 
 std::string_view name(Outcome outcome) {

@@ -35,6 +35,9 @@ struct Judgement {
   /// Share of the held-out error above the noise floor that the extended model removes from the re-fitted
   /// one, on the main channel, from the diagnosis' own figures.
   double removed = 0.0;
+  /// True if the re-fitted model's held-out error stands so far above the noise floor that `removed` means
+  /// something: nearer to it, what the start states' noise does in these few windows decides the share.
+  bool removed_is_told = false;
   /// The same share found independently: both models run in this folder's machine over what really happened
   /// in the held-out experiments, from true states, without a sensor's error. NaN if more than one law was
   /// added.
@@ -47,6 +50,10 @@ struct Judgement {
 diagnose::Diagnosis diagnosed(const Case& c, unsigned threads);
 
 Judgement judge(const Case& c, const diagnose::Diagnosis& d);
+
+/// At least 90 % of what can be explained is gone: in truth, and by the diagnosis' own figures where they
+/// tell.
+bool removes_enough(const Judgement& j);
 
 std::string_view name(Outcome outcome);
 

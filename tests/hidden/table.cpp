@@ -111,7 +111,7 @@ void write_case(const Case& c, const std::string& directory) {
 bool as_it_should_be(const Case& c, const Judgement& j, const diagnose::Diagnosis& d) {
   if (!c.truth.planted) return d.findings.empty() && d.verdict == diagnose::Verdict::adequate;
   if (c.size == Size::small) return j.outcome != Outcome::wrong_name && j.extra.empty();
-  return j.outcome == Outcome::named && j.extra.empty() && j.removed >= 0.9 && j.removed_truly >= 0.9 &&
+  return j.outcome == Outcome::named && j.extra.empty() && removes_enough(j) &&
          std::all_of(j.parameters.begin(), j.parameters.end(), [](const auto& p) { return p.acceptable(); });
 }
 
