@@ -57,7 +57,8 @@ std::string summary(const Diagnosis& d) {
                 number(found->second.value) + " " + std::string(unit_on(info.parameter_table[i], d.kind));
     }
     while (!values.empty() && values.back() == ' ') values.pop_back();
-    named += (named.empty() ? "" : " and ") + std::string(info.name) + " (" + values + ")";
+    named += (named.empty() ? "" : " and ") + std::string(info.title) + " (" + std::string(info.name) + ": " +
+             values + ")";
   }
   switch (d.verdict) {
     case Verdict::adequate:

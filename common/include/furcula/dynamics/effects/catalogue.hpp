@@ -47,6 +47,7 @@ struct EffectParameterInfo {
 struct EffectInfo {
   Effect effect;
   std::string_view name;
+  std::string_view title;  ///< in plain words, as in "the model lacks ..."
   Stage stage;
   std::uint8_t kinds;      ///< bit per Kind
   std::string_view phase;  ///< on a hopper: "flight+stance", "stance", "touch-down", ...
@@ -72,6 +73,7 @@ inline constexpr double kUnset = __builtin_nan("");
 inline constexpr std::array<EffectInfo, kEffectCount> kCatalogue{{
     {Effect::coulomb_friction,
      "coulomb_friction",
+     "dry friction",
      Stage::mechanism,
      detail::kAllKinds,
      "flight+stance",
@@ -85,6 +87,7 @@ inline constexpr std::array<EffectInfo, kEffectCount> kCatalogue{{
      "with the speed."},
     {Effect::stribeck_friction,
      "stribeck_friction",
+     "dry friction that rises towards standstill",
      Stage::mechanism,
      detail::kAllKinds,
      "flight+stance",
@@ -99,6 +102,7 @@ inline constexpr std::array<EffectInfo, kEffectCount> kCatalogue{{
      "velocity."},
     {Effect::asymmetric_friction,
      "asymmetric_friction",
+     "dry friction of different size in the two directions",
      Stage::mechanism,
      detail::kAllKinds,
      "flight+stance",
@@ -113,6 +117,7 @@ inline constexpr std::array<EffectInfo, kEffectCount> kCatalogue{{
      "friction does not."},
     {Effect::quadratic_drag,
      "quadratic_drag",
+     "drag that grows with the square of the speed",
      Stage::mechanism,
      detail::kAllKinds,
      "flight+stance",
@@ -124,6 +129,7 @@ inline constexpr std::array<EffectInfo, kEffectCount> kCatalogue{{
      "A few strokes at the highest speed and the same strokes at half of it."},
     {Effect::force_offset,
      "force_offset",
+     "a constant force",
      Stage::mechanism,
      detail::kAllKinds,
      "flight+stance",
@@ -135,6 +141,7 @@ inline constexpr std::array<EffectInfo, kEffectCount> kCatalogue{{
      "Hold the axis at rest at several places and note the force that holding takes."},
     {Effect::stiffness_error,
      "stiffness_error",
+     "the spring's true rate",
      Stage::mechanism,
      detail::kHopper,
      "stance",
@@ -146,6 +153,7 @@ inline constexpr std::array<EffectInfo, kEffectCount> kCatalogue{{
      "Slow compression against a force plate or a scale: the slope of force over height is the rate."},
     {Effect::spring_preload,
      "spring_preload",
+     "preload of the spring",
      Stage::mechanism,
      detail::kHopper,
      "stance",
@@ -157,6 +165,7 @@ inline constexpr std::array<EffectInfo, kEffectCount> kCatalogue{{
      "Slow compression against a force plate: where the line of force over height crosses zero."},
     {Effect::torque_gain_error,
      "torque_gain_error",
+     "the motor's true torque gain",
      Stage::actuation,
      detail::kHopper,
      "stance",
@@ -168,6 +177,7 @@ inline constexpr std::array<EffectInfo, kEffectCount> kCatalogue{{
      "Hops at two torque amplitudes, or the stalled motor against a scale."},
     {Effect::touchdown_loss,
      "touchdown_loss",
+     "the loss of speed at touch-down",
      Stage::contact,
      detail::kHopper,
      "touch-down",
