@@ -19,7 +19,7 @@ using identify::Recording;
 using identify::Window;
 
 constexpr std::size_t kFewestWindows = 3;
-constexpr std::size_t kMostTraces = 48;
+constexpr std::size_t kMostTraces = 96;
 constexpr double kWithinNoise = 2.0;
 constexpr double kSmallRemainder = 0.1;
 
