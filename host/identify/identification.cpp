@@ -11,7 +11,7 @@
 namespace furcula::identify {
 namespace {
 
-constexpr std::size_t kMostTraces = 24;
+constexpr std::size_t kMostTraces = 96;
 
 bool restitution_is_free(const model::Model& model) {
   for (const char* name : {"restitution_touchdown", "restitution_liftoff"})
