@@ -10,7 +10,6 @@ namespace furcula::diagnose {
 namespace {
 
 using dynamics::Effect;
-using identify::Unknown;
 
 constexpr std::size_t kMostEffects = 4;
 /// An effect that removes less than this share of what the re-fitted model leaves (measuring noise included)

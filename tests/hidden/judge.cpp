@@ -191,12 +191,9 @@ Judgement judge(const Case& c, const diagnose::Diagnosis& d) {
         j.parameters = {compare(c.kind, Effect::coulomb_friction, 0, (values[0] + values[1]) / 2, *friction),
                         compare(c.kind, Effect::force_offset, 0, (values[1] - values[0]) / 2, *offset)};
       }
-    } else if (planted == Effect::torque_gain_error && first.effect == Effect::stiffness_error &&
-               gain_is_rate) {
-      law = {first.effect};
-      j.parameters = {compare(c.kind, first.effect, 0, rate / values[0], first)};
-    } else if (planted == Effect::stiffness_error && first.effect == Effect::torque_gain_error &&
-               gain_is_rate) {
+    } else if (gain_is_rate &&
+               ((planted == Effect::torque_gain_error && first.effect == Effect::stiffness_error) ||
+                (planted == Effect::stiffness_error && first.effect == Effect::torque_gain_error))) {
       law = {first.effect};
       j.parameters = {compare(c.kind, first.effect, 0, rate / values[0], first)};
     }
