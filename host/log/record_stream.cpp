@@ -39,7 +39,8 @@ bool RecordStream::next(std::string_view& record) {
     const std::size_t left = end_ - begin_ - searched;
     const auto* const newline = left == 0 ? nullptr : static_cast<const char*>(std::memchr(from, '\n', left));
     const std::size_t stretch = newline != nullptr ? static_cast<std::size_t>(newline - from) : left;
-    if (stretch != 0 && std::memchr(from, '"', stretch) != nullptr)
+    // A comment is one line, whatever quotes stand in it.
+    if (stretch != 0 && std::memchr(from, '"', stretch) != nullptr && buffer_[begin_] != '#')
       in_quotes ^= (std::count(from, from + stretch, '"') & 1) != 0;
     searched += stretch;
     if (searched > kLongestLine)

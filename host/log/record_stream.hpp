@@ -18,8 +18,8 @@ class RecordStream {
   RecordStream(ByteSource& source, std::string name);
 
   /// The next record without its line end (LF or CRLF), or false at the end of the file. A record that has
-  /// quotes may hold line ends. A byte order mark at the file's start is skipped. The view lives until the
-  /// next call.
+  /// quotes may hold line ends, unless it begins with '#'. A byte order mark at the file's start is skipped.
+  /// The view lives until the next call.
   /// @throws DataError: line above kLongestLine, quote that is not closed.
   bool next(std::string_view& record);
 

@@ -45,6 +45,12 @@ TEST_CASE("a log gives its columns and metadata") {
   CHECK(log.at("torque_cmd_nm") == std::vector<double>{0.0, -0.25});
 }
 
+TEST_CASE("a quote in a comment is a character like any other, and the comment one line") {
+  const log::Log log = hopper("# rail: 40\" long\n# rig: hopper\n" + kHeader + "0,0.3,1,0\n");
+  CHECK(log.metadata.at("rail") == "40\" long");
+  CHECK(log.rows() == 1);
+}
+
 TEST_CASE("columns come in any order, and unknown ones are kept") {
   const log::Log log = hopper("contact,knee_c,torque_cmd_nm,height_m,time_s\n1,41.5,0.1,0.3,7\n");
   CHECK(log.at("knee_c") == std::vector<double>{41.5});
