@@ -23,14 +23,14 @@ diagnose::Diagnosis run_diagnose(const RecordingOptions& o) {
     diagnose::Options options;
     options.window_s = o.window_s;
     options.threads = o.thread_count();
-    options.seed = o.seed;
     options.progress = [&](double fraction, std::string_view doing) { progress.update(fraction, doing); };
     d = diagnose::diagnose(r.model, r.training, r.held_out, options);
   }
   log::write_file_atomically(o.out + "/diagnosis.json", diagnose::to_json_text(d));
   log::write_file_atomically(o.out + "/extended_model.toml", model::format_model(d.extended_model));
   log::write_file_atomically(o.out + "/report.html", report::render_report(d));
-  std::cout << diagnose::name(d.verdict) << ": " << d.summary << "\n"
+  std::cout << "fitted on " << r.training.size() << ", held out " << r.held_out.size() << " recordings\n"
+            << diagnose::name(d.verdict) << ": " << d.summary << "\n"
             << "report: " << o.out << "/report.html\n";
   return d;
 }

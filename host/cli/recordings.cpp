@@ -18,7 +18,8 @@ void RecordingOptions::add_to(CLI::App& command) {
   command.add_option("--model", model, "Model file (TOML)")->required();
   command.add_option("--map", map, "Map file (TOML) for logs with other column names");
   command.add_option("--hold-out", held_out,
-                     "Logs that no fit sees; without it a seeded fifth, of one log its last quarter");
+                     "Logs that no fit sees (put another option or -- after them); without it a seeded "
+                     "fifth, of one log its last quarter");
   command.add_option("--window-s", window_s, "Length of a prediction on motor_axis and rotary_joint, s")
       ->capture_default_str();
   command.add_option("--out", out, "Folder for the results")->required();

@@ -23,12 +23,6 @@ constexpr std::size_t kMostTraces = 96;
 constexpr double kWithinNoise = 2.0;
 constexpr double kSmallRemainder = 0.1;
 
-std::vector<Recording> recordings_of(const std::vector<log::Log>& logs, Kind kind) {
-  std::vector<Recording> all;
-  for (const auto& log : logs) all.push_back(identify::make_recording(log, kind));
-  return all;
-}
-
 std::vector<std::string> strings(const std::vector<Effect>& effects) {
   std::vector<std::string> all;
   for (Effect e : effects) all.emplace_back(dynamics::info(e).name);
@@ -36,7 +30,7 @@ std::vector<std::string> strings(const std::vector<Effect>& effects) {
 }
 
 /// Sets that are one law under two names, whatever the recordings (docs/contracts.md, section 3).
-bool always_same(const std::vector<Effect>& a, const std::vector<Effect>& b) {
+bool always_same(const model::Model& model, const std::vector<Effect>& a, const std::vector<Effect>& b) {
   using Set = std::set<Effect>;
   static const std::vector<std::pair<Set, Set>> table{
       {{Effect::asymmetric_friction}, {Effect::coulomb_friction, Effect::force_offset}},
@@ -46,8 +40,16 @@ bool always_same(const std::vector<Effect>& a, const std::vector<Effect>& b) {
   Set x(a.begin(), a.end()), y(b.begin(), b.end());
   for (Effect e : a)
     if (y.contains(e)) x.erase(e), y.erase(e);
-  for (const auto& [one, other] : table)
+  const auto is_free = [&](const char* name) {
+    const auto index = dynamics::parameter_index(model.kind, name);
+    return index && model.free.contains(*index);
+  };
+  const bool scalable =
+      is_free("mass_kg") && is_free("damping_stance_nspm") && is_free("damping_flight_nspm");
+  for (const auto& [one, other] : table) {
+    if (one.contains(Effect::stiffness_error) && !scalable) continue;
     if ((x == one && y == other) || (x == other && y == one)) return true;
+  }
   return false;
 }
 
@@ -97,8 +99,8 @@ class Assembly {
            const std::vector<log::Log>& held_out, const Options& options)
       : model_(model),
         options_(options),
-        training_(recordings_of(training, model.kind)),
-        held_out_(recordings_of(held_out, model.kind)),
+        training_(identify::make_recordings(training, model.kind)),
+        held_out_(identify::make_recordings(held_out, model.kind)),
         training_windows_(identify::training_windows(training_, model, options.window_s)),
         held_out_windows_(identify::prediction_windows(held_out_, model, options.window_s)) {
     require(training_windows_.windows, training_, "training");
@@ -180,13 +182,14 @@ class Assembly {
       double margin = selection_.against_without[i].evidence - selection_.against_without[i].threshold;
       for (const auto& rival : selection_.equals)
         if (rival.of == e) {
-          const bool same = always_same(rival.hypothesis.effects, chosen.effects);
+          const bool same = always_same(model_, rival.hypothesis.effects, chosen.effects);
           Rival r{strings(without_common(rival.hypothesis.effects, chosen.effects)),
-                  same ? "the same law under another name: no recording of this kind can tell them apart"
+                  same ? "the same law under another name: no recording in motion can tell them apart"
                        : "explains the training recordings equally well",
                   effect_parameters(rival.hypothesis, model_.kind, true, nullptr)};
+          r.same_law = same;
           if (!same) {
-            undecided_ = true;
+            undecided_ = f.undecided = true;
             margin = 0.0;
             f.next_experiment +=
                 " And for " + names(r.names) + ": " +
@@ -238,7 +241,7 @@ class Assembly {
       if (std::none_of(d_.candidates.begin(), d_.candidates.end(),
                        [&](const Candidate& c) { return c.effects == strings(rival.hypothesis.effects); }))
         row(rival.hypothesis, false,
-            always_same(rival.hypothesis.effects, selection_.chosen.effects)
+            always_same(model_, rival.hypothesis.effects, selection_.chosen.effects)
                 ? "the same law under another name"
                 : "explains the recordings equally well");
     for (const Tried& t : selection_.tried)
@@ -271,24 +274,46 @@ class Assembly {
   }
 
   void verdict() {
-    const double floor = nmse(d_.noise_floor), before = nmse(d_.refitted), after = nmse(d_.extended);
-    const auto& fit = selection_.chosen.fit;
-    double rows = 0.0;
-    for (const auto& s : fit.shares) rows += s.rows;
-    // Two looks at what remains: predictions on the held-out recordings, and free runs with the best start
-    // state on the training ones.
-    const bool noise_alone = after <= kWithinNoise * floor || fit.squares <= kWithinNoise * rows;
+    const double floor = nmse(d_.noise_floor), before = nmse(d_.refitted);
+    // Two looks at the held-out recordings: predictions from the first 50 ms, and free runs with the best
+    // start state, which the start's own noise does not blur.
+    const auto noise_alone_with = [&](const model::Model& m, double error) {
+      const identify::Fit look = identify::fit_by_simulation(m, {}, {}, held_out_, held_out_windows_);
+      double rows = 0.0;
+      for (const auto& share : look.shares) rows += share.rows;
+      return error <= kWithinNoise * floor || look.squares <= kWithinNoise * rows;
+    };
+    if (undecided_ && noise_alone_with(selection_.refitted.fitted, before)) retract();
+    const double after = nmse(d_.extended);
+    const bool noise_alone = noise_alone_with(d_.extended_model, after);
     const bool little = after - floor < kSmallRemainder * (before - floor);
     d_.residual_white = noise_alone;
     d_.unexplained_fraction = before > 0.0 ? std::clamp((after - floor) / before, 0.0, 1.0) : 0.0;
     if (d_.findings.empty())
-      d_.verdict = noise_alone                                         ? Verdict::adequate
-                   : training_windows_.windows.size() < kFewestWindows ? Verdict::not_identifiable
-                                                                       : Verdict::unexplained;
-    else if (undecided_)
+      d_.verdict = noise_alone ? Verdict::adequate
+                   : training_windows_.windows.size() / training_windows_.layers < kFewestWindows
+                       ? Verdict::not_identifiable
+                       : Verdict::unexplained;
+    else if (undecided_ ||
+             after >= before)  // what helps on the training recordings, the held-out ones refute
       d_.verdict = Verdict::not_identifiable;
     else
       d_.verdict = noise_alone || little ? Verdict::explained : Verdict::partly_explained;
+  }
+
+  /// Nothing is missing that these recordings show: the re-fitted model stands, and causes that fit its noise
+  /// are no causes.
+  void retract() {
+    undecided_ = false;
+    d_.findings.clear();
+    d_.extended = d_.refitted;
+    d_.extended_model = selection_.refitted.fitted;
+    for (Candidate& c : d_.candidates)
+      if (c.chosen) {
+        c.chosen = false;
+        c.outcome = "fits what is within the measuring noise";
+      }
+    selection_.chosen = selection_.refitted;
   }
 
   void pictures() {
@@ -315,7 +340,7 @@ class Assembly {
     std::vector<Recording> all = training_;
     all.insert(all.end(), held_out_.begin(), held_out_.end());
     d_.residual = residual_force(selection_.chosen.fitted, selection_.chosen.effects, all);
-    if (!d_.residual_white) d_.goes_along_with = associations(d_.residual);
+    if (!d_.residual_white) d_.goes_along_with = associations(d_.residual, model_.kind);
   }
 
   const model::Model& model_;

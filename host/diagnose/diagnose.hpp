@@ -2,7 +2,6 @@
 // well the extended model predicts recordings that no fit has seen.
 #pragma once
 
-#include <cstdint>
 #include <functional>
 #include <string_view>
 #include <vector>
@@ -16,7 +15,6 @@ namespace furcula::diagnose {
 struct Options {
   double window_s = 0.5;  ///< length of a prediction on axes without strides
   unsigned threads = 2;   ///< the result does not depend on it
-  std::uint64_t seed = 1;
   std::function<void(double, std::string_view)>
       progress;  ///< share done, what is being tried; from any thread
 };

@@ -29,6 +29,7 @@ struct Rival {
   std::vector<std::string> names;
   std::string why;                             ///< why not, or why it cannot be told apart
   std::map<std::string, Estimate> parameters;  ///< "effect.parameter" -> fitted value
+  bool same_law = false;                       ///< under another name, whatever the recordings
 };
 
 struct Finding {
@@ -38,6 +39,7 @@ struct Finding {
   double held_out_mae_before = 0.0;  ///< of the main channel, without the effect, all else re-fitted
   double held_out_mae_after = 0.0;
   double confidence = 0.0;
+  bool undecided = false;  ///< another law explains the training recordings as well
   std::vector<Rival> alternatives;
   std::vector<Rival> indistinguishable_from;
   std::string explanation;
@@ -66,7 +68,8 @@ struct Trace {
   std::vector<double> extended;
 };
 
-/// What force the re-fitted model lacks, where: one sample an instant of the logs, averaged over a few ms.
+/// What force the model lacks, where: against the extended model with the findings' effects taken out (the
+/// re-fitted model where there is none); one sample an instant of the logs, averaged over a few ms.
 struct ResidualForce {
   std::string unit;           ///< "N" or "N m"
   std::string velocity_unit;  ///< "m/s" or "rad/s"

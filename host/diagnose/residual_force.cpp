@@ -85,7 +85,15 @@ ResidualForce residual_force(const model::Model& model, const std::vector<dynami
   return out;
 }
 
-std::vector<Association> associations(const ResidualForce& r) {
+namespace {
+
+const char* position_column(Kind kind) {
+  return kind == Kind::hopper_linear ? "height_m" : kind == Kind::motor_axis ? "position_m" : "angle_rad";
+}
+
+}  // namespace
+
+std::vector<Association> associations(const ResidualForce& r, Kind kind) {
   constexpr std::size_t kBins = 12;
   constexpr double kWeakest = 0.1;
   const std::size_t n = r.force.size();
@@ -114,7 +122,7 @@ std::vector<Association> associations(const ResidualForce& r) {
     if (share > kWeakest) found.push_back({name, share, how});
   };
   look(r.velocity, "velocity", "the remaining force changes with the velocity");
-  look(r.position, "position", "the remaining force changes with the position");
+  look(r.position, position_column(kind), "the remaining force changes with the position");
   look(r.time_s, "time_s", "the remaining force changes with the time since the recording began");
   std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.strength > b.strength; });
   return found;

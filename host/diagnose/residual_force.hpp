@@ -15,7 +15,7 @@ ResidualForce residual_force(const model::Model& model, const std::vector<dynami
                              const std::vector<identify::Recording>& recordings, std::size_t most = 6000);
 
 /// What the remaining force (force less law) goes along with: the share of its variance that bins of each
-/// signal explain, beyond chance, strongest first; shares below a tenth are left out.
-std::vector<Association> associations(const ResidualForce& r);
+/// signal explain, strongest first; shares below a tenth are left out.
+std::vector<Association> associations(const ResidualForce& r, dynamics::Kind kind);
 
 }  // namespace furcula::diagnose

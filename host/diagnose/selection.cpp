@@ -148,7 +148,7 @@ std::string names(const std::vector<Effect>& effects) {
 std::vector<Effect> Trainer::candidates() const {
   std::vector<Effect> all;
   for (const auto& info : dynamics::kCatalogue) {
-    if (!applies(info.effect, model.kind) || model.effects.contains(info.effect)) continue;
+    if (!applies(info.effect, model.kind)) continue;  // one that is on may have the wrong size
     bool free_anyway = false;
     for (const auto& p : info.parameters()) {
       const auto same = dynamics::parameter_index(model.kind, name_on(p, model.kind));
@@ -323,7 +323,8 @@ Selection Trainer::select() const {
       const std::size_t first = dynamics::info(all[i]).parameter_count;
       if (first == size) replacements.push_back({e, with(rest, all[i])});
       for (std::size_t k = i + 1; k < all.size(); ++k)
-        if (usable(all[k]) && first + dynamics::info(all[k]).parameter_count == size)
+        if (usable(all[k]) && !contains(all[i], all[k]) && !contains(all[k], all[i]) &&
+            first + dynamics::info(all[k]).parameter_count == size)
           replacements.push_back({e, with(with(rest, all[i]), all[k])});
     }
   }

@@ -58,8 +58,8 @@ struct Trainer {
   unsigned threads = 1;
   std::function<void(double, std::string_view)> progress;
 
-  /// The effects of the catalogue that could extend the model: they exist on its kind, are not on already,
-  /// and do not repeat a parameter that is free anyway.
+  /// The effects of the catalogue that could extend the model: they exist on its kind and do not
+  /// repeat a parameter that is free anyway. One that is on may have the wrong size.
   std::vector<dynamics::Effect> candidates() const;
 
   /// Fits the model with these effects from the values of `from` (a hypothesis with some of them).

@@ -1,5 +1,6 @@
 #include "host/diagnose/wording.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 
@@ -13,10 +14,24 @@ std::string joined(const Names& all, const char* between) {
   return text;
 }
 
+/// The finding that another law could take the place of; none: nullptr.
+const Finding* undecided(const Diagnosis& d) {
+  for (const Finding& f : d.findings)
+    if (f.undecided) return &f;
+  return nullptr;
+}
+
 std::string before_and_after(const Diagnosis& d, const Errors& before, const Errors& after) {
   const auto b = before.find(d.main_channel), a = after.find(d.main_channel);
   if (b == before.end() || a == after.end()) return "";
   return "from " + readable(b->second.rmse, d.main_unit) + " to " + readable(a->second.rmse, d.main_unit);
+}
+
+/// What stands beside the noise floor after the extension.
+std::string remainder(const Diagnosis& d) {
+  const auto after = d.extended.find(d.main_channel), floor = d.noise_floor.find(d.main_channel);
+  if (after == d.extended.end() || floor == d.noise_floor.end() || !(floor->second.rmse > 0.0)) return "";
+  return "; the noise floor is " + readable(floor->second.rmse, d.main_unit);
 }
 
 }  // namespace
@@ -67,7 +82,7 @@ std::string summary(const Diagnosis& d) {
              where + " " + before_and_after(d, d.baseline, d.refitted) + ").";
     case Verdict::explained:
       return "The model lacks " + named + ": with it the " + where + " falls " +
-             before_and_after(d, d.refitted, d.extended) + ", and what remains is small.";
+             before_and_after(d, d.refitted, d.extended) + remainder(d) + ".";
     case Verdict::partly_explained:
       return "The model lacks " + named + ": with it the " + where + " falls " +
              before_and_after(d, d.refitted, d.extended) +
@@ -76,14 +91,22 @@ std::string summary(const Diagnosis& d) {
       return "The model is wrong in a way that no effect of the catalogue explains: the " + where +
              " stays at " + readable(d.refitted.at(d.main_channel).rmse, d.main_unit) +
              ", above the measuring noise.";
-    case Verdict::not_identifiable:
+    case Verdict::not_identifiable: {
       if (d.findings.empty())
         return "The recordings are too few or too poor to tell whether the model is right.";
-      return "Something is missing, and these recordings cannot tell what: " + named + ", or " +
-             names(d.findings.front().indistinguishable_from.empty()
-                       ? std::vector<std::string>{}
-                       : d.findings.front().indistinguishable_from.front().names) +
-             ", explain them equally well.";
+      const Finding* open = undecided(d);
+      if (open == nullptr)
+        return "No cause is named with confidence: on the training recordings " + named +
+               " would help, but on the held-out ones the " + where + " goes " +
+               before_and_after(d, d.refitted, d.extended) +
+               ". Either the recordings differ from one another, or what is missing is not in the catalogue.";
+      const auto rival =
+          std::find_if(open->indistinguishable_from.begin(), open->indistinguishable_from.end(),
+                       [](const Rival& r) { return !r.same_law; });
+      return "Something is missing, and these recordings cannot tell what: " + named + "; " +
+             names(rival->names) + " in place of " + std::string(dynamics::info(open->effect).name) +
+             " explains them equally well.";
+    }
   }
   return "";
 }
@@ -103,6 +126,7 @@ std::string next_experiment(const Diagnosis& d) {
              "in the measuring.";
     case Verdict::explained:
     case Verdict::not_identifiable:
+      if (const Finding* open = undecided(d)) return open->next_experiment;
       if (!d.findings.empty()) return d.findings.front().next_experiment;
       return "Record more: several hops or strokes at different amplitudes and speeds, in at least five "
              "recordings.";

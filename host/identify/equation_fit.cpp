@@ -7,6 +7,7 @@
 #include <deque>
 
 #include "host/identify/jet.hpp"
+#include "host/log/error.hpp"
 
 namespace furcula::identify {
 namespace {
@@ -85,6 +86,8 @@ class StepCost final : public ceres::CostFunction {
 Fit fit_by_equation(const model::Model& model, const std::vector<Unknown>& unknowns,
                     const std::vector<double>& start, const std::vector<Recording>& recordings,
                     const std::vector<Window>& windows) {
+  if (windows.empty())
+    throw log::DataError("equation error: no stance, flight or interval to fit on; expected at least one");
   Fit fit;
   fit.values = start;
   std::deque<StepCost> costs;
@@ -108,7 +111,7 @@ Fit fit_by_equation(const model::Model& model, const std::vector<Unknown>& unkno
   options.logging_type = ceres::SILENT;
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem, &summary);
-  fit.converged = summary.IsSolutionUsable();
+  require_finite(summary.IsSolutionUsable(), recordings, windows);
   fit.at_bound = at_bounds(fit.values, unknowns);
   const auto count = static_cast<Eigen::Index>(unknowns.size());
   for (const StepCost& cost : costs) {

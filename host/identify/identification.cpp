@@ -48,8 +48,8 @@ class Work {
       throw log::DataError(
           "the model has no [free] table: nothing to identify; expected at least one parameter with bounds "
           "in it");
-    for (const auto& log : training) training_.push_back(make_recording(log, model.kind));
-    for (const auto& log : held_out) held_out_.push_back(make_recording(log, model.kind));
+    training_ = make_recordings(training, model.kind);
+    held_out_ = make_recordings(held_out, model.kind);
     fit_windows_ = fit_windows(training_, model, options.window_s);
     if (fit_windows_.windows.empty())
       throw log::DataError(training_.front().name + ": no window to fit on; expected " +
@@ -57,6 +57,7 @@ class Work {
                                 ? std::string("a stance or a flight of at least 30 ms")
                                 : "at least " + std::to_string(options.window_s) + " s of recording"));
     held_out_windows_ = prediction_windows(held_out_, model, options.window_s);
+    for (const Window& w : fit_windows_.windows) units_.try_emplace(w.recording, units_.size());
     folds_ = fold_count();
   }
 
@@ -82,8 +83,8 @@ class Work {
 
  private:
   std::size_t fold_count() const {
-    const bool by_recording = training_.size() > 1;
-    const std::size_t units = by_recording ? training_.size() : fit_windows_.windows.size();
+    const bool by_recording = units_.size() > 1;
+    const std::size_t units = by_recording ? units_.size() : fit_windows_.windows.size();
     const char* what = by_recording ? " recordings" : " windows";
     std::size_t folds = options_.folds;
     if (folds == 0) folds = std::min<std::size_t>(by_recording ? 10 : 5, units);
@@ -95,8 +96,8 @@ class Work {
   }
 
   std::size_t fold_of(std::size_t window) const {
-    return training_.size() > 1 ? fit_windows_.windows[window].recording % folds_
-                                : window * folds_ / fit_windows_.windows.size();
+    return units_.size() > 1 ? units_.at(fit_windows_.windows[window].recording) % folds_
+                             : window * folds_ / fit_windows_.windows.size();
   }
 
   Fit fit(Method method, const std::vector<double>& start, const std::vector<Window>& windows) const {
@@ -130,8 +131,9 @@ class Work {
       for (std::size_t i = 0; i < fit_windows_.windows.size(); ++i)
         (fold_of(i) == fold ? unseen : seen).push_back(fit_windows_.windows[i]);
       estimates[fold] = fit(method, whole.values, seen).values;
-      e.folds[fold] = prediction_errors(with_values(model_, unknowns_, estimates[fold]), training_, unseen,
-                                        start_states(training_, unseen, e.model));
+      const model::Model without_fold = with_values(model_, unknowns_, estimates[fold]);
+      e.folds[fold] =
+          prediction_errors(without_fold, training_, unseen, start_states(training_, unseen, without_fold));
     });
     const auto verdicts = parameter_verdicts(whole, unknowns_);
     for (std::size_t i = 0; i < unknowns_.size(); ++i) {
@@ -187,6 +189,7 @@ class Work {
   TrainingWindows fit_windows_;
   std::vector<Window> held_out_windows_;
   std::vector<StartState> held_out_starts_;
+  std::map<std::size_t, std::size_t> units_;  // the recordings that have windows, numbered
   std::size_t folds_ = 0;
 };
 

@@ -137,4 +137,23 @@ Recording make_recording(const log::Log& log, dynamics::Kind kind) {
   return r;
 }
 
+std::vector<Recording> make_recordings(const std::vector<log::Log>& logs, dynamics::Kind kind) {
+  constexpr double kShare = 0.3;
+  constexpr double kMotionOverNoise = 10.0;
+  std::vector<Recording> all;
+  for (const auto& log : logs) all.push_back(make_recording(log, kind));
+  double noise = 0.0;
+  bool moves = all.empty();
+  for (const Recording& r : all) {
+    noise = std::max(noise, r.position_noise);
+    const auto [low, high] = std::minmax_element(r.position.begin(), r.position.end());
+    moves = moves || *high - *low > kMotionOverNoise * r.position_noise;
+  }
+  if (!moves)
+    throw log::DataError(all.front().name + ": the " + channel_names(kind).position +
+                         " never moves by more than its noise, in any recording; expected motion");
+  for (Recording& r : all) r.position_noise = std::max(r.position_noise, kShare * noise);
+  return all;
+}
+
 }  // namespace furcula::identify

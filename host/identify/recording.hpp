@@ -31,6 +31,11 @@ struct Recording {
 /// estimate anything (fewer than 20).
 Recording make_recording(const log::Log& log, dynamics::Kind kind);
 
+/// All recordings of a list. The noise of one is at least a third of the noisiest one's: a recording at rest,
+/// whose sensor does not flicker, would outweigh all others. @throws log::DataError where nothing moves in
+/// any of them.
+std::vector<Recording> make_recordings(const std::vector<log::Log>& logs, dynamics::Kind kind);
+
 /// Names of the channels in results: "height" and "velocity" on the hopper, "position", "angle".
 struct ChannelNames {
   std::string position, position_unit, velocity_unit;

@@ -9,6 +9,7 @@
 #include <limits>
 
 #include "host/identify/jet.hpp"
+#include "host/log/error.hpp"
 
 namespace furcula::identify {
 namespace {
@@ -158,6 +159,15 @@ WindowShare share_of(const WindowCost& cost, const std::vector<double>& values, 
 
 }  // namespace
 
+void require_finite(bool finite, const std::vector<Recording>& recordings,
+                    const std::vector<Window>& windows) {
+  if (!finite)
+    throw log::DataError(
+        recordings[windows.front().recording].name +
+        ": the model's run does not stay finite on these recordings; expected inputs and units that "
+        "fit the model");
+}
+
 std::vector<bool> at_bounds(const std::vector<double>& values, const std::vector<Unknown>& unknowns) {
   std::vector<bool> all;
   for (std::size_t i = 0; i < unknowns.size(); ++i) {
@@ -221,6 +231,7 @@ Fit fit_by_simulation(const model::Model& model, const std::vector<Unknown>& unk
     starts[kStartSize * i] = s.position;
     starts[kStartSize * i + 1] = s.velocity;
   }
+  bool usable = true;
   if (!unknowns.empty() && !windows.empty()) {
     ceres::Problem::Options problem_options;
     problem_options.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
@@ -245,15 +256,14 @@ Fit fit_by_simulation(const model::Model& model, const std::vector<Unknown>& unk
     }
     ceres::Solver::Summary summary;
     ceres::Solve(options, &problem, &summary);
-    fit.converged = summary.IsSolutionUsable();
-  } else {
-    fit.converged = true;
+    usable = summary.IsSolutionUsable();
   }
   fit.at_bound = at_bounds(fit.values, unknowns);
   for (std::size_t i = 0; i < windows.size(); ++i) {
     fit.shares.push_back(share_of(costs[i], fit.values, &starts[kStartSize * i]));
     fit.squares += fit.shares.back().squares;
   }
+  require_finite(usable && std::isfinite(fit.squares), recordings, windows);
   fit.covariance = sandwich_covariance(fit.shares, fit.at_bound, layers);
   return fit;
 }

@@ -31,15 +31,19 @@ struct Fit {
   Eigen::MatrixXd covariance;  ///< of the unknowns; from the scatter of the windows' gradients (sandwich), so
                                ///< that neighbouring samples need not be independent
   std::vector<bool> at_bound;
-  bool converged = false;
 };
 
 /// `layers`: in how many of the windows each row lies; the covariance takes it into account.
+/// @throws log::DataError where no run of the model stays finite.
 /// Fits the unknowns from `start` (values, within bounds) on the windows, each with a start state of its own.
 Fit fit_by_simulation(const model::Model& model, const std::vector<Unknown>& unknowns,
                       const std::vector<double>& start, const std::vector<Recording>& recordings,
                       const std::vector<Window>& windows, Weighting weighting = Weighting::noise,
                       std::size_t layers = 1);
+
+/// @throws log::DataError, naming the first recording, where `finite` is false.
+void require_finite(bool finite, const std::vector<Recording>& recordings,
+                    const std::vector<Window>& windows);
 
 /// Which values lie on a bound of their unknown.
 std::vector<bool> at_bounds(const std::vector<double>& values, const std::vector<Unknown>& unknowns);

@@ -9,6 +9,8 @@ namespace {
 /// Above this correlation of two estimates only a combination of them is known: one of them fixed, the
 /// other's interval would shrink more than three-fold.
 constexpr double kCorrelated = 0.95;
+constexpr double kSingular = 1e-12;  ///< what keeps a direction without information from dividing by zero
+constexpr double kUnknown = 1e6;     ///< variance inflation above which a value is not known at all
 constexpr double kNotExcited = 1.0;  ///< half width of the interval over the value
 
 }  // namespace
@@ -42,7 +44,7 @@ std::vector<ParameterVerdict> parameter_verdicts(const Fit& fit, const std::vect
       scaled(i, k) = information(a, b) / std::sqrt(information(a, a) * information(b, b));
     }
   const Eigen::MatrixXd inverse =
-      free > 0 ? Eigen::MatrixXd(scaled.completeOrthogonalDecomposition().pseudoInverse())
+      free > 0 ? Eigen::MatrixXd((scaled + kSingular * Eigen::MatrixXd::Identity(free, free)).inverse())
                : Eigen::MatrixXd();
   const double t =
       student_t95(std::max(1.0, static_cast<double>(fit.shares.size()) - static_cast<double>(count)));
@@ -54,7 +56,14 @@ std::vector<ParameterVerdict> parameter_verdicts(const Fit& fit, const std::vect
         std::sqrt(std::max(0.0, fit.covariance(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(i))));
     v.lower = v.value - half;
     v.upper = v.value + half;
-    v.verdict = half > kNotExcited * std::abs(v.value) ? "not_excited" : "identified";
+    // A value near zero may be known well: it is measured by a hundredth of its bounds' distance too.
+    const double scale = std::max(std::abs(v.value), 0.01 * (unknowns[i].upper - unknowns[i].lower));
+    v.verdict = half > kNotExcited * scale ? "not_excited" : "identified";
+    if (!(information(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(i)) > 0.0)) {
+      v.verdict = "not_excited";
+      v.lower = unknowns[i].lower;
+      v.upper = unknowns[i].upper;
+    }
     if (fit.at_bound[i]) {
       const bool lower = v.value - unknowns[i].lower < unknowns[i].upper - v.value;
       v.verdict = "at_bound";
@@ -62,6 +71,11 @@ std::vector<ParameterVerdict> parameter_verdicts(const Fit& fit, const std::vect
     }
   }
   for (Eigen::Index i = 0; i < free; ++i) {
+    const auto own = static_cast<std::size_t>(moving[static_cast<std::size_t>(i)]);
+    if (inverse(i, i) > kUnknown) {
+      all[own].lower = unknowns[own].lower;
+      all[own].upper = unknowns[own].upper;
+    }
     double strongest = kCorrelated;
     for (Eigen::Index k = 0; k < free; ++k) {
       const double product = inverse(i, i) * inverse(k, k);
@@ -69,7 +83,7 @@ std::vector<ParameterVerdict> parameter_verdicts(const Fit& fit, const std::vect
           i == k || !(product > 0.0) ? 0.0 : std::abs(inverse(i, k)) / std::sqrt(product);
       if (correlation <= strongest) continue;
       strongest = correlation;
-      ParameterVerdict& v = all[static_cast<std::size_t>(moving[static_cast<std::size_t>(i)])];
+      ParameterVerdict& v = all[own];
       v.verdict = "correlated";
       v.with = unknowns[static_cast<std::size_t>(moving[static_cast<std::size_t>(k)])].name;
     }

@@ -11,8 +11,9 @@ namespace {
 constexpr double kSmallestHop_m = 3e-3;
 constexpr double kShortestPhase_s = 0.03;
 constexpr double kAfterTouchdown_s = 0.015;
-constexpr double kAfterLiftoff_s = 0.005;
+constexpr double kAfterLiftoff_s = 0.007;
 constexpr double kStart_s = 0.05;
+constexpr double kLongestGap = 0.2;  // of a window's length
 
 /// A stretch of rows in the air: [first, last] above the touch-down height.
 struct Flight {
@@ -48,6 +49,17 @@ std::vector<Flight> find_flights(const Recording& r, double touchdown_height) {
   return found;
 }
 
+/// Without the windows that hold a pause: rows further apart than a model can be trusted to bridge.
+std::vector<Window> without_pauses(std::vector<Window> windows, const Recording& r) {
+  constexpr double kLongestPause_s = 0.05;
+  std::erase_if(windows, [&](const Window& w) {
+    for (std::size_t i = w.first; i < w.last; ++i)
+      if (r.time_s[i + 1] - r.time_s[i] > kLongestPause_s) return true;
+    return false;
+  });
+  return windows;
+}
+
 bool is_apex(const Flight& f) {
   if (f.starts_here && f.apex < 5) return true;  // dropped from rest
   return f.apex > f.first + 2 && f.apex + 2 < f.last;
@@ -67,7 +79,7 @@ std::vector<Window> strides(const Recording& r, std::size_t index, const model::
     const std::size_t first = all[i].starts_here && all[i].apex < 5 ? 0 : all[i].apex;
     found.push_back({index, first, all[i + 1].apex, WindowKind::stride, all[i].last + 1, all[i + 1].first});
   }
-  return found;
+  return without_pauses(std::move(found), r);
 }
 
 std::vector<Window> stances(const Recording& r, std::size_t index, const model::Model& model) {
@@ -84,11 +96,14 @@ std::vector<Window> stances(const Recording& r, std::size_t index, const model::
     std::size_t first = i;
     if (i > 0)
       while (first < last && r.time_s[first] < r.time_s[i] + kAfterTouchdown_s) ++first;
-    if (r.time_s[last] - r.time_s[first] > kShortestPhase_s)
-      found.push_back({index, first, last, WindowKind::stance, 0, 0});
+    std::size_t end = last;
+    if (last + 1 < n)
+      while (end > first && r.time_s[end] > r.time_s[last] - kAfterLiftoff_s) --end;
+    if (r.time_s[end] - r.time_s[first] > kShortestPhase_s)
+      found.push_back({index, first, end, WindowKind::stance, 0, 0});
     i = last + 1;
   }
-  return found;
+  return without_pauses(std::move(found), r);
 }
 
 std::vector<Window> flights(const Recording& r, std::size_t index, const model::Model& model) {
@@ -98,11 +113,13 @@ std::vector<Window> flights(const Recording& r, std::size_t index, const model::
     if (!f.starts_here)
       while (first < f.last && r.time_s[first] < r.time_s[f.first] + kAfterLiftoff_s) ++first;
     std::size_t last = f.last;
-    if (last > first + 2) last -= f.ends_here ? 0 : 2;
+    // The smoothed velocity looks 6 ms ahead: not into the impact.
+    if (!f.ends_here)
+      while (last > first && r.time_s[last] > r.time_s[f.last] - kAfterLiftoff_s) --last;
     if (r.time_s[last] - r.time_s[first] > kShortestPhase_s)
       found.push_back({index, first, last, WindowKind::flight, 0, 0});
   }
-  return found;
+  return without_pauses(std::move(found), r);
 }
 
 std::vector<Window> intervals(const Recording& r, std::size_t index, double length_s, double from_s) {
@@ -112,8 +129,13 @@ std::vector<Window> intervals(const Recording& r, std::size_t index, double leng
   while (first < n && r.time_s[first] < r.time_s[0] + from_s) ++first;
   while (first + 1 < n) {
     std::size_t last = first;
-    while (last + 1 < n && r.time_s[last + 1] <= r.time_s[first] + length_s) ++last;
-    if (last - first < 5 || r.time_s[last] - r.time_s[first] < 0.5 * length_s) break;
+    while (last + 1 < n && r.time_s[last + 1] <= r.time_s[first] + length_s &&
+           r.time_s[last + 1] - r.time_s[last] <= kLongestGap * length_s)
+      ++last;
+    if (last - first < 5 || r.time_s[last] - r.time_s[first] < 0.5 * length_s) {
+      first = last + 1;  // a pause, or the end
+      continue;
+    }
     found.push_back({index, first, last, WindowKind::interval, 0, 0});
     first = last;
   }

@@ -150,7 +150,7 @@ TEST_CASE("Recordings without a stride, or shorter than a window, are refused wi
   still.path = "still.csv";
   for (int n = 0; n < 500; ++n) {
     still.columns["time_s"].push_back(1e-3 * n);
-    still.columns["height_m"].push_back(0.26);
+    still.columns["height_m"].push_back(0.26 + 0.01 * std::sin(0.02 * n));
     still.columns["torque_cmd_nm"].push_back(0.0);
   }
   CHECK_THROWS_WITH(
@@ -159,6 +159,37 @@ TEST_CASE("Recordings without a stride, or shorter than a window, are refused wi
   const std::vector<log::Log> brief{test::axis_log(95.0, 200.0, 1e-4, 1, 0.2)};
   CHECK_THROWS_WITH(diagnose::diagnose(test::axis_model(80.0, 150.0), brief, brief),
                     Catch::Contains("--window-s"));
+}
+
+TEST_CASE("A machine that differs from the one recorded in training is not called adequate") {
+  const auto d = diagnose::diagnose(test::axis_model(80.0, 150.0), coastings(0.0, 0.0, 1, 4),
+                                    coastings(10.0, 0.0, 50, 1));
+  INFO(text(d));
+  CHECK(d.verdict == Verdict::unexplained);
+}
+
+TEST_CASE("An effect that is on with a wrong size is named with the true one") {
+  auto model = test::axis_model(80.0, 150.0);
+  model.effects[dynamics::Effect::coulomb_friction] = {5.0};
+  const auto d = diagnose::diagnose(model, coastings(20.0, 0.0, 1, 4), coastings(20.0, 0.0, 50, 1));
+  INFO(text(d));
+  REQUIRE(d.findings.size() == 1);
+  CHECK(d.findings[0].effect == dynamics::Effect::coulomb_friction);
+  CHECK(d.extended_model.effects.at(dynamics::Effect::coulomb_friction)[0] == Approx(20.0).epsilon(0.01));
+}
+
+TEST_CASE("Axes that never move are refused, and one still recording does not outweigh those that do") {
+  auto still = coasting(20.0, 0.0, 9);
+  for (double& x : still.columns["position_m"]) x = 0.125;
+  CHECK_THROWS_WITH(diagnose::diagnose(test::axis_model(80.0, 150.0), {still}, {still}),
+                    Catch::Contains("never moves"));
+  for (double& u : still.columns["force_n"]) u = 0.0;
+  auto training = coastings(20.0, 0.0, 1, 3);
+  training.push_back(still);
+  const auto d = diagnose::diagnose(test::axis_model(80.0, 150.0), training, coastings(20.0, 0.0, 50, 1));
+  INFO(text(d));
+  REQUIRE(d.findings.size() == 1);
+  CHECK(d.findings[0].effect == dynamics::Effect::coulomb_friction);
 }
 
 TEST_CASE("diagnose writes its three files, and the extended model is one that sim reads") {

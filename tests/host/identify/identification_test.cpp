@@ -59,6 +59,18 @@ TEST_CASE("Too few recordings or windows for the folds are refused with both num
   CHECK_THROWS_AS(identify::identify(test::axis_model(60.0, 90.0), shortest, {}, options), log::DataError);
 }
 
+TEST_CASE("A recording too short for a window is no fold, and a pause ends a window, not the recording") {
+  auto logs = axis_logs(3);
+  logs.push_back(test::axis_log(95.0, 203.5, 1e-4, 9, 0.1));
+  identify::IdentifyOptions options;
+  options.by_equation = true;
+  CHECK(identify::identify(test::axis_model(60.0, 90.0), logs, {}, options).folds == 3);
+  auto paused = test::axis_log(95.0, 203.5, 1e-4, 4, 4.0);
+  for (std::size_t i = 800; i < paused.rows(); ++i) paused.columns["time_s"][i] += 0.6;
+  const auto r = identify::make_recording(paused, dynamics::Kind::motor_axis);
+  CHECK(identify::intervals(r, 0, 0.5).size() >= 6);
+}
+
 TEST_CASE("A model without free parameters is refused") {
   auto model = test::axis_model(60.0, 90.0);
   model.free.clear();
