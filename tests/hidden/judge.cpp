@@ -149,7 +149,6 @@ double ParameterError::relative() const { return std::abs(found - expected) / st
 diagnose::Diagnosis diagnosed(const Case& c, unsigned threads) {
   diagnose::Options options;
   options.threads = threads;
-  options.seed = c.seed;
   return diagnose::diagnose(c.model, c.training, c.held_out, options);
 }
 
