@@ -53,8 +53,7 @@ void write_file_atomically(const std::string& path, std::string_view content) {
   std::string temporary = target + ".part-XXXXXX";
   const int fd = ::mkostemp(temporary.data(), O_CLOEXEC);
   if (fd < 0) give_up(path, errno);
-  // mkostemp gives 0600; the result shall have the old file's mode, or the one that a plain new file would
-  // have.
+  // mkostemp gives 0600; the result shall have the old file's mode, or that of any new file.
   const mode_t mask = ::umask(0);
   ::umask(mask);
   int error = ::fchmod(fd, exists ? status.st_mode & 07777 : 0666 & ~mask) == 0 ? 0 : errno;

@@ -1,5 +1,4 @@
-// The map file (`--map MAP.toml`): which column of a foreign log is which of ours, with a scale and an
-// offset.
+// The map file (`--map MAP.toml`): which column of a foreign log is which of ours, with scale and offset.
 #pragma once
 
 #include <map>

@@ -1,5 +1,4 @@
-// Unusable data or model files: the message names file, line, column or key, the value, and what was
-// expected.
+// Unusable data or model files: the message names file, line, column or key, value, and what was expected.
 #pragma once
 
 #include <stdexcept>

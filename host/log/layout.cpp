@@ -67,7 +67,7 @@ std::string at(const RecordStream& records) {
   return records.name() + ":" + std::to_string(records.line()) + ": ";
 }
 
-void take_metadata(std::string_view record, const RecordStream& records, const RigInfo& rig,
+void take_metadata(std::string_view record, const RecordStream& records, const RigInfo* rig,
                    LogHeader& header) {
   const std::size_t colon = record.find(':');
   if (colon == std::string_view::npos) return;
@@ -76,14 +76,21 @@ void take_metadata(std::string_view record, const RecordStream& records, const R
   const std::string value(trimmed(record.substr(colon + 1)));
   if (key == "format" && value != "furcula-log/1")
     throw DataError(at(records) + "format is " + quoted(value) + "; expected furcula-log/1");
-  if (key == "rig" && value != rig.name)
-    throw DataError(at(records) + "rig is " + quoted(value) + "; expected " + std::string(rig.name) +
-                    ", the rig of the model");
+  if (key == "rig" && rig != nullptr && value != rig->name)
+    throw DataError(at(records) + "rig is " + quoted(value) + "; expected " + std::string(rig->name) +
+                    ", as the model, the map or --rig says");
+  if (key == "rig" && rig_named(value) == nullptr) {
+    std::vector<std::string_view> rigs;
+    for (const RigInfo& r : kRigs) rigs.push_back(r.name);
+    throw DataError(at(records) + "rig is " + quoted(value) + "; expected one of " + listed(rigs) +
+                    did_you_mean(value, rigs));
+  }
   header.metadata.insert_or_assign(key, value);
 }
 
-// The first record that is neither blank nor a comment. The comments before it go into the header.
-std::string_view header_row(RecordStream& records, const RigInfo& rig, LogHeader& header) {
+// The first record that is neither blank nor a comment. The comments before it go into the header. `rig` is
+// what the log must be of; none: any.
+std::string_view header_row(RecordStream& records, const RigInfo* rig, LogHeader& header) {
   std::string_view record;
   std::size_t metadata_bytes = 0;
   bool anything = false;
@@ -158,9 +165,9 @@ void refuse_wrong_units(const Layout& layout, const RigInfo& rig, const RecordSt
 Layout read_layout(RecordStream& records, const RigInfo& rig, const ColumnMap* map) {
   if (map != nullptr && map->rig != rig.name)
     throw DataError(map->path + ": rig is " + quoted(map->rig) + "; expected " + std::string(rig.name) +
-                    ", the rig of the model");
+                    ", as the model or --rig says");
   Layout layout;
-  const std::string_view row = header_row(records, rig, layout.header);
+  const std::string_view row = header_row(records, &rig, layout.header);
   layout.file_columns = column_names(row, records);
   layout.needed.assign(layout.file_columns.size(), false);
   if (map == nullptr) refuse_wrong_units(layout, rig, records);
@@ -198,6 +205,13 @@ Layout read_layout(RecordStream& records, const RigInfo& rig, const ColumnMap* m
   layout.time_channel =
       static_cast<std::size_t>(std::find(ours.begin(), ours.end(), "time_s") - ours.begin());
   return layout;
+}
+
+std::string read_rig_line(RecordStream& records) {
+  LogHeader header;
+  header_row(records, nullptr, header);
+  const auto found = header.metadata.find("rig");
+  return found == header.metadata.end() ? std::string{} : found->second;
 }
 
 }  // namespace furcula::log

@@ -34,4 +34,7 @@ struct Layout {
 /// Reads up to and with the header row. @throws DataError, see read_log.
 Layout read_layout(RecordStream& records, const RigInfo& rig, const ColumnMap* map);
 
+/// The rig that a `# rig:` line before the header row names, or nothing. @throws DataError, see rig_line.
+std::string read_rig_line(RecordStream& records);
+
 }  // namespace furcula::log

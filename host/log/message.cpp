@@ -53,9 +53,11 @@ std::string did_you_mean(std::string_view name, std::span<const std::string_view
   std::string_view best;
   std::size_t least = 1 + std::max<std::size_t>(2, name.size() / 3);
   for (const std::string_view candidate : names) {
-    // A part of a name is as good as a slip of the pen.
+    // A part of a name is as good as a slip of the pen, a name with more to it nearly as good.
     const bool part = name.size() >= 3 && candidate.find(name) != candidate.npos;
-    const std::size_t distance = part ? 1 : edit_distance(name, candidate);
+    const bool more = candidate.size() >= 4 && name.find(candidate) != name.npos;
+    const std::size_t distance =
+        part ? 1 : std::min<std::size_t>(edit_distance(name, candidate), more ? 2 : 100);
     if (distance < least) {
       least = distance;
       best = candidate;

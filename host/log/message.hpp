@@ -14,8 +14,8 @@ std::string quoted(std::string_view value);
 /// Shortest decimal form that reads back as the same double.
 std::string shortest(double value);
 
-/// ` (did you mean 'x'?)` for the nearest of the names by edit distance (or that it is a part of), or nothing
-/// if none is near.
+/// ` (did you mean 'x'?)` for the nearest of the names by edit distance, or that it is a part of, or that is
+/// a part of it; nothing if none is near.
 std::string did_you_mean(std::string_view name, std::span<const std::string_view> names);
 
 /// "a, b, c"

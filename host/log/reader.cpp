@@ -228,6 +228,12 @@ LogSummary check_log(const std::string& path, const std::string& rig, const Colu
   return visit_log(path, rig, map, [](const LogHeader&) { return [](std::span<const double>) {}; });
 }
 
+std::string rig_line(const std::string& path) {
+  FileSource source(path, "a log (CSV)");
+  RecordStream records(source, path);
+  return read_rig_line(records);
+}
+
 Log parse_log(std::string_view text, const std::string& name, const std::string& rig, const ColumnMap* map) {
   TextSource source(text);
   return collect(source, name, rig, map);

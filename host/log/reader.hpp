@@ -1,5 +1,4 @@
-// Reads `furcula-log/1` (docs/contracts.md, section 1): as a whole into memory, or row by row in bounded
-// memory.
+// Reads `furcula-log/1` (docs/contracts.md, section 1): into memory, or row by row in bounded memory.
 #pragma once
 
 #include <cstddef>
@@ -25,8 +24,7 @@ struct LogHeader {
 
 struct LogSummary {
   LogHeader header;
-  /// Columns that the rig does not know and that hold something else than finite numbers: ignored, not in a
-  /// Log.
+  /// Columns that the rig does not know and that hold something else than finite numbers; not in a Log.
   std::vector<std::string> ignored_columns;
   std::uint64_t rows = 0;
   double duration_s = 0.0;         ///< last time minus first
@@ -36,8 +34,8 @@ struct LogSummary {
   bool last_row_ends = true;  ///< false: no line end after the last row, so its last number may have been cut
 };
 
-/// Called for each row with the values in the order of LogHeader::columns; NaN where an ignored column has no
-/// number.
+/// Called for each row with the values in the order of LogHeader::columns; NaN where an ignored column holds
+/// something else than a number.
 using RowVisitor = std::function<void(std::span<const double>)>;
 
 /// Reads a log into memory. `rig` is that of the model's kind; the `# rig:` line, if there, must agree.
@@ -49,8 +47,11 @@ Log read_log(const std::string& path, const std::string& rig, const ColumnMap* m
 /// Checks a log as read_log does, in memory that does not grow with the file.
 LogSummary check_log(const std::string& path, const std::string& rig, const ColumnMap* map = nullptr);
 
-/// Goes through a log row by row, in memory that does not grow with the file. What check_log and read_log
-/// stand on.
+/// The rig that the log's own `# rig:` line names, or nothing where it has none. Reads up to the header row.
+/// @throws DataError naming file and line: not readable, empty, no such rig.
+std::string rig_line(const std::string& path);
+
+/// Goes through a log row by row, in memory that does not grow with the file; what the two above stand on.
 LogSummary visit_log(const std::string& path, const std::string& rig, const ColumnMap* map,
                      const std::function<RowVisitor(const LogHeader&)>& on_header);
 

@@ -31,8 +31,7 @@ bool RecordStream::fill() {
 
 bool RecordStream::next(std::string_view& record) {
   line_ = next_line_;
-  std::size_t searched =
-      0;  // bytes of this record that are known to hold neither its end nor an uncounted quote
+  std::size_t searched = 0;  // bytes of this record without its end and without a quote not counted yet
   bool in_quotes = false;
   for (;;) {
     const char* const from = buffer_.data() + begin_ + searched;
@@ -81,8 +80,7 @@ std::string take_field(std::string_view& rest, bool& more) {
       field += rest[i];
       i += rest[i] == '"' ? 2 : 1;
     }
-    // What stands between the closing quote and the comma makes the field something else than it seems: keep
-    // it.
+    // Kept: what stands between the closing quote and the comma makes the field something else.
     const std::size_t comma = std::min(rest.find(',', std::min(i + 1, rest.size())), rest.size());
     std::string_view tail = rest.substr(std::min(i + 1, comma), comma - std::min(i + 1, comma));
     if (tail.find_first_not_of(kSpace) != std::string_view::npos) field += tail;

@@ -1,5 +1,4 @@
-// Cuts a stream of bytes into the records of a CSV file (RFC 4180), in memory bounded by the longest line
-// allowed.
+// Cuts a stream of bytes into the records of a CSV file (RFC 4180); its memory is bounded by kLongestLine.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,4 @@
-// The rigs whose logs can be read, and their columns (docs/contracts.md, section 1): each column stands here
-// once.
+// The rigs whose logs can be read, and their columns (docs/contracts.md, section 1): the one table of them.
 #pragma once
 
 #include <array>
