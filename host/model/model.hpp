@@ -1,5 +1,4 @@
-// A model file in memory: a kind of machine, its parameters, what a fit may move, and the effects switched
-// on.
+// A model file in memory: a kind of machine, its parameters, what a fit may move, the effects that are on.
 #pragma once
 
 #include <array>

@@ -79,10 +79,7 @@ class Reader {
     const toml::node& node = entry(table, "[model]", "kind", "one of " + log::listed(kinds));
     const std::string name = log::text(node, name_, "kind");
     const auto kind = dynamics::kind_named(name);
-    if (!kind)
-      fail(name_, node.source(),
-           "unknown kind " + quoted(name) + "; expected one of " + log::listed(kinds) +
-               log::did_you_mean(name, kinds));
+    if (!kind) fail(name_, node.source(), no_such_kind(name));
     model_.kind = *kind;
   }
 
@@ -185,6 +182,15 @@ class Reader {
 };
 
 }  // namespace
+
+std::string no_such_kind(std::string_view name) {
+  std::vector<std::string_view> kinds;
+  for (const auto& k : dynamics::kKinds) kinds.push_back(k.name);
+  const std::string expected = "; expected one of " + log::listed(kinds);
+  for (const std::string_view k : kKindsWithoutPlant)
+    if (k == name) return "kind " + quoted(name) + " is not simulated in this version" + expected;
+  return "unknown kind " + quoted(name) + expected + log::did_you_mean(name, kinds);
+}
 
 Model parse_model(std::string_view text, const std::string& name) { return Reader(text, name).read(); }
 

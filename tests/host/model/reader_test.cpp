@@ -1,5 +1,4 @@
-// Model files that are read, and those that are refused: each with file, line, key, value and what was
-// expected.
+// Model files that are read, and those that are refused: with file, line, key, value, what was expected.
 #include "host/model/reader.hpp"
 
 #include <catch2/catch.hpp>
@@ -79,9 +78,16 @@ TEST_CASE("an unknown section, key, kind or effect is refused, and the nearest n
                  Contains("(did you mean 'coulomb_friction'?)"));
   CHECK_THAT(refused("force_n", "force"),
              Contains("m.toml:21: unknown key 'force' in [effect.coulomb_friction]"));
-  CHECK_THAT(refused("hopper_linear", "hopper_nonlinear"),
-             Contains("m.toml:2: unknown kind 'hopper_nonlinear'; expected one of hopper_linear, motor_axis, "
+  CHECK_THAT(refused("hopper_linear", "hopper_lineal"),
+             Contains("m.toml:2: unknown kind 'hopper_lineal'; expected one of hopper_linear, motor_axis, "
                       "rotary_joint (did you mean 'hopper_linear'?)"));
+}
+
+TEST_CASE("a kind of the contract that has no plant yet is said to be that, not unknown") {
+  for (const char* kind : {"hopper_nonlinear", "rail_carriage", "clutch_bench"})
+    CHECK_THAT(refused("hopper_linear", kind), Contains("m.toml:2: kind '" + std::string(kind) +
+                                                        "' is not simulated in this version; expected "
+                                                        "one of hopper_linear, motor_axis, rotary_joint"));
 }
 
 TEST_CASE("what is missing is named, with what was expected") {
