@@ -42,8 +42,7 @@ VerdictWords words(Verdict v) {
     case Verdict::not_identifiable:
       return {"Not identifiable", Tone::notice,
               "Two or more causes would remove the error equally well, or the data are too poor. Another "
-              "experiment "
-              "tells them apart."};
+              "experiment tells them apart."};
   }
   return {"", Tone::neutral, ""};
 }
@@ -74,13 +73,58 @@ std::string names(const std::vector<std::string>& list) {
   return out.empty() ? "nothing: the model as it is, re-fitted" : out;
 }
 
+/// "dry friction <code>coulomb_friction</code>: 1.61 N", of each finding.
+std::string list_of_causes(const Diagnosis& d) {
+  std::string out = "<ul>\n";
+  for (const diagnose::Finding& f : d.findings) {
+    const dynamics::EffectInfo& effect = dynamics::info(f.effect);
+    std::string values;
+    for (const dynamics::EffectParameterInfo& p : effect.parameters()) {
+      const std::string name(dynamics::name_on(p, d.kind)), unit(dynamics::unit_on(p, d.kind));
+      const auto found = f.parameters.find(name);
+      if (found == f.parameters.end()) continue;
+      values += (values.empty() ? ": " : ", ") + (effect.parameter_count > 1 ? name + " " : "") +
+                number(found->second.value) + (unit.empty() ? "" : " " + unit);
+    }
+    out += "<li>" + escape(effect.title) + " <code>" + escape(effect.name) + "</code>" + escape(values) +
+           "</li>\n";
+  }
+  return out + "</ul>\n";
+}
+
+/// Several causes do not fit into one headline: the first, how many more, and the list below it.
+std::string headline(const Diagnosis& d) {
+  if (d.findings.size() < 2) return d.summary.empty() ? words(d.verdict).meaning : d.summary;
+  return (d.verdict == Verdict::not_identifiable ? "Not certain: " : "The model lacks ") +
+         std::string(dynamics::info(d.findings.front().effect).title) + ", and " +
+         std::to_string(d.findings.size() - 1) + " more";
+}
+
+/// What the named causes do to the error, in the figure of the headline of a single cause.
+std::string fall_of_error(const Diagnosis& d) {
+  const std::string channel = diagnose::main_channel(d);
+  const double before = or_nan(find(d.refitted, channel), &diagnose::ChannelErrors::rmse);
+  const double after = or_nan(find(d.extended, channel), &diagnose::ChannelErrors::rmse);
+  const double floor = or_nan(find(d.noise_floor, channel), &diagnose::ChannelErrors::rmse);
+  if (!std::isfinite(before) || !std::isfinite(after)) return "";
+  const Scale s = scale_for({before, after}, unit_of(channel, d));
+  return " With them the error of " + channel + " on the held-out recordings (RMSE) goes from " +
+         number(s.factor * before) + " to " + number(s.factor * after) + " " + s.unit +
+         (floor > 0.0 ? "; the noise floor is " + number(s.factor * floor) + " " + s.unit : "") + ".";
+}
+
 std::string header(const Diagnosis& d) {
   const VerdictWords v = words(d.verdict);
-  const std::string sentence = d.summary.empty() ? v.meaning : d.summary;
   std::string out =
       "<header>\n<p class=\"eyebrow\">Diagnosis of a simulation against measurements &middot; model <code>" +
       escape(dynamics::info(d.kind).name) + "</code></p>\n";
-  out += "<p>" + badge(v.title, v.tone) + "</p>\n<h1>" + escape(sentence) + "</h1>\n";
+  out += "<p>" + badge(v.title, v.tone) + "</p>\n<h1>" + escape(headline(d)) + "</h1>\n";
+  if (d.findings.size() > 1) {
+    out += list_of_causes(d) + "<p class=\"lead\">" +
+           escape(d.verdict == Verdict::not_identifiable ? d.summary : v.meaning + fall_of_error(d)) +
+           "</p>\n";
+    return out + "</header>\n";
+  }
   if (!d.summary.empty()) out += "<p class=\"lead\">" + escape(v.meaning) + "</p>\n";
   return out + "</header>\n";
 }
@@ -103,7 +147,8 @@ std::string figures(const Diagnosis& d) {
   };
   const auto* floor = find(d.noise_floor, channel);
   std::vector<KeyFigure> list;
-  list.push_back({"Mean error of " + channel, steps(&diagnose::ChannelErrors::mae, unit_of(channel, d)),
+  list.push_back({"Error of " + channel + " (RMSE)",
+                  steps(&diagnose::ChannelErrors::rmse, unit_of(channel, d)),
                   std::string(found ? "as given, re-fitted, extended" : "as given, re-fitted") +
                       "; on recordings that no fit has seen"});
   list.push_back({"NMSE of " + channel, steps(&diagnose::ChannelErrors::nmse, ""),
@@ -123,6 +168,18 @@ std::string budget(const Diagnosis& d) {
   const double extended = or_nan(find(d.extended, channel), &diagnose::ChannelErrors::nmse);
   const auto* floor_entry = find(d.noise_floor, channel);
   if (!(given > 0.0) || !std::isfinite(refitted) || !std::isfinite(extended)) return "";
+  // A model that does worse than the one before it has removed nothing that a bar could show.
+  constexpr double kWorse = 1.01;
+  if (extended > kWorse * refitted)
+    return paragraph(
+        "On the held-out recordings the extended model does worse than the re-fitted one: none of the "
+        "squared error of " +
+        channel + " is removed by what is named.");
+  if (refitted > kWorse * given)
+    return paragraph(
+        "On the held-out recordings the re-fitted model does worse than the one as given: no share of "
+        "the squared error of " +
+        channel + " is removed by re-fitting.");
   // Each step can only take away from what the step before left; a held-out error may also grow a little.
   const double after_fit = std::clamp(refitted, 0.0, given);
   const double after_causes = std::clamp(extended, 0.0, after_fit);
@@ -166,10 +223,12 @@ std::string errors_table(const Diagnosis& d) {
     const auto* floor = find(d.noise_floor, channel);
     const Scale s = scale_for({given.mae, given.rmse}, unit_of(channel, d));
     const auto add = [&](const char* figure, double E::*member, const Scale& scale, bool first) {
+      // The floor has no absolute error, and a diagnosis may lack its RMSE.
+      const bool known = floor && floor->*member > 0.0;
       table.add({first ? escape(in_words(channel)) : "", figure, number(scale.factor * given.*member),
                  number(scale.factor * or_nan(refitted, member)),
-                 number(scale.factor * or_nan(extended, member)), first && floor ? number(floor->nmse) : "",
-                 escape(scale.unit)});
+                 number(scale.factor * or_nan(extended, member)),
+                 known ? number(scale.factor * floor->*member) : "", escape(scale.unit)});
     };
     add("NMSE", &E::nmse, {1.0, ""}, true);
     add("MAE", &E::mae, s, false);
@@ -178,6 +237,48 @@ std::string errors_table(const Diagnosis& d) {
   if (table.empty()) return "";
   return "<details open><summary>Errors on the held-out recordings, by channel</summary>\n" + table.html() +
          "</details>\n";
+}
+
+/// Root mean square of each recording's errors, from the windows that are plotted.
+std::string recordings_table(const Diagnosis& d) {
+  const std::string channel = diagnose::main_channel(d);
+  using Model = std::vector<double> diagnose::Trace::*;
+  constexpr Model kModels[] = {&diagnose::Trace::as_given, &diagnose::Trace::refitted,
+                               &diagnose::Trace::extended};
+  struct Row {
+    std::string log;
+    std::size_t windows = 0;
+    double squares[3] = {}, samples[3] = {};
+  };
+  std::vector<Row> rows;
+  for (const diagnose::Trace& t : d.traces) {
+    if (t.channel != channel) continue;
+    auto row = std::find_if(rows.begin(), rows.end(), [&t](const Row& r) { return r.log == t.log; });
+    if (row == rows.end()) row = rows.insert(rows.end(), Row{t.log});
+    ++row->windows;
+    for (std::size_t m = 0; m < 3; ++m)
+      for (std::size_t i = 0; i < std::min(t.measured.size(), (t.*kModels[m]).size()); ++i) {
+        const double error = t.measured[i] - (t.*kModels[m])[i];
+        row->squares[m] += error * error;
+        row->samples[m] += 1.0;
+      }
+  }
+  Table table({{"Recording"},
+               {"Windows", true},
+               {"As given", true},
+               {"Re-fitted", true},
+               {"Extended", true},
+               {"Unit"}});
+  for (const Row& r : rows) {
+    double rmse[3];
+    for (std::size_t m = 0; m < 3; ++m) rmse[m] = std::sqrt(r.squares[m] / r.samples[m]);
+    const Scale s = scale_for({rmse[0], rmse[1], rmse[2]}, unit_of(channel, d));
+    table.add({escape(r.log), std::to_string(r.windows), number(s.factor * rmse[0]),
+               number(s.factor * rmse[1]), number(s.factor * rmse[2]), escape(s.unit)});
+  }
+  if (table.empty()) return "";
+  return "<details><summary>Errors by held-out recording (RMSE of " + escape(channel) +
+         ", over the windows that are plotted below)</summary>\n" + table.html() + "</details>\n";
 }
 
 std::string estimates(const std::map<std::string, diagnose::Estimate>& parameters, const Diagnosis& d,
@@ -228,9 +329,12 @@ std::string finding(const diagnose::Finding& f, std::size_t place, const Diagnos
          (d.kind == dynamics::Kind::hopper_linear ? " <small>in " + escape(effect.phase) + "</small>" : "") +
          "</p>\n";
   out += estimates(f.parameters, d, effect) + "</div>\n<div>\n";
-  out += "<h4>What it explains</h4>\n<p>" + share_bar(f.explainable_nmse_removed) +
-         " of what can be explained. Without it, all else re-fitted, the mean error of " + escape(channel) +
-         " is " + number(s.factor * f.held_out_mae_before, 2) + " " + escape(s.unit) + "; with it " +
+  out += "<h4>What it explains</h4>\n<p>" +
+         (f.explainable_nmse_removed < 0.0
+              ? "Nothing on the held-out recordings: they are predicted worse with it."
+              : share_bar(f.explainable_nmse_removed) + " of what can be explained.") +
+         " Without it, all else re-fitted, the mean absolute error (MAE) of " + escape(channel) + " is " +
+         number(s.factor * f.held_out_mae_before, 2) + " " + escape(s.unit) + "; with it " +
          number(s.factor * f.held_out_mae_after, 2) + " " + escape(s.unit) + ".</p>\n";
   out += "<h4>Confidence</h4>\n<p>" + share_bar(f.confidence) + "</p>\n";
   if (!f.next_experiment.empty()) out += "<h4>To be sure</h4>\n" + paragraph(f.next_experiment);
@@ -238,7 +342,8 @@ std::string finding(const diagnose::Finding& f, std::size_t place, const Diagnos
   if (!f.indistinguishable_from.empty())
     out += "<div class=\"aside\"><h4>These recordings cannot tell it from</h4>\n" +
            rivals(f.indistinguishable_from) + "</div>\n";
-  if (!f.alternatives.empty()) out += "<h4>What it is not</h4>\n" + rivals(f.alternatives);
+  if (!f.alternatives.empty())
+    out += "<h4>Alone in its place, these do worse</h4>\n" + rivals(f.alternatives);
   return out + "</article>\n";
 }
 
@@ -296,10 +401,14 @@ std::string candidates(const Diagnosis& d) {
               c->chosen);
   }
   if (table.empty()) return "";
-  return "<p>Gain in training: share of the cross-validated error removed on the training logs; it alone "
-         "decides. Gain held "
-         "out: share of the error above the noise floor removed on recordings that no choice has "
-         "seen.</p>\n" +
+  return std::string("<p>") +
+         (d.findings.empty()
+              ? "No row is good enough to be named. "
+              : "The marked row is the extended model. Every other row is the model with that row's effects "
+                "instead: alone these do worse than what is named, or no better with as many parameters. ") +
+         "Gain in training: share of the cross-validated error removed on the training logs; it alone "
+         "decides. Gain held out: share of the error above the noise floor removed on recordings that no "
+         "choice has seen.</p>\n" +
          table.html();
 }
 
@@ -319,8 +428,7 @@ std::string parameters(const Diagnosis& d) {
   }
   if (table.empty()) return "";
   return "<p>Values with 95 % intervals. Free parameters may move within the bounds of the model file; held "
-         "ones stay as "
-         "given.</p>\n" +
+         "ones stay as given.</p>\n" +
          table.html();
 }
 
@@ -345,27 +453,24 @@ std::string data(const Diagnosis& d) {
 
 constexpr const char* kHowToRead =
     "<dl>"
-    "<dt>NMSE</dt><dd>Sum of squared errors over the sum of squares about the window's mean: 0 is perfect, 1 "
-    "is as good as "
-    "a constant.</dd>"
+    "<dt>NMSE</dt><dd>Sum of squared errors over the sum of squares about the window's mean: 0 is perfect, "
+    "1 is as good as a constant.</dd>"
     "<dt>MAE, RMSE</dt><dd>Mean absolute error, and root of the mean squared error, in the channel's "
     "unit.</dd>"
     "<dt>Held out</dt><dd>Recordings that no fit and no choice between causes has seen. The model starts "
-    "each window from its "
-    "first measured samples and then runs free.</dd>"
+    "each window from its first measured samples and then runs free.</dd>"
     "<dt>Noise floor</dt><dd>What no model can remove: sensor noise and the start's uncertainty.</dd>"
     "<dt>As given, re-fitted, extended</dt><dd>The model file as it was; the same with its free parameters "
-    "fitted again; and "
-    "with the named causes switched on, all fitted together.</dd>"
+    "fitted again; and with the named causes switched on, all fitted together.</dd>"
     "<dt>95 % interval</dt><dd>The range in which the parameter lies with that probability, if the model is "
     "right.</dd>"
     "</dl>\n";
 
 }  // namespace
 
-std::string render_report(const Diagnosis& d) {
+std::string render_report(const Diagnosis& d, const std::string& command) {
   const TraceData trace_data = traces(d);
-  std::string body = header(d) + figures(d) + budget(d) + errors_table(d);
+  std::string body = header(d) + figures(d) + budget(d) + errors_table(d) + recordings_table(d);
   body += section("findings", d.findings.size() == 1 ? "The cause" : "The causes", findings(d));
   body += section("next", "What to do next", next_steps(d));
   body += section("traces", "Measured against simulated, held-out recordings", trace_plot_html(trace_data));
@@ -374,12 +479,14 @@ std::string render_report(const Diagnosis& d) {
                                            : "The force that the re-fitted model lacks",
                   force_plots(d.residual));
   body += section("remains", "What remains", remains(d));
-  body += section("candidates", "Everything that was tried", candidates(d));
+  body +=
+      section("candidates", d.findings.empty() ? "What was tried, without success" : "What was tried instead",
+              candidates(d));
   body += section("parameters", "Parameters", parameters(d));
   body += section("data", "Data", data(d));
   body += section("reading", "How to read this page", kHowToRead);
-  return render({"Furcula: " + (d.summary.empty() ? std::string(words(d.verdict).title) : d.summary), body,
-                 trace_data.json});
+  return render({"Furcula: " + (d.summary.empty() ? std::string(words(d.verdict).title) : headline(d)), body,
+                 trace_data.json, command});
 }
 
 }  // namespace furcula::report

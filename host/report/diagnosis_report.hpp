@@ -8,6 +8,7 @@
 namespace furcula::report {
 
 /// Below about 2 MB whatever the length of the logs: traces and clouds are thinned, and the page says so.
-std::string render_report(const diagnose::Diagnosis& diagnosis);
+/// `command` is what makes the same page again, for its foot; empty: the foot does not speak of it.
+std::string render_report(const diagnose::Diagnosis& diagnosis, const std::string& command = "");
 
 }  // namespace furcula::report

@@ -1,5 +1,4 @@
-// The force that a model lacks, over velocity, position and time, with the named cause's law drawn through
-// it.
+// The force that a model lacks, over velocity, position and time, and the named cause's law through it.
 #pragma once
 
 #include <string>

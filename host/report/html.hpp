@@ -7,8 +7,8 @@
 
 namespace furcula::report {
 
-/// Text for an element's content or a quoted attribute: & < > " ' are escaped, control characters become
-/// U+FFFD.
+/// Text for an element's content or a quoted attribute: & < > " ' are escaped, control characters are
+/// replaced by U+FFFD.
 std::string escape(std::string_view text);
 
 /// JSON text for the inside of a <script> element: no '<', '>' or '&' remains, so it cannot end the element.

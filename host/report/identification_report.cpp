@@ -75,10 +75,12 @@ std::string header(const Identification& id) {
     }
   const bool all = fitted > 0 && held == fitted;
   const std::string sentence =
-      all ? (fitted == 1 ? "The free parameter is identified."
-                         : "All " + std::to_string(fitted) + " free parameters are identified.")
-          : std::to_string(held) + " of " + std::to_string(fitted) + " free parameters are identified" +
-                (doubtful.empty() ? "." : ": " + doubtful + ".");
+      all ? (fitted == 1   ? "The free parameter is identified."
+             : fitted == 2 ? "Both free parameters are identified."
+                           : "All " + std::to_string(fitted) + " free parameters are identified.")
+          : std::to_string(held) + " of " + std::to_string(fitted) +
+                (fitted == 1 ? " free parameter" : " free parameters") + (held == 1 ? " is" : " are") +
+                " identified" + (doubtful.empty() ? "." : ": " + doubtful + ".");
   return "<header>\n<p class=\"eyebrow\">Identification of a model from measurements &middot; model <code>" +
          escape(dynamics::info(id.kind).name) + "</code></p>\n<p>" +
          badge(all ? "Identified" : "Not all identified", all ? Tone::good : Tone::notice) + "</p>\n<h1>" +
@@ -99,7 +101,7 @@ std::string figures(const Identification& id) {
              number(s.factor * after, 2) +
              (s.unit.empty() ? "" : "&#8239;<small>" + escape(s.unit) + "</small>");
     };
-    list.push_back({"Mean error of " + id.main_channel, two(&E::mae, unit_of(id.main_channel, id)),
+    list.push_back({"Mean absolute error of " + id.main_channel, two(&E::mae, unit_of(id.main_channel, id)),
                     "as given, identified; on recordings that no fit has seen"});
     list.push_back({"NMSE of " + id.main_channel, two(&E::nmse, ""), "the same two"});
   }
@@ -170,8 +172,7 @@ std::string errors(const Identification& id) {
   }
   return out.empty() ? ""
                      : "<p>As given and identified: on the held-out recordings, over prediction windows. "
-                       "Over folds: on "
-                       "the windows of each fold, by the fit that has not seen it.</p>\n" +
+                       "Over folds: on the windows of each fold, by the fit that has not seen it.</p>\n" +
                            out;
 }
 
@@ -197,9 +198,8 @@ constexpr const char* kHowToRead =
     "compared.</dd>"
     "<dt>Equation error</dt><dd>Each instant is predicted from the measured one before it: quick, but noise "
     "bends it.</dd>"
-    "<dt>NMSE</dt><dd>Sum of squared errors over the sum of squares about the window's mean: 0 is perfect, 1 "
-    "is as good "
-    "as a constant.</dd>"
+    "<dt>NMSE</dt><dd>Sum of squared errors over the sum of squares about the window's mean: 0 is perfect, "
+    "1 is as good as a constant.</dd>"
     "<dt>Spread over folds</dt><dd>Smallest and largest estimate when one share of the recordings is left "
     "out.</dd>"
     "<dt>Correlated</dt><dd>The recordings tell a combination of the two parameters, not each alone.</dd>"
@@ -209,7 +209,7 @@ constexpr const char* kHowToRead =
 
 }  // namespace
 
-std::string render_identification_report(const Identification& id) {
+std::string render_identification_report(const Identification& id, const std::string& command) {
   const TraceData trace_data = traces(id);
   std::string body = header(id) + figures(id);
   body += section("parameters", "Parameters", parameters(id));
@@ -217,7 +217,7 @@ std::string render_identification_report(const Identification& id) {
   body += section("errors", "Errors of prediction", errors(id));
   body += section("data", "Data", data(id));
   body += section("reading", "How to read this page", kHowToRead);
-  return render({"Furcula: identification", body, trace_data.json});
+  return render({"Furcula: identification", body, trace_data.json, command});
 }
 
 }  // namespace furcula::report

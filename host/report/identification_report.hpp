@@ -7,6 +7,8 @@
 
 namespace furcula::report {
 
-std::string render_identification_report(const identify::Identification& identification);
+/// `command` as for a diagnosis.
+std::string render_identification_report(const identify::Identification& identification,
+                                         const std::string& command = "");
 
 }  // namespace furcula::report

@@ -38,7 +38,9 @@ std::string render(const Page& page) {
   out += assets::page_style;
   if (!page.data_json.empty()) out += assets::dygraphs_style;
   out += "</style>\n</head>\n<body>\n<main>\n" + page.body_html;
-  out += "<footer>Written by furcula " FURCULA_VERSION ".</footer>\n</main>\n";
+  out += "<footer>Written by furcula " FURCULA_VERSION;
+  out += page.command.empty() ? "." : ": <code>" + escape(page.command) + "</code>";
+  out += "</footer>\n</main>\n";
   if (!page.data_json.empty()) {
     out += "<script type=\"application/json\" id=\"trace-data\">" + inside_script(page.data_json) +
            "</script>\n<script>\n/*!\n";
@@ -98,7 +100,7 @@ std::string share_bar(double share) {
   char style[64];
   std::snprintf(style, sizeof style, "width:%.1f%%", width);
   return "<span class=\"share\"><span class=\"bar\"><span style=\"" + std::string(style) +
-         "\"></span></span>" + escape(percent(share)) + "</span>";
+         "\"></span></span>" + escape(share < -0.001 ? "worse" : percent(std::max(share, 0.0))) + "</span>";
 }
 
 std::string with_interval(double value, double lower, double upper) {

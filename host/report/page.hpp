@@ -11,8 +11,9 @@ namespace furcula::report {
 struct Page {
   std::string title;      ///< the browser's title
   std::string body_html;  ///< everything between <main> and </main>
-  std::string
-      data_json;  ///< what page_script draws (trace_plot.hpp); empty: no plot, and no script in the page
+  /// What page_script draws (trace_plot.hpp); empty: no plot, and no script in the page.
+  std::string data_json;
+  std::string command = {};  ///< that writes the same page again, for the foot; empty: none
 };
 
 /// The whole HTML file: style, script and data embedded; its content policy forbids any request.
@@ -59,11 +60,11 @@ std::string section(std::string_view id, std::string_view heading, const std::st
 /// <p>text</p>; nothing if the text is empty.
 std::string paragraph(std::string_view text);
 
-/// A share as a small bar beside its figure; values outside [0, 1] are drawn as its ends.
+/// A share as a small bar beside its figure; values outside [0, 1] are drawn as its ends, and less
+/// than nothing is called "worse".
 std::string share_bar(double share);
 
-/// "1.61 <small>(1.52 to 1.70)</small>": a value with its 95 % interval, digits as the interval's width
-/// warrants.
+/// "1.61 <small>(1.52 to 1.70)</small>": a value with its 95 % interval, whose width decides the digits.
 std::string with_interval(double value, double lower, double upper);
 
 /// A list of file names, in columns.

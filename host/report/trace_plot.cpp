@@ -150,8 +150,7 @@ TraceData encode(const TracePlot& plot, std::size_t most_samples) {
                 ",\"unit\":" + text(s.unit) +
                 ",\"one_after_the_other\":" + (one_after_the_other ? "true" : "false") + ",\"starts\":[" +
                 starts + "],\"time\":[";
-    // A hundredth of a sample's interval, and a hundred-thousandth of what was measured, are finer than any
-    // screen.
+    // A hundredth of a sample's interval and a hundred-thousandth of what was measured: finer than a screen.
     const int time_decimals = decimals_for(0.01 * step);
     for (std::size_t i = 0; i < s.windows.size(); ++i)
       for (const std::size_t k : chosen[i]) {
@@ -193,18 +192,15 @@ std::string trace_plot_html(const TraceData& data) {
       "<div class=\"plot-pair\"><div id=\"trace-plot\" class=\"plot\"></div>\n"
       "<div id=\"error-plot\" class=\"plot error-plot\"></div></div>\n"
       "<p class=\"hint\">Below: error, measured minus simulated. <span class=\"screen-only\">Drag to zoom, "
-      "shift-drag to pan, double-click to see all again; the two "
-      "plots move "
-      "together. Click a name in the legend to hide its line.</span></p>\n"
+      "shift-drag to pan, double-click to see all again; the two plots move together. Click a name in the "
+      "legend to hide its line.</span></p>\n"
       "<noscript><p>The traces are drawn by the script inside this file; allow it to see them. All figures "
-      "and "
-      "tables are readable without it.</p></noscript>\n";
+      "and tables are readable without it.</p></noscript>\n";
   if (data.kept < data.samples)
     out += "<p class=\"hint\">The plots hold " + std::to_string(data.kept) + " of " +
            std::to_string(data.samples) +
            " samples: of each stretch those with the smallest and the largest error. Every figure on this "
-           "page is "
-           "computed from all samples.</p>\n";
+           "page is computed from all samples.</p>\n";
   return out;
 }
 

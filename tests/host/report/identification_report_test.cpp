@@ -49,7 +49,7 @@ identify::Identification sample() {
 TEST_CASE("the page of an identification names what is identified and what is not") {
   const std::string page = report::render_identification_report(sample());
   CHECK_THAT(page,
-             Contains("1 of 2 free parameters are identified: damping_nspm is correlated with mass_kg."));
+             Contains("1 of 2 free parameters is identified: damping_nspm is correlated with mass_kg."));
   CHECK_THAT(page, Contains("95.00 <small>(94.20 to 95.80)</small>"));
   CHECK_THAT(page, Contains("94.80 to 95.30"));
   CHECK_THAT(page, Contains("time_constant_s"));
@@ -60,7 +60,13 @@ TEST_CASE("the page of an identification names what is identified and what is no
 
 TEST_CASE("with every parameter identified the page says so") {
   identify::Identification id = sample();
-  id.estimations[0].parameters.pop_back();
+  id.estimations[0].parameters[1].verdict = "identified";
+  CHECK_THAT(report::render_identification_report(id),
+             Contains("<h1>Both free parameters are identified.</h1>"));
+  id.estimations[0].parameters.push_back(id.estimations[0].parameters[0]);
+  CHECK_THAT(report::render_identification_report(id),
+             Contains("<h1>All 3 free parameters are identified.</h1>"));
+  id.estimations[0].parameters.resize(1);
   CHECK_THAT(report::render_identification_report(id),
              Contains("<h1>The free parameter is identified.</h1>"));
 }

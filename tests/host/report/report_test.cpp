@@ -127,6 +127,83 @@ TEST_CASE("without a finding the page names no cause and draws no extended model
   CHECK(count(page, "class=\"finding\"") == 0);
 }
 
+TEST_CASE("several causes have a headline of the first, and a list of all with their sizes") {
+  diagnose::Diagnosis d = test::sample_diagnosis(4, 2);
+  d.findings[0].parameters["force_n"] = {1.5, 1.4, 1.6};
+  for (const dynamics::Effect e : {dynamics::Effect::touchdown_loss, dynamics::Effect::force_offset}) {
+    d.findings.push_back(d.findings[0]);
+    d.findings.back().effect = e;
+  }
+  d.refitted["height"].rmse = 0.008;
+  d.extended["height"].rmse = 0.002;
+  d.noise_floor["height"].rmse = 0.001;
+  const std::string page = report::render_report(d);
+  CHECK_THAT(page, Contains("<h1>The model lacks dry friction, and 2 more</h1>"));
+  CHECK_THAT(page, Contains("<title>Furcula: The model lacks dry friction, and 2 more</title>"));
+  CHECK_THAT(page, Contains("<li>dry friction <code>coulomb_friction</code>: 1.50 N</li>"));
+  CHECK_THAT(page, Contains("<code>force_offset</code>: 1.50 N</li>"));
+  CHECK_THAT(page, Contains("(RMSE) goes from 8.00 to 2.00 mm; the noise floor is 1.00 mm."));
+  CHECK(count(page, report::escape(d.summary)) == 0);
+
+  // What is not certain is not said to lack, and the engine's sentence tells why.
+  d.verdict = diagnose::Verdict::not_identifiable;
+  const std::string open = report::render_report(d);
+  CHECK_THAT(open, Contains("<h1>Not certain: dry friction, and 2 more</h1>"));
+  CHECK_THAT(open, Contains("<p class=\"lead\">" + report::escape(d.summary) + "</p>"));
+}
+
+TEST_CASE("a share below nothing is worse, not a negative percentage") {
+  CHECK_THAT(report::share_bar(-9.99), Contains("width:0.0%") && Contains(">worse<"));
+  CHECK_THAT(report::share_bar(-0.0004), Contains(">0 %<"));
+  CHECK_THAT(report::share_bar(0.4), Contains("width:40.0%") && Contains(">40 %<"));
+  diagnose::Diagnosis d = test::sample_diagnosis(4, 2);
+  d.findings[0].explainable_nmse_removed = -9.99;
+  const std::string page = report::render_report(d);
+  CHECK_THAT(page, Contains("Nothing on the held-out recordings: they are predicted worse with it."));
+  CHECK(count(page, "-999") == 0);
+}
+
+TEST_CASE("a bar of shares is drawn only where each model does better than the one before") {
+  diagnose::Diagnosis d = test::sample_diagnosis(4, 2);
+  CHECK(count(report::render_report(d), "class=\"budget\"") == 1);
+  const double refitted = d.refitted["height"].nmse;
+  d.extended["height"].nmse = 1.2 * refitted;
+  const std::string worse = report::render_report(d);
+  CHECK(count(worse, "class=\"budget\"") == 0);
+  CHECK_THAT(worse, Contains("the extended model does worse than the re-fitted one"));
+  d.extended["height"].nmse = 0.5 * refitted;
+  d.baseline["height"].nmse = 0.8 * refitted;
+  const std::string refit = report::render_report(d);
+  CHECK(count(refit, "class=\"budget\"") == 0);
+  CHECK_THAT(refit, Contains("the re-fitted model does worse than the one as given"));
+}
+
+TEST_CASE("each held-out recording has its error before and after") {
+  diagnose::Diagnosis d;
+  d.main_channel = "height";
+  d.main_unit = "m";
+  d.baseline["height"] = {0.1, 0.01, 0.02};
+  // Two windows of one recording, 3 mm off as given, 2 re-fitted, 1 extended; one of another, and a velocity.
+  for (const char* log : {"a.csv", "b.csv", "a.csv"})
+    d.traces.push_back(
+        {log, "height", "m", {0.0, 0.001}, {0.3, 0.3}, {0.303, 0.297}, {0.302, 0.302}, {0.301, 0.299}});
+  d.traces.push_back({"c.csv", "velocity", "m/s", {0.0}, {0.0}, {1.0}, {1.0}, {1.0}});
+  const std::string page = report::render_report(d);
+  const auto row = [](const char* log, const char* windows) {
+    return "<tr><td>" + std::string(log) + "</td><td class=\"number\">" + windows +
+           "</td><td class=\"number\">3.00</td><td class=\"number\">2.00</td><td "
+           "class=\"number\">1.00</td><td>mm</td></tr>";
+  };
+  CHECK_THAT(page, Contains(row("a.csv", "2")) && Contains(row("b.csv", "1")) && !Contains("<td>c.csv"));
+}
+
+TEST_CASE("the foot of the page has the command that writes it again") {
+  const diagnose::Diagnosis d = test::sample_diagnosis(4, 2);
+  CHECK_THAT(report::render_report(d, "furcula diagnose --seed 1 'a <b>.csv'"),
+             Contains(": <code>furcula diagnose --seed 1 &#39;a &lt;b&gt;.csv&#39;</code></footer>"));
+  CHECK_THAT(report::render_report(d), Contains(".</footer>"));
+}
+
 TEST_CASE("hostile names stay text") {
   diagnose::Diagnosis d = test::sample_diagnosis(4, 2);
   const std::string hostile = "</script><img src=x onerror=alert(1)>\"'&.csv";
