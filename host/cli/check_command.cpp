@@ -23,11 +23,13 @@ struct CheckOptions {
   std::vector<std::string> logs;
 };
 
-std::string rig_of(const CheckOptions& options) {
+/// What the options say, or the map; empty: each log must tell its own.
+std::string rig_of(const CheckOptions& options, const log::ColumnMap* map) {
   if (!options.model.empty()) {
     const model::Model m = model::read_model(options.model);
     return std::string(dynamics::info(m.kind).rig);
   }
+  if (options.rig.empty()) return map != nullptr ? map->rig : "";
   std::vector<std::string_view> rigs;
   for (const auto& r : log::kRigs) rigs.push_back(r.name);
   if (log::rig_named(options.rig) == nullptr)
@@ -50,15 +52,19 @@ void print(const std::string& path, const log::LogSummary& s) {
 }
 
 void run(const CheckOptions& options) {
-  if (options.rig.empty() == options.model.empty())
-    throw UsageError("expected either --rig or --model, and not both");
-  const std::string rig = rig_of(options);
+  if (!options.rig.empty() && !options.model.empty())
+    throw UsageError("--rig and --model: expected one of them");
   std::optional<log::ColumnMap> map;
   if (!options.map.empty()) map = log::read_column_map(options.map);
+  const std::string rig = rig_of(options, map ? &*map : nullptr);
   std::string errors;
   for (const std::string& path : options.logs) {
     try {
-      print(path, log::check_log(path, rig, map ? &*map : nullptr));
+      const std::string own = rig.empty() ? log::rig_line(path) : rig;
+      if (own.empty())
+        throw log::DataError(
+            path + ":1: no line '# rig: ...' tells the rig; expected one, or --rig, --model or --map");
+      print(path, log::check_log(path, own, map ? &*map : nullptr));
     } catch (const log::DataError& e) {
       // One line for each bad log; the good ones after it are checked all the same.
       errors += (errors.empty() ? "" : "\nfurcula: ") + std::string(e.what());
@@ -72,7 +78,9 @@ void run(const CheckOptions& options) {
 void add_check_command(CLI::App& app) {
   const auto options = std::make_shared<CheckOptions>();
   CLI::App* command = app.add_subcommand("check", "Check logs, however large, and print what is in them");
-  command->add_option("--rig", options->rig, "Rig that the logs are of");
+  command->add_option(
+      "--rig", options->rig,
+      "Rig that the logs are of; without it that of the model, of the map, or of the log's own line");
   command->add_option("--model", options->model, "Model file, whose kind tells the rig");
   command->add_option("--map", options->map, "Map file, for logs with other columns");
   command->add_option("LOG", options->logs, "Logs (CSV)")->required();

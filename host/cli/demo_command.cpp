@@ -63,7 +63,7 @@ std::string how_it_went(const diagnose::Diagnosis& d, dynamics::Effect cause) {
 void run(const DemoOptions& options) {
   const std::uint64_t seed = options.seed ? *options.seed : seed_from_clock();
   const sim::Mystery mystery = sim::draw_mystery(seed);
-  make_folder(options.out);
+  const OutFolder folder(options.out);
   RecordingOptions recordings;
   recordings.model = options.out + "/model.toml";
   recordings.out = options.out + "/diagnosis";

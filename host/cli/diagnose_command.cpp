@@ -16,7 +16,7 @@ namespace furcula::cli {
 
 diagnose::Diagnosis run_diagnose(const RecordingOptions& o) {
   const Recordings r = read_recordings(o);
-  make_folder(o.out);
+  const OutFolder folder(o.out);
   diagnose::Diagnosis d;
   {
     Progress progress("diagnosing");
@@ -28,7 +28,7 @@ diagnose::Diagnosis run_diagnose(const RecordingOptions& o) {
   }
   log::write_file_atomically(o.out + "/diagnosis.json", diagnose::to_json_text(d));
   log::write_file_atomically(o.out + "/extended_model.toml", model::format_model(d.extended_model));
-  log::write_file_atomically(o.out + "/report.html", report::render_report(d));
+  log::write_file_atomically(o.out + "/report.html", report::render_report(d, o.command_line("diagnose")));
   std::cout << "fitted on " << r.training.size() << ", held out " << r.held_out.size() << " recordings\n"
             << diagnose::name(d.verdict) << ": " << d.summary << "\n"
             << "report: " << o.out << "/report.html\n";

@@ -6,8 +6,7 @@
 
 namespace furcula::cli {
 
-/// Reads the recordings, diagnoses them, writes the results into `options.out` and tells the verdict on
-/// stdout.
+/// Reads the recordings, diagnoses them, writes the results into `options.out`; the verdict goes to stdout.
 /// @throws UsageError, log::DataError, log::OutputError
 diagnose::Diagnosis run_diagnose(const RecordingOptions& options);
 

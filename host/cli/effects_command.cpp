@@ -12,6 +12,7 @@
 #include "host/cli/commands.hpp"
 #include "host/cli/errors.hpp"
 #include "host/log/message.hpp"
+#include "host/model/reader.hpp"
 
 namespace furcula::cli {
 namespace {
@@ -78,9 +79,13 @@ std::string unit_text(std::string_view linear, std::string_view rotary, const Ef
   return linear.empty() ? "1" : with_rotary(linear, rotary, effect, kind);
 }
 
+/// Stance and flight are the hopper's.
+bool has_phases(std::optional<Kind> kind) { return !kind || *kind == Kind::hopper_linear; }
+
 void print_text(const EffectInfo& e, std::optional<Kind> kind) {
-  std::cout << e.name << "\n  law         " << e.law << "\n  stage       " << stage_name(e.stage) << ", "
-            << e.phase << "\n  kinds       " << kind_list(e) << "\n";
+  std::cout << e.name << "\n  law         " << e.law << "\n  stage       " << stage_name(e.stage)
+            << (has_phases(kind) ? ", " + std::string(e.phase) : "") << "\n  kinds       " << kind_list(e)
+            << "\n";
   for (const auto& p : e.parameters())
     std::cout << "  parameter   " << with_rotary(p.name, p.rotary_name, e, kind) << ", in "
               << unit_text(p.unit, p.rotary_unit, e, kind) << ", from " << shortest(p.lower) << " to "
@@ -97,8 +102,8 @@ std::string cell(std::string text) {
 
 void print_markdown(const std::vector<const EffectInfo*>& effects, std::optional<Kind> kind) {
   std::cout << "# Effects\n\n"
-               "The catalogue of causes that the simulator can switch on and a diagnosis can name. This page "
-               "is what\n"
+               "The catalogue of causes that the simulator can switch on and a diagnosis can name. This "
+               "page is what\n"
                "`furcula effects --markdown` prints; the table itself is "
                "`common/include/furcula/dynamics/effects/catalogue.hpp`.\n"
                "`v` is the velocity of the axis. Forces are positive in the direction of growing position "
@@ -122,8 +127,8 @@ void print_markdown(const std::vector<const EffectInfo*>& effects, std::optional
 }
 
 nlohmann::ordered_json to_json(const EffectInfo& e, std::optional<Kind> kind) {
-  nlohmann::ordered_json out{
-      {"effect", e.name}, {"law", e.law}, {"stage", stage_name(e.stage)}, {"phase", e.phase}};
+  nlohmann::ordered_json out{{"effect", e.name}, {"law", e.law}, {"stage", stage_name(e.stage)}};
+  if (has_phases(kind)) out["phase"] = e.phase;
   for (const Kind k : kinds_of(e)) out["kinds"].push_back(dynamics::info(k).name);
   for (const auto& p : e.parameters()) {
     const bool rotary = kind && dynamics::info(*kind).rotary;
@@ -149,12 +154,8 @@ void run(const EffectsOptions& options) {
   if (options.json && options.markdown) throw UsageError("--json and --markdown: expected one of them");
   std::optional<Kind> kind;
   if (!options.kind.empty()) {
-    std::vector<std::string_view> kinds;
-    for (const auto& k : dynamics::kKinds) kinds.push_back(k.name);
     kind = dynamics::kind_named(options.kind);
-    if (!kind)
-      throw UsageError("--kind " + options.kind + ": no such kind; expected one of " + log::listed(kinds) +
-                       log::did_you_mean(options.kind, kinds));
+    if (!kind) throw UsageError("--kind: " + model::no_such_kind(options.kind));
   }
   std::vector<std::string_view> names;
   std::vector<const EffectInfo*> effects;

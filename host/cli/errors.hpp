@@ -1,5 +1,5 @@
-// How a command ends otherwise than well. main.cpp turns each into its exit status (docs/contracts.md,
-// section 4).
+// How a command ends otherwise than well. main.cpp turns each into its exit status
+// (docs/contracts.md, section 4).
 #pragma once
 
 #include <stdexcept>

@@ -1,5 +1,4 @@
-// `furcula identify`: logs and a model in; parameters with intervals, the identified model and the report
-// out.
+// `furcula identify`: logs and a model in; parameters with intervals, identified model and report out.
 #include <cstdio>
 #include <memory>
 #include <string>
@@ -9,6 +8,7 @@
 #include "host/cli/recordings.hpp"
 #include "host/identify/identification.hpp"
 #include "host/log/atomic_file.hpp"
+#include "host/log/error.hpp"
 #include "host/model/writer.hpp"
 #include "host/report/identification_json.hpp"
 #include "host/report/identification_report.hpp"
@@ -23,7 +23,11 @@ struct Options : RecordingOptions {
 
 void run(const Options& o) {
   const Recordings r = read_recordings(o);
-  make_folder(o.out);
+  if (r.model.free.empty())
+    throw log::DataError(
+        o.model + ": no parameter in [free], so there is nothing to identify; expected at least one, as in " +
+        "[free] " + std::string(dynamics::info(r.model.kind).parameters.front().name) + " = [lower, upper]");
+  const OutFolder folder(o.out);
   identify::Identification found;
   {
     Progress progress("identifying");
@@ -39,7 +43,11 @@ void run(const Options& o) {
   log::write_file_atomically(o.out + "/identification.json", report::to_json_text(found));
   log::write_file_atomically(o.out + "/identified_model.toml",
                              model::format_model(found.estimations.front().model));
-  log::write_file_atomically(o.out + "/report.html", report::render_identification_report(found));
+  log::write_file_atomically(
+      o.out + "/report.html",
+      report::render_identification_report(
+          found, o.command_line("identify --method " + o.method +
+                                (o.folds == 0 ? "" : " --folds " + std::to_string(o.folds)))));
   for (const auto& e : found.estimations) {
     std::printf("%s error, %zu windows, %zu folds\n", std::string(identify::name(e.method)).c_str(),
                 found.windows, found.folds);

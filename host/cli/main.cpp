@@ -24,6 +24,21 @@ std::string unknown_command(CLI::App& app, const std::string& name) {
          furcula::log::did_you_mean(name, names);
 }
 
+/// The first argument that looks like an option and is none of the command's; empty: there is none.
+std::string unknown_option(CLI::App& command) {
+  for (const std::string& argument : command.remaining()) {
+    if (argument.size() < 2 || argument.front() != '-') continue;
+    const std::string option = argument.substr(0, argument.find('='));
+    std::vector<std::string> names;
+    for (const CLI::Option* o : command.get_options())
+      for (const std::string& name : o->get_lnames()) names.push_back("--" + name);
+    const std::vector<std::string_view> views(names.begin(), names.end());
+    return "no option " + furcula::log::quoted(option) + " of furcula " + command.get_name() +
+           "; expected one of " + furcula::log::listed(views) + furcula::log::did_you_mean(option, views);
+  }
+  return {};
+}
+
 void run(int argc, char** argv) {
   CLI::App app("Finds what a simulation gets wrong about a legged robot, and why.", "furcula");
   app.set_version_flag("--version", "furcula " FURCULA_VERSION);
@@ -42,6 +57,11 @@ void run(int argc, char** argv) {
       app.exit(e);
       return;
     }
+    // CLI11 asks for what is missing before it looks at what it does not know: a required option misspelt
+    // would be said to be missing.
+    for (CLI::App* command : app.get_subcommands())
+      if (const std::string message = unknown_option(*command); !message.empty())
+        throw furcula::cli::UsageError(message);
     // CLI11 asks for a subcommand before it looks at what stands in its place.
     const std::vector<std::string> rest =
         app.get_subcommands().empty() ? app.remaining() : std::vector<std::string>{};

@@ -9,6 +9,7 @@
 
 #include "host/cli/errors.hpp"
 #include "host/identify/split.hpp"
+#include "host/log/message.hpp"
 #include "host/log/reader.hpp"
 #include "host/model/reader.hpp"
 
@@ -25,17 +26,50 @@ void RecordingOptions::add_to(CLI::App& command) {
   command.add_option("--out", out, "Folder for the results")->required();
   command.add_option("--threads", threads, "Threads; the result is the same for any number");
   command.add_option("--seed", seed, "Seed of the choice of held-out logs")->capture_default_str();
-  command.add_option("logs", logs, "Logs (furcula-log/1, or as the map says)")->required();
+  command.add_option("logs", logs, "Logs (furcula-log/1, or as the map says), at least one");
 }
 
 unsigned RecordingOptions::thread_count() const {
   return threads > 0 ? threads : std::max(1u, std::thread::hardware_concurrency());
 }
 
+std::string RecordingOptions::command_line(const std::string& command) const {
+  std::string line = "furcula " + command;
+  const auto add = [&line](const std::string& word) {
+    constexpr std::string_view kPlain =
+        "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_./=:,+%@-";
+    if (!word.empty() && word.find_first_not_of(kPlain) == word.npos) {
+      line += " " + word;
+      return;
+    }
+    line += " '";
+    for (const char c : word) line += c == '\'' ? std::string("'\\''") : std::string(1, c);
+    line += "'";
+  };
+  const auto option = [&add](const char* name, const std::string& value) {
+    add(name);
+    add(value);
+  };
+  option("--model", model);
+  if (!map.empty()) option("--map", map);
+  option("--window-s", log::shortest(window_s));
+  option("--seed", std::to_string(seed));
+  for (const std::string& path : logs) add(path);
+  if (!held_out.empty()) add("--hold-out");
+  for (const std::string& path : held_out) add(path);
+  return line;
+}
+
 Recordings read_recordings(const RecordingOptions& options) {
   if (!(options.window_s > 0.0 && options.window_s <= 60.0))
     throw UsageError("--window-s " + std::to_string(options.window_s) +
                      " is not a window; expected a number of seconds above 0 and up to 60");
+  if (options.logs.empty())
+    throw UsageError(
+        options.held_out.empty()
+            ? "no log is given; expected at least one (furcula COMMAND --help)"
+            : "all logs are held out and none is left to fit; expected some before --hold-out, or after "
+              "another option or --");
   std::set<std::string> seen;
   for (const auto* list : {&options.logs, &options.held_out})
     for (const std::string& path : *list) {
@@ -61,13 +95,24 @@ Recordings read_recordings(const RecordingOptions& options) {
   return r;
 }
 
-void make_folder(const std::string& path) {
+OutFolder::OutFolder(const std::string& path) {
   std::error_code error;
+  // "a/b/" has an empty last name, which no folder is made of.
+  std::filesystem::path folder = std::filesystem::path(path + "/").parent_path();
+  for (; !folder.empty() && !std::filesystem::exists(folder, error) && folder != folder.parent_path();
+       folder = folder.parent_path())
+    made_.push_back(folder);
   std::filesystem::create_directories(path, error);
   if (!std::filesystem::is_directory(path))
     throw UsageError("--out " + path + ": cannot make this folder" +
                      (error ? " (" + error.message() + ")" : "") +
                      "; expected a folder that exists or can be made");
+}
+
+OutFolder::~OutFolder() {
+  std::error_code error;
+  for (const auto& folder : made_)
+    if (!std::filesystem::is_empty(folder, error) || error || !std::filesystem::remove(folder, error)) return;
 }
 
 }  // namespace furcula::cli

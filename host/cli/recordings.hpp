@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdint>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -24,6 +25,9 @@ struct RecordingOptions {
   void add_to(CLI::App& command);
   /// `threads`, or what the machine has.
   unsigned thread_count() const;
+  /// The command line that gives the same results again: what does not change them (--out, --threads) left
+  /// out.
+  std::string command_line(const std::string& command) const;
 };
 
 struct Recordings {
@@ -33,10 +37,21 @@ struct Recordings {
 };
 
 /// Reads the model and the logs, and splits them where no held-out logs are named.
-/// @throws UsageError (a log named twice, a bad window), log::DataError
+/// @throws UsageError (no log to fit, a log named twice, a bad window), log::DataError
 Recordings read_recordings(const RecordingOptions& options);
 
-/// Makes the folder of the results. @throws UsageError where it cannot be made.
-void make_folder(const std::string& path);
+/// The folder of the results, there from construction on. Where nothing has been written into it by the end
+/// of its life, the folders that it has made are gone again: a run that fails leaves nothing behind.
+class OutFolder {
+ public:
+  /// @throws UsageError where it cannot be made.
+  explicit OutFolder(const std::string& path);
+  ~OutFolder();
+  OutFolder(const OutFolder&) = delete;
+  OutFolder& operator=(const OutFolder&) = delete;
+
+ private:
+  std::vector<std::filesystem::path> made_;  ///< innermost first
+};
 
 }  // namespace furcula::cli

@@ -47,6 +47,34 @@ TEST_CASE("the model's kind tells the rig, and a map reads a foreign log") {
   CHECK_THAT(ran.err, Contains("a.csv:1: no column 'time_s'"));
 }
 
+TEST_CASE("without --rig and --model the map tells the rig, or each log's own line") {
+  test::TemporaryFolder folder;
+  const std::string joint =
+      folder.file("joint.csv", "# rig: rotary_joint\ntime_s,angle_rad,torque_nm\n0,1,0\n");
+  const std::string hopper =
+      folder.file("hopper.csv", "# made: by hand\n# rig: hopper\n" + kHeader + "0,1,0,0\n");
+  const test::Ran ran = run_furcula({"check", joint, hopper});
+  CHECK(ran.status == 0);
+  CHECK_THAT(ran.out, StartsWith(joint + ": 1 rows") && Contains(hopper + ": 1 rows"));
+
+  const std::string map = folder.file("map.toml",
+                                      "rig = \"rotary_joint\"\ntime_s = { column = \"t\" }\nangle_rad = { "
+                                      "column = \"q\" }\ntorque_nm = { column = \"tau\" }\n");
+  CHECK(run_furcula({"check", "--map", map, folder.file("foreign.csv", "t,q,tau\n0,1,0\n")}).status == 0);
+
+  // One that does not tell it is no reason to leave the others.
+  const std::string silent = folder.file("silent.csv", kHeader + "0,1,0,0\n");
+  const test::Ran mixed = run_furcula({"check", silent, hopper});
+  CHECK(mixed.status == 3);
+  check_one_message(mixed);
+  CHECK_THAT(mixed.err, Contains(silent + ":1: no line '# rig: ...' tells the rig; expected one, or --rig"));
+  CHECK_THAT(mixed.out, StartsWith(hopper + ": 1 rows"));
+
+  const std::string odd = folder.file("odd.csv", "# rig: hoper\n" + kHeader + "0,1,0,0\n");
+  CHECK_THAT(run_furcula({"check", odd}).err, Contains(odd + ":1: rig is 'hoper'; expected one of hopper") &&
+                                                  Contains("did you mean 'hopper'?"));
+}
+
 TEST_CASE("bad logs end with status 3 and one message: file, line, value, what was expected") {
   const std::vector<BadLog> cases{
       {"a torn row", kHeader + "0,1,0,0\n0.001,1", ":3:", "'0.001,1'", "expected 4 fields"},

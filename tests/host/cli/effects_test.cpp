@@ -25,6 +25,17 @@ TEST_CASE("a kind has the effects that its machine can have") {
   CHECK_THAT(run_furcula({"effects", "--kind", "hopper_linear"}).out, Contains("spring_preload"));
 }
 
+TEST_CASE("an axis has no stance and flight, so its effects have no phase") {
+  CHECK_THAT(run_furcula({"effects", "coulomb_friction"}).out, Contains("mechanism, flight+stance"));
+  CHECK_THAT(run_furcula({"effects", "coulomb_friction", "--kind", "motor_axis"}).out, !Contains("stance"));
+  const auto phase = [](const std::string& kind) {
+    const auto all = nlohmann::json::parse(run_furcula({"effects", "--json", "--kind", kind}).out);
+    return all["effects"][0].contains("phase");
+  };
+  CHECK(phase("hopper_linear"));
+  CHECK_FALSE(phase("rotary_joint"));
+}
+
 TEST_CASE("the JSON has every effect with its bounds, and null where no value means absence") {
   const auto json = nlohmann::json::parse(run_furcula({"effects", "--json"}).out);
   CHECK(json["schema"] == "furcula-effects/1");

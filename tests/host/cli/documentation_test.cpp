@@ -1,0 +1,56 @@
+// What the documentation shows can be done as shown, and its copies of tables are those of the code.
+#include <catch2/catch.hpp>
+#include <fstream>
+#include <sstream>
+
+#include "furcula/control/fault.hpp"
+#include "host/log/reader.hpp"
+#include "tests/host/cli/run_program.hpp"
+
+using namespace furcula;
+using Catch::Matchers::Contains;
+
+namespace {
+
+std::string page(const std::string& name) {
+  std::ostringstream text;
+  text << std::ifstream(FURCULA_SOURCE_DIR "/docs/" + name).rdbuf();
+  return text.str();
+}
+
+/// The first indented block behind a heading whose first line is `first`, without its indentation.
+std::string example(const std::string& text, const std::string& heading, const std::string& first) {
+  std::istringstream lines(text.substr(text.find("\n" + heading + "\n")));
+  std::string block;
+  for (std::string line; std::getline(lines, line);) {
+    if (block.empty() && line != "    " + first) continue;
+    if (!line.empty() && !line.starts_with("    ")) break;
+    block += (line.empty() ? line : line.substr(4)) + "\n";
+  }
+  return block;
+}
+
+}  // namespace
+
+TEST_CASE("the example model and scenario of the documentation run, and the fault that they plant is found") {
+  const std::string text = page("logs_and_models.md");
+  test::TemporaryFolder folder;
+  const std::string model = folder.file("robot.toml", example(text, "## A model file", "[model]"));
+  const std::string scenario = folder.file("scenario.toml", example(text, "## A scenario file", "[start]"));
+  const std::string out = folder.path() + "/run.csv";
+  const test::Ran ran =
+      test::run_furcula({"sim", "--model", model, "--scenario", scenario, "--seed", "7", "--out", out});
+  INFO(ran.err);
+  REQUIRE(ran.status == 0);
+  CHECK_THAT(ran.err, Contains("encoder_implausible"));
+  CHECK(log::read_log(out, "hopper").rows() == 4000);
+  CHECK(test::run_furcula({"check", out}).status == 0);
+}
+
+TEST_CASE("docs/firmware.md has every fault with its number, meaning and remedy") {
+  const std::string text = page("firmware.md");
+  for (const control::FaultInfo& f : control::kFaults)
+    CHECK_THAT(text,
+               Contains("| " + std::to_string(static_cast<int>(f.fault)) + " | `" + std::string(f.name) +
+                        "` | " + std::string(f.meaning) + " | " + std::string(f.remedy) + " |\n"));
+}

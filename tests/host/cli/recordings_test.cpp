@@ -1,0 +1,76 @@
+// What `identify` and `diagnose` say about their logs and folders, and what a failed run leaves behind.
+#include <catch2/catch.hpp>
+#include <filesystem>
+
+#include "tests/host/cli/run_program.hpp"
+#include "tests/host/model/example.hpp"
+
+using namespace furcula;
+using Catch::Matchers::Contains;
+using test::run_furcula;
+
+namespace {
+
+/// An axis at rest for 0.2 s: less than half of a prediction window.
+std::string short_log() {
+  std::string text = "time_s,position_m,force_n\n";
+  for (int i = 0; i < 200; ++i) text += std::to_string(1e-3 * i) + ",0,0\n";
+  return text;
+}
+
+const std::string kAxisModel =
+    "[model]\nkind = \"motor_axis\"\nschema = 1\n[parameters]\nmass_kg = 60.0\ndamping_nspm = 90.0\n";
+
+}  // namespace
+
+TEST_CASE("a run that fails takes the empty folders with it that it has made, and no others") {
+  test::TemporaryFolder folder;
+  const std::string model = folder.file("m.toml", kAxisModel + "[free]\nmass_kg = [50.0, 70.0]\n");
+  const std::string a = folder.file("a.csv", short_log()), b = folder.file("b.csv", short_log());
+  for (const std::string command : {"identify", "diagnose"}) {
+    INFO(command);
+    const std::string outer = folder.path() + "/" + command, there = folder.path() + "/there";
+    const auto run = [&](const std::string& out) {
+      return run_furcula({command, "--model", model, "--out", out, a, b});
+    };
+    CHECK(run(outer + "/inner/").status == 3);
+    CHECK_FALSE(std::filesystem::exists(outer));
+
+    std::filesystem::create_directory(there);
+    CHECK(run(there).status == 3);
+    CHECK(std::filesystem::exists(there));
+    CHECK(run(there + "/inner").status == 3);
+    CHECK(std::filesystem::exists(there));
+    CHECK_FALSE(std::filesystem::exists(there + "/inner"));
+  }
+}
+
+TEST_CASE("logs that are all held out, or none, are unusable arguments") {
+  test::TemporaryFolder folder;
+  const std::string model = folder.file("m.toml", kAxisModel), log = folder.file("a.csv", short_log());
+  for (const std::string command : {"identify", "diagnose"}) {
+    INFO(command);
+    const test::Ran held =
+        run_furcula({command, "--model", model, "--out", folder.path() + "/out", "--hold-out", log});
+    CHECK(held.status == 2);
+    CHECK_THAT(held.err, Contains("all logs are held out and none is left to fit; expected some before"));
+    const test::Ran none = run_furcula({command, "--model", model, "--out", folder.path() + "/out"});
+    CHECK(none.status == 2);
+    CHECK_THAT(none.err, Contains("no log is given; expected at least one"));
+    CHECK(folder.names() == std::vector<std::string>{"a.csv", "m.toml"});
+  }
+}
+
+TEST_CASE("a model that leaves nothing free cannot be identified: the message names file and section") {
+  test::TemporaryFolder folder;
+  const std::string log = folder.file("a.csv", short_log());
+  for (const char* free : {"", "[free]\n"}) {
+    const std::string model = folder.file("m.toml", kAxisModel + free);
+    const test::Ran ran = run_furcula({"identify", "--model", model, "--out", folder.path() + "/out", log});
+    CHECK(ran.status == 3);
+    CHECK(ran.err == "furcula: " + model +
+                         ": no parameter in [free], so there is nothing to identify; expected at least one, "
+                         "as in [free] mass_kg = [lower, upper]\n");
+  }
+  CHECK_FALSE(std::filesystem::exists(folder.path() + "/out"));
+}
