@@ -31,14 +31,16 @@ struct Scenario {
 /// 1 N m, 1 s; 5 s; ideal sensors; no faults.
 Scenario default_scenario(const model::Model& model);
 
-/// A scenario file for a model of this kind. @throws log::DataError naming file, line, key, value and what
-/// was expected.
+/// A scenario file for a model of this kind; an example is in docs/logs_and_models.md. @throws log::DataError
+/// naming file, line, key, value and what was expected.
 ///
-///     [start]   height_m velocity_mps   (motor_axis position_m velocity_mps, rotary_joint angle_rad
-///     velocity_radps) [run]     duration_s [torque]  profile = "harmonic"|"constant"|"zero" amplitude_nm
-///     period_s   (motor_axis: [force] ... amplitude_n) [sensors] quantisation noise bounce jitter =
-///     true|false
-///     [[fault]] time_s kind duration_s   (hopper; without duration_s to the end, a late_tick 0.005)
+/// - `[start]` height_m, velocity_mps; on motor_axis position_m, velocity_mps; on rotary_joint angle_rad,
+///   velocity_radps.
+/// - `[run]` duration_s.
+/// - `[torque]` profile ("harmonic", "constant", "zero"), amplitude_nm, period_s; on motor_axis it is
+///   `[force]`, and amplitude_n.
+/// - `[sensors]` quantisation, noise, bounce, jitter (true or false; the last two on the hopper alone).
+/// - `[[fault]]` time_s, kind, duration_s: on the hopper; without duration_s to the end, a late_tick 5 ms.
 Scenario read_scenario(const std::string& path, const model::Model& model);
 
 /// The same on text; `name` stands for the path in messages.
