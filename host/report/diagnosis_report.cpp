@@ -73,7 +73,8 @@ std::string names(const std::vector<std::string>& list) {
   return out.empty() ? "nothing: the model as it is, re-fitted" : out;
 }
 
-/// "dry friction <code>coulomb_friction</code>: 1.61 N", of each finding.
+/// "dry friction <code>coulomb_friction</code>: 1.61 N", of each finding, and what would do as well in its
+/// place.
 std::string list_of_causes(const Diagnosis& d) {
   std::string out = "<ul>\n";
   for (const diagnose::Finding& f : d.findings) {
@@ -86,10 +87,19 @@ std::string list_of_causes(const Diagnosis& d) {
       values += (values.empty() ? ": " : ", ") + (effect.parameter_count > 1 ? name + " " : "") +
                 number(found->second.value) + (unit.empty() ? "" : " " + unit);
     }
-    out += "<li>" + escape(effect.title) + " <code>" + escape(effect.name) + "</code>" + escape(values) +
-           "</li>\n";
+    out += "<li>" + escape(effect.title) + " <code>" + escape(effect.name) + "</code>" + escape(values);
+    const auto& rivals = f.indistinguishable_from;
+    const auto other = std::find_if(rivals.begin(), rivals.end(), [](const auto& r) { return !r.same_law; });
+    if (f.undecided && other != rivals.end())
+      out +=
+          "; not certain, as " + names(other->names) + " in its place would explain the recordings as well";
+    out += "</li>\n";
   }
   return out + "</ul>\n";
+}
+
+bool any_undecided(const Diagnosis& d) {
+  return std::any_of(d.findings.begin(), d.findings.end(), [](const auto& f) { return f.undecided; });
 }
 
 /// Several causes do not fit into one headline: the first, how many more, and the list below it.
@@ -120,10 +130,10 @@ std::string header(const Diagnosis& d) {
       escape(dynamics::info(d.kind).name) + "</code></p>\n";
   out += "<p>" + badge(v.title, v.tone) + "</p>\n<h1>" + escape(headline(d)) + "</h1>\n";
   if (d.findings.size() > 1) {
-    out += list_of_causes(d) + "<p class=\"lead\">" +
-           escape(d.verdict == Verdict::not_identifiable ? d.summary : v.meaning + fall_of_error(d)) +
-           "</p>\n";
-    return out + "</header>\n";
+    // Not identifiable without a rival: the held-out recordings refute the causes, and the summary says how.
+    const bool refuted = d.verdict == Verdict::not_identifiable && !any_undecided(d);
+    const std::string lead = refuted ? d.summary : v.meaning + fall_of_error(d);
+    return out + list_of_causes(d) + "<p class=\"lead\">" + escape(lead) + "</p>\n</header>\n";
   }
   if (!d.summary.empty()) out += "<p class=\"lead\">" + escape(v.meaning) + "</p>\n";
   return out + "</header>\n";
@@ -277,7 +287,7 @@ std::string recordings_table(const Diagnosis& d) {
                number(s.factor * rmse[1]), number(s.factor * rmse[2]), escape(s.unit)});
   }
   if (table.empty()) return "";
-  return "<details><summary>Errors by held-out recording (RMSE of " + escape(channel) +
+  return "<details open><summary>Errors by held-out recording (RMSE of " + escape(channel) +
          ", over the windows that are plotted below)</summary>\n" + table.html() + "</details>\n";
 }
 
@@ -342,8 +352,7 @@ std::string finding(const diagnose::Finding& f, std::size_t place, const Diagnos
   if (!f.indistinguishable_from.empty())
     out += "<div class=\"aside\"><h4>These recordings cannot tell it from</h4>\n" +
            rivals(f.indistinguishable_from) + "</div>\n";
-  if (!f.alternatives.empty())
-    out += "<h4>Alone in its place, these do worse</h4>\n" + rivals(f.alternatives);
+  if (!f.alternatives.empty()) out += "<h4>Alone, these do worse</h4>\n" + rivals(f.alternatives);
   return out + "</article>\n";
 }
 

@@ -74,7 +74,7 @@ TEST_CASE(
   CHECK_THAT(page, Contains("Coulomb friction <code>coulomb_friction</code>"));
   CHECK_THAT(page, Contains(std::string(dynamics::info(dynamics::Effect::coulomb_friction).where_to_look)));
   CHECK_THAT(page, Contains("These recordings cannot tell it from"));
-  CHECK_THAT(page, Contains("Takes energy once a stride"));
+  CHECK_THAT(page, Contains("<h4>Alone, these do worse</h4>") && Contains("Takes energy once a stride"));
   CHECK_THAT(page, Contains("drop-04.csv"));
   for (const char* id :
        {"findings", "next", "traces", "force", "remains", "candidates", "parameters", "data", "reading"})
@@ -150,6 +150,10 @@ TEST_CASE("several causes have a headline of the first, and a list of all with t
   const std::string open = report::render_report(d);
   CHECK_THAT(open, Contains("<h1>Not certain: dry friction, and 2 more</h1>"));
   CHECK_THAT(open, Contains("<p class=\"lead\">" + report::escape(d.summary) + "</p>"));
+  d.findings[0].undecided = true;
+  const std::string undecided = report::render_report(d);
+  CHECK_THAT(undecided, Contains("1.50 N; not certain, as Asymmetric friction in its place would explain"));
+  CHECK(count(undecided, report::escape(d.summary)) == 0);
 }
 
 TEST_CASE("a share below nothing is worse, not a negative percentage") {
