@@ -63,6 +63,13 @@ std::string unit_of(const std::string& channel, const Diagnosis& d) {
   return suffix.empty() ? d.main_unit : std::string(suffix);
 }
 
+/// "a + b"
+std::string joined(const std::vector<std::string>& list) {
+  std::string out;
+  for (const std::string& n : list) out += (out.empty() ? "" : " + ") + n;
+  return out;
+}
+
 /// Names of effects in words; names of parameters as they stand in the model file.
 std::string names(const std::vector<std::string>& list) {
   std::string out;
@@ -91,8 +98,7 @@ std::string list_of_causes(const Diagnosis& d) {
     const auto& rivals = f.indistinguishable_from;
     const auto other = std::find_if(rivals.begin(), rivals.end(), [](const auto& r) { return !r.same_law; });
     if (f.undecided && other != rivals.end())
-      out +=
-          "; not certain, as " + names(other->names) + " in its place would explain the recordings as well";
+      out += "; not certain: in its place <code>" + escape(joined(other->names)) + "</code> would do as well";
     out += "</li>\n";
   }
   return out + "</ul>\n";
@@ -414,10 +420,10 @@ std::string candidates(const Diagnosis& d) {
          (d.findings.empty()
               ? "No row is good enough to be named. "
               : "The marked row is the extended model. Every other row is the model with that row's effects "
-                "instead: alone these do worse than what is named, or no better with as many parameters. ") +
+                "instead: it does worse, or no better; the last column says why it was not chosen. ") +
          "Gain in training: share of the cross-validated error removed on the training logs; it alone "
-         "decides. Gain held out: share of the error above the noise floor removed on recordings that no "
-         "choice has seen.</p>\n" +
+         "decides. Gain held out: "
+         "share of the error above the noise floor removed on recordings that no choice has seen.</p>\n" +
          table.html();
 }
 
@@ -488,9 +494,10 @@ std::string render_report(const Diagnosis& d, const std::string& command) {
                                            : "The force that the re-fitted model lacks",
                   force_plots(d.residual));
   body += section("remains", "What remains", remains(d));
-  body +=
-      section("candidates", d.findings.empty() ? "What was tried, without success" : "What was tried instead",
-              candidates(d));
+  body += section(
+      "candidates",
+      d.findings.empty() ? "What was tried, without success" : "What was tried instead, and does no better",
+      candidates(d));
   body += section("parameters", "Parameters", parameters(d));
   body += section("data", "Data", data(d));
   body += section("reading", "How to read this page", kHowToRead);

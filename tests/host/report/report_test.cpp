@@ -152,7 +152,8 @@ TEST_CASE("several causes have a headline of the first, and a list of all with t
   CHECK_THAT(open, Contains("<p class=\"lead\">" + report::escape(d.summary) + "</p>"));
   d.findings[0].undecided = true;
   const std::string undecided = report::render_report(d);
-  CHECK_THAT(undecided, Contains("1.50 N; not certain, as Asymmetric friction in its place would explain"));
+  CHECK_THAT(undecided,
+             Contains("1.50 N; not certain: in its place <code>asymmetric_friction</code> would do as well"));
   CHECK(count(undecided, report::escape(d.summary)) == 0);
 }
 
