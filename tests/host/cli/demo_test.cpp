@@ -22,7 +22,7 @@ std::string content(const std::string& path) {
 
 TEST_CASE("the demo tells verdict, truth and report, and any number of threads gives the same diagnosis") {
   test::TemporaryFolder folder;
-  const std::string one = folder.path() + "/one", two = folder.path() + "/two";
+  const std::string one = folder.path() + "/one run", two = folder.path() + "/two";
   const test::Ran ran = test::run_furcula({"demo", "--seed", "1", "--threads", "1", "--out", one}, 300);
   CAPTURE(ran.err);
   REQUIRE(ran.status == 0);
@@ -44,6 +44,12 @@ TEST_CASE("the demo tells verdict, truth and report, and any number of threads g
   again.insert(again.end(), {"--hold-out", one + "/hop-07.csv", one + "/hop-08.csv"});
   REQUIRE(test::run_furcula(again, 300).status == 0);
   CHECK(content(two + "/diagnosis.json") == content(one + "/diagnosis/diagnosis.json"));
+  // The reports too: their foot has what the result depends on, and no folder or number of threads.
+  const std::string report = content(two + "/report.html");
+  CHECK((report == content(one + "/diagnosis/report.html")));
+  CHECK_THAT(report.substr(report.rfind("<footer>"), 300),
+             Contains("furcula diagnose --model &#39;" + one +
+                      "/model.toml&#39; --window-s 0.5 --seed 1 &#39;" + one));
 }
 
 TEST_CASE("a demo into a place where no folder can be made ends with status 2 and one message") {
