@@ -1,35 +1,15 @@
 // See cases.hpp.
-//
-// Sizes of the planted effects. Each is drawn within 10 % of the figure; signs are drawn.
-//
-//   on the hopper (1.3 to 1.9 kg)       small    medium   large
-//   coulomb_friction     Fc             0.5      1.5      3      N
-//   stribeck_friction    Fc             0.5      1        2      N, Fs / Fc 1.8 to 3, vs 0.1 to 0.3 m/s
-//   asymmetric_friction  mean           0.5      1.5      3      N, one way 1.5 times, the other 0.5 times
-//   quadratic_drag       at 1.2 m/s     0.5      1.5      3      N
-//   force_offset                        0.5      1.5      3      N
-//   stiffness_error                     3        6        12     %
-//   spring_preload                      1        3        6      N, upwards only if large (below)
-//   torque_gain_error                   6        12       25     %
-//   touchdown_loss       alpha          0.95     0.9      0.8    the model's is held at 1
-//
-//   on the axes, of the RMS of the command without the effect
-//   coulomb_friction     Fc             3        8        20     %
-//   stribeck_friction    Fc             3        8        20     %, Fs / Fc 1.8 to 3, vs 5 to 25 % of top
-//   speed asymmetric_friction  mean           3        8        20     %, as above quadratic_drag       at
-//   top speed   3        8        20     % force_offset                        3        8        20     %
-//
-// A spring slack by 6 N at touch-down would have the ground pull on the toe: no such rig exists, so a large
-// preload pushes upwards.
 #include "tests/hidden/cases.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <numbers>
+#include <utility>
 
 #include "tests/hidden/random.hpp"
 #include "tests/hidden/rig.hpp"
+#include "tests/hidden/sizes.hpp"
 
 namespace furcula::hidden {
 
@@ -37,56 +17,43 @@ namespace {
 
 constexpr double kTwoPi = 2.0 * std::numbers::pi;
 
-double by_size(Size size, double small, double medium, double large) {
-  return size == Size::small ? small : size == Size::medium ? medium : large;
-}
-
 model::Bounds around(double nominal, double below, double above) {
   return {nominal * below, nominal * above};
 }
 
-// Laws of friction and drag in terms of one force (or torque), on every kind.
-Planted friction_of(Effect effect, double force, double drag_speed, double stribeck_velocity,
-                    Random& random) {
-  switch (effect) {
-    case Effect::stribeck_friction:
-      return {effect, {force, force * random.uniform(1.8, 3.0), stribeck_velocity}};
-    case Effect::asymmetric_friction: {
-      const double lean = 0.5 * random.sign();
-      return {effect, {force * (1 + lean), force * (1 - lean)}};
-    }
-    case Effect::quadratic_drag:
-      return {effect, {force / (drag_speed * drag_speed)}};
-    case Effect::force_offset:
-      return {effect, {force * random.sign()}};
-    default:
-      return {effect, {force}};
-  }
+bool asks(const Question& q, std::string_view law) {
+  return std::find(q.laws.begin(), q.laws.end(), law) != q.laws.end();
 }
 
-Planted hopper_effect(Effect effect, Size size, const model::Model& model, Random& random) {
-  const double scatter = random.uniform(0.9, 1.1);
-  switch (effect) {
-    case Effect::stiffness_error:
-      return {effect,
-              {model.parameter("stiffness_npm") *
-               (1 + random.sign() * scatter * by_size(size, 0.03, 0.06, 0.12))}};
-    case Effect::spring_preload: {
-      const double direction = random.sign();
-      return {effect, {(size == Size::large ? 1.0 : direction) * scatter * by_size(size, 1, 3, 6)}};
-    }
-    case Effect::torque_gain_error:
-      return {effect, {1 + random.sign() * scatter * by_size(size, 0.06, 0.12, 0.25)}};
-    case Effect::touchdown_loss:
-      return {effect, {1 - scatter * by_size(size, 0.05, 0.1, 0.2)}};
-    case Effect::stribeck_friction:
-      return friction_of(effect, scatter * by_size(size, 0.5, 1, 2), 0, random.uniform(0.1, 0.3), random);
-    default:
-      return friction_of(effect, scatter * by_size(size, 0.5, 1.5, 3), 1.2, 0, random);
+// What a free parameter really is: this many times the model's.
+double off(const Question& q, double scatter, Random& random) {
+  switch (q.nominal) {
+    case Nominal::scattered:
+      return random.uniform(1 - scatter, 1 + scatter);
+    case Nominal::exact:
+      return 1.0;
+    case Nominal::wrong:
+      return 1.0 / (1 + 0.05 * random.sign());
   }
+  return 1.0;
 }
 
-void draw_hopper(Case& c, std::optional<Effect> effect, Random& random) {
+// The truth during one recording of the case. An encoder slips at another instant and by another step each
+// time, and in some recordings not at all; Case::truth has the largest step.
+Truth during(const Case& c, std::size_t recording, std::size_t slipping) {
+  Truth truth = c.truth;
+  truth.draw = c.question.seed * 1000 + recording;
+  for (Planted& p : truth.planted)
+    if (p.law == "encoder_slip" && recording != slipping) {
+      Random random(truth.draw);
+      p.values[0] *= random.chance(0.5) ? random.sign() * random.uniform(0.5, 0.9) : 0.0;
+      p.values[1] *= random.uniform(0.5, 1.5);
+    }
+  return truth;
+}
+
+void draw_hopper(Case& c, Random& random) {
+  const Question& q = c.question;
   // Around the published rig (002, section 4.2): m 1.554, k 605, z0 0.289, ds 6.42, df 1.18.
   const double mass = random.uniform(1.3, 1.9);
   const double stiffness = mass * random.uniform(370, 410);
@@ -94,22 +61,24 @@ void draw_hopper(Case& c, std::optional<Effect> effect, Random& random) {
   const double touchdown_angle = 20.0 * std::numbers::pi / 180.0, length = 0.15;
   // The leg's stop holds the spring a little stretched: 0.7 cm on the published rig.
   const double rest_height = 2 * length * std::cos(touchdown_angle) + random.uniform(0.006, 0.009);
-  const double restitution =
-      effect == Effect::touchdown_loss || random.chance(0.3) ? 1.0 : random.uniform(0.9, 1.0);
+  const double restitution = asks(q, "touchdown_loss") || random.chance(0.3) ? 1.0 : random.uniform(0.9, 1.0);
   // The sources of a known mass: a scale. It is what tells a torque's gain from a spring's rate.
-  c.weighed =
-      (effect == Effect::torque_gain_error || effect == Effect::stiffness_error) && random.chance(0.5);
+  c.weighed = (asks(q, "torque_gain_error") || asks(q, "stiffness_error")) && random.chance(0.5);
+  // A parameter whose error is planted is one that the user believes to know.
+  const bool mass_held = c.weighed || asks(q, "mass_error"), guide_held = asks(q, "damping_error");
   c.model.parameters = {mass,        stiffness, rest_height, damping_stance,  damping_flight,
                         restitution, 1.0,       length,      touchdown_angle, 9.81};
-  if (!c.weighed) c.model.free[0] = around(mass, 0.7, 1.3);
+  if (!mass_held) c.model.free[0] = around(mass, 0.7, 1.3);
   c.model.free[3] = around(damping_stance, 0.0, 5.0);
-  c.model.free[4] = around(damping_flight, 0.0, 5.0);
+  if (!guide_held) c.model.free[4] = around(damping_flight, 0.0, 5.0);
 
   c.truth.parameters = c.model.parameters;
-  if (!c.weighed) c.truth.parameters[0] *= random.uniform(0.97, 1.03);
-  c.truth.parameters[3] *= random.uniform(0.9, 1.1);
-  c.truth.parameters[4] *= random.uniform(0.9, 1.1);
-  if (effect) c.truth.planted = hopper_effect(*effect, c.size, c.model, random);
+  if (!mass_held) c.truth.parameters[0] *= off(q, 0.03, random);
+  c.truth.parameters[3] *= off(q, 0.1, random);
+  if (!guide_held) c.truth.parameters[4] *= off(q, 0.1, random);
+  for (const std::string& law : q.laws) c.truth.planted.push_back(hopper_law(law, c.size, c.model, random));
+  // The body's mass is what the side mass leaves of it: at rest nothing shows.
+  if (const auto* side = find(c.truth.planted, "side_mass")) c.truth.parameters[0] -= (*side)[0];
 
   HopperSensors sensors;
   sensors.noise_m = random.uniform(2e-5, 5e-5);
@@ -120,8 +89,13 @@ void draw_hopper(Case& c, std::optional<Effect> effect, Random& random) {
   sensors.dropped_fraction = random.chance(0.3) ? random.uniform(1e-3, 1e-2) : 0.0;
 
   c.resolution = sensors.quantum_m;
+  if (q.more_columns) {
+    sensors.torque_column = random.chance(0.5);
+    sensors.leg_angle_column = random.chance(0.5);
+  }
 
   constexpr int kTraining = 6, kHeldOut = 2;
+  constexpr std::size_t kFirstHarmonic = 2;
   constexpr int kFewestHops = 6, kAttempts = 12;
   constexpr double kStrongest_nm = 3.0;
   for (int i = 0; i < kTraining + kHeldOut; ++i) {
@@ -130,7 +104,8 @@ void draw_hopper(Case& c, std::optional<Effect> effect, Random& random) {
     e.drop_height_m = random.uniform(0.30, 0.36);
     e.period_s = random.uniform(0.26, 0.36);
     e.amplitude_nm = e.profile == Profile::constant ? random.uniform(0.4, 0.7) : random.uniform(0.8, 2.2);
-    HopperRecording recording = record_hopper(c.truth, e, sensors, random);
+    const Truth truth = during(c, static_cast<std::size_t>(i), kFirstHarmonic);
+    HopperRecording recording = record_hopper(truth, e, sensors, random);
     for (int attempt = 0; attempt < kAttempts; ++attempt) {
       if (recording.ground_pulled) {
         // So much torque so early would have lifted the toe while the body sinks: nobody hops like that.
@@ -144,7 +119,7 @@ void draw_hopper(Case& c, std::optional<Effect> effect, Random& random) {
       } else {
         break;
       }
-      recording = record_hopper(c.truth, e, sensors, random);
+      recording = record_hopper(truth, e, sensors, random);
     }
     c.ground_pulled = c.ground_pulled || recording.ground_pulled;
     (i < kTraining ? c.training : c.held_out).push_back(std::move(recording.log));
@@ -173,7 +148,8 @@ Course moves(double reach, double shortest_s, double longest_s, double duration_
   return course;
 }
 
-void draw_axis(Case& c, std::optional<Effect> effect, Random& random) {
+void draw_axis(Case& c, Random& random) {
+  const Question& q = c.question;
   const bool rotary = c.kind == Kind::rotary_joint;
   AxisSensors sensors;
   if (rotary) {
@@ -196,9 +172,14 @@ void draw_axis(Case& c, std::optional<Effect> effect, Random& random) {
   sensors.dropped_fraction = random.chance(0.3) ? random.uniform(1e-3, 1e-2) : 0.0;
 
   c.truth.parameters = c.model.parameters;
-  c.truth.parameters[0] *= random.uniform(0.97, 1.03);
-  if (rotary) c.truth.parameters[1] *= random.uniform(0.97, 1.03);
-  c.truth.parameters.back() *= random.uniform(0.9, 1.1);
+  // A parameter whose error is planted is one that the user believes to know.
+  const bool inertia_held = asks(q, "mass_error"), damping_held = asks(q, "damping_error");
+  if (inertia_held) c.model.free.erase(0);
+  if (damping_held) c.model.free.erase(c.model.parameters.size() - 1);
+  if (!inertia_held) c.truth.parameters[0] *= off(q, 0.03, random);
+  if (rotary) c.truth.parameters[1] *= off(q, 0.03, random);
+  if (!damping_held) c.truth.parameters.back() *= off(q, 0.1, random);
+  if (q.more_columns && rotary) sensors.drive_reports = random.chance(0.3);
 
   constexpr int kTraining = 4, kHeldOut = 2;
   std::vector<AxisExperiment> experiments;
@@ -227,40 +208,95 @@ void draw_axis(Case& c, std::optional<Effect> effect, Random& random) {
     experiments.push_back(e);
   }
 
-  const auto record = [&](const Truth& truth) {
+  const auto record = [&] {
     std::vector<AxisRecording> recordings;
     for (const AxisExperiment& e : experiments)
-      recordings.push_back(record_axis(truth, c.model.parameters, e, sensors, random));
+      recordings.push_back(
+          record_axis(during(c, recordings.size(), 0), c.model.parameters, e, sensors, random));
     return recordings;
   };
 
-  // What the machine is used to: its inputs and speeds without the effect.
+  // What the machine is used to: its inputs, speeds and places without the effect.
   double squares = 0.0;
   std::size_t rows = 0;
-  std::vector<double> speeds;
-  for (const AxisRecording& recording : record(c.truth)) {
+  std::vector<double> speeds, inputs, places;
+  for (const AxisRecording& recording : record()) {
     const log::Log& log = recording.log;
-    for (double u : log.at(rotary ? "torque_nm" : "force_n")) squares += u * u;
+    for (double u : log.at(rotary ? (sensors.drive_reports ? "torque_cmd_nm" : "torque_nm") : "force_n")) {
+      squares += u * u;
+      inputs.push_back(std::abs(u));
+    }
     rows += log.rows();
     const auto& position = log.at(rotary ? "angle_rad" : "position_m");
     const auto& time = log.time_s();
+    for (double x : position) places.push_back(std::abs(x));
     for (std::size_t i = 10; i < log.rows(); i += 10)
       speeds.push_back(std::abs(position[i] - position[i - 10]) / (time[i] - time[i - 10]));
   }
+  const auto quantile = [](std::vector<double>& values, std::size_t percent) {
+    std::sort(values.begin(), values.end());
+    return values[values.size() * percent / 100];
+  };
   c.typical_input = std::sqrt(squares / static_cast<double>(rows));
-  std::sort(speeds.begin(), speeds.end());
-  c.top_speed = speeds[speeds.size() * 95 / 100];
+  c.top_speed = quantile(speeds, 95);
+  const AxisHabits habits{c.typical_input, quantile(inputs, 99), c.top_speed, quantile(places, 90)};
+  for (const std::string& law : q.laws)
+    c.truth.planted.push_back(axis_law(law, c.size, c.model, habits, random));
+  if (const auto* side = find(c.truth.planted, "side_mass")) c.truth.parameters[0] -= (*side)[0];
 
-  if (effect)
-    c.truth.planted =
-        friction_of(*effect, c.typical_input * random.uniform(0.9, 1.1) * by_size(c.size, 0.03, 0.08, 0.2),
-                    c.top_speed, c.top_speed * random.uniform(0.05, 0.25), random);
   int number = 0;
-  for (AxisRecording& recording : record(c.truth)) {
+  for (AxisRecording& recording : record()) {
     const bool for_training = number++ < kTraining;
     (for_training ? c.training : c.held_out).push_back(std::move(recording.log));
     if (!for_training) c.held_out_truth.push_back(std::move(recording.truth));
   }
+}
+
+// Families of laws that a pair takes one each of: within a family they are too much alike to be a fair pair.
+constexpr std::pair<std::string_view, int> kFamilies[] = {
+    {"coulomb_friction", 0},  {"stribeck_friction", 0}, {"asymmetric_friction", 0}, {"spring_hysteresis", 0},
+    {"damping_error", 1},     {"quadratic_drag", 1},    {"binding_spot", 2},        {"force_offset", 3},
+    {"guide_tilt", 3},        {"mass_error", 3},        {"rest_height_error", 3},   {"spring_preload", 3},
+    {"torque_offset", 3},     {"encoder_offset", 3},    {"stiffness_error", 4},     {"spring_hardening", 4},
+    {"torque_gain_error", 4}, {"leg_inertia", 4},       {"height_scale_error", 4},  {"thermal_derating", 4},
+    {"actuator_delay", 5},    {"actuator_lag", 5},      {"time_skew", 5},           {"backlash", 5},
+    {"torque_saturation", 5}, {"torque_ripple", 6},     {"touchdown_loss", 7},      {"liftoff_loss", 7},
+    {"ground_compliance", 7}, {"toe_sticking", 7},      {"height_eccentricity", 8}, {"encoder_slip", 8},
+    {"contact_delay", 9},
+};
+
+int family(std::string_view law) {
+  for (const auto& [name, number] : kFamilies)
+    if (name == law) return number;
+  return -1;
+}
+
+// Laws whose first cases were drawn before there were names: their cases stay what they were.
+constexpr std::string_view kFirstLaws[] = {
+    "coulomb_friction", "stribeck_friction", "asymmetric_friction", "quadratic_drag", "force_offset",
+    "stiffness_error",  "spring_preload",    "torque_gain_error",   "touchdown_loss",
+};
+
+std::uint64_t number_of(const std::vector<std::string>& laws) {
+  if (laws.empty()) return 0;
+  if (laws.size() == 1)
+    for (std::size_t i = 0; i < std::size(kFirstLaws); ++i)
+      if (kFirstLaws[i] == laws[0]) return i + 1;
+  std::uint64_t hash = 0xCBF29CE484222325u;  // FNV-1a
+  for (const std::string& law : laws)
+    for (char letter : law + " ") hash = (hash ^ static_cast<unsigned char>(letter)) * 0x100000001B3u;
+  return hash;
+}
+
+struct Choice {
+  Kind kind;
+  std::vector<std::string> laws;
+};
+
+void shuffle(std::vector<Choice>& choices, Random& random) {
+  for (std::size_t i = choices.size(); i > 1; --i)
+    std::swap(choices[i - 1],
+              choices[std::min(i - 1, static_cast<std::size_t>(random.unit() * static_cast<double>(i)))]);
 }
 
 }  // namespace
@@ -269,21 +305,30 @@ std::string_view name(Size size) {
   return size == Size::small ? "small" : size == Size::medium ? "medium" : "large";
 }
 
-Case draw_case(std::uint64_t seed, Kind kind, std::optional<Effect> effect, Size size) {
+std::string_view name(Nominal nominal) {
+  return nominal == Nominal::scattered ? "scattered" : nominal == Nominal::exact ? "exact" : "5 % wrong";
+}
+
+std::string_view name(Tier tier) {
+  constexpr std::string_view kNames[] = {"large", "medium", "small", "pairs", "clean", "outside"};
+  return kNames[static_cast<std::size_t>(tier)];
+}
+
+Case draw_case(const Question& question) {
   Case c;
-  c.seed = seed;
-  c.kind = kind;
-  c.size = size;
-  c.truth.kind = c.model.kind = kind;
+  c.question = question;
+  c.kind = question.kind;
+  c.size = question.size;
+  c.truth.kind = c.model.kind = question.kind;
   // Neighbouring seeds and the different questions asked of one seed must not share their draws.
-  const std::uint64_t question = static_cast<std::uint64_t>(kind) * 1000 +
-                                 static_cast<std::uint64_t>(size) * 100 +
-                                 (effect ? static_cast<std::uint64_t>(*effect) + 1 : 0);
-  Random random(seed * 0x9E3779B97F4A7C15u + question * 0xBF58476D1CE4E5B9u);
-  if (kind == Kind::hopper_linear)
-    draw_hopper(c, effect, random);
+  const std::uint64_t mixed = static_cast<std::uint64_t>(question.kind) * 1000 +
+                              static_cast<std::uint64_t>(question.size) * 100 + number_of(question.laws) +
+                              static_cast<std::uint64_t>(question.nominal) * 1000000;
+  Random random(question.seed * 0x9E3779B97F4A7C15u + mixed * 0xBF58476D1CE4E5B9u);
+  if (question.kind == Kind::hopper_linear)
+    draw_hopper(c, random);
   else
-    draw_axis(c, effect, random);
+    draw_axis(c, random);
   int number = 0;
   for (auto* logs : {&c.training, &c.held_out})
     for (log::Log& log : *logs) {
@@ -295,17 +340,89 @@ Case draw_case(std::uint64_t seed, Kind kind, std::optional<Effect> effect, Size
   return c;
 }
 
-std::string Case::description() const {
-  std::string text = "seed " + std::to_string(seed) + " " + std::string(dynamics::info(kind).name) + " ";
-  if (!truth.planted) return text + "clean";
-  const dynamics::EffectInfo& e = dynamics::info(truth.planted->effect);
-  text += std::string(name(size)) + " " + std::string(e.name);
-  for (std::size_t i = 0; i < e.parameter_count; ++i) {
-    char number[40];
-    std::snprintf(number, sizeof number, "=%.4g", truth.planted->values[i]);
-    text += " " + std::string(dynamics::name_on(e.parameter_table[i], kind)) + number;
+Case draw_case(std::uint64_t seed, Kind kind, std::string_view law, Size size) {
+  Question q;
+  q.seed = seed;
+  q.kind = kind;
+  q.laws = {std::string(law)};
+  q.size = size;
+  return draw_case(q);
+}
+
+Case draw_clean_case(std::uint64_t seed, Kind kind) {
+  Question q;
+  q.seed = seed;
+  q.kind = kind;
+  return draw_case(q);
+}
+
+Question question_of(Tier tier, std::uint64_t seed, std::uint64_t index, std::string_view kind_name,
+                     std::string_view law) {
+  const auto wanted = [&](const LawInfo& l, Kind kind) {
+    return (l.acts == Acts::outside_catalogue) == (tier == Tier::outside) && can_be_planted(l.name, kind) &&
+           (kind_name.empty() || kind_name == dynamics::info(kind).name);
+  };
+  std::vector<Choice> choices;
+  for (const auto& kind : dynamics::kKinds) {
+    if (tier == Tier::clean) {
+      if (kind_name.empty() || kind_name == kind.name) choices.push_back({kind.kind, {}});
+      continue;
+    }
+    for (const LawInfo& l : laws()) {
+      if (!wanted(l, kind.kind) || !(law.empty() || law == l.name)) continue;
+      if (tier != Tier::pairs) {
+        choices.push_back({kind.kind, {std::string(l.name)}});
+        continue;
+      }
+      for (const LawInfo& other : laws())
+        if (wanted(other, kind.kind) && family(other.name) != family(l.name) &&
+            (law == l.name || &l < &other))
+          choices.push_back({kind.kind, {std::string(l.name), std::string(other.name)}});
+    }
   }
-  return weighed ? text + " (mass held)" : text;
+  Random order(seed * 0x9E3779B97F4A7C15u + static_cast<std::uint64_t>(tier));
+  shuffle(choices, order);
+  Random random((seed + index) * 0xD1B54A32D192ED03u + static_cast<std::uint64_t>(tier));
+  Question q;
+  q.seed = seed + index;
+  q.nominal = random.chance(0.5) ? Nominal::exact : Nominal::wrong;
+  q.more_columns = true;
+  q.size = tier == Tier::small                                                  ? Size::small
+           : tier == Tier::large || (tier == Tier::pairs && random.chance(0.5)) ? Size::large
+                                                                                : Size::medium;
+  if (!choices.empty()) {
+    q.kind = choices[index % choices.size()].kind;
+    q.laws = choices[index % choices.size()].laws;
+  }
+  return q;
+}
+
+bool Case::outside() const {
+  return std::any_of(truth.planted.begin(), truth.planted.end(),
+                     [](const Planted& p) { return law_named(p.law)->acts == Acts::outside_catalogue; });
+}
+
+std::string Case::description() const {
+  std::string text =
+      "seed " + std::to_string(question.seed) + " " + std::string(dynamics::info(kind).name) + " ";
+  if (truth.planted.empty()) text += "clean";
+  if (!truth.planted.empty() && !outside()) text += std::string(name(size)) + " ";
+  for (const Planted& p : truth.planted) {
+    if (&p != &truth.planted.front()) text += " + ";
+    const LawInfo& law = *law_named(p.law);
+    text += p.law;
+    for (std::size_t i = 0; i < kMostValues && !law.parameters[i].empty(); ++i) {
+      char number[40];
+      std::snprintf(number, sizeof number, "=%.4g", p.values[i]);
+      text += " " + parameter_name(law, i, kind) + number;
+    }
+  }
+  text += " (nominal " + std::string(name(question.nominal));
+  for (const char* column : {"torque_nm", "leg_angle_rad", "torque_cmd_nm"})
+    if (question.more_columns && !training.empty() && training[0].has(column) &&
+        (kind == Kind::hopper_linear) != (std::string_view(column) == "torque_cmd_nm"))
+      text += ", " + std::string(column);
+  return text + (weighed ? ", mass held)" : ")");
 }
 
 }  // namespace furcula::hidden

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "host/diagnose/diagnosis.hpp"
@@ -10,12 +11,15 @@
 namespace furcula::hidden {
 
 enum class Outcome {
-  named,          ///< the planted effect stands first, or the same law under its other name does
-  nothing_named,  ///< no finding, and the verdict is adequate, unexplained or not_identifiable
-  not_separated,  ///< the verdict is not_identifiable, and the planted effect is among the named causes
+  named,  ///< the planted effect stands first, or the same law under its other name does; of a pair: both
+          ///< are named and nothing else
+  not_separated,  ///< another stands first, with the planted effect among those that it cannot be told from
   simpler_law,    ///< the planted law's simpler case stands alone, and what it leaves is below the sensor's
                   ///< resolution (judge.cpp)
-  wrong_name,     ///< another law stands first; in a clean case: any finding
+  half_named,     ///< of a pair: one is named, and nothing else
+  nothing_named,  ///< no finding
+  honest,      ///< a cause outside of the catalogue: said to be unexplained, or nothing named with confidence
+  wrong_name,  ///< another law stands first; in a clean case: any finding; of a pair: any third law
 };
 
 struct ParameterError {
@@ -29,9 +33,13 @@ struct ParameterError {
 
 struct Judgement {
   Outcome outcome = Outcome::nothing_named;
+  diagnose::Verdict verdict = diagnose::Verdict::adequate;
+  std::string first;                       ///< effect that stands first; empty: none
+  double confidence = 0.0;                 ///< of it
   bool other_name = false;                 ///< named as the same law under its other name
-  std::vector<std::string> extra;          ///< findings beyond the planted law
-  std::vector<ParameterError> parameters;  ///< of the planted law, if it was named
+  bool alike = false;                      ///< not_separated: and truly so, on these recordings
+  std::vector<std::string> extra;          ///< findings beyond the planted laws
+  std::vector<ParameterError> parameters;  ///< of the planted laws that were named
   /// Share of the held-out error above the noise floor that the extended model removes from the re-fitted
   /// one, on the main channel, from the diagnosis' own figures.
   double removed = 0.0;
@@ -39,11 +47,17 @@ struct Judgement {
   /// something: nearer to it, what the start states' noise does in these few windows decides the share.
   bool removed_is_told = false;
   /// The same share found independently: both models run in this folder's machine over what really happened
-  /// in the held-out experiments, from true states, without a sensor's error. NaN if more than one law was
-  /// added.
+  /// in the held-out experiments, from true states, without a sensor's error. NaN if a law of the sensors is
+  /// planted or found: there the body moves the same.
   double removed_truly = 0.0;
   double remaining_rms = 0.0;  ///< of the extended model in that calculation, m or rad
   std::string said;            ///< one line: verdict, findings with values, rivals, errors
+
+  /// The right cause first, or in a group that truly is one; of a pair, both.
+  bool right() const {
+    return outcome == Outcome::named || outcome == Outcome::simpler_law ||
+           (outcome == Outcome::not_separated && alike);
+  }
 };
 
 /// The diagnosis of a case: it gets the model and the recordings, and nothing else.

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <optional>
+#include <string>
 
 namespace furcula::hidden {
 
@@ -23,6 +25,58 @@ void note(Trajectory& truth, const Machine& m, double command) {
   truth.position.push_back(m.position());
   truth.velocity.push_back(m.velocity());
   truth.command.push_back(command);
+}
+
+// The position sensor: what it makes of a true position, before noise and quantisation.
+class PositionSensor {
+ public:
+  PositionSensor(const Truth& truth, double touchdown_height_m) : centre_(touchdown_height_m) {
+    if (const auto* v = find(truth.planted, "encoder_offset")) offset_ = (*v)[0];
+    if (const auto* v = find(truth.planted, "height_scale_error")) scale_ = (*v)[0];
+    if (const auto* v = find(truth.planted, "height_eccentricity")) wheel_ = *v;
+    if (const auto* v = find(truth.planted, "encoder_slip")) slip_ = *v;
+    if (const auto* v = find(truth.planted, "wandering_zero")) wander_ = *v;
+    if (const auto* v = find(truth.planted, "torque_crosstalk")) crosstalk_ = (*v)[0];
+    if (const auto* v = find(truth.planted, "time_skew")) skew_s_ = (*v)[0];
+    if (const auto* v = find(truth.planted, "sticking_counts")) sticking_ = (*v)[0];
+  }
+  double skew_s() const { return skew_s_; }
+  double operator()(double x, double time_s, double command) const {
+    double seen = centre_ + scale_ * (x - centre_) + offset_ + crosstalk_ * command;
+    if (wheel_[0] != 0) seen += wheel_[0] * std::sin(kTwoPi * x / wheel_[1] + wheel_[2]);
+    if (slip_[0] != 0 && time_s >= slip_[1]) seen += slip_[0];
+    if (wander_[0] != 0) seen += wander_[0] * std::sin(kTwoPi * time_s / wander_[1] + wander_[2]);
+    return seen;
+  }
+  /// A reading that sticks: it moves on only once it would be off by more than so much.
+  double stuck(double reading) {
+    if (sticking_ > 0 && shown_ && std::abs(reading - *shown_) < sticking_) return *shown_;
+    shown_ = reading;
+    return reading;
+  }
+
+ private:
+  double centre_, offset_ = 0, scale_ = 1, crosstalk_ = 0, skew_s_ = 0, sticking_ = 0;
+  Values wheel_{}, slip_{}, wander_{};
+  std::optional<double> shown_;
+};
+
+// True position between the rows, to well below a count; what an impact bends within a row is lost.
+double position_at(const Trajectory& t, double time_s) {
+  const auto after = std::upper_bound(t.time_s.begin(), t.time_s.end(), time_s);
+  if (after == t.time_s.begin()) return t.position.front();
+  if (after == t.time_s.end()) return t.position.back();
+  const auto i = static_cast<std::size_t>(after - t.time_s.begin());
+  const double h = t.time_s[i] - t.time_s[i - 1], s = (time_s - t.time_s[i - 1]) / h;
+  return t.position[i - 1] * (1 + 2 * s) * (1 - s) * (1 - s) + t.position[i] * s * s * (3 - 2 * s) +
+         h * s * (1 - s) * (t.velocity[i - 1] * (1 - s) - t.velocity[i] * s);
+}
+
+// Of the rows, those whose skewed position lies beyond the recording's end.
+std::size_t rows_beyond(const std::vector<double>& time_s, double skew_s) {
+  std::size_t rows = 0;
+  while (rows < time_s.size() && time_s[time_s.size() - 1 - rows] - skew_s > time_s.back()) ++rows;
+  return rows;
 }
 
 // Rows lost on the way to the disk; the first and last stay.
@@ -68,7 +122,8 @@ double profile_torque(const HopperExperiment& e, double since_touchdown_s, doubl
 // The switch reports an event before or after it happens, so the machine is run ahead to know when it will.
 class ContactSwitch {
  public:
-  ContactSwitch(const HopperSensors& sensors, Random& random) : sensors_(sensors), random_(random) {}
+  ContactSwitch(const HopperSensors& sensors, double delay_s, Random& random)
+      : sensors_(sensors), delay_s_(delay_s), random_(random) {}
 
   // Called once a row. `torque_ahead(time, velocity)` is what the rig would command from here on.
   template <class Torque>
@@ -106,7 +161,7 @@ class ContactSwitch {
   }
 
  private:
-  double error() { return random_.uniform(-sensors_.report_error_s, sensors_.report_error_s); }
+  double error() { return delay_s_ + random_.uniform(-sensors_.report_error_s, sensors_.report_error_s); }
   void change(double& when, bool closed) {
     if (closed_ != closed) changed_s_ = when;
     closed_ = closed;
@@ -114,6 +169,7 @@ class ContactSwitch {
   }
 
   const HopperSensors& sensors_;
+  double delay_s_;
   Random& random_;
   bool closed_ = false, rising_ = false;
   double changed_s_ = -1.0, flight_ = std::numeric_limits<double>::quiet_NaN();
@@ -125,29 +181,47 @@ class ContactSwitch {
 HopperRecording record_hopper(const Truth& truth, const HopperExperiment& experiment,
                               const HopperSensors& sensors, Random& random) {
   constexpr double kVibration_hz = 60.0, kVibrationDecay_s = 0.010, kShortestStance_s = 0.05;
+  constexpr double kAngleCount_rad = kTwoPi / 16384, kCurrentNoise_nm = 0.01;
   Machine m(truth, experiment.drop_height_m, 0.0);
-  ContactSwitch contact_switch(sensors, random);
+  PositionSensor sensor(truth, m.touchdown_height_m());
+  const auto* switch_delay = find(truth.planted, "contact_delay");
+  ContactSwitch contact_switch(sensors, switch_delay ? (*switch_delay)[0] : 0.0, random);
   const double offset_counts = random.uniform(-0.5, 0.5);
+  // What only some logs hold has its own draws, so that a log is the same with and without.
+  Random more(static_cast<std::uint64_t>(1e9 * (offset_counts + 1)));
   HopperRecording out;
-  std::vector<double> time, height, contact, torque;
+  std::vector<double> time, height, contact, torque, drive_torque, leg_angle, noise;
+  struct Impact {
+    double time_s, speed_mps;
+  };
+  std::vector<Impact> impacts;
+  const auto vibration = [&](double t) {
+    double sum = 0.0;
+    for (auto i = impacts.rbegin(); i != impacts.rend() && t - i->time_s < 6 * kVibrationDecay_s; ++i)
+      if (t > i->time_s)
+        sum += sensors.vibration_m * i->speed_mps * std::exp(-(t - i->time_s) / kVibrationDecay_s) *
+               std::sin(kTwoPi * kVibration_hz * (t - i->time_s));
+    return sum;
+  };
 
   bool believes_stance = false, was_closed = false;
   double believed_touchdown_s = 0.0, impact_mps = 0.0, moved_s = 0.0, last_liftoff = m.liftoff_s();
+  double command = 0.0;
   for (int row = 0;; ++row) {
     const double now = row * kRow_s;
 
     // What the sensors say.
-    double seen = m.position() + sensors.noise_m * random.normal();
-    const double since_impact_s = now - m.touchdown_s();
-    if (since_impact_s < 6 * kVibrationDecay_s)
-      seen += sensors.vibration_m * impact_mps * std::exp(-since_impact_s / kVibrationDecay_s) *
-              std::sin(kTwoPi * kVibration_hz * since_impact_s);
+    noise.push_back(sensors.noise_m * random.normal());
+    if (m.touchdown_s() >= 0 && (impacts.empty() || impacts.back().time_s != m.touchdown_s()))
+      impacts.push_back({m.touchdown_s(), impact_mps});
+    const double seen = sensor(m.position(), now, command) + vibration(now) + noise.back();
     const bool closed = contact_switch.raw(m, [&](double t, double velocity) {
       return believes_stance ? profile_torque(experiment, t - believed_touchdown_s, velocity) : 0.0;
     });
     time.push_back(now);
-    height.push_back(quantised(seen, sensors.quantum_m, offset_counts));
+    height.push_back(sensor.stuck(quantised(seen, sensors.quantum_m, offset_counts)));
     contact.push_back(closed ? 1.0 : 0.0);
+    leg_angle.push_back(quantised(m.motor_angle_rad(), kAngleCount_rad, offset_counts));
 
     // What the controller makes of it: a change of phase when the switch says the same twice running.
     if (!believes_stance && closed && was_closed) {
@@ -159,9 +233,9 @@ HopperRecording record_hopper(const Truth& truth, const HopperExperiment& experi
     was_closed = closed;
     const std::size_t back = std::min<std::size_t>(time.size() - 1, 8);
     const double rising = height.back() - height[height.size() - 1 - back];
-    const double command =
-        believes_stance ? profile_torque(experiment, now - believed_touchdown_s, rising) : 0.0;
+    command = believes_stance ? profile_torque(experiment, now - believed_touchdown_s, rising) : 0.0;
     torque.push_back(command);
+    drive_torque.push_back(m.reported_torque(command) + kCurrentNoise_nm * more.normal());
     note(out.truth, m, command);
 
     // When to stop: enough hops, too long, or the body at rest.
@@ -175,9 +249,24 @@ HopperRecording record_hopper(const Truth& truth, const HopperExperiment& experi
   }
   out.ground_pulled = m.ground_pulled();
 
+  // The skew is the log's: what the sensor saw at another instant stands in the row.
+  std::size_t beyond = 0;
+  if (const double skew = sensor.skew_s(); skew != 0) {
+    PositionSensor skewed(truth, m.touchdown_height_m());
+    for (std::size_t i = 0; i < time.size(); ++i) {
+      const double t = time[i] - skew;
+      const double seen = skewed(position_at(out.truth, t), t, torque[i]) + vibration(t) + noise[i];
+      height[i] = skewed.stuck(quantised(seen, sensors.quantum_m, offset_counts));
+    }
+    beyond = rows_beyond(time, skew);
+  }
+
   out.log.rig = "hopper";
   out.log.columns = {{"time_s", time}, {"height_m", height}, {"contact", contact}, {"torque_cmd_nm", torque}};
   if (sensors.velocity_column) out.log.columns["velocity_mps"] = derived_velocity(time, height);
+  if (sensors.torque_column) out.log.columns["torque_nm"] = drive_torque;
+  if (sensors.leg_angle_column) out.log.columns["leg_angle_rad"] = leg_angle;
+  for (auto& [name, column] : out.log.columns) column.resize(column.size() - beyond);
   drop_rows(out.log, sensors.dropped_fraction, random);
   return out;
 }
@@ -210,23 +299,26 @@ double Course::acceleration(double time_s) const {
 
 AxisRecording record_axis(const Truth& truth, const std::vector<double>& known,
                           const AxisExperiment& experiment, const AxisSensors& sensors, Random& random) {
+  constexpr double kCurrentNoise = 5e-3;  // of the largest reported torque
   const bool rotary = truth.kind == Kind::rotary_joint;
   const double inertia = known[0], gravity = rotary ? known[1] : 0.0, damping = known[rotary ? 2 : 1];
   const double bandwidth = kTwoPi * experiment.feedback_hz;
   Machine m(truth, experiment.start_position, 0.0);
+  PositionSensor sensor(truth, 0.0);
   const double offset_counts = random.uniform(-0.5, 0.5);
   AxisRecording out;
-  std::vector<double> time, position, input, reference;
-  double filtered_velocity = 0.0;
+  std::vector<double> time, position, input, reported, reference, noise;
+  double filtered_velocity = 0.0, command = 0.0;
 
   for (double now = 0.0; now <= experiment.duration_s;) {
-    const double seen =
-        quantised(m.position() + sensors.noise * random.normal(), sensors.quantum, offset_counts);
+    noise.push_back(sensors.noise * random.normal());
+    const double seen = sensor.stuck(
+        quantised(sensor(m.position(), now, command) + noise.back(), sensors.quantum, offset_counts));
     if (!position.empty()) {
       const double dt = now - time.back();
       filtered_velocity += dt / (dt + 5e-3) * ((seen - position.back()) / dt - filtered_velocity);
     }
-    double command = 0.0;
+    command = 0.0;
     if (experiment.feedback_hz > 0) {
       const double target = experiment.course.at(now), target_velocity = experiment.course.velocity(now);
       command = inertia * (experiment.course.acceleration(now) + bandwidth * bandwidth * (target - seen) +
@@ -240,11 +332,23 @@ AxisRecording record_axis(const Truth& truth, const std::vector<double>& known,
     time.push_back(now);
     position.push_back(seen);
     input.push_back(command);
+    reported.push_back(m.reported_torque(command));
     note(out.truth, m, command);
     reference.push_back(experiment.course.at(now));
     now = sensors.interval_spread_s > 0 ? now + sensors.interval_s + sensors.interval_spread_s * random.unit()
                                         : static_cast<double>(time.size()) * sensors.interval_s;
     m.advance(now, command, 100e-6);
+  }
+
+  std::size_t beyond = 0;
+  if (const double skew = sensor.skew_s(); skew != 0) {
+    PositionSensor skewed(truth, 0.0);
+    for (std::size_t i = 0; i < time.size(); ++i) {
+      const double t = time[i] - skew;
+      position[i] = skewed.stuck(quantised(skewed(position_at(out.truth, t), t, input[i]) + noise[i],
+                                           sensors.quantum, offset_counts));
+    }
+    beyond = rows_beyond(time, skew);
   }
 
   log::Log& log = out.log;
@@ -255,6 +359,15 @@ AxisRecording record_axis(const Truth& truth, const std::vector<double>& known,
   if (!rotary && experiment.feedback_hz > 0) log.columns["reference_m"] = reference;
   if (sensors.velocity_column)
     log.columns[rotary ? "velocity_radps" : "velocity_mps"] = derived_velocity(time, position);
+  if (rotary && sensors.drive_reports) {
+    Random more(static_cast<std::uint64_t>(1e9 * (offset_counts + 1)));
+    double largest = 0.0;
+    for (double r : reported) largest = std::max(largest, std::abs(r));
+    for (double& r : reported) r += kCurrentNoise * largest * more.normal();
+    log.columns["torque_cmd_nm"] = input;
+    log.columns["torque_nm"] = reported;
+  }
+  for (auto& [name, column] : log.columns) column.resize(column.size() - beyond);
   drop_rows(log, sensors.dropped_fraction, random);
   return out;
 }

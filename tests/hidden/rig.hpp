@@ -1,5 +1,7 @@
 // The virtual rigs: a machine (machine.hpp) with its controller and its imperfect sensors, recorded as a log
-// in the columns of docs/contracts.md, section 1.
+// in the columns of docs/contracts.md, section 1. What a planted law does to the sensors is done here: the
+// log has it, `Trajectory` has not. A skew of the position is the log's alone, as of time stamps: the
+// controller does not see it.
 #pragma once
 
 #include <cstddef>
@@ -38,6 +40,8 @@ struct HopperSensors {
   double vibration_m = 0.0;       ///< of the body on the encoder after touch-down, at 1 m/s of impact
   bool velocity_column = true;    ///< backward difference over 8 ms
   double dropped_fraction = 0.0;  ///< of the rows
+  bool torque_column = false;     ///< what the drive makes of its current
+  bool leg_angle_column = false;  ///< on the motor's side, of an encoder of 14 bit
 };
 
 struct HopperRecording {
@@ -87,6 +91,7 @@ struct AxisSensors {
   double interval_spread_s = 0.0;  ///< each interval is longer by up to so much
   bool velocity_column = false;    ///< backward difference over at least 8 ms
   double dropped_fraction = 0.0;
+  bool drive_reports = false;  ///< rotary joint: torque_cmd_nm is logged, and torque_nm is the drive's own
 };
 
 /// `known` holds the parameters that the rig's controller believes in (its feed-forward).

@@ -59,7 +59,7 @@ std::optional<Arguments> parsed(int argc, char** argv) {
       a.threads = static_cast<unsigned>(number);
     else if (key == "--kind" && dynamics::kind_named(value))
       a.kind = value;
-    else if (key == "--effect" && (value == "none" || dynamics::effect_named(value)))
+    else if (key == "--effect" && law_named(value))
       a.effect = value;
     else if (key == "--size" && (value == "small" || value == "medium" || value == "large"))
       a.size = value;
@@ -71,37 +71,23 @@ std::optional<Arguments> parsed(int argc, char** argv) {
   return a;
 }
 
-// One case in six is clean; the kinds, effects and sizes that no argument fixes are drawn.
+// One case in six is clean; the kinds, effects and sizes that no argument fixes come round.
 Case drawn(const Arguments& a, std::uint64_t seed) {
   Random random(seed ^ 0x5DEECE66Du);
-  const auto index = [&](std::size_t n) {
-    return std::min(n - 1, static_cast<std::size_t>(random.unit() * static_cast<double>(n)));
-  };
-  // Every draw is made, whatever is fixed: the same seed then means the same case as far as possible.
-  const Kind any_kind = dynamics::kKinds[index(dynamics::kKindCount)].kind;
-  const bool clean = random.chance(1.0 / 6.0);
-  const double which = random.unit();
-  const Size any_size = static_cast<Size>(index(3));
-  std::optional<Effect> effect;
-  Kind kind = a.kind.empty() ? any_kind : *dynamics::kind_named(a.kind);
-  if (!a.effect.empty()) {
-    effect = dynamics::effect_named(a.effect);
-    if (effect && !dynamics::applies(*effect, kind)) kind = Kind::hopper_linear;
-  } else if (!clean) {
-    std::vector<Effect> possible;
-    for (const auto& e : dynamics::kCatalogue)
-      if (dynamics::applies(e.effect, kind)) possible.push_back(e.effect);
-    effect = possible[static_cast<std::size_t>(which * static_cast<double>(possible.size()))];
-  }
-  const Size size = a.size == "small"    ? Size::small
-                    : a.size == "medium" ? Size::medium
-                    : a.size == "large"  ? Size::large
-                                         : any_size;
-  return draw_case(seed, kind, effect, size);
+  const bool clean = a.effect.empty() && random.chance(1.0 / 6.0);
+  const auto any_size = static_cast<Size>(std::min(2.0, 3 * random.unit()));
+  Question q = question_of(clean ? Tier::clean : Tier::medium, a.seed, seed - a.seed, a.kind, a.effect);
+  q.nominal = Nominal::scattered;
+  q.more_columns = false;
+  q.size = a.size == "small"    ? Size::small
+           : a.size == "medium" ? Size::medium
+           : a.size == "large"  ? Size::large
+                                : any_size;
+  return draw_case(q);
 }
 
 void write_case(const Case& c, const std::string& directory) {
-  const std::string folder = directory + "/" + std::to_string(c.seed);
+  const std::string folder = directory + "/" + std::to_string(c.question.seed);
   std::filesystem::create_directories(folder);
   model::write_model(c.model, folder + "/model.toml");
   for (const auto* logs : {&c.training, &c.held_out})
@@ -109,7 +95,7 @@ void write_case(const Case& c, const std::string& directory) {
 }
 
 bool as_it_should_be(const Case& c, const Judgement& j, const diagnose::Diagnosis& d) {
-  if (!c.truth.planted) return d.findings.empty() && d.verdict == diagnose::Verdict::adequate;
+  if (c.truth.planted.empty()) return d.findings.empty() && d.verdict == diagnose::Verdict::adequate;
   if (c.size == Size::small) return j.outcome != Outcome::wrong_name && j.extra.empty();
   return j.outcome == Outcome::named && j.extra.empty() && removes_enough(j) &&
          std::all_of(j.parameters.begin(), j.parameters.end(), [](const auto& p) { return p.acceptable(); });
@@ -138,12 +124,11 @@ int run(const Arguments& a) {
     std::fflush(stdout);
 
     std::string label(dynamics::info(c.kind).name);
-    if (c.truth.planted)
-      label +=
-          " " + std::string(name(c.size)) + " " + std::string(dynamics::info(c.truth.planted->effect).name);
-    else
+    if (c.truth.planted.empty())
       label += " clean";
-    for (Row* r : {&rows[label], c.truth.planted ? &all : &clean}) {
+    else
+      label += " " + std::string(name(c.size)) + " " + c.truth.planted.front().law;
+    for (Row* r : {&rows[label], c.truth.planted.empty() ? &clean : &all}) {
       ++r->cases;
       r->named += j.outcome == Outcome::named;
       r->not_separated += j.outcome == Outcome::not_separated;
@@ -178,7 +163,7 @@ int main(int argc, char** argv) {
   if (!arguments) {
     std::fprintf(stderr,
                  "usage: furcula_hidden_table [--seed N] [--cases N] [--threads N] [--kind NAME] "
-                 "[--effect NAME|none] [--size small|medium|large] [--write DIR]\n");
+                 "[--effect NAME] [--size small|medium|large] [--write DIR]\n");
     return 2;
   }
   return furcula::hidden::run(*arguments);

@@ -3,6 +3,7 @@
 // arguments makes the same recordings again (`furcula_hidden_table --write DIR` writes them as files).
 #include <catch2/catch.hpp>
 #include <string>
+#include <string_view>
 
 #include "tests/hidden/cases.hpp"
 #include "tests/hidden/judge.hpp"
@@ -18,7 +19,7 @@ std::string listed(const std::vector<std::string>& names) {
   return text;
 }
 
-void expect_named(Kind kind, Effect effect, Size size, std::uint64_t seed) {
+void expect_named(Kind kind, std::string_view effect, Size size, std::uint64_t seed) {
   const Case c = draw_case(seed, kind, effect, size);
   const Judgement j = judge(c, diagnosed(c, kThreads));
   INFO(c.description());
@@ -35,7 +36,7 @@ void expect_named(Kind kind, Effect effect, Size size, std::uint64_t seed) {
 }
 
 // A small effect may drown in the sensors' errors, but must not be taken for another.
-void expect_no_wrong_name(Kind kind, Effect effect, std::uint64_t seed) {
+void expect_no_wrong_name(Kind kind, std::string_view effect, std::uint64_t seed) {
   const Case c = draw_case(seed, kind, effect, Size::small);
   const Judgement j = judge(c, diagnosed(c, kThreads));
   INFO(c.description());
@@ -44,7 +45,7 @@ void expect_no_wrong_name(Kind kind, Effect effect, std::uint64_t seed) {
   CHECK(listed(j.extra) == "");
 }
 
-void expect_found(Kind kind, Effect effect) {
+void expect_found(Kind kind, std::string_view effect) {
   expect_named(kind, effect, Size::large, 1);
   expect_named(kind, effect, Size::medium, 2);
   expect_no_wrong_name(kind, effect, 3);
@@ -52,7 +53,7 @@ void expect_found(Kind kind, Effect effect) {
 
 void expect_adequate(Kind kind) {
   for (std::uint64_t seed = 1; seed <= 4; ++seed) {
-    const Case c = draw_case(seed, kind, std::nullopt);
+    const Case c = draw_clean_case(seed, kind);
     const diagnose::Diagnosis d = diagnosed(c, kThreads);
     INFO(c.description());
     INFO(judge(c, d).said);
@@ -64,83 +65,81 @@ void expect_adequate(Kind kind) {
 }  // namespace
 
 TEST_CASE("Coulomb friction hidden in a hopper is found") {
-  expect_found(Kind::hopper_linear, Effect::coulomb_friction);
+  expect_found(Kind::hopper_linear, "coulomb_friction");
 }
 
 TEST_CASE("Stribeck friction hidden in a hopper is found") {
-  expect_found(Kind::hopper_linear, Effect::stribeck_friction);
+  expect_found(Kind::hopper_linear, "stribeck_friction");
 }
 
 TEST_CASE("Asymmetric friction hidden in a hopper is found") {
-  expect_found(Kind::hopper_linear, Effect::asymmetric_friction);
+  expect_found(Kind::hopper_linear, "asymmetric_friction");
 }
 
 TEST_CASE("Quadratic drag hidden in a hopper is found") {
-  expect_found(Kind::hopper_linear, Effect::quadratic_drag);
+  expect_found(Kind::hopper_linear, "quadratic_drag");
 }
 
-TEST_CASE("A force offset hidden in a hopper is found") {
-  expect_found(Kind::hopper_linear, Effect::force_offset);
-}
+TEST_CASE("A force offset hidden in a hopper is found") { expect_found(Kind::hopper_linear, "force_offset"); }
 
 TEST_CASE("A wrong spring rate hidden in a hopper is found") {
-  expect_found(Kind::hopper_linear, Effect::stiffness_error);
+  expect_found(Kind::hopper_linear, "stiffness_error");
 }
 
 TEST_CASE("A spring preload hidden in a hopper is found") {
-  expect_found(Kind::hopper_linear, Effect::spring_preload);
+  expect_found(Kind::hopper_linear, "spring_preload");
 }
 
 TEST_CASE("A wrong torque gain hidden in a hopper is found") {
-  expect_found(Kind::hopper_linear, Effect::torque_gain_error);
+  expect_found(Kind::hopper_linear, "torque_gain_error");
 }
 
 TEST_CASE("A loss at touch-down hidden in a hopper is found") {
-  expect_found(Kind::hopper_linear, Effect::touchdown_loss);
+  expect_found(Kind::hopper_linear, "touchdown_loss");
 }
 
 TEST_CASE("Nothing is found in a hopper that hides nothing") { expect_adequate(Kind::hopper_linear); }
 
 TEST_CASE("Coulomb friction hidden in a motor axis is found") {
-  expect_found(Kind::motor_axis, Effect::coulomb_friction);
+  expect_found(Kind::motor_axis, "coulomb_friction");
 }
 
 TEST_CASE("Stribeck friction hidden in a motor axis is found") {
-  expect_found(Kind::motor_axis, Effect::stribeck_friction);
+  expect_found(Kind::motor_axis, "stribeck_friction");
 }
 
 TEST_CASE("Asymmetric friction hidden in a motor axis is found") {
-  expect_found(Kind::motor_axis, Effect::asymmetric_friction);
+  expect_found(Kind::motor_axis, "asymmetric_friction");
 }
 
 TEST_CASE("Quadratic drag hidden in a motor axis is found") {
-  expect_found(Kind::motor_axis, Effect::quadratic_drag);
+  expect_found(Kind::motor_axis, "quadratic_drag");
 }
 
 TEST_CASE("A force offset hidden in a motor axis is found") {
-  expect_found(Kind::motor_axis, Effect::force_offset);
+  expect_found(Kind::motor_axis, "force_offset");
 }
 
 TEST_CASE("Nothing is found in a motor axis that hides nothing") { expect_adequate(Kind::motor_axis); }
 
 TEST_CASE("Coulomb friction hidden in a rotary joint is found") {
-  expect_found(Kind::rotary_joint, Effect::coulomb_friction);
+  expect_found(Kind::rotary_joint, "coulomb_friction");
 }
 
 TEST_CASE("Stribeck friction hidden in a rotary joint is found") {
-  expect_found(Kind::rotary_joint, Effect::stribeck_friction);
+  expect_found(Kind::rotary_joint, "stribeck_friction");
 }
 
 TEST_CASE("Asymmetric friction hidden in a rotary joint is found") {
-  expect_found(Kind::rotary_joint, Effect::asymmetric_friction);
+  expect_found(Kind::rotary_joint, "asymmetric_friction");
 }
 
 TEST_CASE("Quadratic drag hidden in a rotary joint is found") {
-  expect_found(Kind::rotary_joint, Effect::quadratic_drag);
+  expect_found(Kind::rotary_joint, "quadratic_drag");
 }
 
 TEST_CASE("A force offset hidden in a rotary joint is found") {
-  expect_found(Kind::rotary_joint, Effect::force_offset);
+  expect_found(Kind::rotary_joint, "force_offset");
 }
 
 TEST_CASE("Nothing is found in a rotary joint that hides nothing") { expect_adequate(Kind::rotary_joint); }

@@ -1,0 +1,113 @@
+// See laws.hpp.
+#include "tests/hidden/laws.hpp"
+
+#include "furcula/dynamics/effects/catalogue.hpp"
+
+namespace furcula::hidden {
+
+namespace {
+
+constexpr Acts kBody = Acts::on_the_body, kSensors = Acts::on_the_sensors, kOutside = Acts::outside_catalogue;
+
+// clang-format off
+constexpr LawInfo kLaws[] = {
+    // name                  acts      hopper axis  joint
+    {"coulomb_friction",     kBody,    true,  true,  true,  {"force_n"}},
+    {"stribeck_friction",    kBody,    true,  true,  true,  {"force_n", "static_force_n", "velocity_mps"}},
+    {"asymmetric_friction",  kBody,    true,  true,  true,  {"force_up_n", "force_down_n"}},
+    {"quadratic_drag",       kBody,    true,  true,  true,  {"drag_ns2pm2"}},
+    {"binding_spot",         kBody,    true,  true,  true,  {"force_n", "centre_m", "width_m"}},
+    {"damping_error",        kBody,    true,  true,  true,  {"damping_nspm"}},
+    {"force_offset",         kBody,    true,  true,  true,  {"force_n"}},
+    {"guide_tilt",           kBody,    true,  false, false, {"tilt_rad"}},
+    {"mass_error",           kBody,    true,  true,  true,  {"mass_kg"}},
+    {"stiffness_error",      kBody,    true,  false, false, {"stiffness_npm"}},
+    {"rest_height_error",    kBody,    true,  false, false, {"rest_height_m"}},
+    {"spring_preload",       kBody,    true,  false, false, {"force_n"}},
+    {"spring_hardening",     kBody,    true,  false, false, {"cubic_npm3"}},
+    {"spring_hysteresis",    kBody,    true,  false, false, {"ratio"}},
+    {"leg_inertia",          kBody,    true,  false, false, {"inertia_a_kgm2", "inertia_b_kgm", "inertia_e_kgm"}},
+    {"torque_gain_error",    kBody,    true,  true,  true,  {"gain"}},
+    {"torque_offset",        kBody,    true,  false, false, {"torque_nm"}},
+    {"actuator_delay",       kBody,    true,  true,  true,  {"delay_s"}},
+    {"actuator_lag",         kBody,    true,  true,  true,  {"time_constant_s"}},
+    {"torque_saturation",    kBody,    true,  true,  true,  {"limit_nm"}},
+    {"torque_ripple",        kBody,    true,  false, true,  {"amplitude_nm", "cycles_per_rev", "phase_rad"}},
+    {"thermal_derating",     kBody,    true,  true,  true,  {"final_gain", "time_constant_s"}},
+    {"backlash",             kBody,    true,  false, false, {"gap_rad"}},
+    {"touchdown_loss",       kBody,    true,  false, false, {"restitution_touchdown"}},
+    {"liftoff_loss",         kBody,    true,  false, false, {"restitution_liftoff"}},
+    {"ground_compliance",    kBody,    true,  false, false, {"stiffness_npm", "damping_nspm"}},
+    {"toe_sticking",         kBody,    true,  false, false, {"force_n"}},
+    {"encoder_offset",       kSensors, true,  true,  true,  {"offset_m"}},
+    {"height_scale_error",   kSensors, true,  false, false, {"scale"}},
+    {"height_eccentricity",  kSensors, true,  true,  true,  {"amplitude_m", "pitch_m", "phase_rad"}},
+    {"encoder_slip",         kSensors, true,  true,  true,  {"step_m", "time_s"}},
+    {"contact_delay",        kSensors, true,  false, false, {"delay_s"}},
+    {"time_skew",            kSensors, true,  true,  true,  {"skew_s"}},
+    // Mechanical.
+    {"side_mass",            kOutside, true,  true,  true,  {"mass_kg", "frequency_hz", "damping_ratio"}},
+    {"bump_stop",            kOutside, true,  true,  true,  {"position_m", "stiffness_npm"}},
+    {"cable_snag",           kOutside, true,  true,  true,  {"force_n", "centre_m", "width_m"}},
+    {"detents",              kOutside, false, true,  false, {"force_n", "pitch_m", "phase_rad"}},
+    {"periodic_force",       kOutside, true,  true,  true,  {"force_n", "frequency_hz", "phase_rad"}},
+    {"gusts",                kOutside, true,  true,  true,  {"force_n", "duration_s", "rate_hz"}},
+    // Changing with time.
+    {"warming_friction",     kOutside, true,  true,  true,  {"force_n", "time_constant_s"}},
+    {"fading_spring",        kOutside, true,  false, false, {"share", "time_constant_s"}},
+    // Electrical.
+    {"drive_dropout",        kOutside, true,  true,  true,  {"duration_s", "rate_hz"}},
+    {"drive_deadband",       kOutside, true,  true,  true,  {"limit_nm"}},
+    // Sensing.
+    {"sticking_counts",      kOutside, true,  true,  true,  {"offset_m"}},
+    {"torque_crosstalk",     kOutside, true,  true,  true,  {"position_per_input"}},
+    {"wandering_zero",       kOutside, true,  true,  true,  {"amplitude_m", "period_s", "phase_rad"}},
+};
+
+// Contract, section 3: on a rotary axis the names carry rotary units.
+constexpr std::pair<std::string_view, std::string_view> kRotary[] = {
+    {"force_n", "torque_nm"},           {"static_force_n", "static_torque_nm"}, {"force_up_n", "torque_up_nm"},
+    {"force_down_n", "torque_down_nm"}, {"velocity_mps", "velocity_radps"},     {"drag_ns2pm2", "drag_nms2prad2"},
+    {"mass_kg", "inertia_kgm2"},        {"centre_m", "centre_rad"},             {"width_m", "width_rad"},
+    {"offset_m", "offset_rad"},         {"amplitude_m", "amplitude_rad"},       {"damping_nspm", "damping_nmspr"},
+    {"pitch_m", "pitch_rad"},           {"step_m", "step_rad"},                 {"position_m", "angle_rad"},
+    {"stiffness_npm", "stiffness_nmprad"},
+};
+// clang-format on
+
+}  // namespace
+
+std::span<const LawInfo> laws() { return kLaws; }
+
+const LawInfo* law_named(std::string_view name) {
+  for (const LawInfo& law : kLaws)
+    if (law.name == name) return &law;
+  return nullptr;
+}
+
+std::string parameter_name(const LawInfo& law, std::size_t index, Kind kind) {
+  const std::string_view name = law.parameters[index];
+  if (kind == Kind::motor_axis && name == "limit_nm") return "limit_n";
+  if (dynamics::info(kind).rotary)
+    for (const auto& [linear, rotary] : kRotary)
+      if (linear == name) return std::string(rotary);
+  return std::string(name);
+}
+
+bool can_be_named(std::string_view law, Kind kind) {
+  const auto effect = dynamics::effect_named(law);
+  return effect && dynamics::applies(*effect, kind);
+}
+
+bool can_be_planted(std::string_view law, Kind kind) {
+  const LawInfo* info = law_named(law);
+  return info && info->on(kind) && (info->acts == Acts::outside_catalogue || can_be_named(law, kind));
+}
+
+const Values* find(const std::vector<Planted>& planted, std::string_view law) {
+  for (const Planted& p : planted)
+    if (p.law == law) return &p.values;
+  return nullptr;
+}
+
+}  // namespace furcula::hidden
