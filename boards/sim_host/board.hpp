@@ -8,10 +8,12 @@
 #include <vector>
 
 #include "boards/sim_host/contact_switch.hpp"
+#include "boards/sim_host/drive.hpp"
 #include "boards/sim_host/faults.hpp"
 #include "boards/sim_host/sensors.hpp"
 #include "firmware/app/app.hpp"
 #include "furcula/dynamics/hopper.hpp"
+#include "furcula/dynamics/sensing.hpp"
 
 namespace furcula::sim_host {
 
@@ -41,11 +43,13 @@ class SimBoard {
   explicit SimBoard(const RigConfig& config)
       : config_(config),
         plant_(config.hopper, config.effects),
+        drive_(config.effects),
+        sensing_(config.effects, plant_.touchdown_height_m()),
         encoder_(config.sensors, kHeightCountM, config.seed),
-        switch_(config.sensors, config.seed),
+        switch_(config.sensors, config.effects.value_or(dynamics::Effect::contact_delay, 0.0), config.seed),
         ticks_(static_cast<std::uint32_t>(std::lround(config.duration_s / kPeriodS))) {
     plant_.reset(config.start_height_m, config.start_velocity_mps);
-    home_ = std::llround(config.start_height_m / metres_per_count(config.sensors));
+    home_ = std::llround(sensing_.measured(config.start_height_m) / metres_per_count(config.sensors));
   }
 
   // The board's seam.
@@ -99,14 +103,17 @@ class SimBoard {
   /// As the rig derives it from counts; with ideal sensors the plant's own.
   double measured_velocity_mps() const {
     const bool ideal = !config_.sensors.quantisation && !config_.sensors.noise;
-    return ideal ? plant_.velocity_mps() : static_cast<double>(telemetry_.outputs.height.velocity_mps);
+    return ideal ? plant_.velocity_mps() * sensing_.gain(plant_.height_m())
+                 : static_cast<double>(telemetry_.outputs.height.velocity_mps);
   }
+  /// What the drive's current says of its torque, once the command of this tick has arrived.
+  double measured_torque_nm() { return drive_.shows(static_cast<double>(command_.torque_nm), kPeriodS); }
   void request_reset() { reset_requested_ = true; }
 
  private:
   void pass_millisecond() {
     if (time_s() - kicked_s_ > kWatchdogS) command_ = {};
-    plant_.advance(static_cast<double>(command_.torque_nm), kPeriodS);
+    plant_.advance(drive_.step(static_cast<double>(command_.torque_nm), kPeriodS), kPeriodS);
     switch_.follow(plant_, time_s());
     ++tick_;
   }
@@ -126,7 +133,7 @@ class SimBoard {
   void measure() {
     const bool faults = !config_.faults.empty();
     const bool reading = switch_.read(plant_, static_cast<double>(command_.torque_nm), time_s());
-    const double height_m = encoder_.measure(plant_.height_m());
+    const double height_m = encoder_.measure(sensing_.measured(plant_.height_m()));
     if (faults && active(RigFault::encoder_frozen)) {
       sample_.age_us += 1000;
       return;
@@ -156,6 +163,8 @@ class SimBoard {
 
   RigConfig config_;
   dynamics::Hopper<double> plant_;
+  Drive drive_;
+  dynamics::Sensing<double> sensing_;
   Encoder encoder_;
   ContactSwitch switch_;
   std::uint32_t ticks_;

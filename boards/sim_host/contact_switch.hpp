@@ -21,8 +21,9 @@ class ContactSwitch {
   using Plant = dynamics::Hopper<double>;
   static constexpr double kJitterS = 0.010;
 
-  ContactSwitch(const SensorErrors& errors, std::uint64_t seed)
-      : errors_(errors), jitter_(seed, 2), bounce_(seed, 3), offset_s_(draw_offset()) {}
+  /// `delay_s`: by how much every change is reported late (early below zero) on top of that.
+  ContactSwitch(const SensorErrors& errors, double delay_s, std::uint64_t seed)
+      : errors_(errors), delay_s_(delay_s), jitter_(seed, 2), bounce_(seed, 3), offset_s_(draw_offset()) {}
 
   /// Takes note of what happened in the plant's last advance(), which began at `start_s`.
   void follow(const Plant& plant, double start_s) {
@@ -47,11 +48,12 @@ class ContactSwitch {
   }
 
  private:
-  double draw_offset() { return errors_.jitter ? jitter_.uniform(-kJitterS, kJitterS) : 0.0; }
+  double draw_offset() { return delay_s_ + (errors_.jitter ? jitter_.uniform(-kJitterS, kJitterS) : 0.0); }
+  double earliest_s() const { return kJitterS + std::abs(delay_s_); }
 
   bool changes(const Plant& plant, double torque_nm, double now_s) const {
     // Reported early: the event itself is still to come. (A lift-off that was foreseen may fail to come.)
-    if (!caught_up_ && now_s - changed_s_ < 2.0 * kJitterS) return false;
+    if (!caught_up_ && now_s - changed_s_ < 2.0 * earliest_s()) return false;
     if (plant.in_stance() != closed_) return now_s - (closed_ ? liftoff_s_ : touchdown_s_) >= offset_s_;
     const bool towards_change = closed_ ? plant.velocity_mps() > 0.0 : plant.velocity_mps() < 0.0;
     return offset_s_ < 0.0 && towards_change && will_change(plant, torque_nm);
@@ -59,15 +61,16 @@ class ContactSwitch {
 
   /// Whether the plant changes phase within the (early) offset.
   bool will_change(const Plant& plant, double torque_nm) const {
-    // Further away than this it cannot get there in 10 ms: spares the run in most ticks.
+    // Further away than this it cannot get there in time: spares the run in most ticks.
     const double distance_m = std::abs(plant.height_m() - plant.touchdown_height_m());
-    if (distance_m > 1.5 * kJitterS * std::abs(plant.velocity_mps()) + 0.005) return false;
+    if (distance_m > 1.5 * earliest_s() * std::abs(plant.velocity_mps()) + 0.005) return false;
     Plant ahead = plant;
     ahead.advance(torque_nm, -offset_s_);
     return !ahead.events().empty();
   }
 
   SensorErrors errors_;
+  double delay_s_;
   Random jitter_, bounce_;
   bool closed_ = false;
   bool caught_up_ = true;  ///< the plant has been in the phase that the switch reports since it changed

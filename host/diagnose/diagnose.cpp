@@ -22,6 +22,7 @@ constexpr std::size_t kFewestWindows = 3;
 constexpr std::size_t kMostTraces = 96;
 constexpr double kWithinNoise = 2.0;
 constexpr double kSmallRemainder = 0.1;
+constexpr const char* kContact = "contact";
 
 std::vector<std::string> strings(const std::vector<Effect>& effects) {
   std::vector<std::string> all;
@@ -32,24 +33,31 @@ std::vector<std::string> strings(const std::vector<Effect>& effects) {
 /// Sets that are one law under two names, whatever the recordings (docs/contracts.md, section 3).
 bool always_same(const model::Model& model, const std::vector<Effect>& a, const std::vector<Effect>& b) {
   using Set = std::set<Effect>;
-  static const std::vector<std::pair<Set, Set>> table{
-      {{Effect::asymmetric_friction}, {Effect::coulomb_friction, Effect::force_offset}},
-      // With mass and damping free, a torque gain and a spring rate divided by it are the same equation.
-      {{Effect::stiffness_error}, {Effect::torque_gain_error}},
-  };
-  Set x(a.begin(), a.end()), y(b.begin(), b.end());
-  for (Effect e : a)
-    if (y.contains(e)) x.erase(e), y.erase(e);
   const auto is_free = [&](const char* name) {
     const auto index = dynamics::parameter_index(model.kind, name);
     return index && model.free.contains(*index);
   };
-  const bool scalable =
-      is_free("mass_kg") && is_free("damping_stance_nspm") && is_free("damping_flight_nspm");
-  for (const auto& [one, other] : table) {
-    if (one.contains(Effect::stiffness_error) && !scalable) continue;
-    if ((x == one && y == other) || (x == other && y == one)) return true;
-  }
+  const bool hopper = model.kind == Kind::hopper_linear;
+  struct Pair {
+    Set one, other;
+    bool always;
+  };
+  const std::vector<Pair> table{
+      {{Effect::asymmetric_friction}, {Effect::coulomb_friction, Effect::force_offset}, true},
+      {{Effect::rest_height_error}, {Effect::spring_preload}, true},
+      {{Effect::force_offset}, {Effect::guide_tilt}, true},
+      // An axis has no third channel whose clock would tell which of the two is late.
+      {{Effect::actuator_delay}, {Effect::time_skew}, !hopper},
+      // With mass and damping free, a torque gain and a spring rate divided by it are the same equation.
+      {{Effect::stiffness_error},
+       {Effect::torque_gain_error},
+       is_free("mass_kg") && is_free("damping_stance_nspm") && is_free("damping_flight_nspm")},
+  };
+  Set x(a.begin(), a.end()), y(b.begin(), b.end());
+  for (Effect e : a)
+    if (y.contains(e)) x.erase(e), y.erase(e);
+  for (const Pair& p : table)
+    if (p.always && ((x == p.one && y == p.other) || (x == p.other && y == p.one))) return true;
   return false;
 }
 
@@ -152,7 +160,9 @@ class Assembly {
   }
 
   Errors on_held_out(const model::Model& m) const {
-    return identify::prediction_errors(m, held_out_, held_out_windows_, starts_);
+    Errors errors = identify::prediction_errors(m, held_out_, held_out_windows_, starts_);
+    if (const auto contact = identify::contact_errors(m, held_out_windows_)) errors[kContact] = *contact;
+    return errors;
   }
   double nmse(const Errors& e) const { return e.at(d_.main_channel).nmse; }
 
@@ -174,9 +184,23 @@ class Assembly {
       f.effect = e;
       f.parameters = effect_parameters(chosen, model_.kind, false, &e);
       const Errors without = on_held_out(selection_.without[i].fitted);
-      f.explainable_nmse_removed = explained_share(nmse(without), after, floor);
-      f.held_out_mae_before = without.at(d_.main_channel).mae;
-      f.held_out_mae_after = d_.extended.at(d_.main_channel).mae;
+      if (e == Effect::contact_delay) f.channel = kContact;
+      const std::string& channel = f.channel.empty() ? d_.main_channel : f.channel;
+      if (!without.contains(channel) || !d_.extended.contains(channel)) f.channel.clear();
+      if (f.channel.empty()) {
+        f.explainable_nmse_removed = explained_share(nmse(without), after, floor);
+        f.held_out_mae_before = without.at(d_.main_channel).mae;
+        f.held_out_mae_after = d_.extended.at(d_.main_channel).mae;
+      } else {
+        // The floor: how far the reports scatter about the lag that the training recordings have.
+        const double scatter = contact_scatter();
+        const auto& b = without.at(channel);
+        const auto& a = d_.extended.at(channel);
+        f.explainable_nmse_removed = explained_share(b.rmse * b.rmse, a.rmse * a.rmse, scatter * scatter);
+        f.held_out_mae_before = b.mae;
+        f.held_out_mae_after = a.mae;
+        contact_helps_ = a.rmse < b.rmse;
+      }
       f.explanation = std::string(dynamics::info(e).explanation);
       f.next_experiment = std::string(dynamics::info(e).best_experiment);
       double margin = selection_.against_without[i].evidence - selection_.against_without[i].threshold;
@@ -214,6 +238,12 @@ class Assembly {
     }
     std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
     for (auto& [cost, f] : all) d_.findings.push_back(std::move(f));
+  }
+
+  double contact_scatter() const {
+    for (const Window& w : held_out_windows_)
+      if (std::isfinite(w.report_lag_s)) return w.report_spread_s;
+    return 0.0;
   }
 
   static std::vector<Effect> without_common(const std::vector<Effect>& a, const std::vector<Effect>& b) {
@@ -280,8 +310,12 @@ class Assembly {
     const auto noise_alone_with = [&](const model::Model& m, double error) {
       const identify::Fit look = identify::fit_by_simulation(m, {}, {}, held_out_, held_out_windows_);
       double rows = 0.0;
-      for (const auto& share : look.shares) rows += share.rows;
-      return error <= kWithinNoise * floor || look.squares <= kWithinNoise * rows;
+      double squares = 0.0;
+      for (const auto& share : look.shares) {
+        rows += share[identify::Channel::motion].rows;
+        squares += share[identify::Channel::motion].squares;
+      }
+      return error <= kWithinNoise * floor || squares <= kWithinNoise * rows;
     };
     if (undecided_ && noise_alone_with(selection_.refitted.fitted, before)) retract();
     const double after = nmse(d_.extended);
@@ -294,12 +328,18 @@ class Assembly {
                    : training_windows_.windows.size() / training_windows_.layers < kFewestWindows
                        ? Verdict::not_identifiable
                        : Verdict::unexplained;
+    else if (contact_alone())
+      d_.verdict = !contact_helps_ ? Verdict::not_identifiable
+                   : noise_alone   ? Verdict::explained
+                                   : Verdict::partly_explained;
     else if (undecided_ ||
              after >= before)  // what helps on the training recordings, the held-out ones refute
       d_.verdict = Verdict::not_identifiable;
     else
       d_.verdict = noise_alone || little ? Verdict::explained : Verdict::partly_explained;
   }
+
+  bool contact_alone() const { return d_.findings.size() == 1 && d_.findings.front().channel == kContact; }
 
   /// Nothing is missing that these recordings show: the re-fitted model stands, and causes that fit its noise
   /// are no causes.
@@ -352,6 +392,7 @@ class Assembly {
   Selection selection_;
   Diagnosis d_;
   bool undecided_ = false;
+  bool contact_helps_ = false;
 };
 
 }  // namespace

@@ -25,7 +25,8 @@ std::string with_suffix(std::string key, std::string_view suffix) {
 
 Json floor_of(const Errors& errors) {
   Json out = Json::object();
-  for (const auto& [channel, e] : errors) out["nmse_" + channel] = number(e.nmse);
+  for (const auto& [channel, e] : errors)
+    if (channel != "contact") out["nmse_" + channel] = number(e.nmse);
   return out;
 }
 
@@ -50,19 +51,21 @@ Json rivals(const std::vector<Rival>& list, const char* reason) {
 
 Json finding(const Finding& f, const Diagnosis& d) {
   const dynamics::EffectInfo& effect = dynamics::info(f.effect);
-  const std::string channel = main_channel(d);
+  const std::string channel = f.channel.empty() ? main_channel(d) : f.channel;
   const std::string mae = with_suffix("held_out_mae_" + channel, channel_suffix(channel, d.kind));
-  return {{"effect", effect.name},
-          {"phase", effect.phase},
-          {"parameters", object_of(f.parameters)},
-          {"gain",
-           {{"explainable_nmse_removed", number(f.explainable_nmse_removed)},
-            {mae, pair(f.held_out_mae_before, f.held_out_mae_after)}}},
-          {"confidence", number(f.confidence)},
-          {"alternatives", rivals(f.alternatives, "why_not")},
-          {"indistinguishable_from", rivals(f.indistinguishable_from, "why")},
-          {"explanation", f.explanation},
-          {"next_experiment", f.next_experiment}};
+  Json gain = {{"explainable_nmse_removed", number(f.explainable_nmse_removed)},
+               {mae, pair(f.held_out_mae_before, f.held_out_mae_after)}};
+  if (!f.channel.empty()) gain["channel"] = f.channel;
+  Json out = {{"effect", effect.name}};
+  if (d.kind == dynamics::Kind::hopper_linear) out["phase"] = effect.phase;
+  out["parameters"] = object_of(f.parameters);
+  out["gain"] = gain;
+  out["confidence"] = number(f.confidence);
+  out["alternatives"] = rivals(f.alternatives, "why_not");
+  out["indistinguishable_from"] = rivals(f.indistinguishable_from, "why");
+  out["explanation"] = f.explanation;
+  out["next_experiment"] = f.next_experiment;
+  return out;
 }
 
 }  // namespace

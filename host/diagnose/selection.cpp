@@ -4,6 +4,7 @@
 #include <cmath>
 #include <set>
 
+#include "host/diagnose/proposals.hpp"
 #include "host/identify/parallel.hpp"
 
 namespace furcula::diagnose {
@@ -18,13 +19,34 @@ constexpr double kSmallestGain = 0.04;
 /// Two sets whose evidence differs by less than this explain the data equally well (odds of about 20 to 1).
 constexpr double kEqualEvidence = 6.0;
 constexpr double kFalseAlarmLevel = 0.005;
+constexpr std::size_t kMostFits =
+    8;  ///< of the forward selection's first round; half of them in the later ones
+constexpr std::size_t kMostRivals = 4;  ///< that are fitted in the place of each member
+constexpr int kMostSwaps = 2;
 
-double squares_of(const identify::Fit& fit) { return std::max(fit.squares, 1e-300); }
-
-double effective_rows(const identify::Fit& fit) {
-  double sum = 0.0;
-  for (const auto& s : fit.shares) sum += s.effective_rows;
+/// One channel of all windows.
+identify::ChannelShare channel(const identify::Fit& fit, std::size_t which) {
+  identify::ChannelShare sum;
+  for (const auto& s : fit.shares) {
+    sum.squares += s.channels[which].squares;
+    sum.rows += s.channels[which].rows;
+    sum.effective_rows += s.channels[which].effective_rows;
+  }
   return sum;
+}
+
+/// Twice the log-likelihood ratio of `larger` over `smaller`, with as many independent samples as the
+/// residuals of `of` are worth; each channel with a noise level of its own.
+double evidence_of(const identify::Fit& smaller, const identify::Fit& larger, const identify::Fit& of,
+                   std::size_t layers) {
+  double evidence = 0.0;
+  for (std::size_t c = 0; c < identify::kChannels; ++c) {
+    const double rows = channel(of, c).effective_rows / static_cast<double>(layers);
+    if (rows < 2.0) continue;
+    evidence += rows * std::log(std::max(channel(smaller, c).squares, 1e-300) /
+                                std::max(channel(larger, c).squares, 1e-300));
+  }
+  return evidence;
 }
 
 /// Squares on windows that the estimate has not seen: the training recordings (or, of a single one, its
@@ -68,29 +90,27 @@ double cross_validate(const identify::Fit& fit, const std::vector<identify::Wind
   return squares;
 }
 
-/// Root mean square of the velocity over the training windows: the scale of a Stribeck velocity.
-double velocity_scale(const Trainer& t) {
-  double squares = 0.0, rows = 0.0;
-  for (const auto& w : t.training.windows)
-    for (std::size_t i = w.first; i <= w.last; ++i) {
-      const double v = t.recordings[w.recording].velocity_smoothed[i];
-      squares += v * v;
-      rows += 1.0;
-    }
-  return rows > 0.0 ? std::sqrt(squares / rows) : 1.0;
+std::vector<identify::Unknown> unknowns_of(const model::Model& model, const std::vector<Effect>& effects) {
+  auto all = identify::free_unknowns(model);
+  for (Effect e : effects) {
+    const auto more = identify::effect_unknowns(e, model.kind);
+    all.insert(all.end(), more.begin(), more.end());
+  }
+  return all;
 }
 
-/// What moves the axis: the root mean square of the input force, on the hopper the weight.
-double force_scale(const Trainer& t) {
-  if (t.model.kind == dynamics::Kind::hopper_linear)
-    return t.model.parameter("mass_kg") * t.model.parameter("gravity_mps2");
-  double squares = 0.0, rows = 0.0;
-  for (const auto& r : t.recordings)
-    for (double u : r.input) {
-      squares += u * u;
-      rows += 1.0;
-    }
-  return rows > 0.0 ? std::sqrt(squares / rows) : 1.0;
+/// Start values of the unknowns: those of `from`, of an effect that is new to it those proposed.
+std::vector<double> values_from(const Trainer& t, const std::vector<identify::Unknown>& unknowns,
+                                const Hypothesis* from, const Starts& starts) {
+  const model::Model& base = from != nullptr ? from->fitted : t.model;
+  std::vector<double> values = identify::values_in(base, unknowns);
+  for (std::size_t i = 0; i < unknowns.size(); ++i) {
+    const auto& u = unknowns[i];
+    if (!u.of_effect || base.effects.contains(u.effect)) continue;
+    if (const auto proposed = starts.find(u.effect); proposed != starts.end())
+      values[i] = proposed->second[u.parameter];
+  }
+  return values;
 }
 
 std::vector<Effect> with(std::vector<Effect> effects, Effect more) {
@@ -161,62 +181,14 @@ std::vector<Effect> Trainer::candidates() const {
   return all;
 }
 
-Hypothesis Trainer::fit(const std::vector<Effect>& effects, const Hypothesis* from) const {
+Hypothesis Trainer::fit(const std::vector<Effect>& effects, const Hypothesis* from,
+                        const Starts& starts) const {
   Hypothesis h;
   h.effects = effects;
-  h.unknowns = identify::free_unknowns(model);
-  for (Effect e : effects) {
-    const auto more = identify::effect_unknowns(e, model.kind);
-    h.unknowns.insert(h.unknowns.end(), more.begin(), more.end());
-  }
-  std::vector<double> start = identify::values_in(from != nullptr ? from->fitted : model, h.unknowns);
-  std::vector<std::vector<double>> starts{start};
-  const auto place = [&](Effect e, std::size_t parameter) {
-    for (std::size_t i = 0; i < h.unknowns.size(); ++i)
-      if (h.unknowns[i].of_effect && h.unknowns[i].effect == e && h.unknowns[i].parameter == parameter)
-        return i;
-    return h.unknowns.size();
-  };
-  const auto add_flat_start = [&](const std::vector<std::size_t>& places) {
-    // Dry friction sticks, which makes a fit's landscape uneven: a second start from a twentieth of what
-    // moves the axis.
-    std::vector<double> other = start;
-    for (std::size_t i : places) other[i] = 0.05 * force_scale(*this);
-    starts.push_back(other);
-  };
-  const auto is_new = [&](Effect e) {
-    return std::find(effects.begin(), effects.end(), e) != effects.end() &&
-           (from == nullptr || !from->fitted.effects.contains(e));
-  };
-  if (is_new(Effect::coulomb_friction)) add_flat_start({place(Effect::coulomb_friction, 0)});
-  if (is_new(Effect::asymmetric_friction))
-    add_flat_start({place(Effect::asymmetric_friction, 0), place(Effect::asymmetric_friction, 1)});
-  if (is_new(Effect::stribeck_friction)) {
-    // The curve starts from the constant friction that fits best, twice as large at standstill, over several
-    // widths.
-    const bool has_coulomb =
-        std::find(effects.begin(), effects.end(), Effect::coulomb_friction) != effects.end();
-    double level = 0.0;
-    if (!has_coulomb) {
-      const Hypothesis flat =
-          fit(with(without(effects, Effect::stribeck_friction), Effect::coulomb_friction), from);
-      level = flat.fitted.effects.at(Effect::coulomb_friction)[0];
-      start = identify::values_in(flat.fitted, h.unknowns);
-    }
-    starts.clear();
-    const double scale = velocity_scale(*this);
-    for (double width : {0.03, 0.1, 0.3}) {
-      start[place(Effect::stribeck_friction, 0)] = 0.8 * level;
-      start[place(Effect::stribeck_friction, 1)] = 1.6 * level + 1e-3;
-      start[place(Effect::stribeck_friction, 2)] = width * scale;
-      starts.push_back(start);
-    }
-  }
-  for (const auto& s : starts) {
-    identify::Fit trial = identify::fit_by_simulation(model, h.unknowns, s, recordings, training.windows,
-                                                      identify::Weighting::noise, training.layers);
-    if (h.fit.values.empty() || trial.squares < h.fit.squares) h.fit = std::move(trial);
-  }
+  h.unknowns = unknowns_of(model, effects);
+  const std::vector<double> start = values_from(*this, h.unknowns, from, starts);
+  h.fit = identify::fit_by_simulation(model, h.unknowns, start, recordings, training.windows,
+                                      identify::Weighting::noise, training.layers);
   h.fitted = identify::with_values(model, h.unknowns, h.fit.values);
   h.cross_validated_squares = cross_validate(h.fit, training.windows, recordings.size());
   return h;
@@ -225,15 +197,23 @@ Hypothesis Trainer::fit(const std::vector<Effect>& effects, const Hypothesis* fr
 Comparison Trainer::compare(const Hypothesis& smaller, const Hypothesis& larger, std::size_t tries) const {
   Comparison c;
   // The correlation time of what the larger one leaves: what the smaller one leaves holds the effect itself.
-  const double rows = std::max(effective_rows(larger.fit) / static_cast<double>(training.layers), 2.0);
   const auto extra =
       static_cast<double>(larger.unknowns.size()) - static_cast<double>(smaller.unknowns.size());
-  c.evidence = rows * std::log(squares_of(smaller.fit) / squares_of(larger.fit));
+  c.evidence = evidence_of(smaller.fit, larger.fit, larger.fit, training.layers);
   // The chi-square point of the extra parameters at the level that Bonferroni's price for having tried many
   // leaves.
   c.threshold = 2.0 * std::log(static_cast<double>(std::max<std::size_t>(tries, 1)) / kFalseAlarmLevel) +
                 2.5 * (std::max(extra, 1.0) - 2.0);
   c.gain = 1.0 - larger.cross_validated_squares / std::max(smaller.cross_validated_squares, 1e-300);
+  // What the contact switch says is one row in a stride: an effect on nothing else is judged by it.
+  const auto contact = static_cast<std::size_t>(identify::Channel::contact);
+  const bool reports = std::find(larger.effects.begin(), larger.effects.end(), Effect::contact_delay) !=
+                           larger.effects.end() &&
+                       std::find(smaller.effects.begin(), smaller.effects.end(), Effect::contact_delay) ==
+                           smaller.effects.end();
+  if (reports)
+    c.gain =
+        1.0 - channel(larger.fit, contact).squares / std::max(channel(smaller.fit, contact).squares, 1e-300);
   c.significant = c.evidence > c.threshold && c.gain > kSmallestGain;
   return c;
 }
@@ -241,41 +221,49 @@ Comparison Trainer::compare(const Hypothesis& smaller, const Hypothesis& larger,
 Selection Trainer::select() const {
   Selection s;
   const std::vector<Effect> all = candidates();
+  const Proposer proposer(*this);
   const auto tell = [&](double fraction, const std::string& what) {
     if (progress) progress(fraction, what);
   };
   tell(0.0, "re-fitting the model");
   s.refitted = fit({}, nullptr);
   s.chosen = s.refitted;
+  const auto lacks = [](const Hypothesis& h, Effect e) {
+    return std::find(h.effects.begin(), h.effects.end(), e) == h.effects.end();
+  };
 
   // Forward: the effect that removes most, if that is more than chance and numerics could; of those that
-  // remove as much, the one with the fewest parameters, then the first of the catalogue.
+  // remove as much, the one with the fewest parameters, then the first of the catalogue. Which are worth a
+  // fit is seen from one linear step each.
   for (std::size_t round = 0; round < kMostEffects; ++round) {
     std::vector<Effect> left;
     for (Effect e : all)
-      if (std::find(s.chosen.effects.begin(), s.chosen.effects.end(), e) == s.chosen.effects.end())
-        left.push_back(e);
-    std::vector<Tried> trials(left.size());
-    identify::parallel_for(left.size(), threads, [&](std::size_t i) {
-      const std::vector<Effect> larger = extended(s.chosen.effects, left[i]);
-      tell(0.1 + 0.2 * static_cast<double>(round), names(larger));
-      trials[i].hypothesis = fit(larger, &s.chosen);
+      if (lacks(s.chosen, e)) left.push_back(e);
+    const double from = 0.05 + 0.18 * static_cast<double>(round);
+    const std::vector<Proposal> proposals = propose(proposer, s.chosen, left, from, 0.09);
+    std::vector<Tried> trials(std::min(proposals.size(), round == 0 ? kMostFits : kMostFits / 2));
+    identify::parallel_for(trials.size(), threads, [&](std::size_t i) {
+      const std::vector<Effect> larger = extended(s.chosen.effects, proposals[i].effect);
+      tell(from + 0.09, names(larger));
+      trials[i].hypothesis = fit(larger, &s.chosen, {{proposals[i].effect, proposals[i].values}});
       trials[i].round = round;
       trials[i].against_smaller = compare(s.chosen, trials[i].hypothesis, left.size());
     });
+    std::sort(trials.begin(), trials.end(),
+              [](const Tried& a, const Tried& b) { return a.hypothesis.effects < b.hypothesis.effects; });
     const Tried* best = nullptr;
     for (const Tried& t : trials)
       if (t.against_smaller.significant && meaningful(t.hypothesis) &&
-          (best == nullptr || t.hypothesis.fit.squares < best->hypothesis.fit.squares))
+          (best == nullptr ||
+           evidence_of(best->hypothesis.fit, t.hypothesis.fit, t.hypothesis.fit, training.layers) > 0.0))
         best = &t;
     if (best != nullptr) {
-      const double rows = effective_rows(best->hypothesis.fit) / static_cast<double>(training.layers);
       const Tried* simplest = best;
       for (const Tried& t : trials) {
         if (!t.against_smaller.significant || !meaningful(t.hypothesis)) continue;
         const double lost = t.hypothesis.fit.squares - best->hypothesis.fit.squares;
         const double evidence =
-            rows * std::log(squares_of(t.hypothesis.fit) / squares_of(best->hypothesis.fit));
+            evidence_of(t.hypothesis.fit, best->hypothesis.fit, best->hypothesis.fit, training.layers);
         const std::size_t size = parameters_of(t.hypothesis.effects),
                           now = parameters_of(simplest->hypothesis.effects);
         const bool as_good =
@@ -287,58 +275,106 @@ Selection Trainer::select() const {
     }
     s.tried.insert(s.tried.end(), trials.begin(), trials.end());
     if (best == nullptr) break;
+    prune(s.chosen, all.size());
+  }
 
-    // Backward: a member that the others have made needless goes.
-    for (bool removed = s.chosen.effects.size() > 1; removed;) {
-      removed = false;
-      for (Effect e : s.chosen.effects) {
-        Hypothesis smaller = fit(without(s.chosen.effects, e), &s.chosen);
-        if (compare(smaller, s.chosen, all.size()).significant) continue;
-        s.chosen = std::move(smaller);
-        removed = s.chosen.effects.size() > 1;
-        break;
-      }
+  // What each member is worth, and which sets do as well in its place with as many parameters; one that does
+  // better takes its place.
+  for (int round = 0;; ++round) {
+    tell(0.8 + 0.05 * round, "what cannot be told apart");
+    s.without.assign(s.chosen.effects.size(), {});
+    s.against_without.assign(s.chosen.effects.size(), {});
+    identify::parallel_for(s.chosen.effects.size(), threads, [&](std::size_t i) {
+      s.without[i] = fit(without(s.chosen.effects, s.chosen.effects[i]), &s.chosen);
+      s.against_without[i] = compare(s.without[i], s.chosen, all.size());
+    });
+    s.equals = rivals(s, all, proposer);
+    const Selection::Rival* better = nullptr;
+    for (const auto& r : s.equals)
+      if (evidence_of(s.chosen.fit, r.hypothesis.fit, r.hypothesis.fit, training.layers) > kEqualEvidence &&
+          (better == nullptr || r.hypothesis.fit.squares < better->hypothesis.fit.squares))
+        better = &r;
+    if (better == nullptr || round == kMostSwaps) break;
+    s.chosen = Hypothesis(better->hypothesis);
+    prune(s.chosen, all.size());
+  }
+  return s;
+}
+
+void Trainer::prune(Hypothesis& chosen, std::size_t tries) const {
+  for (bool removed = chosen.effects.size() > 1; removed;) {
+    removed = false;
+    for (Effect e : chosen.effects) {
+      Hypothesis smaller = fit(without(chosen.effects, e), &chosen);
+      if (compare(smaller, chosen, tries).significant) continue;
+      chosen = std::move(smaller);
+      removed = chosen.effects.size() > 1;
+      break;
     }
   }
+}
 
-  // What each member is worth, and which sets do as well in its place with as many parameters.
-  tell(0.8, "what cannot be told apart");
-  for (Effect e : s.chosen.effects) {
-    s.without.push_back(fit(without(s.chosen.effects, e), &s.chosen));
-    s.against_without.push_back(compare(s.without.back(), s.chosen, all.size()));
-  }
+std::vector<Proposal> Trainer::propose(const Proposer& proposer, const Hypothesis& on,
+                                       const std::vector<Effect>& effects, double progress_from,
+                                       double progress_share) const {
+  std::vector<Proposal> all(effects.size());
+  identify::parallel_for(effects.size(), threads, [&](std::size_t i) {
+    if (progress)
+      progress(progress_from + progress_share * static_cast<double>(i) / static_cast<double>(effects.size()),
+               dynamics::info(effects[i]).name);
+    all[i] = proposer.best(on, extended(on.effects, effects[i]), effects[i]);
+  });
+  std::stable_sort(all.begin(), all.end(),
+                   [](const Proposal& a, const Proposal& b) { return a.gain > b.gain; });
+  return all;
+}
+
+std::vector<Selection::Rival> Trainer::rivals(const Selection& s, const std::vector<Effect>& all,
+                                              const Proposer& proposer) const {
   struct Replacement {
     Effect of;
     std::vector<Effect> effects;
+    const Hypothesis* from;
+    Starts starts;
   };
   std::vector<Replacement> replacements;
-  for (Effect e : s.chosen.effects) {
+  for (std::size_t m = 0; m < s.chosen.effects.size(); ++m) {
+    const Effect e = s.chosen.effects[m];
     const std::vector<Effect> rest = without(s.chosen.effects, e);
     const std::size_t size = dynamics::info(e).parameter_count;
-    const auto usable = [&](Effect a) {
-      return std::find(s.chosen.effects.begin(), s.chosen.effects.end(), a) == s.chosen.effects.end();
-    };
-    for (std::size_t i = 0; i < all.size(); ++i) {
-      if (!usable(all[i])) continue;
-      const std::size_t first = dynamics::info(all[i]).parameter_count;
-      if (first == size) replacements.push_back({e, with(rest, all[i])});
-      for (std::size_t k = i + 1; k < all.size(); ++k)
-        if (usable(all[k]) && !contains(all[i], all[k]) && !contains(all[k], all[i]) &&
-            first + dynamics::info(all[k]).parameter_count == size)
-          replacements.push_back({e, with(with(rest, all[i]), all[k])});
+    std::vector<Effect> usable;
+    for (Effect a : all)
+      if (std::find(s.chosen.effects.begin(), s.chosen.effects.end(), a) == s.chosen.effects.end() &&
+          dynamics::info(a).parameter_count <= size)
+        usable.push_back(a);
+    const std::vector<Proposal> proposals = propose(proposer, s.without[m], usable, 0.85, 0.1);
+    const double lost = s.without[m].fit.squares - s.chosen.fit.squares;
+    std::vector<Proposal> single;  // those that alone go some way
+    for (const Proposal& p : proposals) {
+      if (p.gain * s.without[m].fit.squares > 0.5 * lost && replacements.size() < kMostRivals * (m + 1))
+        replacements.push_back({e, with(rest, p.effect), &s.without[m], {{p.effect, p.values}}});
+      if (dynamics::info(p.effect).parameter_count < size && single.size() < 5) single.push_back(p);
     }
+    for (std::size_t i = 0; i < single.size(); ++i)
+      for (std::size_t k = i + 1; k < single.size(); ++k) {
+        const Effect a = single[i].effect, b = single[k].effect;
+        if (!contains(a, b) && !contains(b, a) &&
+            dynamics::info(a).parameter_count + dynamics::info(b).parameter_count == size)
+          replacements.push_back(
+              {e, with(with(rest, a), b), &s.without[m], {{a, single[i].values}, {b, single[k].values}}});
+      }
   }
-  std::vector<Hypothesis> rivals(replacements.size());
+  std::vector<Hypothesis> fitted(replacements.size());
   identify::parallel_for(replacements.size(), threads, [&](std::size_t i) {
-    tell(0.9, names(replacements[i].effects));
-    rivals[i] = fit(replacements[i].effects, &s.refitted);
+    if (progress) progress(0.95, names(replacements[i].effects));
+    fitted[i] = fit(replacements[i].effects, replacements[i].from, replacements[i].starts);
   });
-  const double rows = effective_rows(s.chosen.fit) / static_cast<double>(training.layers);
-  for (std::size_t i = 0; i < rivals.size(); ++i)
-    if (meaningful(rivals[i]) &&
-        rows * std::log(squares_of(rivals[i].fit) / squares_of(s.chosen.fit)) < kEqualEvidence)
-      s.equals.push_back({replacements[i].of, rivals[i]});
-  return s;
+  std::vector<Selection::Rival> equals;
+  for (std::size_t i = 0; i < fitted.size(); ++i)
+    if (meaningful(fitted[i]) &&
+        evidence_of(fitted[i].fit, s.chosen.fit, s.chosen.fit, training.layers) < kEqualEvidence)
+      equals.push_back({replacements[i].of, fitted[i]});
+  return equals;
 }
 
 }  // namespace furcula::diagnose

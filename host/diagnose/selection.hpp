@@ -2,7 +2,9 @@
 // parameters moving, compared on the training recordings alone.
 #pragma once
 
+#include <array>
 #include <functional>
+#include <map>
 #include <string_view>
 #include <vector>
 
@@ -51,6 +53,12 @@ struct Selection {
   std::vector<Comparison> against_without;
 };
 
+/// Start values of effects' parameters.
+using Starts = std::map<dynamics::Effect, std::array<double, dynamics::kMaxEffectParameters>>;
+
+class Proposer;
+struct Proposal;
+
 struct Trainer {
   const model::Model& model;
   const std::vector<identify::Recording>& recordings;
@@ -62,14 +70,28 @@ struct Trainer {
   /// repeat a parameter that is free anyway. One that is on may have the wrong size.
   std::vector<dynamics::Effect> candidates() const;
 
-  /// Fits the model with these effects from the values of `from` (a hypothesis with some of them).
-  Hypothesis fit(const std::vector<dynamics::Effect>& effects, const Hypothesis* from) const;
+  /// Fits the model with these effects from the values of `from` (a hypothesis with some of them) and, for
+  /// those that it has not, from `starts`.
+  Hypothesis fit(const std::vector<dynamics::Effect>& effects, const Hypothesis* from,
+                 const Starts& starts = {}) const;
 
   /// `larger` has parameters that `smaller` has not; `tries` hypotheses were looked at.
   Comparison compare(const Hypothesis& smaller, const Hypothesis& larger, std::size_t tries) const;
 
   /// Forward selection with backward elimination, then the search for equals.
   Selection select() const;
+
+ private:
+  /// Backward: takes out members that the others have made needless.
+  void prune(Hypothesis& chosen, std::size_t tries) const;
+  /// What each effect on top of `on` promises, the most promising first.
+  std::vector<Proposal> propose(const Proposer& proposer, const Hypothesis& on,
+                                const std::vector<dynamics::Effect>& effects, double progress_from,
+                                double progress_share) const;
+  /// Sets with as many parameters that explain as much as the chosen one, with another effect (or two) in the
+  /// place of each member.
+  std::vector<Selection::Rival> rivals(const Selection& s, const std::vector<dynamics::Effect>& all,
+                                       const Proposer& proposer) const;
 };
 
 }  // namespace furcula::diagnose

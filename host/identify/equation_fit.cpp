@@ -125,7 +125,8 @@ Fit fit_by_equation(const model::Model& model, const std::vector<Unknown>& unkno
     share.squares = residual.squaredNorm();
     share.gradient = jacobian.transpose() * residual;
     share.information = jacobian.transpose() * jacobian;
-    share.rows = share.effective_rows = static_cast<double>(residual.size());
+    const auto count_of_rows = static_cast<double>(residual.size());
+    share.channels[0] = {share.squares, count_of_rows, count_of_rows};
     fit.squares += share.squares;
     fit.shares.push_back(std::move(share));
   }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "host/identify/jet.hpp"
 #include "host/identify/simulate.hpp"
@@ -68,7 +69,7 @@ Run predict(const model::Model& model, const Recording& r, const Window& w, cons
   Run run;
   run.position.reserve(w.rows());
   run.velocity.reserve(w.rows());
-  simulate(setup, r, w, start.position, start.velocity, [&](std::size_t, double x, double v) {
+  simulate(setup, r, w, start.position, start.velocity, [&](std::size_t, double x, double v, double) {
     run.position.push_back(x);
     run.velocity.push_back(v);
   });
@@ -96,6 +97,21 @@ Errors prediction_errors(const model::Model& model, const std::vector<Recording>
               });
 }
 
+std::optional<ChannelErrors> contact_errors(const model::Model& model, const std::vector<Window>& windows) {
+  const PlantSetup<double> setup(model, {}, nullptr);
+  double squares = 0.0, absolute = 0.0, count = 0.0;
+  for (const Window& w : windows) {
+    if (!std::isfinite(w.report_lag_s)) continue;
+    const double error = report_lag(setup, touchdown_height_m(model), w.touchdown_velocity) - w.report_lag_s;
+    squares += error * error;
+    absolute += std::abs(error);
+    count += 1.0;
+  }
+  if (count == 0.0) return std::nullopt;
+  return ChannelErrors{std::numeric_limits<double>::quiet_NaN(), absolute / count,
+                       std::sqrt(squares / count)};
+}
+
 Errors noise_floor(const model::Model& model, const std::vector<Recording>& recordings,
                    const std::vector<Window>& windows, const std::vector<StartState>& starts) {
   using Jet = ceres::Jet<double, 2>;
@@ -111,7 +127,7 @@ Errors noise_floor(const model::Model& model, const std::vector<Recording>& reco
                           x.v[1] * x.v[1] * s.velocity_variance);
         };
         simulate(setup, r, w, Jet(s.position, 0), Jet(s.velocity, 1),
-                 [&](std::size_t row, const Jet& x, const Jet& v) {
+                 [&](std::size_t row, const Jet& x, const Jet& v, const Jet&) {
                    position[row - w.first] = std::sqrt(noise + spread(x));
                    velocity[row - w.first] = std::sqrt(r.velocity_noise * r.velocity_noise + spread(v));
                  });

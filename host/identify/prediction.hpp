@@ -3,6 +3,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -37,6 +38,10 @@ std::vector<StartState> start_states(const std::vector<Recording>& recordings,
 
 Errors prediction_errors(const model::Model& model, const std::vector<Recording>& recordings,
                          const std::vector<Window>& windows, const std::vector<StartState>& starts);
+
+/// Of the contact switch, s: its reports of touch-downs against where the model has them, after the measured
+/// fall through the touch-down height. Without an NMSE; nothing where no report belongs to a stride.
+std::optional<ChannelErrors> contact_errors(const model::Model& model, const std::vector<Window>& windows);
 
 /// The NMSE that a perfect model would have: measuring noise, and what the noise in the first 50 ms does to
 /// the start state and through it to the run (to first order). Only `nmse` and `rmse` are set.

@@ -49,6 +49,19 @@ double sample_noise(const std::vector<double>& time_s, const std::vector<double>
   return std::sqrt(by_median > 0.0 ? by_median : mean);
 }
 
+/// The first closing of a switch that was open for a while: after it, it bounces.
+std::vector<double> first_closings(const std::vector<double>& time_s, const std::vector<double>& contact) {
+  constexpr double kOpenFor_s = 0.03;
+  std::vector<double> found;
+  double open_since = contact.front() == 0.0 ? time_s.front() - kOpenFor_s : time_s.front();
+  for (std::size_t i = 1; i < time_s.size(); ++i) {
+    if (contact[i] != 0.0 && contact[i - 1] == 0.0 && time_s[i] - open_since >= kOpenFor_s)
+      found.push_back(0.5 * (time_s[i - 1] + time_s[i]));
+    if (contact[i] != 0.0) open_since = time_s[i];
+  }
+  return found;
+}
+
 }  // namespace
 
 LocalPolynomial local_polynomial(const std::vector<double>& time_s, const std::vector<double>& values,
@@ -128,6 +141,30 @@ Recording make_recording(const log::Log& log, dynamics::Kind kind) {
       r.input = log.at("torque_nm");
       velocity_column = "velocity_radps";
       break;
+  }
+  r.impulse.assign(r.rows(), 0.0);
+  r.driven_s.assign(r.rows(), 0.0);
+  for (std::size_t i = 1; i < r.rows(); ++i) {
+    const double interval_s = r.time_s[i] - r.time_s[i - 1];
+    r.impulse[i] = r.impulse[i - 1] + r.input[i - 1] * interval_s;
+    r.driven_s[i] = r.driven_s[i - 1] + (r.input[i - 1] != 0.0 ? interval_s : 0.0);
+  }
+  if (kind == dynamics::Kind::hopper_linear) {
+    if (log.has("contact")) r.touchdown_reports_s = first_closings(r.time_s, log.at("contact"));
+    if (log.has("torque_nm") && log.at("torque_nm") != r.input) {
+      r.drive = log.at("torque_nm");
+      // A current sensor tells a hundredth of what is usual at best; and whether a row's torque is that
+      // before or after its command is the rig's affair.
+      double squares = 0.0, steps = 0.0;
+      for (std::size_t i = 1; i < r.rows(); ++i) {
+        squares += r.input[i] * r.input[i];
+        steps += (r.input[i] - r.input[i - 1]) * (r.input[i] - r.input[i - 1]);
+      }
+      const auto rows = static_cast<double>(r.rows());
+      r.drive_noise = std::hypot(sample_noise(r.time_s, r.drive), std::sqrt(1e-4 * squares / rows),
+                                 std::sqrt(steps / rows));
+      if (!(r.drive_noise > 0.0)) r.drive.clear();
+    }
   }
   r.velocity_smoothed = smoothed_slope(r.time_s, r.position);
   r.velocity_recorded = log.has(velocity_column);

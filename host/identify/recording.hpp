@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "furcula/dynamics/actuation.hpp"
 #include "furcula/dynamics/kinds.hpp"
 #include "host/log/log.hpp"
 
@@ -21,10 +22,18 @@ struct Recording {
   std::vector<double> velocity;  ///< as recorded if the log has it, else the smoothed slope of the position
   std::vector<double> velocity_smoothed;  ///< slope of the position, without delay
   bool velocity_recorded = false;
+  std::vector<double> impulse;   ///< integral of the input since the first row
+  std::vector<double> driven_s;  ///< seconds since the first row in which the input was not zero
+  /// What the drive reports of its torque or force; empty where the log has it not, or echoes the command.
+  std::vector<double> drive;
+  double drive_noise = 0.0;
+  /// Hopper: when the contact switch first reported each touch-down, s (bounces left out).
+  std::vector<double> touchdown_reports_s;
   double position_noise = 0.0;  ///< standard deviation, from what neighbouring samples do not share
   double velocity_noise = 0.0;
 
   std::size_t rows() const { return time_s.size(); }
+  dynamics::Commands<double> commands() const { return {time_s, input, impulse, driven_s}; }
 };
 
 /// Reads the axis out of a log of the kind's rig. Throws log::DataError where the log has too few rows to

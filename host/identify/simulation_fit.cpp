@@ -19,17 +19,24 @@ constexpr int kStartSize = 2;
 struct Weights {
   double position = 0.0;
   double velocity = 0.0;  ///< 0: not used
+  double contact = 0.0;   ///< 0: not used
+  double drive = 0.0;     ///< 0: not used
 };
 
 Weights weights_of(const Recording& r, const Window& w, Weighting weighting) {
-  if (weighting == Weighting::noise) return {1.0 / std::max(r.position_noise, 1e-12), 0.0};
+  if (weighting == Weighting::noise) {
+    Weights weights{1.0 / std::max(r.position_noise, 1e-12)};
+    if (std::isfinite(w.report_lag_s)) weights.contact = 1.0 / w.report_spread_s;
+    if (!r.drive.empty()) weights.drive = 1.0 / r.drive_noise;
+    return weights;
+  }
   const auto spread = [&](const std::vector<double>& values) {
     double mean = 0.0, squares = 0.0;
     for (std::size_t i = w.first; i <= w.last; ++i) mean += values[i] / static_cast<double>(w.rows());
     for (std::size_t i = w.first; i <= w.last; ++i) squares += (values[i] - mean) * (values[i] - mean);
     return std::max(std::sqrt(squares), 1e-12);
   };
-  return {1.0 / spread(r.position), 1.0 / spread(r.velocity_smoothed)};
+  return {1.0 / spread(r.position), 1.0 / spread(r.velocity_smoothed), 0.0, 0.0};
 }
 
 /// Residuals of one window against the unknowns (block 0, absent if there are none) and its start state.
@@ -38,10 +45,15 @@ class WindowCost final : public ceres::CostFunction {
   WindowCost(const model::Model& model, const std::vector<Unknown>& unknowns, const Recording& recording,
              const Window& window, Weights weights)
       : model_(model), unknowns_(unknowns), recording_(recording), window_(window), weights_(weights) {
-    set_num_residuals(static_cast<int>(window.rows()) * (weights.velocity > 0.0 ? 2 : 1));
+    set_num_residuals(static_cast<int>(motion_rows() + contact_rows() + drive_rows()));
     if (!unknowns.empty()) mutable_parameter_block_sizes()->push_back(static_cast<int>(unknowns.size()));
     mutable_parameter_block_sizes()->push_back(kStartSize);
   }
+
+  // In this order.
+  std::size_t motion_rows() const { return window_.rows() * (weights_.velocity > 0.0 ? 2 : 1); }
+  std::size_t contact_rows() const { return weights_.contact > 0.0 ? 1 : 0; }
+  std::size_t drive_rows() const { return weights_.drive > 0.0 ? window_.rows() - 1 : 0; }
 
   bool Evaluate(double const* const* blocks, double* residuals, double** jacobians) const override {
     if (jacobians == nullptr) return run<double>(blocks, residuals, nullptr);
@@ -68,10 +80,9 @@ class WindowCost final : public ceres::CostFunction {
     }
     const PlantSetup<T> setup(model_, unknowns_, values.data());
     bool finite = true;
-    std::size_t at = 0;
     double* of_unknowns = jacobians != nullptr && count > 0 ? jacobians[0] : nullptr;
     double* of_start = jacobians != nullptr ? jacobians[count == 0 ? 0 : 1] : nullptr;
-    const auto put = [&](const T& simulated, double measured, double weight) {
+    const auto put = [&](std::size_t at, const T& simulated, double measured, double weight) {
       residuals[at] = (dynamics::value_of(simulated) - measured) * weight;
       finite = finite && std::isfinite(residuals[at]);
       if constexpr (!std::is_same_v<T, double>) {
@@ -82,12 +93,19 @@ class WindowCost final : public ceres::CostFunction {
           for (std::size_t i = 0; i < kStartSize; ++i)
             of_start[at * kStartSize + i] = simulated.v[static_cast<Eigen::Index>(count + i)] * weight;
       }
-      ++at;
     };
-    simulate(setup, recording_, window_, position, velocity, [&](std::size_t row, const T& x, const T& v) {
-      put(x, recording_.position[row], weights_.position);
-      if (weights_.velocity > 0.0) put(v, recording_.velocity_smoothed[row], weights_.velocity);
-    });
+    std::size_t motion = 0, drives = motion_rows() + contact_rows();
+    simulate(setup, recording_, window_, position, velocity,
+             [&](std::size_t row, const T& x, const T& v, const T& drive) {
+               put(motion++, x, recording_.position[row], weights_.position);
+               if (weights_.velocity > 0.0)
+                 put(motion++, v, recording_.velocity_smoothed[row], weights_.velocity);
+               if (weights_.drive > 0.0 && row < window_.last)
+                 put(drives++, drive, recording_.drive[row], weights_.drive);
+             });
+    if (weights_.contact > 0.0)
+      put(motion_rows(), report_lag(setup, touchdown_height_m(model_), window_.touchdown_velocity),
+          window_.report_lag_s, weights_.contact);
     return finite;
   }
 
@@ -100,7 +118,7 @@ class WindowCost final : public ceres::CostFunction {
 
 /// How many independent numbers these residuals are worth: their count over the integrated autocorrelation,
 /// summed up to where it first falls below 0.05.
-double effective_count(const Eigen::VectorXd& residual) {
+double effective_count(const Eigen::Ref<const Eigen::VectorXd>& residual) {
   const auto rows = residual.size();
   const double variance = residual.squaredNorm();
   if (!(variance > 0.0)) return static_cast<double>(rows);
@@ -114,7 +132,8 @@ double effective_count(const Eigen::VectorXd& residual) {
 }
 
 /// The window's share at these values, its start state moved to its own optimum (a few Gauss-Newton rounds).
-WindowShare share_of(const WindowCost& cost, const std::vector<double>& values, double* start) {
+WindowShare share_of(const WindowCost& cost, const std::vector<double>& values, double* start,
+                     int rounds = 6) {
   const auto rows = static_cast<Eigen::Index>(cost.num_residuals());
   const auto count = static_cast<Eigen::Index>(values.size());
   Eigen::VectorXd residual(rows);
@@ -128,7 +147,7 @@ WindowShare share_of(const WindowCost& cost, const std::vector<double>& values, 
                       : cost.Evaluate(blocks, residual.data(), jacobians);
   };
   double best = evaluate(start) ? residual.squaredNorm() : std::numeric_limits<double>::infinity();
-  for (int round = 0; round < 6; ++round) {
+  for (int round = 0; round < rounds; ++round) {
     const Eigen::Vector2d step = by_start.colPivHouseholderQr().solve(residual);
     const double trial[kStartSize] = {start[0] - step(0), start[1] - step(1)};
     const bool usable = evaluate(trial);
@@ -152,8 +171,13 @@ WindowShare share_of(const WindowCost& cost, const std::vector<double>& values, 
     share.information.resize(0, 0);
   }
   share.squares = residual.squaredNorm();
-  share.rows = static_cast<double>(rows);
-  share.effective_rows = effective_count(residual);
+  const std::size_t sizes[kChannels] = {cost.motion_rows(), cost.contact_rows(), cost.drive_rows()};
+  Eigen::Index from = 0;
+  for (std::size_t c = 0; c < kChannels; ++c) {
+    const auto part = residual.segment(from, static_cast<Eigen::Index>(sizes[c]));
+    share.channels[c] = {part.squaredNorm(), static_cast<double>(sizes[c]), effective_count(part)};
+    from += static_cast<Eigen::Index>(sizes[c]);
+  }
   return share;
 }
 
@@ -215,6 +239,44 @@ Eigen::MatrixXd sandwich_covariance(const std::vector<WindowShare>& shares, cons
   return covariance;
 }
 
+namespace {
+
+/// The windows' costs and start states.
+struct Costs {
+  std::deque<WindowCost> costs;
+  std::vector<double> starts;
+
+  Costs(const model::Model& model, const std::vector<Unknown>& unknowns,
+        const std::vector<Recording>& recordings, const std::vector<Window>& windows, Weighting weighting)
+      : starts(windows.size() * kStartSize) {
+    for (std::size_t i = 0; i < windows.size(); ++i) {
+      const Recording& r = recordings[windows[i].recording];
+      costs.emplace_back(model, unknowns, r, windows[i], weights_of(r, windows[i], weighting));
+      const StartState s = start_state(r, windows[i]);
+      starts[kStartSize * i] = s.position;
+      starts[kStartSize * i + 1] = s.velocity;
+    }
+  }
+  void shares(Fit& fit, int rounds) {
+    for (std::size_t i = 0; i < costs.size(); ++i) {
+      fit.shares.push_back(share_of(costs[i], fit.values, &starts[kStartSize * i], rounds));
+      fit.squares += fit.shares.back().squares;
+    }
+  }
+};
+
+}  // namespace
+
+Fit look_by_simulation(const model::Model& model, const std::vector<Unknown>& unknowns,
+                       const std::vector<double>& values, const std::vector<Recording>& recordings,
+                       const std::vector<Window>& windows) {
+  Fit fit;
+  fit.values = values;
+  fit.at_bound = at_bounds(values, unknowns);
+  Costs(model, unknowns, recordings, windows, Weighting::noise).shares(fit, 2);
+  return fit;
+}
+
 Fit fit_by_simulation(const model::Model& model, const std::vector<Unknown>& unknowns,
                       const std::vector<double>& start, const std::vector<Recording>& recordings,
                       const std::vector<Window>& windows, Weighting weighting, std::size_t layers) {
@@ -222,15 +284,8 @@ Fit fit_by_simulation(const model::Model& model, const std::vector<Unknown>& unk
   // What the solver tells of rejected steps is no news to a user.
   [[maybe_unused]] static const bool quiet = (FLAGS_minloglevel = google::GLOG_FATAL, true);
   fit.values = start;
-  std::deque<WindowCost> costs;
-  std::vector<double> starts(windows.size() * kStartSize);
-  for (std::size_t i = 0; i < windows.size(); ++i) {
-    const Recording& r = recordings[windows[i].recording];
-    costs.emplace_back(model, unknowns, r, windows[i], weights_of(r, windows[i], weighting));
-    const StartState s = start_state(r, windows[i]);
-    starts[kStartSize * i] = s.position;
-    starts[kStartSize * i + 1] = s.velocity;
-  }
+  Costs problems(model, unknowns, recordings, windows, weighting);
+  auto& [costs, starts] = problems;
   bool usable = true;
   if (!unknowns.empty() && !windows.empty()) {
     ceres::Problem::Options problem_options;
@@ -259,10 +314,7 @@ Fit fit_by_simulation(const model::Model& model, const std::vector<Unknown>& unk
     usable = summary.IsSolutionUsable();
   }
   fit.at_bound = at_bounds(fit.values, unknowns);
-  for (std::size_t i = 0; i < windows.size(); ++i) {
-    fit.shares.push_back(share_of(costs[i], fit.values, &starts[kStartSize * i]));
-    fit.squares += fit.shares.back().squares;
-  }
+  problems.shares(fit, 6);
   require_finite(usable && std::isfinite(fit.squares), recordings, windows);
   fit.covariance = sandwich_covariance(fit.shares, fit.at_bound, layers);
   return fit;

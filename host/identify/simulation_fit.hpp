@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Dense>
+#include <array>
 #include <vector>
 
 #include "host/identify/simulate.hpp"
@@ -15,13 +16,26 @@ enum class Weighting {
           ///< eq. 4.4)
 };
 
-/// A window's part in a fit, its start state eliminated.
-struct WindowShare {
+/// What residuals are of: the body's motion, when the contact switch reports, what the drive reports. With
+/// Weighting::nmse of the motion alone.
+enum class Channel { motion, contact, drive };
+inline constexpr std::size_t kChannels = 3;
+
+/// Residuals of one channel.
+struct ChannelShare {
   double squares = 0.0;         ///< of the weighted residuals
-  Eigen::VectorXd gradient;     ///< half the derivative of `squares` by the unknowns
-  Eigen::MatrixXd information;  ///< Gauss-Newton half Hessian
   double rows = 0.0;            ///< residuals
   double effective_rows = 0.0;  ///< independent residuals that say as much: rows over the correlation time
+};
+
+/// A window's part in a fit, its start state eliminated.
+struct WindowShare {
+  std::array<ChannelShare, kChannels> channels;
+  double squares = 0.0;         ///< of all channels
+  Eigen::VectorXd gradient;     ///< half the derivative of `squares` by the unknowns
+  Eigen::MatrixXd information;  ///< Gauss-Newton half Hessian
+
+  const ChannelShare& operator[](Channel c) const { return channels[static_cast<std::size_t>(c)]; }
 };
 
 struct Fit {
@@ -40,6 +54,11 @@ Fit fit_by_simulation(const model::Model& model, const std::vector<Unknown>& unk
                       const std::vector<double>& start, const std::vector<Recording>& recordings,
                       const std::vector<Window>& windows, Weighting weighting = Weighting::noise,
                       std::size_t layers = 1);
+
+/// The windows' shares at values that are not fitted: each start state moved to its own optimum.
+Fit look_by_simulation(const model::Model& model, const std::vector<Unknown>& unknowns,
+                       const std::vector<double>& values, const std::vector<Recording>& recordings,
+                       const std::vector<Window>& windows);
 
 /// @throws log::DataError, naming the first recording, where `finite` is false.
 void require_finite(bool finite, const std::vector<Recording>& recordings,

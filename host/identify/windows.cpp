@@ -142,6 +142,43 @@ std::vector<Window> intervals(const Recording& r, std::size_t index, double leng
   return found;
 }
 
+namespace {
+
+/// Fills in the lags of the contact reports, and their spread over all windows (median absolute deviation, at
+/// least what the sample interval lets one see).
+void attach_reports(std::vector<Window>& windows, const std::vector<Recording>& recordings, double height_m) {
+  constexpr double kFurthest_s = 0.06;
+  std::vector<double> lags;
+  double interval_s = 0.0;
+  for (Window& w : windows) {
+    const Recording& r = recordings[w.recording];
+    const std::size_t i = w.touchdown;
+    if (i == 0 || i >= r.rows()) continue;
+    const double fall = r.position[i - 1] - r.position[i];
+    const double share = fall > 0.0 ? (r.position[i - 1] - height_m) / fall : 0.5;
+    const double crossing_s = r.time_s[i - 1] + share * (r.time_s[i] - r.time_s[i - 1]);
+    const std::size_t before = i > 4 ? i - 4 : 0;  // clear of the impact
+    w.touchdown_velocity = r.velocity_smoothed[before];
+    interval_s = std::max(interval_s, r.time_s[i] - r.time_s[i - 1]);
+    double best = kFurthest_s;
+    for (double report : r.touchdown_reports_s)
+      if (std::abs(report - crossing_s) < std::abs(best)) best = report - crossing_s;
+    if (std::abs(best) < kFurthest_s) lags.push_back(w.report_lag_s = best);
+  }
+  if (lags.empty()) return;
+  const auto median = [](std::vector<double> v) {
+    const auto middle = v.begin() + static_cast<std::ptrdiff_t>(v.size() / 2);
+    std::nth_element(v.begin(), middle, v.end());
+    return *middle;
+  };
+  const double centre = median(lags);
+  for (double& lag : lags) lag = std::abs(lag - centre);
+  const double spread = std::max(1.4826 * median(lags), interval_s / std::sqrt(12.0));
+  for (Window& w : windows) w.report_spread_s = spread;
+}
+
+}  // namespace
+
 std::vector<Window> prediction_windows(const std::vector<Recording>& recordings, const model::Model& model,
                                        double interval_s) {
   std::vector<Window> all;
@@ -151,6 +188,7 @@ std::vector<Window> prediction_windows(const std::vector<Recording>& recordings,
                           : intervals(recordings[i], i, interval_s);
     all.insert(all.end(), some.begin(), some.end());
   }
+  if (model.kind == dynamics::Kind::hopper_linear) attach_reports(all, recordings, touchdown_height_m(model));
   return all;
 }
 
@@ -214,7 +252,7 @@ StartState start_state(const Recording& r, const Window& w, const model::Model& 
   start.last = start_rows_end(r, w);
   std::vector<double> time_s, left;
   simulate(PlantSetup<double>(reference, {}, nullptr), r, start, first.position, first.velocity,
-           [&](std::size_t row, double position, double) {
+           [&](std::size_t row, double position, double, double) {
              time_s.push_back(r.time_s[row]);
              left.push_back(r.position[row] - position);
            });

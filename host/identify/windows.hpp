@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <limits>
 #include <vector>
 
 #include "host/identify/recording.hpp"
@@ -20,6 +21,11 @@ struct Window {
   WindowKind kind = WindowKind::interval;
   std::size_t touchdown = 0;
   std::size_t liftoff = 0;
+  /// Stride: when the switch reported the touch-down, after the measured height fell through the touch-down
+  /// height, s; not a number where it did not.
+  double report_lag_s = std::numeric_limits<double>::quiet_NaN();
+  double report_spread_s = 0.0;     ///< standard deviation of such lags
+  double touchdown_velocity = 0.0;  ///< at that crossing, below zero
 
   std::size_t rows() const { return last - first + 1; }
 };

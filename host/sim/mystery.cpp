@@ -69,6 +69,50 @@ std::array<double, dynamics::kMaxEffectParameters> draw_size(Effect cause, const
       return {1.0 + sign * random.uniform(0.12, 0.25)};
     case Effect::touchdown_loss:
       return {model.parameter("restitution_touchdown") * random.uniform(0.8, 0.9)};
+    case Effect::binding_spot:
+      return {3.0 * force_n, random.uniform(0.26, 0.30), random.uniform(0.01, 0.03)};
+    case Effect::damping_error:
+      return {force_n};
+    case Effect::guide_tilt:
+      return {random.uniform(0.3, 0.5)};
+    case Effect::mass_error:
+      return {model.parameter("mass_kg") * (1.0 + sign * random.uniform(0.06, 0.12))};
+    case Effect::rest_height_error:
+      return {model.parameter("rest_height_m") + sign * random.uniform(0.004, 0.008)};
+    case Effect::spring_hardening:
+      return {force_n / (0.05 * 0.05 * 0.05)};  // at a compression of 5 cm
+    case Effect::spring_hysteresis:
+      return {random.uniform(0.06, 0.15)};
+    case Effect::leg_inertia:
+      return {4.2e-3, 7.5e-3, 38e-3};  // document 002, table 3.1
+    case Effect::torque_offset:
+      return {0.15 * force_n * sign};
+    case Effect::actuator_delay:
+      return {random.uniform(0.01, 0.03)};
+    case Effect::actuator_lag:
+      return {random.uniform(0.01, 0.03)};
+    case Effect::torque_saturation:
+      return {random.uniform(1.0, 1.2)};
+    case Effect::torque_ripple:
+      return {0.2 * force_n, std::round(random.uniform(10.0, 30.0)), random.uniform(-1.0, 1.0)};
+    case Effect::thermal_derating:
+      return {random.uniform(0.5, 0.75), random.uniform(0.5, 1.5)};
+    case Effect::liftoff_loss:
+      return {random.uniform(0.85, 0.93)};
+    case Effect::ground_compliance:
+      return {random.uniform(4e3, 8e3), random.uniform(10.0, 40.0)};
+    case Effect::toe_sticking:
+      return {random.uniform(5.0, 12.0)};
+    case Effect::encoder_offset:
+      return {sign * random.uniform(0.004, 0.01)};
+    case Effect::height_scale_error:
+      return {1.0 + sign * random.uniform(0.03, 0.08)};
+    case Effect::height_eccentricity:
+      return {random.uniform(5e-4, 2e-3), random.uniform(0.03, 0.1), random.uniform(-1.0, 1.0)};
+    case Effect::contact_delay:
+      return {sign * random.uniform(0.01, 0.02)};
+    case Effect::time_skew:
+      return {sign * random.uniform(0.005, 0.015)};
   }
   return {};
 }
@@ -123,7 +167,9 @@ Mystery draw_mystery(std::uint64_t seed) {
     set(m.truth, damping, m.model.parameter(damping) * random.uniform(0.85, 1.15));
   std::vector<Effect> possible;
   for (const dynamics::EffectInfo& e : dynamics::kCatalogue)
-    if (dynamics::applies(e.effect, Kind::hopper_linear)) possible.push_back(e.effect);
+    if (dynamics::applies(e.effect, Kind::hopper_linear) &&
+        e.effect != Effect::damping_error)  // the dampings are free: identification finds it
+      possible.push_back(e.effect);
   m.cause = possible[random.next() % possible.size()];
   m.truth.effects[m.cause] = draw_size(m.cause, m.model, random);
   for (int i = 0; i < kExperiments; ++i) m.logs.push_back(record(m.truth, i, seed, random));

@@ -1,6 +1,7 @@
 // Simulating scenarios, see simulate.hpp.
 #include "host/sim/simulate.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <span>
@@ -53,16 +54,16 @@ void simulate_hopper(const model::Model& model, const Scenario& scenario, std::u
   SimBoard board(rig_config(model, scenario, seed));
   firmware::App app(board, controller_config(model, scenario));
 
-  const std::pair<const char*, double (*)(const SimBoard&)> columns[] = {
-      {"time_s", [](const SimBoard& b) { return b.time_s(); }},
-      {"height_m", [](const SimBoard& b) { return b.measured_height_m(); }},
-      {"velocity_mps", [](const SimBoard& b) { return b.measured_velocity_mps(); }},
-      {"leg_angle_rad", [](const SimBoard& b) { return b.measured_leg_angle_rad(); }},
-      {"contact", [](const SimBoard& b) { return static_cast<double>(b.sample().contact); }},
-      {"torque_cmd_nm", [](const SimBoard& b) { return static_cast<double>(b.command().torque_nm); }},
-      {"torque_nm", [](const SimBoard& b) { return static_cast<double>(b.command().torque_nm); }},
-      {"solenoid", [](const SimBoard& b) { return static_cast<double>(b.command().solenoid); }},
-      {"fault", [](const SimBoard& b) { return static_cast<double>(b.telemetry().outputs.fault); }},
+  const std::pair<const char*, double (*)(SimBoard&)> columns[] = {
+      {"time_s", [](SimBoard& b) { return b.time_s(); }},
+      {"height_m", [](SimBoard& b) { return b.measured_height_m(); }},
+      {"velocity_mps", [](SimBoard& b) { return b.measured_velocity_mps(); }},
+      {"leg_angle_rad", [](SimBoard& b) { return b.measured_leg_angle_rad(); }},
+      {"contact", [](SimBoard& b) { return static_cast<double>(b.sample().contact); }},
+      {"torque_cmd_nm", [](SimBoard& b) { return static_cast<double>(b.command().torque_nm); }},
+      {"torque_nm", [](SimBoard& b) { return b.measured_torque_nm(); }},
+      {"solenoid", [](SimBoard& b) { return static_cast<double>(b.command().solenoid); }},
+      {"fault", [](SimBoard& b) { return static_cast<double>(b.telemetry().outputs.fault); }},
   };
   std::vector<double> values[std::size(columns)];
   for (auto& v : values) v.reserve(static_cast<std::size_t>(scenario.duration_s * 1e3) + 1);
@@ -94,15 +95,36 @@ void simulate_axis(const model::Model& model, const Scenario& scenario, std::uin
   dynamics::Axis<Parameters, double> plant(parameters_of<Parameters>(model), effects_of(model));
   plant.reset(scenario.start_position, scenario.start_velocity);
   sim_host::Encoder encoder(scenario.sensors, count, seed);
+  sim_host::Drive drive_of_axis(effects_of(model));
+  const dynamics::Sensing<double> sensing(effects_of(model), 0.0);
   auto& time_s = log.columns["time_s"];
   auto& position = log.columns[position_column];
   auto& input = log.columns[drive_column];
   const auto rows = static_cast<std::size_t>(std::llround(scenario.duration_s / SimBoard::kPeriodS));
   for (std::size_t row = 0; row < rows; ++row) {
     time_s.push_back(static_cast<double>(row) * SimBoard::kPeriodS);
-    position.push_back(encoder.measure(plant.position()));
+    position.push_back(encoder.measure(sensing.measured(plant.position())));
     input.push_back(drive(scenario, time_s.back()));
-    plant.advance(input.back(), SimBoard::kPeriodS);
+    plant.advance(drive_of_axis.step(input.back(), SimBoard::kPeriodS), SimBoard::kPeriodS);
+  }
+}
+
+/// measured(t) = true(t - skew), for the columns of the position's clock; between rows in a straight line,
+/// held at the ends.
+void skew_columns(const model::Model& model, log::Log& log) {
+  const auto skew = model.effects.find(dynamics::Effect::time_skew);
+  if (skew == model.effects.end()) return;
+  const std::vector<double>& time_s = log.time_s();
+  for (const char* name : {"height_m", "velocity_mps", "position_m", "angle_rad"}) {
+    if (!log.has(name)) continue;
+    const std::vector<double> original = log.at(name);
+    for (std::size_t i = 0; i < time_s.size(); ++i) {
+      const double at_s = std::clamp(time_s[i] - skew->second[0], time_s.front(), time_s.back());
+      const auto after = std::upper_bound(time_s.begin() + 1, time_s.end() - 1, at_s);
+      const auto k = static_cast<std::size_t>(after - time_s.begin());
+      const double share = (at_s - time_s[k - 1]) / (time_s[k] - time_s[k - 1]);
+      log.columns[name][i] = original[k - 1] + share * (original[k] - original[k - 1]);
+    }
   }
 }
 
@@ -155,6 +177,7 @@ log::Log simulate(const model::Model& model, const Scenario& scenario, std::uint
                                                              "torque_nm", sim_host::kJointCountRad);
       break;
   }
+  if (log.rows() > 1) skew_columns(model, log);
   return log;
 }
 

@@ -274,12 +274,6 @@ TEST_CASE("Each effect changes the hopper by its law") {
     effects.set(Effect::stiffness_error, 0, 500.0);
     CHECK(at_rest(0.0) == Approx(p.rest_height_m - weight / 500.0).epsilon(1e-9));
   }
-  SECTION("A torque gain acts on the torque alone") {
-    effects.set(Effect::torque_gain_error, 0, 1.25);
-    const double with_gain = at_rest(0.4);
-    effects = {};
-    CHECK(with_gain == Approx(at_rest(0.5)).epsilon(1e-12));
-  }
   SECTION("A loss at touch-down takes the place of the model's restitution") {
     effects.set(Effect::touchdown_loss, 0, 0.7);
     Hopper<double> hopper(p, effects);

@@ -27,10 +27,13 @@ TEST_CASE("a drawn machine is its model with other dampings and exactly one effe
 
 TEST_CASE("every effect that a hopper can have is drawn") {
   std::set<dynamics::Effect> drawn;
-  for (std::uint64_t seed = 1; seed <= 80; ++seed) drawn.insert(sim::draw_mystery(seed).cause);
+  for (std::uint64_t seed = 1; seed <= 300; ++seed) drawn.insert(sim::draw_mystery(seed).cause);
   for (const auto& e : dynamics::kCatalogue) {
     CAPTURE(e.name);
-    CHECK(drawn.contains(e.effect) == dynamics::applies(e.effect, dynamics::Kind::hopper_linear));
+    // The dampings are free parameters of the drawn model.
+    const bool possible = dynamics::applies(e.effect, dynamics::Kind::hopper_linear) &&
+                          e.effect != dynamics::Effect::damping_error;
+    CHECK(drawn.contains(e.effect) == possible);
   }
 }
 

@@ -21,13 +21,16 @@ class Axis {
   static constexpr bool kRotary = Parameters::kKind == Kind::rotary_joint;
 
   Axis(const Parameters& p, const Effects<T>& effects = {}) : p_(p), e_(effects), dry_(has_dry_friction(e_)) {
+    T mass, damping;
     if constexpr (kRotary) {
-      inverse_mass_ = T(V(1)) / p.inertia_kgm2;
-      delta_ = p.damping_nmspr * inverse_mass_;
+      mass = p.inertia_kgm2;
+      damping = p.damping_nmspr;
     } else {
-      inverse_mass_ = T(V(1)) / p.mass_kg;
-      delta_ = p.damping_nspm * inverse_mass_;
+      mass = p.mass_kg;
+      damping = p.damping_nspm;
     }
+    inverse_mass_ = T(V(1)) / e_.value_or(Effect::mass_error, mass);
+    delta_ = e_.value_or(Effect::damping_error, damping) * inverse_mass_;
     constant_force_ = e_.has(Effect::force_offset) ? e_.value(Effect::force_offset) : T(V(0));
   }
 
@@ -68,13 +71,16 @@ class Axis {
     if constexpr (kRotary) {
       // At the midpoint, by the velocity and the acceleration at the start.
       const T start = (force - p_.gravity_torque_nm * sin(x_)) * inverse_mass_ - delta_ * v_;
-      force -= p_.gravity_torque_nm * sin(x_ + v_ * (V(0.5) * h) + start * (V(0.125) * h * h));
+      const T midpoint = x_ + v_ * (V(0.5) * h) + start * (V(0.125) * h * h);
+      force -= p_.gravity_torque_nm * sin(midpoint);
+      if (e_.has(Effect::torque_ripple)) force += torque_ripple(e_, midpoint);
     }
     T acceleration = force * inverse_mass_;
     const bool at_rest = value_of(v_) == V(0);
     const bool up = at_rest ? value_of(acceleration) > V(0) : value_of(v_) > V(0);
     if (e_.any()) {
-      const Resisted<T> r = resisted(e_, up, at_rest, v_, acceleration, delta_, inverse_mass_, h);
+      const T extra = binding(e_, x_, T(x_ + v_ * h));
+      const Resisted<T> r = resisted(e_, up, at_rest, v_, acceleration, delta_, inverse_mass_, extra, h);
       if (r.held) return true;
       acceleration = r.acceleration;
     }

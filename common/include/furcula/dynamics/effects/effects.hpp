@@ -23,6 +23,7 @@ class Effects {
     active_ |= mask(e);
     values_[static_cast<std::size_t>(e)][parameter] = value;
   }
+  constexpr void clear(Effect e) { active_ &= ~mask(e); }
   constexpr bool has(Effect e) const { return (active_ & mask(e)) != 0; }
   constexpr bool any() const { return active_ != 0; }
   constexpr const T& value(Effect e, std::size_t parameter = 0) const {

@@ -31,11 +31,47 @@ T dry_friction(const Effects<T>& e, bool up, const T& speed) {
   return size;
 }
 
-/// True if dry_friction() is not zero throughout.
+/// True if something can hold the axis at rest.
 template <class T>
 bool has_dry_friction(const Effects<T>& e) {
   return e.has(Effect::coulomb_friction) || e.has(Effect::stribeck_friction) ||
-         e.has(Effect::asymmetric_friction);
+         e.has(Effect::asymmetric_friction) || e.has(Effect::binding_spot) ||
+         e.has(Effect::spring_hysteresis);
+}
+
+/// Share of the way from `from` to `to` (in either direction) that lies within `width` about `centre`.
+template <class T>
+T share_within(const T& centre, const T& width, const T& from, const T& to) {
+  using V = ValueOf<T>;
+  const T half = V(0.5) * width;
+  const bool rising = value_of(to) >= value_of(from);
+  const T& low = rising ? from : to;
+  const T& high = rising ? to : from;
+  const T begin = centre - half, end = centre + half;
+  const T length = high - low;
+  if (value_of(length) < V(1e-9)) {
+    const bool inside = value_of(low) >= value_of(begin) && value_of(low) <= value_of(end);
+    return T(inside ? V(1) : V(0));
+  }
+  const T a = value_of(begin) > value_of(low) ? begin : low;
+  const T b = value_of(end) < value_of(high) ? end : high;
+  return value_of(b) > value_of(a) ? T((b - a) / length) : T(V(0));
+}
+
+/// The extra dry friction of a binding spot on the way from one position to another, >= 0.
+template <class T>
+T binding(const Effects<T>& e, const T& from, const T& to) {
+  if (!e.has(Effect::binding_spot)) return T(ValueOf<T>(0));
+  return e.value(Effect::binding_spot, 0) *
+         share_within(e.value(Effect::binding_spot, 1), e.value(Effect::binding_spot, 2), from, to);
+}
+
+/// A sin(n theta + phi): torque at the motor's angle theta, rad.
+template <class T>
+T torque_ripple(const Effects<T>& e, const T& angle) {
+  using std::sin;
+  return e.value(Effect::torque_ripple, 0) *
+         sin(e.value(Effect::torque_ripple, 1) * angle + e.value(Effect::torque_ripple, 2));
 }
 
 /// -c v |v|, force.
@@ -44,12 +80,12 @@ T quadratic_drag(const T& drag, const T& velocity) {
   return value_of(velocity) > 0 ? -(drag * velocity * velocity) : drag * velocity * velocity;
 }
 
-/// All that opposes the motion on the guide or axis, as a force: dry friction against the direction `up` and
-/// drag. At rest
-/// (`velocity` zero) it is what friction can hold against a motion that would begin in that direction.
+/// All that opposes the motion on the guide or axis, as a force: dry friction against the direction `up`,
+/// with `extra` that depends on the place, and drag. At rest (`velocity` zero) it is what friction can hold
+/// against a motion that would begin in that direction.
 template <class T>
-T resistance(const Effects<T>& e, bool up, const T& velocity) {
-  const T size = dry_friction(e, up, up ? velocity : T(-velocity));
+T resistance(const Effects<T>& e, bool up, const T& velocity, const T& extra) {
+  const T size = dry_friction(e, up, up ? velocity : T(-velocity)) + extra;
   T force = up ? T(-size) : size;
   if (e.has(Effect::quadratic_drag)) force += quadratic_drag(e.value(Effect::quadratic_drag), velocity);
   return force;
@@ -64,16 +100,16 @@ struct Resisted {
 };
 template <class T>
 Resisted<T> resisted(const Effects<T>& e, bool up, bool at_rest, const T& velocity, const T& acceleration,
-                     const T& delta, const T& inverse_mass, ValueOf<T> step) {
+                     const T& delta, const T& inverse_mass, const T& extra, ValueOf<T> step) {
   using V = ValueOf<T>;
   const T zero = T(V(0));
-  const T at_start = resistance(e, up, at_rest ? zero : velocity) * inverse_mass;
+  const T at_start = resistance(e, up, at_rest ? zero : velocity, extra) * inverse_mass;
   if (at_rest &&
       (up ? value_of(acceleration) <= -value_of(at_start) : value_of(acceleration) >= -value_of(at_start)))
     return {zero, has_dry_friction(e)};
   const T middle = velocity + (acceleration + at_start - delta * velocity) * (V(0.5) * step);
   const bool turns = up ? value_of(middle) < V(0) : value_of(middle) > V(0);
-  return {acceleration + resistance(e, up, turns ? zero : middle) * inverse_mass, false};
+  return {acceleration + resistance(e, up, turns ? zero : middle, extra) * inverse_mass, false};
 }
 
 }  // namespace furcula::dynamics

@@ -1,0 +1,71 @@
+// From the true position to the measured one.
+#pragma once
+
+#include <cmath>
+
+#include "furcula/dynamics/effects/effects.hpp"
+#include "furcula/dynamics/scalar.hpp"
+
+namespace furcula::dynamics {
+
+/// The position's encoder: scale about a reference height (the touch-down height), eccentricity, offset.
+template <class T>
+class Sensing {
+ public:
+  using V = ValueOf<T>;
+
+  Sensing(const Effects<T>& effects, const T& reference)
+      : e_(effects),
+        reference_(reference),
+        ideal_(!e_.has(Effect::encoder_offset) && !e_.has(Effect::height_scale_error) &&
+               !e_.has(Effect::height_eccentricity)) {}
+
+  bool ideal() const { return ideal_; }
+
+  T measured(const T& position) const {
+    if (ideal_) return position;
+    T z = position;
+    if (e_.has(Effect::height_scale_error))
+      z = reference_ + e_.value(Effect::height_scale_error) * (z - reference_);
+    if (e_.has(Effect::height_eccentricity))
+      z += e_.value(Effect::height_eccentricity, 0) * swing(position, false);
+    if (e_.has(Effect::encoder_offset)) z += e_.value(Effect::encoder_offset);
+    return z;
+  }
+
+  /// Measured velocity over true velocity at a position.
+  T gain(const T& position) const {
+    T slope = T(V(1));
+    if (ideal_) return slope;
+    if (e_.has(Effect::height_scale_error)) slope = e_.value(Effect::height_scale_error);
+    if (e_.has(Effect::height_eccentricity))
+      slope += e_.value(Effect::height_eccentricity, 0) *
+               (V(kTwoPi) / e_.value(Effect::height_eccentricity, 1)) * swing(position, true);
+    return slope;
+  }
+
+  /// The position that is measured as this: by Newton steps, each of which carries the derivatives of T.
+  T position(const T& measured_position) const {
+    if (ideal_) return measured_position;
+    T z = measured_position;
+    for (int round = 0; round < 6; ++round) z -= (measured(z) - measured_position) / gain(z);
+    return z;
+  }
+
+ private:
+  static constexpr double kTwoPi = 6.283185307179586;
+
+  T swing(const T& z, bool slope) const {
+    using std::cos;
+    using std::sin;
+    const T angle =
+        V(kTwoPi) * z / e_.value(Effect::height_eccentricity, 1) + e_.value(Effect::height_eccentricity, 2);
+    return slope ? T(cos(angle)) : T(sin(angle));
+  }
+
+  Effects<T> e_;
+  T reference_;
+  bool ideal_;
+};
+
+}  // namespace furcula::dynamics

@@ -1,0 +1,256 @@
+#include "host/diagnose/proposals.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace furcula::diagnose {
+namespace {
+
+using dynamics::Effect;
+
+constexpr std::size_t kSome = 24;  // windows for one step ...
+constexpr std::size_t kFew = 10;   // ... and for the many of a search over frequencies
+
+std::vector<identify::Window> spread_out(const std::vector<identify::Window>& windows, std::size_t most) {
+  if (windows.size() <= most) return windows;
+  std::vector<identify::Window> some;
+  for (std::size_t i = 0; i < most; ++i) some.push_back(windows[i * windows.size() / most]);
+  return some;
+}
+
+/// The minimum of squares + 2 g d + d H d with d within [low, high]: unknowns that leave it are put on the
+/// limit one after the other.
+Eigen::VectorXd bounded_step(const Eigen::VectorXd& gradient, const Eigen::MatrixXd& information,
+                             const Eigen::VectorXd& low, const Eigen::VectorXd& high) {
+  const Eigen::Index n = gradient.size();
+  Eigen::VectorXd step = Eigen::VectorXd::Zero(n);
+  std::vector<bool> held(static_cast<std::size_t>(n), false);
+  for (Eigen::Index round = 0; round <= n; ++round) {
+    std::vector<Eigen::Index> moving;
+    for (Eigen::Index i = 0; i < n; ++i)
+      if (!held[static_cast<std::size_t>(i)] && information(i, i) > 0.0) moving.push_back(i);
+    if (moving.empty()) break;
+    const Eigen::VectorXd pull = (gradient + information * step)(moving);
+    const Eigen::MatrixXd part = information(moving, moving);
+    // Scaled: the unknowns have different units.
+    const Eigen::VectorXd scale = part.diagonal().cwiseSqrt().cwiseInverse();
+    const Eigen::MatrixXd scaled = scale.asDiagonal() * part * scale.asDiagonal();
+    Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> solver(scaled.rows(), scaled.cols());
+    solver.setThreshold(1e-9);
+    solver.compute(scaled);
+    const Eigen::VectorXd more = -(scale.asDiagonal() * solver.solve(scale.asDiagonal() * pull));
+    Eigen::Index worst = -1;
+    double beyond = 0.0;
+    for (std::size_t k = 0; k < moving.size(); ++k) {
+      const Eigen::Index i = moving[k];
+      const double to = step(i) + more(static_cast<Eigen::Index>(k));
+      const double over = std::max(low(i) - to, to - high(i)) / std::max(high(i) - low(i), 1e-300);
+      if (over > beyond) {
+        beyond = over;
+        worst = i;
+      }
+    }
+    if (worst < 0) {
+      for (std::size_t k = 0; k < moving.size(); ++k) step(moving[k]) += more(static_cast<Eigen::Index>(k));
+      break;
+    }
+    for (std::size_t k = 0; k < moving.size(); ++k)
+      if (moving[k] == worst)
+        step(worst) =
+            step(worst) + more(static_cast<Eigen::Index>(k)) < low(worst) ? low(worst) : high(worst);
+    held[static_cast<std::size_t>(worst)] = true;
+  }
+  return step;
+}
+
+double quantile(std::vector<double> values, double share) {
+  if (values.empty()) return 0.0;
+  const auto at =
+      values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
+
+}  // namespace
+
+Proposer::Proposer(const Trainer& trainer)
+    : t_(trainer),
+      some_(spread_out(trainer.training.windows, kSome)),
+      few_(spread_out(trainer.training.windows, kFew)) {
+  std::vector<double> positions;
+  double squares = 0.0, inputs = 0.0, rows = 0.0;
+  for (const auto& w : t_.training.windows) {
+    const auto& r = t_.recordings[w.recording];
+    for (std::size_t i = w.first; i <= w.last; ++i) {
+      positions.push_back(r.position[i]);
+      squares += r.velocity_smoothed[i] * r.velocity_smoothed[i];
+      inputs += r.input[i] * r.input[i];
+      rows += 1.0;
+    }
+  }
+  std::vector<double> sizes;
+  for (const auto& r : t_.recordings)
+    for (double u : r.input)
+      if (u != 0.0) sizes.push_back(std::abs(u));
+  if (rows > 0.0) {
+    speed_ = std::sqrt(squares / rows);
+    // What moves the axis: the root mean square of the input, on the hopper the weight.
+    force_ = t_.model.kind == dynamics::Kind::hopper_linear
+                 ? t_.model.parameter("mass_kg") * t_.model.parameter("gravity_mps2")
+                 : std::sqrt(inputs / rows);
+  }
+  top_input_ = quantile(sizes, 0.99);
+  low_ = quantile(positions, 0.01);
+  high_ = quantile(positions, 0.99);
+}
+
+std::vector<Proposer::Values> Proposer::starts(Effect effect) const {
+  const double flat = 0.05 * force_, range = high_ - low_;
+  switch (effect) {
+    case Effect::coulomb_friction:
+      return {{flat}};
+    case Effect::asymmetric_friction:
+      return {{flat, flat}};
+    case Effect::stribeck_friction:
+      return {{0.8 * flat, 1.6 * flat, 0.03 * speed_},
+              {0.8 * flat, 1.6 * flat, 0.1 * speed_},
+              {0.8 * flat, 1.6 * flat, 0.3 * speed_}};
+    case Effect::binding_spot: {
+      std::vector<Values> all;
+      for (int i = 0; i < 8; ++i)
+        for (double width : {0.1, 0.25})
+          all.push_back({flat, low_ + (0.0625 + 0.125 * i) * range, width * range});
+      return all;
+    }
+    case Effect::guide_tilt:
+      return {{0.2}};
+    case Effect::leg_inertia:
+      return {{1e-3, 2e-3, 5e-3}};
+    case Effect::actuator_delay:
+      return {{2e-3}, {8e-3}, {20e-3}};
+    case Effect::actuator_lag:
+      return {{3e-3}, {10e-3}, {30e-3}};
+    case Effect::torque_saturation:
+      return {{0.9 * top_input_}, {0.75 * top_input_}, {0.6 * top_input_}, {0.4 * top_input_}};
+    case Effect::thermal_derating:
+      return {{0.8, 1.0}, {0.8, 5.0}, {0.8, 25.0}};
+    case Effect::ground_compliance:
+      return {{5e3, 20.0}, {2e4, 50.0}};
+    case Effect::toe_sticking:
+      return {{1.0}, {4.0}, {10.0}};
+    case Effect::time_skew:
+      return {{-5e-3}, {0.0}, {5e-3}};
+    default: {
+      Values values{};
+      const auto at = identify::values_in(t_.model, identify::effect_unknowns(effect, t_.model.kind));
+      std::copy(at.begin(), at.end(), values.begin());
+      return {values};
+    }
+  }
+}
+
+Proposer::Promise Proposer::step(const Hypothesis& on, const std::vector<Effect>& larger, Effect effect,
+                                 const Values& values, const std::vector<identify::Window>& windows,
+                                 bool shape_held) const {
+  std::vector<identify::Unknown> unknowns = identify::free_unknowns(t_.model);
+  for (Effect e : larger) {
+    const auto more = identify::effect_unknowns(e, t_.model.kind);
+    unknowns.insert(unknowns.end(), more.begin(), more.end());
+  }
+  std::vector<double> at = identify::values_in(on.fitted, unknowns);
+  const auto n = static_cast<Eigen::Index>(unknowns.size());
+  Eigen::VectorXd low(n), high(n);
+  for (std::size_t i = 0; i < unknowns.size(); ++i) {
+    const auto& u = unknowns[i];
+    const bool own = u.of_effect && u.effect == effect;
+    if (own) at[i] = std::clamp(values[u.parameter], u.lower, u.upper);
+    const auto k = static_cast<Eigen::Index>(i);
+    low(k) = u.lower - at[i];
+    high(k) = u.upper - at[i];
+    if (own && shape_held) {
+      if (u.parameter != 0)
+        low(k) = high(k) = 0.0;
+      else
+        low(k) = -(high(k) = 1e9);  // an amplitude of either sign
+    } else if (own && dynamics::info(effect).parameter_count > 1 && std::abs(at[i]) > 0.0 &&
+               std::isnan(dynamics::info(effect).parameter_table[u.parameter].neutral)) {
+      // Of a shape one linear step tells the direction, not the distance.
+      low(k) = std::max(low(k), -0.5 * std::abs(at[i]));
+      high(k) = std::min(high(k), std::abs(at[i]));
+    }
+  }
+  const identify::Fit look = identify::look_by_simulation(t_.model, unknowns, at, t_.recordings, windows);
+  Eigen::VectorXd gradient = Eigen::VectorXd::Zero(n);
+  Eigen::MatrixXd information = Eigen::MatrixXd::Zero(n, n);
+  for (const auto& share : look.shares) {
+    gradient += share.gradient;
+    information += share.information;
+  }
+  if (!std::isfinite(look.squares) || !gradient.allFinite() || !information.allFinite())
+    return {std::numeric_limits<double>::infinity(), values};
+  const Eigen::VectorXd by = bounded_step(gradient, information, low, high);
+  Promise promise{look.squares + 2.0 * by.dot(gradient) + by.dot(information * by), values};
+  for (std::size_t i = 0; i < unknowns.size(); ++i)
+    if (unknowns[i].of_effect && unknowns[i].effect == effect)
+      promise.values[unknowns[i].parameter] = at[i] + by(static_cast<Eigen::Index>(i));
+  return promise;
+}
+
+std::vector<Proposer::Values> Proposer::swings(const Hypothesis& on, const std::vector<Effect>& larger,
+                                               Effect effect) const {
+  // Frequencies so dense that half a turn lies between neighbours over the travel.
+  std::vector<double> shapes;
+  const double pi = std::numbers::pi;
+  if (effect == Effect::torque_ripple) {
+    double range = high_ - low_;  // rad
+    if (t_.model.kind == dynamics::Kind::hopper_linear) {
+      const double length = 2.0 * t_.model.parameter("link_length_m");
+      const double stop = identify::touchdown_height_m(t_.model);
+      range =
+          std::acos(std::clamp(low_ / length, -1.0, 1.0)) - std::acos(std::clamp(stop / length, -1.0, 1.0));
+    }
+    const double spacing = std::clamp(pi / std::max(range, 1e-3), 1.0, 5.0);
+    for (double n = 1.0; n <= 60.0; n += spacing) shapes.push_back(n);
+  } else {
+    const double spacing = std::max(0.5 / std::max(high_ - low_, 1e-3), 2.0);  // turns a metre
+    for (double turns = spacing; turns <= 120.0; turns += spacing) shapes.push_back(1.0 / turns);
+  }
+  struct Found {
+    double squares;
+    Values values;
+  };
+  std::vector<Found> found;
+  for (double shape : shapes) {
+    const auto position = [&](double phase) { return Values{0.0, shape, phase}; };
+    const Promise sine = step(on, larger, effect, position(0.0), few_, true);
+    const Promise cosine = step(on, larger, effect, position(0.5 * pi), few_, true);
+    const double a = sine.values[0], b = cosine.values[0];
+    found.push_back({sine.squares + cosine.squares, {std::hypot(a, b), shape, std::atan2(b, a)}});
+  }
+  std::sort(found.begin(), found.end(), [](const Found& a, const Found& b) { return a.squares < b.squares; });
+  std::vector<Values> best;
+  for (std::size_t i = 0; i < found.size() && i < 3; ++i)
+    if (std::isfinite(found[i].squares)) best.push_back(found[i].values);
+  return best;
+}
+
+Proposal Proposer::best(const Hypothesis& on, const std::vector<Effect>& larger, Effect effect) const {
+  Proposal proposal{effect, {}, -std::numeric_limits<double>::infinity()};
+  const bool swings_with_position = effect == Effect::torque_ripple || effect == Effect::height_eccentricity;
+  const std::vector<Values> all = swings_with_position ? swings(on, larger, effect) : starts(effect);
+  double before = 0.0;  // of the same windows
+  {
+    const identify::Fit look = identify::look_by_simulation(on.fitted, {}, {}, t_.recordings, some_);
+    before = look.squares;
+  }
+  for (const Values& values : all) {
+    const Promise promise = step(on, larger, effect, values, some_, false);
+    const double gain = 1.0 - promise.squares / std::max(before, 1e-300);
+    if (gain > proposal.gain) proposal = {effect, promise.values, gain};
+  }
+  return proposal;
+}
+
+}  // namespace furcula::diagnose

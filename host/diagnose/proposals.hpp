@@ -1,0 +1,43 @@
+// What an effect promises before it is fitted: shapes tried from several start values, each judged by one
+// linear step of all unknowns on some of the training windows.
+#pragma once
+
+#include "host/diagnose/selection.hpp"
+
+namespace furcula::diagnose {
+
+/// An effect's most promising start values.
+struct Proposal {
+  dynamics::Effect effect{};
+  std::array<double, dynamics::kMaxEffectParameters> values{};
+  double gain = 0.0;  ///< share of the smaller model's squares that a linear step from there removes
+};
+
+class Proposer {
+ public:
+  explicit Proposer(const Trainer& trainer);
+
+  /// The best start of `effect` for the set `larger` (which holds it), the rest starting as in `on`.
+  Proposal best(const Hypothesis& on, const std::vector<dynamics::Effect>& larger,
+                dynamics::Effect effect) const;
+
+ private:
+  using Values = std::array<double, dynamics::kMaxEffectParameters>;
+  struct Promise {
+    double squares;  ///< after the step
+    Values values;   ///< of the effect after it, within bounds
+  };
+  std::vector<Values> starts(dynamics::Effect effect) const;
+  /// Start values of an effect that swings with the position: its phase and amplitude by two steps for each
+  /// frequency. `at(frequency)` gives the parameter.
+  std::vector<Values> swings(const Hypothesis& on, const std::vector<dynamics::Effect>& larger,
+                             dynamics::Effect effect) const;
+  Promise step(const Hypothesis& on, const std::vector<dynamics::Effect>& larger, dynamics::Effect effect,
+               const Values& values, const std::vector<identify::Window>& windows, bool shape_held) const;
+
+  const Trainer& t_;
+  std::vector<identify::Window> some_, few_;  ///< of the training windows
+  double force_ = 1.0, speed_ = 1.0, top_input_ = 1.0, low_ = 0.0, high_ = 1.0;
+};
+
+}  // namespace furcula::diagnose
