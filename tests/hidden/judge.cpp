@@ -21,6 +21,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <numbers>
 #include <optional>
 #include <stdexcept>
 
@@ -53,11 +54,27 @@ std::string format(const char* pattern, double value) {
   return text;
 }
 
-ParameterError compare(Kind kind, std::string_view law, std::size_t index, double expected,
+// The value of a law's first parameter at which there is nothing to find.
+double neutral_value(const Case& c, std::string_view law) {
+  const auto held = [&](std::string_view name) { return c.model.parameter(name); };
+  if (law == "mass_error") return c.model.parameters[0];
+  if (law == "damping_error") return c.kind == Kind::hopper_linear ? 0.0 : c.model.parameters.back();
+  if (law == "stiffness_error") return held("stiffness_npm");
+  if (law == "rest_height_error") return held("rest_height_m");
+  if (law == "touchdown_loss") return held("restitution_touchdown");
+  if (law == "liftoff_loss") return held("restitution_liftoff");
+  if (law == "torque_gain_error" || law == "thermal_derating" || law == "height_scale_error") return 1.0;
+  return 0.0;
+}
+
+ParameterError compare(const Case& c, std::string_view law, std::size_t index, double expected,
                        const Finding& f) {
   ParameterError e;
+  const Kind kind = c.kind;
   e.name = parameter_name(*law_named(law), index, kind);
   e.expected = expected;
+  e.neutral = index == 0 ? neutral_value(c, law) : 0.0;
+  e.main = index == 0 || law == "asymmetric_friction";
   auto estimate = f.parameters.find(e.name);
   if (estimate == f.parameters.end())
     estimate = f.parameters.find(
@@ -69,6 +86,13 @@ ParameterError compare(Kind kind, std::string_view law, std::size_t index, doubl
   e.found = estimate->second.value;
   e.lower = estimate->second.lower;
   e.upper = estimate->second.upper;
+  if (e.name == "phase_rad") {  // the same a turn further
+    constexpr double kTurn = 2.0 * std::numbers::pi;
+    const double turns = kTurn * std::round((e.found - e.expected) / kTurn);
+    e.found -= turns;
+    e.lower -= turns;
+    e.upper -= turns;
+  }
   return e;
 }
 
@@ -216,7 +240,7 @@ void judge_names(Judgement& j, const Case& c, const diagnose::Diagnosis& d) {
       ++named;
       const LawInfo& law = *law_named(p.law);
       for (std::size_t i = 0; i < kMostValues && !law.parameters[i].empty(); ++i)
-        j.parameters.push_back(compare(c.kind, p.law, i, p.values[i], *itself));
+        j.parameters.push_back(compare(c, p.law, i, p.values[i], *itself));
       continue;
     }
     bool found = false;
@@ -229,7 +253,7 @@ void judge_names(Judgement& j, const Case& c, const diagnose::Diagnosis& d) {
                        [&](const Finding* f) { return has_rival(*f, p.law); }))
         continue;
       for (std::size_t i = 0; i < findings.size(); ++i) {
-        j.parameters.push_back(compare(c.kind, words.laws[i].law, 0, words.laws[i].values[0], *findings[i]));
+        j.parameters.push_back(compare(c, words.laws[i].law, 0, words.laws[i].values[0], *findings[i]));
         right.push_back(findings[i]);
       }
       found = j.other_name = true;
@@ -273,11 +297,17 @@ void judge_names(Judgement& j, const Case& c, const diagnose::Diagnosis& d) {
   } else {
     j.outcome = Outcome::wrong_name;
   }
+  j.first_right = first_is_right && (named > 0 || j.alike);
+  j.first_right = j.first_right || j.outcome == Outcome::simpler_law;
 }
 
 }  // namespace
 
 double ParameterError::relative() const { return std::abs(found - expected) / std::abs(expected); }
+
+double ParameterError::relative_of_difference() const {
+  return std::abs(found - expected) / std::abs(expected - neutral);
+}
 
 diagnose::Diagnosis diagnosed(const Case& c, unsigned threads) {
   diagnose::Options options;

@@ -25,7 +25,11 @@ enum class Outcome {
 struct ParameterError {
   std::string name;
   double expected = 0.0, found = 0.0, lower = 0.0, upper = 0.0;
+  double neutral = 0.0;  ///< value at which there would be no effect
+  bool main = true;      ///< the law's size; else what shapes it (a width, a phase, an instant)
   double relative() const;
+  /// Of the planted difference from the neutral value: what a wrong rate is wrong by.
+  double relative_of_difference() const;
   bool within_interval() const { return lower <= expected && expected <= upper; }
   /// Within 10 % of the planted value, or the value within the estimate's 95 % interval.
   bool acceptable() const { return relative() <= 0.10 || within_interval(); }
@@ -36,6 +40,7 @@ struct Judgement {
   diagnose::Verdict verdict = diagnose::Verdict::adequate;
   std::string first;                       ///< effect that stands first; empty: none
   double confidence = 0.0;                 ///< of it
+  bool first_right = false;                ///< it is a planted law, also in other words, or truly like one
   bool other_name = false;                 ///< named as the same law under its other name
   bool alike = false;                      ///< not_separated: and truly so, on these recordings
   std::vector<std::string> extra;          ///< findings beyond the planted laws
