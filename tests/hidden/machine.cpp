@@ -181,20 +181,19 @@ Machine::Leg Machine::leg(const State& s, double t) const {
   Leg out{};
   const double cosine = length / (2.0 * link_length_m_);
   out.sine = std::sqrt(std::max(0.0, 1.0 - cosine * cosine));
-  if (sticking_n_ >= 0 && length > touchdown_height_m_) {
-    out.force = out.ground_force = -kLegStop_npm * (length - touchdown_height_m_);
-    return out;
-  }
   const double spring = elastic_force(length, t);
   const double motor = rotor_end_ == 0 && half_gap_rad_ > 0 ? 0.0 : torque(s, t);
   double still = spring + preload_n_ - motor / (2.0 * link_length_m_ * out.sine);
   if (hysteresis_ != 0 && direction_ != 0) still -= hysteresis_ * std::abs(spring) * direction_;
+  if (sticking_n_ >= 0 && length > touchdown_height_m_)
+    still -= kLegStop_npm * (length - touchdown_height_m_);
   if (ground_npm_ > 0) {
     // The massless toe moves so that leg and ground push on it equally; on the leg's stop it moves with the
     // body.
     out.toe_velocity =
         (leg_damping_nspm_ * s[kV] - ground_npm_ * s[kToe] - still) / (leg_damping_nspm_ + ground_nspm_);
-    if (length >= touchdown_height_m_ && s[kV] > out.toe_velocity) out.toe_velocity = s[kV];
+    if (length >= touchdown_height_m_ && s[kV] > out.toe_velocity && sticking_n_ < 0)
+      out.toe_velocity = s[kV];
     out.force = out.ground_force = -ground_npm_ * s[kToe] - ground_nspm_ * out.toe_velocity;
   } else {
     out.force = out.ground_force = still - leg_damping_nspm_ * s[kV];
@@ -316,9 +315,7 @@ bool Machine::touches_down(const State& s) const {
 
 bool Machine::lifts_off(const State& s, double t) const {
   if (!stance_ || s[kV] <= 0) return false;
-  if (sticking_n_ >= 0)
-    return s[kX] >= touchdown_height_m_ + sticking_n_ / kLegStop_npm ||
-           leg(s, t).ground_force <= -sticking_n_;
+  if (sticking_n_ >= 0) return leg(s, t).ground_force <= -sticking_n_;
   if (ground_npm_ > 0) return leg(s, t).ground_force <= 0;
   if (s[kX] >= touchdown_height_m_) return true;
   if (!links_) return leg(s, t).ground_force <= 0;

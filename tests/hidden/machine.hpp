@@ -10,9 +10,10 @@
 //   one coordinate. The velocity does not jump when they begin to turn.
 // - ground_compliance: the toe has no mass, the leg's stop holds until the spring gives way; flat again by
 // touch-down.
-// - toe_sticking: beyond the touch-down height the stop pulls with 6,000 N/m alone. Where a leg pulled short
-// of it,
-//   the toe holds on as well.
+// - toe_sticking: beyond the touch-down height the stop pulls with 6,000 N/m beside spring, damper and motor,
+// until all
+//   of them together pull at the toe with the force. Where a leg pulls short of that height, the toe holds on
+//   as well.
 // - backlash: in contact the leg gets the motor's torque; across the gap the rotor is free, and what it has
 // gained
 //   against the leg there it gives to the leg at the end, so that no impulse is lost. At touch-down it turns
