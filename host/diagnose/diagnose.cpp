@@ -88,6 +88,7 @@ std::string why_not(const Tried& t, const Selection& s) {
   for (std::size_t i = 0; i < h.unknowns.size(); ++i)
     if (h.unknowns[i].of_effect && h.fit.at_bound[i])
       return "its best value is none at all, or a physical limit";
+  if (!h.meaningful) return "its size scatters from window to window as much as it is away from none";
   if (!t.against_smaller.significant)
     return t.against_smaller.evidence > t.against_smaller.threshold
                ? "removes less than differences of numerics could"
@@ -142,6 +143,10 @@ class Assembly {
           " recordings hold no stride from apex to apex: expected the height to rise above the "
           "touch-down height of " +
           number(identify::touchdown_height_m(model_), 4) + " m at least twice in a recording");
+    if (model_.kind == Kind::rail_carriage)
+      throw log::DataError(file + ": the " + what +
+                           " recordings hold no free flight: expected at least 30 ms and six rows in a row "
+                           "without contact");
     throw log::DataError(file + ": the " + what + " recordings are shorter than a prediction window of " +
                          number(options_.window_s) + " s; expected longer ones or a smaller --window-s");
   }

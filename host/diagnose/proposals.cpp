@@ -96,8 +96,8 @@ Proposer::Proposer(const Trainer& trainer)
       if (u != 0.0) sizes.push_back(std::abs(u));
   if (rows > 0.0) {
     speed_ = std::sqrt(squares / rows);
-    // What moves the axis: the root mean square of the input, on the hopper the weight.
-    force_ = t_.model.kind == dynamics::Kind::hopper_linear
+    // What moves the axis: the root mean square of the input, on a vertical rail the weight.
+    force_ = dynamics::parameter_index(t_.model.kind, "gravity_mps2")
                  ? t_.model.parameter("mass_kg") * t_.model.parameter("gravity_mps2")
                  : std::sqrt(inputs / rows);
   }

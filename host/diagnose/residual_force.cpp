@@ -65,6 +65,10 @@ ResidualForce residual_force(const model::Model& model, const std::vector<dynami
         if (last + 1 < r.rows()) ++last;
       }
       if (i - first < 2 || last - i < 2) continue;
+      if (!r.contact.empty() && std::any_of(r.contact.begin() + static_cast<std::ptrdiff_t>(first),
+                                            r.contact.begin() + static_cast<std::ptrdiff_t>(last) + 1,
+                                            [](double touches) { return touches != 0.0; }))
+        continue;
       if (hopper) {
         const auto [low, high] =
             std::minmax_element(r.position.begin() + static_cast<std::ptrdiff_t>(first),
@@ -88,7 +92,7 @@ ResidualForce residual_force(const model::Model& model, const std::vector<dynami
 namespace {
 
 const char* position_column(Kind kind) {
-  return kind == Kind::hopper_linear ? "height_m" : kind == Kind::motor_axis ? "position_m" : "angle_rad";
+  return kind == Kind::motor_axis ? "position_m" : kind == Kind::rotary_joint ? "angle_rad" : "height_m";
 }
 
 }  // namespace

@@ -21,7 +21,9 @@ constexpr double kEqualEvidence = 6.0;
 constexpr double kFalseAlarmLevel = 0.005;
 constexpr std::size_t kMostFits =
     8;  ///< of the forward selection's first round; half of them in the later ones
-constexpr std::size_t kMostRivals = 4;  ///< that are fitted in the place of each member
+constexpr std::size_t kFewestFits = 3;
+constexpr double kSmallestPromise = 0.2;  ///< of the best proposal's
+constexpr std::size_t kMostRivals = 4;    ///< that are fitted in the place of each member
 constexpr int kMostSwaps = 2;
 
 /// One channel of all windows.
@@ -144,9 +146,82 @@ std::size_t parameters_of(const std::vector<Effect>& effects) {
   return count;
 }
 
+/// The chi-square point of `freedom` degrees at the level that Bonferroni's price for `tries` leaves, from
+/// above.
+double chi_square_point(double tries, double freedom) {
+  return 2.0 * std::log(std::max(tries, 1.0) / kFalseAlarmLevel) + 2.5 * (std::max(freedom, 1.0) - 2.0);
+}
+
+/// How many different shapes a law can take, about: a fit of one that can take many finds something in
+/// anything.
+double shapes_of(Effect e) {
+  switch (e) {
+    case Effect::binding_spot:
+    case Effect::torque_ripple:
+    case Effect::height_eccentricity:
+      return 30.0;
+    case Effect::stribeck_friction:
+    case Effect::thermal_derating:
+    case Effect::torque_saturation:
+      return 4.0;
+    default:
+      return 1.0;
+  }
+}
+
+/// What the odds against a cause are before any recording is looked at, in the units of the evidence: laws
+/// that are seldom met and that can stand in for a common one where the recordings are short.
+double doubt_of(Effect e) {
+  switch (e) {
+    case Effect::binding_spot:
+    case Effect::torque_ripple:
+    case Effect::height_eccentricity:
+    case Effect::time_skew:
+      return 10.0;  // odds of about 1 to 150 against dry friction, which is in every machine
+    default:
+      return 0.0;
+  }
+}
+double doubt_of(const std::vector<Effect>& effects) {
+  double doubt = 0.0;
+  for (Effect e : effects) doubt += doubt_of(e);
+  return doubt;
+}
+
+/// Of a law that can take many shapes: whether its size is away from where the effect is not there, by the
+/// scatter between windows: a law that fits what differs from window to window is no cause. (Wald's test of
+/// the parameters that have such a value; of an effect without one, of its first parameter against zero.)
+bool stands_out(const Hypothesis& h, const model::Model& model, Effect e, double tries) {
+  std::vector<Eigen::Index> sizes;
+  std::vector<double> away;
+  const auto neutral = identify::values_in(model, h.unknowns);
+  for (std::size_t i = 0; i < h.unknowns.size(); ++i) {
+    const auto& u = h.unknowns[i];
+    if (!u.of_effect || u.effect != e) continue;
+    const auto& p = dynamics::info(e).parameter_table[u.parameter];
+    const bool of_model = dynamics::parameter_index(model.kind, p.name).has_value();
+    if (std::isnan(p.neutral) && !of_model && u.parameter != 0) continue;
+    sizes.push_back(static_cast<Eigen::Index>(i));
+    away.push_back(h.fit.values[i] -
+                   (model.effects.contains(e) ? model.effects.at(e)[u.parameter] : neutral[i]));
+  }
+  if (sizes.empty()) return true;
+  Eigen::MatrixXd covariance = h.fit.covariance(sizes, sizes);
+  Eigen::VectorXd scaled(static_cast<Eigen::Index>(sizes.size()));
+  for (Eigen::Index i = 0; i < scaled.size(); ++i) {
+    const double spread = std::sqrt(covariance(i, i));
+    if (!(spread > 0.0)) return true;  // at a bound, which is looked at elsewhere
+    scaled(i) = away[static_cast<std::size_t>(i)] / spread;
+  }
+  const Eigen::VectorXd by = covariance.diagonal().cwiseSqrt().cwiseInverse();
+  const Eigen::MatrixXd correlation = by.asDiagonal() * covariance * by.asDiagonal();
+  const double statistic = scaled.dot(correlation.completeOrthogonalDecomposition().solve(scaled));
+  return statistic > chi_square_point(tries * shapes_of(e), static_cast<double>(sizes.size()));
+}
+
 /// True if every effect's parameters mean something: no effect sits where it is not there or against a
 /// physical limit.
-bool meaningful(const Hypothesis& h) {
+bool within_limits(const Hypothesis& h) {
   for (std::size_t i = 0; i < h.unknowns.size(); ++i)
     if (h.unknowns[i].of_effect && h.fit.at_bound[i]) return false;
   for (Effect e : h.effects)
@@ -191,6 +266,10 @@ Hypothesis Trainer::fit(const std::vector<Effect>& effects, const Hypothesis* fr
                                       identify::Weighting::noise, training.layers);
   h.fitted = identify::with_values(model, h.unknowns, h.fit.values);
   h.cross_validated_squares = cross_validate(h.fit, training.windows, recordings.size());
+  h.meaningful = within_limits(h);
+  const auto tries = static_cast<double>(candidates().size());
+  for (Effect e : effects)
+    if (h.meaningful && shapes_of(e) > 1.0) h.meaningful = stands_out(h, model, e, tries);
   return h;
 }
 
@@ -200,10 +279,11 @@ Comparison Trainer::compare(const Hypothesis& smaller, const Hypothesis& larger,
   const auto extra =
       static_cast<double>(larger.unknowns.size()) - static_cast<double>(smaller.unknowns.size());
   c.evidence = evidence_of(smaller.fit, larger.fit, larger.fit, training.layers);
-  // The chi-square point of the extra parameters at the level that Bonferroni's price for having tried many
-  // leaves.
-  c.threshold = 2.0 * std::log(static_cast<double>(std::max<std::size_t>(tries, 1)) / kFalseAlarmLevel) +
-                2.5 * (std::max(extra, 1.0) - 2.0);
+  double shapes = 1.0;
+  for (Effect e : larger.effects)
+    if (std::find(smaller.effects.begin(), smaller.effects.end(), e) == smaller.effects.end())
+      shapes = std::max(shapes, shapes_of(e));
+  c.threshold = chi_square_point(static_cast<double>(tries) * shapes, extra);
   c.gain = 1.0 - larger.cross_validated_squares / std::max(smaller.cross_validated_squares, 1e-300);
   // What the contact switch says is one row in a stride: an effect on nothing else is judged by it.
   const auto contact = static_cast<std::size_t>(identify::Channel::contact);
@@ -216,6 +296,11 @@ Comparison Trainer::compare(const Hypothesis& smaller, const Hypothesis& larger,
         1.0 - channel(larger.fit, contact).squares / std::max(channel(smaller.fit, contact).squares, 1e-300);
   c.significant = c.evidence > c.threshold && c.gain > kSmallestGain;
   return c;
+}
+
+double Trainer::preference(const Hypothesis& one, const Hypothesis& other) const {
+  return evidence_of(one.fit, other.fit, other.fit, training.layers) + doubt_of(one.effects) -
+         doubt_of(other.effects);
 }
 
 Selection Trainer::select() const {
@@ -241,7 +326,7 @@ Selection Trainer::select() const {
       if (lacks(s.chosen, e)) left.push_back(e);
     const double from = 0.05 + 0.18 * static_cast<double>(round);
     const std::vector<Proposal> proposals = propose(proposer, s.chosen, left, from, 0.09);
-    std::vector<Tried> trials(std::min(proposals.size(), round == 0 ? kMostFits : kMostFits / 2));
+    std::vector<Tried> trials(worth_a_fit(proposals, round == 0 ? kMostFits : kMostFits / 2));
     identify::parallel_for(trials.size(), threads, [&](std::size_t i) {
       const std::vector<Effect> larger = extended(s.chosen.effects, proposals[i].effect);
       tell(from + 0.09, names(larger));
@@ -253,17 +338,15 @@ Selection Trainer::select() const {
               [](const Tried& a, const Tried& b) { return a.hypothesis.effects < b.hypothesis.effects; });
     const Tried* best = nullptr;
     for (const Tried& t : trials)
-      if (t.against_smaller.significant && meaningful(t.hypothesis) &&
-          (best == nullptr ||
-           evidence_of(best->hypothesis.fit, t.hypothesis.fit, t.hypothesis.fit, training.layers) > 0.0))
+      if (t.against_smaller.significant && t.hypothesis.meaningful &&
+          (best == nullptr || preference(best->hypothesis, t.hypothesis) > 0.0))
         best = &t;
     if (best != nullptr) {
       const Tried* simplest = best;
       for (const Tried& t : trials) {
-        if (!t.against_smaller.significant || !meaningful(t.hypothesis)) continue;
+        if (!t.against_smaller.significant || !t.hypothesis.meaningful) continue;
         const double lost = t.hypothesis.fit.squares - best->hypothesis.fit.squares;
-        const double evidence =
-            evidence_of(t.hypothesis.fit, best->hypothesis.fit, best->hypothesis.fit, training.layers);
+        const double evidence = preference(t.hypothesis, best->hypothesis);
         const std::size_t size = parameters_of(t.hypothesis.effects),
                           now = parameters_of(simplest->hypothesis.effects);
         const bool as_good =
@@ -291,7 +374,7 @@ Selection Trainer::select() const {
     s.equals = rivals(s, all, proposer);
     const Selection::Rival* better = nullptr;
     for (const auto& r : s.equals)
-      if (evidence_of(s.chosen.fit, r.hypothesis.fit, r.hypothesis.fit, training.layers) > kEqualEvidence &&
+      if (preference(s.chosen, r.hypothesis) > kEqualEvidence &&
           (better == nullptr || r.hypothesis.fit.squares < better->hypothesis.fit.squares))
         better = &r;
     if (better == nullptr || round == kMostSwaps) break;
@@ -299,6 +382,14 @@ Selection Trainer::select() const {
     prune(s.chosen, all.size());
   }
   return s;
+}
+
+std::size_t Trainer::worth_a_fit(const std::vector<Proposal>& proposals, std::size_t most) {
+  std::size_t count = 0;
+  while (count < std::min(most, proposals.size()) &&
+         (count < kFewestFits || proposals[count].gain > kSmallestPromise * proposals.front().gain))
+    ++count;
+  return count;
 }
 
 void Trainer::prune(Hypothesis& chosen, std::size_t tries) const {
@@ -371,8 +462,7 @@ std::vector<Selection::Rival> Trainer::rivals(const Selection& s, const std::vec
   });
   std::vector<Selection::Rival> equals;
   for (std::size_t i = 0; i < fitted.size(); ++i)
-    if (meaningful(fitted[i]) &&
-        evidence_of(fitted[i].fit, s.chosen.fit, s.chosen.fit, training.layers) < kEqualEvidence)
+    if (fitted[i].meaningful && preference(fitted[i], s.chosen) < kEqualEvidence)
       equals.push_back({replacements[i].of, fitted[i]});
   return equals;
 }

@@ -19,6 +19,8 @@ struct Hypothesis {
   identify::Fit fit;
   model::Model fitted;  ///< the model at the fit's values
   double cross_validated_squares = 0.0;
+  bool meaningful =
+      true;  ///< no effect at a limit, and each away from nothing by more than the windows scatter
 };
 
 /// Which of two hypotheses the training data prefer. All in units of a log-likelihood ratio times two, with
@@ -82,6 +84,11 @@ struct Trainer {
   Selection select() const;
 
  private:
+  /// By how much `other` is preferred to `one`, in the units of the evidence: what the recordings say, and
+  /// what was to be expected before.
+  double preference(const Hypothesis& one, const Hypothesis& other) const;
+  /// How many of the proposals, the best first, are fitted.
+  static std::size_t worth_a_fit(const std::vector<Proposal>& proposals, std::size_t most);
   /// Backward: takes out members that the others have made needless.
   void prune(Hypothesis& chosen, std::size_t tries) const;
   /// What each effect on top of `on` promises, the most promising first.
