@@ -252,6 +252,35 @@ void draw_axis(Case& c, Random& random) {
   }
 }
 
+void draw_carriage(Case& c, Random& random) {
+  const Question& q = c.question;
+  const double mass = random.uniform(0.8, 2.0), damping = random.uniform(0.4, 1.2);
+  c.model.parameters = {mass, damping, 9.81};
+  // It is weighed: in free flight a mass is a damping and a friction in other measures.
+  if (!asks(q, "damping_error") && !asks(q, "mass_error")) c.model.free[1] = around(damping, 0.0, 5.0);
+  c.truth.parameters = c.model.parameters;
+  if (c.model.free.contains(1)) c.truth.parameters[1] *= off(q, 0.1, random);
+  for (const std::string& law : q.laws) c.truth.planted.push_back(hopper_law(law, c.size, c.model, random));
+  for (Planted& p : c.truth.planted)  // the hopper's heights are not the rail's
+    if (p.law == "binding_spot" || p.law == "cable_snag") p.values[1] = random.uniform(0.05, 0.15);
+  if (const auto* side = find(c.truth.planted, "side_mass")) c.truth.parameters[0] -= (*side)[0];
+
+  AxisSensors sensors;
+  sensors.quantum = 9e-5;
+  sensors.noise = random.uniform(2e-5, 5e-5);
+  sensors.velocity_column = random.chance(0.5);
+  sensors.dropped_fraction = random.chance(0.3) ? random.uniform(1e-3, 1e-2) : 0.0;
+  c.resolution = sensors.quantum;
+  constexpr int kTraining = 4, kHeldOut = 2, kThrows = 8;
+  for (int i = 0; i < kTraining + kHeldOut; ++i) {
+    CarriageExperiment e;
+    for (int j = 0; j < kThrows; ++j) e.speeds_mps.push_back(random.uniform(1.2, 2.4));
+    AxisRecording recording = record_carriage(during(c, static_cast<std::size_t>(i), 0), e, sensors, random);
+    (i < kTraining ? c.training : c.held_out).push_back(std::move(recording.log));
+    if (i >= kTraining) c.held_out_truth.push_back(std::move(recording.truth));
+  }
+}
+
 // Families of laws that a pair takes one each of: within a family they are too much alike to be a fair pair.
 constexpr std::pair<std::string_view, int> kFamilies[] = {
     {"coulomb_friction", 0},  {"stribeck_friction", 0}, {"asymmetric_friction", 0}, {"spring_hysteresis", 0},
@@ -327,6 +356,8 @@ Case draw_case(const Question& question) {
   Random random(question.seed * 0x9E3779B97F4A7C15u + mixed * 0xBF58476D1CE4E5B9u);
   if (question.kind == Kind::hopper_linear)
     draw_hopper(c, random);
+  else if (is_kind(question.kind, "rail_carriage"))
+    draw_carriage(c, random);
   else
     draw_axis(c, random);
   int number = 0;
@@ -364,6 +395,7 @@ Question question_of(Tier tier, std::uint64_t seed, std::uint64_t index, std::st
   };
   std::vector<Choice> choices;
   for (const auto& kind : dynamics::kKinds) {
+    if (!machine_has(kind.kind)) continue;
     if (tier == Tier::clean) {
       if (kind_name.empty() || kind_name == kind.name) choices.push_back({kind.kind, {}});
       continue;

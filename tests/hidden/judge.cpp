@@ -9,6 +9,7 @@
 //   equation of motion by g leaves the commanded torque with gain one and mass, stiffness and both dampings
 //   divided by g. With the mass known (Case::weighed) the two differ by what a scale would read.
 // - actuator_delay is time_skew on an axis with two channels.
+// - mass_error m' on a rail is damping_error d m / m': nothing but the rail's damper tells what it weighs.
 //
 // What no data of these rigs decide: Stribeck friction with a small (Fs - Fc) on the hopper. It passes
 // standstill twice a hop, at apex and at the deepest point, for some 20 ms each, and the excess pulls one way
@@ -117,6 +118,14 @@ std::vector<OtherWords> in_other_words(const Case& c, const Planted& p) {
       out.push_back({{{"guide_tilt", {std::acos(1 - v / weight)}}}});
     if (!c.weighed && p.law == "torque_gain_error") out.push_back({{{"stiffness_error", {rate / v}}}});
     if (!c.weighed && p.law == "stiffness_error") out.push_back({{{"torque_gain_error", {rate / v}}}});
+  } else if (is_kind(c.kind, "rail_carriage")) {
+    const double mass = c.model.parameter("mass_kg"), weight = mass * c.model.parameter("gravity_mps2");
+    const double damping = c.model.parameter("damping_nspm");
+    if (p.law == "guide_tilt") out.push_back({{{"force_offset", {weight * (1 - std::cos(v))}}}});
+    if (p.law == "force_offset" && v > 0 && v < weight)
+      out.push_back({{{"guide_tilt", {std::acos(1 - v / weight)}}}});
+    if (p.law == "mass_error") out.push_back({{{"damping_error", {damping * mass / v}}}});
+    if (p.law == "damping_error") out.push_back({{{"mass_error", {mass * damping / v}}}});
   } else {
     if (p.law == "actuator_delay") out.push_back({{{"time_skew", {v}}}});
     if (p.law == "time_skew") out.push_back({{{"actuator_delay", {v}}}});
@@ -142,7 +151,11 @@ TrueError true_error(const Truth& believed, const std::vector<Trajectory>& traje
     for (std::size_t i = 1; i < t.time_s.size(); ++i) {
       drive.command(t.time_s[i - 1], t.command[i - 1]);
       drive.settle(t.time_s[i]);
-      const bool begins = believed.kind == Kind::hopper_linear
+      const bool held = !t.held.empty() && t.held[i];
+      if (held) m.reset();
+      const bool begins = held              ? false
+                          : !t.held.empty() ? !m
+                          : believed.kind == Kind::hopper_linear
                               ? t.velocity[i - 1] >= 0 && t.velocity[i] < 0 && t.command[i] == 0
                               : t.time_s[i] - begun_s >= kWindow_s || !m;
       if (begins) {

@@ -17,6 +17,14 @@ namespace furcula::hidden {
 
 using dynamics::Kind;
 
+/// Kinds by name, so that one which the build does not know yet can be spoken of. True for those that the
+/// virtual machine can be.
+constexpr bool is_kind(Kind kind, std::string_view name) { return dynamics::info(kind).name == name; }
+constexpr bool machine_has(Kind kind) {
+  return is_kind(kind, "hopper_linear") || is_kind(kind, "motor_axis") || is_kind(kind, "rotary_joint") ||
+         is_kind(kind, "rail_carriage");
+}
+
 inline constexpr std::size_t kMostValues = 3;
 using Values = std::array<double, kMostValues>;
 
@@ -36,12 +44,14 @@ enum class Acts : std::uint8_t {
 struct LawInfo {
   std::string_view name;
   Acts acts;
-  bool hopper, motor_axis, rotary_joint;                   ///< the kinds on which the machine can have it
+  bool hopper, motor_axis, rotary_joint, rail_carriage;    ///< the kinds on which the machine can have it
   std::array<std::string_view, kMostValues> parameters{};  ///< names on a linear axis; empty: none
   constexpr bool on(Kind kind) const {
-    return kind == Kind::hopper_linear ? hopper
-           : kind == Kind::motor_axis  ? motor_axis
-                                       : kind == Kind::rotary_joint && rotary_joint;
+    const std::string_view kind_name = dynamics::info(kind).name;
+    return kind_name == "hopper_linear"  ? hopper
+           : kind_name == "motor_axis"   ? motor_axis
+           : kind_name == "rotary_joint" ? rotary_joint
+                                         : kind_name == "rail_carriage" && rail_carriage;
   }
 };
 

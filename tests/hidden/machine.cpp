@@ -23,7 +23,9 @@ bool within(double x, double from, double to) { return from < x && x < to; }
 }  // namespace
 
 Machine::Machine(const Truth& truth, double position, double velocity, double start_s)
-    : kind_(truth.kind),
+    : hopper_(is_kind(truth.kind, "hopper_linear")),
+      rotary_(is_kind(truth.kind, "rotary_joint")),
+      carriage_(is_kind(truth.kind, "rail_carriage")),
       drive_(truth.planted, start_s, truth.draw),
       time_s_(start_s),
       touchdown_s_(kNever),
@@ -33,35 +35,27 @@ Machine::Machine(const Truth& truth, double position, double velocity, double st
   const auto parameter = [&](std::string_view name) {
     return truth.parameters.at(*dynamics::parameter_index(truth.kind, name));
   };
-  switch (kind_) {
-    case Kind::hopper_linear:
-      inertia_ = parameter("mass_kg");
-      damping_ = parameter("damping_flight_nspm");
-      leg_damping_nspm_ = parameter("damping_stance_nspm") - damping_;
-      gravity_ = parameter("gravity_mps2");
-      stiffness_npm_ = parameter("stiffness_npm");
-      rest_height_m_ = parameter("rest_height_m");
-      link_length_m_ = parameter("link_length_m");
-      restitution_touchdown_ = parameter("restitution_touchdown");
-      restitution_liftoff_ = parameter("restitution_liftoff");
-      touchdown_height_m_ = 2.0 * link_length_m_ * std::cos(parameter("touchdown_angle_rad"));
-      break;
-    case Kind::motor_axis:
-      inertia_ = parameter("mass_kg");
-      damping_ = parameter("damping_nspm");
-      break;
-    case Kind::rotary_joint:
-      inertia_ = parameter("inertia_kgm2");
-      damping_ = parameter("damping_nmspr");
-      gravity_ = parameter("gravity_torque_nm");
-      break;
-    default:
-      throw std::invalid_argument("no machine of this kind");
+  if (!machine_has(truth.kind)) throw std::invalid_argument("no machine of this kind");
+  inertia_ = parameter(rotary_ ? "inertia_kgm2" : "mass_kg");
+  if (hopper_) {
+    damping_ = parameter("damping_flight_nspm");
+    leg_damping_nspm_ = parameter("damping_stance_nspm") - damping_;
+    gravity_ = parameter("gravity_mps2");
+    stiffness_npm_ = parameter("stiffness_npm");
+    rest_height_m_ = parameter("rest_height_m");
+    link_length_m_ = parameter("link_length_m");
+    restitution_touchdown_ = parameter("restitution_touchdown");
+    restitution_liftoff_ = parameter("restitution_liftoff");
+    touchdown_height_m_ = 2.0 * link_length_m_ * std::cos(parameter("touchdown_angle_rad"));
+  } else {
+    damping_ = parameter(rotary_ ? "damping_nmspr" : "damping_nspm");
+    if (rotary_) gravity_ = parameter("gravity_torque_nm");
+    if (carriage_) gravity_ = parameter("gravity_mps2");
   }
 
   for (const Planted& p : truth.planted) {
     const LawInfo* law = law_named(p.law);
-    if (!law || !law->on(kind_)) throw std::invalid_argument("no machine of this kind has " + p.law);
+    if (!law || !law->on(truth.kind)) throw std::invalid_argument("no machine of this kind has " + p.law);
     const auto is = [&](std::string_view name) { return p.law == name; };
     const auto [v0, v1, v2] = p.values;
     if (is("coulomb_friction")) {
@@ -82,7 +76,7 @@ Machine::Machine(const Truth& truth, double position, double velocity, double st
       (is("binding_spot") ? binding_from_ : snag_from_) = v1 - v2 / 2;
       (is("binding_spot") ? binding_to_ : snag_to_) = v1 + v2 / 2;
     } else if (is("damping_error")) {
-      if (kind_ == Kind::hopper_linear)
+      if (hopper_)
         damping_ += v0;
       else
         damping_ = v0;
@@ -155,7 +149,7 @@ Machine::Machine(const Truth& truth, double position, double velocity, double st
   }
   dry_friction_ = friction_up_ != 0 || friction_down_ != 0 || stribeck_excess_ != 0 || binding_ != 0 ||
                   hysteresis_ != 0 || warm_friction_ != 0;
-  stance_ = kind_ == Kind::hopper_linear && position <= touchdown_height_m_;
+  stance_ = hopper_ && position <= touchdown_height_m_;
   // At rest the direction is decided by the first command; see advance().
   direction_ = velocity > 0 ? 1 : velocity < 0 ? -1 : 0;
   state_[kGap] = half_gap_rad_;
@@ -163,7 +157,7 @@ Machine::Machine(const Truth& truth, double position, double velocity, double st
 
 // At the motor, ripple and all; on the hopper it counts in stance alone.
 double Machine::torque(const State& s, double t) const {
-  if (kind_ != Kind::hopper_linear) return drive_.delivered(t, s[kX]);
+  if (!hopper_) return drive_.delivered(t, s[kX]);
   const double angle = std::acos(std::min(1.0, (s[kX] - s[kToe]) / (2.0 * link_length_m_)));
   return drive_.delivered(t, angle + s[kGap]);
 }
@@ -214,13 +208,13 @@ double Machine::gust(double t) const {
 double Machine::outer_force(const State& s, double t) const {
   const double x = s[kX], v = s[kV];
   double force = -damping_ * v - drag_ * v * std::abs(v) + offset_;
-  if (kind_ != Kind::hopper_linear) force += torque(s, t);
-  if (kind_ == Kind::rotary_joint) force -= gravity_ * std::sin(x);
+  if (!hopper_) force += torque(s, t);
+  if (rotary_) force -= gravity_ * std::sin(x);
   if (side_mass_ > 0) force += side_stiffness_ * s[kSideX] + side_damping_ * s[kSideV];
   // On a hopper the stop is below, on an axis beyond a position.
   if (bump_stiffness_ > 0) {
-    const double into = kind_ == Kind::hopper_linear ? bump_position_ - x : x - bump_position_;
-    if (into > 0) force += (kind_ == Kind::hopper_linear ? 1 : -1) * bump_stiffness_ * into;
+    const double into = hopper_ ? bump_position_ - x : x - bump_position_;
+    if (into > 0) force += (hopper_ ? 1 : -1) * bump_stiffness_ * into;
   }
   if (snag_ != 0 && v > 0 && within(x, snag_from_, snag_to_)) force -= snag_;
   if (detent_ != 0) force += detent_ * std::sin(kTwoPi * x / detent_pitch_ + detent_phase_rad_);
@@ -252,7 +246,7 @@ double Machine::effective_inertia(double x) const {
 double Machine::acceleration(const State& s, double t) const {
   double force = outer_force(s, t);
   if (dry_friction_) force -= direction_ * friction_size(s, t, direction_, std::abs(s[kV]));
-  if (kind_ != Kind::hopper_linear) return force / inertia_;
+  if (!hopper_ && !carriage_) return force / inertia_;
   const double gravity = gravity_ * cosine_of_tilt_;
   if (!stance_) return force / inertia_ - gravity;
   force += leg(s, t).force;
@@ -310,7 +304,7 @@ bool Machine::turns(const State& s) const { return dry_friction_ && s[kV] * dire
 
 // A hop too low to straighten the leg touches down again as soon as it falls.
 bool Machine::touches_down(const State& s) const {
-  return kind_ == Kind::hopper_linear && !stance_ && s[kV] < 0 && s[kX] <= touchdown_height_m_;
+  return hopper_ && !stance_ && s[kV] < 0 && s[kX] <= touchdown_height_m_;
 }
 
 bool Machine::lifts_off(const State& s, double t) const {

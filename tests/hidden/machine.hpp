@@ -105,7 +105,7 @@ class Machine {
   void follow_rotor();
   double gust(double t) const;
 
-  Kind kind_;
+  bool hopper_, rotary_, carriage_;                 // none of them: a motor axis
   double inertia_ = 1, damping_ = 0, gravity_ = 0;  // kg or kg m^2; of the axis or guide; m/s^2 or N m
   double stiffness_npm_ = 0, rest_height_m_ = 0, leg_damping_nspm_ = 0, link_length_m_ = 1;
   double restitution_touchdown_ = 1, restitution_liftoff_ = 1, touchdown_height_m_ = 0;

@@ -372,4 +372,40 @@ AxisRecording record_axis(const Truth& truth, const std::vector<double>& known,
   return out;
 }
 
+AxisRecording record_carriage(const Truth& truth, const CarriageExperiment& experiment,
+                              const AxisSensors& sensors, Random& random) {
+  PositionSensor sensor(truth, 0.0);
+  const double offset_counts = random.uniform(-0.5, 0.5);
+  AxisRecording out;
+  std::vector<double> time, height, contact;
+  const auto row = [&](double x, double v, bool held) {
+    const double now = static_cast<double>(time.size()) * sensors.interval_s;
+    time.push_back(now);
+    height.push_back(sensor.stuck(
+        quantised(sensor(x, now, 0.0) + sensors.noise * random.normal(), sensors.quantum, offset_counts)));
+    contact.push_back(held ? 1.0 : 0.0);
+    out.truth.time_s.push_back(now);
+    out.truth.position.push_back(x);
+    out.truth.velocity.push_back(v);
+    out.truth.command.push_back(0.0);
+    out.truth.held.push_back(held);
+  };
+  for (double speed : experiment.speeds_mps) {
+    for (double rest = 0.0; rest < experiment.rest_s; rest += sensors.interval_s) row(0.0, 0.0, true);
+    const auto first = static_cast<double>(time.size());
+    Machine m(truth, 0.0, speed, first * sensors.interval_s);
+    for (double rows = 0; m.position() > 0 || rows == 0; ++rows) {
+      row(m.position(), m.velocity(), false);
+      m.advance((first + rows + 1) * sensors.interval_s, 0.0);
+    }
+  }
+  for (int i = 0; i < 20; ++i) row(0.0, 0.0, true);
+
+  out.log.rig = std::string(dynamics::info(truth.kind).rig);
+  out.log.columns = {{"time_s", time}, {"height_m", height}, {"contact", contact}};
+  if (sensors.velocity_column) out.log.columns["velocity_mps"] = derived_velocity(time, height);
+  drop_rows(out.log, sensors.dropped_fraction, random);
+  return out;
+}
+
 }  // namespace furcula::hidden

@@ -16,6 +16,7 @@ namespace furcula::hidden {
 /// What really happened, row for row (none dropped): for judging predictions without the sensors' errors.
 struct Trajectory {
   std::vector<double> time_s, position, velocity, command;
+  std::vector<bool> held;  ///< rail carriage: on its stop; empty: never
 };
 
 // ---- The hopper's rig -------------------------------------------------------------------------------------
@@ -102,5 +103,16 @@ struct AxisRecording {
 
 AxisRecording record_axis(const Truth& truth, const std::vector<double>& known,
                           const AxisExperiment& experiment, const AxisSensors& sensors, Random& random);
+
+// ---- The rail carriage's rig ------------------------------------------------------------------------------
+
+/// Thrown up from its stop by hand again and again; it comes to rest there each time.
+struct CarriageExperiment {
+  std::vector<double> speeds_mps;  ///< of the throws
+  double rest_s = 0.15;            ///< on the stop before each
+};
+
+AxisRecording record_carriage(const Truth& truth, const CarriageExperiment& experiment,
+                              const AxisSensors& sensors, Random& random);
 
 }  // namespace furcula::hidden
