@@ -124,6 +124,7 @@ table{border-collapse:collapse;margin:1em 0}td,th{border:1px solid #ddd;padding:
 tr>th:first-child{text-align:left;white-space:nowrap}th{background:#f6f6f6;vertical-align:bottom}small{color:#777}
 .met{background:#d8f0df}.missed{background:#f6d4d4}.matrix td{width:1.7em;text-align:center;padding:.1em}
 .turned{height:13em;padding:0 0 .4em 0}.turned div{writing-mode:vertical-rl;transform:rotate(180deg);margin:auto;white-space:nowrap}
+.cases{width:100%}.cases tr>th:first-child{white-space:normal;width:22em}.cases td,.cases th{vertical-align:top}
 .diagonal{outline:1px solid #34a05c;outline-offset:-2px}
 svg text{font-size:12px;fill:#444}.grid{stroke:#e4e4e4}.ideal{stroke:#999;stroke-dasharray:4 3}.spread{stroke:#3465a4}circle{fill:#3465a4;fill-opacity:.8}
 </style><h1>Planted and named</h1>
@@ -146,8 +147,9 @@ svg text{font-size:12px;fill:#444}.grid{stroke:#e4e4e4}.ideal{stroke:#999;stroke
   out +=
       "<p>Rows: what was planted. Columns: what stands first in the diagnosis; in brackets its verdict where "
       "nothing is "
-      "named. Green: the planted name; grey: none; red: another, which may be the same law in other "
-      "words.</p>\n";
+      "named, or nothing with confidence. Green: the planted law, also in other words or in a group that "
+      "truly is one; "
+      "grey: no name; red: another.</p>\n";
   out += "<h2>Reliability</h2>\n" + curve(t);
   out +=
       "<h2>Cases that were not as they should be</h2>\n<table><tr><th>case<th>tier<th>outcome<th>what was "

@@ -54,6 +54,14 @@ std::string said_label(const Answer& a) {
   return a.judgement.first.empty() ? unnamed(a.judgement) : a.judgement.first;
 }
 
+// As in the matrix: what is right by other words or as a true group stands on the diagonal, and a name that
+// was not said with confidence of a cause outside of the catalogue under the verdict.
+std::string matrix_label(const Answer& a) {
+  if (a.refused.empty() && !a.question.laws.empty() && a.judgement.right()) return a.question.laws.front();
+  if (a.refused.empty() && a.judgement.outcome == Outcome::honest) return unnamed(a.judgement);
+  return said_label(a);
+}
+
 // Laws in the order of the contract, then what stands in brackets.
 std::vector<std::string> ordered(const std::set<std::string>& labels) {
   std::vector<std::string> out;
@@ -155,9 +163,9 @@ Confusion confusion(const std::vector<Answer>& answers, const std::vector<Tier>&
   std::set<std::string> planted, said;
   for (const Answer& a : answers) {
     if (std::find(tiers.begin(), tiers.end(), a.tier) == tiers.end() || a.question.laws.size() > 1) continue;
-    ++counts[{planted_label(a), said_label(a)}];
+    ++counts[{planted_label(a), matrix_label(a)}];
     planted.insert(planted_label(a));
-    said.insert(said_label(a));
+    said.insert(matrix_label(a));
   }
   Confusion out;
   out.planted = ordered(planted);
@@ -224,7 +232,7 @@ std::string text_of(const Tally& t, const std::vector<Answer>& answers) {
         {"clean and outside of the catalogue", {Tier::clean, Tier::outside}}}) {
     const Confusion c = confusion(answers, tiers);
     if (c.planted.empty()) continue;
-    out += printed("\nconfusion, %s: planted (rows) and what stands first\n%28s", title, "");
+    out += printed("\nconfusion, %s: planted (rows) and what stands first (columns)\n%28s", title, "");
     for (std::size_t i = 0; i < c.said.size(); ++i) out += printed(" %2zu", i + 1);
     out += "\n";
     for (std::size_t row = 0; row < c.planted.size(); ++row) {
