@@ -29,6 +29,24 @@ struct Commands {
     const std::size_t i = after == time_s.begin() ? 0 : static_cast<std::size_t>(after - time_s.begin()) - 1;
     return impulse[i] + command[i] * (t - time_s[i]);
   }
+
+  /// Integral from `from` to `to` of the command kept within +-limit.
+  template <class T>
+  T limited_impulse(const T& from, const T& to, const T& limit) const {
+    const auto after = std::upper_bound(time_s.begin(), time_s.end(), value_of(from));
+    std::size_t i = after == time_s.begin() ? 0 : static_cast<std::size_t>(after - time_s.begin()) - 1;
+    T sum = T(V(0));
+    T at = from;
+    for (bool last = false; !last; ++i) {
+      last = i + 1 >= time_s.size() || time_s[i + 1] >= value_of(to);
+      const T end = last ? to : T(time_s[i + 1]);
+      const V c = command[i];
+      const T held = c > value_of(limit) ? limit : c < -value_of(limit) ? T(-limit) : T(c);
+      sum += held * (end - at);
+      at = end;
+    }
+    return sum;
+  }
 };
 
 /// The drive and the motor, step by step along the commands.
@@ -62,23 +80,12 @@ class Actuation {
   /// What the drive's current would show at the instant of the row that drive() is called for next, once its
   /// command has arrived. A delay is smoothed over a step.
   T at_row(const Commands<V>& commands, std::size_t row, V dt_s) const {
-    if (lags_) return drive_;
-    T now = T(commands.command[row]);
-    if (delays_) {
-      const T from = commands.time_s[row] - delay_;
-      now = (commands.impulse_until(T(from + dt_s)) - commands.impulse_until(from)) / dt_s;
-    }
-    return limits_ ? limited(now, e_.value(Effect::torque_saturation)) : now;
+    return lags_ ? drive_ : target(commands, row, dt_s);
   }
 
   /// Mean of what the drive makes from row `row` on over `dt_s` seconds. Call for one row after the other.
   T drive(const Commands<V>& commands, std::size_t row, V dt_s) {
-    T mean = T(commands.command[row]);
-    if (delays_) {
-      const T from = commands.time_s[row] - delay_;
-      mean = (commands.impulse_until(T(from + dt_s)) - commands.impulse_until(from)) / dt_s;
-    }
-    if (limits_) mean = limited(mean, e_.value(Effect::torque_saturation));
+    T mean = target(commands, row, dt_s);
     if (lags_) {
       using std::exp;
       const T& tau = e_.value(Effect::actuator_lag);
@@ -111,6 +118,17 @@ class Actuation {
   }
 
  private:
+  /// Mean over the row's step of the command, delayed and limited.
+  T target(const Commands<V>& commands, std::size_t row, V dt_s) const {
+    if (!delays_) {
+      const T now = T(commands.command[row]);
+      return limits_ ? limited(now, e_.value(Effect::torque_saturation)) : now;
+    }
+    const T from = commands.time_s[row] - delay_, to = from + dt_s;
+    if (limits_) return commands.limited_impulse(from, to, e_.value(Effect::torque_saturation)) / dt_s;
+    return (commands.impulse_until(to) - commands.impulse_until(from)) / dt_s;
+  }
+
   static T limited(const T& torque, const T& limit) {
     return value_of(torque) > value_of(limit)    ? limit
            : value_of(torque) < -value_of(limit) ? T(-limit)

@@ -45,10 +45,18 @@ class Sensing {
   }
 
   /// The position that is measured as this: by Newton steps, each of which carries the derivatives of T.
+  /// Where an eccentricity turns the measured position back there are several or none; the result is near
+  /// then.
   T position(const T& measured_position) const {
     if (ideal_) return measured_position;
+    // Less than half of the gain between the swings would not converge from one to the next.
+    const V least = V(0.6) * value_of(e_.value_or(Effect::height_scale_error, T(V(1))));
     T z = measured_position;
-    for (int round = 0; round < 6; ++round) z -= (measured(z) - measured_position) / gain(z);
+    for (int round = 0; round < 6; ++round) {
+      T slope = gain(z);
+      if (value_of(slope) < least) slope = T(least);
+      z -= (measured(z) - measured_position) / slope;
+    }
     return z;
   }
 
