@@ -97,6 +97,8 @@ std::array<double, dynamics::kMaxEffectParameters> draw_size(Effect cause, const
       return {0.2 * force_n, std::round(random.uniform(10.0, 30.0)), random.uniform(-1.0, 1.0)};
     case Effect::thermal_derating:
       return {random.uniform(0.5, 0.75), random.uniform(0.5, 1.5)};
+    case Effect::backlash:
+      return {random.uniform(0.03, 0.08)};
     case Effect::liftoff_loss:
       return {random.uniform(0.85, 0.93)};
     case Effect::ground_compliance:
@@ -168,7 +170,8 @@ Mystery draw_mystery(std::uint64_t seed) {
   std::vector<Effect> possible;
   for (const dynamics::EffectInfo& e : dynamics::kCatalogue)
     if (dynamics::applies(e.effect, Kind::hopper_linear) &&
-        e.effect != Effect::damping_error)  // the dampings are free: identification finds it
+        e.effect != Effect::damping_error &&  // the dampings are free: identification finds it
+        e.effect != Effect::backlash)         // hardly moves the body: shows in the leg angle
       possible.push_back(e.effect);
   m.cause = possible[random.next() % possible.size()];
   m.truth.effects[m.cause] = draw_size(m.cause, m.model, random);

@@ -7,6 +7,7 @@
 
 #include "furcula/dynamics/effects/laws.hpp"
 #include "furcula/dynamics/parameters.hpp"
+#include "furcula/dynamics/rotor.hpp"
 #include "furcula/dynamics/segment.hpp"
 
 namespace furcula::dynamics {
@@ -20,7 +21,8 @@ class Axis {
   using V = ValueOf<T>;
   static constexpr bool kRotary = Parameters::kKind == Kind::rotary_joint;
 
-  Axis(const Parameters& p, const Effects<T>& effects = {}) : p_(p), e_(effects), dry_(has_dry_friction(e_)) {
+  Axis(const Parameters& p, const Effects<T>& effects = {})
+      : p_(p), e_(effects), rotor_(effects), dry_(has_dry_friction(e_)) {
     T mass, damping;
     if constexpr (kRotary) {
       mass = p.inertia_kgm2;
@@ -38,7 +40,14 @@ class Axis {
   void reset(const T& position, const T& velocity) {
     x_ = position;
     v_ = velocity;
+    rotor_.press(V(1));
   }
+
+  /// Where a start finds the rotor in the backlash: held against an end by the last torque before it that was
+  /// not zero (its sign counts). After reset(), which puts it to the end of positive torque.
+  void press_rotor(V torque) { rotor_.press(torque); }
+  /// Of a rotary joint: the motor's angle, which leads the joint's by where the rotor is in the backlash.
+  T motor_angle_rad() const { return x_ + rotor_.angle(); }
 
   /// Moves on by `dt_s` >= 0 with the input u (N or N m) held. Steps longer than kLongestStep are divided.
   void advance(const T& input, V dt_s) {
@@ -67,40 +76,110 @@ class Axis {
   bool move(const T& input, T& left, bool full) {
     using std::sin;
     const V h = value_of(left);
-    T force = input + constant_force_;
+    if constexpr (kRotary)
+      if (full && rotor_.loose()) let_rotor_go(input);
+    T force = kRotary && rotor_.crosses() ? constant_force_ : T(input + constant_force_);
+    T motor = input;  // what turns the rotor while it crosses the backlash
     if constexpr (kRotary) {
       // At the midpoint, by the velocity and the acceleration at the start.
       const T start = (force - p_.gravity_torque_nm * sin(x_)) * inverse_mass_ - delta_ * v_;
-      const T midpoint = x_ + v_ * (V(0.5) * h) + start * (V(0.125) * h * h);
+      const T midpoint = full ? T(x_ + v_ * (V(0.5) * h) + start * (V(0.125) * h * h))
+                              : T(x_ + (v_ + start * (V(0.25) * left)) * (V(0.5) * left));
       force -= p_.gravity_torque_nm * sin(midpoint);
-      if (e_.has(Effect::torque_ripple)) force += torque_ripple(e_, midpoint);
+      if (e_.has(Effect::torque_ripple)) {
+        const T ripple = torque_ripple(e_, rotor_.loose() ? T(midpoint + rotor_.angle()) : midpoint);
+        motor += ripple;
+        if (!rotor_.crosses()) force += ripple;
+      }
     }
     T acceleration = force * inverse_mass_;
     const bool at_rest = value_of(v_) == V(0);
     const bool up = at_rest ? value_of(acceleration) > V(0) : value_of(v_) > V(0);
     if (e_.any()) {
-      const T extra = binding(e_, x_, T(x_ + v_ * h));
-      const Resisted<T> r = resisted(e_, up, at_rest, v_, acceleration, delta_, inverse_mass_, extra, h);
-      if (r.held) return true;
+      const T extra = binding(e_, x_, T(x_ + v_ * left));
+      const Resisted<T> r =
+          full ? resisted(e_, up, at_rest, v_, acceleration, delta_, inverse_mass_, extra, h)
+               : resisted(e_, up, at_rest, v_, acceleration, delta_, inverse_mass_, extra, left);
+      if (r.held) {
+        if constexpr (kRotary)
+          if (rotor_.crosses() && rotor_goes_on(Segment<T>{x_, zero(), zero(), zero(), delta_}, motor, left))
+            return false;
+        return true;
+      }
       acceleration = r.acceleration;
     }
     const Segment<T> segment{x_, v_, acceleration, T(V(0)), delta_};
     const Flow<T> whole = full ? full_ : segment.over(left);
     const T v_end = segment.velocity_after(whole);
     if (dry_ && (up ? value_of(v_end) < V(0) : value_of(v_end) > V(0))) {
-      const T t = segment.turning_time(h);
+      T t = segment.turning_time(h);
+      if constexpr (kRotary) {
+        if (rotor_.crosses()) {
+          T until = t;
+          if (rotor_goes_on(segment, motor, until)) {
+            left = left - (t - until);
+            return false;
+          }
+        }
+      }
       x_ = segment.position_after(segment.over(t));
       v_ = T(V(0));
       left = left - t;
       return false;
     }
+    if constexpr (kRotary)
+      if (rotor_.crosses() && rotor_goes_on(segment, motor, left)) return false;
     x_ = segment.position_after(whole);
     v_ = v_end;
     return true;
   }
 
+  static T zero() { return T(V(0)); }
+
+  /// At a step's start: the rotor leaves its end if torque and joint part.
+  void let_rotor_go(const T& input) {
+    using std::sin;
+    T force = constant_force_;
+    if constexpr (kRotary) force -= p_.gravity_torque_nm * sin(x_);
+    const V v = value_of(v_);
+    if (v != V(0)) force += resistance(e_, v > V(0), v_, binding(e_, x_, x_));
+    V acceleration = value_of(T(force * inverse_mass_ - delta_ * v_));
+    if (v == V(0) && dry_) {
+      const bool up = acceleration > V(0);
+      const V held = value_of(T(resistance(e_, up, v_, binding(e_, x_, x_)) * inverse_mass_));
+      acceleration = (acceleration + held > V(0)) == up ? acceleration + held : V(0);
+    }
+    const T motor =
+        e_.has(Effect::torque_ripple) ? T(input + torque_ripple(e_, T(x_ + rotor_.angle()))) : input;
+    // The joint stays behind by the rotor's share of an angle that takes no time.
+    x_ -= rotor_.let_go(motor, acceleration) * (Rotor<T>::kInertia * inverse_mass_);
+  }
+  /// Goes with the rotor for `left` seconds, or to where it has crossed the gap: then it has landed, the
+  /// joint is there as well, `left` is what remains, and it returns true.
+  bool rotor_goes_on(const Segment<T>& segment, const T& motor, T& left) {
+    rotor_.set_out(motor, x_, v_);
+    const auto angle = [&](const auto& s, const auto& t) { return s.position_after(s.over(t)); };
+    const Flow<T> whole = segment.over(left);
+    if (!rotor_.past(left, segment.position_after(whole))) {
+      rotor_.follow(left, segment.position_after(whole), segment.velocity_after(whole));
+      return false;
+    }
+    const Segment<V> p = segment.plain();
+    const T t = rotor_.arrival_time(
+        value_of(left), [&](V at) { return angle(p, at); },
+        [&](V at) { return p.velocity_after(p.over(at)); }, [&](const T& at) { return angle(segment, at); });
+    const Flow<T> f = segment.over(t);
+    x_ = segment.position_after(f);
+    v_ = segment.velocity_after(f);
+    rotor_.follow(t, x_, v_);
+    v_ += rotor_.land() * inverse_mass_;
+    left = left - t;
+    return true;
+  }
+
   Parameters p_;
   Effects<T> e_;
+  Rotor<T> rotor_;
   bool dry_;
   T inverse_mass_{}, delta_{}, constant_force_{};
   T x_{}, v_{};

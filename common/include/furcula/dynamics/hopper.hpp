@@ -6,10 +6,12 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <span>
 
 #include "furcula/dynamics/effects/laws.hpp"
 #include "furcula/dynamics/parameters.hpp"
+#include "furcula/dynamics/rotor.hpp"
 #include "furcula/dynamics/segment.hpp"
 
 namespace furcula::dynamics {
@@ -30,7 +32,8 @@ struct ContactEvent {
 /// angle); lift-off when, rising, z is back there or the ground's force is zero. The ground cannot pull:
 /// while the body sinks and the leg would pull, the leg's force is zero. The torque is held over a step, its
 /// lever arm and the forces that depend on speed are taken at the step's predicted midpoint (error of third
-/// order in the step).
+/// order in the step). A toe that sticks, a ground that gives and a rotor in its backlash add states of the
+/// leg (Leg::State, straight_, rotor_), whose changes are located inside the step as well.
 template <class T>
 class Hopper {
  public:
@@ -40,6 +43,7 @@ class Hopper {
   Hopper(const HopperLinearParameters<T>& p, const Effects<T>& effects = {})
       : p_(p),
         e_(effects),
+        rotor_(effects),
         stiffness_(e_.value_or(Effect::stiffness_error, p.stiffness_npm)),
         rest_height_(e_.value_or(Effect::rest_height_error, p.rest_height_m)),
         restitution_touchdown_(e_.value_or(Effect::touchdown_loss, p.restitution_touchdown)),
@@ -60,6 +64,17 @@ class Hopper {
     if (e_.has(Effect::force_offset)) constant_force_ += e_.value(Effect::force_offset);
     leg_force_at_zero_ = stiffness_ * rest_height_;
     if (e_.has(Effect::spring_preload)) leg_force_at_zero_ += e_.value(Effect::spring_preload);
+    leg_is_more_ = e_.has(Effect::spring_hysteresis) || e_.has(Effect::leg_inertia);
+    stretched_stiffness_ = stiffness_ + V(kStopStiffness);
+    kappa_stretched_ = stretched_stiffness_ * inverse_mass_;
+    if (e_.has(Effect::ground_compliance)) {
+      kappa_straight_ = e_.value(Effect::ground_compliance, 0) * inverse_mass_;
+      delta_straight_ = delta_flight_ + e_.value(Effect::ground_compliance, 1) * inverse_mass_;
+    }
+    if (e_.has(Effect::guide_tilt))
+      links_gravity_ = p.gravity_mps2 * cos(e_.value(Effect::guide_tilt));
+    else
+      links_gravity_ = p.gravity_mps2;
   }
 
   /// Starts at a height (m) and velocity (m/s), in flight if above the touch-down height, else in stance.
@@ -68,8 +83,14 @@ class Hopper {
     v_ = velocity_mps;
     stance_ = value_of(z_) <= value_of(touchdown_height_);
     toe_ = T(V(0));
+    straight_ = false;
+    rotor_.press(V(1));
     event_count_ = 0;
   }
+
+  /// Where a start finds the rotor in the backlash: held against an end by the last torque before it that was
+  /// not zero (its sign counts). After reset(), which puts it to the end of positive torque.
+  void press_rotor(V torque) { rotor_.press(torque); }
 
   /// Moves on by `dt_s` >= 0 with the motor's torque held (what the drive makes of its command:
   /// actuation.hpp). Steps longer than kLongestStep are divided.
@@ -88,10 +109,10 @@ class Hopper {
   bool in_stance() const { return stance_; }
   const T& touchdown_height_m() const { return touchdown_height_; }
 
-  /// Leg angle from the vertical, rad: on the stop in flight.
+  /// Leg angle from the vertical on the motor's side, rad: on the stop in flight.
   T leg_angle_rad() const {
-    using std::acos;
-    return stance_ ? acos(z_ / (V(2) * p_.link_length_m)) : p_.touchdown_angle_rad;
+    const T angle = leg_angle(T(z_ - toe_));
+    return rotor_.loose() ? T(angle + rotor_.angle()) : angle;
   }
 
   /// Touch-downs and lift-offs inside the last advance(), in order; offsets from its start, s.
@@ -129,12 +150,14 @@ class Hopper {
     v_ = restitution_touchdown_ * v_;
     stance_ = true;
     toe_ = T(V(0));
+    straight_ = true;
     record(ContactEvent<V>::Kind::touchdown, before, v_);
   }
   void lift_off() {
     const T before = v_;
     v_ = restitution_liftoff_ * v_;
     stance_ = false;
+    toe_ = T(V(0));
     record(ContactEvent<V>::Kind::liftoff, before, v_);
   }
 
@@ -150,57 +173,79 @@ class Hopper {
     elapsed_ += value_of(left);
   }
 
+  /// What the leg does to the body over the rest of a step: constant - stiffness z - damping v, all of it
+  /// through the toe.
+  struct Leg {
+    enum class State : std::uint8_t {
+      away,       ///< in flight, or the ground would have to pull
+      flexes,     ///< spring, damper and motor act
+      stretched,  ///< held by a toe that sticks: its stop pulls as well
+      straight    ///< on its stop on a ground that gives
+    } state = State::away;
+    T constant{};
+    T hysteresis{};  ///< >= 0, against the motion; not in `constant`
+  };
+
+  const T& leg_stiffness() const {
+    return leg_.state == Leg::State::stretched  ? stretched_stiffness_
+           : leg_.state == Leg::State::straight ? e_.value(Effect::ground_compliance, 0)
+                                                : stiffness_;
+  }
+  const T& leg_damping() const {
+    return leg_.state == Leg::State::straight ? e_.value(Effect::ground_compliance, 1) : leg_damping_;
+  }
+
   /// Moves until `left` is used up (returns true) or to the next event (takes it and shortens `left`).
   bool move(const T& torque, T& left, bool full) {
     const V h = value_of(left);
-    // The leg's force but for spring and damper, and whether the leg can push at all.
-    T leg_constant = T(V(0));
-    bool leg_acts = false;
-    // A toe that sticks holds the leg beyond its stop, which then stretches as a stiff spring.
+    const T midpoint = !stance_ ? z_ : full ? T(z_ + v_ * (V(0.5) * h)) : T(z_ + v_ * (V(0.5) * left));
     const bool sticks = stance_ && e_.has(Effect::toe_sticking);
-    const bool stretched = sticks && (value_of(z_) > value_of(touchdown_height_) ||
-                                      (value_of(z_) == value_of(touchdown_height_) && value_of(v_) > V(0)));
+    const bool soft = stance_ && e_.has(Effect::ground_compliance);
+    const bool links = stance_ && e_.has(Effect::leg_inertia);
     const V most_pull = sticks ? value_of(e_.value(Effect::toe_sticking)) : V(0);
-    const T stiffness = stretched ? T(stiffness_ + V(kStopStiffness)) : stiffness_;
-    const T midpoint = z_ + v_ * (V(0.5) * h);
+    const bool rises = value_of(v_) > V(0);
+    if (full && rotor_.loose()) let_rotor_go(torque);
+
+    leg_.state = Leg::State::away;
     if (stance_) {
-      leg_constant = leg_force_at_zero_ + driven(torque, midpoint) * force_per_torque(midpoint);
-      if (stretched) leg_constant += touchdown_height_ * V(kStopStiffness);
-      if (e_.has(Effect::spring_hardening)) {
-        const T stretch = midpoint - rest_height_;
-        leg_constant -= e_.value(Effect::spring_hardening) * stretch * stretch * stretch;
-      }
-      if (e_.has(Effect::ground_compliance)) give_way(leg_constant, midpoint, h);
-      const auto leg_force = [&](const T& z) {
-        return value_of(leg_constant) - value_of(stiffness) * value_of(z) -
-               value_of(leg_damping_) * value_of(v_);
-      };
-      const bool rises = value_of(v_) > V(0);
-      if (rises && leg_force(z_) <= -most_pull) {
+      take_leg(torque, midpoint, left);
+      if (links) turn_links(midpoint);
+      if (leg_is_more_) toe_force_ = force_on_toe(rises);
+      if (rises && toe_force_at(z_, v_) <= -most_pull) {
         lift_off();
         return false;
       }
-      leg_acts = rises || leg_force(midpoint) > V(0);
+      if (!rises && toe_force_at(midpoint, v_) <= -most_pull) leg_.state = Leg::State::away;
     }
-    T force = leg_acts ? T(constant_force_ + leg_constant) : constant_force_;
-    const T& delta = leg_acts ? delta_stance_ : delta_flight_;
-    const T kappa = !leg_acts ? T(V(0)) : stretched ? T(stiffness * inverse_mass_) : kappa_stance_;
-    T acceleration = force * inverse_mass_ - kappa * z_;
+    const bool leg_acts = leg_.state != Leg::State::away;
+    const bool flexes = leg_.state == Leg::State::flexes;  // within its length
+    const bool stretched = leg_.state == Leg::State::stretched;
+    const bool straight = leg_.state == Leg::State::straight;
+    T force = leg_acts ? T(constant_force_ + leg_.constant) : constant_force_;
+    if (links && leg_acts) force += links_weight_;
+    const T& delta = flexes || stretched ? delta_stance_ : straight ? delta_straight_ : delta_flight_;
+    const T& kappa = flexes      ? kappa_stance_
+                     : stretched ? kappa_stretched_
+                     : straight  ? kappa_straight_
+                                 : zero_;
+    T acceleration = leg_acts ? T(force * inverse_mass_ - kappa * z_) : T(force * inverse_mass_);
 
     // Direction of the motion; at rest, of the motion that would begin.
     const bool at_rest = value_of(v_) == V(0);
     const bool up = at_rest ? value_of(acceleration) > V(0) : value_of(v_) > V(0);
     if (e_.any()) {
-      T extra = binding(e_, z_, T(z_ + v_ * h));
-      if (leg_acts && e_.has(Effect::spring_hysteresis))
-        extra += e_.value(Effect::spring_hysteresis) * spring_force_size(midpoint);
-      const Resisted<T> r = resisted(e_, up, at_rest, v_, acceleration, delta, inverse_mass_, extra, h);
+      T extra = binding(e_, z_, T(z_ + v_ * left));
+      if ((flexes || stretched) && e_.has(Effect::spring_hysteresis)) extra += leg_.hysteresis;
+      const Resisted<T> r =
+          full ? resisted(e_, up, at_rest, v_, acceleration, delta, inverse_mass_, extra, h)
+               : resisted(e_, up, at_rest, v_, acceleration, delta, inverse_mass_, extra, left);
       if (r.held) {
+        if (rotor_.crosses() && rotor_lands_on_still_leg(torque, left)) return false;
         elapsed_ += h;
         return true;
       }
       acceleration = r.acceleration;
-      if (leg_acts && e_.has(Effect::leg_inertia)) slow_by_links(acceleration, kappa, delta, midpoint, h);
+      if (links && (flexes || stretched)) slow_by_links(acceleration, kappa, delta, left);
     }
 
     if (!stance_ && !up && value_of(z_) <= value_of(touchdown_height_)) {
@@ -209,18 +254,21 @@ class Hopper {
     }
 
     const Segment<T> segment{z_, v_, acceleration, kappa, delta};
-    const Flow<T>& whole =
-        full && !stretched ? (leg_acts ? full_stance_ : full_flight_) : (scratch_ = segment.over(left));
+    const Flow<T>& whole = full && (flexes || !leg_acts) ? (leg_acts ? full_stance_ : full_flight_)
+                                                         : (scratch_ = segment.over(left));
     T z_end = segment.position_after(whole);
     T v_end = segment.velocity_after(whole);
     T t_end = left;
     // Up to a turning point the height is monotone, so that the ends tell whether it crosses anything.
-    const bool turns = up ? value_of(v_end) < V(0) : value_of(v_end) > V(0);
+    bool turns = up ? value_of(v_end) < V(0) : value_of(v_end) > V(0);
     if (turns) {
       t_end = segment.turning_time(h);
       z_end = segment.position_after(segment.over(t_end));
-      v_end = T(V(0));
+      v_end = zero_;
     }
+    // So it may be up to where the rotor is through the backlash, or the leg comes to its stop or leaves it.
+    Change change = Change::none;
+    if (soft || rotor_.crosses()) change = cut_short(segment, torque, up, t_end, z_end, v_end, turns);
 
     if (!stance_ && !up && value_of(z_end) < value_of(touchdown_height_)) {
       const T t = segment.crossing_time(T(V(1)), T(V(0)), -touchdown_height_, V(0), value_of(t_end));
@@ -230,11 +278,8 @@ class Hopper {
       return false;
     }
     if (stance_ && up) {
-      const auto leg_force = [&](const T& z, const T& v) {
-        return leg_constant - stiffness * z - leg_damping_ * v;
-      };
-      const bool reaches = !stretched && value_of(z_end) >= value_of(touchdown_height_);
-      const bool unloads = leg_acts && value_of(leg_force(z_end, v_end)) <= -most_pull;
+      const bool reaches = !stretched && !soft && value_of(z_end) >= value_of(touchdown_height_);
+      const bool unloads = leg_acts && toe_force_at(z_end, v_end) <= -most_pull;
       if (reaches || unloads) {
         const V to = value_of(t_end);
         T t = t_end;
@@ -244,8 +289,9 @@ class Hopper {
           t = T(V(0));
         bool by_height = reaches;
         if (unloads) {
-          const T pull = sticks ? T(leg_constant + e_.value(Effect::toe_sticking)) : leg_constant;
-          const T t_unload = segment.crossing_time(-stiffness, -leg_damping_, pull, V(0), to);
+          ToeForce f = leg_is_more_ ? toe_force_ : force_on_toe(rises);
+          if (sticks) f.constant += e_.value(Effect::toe_sticking);
+          const T t_unload = segment.crossing_time(f.per_height, f.per_speed, f.constant, V(0), to);
           if (!reaches || value_of(t_unload) < value_of(t)) {
             t = t_unload;
             by_height = false;
@@ -263,87 +309,325 @@ class Hopper {
       z_ = touchdown_height_;
       return false;
     }
+    if (soft) toe_ = toe_after(t_end, z_end, true);
     z_ = z_end;
-    if (stance_ && e_.has(Effect::ground_compliance)) toe_ = toe_after(t_end);
     v_ = v_end;
     elapsed_ += value_of(t_end);
-    if (!turns) return true;
+    if (rotor_.crosses()) rotor_.follow(t_end, leg_angle(T(z_ - toe_)), leg_speed(z_, v_));
+    if (change == Change::rotor) land_rotor();
+    if (change == Change::straightens || change == Change::flexes) straight_ = change == Change::straightens;
+    if (!turns && change == Change::none) return true;
     left = left - t_end;
     return false;
+  }
+
+  /// What ends a piece of a step besides turning points, touch-down and lift-off: the rotor arrives, a leg on
+  /// a ground that gives comes to its full length or leaves it.
+  enum class Change : std::uint8_t { none, rotor, straightens, flexes };
+  Change cut_short(const Segment<T>& segment, const T& torque, bool up, T& t_end, T& z_end, T& v_end,
+                   bool& turns) {
+    const bool soft = stance_ && e_.has(Effect::ground_compliance);
+    Change change = Change::none;
+    const auto end_at = [&](const T& t, Change what) {
+      const Flow<T> f = segment.over(t);
+      t_end = t;
+      z_end = segment.position_after(f);
+      v_end = segment.velocity_after(f);
+      turns = false;
+      change = what;
+    };
+    if (rotor_.crosses()) {
+      rotor_.set_out(motor_torque(torque, T(z_ - toe_)), leg_angle(T(z_ - toe_)), leg_speed(z_, v_));
+      if (rotor_.past(t_end, leg_angle(T(z_end - toe_after(t_end, z_end, soft)))))
+        end_at(rotor_arrival(segment, value_of(t_end), soft), Change::rotor);
+    }
+    if (soft && up && leg_.state == Leg::State::flexes) {
+      const T t = straightening_time(segment, t_end, z_end);
+      if (value_of(t) < value_of(t_end)) end_at(t, Change::straightens);
+    } else if (leg_.state == Leg::State::straight && toe_force_at(z_end, v_end) > value_of(leg_push_)) {
+      // From where the ground pushes more than the leg, the leg flexes.
+      if (toe_force_at(z_, v_) >= value_of(leg_push_))
+        end_at(zero_, Change::flexes);
+      else
+        end_at(segment.crossing_time(-leg_stiffness(), -leg_damping(), T(leg_.constant - leg_push_), V(0),
+                                     value_of(t_end)),
+               Change::flexes);
+    }
+    return change;
   }
 
   void arrive(const Segment<T>& segment, const T& t, T& left) {
     const Flow<T> f = segment.over(t);
     z_ = segment.position_after(f);
     v_ = segment.velocity_after(f);
-    if (stance_ && e_.has(Effect::ground_compliance)) toe_ = toe_after(t);
+    if (stance_ && e_.has(Effect::ground_compliance)) toe_ = toe_after(t, z_, true);
+    if (rotor_.crosses()) rotor_.follow(t, leg_angle(T(z_ - toe_)), leg_speed(z_, v_));
     left = left - t;
     elapsed_ += value_of(t);
   }
 
-  T driven(const T& torque, const T& z) const {
-    using std::acos;
-    if (!e_.has(Effect::torque_ripple)) return torque;
-    return torque + torque_ripple(e_, T(acos(z / (V(2) * p_.link_length_m))));
+  /// The ground's force on the toe, linear in height and speed over the rest of a step.
+  struct ToeForce {
+    T constant{}, per_height{}, per_speed{};
+  };
+  ToeForce force_on_toe(bool rises) const {
+    ToeForce out{leg_.constant, -leg_stiffness(), -leg_damping()};
+    if (leg_.state == Leg::State::straight) return out;
+    if (e_.has(Effect::spring_hysteresis)) {
+      if (rises)
+        out.constant -= leg_.hysteresis;
+      else
+        out.constant += leg_.hysteresis;
+    }
+    if (!e_.has(Effect::leg_inertia)) return out;
+    // The momentum of body and links is (m - e / (2 L)) z': it changes by gravity, guide and ground alone.
+    const T share = (mass_ - links_lift_) / links_mass_;
+    const T guide = constant_force_ + resistance(e_, rises, v_, binding(e_, z_, z_));
+    out.constant =
+        share * (out.constant + links_weight_ - V(0.5) * links_slope_ * v_ * v_) + (share - V(1)) * guide;
+    out.per_height *= share;
+    out.per_speed = share * out.per_speed - (share - V(1)) * delta_flight_ * mass_;
+    return out;
+  }
+  V toe_force_at(const T& z, const T& v) const {
+    if (leg_is_more_)
+      return value_of(toe_force_.constant) + value_of(toe_force_.per_height) * value_of(z) +
+             value_of(toe_force_.per_speed) * value_of(v);
+    return value_of(leg_.constant) - value_of(leg_stiffness()) * value_of(z) -
+           value_of(leg_damping()) * value_of(v);
   }
 
-  /// Size of the spring's force at a height, preload and hardening included.
-  T spring_force_size(const T& z) const {
-    T force = leg_force_at_zero_ - stiffness_ * z;
+  /// What the leg does over the next `h` seconds of stance.
+  void take_leg(const T& torque, const T& midpoint, const T& h) {
+    const T& top = touchdown_height_;
+    leg_.state = Leg::State::flexes;
+    if (e_.has(Effect::ground_compliance)) {
+      stand_on_soft_ground(torque, midpoint, h);
+      return;
+    }
+    leg_.constant = push_at(torque, midpoint);
+    // A toe that sticks holds the leg beyond its full length, where its stop is a stiff spring.
+    if (e_.has(Effect::toe_sticking) &&
+        (value_of(z_) > value_of(top) || (value_of(z_) == value_of(top) && value_of(v_) > V(0)))) {
+      leg_.state = Leg::State::stretched;
+      leg_.constant += top * V(kStopStiffness);
+    }
+    if (e_.has(Effect::spring_hysteresis))
+      leg_.hysteresis = e_.value(Effect::spring_hysteresis) * spring_force_size(midpoint);
+  }
+
+  /// The leg's force without spring (but its constant part and its hardening) and damper, at a length.
+  T push_at(const T& torque, const T& length) const {
+    T push = leg_force_at_zero_;
+    if (e_.has(Effect::torque_ripple) && !rotor_.crosses())
+      push += motor_torque(torque, length) * force_per_torque(length);
+    else if (!rotor_.crosses())
+      push += torque * force_per_torque(length);
     if (e_.has(Effect::spring_hardening)) {
-      const T stretch = z - rest_height_;
+      const T stretch = length - rest_height_;
+      push -= e_.value(Effect::spring_hardening) * stretch * stretch * stretch;
+    }
+    return push;
+  }
+
+  /// Angle of the leg from the vertical at a length, on its stop in flight and beyond its full length.
+  T leg_angle(const T& length) const {
+    using std::acos;
+    return stance_ && value_of(length) <= value_of(touchdown_height_)
+               ? T(acos(length / (V(2) * p_.link_length_m)))
+               : p_.touchdown_angle_rad;
+  }
+  /// Its rate, rad/s.
+  T leg_speed(const T& z, const T& v) const {
+    return stance_ && value_of(z - toe_) <= value_of(touchdown_height_) ? T(force_per_torque(T(z - toe_)) * v)
+                                                                        : zero_;
+  }
+  T motor_torque(const T& torque, const T& length) const {
+    if (!e_.has(Effect::torque_ripple)) return torque;
+    const T angle = leg_angle(length);
+    return torque + torque_ripple(e_, rotor_.loose() ? T(angle + rotor_.angle()) : angle);
+  }
+
+  /// Size of the spring's force at a length, preload and hardening included.
+  T spring_force_size(const T& length) const {
+    T force = leg_force_at_zero_ - stiffness_ * length;
+    if (e_.has(Effect::spring_hardening)) {
+      const T stretch = length - rest_height_;
       force -= e_.value(Effect::spring_hardening) * stretch * stretch * stretch;
     }
     return value_of(force) < V(0) ? T(-force) : force;
   }
 
-  /// The ground gives: spring and damper under a toe without mass, in series with the leg. Leg and ground
-  /// force are equal, so that the toe relaxes to where the springs balance with the time constant (dl + dg) /
-  /// (k + kg). Adds to the leg's force what the toe's mean place and speed over `h` seconds make of it.
-  void give_way(T& leg_constant, const T& z, V h) {
+  /// The ground gives: spring kg and damper dg under a toe without mass. Leg and ground push on it equally:
+  ///   push - k (z - y) - dl (z' - y') = -kg y - dg y'
+  /// so that the toe y relaxes to where the springs balance with the time constant (dl + dg) / (k + kg),
+  /// which is solved exactly for a balance that moves evenly over the step. A leg at its full length takes
+  /// the toe along until the ground pushes more than the leg.
+  void stand_on_soft_ground(const T& torque, const T& midpoint, const T& h) {
     using std::exp;
     const T& ground_stiffness = e_.value(Effect::ground_compliance, 0);
     const T& ground_damping = e_.value(Effect::ground_compliance, 1);
-    const T rigid = leg_constant - stiffness_ * z - leg_damping_ * v_;
+    const auto opposed = [&](const T& length) {  // the motion's direction is the body's
+      if (!e_.has(Effect::spring_hysteresis) || value_of(v_) == V(0)) return zero_;
+      const T size = e_.value(Effect::spring_hysteresis) * spring_force_size(length);
+      return value_of(v_) > V(0) ? T(-size) : size;
+    };
+    if (straight_) {
+      const T& top = touchdown_height_;
+      leg_push_ = push_at(torque, top) + opposed(top) - stiffness_ * top;
+      const V ground = -value_of(ground_stiffness) * (value_of(z_) - value_of(top)) -
+                       value_of(ground_damping) * value_of(v_);
+      const V push = value_of(leg_push_);
+      straight_ =
+          ground - push <= V(1e-9) * ((ground < V(0) ? -ground : ground) + (push < V(0) ? -push : push));
+      if (straight_) {
+        leg_.state = Leg::State::straight;
+        leg_.constant = ground_stiffness * top;
+        return;
+      }
+    }
     toe_rate_ = (stiffness_ + ground_stiffness) / (leg_damping_ + ground_damping + V(1e-6));
-    toe_balance_ = -rigid / (stiffness_ + ground_stiffness);
-    const T decay = exp(-(toe_rate_ * h));
-    const T mean = toe_balance_ + (toe_ - toe_balance_) * (V(1) - decay) / (toe_rate_ * h);
-    const T rate = (toe_balance_ - toe_) * (V(1) - decay) / h;
-    toe_on_stop_ = value_of(z) - value_of(mean) > value_of(touchdown_height_);
-    if (toe_on_stop_)  // the leg is at its full length: the body stands on the ground's spring alone
-      leg_constant += -ground_stiffness * (z - touchdown_height_) - ground_damping * v_ - rigid;
-    else
-      leg_constant += stiffness_ * mean + leg_damping_ * rate;
+    const T total = stiffness_ + ground_stiffness;
+    const T slow = T(V(1)) / toe_rate_;
+    T push{};
+    T length = midpoint - toe_;
+    for (int pass = 0; pass < 2; ++pass) {  // first the balance, then what moves it, at the toe's true place
+      push = push_at(torque, length) + opposed(length);
+      const T start = -(push - stiffness_ * z_ - leg_damping_ * v_) / total;
+      const T toe_speed = (start - toe_) * toe_rate_;
+      const T acceleration =
+          (push - stiffness_ * (z_ - toe_) - leg_damping_ * (v_ - toe_speed) + constant_force_) *
+              inverse_mass_ -
+          delta_flight_ * v_;
+      const T v_middle = v_ + acceleration * (V(0.5) * h);
+      toe_drift_ = (stiffness_ * v_middle + leg_damping_ * acceleration) / total;
+      toe_balance_ =
+          -(push - stiffness_ * midpoint - leg_damping_ * v_middle) / total - toe_drift_ * (V(0.5) * h);
+      if (pass == 0) length = midpoint - toe_relaxed(T(V(0.5) * h));
+    }
+    const T end = toe_relaxed(h);
+    const T mean = toe_balance_ + toe_drift_ * (V(0.5) * h - slow) +
+                   (toe_ - toe_balance_ + toe_drift_ * slow) * (V(1) - exp(-(toe_rate_ * h))) * slow / h;
+    leg_.constant = push + stiffness_ * mean + leg_damping_ * (end - toe_) / h;
+    leg_.hysteresis = zero_;  // is in the push, but for what holds at rest
+    if (e_.has(Effect::spring_hysteresis) && value_of(v_) == V(0))
+      leg_.hysteresis = e_.value(Effect::spring_hysteresis) * spring_force_size(length);
   }
-  T toe_after(const T& t) const {
+  /// Where the toe under a flexing leg is `t` into the piece of the step.
+  T toe_relaxed(const T& t) const {
     using std::exp;
-    return toe_on_stop_ ? T(z_ - touchdown_height_)
-                        : T(toe_balance_ + (toe_ - toe_balance_) * exp(-(toe_rate_ * t)));
+    const T lag = toe_drift_ / toe_rate_;
+    return toe_balance_ + toe_drift_ * t - lag + (toe_ - toe_balance_ + lag) * exp(-(toe_rate_ * t));
+  }
+  T toe_after(const T& t, const T& z, bool soft) const {
+    return !soft ? toe_ : straight_ ? T(z - touchdown_height_) : toe_relaxed(t);
+  }
+  /// When a rising leg on a ground that gives comes to its full length; `t_end` if not before.
+  T straightening_time(const Segment<T>& segment, const T& t_end, const T& z_end) const {
+    const V top = value_of(touchdown_height_);
+    if (value_of(z_end) - value_of(toe_relaxed(t_end)) <= top) return t_end;
+    const Segment<V> p = segment.plain();
+    const V rate = value_of(toe_rate_), drift = value_of(toe_drift_), lag = drift / rate;
+    const V balance = value_of(toe_balance_), excess = value_of(toe_) - balance + lag;
+    const auto decay = [&](V t) {
+      using std::exp;
+      return excess * exp(-rate * t);
+    };
+    const V time = event_time<V>(
+        V(0), value_of(t_end),
+        [&](V t) { return p.position_after(p.over(t)) - (balance + drift * t - lag + decay(t)) - top; },
+        [&](V t) { return p.velocity_after(p.over(t)) - drift + rate * decay(t); });
+    // A leg that has just left its stop is not back at once.
+    if (!(time > V(1e-6) * value_of(t_end))) return t_end;
+    const V slope = p.velocity_after(p.over(time)) - drift + rate * decay(time);
+    if (slope == V(0)) return T(time);
+    const T at = T(time);
+    return at - (segment.position_after(segment.over(at)) - toe_relaxed(at) - touchdown_height_) / slope;
+  }
+
+  /// At a step's start: the rotor leaves its end if torque and leg part.
+  void let_rotor_go(const T& torque) {
+    V turning = V(0);  // acceleration of the leg without the motor's torque, rad/s^2
+    if (stance_) {
+      const V z = value_of(z_), v = value_of(v_), m = value_of(inverse_mass_);
+      const V per_torque = value_of(force_per_torque(T(z_ - toe_)));
+      const bool up = v > V(0);
+      const V push = value_of(push_at(zero_, T(z_ - toe_)));
+      const V leg = push - value_of(stiffness_) * (z - value_of(toe_)) - value_of(leg_damping_) * v;
+      V a = (value_of(constant_force_) + (leg > V(0) ? leg : V(0))) * m - value_of(delta_flight_) * v;
+      if (v != V(0)) a += value_of(resistance(e_, up, v_, binding(e_, z_, z_))) * m;
+      const V speed = per_torque * v;  // z = 2 L cos theta, differentiated twice
+      turning = per_torque * (a + (z - value_of(toe_)) * speed * speed);
+    }
+    const T crossed = rotor_.let_go(motor_torque(torque, T(z_ - toe_)), turning);
+    // The leg stays behind by the rotor's share of the angle.
+    if (stance_ && value_of(crossed) != V(0))
+      z_ -= force_per_torque(T(z_ - toe_)) * inverse_mass_ * Rotor<T>::kInertia * crossed;
+  }
+  T rotor_arrival(const Segment<T>& segment, V to, bool soft) const {
+    const Segment<V> p = segment.plain();
+    const auto place = [&](V t) { return p.position_after(p.over(t)); };
+    const auto toe = [&](V t, V z) { return value_of(toe_after(T(t), T(z), soft)); };
+    return rotor_.arrival_time(
+        to, [&](V t) { return value_of(leg_angle(T(place(t) - toe(t, place(t))))); },
+        [&](V t) { return value_of(leg_speed(T(place(t)), T(p.velocity_after(p.over(t))))); },
+        [&](const T& t) {
+          const T z = segment.position_after(segment.over(t));
+          return leg_angle(T(z - toe_after(t, z, soft)));
+        });
+  }
+  void land_rotor() {
+    const T impulse = rotor_.land();
+    if (stance_)
+      v_ += force_per_torque(T(z_ - toe_)) * impulse / (e_.has(Effect::leg_inertia) ? links_mass_ : mass_);
+  }
+  /// While friction holds the leg. True if the rotor arrives before `left` is used up: then it has landed.
+  bool rotor_lands_on_still_leg(const T& torque, T& left) {
+    const T angle = leg_angle(T(z_ - toe_));
+    rotor_.set_out(motor_torque(torque, T(z_ - toe_)), angle, zero_);
+    const bool lands = rotor_.past(left, angle);
+    const T t = lands ? rotor_.arrival_time(
+                            value_of(left), [&](V) { return value_of(angle); }, [](V) { return V(0); },
+                            [&](const T&) { return angle; })
+                      : left;
+    rotor_.follow(t, angle, zero_);
+    if (!lands) return false;
+    land_rotor();
+    left = left - t;
+    elapsed_ += value_of(t);
+    return true;
   }
 
   /// The links turn with the folding leg: M(z) z'' + M'(z) z'^2 / 2 = force + g e / (2 L), with M = m - e / L
-  /// + (a - 2 L b cos 2 theta) / (2 L sin theta)^2 (docs/physics.md, the non-linear leg on the ground).
-  /// Changes the acceleration by the difference at the step's midpoint.
-  void slow_by_links(T& acceleration, const T& kappa, const T& delta, const T& z, V h) const {
+  /// + (a - 2 L b cos 2 theta) / (2 L sin theta)^2 (docs/physics.md, the non-linear leg on the ground). Takes
+  /// M, M' and the links' share of the weight at the step's midpoint.
+  void turn_links(const T& z) {
     const T& a = e_.value(Effect::leg_inertia, 0);
     const T& b = e_.value(Effect::leg_inertia, 1);
     const T& e = e_.value(Effect::leg_inertia, 2);
     const T length = V(2) * p_.link_length_m;
     const T cosine = z / length;
     const T numerator = a + length * b * (V(1) - V(2) * cosine * cosine);
-    const T denominator = leg_reach_squared_ - z * z;
-    if (value_of(denominator) < V(1e-3) * value_of(leg_reach_squared_)) return;
-    const T mass = mass_ - V(2) * e / length + numerator / denominator;
-    const T slope = (V(2) * z * numerator / denominator - V(4) * b * cosine) / denominator;
+    T denominator = leg_reach_squared_ - z * z;
+    if (value_of(denominator) < V(1e-3) * value_of(leg_reach_squared_))
+      denominator = V(1e-3) * leg_reach_squared_;
+    links_mass_ = mass_ - V(2) * e / length + numerator / denominator;
+    links_slope_ = (V(2) * z * numerator / denominator - V(4) * b * cosine) / denominator;
+    links_lift_ = e / length;
+    links_weight_ = links_gravity_ * links_lift_;
+  }
+  /// Changes the acceleration of the body alone by the difference at the step's midpoint.
+  void slow_by_links(T& acceleration, const T& kappa, const T& delta, const T& h) const {
     const T speed = v_ + (acceleration - delta * v_) * (V(0.5) * h);
-    const T linear = acceleration - kappa * (z - z_) - delta * speed;
-    const T force = linear * mass_ + p_.gravity_mps2 * e / length - V(0.5) * slope * speed * speed;
-    acceleration += force / mass - linear;
+    const T linear = acceleration - kappa * v_ * (V(0.5) * h) - delta * speed;
+    const T force = linear * mass_ - V(0.5) * links_slope_ * speed * speed;
+    acceleration += force / links_mass_ - linear;
   }
 
   HopperLinearParameters<T> p_;
   Effects<T> e_;
+  Rotor<T> rotor_;
+  T zero_ = T(V(0));
   T stiffness_, rest_height_, restitution_touchdown_, restitution_liftoff_, mass_, inverse_mass_,
       kappa_stance_;
   T delta_stance_{}, delta_flight_{};
@@ -351,9 +635,14 @@ class Hopper {
 
   T z_{}, v_{};
   bool stance_ = false;
-  T toe_{};  ///< height of the toe in stance: below zero where the ground gives
-  T toe_balance_{}, toe_rate_{};
-  bool toe_on_stop_ = false;
+  T toe_{};                ///< height of the toe in stance: below zero where the ground gives
+  bool straight_ = false;  ///< on a ground that gives: the leg is at its full length
+  T toe_balance_{}, toe_drift_{}, toe_rate_{}, leg_push_{};
+  T stretched_stiffness_{}, links_gravity_{}, links_mass_{}, links_slope_{}, links_lift_{}, links_weight_{};
+  T kappa_stretched_{}, kappa_straight_{}, delta_straight_{};
+  bool leg_is_more_ = false;  ///< than spring, damper and motor: toe_force_ counts
+  Leg leg_{};
+  ToeForce toe_force_{};
   V step_ = V(-1);
   Flow<T> full_stance_{}, full_flight_{}, scratch_{};
   V elapsed_ = V(0);

@@ -38,6 +38,7 @@ enum class Effect : std::uint8_t {
   torque_saturation,
   torque_ripple,
   thermal_derating,
+  backlash,
   touchdown_loss,
   liftoff_loss,
   ground_compliance,
@@ -49,7 +50,7 @@ enum class Effect : std::uint8_t {
   time_skew,
 };
 
-inline constexpr std::size_t kEffectCount = 31;
+inline constexpr std::size_t kEffectCount = 32;
 inline constexpr std::size_t kMaxEffectParameters = 3;
 
 /// The stage of the plant that the law sits in.
@@ -374,6 +375,18 @@ inline constexpr std::array<EffectInfo, kEffectCount> kCatalogue{{
      "The torque for one command falls while the motor works.",
      "The motor's and the drive's temperature, the drive's thermal limit.",
      "One long run of equal hops: the apex over the time."},
+    {Effect::backlash,
+     "backlash",
+     "backlash between motor and leg",
+     Stage::actuation,
+     detail::kHopper | detail::bit(Kind::rotary_joint),
+     "stance",
+     "dead zone between motor and leg, crossed by the rotor, plastic at its ends",
+     {{{"gap_rad", "gap_rad", "rad", "rad", 0.0, 0.5, 0.0}}},
+     1,
+     "The motor turns through a dead zone before it moves the leg, wherever its torque changes sign.",
+     "Gears, couplings, keys and the screws of the links: hold the motor and turn the leg by hand.",
+     "Small torques of both signs on a leg that is held: the angle on the motor's side over the torque."},
     {Effect::touchdown_loss,
      "touchdown_loss",
      "the loss of speed at touch-down",

@@ -98,9 +98,9 @@ struct Resisted {
   T acceleration;  ///< without viscous damping, which the flow takes exactly
   bool held;
 };
-template <class T>
+template <class T, class Step>  // of the step: T where an event moves its length, else plain
 Resisted<T> resisted(const Effects<T>& e, bool up, bool at_rest, const T& velocity, const T& acceleration,
-                     const T& delta, const T& inverse_mass, const T& extra, ValueOf<T> step) {
+                     const T& delta, const T& inverse_mass, const T& extra, const Step& step) {
   using V = ValueOf<T>;
   const T zero = T(V(0));
   const T at_start = resistance(e, up, at_rest ? zero : velocity, extra) * inverse_mass;
