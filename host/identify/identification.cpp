@@ -55,6 +55,8 @@ class Work {
       throw log::DataError(training_.front().name + ": no window to fit on; expected " +
                            (model.kind == dynamics::Kind::hopper_linear
                                 ? std::string("a stance or a flight of at least 30 ms")
+                            : model.kind == dynamics::Kind::rail_carriage
+                                ? std::string("a flight of at least 30 ms, six rows or more without contact")
                                 : "at least " + std::to_string(options.window_s) + " s of recording"));
     held_out_windows_ = prediction_windows(held_out_, model, options.window_s);
     for (const Window& w : fit_windows_.windows) units_.try_emplace(w.recording, units_.size());

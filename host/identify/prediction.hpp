@@ -21,7 +21,7 @@ struct ChannelErrors {
 };
 
 /// By channel: "height", "velocity" on the hopper (and "height_stance", "height_flight" for the parts of a
-/// stride), "position" or "angle", and "velocity" where it was recorded, elsewhere.
+/// stride), "height" (rail carriage), "position" or "angle", and "velocity" where it was recorded, elsewhere.
 using Errors = std::map<std::string, ChannelErrors>;
 
 /// A window's free run: one entry a row.

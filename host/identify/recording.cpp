@@ -12,16 +12,27 @@ namespace {
 constexpr std::size_t kFewestRows = 20;
 constexpr double kSlopeHalfWidth_s = 0.006;
 
-/// Slope of the position by a local parabola over +-6 ms (at least two rows on either side): no delay.
-std::vector<double> smoothed_slope(const std::vector<double>& time_s, const std::vector<double>& position) {
+/// Slope of the position by a local parabola over +-6 ms (at least two rows on either side): no delay. Where
+/// there is a contact flag, over the rows alone that have the same one: an impact has no slope.
+std::vector<double> smoothed_slope(const std::vector<double>& time_s, const std::vector<double>& position,
+                                   const std::vector<double>& contact) {
   const std::size_t n = time_s.size();
   std::vector<double> slope(n);
   std::size_t first = 0, last = 0;
   for (std::size_t i = 0; i < n; ++i) {
     while (time_s[first] < time_s[i] - kSlopeHalfWidth_s) ++first;
     while (last + 1 < n && time_s[last + 1] <= time_s[i] + kSlopeHalfWidth_s) ++last;
-    const std::size_t from = std::min(first, i >= 2 ? i - 2 : 0);
-    const std::size_t to = std::min(n - 1, std::max(last, i + 2));
+    std::size_t from = std::min(first, i >= 2 ? i - 2 : 0);
+    std::size_t to = std::min(n - 1, std::max(last, i + 2));
+    if (!contact.empty()) {
+      const auto same = [&](std::size_t k) { return contact[k] == contact[i]; };
+      std::size_t low = i, high = i;
+      while (low > from && same(low - 1)) --low;
+      while (high < to && same(high + 1)) ++high;
+      from = low;
+      to = high;
+    }
+    if (to - from < 2) continue;
     slope[i] = local_polynomial(time_s, position, from, to, time_s[i], 2).slope;
   }
   return slope;
@@ -29,15 +40,18 @@ std::vector<double> smoothed_slope(const std::vector<double>& time_s, const std:
 
 /// Standard deviation of what neighbouring samples do not share: the scatter about a cubic through eight rows
 /// in a row, the median over the log (so that impacts and standstill do not decide). A channel that is
-/// quantised and hardly moves gives the mean instead.
-double sample_noise(const std::vector<double>& time_s, const std::vector<double>& values) {
+/// quantised and hardly moves gives the mean instead. Rows with `contact` (which may be empty) are left out.
+double sample_noise(const std::vector<double>& time_s, const std::vector<double>& values,
+                    const std::vector<double>& contact = {}) {
   constexpr std::size_t kRows = 8;
   std::vector<double> variances;
   const std::size_t stride = std::max<std::size_t>(kRows / 2, time_s.size() / 4000);
-  for (std::size_t first = 0; first + kRows <= time_s.size(); first += stride)
+  for (std::size_t first = 0; first + kRows <= time_s.size(); first += stride) {
+    const std::size_t last = first + kRows - 1;
+    if (!contact.empty() && (contact[first] != 0.0 || contact[last] != 0.0)) continue;
     variances.push_back(
-        local_polynomial(time_s, values, first, first + kRows - 1, time_s[first + kRows / 2], 3)
-            .residual_variance);
+        local_polynomial(time_s, values, first, last, time_s[first + kRows / 2], 3).residual_variance);
+  }
   if (variances.empty()) return 0.0;
   double mean = 0.0;
   for (double v : variances) mean += v / static_cast<double>(variances.size());
@@ -108,6 +122,7 @@ LocalPolynomial local_polynomial(const std::vector<double>& time_s, const std::v
 ChannelNames channel_names(dynamics::Kind kind) {
   switch (kind) {
     case dynamics::Kind::hopper_linear:
+    case dynamics::Kind::rail_carriage:
       return {"height", "m", "mps"};
     case dynamics::Kind::motor_axis:
       return {"position", "m", "mps"};
@@ -141,6 +156,11 @@ Recording make_recording(const log::Log& log, dynamics::Kind kind) {
       r.input = log.at("torque_nm");
       velocity_column = "velocity_radps";
       break;
+    case dynamics::Kind::rail_carriage:  // nothing drives it: its force_n is the stop's
+      r.position = log.at("height_m");
+      r.input.assign(r.rows(), 0.0);
+      if (log.has("contact")) r.contact = log.at("contact");
+      break;
   }
   r.impulse.assign(r.rows(), 0.0);
   r.driven_s.assign(r.rows(), 0.0);
@@ -166,11 +186,11 @@ Recording make_recording(const log::Log& log, dynamics::Kind kind) {
       if (!(r.drive_noise > 0.0)) r.drive.clear();
     }
   }
-  r.velocity_smoothed = smoothed_slope(r.time_s, r.position);
+  r.velocity_smoothed = smoothed_slope(r.time_s, r.position, r.contact);
   r.velocity_recorded = log.has(velocity_column);
   r.velocity = r.velocity_recorded ? log.at(velocity_column) : r.velocity_smoothed;
-  r.position_noise = sample_noise(r.time_s, r.position);
-  r.velocity_noise = sample_noise(r.time_s, r.velocity);
+  r.position_noise = sample_noise(r.time_s, r.position, r.contact);
+  r.velocity_noise = sample_noise(r.time_s, r.velocity, r.contact);
   return r;
 }
 

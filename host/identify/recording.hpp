@@ -29,6 +29,8 @@ struct Recording {
   double drive_noise = 0.0;
   /// Hopper: when the contact switch first reported each touch-down, s (bounces left out).
   std::vector<double> touchdown_reports_s;
+  /// Rail carriage: 1 in rows in which it touches its stop; empty where the log has no such column.
+  std::vector<double> contact;
   double position_noise = 0.0;  ///< standard deviation, from what neighbouring samples do not share
   double velocity_noise = 0.0;
 
@@ -45,7 +47,8 @@ Recording make_recording(const log::Log& log, dynamics::Kind kind);
 /// any of them.
 std::vector<Recording> make_recordings(const std::vector<log::Log>& logs, dynamics::Kind kind);
 
-/// Names of the channels in results: "height" and "velocity" on the hopper, "position", "angle".
+/// Names of the channels in results: "height" and "velocity" on hopper and rail carriage, "position",
+/// "angle".
 struct ChannelNames {
   std::string position, position_unit, velocity_unit;
 };

@@ -47,6 +47,12 @@ void with_plant(dynamics::Kind kind, const PlantSetup<T>& setup, const Use& use)
         std::span<const T>(setup.parameters.data(), Parameters::kMembers.size()));
   };
   switch (kind) {
+    case dynamics::Kind::rail_carriage: {
+      dynamics::RailCarriage<T> plant(make.template operator()<dynamics::RailCarriageParameters<T>>(),
+                                      setup.effects);
+      use(plant);
+      return;
+    }
     case dynamics::Kind::hopper_linear: {
       dynamics::Hopper<T> plant(make.template operator()<dynamics::HopperLinearParameters<T>>(),
                                 setup.effects);

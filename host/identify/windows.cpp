@@ -14,6 +14,7 @@ constexpr double kAfterTouchdown_s = 0.015;
 constexpr double kAfterLiftoff_s = 0.007;
 constexpr double kStart_s = 0.05;
 constexpr double kLongestGap = 0.2;  // of a window's length
+constexpr double kLongestPause_s = 0.05;
 
 /// A stretch of rows in the air: [first, last] above the touch-down height.
 struct Flight {
@@ -51,7 +52,6 @@ std::vector<Flight> find_flights(const Recording& r, double touchdown_height) {
 
 /// Without the windows that hold a pause: rows further apart than a model can be trusted to bridge.
 std::vector<Window> without_pauses(std::vector<Window> windows, const Recording& r) {
-  constexpr double kLongestPause_s = 0.05;
   std::erase_if(windows, [&](const Window& w) {
     for (std::size_t i = w.first; i < w.last; ++i)
       if (r.time_s[i + 1] - r.time_s[i] > kLongestPause_s) return true;
@@ -122,6 +122,23 @@ std::vector<Window> flights(const Recording& r, std::size_t index, const model::
   return without_pauses(std::move(found), r);
 }
 
+std::vector<Window> free_flights(const Recording& r, std::size_t index) {
+  constexpr std::size_t kFewestRows = 6;
+  std::vector<Window> found;
+  const std::size_t n = r.rows();
+  const auto touches = [&](std::size_t i) { return !r.contact.empty() && r.contact[i] != 0.0; };
+  for (std::size_t first = 0; first < n; ++first) {
+    if (touches(first)) continue;
+    std::size_t last = first;
+    while (last + 1 < n && !touches(last + 1) && r.time_s[last + 1] - r.time_s[last] <= kLongestPause_s)
+      ++last;
+    if (last - first + 1 >= kFewestRows && r.time_s[last] - r.time_s[first] >= kShortestPhase_s)
+      found.push_back({index, first, last, WindowKind::flight, 0, 0});
+    first = last;
+  }
+  return found;
+}
+
 std::vector<Window> intervals(const Recording& r, std::size_t index, double length_s, double from_s) {
   std::vector<Window> found;
   const std::size_t n = r.rows();
@@ -183,9 +200,9 @@ std::vector<Window> prediction_windows(const std::vector<Recording>& recordings,
                                        double interval_s) {
   std::vector<Window> all;
   for (std::size_t i = 0; i < recordings.size(); ++i) {
-    const auto some = recordings[i].kind == dynamics::Kind::hopper_linear
-                          ? strides(recordings[i], i, model)
-                          : intervals(recordings[i], i, interval_s);
+    const auto some = model.kind == dynamics::Kind::hopper_linear   ? strides(recordings[i], i, model)
+                      : model.kind == dynamics::Kind::rail_carriage ? free_flights(recordings[i], i)
+                                                                    : intervals(recordings[i], i, interval_s);
     all.insert(all.end(), some.begin(), some.end());
   }
   if (model.kind == dynamics::Kind::hopper_linear) attach_reports(all, recordings, touchdown_height_m(model));
@@ -198,7 +215,8 @@ TrainingWindows training_windows(const std::vector<Recording>& recordings, const
   constexpr std::size_t kMostLayers = 4;
   TrainingWindows t;
   t.windows = prediction_windows(recordings, model, interval_s);
-  if (model.kind == dynamics::Kind::hopper_linear || t.windows.empty()) return t;
+  const bool by_time = model.kind == dynamics::Kind::motor_axis || model.kind == dynamics::Kind::rotary_joint;
+  if (!by_time || t.windows.empty()) return t;
   t.layers = std::clamp<std::size_t>((kEnough + t.windows.size() - 1) / t.windows.size(), 1, kMostLayers);
   for (std::size_t layer = 1; layer < t.layers; ++layer)
     for (std::size_t i = 0; i < recordings.size(); ++i) {

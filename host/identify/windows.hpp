@@ -44,7 +44,13 @@ std::vector<Window> flights(const Recording& r, std::size_t index, const model::
 /// the last one at least half as long.
 std::vector<Window> intervals(const Recording& r, std::size_t index, double length_s, double from_s = 0.0);
 
-/// The windows that predictions are judged on: strides on the hopper, intervals elsewhere.
+/// Flights of a rail carriage: rows in a row without contact, at least 30 ms and six rows, each from the
+/// first row to the last; a pause of more than 50 ms ends one. Of a log without a contact column all rows
+/// count as flight.
+std::vector<Window> free_flights(const Recording& r, std::size_t index);
+
+/// The windows that predictions are judged on: strides on the hopper, flights on the rail carriage, intervals
+/// elsewhere.
 std::vector<Window> prediction_windows(const std::vector<Recording>& recordings, const model::Model& model,
                                        double interval_s);
 

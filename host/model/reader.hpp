@@ -10,8 +10,7 @@
 namespace furcula::model {
 
 /// Kinds of docs/contracts.md that this version has no plant for: refused with a word of their own.
-inline constexpr std::array<std::string_view, 3> kKindsWithoutPlant{"hopper_nonlinear", "rail_carriage",
-                                                                    "clutch_bench"};
+inline constexpr std::array<std::string_view, 2> kKindsWithoutPlant{"hopper_nonlinear", "clutch_bench"};
 
 /// What is wrong with a name that is none of dynamics::kKinds, and what was expected.
 std::string no_such_kind(std::string_view name);

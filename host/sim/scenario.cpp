@@ -32,6 +32,8 @@ Names names_on(Kind kind) {
       return {"position_m", "m", "velocity_mps", "m/s", "force", "amplitude_n", "N", 1e3, 1e3, 1e6};
     case Kind::rotary_joint:
       return {"angle_rad", "rad", "velocity_radps", "rad/s", "torque", "amplitude_nm", "N m", 1e3, 1e3, 1e6};
+    case Kind::rail_carriage:  // nothing drives it
+      return {"height_m", "m", "velocity_mps", "m/s", "", "", "", 100.0, 50.0, 0.0};
   }
   return {};
 }
@@ -46,7 +48,8 @@ class Reader {
         scenario_(default_scenario(model)) {}
 
   Scenario read() {
-    std::vector<std::string_view> sections{"start", "run", names_.drive, "sensors"};
+    std::vector<std::string_view> sections{"start", "run", "sensors"};
+    if (!names_.drive.empty()) sections.insert(sections.begin() + 2, names_.drive);
     if (kind_ == Kind::hopper_linear) sections.push_back("fault");
     log::refuse_unknown_keys(file_, name_, "a scenario for " + std::string(dynamics::info(kind_).name),
                              sections);
@@ -56,7 +59,8 @@ class Reader {
       log::refuse_unknown_keys(*t, name_, "[run]", kKeys);
       number(*t, "duration_s", 0.001, 3600.0, "s", scenario_.duration_s);
     }
-    if (const toml::table* t = section(names_.drive)) read_drive(*t);
+    if (!names_.drive.empty())
+      if (const toml::table* t = section(names_.drive)) read_drive(*t);
     if (const toml::table* t = section("sensors")) read_sensors(*t);
     if (const toml::node* faults = file_.get("fault")) read_faults(*faults);
     return std::move(scenario_);
@@ -87,7 +91,9 @@ class Reader {
   void read_start(const toml::table& t) {
     const std::array known{names_.position, names_.velocity};
     log::refuse_unknown_keys(t, name_, "[start]", known);
-    const double least = kind_ == Kind::hopper_linear ? 1e-3 : -names_.position_most;
+    const double least = kind_ == Kind::hopper_linear   ? 1e-3
+                         : kind_ == Kind::rail_carriage ? 0.0  // on its stop
+                                                        : -names_.position_most;
     number(t, names_.position, least, names_.position_most, names_.position_unit, scenario_.start_position);
     number(t, names_.velocity, -names_.velocity_most, names_.velocity_most, names_.velocity_unit,
            scenario_.start_velocity);
@@ -178,6 +184,10 @@ Scenario default_scenario(const model::Model& model) {
         1.25 * 2.0 * model.parameter("link_length_m") * std::cos(model.parameter("touchdown_angle_rad"));
     scenario.amplitude = 2.0;
     scenario.period_s = 0.3;
+  } else if (model.kind == Kind::rail_carriage) {
+    scenario.start_position = 1.0;
+    scenario.duration_s = 1.0;
+    scenario.profile = control::ProfileShape::zero;
   } else {
     scenario.amplitude = 1.0;
     scenario.period_s = 1.0;

@@ -28,17 +28,18 @@ struct Scenario {
 
 /// What holds for everything that a scenario file leaves out: the hopper starts at rest a quarter above its
 /// touch-down height and is driven with 2 N m, 0.3 s; an axis starts at rest at 0 and is driven with 1 N or
-/// 1 N m, 1 s; 5 s; ideal sensors; no faults.
+/// 1 N m, 1 s; a rail carriage starts at rest 1 m above its stop; 5 s, the carriage 1 s; ideal sensors; no
+/// faults.
 Scenario default_scenario(const model::Model& model);
 
 /// A scenario file for a model of this kind; an example is in docs/logs_and_models.md. @throws log::DataError
 /// naming file, line, key, value and what was expected.
 ///
-/// - `[start]` height_m, velocity_mps; on motor_axis position_m, velocity_mps; on rotary_joint angle_rad,
-///   velocity_radps.
+/// - `[start]` height_m, velocity_mps (rail_carriage: from 0, its stop, upwards); on motor_axis position_m,
+///   velocity_mps; on rotary_joint angle_rad, velocity_radps.
 /// - `[run]` duration_s.
 /// - `[torque]` profile ("harmonic", "constant", "zero"), amplitude_nm, period_s; on motor_axis it is
-///   `[force]`, and amplitude_n.
+///   `[force]`, and amplitude_n; nothing drives a rail carriage.
 /// - `[sensors]` quantisation, noise, bounce, jitter (true or false; the last two on the hopper alone).
 /// - `[[fault]]` time_s, kind, duration_s: on the hopper; without duration_s to the end, a late_tick 5 ms.
 Scenario read_scenario(const std::string& path, const model::Model& model);

@@ -109,6 +109,24 @@ void simulate_axis(const model::Model& model, const Scenario& scenario, std::uin
   }
 }
 
+void simulate_carriage(const model::Model& model, const Scenario& scenario, std::uint64_t seed,
+                       log::Log& log) {
+  dynamics::RailCarriage<double> plant(parameters_of<dynamics::RailCarriageParameters<double>>(model),
+                                       effects_of(model));
+  plant.reset(scenario.start_position, scenario.start_velocity);
+  sim_host::Encoder encoder(scenario.sensors, sim_host::kHeightCountM, seed);
+  const dynamics::Sensing<double> sensing(effects_of(model), 0.0);
+  const auto rows = static_cast<std::size_t>(std::llround(scenario.duration_s / SimBoard::kPeriodS));
+  bool fallen = false;
+  for (std::size_t row = 0; row < rows; ++row) {
+    fallen = fallen || plant.position() < 0.0 || (plant.position() == 0.0 && plant.velocity() <= 0.0);
+    log.columns["time_s"].push_back(static_cast<double>(row) * SimBoard::kPeriodS);
+    log.columns["height_m"].push_back(encoder.measure(sensing.measured(fallen ? 0.0 : plant.position())));
+    log.columns["contact"].push_back(fallen ? 1.0 : 0.0);
+    if (!fallen) plant.advance(0.0, SimBoard::kPeriodS);
+  }
+}
+
 /// measured(t) = true(t - skew), for the columns of the position's clock; between rows in a straight line,
 /// held at the ends.
 void skew_columns(const model::Model& model, log::Log& log) {
@@ -175,6 +193,10 @@ log::Log simulate(const model::Model& model, const Scenario& scenario, std::uint
     case Kind::rotary_joint:
       simulate_axis<dynamics::RotaryJointParameters<double>>(model, scenario, seed, log, "angle_rad",
                                                              "torque_nm", sim_host::kJointCountRad);
+      break;
+    case Kind::rail_carriage:
+      for (const char* key : {"profile", "amplitude", "period_s"}) log.metadata.erase(key);
+      simulate_carriage(model, scenario, seed, log);
       break;
   }
   if (log.rows() > 1) skew_columns(model, log);

@@ -19,6 +19,8 @@ namespace furcula::sim {
 ///   noise, the controller's estimate (differences of counts over 5 ms, so that of 2.5 ms ago), else the
 ///   plant's. torque_nm is the drive's echo of the command. Rows whose height is not a number are left out.
 /// - motor_axis: time_s, position_m, force_n. rotary_joint: time_s, angle_rad, torque_nm.
+/// - rail_carriage: time_s, height_m, contact. Its stop is at height 0; a carriage that falls onto it lies
+///   there to the end.
 ///
 /// The same arguments give the same log.
 log::Log simulate(const model::Model& model, const Scenario& scenario, std::uint64_t seed);

@@ -32,6 +32,9 @@ gravity_torque_nm = 2.6
 damping_nmspr = 0.1
 )",
                        "joint"),
+    model::parse_model(
+        kHead + "\"rail_carriage\"\n[parameters]\nmass_kg = 1.6\ndamping_nspm = 1.0\ngravity_mps2 = 9.81\n",
+        "carriage"),
 };
 
 }  // namespace

@@ -66,3 +66,30 @@ TEST_CASE("a quantised joint's angle is in whole counts of a 13-bit encoder") {
   for (const double angle : log.at("angle_rad"))
     REQUIRE(std::abs(angle / count - std::nearbyint(angle / count)) < 1e-9);
 }
+
+TEST_CASE("a carriage without friction falls by g t^2 / 2 onto its stop at height 0 and stays there") {
+  auto model = machine(dynamics::Kind::rail_carriage, {2.0, 0.0, 9.81});
+  sim::Scenario scenario = sim::default_scenario(model);
+  scenario.start_position = 0.5;
+  const log::Log log = sim::simulate(model, scenario, 1);
+  REQUIRE(log.rows() == 1000);
+  CHECK(log.rig == "rail_carriage");
+  CHECK_FALSE(log.has("force_n"));
+  const double landing_s = std::sqrt(2.0 * 0.5 / 9.81);
+  for (std::size_t row = 0; row < log.rows(); ++row) {
+    const double t = log.time_s()[row];
+    CAPTURE(t);
+    REQUIRE(log.at("contact")[row] == (t > landing_s ? 1.0 : 0.0));
+    REQUIRE(log.at("height_m")[row] == Approx(t > landing_s ? 0.0 : 0.5 - 0.5 * 9.81 * t * t).margin(1e-9));
+  }
+}
+
+TEST_CASE("a carriage thrown up from its stop is in flight until it is back") {
+  auto model = machine(dynamics::Kind::rail_carriage, {2.0, 0.0, 9.81});
+  sim::Scenario scenario = sim::default_scenario(model);
+  scenario.start_position = 0.0;
+  scenario.start_velocity = 3.0;
+  const log::Log log = sim::simulate(model, scenario, 1);
+  for (std::size_t row = 0; row < log.rows(); ++row)
+    REQUIRE(log.at("contact")[row] == (log.time_s()[row] > 2.0 * 3.0 / 9.81 ? 1.0 : 0.0));
+}

@@ -85,6 +85,12 @@ TEST_CASE("on the other machines the keys carry their units") {
   CHECK(axis.period_s == 2.0);
   const auto joint = parse("[start]\nangle_rad = 3\nvelocity_radps = 1\n[torque]\nprofile = \"zero\"\n",
                            dynamics::Kind::rotary_joint);
+  const auto carriage = parse("[start]\nheight_m = 0\nvelocity_mps = 3\n[run]\nduration_s = 0.5\n",
+                              dynamics::Kind::rail_carriage);
+  CHECK(carriage.start_position == 0.0);
+  CHECK(carriage.start_velocity == 3.0);
+  CHECK(carriage.profile == control::ProfileShape::zero);
+  CHECK(parse("", dynamics::Kind::rail_carriage).start_position == 1.0);
   CHECK(joint.start_position == 3.0);
   CHECK(joint.start_velocity == 1.0);
   CHECK(joint.profile == control::ProfileShape::zero);
@@ -120,6 +126,10 @@ TEST_CASE("what is not understood is refused with file, line, value and what was
 TEST_CASE("what only the hopper has is refused on an axis") {
   CHECK_THAT(message("[torque]\nprofile = \"zero\"\n", dynamics::Kind::motor_axis),
              Contains("'torque'") && Contains("motor_axis"));
+  CHECK_THAT(message("[force]\nprofile = \"zero\"\n", dynamics::Kind::rail_carriage),
+             Contains("'force'") && Contains("rail_carriage"));
+  CHECK_THAT(message("[start]\nheight_m = -0.1\n", dynamics::Kind::rail_carriage),
+             Contains("expected a number from 0 to 100 m"));
   CHECK_THAT(message("[sensors]\nbounce = true\n", dynamics::Kind::motor_axis), Contains("'bounce'"));
   CHECK_THAT(message("[[fault]]\ntime_s = 1\nkind = \"peer_lost\"\n", dynamics::Kind::rotary_joint),
              Contains("'fault'"));

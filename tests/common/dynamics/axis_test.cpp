@@ -8,6 +8,7 @@
 using furcula::dynamics::Effect;
 using furcula::dynamics::Effects;
 using furcula::dynamics::MotorAxis;
+using furcula::dynamics::RailCarriage;
 using furcula::dynamics::RotaryJoint;
 
 TEST_CASE("A motor axis approaches its terminal speed exponentially, whatever the step") {
@@ -80,4 +81,47 @@ TEST_CASE("A joint held by friction stays where gravity's torque is below it") {
   joint.reset(0.14, 0.0);  // 0.516
   joint.advance(0.0, 2e-3);
   CHECK(joint.velocity() < 0.0);
+}
+
+TEST_CASE("A carriage's fall approaches m g / d exponentially, whatever the step") {
+  constexpr double kMass = 1.6, kDamping = 2.3, kGravity = 9.81;
+  constexpr double kTerminal = kMass * kGravity / kDamping, kRate = kDamping / kMass;
+  for (const double thrown : {0.0, 3.2})
+    for (const double step : {1e-3, 0.0173, 0.4}) {
+      RailCarriage<double> carriage({.mass_kg = kMass, .damping_nspm = kDamping, .gravity_mps2 = kGravity});
+      carriage.reset(0.7, thrown);
+      double t = 0.0;
+      for (; t < 0.9; t += step) carriage.advance(0.0, step);
+      CAPTURE(thrown, step);
+      // v = -vt + (v0 + vt) exp(-d t / m), and its integral
+      const double gone = -std::expm1(-kRate * t);
+      CHECK(carriage.velocity() == Approx(-kTerminal + (thrown + kTerminal) * (1.0 - gone)).epsilon(1e-11));
+      CHECK(carriage.position() ==
+            Approx(0.7 - kTerminal * t + (thrown + kTerminal) * gone / kRate).epsilon(1e-11));
+    }
+}
+
+TEST_CASE("A carriage thrown up against dry friction turns after v / (g + Fc/m) and falls with g - Fc/m") {
+  Effects<double> effects;
+  effects.set(Effect::coulomb_friction, 0, 3.0);
+  RailCarriage<double> carriage({.mass_kg = 1.5, .damping_nspm = 0.0, .gravity_mps2 = 9.81}, effects);
+  carriage.reset(0.0, 2.0);
+  const double up = 2.0 / 11.81, top = 4.0 / (2.0 * 11.81), down = 0.5 - up;
+  for (int n = 0; n < 500; ++n) carriage.advance(0.0, 1e-3);
+  CHECK(carriage.velocity() == Approx(-7.81 * down).epsilon(1e-9));
+  CHECK(carriage.position() == Approx(top - 0.5 * 7.81 * down * down).epsilon(1e-9));
+}
+
+TEST_CASE("On a rail tilt scales gravity, and a heavier carriage is slowed less by the same damping") {
+  Effects<double> tilt, heavier;
+  tilt.set(Effect::guide_tilt, 0, 0.6);
+  heavier.set(Effect::mass_error, 0, 3.0);
+  RailCarriage<double> tilted({.mass_kg = 1.5, .damping_nspm = 0.0, .gravity_mps2 = 9.81}, tilt);
+  tilted.reset(0.0, 0.0);
+  tilted.advance(0.0, 0.3);
+  CHECK(tilted.velocity() == Approx(-9.81 * std::cos(0.6) * 0.3).epsilon(1e-12));
+  RailCarriage<double> heavy({.mass_kg = 1.5, .damping_nspm = 2.0, .gravity_mps2 = 9.81}, heavier);
+  heavy.reset(0.0, 0.0);
+  heavy.advance(0.0, 0.3);
+  CHECK(heavy.velocity() == Approx(3.0 * 9.81 / 2.0 * std::expm1(-2.0 / 3.0 * 0.3)).epsilon(1e-12));
 }

@@ -45,3 +45,12 @@ TEST_CASE("Spring, torque and touch-down effects exist on the hopper alone") {
     CHECK_FALSE(applies(e, Kind::rotary_joint));
   }
 }
+
+TEST_CASE("A rail carriage, which nothing drives and nothing springs, has no effects of either") {
+  for (const EffectInfo& e : kCatalogue) {
+    CAPTURE(std::string(e.name));
+    const bool possible = e.effect <= Effect::mass_error || e.effect == Effect::height_scale_error ||
+                          e.effect == Effect::height_eccentricity;
+    CHECK(applies(e.effect, Kind::rail_carriage) == possible);
+  }
+}

@@ -44,6 +44,61 @@ inline model::Model axis_model(double mass, double damping) {
   return m;
 }
 
+/// One flight of a rail carriage, 1 kHz, until it is back at height 0 and 50 ms after, on its stop: with dry
+/// friction Fc and a constant force between turning points v' = (F - Fc sgn v - d v)/m - g has a closed form.
+struct Flight {
+  double mass = 2.0, damping = 1.0, friction = 0.0, force = 0.0;
+  double height = 1.0, velocity = 0.0;  ///< at the start
+};
+inline log::Log flight_log(const Flight& f, double noise_m, unsigned seed) {
+  std::mt19937_64 random(seed);
+  std::normal_distribution<double> noise(0.0, noise_m > 0.0 ? noise_m : 1.0);
+  const double rate = f.damping / f.mass, weight = 9.81 * f.mass;
+  // Upwards to the turn, then downwards: (v0, terminal velocity, duration) of each leg.
+  const double up = (f.force - f.friction - weight) / f.damping;
+  const double down = (f.force + f.friction - weight) / f.damping;
+  const double turn_s = f.velocity > 0.0 ? std::log1p(-f.velocity / up) / rate : 0.0;
+  const auto travel = [rate](double v0, double terminal, double t) {
+    return terminal * t - (v0 - terminal) * std::expm1(-rate * t) / rate;
+  };
+  const double top = f.height + travel(f.velocity, up, turn_s);
+  log::Log log;
+  log.path = "flight-" + std::to_string(seed) + ".csv";
+  log.rig = "rail_carriage";
+  for (int n = 0, lying = 0; lying < 50; ++n) {
+    const double t = 1e-3 * n;
+    const double z = t < turn_s ? f.height + travel(f.velocity, up, t) : top + travel(0.0, down, t - turn_s);
+    const bool touches = z < 0.0;
+    lying += touches ? 1 : 0;
+    log.columns["time_s"].push_back(t);
+    log.columns["height_m"].push_back((touches ? 0.0 : z) + (noise_m > 0.0 ? noise(random) : 0.0));
+    log.columns["contact"].push_back(touches ? 1.0 : 0.0);
+  }
+  return log;
+}
+
+/// `count` flights: falls from rest at 0.5 to 1.5 m, or every second one thrown up from the stop with 2.5 to
+/// 4.5 m/s. Noise of a count of the rig's encoder.
+inline std::vector<log::Log> flight_logs(Flight f, bool throws, unsigned first, unsigned count) {
+  std::vector<log::Log> logs;
+  for (unsigned i = first; i < first + count; ++i) {
+    const double share = std::fmod(0.381966 * i, 1.0);
+    const bool thrown = throws && i % 2 == 1;
+    f.height = thrown ? 0.0 : 0.5 + share;
+    f.velocity = thrown ? 2.5 + 2.0 * share : 0.0;
+    logs.push_back(flight_log(f, 9e-5, i));
+  }
+  return logs;
+}
+
+inline model::Model carriage_model() {
+  model::Model m;
+  m.kind = dynamics::Kind::rail_carriage;
+  m.parameters = {2.0, 1.0, 9.81};
+  m.free = {{1, {0.0, 20.0}}};
+  return m;
+}
+
 /// The hopper of document 002's identification: known k, z0, g; mass and dampings free.
 inline model::Model hopper_model() {
   model::Model m;

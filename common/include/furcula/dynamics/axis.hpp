@@ -1,6 +1,6 @@
-// A driven axis without contact: a linear motor axis or a rotary joint under gravity. Dry friction, where it
-// is switched on, holds the axis at rest until the applied force exceeds it; turning points are located
-// inside the step.
+// An axis without contact: a linear motor axis, a rotary joint under gravity, or a carriage in free flight on
+// a vertical rail. Dry friction, where it is switched on, holds the axis at rest until the applied force
+// exceeds it; turning points are located inside the step.
 #pragma once
 
 #include <cmath>
@@ -12,14 +12,16 @@
 
 namespace furcula::dynamics {
 
-/// m x'' = u - d x' - load(x) + effects, with load = 0 (MotorAxisParameters) or gravity_torque sin(x)
-/// (RotaryJointParameters; angle 0 hanging down). The input u (N or N m) is held over a step; forces that
-/// depend on position or speed are taken at the step's predicted midpoint.
+/// m x'' = u - d x' - load(x) + effects, with load = 0 (MotorAxisParameters), gravity_torque sin(x)
+/// (RotaryJointParameters; angle 0 hanging down) or m g (RailCarriageParameters; up positive, u = 0). The
+/// input u (N or N m) is held over a step; forces that depend on position or speed are taken at the step's
+/// predicted midpoint.
 template <class Parameters, class T>
 class Axis {
  public:
   using V = ValueOf<T>;
   static constexpr bool kRotary = Parameters::kKind == Kind::rotary_joint;
+  static constexpr bool kVertical = Parameters::kKind == Kind::rail_carriage;
 
   Axis(const Parameters& p, const Effects<T>& effects = {})
       : p_(p), e_(effects), rotor_(effects), dry_(has_dry_friction(e_)) {
@@ -31,9 +33,16 @@ class Axis {
       mass = p.mass_kg;
       damping = p.damping_nspm;
     }
-    inverse_mass_ = T(V(1)) / e_.value_or(Effect::mass_error, mass);
+    mass = e_.value_or(Effect::mass_error, mass);
+    inverse_mass_ = T(V(1)) / mass;
     delta_ = e_.value_or(Effect::damping_error, damping) * inverse_mass_;
     constant_force_ = e_.has(Effect::force_offset) ? e_.value(Effect::force_offset) : T(V(0));
+    if constexpr (kVertical) {
+      using std::cos;
+      T weight = mass * p.gravity_mps2;
+      if (e_.has(Effect::guide_tilt)) weight *= cos(e_.value(Effect::guide_tilt));
+      constant_force_ -= weight;
+    }
   }
 
   /// Starts at a position (m or rad) and velocity.
@@ -191,5 +200,7 @@ template <class T>
 using MotorAxis = Axis<MotorAxisParameters<T>, T>;
 template <class T>
 using RotaryJoint = Axis<RotaryJointParameters<T>, T>;
+template <class T>
+using RailCarriage = Axis<RailCarriageParameters<T>, T>;
 
 }  // namespace furcula::dynamics

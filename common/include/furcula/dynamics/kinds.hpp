@@ -11,9 +11,9 @@
 
 namespace furcula::dynamics {
 
-enum class Kind : std::uint8_t { hopper_linear, motor_axis, rotary_joint };
+enum class Kind : std::uint8_t { hopper_linear, motor_axis, rotary_joint, rail_carriage };
 
-inline constexpr std::size_t kKindCount = 3;
+inline constexpr std::size_t kKindCount = 4;
 
 /// One parameter of a kind. `lower` and `upper` are the values that make physical sense at all; a file
 /// outside of them is refused. They are not the bounds of a fit: those stand in the model's [free] table.
@@ -53,6 +53,13 @@ inline constexpr std::array<ParameterInfo, 3> kRotaryJointParameters{{
     {"damping_nmspr", "N m s/rad", 0.0, 1e4, "viscous friction"},
 }};
 
+// In the order of the members of RailCarriageParameters.
+inline constexpr std::array<ParameterInfo, 3> kRailCarriageParameters{{
+    {"mass_kg", "kg", 1e-3, 1e3, "mass of the carriage"},
+    {"damping_nspm", "N s/m", 0.0, 1e4, "viscous friction of the rail"},
+    {"gravity_mps2", "m/s^2", 0.0, 30.0, "gravity"},
+}};
+
 struct KindInfo {
   Kind kind;
   std::string_view name;  ///< in the model file
@@ -65,6 +72,7 @@ inline constexpr std::array<KindInfo, kKindCount> kKinds{{
     {Kind::hopper_linear, "hopper_linear", "hopper", kHopperLinearParameters, false},
     {Kind::motor_axis, "motor_axis", "motor_axis", kMotorAxisParameters, false},
     {Kind::rotary_joint, "rotary_joint", "rotary_joint", kRotaryJointParameters, true},
+    {Kind::rail_carriage, "rail_carriage", "rail_carriage", kRailCarriageParameters, false},
 }};
 
 constexpr const KindInfo& info(Kind kind) { return kKinds[static_cast<std::size_t>(kind)]; }

@@ -50,6 +50,17 @@ struct RotaryJointParameters {
   static_assert(kMembers.size() == kRotaryJointParameters.size());
 };
 
+template <class T>
+struct RailCarriageParameters {
+  static constexpr Kind kKind = Kind::rail_carriage;
+  T mass_kg{}, damping_nspm{}, gravity_mps2{};
+
+  using Self = RailCarriageParameters;
+  static constexpr std::array<T Self::*, 3> kMembers{&Self::mass_kg, &Self::damping_nspm,
+                                                     &Self::gravity_mps2};
+  static_assert(kMembers.size() == kRailCarriageParameters.size());
+};
+
 /// The struct from values in the order of the kind's table (`values.size()` = number of parameters).
 template <class Parameters, class T>
 constexpr Parameters from_table(std::span<const T> values) {

@@ -87,9 +87,11 @@ struct EffectInfo {
 
 namespace detail {
 constexpr std::uint8_t bit(Kind k) { return static_cast<std::uint8_t>(1u << static_cast<unsigned>(k)); }
-inline constexpr std::uint8_t kAllKinds =
+inline constexpr std::uint8_t kDriven =
     bit(Kind::hopper_linear) | bit(Kind::motor_axis) | bit(Kind::rotary_joint);
+inline constexpr std::uint8_t kAllKinds = kDriven | bit(Kind::rail_carriage);
 inline constexpr std::uint8_t kHopper = bit(Kind::hopper_linear);
+inline constexpr std::uint8_t kVertical = kHopper | bit(Kind::rail_carriage);
 inline constexpr double kUnset = __builtin_nan("");
 }  // namespace detail
 
@@ -106,8 +108,7 @@ inline constexpr std::array<EffectInfo, kEffectCount> kCatalogue{{
      "Dry friction: a force of constant size against the motion, whatever the speed.",
      "Guides, bearings, seals and belts: look for dirt, preload and dry rails.",
      "Slow strokes in both directions, and a free swing or drop that dies out: the loss a cycle does not "
-     "shrink "
-     "with the speed."},
+     "shrink with the speed. On a rail, throws upwards beside falls: friction brakes both ways."},
     {Effect::stribeck_friction,
      "stribeck_friction",
      "dry friction that rises towards standstill",
@@ -192,14 +193,15 @@ inline constexpr std::array<EffectInfo, kEffectCount> kCatalogue{{
      "guide_tilt",
      "a tilt of the guide",
      Stage::mechanism,
-     detail::kHopper,
+     detail::kVertical,
      "flight+stance",
      "gravity scaled by cos(tilt)",
      {{{"tilt_rad", "tilt_rad", "rad", "rad", 0.0, 1.3, 0.0}}},
      1,
      "The guide is not vertical, so that less of gravity acts along it.",
      "The guide against a plumb line.",
-     "A level on the guide, or long falls without torque: the acceleration in free flight."},
+     "A level on the guide, or long falls without torque: the acceleration in free flight, the same up "
+     "and down."},
     {Effect::mass_error,
      "mass_error",
      "the true mass",
@@ -316,7 +318,7 @@ inline constexpr std::array<EffectInfo, kEffectCount> kCatalogue{{
      "actuator_delay",
      "a delay of the drive",
      Stage::actuation,
-     detail::kAllKinds,
+     detail::kDriven,
      "stance",
      "pure delay",
      {{{"delay_s", "delay_s", "s", "s", 0.0, 0.2, 0.0}}},
@@ -328,7 +330,7 @@ inline constexpr std::array<EffectInfo, kEffectCount> kCatalogue{{
      "actuator_lag",
      "a lag of the drive",
      Stage::actuation,
-     detail::kAllKinds,
+     detail::kDriven,
      "stance",
      "first-order lag",
      {{{"time_constant_s", "time_constant_s", "s", "s", 0.0, 1.0, 0.0}}},
@@ -340,7 +342,7 @@ inline constexpr std::array<EffectInfo, kEffectCount> kCatalogue{{
      "torque_saturation",
      "a limit of the drive",
      Stage::actuation,
-     detail::kAllKinds,
+     detail::kDriven,
      "stance",
      "magnitude limited",
      {{{"limit_n", "limit_nm", "N", "N m", 0.0, 1e4, detail::kUnset}}},
@@ -366,7 +368,7 @@ inline constexpr std::array<EffectInfo, kEffectCount> kCatalogue{{
      "thermal_derating",
      "a motor that weakens as it warms",
      Stage::actuation,
-     detail::kAllKinds,
+     detail::kDriven,
      "stance",
      "gain falls exponentially with the seconds that torque was commanded",
      {{{"final_gain", "final_gain", "", "", 0.0, 1.0, 1.0},
@@ -452,9 +454,9 @@ inline constexpr std::array<EffectInfo, kEffectCount> kCatalogue{{
      "height_scale_error",
      "a wrong scale of the height",
      Stage::sensing,
-     detail::kHopper,
+     detail::kVertical,
      "flight+stance",
-     "measured = scale x true, about the touch-down height",
+     "measured = scale x true, about the touch-down height (on a rail carriage about zero)",
      {{{"scale", "scale", "", "", 0.5, 2.0, 1.0}}},
      1,
      "The height is measured in too large or too small steps.",
@@ -464,7 +466,7 @@ inline constexpr std::array<EffectInfo, kEffectCount> kCatalogue{{
      "height_eccentricity",
      "an eccentric encoder",
      Stage::sensing,
-     detail::kHopper,
+     detail::kVertical,
      "flight+stance",
      "measured = true + A sin(2 pi z / pitch + phi)",
      {{{"amplitude_m", "amplitude_m", "m", "m", 0.0, 0.1, 0.0},
@@ -490,7 +492,7 @@ inline constexpr std::array<EffectInfo, kEffectCount> kCatalogue{{
      "time_skew",
      "a skew between the clocks of position and torque",
      Stage::sensing,
-     detail::kAllKinds,
+     detail::kDriven,
      "flight+stance",
      "measured(t) = true(t - skew)",
      {{{"skew_s", "skew_s", "s", "s", -0.1, 0.1, 0.0}}},
