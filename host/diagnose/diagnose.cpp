@@ -45,7 +45,6 @@ bool always_same(const model::Model& model, const std::vector<Effect>& a, const 
   const std::vector<Pair> table{
       {{Effect::asymmetric_friction}, {Effect::coulomb_friction, Effect::force_offset}, true},
       {{Effect::rest_height_error}, {Effect::spring_preload}, true},
-      {{Effect::force_offset}, {Effect::guide_tilt}, true},
       // An axis has no third channel whose clock would tell which of the two is late.
       {{Effect::actuator_delay}, {Effect::time_skew}, !hopper},
       // With mass and damping free, a torque gain and a spring rate divided by it are the same equation.
@@ -53,8 +52,20 @@ bool always_same(const model::Model& model, const std::vector<Effect>& a, const 
        {Effect::torque_gain_error},
        is_free("mass_kg") && is_free("damping_stance_nspm") && is_free("damping_flight_nspm")},
   };
-  Set x(a.begin(), a.end()), y(b.begin(), b.end());
-  for (Effect e : a)
+  // On a vertical rail a tilt is an upward offset. So is a wrong scale in free flight, where the other
+  // forces' sizes take it in too (as long as the model holds none).
+  const bool scale_is_offset = model.kind == Kind::rail_carriage && model.effects.empty();
+  const auto laws = [&](const std::vector<Effect>& effects) {
+    Set set;
+    for (Effect e : effects) {
+      const bool offset = e == Effect::guide_tilt || (e == Effect::height_scale_error && scale_is_offset);
+      set.insert(offset ? Effect::force_offset : e);
+    }
+    return set;
+  };
+  Set x = laws(a), y = laws(b);
+  if (x == y) return true;
+  for (Effect e : laws(a))
     if (y.contains(e)) x.erase(e), y.erase(e);
   for (const Pair& p : table)
     if (p.always && ((x == p.one && y == p.other) || (x == p.other && y == p.one))) return true;

@@ -1,0 +1,113 @@
+// Causes planted in the flights of a rail carriage: what falls show, what only throws do, and what neither
+// can.
+#include <catch2/catch.hpp>
+#include <set>
+
+#include "host/diagnose/diagnose.hpp"
+#include "host/diagnose/diagnosis_json.hpp"
+#include "host/log/error.hpp"
+#include "tests/host/identify/synthetic.hpp"
+
+using namespace furcula;
+using diagnose::Verdict;
+using dynamics::Effect;
+using test::Flight;
+
+namespace {
+
+diagnose::Diagnosis diagnosed(const Flight& truth, bool throws,
+                              const model::Model& model = test::carriage_model()) {
+  return diagnose::diagnose(model, test::flight_logs(truth, throws, 1, 10),
+                            test::flight_logs(truth, throws, 50, 2));
+}
+
+std::string text(const diagnose::Diagnosis& d) { return diagnose::to_json_text(d); }
+
+/// Single effects that a finding cannot be told from.
+std::set<std::string> rivals(const diagnose::Finding& f) {
+  std::set<std::string> all;
+  for (const auto& r : f.indistinguishable_from)
+    if (r.names.size() == 1) all.insert(r.names.front());
+  return all;
+}
+
+}  // namespace
+
+TEST_CASE("A carriage without a hidden cause is adequate, in falls and in throws") {
+  for (const bool throws : {false, true}) {
+    const auto d = diagnosed({.damping = 1.4}, throws);
+    INFO(text(d));
+    CHECK(d.verdict == Verdict::adequate);
+    CHECK(d.findings.empty());
+  }
+}
+
+TEST_CASE("Falls alone do not tell friction from an offset or a tilt, and the diagnosis says so") {
+  for (const Flight& truth : {Flight{.friction = 1.2}, Flight{.force = 1.2}}) {
+    const auto d = diagnosed(truth, false);
+    INFO(text(d));
+    CHECK(d.verdict == Verdict::not_identifiable);
+    REQUIRE(d.findings.size() == 1);
+    CHECK(d.findings[0].effect == Effect::coulomb_friction);  // the first of the catalogue
+    CHECK(d.findings[0].parameters.at("force_n").value == Approx(1.2).epsilon(0.02));
+    CHECK(rivals(d.findings[0]).contains("force_offset"));
+    CHECK(rivals(d.findings[0]).contains("guide_tilt"));
+    CHECK(d.findings[0].confidence <= 0.5);
+    CHECK_THAT(d.next_experiment, Catch::Contains("throws upwards"));
+  }
+}
+
+TEST_CASE("Throws upwards name dry friction, with its size in the interval") {
+  const auto d = diagnosed({.friction = 1.2}, true);
+  INFO(text(d));
+  CHECK(d.verdict == Verdict::explained);
+  REQUIRE(d.findings.size() == 1);
+  CHECK(d.findings[0].effect == Effect::coulomb_friction);
+  CHECK(d.findings[0].indistinguishable_from.empty());
+  const auto& force = d.findings[0].parameters.at("force_n");
+  CHECK(force.value == Approx(1.2).epsilon(0.01));
+  CHECK(force.lower < 1.2);
+  CHECK(force.upper > 1.2);
+}
+
+TEST_CASE("A constant force, a tilt and a wrong scale are one law in free flight, named by the first") {
+  for (const double force : {1.2, -1.2}) {
+    const auto d = diagnosed({.force = force}, true);
+    INFO(text(d));
+    CHECK(d.verdict == Verdict::explained);
+    REQUIRE(d.findings.size() == 1);
+    CHECK(d.findings[0].effect == Effect::force_offset);
+    CHECK(d.findings[0].parameters.at("force_n").value == Approx(force).epsilon(0.01));
+    CHECK(rivals(d.findings[0]).contains("guide_tilt") == (force > 0.0));  // a tilt takes weight off
+    CHECK(rivals(d.findings[0]).contains("height_scale_error"));
+  }
+}
+
+TEST_CASE("Friction of different size up and down is told from friction alone by throws") {
+  const auto d = diagnosed({.friction = 1.5, .force = 0.5}, true);
+  INFO(text(d));
+  CHECK(d.verdict == Verdict::explained);
+  REQUIRE(d.findings.size() == 1);
+  CHECK(d.findings[0].effect == Effect::asymmetric_friction);
+  CHECK(d.findings[0].parameters.at("force_up_n").value == Approx(1.0).epsilon(0.02));
+  CHECK(d.findings[0].parameters.at("force_down_n").value == Approx(2.0).epsilon(0.02));
+}
+
+TEST_CASE("Where nothing is free, a wrong damping and a wrong mass cannot be told apart") {
+  auto model = test::carriage_model();
+  model.free.clear();
+  const auto d = diagnosed({.damping = 3.0}, true, model);
+  INFO(text(d));
+  CHECK(d.verdict == Verdict::not_identifiable);
+  REQUIRE(d.findings.size() == 1);
+  CHECK(d.findings[0].effect == Effect::damping_error);
+  CHECK(d.findings[0].parameters.at("damping_nspm").value == Approx(3.0).epsilon(0.01));
+  CHECK(rivals(d.findings[0]) == std::set<std::string>{"mass_error"});
+}
+
+TEST_CASE("Logs without a flight are refused with what was expected") {
+  auto logs = test::flight_logs({}, false, 1, 3);
+  for (auto& log : logs) log.columns["contact"].assign(log.rows(), 1.0);
+  CHECK_THROWS_WITH(diagnose::diagnose(test::carriage_model(), logs, logs),
+                    Catch::Contains("flight-1.csv") && Catch::Contains("no free flight"));
+}
