@@ -23,6 +23,7 @@ constexpr std::size_t kMostTraces = 96;
 constexpr double kWithinNoise = 2.0;
 constexpr double kSmallRemainder = 0.1;
 constexpr const char* kContact = "contact";
+constexpr const char* kDrive = "torque";
 
 std::vector<std::string> strings(const std::vector<Effect>& effects) {
   std::vector<std::string> all;
@@ -128,7 +129,7 @@ class Assembly {
   }
 
   Diagnosis run() {
-    const Trainer trainer{model_, training_, training_windows_, options_.threads, options_.progress};
+    Trainer trainer{model_, training_, training_windows_, options_.threads, options_.progress};
     selection_ = trainer.select();
     starts_ = identify::start_states(held_out_, held_out_windows_, selection_.refitted.fitted);
     describe_data();
@@ -177,7 +178,9 @@ class Assembly {
 
   Errors on_held_out(const model::Model& m) const {
     Errors errors = identify::prediction_errors(m, held_out_, held_out_windows_, starts_);
-    if (const auto contact = identify::contact_errors(m, held_out_windows_)) errors[kContact] = *contact;
+    if (const auto contact = identify::contact_errors(m, held_out_, held_out_windows_))
+      errors[kContact] = *contact;
+    if (const auto drive = identify::drive_errors(m, held_out_, held_out_windows_)) errors[kDrive] = *drive;
     return errors;
   }
   double nmse(const Errors& e) const { return e.at(d_.main_channel).nmse; }
@@ -200,7 +203,9 @@ class Assembly {
       f.effect = e;
       f.parameters = effect_parameters(chosen, model_.kind, false, &e);
       const Errors without = on_held_out(selection_.without[i].fitted);
-      if (e == Effect::contact_delay) f.channel = kContact;
+      const identify::Channel judge = judged_on(e, training_);
+      if (judge == identify::Channel::contact) f.channel = kContact;
+      if (judge == identify::Channel::drive) f.channel = kDrive;
       const std::string& channel = f.channel.empty() ? d_.main_channel : f.channel;
       if (!without.contains(channel) || !d_.extended.contains(channel)) f.channel.clear();
       if (f.channel.empty()) {
@@ -208,17 +213,19 @@ class Assembly {
         f.held_out_mae_before = without.at(d_.main_channel).mae;
         f.held_out_mae_after = d_.extended.at(d_.main_channel).mae;
       } else {
-        // The floor: how far the reports scatter about the lag that the training recordings have.
-        const double scatter = contact_scatter();
+        // The floor: how far the reports scatter about the lag that the training recordings have; what the
+        // current sensor resolves.
+        const double scatter = f.channel == kContact ? contact_scatter() : held_out_.front().drive_noise;
         const auto& b = without.at(channel);
         const auto& a = d_.extended.at(channel);
         f.explainable_nmse_removed = explained_share(b.rmse * b.rmse, a.rmse * a.rmse, scatter * scatter);
         f.held_out_mae_before = b.mae;
         f.held_out_mae_after = a.mae;
-        contact_helps_ = a.rmse < b.rmse;
+        other_channel_helps_ = a.rmse < b.rmse;
       }
       f.explanation = std::string(dynamics::info(e).explanation);
       f.next_experiment = std::string(dynamics::info(e).best_experiment);
+      if (e == Effect::encoder_slip) slips(f);
       double margin = selection_.against_without[i].evidence - selection_.against_without[i].threshold;
       for (const auto& rival : selection_.equals)
         if (rival.of == e) {
@@ -254,6 +261,24 @@ class Assembly {
     }
     std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
     for (auto& [cost, f] : all) d_.findings.push_back(std::move(f));
+  }
+
+  /// The largest step with its interval, and all of them.
+  void slips(Finding& f) const {
+    const auto& table = dynamics::info(Effect::encoder_slip).parameter_table;
+    double largest = 0.0;
+    for (const auto* recordings : {&training_, &held_out_})
+      for (const Recording& r : *recordings)
+        for (const identify::Slip& slip : r.slips) {
+          const double time_s = r.time_s[slip.row] - r.time_s.front();
+          const double half_s = 0.5 * (r.time_s[slip.row] - r.time_s[slip.row - 1]);
+          f.events.push_back({r.name, time_s, slip.step});
+          if (recordings != &training_ || std::abs(slip.step) <= largest) continue;
+          largest = std::abs(slip.step);
+          f.parameters[std::string(name_on(table[0], model_.kind))] = {
+              slip.step, slip.step - 1.96 * slip.deviation, slip.step + 1.96 * slip.deviation};
+          f.parameters["time_s"] = {time_s - half_s, time_s - 2.0 * half_s, time_s};
+        }
   }
 
   double contact_scatter() const {
@@ -344,10 +369,10 @@ class Assembly {
                    : training_windows_.windows.size() / training_windows_.layers < kFewestWindows
                        ? Verdict::not_identifiable
                        : Verdict::unexplained;
-    else if (contact_alone())
-      d_.verdict = !contact_helps_ ? Verdict::not_identifiable
-                   : noise_alone   ? Verdict::explained
-                                   : Verdict::partly_explained;
+    else if (other_channels_alone())
+      d_.verdict = !other_channel_helps_ ? Verdict::not_identifiable
+                   : noise_alone         ? Verdict::explained
+                                         : Verdict::partly_explained;
     else if (undecided_ ||
              after >= before)  // what helps on the training recordings, the held-out ones refute
       d_.verdict = Verdict::not_identifiable;
@@ -355,7 +380,10 @@ class Assembly {
       d_.verdict = noise_alone || little ? Verdict::explained : Verdict::partly_explained;
   }
 
-  bool contact_alone() const { return d_.findings.size() == 1 && d_.findings.front().channel == kContact; }
+  bool other_channels_alone() const {
+    return std::all_of(d_.findings.begin(), d_.findings.end(),
+                       [](const Finding& f) { return !f.channel.empty(); });
+  }
 
   /// Nothing is missing that these recordings show: the re-fitted model stands, and causes that fit its noise
   /// are no causes.
@@ -408,7 +436,7 @@ class Assembly {
   Selection selection_;
   Diagnosis d_;
   bool undecided_ = false;
-  bool contact_helps_ = false;
+  bool other_channel_helps_ = false;
 };
 
 }  // namespace

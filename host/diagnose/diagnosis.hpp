@@ -40,6 +40,13 @@ struct Finding {
   double held_out_mae_before = 0.0;       ///< of the main channel, without the effect, all else re-fitted
   double held_out_mae_after = 0.0;
   double confidence = 0.0;
+  /// encoder_slip: each jump, of the held-out recordings too.
+  struct Event {
+    std::string log;
+    double time_s = 0.0;  ///< since the log's first row
+    double step = 0.0;    ///< m or rad
+  };
+  std::vector<Event> events;
   bool undecided = false;  ///< another law explains the training recordings as well
   std::vector<Rival> alternatives;
   std::vector<Rival> indistinguishable_from;

@@ -61,6 +61,14 @@ Json finding(const Finding& f, const Diagnosis& d) {
   out["parameters"] = object_of(f.parameters);
   out["gain"] = gain;
   out["confidence"] = number(f.confidence);
+  if (!f.events.empty()) {
+    Json events = Json::array();
+    const bool rotary = dynamics::info(d.kind).rotary;
+    for (const Finding::Event& e : f.events)
+      events.push_back(
+          {{"log", e.log}, {"time_s", number(e.time_s)}, {rotary ? "step_rad" : "step_m", number(e.step)}});
+    out["events"] = events;
+  }
   out["alternatives"] = rivals(f.alternatives, "why_not");
   out["indistinguishable_from"] = rivals(f.indistinguishable_from, "why");
   out["explanation"] = f.explanation;
@@ -76,6 +84,7 @@ std::string_view channel_suffix(std::string_view channel, dynamics::Kind kind) {
   if (channel == "leg_angle" || channel.starts_with("angle")) return "rad";
   if (channel.starts_with("velocity")) return rotary ? "radps" : "mps";
   if (channel == "contact") return "s";
+  if (channel == "torque") return "nm";
   return "";
 }
 

@@ -79,28 +79,19 @@ Proposer::Proposer(const Trainer& trainer)
     : t_(trainer),
       some_(spread_out(trainer.training.windows, kSome)),
       few_(spread_out(trainer.training.windows, kFew)) {
+  const Trainer::Scales scales = trainer.scales();
+  speed_ = scales.speed;
+  force_ = scales.force;
   std::vector<double> positions;
-  double squares = 0.0, inputs = 0.0, rows = 0.0;
   for (const auto& w : t_.training.windows) {
-    const auto& r = t_.recordings[w.recording];
-    for (std::size_t i = w.first; i <= w.last; ++i) {
-      positions.push_back(r.position[i]);
-      squares += r.velocity_smoothed[i] * r.velocity_smoothed[i];
-      inputs += r.input[i] * r.input[i];
-      rows += 1.0;
-    }
+    const auto& position = t_.recordings[w.recording].position;
+    positions.insert(positions.end(), position.begin() + static_cast<std::ptrdiff_t>(w.first),
+                     position.begin() + static_cast<std::ptrdiff_t>(w.last) + 1);
   }
   std::vector<double> sizes;
   for (const auto& r : t_.recordings)
     for (double u : r.input)
       if (u != 0.0) sizes.push_back(std::abs(u));
-  if (rows > 0.0) {
-    speed_ = std::sqrt(squares / rows);
-    // What moves the axis: the root mean square of the input, on a vertical rail the weight.
-    force_ = dynamics::parameter_index(t_.model.kind, "gravity_mps2")
-                 ? t_.model.parameter("mass_kg") * t_.model.parameter("gravity_mps2")
-                 : std::sqrt(inputs / rows);
-  }
   top_input_ = quantile(sizes, 0.99);
   low_ = quantile(positions, 0.01);
   high_ = quantile(positions, 0.99);
@@ -127,7 +118,7 @@ std::vector<Proposer::Values> Proposer::starts(Effect effect) const {
     case Effect::guide_tilt:
       return {{0.2}};
     case Effect::leg_inertia:
-      return {{1e-3, 2e-3, 5e-3}};
+      return {{1e-3, 2e-3, 5e-3}, {4e-3, 7e-3, 3e-2}};
     case Effect::actuator_delay:
       return {{2e-3}, {8e-3}, {20e-3}};
     case Effect::actuator_lag:
@@ -136,6 +127,8 @@ std::vector<Proposer::Values> Proposer::starts(Effect effect) const {
       return {{0.9 * top_input_}, {0.75 * top_input_}, {0.6 * top_input_}, {0.4 * top_input_}};
     case Effect::thermal_derating:
       return {{0.8, 1.0}, {0.8, 5.0}, {0.8, 25.0}};
+    case Effect::backlash:
+      return {{0.02}, {0.05}};
     case Effect::ground_compliance:
       return {{5e3, 20.0}, {2e4, 50.0}};
     case Effect::toe_sticking:
@@ -181,7 +174,8 @@ Proposer::Promise Proposer::step(const Hypothesis& on, const std::vector<Effect>
       high(k) = std::min(high(k), std::abs(at[i]));
     }
   }
-  const identify::Fit look = identify::look_by_simulation(t_.model, unknowns, at, t_.recordings, windows);
+  const identify::Fit look = identify::look_by_simulation(with_slips(t_.model, t_.recordings, larger),
+                                                          unknowns, at, t_.recordings, windows);
   Eigen::VectorXd gradient = Eigen::VectorXd::Zero(n);
   Eigen::MatrixXd information = Eigen::MatrixXd::Zero(n, n);
   for (const auto& share : look.shares) {

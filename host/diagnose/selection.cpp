@@ -16,6 +16,8 @@ constexpr std::size_t kMostEffects = 4;
 /// An effect that removes less than this share of what the re-fitted model leaves (measuring noise included)
 /// is not worth a name: differences of numerics between two honest simulators are of that size.
 constexpr double kSmallestGain = 0.04;
+/// Nor is one that removes less than this of what the re-fitted model without any effect leaves.
+constexpr double kSmallestWorth = 2e-3;
 /// Two sets whose evidence differs by less than this explain the data equally well (odds of about 20 to 1).
 constexpr double kEqualEvidence = 6.0;
 constexpr double kFalseAlarmLevel = 0.005;
@@ -140,6 +142,10 @@ std::vector<Effect> extended(std::vector<Effect> effects, Effect more) {
   return with(std::move(effects), more);
 }
 
+bool lacks(const Hypothesis& h, Effect e) {
+  return std::find(h.effects.begin(), h.effects.end(), e) == h.effects.end();
+}
+
 std::size_t parameters_of(const std::vector<Effect>& effects) {
   std::size_t count = 0;
   for (Effect e : effects) count += dynamics::info(e).parameter_count;
@@ -199,7 +205,7 @@ bool stands_out(const Hypothesis& h, const model::Model& model, Effect e, double
     const auto& u = h.unknowns[i];
     if (!u.of_effect || u.effect != e) continue;
     const auto& p = dynamics::info(e).parameter_table[u.parameter];
-    const bool of_model = dynamics::parameter_index(model.kind, p.name).has_value();
+    const bool of_model = dynamics::parameter_index(model.kind, name_on(p, model.kind)).has_value();
     if (std::isnan(p.neutral) && !of_model && u.parameter != 0) continue;
     sizes.push_back(static_cast<Eigen::Index>(i));
     away.push_back(h.fit.values[i] -
@@ -222,8 +228,12 @@ bool stands_out(const Hypothesis& h, const model::Model& model, Effect e, double
 /// True if every effect's parameters mean something: no effect sits where it is not there or against a
 /// physical limit.
 bool within_limits(const Hypothesis& h) {
+  std::size_t inertias = 0;
   for (std::size_t i = 0; i < h.unknowns.size(); ++i)
-    if (h.unknowns[i].of_effect && h.fit.at_bound[i]) return false;
+    if (h.unknowns[i].of_effect && h.fit.at_bound[i]) {
+      // Of the three inertias of the links one or two may be none: they act alike.
+      if (h.unknowns[i].effect != Effect::leg_inertia || ++inertias == 3) return false;
+    }
   for (Effect e : h.effects)
     if (e == Effect::stribeck_friction) {
       const auto& p = h.fitted.effects.at(e);
@@ -240,9 +250,32 @@ std::string names(const std::vector<Effect>& effects) {
 
 }  // namespace
 
+identify::Channel judged_on(Effect e, const std::vector<identify::Recording>& recordings) {
+  if (e == Effect::contact_delay) return identify::Channel::contact;
+  const bool of_drive = std::find(std::begin(dynamics::kDriveEffects), std::end(dynamics::kDriveEffects),
+                                  e) != std::end(dynamics::kDriveEffects);
+  const bool answered = std::any_of(recordings.begin(), recordings.end(),
+                                    [](const auto& r) { return !r.drive_command.empty(); });
+  return of_drive && answered ? identify::Channel::drive : identify::Channel::motion;
+}
+
+model::Model with_slips(model::Model model, const std::vector<identify::Recording>& recordings,
+                        const std::vector<Effect>& effects) {
+  if (std::find(effects.begin(), effects.end(), Effect::encoder_slip) == effects.end()) return model;
+  auto& largest = model.effects[Effect::encoder_slip] = {};
+  for (const auto& r : recordings)
+    for (const auto& slip : r.slips)
+      if (std::abs(slip.step) > std::abs(largest[0]))
+        largest = {slip.step, r.time_s[slip.row] - r.time_s.front()};
+  return model;
+}
+
 std::vector<Effect> Trainer::candidates() const {
   std::vector<Effect> all;
   for (const auto& info : dynamics::kCatalogue) {
+    if (info.effect == Effect::encoder_slip &&
+        std::none_of(recordings.begin(), recordings.end(), [](const auto& r) { return !r.slips.empty(); }))
+      continue;
     if (!applies(info.effect, model.kind)) continue;  // one that is on may have the wrong size
     bool free_anyway = false;
     for (const auto& p : info.parameters()) {
@@ -262,15 +295,74 @@ Hypothesis Trainer::fit(const std::vector<Effect>& effects, const Hypothesis* fr
   h.effects = effects;
   h.unknowns = unknowns_of(model, effects);
   const std::vector<double> start = values_from(*this, h.unknowns, from, starts);
-  h.fit = identify::fit_by_simulation(model, h.unknowns, start, recordings, training.windows,
+  const model::Model base = with_slips(model, recordings, effects);
+  h.fit = identify::fit_by_simulation(base, h.unknowns, start, recordings, training.windows,
                                       identify::Weighting::noise, training.layers);
-  h.fitted = identify::with_values(model, h.unknowns, h.fit.values);
+  h.fitted = identify::with_values(base, h.unknowns, h.fit.values);
   h.cross_validated_squares = cross_validate(h.fit, training.windows, recordings.size());
-  h.meaningful = within_limits(h);
+  h.meaningful = within_limits(h) && beyond_resolution(h);
   const auto tries = static_cast<double>(candidates().size());
   for (Effect e : effects)
     if (h.meaningful && shapes_of(e) > 1.0) h.meaningful = stands_out(h, model, e, tries);
   return h;
+}
+
+Trainer::Scales Trainer::scales() const {
+  double squares = 0.0, inputs = 0.0, rows = 0.0;
+  for (const auto& w : training.windows) {
+    const auto& r = recordings[w.recording];
+    for (std::size_t i = w.first; i <= w.last; ++i) {
+      squares += r.velocity_smoothed[i] * r.velocity_smoothed[i];
+      inputs += r.input[i] * r.input[i];
+      rows += 1.0;
+    }
+  }
+  if (rows == 0.0) return {};
+  return {dynamics::info(model.kind).rig == "hopper"
+              ? model.parameter("mass_kg") * model.parameter("gravity_mps2")
+              : std::sqrt(inputs / rows),
+          std::sqrt(squares / rows)};
+}
+
+bool Trainer::beyond_resolution(const Hypothesis& h) const {
+  const auto& time_s = recordings.front().time_s;
+  const double interval_s = (time_s.back() - time_s.front()) / static_cast<double>(time_s.size() - 1);
+  const auto beyond = [&](Effect e, double rows) {
+    return lacks(h, e) || std::abs(h.fitted.effects.at(e)[0]) > rows * interval_s;
+  };
+  // A switch is read once a row, and bounces; what a row's input is worth until the next one is known to a
+  // part of the interval, less where it was measured and not commanded.
+  const bool answered = !recordings.front().drive_command.empty();
+  return beyond(Effect::contact_delay, 2.0) && beyond(Effect::time_skew, answered ? 1.0 : 0.5) &&
+         beyond(Effect::actuator_delay, 0.5);
+}
+
+Hypothesis Trainer::fit_new(const std::vector<Effect>& larger, const Hypothesis& on,
+                            const Proposal& proposal) const {
+  const Effect e = proposal.effect;
+  Hypothesis best = fit(larger, &on, {{e, proposal.values}});
+  const auto try_from = [&](const Hypothesis& from,
+                            std::array<double, dynamics::kMaxEffectParameters> values) {
+    Hypothesis other = fit(larger, &from, {{e, values}});
+    if (other.fit.squares < best.fit.squares) best = std::move(other);
+  };
+  // Dry friction sticks, which makes a fit's landscape uneven: a second start from a twentieth of what moves
+  // the axis; for the Stribeck curve from the constant friction that fits best, twice as large at standstill,
+  // over several widths.
+  const Scales scale = scales();
+  if (e == Effect::coulomb_friction) try_from(on, {0.05 * scale.force});
+  if (e == Effect::asymmetric_friction) try_from(on, {0.05 * scale.force, 0.05 * scale.force});
+  if (e == Effect::stribeck_friction) {
+    if (std::find(larger.begin(), larger.end(), Effect::asymmetric_friction) != larger.end()) return best;
+    const Hypothesis flat = fit_new(with(without(larger, e), Effect::coulomb_friction), on,
+                                    {Effect::coulomb_friction, {0.02 * scale.force}, 0.0});
+    const double level = flat.fitted.effects.at(Effect::coulomb_friction)[0];
+    Hypothesis bare = flat;
+    bare.fitted.effects.erase(Effect::coulomb_friction);
+    for (double width : {0.03, 0.1, 0.3})
+      try_from(bare, {0.8 * level, 1.6 * level + 1e-3 * scale.force, width * scale.speed});
+  }
+  return best;
 }
 
 Comparison Trainer::compare(const Hypothesis& smaller, const Hypothesis& larger, std::size_t tries) const {
@@ -283,18 +375,23 @@ Comparison Trainer::compare(const Hypothesis& smaller, const Hypothesis& larger,
   for (Effect e : larger.effects)
     if (std::find(smaller.effects.begin(), smaller.effects.end(), e) == smaller.effects.end())
       shapes = std::max(shapes, shapes_of(e));
-  c.threshold = chi_square_point(static_cast<double>(tries) * shapes, extra);
+  double slips = 0.0;  // each has a place and a size
+  for (const auto& r : recordings) slips += static_cast<double>(r.slips.size());
+  const bool slipped = lacks(smaller, Effect::encoder_slip) && !lacks(larger, Effect::encoder_slip);
+  c.threshold = chi_square_point(static_cast<double>(tries) * shapes, extra + (slipped ? 2.0 * slips : 0.0));
   c.gain = 1.0 - larger.cross_validated_squares / std::max(smaller.cross_validated_squares, 1e-300);
-  // What the contact switch says is one row in a stride: an effect on nothing else is judged by it.
-  const auto contact = static_cast<std::size_t>(identify::Channel::contact);
-  const bool reports = std::find(larger.effects.begin(), larger.effects.end(), Effect::contact_delay) !=
-                           larger.effects.end() &&
-                       std::find(smaller.effects.begin(), smaller.effects.end(), Effect::contact_delay) ==
-                           smaller.effects.end();
-  if (reports)
-    c.gain =
-        1.0 - channel(larger.fit, contact).squares / std::max(channel(smaller.fit, contact).squares, 1e-300);
-  c.significant = c.evidence > c.threshold && c.gain > kSmallestGain;
+  double worth = (smaller.cross_validated_squares - larger.cross_validated_squares) /
+                 std::max(reference_squares, 1e-300);
+  // An effect that does not move the body is judged by the channel that it moves.
+  for (Effect e : larger.effects)
+    if (const auto judge = judged_on(e, recordings);
+        judge != identify::Channel::motion && lacks(smaller, e)) {
+      const auto which = static_cast<std::size_t>(judge);
+      c.gain =
+          1.0 - channel(larger.fit, which).squares / std::max(channel(smaller.fit, which).squares, 1e-300);
+      worth = c.gain;
+    }
+  c.significant = c.evidence > c.threshold && c.gain > kSmallestGain && worth > kSmallestWorth;
   return c;
 }
 
@@ -303,7 +400,7 @@ double Trainer::preference(const Hypothesis& one, const Hypothesis& other) const
          doubt_of(other.effects);
 }
 
-Selection Trainer::select() const {
+Selection Trainer::select() {
   Selection s;
   const std::vector<Effect> all = candidates();
   const Proposer proposer(*this);
@@ -312,10 +409,9 @@ Selection Trainer::select() const {
   };
   tell(0.0, "re-fitting the model");
   s.refitted = fit({}, nullptr);
+  reference_squares = s.refitted.cross_validated_squares;
+  std::vector<Proposal> first_promises;
   s.chosen = s.refitted;
-  const auto lacks = [](const Hypothesis& h, Effect e) {
-    return std::find(h.effects.begin(), h.effects.end(), e) == h.effects.end();
-  };
 
   // Forward: the effect that removes most, if that is more than chance and numerics could; of those that
   // remove as much, the one with the fewest parameters, then the first of the catalogue. Which are worth a
@@ -325,12 +421,13 @@ Selection Trainer::select() const {
     for (Effect e : all)
       if (lacks(s.chosen, e)) left.push_back(e);
     const double from = 0.05 + 0.18 * static_cast<double>(round);
-    const std::vector<Proposal> proposals = propose(proposer, s.chosen, left, from, 0.09);
+    std::vector<Proposal> proposals = propose(proposer, s.chosen, left, from, 0.09);
+    if (round == 0) first_promises = proposals;
     std::vector<Tried> trials(worth_a_fit(proposals, round == 0 ? kMostFits : kMostFits / 2));
     identify::parallel_for(trials.size(), threads, [&](std::size_t i) {
       const std::vector<Effect> larger = extended(s.chosen.effects, proposals[i].effect);
       tell(from + 0.09, names(larger));
-      trials[i].hypothesis = fit(larger, &s.chosen, {{proposals[i].effect, proposals[i].values}});
+      trials[i].hypothesis = fit_new(larger, s.chosen, proposals[i]);
       trials[i].round = round;
       trials[i].against_smaller = compare(s.chosen, trials[i].hypothesis, left.size());
     });
@@ -361,6 +458,35 @@ Selection Trainer::select() const {
     prune(s.chosen, all.size());
   }
 
+  // One cause that explains as much as several is the better explanation, even where no step towards it
+  // promised so.
+  if (s.chosen.effects.size() > 1) {
+    tell(0.78, "one cause in the place of several");
+    std::vector<Proposal> singles;
+    for (const Proposal& p : first_promises)
+      if (std::none_of(s.tried.begin(), s.tried.end(),
+                       [&](const Tried& t) {
+                         return t.round == 0 && t.hypothesis.effects == std::vector<Effect>{p.effect};
+                       }) &&
+          p.gain > 0.0 && singles.size() < kMostFits)
+        singles.push_back(p);
+    std::vector<Tried> trials(singles.size());
+    identify::parallel_for(singles.size(), threads, [&](std::size_t i) {
+      trials[i].hypothesis = fit_new({singles[i].effect}, s.refitted, singles[i]);
+      trials[i].against_smaller = compare(s.refitted, trials[i].hypothesis, all.size());
+    });
+    s.tried.insert(s.tried.end(), trials.begin(), trials.end());
+    const Hypothesis* simpler = nullptr;
+    for (const Tried& t : s.tried) {
+      const Hypothesis& h = t.hypothesis;
+      if (h.effects.size() == 1 && t.against_smaller.significant && h.meaningful &&
+          preference(s.chosen, h) > -kEqualEvidence &&
+          (simpler == nullptr || h.fit.squares < simpler->fit.squares))
+        simpler = &h;
+    }
+    if (simpler != nullptr) s.chosen = Hypothesis(*simpler);
+  }
+
   // What each member is worth, and which sets do as well in its place with as many parameters; one that does
   // better takes its place.
   for (int round = 0;; ++round) {
@@ -384,10 +510,25 @@ Selection Trainer::select() const {
   return s;
 }
 
-std::size_t Trainer::worth_a_fit(const std::vector<Proposal>& proposals, std::size_t most) {
+std::size_t Trainer::worth_a_fit(std::vector<Proposal>& proposals, std::size_t most) const {
+  // What does not move the body promises little beside what does, and dry friction that sticks is badly
+  // judged by a linear step: those first, always.
+  const auto always = [&](const Proposal& p) {
+    return (judged_on(p.effect, recordings) != identify::Channel::motion && p.gain > 0.0) ||
+           (most >= kMostFits && model.kind != dynamics::Kind::hopper_linear &&
+            (p.effect == Effect::coulomb_friction || p.effect == Effect::asymmetric_friction ||
+             p.effect == Effect::stribeck_friction));
+  };
+  std::stable_partition(proposals.begin(), proposals.end(), always);
+  if (proposals.empty()) return 0;
+  const double most_promising =
+      std::max_element(proposals.begin(), proposals.end(), [](const auto& a, const auto& b) {
+        return a.gain < b.gain;
+      })->gain;
   std::size_t count = 0;
   while (count < std::min(most, proposals.size()) &&
-         (count < kFewestFits || proposals[count].gain > kSmallestPromise * proposals.front().gain))
+         (count < kFewestFits || always(proposals[count]) ||
+          proposals[count].gain > kSmallestPromise * most_promising))
     ++count;
   return count;
 }
@@ -458,7 +599,10 @@ std::vector<Selection::Rival> Trainer::rivals(const Selection& s, const std::vec
   std::vector<Hypothesis> fitted(replacements.size());
   identify::parallel_for(replacements.size(), threads, [&](std::size_t i) {
     if (progress) progress(0.95, names(replacements[i].effects));
-    fitted[i] = fit(replacements[i].effects, replacements[i].from, replacements[i].starts);
+    const Replacement& r = replacements[i];
+    fitted[i] = r.starts.size() == 1
+                    ? fit_new(r.effects, *r.from, {r.starts.begin()->first, r.starts.begin()->second})
+                    : fit(r.effects, r.from, r.starts);
   });
   std::vector<Selection::Rival> equals;
   for (std::size_t i = 0; i < fitted.size(); ++i)

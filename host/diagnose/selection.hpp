@@ -55,6 +55,13 @@ struct Selection {
   std::vector<Comparison> against_without;
 };
 
+/// The channel that an effect is judged on: that of the motion, unless it does not move the body.
+identify::Channel judged_on(dynamics::Effect e, const std::vector<identify::Recording>& recordings);
+
+/// The model with the largest of the recordings' slips, where encoder_slip is among the effects.
+model::Model with_slips(model::Model model, const std::vector<identify::Recording>& recordings,
+                        const std::vector<dynamics::Effect>& effects);
+
 /// Start values of effects' parameters.
 using Starts = std::map<dynamics::Effect, std::array<double, dynamics::kMaxEffectParameters>>;
 
@@ -80,15 +87,32 @@ struct Trainer {
   /// `larger` has parameters that `smaller` has not; `tries` hypotheses were looked at.
   Comparison compare(const Hypothesis& smaller, const Hypothesis& larger, std::size_t tries) const;
 
+  /// Fits a set with one effect more than `on`, from what was proposed for it and, where a fit may stick,
+  /// from other starts.
+  Hypothesis fit_new(const std::vector<dynamics::Effect>& larger, const Hypothesis& on,
+                     const Proposal& proposal) const;
+
+  /// What moves the axis (root mean square of the input, on the hopper the weight; N or N m) and the root
+  /// mean square of its speed.
+  struct Scales {
+    double force = 1.0, speed = 1.0;
+  };
+  Scales scales() const;
+
   /// Forward selection with backward elimination, then the search for equals.
-  Selection select() const;
+  Selection select();
+
+  double reference_squares =
+      0.0;  ///< cross-validated, of the re-fitted model without an effect; set by select()
 
  private:
   /// By how much `other` is preferred to `one`, in the units of the evidence: what the recordings say, and
   /// what was to be expected before.
   double preference(const Hypothesis& one, const Hypothesis& other) const;
-  /// How many of the proposals, the best first, are fitted.
-  static std::size_t worth_a_fit(const std::vector<Proposal>& proposals, std::size_t most);
+  /// False where an effect is smaller than what its channel resolves.
+  bool beyond_resolution(const Hypothesis& h) const;
+  /// How many of the proposals are fitted; puts them first.
+  std::size_t worth_a_fit(std::vector<Proposal>& proposals, std::size_t most) const;
   /// Backward: takes out members that the others have made needless.
   void prune(Hypothesis& chosen, std::size_t tries) const;
   /// What each effect on top of `on` promises, the most promising first.

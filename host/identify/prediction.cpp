@@ -97,12 +97,15 @@ Errors prediction_errors(const model::Model& model, const std::vector<Recording>
               });
 }
 
-std::optional<ChannelErrors> contact_errors(const model::Model& model, const std::vector<Window>& windows) {
+std::optional<ChannelErrors> contact_errors(const model::Model& model,
+                                            const std::vector<Recording>& recordings,
+                                            const std::vector<Window>& windows) {
   const PlantSetup<double> setup(model, {}, nullptr);
   double squares = 0.0, absolute = 0.0, count = 0.0;
   for (const Window& w : windows) {
     if (!std::isfinite(w.report_lag_s)) continue;
-    const double error = report_lag(setup, touchdown_height_m(model), w.touchdown_velocity) - w.report_lag_s;
+    const double error =
+        report_lag(setup, recordings[w.recording], w, touchdown_height_m(model)) - w.report_lag_s;
     squares += error * error;
     absolute += std::abs(error);
     count += 1.0;
@@ -110,6 +113,25 @@ std::optional<ChannelErrors> contact_errors(const model::Model& model, const std
   if (count == 0.0) return std::nullopt;
   return ChannelErrors{std::numeric_limits<double>::quiet_NaN(), absolute / count,
                        std::sqrt(squares / count)};
+}
+
+std::optional<ChannelErrors> drive_errors(const model::Model& model, const std::vector<Recording>& recordings,
+                                          const std::vector<Window>& windows) {
+  const PlantSetup<double> setup(model, {}, nullptr);
+  Sums sums;
+  std::vector<double> errors;
+  for (const Window& w : windows) {
+    const Recording& r = recordings[w.recording];
+    if (r.drive.empty()) continue;
+    errors.assign(w.rows(), 0.0);
+    simulate(setup, r, w, r.position[w.first], r.velocity_smoothed[w.first],
+             [&](std::size_t row, double, double, double drive) {
+               if (row < w.last) errors[row - w.first] = drive - r.drive[row];
+             });
+    sums.add(r.drive, w.first, errors, 0, w.rows() - 2);
+  }
+  if (sums.count == 0.0) return std::nullopt;
+  return sums.errors();
 }
 
 Errors noise_floor(const model::Model& model, const std::vector<Recording>& recordings,

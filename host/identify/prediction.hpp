@@ -41,7 +41,14 @@ Errors prediction_errors(const model::Model& model, const std::vector<Recording>
 
 /// Of the contact switch, s: its reports of touch-downs against where the model has them, after the measured
 /// fall through the touch-down height. Without an NMSE; nothing where no report belongs to a stride.
-std::optional<ChannelErrors> contact_errors(const model::Model& model, const std::vector<Window>& windows);
+std::optional<ChannelErrors> contact_errors(const model::Model& model,
+                                            const std::vector<Recording>& recordings,
+                                            const std::vector<Window>& windows);
+
+/// Of what the drive reports against what the model's drive makes of the commands, where it does not echo
+/// them.
+std::optional<ChannelErrors> drive_errors(const model::Model& model, const std::vector<Recording>& recordings,
+                                          const std::vector<Window>& windows);
 
 /// The NMSE that a perfect model would have: measuring noise, and what the noise in the first 50 ms does to
 /// the start state and through it to the run (to first order). Only `nmse` and `rmse` are set.

@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "host/log/error.hpp"
 
@@ -63,6 +64,20 @@ double sample_noise(const std::vector<double>& time_s, const std::vector<double>
   return std::sqrt(by_median > 0.0 ? by_median : mean);
 }
 
+/// A current sensor tells a hundredth of what is usual at best; and whether a row's torque is that before or
+/// after its command is the rig's affair.
+double drive_noise(const std::vector<double>& time_s, std::span<const double> command,
+                   const std::vector<double>& drive) {
+  double squares = 0.0, steps = 0.0;
+  for (std::size_t i = 1; i < time_s.size(); ++i) {
+    squares += command[i] * command[i];
+    steps += (command[i] - command[i - 1]) * (command[i] - command[i - 1]);
+  }
+  const auto rows = static_cast<double>(time_s.size());
+  return std::hypot(sample_noise(time_s, drive, {}), std::sqrt(1e-4 * squares / rows),
+                    std::sqrt(steps / rows));
+}
+
 /// The first closing of a switch that was open for a while: after it, it bounces.
 std::vector<double> first_closings(const std::vector<double>& time_s, const std::vector<double>& contact) {
   constexpr double kOpenFor_s = 0.03;
@@ -72,6 +87,63 @@ std::vector<double> first_closings(const std::vector<double>& time_s, const std:
     if (contact[i] != 0.0 && contact[i - 1] == 0.0 && time_s[i] - open_since >= kOpenFor_s)
       found.push_back(0.5 * (time_s[i - 1] + time_s[i]));
     if (contact[i] != 0.0) open_since = time_s[i];
+  }
+  return found;
+}
+
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// Steps between two neighbouring rows that stand far out of those of the rows around, and stay: neither an
+/// impact, which changes the slope for good, nor a single wrong row, which steps back.
+std::vector<Slip> find_slips(const std::vector<double>& time_s, const std::vector<double>& position,
+                             double noise) {
+  constexpr std::size_t kAround = 6;
+  constexpr double kFarOut = 10.0;     // of the scatter of the steps around
+  constexpr double kLongestGap = 4.0;  // of the usual interval: over a pause the axis may have gone anywhere
+  std::vector<Slip> found;
+  if (time_s.size() < 4 * kAround) return found;
+  std::vector<double> intervals;
+  for (std::size_t i = 1; i < time_s.size(); ++i) intervals.push_back(time_s[i] - time_s[i - 1]);
+  const double usual_s = median(intervals);
+  const auto slope = [&](std::size_t i) {
+    return (position[i] - position[i - 1]) / (time_s[i] - time_s[i - 1]);
+  };
+  for (std::size_t i = kAround + 1; i + kAround + 1 < time_s.size(); ++i) {
+    const double interval_s = time_s[i] - time_s[i - 1];
+    if (interval_s > kLongestGap * usual_s) continue;
+    // Cheap first: most rows are nowhere near.
+    const double before = slope(i - 1), after = slope(i + 1);
+    if (std::abs(slope(i) - 0.5 * (before + after)) * interval_s < kFarOut * noise) continue;
+    std::vector<double> left, right, scatter;
+    for (std::size_t k = 1; k <= kAround; ++k) {
+      left.push_back(slope(i - k));
+      right.push_back(slope(i + k));
+    }
+    const double from = median(left), to = median(right);
+    for (double v : left) scatter.push_back(std::abs(v - from) * interval_s);
+    for (double v : right) scatter.push_back(std::abs(v - to) * interval_s);
+    const double around = std::max(1.4826 * median(scatter), 1.5 * noise);
+    // Between the two slopes the axis may have gone at either.
+    const double rest_from = (slope(i) - from) * interval_s, rest_to = (slope(i) - to) * interval_s;
+    if (rest_from * rest_to <= 0.0 || std::min(std::abs(rest_from), std::abs(rest_to)) < kFarOut * around)
+      continue;
+    const double step = 0.5 * (rest_from + rest_to);
+    const auto steps_back = [&](std::size_t k) {
+      return (slope(k) - (k < i ? from : to)) * (time_s[k] - time_s[k - 1]) * step < -0.5 * step * step;
+    };
+    if (steps_back(i - 1) || steps_back(i + 1) || steps_back(i + 2)) continue;
+    // The step between lines through the rows on either side.
+    const auto one = local_polynomial(time_s, position, i - kAround, i - 1, time_s[i], 2);
+    const auto other = local_polynomial(time_s, position, i, i + kAround - 1, time_s[i], 2);
+    const double refined = other.value - one.value;
+    const double deviation = noise * std::sqrt(one.value_variance + other.value_variance);
+    const bool agree = std::abs(refined - step) < 0.3 * std::abs(step);
+    found.push_back({i, agree ? refined : step, agree ? deviation : around});
+    i += kAround;
   }
   return found;
 }
@@ -154,6 +226,7 @@ Recording make_recording(const log::Log& log, dynamics::Kind kind) {
     case dynamics::Kind::rotary_joint:
       r.position = log.at("angle_rad");
       r.input = log.at("torque_nm");
+      if (log.has("torque_cmd_nm")) r.drive_command = log.at("torque_cmd_nm");
       velocity_column = "velocity_radps";
       break;
     case dynamics::Kind::rail_carriage:  // nothing drives it: its force_n is the stop's
@@ -171,19 +244,23 @@ Recording make_recording(const log::Log& log, dynamics::Kind kind) {
   }
   if (kind == dynamics::Kind::hopper_linear) {
     if (log.has("contact")) r.touchdown_reports_s = first_closings(r.time_s, log.at("contact"));
-    if (log.has("torque_nm") && log.at("torque_nm") != r.input) {
-      r.drive = log.at("torque_nm");
-      // A current sensor tells a hundredth of what is usual at best; and whether a row's torque is that
-      // before or after its command is the rig's affair.
-      double squares = 0.0, steps = 0.0;
-      for (std::size_t i = 1; i < r.rows(); ++i) {
-        squares += r.input[i] * r.input[i];
-        steps += (r.input[i] - r.input[i - 1]) * (r.input[i] - r.input[i - 1]);
-      }
-      const auto rows = static_cast<double>(r.rows());
-      r.drive_noise = std::hypot(sample_noise(r.time_s, r.drive), std::sqrt(1e-4 * squares / rows),
-                                 std::sqrt(steps / rows));
-      if (!(r.drive_noise > 0.0)) r.drive.clear();
+    if (log.has("torque_nm") && log.at("torque_nm") != r.input) r.drive = log.at("torque_nm");
+  }
+  if (!r.drive_command.empty()) {
+    r.drive = r.input;
+    r.drive_impulse.assign(r.rows(), 0.0);
+    for (std::size_t i = 1; i < r.rows(); ++i)
+      r.drive_impulse[i] = r.drive_impulse[i - 1] + r.drive_command[i - 1] * (r.time_s[i] - r.time_s[i - 1]);
+    if (r.drive == r.drive_command) {
+      r.drive.clear();
+      r.drive_command.clear();
+    }
+  }
+  if (!r.drive.empty()) {
+    r.drive_noise = drive_noise(r.time_s, r.drive_commands().command, r.drive);
+    if (!(r.drive_noise > 0.0)) {
+      r.drive.clear();
+      r.drive_command.clear();
     }
   }
   r.velocity_smoothed = smoothed_slope(r.time_s, r.position, r.contact);
@@ -191,6 +268,12 @@ Recording make_recording(const log::Log& log, dynamics::Kind kind) {
   r.velocity = r.velocity_recorded ? log.at(velocity_column) : r.velocity_smoothed;
   r.position_noise = sample_noise(r.time_s, r.position, r.contact);
   r.velocity_noise = sample_noise(r.time_s, r.velocity, r.contact);
+  r.slips = find_slips(r.time_s, r.position, r.position_noise);
+  if (!r.slips.empty()) {
+    r.slip_offset.assign(r.rows(), 0.0);
+    for (const Slip& slip : r.slips)
+      for (std::size_t i = slip.row; i < r.rows(); ++i) r.slip_offset[i] += slip.step;
+  }
   return r;
 }
 

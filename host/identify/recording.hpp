@@ -11,6 +11,14 @@
 
 namespace furcula::identify {
 
+/// An instant at which the measured position jumps by more than the axis can move: from `row` on it is off by
+/// `step`.
+struct Slip {
+  std::size_t row = 0;
+  double step = 0.0;       ///< m or rad
+  double deviation = 0.0;  ///< standard deviation of the step
+};
+
 /// One recording. All vectors have the same length. Position in m (rad), velocity in m/s (rad/s), input in N
 /// (N m; on the hopper the torque command in N m), each row's input acting until the next row.
 struct Recording {
@@ -27,15 +35,25 @@ struct Recording {
   /// What the drive reports of its torque or force; empty where the log has it not, or echoes the command.
   std::vector<double> drive;
   double drive_noise = 0.0;
+  /// The commands that `drive` answers, where `input` is not the command but that answer (rotary_joint with
+  /// torque_cmd_nm): then a delay, lag or limit of the drive shows in `drive` alone. And their integral.
+  std::vector<double> drive_command, drive_impulse;
   /// Hopper: when the contact switch first reported each touch-down, s (bounces left out).
   std::vector<double> touchdown_reports_s;
   /// Rail carriage: 1 in rows in which it touches its stop; empty where the log has no such column.
   std::vector<double> contact;
-  double position_noise = 0.0;  ///< standard deviation, from what neighbouring samples do not share
+  std::vector<Slip> slips;          ///< found in the positions alone
+  std::vector<double> slip_offset;  ///< by how much each row is off by them; empty without any
+  double position_noise = 0.0;      ///< standard deviation, from what neighbouring samples do not share
   double velocity_noise = 0.0;
 
   std::size_t rows() const { return time_s.size(); }
   dynamics::Commands<double> commands() const { return {time_s, input, impulse, driven_s}; }
+  /// What the drive was told.
+  dynamics::Commands<double> drive_commands() const {
+    if (drive_command.empty()) return commands();
+    return {time_s, drive_command, drive_impulse, driven_s};
+  }
 };
 
 /// Reads the axis out of a log of the kind's rig. Throws log::DataError where the log has too few rows to

@@ -37,6 +37,32 @@ T reference(const auto& plant) {
     return T(0.0);
 }
 
+/// Without what the drive itself does to a command.
+template <class T>
+dynamics::Effects<T> behind_drive(dynamics::Effects<T> effects) {
+  for (dynamics::Effect e : dynamics::kDriveEffects) effects.clear(e);
+  return effects;
+}
+template <class T>
+dynamics::Effects<T> of_drive(const dynamics::Effects<T>& effects) {
+  dynamics::Effects<T> only;
+  for (dynamics::Effect e : dynamics::kDriveEffects)
+    if (effects.has(e)) only.set(e, 0, effects.value(e));
+  return only;
+}
+
+/// Brings a drive to where it is at row `first`.
+template <class T>
+void warm_up(dynamics::Actuation<T>& drive, const Recording& r, const dynamics::Commands<double>& commands,
+             std::size_t first) {
+  if (drive.ideal_drive()) return;
+  std::size_t from = first;
+  const double since = r.time_s[first] - drive.memory_s();
+  while (from > 0 && r.time_s[from] > since) --from;
+  drive.reset(commands, from);
+  for (; from < first; ++from) drive.drive(commands, from, r.time_s[from + 1] - r.time_s[from]);
+}
+
 }  // namespace detail
 
 /// Calls use(plant) with the plant of the kind, in the scalar T.
@@ -80,27 +106,40 @@ void with_plant(dynamics::Kind kind, const PlantSetup<T>& setup, const Use& use)
 template <class T, class Visit>
 void simulate(const PlantSetup<T>& setup, const Recording& r, const Window& w, const T& position,
               const T& velocity, const Visit& visit) {
-  const dynamics::Commands<double> commands = r.commands();
-  dynamics::Actuation<T> actuation(setup.effects);
+  const dynamics::Commands<double> commands = r.commands(), told = r.drive_commands();
+  // Where the input is the drive's answer, that answer holds what the drive does already.
+  const bool answered = !r.drive_command.empty();
+  dynamics::Actuation<T> actuation(answered ? detail::behind_drive(setup.effects) : setup.effects);
+  dynamics::Actuation<T> drive(answered ? detail::of_drive(setup.effects) : dynamics::Effects<T>{});
   with_plant(r.kind, setup, [&](auto& plant) {
     const dynamics::Sensing<T> sensing(setup.effects, detail::reference<T>(plant));
-    const T start = sensing.position(position);
+    // A slip is an event of each recording, not of the machine: where the effect is on, the recording's own.
+    const double* slipped = setup.effects.has(dynamics::Effect::encoder_slip) && !r.slip_offset.empty()
+                                ? r.slip_offset.data()
+                                : nullptr;
+    const T start = sensing.position(slipped != nullptr ? T(position - slipped[w.first]) : position);
     plant.reset(start, T(velocity / sensing.gain(start)));
+    if (setup.effects.has(dynamics::Effect::backlash))
+      if constexpr (requires { plant.press_rotor(0.0); }) {
+        std::size_t last = w.first;
+        while (last > 0 && r.input[last] == 0.0) --last;
+        plant.press_rotor(r.input[last]);
+      }
     const bool ideal = actuation.ideal_drive();
-    if (!ideal) {
-      std::size_t from = w.first;
-      const double since = r.time_s[w.first] - actuation.memory_s();
-      while (from > 0 && r.time_s[from] > since) --from;
-      actuation.reset(commands, from);
-      for (; from < w.first; ++from) actuation.drive(commands, from, r.time_s[from + 1] - r.time_s[from]);
-    }
+    detail::warm_up(actuation, r, commands, w.first);
+    detail::warm_up(drive, r, told, w.first);
     T x = position, v = velocity;
     for (std::size_t i = w.first; i < w.last; ++i) {
       const double interval_s = r.time_s[i + 1] - r.time_s[i];
-      visit(i, x, v, ideal ? T(r.input[i]) : actuation.at_row(commands, i, interval_s));
-      const T drive = ideal ? T(r.input[i]) : actuation.drive(commands, i, interval_s);
-      plant.advance(actuation.motor(drive, commands, i), interval_s);
+      visit(i, x, v,
+            answered ? drive.at_row(told, i, interval_s)
+            : ideal  ? T(r.input[i])
+                     : actuation.at_row(commands, i, interval_s));
+      if (answered) drive.drive(told, i, interval_s);
+      const T input = ideal ? T(r.input[i]) : actuation.drive(commands, i, interval_s);
+      plant.advance(actuation.motor(input, commands, i), interval_s);
       x = sensing.measured(detail::height(plant));
+      if (slipped != nullptr) x += slipped[i + 1];
       v = detail::speed(plant) * sensing.gain(detail::height(plant));
     }
     visit(w.last, x, v, T(r.input[w.last]));
@@ -109,16 +148,20 @@ void simulate(const PlantSetup<T>& setup, const Recording& r, const Window& w, c
 
 /// How much later than the measured height falls through the model's touch-down height the contact switch
 /// reports, in this model: the switch's own delay, a skewed height channel, and a height that is measured
-/// wrongly. `velocity` at the crossing, below zero.
+/// wrongly.
 template <class T>
-T report_lag(const PlantSetup<T>& setup, double touchdown_height_m, double velocity) {
+T report_lag(const PlantSetup<T>& setup, const Recording& r, const Window& w, double touchdown_height_m) {
   using dynamics::Effect;
   T lag = T(0.0);
   if (setup.effects.has(Effect::contact_delay)) lag += setup.effects.value(Effect::contact_delay);
   if (setup.effects.has(Effect::time_skew)) lag -= setup.effects.value(Effect::time_skew);
   const dynamics::Sensing<T> sensing(setup.effects, T(touchdown_height_m));
-  if (!sensing.ideal() && velocity < 0.0)
-    lag += (sensing.measured(T(touchdown_height_m)) - touchdown_height_m) / velocity;
+  const double velocity = w.touchdown_velocity;
+  if (velocity < 0.0) {
+    if (!sensing.ideal()) lag += (sensing.measured(T(touchdown_height_m)) - touchdown_height_m) / velocity;
+    if (setup.effects.has(Effect::encoder_slip) && !r.slip_offset.empty())
+      lag += r.slip_offset[w.touchdown] / velocity;
+  }
   return lag;
 }
 

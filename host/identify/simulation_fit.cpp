@@ -104,7 +104,7 @@ class WindowCost final : public ceres::CostFunction {
                  put(drives++, drive, recording_.drive[row], weights_.drive);
              });
     if (weights_.contact > 0.0)
-      put(motion_rows(), report_lag(setup, touchdown_height_m(model_), window_.touchdown_velocity),
+      put(motion_rows(), report_lag(setup, recording_, window_, touchdown_height_m(model_)),
           window_.report_lag_s, weights_.contact);
     return finite;
   }

@@ -20,6 +20,7 @@ std::vector<Unknown> free_unknowns(const model::Model& model) {
 
 std::vector<Unknown> effect_unknowns(dynamics::Effect effect, dynamics::Kind kind) {
   std::vector<Unknown> all;
+  if (effect == dynamics::Effect::encoder_slip) return all;
   const auto& info = dynamics::info(effect);
   for (std::size_t i = 0; i < info.parameter_count; ++i) {
     const auto& p = info.parameter_table[i];
@@ -41,7 +42,7 @@ std::vector<double> values_in(const model::Model& model, const std::vector<Unkno
       continue;
     }
     const auto& p = dynamics::info(u.effect).parameter_table[u.parameter];
-    const auto same = dynamics::parameter_index(model.kind, p.name);
+    const auto same = dynamics::parameter_index(model.kind, name_on(p, model.kind));
     if (!std::isnan(p.neutral))
       values.push_back(p.neutral);
     else

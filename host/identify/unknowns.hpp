@@ -25,7 +25,8 @@ struct Unknown {
 /// The model's free parameters.
 std::vector<Unknown> free_unknowns(const model::Model& model);
 
-/// The parameters of an effect, with the bounds of the catalogue.
+/// The parameters of an effect, with the bounds of the catalogue; none of encoder_slip, which is an event of
+/// each recording (Recording::slips).
 std::vector<Unknown> effect_unknowns(dynamics::Effect effect, dynamics::Kind kind);
 
 /// The values of the unknowns in a model (of an effect that is off: its neutral value, 0 where it has none).

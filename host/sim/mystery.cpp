@@ -111,6 +111,8 @@ std::array<double, dynamics::kMaxEffectParameters> draw_size(Effect cause, const
       return {1.0 + sign * random.uniform(0.03, 0.08)};
     case Effect::height_eccentricity:
       return {random.uniform(5e-4, 2e-3), random.uniform(0.03, 0.1), random.uniform(-1.0, 1.0)};
+    case Effect::encoder_slip:
+      return {0.09e-3 * std::round(sign * random.uniform(30.0, 90.0)), random.uniform(0.5, 2.0)};
     case Effect::contact_delay:
       return {sign * random.uniform(0.01, 0.02)};
     case Effect::time_skew:

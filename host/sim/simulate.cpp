@@ -146,6 +146,17 @@ void skew_columns(const model::Model& model, log::Log& log) {
   }
 }
 
+/// The position's jump; the velocity is not derived from it.
+void slip_columns(const model::Model& model, log::Log& log) {
+  const auto slip = model.effects.find(dynamics::Effect::encoder_slip);
+  if (slip == model.effects.end()) return;
+  const std::vector<double>& time_s = log.time_s();
+  for (const char* name : {"height_m", "position_m", "angle_rad"})
+    if (log.has(name))
+      for (std::size_t i = 0; i < time_s.size(); ++i)
+        if (time_s[i] >= slip->second[1]) log.columns[name][i] += slip->second[0];
+}
+
 }  // namespace
 
 sim_host::RigConfig rig_config(const model::Model& model, const Scenario& scenario, std::uint64_t seed) {
@@ -200,6 +211,7 @@ log::Log simulate(const model::Model& model, const Scenario& scenario, std::uint
       break;
   }
   if (log.rows() > 1) skew_columns(model, log);
+  slip_columns(model, log);
   return log;
 }
 

@@ -49,6 +49,10 @@ struct Commands {
   }
 };
 
+/// What the drive does to a command, each with one parameter: its current shows it.
+inline constexpr Effect kDriveEffects[] = {Effect::actuator_delay, Effect::actuator_lag,
+                                           Effect::torque_saturation};
+
 /// The drive and the motor, step by step along the commands.
 template <class T>
 class Actuation {
@@ -80,7 +84,17 @@ class Actuation {
   /// What the drive's current would show at the instant of the row that drive() is called for next, once its
   /// command has arrived. A delay is smoothed over a step.
   T at_row(const Commands<V>& commands, std::size_t row, V dt_s) const {
-    return lags_ ? drive_ : target(commands, row, dt_s);
+    if (lags_) return drive_;
+    if (!delays_) return target(commands, row, dt_s);
+    // Sampled at an instant: the mean over up to a step about it, so that it has a derivative.
+    const V width = std::min(dt_s, V(2) * std::abs(value_of(delay_)));
+    T now = T(commands.command[row]);
+    if (width > V(0)) {
+      const T centre = commands.time_s[row] - delay_;
+      const V half = V(0.5) * width;
+      now = (commands.impulse_until(T(centre + half)) - commands.impulse_until(T(centre - half))) / width;
+    }
+    return limits_ ? limited(now, e_.value(Effect::torque_saturation)) : now;
   }
 
   /// Mean of what the drive makes from row `row` on over `dt_s` seconds. Call for one row after the other.

@@ -46,11 +46,12 @@ enum class Effect : std::uint8_t {
   encoder_offset,
   height_scale_error,
   height_eccentricity,
+  encoder_slip,
   contact_delay,
   time_skew,
 };
 
-inline constexpr std::size_t kEffectCount = 32;
+inline constexpr std::size_t kEffectCount = 33;
 inline constexpr std::size_t kMaxEffectParameters = 3;
 
 /// The stage of the plant that the law sits in.
@@ -65,6 +66,7 @@ struct EffectParameterInfo {
   double upper;    ///< largest value that makes physical sense
   double neutral;  ///< value at which the effect is not there; NaN: that of the model parameter of the same
                    ///< name, or any value (a width, a shape) where there is none
+  bool of_motor = false;  ///< on a hopper the motor turns: its parameter has the rotary name
 };
 
 struct EffectInfo {
@@ -345,7 +347,7 @@ inline constexpr std::array<EffectInfo, kEffectCount> kCatalogue{{
      detail::kDriven,
      "stance",
      "magnitude limited",
-     {{{"limit_n", "limit_nm", "N", "N m", 0.0, 1e4, detail::kUnset}}},
+     {{{"limit_n", "limit_nm", "N", "N m", 0.0, 1e4, detail::kUnset, true}}},
      1,
      "The drive cuts off what is commanded beyond a limit.",
      "The drive's current limit, the supply's voltage at speed.",
@@ -476,6 +478,19 @@ inline constexpr std::array<EffectInfo, kEffectCount> kCatalogue{{
      "The height's error swings once a revolution of the encoder's wheel.",
      "The encoder's disc or the pinion sits off its centre.",
      "Move the body slowly along a straight edge and compare, over some revolutions of the wheel."},
+    {Effect::encoder_slip,
+     "encoder_slip",
+     "a slip of the encoder",
+     Stage::sensing,
+     detail::kAllKinds,
+     "flight+stance",
+     "the measured position jumps by a step at an instant and stays there",
+     {{{"step_m", "step_rad", "m", "rad", -10.0, 10.0, 0.0},
+       {"time_s", "time_s", "s", "s", 0.0, 1e6, detail::kUnset}}},
+     2,
+     "The measured position jumps at an instant while the machine does not, and stays off by that step.",
+     "The pinion on its rack, the coupling of the encoder, counts lost on a noisy line.",
+     "Return to a reference mark after each run and compare the counts."},
     {Effect::contact_delay,
      "contact_delay",
      "a contact switch that reports late or early",
@@ -514,10 +529,10 @@ constexpr std::optional<Effect> effect_named(std::string_view name) {
 
 /// The parameter's name on an axis of this kind.
 constexpr std::string_view name_on(const EffectParameterInfo& p, Kind k) {
-  return info(k).rotary ? p.rotary_name : p.name;
+  return info(k).rotary || (p.of_motor && k == Kind::hopper_linear) ? p.rotary_name : p.name;
 }
 constexpr std::string_view unit_on(const EffectParameterInfo& p, Kind k) {
-  return info(k).rotary ? p.rotary_unit : p.unit;
+  return info(k).rotary || (p.of_motor && k == Kind::hopper_linear) ? p.rotary_unit : p.unit;
 }
 
 static_assert(
