@@ -231,7 +231,8 @@ std::vector<Proposer::Values> Proposer::swings(const Hypothesis& on, const std::
 }
 
 Proposal Proposer::best(const Hypothesis& on, const std::vector<Effect>& larger, Effect effect) const {
-  Proposal proposal{effect, {}, -std::numeric_limits<double>::infinity()};
+  constexpr std::size_t kOthers = 2;
+  Proposal proposal{effect, {}, {}, -std::numeric_limits<double>::infinity()};
   const bool swings_with_position = effect == Effect::torque_ripple || effect == Effect::height_eccentricity;
   const std::vector<Values> all = swings_with_position ? swings(on, larger, effect) : starts(effect);
   double before = 0.0;  // of the same windows
@@ -239,11 +240,15 @@ Proposal Proposer::best(const Hypothesis& on, const std::vector<Effect>& larger,
     const identify::Fit look = identify::look_by_simulation(on.fitted, {}, {}, t_.recordings, some_);
     before = look.squares;
   }
-  for (const Values& values : all) {
-    const Promise promise = step(on, larger, effect, values, some_, false);
-    const double gain = 1.0 - promise.squares / std::max(before, 1e-300);
-    if (gain > proposal.gain) proposal = {effect, promise.values, gain};
-  }
+  std::vector<Promise> promises;
+  for (const Values& values : all) promises.push_back(step(on, larger, effect, values, some_, false));
+  std::stable_sort(promises.begin(), promises.end(),
+                   [](const Promise& a, const Promise& b) { return a.squares < b.squares; });
+  proposal.values = promises.front().values;
+  proposal.gain = 1.0 - promises.front().squares / std::max(before, 1e-300);
+  if (all.size() > 2)
+    for (std::size_t i = 1; i < promises.size() && i <= kOthers; ++i)
+      if (std::isfinite(promises[i].squares)) proposal.others.push_back(promises[i].values);
   return proposal;
 }
 

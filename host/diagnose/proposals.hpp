@@ -10,6 +10,8 @@ namespace furcula::diagnose {
 struct Proposal {
   dynamics::Effect effect{};
   std::array<double, dynamics::kMaxEffectParameters> values{};
+  /// Of a law that can take many shapes: other promising starts, for the fit's landscape has many valleys.
+  std::vector<std::array<double, dynamics::kMaxEffectParameters>> others;
   double gain = 0.0;  ///< share of the smaller model's squares that a linear step from there removes
 };
 

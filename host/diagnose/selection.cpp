@@ -6,6 +6,7 @@
 
 #include "host/diagnose/proposals.hpp"
 #include "host/identify/parallel.hpp"
+#include "host/log/error.hpp"
 
 namespace furcula::diagnose {
 namespace {
@@ -23,6 +24,7 @@ constexpr double kEqualEvidence = 6.0;
 constexpr double kFalseAlarmLevel = 0.005;
 constexpr std::size_t kMostFits =
     8;  ///< of the forward selection's first round; half of them in the later ones
+constexpr double kManyShapes = 30.0;
 constexpr std::size_t kFewestFits = 3;
 constexpr double kSmallestPromise = 0.2;  ///< of the best proposal's
 constexpr std::size_t kMostRivals = 4;    ///< that are fitted in the place of each member
@@ -165,7 +167,7 @@ double shapes_of(Effect e) {
     case Effect::binding_spot:
     case Effect::torque_ripple:
     case Effect::height_eccentricity:
-      return 30.0;
+      return kManyShapes;
     case Effect::stribeck_friction:
     case Effect::thermal_derating:
     case Effect::torque_saturation:
@@ -340,12 +342,20 @@ bool Trainer::beyond_resolution(const Hypothesis& h) const {
 Hypothesis Trainer::fit_new(const std::vector<Effect>& larger, const Hypothesis& on,
                             const Proposal& proposal) const {
   const Effect e = proposal.effect;
-  Hypothesis best = fit(larger, &on, {{e, proposal.values}});
+  Hypothesis best;
+  best.effects = larger;
+  best.failed = true;
   const auto try_from = [&](const Hypothesis& from,
-                            std::array<double, dynamics::kMaxEffectParameters> values) {
-    Hypothesis other = fit(larger, &from, {{e, values}});
-    if (other.fit.squares < best.fit.squares) best = std::move(other);
+                            const std::array<double, dynamics::kMaxEffectParameters>& values) {
+    try {
+      Hypothesis other = fit(larger, &from, {{e, values}});
+      if (best.failed || other.fit.squares < best.fit.squares) best = std::move(other);
+    } catch (const log::DataError&) {  // from there the model runs away: no start
+    }
   };
+  try_from(on, proposal.values);
+  if (shapes_of(e) >= kManyShapes)
+    for (const auto& values : proposal.others) try_from(on, values);
   // Dry friction sticks, which makes a fit's landscape uneven: a second start from a twentieth of what moves
   // the axis; for the Stribeck curve from the constant friction that fits best, twice as large at standstill,
   // over several widths.
@@ -355,7 +365,8 @@ Hypothesis Trainer::fit_new(const std::vector<Effect>& larger, const Hypothesis&
   if (e == Effect::stribeck_friction) {
     if (std::find(larger.begin(), larger.end(), Effect::asymmetric_friction) != larger.end()) return best;
     const Hypothesis flat = fit_new(with(without(larger, e), Effect::coulomb_friction), on,
-                                    {Effect::coulomb_friction, {0.02 * scale.force}, 0.0});
+                                    {Effect::coulomb_friction, {0.02 * scale.force}, {}, 0.0});
+    if (flat.failed) return best;
     const double level = flat.fitted.effects.at(Effect::coulomb_friction)[0];
     Hypothesis bare = flat;
     bare.fitted.effects.erase(Effect::coulomb_friction);
@@ -395,6 +406,15 @@ Comparison Trainer::compare(const Hypothesis& smaller, const Hypothesis& larger,
   return c;
 }
 
+namespace {
+
+/// Two names of one law: the same free runs to within a ten-thousandth, whatever was to be expected before.
+bool the_same(const Hypothesis& one, const Hypothesis& other) {
+  return std::abs(one.fit.squares - other.fit.squares) < 1e-4 * other.fit.squares;
+}
+
+}  // namespace
+
 double Trainer::preference(const Hypothesis& one, const Hypothesis& other) const {
   return evidence_of(one.fit, other.fit, other.fit, training.layers) + doubt_of(one.effects) -
          doubt_of(other.effects);
@@ -429,7 +449,8 @@ Selection Trainer::select() {
       tell(from + 0.09, names(larger));
       trials[i].hypothesis = fit_new(larger, s.chosen, proposals[i]);
       trials[i].round = round;
-      trials[i].against_smaller = compare(s.chosen, trials[i].hypothesis, left.size());
+      if (!trials[i].hypothesis.failed)
+        trials[i].against_smaller = compare(s.chosen, trials[i].hypothesis, left.size());
     });
     std::sort(trials.begin(), trials.end(),
               [](const Tried& a, const Tried& b) { return a.hypothesis.effects < b.hypothesis.effects; });
@@ -473,8 +494,10 @@ Selection Trainer::select() {
     std::vector<Tried> trials(singles.size());
     identify::parallel_for(singles.size(), threads, [&](std::size_t i) {
       trials[i].hypothesis = fit_new({singles[i].effect}, s.refitted, singles[i]);
-      trials[i].against_smaller = compare(s.refitted, trials[i].hypothesis, all.size());
+      if (!trials[i].hypothesis.failed)
+        trials[i].against_smaller = compare(s.refitted, trials[i].hypothesis, all.size());
     });
+    std::erase_if(trials, [](const Tried& t) { return t.hypothesis.failed; });
     s.tried.insert(s.tried.end(), trials.begin(), trials.end());
     const Hypothesis* simpler = nullptr;
     for (const Tried& t : s.tried) {
@@ -600,13 +623,20 @@ std::vector<Selection::Rival> Trainer::rivals(const Selection& s, const std::vec
   identify::parallel_for(replacements.size(), threads, [&](std::size_t i) {
     if (progress) progress(0.95, names(replacements[i].effects));
     const Replacement& r = replacements[i];
-    fitted[i] = r.starts.size() == 1
-                    ? fit_new(r.effects, *r.from, {r.starts.begin()->first, r.starts.begin()->second})
-                    : fit(r.effects, r.from, r.starts);
+    if (r.starts.size() == 1) {
+      fitted[i] = fit_new(r.effects, *r.from, {r.starts.begin()->first, r.starts.begin()->second, {}, 0.0});
+    } else {
+      try {
+        fitted[i] = fit(r.effects, r.from, r.starts);
+      } catch (const log::DataError&) {
+        fitted[i].failed = true;
+      }
+    }
   });
   std::vector<Selection::Rival> equals;
   for (std::size_t i = 0; i < fitted.size(); ++i)
-    if (fitted[i].meaningful && preference(fitted[i], s.chosen) < kEqualEvidence)
+    if (!fitted[i].failed && fitted[i].meaningful &&
+        (preference(fitted[i], s.chosen) < kEqualEvidence || the_same(fitted[i], s.chosen)))
       equals.push_back({replacements[i].of, fitted[i]});
   return equals;
 }

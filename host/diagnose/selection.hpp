@@ -19,6 +19,7 @@ struct Hypothesis {
   identify::Fit fit;
   model::Model fitted;  ///< the model at the fit's values
   double cross_validated_squares = 0.0;
+  bool failed = false;  ///< no start from which the model's run stays finite: nothing else is set
   bool meaningful =
       true;  ///< no effect at a limit, and each away from nothing by more than the windows scatter
 };

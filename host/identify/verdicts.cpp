@@ -11,6 +11,9 @@ namespace {
 constexpr double kCorrelated = 0.95;
 constexpr double kSingular = 1e-12;  ///< what keeps a direction without information from dividing by zero
 constexpr double kUnknown = 1e6;     ///< variance inflation above which a value is not known at all
+/// What the simulator's own discretisation and an input held from row to row are worth, of a value (standard
+/// deviation): no recording makes an estimate more certain than that.
+constexpr double kNumerics = 1.5e-3;
 constexpr double kNotExcited = 1.0;  ///< half width of the interval over the value
 
 }  // namespace
@@ -51,9 +54,8 @@ std::vector<ParameterVerdict> parameter_verdicts(const Fit& fit, const std::vect
   for (std::size_t i = 0; i < count; ++i) {
     ParameterVerdict& v = all[i];
     v.value = fit.values[i];
-    const double half =
-        t *
-        std::sqrt(std::max(0.0, fit.covariance(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(i))));
+    const double variance = fit.covariance(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(i));
+    const double half = t * std::hypot(std::sqrt(std::max(0.0, variance)), kNumerics * v.value);
     v.lower = v.value - half;
     v.upper = v.value + half;
     // A value near zero may be known well: it is measured by a hundredth of its bounds' distance too.
@@ -88,6 +90,14 @@ std::vector<ParameterVerdict> parameter_verdicts(const Fit& fit, const std::vect
       v.with = unknowns[static_cast<std::size_t>(moving[static_cast<std::size_t>(k)])].name;
     }
   }
+  // A law with one of its parameters held by a bound has the others in its place: they may be anything.
+  for (std::size_t i = 0; i < count; ++i)
+    for (std::size_t k = 0; k < count; ++k)
+      if (i != k && unknowns[i].of_effect && unknowns[k].of_effect &&
+          unknowns[i].effect == unknowns[k].effect && fit.at_bound[k]) {
+        all[i].lower = unknowns[i].lower;
+        all[i].upper = unknowns[i].upper;
+      }
   return all;
 }
 

@@ -116,7 +116,7 @@ std::array<double, dynamics::kMaxEffectParameters> draw_size(Effect cause, const
     case Effect::contact_delay:
       return {sign * random.uniform(0.01, 0.02)};
     case Effect::time_skew:
-      return {sign * random.uniform(0.005, 0.015)};
+      return {sign * 1e-3 * std::round(random.uniform(5.0, 15.0))};  // whole rows
   }
   return {};
 }

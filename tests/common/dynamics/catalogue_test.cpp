@@ -50,7 +50,7 @@ TEST_CASE("A rail carriage, which nothing drives and nothing springs, has no eff
   for (const EffectInfo& e : kCatalogue) {
     CAPTURE(std::string(e.name));
     const bool possible = e.effect <= Effect::mass_error || e.effect == Effect::height_scale_error ||
-                          e.effect == Effect::height_eccentricity;
+                          e.effect == Effect::height_eccentricity || e.effect == Effect::encoder_slip;
     CHECK(applies(e.effect, Kind::rail_carriage) == possible);
   }
 }
