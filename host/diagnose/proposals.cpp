@@ -130,7 +130,7 @@ std::vector<Proposer::Values> Proposer::starts(Effect effect) const {
     case Effect::backlash:
       return {{0.02}, {0.05}};
     case Effect::ground_compliance:
-      return {{5e3, 20.0}, {2e4, 50.0}};
+      return {{2.5e3, 10.0}, {5e3, 20.0}, {1e4, 20.0}, {2e4, 50.0}, {6e4, 100.0}};
     case Effect::toe_sticking:
       return {{1.0}, {4.0}, {10.0}};
     case Effect::time_skew:

@@ -19,6 +19,12 @@ class Proposer {
  public:
   explicit Proposer(const Trainer& trainer);
 
+  /// Between which positions the training windows move, but for their outermost hundredths.
+  struct Travel {
+    double low, high;
+  };
+  Travel travel() const { return {low_, high_}; }
+
   /// The best start of `effect` for the set `larger` (which holds it), the rest starting as in `on`.
   Proposal best(const Hypothesis& on, const std::vector<dynamics::Effect>& larger,
                 dynamics::Effect effect) const;

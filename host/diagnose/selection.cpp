@@ -332,6 +332,15 @@ bool Trainer::beyond_resolution(const Hypothesis& h) const {
   const auto beyond = [&](Effect e, double rows) {
     return lacks(h, e) || std::abs(h.fitted.effects.at(e)[0]) > rows * interval_s;
   };
+  // A spot as wide as the travel is plain friction.
+  if (!lacks(h, Effect::binding_spot)) {
+    constexpr double kWidest = 0.7;
+    const auto& spot = h.fitted.effects.at(Effect::binding_spot);
+    const Proposer::Travel travel = Proposer(*this).travel();
+    const double covered =
+        std::min(spot[1] + 0.5 * spot[2], travel.high) - std::max(spot[1] - 0.5 * spot[2], travel.low);
+    if (covered > kWidest * (travel.high - travel.low)) return false;
+  }
   // A switch is read once a row, and bounces; what a row's input is worth until the next one is known to a
   // part of the interval, less where it was measured and not commanded.
   const bool answered = !recordings.front().drive_command.empty();
@@ -538,9 +547,10 @@ std::size_t Trainer::worth_a_fit(std::vector<Proposal>& proposals, std::size_t m
   // judged by a linear step: those first, always.
   const auto always = [&](const Proposal& p) {
     return (judged_on(p.effect, recordings) != identify::Channel::motion && p.gain > 0.0) ||
-           (most >= kMostFits && model.kind != dynamics::Kind::hopper_linear &&
-            (p.effect == Effect::coulomb_friction || p.effect == Effect::asymmetric_friction ||
-             p.effect == Effect::stribeck_friction));
+           (most >= kMostFits &&
+            (p.effect == Effect::coulomb_friction ||
+             (model.kind != dynamics::Kind::hopper_linear &&
+              (p.effect == Effect::asymmetric_friction || p.effect == Effect::stribeck_friction))));
   };
   std::stable_partition(proposals.begin(), proposals.end(), always);
   if (proposals.empty()) return 0;

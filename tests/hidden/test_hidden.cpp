@@ -106,6 +106,35 @@ TEST_CASE("A loss at touch-down hidden in a hopper is found") {
   expect_found(Kind::hopper_linear, "touchdown_loss");
 }
 
+TEST_CASE("Other masses, springs and guides hidden in a hopper are found") {
+  for (const char* effect :
+       {"binding_spot", "damping_error", "guide_tilt", "mass_error", "rest_height_error"})
+    expect_named(Kind::hopper_linear, effect, Size::medium, 2);
+}
+
+TEST_CASE("What springs and links do beyond the linear model is found in a hopper") {
+  for (const char* effect : {"spring_hardening", "spring_hysteresis", "leg_inertia"})
+    expect_named(Kind::hopper_linear, effect, Size::medium, 2);
+}
+
+TEST_CASE("What a drive does to its commands is found in a hopper") {
+  for (const char* effect : {"torque_offset", "actuator_delay", "actuator_lag", "torque_saturation",
+                             "torque_ripple", "thermal_derating"})
+    expect_named(Kind::hopper_linear, effect, Size::medium, 2);
+}
+
+TEST_CASE("What happens between toe and ground is found in a hopper") {
+  for (const char* effect : {"liftoff_loss", "toe_sticking"})
+    expect_named(Kind::hopper_linear, effect, Size::medium, 2);
+  expect_named(Kind::hopper_linear, "ground_compliance", Size::large, 1);
+}
+
+TEST_CASE("What its sensors do is found in a hopper and not called mechanical") {
+  for (const char* effect : {"encoder_offset", "height_scale_error", "height_eccentricity", "encoder_slip",
+                             "contact_delay", "time_skew"})
+    expect_named(Kind::hopper_linear, effect, Size::medium, 2);
+}
+
 TEST_CASE("Nothing is found in a hopper that hides nothing") { expect_adequate(Kind::hopper_linear); }
 
 TEST_CASE("Coulomb friction hidden in a motor axis is found") {
@@ -128,6 +157,12 @@ TEST_CASE("A force offset hidden in a motor axis is found") {
   expect_found(Kind::motor_axis, "force_offset");
 }
 
+TEST_CASE("Places, masses, drives and clocks hidden in a motor axis are found") {
+  for (const char* effect : {"binding_spot", "damping_error", "mass_error", "actuator_delay", "actuator_lag",
+                             "torque_saturation", "thermal_derating", "encoder_slip", "time_skew"})
+    expect_named(Kind::motor_axis, effect, Size::medium, 2);
+}
+
 TEST_CASE("Nothing is found in a motor axis that hides nothing") { expect_adequate(Kind::motor_axis); }
 
 TEST_CASE("Coulomb friction hidden in a rotary joint is found") {
@@ -148,6 +183,17 @@ TEST_CASE("Quadratic drag hidden in a rotary joint is found") {
 
 TEST_CASE("A force offset hidden in a rotary joint is found") {
   expect_found(Kind::rotary_joint, "force_offset");
+}
+
+TEST_CASE("Places, inertias, drives and encoders hidden in a rotary joint are found") {
+  for (const char* effect : {"binding_spot", "damping_error", "mass_error", "actuator_delay",
+                             "torque_saturation", "torque_ripple", "encoder_offset", "encoder_slip"})
+    expect_named(Kind::rotary_joint, effect, Size::medium, 2);
+}
+
+TEST_CASE("Friction and a slip hidden in a rail carriage are found") {
+  for (const char* effect : {"coulomb_friction", "quadratic_drag", "encoder_slip"})
+    expect_named(Kind::rail_carriage, effect, Size::medium, 2);
 }
 
 TEST_CASE("Nothing is found in a rotary joint that hides nothing") { expect_adequate(Kind::rotary_joint); }
