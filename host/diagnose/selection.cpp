@@ -29,6 +29,8 @@ constexpr std::size_t kFewestFits = 3;
 constexpr double kSmallestPromise = 0.2;  ///< of the best proposal's
 constexpr std::size_t kMostRivals = 4;    ///< that are fitted in the place of each member
 constexpr int kMostSwaps = 2;
+constexpr std::size_t kBeam = 4;      ///< effects that a pair may begin with
+constexpr double kWithinNoise = 1.5;  ///< squares over what noise alone leaves
 
 /// One channel of all windows.
 identify::ChannelShare channel(const identify::Fit& fit, std::size_t which) {
@@ -519,6 +521,8 @@ Selection Trainer::select() {
     if (simpler != nullptr) s.chosen = Hypothesis(*simpler);
   }
 
+  beam(s, all, proposer);
+
   // What each member is worth, and which sets do as well in its place with as many parameters; one that does
   // better takes its place.
   for (int round = 0;; ++round) {
@@ -564,6 +568,56 @@ std::size_t Trainer::worth_a_fit(std::vector<Proposal>& proposals, std::size_t m
           proposals[count].gain > kSmallestPromise * most_promising))
     ++count;
   return count;
+}
+
+void Trainer::beam(Selection& s, const std::vector<Effect>& all, const Proposer& proposer) const {
+  const identify::ChannelShare motion = channel(s.chosen.fit, 0);
+  const bool noise_alone = motion.squares < kWithinNoise * motion.rows;
+  if (s.chosen.effects.empty() || (s.chosen.effects.size() == 1 && noise_alone)) return;
+  // The effect that alone removes most may be a compromise between two causes: pairs that begin with others.
+  std::vector<const Tried*> firsts;
+  for (const Tried& t : s.tried)
+    if (t.round == 0 && t.against_smaller.significant && t.hypothesis.effects.size() == 1)
+      firsts.push_back(&t);
+  std::sort(firsts.begin(), firsts.end(), [](const Tried* a, const Tried* b) {
+    return a->hypothesis.fit.squares < b->hypothesis.fit.squares;
+  });
+  if (firsts.size() > kBeam) firsts.resize(kBeam);
+  std::vector<Tried> pairs;
+  for (const Tried* first : firsts) {
+    const Hypothesis on = first->hypothesis;
+    std::vector<Effect> left;
+    for (Effect e : all)
+      if (lacks(on, e) && !contains(e, on.effects.front())) left.push_back(e);
+    const std::vector<Proposal> proposals = propose(proposer, on, left, 0.78, 0.02);
+    std::vector<Tried> trials(std::min(proposals.size(), kFewestFits));
+    identify::parallel_for(trials.size(), threads, [&](std::size_t i) {
+      trials[i].round = 1;
+      trials[i].hypothesis = fit_new(with(on.effects, proposals[i].effect), on, proposals[i]);
+      if (!trials[i].hypothesis.failed)
+        trials[i].against_smaller = compare(on, trials[i].hypothesis, left.size());
+    });
+    for (Tried& t : trials)
+      if (!t.hypothesis.failed) pairs.push_back(std::move(t));
+  }
+  const Hypothesis* best = nullptr;
+  for (const Tried& t : pairs)
+    if (t.against_smaller.significant && t.hypothesis.meaningful &&
+        (best == nullptr || preference(*best, t.hypothesis) > 0.0))
+      best = &t.hypothesis;
+  if (best != nullptr) {
+    const auto more = static_cast<double>(parameters_of(best->effects)) -
+                      static_cast<double>(parameters_of(s.chosen.effects));
+    // Fewer causes for the same; or better ones.
+    const double price = more > 0.0 ? chi_square_point(static_cast<double>(all.size()), more)
+                         : best->effects.size() < s.chosen.effects.size() ? -kEqualEvidence
+                                                                          : kEqualEvidence;
+    if (preference(s.chosen, *best) > price) {
+      s.chosen = Hypothesis(*best);
+      prune(s.chosen, all.size());
+    }
+  }
+  s.tried.insert(s.tried.end(), pairs.begin(), pairs.end());
 }
 
 void Trainer::prune(Hypothesis& chosen, std::size_t tries) const {

@@ -114,6 +114,8 @@ struct Trainer {
   bool beyond_resolution(const Hypothesis& h) const;
   /// How many of the proposals are fitted; puts them first.
   std::size_t worth_a_fit(std::vector<Proposal>& proposals, std::size_t most) const;
+  /// Where one effect does not explain the recordings: pairs that begin with other effects than the best one.
+  void beam(Selection& s, const std::vector<dynamics::Effect>& all, const Proposer& proposer) const;
   /// Backward: takes out members that the others have made needless.
   void prune(Hypothesis& chosen, std::size_t tries) const;
   /// What each effect on top of `on` promises, the most promising first.
