@@ -88,7 +88,6 @@ std::array<double, dynamics::kMaxEffectParameters> draw_size(Effect cause, const
     case Effect::torque_offset:
       return {0.15 * force_n * sign};
     case Effect::actuator_delay:
-      return {random.uniform(0.01, 0.03)};
     case Effect::actuator_lag:
       return {random.uniform(0.01, 0.03)};
     case Effect::torque_saturation:

@@ -2,6 +2,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <numbers>
+#include <utility>
 #include <vector>
 
 #include "tests/hidden/machine.hpp"
@@ -28,7 +29,7 @@ Truth lossless_hopper() {
 }
 
 Truth axis(double mass_kg, double damping_nspm, std::vector<Planted> planted = {}) {
-  return {.kind = Kind::motor_axis, .parameters = {mass_kg, damping_nspm}, .planted = planted};
+  return {.kind = Kind::motor_axis, .parameters = {mass_kg, damping_nspm}, .planted = std::move(planted)};
 }
 
 // Highest point of each flight within `duration_s` with the torque T sin(2 pi (t - t_td)/P) from the true
@@ -203,7 +204,7 @@ TEST_CASE("A spring's preload, rate error and the torque's gain move the resting
   const auto rest = [](std::vector<Planted> planted, double torque_nm) {
     Truth t = example_hopper();
     t.parameters[3] = 60.0;  // so that it settles
-    t.planted = planted;
+    t.planted = std::move(planted);
     Machine m(t, 0.26, 0.0);
     m.advance(8.0, torque_nm);
     return m.position();

@@ -30,7 +30,8 @@ T hops(const Effects<T>& effects, double step) {
   const int steps = static_cast<int>(std::lround(0.8 / step)),
             held = static_cast<int>(std::lround(4e-3 / step));
   for (int n = 0; n < steps; ++n) {
-    hopper.advance(T(1.2 * std::sin(0.021 * (n / held) * 4)), step);
+    const int command = n / held;  // of 4 ms each
+    hopper.advance(T(1.2 * std::sin(0.021 * command * 4)), step);
     sum += hopper.height_m() * (step * (1.0 + n * step)) + hopper.leg_angle_rad() * (0.1 * step);
   }
   return sum;

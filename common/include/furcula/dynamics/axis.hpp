@@ -88,8 +88,9 @@ class Axis {
     if constexpr (kRotary)
       if (full && rotor_.loose()) let_rotor_go(input);
     T force = kRotary && rotor_.crosses() ? constant_force_ : T(input + constant_force_);
-    T motor = input;  // what turns the rotor while it crosses the backlash
+    T motor{};  // what turns the rotor while it crosses the backlash
     if constexpr (kRotary) {
+      motor = input;
       // At the midpoint, by the velocity and the acceleration at the start.
       const T start = (force - p_.gravity_torque_nm * sin(x_)) * inverse_mass_ - delta_ * v_;
       const T midpoint = full ? T(x_ + v_ * (V(0.5) * h) + start * (V(0.125) * h * h))
