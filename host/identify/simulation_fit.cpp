@@ -62,7 +62,8 @@ class WindowCost final : public ceres::CostFunction {
     if (size <= 6) return run<ceres::Jet<double, 6>>(blocks, residuals, jacobians);
     if (size <= 8) return run<ceres::Jet<double, 8>>(blocks, residuals, jacobians);
     if (size <= 12) return run<ceres::Jet<double, 12>>(blocks, residuals, jacobians);
-    return run<ceres::Jet<double, 20>>(blocks, residuals, jacobians);
+    if (size <= 20) return run<ceres::Jet<double, 20>>(blocks, residuals, jacobians);
+    return run<ceres::Jet<double, 32>>(blocks, residuals, jacobians);
   }
 
  private:
