@@ -238,6 +238,9 @@ std::size_t start_rows_end(const Recording& r, const Window& w) {
   const double span = std::min(kStart_s, 0.1 * (r.time_s[w.last] - r.time_s[w.first]));
   std::size_t last = w.first;
   while (last < w.last && r.time_s[last + 1] <= r.time_s[w.first] + span) ++last;
+  // Not across a jump of the encoder.
+  for (const Slip& slip : r.slips)
+    if (slip.row > w.first && slip.row <= last) last = slip.row - 1;
   return std::max(last, std::min(w.last, w.first + 2));
 }
 
