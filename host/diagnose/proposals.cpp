@@ -147,11 +147,7 @@ std::vector<Proposer::Values> Proposer::starts(Effect effect) const {
 Proposer::Promise Proposer::step(const Hypothesis& on, const std::vector<Effect>& larger, Effect effect,
                                  const Values& values, const std::vector<identify::Window>& windows,
                                  bool shape_held) const {
-  std::vector<identify::Unknown> unknowns = identify::free_unknowns(t_.model);
-  for (Effect e : larger) {
-    const auto more = identify::effect_unknowns(e, t_.model.kind);
-    unknowns.insert(unknowns.end(), more.begin(), more.end());
-  }
+  const std::vector<identify::Unknown> unknowns = unknowns_of(t_.model, larger);
   std::vector<double> at = identify::values_in(on.fitted, unknowns);
   const auto n = static_cast<Eigen::Index>(unknowns.size());
   Eigen::VectorXd low(n), high(n);

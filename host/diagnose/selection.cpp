@@ -98,15 +98,6 @@ double cross_validate(const identify::Fit& fit, const std::vector<identify::Wind
   return squares;
 }
 
-std::vector<identify::Unknown> unknowns_of(const model::Model& model, const std::vector<Effect>& effects) {
-  auto all = identify::free_unknowns(model);
-  for (Effect e : effects) {
-    const auto more = identify::effect_unknowns(e, model.kind);
-    all.insert(all.end(), more.begin(), more.end());
-  }
-  return all;
-}
-
 /// Start values of the unknowns: those of `from`, of an effect that is new to it those proposed.
 std::vector<double> values_from(const Trainer& t, const std::vector<identify::Unknown>& unknowns,
                                 const Hypothesis* from, const Starts& starts) {
@@ -253,6 +244,15 @@ std::string names(const std::vector<Effect>& effects) {
 }
 
 }  // namespace
+
+std::vector<identify::Unknown> unknowns_of(const model::Model& model, const std::vector<Effect>& effects) {
+  auto all = identify::free_unknowns(model);
+  for (Effect e : effects) {
+    const auto more = identify::effect_unknowns(e, model.kind);
+    all.insert(all.end(), more.begin(), more.end());
+  }
+  return all;
+}
 
 identify::Channel judged_on(Effect e, const std::vector<identify::Recording>& recordings) {
   if (e == Effect::contact_delay) return identify::Channel::contact;

@@ -56,6 +56,10 @@ struct Selection {
   std::vector<Comparison> against_without;
 };
 
+/// What a fit of the model with these effects moves.
+std::vector<identify::Unknown> unknowns_of(const model::Model& model,
+                                           const std::vector<dynamics::Effect>& effects);
+
 /// The channel that an effect is judged on: that of the motion, unless it does not move the body.
 identify::Channel judged_on(dynamics::Effect e, const std::vector<identify::Recording>& recordings);
 

@@ -189,6 +189,8 @@ TEST_CASE("Places, inertias, drives and encoders hidden in a rotary joint are fo
   for (const char* effect : {"binding_spot", "damping_error", "mass_error", "actuator_delay",
                              "torque_saturation", "torque_ripple", "encoder_offset"})
     expect_named(Kind::rotary_joint, effect, Size::medium, 2);
+  // With seed 2 it is named with its size, but a slip in a held-out recording is not followed: a known
+  // defect.
   expect_named(Kind::rotary_joint, "encoder_slip", Size::medium, 5);
 }
 
