@@ -65,6 +65,8 @@ class Hopper {
     leg_force_at_zero_ = stiffness_ * rest_height_;
     if (e_.has(Effect::spring_preload)) leg_force_at_zero_ += e_.value(Effect::spring_preload);
     leg_is_more_ = e_.has(Effect::spring_hysteresis) || e_.has(Effect::leg_inertia);
+    more_ = leg_is_more_ || e_.has(Effect::toe_sticking) || e_.has(Effect::ground_compliance) ||
+            e_.has(Effect::torque_ripple) || e_.has(Effect::spring_hardening) || rotor_.loose();
     stretched_stiffness_ = stiffness_ + V(kStopStiffness);
     kappa_stretched_ = stretched_stiffness_ * inverse_mass_;
     if (e_.has(Effect::ground_compliance)) {
@@ -166,7 +168,7 @@ class Hopper {
     T left = T(step_);
     for (int round = 0; round < kMaxEvents; ++round) {
       if (!(value_of(left) > V(0))) return;
-      if (move(torque, left, round == 0)) return;
+      if (more_ ? move<true>(torque, left, round == 0) : move<false>(torque, left, round == 0)) return;
     }
     // So many events in one step means contacts without end (a body bouncing down to rest): it rests.
     v_ = T(V(0));
@@ -196,31 +198,33 @@ class Hopper {
   }
 
   /// Moves until `left` is used up (returns true) or to the next event (takes it and shortens `left`).
+  /// `kMore` false: the leg is spring, damper and motor, and what only other legs need is left out.
+  template <bool kMore>
   bool move(const T& torque, T& left, bool full) {
     const V h = value_of(left);
     const T midpoint = !stance_ ? z_ : full ? T(z_ + v_ * (V(0.5) * h)) : T(z_ + v_ * (V(0.5) * left));
-    const bool sticks = stance_ && e_.has(Effect::toe_sticking);
-    const bool soft = stance_ && e_.has(Effect::ground_compliance);
-    const bool links = stance_ && e_.has(Effect::leg_inertia);
+    const bool sticks = kMore && stance_ && e_.has(Effect::toe_sticking);
+    const bool soft = kMore && stance_ && e_.has(Effect::ground_compliance);
+    const bool links = kMore && stance_ && e_.has(Effect::leg_inertia);
     const V most_pull = sticks ? value_of(e_.value(Effect::toe_sticking)) : V(0);
     const bool rises = value_of(v_) > V(0);
-    if (full && rotor_.loose()) let_rotor_go(torque);
+    if (kMore && full && rotor_.loose()) let_rotor_go(torque);
 
     leg_.state = Leg::State::away;
     if (stance_) {
-      take_leg(torque, midpoint, left);
+      take_leg<kMore>(torque, midpoint, left);
       if (links) turn_links(midpoint);
-      if (leg_is_more_) toe_force_ = force_on_toe(rises);
-      if (rises && toe_force_at(z_, v_) <= -most_pull) {
+      if (kMore && leg_is_more_) toe_force_ = force_on_toe(rises);
+      if (rises && toe_force_at<kMore>(z_, v_) <= -most_pull) {
         lift_off();
         return false;
       }
-      if (!rises && toe_force_at(midpoint, v_) <= -most_pull) leg_.state = Leg::State::away;
+      if (!rises && toe_force_at<kMore>(midpoint, v_) <= -most_pull) leg_.state = Leg::State::away;
     }
     const bool leg_acts = leg_.state != Leg::State::away;
     const bool flexes = leg_.state == Leg::State::flexes;  // within its length
-    const bool stretched = leg_.state == Leg::State::stretched;
-    const bool straight = leg_.state == Leg::State::straight;
+    const bool stretched = kMore && leg_.state == Leg::State::stretched;
+    const bool straight = kMore && leg_.state == Leg::State::straight;
     T force = leg_acts ? T(constant_force_ + leg_.constant) : constant_force_;
     if (links && leg_acts) force += links_weight_;
     const T& delta = flexes || stretched ? delta_stance_ : straight ? delta_straight_ : delta_flight_;
@@ -235,12 +239,12 @@ class Hopper {
     const bool up = at_rest ? value_of(acceleration) > V(0) : value_of(v_) > V(0);
     if (e_.any()) {
       T extra = binding(e_, z_, T(z_ + v_ * left));
-      if ((flexes || stretched) && e_.has(Effect::spring_hysteresis)) extra += leg_.hysteresis;
+      if (kMore && (flexes || stretched) && e_.has(Effect::spring_hysteresis)) extra += leg_.hysteresis;
       const Resisted<T> r =
           full ? resisted(e_, up, at_rest, v_, acceleration, delta, inverse_mass_, extra, h)
                : resisted(e_, up, at_rest, v_, acceleration, delta, inverse_mass_, extra, left);
       if (r.held) {
-        if (rotor_.crosses() && rotor_lands_on_still_leg(torque, left)) return false;
+        if (kMore && rotor_.crosses() && rotor_lands_on_still_leg(torque, left)) return false;
         elapsed_ += h;
         return true;
       }
@@ -268,18 +272,19 @@ class Hopper {
     }
     // So it may be up to where the rotor is through the backlash, or the leg comes to its stop or leaves it.
     Change change = Change::none;
-    if (soft || rotor_.crosses()) change = cut_short(segment, torque, up, t_end, z_end, v_end, turns);
+    if (soft || (kMore && rotor_.crosses()))
+      change = cut_short(segment, torque, up, t_end, z_end, v_end, turns);
 
     if (!stance_ && !up && value_of(z_end) < value_of(touchdown_height_)) {
       const T t = segment.crossing_time(T(V(1)), T(V(0)), -touchdown_height_, V(0), value_of(t_end));
-      arrive(segment, t, left);
+      arrive<kMore>(segment, t, left);
       z_ = touchdown_height_;
       touch_down();
       return false;
     }
     if (stance_ && up) {
       const bool reaches = !stretched && !soft && value_of(z_end) >= value_of(touchdown_height_);
-      const bool unloads = leg_acts && toe_force_at(z_end, v_end) <= -most_pull;
+      const bool unloads = leg_acts && toe_force_at<kMore>(z_end, v_end) <= -most_pull;
       if (reaches || unloads) {
         const V to = value_of(t_end);
         T t = t_end;
@@ -289,7 +294,7 @@ class Hopper {
           t = T(V(0));
         bool by_height = reaches;
         if (unloads) {
-          ToeForce f = leg_is_more_ ? toe_force_ : force_on_toe(rises);
+          ToeForce f = kMore && leg_is_more_ ? toe_force_ : force_on_toe(rises);
           if (sticks) f.constant += e_.value(Effect::toe_sticking);
           const T t_unload = segment.crossing_time(f.per_height, f.per_speed, f.constant, V(0), to);
           if (!reaches || value_of(t_unload) < value_of(t)) {
@@ -297,15 +302,15 @@ class Hopper {
             by_height = false;
           }
         }
-        arrive(segment, t, left);
+        arrive<kMore>(segment, t, left);
         if (by_height) z_ = touchdown_height_;
         if (!(by_height && sticks)) lift_off();
         return false;
       }
     }
     if (stretched && !up && value_of(z_end) < value_of(touchdown_height_)) {
-      arrive(segment, segment.crossing_time(T(V(1)), T(V(0)), -touchdown_height_, V(0), value_of(t_end)),
-             left);
+      arrive<kMore>(segment,
+                    segment.crossing_time(T(V(1)), T(V(0)), -touchdown_height_, V(0), value_of(t_end)), left);
       z_ = touchdown_height_;
       return false;
     }
@@ -313,7 +318,7 @@ class Hopper {
     z_ = z_end;
     v_ = v_end;
     elapsed_ += value_of(t_end);
-    if (rotor_.crosses()) rotor_.follow(t_end, leg_angle(T(z_ - toe_)), leg_speed(z_, v_));
+    if (kMore && rotor_.crosses()) rotor_.follow(t_end, leg_angle(T(z_ - toe_)), leg_speed(z_, v_));
     if (change == Change::rotor) land_rotor();
     if (change == Change::straightens || change == Change::flexes) straight_ = change == Change::straightens;
     if (!turns && change == Change::none) return true;
@@ -356,12 +361,13 @@ class Hopper {
     return change;
   }
 
+  template <bool kMore>
   void arrive(const Segment<T>& segment, const T& t, T& left) {
     const Flow<T> f = segment.over(t);
     z_ = segment.position_after(f);
     v_ = segment.velocity_after(f);
-    if (stance_ && e_.has(Effect::ground_compliance)) toe_ = toe_after(t, z_, true);
-    if (rotor_.crosses()) rotor_.follow(t, leg_angle(T(z_ - toe_)), leg_speed(z_, v_));
+    if (kMore && stance_ && e_.has(Effect::ground_compliance)) toe_ = toe_after(t, z_, true);
+    if (kMore && rotor_.crosses()) rotor_.follow(t, leg_angle(T(z_ - toe_)), leg_speed(z_, v_));
     left = left - t;
     elapsed_ += value_of(t);
   }
@@ -389,18 +395,25 @@ class Hopper {
     out.per_speed = share * out.per_speed - (share - V(1)) * delta_flight_ * mass_;
     return out;
   }
+  template <bool kMore = true>
   V toe_force_at(const T& z, const T& v) const {
-    if (leg_is_more_)
+    if (kMore && leg_is_more_)
       return value_of(toe_force_.constant) + value_of(toe_force_.per_height) * value_of(z) +
              value_of(toe_force_.per_speed) * value_of(v);
-    return value_of(leg_.constant) - value_of(leg_stiffness()) * value_of(z) -
-           value_of(leg_damping()) * value_of(v);
+    const V stiffness = value_of(kMore ? leg_stiffness() : stiffness_);
+    const V damping = value_of(kMore ? leg_damping() : leg_damping_);
+    return value_of(leg_.constant) - stiffness * value_of(z) - damping * value_of(v);
   }
 
   /// What the leg does over the next `h` seconds of stance.
+  template <bool kMore>
   void take_leg(const T& torque, const T& midpoint, const T& h) {
-    const T& top = touchdown_height_;
     leg_.state = Leg::State::flexes;
+    if (!kMore) {
+      leg_.constant = leg_force_at_zero_ + torque * force_per_torque(midpoint);
+      return;
+    }
+    const T& top = touchdown_height_;
     if (e_.has(Effect::ground_compliance)) {
       stand_on_soft_ground(torque, midpoint, h);
       return;
@@ -640,7 +653,8 @@ class Hopper {
   T toe_balance_{}, toe_drift_{}, toe_rate_{}, leg_push_{};
   T stretched_stiffness_{}, links_gravity_{}, links_mass_{}, links_slope_{}, links_lift_{}, links_weight_{};
   T kappa_stretched_{}, kappa_straight_{}, delta_straight_{};
-  bool leg_is_more_ = false;  ///< than spring, damper and motor: toe_force_ counts
+  bool leg_is_more_ = false;  ///< its force on the ground is more than spring, damper and motor: toe_force_
+  bool more_ = false;         ///< leg_is_more_, or the leg, its toe or its rotor is in one of several states
   Leg leg_{};
   ToeForce toe_force_{};
   V step_ = V(-1);
