@@ -1,6 +1,7 @@
 // `furcula diagnose`: logs and a model in; the verdict, the extended model and the report out.
 #include "host/cli/diagnose_command.hpp"
 
+#include <filesystem>
 #include <iostream>
 #include <memory>
 
@@ -29,9 +30,16 @@ diagnose::Diagnosis run_diagnose(const RecordingOptions& o) {
   log::write_file_atomically(o.out + "/diagnosis.json", diagnose::to_json_text(d));
   log::write_file_atomically(o.out + "/extended_model.toml", model::format_model(d.extended_model));
   log::write_file_atomically(o.out + "/report.html", report::render_report(d, o.command_line("diagnose")));
+  // Of an earlier run into the same folder.
+  const std::string scenario = o.out + "/next_experiment.toml";
+  std::filesystem::remove(scenario);
+  if (!d.experiments.empty())
+    log::write_file_atomically(scenario, "# " + d.experiments.front().what + "\n\n" +
+                                             sim::format_scenario(d.experiments.front().scenario, d.kind));
   std::cout << "fitted on " << r.training.size() << ", held out " << r.held_out.size() << " recordings\n"
             << diagnose::name(d.verdict) << ": " << d.summary << "\n"
-            << "report: " << o.out << "/report.html\n";
+            << (d.experiments.empty() ? "" : "next: " + d.next_experiment + "\n") << "report: " << o.out
+            << "/report.html\n";
   return d;
 }
 

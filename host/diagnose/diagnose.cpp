@@ -4,6 +4,7 @@
 #include <cmath>
 #include <set>
 
+#include "host/diagnose/next_experiment.hpp"
 #include "host/diagnose/residual_force.hpp"
 #include "host/diagnose/selection.hpp"
 #include "host/diagnose/wording.hpp"
@@ -141,6 +142,7 @@ class Assembly {
     table();
     parameter_rows();
     verdict();
+    plan();
     pictures();
     d_.next_experiment = next_experiment(d_);
     d_.summary = summary(d_);
@@ -241,9 +243,6 @@ class Assembly {
           if (!same) {
             undecided_ = f.undecided = true;
             margin = 0.0;
-            f.next_experiment +=
-                " And for " + names(r.names) + ": " +
-                std::string(dynamics::info(*dynamics::effect_named(r.names.front())).best_experiment);
           }
           f.indistinguishable_from.push_back(std::move(r));
         }
@@ -383,6 +382,29 @@ class Assembly {
       d_.verdict = Verdict::not_identifiable;
     else
       d_.verdict = noise_alone || little ? Verdict::explained : Verdict::partly_explained;
+  }
+
+  /// Which experiment would tell the rivals apart.
+  void plan() {
+    if (!undecided_) return;
+    constexpr std::size_t kMostRivals = 4;
+    std::vector<const Hypothesis*> candidates{&selection_.chosen};
+    for (const auto& rival : selection_.equals)
+      if (candidates.size() <= kMostRivals &&
+          std::none_of(candidates.begin(), candidates.end(), [&](const Hypothesis* h) {
+            return h->effects == rival.hypothesis.effects ||
+                   always_same(model_, h->effects, rival.hypothesis.effects);
+          }))
+        candidates.push_back(&rival.hypothesis);
+    if (candidates.size() < 2) return;
+    if (options_.progress) options_.progress(0.98, "which experiment would tell");
+    d_.experiments = experiments_that_tell(model_, candidates, training_, training_windows_,
+                                           options_.window_s, options_.threads);
+    std::vector<std::string> sets;
+    for (const Hypothesis* h : candidates) sets.push_back(names(h->effects));
+    const std::string text = experiment_that_tells(d_, sets);
+    for (Finding& f : d_.findings)
+      if (f.undecided) f.next_experiment = text;
   }
 
   bool other_channels_alone() const {

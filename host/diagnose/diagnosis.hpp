@@ -10,6 +10,7 @@
 #include "furcula/dynamics/effects/catalogue.hpp"
 #include "host/identify/prediction.hpp"
 #include "host/model/model.hpp"
+#include "host/sim/scenario.hpp"
 
 namespace furcula::diagnose {
 
@@ -95,6 +96,18 @@ struct Association {
   std::string how;
 };
 
+/// An experiment of the rig's library (next_experiment.hpp), and how well it separates the causes that the
+/// recordings cannot tell apart.
+struct Experiment {
+  std::string what;        ///< in plain words
+  sim::Scenario scenario;  ///< with ideal sensors
+  /// Of one recording, for a truth against another cause re-fitted, in units of twice the log-likelihood
+  /// ratio; of the two causes that it separates least.
+  double evidence = 0.0;
+  double apart = 0.0;  ///< those two's predictions then differ by so much, RMS, m or rad
+  int recordings = 0;  ///< how many it takes at this noise to decide
+};
+
 struct Diagnosis {
   dynamics::Kind kind = dynamics::Kind::hopper_linear;
   std::size_t logs = 0, hops = 0, samples = 0, held_out_logs = 0;
@@ -119,6 +132,8 @@ struct Diagnosis {
   bool residual_white = true;
   std::vector<Association> goes_along_with;
   std::string next_experiment;  ///< of the whole diagnosis
+  /// Where causes cannot be told apart: the experiments that would, the most telling first.
+  std::vector<Experiment> experiments;
   model::Model extended_model;
   std::vector<Trace> traces;
   ResidualForce residual;

@@ -117,6 +117,14 @@ nlohmann::ordered_json to_json(const Diagnosis& d) {
                           {"chosen", c.chosen},
                           {"outcome", c.outcome}});
 
+  Json experiments = Json::array();
+  for (const Experiment& e : d.experiments)
+    experiments.push_back({{"what", e.what},
+                           {"recordings", e.recordings},
+                           {"evidence", number(e.evidence)},
+                           {with_suffix("apart", channel_suffix(main_channel(d), d.kind)), number(e.apart)},
+                           {"scenario", sim::format_scenario(e.scenario, d.kind)}});
+
   Json parameters = Json::object();
   for (const Diagnosis::ParameterRow& p : d.parameters)
     parameters[p.name] = {{"unit", p.unit},
@@ -144,6 +152,7 @@ nlohmann::ordered_json to_json(const Diagnosis& d) {
             {"white", d.residual_white},
             {"goes_along_with", goes_along_with}}},
           {"next_experiment", d.next_experiment},
+          {"experiments", experiments},
           {"parameters", parameters},
           {"candidates", candidates},
           {"files", {{"training", d.training_files}, {"held_out", d.held_out_files}}}};

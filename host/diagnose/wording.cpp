@@ -111,6 +111,29 @@ std::string summary(const Diagnosis& d) {
   return "";
 }
 
+std::string experiment_that_tells(const Diagnosis& d, const std::vector<std::string>& sets) {
+  constexpr int kMostRecordings = 20;
+  const std::string all = joined(sets, ", ");
+  if (d.experiments.empty() || d.experiments.front().recordings > kMostRecordings)
+    return "By simulation no experiment of the rig's library tells " + all + " apart within " +
+           std::to_string(kMostRecordings) +
+           " recordings: measure one of them directly, on a scale or with a spring balance.";
+  const Experiment& best = d.experiments.front();
+  std::string text =
+      "Record " + best.what + ", " +
+      (best.recordings == 1 ? "once" : std::to_string(best.recordings) + " times") +
+      ", and diagnose it together with these recordings. By simulation it tells " + all +
+      " apart best: each fitted to all recordings, the two nearest predictions still differ by " +
+      readable(best.apart, d.main_unit) + " (RMS).";
+  for (std::size_t i = 1; i < d.experiments.size() && i < 2; ++i)
+    if (d.experiments[i].recordings <= kMostRecordings)
+      text += " Next best: " + d.experiments[i].what + ", " +
+              (d.experiments[i].recordings == 1 ? "once"
+                                                : std::to_string(d.experiments[i].recordings) + " times") +
+              ".";
+  return text;
+}
+
 std::string next_experiment(const Diagnosis& d) {
   switch (d.verdict) {
     case Verdict::adequate:

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "furcula/dynamics/effects/catalogue.hpp"
 #include "host/diagnose/diagnosis.hpp"
-#include "host/diagnose/selection.hpp"
 
 namespace furcula::diagnose {
 
@@ -23,5 +23,8 @@ std::string summary(const Diagnosis& d);
 
 /// What to do next, from the verdict and the findings.
 std::string next_experiment(const Diagnosis& d);
+
+/// What to record so that these sets of effects can be told apart, by d.experiments.
+std::string experiment_that_tells(const Diagnosis& d, const std::vector<std::string>& sets);
 
 }  // namespace furcula::diagnose

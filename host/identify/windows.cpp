@@ -194,13 +194,23 @@ void attach_reports(std::vector<Window>& windows, const std::vector<Recording>& 
   for (Window& w : windows) w.report_spread_s = spread;
 }
 
+/// A recording that never leaves the ground and moves there: a slow compression, a swing.
+bool moves_on_the_ground(const Recording& r, const model::Model& model) {
+  constexpr double kSmallestMotion_m = 3e-3;
+  const auto [low, high] = std::minmax_element(r.position.begin(), r.position.end());
+  return *high<touchdown_height_m(model) + kSmallestHop_m&& * high - *low> kSmallestMotion_m;
+}
+
 }  // namespace
 
 std::vector<Window> prediction_windows(const std::vector<Recording>& recordings, const model::Model& model,
                                        double interval_s) {
   std::vector<Window> all;
   for (std::size_t i = 0; i < recordings.size(); ++i) {
-    const auto some = model.kind == dynamics::Kind::hopper_linear   ? strides(recordings[i], i, model)
+    const bool hopper = model.kind == dynamics::Kind::hopper_linear;
+    const auto some = hopper && moves_on_the_ground(recordings[i], model)
+                          ? intervals(recordings[i], i, interval_s)
+                      : hopper                                      ? strides(recordings[i], i, model)
                       : model.kind == dynamics::Kind::rail_carriage ? free_flights(recordings[i], i)
                                                                     : intervals(recordings[i], i, interval_s);
     all.insert(all.end(), some.begin(), some.end());

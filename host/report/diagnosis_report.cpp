@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "host/diagnose/diagnosis_json.hpp"
+#include "host/diagnose/wording.hpp"
 #include "host/report/force_plot.hpp"
 #include "host/report/html.hpp"
 #include "host/report/page.hpp"
@@ -449,8 +450,23 @@ std::string parameters(const Diagnosis& d) {
 
 /// The engine's advice on the whole; without it that of the findings.
 std::string next_steps(const Diagnosis& d) {
-  if (!d.next_experiment.empty()) return paragraph(d.next_experiment);
   std::string out;
+  if (!d.experiments.empty()) {
+    constexpr std::size_t kRows = 6;
+    Table table({{"Experiment"}, {"Recordings it takes", true}, {"Two nearest predictions differ by", true}});
+    for (std::size_t i = 0; i < d.experiments.size() && i < kRows; ++i) {
+      const diagnose::Experiment& e = d.experiments[i];
+      table.add({escape(e.what), e.recordings > 99 ? "over 99" : std::to_string(e.recordings),
+                 escape(diagnose::readable(e.apart, d.main_unit))},
+                i == 0);
+    }
+    out =
+        "<p>Each was simulated with every candidate as the truth, at the noise of these recordings; the "
+        "first one is "
+        "in next_experiment.toml as a scenario for furcula sim.</p>\n" +
+        table.html();
+  }
+  if (!d.next_experiment.empty()) return paragraph(d.next_experiment) + out;
   for (const diagnose::Finding& f : d.findings)
     if (!f.next_experiment.empty()) out += "<li>" + escape(f.next_experiment) + "</li>\n";
   return out.empty() ? "" : "<ol>\n" + out + "</ol>\n";

@@ -3,6 +3,7 @@
 
 #include <toml++/toml.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <optional>
@@ -197,6 +198,35 @@ Scenario default_scenario(const model::Model& model) {
 
 Scenario parse_scenario(std::string_view text, const std::string& name, const model::Model& model) {
   return Reader(text, name, model).read();
+}
+
+std::string format_scenario(const Scenario& s, dynamics::Kind kind) {
+  const Names names = names_on(kind);
+  const auto key = [](std::string_view name, double value) {
+    return std::string(name) + " = " + log::shortest(value) + "\n";
+  };
+  std::string text = "[start]\n" + key(names.position, s.start_position) +
+                     key(names.velocity, s.start_velocity) + "\n[run]\n" + key("duration_s", s.duration_s);
+  if (!names.drive.empty()) {
+    static constexpr const char* kProfiles[] = {"zero", "harmonic", "constant"};
+    text += "\n[" + std::string(names.drive) + "]\nprofile = \"" + kProfiles[static_cast<int>(s.profile)] +
+            "\"\n";
+    if (s.profile != control::ProfileShape::zero)
+      text += key(names.amplitude, s.amplitude) + key("period_s", s.period_s);
+  }
+  const auto flag = [](const char* name, bool on) {
+    return std::string(name) + (on ? " = true\n" : " = false\n");
+  };
+  text += "\n[sensors]\n" + flag("quantisation", s.sensors.quantisation) + flag("noise", s.sensors.noise);
+  if (kind == Kind::hopper_linear)
+    text += flag("bounce", s.sensors.bounce) + flag("jitter", s.sensors.jitter);
+  for (const sim_host::PlannedFault& f : s.faults) {
+    const auto& fault = *std::find_if(sim_host::kRigFaults.begin(), sim_host::kRigFaults.end(),
+                                      [&](const auto& row) { return row.fault == f.kind; });
+    text += "\n[[fault]]\n" + key("time_s", f.time_s) + "kind = \"" + std::string(fault.name) + "\"\n" +
+            key("duration_s", f.duration_s);
+  }
+  return text;
 }
 
 Scenario read_scenario(const std::string& path, const model::Model& model) {

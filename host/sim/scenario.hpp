@@ -47,4 +47,7 @@ Scenario read_scenario(const std::string& path, const model::Model& model);
 /// The same on text; `name` stands for the path in messages.
 Scenario parse_scenario(std::string_view text, const std::string& name, const model::Model& model);
 
+/// A scenario file for models of this kind that reads back as the same scenario.
+std::string format_scenario(const Scenario& scenario, dynamics::Kind kind);
+
 }  // namespace furcula::sim
