@@ -115,8 +115,10 @@ void shelve_hopper(Shelf& shelf, const model::Model& model, const Reach& reach) 
       shelf.start(rest - 0.9 * room, 0.0, 3.0));
 }
 
-void shelve_axis(Shelf& shelf, const model::Model& model, const Reach& reach) {
+void shelve_axis(Shelf& shelf, const model::Model& model, Reach reach) {
   const bool rotary = model.kind == Kind::rotary_joint;
+  // A rig that has only coasted or swung: as much as makes a second's motion as fast as that.
+  if (reach.input == 0.0) reach.input = 2.0 * std::numbers::pi * model.parameters.front() * reach.speed;
   const char* unit = rotary ? " N m" : " N";
   const char* input = rotary ? "torque" : "force";
   for (double share : {0.25, 0.5, 1.0})

@@ -303,7 +303,7 @@ AxisRecording record_axis(const Truth& truth, const std::vector<double>& known,
   const bool rotary = truth.kind == Kind::rotary_joint;
   const double inertia = known[0], gravity = rotary ? known[1] : 0.0, damping = known[rotary ? 2 : 1];
   const double bandwidth = kTwoPi * experiment.feedback_hz;
-  Machine m(truth, experiment.start_position, 0.0);
+  Machine m(truth, experiment.start_position, experiment.start_velocity);
   PositionSensor sensor(truth, 0.0);
   const double offset_counts = random.uniform(-0.5, 0.5);
   AxisRecording out;
@@ -390,14 +390,18 @@ AxisRecording record_carriage(const Truth& truth, const CarriageExperiment& expe
     out.truth.command.push_back(0.0);
     out.truth.held.push_back(held);
   };
-  for (double speed : experiment.speeds_mps) {
-    for (double rest = 0.0; rest < experiment.rest_s; rest += sensors.interval_s) row(0.0, 0.0, true);
+  const auto fly = [&](double from, double speed) {
     const auto first = static_cast<double>(time.size());
-    Machine m(truth, 0.0, speed, first * sensors.interval_s);
+    Machine m(truth, from, speed, first * sensors.interval_s);
     for (double rows = 0; m.position() > 0 || rows == 0; ++rows) {
       row(m.position(), m.velocity(), false);
       m.advance((first + rows + 1) * sensors.interval_s, 0.0);
     }
+  };
+  if (experiment.fall_m > 0.0) fly(experiment.fall_m, 0.0);
+  for (double speed : experiment.speeds_mps) {
+    for (double rest = 0.0; rest < experiment.rest_s; rest += sensors.interval_s) row(0.0, 0.0, true);
+    fly(0.0, speed);
   }
   for (int i = 0; i < 20; ++i) row(0.0, 0.0, true);
 

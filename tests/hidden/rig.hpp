@@ -81,7 +81,7 @@ struct AxisExperiment {
   std::vector<Sine> open_loop;  ///< N or N m
   double feedback_hz = 0.0;     ///< bandwidth of the position loop; 0: no feedback and no feed-forward
   double limit = 1e9;           ///< of the command
-  double start_position = 0.0;
+  double start_position = 0.0, start_velocity = 0.0;
   double duration_s = 4.0;
 };
 
@@ -106,8 +106,9 @@ AxisRecording record_axis(const Truth& truth, const std::vector<double>& known,
 
 // ---- The rail carriage's rig ------------------------------------------------------------------------------
 
-/// Thrown up from its stop by hand again and again; it comes to rest there each time.
+/// Let fall once, and thrown up from its stop by hand again and again; it comes to rest there each time.
 struct CarriageExperiment {
+  double fall_m = 0.0;             ///< height that it falls from; 0: it does not
   std::vector<double> speeds_mps;  ///< of the throws
   double rest_s = 0.15;            ///< on the stop before each
 };

@@ -134,3 +134,48 @@ TEST_CASE("what only the hopper has is refused on an axis") {
   CHECK_THAT(message("[[fault]]\ntime_s = 1\nkind = \"peer_lost\"\n", dynamics::Kind::rotary_joint),
              Contains("'fault'"));
 }
+
+TEST_CASE("a scenario is written as a file that reads back as the same") {
+  const std::string hopper = R"(
+[start]
+height_m = 0.412345678901
+velocity_mps = -0.5
+[run]
+duration_s = 12.5
+[torque]
+profile = "harmonic"
+amplitude_nm = -1.5
+period_s = 0.31
+[sensors]
+noise = true
+jitter = true
+[[fault]]
+time_s = 1.25
+kind = "encoder_stuck"
+duration_s = 0.5
+)";
+  const auto again = [](const sim::Scenario& s, dynamics::Kind kind) {
+    return parse(sim::format_scenario(s, kind), kind);
+  };
+  const auto s = parse(hopper), same = again(s, dynamics::Kind::hopper_linear);
+  CHECK(same.start_position == s.start_position);
+  CHECK(same.start_velocity == s.start_velocity);
+  CHECK(same.duration_s == s.duration_s);
+  CHECK(same.profile == s.profile);
+  CHECK(same.amplitude == s.amplitude);
+  CHECK(same.period_s == s.period_s);
+  CHECK(same.sensors.noise);
+  CHECK(same.sensors.jitter);
+  CHECK(!same.sensors.quantisation);
+  REQUIRE(same.faults.size() == 1);
+  CHECK(same.faults[0].kind == sim_host::RigFault::encoder_stuck);
+  CHECK(same.faults[0].time_s == 1.25);
+  CHECK(same.faults[0].duration_s == 0.5);
+  for (auto kind :
+       {dynamics::Kind::motor_axis, dynamics::Kind::rotary_joint, dynamics::Kind::rail_carriage}) {
+    sim::Scenario axis = parse("", kind);
+    axis.start_velocity = 0.75;
+    CHECK(again(axis, kind).start_velocity == 0.75);
+    CHECK(again(axis, kind).amplitude == axis.amplitude);
+  }
+}
