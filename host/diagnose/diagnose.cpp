@@ -8,6 +8,7 @@
 #include "host/diagnose/residual_force.hpp"
 #include "host/diagnose/selection.hpp"
 #include "host/diagnose/wording.hpp"
+#include "host/identify/plausible.hpp"
 #include "host/identify/verdicts.hpp"
 #include "host/log/error.hpp"
 
@@ -128,6 +129,7 @@ class Assembly {
         held_out_(identify::make_recordings(held_out, model.kind)),
         training_windows_(identify::training_windows(training_, model, options.window_s)),
         held_out_windows_(identify::prediction_windows(held_out_, model, options.window_s)) {
+    identify::require_plausible(training_, held_out_);
     require(training_windows_.windows, training_, "training");
     require(held_out_windows_, held_out_, "held-out");
   }
@@ -360,6 +362,16 @@ class Assembly {
       }
       return error <= kWithinNoise * (floor + kNumerics) || squares <= kWithinNoise * rows;
     };
+    if (selection_.beyond_bounds) {
+      retract();
+      const Hypothesis& h = *selection_.beyond_bounds;
+      for (std::size_t i = 0; i < h.unknowns.size(); ++i) {
+        const auto& u = h.unknowns[i];
+        const auto& bounds = model_.free.at(u.parameter);
+        if (h.fit.values[i] < bounds.lower || h.fit.values[i] > bounds.upper)
+          d_.beyond_bounds.push_back({u.name, u.unit, bounds.lower, bounds.upper, h.fit.values[i]});
+      }
+    }
     if (!d_.findings.empty() && !other_channels_alone() &&
         (before <= kNumerics || (undecided_ && noise_alone_with(selection_.refitted.fitted, before))))
       retract();
@@ -368,7 +380,9 @@ class Assembly {
     const bool little = after - floor < kSmallRemainder * (before - floor);
     d_.residual_white = noise_alone;
     d_.unexplained_fraction = before > 0.0 ? std::clamp((after - floor) / before, 0.0, 1.0) : 0.0;
-    if (d_.findings.empty())
+    if (!d_.beyond_bounds.empty())
+      d_.verdict = Verdict::not_identifiable;
+    else if (d_.findings.empty())
       d_.verdict = noise_alone ? Verdict::adequate
                    : training_windows_.windows.size() / training_windows_.layers < kFewestWindows
                        ? Verdict::not_identifiable

@@ -128,6 +128,13 @@ struct Diagnosis {
     std::string verdict;  ///< identified, correlated with ..., at_bound ..., not_excited; empty if held
   };
   std::vector<ParameterRow> parameters;
+  /// Free parameters whose bounds keep the model from the recordings, with what they would be beyond them.
+  struct BeyondBounds {
+    std::string name, unit;
+    double lower, upper;  ///< the bounds
+    double value;
+  };
+  std::vector<BeyondBounds> beyond_bounds;
   double unexplained_fraction = 0.0;
   bool residual_white = true;
   std::vector<Association> goes_along_with;

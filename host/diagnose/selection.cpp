@@ -431,6 +431,26 @@ double Trainer::preference(const Hypothesis& one, const Hypothesis& other) const
          doubt_of(other.effects);
 }
 
+std::optional<Hypothesis> Trainer::widened(const Hypothesis& refitted) const {
+  constexpr double kWider = 4.0;
+  model::Model wide = model;
+  bool held = false;
+  for (std::size_t i = 0; i < refitted.unknowns.size(); ++i) {
+    if (!refitted.fit.at_bound[i] || refitted.fit.values[i] == 0.0) continue;
+    auto& bounds = wide.free.at(refitted.unknowns[i].parameter);
+    bounds = {bounds.lower / kWider, bounds.upper * kWider};
+    held = true;
+  }
+  if (!held) return std::nullopt;
+  const Trainer trainer{wide, recordings, training, threads, {}};
+  const Hypothesis wider = trainer.fit({}, &refitted);
+  const double evidence = evidence_of(refitted.fit, wider.fit, wider.fit, training.layers);
+  if (evidence < chi_square_point(1.0, static_cast<double>(wider.unknowns.size())) ||
+      wider.fit.squares > (1.0 - kSmallestGain) * refitted.fit.squares)
+    return std::nullopt;
+  return wider;
+}
+
 Selection Trainer::select() {
   Selection s;
   const std::vector<Effect> all = candidates();
@@ -443,6 +463,11 @@ Selection Trainer::select() {
   reference_squares = s.refitted.cross_validated_squares;
   std::vector<Proposal> first_promises;
   s.chosen = s.refitted;
+  const std::optional<Hypothesis> wider = widened(s.refitted);
+  if (wider && channel(wider->fit, 0).squares < kWithinNoise * channel(wider->fit, 0).rows) {
+    s.beyond_bounds = wider;
+    return s;
+  }
 
   // Forward: the effect that removes most, if that is more than chance and numerics could; of those that
   // remove as much, the one with the fewest parameters, then the first of the catalogue. Which are worth a
@@ -543,6 +568,7 @@ Selection Trainer::select() {
     s.chosen = Hypothesis(better->hypothesis);
     prune(s.chosen, all.size());
   }
+  if (wider && preference(s.chosen, *wider) > -kEqualEvidence) s.beyond_bounds = wider;
   return s;
 }
 

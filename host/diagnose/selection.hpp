@@ -5,6 +5,7 @@
 #include <array>
 #include <functional>
 #include <map>
+#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -42,6 +43,9 @@ struct Tried {
 
 struct Selection {
   Hypothesis refitted;  ///< no effect added
+  /// The same with wider bounds, where the bounds of free parameters hold it back and that explains the
+  /// training recordings as well as `chosen`, or better.
+  std::optional<Hypothesis> beyond_bounds;
   Hypothesis chosen;
   std::vector<Tried> tried;
   /// Sets that explain the training data as well as `chosen` with as many parameters, by the member that they
@@ -114,6 +118,9 @@ struct Trainer {
   /// By how much `other` is preferred to `one`, in the units of the evidence: what the recordings say, and
   /// what was to be expected before.
   double preference(const Hypothesis& one, const Hypothesis& other) const;
+  /// The re-fitted model with wider bounds for those that it lies on; nothing where it lies on none, or where
+  /// it gains nothing by it. Zero, where a parameter ends physically, is not widened.
+  std::optional<Hypothesis> widened(const Hypothesis& refitted) const;
   /// False where an effect is smaller than what its channel resolves.
   bool beyond_resolution(const Hypothesis& h) const;
   /// How many of the proposals are fitted; puts them first.

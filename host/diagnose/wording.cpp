@@ -34,6 +34,14 @@ std::string remainder(const Diagnosis& d) {
   return "; the noise floor is " + readable(floor->second.rmse, d.main_unit);
 }
 
+std::string beyond_bounds(const Diagnosis& d) {
+  std::string text;
+  for (const auto& p : d.beyond_bounds)
+    text += (text.empty() ? "" : " and ") + p.name + " = " + number(p.value) + " " + p.unit + " (bounds " +
+            number(p.lower) + " to " + number(p.upper) + ")";
+  return text;
+}
+
 }  // namespace
 
 std::string number(double value, int digits) {
@@ -92,6 +100,10 @@ std::string summary(const Diagnosis& d) {
              " stays at " + readable(d.refitted.at(d.main_channel).rmse, d.main_unit) +
              ", above the measuring noise.";
     case Verdict::not_identifiable: {
+      if (!d.beyond_bounds.empty())
+        return "Nothing can be named: the bounds of the free parameters exclude what the recordings ask "
+               "for, " +
+               beyond_bounds(d) + ".";
       if (d.findings.empty())
         return "The recordings are too few or too poor to tell whether the model is right.";
       const Finding* open = undecided(d);
@@ -149,6 +161,10 @@ std::string next_experiment(const Diagnosis& d) {
              "in the measuring.";
     case Verdict::explained:
     case Verdict::not_identifiable:
+      if (!d.beyond_bounds.empty())
+        return "Widen those bounds in the model file's [free] and diagnose again; where the parameter cannot "
+               "be so, "
+               "check the recordings' units and the held parameters first.";
       if (const Finding* open = undecided(d)) return open->next_experiment;
       if (!d.findings.empty()) return d.findings.front().next_experiment;
       return "Record more: several hops or strokes at different amplitudes and speeds, in at least five "

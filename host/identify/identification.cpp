@@ -5,6 +5,7 @@
 
 #include "host/identify/equation_fit.hpp"
 #include "host/identify/parallel.hpp"
+#include "host/identify/plausible.hpp"
 #include "host/identify/verdicts.hpp"
 #include "host/log/error.hpp"
 
@@ -50,6 +51,7 @@ class Work {
           "in it");
     training_ = make_recordings(training, model.kind);
     held_out_ = make_recordings(held_out, model.kind);
+    require_plausible(training_, held_out_);
     fit_windows_ = fit_windows(training_, model, options.window_s);
     if (fit_windows_.windows.empty())
       throw log::DataError(training_.front().name + ": no window to fit on; expected " +

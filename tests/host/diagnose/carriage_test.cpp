@@ -53,7 +53,7 @@ TEST_CASE("Falls alone do not tell friction from an offset or a tilt, and the di
     CHECK(rivals(d.findings[0]).contains("force_offset"));
     CHECK(rivals(d.findings[0]).contains("guide_tilt"));
     CHECK(d.findings[0].confidence <= 0.5);
-    CHECK_THAT(d.next_experiment, Catch::Contains("throws upwards"));
+    CHECK_THAT(d.next_experiment, Catch::Contains("pushed up from the stop"));
   }
 }
 

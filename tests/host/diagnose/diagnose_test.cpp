@@ -150,7 +150,7 @@ TEST_CASE("Recordings without a stride, or shorter than a window, are refused wi
   still.path = "still.csv";
   for (int n = 0; n < 500; ++n) {
     still.columns["time_s"].push_back(1e-3 * n);
-    still.columns["height_m"].push_back(0.26 + 0.01 * std::sin(0.02 * n));
+    still.columns["height_m"].push_back(0.30 + 0.01 * std::sin(0.02 * n));
     still.columns["torque_cmd_nm"].push_back(0.0);
   }
   CHECK_THROWS_WITH(
@@ -210,4 +210,19 @@ TEST_CASE("diagnose writes its three files, and the extended model is one that s
       60);
   INFO(sim.err);
   CHECK(sim.status == 0);
+}
+
+TEST_CASE("Bounds that exclude the data are said to, and no cause is named in their place") {
+  std::vector<log::Log> training, held_out;
+  for (unsigned seed = 1; seed <= 4; ++seed)
+    (seed < 4 ? training : held_out).push_back(test::axis_log(20.0, 30.0, 1e-5, seed));
+  model::Model model = test::axis_model(26.0, 30.0);
+  model.free[0] = {25.0, 28.0};
+  const auto d = diagnose::diagnose(model, training, held_out);
+  CHECK(d.verdict == Verdict::not_identifiable);
+  CHECK(d.findings.empty());
+  REQUIRE(d.beyond_bounds.size() == 1);
+  CHECK(d.beyond_bounds[0].name == "mass_kg");
+  CHECK(d.beyond_bounds[0].value == Approx(20.0).epsilon(1e-3));
+  CHECK_THAT(d.summary, Catch::Contains("mass_kg = 20 kg (bounds 25 to 28)"));
 }
