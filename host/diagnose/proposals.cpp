@@ -109,7 +109,8 @@ std::vector<Proposer::Values> Proposer::starts(Effect effect) const {
     return {values};
   }
   const auto& measures = search.measures;
-  const bool somewhere = std::find(measures.begin(), measures.end(), Measure::place) != measures.end();
+  const bool somewhere = std::any_of(measures.begin(), measures.end(),
+                                     [](Measure m) { return m == Measure::place || m == Measure::depth; });
   std::vector<Values> all;
   for (int place = 0; place < (somewhere ? kPlaces : 1); ++place)
     for (std::size_t row = 0; row < search.starts.count; ++row) {
@@ -129,8 +130,14 @@ std::vector<Proposer::Values> Proposer::starts(Effect effect) const {
           case Measure::travel:
             values[i] *= high_ - low_;
             break;
+          case Measure::model:
+            values[i] *= t_.model.parameter(e.parameter_table[i].name);
+            break;
           case Measure::place:
             values[i] = low_ + (place + 0.5) / kPlaces * (high_ - low_);
+            break;
+          case Measure::depth:
+            values[i] = (place + 0.5) / kPlaces * (identify::touchdown_height_m(t_.model) - low_);
             break;
         }
       all.push_back(values);

@@ -255,7 +255,7 @@ std::vector<Effect> Trainer::candidates() const {
     bool free_anyway = false;
     for (const auto& p : info.parameters()) {
       const auto same = dynamics::parameter_index(model.kind, name_on(p, model.kind));
-      free_anyway = free_anyway || (same && model.free.contains(*same));
+      free_anyway = free_anyway || (std::isnan(p.neutral) && same && model.free.contains(*same));
     }
     // The loss at touch-down is held in the model by the name restitution_touchdown, the spring's rate by
     // stiffness_npm: where those are free, identification has moved them already.

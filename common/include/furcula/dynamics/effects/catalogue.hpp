@@ -51,6 +51,7 @@ enum class Effect : std::uint8_t {
   encoder_slip,
   contact_delay,
   time_skew,
+  bump_stop,
 };
 
 inline constexpr std::size_t kMaxEffectParameters = 3;
@@ -77,7 +78,9 @@ enum class Measure : std::uint8_t {
   speed,     ///< RMS speed
   input,     ///< 99 % of the inputs are smaller
   travel,    ///< length of the travel
+  model,     ///< the model's parameter of the same name
   place,     ///< not a multiple: eight places along the travel are tried in turn
+  depth,     ///< likewise, measured down from the touch-down height of a hopper
 };
 
 /// Start values of a fit, a row for each that is tried.
@@ -593,6 +596,26 @@ inline constexpr EffectInfo kCatalogue[] = {
      "Time stamps taken at reception, filters on the encoder's line, buffering.",
      "A tap or a torque step that both channels see: compare the instants.",
      {.starts = {{-5e-3}, {0.0}, {5e-3}}, .doubt = detail::kSeldomMet}},
+    {Effect::bump_stop,
+     "bump_stop",
+     "a bump stop at the end of the leg's travel",
+     Stage::mechanism,
+     detail::kHopper,
+     "stance",
+     "k (c - c0) upwards while the leg's compression c, from its length at touch-down, is beyond c0",
+     {{{"compression_m", "compression_m", "m", "m", 1e-3, 1.0, detail::kUnset},
+       {"stiffness_npm", "stiffness_npm", "N/m", "N/m", 0.0, 1e6, 0.0}}},
+     2,
+     "Folded far enough, the leg runs onto an elastic stop that pushes it back.",
+     "Rubber stops on the links or the rail, coils that touch, a cable or cover that is squeezed at the "
+     "deepest point.",
+     "Slow compression to the deepest point against a force plate: the height at which the line of force "
+     "over height "
+     "kinks.",
+     {.measures = {Measure::depth, Measure::model},
+      .starts = {{0.0, 0.0}, {0.0, 2.0}},
+      .shapes = 4.0,
+      .clear = {{{0.03, 0.045}, {1.5e3, 4e3}}}}},
 };
 inline constexpr std::size_t kEffectCount = std::size(kCatalogue);
 
