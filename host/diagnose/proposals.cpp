@@ -9,6 +9,7 @@ namespace furcula::diagnose {
 namespace {
 
 using dynamics::Effect;
+using dynamics::Measure;
 
 constexpr std::size_t kSome = 24;  // windows for one step ...
 constexpr std::size_t kFew = 10;   // ... and for the many of a search over frequencies
@@ -98,50 +99,50 @@ Proposer::Proposer(const Trainer& trainer)
 }
 
 std::vector<Proposer::Values> Proposer::starts(Effect effect) const {
-  const double flat = 0.05 * force_, range = high_ - low_;
-  switch (effect) {
-    case Effect::coulomb_friction:
-      return {{flat}};
-    case Effect::asymmetric_friction:
-      return {{flat, flat}};
-    case Effect::stribeck_friction:
-      return {{0.8 * flat, 1.6 * flat, 0.03 * speed_},
-              {0.8 * flat, 1.6 * flat, 0.1 * speed_},
-              {0.8 * flat, 1.6 * flat, 0.3 * speed_}};
-    case Effect::binding_spot: {
-      std::vector<Values> all;
-      for (int i = 0; i < 8; ++i)
-        for (double width : {0.1, 0.25})
-          all.push_back({flat, low_ + (0.0625 + 0.125 * i) * range, width * range});
-      return all;
-    }
-    case Effect::guide_tilt:
-      return {{0.2}};
-    case Effect::leg_inertia:
-      return {{1e-3, 2e-3, 5e-3}, {4e-3, 7e-3, 3e-2}};
-    case Effect::actuator_delay:
-      return {{2e-3}, {8e-3}, {20e-3}};
-    case Effect::actuator_lag:
-      return {{3e-3}, {10e-3}, {30e-3}};
-    case Effect::torque_saturation:
-      return {{0.9 * top_input_}, {0.75 * top_input_}, {0.6 * top_input_}, {0.4 * top_input_}};
-    case Effect::thermal_derating:
-      return {{0.8, 1.0}, {0.8, 5.0}, {0.8, 25.0}};
-    case Effect::backlash:
-      return {{0.02}, {0.05}};
-    case Effect::ground_compliance:
-      return {{2.5e3, 10.0}, {5e3, 20.0}, {1e4, 20.0}, {2e4, 50.0}, {6e4, 100.0}};
-    case Effect::toe_sticking:
-      return {{1.0}, {4.0}, {10.0}};
-    case Effect::time_skew:
-      return {{-5e-3}, {0.0}, {5e-3}};
-    default: {
-      Values values{};
-      const auto at = identify::values_in(t_.model, identify::effect_unknowns(effect, t_.model.kind));
-      std::copy(at.begin(), at.end(), values.begin());
-      return {values};
-    }
+  constexpr int kPlaces = 8;
+  const dynamics::EffectInfo& e = dynamics::info(effect);
+  const dynamics::Search& search = e.search;
+  if (search.starts.count == 0) {
+    const auto neutral = identify::values_in(t_.model, identify::effect_unknowns(effect, t_.model.kind));
+    Values values{};
+    std::copy(neutral.begin(), neutral.end(), values.begin());
+    return {values};
   }
+  const auto& measures = search.measures;
+  const bool somewhere = std::any_of(measures.begin(), measures.end(),
+                                     [](Measure m) { return m == Measure::place || m == Measure::depth; });
+  std::vector<Values> all;
+  for (int place = 0; place < (somewhere ? kPlaces : 1); ++place)
+    for (std::size_t row = 0; row < search.starts.count; ++row) {
+      Values values = search.starts.rows[row];
+      for (std::size_t i = 0; i < e.parameter_count; ++i) switch (measures[i]) {
+          case Measure::unit:
+            break;
+          case Measure::friction:
+            values[i] *= 0.05 * force_;
+            break;
+          case Measure::speed:
+            values[i] *= speed_;
+            break;
+          case Measure::input:
+            values[i] *= top_input_;
+            break;
+          case Measure::travel:
+            values[i] *= high_ - low_;
+            break;
+          case Measure::model:
+            values[i] *= t_.model.parameter(e.parameter_table[i].name);
+            break;
+          case Measure::place:
+            values[i] = low_ + (place + 0.5) / kPlaces * (high_ - low_);
+            break;
+          case Measure::depth:
+            values[i] = (place + 0.5) / kPlaces * (identify::touchdown_height_m(t_.model) - low_);
+            break;
+        }
+      all.push_back(values);
+    }
+  return all;
 }
 
 Proposer::Promise Proposer::step(const Hypothesis& on, const std::vector<Effect>& larger, Effect effect,
@@ -229,8 +230,8 @@ std::vector<Proposer::Values> Proposer::swings(const Hypothesis& on, const std::
 Proposal Proposer::best(const Hypothesis& on, const std::vector<Effect>& larger, Effect effect) const {
   constexpr std::size_t kOthers = 2;
   Proposal proposal{effect, {}, {}, -std::numeric_limits<double>::infinity()};
-  const bool swings_with_position = effect == Effect::torque_ripple || effect == Effect::height_eccentricity;
-  const std::vector<Values> all = swings_with_position ? swings(on, larger, effect) : starts(effect);
+  const std::vector<Values> all =
+      dynamics::info(effect).search.swings ? swings(on, larger, effect) : starts(effect);
   double before = 0.0;  // of the same windows
   {
     const identify::Fit look = identify::look_by_simulation(on.fitted, {}, {}, t_.recordings, some_);

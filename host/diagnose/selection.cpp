@@ -24,7 +24,6 @@ constexpr double kEqualEvidence = 6.0;
 constexpr double kFalseAlarmLevel = 0.005;
 constexpr std::size_t kMostFits =
     8;  ///< of the forward selection's first round; half of them in the later ones
-constexpr double kManyShapes = 30.0;
 constexpr std::size_t kFewestFits = 3;
 constexpr double kSmallestPromise = 0.2;  ///< of the best proposal's
 constexpr std::size_t kMostRivals = 4;    ///< that are fitted in the place of each member
@@ -153,39 +152,11 @@ double chi_square_point(double tries, double freedom) {
   return 2.0 * std::log(std::max(tries, 1.0) / kFalseAlarmLevel) + 2.5 * (std::max(freedom, 1.0) - 2.0);
 }
 
-/// How many different shapes a law can take, about: a fit of one that can take many finds something in
-/// anything.
-double shapes_of(Effect e) {
-  switch (e) {
-    case Effect::binding_spot:
-    case Effect::torque_ripple:
-    case Effect::height_eccentricity:
-      return kManyShapes;
-    case Effect::stribeck_friction:
-    case Effect::thermal_derating:
-    case Effect::torque_saturation:
-      return 4.0;
-    default:
-      return 1.0;
-  }
-}
+double shapes_of(Effect e) { return dynamics::info(e).search.shapes; }
 
-/// What the odds against a cause are before any recording is looked at, in the units of the evidence: laws
-/// that are seldom met and that can stand in for a common one where the recordings are short.
-double doubt_of(Effect e) {
-  switch (e) {
-    case Effect::binding_spot:
-    case Effect::torque_ripple:
-    case Effect::height_eccentricity:
-    case Effect::time_skew:
-      return 10.0;  // odds of about 1 to 150 against dry friction, which is in every machine
-    default:
-      return 0.0;
-  }
-}
 double doubt_of(const std::vector<Effect>& effects) {
   double doubt = 0.0;
-  for (Effect e : effects) doubt += doubt_of(e);
+  for (Effect e : effects) doubt += dynamics::info(e).search.doubt;
   return doubt;
 }
 
@@ -284,7 +255,7 @@ std::vector<Effect> Trainer::candidates() const {
     bool free_anyway = false;
     for (const auto& p : info.parameters()) {
       const auto same = dynamics::parameter_index(model.kind, name_on(p, model.kind));
-      free_anyway = free_anyway || (same && model.free.contains(*same));
+      free_anyway = free_anyway || (std::isnan(p.neutral) && same && model.free.contains(*same));
     }
     // The loss at touch-down is held in the model by the name restitution_touchdown, the spring's rate by
     // stiffness_npm: where those are free, identification has moved them already.
@@ -365,7 +336,7 @@ Hypothesis Trainer::fit_new(const std::vector<Effect>& larger, const Hypothesis&
     }
   };
   try_from(on, proposal.values);
-  if (shapes_of(e) >= kManyShapes)
+  if (shapes_of(e) >= dynamics::detail::kManyShapes)
     for (const auto& values : proposal.others) try_from(on, values);
   // Dry friction sticks, which makes a fit's landscape uneven: a second start from a twentieth of what moves
   // the axis; for the Stribeck curve from the constant friction that fits best, twice as large at standstill,

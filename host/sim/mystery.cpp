@@ -46,6 +46,7 @@ model::Model draw_model(Random& random) {
   return model;
 }
 
+/// The catalogue's clear sizes, or, of what depends on the machine, a size for it.
 std::array<double, dynamics::kMaxEffectParameters> draw_size(Effect cause, const model::Model& model,
                                                              Random& random) {
   const double force_n = random.uniform(1.5, 3.0);
@@ -65,59 +66,41 @@ std::array<double, dynamics::kMaxEffectParameters> draw_size(Effect cause, const
       return {model.parameter("stiffness_npm") * (1.0 + sign * random.uniform(0.06, 0.12))};
     case Effect::spring_preload:
       return {2.0 * force_n};
-    case Effect::torque_gain_error:
-      return {1.0 + sign * random.uniform(0.12, 0.25)};
     case Effect::touchdown_loss:
       return {model.parameter("restitution_touchdown") * random.uniform(0.8, 0.9)};
     case Effect::binding_spot:
       return {3.0 * force_n, random.uniform(0.26, 0.30), random.uniform(0.01, 0.03)};
-    case Effect::damping_error:
-      return {force_n};
-    case Effect::guide_tilt:
-      return {random.uniform(0.3, 0.5)};
     case Effect::mass_error:
       return {model.parameter("mass_kg") * (1.0 + sign * random.uniform(0.06, 0.12))};
     case Effect::rest_height_error:
       return {model.parameter("rest_height_m") + sign * random.uniform(0.004, 0.008)};
     case Effect::spring_hardening:
       return {force_n / (0.05 * 0.05 * 0.05)};  // at a compression of 5 cm
-    case Effect::spring_hysteresis:
-      return {random.uniform(0.06, 0.15)};
-    case Effect::leg_inertia:
-      return {4.2e-3, 7.5e-3, 38e-3};  // document 002, table 3.1
     case Effect::torque_offset:
       return {0.15 * force_n * sign};
-    case Effect::actuator_delay:
-    case Effect::actuator_lag:
-      return {random.uniform(0.01, 0.03)};
-    case Effect::torque_saturation:
-      return {random.uniform(1.0, 1.2)};
     case Effect::torque_ripple:
       return {0.2 * force_n, std::round(random.uniform(10.0, 30.0)), random.uniform(-1.0, 1.0)};
     case Effect::thermal_derating:
       return {random.uniform(0.5, 0.75), random.uniform(0.5, 1.5)};
-    case Effect::backlash:
-      return {random.uniform(0.03, 0.08)};
-    case Effect::liftoff_loss:
-      return {random.uniform(0.85, 0.93)};
-    case Effect::ground_compliance:
-      return {random.uniform(4e3, 8e3), random.uniform(10.0, 40.0)};
-    case Effect::toe_sticking:
-      return {random.uniform(5.0, 12.0)};
-    case Effect::encoder_offset:
-      return {sign * random.uniform(0.004, 0.01)};
-    case Effect::height_scale_error:
-      return {1.0 + sign * random.uniform(0.03, 0.08)};
     case Effect::height_eccentricity:
       return {random.uniform(5e-4, 2e-3), random.uniform(0.03, 0.1), random.uniform(-1.0, 1.0)};
     case Effect::encoder_slip:
       return {0.09e-3 * std::round(sign * random.uniform(30.0, 90.0)), random.uniform(0.5, 2.0)};
-    case Effect::contact_delay:
-      return {sign * random.uniform(0.01, 0.02)};
     case Effect::time_skew:
       return {sign * 1e-3 * std::round(random.uniform(5.0, 15.0))};  // whole rows
+    default: {
+      const dynamics::EffectInfo& e = dynamics::info(cause);
+      std::array<double, dynamics::kMaxEffectParameters> values{};
+      for (std::size_t i = 0; i < e.parameter_count; ++i) {
+        const auto& p = e.parameter_table[i];
+        const auto [low, high] = e.search.clear[i];
+        const double size = high > low ? random.uniform(low, high) : low;
+        const double side = !(p.lower < p.neutral) ? 1.0 : p.neutral < p.upper ? sign : -1.0;
+        values[i] = (std::isnan(p.neutral) ? 0.0 : p.neutral) + side * size;
+      }
+      return values;
+    }
   }
-  return {};
 }
 
 /// Falls through the touch-down height.

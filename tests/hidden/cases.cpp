@@ -291,7 +291,7 @@ constexpr std::pair<std::string_view, int> kFamilies[] = {
     {"actuator_delay", 5},    {"actuator_lag", 5},      {"time_skew", 5},           {"backlash", 5},
     {"torque_saturation", 5}, {"torque_ripple", 6},     {"touchdown_loss", 7},      {"liftoff_loss", 7},
     {"ground_compliance", 7}, {"toe_sticking", 7},      {"height_eccentricity", 8}, {"encoder_slip", 8},
-    {"contact_delay", 9},
+    {"contact_delay", 9},     {"bump_stop", 4},
 };
 
 int family(std::string_view law) {

@@ -75,7 +75,8 @@ ParameterError compare(const Case& c, std::string_view law, std::size_t index, d
   e.name = parameter_name(*law_named(law), index, kind);
   e.expected = expected;
   e.neutral = index == 0 ? neutral_value(c, law) : 0.0;
-  e.main = index == 0 || law == "asymmetric_friction";
+  // Where a stop begins is no size.
+  e.main = law == "bump_stop" ? index == 1 : index == 0 || law == "asymmetric_friction";
   auto estimate = f.parameters.find(e.name);
   if (estimate == f.parameters.end())
     estimate = f.parameters.find(

@@ -45,9 +45,10 @@ constexpr LawInfo kLaws[] = {
     {"encoder_slip",         kSensors, true,  true,  true,  true,  {"step_m", "time_s"}},
     {"contact_delay",        kSensors, true,  false, false, false, {"delay_s"}},
     {"time_skew",            kSensors, true,  true,  true,  false, {"skew_s"}},
+    {"bump_stop",            kBody,    true,  false, false, false, {"compression_m", "stiffness_npm"}},
     // Mechanical.
     {"side_mass",            kOutside, true,  true,  true,  true,  {"mass_kg", "frequency_hz", "damping_ratio"}},
-    {"bump_stop",            kOutside, true,  true,  true,  false, {"position_m", "stiffness_npm"}},
+    {"end_stop",             kOutside, false, true,  true,  false, {"position_m", "stiffness_npm"}},
     {"cable_snag",           kOutside, true,  true,  true,  true,  {"force_n", "centre_m", "width_m"}},
     {"detents",              kOutside, false, true,  false, false, {"force_n", "pitch_m", "phase_rad"}},
     {"periodic_force",       kOutside, true,  true,  true,  true,  {"force_n", "frequency_hz", "phase_rad"}},

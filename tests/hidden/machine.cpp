@@ -119,8 +119,11 @@ Machine::Machine(const Truth& truth, double position, double velocity, double st
       side_stiffness_ = v0 * frequency * frequency;
       side_damping_ = 2 * v0 * frequency * v2;
     } else if (is("bump_stop")) {
-      bump_position_ = v0;
-      bump_stiffness_ = v1;
+      bump_compression_m_ = v0;
+      bump_npm_ = v1;
+    } else if (is("end_stop")) {
+      end_position_ = v0;
+      end_stiffness_ = v1;
     } else if (is("detents")) {
       detent_ = v0;
       detent_pitch_ = v1;
@@ -178,6 +181,7 @@ Machine::Leg Machine::leg(const State& s, double t) const {
   const double spring = elastic_force(length, t);
   const double motor = rotor_end_ == 0 && half_gap_rad_ > 0 ? 0.0 : torque(s, t);
   double still = spring + preload_n_ - motor / (2.0 * link_length_m_ * out.sine);
+  still += bump_npm_ * std::max(0.0, touchdown_height_m_ - length - bump_compression_m_);
   if (hysteresis_ != 0 && direction_ != 0) still -= hysteresis_ * std::abs(spring) * direction_;
   if (sticking_n_ >= 0 && length > touchdown_height_m_)
     still -= kLegStop_npm * (length - touchdown_height_m_);
@@ -211,11 +215,7 @@ double Machine::outer_force(const State& s, double t) const {
   if (!hopper_) force += torque(s, t);
   if (rotary_) force -= gravity_ * std::sin(x);
   if (side_mass_ > 0) force += side_stiffness_ * s[kSideX] + side_damping_ * s[kSideV];
-  // On a hopper the stop is below, on an axis beyond a position.
-  if (bump_stiffness_ > 0) {
-    const double into = hopper_ ? bump_position_ - x : x - bump_position_;
-    if (into > 0) force += (hopper_ ? 1 : -1) * bump_stiffness_ * into;
-  }
+  force -= end_stiffness_ * std::max(0.0, x - end_position_);
   if (snag_ != 0 && v > 0 && within(x, snag_from_, snag_to_)) force -= snag_;
   if (detent_ != 0) force += detent_ * std::sin(kTwoPi * x / detent_pitch_ + detent_phase_rad_);
   if (periodic_ != 0) force += periodic_ * std::sin(kTwoPi * periodic_hz_ * t + periodic_phase_rad_);

@@ -14,6 +14,8 @@
 // until all
 //   of them together pull at the toe with the force. Where a leg pulls short of that height, the toe holds on
 //   as well.
+// - bump_stop: the compression is that of the leg, from its length at touch-down; the stop's force goes
+// through the toe and is no part of the spring's, of which hysteresis takes its share.
 // - backlash: in contact the leg gets the motor's torque; across the gap the rotor is free, and what it has
 // gained
 //   against the leg there it gives to the leg at the end, so that no impulse is lost. At touch-down it turns
@@ -118,7 +120,8 @@ class Machine {
   bool links_ = false;
   double ground_npm_ = 0, ground_nspm_ = 0, sticking_n_ = -1, half_gap_rad_ = 0;
   double side_mass_ = 0, side_stiffness_ = 0, side_damping_ = 0;
-  double bump_position_ = 0, bump_stiffness_ = 0, detent_ = 0, detent_pitch_ = 1, detent_phase_rad_ = 0;
+  double bump_compression_m_ = 0, bump_npm_ = 0;
+  double end_position_ = 0, end_stiffness_ = 0, detent_ = 0, detent_pitch_ = 1, detent_phase_rad_ = 0;
   double periodic_ = 0, periodic_hz_ = 0, periodic_phase_rad_ = 0;
   double warm_friction_ = 0, warming_s_ = 1, fading_ = 0, fading_s_ = 1;
   struct Gust {

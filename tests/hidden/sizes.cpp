@@ -29,6 +29,7 @@
 //   liftoff_loss         alpha          0.95     0.9      0.8    the model's is held at 1
 //   ground_compliance                   30       10       4      kN/m with 10 to 40 N s/m
 //   toe_sticking                        8        16       32     N
+//   bump_stop                           0.4      1.5      4      kN/m beyond 40 to 55 mm
 //   encoder_offset                      1        3        6      mm
 //   height_scale_error                  1.5      4        8      %
 //   height_eccentricity                 0.3      0.8      2      mm, 0.1 to 0.2 m a turn
@@ -133,6 +134,7 @@ Planted hopper_law(std::string_view law, Size size, const model::Model& model, R
   if (is("backlash")) return planted(law, {{scatter * by(0.02, 0.05, 0.1)}});
   if (is("ground_compliance")) return planted(law, {{scatter * by(30e3, 10e3, 4e3), random.uniform(10, 40)}});
   if (is("toe_sticking")) return planted(law, {{scatter * by(8, 16, 32)}});
+  if (is("bump_stop")) return planted(law, {{random.uniform(0.040, 0.055), scatter * by(0.4e3, 1.5e3, 4e3)}});
   if (is("encoder_offset")) return planted(law, {{random.sign() * scatter * by(1e-3, 3e-3, 6e-3)}});
   if (is("height_scale_error")) return planted(law, {{1 + random.sign() * scatter * by(0.015, 0.04, 0.08)}});
   if (is("height_eccentricity"))
@@ -146,7 +148,6 @@ Planted hopper_law(std::string_view law, Size size, const model::Model& model, R
   if (is("side_mass"))
     return planted(law, {{model.parameter("mass_kg") * random.uniform(0.08, 0.15), random.uniform(4, 9),
                           random.uniform(0.02, 0.08)}});
-  if (is("bump_stop")) return planted(law, {{random.uniform(0.225, 0.24), random.uniform(2000, 5000)}});
   if (is("cable_snag"))
     return planted(law, {{random.uniform(5, 10), random.chance(0.5) ? random.uniform(0.23, 0.27) : 0.30,
                           random.uniform(0.008, 0.015)}});
@@ -207,7 +208,7 @@ Planted axis_law(std::string_view law, Size size, const model::Model& model, con
   if (is("side_mass"))
     return planted(law, {{model.parameters[0] * random.uniform(0.1, 0.2), random.uniform(3, 8),
                           random.uniform(0.02, 0.08)}});
-  if (is("bump_stop"))
+  if (is("end_stop"))
     return planted(law, {{habits.reach * random.uniform(0.4, 0.6),
                           habits.input / (0.3 * habits.reach) * random.uniform(0.7, 1.4)}});
   if (is("cable_snag"))

@@ -117,6 +117,10 @@ TEST_CASE("What springs and links do beyond the linear model is found in a hoppe
     expect_named(Kind::hopper_linear, effect, Size::medium, 2);
 }
 
+TEST_CASE("A bump stop that the leg runs onto is found in a hopper") {
+  expect_found(Kind::hopper_linear, "bump_stop");
+}
+
 TEST_CASE("What a drive does to its commands is found in a hopper") {
   for (const char* effect : {"torque_offset", "actuator_delay", "actuator_lag", "torque_saturation",
                              "torque_ripple", "thermal_derating"})

@@ -267,8 +267,18 @@ TEST_CASE("A side mass follows in the long run and rings at its own frequency be
   CHECK(ringing.velocity() == Approx(12.0 * 3.25 * period / 48.0 + swing).epsilon(1e-6));
 }
 
-TEST_CASE("A bump stop throws back with the speed that it took, and a snag holds one way alone") {
-  Machine m(axis({{"bump_stop", {0.1, 4000.0}}}), 0.0, 0.5);
+TEST_CASE("A bump stop gives back what it takes, and carries its share of a resting body") {
+  const double compression = 0.03, rate = 2500.0, from = kTouchdown - 0.06, to = kTouchdown - 0.01;
+  const double up = speed_on_the_way_up({{"bump_stop", {compression, rate}}}, from, to);
+  CHECK(0.5 * kMass * up * up ==
+        Approx(compressed_energy(from, to) + 0.5 * rate * 0.03 * 0.03 - kMass * kG * (to - from))
+            .epsilon(1e-3));
+  const double z = rest_height({{"bump_stop", {0.005, rate}}});
+  CHECK(kRate * (kRest - z) + rate * (kTouchdown - z - 0.005) == Approx(kMass * kG).epsilon(1e-7));
+}
+
+TEST_CASE("An end stop throws back with the speed that it took, and a snag holds one way alone") {
+  Machine m(axis({{"end_stop", {0.1, 4000.0}}}), 0.0, 0.5);
   m.advance(1.0, 0.0);
   CHECK(m.velocity() == Approx(-0.5).epsilon(1e-4));
   const std::vector<Planted> snag{{"cable_snag", {30.0, 0.2, 0.04}}};

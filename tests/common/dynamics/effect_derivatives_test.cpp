@@ -98,6 +98,7 @@ TEST_CASE("Hops have the derivatives by each effect's parameters that finite dif
       {Effect::liftoff_loss, {0.9}},
       {Effect::ground_compliance, {6000.0, 30.0}},
       {Effect::toe_sticking, {9.0}},
+      {Effect::bump_stop, {0.041, 2500.0}},
   };
   for (const Case& c : cases)
     check(

@@ -368,6 +368,63 @@ TEST_CASE("A hopper whose toe sticks follows the fine run") {
   check_follows(effects, {.sticking_n = 12.0}, 5e-6);
 }
 
+TEST_CASE("A bump stop adds its spring beyond its compression, and keeps the energy") {
+  auto p = example_hopper();
+  p.damping_flight_nspm = p.damping_stance_nspm = 0.0;
+  const double compression = 0.04, rate = 3000.0, drop = 0.36;
+  Effects<double> effects;
+  effects.set(Effect::bump_stop, {compression, rate});
+  Hopper<double> hopper(p, effects);
+  hopper.reset(drop, 0.0);
+  const double top = hopper.touchdown_height_m();  // where the spring is relaxed
+  double drift = 0.0, deepest = 0.0;
+  for (int n = 0; n < 3000; ++n) {
+    hopper.advance(0.0, 1e-3);
+    const double z = hopper.height_m(), v = hopper.velocity_mps();
+    const double folded = hopper.in_stance() ? top - z : 0.0, into = std::max(0.0, folded - compression);
+    deepest = std::max(deepest, into);
+    drift = std::max(drift, std::abs(0.5 * p.mass_kg * v * v + p.mass_kg * p.gravity_mps2 * (z - drop) +
+                                     0.5 * p.stiffness_npm * folded * folded + 0.5 * rate * into * into));
+  }
+  CHECK(deepest > 0.005);
+  CHECK(drift < 1e-9);
+  // At rest, spring and stop share the weight: one so low that the weight alone folds the leg onto it.
+  effects.set(Effect::bump_stop, {0.01, rate});
+  const double folded = top - balance(p, effects), weight = p.mass_kg * p.gravity_mps2;
+  CHECK(p.stiffness_npm * folded + rate * (folded - 0.01) == Approx(weight).epsilon(1e-9));
+}
+
+TEST_CASE("A hopper with a bump stop follows the fine run, on hard ground and on one that gives") {
+  for (const auto& [compression, rate] : {std::pair{0.045, 3000.0}, {0.02, 800.0}, {0.05, 20000.0}}) {
+    CAPTURE(compression, rate);
+    Effects<double> effects;
+    effects.set(Effect::bump_stop, {compression, rate});
+    ReferenceLaws laws{.stop_compression_m = compression, .stop_npm = rate};
+    check_follows(effects, laws, 1e-5);
+    effects.set(Effect::spring_hysteresis, 0, laws.hysteresis = 0.08);
+    check_follows(effects, laws, 1e-5);
+  }
+  Effects<double> effects;
+  effects.set(Effect::bump_stop, {0.045, 3000.0});
+  effects.set(Effect::ground_compliance, {12000.0, 40.0});
+  check_follows(effects,
+                {.ground_npm = 12000.0, .ground_nspm = 40.0, .stop_compression_m = 0.045, .stop_npm = 3000.0},
+                1e-5);
+}
+
+TEST_CASE("A bump stop that the leg never reaches is not there, to the bit") {
+  Effects<double> effects;
+  effects.set(Effect::bump_stop, {0.2, 3000.0});
+  Hopper<double> with(rig(), effects), without(rig());
+  with.reset(0.34, 0.0);
+  without.reset(0.34, 0.0);
+  for (int n = 0; n < 1000; ++n) {
+    with.advance(harmonic(n), 1e-3);
+    without.advance(harmonic(n), 1e-3);
+    REQUIRE(with.height_m() == without.height_m());
+  }
+}
+
 namespace {
 
 /// The leg with links on the ground, from M, B, G and J of docs/physics.md with the contact as a constraint:

@@ -18,6 +18,7 @@ struct ReferenceLaws {
   double ripple_nm = 0.0, ripple_cycles = 0.0, ripple_phase_rad = 0.0;
   double ground_npm = 0.0, ground_nspm = 0.0;
   double sticking_n = 0.0;
+  double stop_compression_m = 0.0, stop_npm = 0.0;
 };
 
 class ReferenceHopper {
@@ -85,6 +86,7 @@ class ReferenceHopper {
     double push =
         spring - motor / (reach * std::sin(angle)) - (up_ ? 1.0 : -1.0) * l_.hysteresis * std::abs(spring);
     if (l_.sticking_n > 0.0) push -= 6000.0 * std::max(0.0, length - touchdown_);
+    push += l_.stop_npm * std::max(0.0, touchdown_ - length - l_.stop_compression_m);
     if (l_.ground_npm == 0.0) return {push - damping * speed, 0.0};
     // A toe without mass: push - damping (v - toe') = -kg toe - dg toe'. On the leg's stop it moves with the
     // body, unless the ground pushes it in.

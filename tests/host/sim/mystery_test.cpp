@@ -25,9 +25,20 @@ TEST_CASE("a drawn machine is its model with other dampings and exactly one effe
   }
 }
 
-TEST_CASE("every effect that a hopper can have is drawn") {
+TEST_CASE("every effect that a hopper can have is drawn, with a size") {
   std::set<dynamics::Effect> drawn;
-  for (std::uint64_t seed = 1; seed <= 300; ++seed) drawn.insert(sim::draw_mystery(seed).cause);
+  for (std::uint64_t seed = 1; seed <= 300; ++seed) {
+    const sim::Mystery m = sim::draw_mystery(seed);
+    drawn.insert(m.cause);
+    const auto& e = dynamics::info(m.cause);
+    for (std::size_t i = 0; i < e.parameter_count; ++i) {
+      const auto& p = e.parameter_table[i];
+      CAPTURE(seed, e.name, p.name);
+      const double value = m.truth.effects.at(m.cause)[i];
+      CHECK(value != (std::isnan(p.neutral) ? 0.0 : p.neutral));
+      CHECK((p.lower <= value && value <= p.upper));
+    }
+  }
   for (const auto& e : dynamics::kCatalogue) {
     CAPTURE(e.name);
     // The dampings are free parameters of the drawn model; backlash hardly moves the body.

@@ -32,8 +32,8 @@ struct ContactEvent {
 /// angle); lift-off when, rising, z is back there or the ground's force is zero. The ground cannot pull:
 /// while the body sinks and the leg would pull, the leg's force is zero. The torque is held over a step, its
 /// lever arm and the forces that depend on speed are taken at the step's predicted midpoint (error of third
-/// order in the step). A toe that sticks, a ground that gives and a rotor in its backlash add states of the
-/// leg (Leg::State, straight_, rotor_), whose changes are located inside the step as well.
+/// order in the step). A toe that sticks, a bump stop, a ground that gives and a rotor in its backlash add
+/// states of the leg (Leg::State, straight_, rotor_), whose changes are located inside the step as well.
 template <class T>
 class Hopper {
  public:
@@ -66,9 +66,15 @@ class Hopper {
     if (e_.has(Effect::spring_preload)) leg_force_at_zero_ += e_.value(Effect::spring_preload);
     leg_is_more_ = e_.has(Effect::spring_hysteresis) || e_.has(Effect::leg_inertia);
     more_ = leg_is_more_ || e_.has(Effect::toe_sticking) || e_.has(Effect::ground_compliance) ||
-            e_.has(Effect::torque_ripple) || e_.has(Effect::spring_hardening) || rotor_.loose();
+            e_.has(Effect::torque_ripple) || e_.has(Effect::spring_hardening) || e_.has(Effect::bump_stop) ||
+            rotor_.loose();
     stretched_stiffness_ = stiffness_ + V(kStopStiffness);
     kappa_stretched_ = stretched_stiffness_ * inverse_mass_;
+    if (e_.has(Effect::bump_stop)) {
+      stop_length_ = touchdown_height_ - e_.value(Effect::bump_stop, 0);
+      stopped_stiffness_ = stiffness_ + e_.value(Effect::bump_stop, 1);
+      kappa_stopped_ = stopped_stiffness_ * inverse_mass_;
+    }
     if (e_.has(Effect::ground_compliance)) {
       kappa_straight_ = e_.value(Effect::ground_compliance, 0) * inverse_mass_;
       delta_straight_ = delta_flight_ + e_.value(Effect::ground_compliance, 1) * inverse_mass_;
@@ -182,6 +188,7 @@ class Hopper {
       away,       ///< in flight, or the ground would have to pull
       flexes,     ///< spring, damper and motor act
       stretched,  ///< held by a toe that sticks: its stop pulls as well
+      stopped,    ///< so short that its bump stop pushes as well
       straight    ///< on its stop on a ground that gives
     } state = State::away;
     T constant{};
@@ -190,6 +197,7 @@ class Hopper {
 
   const T& leg_stiffness() const {
     return leg_.state == Leg::State::stretched  ? stretched_stiffness_
+           : leg_.state == Leg::State::stopped  ? stopped_stiffness_
            : leg_.state == Leg::State::straight ? e_.value(Effect::ground_compliance, 0)
                                                 : stiffness_;
   }
@@ -224,12 +232,15 @@ class Hopper {
     const bool leg_acts = leg_.state != Leg::State::away;
     const bool flexes = leg_.state == Leg::State::flexes;  // within its length
     const bool stretched = kMore && leg_.state == Leg::State::stretched;
+    const bool stopped = kMore && leg_.state == Leg::State::stopped;
     const bool straight = kMore && leg_.state == Leg::State::straight;
+    const bool folds = flexes || stretched || stopped;  // with spring and damper
     T force = leg_acts ? T(constant_force_ + leg_.constant) : constant_force_;
     if (links && leg_acts) force += links_weight_;
-    const T& delta = flexes || stretched ? delta_stance_ : straight ? delta_straight_ : delta_flight_;
+    const T& delta = folds ? delta_stance_ : straight ? delta_straight_ : delta_flight_;
     const T& kappa = flexes      ? kappa_stance_
                      : stretched ? kappa_stretched_
+                     : stopped   ? kappa_stopped_
                      : straight  ? kappa_straight_
                                  : zero_;
     T acceleration = leg_acts ? T(force * inverse_mass_ - kappa * z_) : T(force * inverse_mass_);
@@ -239,7 +250,7 @@ class Hopper {
     const bool up = at_rest ? value_of(acceleration) > V(0) : value_of(v_) > V(0);
     if (e_.any()) {
       T extra = binding(e_, z_, T(z_ + v_ * left));
-      if (kMore && (flexes || stretched) && e_.has(Effect::spring_hysteresis)) extra += leg_.hysteresis;
+      if (kMore && folds && e_.has(Effect::spring_hysteresis)) extra += leg_.hysteresis;
       const Resisted<T> r =
           full ? resisted(e_, up, at_rest, v_, acceleration, delta, inverse_mass_, extra, h)
                : resisted(e_, up, at_rest, v_, acceleration, delta, inverse_mass_, extra, left);
@@ -249,7 +260,7 @@ class Hopper {
         return true;
       }
       acceleration = r.acceleration;
-      if (links && (flexes || stretched)) slow_by_links(acceleration, kappa, delta, left);
+      if (links && folds) slow_by_links(acceleration, kappa, delta, left);
     }
 
     if (!stance_ && !up && value_of(z_) <= value_of(touchdown_height_)) {
@@ -270,9 +281,9 @@ class Hopper {
       z_end = segment.position_after(segment.over(t_end));
       v_end = zero_;
     }
-    // So it may be up to where the rotor is through the backlash, or the leg comes to its stop or leaves it.
+    // So it may be up to where the rotor is through the backlash, or the leg comes to a stop or leaves it.
     Change change = Change::none;
-    if (soft || (kMore && rotor_.crosses()))
+    if (soft || (kMore && (rotor_.crosses() || (stance_ && e_.has(Effect::bump_stop)))))
       change = cut_short(segment, torque, up, t_end, z_end, v_end, turns);
 
     if (!stance_ && !up && value_of(z_end) < value_of(touchdown_height_)) {
@@ -320,6 +331,7 @@ class Hopper {
     elapsed_ += value_of(t_end);
     if (kMore && rotor_.crosses()) rotor_.follow(t_end, leg_angle(T(z_ - toe_)), leg_speed(z_, v_));
     if (change == Change::rotor) land_rotor();
+    if (change == Change::stop) z_ = stop_length_;
     if (change == Change::straightens || change == Change::flexes) straight_ = change == Change::straightens;
     if (!turns && change == Change::none) return true;
     left = left - t_end;
@@ -327,8 +339,9 @@ class Hopper {
   }
 
   /// What ends a piece of a step besides turning points, touch-down and lift-off: the rotor arrives, a leg on
-  /// a ground that gives comes to its full length or leaves it.
-  enum class Change : std::uint8_t { none, rotor, straightens, flexes };
+  /// a ground that gives comes to its full length or leaves it, a leg on hard ground comes to its bump stop
+  /// or leaves it.
+  enum class Change : std::uint8_t { none, rotor, straightens, flexes, stop };
   Change cut_short(const Segment<T>& segment, const T& torque, bool up, T& t_end, T& z_end, T& v_end,
                    bool& turns) {
     const bool soft = stance_ && e_.has(Effect::ground_compliance);
@@ -358,6 +371,10 @@ class Hopper {
                                      value_of(t_end)),
                Change::flexes);
     }
+    const V stop = value_of(stop_length_);
+    if (e_.has(Effect::bump_stop) && !soft &&
+        (on_bump_stop() ? up && value_of(z_end) > stop : !up && value_of(z_end) < stop))
+      end_at(segment.crossing_time(T(V(1)), T(V(0)), -stop_length_, V(0), value_of(t_end)), Change::stop);
     return change;
   }
 
@@ -419,6 +436,11 @@ class Hopper {
       return;
     }
     leg_.constant = push_at(torque, midpoint);
+    // Beyond its bump stop the leg is a stiffer spring.
+    if (e_.has(Effect::bump_stop) && on_bump_stop()) {
+      leg_.state = Leg::State::stopped;
+      leg_.constant += e_.value(Effect::bump_stop, 1) * stop_length_;
+    }
     // A toe that sticks holds the leg beyond its full length, where its stop is a stiff spring.
     if (e_.has(Effect::toe_sticking) &&
         (value_of(z_) > value_of(top) || (value_of(z_) == value_of(top) && value_of(v_) > V(0)))) {
@@ -429,7 +451,20 @@ class Hopper {
       leg_.hysteresis = e_.value(Effect::spring_hysteresis) * spring_force_size(midpoint);
   }
 
-  /// The leg's force without spring (but its constant part and its hardening) and damper, at a length.
+  /// Whether a leg on hard ground is at its bump stop, for the way that it moves.
+  bool on_bump_stop() const {
+    return value_of(z_) < value_of(stop_length_) ||
+           (value_of(z_) == value_of(stop_length_) && value_of(v_) < V(0));
+  }
+  /// Force of the bump stop at a length.
+  T bump_stop_at(const T& length) const {
+    return e_.has(Effect::bump_stop) && value_of(length) < value_of(stop_length_)
+               ? T(e_.value(Effect::bump_stop, 1) * (stop_length_ - length))
+               : zero_;
+  }
+
+  /// The leg's force without spring (but its constant part and its hardening) and damper, at a length. On a
+  /// ground that gives with its bump stop, which on hard ground is a state of the leg.
   T push_at(const T& torque, const T& length) const {
     T push = leg_force_at_zero_;
     if (e_.has(Effect::torque_ripple) && !rotor_.crosses())
@@ -440,6 +475,7 @@ class Hopper {
       const T stretch = length - rest_height_;
       push -= e_.value(Effect::spring_hardening) * stretch * stretch * stretch;
     }
+    if (e_.has(Effect::ground_compliance)) push += bump_stop_at(length);
     return push;
   }
 
@@ -566,7 +602,8 @@ class Hopper {
       const V per_torque = value_of(force_per_torque(T(z_ - toe_)));
       const bool up = v > V(0);
       const V push = value_of(push_at(zero_, T(z_ - toe_)));
-      const V leg = push - value_of(stiffness_) * (z - value_of(toe_)) - value_of(leg_damping_) * v;
+      const V stop = e_.has(Effect::ground_compliance) ? V(0) : value_of(bump_stop_at(z_));
+      const V leg = push + stop - value_of(stiffness_) * (z - value_of(toe_)) - value_of(leg_damping_) * v;
       V a = (value_of(constant_force_) + (leg > V(0) ? leg : V(0))) * m - value_of(delta_flight_) * v;
       if (v != V(0)) a += value_of(resistance(e_, up, v_, binding(e_, z_, z_))) * m;
       const V speed = per_torque * v;  // z = 2 L cos theta, differentiated twice
@@ -653,6 +690,7 @@ class Hopper {
   T toe_balance_{}, toe_drift_{}, toe_rate_{}, leg_push_{};
   T stretched_stiffness_{}, links_gravity_{}, links_mass_{}, links_slope_{}, links_lift_{}, links_weight_{};
   T kappa_stretched_{}, kappa_straight_{}, delta_straight_{};
+  T stop_length_{}, stopped_stiffness_{}, kappa_stopped_{};  ///< of the leg at its bump stop
   bool leg_is_more_ = false;  ///< its force on the ground is more than spring, damper and motor: toe_force_
   bool more_ = false;         ///< leg_is_more_, or the leg, its toe or its rotor is in one of several states
   Leg leg_{};

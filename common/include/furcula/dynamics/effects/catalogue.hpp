@@ -5,6 +5,8 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <initializer_list>
+#include <iterator>
 #include <optional>
 #include <span>
 #include <string_view>
@@ -49,9 +51,9 @@ enum class Effect : std::uint8_t {
   encoder_slip,
   contact_delay,
   time_skew,
+  bump_stop,
 };
 
-inline constexpr std::size_t kEffectCount = 33;
 inline constexpr std::size_t kMaxEffectParameters = 3;
 
 /// The stage of the plant that the law sits in.
@@ -69,6 +71,48 @@ struct EffectParameterInfo {
   bool of_motor = false;  ///< on a hopper the motor turns: its parameter has the rotary name
 };
 
+/// What a start value is a multiple of.
+enum class Measure : std::uint8_t {
+  unit,      ///< the parameter's own unit
+  friction,  ///< a twentieth of what moves the axis (on a hopper of the weight), N or N m
+  speed,     ///< RMS speed
+  input,     ///< 99 % of the inputs are smaller
+  travel,    ///< length of the travel
+  model,     ///< the model's parameter of the same name
+  place,     ///< not a multiple: eight places along the travel are tried in turn
+  depth,     ///< likewise, measured down from the touch-down height of a hopper
+};
+
+/// Start values of a fit, a row for each that is tried.
+struct Starts {
+  static constexpr std::size_t kMost = 5;
+  std::array<std::array<double, kMaxEffectParameters>, kMost> rows{};
+  std::size_t count = 0;
+  constexpr Starts() = default;
+  constexpr Starts(std::initializer_list<std::array<double, kMaxEffectParameters>> all) {
+    for (const auto& row : all) rows[count++] = row;  // more than kMost: no constant expression
+  }
+};
+
+struct Range {
+  double low = 0.0, high = 0.0;
+};
+
+/// How an effect is looked for, and how large the demo hides it. The defaults do where one linear step from
+/// the neutral values tells what the effect promises.
+struct Search {
+  std::array<Measure, kMaxEffectParameters> measures{};  ///< of the parameters in `starts`
+  Starts starts{};      ///< where the neutral values are none: what sticks, what has a shape
+  double shapes = 1.0;  ///< how many different shapes the law can take, about: the price of its fit
+  double doubt = 0.0;   ///< odds against it before any recording, in units of the evidence (2 ln): of laws
+                        ///< seldom met that can stand in for a common one where the recordings are short
+  bool swings =
+      false;  ///< its parameters are an amplitude, a frequency or pitch, and a phase over the position
+  /// Sizes that a careful experimenter would find, as distances from the neutral value (from zero where there
+  /// is none), to either side where the bounds leave two. Empty: sim/mystery.cpp draws it by the machine.
+  std::array<Range, kMaxEffectParameters> clear{};
+};
+
 struct EffectInfo {
   Effect effect;
   std::string_view name;
@@ -82,6 +126,7 @@ struct EffectInfo {
   std::string_view explanation;      ///< one plain sentence: what it does to the machine
   std::string_view where_to_look;    ///< on the machine
   std::string_view best_experiment;  ///< that shows it best
+  Search search{};
   constexpr std::span<const EffectParameterInfo> parameters() const {
     return {parameter_table.data(), parameter_count};
   }
@@ -95,9 +140,13 @@ inline constexpr std::uint8_t kAllKinds = kDriven | bit(Kind::rail_carriage);
 inline constexpr std::uint8_t kHopper = bit(Kind::hopper_linear);
 inline constexpr std::uint8_t kVertical = kHopper | bit(Kind::rail_carriage);
 inline constexpr double kUnset = __builtin_nan("");
+/// Of a law that finds something in anything.
+inline constexpr double kManyShapes = 30.0;
+/// Odds of about 1 to 150 against dry friction, which is in every machine.
+inline constexpr double kSeldomMet = 10.0;
 }  // namespace detail
 
-inline constexpr std::array<EffectInfo, kEffectCount> kCatalogue{{
+inline constexpr EffectInfo kCatalogue[] = {
     {Effect::coulomb_friction,
      "coulomb_friction",
      "dry friction",
@@ -110,7 +159,8 @@ inline constexpr std::array<EffectInfo, kEffectCount> kCatalogue{{
      "Dry friction: a force of constant size against the motion, whatever the speed.",
      "Guides, bearings, seals and belts: look for dirt, preload and dry rails.",
      "Slow strokes in both directions, and a free swing or drop that dies out: the loss a cycle does not "
-     "shrink with the speed. On a rail, throws upwards beside falls: friction brakes both ways."},
+     "shrink with the speed. On a rail, throws upwards beside falls: friction brakes both ways.",
+     {.measures = {Measure::friction}, .starts = {{1.0}}}},
     {Effect::stribeck_friction,
      "stribeck_friction",
      "dry friction that rises towards standstill",
@@ -125,7 +175,10 @@ inline constexpr std::array<EffectInfo, kEffectCount> kCatalogue{{
      "Dry friction that is larger near standstill than in motion.",
      "Plain bearings and greased guides: look at the lubricant and at stick-slip at reversals.",
      "Very slow strokes through several reversals, so that the axis spends time below the Stribeck "
-     "velocity."},
+     "velocity.",
+     {.measures = {Measure::friction, Measure::friction, Measure::speed},
+      .starts = {{0.8, 1.6, 0.03}, {0.8, 1.6, 0.1}, {0.8, 1.6, 0.3}},
+      .shapes = 4.0}},
     {Effect::asymmetric_friction,
      "asymmetric_friction",
      "dry friction of different size in the two directions",
@@ -140,7 +193,8 @@ inline constexpr std::array<EffectInfo, kEffectCount> kCatalogue{{
      "Tilted or preloaded guides, cable drag, a drive whose zero is off: look at what pulls one way.",
      "Equal strokes up and down at several constant speeds, and rests in between: at rest an offset still "
      "pushes, "
-     "friction does not."},
+     "friction does not.",
+     {.measures = {Measure::friction, Measure::friction}, .starts = {{1.0, 1.0}}}},
     {Effect::quadratic_drag,
      "quadratic_drag",
      "drag that grows with the square of the speed",
@@ -166,7 +220,11 @@ inline constexpr std::array<EffectInfo, kEffectCount> kCatalogue{{
      3,
      "The axis rubs harder along one stretch of its travel, in both directions.",
      "The guide at that place: a dent, a tight carriage, a cable that touches.",
-     "Slow strokes through the whole travel in both directions, the force noted over the position."},
+     "Slow strokes through the whole travel in both directions, the force noted over the position.",
+     {.measures = {Measure::friction, Measure::place, Measure::travel},
+      .starts = {{1.0, 0.0, 0.1}, {1.0, 0.0, 0.25}},
+      .shapes = detail::kManyShapes,
+      .doubt = detail::kSeldomMet}},
     {Effect::damping_error,
      "damping_error",
      "the true viscous damping",
@@ -203,7 +261,8 @@ inline constexpr std::array<EffectInfo, kEffectCount> kCatalogue{{
      "The guide is not vertical, so that less of gravity acts along it.",
      "The guide against a plumb line.",
      "A level on the guide, or long falls without torque: the acceleration in free flight, the same up "
-     "and down."},
+     "and down.",
+     {.starts = {{0.2}}, .clear = {{{0.3, 0.5}}}}},
     {Effect::mass_error,
      "mass_error",
      "the true mass",
@@ -276,7 +335,8 @@ inline constexpr std::array<EffectInfo, kEffectCount> kCatalogue{{
      1,
      "The spring gives back less than it took: a loss in proportion to its force.",
      "Friction of the cable on cam and pulleys, rubber in the load path.",
-     "Slow compression and release against a force plate: the area between the two lines."},
+     "Slow compression and release against a force plate: the area between the two lines.",
+     {.clear = {{{0.06, 0.15}}}}},
     {Effect::leg_inertia,
      "leg_inertia",
      "the inertia of the links",
@@ -291,7 +351,9 @@ inline constexpr std::array<EffectInfo, kEffectCount> kCatalogue{{
      "The links turn while the leg folds, and their inertia resists that.",
      "The masses of the links and where their centres are: a heavy knee counts most.",
      "Hops of different depth with the spring caught: the stance of a deep hop takes longer than the spring "
-     "and the mass say."},
+     "and the mass say.",
+     {.starts = {{1e-3, 2e-3, 5e-3}, {4e-3, 7e-3, 3e-2}},
+      .clear = {{{4.2e-3, 4.2e-3}, {7.5e-3, 7.5e-3}, {38e-3, 38e-3}}}}},
     {Effect::torque_gain_error,
      "torque_gain_error",
      "the motor's true torque gain",
@@ -303,7 +365,8 @@ inline constexpr std::array<EffectInfo, kEffectCount> kCatalogue{{
      1,
      "The motor makes more or less torque than commanded, in proportion.",
      "The torque constant in the drive's settings, the gear ratio, the current sensor's scale.",
-     "Hops at two torque amplitudes, or the stalled motor against a scale."},
+     "Hops at two torque amplitudes, or the stalled motor against a scale.",
+     {.clear = {{{0.12, 0.25}}}}},
     {Effect::torque_offset,
      "torque_offset",
      "an offset of the motor's torque",
@@ -327,7 +390,8 @@ inline constexpr std::array<EffectInfo, kEffectCount> kCatalogue{{
      1,
      "The torque arrives later than it was commanded.",
      "The bus' cycle, a filter in the drive, buffering on the way to it.",
-     "A torque step against a stop, command and torque on one clock."},
+     "A torque step against a stop, command and torque on one clock.",
+     {.starts = {{2e-3}, {8e-3}, {20e-3}}, .clear = {{{0.01, 0.03}}}}},
     {Effect::actuator_lag,
      "actuator_lag",
      "a lag of the drive",
@@ -339,7 +403,8 @@ inline constexpr std::array<EffectInfo, kEffectCount> kCatalogue{{
      1,
      "The torque follows the command with a first-order lag.",
      "The current loop's bandwidth, the winding's inductance at low supply voltage.",
-     "A torque step against a stop: the rise time."},
+     "A torque step against a stop: the rise time.",
+     {.starts = {{3e-3}, {10e-3}, {30e-3}}, .clear = {{{0.01, 0.03}}}}},
     {Effect::torque_saturation,
      "torque_saturation",
      "a limit of the drive",
@@ -351,7 +416,11 @@ inline constexpr std::array<EffectInfo, kEffectCount> kCatalogue{{
      1,
      "The drive cuts off what is commanded beyond a limit.",
      "The drive's current limit, the supply's voltage at speed.",
-     "Torque steps of growing size against a stop."},
+     "Torque steps of growing size against a stop.",
+     {.measures = {Measure::input},
+      .starts = {{0.9}, {0.75}, {0.6}, {0.4}},
+      .shapes = 4.0,
+      .clear = {{{1.0, 1.2}}}}},
     {Effect::torque_ripple,
      "torque_ripple",
      "ripple of the motor's torque",
@@ -365,7 +434,8 @@ inline constexpr std::array<EffectInfo, kEffectCount> kCatalogue{{
      3,
      "The motor's torque swings with its angle: cogging or commutation.",
      "The motor's cogging torque, the drive's commutation angle and encoder calibration.",
-     "Turn slowly under position control and note the torque over the angle."},
+     "Turn slowly under position control and note the torque over the angle.",
+     {.shapes = detail::kManyShapes, .doubt = detail::kSeldomMet, .swings = true}},
     {Effect::thermal_derating,
      "thermal_derating",
      "a motor that weakens as it warms",
@@ -378,7 +448,8 @@ inline constexpr std::array<EffectInfo, kEffectCount> kCatalogue{{
      2,
      "The torque for one command falls while the motor works.",
      "The motor's and the drive's temperature, the drive's thermal limit.",
-     "One long run of equal hops: the apex over the time."},
+     "One long run of equal hops: the apex over the time.",
+     {.starts = {{0.8, 1.0}, {0.8, 5.0}, {0.8, 25.0}}, .shapes = 4.0}},
     {Effect::backlash,
      "backlash",
      "backlash between motor and leg",
@@ -390,7 +461,8 @@ inline constexpr std::array<EffectInfo, kEffectCount> kCatalogue{{
      1,
      "The motor turns through a dead zone before it moves the leg, wherever its torque changes sign.",
      "Gears, couplings, keys and the screws of the links: hold the motor and turn the leg by hand.",
-     "Small torques of both signs on a leg that is held: the angle on the motor's side over the torque."},
+     "Small torques of both signs on a leg that is held: the angle on the motor's side over the torque.",
+     {.starts = {{0.02}, {0.05}}}},
     {Effect::touchdown_loss,
      "touchdown_loss",
      "the loss of speed at touch-down",
@@ -414,7 +486,8 @@ inline constexpr std::array<EffectInfo, kEffectCount> kCatalogue{{
      1,
      "A part of the speed is lost in an instant at lift-off.",
      "The leg's stop, and the mass of toe and lower links that it pulls along.",
-     "Hops without torque: the speed before and after lift-off."},
+     "Hops without torque: the speed before and after lift-off.",
+     {.clear = {{{0.85, 0.93}}}}},
     {Effect::ground_compliance,
      "ground_compliance",
      "a ground that gives",
@@ -427,7 +500,9 @@ inline constexpr std::array<EffectInfo, kEffectCount> kCatalogue{{
      2,
      "The ground or the pad under the toe gives way under the load.",
      "The floor, the pad under the toe, the frame that carries the rail.",
-     "A gauge under the toe while the body is pressed down slowly."},
+     "A gauge under the toe while the body is pressed down slowly.",
+     {.starts = {{2.5e3, 10.0}, {5e3, 20.0}, {1e4, 20.0}, {2e4, 50.0}, {6e4, 100.0}},
+      .clear = {{{4e3, 8e3}, {10.0, 40.0}}}}},
     {Effect::toe_sticking,
      "toe_sticking",
      "a toe that sticks to the ground",
@@ -439,7 +514,8 @@ inline constexpr std::array<EffectInfo, kEffectCount> kCatalogue{{
      1,
      "The toe holds on to the ground at lift-off.",
      "The pad under the toe and the floor: rubber, suction, glue, dirt.",
-     "Pull the leg off the ground slowly with a scale."},
+     "Pull the leg off the ground slowly with a scale.",
+     {.starts = {{1.0}, {4.0}, {10.0}}, .clear = {{{5.0, 12.0}}}}},
     {Effect::encoder_offset,
      "encoder_offset",
      "an offset of the encoder's zero",
@@ -451,7 +527,8 @@ inline constexpr std::array<EffectInfo, kEffectCount> kCatalogue{{
      1,
      "The position is measured from another zero than the model's.",
      "The homing of the encoder: where the reference mark was.",
-     "Rest the machine at a known position and read the encoder."},
+     "Rest the machine at a known position and read the encoder.",
+     {.clear = {{{0.004, 0.01}}}}},
     {Effect::height_scale_error,
      "height_scale_error",
      "a wrong scale of the height",
@@ -463,7 +540,8 @@ inline constexpr std::array<EffectInfo, kEffectCount> kCatalogue{{
      1,
      "The height is measured in too large or too small steps.",
      "Counts a revolution, and the pitch circle of the pinion.",
-     "Move the body by a known length and read the encoder."},
+     "Move the body by a known length and read the encoder.",
+     {.clear = {{{0.03, 0.08}}}}},
     {Effect::height_eccentricity,
      "height_eccentricity",
      "an eccentric encoder",
@@ -477,7 +555,8 @@ inline constexpr std::array<EffectInfo, kEffectCount> kCatalogue{{
      3,
      "The height's error swings once a revolution of the encoder's wheel.",
      "The encoder's disc or the pinion sits off its centre.",
-     "Move the body slowly along a straight edge and compare, over some revolutions of the wheel."},
+     "Move the body slowly along a straight edge and compare, over some revolutions of the wheel.",
+     {.shapes = detail::kManyShapes, .doubt = detail::kSeldomMet, .swings = true}},
     {Effect::encoder_slip,
      "encoder_slip",
      "a slip of the encoder",
@@ -502,7 +581,8 @@ inline constexpr std::array<EffectInfo, kEffectCount> kCatalogue{{
      1,
      "The contact switch reports later, or earlier, than the toe touches.",
      "The switch's travel and spring, and the filter on its line.",
-     "Tap the toe on a plate with an accelerometer on it, both on one clock."},
+     "Tap the toe on a plate with an accelerometer on it, both on one clock.",
+     {.clear = {{{0.01, 0.02}}}}},
     {Effect::time_skew,
      "time_skew",
      "a skew between the clocks of position and torque",
@@ -514,8 +594,30 @@ inline constexpr std::array<EffectInfo, kEffectCount> kCatalogue{{
      1,
      "The position stands in the log later, or earlier, than the torque of the same instant.",
      "Time stamps taken at reception, filters on the encoder's line, buffering.",
-     "A tap or a torque step that both channels see: compare the instants."},
-}};
+     "A tap or a torque step that both channels see: compare the instants.",
+     {.starts = {{-5e-3}, {0.0}, {5e-3}}, .doubt = detail::kSeldomMet}},
+    {Effect::bump_stop,
+     "bump_stop",
+     "a bump stop at the end of the leg's travel",
+     Stage::mechanism,
+     detail::kHopper,
+     "stance",
+     "k (c - c0) upwards while the leg's compression c, from its length at touch-down, is beyond c0",
+     {{{"compression_m", "compression_m", "m", "m", 1e-3, 1.0, detail::kUnset},
+       {"stiffness_npm", "stiffness_npm", "N/m", "N/m", 0.0, 1e6, 0.0}}},
+     2,
+     "Folded far enough, the leg runs onto an elastic stop that pushes it back.",
+     "Rubber stops on the links or the rail, coils that touch, a cable or cover that is squeezed at the "
+     "deepest point.",
+     "Slow compression to the deepest point against a force plate: the height at which the line of force "
+     "over height "
+     "kinks.",
+     {.measures = {Measure::depth, Measure::model},
+      .starts = {{0.0, 0.0}, {0.0, 2.0}},
+      .shapes = 4.0,
+      .clear = {{{0.03, 0.045}, {1.5e3, 4e3}}}}},
+};
+inline constexpr std::size_t kEffectCount = std::size(kCatalogue);
 
 constexpr const EffectInfo& info(Effect e) { return kCatalogue[static_cast<std::size_t>(e)]; }
 
