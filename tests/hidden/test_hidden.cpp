@@ -154,7 +154,7 @@ TEST_CASE("A backlash that hardly moves the body is found in the leg's angle, wi
     CHECK(found.confidence > 0.9);
     CHECK(found.explainable_nmse_removed > 0.9);
     CHECK(found.parameters.at("gap_rad").value ==
-          Approx(find(c.truth.planted, "backlash")->front()).epsilon(0.05));
+          Approx(find(c.truth.planted, "backlash")->front()).epsilon(0.02));
     CHECK(d.extended.at("leg_angle").nmse < 0.1 * d.refitted.at("leg_angle").nmse);
   }
 }
