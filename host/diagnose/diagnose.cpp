@@ -29,6 +29,7 @@ constexpr double kSmallRemainder = 0.1;
 constexpr double kNumerics = 4e-6;
 constexpr const char* kContact = "contact";
 constexpr const char* kDrive = "torque";
+constexpr const char* kLeg = "leg_angle";
 
 std::vector<std::string> strings(const std::vector<Effect>& effects) {
   std::vector<std::string> all;
@@ -125,8 +126,8 @@ class Assembly {
            const std::vector<log::Log>& held_out, const Options& options)
       : model_(model),
         options_(options),
-        training_(identify::make_recordings(training, model.kind)),
-        held_out_(identify::make_recordings(held_out, model.kind)),
+        training_(recordings_of(training, model)),
+        held_out_(recordings_of(held_out, model)),
         training_windows_(identify::training_windows(training_, model, options.window_s)),
         held_out_windows_(identify::prediction_windows(held_out_, model, options.window_s)) {
     identify::require_plausible(training_, held_out_);
@@ -152,6 +153,12 @@ class Assembly {
   }
 
  private:
+  static std::vector<Recording> recordings_of(const std::vector<log::Log>& logs, const model::Model& model) {
+    std::vector<Recording> all = identify::make_recordings(logs, model.kind);
+    identify::keep_plausible_leg_angles(all, model);
+    return all;
+  }
+
   void require(const std::vector<Window>& windows, const std::vector<Recording>& recordings,
                const char* what) const {
     if (!windows.empty()) return;
@@ -188,6 +195,8 @@ class Assembly {
     if (const auto contact = identify::contact_errors(m, held_out_, held_out_windows_))
       errors[kContact] = *contact;
     if (const auto drive = identify::drive_errors(m, held_out_, held_out_windows_)) errors[kDrive] = *drive;
+    if (const auto leg = identify::leg_angle_errors(m, held_out_, held_out_windows_, starts_))
+      errors[kLeg] = *leg;
     return errors;
   }
   double nmse(const Errors& e) const { return e.at(d_.main_channel).nmse; }
@@ -213,6 +222,7 @@ class Assembly {
       const identify::Channel judge = judged_on(e, training_);
       if (judge == identify::Channel::contact) f.channel = kContact;
       if (judge == identify::Channel::drive) f.channel = kDrive;
+      if (judge == identify::Channel::leg) f.channel = kLeg;
       const std::string& channel = f.channel.empty() ? d_.main_channel : f.channel;
       if (!without.contains(channel) || !d_.extended.contains(channel)) f.channel.clear();
       if (f.channel.empty()) {
@@ -221,8 +231,10 @@ class Assembly {
         f.held_out_mae_after = d_.extended.at(d_.main_channel).mae;
       } else {
         // The floor: how far the reports scatter about the lag that the training recordings have; what the
-        // current sensor resolves.
-        const double scatter = f.channel == kContact ? contact_scatter() : held_out_.front().drive_noise;
+        // current sensor, or the leg's encoder, resolves.
+        const double scatter = judge == identify::Channel::contact ? contact_scatter()
+                               : judge == identify::Channel::leg   ? leg_angle_noise()
+                                                                   : held_out_.front().drive_noise;
         const auto& b = without.at(channel);
         const auto& a = d_.extended.at(channel);
         f.explainable_nmse_removed = explained_share(b.rmse * b.rmse, a.rmse * a.rmse, scatter * scatter);
@@ -288,6 +300,12 @@ class Assembly {
   double contact_scatter() const {
     for (const Window& w : held_out_windows_)
       if (std::isfinite(w.report_lag_s)) return w.report_spread_s;
+    return 0.0;
+  }
+
+  double leg_angle_noise() const {
+    for (const Recording& r : held_out_)
+      if (!r.leg_angle.empty()) return r.leg_angle_noise;
     return 0.0;
   }
 

@@ -36,7 +36,8 @@ struct Rival {
 struct Finding {
   dynamics::Effect effect;
   std::map<std::string, Estimate> parameters;  ///< names as on this kind of axis
-  std::string channel;  ///< that it is judged on, where it does not move the body: "contact"; else empty
+  /// That it is judged on, where it does not move the body: "contact", "torque", "leg_angle"; else empty.
+  std::string channel;
   double explainable_nmse_removed = 0.0;  ///< 1 = all that is above the noise floor
   double held_out_mae_before = 0.0;       ///< of the main channel, without the effect, all else re-fitted
   double held_out_mae_after = 0.0;

@@ -242,16 +242,20 @@ class Planner {
     }
     Recording& r = s.recordings.front();
     if (!within_reach(r, reach_, model_.kind)) return s;
-    double noise = 0.0, drive_noise = 0.0;
-    bool drive = false;
+    double noise = 0.0, drive_noise = 0.0, leg_angle_noise = 0.0;
+    bool drive = false, leg_angle = false;
     for (const Recording& old : recordings_) {
       noise = std::max(noise, old.position_noise);
       drive_noise = std::max(drive_noise, old.drive_noise);
+      leg_angle_noise = std::max(leg_angle_noise, old.leg_angle_noise);
       drive = drive || !old.drive.empty();
+      leg_angle = leg_angle || !old.leg_angle.empty();
     }
     r.position_noise = noise;
     r.drive_noise = drive_noise;
+    r.leg_angle_noise = leg_angle_noise;
     if (!drive) r.drive.clear();
+    if (!leg_angle) r.leg_angle.clear();
     r.slips.clear();
     r.slip_offset.clear();
     if (report_spread_s_ == 0.0) r.touchdown_reports_s.clear();
@@ -296,7 +300,9 @@ class Planner {
     for (std::size_t c = 0; c < identify::kChannels; ++c) {
       if (rows[c] == 0.0 || noise.rows[c] == 0.0 || !(noise.squares[c] > 0.0)) continue;
       const double scatter = noise.squares[c] / noise.rows[c];
-      const double rate = c == 1 ? 1.0 : std::min(1.0, reach_.rows_per_second / kSimulatedRowsPerSecond);
+      const double rate = c == static_cast<std::size_t>(identify::Channel::contact)
+                              ? 1.0
+                              : std::min(1.0, reach_.rows_per_second / kSimulatedRowsPerSecond);
       const double independent = rows[c] * rate * noise.effective[c] / noise.rows[c];
       evidence += independent * std::log1p(stays * squares[c] / (rows[c] * scatter));
     }

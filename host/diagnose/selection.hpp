@@ -112,7 +112,7 @@ struct Trainer {
   Selection select();
 
   double reference_squares =
-      0.0;  ///< cross-validated, of the re-fitted model without an effect; set by select()
+      0.0;  ///< of the body's motion, of the re-fitted model without an effect; set by select()
 
  private:
   /// By how much `other` is preferred to `one`, in the units of the evidence: what the recordings say, and

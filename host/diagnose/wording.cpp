@@ -21,15 +21,30 @@ const Finding* undecided(const Diagnosis& d) {
   return nullptr;
 }
 
+/// The channel whose error is told: the main one, or the one that all findings are judged on.
+struct Told {
+  std::string channel, unit;
+};
+Told told(const Diagnosis& d) {
+  Told all{d.main_channel, d.main_unit};
+  if (d.findings.empty() || d.findings.front().channel.empty()) return all;
+  const std::string& channel = d.findings.front().channel;
+  for (const Finding& f : d.findings)
+    if (f.channel != channel) return all;
+  return {channel, channel == "contact" ? "s" : channel == "leg_angle" ? "rad" : "N m"};
+}
+
 std::string before_and_after(const Diagnosis& d, const Errors& before, const Errors& after) {
-  const auto b = before.find(d.main_channel), a = after.find(d.main_channel);
+  const auto [channel, unit] = told(d);
+  const auto b = before.find(channel), a = after.find(channel);
   if (b == before.end() || a == after.end()) return "";
-  return "from " + readable(b->second.rmse, d.main_unit) + " to " + readable(a->second.rmse, d.main_unit);
+  return "from " + readable(b->second.rmse, unit) + " to " + readable(a->second.rmse, unit);
 }
 
 /// What stands beside the noise floor after the extension.
 std::string remainder(const Diagnosis& d) {
-  const auto after = d.extended.find(d.main_channel), floor = d.noise_floor.find(d.main_channel);
+  const std::string channel = told(d).channel;
+  const auto after = d.extended.find(channel), floor = d.noise_floor.find(channel);
   if (after == d.extended.end() || floor == d.noise_floor.end() || !(floor->second.rmse > 0.0)) return "";
   return "; the noise floor is " + readable(floor->second.rmse, d.main_unit);
 }
@@ -67,7 +82,9 @@ std::string readable(double value, const std::string& unit) {
 }
 
 std::string summary(const Diagnosis& d) {
-  const std::string where = "held-out " + d.main_channel + " error (RMSE)";
+  std::string channel = told(d).channel;
+  std::replace(channel.begin(), channel.end(), '_', ' ');
+  const std::string where = "held-out " + channel + " error (RMSE)";
   std::string named;
   for (const Finding& f : d.findings) {
     const auto& info = dynamics::info(f.effect);

@@ -69,10 +69,11 @@ Run predict(const model::Model& model, const Recording& r, const Window& w, cons
   Run run;
   run.position.reserve(w.rows());
   run.velocity.reserve(w.rows());
-  simulate(setup, r, w, start.position, start.velocity, [&](std::size_t, double x, double v, double) {
-    run.position.push_back(x);
-    run.velocity.push_back(v);
-  });
+  simulate(setup, r, w, start.position, start.velocity,
+           [&](std::size_t, double x, double v, double, const auto&) {
+             run.position.push_back(x);
+             run.velocity.push_back(v);
+           });
   return run;
 }
 
@@ -125,10 +126,35 @@ std::optional<ChannelErrors> drive_errors(const model::Model& model, const std::
     if (r.drive.empty()) continue;
     errors.assign(w.rows(), 0.0);
     simulate(setup, r, w, r.position[w.first], r.velocity_smoothed[w.first],
-             [&](std::size_t row, double, double, double drive) {
+             [&](std::size_t row, double, double, double drive, const auto&) {
                if (row < w.last) errors[row - w.first] = drive - r.drive[row];
              });
     sums.add(r.drive, w.first, errors, 0, w.rows() - 2);
+  }
+  if (sums.count == 0.0) return std::nullopt;
+  return sums.errors();
+}
+
+std::optional<ChannelErrors> leg_angle_errors(const model::Model& model,
+                                              const std::vector<Recording>& recordings,
+                                              const std::vector<Window>& windows,
+                                              const std::vector<StartState>& starts) {
+  const PlantSetup<double> setup(model, {}, nullptr);
+  Sums sums;
+  std::vector<double> errors;
+  for (std::size_t k = 0; k < windows.size(); ++k) {
+    const Window& w = windows[k];
+    const Recording& r = recordings[w.recording];
+    if (r.leg_angle.empty()) continue;
+    errors.clear();
+    double mean = 0.0;
+    simulate(setup, r, w, starts[k].position, starts[k].velocity,
+             [&](std::size_t row, double, double, double, const auto& leg_angle) {
+               errors.push_back(leg_angle() - r.leg_angle[row]);
+               mean += errors.back() / static_cast<double>(w.rows());
+             });
+    for (double& e : errors) e -= mean;
+    sums.add(r.leg_angle, w.first, errors, 0, w.rows() - 1);
   }
   if (sums.count == 0.0) return std::nullopt;
   return sums.errors();
@@ -149,7 +175,7 @@ Errors noise_floor(const model::Model& model, const std::vector<Recording>& reco
                           x.v[1] * x.v[1] * s.velocity_variance);
         };
         simulate(setup, r, w, Jet(s.position, 0), Jet(s.velocity, 1),
-                 [&](std::size_t row, const Jet& x, const Jet& v, const Jet&) {
+                 [&](std::size_t row, const Jet& x, const Jet& v, const Jet&, const auto&) {
                    position[row - w.first] = std::sqrt(noise + spread(x));
                    velocity[row - w.first] = std::sqrt(r.velocity_noise * r.velocity_noise + spread(v));
                  });

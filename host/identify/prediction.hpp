@@ -50,6 +50,12 @@ std::optional<ChannelErrors> contact_errors(const model::Model& model,
 std::optional<ChannelErrors> drive_errors(const model::Model& model, const std::vector<Recording>& recordings,
                                           const std::vector<Window>& windows);
 
+/// Of the leg's angle, rad, about its mean over each window: where the encoder's zero is, no model says.
+std::optional<ChannelErrors> leg_angle_errors(const model::Model& model,
+                                              const std::vector<Recording>& recordings,
+                                              const std::vector<Window>& windows,
+                                              const std::vector<StartState>& starts);
+
 /// The NMSE that a perfect model would have: measuring noise, and what the noise in the first 50 ms does to
 /// the start state and through it to the run (to first order). Only `nmse` and `rmse` are set.
 Errors noise_floor(const model::Model& model, const std::vector<Recording>& recordings,

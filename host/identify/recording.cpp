@@ -12,6 +12,7 @@ namespace {
 
 constexpr std::size_t kFewestRows = 20;
 constexpr double kSlopeHalfWidth_s = 0.006;
+constexpr double kLegMovesOverNoise = 10.0;
 
 /// Slope of the position by a local parabola over +-6 ms (at least two rows on either side): no delay. Where
 /// there is a contact flag, over the rows alone that have the same one: an impact has no slope.
@@ -76,6 +77,12 @@ double drive_noise(const std::vector<double>& time_s, std::span<const double> co
   const auto rows = static_cast<double>(time_s.size());
   return std::hypot(sample_noise(time_s, drive, {}), std::sqrt(1e-4 * squares / rows),
                     std::sqrt(steps / rows));
+}
+
+/// Neighbouring samples do not tell what links and joints give under load: some milliradians.
+double leg_angle_noise(const std::vector<double>& time_s, const std::vector<double>& angle) {
+  constexpr double kLegGives_rad = 2e-3;
+  return std::hypot(sample_noise(time_s, angle), kLegGives_rad);
 }
 
 /// The first closing of a switch that was open for a while: after it, it bounces.
@@ -245,6 +252,12 @@ Recording make_recording(const log::Log& log, dynamics::Kind kind) {
   if (kind == dynamics::Kind::hopper_linear) {
     if (log.has("contact")) r.touchdown_reports_s = first_closings(r.time_s, log.at("contact"));
     if (log.has("torque_nm") && log.at("torque_nm") != r.input) r.drive = log.at("torque_nm");
+    if (log.has("leg_angle_rad")) {
+      r.leg_angle = log.at("leg_angle_rad");
+      r.leg_angle_noise = leg_angle_noise(r.time_s, r.leg_angle);
+      const auto [low, high] = std::minmax_element(r.leg_angle.begin(), r.leg_angle.end());
+      if (*high - *low < kLegMovesOverNoise * r.leg_angle_noise) r.leg_angle.clear();
+    }
   }
   if (!r.drive_command.empty()) {
     r.drive = r.input;

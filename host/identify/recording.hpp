@@ -38,6 +38,9 @@ struct Recording {
   /// The commands that `drive` answers, where `input` is not the command but that answer (rotary_joint with
   /// torque_cmd_nm): then a delay, lag or limit of the drive shows in `drive` alone. And their integral.
   std::vector<double> drive_command, drive_impulse;
+  /// Hopper: the leg's angle on the motor's side, rad; empty where the log has none, or none that moves.
+  std::vector<double> leg_angle;
+  double leg_angle_noise = 0.0;  ///< with what links and joints give
   /// Hopper: when the contact switch first reported each touch-down, s (bounces left out).
   std::vector<double> touchdown_reports_s;
   /// Rail carriage: 1 in rows in which it touches its stop; empty where the log has no such column.

@@ -1,7 +1,9 @@
 // Runs a model free over a window of a recording, on the recorded input held from row to row.
 #pragma once
 
+#include <algorithm>
 #include <span>
+#include <vector>
 
 #include "furcula/dynamics/actuation.hpp"
 #include "furcula/dynamics/axis.hpp"
@@ -26,6 +28,27 @@ inline const auto& speed(const auto& plant) {
     return plant.velocity_mps();
   else
     return plant.velocity();
+}
+
+/// Of the leg, on the motor's side; 0 on an axis without one.
+template <class T>
+T leg_angle(const auto& plant) {
+  if constexpr (requires { plant.leg_angle_rad(); })
+    return plant.leg_angle_rad();
+  else
+    return T(0.0);
+}
+
+/// Between the rows in a straight line, held at the ends. Carries the derivative by `t`.
+template <class T>
+T interpolated(const std::vector<double>& time_s, const std::vector<double>& values, const T& t) {
+  const double at = dynamics::value_of(t);
+  if (!(at > time_s.front())) return T(values.front());
+  if (!(at < time_s.back())) return T(values.back());
+  const auto after =
+      static_cast<std::size_t>(std::upper_bound(time_s.begin(), time_s.end(), at) - time_s.begin());
+  const double slope = (values[after] - values[after - 1]) / (time_s[after] - time_s[after - 1]);
+  return values[after - 1] + slope * (t - time_s[after - 1]);
 }
 
 /// What a wrong scale of the position turns about: the touch-down height, or zero.
@@ -100,9 +123,9 @@ void with_plant(dynamics::Kind kind, const PlantSetup<T>& setup, const Use& use)
   }
 }
 
-/// Starts at the measured (position, velocity) and visits visit(row, position, velocity, drive) for each row
-/// of the window: what would be measured, and what the drive's current would show (of the last row: the
-/// command).
+/// Starts at the measured (position, velocity) and visits visit(row, position, velocity, drive, leg_angle)
+/// for each row of the window: what would be measured, what the drive's current would show (of the last row:
+/// the command), and a function that gives the leg's angle (0 where there is none).
 template <class T, class Visit>
 void simulate(const PlantSetup<T>& setup, const Recording& r, const Window& w, const T& position,
               const T& velocity, const Visit& visit) {
@@ -124,25 +147,41 @@ void simulate(const PlantSetup<T>& setup, const Recording& r, const Window& w, c
         std::size_t last = w.first;
         while (last > 0 && r.input[last] == 0.0) --last;
         plant.press_rotor(r.input[last]);
+        if constexpr (requires { plant.place_rotor(0.0); })
+          if (!r.leg_angle.empty()) plant.place_rotor(r.leg_angle[w.first]);
       }
     const bool ideal = actuation.ideal_drive();
     detail::warm_up(actuation, r, commands, w.first);
     detail::warm_up(drive, r, told, w.first);
     T x = position, v = velocity;
+    // A skew is the height's alone: the run is at the instants of the heights, so what the angle's own clock
+    // is ahead of them is taken from the measured angle.
+    const bool skewed = setup.effects.has(dynamics::Effect::time_skew) && !r.leg_angle.empty();
+    std::size_t row = w.first;
+    const auto leg_angle = [&] {
+      T angle = detail::leg_angle<T>(plant);
+      if (skewed)
+        angle += r.leg_angle[row] -
+                 detail::interpolated(r.time_s, r.leg_angle,
+                                      T(r.time_s[row] - setup.effects.value(dynamics::Effect::time_skew)));
+      return angle;
+    };
     for (std::size_t i = w.first; i < w.last; ++i) {
       const double interval_s = r.time_s[i + 1] - r.time_s[i];
       visit(i, x, v,
             answered ? drive.at_row(told, i, interval_s)
             : ideal  ? T(r.input[i])
-                     : actuation.at_row(commands, i, interval_s));
+                     : actuation.at_row(commands, i, interval_s),
+            leg_angle);
       if (answered) drive.drive(told, i, interval_s);
       const T input = ideal ? T(r.input[i]) : actuation.drive(commands, i, interval_s);
       plant.advance(actuation.motor(input, commands, i), interval_s);
       x = sensing.measured(detail::height(plant));
       if (slipped != nullptr) x += slipped[i + 1];
       v = detail::speed(plant) * sensing.gain(detail::height(plant));
+      row = i + 1;
     }
-    visit(w.last, x, v, T(r.input[w.last]));
+    visit(w.last, x, v, T(r.input[w.last]), leg_angle);
   });
 }
 

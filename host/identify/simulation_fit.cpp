@@ -21,6 +21,7 @@ struct Weights {
   double velocity = 0.0;  ///< 0: not used
   double contact = 0.0;   ///< 0: not used
   double drive = 0.0;     ///< 0: not used
+  double leg = 0.0;       ///< 0: not used
 };
 
 Weights weights_of(const Recording& r, const Window& w, Weighting weighting) {
@@ -28,6 +29,7 @@ Weights weights_of(const Recording& r, const Window& w, Weighting weighting) {
     Weights weights{1.0 / std::max(r.position_noise, 1e-12)};
     if (std::isfinite(w.report_lag_s)) weights.contact = 1.0 / w.report_spread_s;
     if (!r.drive.empty()) weights.drive = 1.0 / r.drive_noise;
+    if (!r.leg_angle.empty()) weights.leg = 1.0 / r.leg_angle_noise;
     return weights;
   }
   const auto spread = [&](const std::vector<double>& values) {
@@ -36,7 +38,7 @@ Weights weights_of(const Recording& r, const Window& w, Weighting weighting) {
     for (std::size_t i = w.first; i <= w.last; ++i) squares += (values[i] - mean) * (values[i] - mean);
     return std::max(std::sqrt(squares), 1e-12);
   };
-  return {1.0 / spread(r.position), 1.0 / spread(r.velocity_smoothed), 0.0, 0.0};
+  return {1.0 / spread(r.position), 1.0 / spread(r.velocity_smoothed)};
 }
 
 /// Residuals of one window against the unknowns (block 0, absent if there are none) and its start state.
@@ -45,7 +47,7 @@ class WindowCost final : public ceres::CostFunction {
   WindowCost(const model::Model& model, const std::vector<Unknown>& unknowns, const Recording& recording,
              const Window& window, Weights weights)
       : model_(model), unknowns_(unknowns), recording_(recording), window_(window), weights_(weights) {
-    set_num_residuals(static_cast<int>(motion_rows() + contact_rows() + drive_rows()));
+    set_num_residuals(static_cast<int>(motion_rows() + contact_rows() + drive_rows() + leg_rows()));
     if (!unknowns.empty()) mutable_parameter_block_sizes()->push_back(static_cast<int>(unknowns.size()));
     mutable_parameter_block_sizes()->push_back(kStartSize);
   }
@@ -54,6 +56,7 @@ class WindowCost final : public ceres::CostFunction {
   std::size_t motion_rows() const { return window_.rows() * (weights_.velocity > 0.0 ? 2 : 1); }
   std::size_t contact_rows() const { return weights_.contact > 0.0 ? 1 : 0; }
   std::size_t drive_rows() const { return weights_.drive > 0.0 ? window_.rows() - 1 : 0; }
+  std::size_t leg_rows() const { return weights_.leg > 0.0 ? window_.rows() : 0; }
 
   bool Evaluate(double const* const* blocks, double* residuals, double** jacobians) const override {
     if (jacobians == nullptr) return run<double>(blocks, residuals, nullptr);
@@ -96,14 +99,28 @@ class WindowCost final : public ceres::CostFunction {
       }
     };
     std::size_t motion = 0, drives = motion_rows() + contact_rows();
+    const std::size_t first_leg = drives + drive_rows();
+    std::size_t legs = first_leg;
     simulate(setup, recording_, window_, position, velocity,
-             [&](std::size_t row, const T& x, const T& v, const T& drive) {
+             [&](std::size_t row, const T& x, const T& v, const T& drive, const auto& leg_angle) {
                put(motion++, x, recording_.position[row], weights_.position);
                if (weights_.velocity > 0.0)
                  put(motion++, v, recording_.velocity_smoothed[row], weights_.velocity);
                if (weights_.drive > 0.0 && row < window_.last)
                  put(drives++, drive, recording_.drive[row], weights_.drive);
+               if (weights_.leg > 0.0) put(legs++, leg_angle(), recording_.leg_angle[row], weights_.leg);
              });
+    if (legs > first_leg) {
+      const auto about_mean = [&](double* of, std::size_t columns) {
+        using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+        Eigen::Map<RowMajor> part(of + first_leg * columns, static_cast<Eigen::Index>(legs - first_leg),
+                                  static_cast<Eigen::Index>(columns));
+        part.rowwise() -= part.colwise().mean().eval();
+      };
+      about_mean(residuals, 1);
+      if (of_unknowns != nullptr) about_mean(of_unknowns, count);
+      if (of_start != nullptr) about_mean(of_start, kStartSize);
+    }
     if (weights_.contact > 0.0)
       put(motion_rows(), report_lag(setup, recording_, window_, touchdown_height_m(model_)),
           window_.report_lag_s, weights_.contact);
@@ -172,7 +189,8 @@ WindowShare share_of(const WindowCost& cost, const std::vector<double>& values, 
     share.information.resize(0, 0);
   }
   share.squares = residual.squaredNorm();
-  const std::size_t sizes[kChannels] = {cost.motion_rows(), cost.contact_rows(), cost.drive_rows()};
+  const std::size_t sizes[kChannels] = {cost.motion_rows(), cost.contact_rows(), cost.drive_rows(),
+                                        cost.leg_rows()};
   Eigen::Index from = 0;
   for (std::size_t c = 0; c < kChannels; ++c) {
     const auto part = residual.segment(from, static_cast<Eigen::Index>(sizes[c]));

@@ -16,10 +16,11 @@ enum class Weighting {
           ///< eq. 4.4)
 };
 
-/// What residuals are of: the body's motion, when the contact switch reports, what the drive reports. With
+/// What residuals are of: the body's motion, when the contact switch reports, what the drive reports, the
+/// angle of the leg about its mean over the window (where its encoder's zero is, no model says). With
 /// Weighting::nmse of the motion alone.
-enum class Channel { motion, contact, drive };
-inline constexpr std::size_t kChannels = 3;
+enum class Channel { motion, contact, drive, leg };
+inline constexpr std::size_t kChannels = 4;
 
 /// Residuals of one channel.
 struct ChannelShare {

@@ -219,6 +219,60 @@ std::vector<Window> prediction_windows(const std::vector<Recording>& recordings,
   return all;
 }
 
+namespace {
+
+/// How far the leg turned, going by the height, while its encoder stood at one reading; 0 for fewer rows
+/// than 20.
+double turned_at(double reading, const std::vector<double>& angle, const std::vector<double>& by_height) {
+  constexpr int kFewest = 20;
+  int rows = 0;
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  for (std::size_t i = 0; i < angle.size(); ++i) {
+    if (angle[i] != reading) continue;
+    ++rows;
+    low = std::min(low, by_height[i]);
+    high = std::max(high, by_height[i]);
+  }
+  return rows < kFewest ? 0.0 : high - low;
+}
+
+bool plausible_leg_angle(const Recording& r, const model::Model& model) {
+  constexpr double kFewest = 20.0;
+  constexpr double kLeastSlope = 0.3, kMostSlope = 3.0;  // a backlash as wide as half the travel stays within
+  constexpr double kFolded_rad = 0.03;                   // at the highest reading
+  constexpr double kStraight_rad = 0.1;  // at the lowest, where a height that is measured wrongly shows, too
+  const double length = 2.0 * model.parameter("link_length_m"), stop = model.parameter("touchdown_angle_rad");
+  const double top = touchdown_height_m(model);
+  std::vector<double> by_height(r.rows(), stop);
+  double rows = 0.0, height_sum = 0.0, angle_sum = 0.0;
+  for (std::size_t i = 0; i < r.rows(); ++i) {
+    if (r.position[i] >= top) continue;
+    by_height[i] = std::acos(std::clamp(r.position[i] / length, -1.0, 1.0));
+    rows += 1.0;
+    height_sum += by_height[i];
+    angle_sum += r.leg_angle[i];
+  }
+  if (rows < kFewest) return false;
+  double square = 0.0, product = 0.0;
+  for (std::size_t i = 0; i < r.rows(); ++i) {
+    if (r.position[i] >= top) continue;
+    const double from_mean = by_height[i] - height_sum / rows;
+    square += from_mean * from_mean;
+    product += from_mean * (r.leg_angle[i] - angle_sum / rows);
+  }
+  const auto [low, high] = std::minmax_element(r.leg_angle.begin(), r.leg_angle.end());
+  return product > kLeastSlope * square && product < kMostSlope * square &&
+         turned_at(*high, r.leg_angle, by_height) < kFolded_rad &&
+         turned_at(*low, r.leg_angle, by_height) < kStraight_rad;
+}
+
+}  // namespace
+
+void keep_plausible_leg_angles(std::vector<Recording>& recordings, const model::Model& model) {
+  for (Recording& r : recordings)
+    if (!r.leg_angle.empty() && !plausible_leg_angle(r, model)) r.leg_angle.clear();
+}
+
 TrainingWindows training_windows(const std::vector<Recording>& recordings, const model::Model& model,
                                  double interval_s) {
   constexpr std::size_t kEnough = 24;
@@ -283,7 +337,7 @@ StartState start_state(const Recording& r, const Window& w, const model::Model& 
   start.last = start_rows_end(r, w);
   std::vector<double> time_s, left;
   simulate(PlantSetup<double>(reference, {}, nullptr), r, start, first.position, first.velocity,
-           [&](std::size_t row, double position, double, double) {
+           [&](std::size_t row, double position, double, double, const auto&) {
              time_s.push_back(r.time_s[row]);
              left.push_back(r.position[row] - position);
            });

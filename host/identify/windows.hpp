@@ -64,6 +64,11 @@ struct TrainingWindows {
 TrainingWindows training_windows(const std::vector<Recording>& recordings, const model::Model& model,
                                  double interval_s);
 
+/// Takes the leg angle out of recordings in which it does not follow the height in stance as z = 2 L
+/// cos(theta) says: another unit or sign, an encoder that stands still, one at the end of its range. What a
+/// backlash does to it stays, and a zero that is off.
+void keep_plausible_leg_angles(std::vector<Recording>& recordings, const model::Model& model);
+
 /// 2 L cos(touch-down angle), m.
 double touchdown_height_m(const model::Model& model);
 

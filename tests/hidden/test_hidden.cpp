@@ -139,6 +139,30 @@ TEST_CASE("What its sensors do is found in a hopper and not called mechanical") 
     expect_named(Kind::hopper_linear, effect, Size::medium, 2);
 }
 
+TEST_CASE("A backlash that hardly moves the body is found in the leg's angle, with its size") {
+  for (const Size size : {Size::medium, Size::small}) {
+    const Case c = draw_case({.seed = size == Size::medium ? 109u : 400u,
+                              .laws = {"backlash"},
+                              .size = size,
+                              .nominal = Nominal::wrong,
+                              .more_columns = true});
+    REQUIRE(c.training.front().has("leg_angle_rad"));
+    const diagnose::Diagnosis d = diagnosed(c, kThreads);
+    const Judgement j = judge(c, d);
+    INFO(c.description());
+    INFO(j.said);
+    REQUIRE(std::string(name(j.outcome)) == std::string(name(Outcome::named)));
+    CHECK(listed(j.extra) == "");
+    const diagnose::Finding& found = d.findings.front();
+    CHECK(found.channel == "leg_angle");
+    CHECK(found.confidence > 0.9);
+    CHECK(found.explainable_nmse_removed > 0.9);
+    CHECK(found.parameters.at("gap_rad").value ==
+          Approx(find(c.truth.planted, "backlash")->front()).epsilon(0.02));
+    CHECK(d.extended.at("leg_angle").nmse < 0.1 * d.refitted.at("leg_angle").nmse);
+  }
+}
+
 TEST_CASE("Nothing is found in a hopper that hides nothing") { expect_adequate(Kind::hopper_linear); }
 
 TEST_CASE("Coulomb friction hidden in a motor axis is found") {

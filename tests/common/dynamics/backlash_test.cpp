@@ -184,6 +184,20 @@ TEST_CASE("A hopper with backlash follows rotor and leg in fine steps, on the mo
   CHECK(most_angle < 5e-4);
 }
 
+TEST_CASE("A rotor is put where the leg's encoder sees it, and at the ends where that is beyond them") {
+  const auto p = example_hopper();
+  Hopper<double> hopper(p, gap_of(0.05));
+  for (const auto& [seen, at] : {std::pair{0.01, 0.01}, {-0.015, -0.015}, {0.024, 0.025}, {-0.3, -0.025}}) {
+    hopper.reset(0.34, 0.0);
+    hopper.place_rotor(p.touchdown_angle_rad + seen);
+    // In flight nothing moves it.
+    for (int n = 0; n < 20; ++n) {
+      CHECK(hopper.leg_angle_rad() == Approx(p.touchdown_angle_rad + at));
+      hopper.advance(0.0, 1e-3);
+    }
+  }
+}
+
 TEST_CASE("A joint with backlash has the derivatives of finite differences, and is none without a gap") {
   using Jet = ceres::Jet<double, 2>;
   const auto run = [](auto gap, auto inertia, bool motor) {

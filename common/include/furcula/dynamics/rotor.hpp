@@ -1,6 +1,7 @@
 // The motor's rotor in the backlash between motor and leg (docs/contracts.md, `backlash`).
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 
 #include "furcula/dynamics/effects/effects.hpp"
@@ -34,6 +35,15 @@ class Rotor {
     end_ = torque < V(0) ? -1 : 1;
     angle_ = end_ < 0 ? T(-half_gap_) : half_gap_;
     speed_ = T(V(0));
+  }
+
+  /// Puts it to rest at this angle against the leg, on an end where that is near to or beyond it.
+  void place(V angle) {
+    constexpr V kNear = V(0.8);  // of the way from the middle
+    press(angle);
+    if (std::abs(angle) >= kNear * value_of(half_gap_)) return;
+    end_ = 0;
+    angle_ = T(angle);
   }
 
   /// Lets it leave its end if that torque takes it away from a leg that turns with this acceleration. Returns
