@@ -147,8 +147,13 @@ void simulate(const PlantSetup<T>& setup, const Recording& r, const Window& w, c
         std::size_t last = w.first;
         while (last > 0 && r.input[last] == 0.0) --last;
         plant.press_rotor(r.input[last]);
-        if constexpr (requires { plant.place_rotor(0.0); })
-          if (!r.leg_angle.empty()) plant.place_rotor(r.leg_angle[w.first]);
+        if constexpr (requires { plant.place_rotor(0.0, 0.0); })
+          if (!r.leg_angle.empty()) {
+            constexpr std::size_t kRows = 10;
+            const auto seen = local_polynomial(r.time_s, r.leg_angle, w.first,
+                                               std::min(w.last, w.first + kRows), r.time_s[w.first], 1);
+            plant.place_rotor(seen.value, seen.slope);
+          }
       }
     const bool ideal = actuation.ideal_drive();
     detail::warm_up(actuation, r, commands, w.first);

@@ -189,13 +189,20 @@ TEST_CASE("A rotor is put where the leg's encoder sees it, and at the ends where
   Hopper<double> hopper(p, gap_of(0.05));
   for (const auto& [seen, at] : {std::pair{0.01, 0.01}, {-0.015, -0.015}, {0.024, 0.025}, {-0.3, -0.025}}) {
     hopper.reset(0.34, 0.0);
-    hopper.place_rotor(p.touchdown_angle_rad + seen);
+    hopper.place_rotor(p.touchdown_angle_rad + seen, 0.0);
     // In flight nothing moves it.
     for (int n = 0; n < 20; ++n) {
       CHECK(hopper.leg_angle_rad() == Approx(p.touchdown_angle_rad + at));
       hopper.advance(0.0, 1e-3);
     }
   }
+  // 20 ms at 0.5 rad/s, and on until it is at the end, where it stops.
+  hopper.reset(0.34, 0.0);
+  hopper.place_rotor(p.touchdown_angle_rad - 0.01, 0.5);
+  for (int n = 0; n < 20; ++n) hopper.advance(0.0, 1e-3);
+  CHECK(hopper.leg_angle_rad() == Approx(p.touchdown_angle_rad));
+  for (int n = 0; n < 55; ++n) hopper.advance(0.0, 1e-3);
+  CHECK(hopper.leg_angle_rad() == Approx(p.touchdown_angle_rad + 0.025));
 }
 
 TEST_CASE("A joint with backlash has the derivatives of finite differences, and is none without a gap") {

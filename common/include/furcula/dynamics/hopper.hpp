@@ -100,8 +100,11 @@ class Hopper {
   /// not zero (its sign counts). After reset(), which puts it to the end of positive torque.
   void press_rotor(V torque) { rotor_.press(torque); }
 
-  /// The same by what an encoder on the motor's side says of the leg's angle, rad, at rest against the leg.
-  void place_rotor(V leg_angle_rad) { rotor_.place(leg_angle_rad - value_of(leg_angle(T(z_ - toe_)))); }
+  /// The same in flight, by what an encoder on the motor's side says of the leg's angle, rad, and its rate,
+  /// rad/s.
+  void place_rotor(V leg_angle_rad, V rate_radps) {
+    rotor_.place(leg_angle_rad - value_of(leg_angle(T(z_ - toe_))), rate_radps);
+  }
 
   /// Moves on by `dt_s` >= 0 with the motor's torque held (what the drive makes of its command:
   /// actuation.hpp). Steps longer than kLongestStep are divided.

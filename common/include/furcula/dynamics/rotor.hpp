@@ -37,13 +37,15 @@ class Rotor {
     speed_ = T(V(0));
   }
 
-  /// Puts it to rest at this angle against the leg, on an end where that is near to or beyond it.
-  void place(V angle) {
+  /// Puts it at this angle against a leg that stands still, moving with this speed; to rest on an end where
+  /// that is near or passed.
+  void place(V angle, V speed) {
     constexpr V kNear = V(0.8);  // of the way from the middle
     press(angle);
     if (std::abs(angle) >= kNear * value_of(half_gap_)) return;
     end_ = 0;
     angle_ = T(angle);
+    speed_ = T(speed);
   }
 
   /// Lets it leave its end if that torque takes it away from a leg that turns with this acceleration. Returns
