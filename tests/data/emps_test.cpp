@@ -53,7 +53,7 @@ FrictionAndOffset only_friction_and_offset(const diagnose::Diagnosis& d) {
 
 }  // namespace
 
-TEST_CASE("EMPS lacks Coulomb friction and an offset, and nothing else") {
+TEST_CASE("EMPS lacks Coulomb friction and an offset, and nothing else", "[long]") {
   const std::string folder = test::data_folder();
   if (folder.empty()) return;
   const auto d = diagnose::diagnose(mass_and_viscous_friction(), {test::emps(folder, "DATA_EMPS")},
@@ -69,7 +69,7 @@ TEST_CASE("EMPS lacks Coulomb friction and an offset, and nothing else") {
   CHECK(after == Approx(0.79e-3).epsilon(0.15));
 }
 
-TEST_CASE("EMPS the other way round names the same two causes") {
+TEST_CASE("EMPS the other way round names the same two causes", "[long]") {
   const std::string folder = test::data_folder();
   if (folder.empty()) return;
   const auto d = diagnose::diagnose(mass_and_viscous_friction(), {test::emps(folder, "DATA_EMPS_PULSES")},

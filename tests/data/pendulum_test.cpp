@@ -21,7 +21,8 @@ model::Model joint() {
 
 }  // namespace
 
-TEST_CASE("The pendulum lacks Coulomb friction first, and with it predicts another recording better") {
+TEST_CASE("The pendulum lacks Coulomb friction first, and with it predicts another recording better",
+          "[long]") {
   const std::string folder = test::data_folder();
   if (folder.empty()) return;
   const auto d = diagnose::diagnose(joint(), {test::pendulum(folder, "direct_collocation")},
@@ -37,7 +38,8 @@ TEST_CASE("The pendulum lacks Coulomb friction first, and with it predicts anoth
   CHECK(after < 0.039);
 }
 
-TEST_CASE("The pendulum the other way round is dry friction too, and nothing but friction and an offset") {
+TEST_CASE("The pendulum the other way round is dry friction too, and nothing but friction and an offset",
+          "[long]") {
   const std::string folder = test::data_folder();
   if (folder.empty()) return;
   const auto d = diagnose::diagnose(joint(), {test::pendulum(folder, "ddp")},

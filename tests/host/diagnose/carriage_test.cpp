@@ -70,7 +70,8 @@ TEST_CASE("Throws upwards name dry friction, with its size in the interval") {
   CHECK(force.upper > 1.2);
 }
 
-TEST_CASE("A constant force, a tilt and a wrong scale are one law in free flight, named by the first") {
+TEST_CASE("A constant force, a tilt and a wrong scale are one law in free flight, named by the first",
+          "[long]") {
   for (const double force : {1.2, -1.2}) {
     const auto d = diagnosed({.force = force}, true);
     INFO(text(d));

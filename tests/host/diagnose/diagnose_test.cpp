@@ -87,7 +87,7 @@ TEST_CASE("Dry friction of a closed form is named, with its size in the interval
   CHECK(d.findings[0].explainable_nmse_removed > 0.9);
 }
 
-TEST_CASE("Friction with an offset is one law under two names, and the diagnosis says so") {
+TEST_CASE("Friction with an offset is one law under two names, and the diagnosis says so", "[long]") {
   const auto d = diagnose::diagnose(test::axis_model(80.0, 150.0), coastings(20.0, 4.0, 1, 4),
                                     coastings(20.0, 4.0, 50, 1));
   INFO(text(d));
@@ -100,7 +100,7 @@ TEST_CASE("Friction with an offset is one law under two names, and the diagnosis
   CHECK(rival.parameters.at("force_offset.force_n").value == Approx(4.0).epsilon(0.02));
 }
 
-TEST_CASE("An axis without a hidden cause is adequate, though its parameters are off") {
+TEST_CASE("An axis without a hidden cause is adequate, though its parameters are off", "[long]") {
   const auto d = diagnose::diagnose(test::axis_model(80.0, 150.0), coastings(0.0, 0.0, 1, 4),
                                     coastings(0.0, 0.0, 50, 1));
   INFO(text(d));
@@ -108,7 +108,7 @@ TEST_CASE("An axis without a hidden cause is adequate, though its parameters are
   CHECK(d.findings.empty());
 }
 
-TEST_CASE("Diagnosing with the extended model finds nothing more") {
+TEST_CASE("Diagnosing with the extended model finds nothing more", "[long]") {
   const auto training = coastings(20.0, 4.0, 1, 4), held_out = coastings(20.0, 4.0, 50, 1);
   const auto first = diagnose::diagnose(test::axis_model(80.0, 150.0), training, held_out);
   // As it is written and read.
@@ -119,7 +119,7 @@ TEST_CASE("Diagnosing with the extended model finds nothing more") {
   CHECK(second.verdict == Verdict::adequate);
 }
 
-TEST_CASE("No fit and no choice sees the held-out recordings") {
+TEST_CASE("No fit and no choice sees the held-out recordings", "[long]") {
   const auto training = coastings(20.0, 0.0, 1, 3);
   const auto a = diagnose::diagnose(test::axis_model(80.0, 150.0), training, coastings(20.0, 0.0, 50, 1));
   // Held out: another machine altogether.
@@ -136,7 +136,7 @@ TEST_CASE("No fit and no choice sees the held-out recordings") {
   CHECK(b.findings[0].explainable_nmse_removed < a.findings[0].explainable_nmse_removed);
 }
 
-TEST_CASE("One thread and two give the same bytes") {
+TEST_CASE("One thread and two give the same bytes", "[long]") {
   diagnose::Options one, two;
   one.threads = 1;
   two.threads = 2;
@@ -161,14 +161,14 @@ TEST_CASE("Recordings without a stride, or shorter than a window, are refused wi
                     Catch::Contains("--window-s"));
 }
 
-TEST_CASE("A machine that differs from the one recorded in training is not called adequate") {
+TEST_CASE("A machine that differs from the one recorded in training is not called adequate", "[long]") {
   const auto d = diagnose::diagnose(test::axis_model(80.0, 150.0), coastings(0.0, 0.0, 1, 4),
                                     coastings(10.0, 0.0, 50, 1));
   INFO(text(d));
   CHECK(d.verdict == Verdict::unexplained);
 }
 
-TEST_CASE("An effect that is on with a wrong size is named with the true one") {
+TEST_CASE("An effect that is on with a wrong size is named with the true one", "[long]") {
   auto model = test::axis_model(80.0, 150.0);
   model.effects[dynamics::Effect::coulomb_friction] = {5.0};
   const auto d = diagnose::diagnose(model, coastings(20.0, 0.0, 1, 4), coastings(20.0, 0.0, 50, 1));
