@@ -20,7 +20,8 @@ std::string content(const std::string& path) {
 
 }  // namespace
 
-TEST_CASE("the demo tells verdict, truth and report, and any number of threads gives the same diagnosis") {
+TEST_CASE("the demo tells verdict, truth and report, and any number of threads gives the same diagnosis",
+          "[long]") {
   test::TemporaryFolder folder;
   const std::string one = folder.path() + "/one run", two = folder.path() + "/two";
   const test::Ran ran = test::run_furcula({"demo", "--seed", "1", "--threads", "1", "--out", one}, 300);

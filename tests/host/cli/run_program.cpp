@@ -49,6 +49,9 @@ Ran run_program(const std::string& program, const std::vector<std::string>& argu
   ::close(err[1]);
 
   Ran ran{0, {}, {}};
+#ifdef __SANITIZE_ADDRESS__
+  limit_s *= 10;
+#endif
   const auto limit = Clock::now() + std::chrono::seconds(limit_s);
   std::array<pollfd, 2> fds{{{out[0], POLLIN, 0}, {err[0], POLLIN, 0}}};
   bool late = false;
