@@ -66,7 +66,7 @@ std::vector<Sine> sines_of(const sim::Scenario& s) {
 
 }  // namespace
 
-TEST_CASE("Falls cannot tell dry friction from a constant force; a flight pushed up can") {
+TEST_CASE("Falls cannot tell dry friction from a constant force, and a flight pushed up can") {
   const double friction_n = 0.7;
   Truth truth;
   truth.kind = Kind::rail_carriage;
@@ -96,7 +96,7 @@ TEST_CASE("Falls cannot tell dry friction from a constant force; a flight pushed
   });
 }
 
-TEST_CASE("Coasting cannot tell a wrong mass from a wrong damping; a driven axis can") {
+TEST_CASE("Coasting cannot tell a wrong mass from a wrong damping, and a driven axis can") {
   const double damping_nspm = 120.0;
   Truth truth;
   truth.kind = Kind::motor_axis;
@@ -128,7 +128,8 @@ TEST_CASE("Coasting cannot tell a wrong mass from a wrong damping; a driven axis
   expect_settled(model, logs, "damping_error", "mass_error", damping_nspm, record);
 }
 
-TEST_CASE("Drops without torque cannot tell a wrong mass from a wrong spring rate; hopping with torque can") {
+TEST_CASE(
+    "Drops without torque cannot tell a wrong mass from a wrong spring rate, and hopping with torque can") {
   const double stiffness_npm = 560.0;
   model::Model model;
   model.kind = Kind::hopper_linear;
