@@ -29,12 +29,6 @@ std::uint64_t seed_from_clock() {
           .count());
 }
 
-std::string rounded(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.4g", value);
-  return text;
-}
-
 /// "coulomb_friction (force_n 1.583)".
 std::string truth_in_words(const sim::Mystery& mystery) {
   const dynamics::EffectInfo& effect = dynamics::info(mystery.cause);
@@ -42,7 +36,7 @@ std::string truth_in_words(const sim::Mystery& mystery) {
   for (std::size_t i = 0; i < effect.parameter_count; ++i)
     values += (i == 0 ? "" : ", ") +
               std::string(dynamics::name_on(effect.parameter_table[i], mystery.model.kind)) + " " +
-              rounded(mystery.truth.effects.at(mystery.cause)[i]);
+              log::rounded(mystery.truth.effects.at(mystery.cause)[i]);
   return std::string(effect.name) + " (" + values + ")";
 }
 

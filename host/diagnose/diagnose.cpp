@@ -398,22 +398,24 @@ class Assembly {
     const bool little = after - floor < kSmallRemainder * (before - floor);
     d_.residual_white = noise_alone;
     d_.unexplained_fraction = before > 0.0 ? std::clamp((after - floor) / before, 0.0, 1.0) : 0.0;
-    if (!d_.beyond_bounds.empty())
-      d_.verdict = Verdict::not_identifiable;
-    else if (d_.findings.empty())
-      d_.verdict = noise_alone ? Verdict::adequate
-                   : training_windows_.windows.size() / training_windows_.layers < kFewestWindows
-                       ? Verdict::not_identifiable
-                       : Verdict::unexplained;
-    else if (other_channels_alone())
-      d_.verdict = !other_channel_helps_ ? Verdict::not_identifiable
-                   : noise_alone         ? Verdict::explained
-                                         : Verdict::partly_explained;
-    else if (undecided_ ||
-             after >= before)  // what helps on the training recordings, the held-out ones refute
-      d_.verdict = Verdict::not_identifiable;
-    else
-      d_.verdict = noise_alone || little ? Verdict::explained : Verdict::partly_explained;
+    d_.verdict = decide(noise_alone, after < before, little);
+  }
+
+  Verdict decide(bool noise_alone, bool better_held_out, bool little_remains) const {
+    if (!d_.beyond_bounds.empty()) return Verdict::not_identifiable;
+    if (d_.findings.empty()) {
+      if (noise_alone) return Verdict::adequate;
+      return training_windows_.windows.size() / training_windows_.layers < kFewestWindows
+                 ? Verdict::not_identifiable
+                 : Verdict::unexplained;
+    }
+    if (other_channels_alone()) {
+      if (!other_channel_helps_) return Verdict::not_identifiable;
+      return noise_alone ? Verdict::explained : Verdict::partly_explained;
+    }
+    // What helps on the training recordings, the held-out ones may refute.
+    if (undecided_ || !better_held_out) return Verdict::not_identifiable;
+    return noise_alone || little_remains ? Verdict::explained : Verdict::partly_explained;
   }
 
   /// Which experiment would tell the rivals apart.

@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
+
+#include "host/log/message.hpp"
 
 namespace furcula::diagnose {
 namespace {
@@ -13,6 +14,8 @@ std::string joined(const Names& all, const char* between) {
   for (const auto& name : all) text += (text.empty() ? "" : between) + std::string(name);
   return text;
 }
+
+std::string times(int count) { return count == 1 ? "once" : std::to_string(count) + " times"; }
 
 /// The finding that another law could take the place of; none: nullptr.
 const Finding* undecided(const Diagnosis& d) {
@@ -43,10 +46,10 @@ std::string before_and_after(const Diagnosis& d, const Errors& before, const Err
 
 /// What stands beside the noise floor after the extension.
 std::string remainder(const Diagnosis& d) {
-  const std::string channel = told(d).channel;
+  const auto [channel, unit] = told(d);
   const auto after = d.extended.find(channel), floor = d.noise_floor.find(channel);
   if (after == d.extended.end() || floor == d.noise_floor.end() || !(floor->second.rmse > 0.0)) return "";
-  return "; the noise floor is " + readable(floor->second.rmse, d.main_unit);
+  return "; the noise floor is " + readable(floor->second.rmse, unit);
 }
 
 std::string beyond_bounds(const Diagnosis& d) {
@@ -59,11 +62,7 @@ std::string beyond_bounds(const Diagnosis& d) {
 
 }  // namespace
 
-std::string number(double value, int digits) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.*g", digits, value);
-  return text;
-}
+std::string number(double value, int digits) { return log::rounded(value, digits); }
 
 std::string with_interval(const Estimate& e, const std::string& unit) {
   return number(e.value) + (unit.empty() ? "" : " " + unit) + " (" + number(e.lower) + " to " +
@@ -149,17 +148,12 @@ std::string experiment_that_tells(const Diagnosis& d, const std::vector<std::str
            " recordings: measure one of them directly, on a scale or with a spring balance.";
   const Experiment& best = d.experiments.front();
   std::string text =
-      "Record " + best.what + ", " +
-      (best.recordings == 1 ? "once" : std::to_string(best.recordings) + " times") +
+      "Record " + best.what + ", " + times(best.recordings) +
       ", and diagnose it together with these recordings. By simulation it tells " + all +
       " apart best: each fitted to all recordings, the two nearest predictions still differ by " +
       readable(best.apart, d.main_unit) + " (RMS).";
-  for (std::size_t i = 1; i < d.experiments.size() && i < 2; ++i)
-    if (d.experiments[i].recordings <= kMostRecordings)
-      text += " Next best: " + d.experiments[i].what + ", " +
-              (d.experiments[i].recordings == 1 ? "once"
-                                                : std::to_string(d.experiments[i].recordings) + " times") +
-              ".";
+  if (d.experiments.size() > 1 && d.experiments[1].recordings <= kMostRecordings)
+    text += " Next best: " + d.experiments[1].what + ", " + times(d.experiments[1].recordings) + ".";
   return text;
 }
 
@@ -167,8 +161,7 @@ std::string next_experiment(const Diagnosis& d) {
   switch (d.verdict) {
     case Verdict::adequate:
       return "None is needed. To test the model further, record motion that the recordings do not hold yet: "
-             "slower, faster, "
-             "longer.";
+             "slower, faster, longer.";
     case Verdict::unexplained:
     case Verdict::partly_explained:
       if (!d.goes_along_with.empty())

@@ -2,19 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <string>
 
 #include "host/log/error.hpp"
+#include "host/log/message.hpp"
 
 namespace furcula::identify {
 namespace {
 
-std::string number(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.4g", value);
-  return text;
-}
+using log::rounded;
 
 /// Smallest difference between neighbouring positions that is not zero: a count, or noise.
 double smallest_step(const Recording& r) {
@@ -66,7 +62,8 @@ void require_range(const Recording& r) {
     if (stays_s > 0.0)
       throw log::DataError(
           r.name + ": the " + names.position + " stands at its " + (sign > 0.0 ? "largest" : "smallest") +
-          " value, " + number(extreme) + " " + names.position_unit + ", for up to " + number(1e3 * stays_s) +
+          " value, " + rounded(extreme) + " " + names.position_unit + ", for up to " +
+          rounded(1e3 * stays_s) +
           " ms while the body passes: the encoder is saturated; expected a range that holds the "
           "motion");
   }
@@ -100,7 +97,7 @@ void require_one_unit(const std::vector<const Recording*>& recordings) {
       const Motion &fast = motions[i], &slow = motions[k];
       if (!fast.moves || !slow.moves || fast.speed < kClash * slow.speed) continue;
       if (fast.input > kSameInput * slow.input) continue;
-      throw log::DataError(recordings[i]->name + ": moves " + number(fast.speed / slow.speed) +
+      throw log::DataError(recordings[i]->name + ": moves " + rounded(fast.speed / slow.speed) +
                            " times as fast as " + recordings[k]->name +
                            " under about the same input; expected both in the same unit (" +
                            channel_names(recordings[i]->kind).position_unit + ", s)");

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <span>
 
+#include "host/identify/median.hpp"
 #include "host/log/error.hpp"
 
 namespace furcula::identify {
@@ -96,12 +97,6 @@ std::vector<double> first_closings(const std::vector<double>& time_s, const std:
     if (contact[i] != 0.0) open_since = time_s[i];
   }
   return found;
-}
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 /// Steps between two neighbouring rows that stand far out of those of the rows around, and stay: neither an

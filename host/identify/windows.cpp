@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/identify/median.hpp"
 #include "host/identify/simulate.hpp"
 
 namespace furcula::identify {
@@ -183,11 +184,6 @@ void attach_reports(std::vector<Window>& windows, const std::vector<Recording>& 
     if (std::abs(best) < kFurthest_s) lags.push_back(w.report_lag_s = best);
   }
   if (lags.empty()) return;
-  const auto median = [](std::vector<double> v) {
-    const auto middle = v.begin() + static_cast<std::ptrdiff_t>(v.size() / 2);
-    std::nth_element(v.begin(), middle, v.end());
-    return *middle;
-  };
   const double centre = median(lags);
   for (double& lag : lags) lag = std::abs(lag - centre);
   const double spread = std::max(1.4826 * median(lags), interval_s / std::sqrt(12.0));
@@ -198,7 +194,9 @@ void attach_reports(std::vector<Window>& windows, const std::vector<Recording>& 
 bool moves_on_the_ground(const Recording& r, const model::Model& model) {
   constexpr double kSmallestMotion_m = 3e-3;
   const auto [low, high] = std::minmax_element(r.position.begin(), r.position.end());
-  return *high<touchdown_height_m(model) + kSmallestHop_m&& * high - *low> kSmallestMotion_m;
+  const bool hops = *high > touchdown_height_m(model) + kSmallestHop_m;
+  const double moved_m = *high - *low;
+  return !hops && moved_m > kSmallestMotion_m;
 }
 
 }  // namespace

@@ -50,8 +50,7 @@ std::vector<Window> intervals(const Recording& r, std::size_t index, double leng
 std::vector<Window> free_flights(const Recording& r, std::size_t index);
 
 /// The windows that predictions are judged on: strides on the hopper (intervals of a recording that never
-/// leaves the ground), flights on the rail carriage, intervals
-/// elsewhere.
+/// leaves the ground), flights on the rail carriage, intervals elsewhere.
 std::vector<Window> prediction_windows(const std::vector<Recording>& recordings, const model::Model& model,
                                        double interval_s);
 

@@ -14,6 +14,9 @@ std::string quoted(std::string_view value);
 /// Shortest decimal form that reads back as the same double.
 std::string shortest(double value);
 
+/// At most so many significant digits.
+std::string rounded(double value, int digits = 4);
+
 /// ` (did you mean 'x'?)` for the nearest of the names by edit distance, or that it is a part of, or that is
 /// a part of it; nothing if none is near.
 std::string did_you_mean(std::string_view name, std::span<const std::string_view> names);

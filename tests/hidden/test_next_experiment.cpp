@@ -29,9 +29,12 @@ bool has_rival(const diagnose::Finding& f, const std::string& name) {
   return false;
 }
 
-/// `logs` leave the planted effect undecided against `rival`; what is proposed then decides.
-void expect_settled(const model::Model& model, std::vector<log::Log> logs, const std::string& planted,
-                    const std::string& rival, double size, const Record& record) {
+/// Recordings of the scenarios leave the planted effect undecided against `rival`; what is proposed then
+/// decides.
+void expect_settled(const model::Model& model, const std::vector<sim::Scenario>& scenarios,
+                    const std::string& planted, const std::string& rival, double size, const Record& record) {
+  std::vector<log::Log> logs;
+  for (const sim::Scenario& s : scenarios) logs.push_back(record(s));
   const diagnose::Diagnosis before = diagnosis_of(model, logs, 4);
   INFO(before.summary);
   INFO(before.next_experiment);
@@ -59,6 +62,18 @@ void expect_settled(const model::Model& model, std::vector<log::Log> logs, const
   CHECK(estimate.value == Approx(size).epsilon(0.03));
 }
 
+/// One without torque for each start.
+std::vector<sim::Scenario> released(double sim::Scenario::*start, const std::vector<double>& starts,
+                                    double duration_s) {
+  std::vector<sim::Scenario> all(starts.size());
+  for (std::size_t i = 0; i < starts.size(); ++i) {
+    all[i].profile = control::ProfileShape::zero;
+    all[i].duration_s = duration_s;
+    all[i].*start = starts[i];
+  }
+  return all;
+}
+
 std::vector<Sine> sines_of(const sim::Scenario& s) {
   if (s.profile != control::ProfileShape::harmonic) return {};
   return {{s.amplitude, 1.0 / s.period_s, 0.0}};
@@ -80,20 +95,17 @@ TEST_CASE("Falls cannot tell dry friction from a constant force, and a flight pu
   AxisSensors sensors;
   sensors.quantum = 9e-5;
   sensors.noise = 3e-5;
-  std::vector<log::Log> logs;
-  for (double height : {0.3, 0.35, 0.4, 0.45, 0.5, 0.55, 0.6, 0.65}) {
-    CarriageExperiment fall;
-    fall.fall_m = height;
-    logs.push_back(record_carriage(truth, fall, sensors, random).log);
-  }
-  expect_settled(model, logs, "coulomb_friction", "force_offset", friction_n, [&](const sim::Scenario& s) {
+  const auto record = [&](const sim::Scenario& s) {
     CarriageExperiment e;
     if (s.start_velocity > 0.0)
       e.speeds_mps = {s.start_velocity};
     else
       e.fall_m = s.start_position;
     return record_carriage(truth, e, sensors, random).log;
-  });
+  };
+  const auto falls =
+      released(&sim::Scenario::start_position, {0.3, 0.35, 0.4, 0.45, 0.5, 0.55, 0.6, 0.65}, 2.0);
+  expect_settled(model, falls, "coulomb_friction", "force_offset", friction_n, record);
 }
 
 TEST_CASE("Coasting cannot tell a wrong mass from a wrong damping, and a driven axis can") {
@@ -117,15 +129,9 @@ TEST_CASE("Coasting cannot tell a wrong mass from a wrong damping, and a driven 
     e.duration_s = s.duration_s;
     return record_axis(truth, model.parameters, e, sensors, random).log;
   };
-  std::vector<log::Log> logs;
-  for (double speed : {0.3, -0.3, 0.2, -0.2, 0.4, -0.4, 0.25, -0.25}) {
-    sim::Scenario coast;
-    coast.profile = control::ProfileShape::zero;
-    coast.start_velocity = speed;
-    coast.duration_s = 2.0;
-    logs.push_back(record(coast));
-  }
-  expect_settled(model, logs, "damping_error", "mass_error", damping_nspm, record);
+  const auto coasts =
+      released(&sim::Scenario::start_velocity, {0.3, -0.3, 0.2, -0.2, 0.4, -0.4, 0.25, -0.25}, 2.0);
+  expect_settled(model, coasts, "damping_error", "mass_error", damping_nspm, record);
 }
 
 TEST_CASE(
@@ -159,15 +165,9 @@ TEST_CASE(
     REQUIRE(s.start_velocity == 0.0);
     return record_hopper(truth, e, sensors, random).log;
   };
-  std::vector<log::Log> logs;
-  for (double height : {0.32, 0.33, 0.34, 0.35, 0.36, 0.37, 0.38, 0.39}) {
-    sim::Scenario drop;
-    drop.profile = control::ProfileShape::zero;
-    drop.start_position = height;
-    drop.duration_s = 2.5;
-    logs.push_back(record(drop));
-  }
-  expect_settled(model, logs, "stiffness_error", "mass_error", stiffness_npm, record);
+  const auto drops =
+      released(&sim::Scenario::start_position, {0.32, 0.33, 0.34, 0.35, 0.36, 0.37, 0.38, 0.39}, 2.5);
+  expect_settled(model, drops, "stiffness_error", "mass_error", stiffness_npm, record);
 }
 
 }  // namespace furcula::hidden
