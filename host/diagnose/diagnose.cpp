@@ -136,8 +136,7 @@ class Assembly {
   }
 
   Diagnosis run() {
-    Trainer trainer{model_, training_, training_windows_, options_.threads, options_.progress};
-    selection_ = trainer.select();
+    selection_ = select(model_, training_, training_windows_, options_.threads, options_.progress);
     starts_ = identify::start_states(held_out_, held_out_windows_, selection_.refitted.fitted);
     describe_data();
     figures();

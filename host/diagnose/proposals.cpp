@@ -5,6 +5,10 @@
 #include <limits>
 #include <numbers>
 
+#include "host/diagnose/effect_set.hpp"
+#include "host/identify/quantile.hpp"
+#include "host/log/error.hpp"
+
 namespace furcula::diagnose {
 namespace {
 
@@ -66,14 +70,6 @@ Eigen::VectorXd bounded_step(const Eigen::VectorXd& gradient, const Eigen::Matri
   return step;
 }
 
-double quantile(std::vector<double> values, double share) {
-  if (values.empty()) return 0.0;
-  const auto at =
-      values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
-}
-
 }  // namespace
 
 Proposer::Proposer(const Trainer& trainer)
@@ -83,19 +79,14 @@ Proposer::Proposer(const Trainer& trainer)
   const Trainer::Scales scales = trainer.scales();
   speed_ = scales.speed;
   force_ = scales.force;
-  std::vector<double> positions;
-  for (const auto& w : t_.training.windows) {
-    const auto& position = t_.recordings[w.recording].position;
-    positions.insert(positions.end(), position.begin() + static_cast<std::ptrdiff_t>(w.first),
-                     position.begin() + static_cast<std::ptrdiff_t>(w.last) + 1);
-  }
   std::vector<double> sizes;
   for (const auto& r : t_.recordings)
     for (double u : r.input)
       if (u != 0.0) sizes.push_back(std::abs(u));
-  top_input_ = quantile(sizes, 0.99);
-  low_ = quantile(positions, 0.01);
-  high_ = quantile(positions, 0.99);
+  top_input_ = identify::quantile(sizes, 0.99);
+  const auto [low, high] = trainer.travel();
+  low_ = low;
+  high_ = high;
 }
 
 std::vector<Proposer::Values> Proposer::starts(Effect effect) const {
@@ -247,6 +238,43 @@ Proposal Proposer::best(const Hypothesis& on, const std::vector<Effect>& larger,
     for (std::size_t i = 1; i < promises.size() && i <= kOthers; ++i)
       if (std::isfinite(promises[i].squares)) proposal.others.push_back(promises[i].values);
   return proposal;
+}
+
+Hypothesis fit_new(const Trainer& trainer, const EffectSet& larger, const Hypothesis& on,
+                   const Proposal& proposal) {
+  const Effect e = proposal.effect;
+  Hypothesis best;
+  best.effects = larger;
+  best.failed = true;
+  const auto try_from = [&](const Hypothesis& from,
+                            const std::array<double, dynamics::kMaxEffectParameters>& values) {
+    try {
+      Hypothesis other = trainer.fit(larger, &from, {{e, values}});
+      if (best.failed || other.fit.squares < best.fit.squares) best = std::move(other);
+    } catch (const log::DataError&) {  // from there the model runs away: no start
+    }
+  };
+  try_from(on, proposal.values);
+  if (dynamics::info(e).search.shapes >= dynamics::detail::kManyShapes)
+    for (const auto& values : proposal.others) try_from(on, values);
+  // Dry friction sticks, which makes a fit's landscape uneven: a second start from a twentieth of what moves
+  // the axis; for the Stribeck curve from the constant friction that fits best, twice as large at standstill,
+  // over several widths.
+  const Trainer::Scales scale = trainer.scales();
+  if (e == Effect::coulomb_friction) try_from(on, {0.05 * scale.force});
+  if (e == Effect::asymmetric_friction) try_from(on, {0.05 * scale.force, 0.05 * scale.force});
+  if (e == Effect::stribeck_friction) {
+    if (holds(larger, Effect::asymmetric_friction)) return best;
+    const Hypothesis flat = fit_new(trainer, with(without(larger, e), Effect::coulomb_friction), on,
+                                    {Effect::coulomb_friction, {0.02 * scale.force}, {}, 0.0});
+    if (flat.failed) return best;
+    const double level = flat.fitted.effects.at(Effect::coulomb_friction)[0];
+    Hypothesis bare = flat;
+    bare.fitted.effects.erase(Effect::coulomb_friction);
+    for (double width : {0.03, 0.1, 0.3})
+      try_from(bare, {0.8 * level, 1.6 * level + 1e-3 * scale.force, width * scale.speed});
+  }
+  return best;
 }
 
 }  // namespace furcula::diagnose

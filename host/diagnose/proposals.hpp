@@ -2,7 +2,7 @@
 // linear step of all unknowns on some of the training windows.
 #pragma once
 
-#include "host/diagnose/selection.hpp"
+#include "host/diagnose/trainer.hpp"
 
 namespace furcula::diagnose {
 
@@ -18,12 +18,6 @@ struct Proposal {
 class Proposer {
  public:
   explicit Proposer(const Trainer& trainer);
-
-  /// Between which positions the training windows move, but for their outermost hundredths.
-  struct Travel {
-    double low, high;
-  };
-  Travel travel() const { return {low_, high_}; }
 
   /// The best start of `effect` for the set `larger` (which holds it), the rest starting as in `on`.
   Proposal best(const Hypothesis& on, const std::vector<dynamics::Effect>& larger,
@@ -47,5 +41,10 @@ class Proposer {
   std::vector<identify::Window> some_, few_;  ///< of the training windows
   double force_ = 1.0, speed_ = 1.0, top_input_ = 1.0, low_ = 0.0, high_ = 1.0;
 };
+
+/// Fits a set with one effect more than `on`, from what was proposed for it and, where a fit may stick, from
+/// other starts.
+Hypothesis fit_new(const Trainer& trainer, const std::vector<dynamics::Effect>& larger, const Hypothesis& on,
+                   const Proposal& proposal);
 
 }  // namespace furcula::diagnose

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <span>
 
-#include "host/identify/median.hpp"
+#include "host/identify/quantile.hpp"
 #include "host/log/error.hpp"
 
 namespace furcula::identify {

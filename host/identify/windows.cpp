@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "host/identify/median.hpp"
+#include "host/identify/quantile.hpp"
 #include "host/identify/simulate.hpp"
 
 namespace furcula::identify {

@@ -1,4 +1,4 @@
-// The median of a list.
+// Quantiles of a list.
 #pragma once
 
 #include <algorithm>
@@ -6,6 +6,15 @@
 #include <vector>
 
 namespace furcula::identify {
+
+/// The value that `share` (0 to 1) of the values lie below; 0 of none.
+inline double quantile(std::vector<double> values, double share) {
+  if (values.empty()) return 0.0;
+  const auto at =
+      values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
 
 /// The upper one of the two in the middle of an even number; of at least one value.
 inline double median(std::vector<double> values) {

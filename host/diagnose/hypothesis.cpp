@@ -1,0 +1,136 @@
+#include "host/diagnose/hypothesis.hpp"
+
+#include <cmath>
+
+namespace furcula::diagnose {
+
+using dynamics::Effect;
+
+identify::ChannelShare channel(const identify::Fit& fit, identify::Channel which) {
+  identify::ChannelShare sum;
+  const auto c = static_cast<std::size_t>(which);
+  for (const auto& s : fit.shares) {
+    sum.squares += s.channels[c].squares;
+    sum.rows += s.channels[c].rows;
+    sum.effective_rows += s.channels[c].effective_rows;
+  }
+  return sum;
+}
+
+bool follows_the_body(const Hypothesis& h) {
+  constexpr double kWithinNoise = 1.5;
+  const identify::ChannelShare motion = channel(h.fit, identify::Channel::motion);
+  return motion.squares < kWithinNoise * motion.rows;
+}
+
+double squares_of_body(const Hypothesis& h) {
+  return h.cross_validated_squares - channel(h.fit, identify::Channel::leg).squares;
+}
+
+double evidence_of(const identify::Fit& smaller, const identify::Fit& larger, const identify::Fit& of,
+                   std::size_t layers) {
+  double evidence = 0.0;
+  for (std::size_t i = 0; i < identify::kChannels; ++i) {
+    const auto c = static_cast<identify::Channel>(i);
+    const identify::ChannelShare share = channel(of, c);
+    const double rows = share.effective_rows / static_cast<double>(layers);
+    if (rows < 2.0) continue;
+    // What the leg angle's errors are below what links and joints give, and the drive's below a step of its
+    // loop, they are by chance.
+    const bool of_position = c == identify::Channel::motion || c == identify::Channel::contact;
+    const double always = of_position ? 1e-300 : share.rows;
+    evidence +=
+        rows * std::log((channel(smaller, c).squares + always) / (channel(larger, c).squares + always));
+  }
+  return evidence;
+}
+
+double cross_validate(const identify::Fit& fit, const std::vector<identify::Window>& windows,
+                      std::size_t recordings) {
+  const auto count = static_cast<Eigen::Index>(fit.values.size());
+  if (count == 0) return fit.squares;
+  constexpr std::size_t kFolds = 5;
+  std::vector<Eigen::Index> moving;
+  for (Eigen::Index i = 0; i < count; ++i)
+    if (!fit.at_bound[static_cast<std::size_t>(i)]) moving.push_back(i);
+  const auto part = [&](const Eigen::MatrixXd& m) { return Eigen::MatrixXd(m(moving, moving)); };
+  Eigen::MatrixXd information = Eigen::MatrixXd::Zero(count, count);
+  Eigen::VectorXd gradient = Eigen::VectorXd::Zero(count);
+  for (const auto& s : fit.shares) {
+    information += s.information;
+    gradient += s.gradient;
+  }
+  double squares = 0.0;
+  for (std::size_t fold = 0; fold < kFolds; ++fold) {
+    Eigen::MatrixXd inside = Eigen::MatrixXd::Zero(count, count);
+    Eigen::VectorXd slope = Eigen::VectorXd::Zero(count);
+    double own = 0.0;
+    for (std::size_t i = 0; i < windows.size(); ++i) {
+      const std::size_t of =
+          recordings >= kFolds ? windows[i].recording % kFolds : i * kFolds / windows.size();
+      if (of != fold) continue;
+      inside += fit.shares[i].information;
+      slope += fit.shares[i].gradient;
+      own += fit.shares[i].squares;
+    }
+    if (!moving.empty()) {
+      const Eigen::MatrixXd rest = part(information - inside);
+      const Eigen::VectorXd pull = (gradient - slope)(moving);
+      const Eigen::VectorXd step = -rest.completeOrthogonalDecomposition().solve(pull);
+      own += 2.0 * step.dot(Eigen::VectorXd(slope(moving))) + step.dot(part(inside) * step);
+    }
+    squares += own;
+  }
+  return squares;
+}
+
+double chi_square_point(double tries, double freedom) {
+  constexpr double kFalseAlarmLevel = 0.005;
+  return 2.0 * std::log(std::max(tries, 1.0) / kFalseAlarmLevel) + 2.5 * (std::max(freedom, 1.0) - 2.0);
+}
+
+bool within_limits(const Hypothesis& h) {
+  std::size_t inertias = 0;
+  for (std::size_t i = 0; i < h.unknowns.size(); ++i)
+    if (h.unknowns[i].of_effect && h.fit.at_bound[i]) {
+      // Of the three inertias of the links one or two may be none: they act alike.
+      if (h.unknowns[i].effect != Effect::leg_inertia || ++inertias == 3) return false;
+    }
+  for (Effect e : h.effects)
+    if (e == Effect::stribeck_friction) {
+      const auto& p = h.fitted.effects.at(e);
+      if (p[1] <= p[0]) return false;  // no rise towards standstill: not the Stribeck effect
+    }
+  return true;
+}
+
+bool stands_out(const Hypothesis& h, const model::Model& model, Effect e, double tries) {
+  std::vector<Eigen::Index> sizes;
+  std::vector<double> away;
+  const auto neutral = identify::values_in(model, h.unknowns);
+  for (std::size_t i = 0; i < h.unknowns.size(); ++i) {
+    const auto& u = h.unknowns[i];
+    if (!u.of_effect || u.effect != e) continue;
+    const auto& p = dynamics::info(e).parameter_table[u.parameter];
+    const bool of_model = dynamics::parameter_index(model.kind, name_on(p, model.kind)).has_value();
+    if (std::isnan(p.neutral) && !of_model && u.parameter != 0) continue;
+    sizes.push_back(static_cast<Eigen::Index>(i));
+    away.push_back(h.fit.values[i] -
+                   (model.effects.contains(e) ? model.effects.at(e)[u.parameter] : neutral[i]));
+  }
+  if (sizes.empty()) return true;
+  Eigen::MatrixXd covariance = h.fit.covariance(sizes, sizes);
+  Eigen::VectorXd scaled(static_cast<Eigen::Index>(sizes.size()));
+  for (Eigen::Index i = 0; i < scaled.size(); ++i) {
+    const double spread = std::sqrt(covariance(i, i));
+    if (!(spread > 0.0)) return true;  // at a bound, which is looked at elsewhere
+    scaled(i) = away[static_cast<std::size_t>(i)] / spread;
+  }
+  const Eigen::VectorXd by = covariance.diagonal().cwiseSqrt().cwiseInverse();
+  const Eigen::MatrixXd correlation = by.asDiagonal() * covariance * by.asDiagonal();
+  const double statistic = scaled.dot(correlation.completeOrthogonalDecomposition().solve(scaled));
+  return statistic >
+         chi_square_point(tries * dynamics::info(e).search.shapes, static_cast<double>(sizes.size()));
+}
+
+}  // namespace furcula::diagnose

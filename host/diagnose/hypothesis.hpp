@@ -1,0 +1,64 @@
+// A set of effects on top of the model, fitted: what it leaves, and what that is worth as evidence.
+#pragma once
+
+#include <vector>
+
+#include "host/identify/simulation_fit.hpp"
+
+namespace furcula::diagnose {
+
+/// The model with a set of effects, all unknowns fitted.
+struct Hypothesis {
+  std::vector<dynamics::Effect> effects;  ///< in the order of the catalogue
+  std::vector<identify::Unknown> unknowns;
+  identify::Fit fit;
+  model::Model fitted;  ///< the model at the fit's values
+  double cross_validated_squares = 0.0;
+  bool failed = false;  ///< no start from which the model's run stays finite: nothing else is set
+  bool meaningful =
+      true;  ///< no effect at a limit, and each away from nothing by more than the windows scatter
+};
+
+/// Which of two hypotheses the training data prefer. All in units of a log-likelihood ratio times two, with
+/// the number of independent samples that the residuals are worth.
+struct Comparison {
+  double evidence = 0.0;   ///< of the larger over the smaller
+  double threshold = 0.0;  ///< what chance would reach, the number of hypotheses tried taken into account
+  double gain = 0.0;       ///< share of the smaller one's cross-validated error that the larger removes
+  bool significant = false;
+};
+
+/// One channel of all windows.
+identify::ChannelShare channel(const identify::Fit& fit, identify::Channel which);
+
+/// Whether the body's motion is followed but for the measuring noise.
+bool follows_the_body(const Hypothesis& h);
+
+/// Cross-validated squares of all channels but the leg angle: a backlash that is not in the model yet would
+/// hide beside it what moves the body.
+double squares_of_body(const Hypothesis& h);
+
+/// Twice the log-likelihood ratio of `larger` over `smaller`, with as many independent samples as the
+/// residuals of `of` are worth; each channel with a noise level of its own. `layers`: in how many windows
+/// each row lies.
+double evidence_of(const identify::Fit& smaller, const identify::Fit& larger, const identify::Fit& of,
+                   std::size_t layers);
+
+/// Squares on windows that the estimate has not seen: the training recordings (or, of a single one, its
+/// stretches) in folds, each predicted with the estimate that one Gauss-Newton step makes without the fold.
+double cross_validate(const identify::Fit& fit, const std::vector<identify::Window>& windows,
+                      std::size_t recordings);
+
+/// The chi-square point of `freedom` degrees at the level that Bonferroni's price for `tries` leaves, from
+/// above.
+double chi_square_point(double tries, double freedom);
+
+/// False if an effect's parameters mean nothing: where the effect is not there, or against a physical limit.
+bool within_limits(const Hypothesis& h);
+
+/// Of a law that can take many shapes: whether its size is away from where the effect is not there, by the
+/// scatter between windows: a law that fits what differs from window to window is no cause. (Wald's test of
+/// the parameters that have such a value; of an effect without one, of its first parameter against zero.)
+bool stands_out(const Hypothesis& h, const model::Model& model, dynamics::Effect e, double tries);
+
+}  // namespace furcula::diagnose

@@ -1,0 +1,215 @@
+#include "host/diagnose/trainer.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "host/diagnose/effect_set.hpp"
+#include "host/identify/quantile.hpp"
+
+namespace furcula::diagnose {
+namespace {
+
+using dynamics::Effect;
+
+/// An effect that removes less than this share of what the re-fitted model leaves (measuring noise included)
+/// is not worth a name: differences of numerics between two honest simulators are of that size.
+constexpr double kSmallestGain = 0.04;
+/// Nor is one that removes less than this of what the re-fitted model without any effect leaves.
+constexpr double kSmallestWorth = 2e-3;
+
+double shapes_of(Effect e) { return dynamics::info(e).search.shapes; }
+
+double doubt_of(const std::vector<Effect>& effects) {
+  double doubt = 0.0;
+  for (Effect e : effects) doubt += dynamics::info(e).search.doubt;
+  return doubt;
+}
+
+/// Start values of the unknowns: those of `from`, of an effect that is new to it those proposed.
+std::vector<double> values_from(const Trainer& t, const std::vector<identify::Unknown>& unknowns,
+                                const Hypothesis* from, const Starts& starts) {
+  const model::Model& base = from != nullptr ? from->fitted : t.model;
+  std::vector<double> values = identify::values_in(base, unknowns);
+  for (std::size_t i = 0; i < unknowns.size(); ++i) {
+    const auto& u = unknowns[i];
+    if (!u.of_effect || base.effects.contains(u.effect)) continue;
+    if (const auto proposed = starts.find(u.effect); proposed != starts.end())
+      values[i] = proposed->second[u.parameter];
+  }
+  return values;
+}
+
+}  // namespace
+
+std::vector<identify::Unknown> unknowns_of(const model::Model& model, const std::vector<Effect>& effects) {
+  auto all = identify::free_unknowns(model);
+  for (Effect e : effects) {
+    const auto more = identify::effect_unknowns(e, model.kind);
+    all.insert(all.end(), more.begin(), more.end());
+  }
+  return all;
+}
+
+identify::Channel judged_on(Effect e, const std::vector<identify::Recording>& recordings) {
+  if (e == Effect::contact_delay) return identify::Channel::contact;
+  const bool of_drive = std::find(std::begin(dynamics::kDriveEffects), std::end(dynamics::kDriveEffects),
+                                  e) != std::end(dynamics::kDriveEffects);
+  const bool answered = std::any_of(recordings.begin(), recordings.end(),
+                                    [](const auto& r) { return !r.drive_command.empty(); });
+  if (of_drive && answered) return identify::Channel::drive;
+  const bool seen =
+      std::any_of(recordings.begin(), recordings.end(), [](const auto& r) { return !r.leg_angle.empty(); });
+  return e == Effect::backlash && seen ? identify::Channel::leg : identify::Channel::motion;
+}
+
+model::Model with_slips(model::Model model, const std::vector<identify::Recording>& recordings,
+                        const std::vector<Effect>& effects) {
+  if (!holds(effects, Effect::encoder_slip)) return model;
+  auto& largest = model.effects[Effect::encoder_slip] = {};
+  for (const auto& r : recordings)
+    for (const auto& slip : r.slips)
+      if (std::abs(slip.step) > std::abs(largest[0]))
+        largest = {slip.step, r.time_s[slip.row] - r.time_s.front()};
+  return model;
+}
+
+std::vector<Effect> Trainer::candidates() const {
+  std::vector<Effect> all;
+  for (const auto& info : dynamics::kCatalogue) {
+    if (info.effect == Effect::encoder_slip &&
+        std::none_of(recordings.begin(), recordings.end(), [](const auto& r) { return !r.slips.empty(); }))
+      continue;
+    if (!applies(info.effect, model.kind)) continue;  // one that is on may have the wrong size
+    bool free_anyway = false;
+    for (const auto& p : info.parameters()) {
+      const auto same = dynamics::parameter_index(model.kind, name_on(p, model.kind));
+      free_anyway = free_anyway || (std::isnan(p.neutral) && same && model.free.contains(*same));
+    }
+    // The loss at touch-down is held in the model by the name restitution_touchdown, the spring's rate by
+    // stiffness_npm: where those are free, identification has moved them already.
+    if (!free_anyway) all.push_back(info.effect);
+  }
+  return all;
+}
+
+Hypothesis Trainer::fit(const std::vector<Effect>& effects, const Hypothesis* from,
+                        const Starts& starts) const {
+  Hypothesis h;
+  h.effects = effects;
+  h.unknowns = unknowns_of(model, effects);
+  const std::vector<double> start = values_from(*this, h.unknowns, from, starts);
+  const model::Model base = with_slips(model, recordings, effects);
+  h.fit = identify::fit_by_simulation(base, h.unknowns, start, recordings, training.windows,
+                                      identify::Weighting::noise, training.layers);
+  h.fitted = identify::with_values(base, h.unknowns, h.fit.values);
+  h.cross_validated_squares = cross_validate(h.fit, training.windows, recordings.size());
+  h.meaningful = within_limits(h) && beyond_resolution(h);
+  const auto tries = static_cast<double>(candidates().size());
+  for (Effect e : effects)
+    if (h.meaningful && shapes_of(e) > 1.0) h.meaningful = stands_out(h, model, e, tries);
+  return h;
+}
+
+Trainer::Scales Trainer::scales() const {
+  double squares = 0.0, inputs = 0.0, rows = 0.0;
+  for (const auto& w : training.windows) {
+    const auto& r = recordings[w.recording];
+    for (std::size_t i = w.first; i <= w.last; ++i) {
+      squares += r.velocity_smoothed[i] * r.velocity_smoothed[i];
+      inputs += r.input[i] * r.input[i];
+      rows += 1.0;
+    }
+  }
+  if (rows == 0.0) return {};
+  return {dynamics::info(model.kind).rig == "hopper"
+              ? model.parameter("mass_kg") * model.parameter("gravity_mps2")
+              : std::sqrt(inputs / rows),
+          std::sqrt(squares / rows)};
+}
+
+Trainer::Travel Trainer::travel() const {
+  std::vector<double> positions;
+  for (const auto& w : training.windows) {
+    const auto& position = recordings[w.recording].position;
+    positions.insert(positions.end(), position.begin() + static_cast<std::ptrdiff_t>(w.first),
+                     position.begin() + static_cast<std::ptrdiff_t>(w.last) + 1);
+  }
+  return {identify::quantile(positions, 0.01), identify::quantile(positions, 0.99)};
+}
+
+bool Trainer::beyond_resolution(const Hypothesis& h) const {
+  const auto& time_s = recordings.front().time_s;
+  const double interval_s = (time_s.back() - time_s.front()) / static_cast<double>(time_s.size() - 1);
+  const auto beyond = [&](Effect e, double rows) {
+    return !holds(h.effects, e) || std::abs(h.fitted.effects.at(e)[0]) > rows * interval_s;
+  };
+  // A spot as wide as the travel is plain friction.
+  if (holds(h.effects, Effect::binding_spot)) {
+    constexpr double kWidest = 0.7;
+    const auto& spot = h.fitted.effects.at(Effect::binding_spot);
+    const auto [low, high] = travel();
+    const double covered = std::min(spot[1] + 0.5 * spot[2], high) - std::max(spot[1] - 0.5 * spot[2], low);
+    if (covered > kWidest * (high - low)) return false;
+  }
+  // A switch is read once a row, and bounces; what a row's input is worth until the next one is known to a
+  // part of the interval, less where it was measured and not commanded.
+  const bool answered = !recordings.front().drive_command.empty();
+  return beyond(Effect::contact_delay, 2.0) && beyond(Effect::time_skew, answered ? 1.0 : 0.5) &&
+         beyond(Effect::actuator_delay, 0.5);
+}
+
+Comparison Trainer::compare(const Hypothesis& smaller, const Hypothesis& larger, std::size_t tries) const {
+  Comparison c;
+  // The correlation time of what the larger one leaves: what the smaller one leaves holds the effect itself.
+  const auto extra =
+      static_cast<double>(larger.unknowns.size()) - static_cast<double>(smaller.unknowns.size());
+  c.evidence = evidence_of(smaller.fit, larger.fit, larger.fit, training.layers);
+  double shapes = 1.0;
+  for (Effect e : larger.effects)
+    if (!holds(smaller.effects, e)) shapes = std::max(shapes, shapes_of(e));
+  double slips = 0.0;  // each has a place and a size
+  for (const auto& r : recordings) slips += static_cast<double>(r.slips.size());
+  const bool slipped =
+      !holds(smaller.effects, Effect::encoder_slip) && holds(larger.effects, Effect::encoder_slip);
+  c.threshold = chi_square_point(static_cast<double>(tries) * shapes, extra + (slipped ? 2.0 * slips : 0.0));
+  const double before = squares_of_body(smaller), after = squares_of_body(larger);
+  c.gain = 1.0 - after / std::max(before, 1e-300);
+  double worth = (before - after) / std::max(reference_squares, 1e-300);
+  // An effect that does not move the body is judged by the channel that it moves.
+  for (Effect e : larger.effects)
+    if (const auto judge = judged_on(e, recordings);
+        judge != identify::Channel::motion && !holds(smaller.effects, e)) {
+      c.gain =
+          1.0 - channel(larger.fit, judge).squares / std::max(channel(smaller.fit, judge).squares, 1e-300);
+      worth = c.gain;
+    }
+  c.significant = c.evidence > c.threshold && c.gain > kSmallestGain && worth > kSmallestWorth;
+  return c;
+}
+
+double Trainer::preference(const Hypothesis& one, const Hypothesis& other) const {
+  return evidence_of(one.fit, other.fit, other.fit, training.layers) + doubt_of(one.effects) -
+         doubt_of(other.effects);
+}
+
+std::optional<Hypothesis> Trainer::widened(const Hypothesis& refitted) const {
+  constexpr double kWider = 4.0;
+  model::Model wide = model;
+  bool held = false;
+  for (std::size_t i = 0; i < refitted.unknowns.size(); ++i) {
+    if (!refitted.fit.at_bound[i] || refitted.fit.values[i] == 0.0) continue;
+    auto& bounds = wide.free.at(refitted.unknowns[i].parameter);
+    bounds = {bounds.lower / kWider, bounds.upper * kWider};
+    held = true;
+  }
+  if (!held) return std::nullopt;
+  const Trainer trainer{wide, recordings, training, threads};
+  const Hypothesis wider = trainer.fit({}, &refitted);
+  const double evidence = evidence_of(refitted.fit, wider.fit, wider.fit, training.layers);
+  if (evidence < chi_square_point(1.0, static_cast<double>(wider.unknowns.size())) ||
+      wider.fit.squares > (1.0 - kSmallestGain) * refitted.fit.squares)
+    return std::nullopt;
+  return wider;
+}
+
+}  // namespace furcula::diagnose

@@ -1,0 +1,74 @@
+// Fits of the model with sets of effects to the training recordings, and which of two those prefer.
+#pragma once
+
+#include <array>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "host/diagnose/hypothesis.hpp"
+
+namespace furcula::diagnose {
+
+/// What a fit of the model with these effects moves.
+std::vector<identify::Unknown> unknowns_of(const model::Model& model,
+                                           const std::vector<dynamics::Effect>& effects);
+
+/// The channel that an effect is judged on: that of the motion, unless it does not move the body.
+identify::Channel judged_on(dynamics::Effect e, const std::vector<identify::Recording>& recordings);
+
+/// The model with the largest of the recordings' slips, where encoder_slip is among the effects.
+model::Model with_slips(model::Model model, const std::vector<identify::Recording>& recordings,
+                        const std::vector<dynamics::Effect>& effects);
+
+/// Start values of effects' parameters.
+using Starts = std::map<dynamics::Effect, std::array<double, dynamics::kMaxEffectParameters>>;
+
+struct Trainer {
+  const model::Model& model;
+  const std::vector<identify::Recording>& recordings;
+  const identify::TrainingWindows& training;
+  unsigned threads = 1;
+  double reference_squares = 0.0;  ///< of the body's motion, of the re-fitted model without an effect
+
+  /// The effects of the catalogue that could extend the model: they exist on its kind and do not
+  /// repeat a parameter that is free anyway. One that is on may have the wrong size.
+  std::vector<dynamics::Effect> candidates() const;
+
+  /// Fits the model with these effects from the values of `from` (a hypothesis with some of them) and, for
+  /// those that it has not, from `starts`.
+  Hypothesis fit(const std::vector<dynamics::Effect>& effects, const Hypothesis* from,
+                 const Starts& starts = {}) const;
+
+  /// The re-fitted model with wider bounds for those that it lies on; nothing where it lies on none, or where
+  /// it gains nothing by it. Zero, where a parameter ends physically, is not widened.
+  std::optional<Hypothesis> widened(const Hypothesis& refitted) const;
+
+  /// `larger` has parameters that `smaller` has not; `tries` hypotheses were looked at.
+  Comparison compare(const Hypothesis& smaller, const Hypothesis& larger, std::size_t tries) const;
+
+  /// By how much `other` is preferred to `one`, in the units of the evidence: what the recordings say, and
+  /// what was to be expected before.
+  double preference(const Hypothesis& one, const Hypothesis& other) const;
+
+  /// What moves the axis (root mean square of the input, on the hopper the weight; N or N m) and the root
+  /// mean square of its speed.
+  struct Scales {
+    double force = 1.0, speed = 1.0;
+  };
+  Scales scales() const;
+
+  /// Between which positions the training windows move, but for their outermost hundredths.
+  struct Travel {
+    double low, high;
+  };
+  Travel travel() const;
+
+ private:
+  /// False where an effect is smaller than what its channel resolves.
+  bool beyond_resolution(const Hypothesis& h) const;
+};
+
+}  // namespace furcula::diagnose
