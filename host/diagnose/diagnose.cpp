@@ -4,6 +4,7 @@
 #include <cmath>
 #include <set>
 
+#include "host/diagnose/associations.hpp"
 #include "host/diagnose/next_experiment.hpp"
 #include "host/diagnose/residual_force.hpp"
 #include "host/diagnose/selection.hpp"
@@ -484,7 +485,7 @@ class Assembly {
     std::vector<Recording> all = training_;
     all.insert(all.end(), held_out_.begin(), held_out_.end());
     d_.residual = residual_force(selection_.chosen.fitted, selection_.chosen.effects, all);
-    if (!d_.residual_white) d_.goes_along_with = associations(d_.residual, model_.kind);
+    if (!d_.residual_white) d_.goes_along_with = associations(d_.residual, model_);
   }
 
   const model::Model& model_;

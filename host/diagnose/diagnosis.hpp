@@ -89,6 +89,12 @@ struct ResidualForce {
   std::vector<double> position;
   std::vector<double> force;  ///< what would have to be added to the re-fitted model
   std::vector<double> law;    ///< what the findings' laws add at the same instants (empty: no finding)
+  // What else what remains may go along with, at the same instants.
+  std::vector<std::size_t> recording;  ///< index
+  std::vector<double> acceleration, input;
+  std::vector<double> interval_s;  ///< from the row before
+  std::vector<double> since_touchdown_s,
+      since_liftoff_s;  ///< on the hopper, in stance and in flight; else NaN
 };
 
 struct Association {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+#include <limits>
 
 #include "host/identify/simulate.hpp"
 
@@ -36,6 +36,24 @@ class Acceleration {
   identify::PlantSetup<double> setup_;
 };
 
+/// Seconds since the last crossing of the touch-down height, NaN before the first; downwards in stance,
+/// upwards in flight.
+struct SinceEvents {
+  std::vector<double> touchdown_s, liftoff_s;
+};
+
+SinceEvents since_events(const Recording& r, double touchdown_m) {
+  constexpr double kNever = std::numeric_limits<double>::quiet_NaN();
+  SinceEvents since{std::vector<double>(r.rows(), kNever), std::vector<double>(r.rows(), kNever)};
+  double last_s = kNever;
+  for (std::size_t i = 1; i < r.rows(); ++i) {
+    const bool below = r.position[i] < touchdown_m;
+    if (below != (r.position[i - 1] < touchdown_m)) last_s = r.time_s[i];
+    (below ? since.touchdown_s : since.liftoff_s)[i] = r.time_s[i] - last_s;
+  }
+  return since;
+}
+
 }  // namespace
 
 ResidualForce residual_force(const model::Model& model, const std::vector<dynamics::Effect>& named,
@@ -55,7 +73,9 @@ ResidualForce residual_force(const model::Model& model, const std::vector<dynami
   std::size_t rows = 0;
   for (const Recording& r : recordings) rows += r.rows();
   const std::size_t stride = std::max<std::size_t>(1, rows / std::max<std::size_t>(most, 1));
-  for (const Recording& r : recordings)
+  for (std::size_t of = 0; of < recordings.size(); ++of) {
+    const Recording& r = recordings[of];
+    const SinceEvents since = since_events(r, touchdown);
     for (std::size_t i = 0; i < r.rows(); i += stride) {
       std::size_t first = i, last = i;
       while (first > 0 && r.time_s[first - 1] >= r.time_s[i] - kHalfWidth_s) --first;
@@ -85,51 +105,15 @@ ResidualForce residual_force(const model::Model& model, const std::vector<dynami
       out.position.push_back(p.value);
       out.force.push_back(mass * (p.curvature - lacking));
       if (!named.empty()) out.law.push_back(mass * (with.at(p.value, p.slope, input) - lacking));
+      out.recording.push_back(of);
+      out.acceleration.push_back(p.curvature);
+      out.input.push_back(input);
+      out.interval_s.push_back(i > 0 ? r.time_s[i] - r.time_s[i - 1] : r.time_s[1] - r.time_s[0]);
+      out.since_touchdown_s.push_back(since.touchdown_s[i]);
+      out.since_liftoff_s.push_back(since.liftoff_s[i]);
     }
+  }
   return out;
-}
-
-namespace {
-
-const char* position_column(Kind kind) {
-  return kind == Kind::motor_axis ? "position_m" : kind == Kind::rotary_joint ? "angle_rad" : "height_m";
-}
-
-}  // namespace
-
-std::vector<Association> associations(const ResidualForce& r, Kind kind) {
-  constexpr std::size_t kBins = 12;
-  constexpr double kWeakest = 0.1;
-  const std::size_t n = r.force.size();
-  std::vector<Association> found;
-  if (n < 10 * kBins) return found;
-  std::vector<double> rest = r.force;
-  for (std::size_t i = 0; i < r.law.size(); ++i) rest[i] -= r.law[i];
-  const double mean = std::accumulate(rest.begin(), rest.end(), 0.0) / static_cast<double>(n);
-  double total = 0.0;
-  for (double f : rest) total += (f - mean) * (f - mean);
-  if (!(total > 0.0)) return found;
-  const auto look = [&](const std::vector<double>& signal, const char* name, const std::string& how) {
-    // Bins of equal count.
-    std::vector<std::size_t> order(n);
-    std::iota(order.begin(), order.end(), std::size_t{0});
-    std::sort(order.begin(), order.end(),
-              [&](std::size_t a, std::size_t b) { return signal[a] < signal[b]; });
-    double between = 0.0;
-    for (std::size_t b = 0; b < kBins; ++b) {
-      const std::size_t from = b * n / kBins, to = (b + 1) * n / kBins;
-      double sum = 0.0;
-      for (std::size_t i = from; i < to; ++i) sum += rest[order[i]] - mean;
-      between += sum * sum / static_cast<double>(to - from);
-    }
-    const double share = between / total;
-    if (share > kWeakest) found.push_back({name, share, how});
-  };
-  look(r.velocity, "velocity", "the remaining force changes with the velocity");
-  look(r.position, position_column(kind), "the remaining force changes with the position");
-  look(r.time_s, "time_s", "the remaining force changes with the time since the recording began");
-  std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.strength > b.strength; });
-  return found;
 }
 
 }  // namespace furcula::diagnose

@@ -10,13 +10,8 @@ namespace furcula::diagnose {
 
 /// Against `model` with the effects `named` taken out; `law` is what those effects add at the same states.
 /// Samples near touch-down and lift-off, where the acceleration jumps, and those of a rail carriage's contact
-/// with its stop are left out. At most about `most`
-/// samples.
+/// with its stop are left out. At most about `most` samples.
 ResidualForce residual_force(const model::Model& model, const std::vector<dynamics::Effect>& named,
                              const std::vector<identify::Recording>& recordings, std::size_t most = 6000);
-
-/// What the remaining force (force less law) goes along with: the share of its variance that bins of each
-/// signal explain, strongest first; shares below a tenth are left out.
-std::vector<Association> associations(const ResidualForce& r, dynamics::Kind kind);
 
 }  // namespace furcula::diagnose

@@ -105,10 +105,10 @@ std::string summary(const Diagnosis& d) {
              "(" +
              where + " " + before_and_after(d, d.baseline, d.refitted) + ").";
     case Verdict::explained:
-      return "The model lacks " + named + ": with it the " + where + " falls " +
+      return "The model misses " + named + ": with it the " + where + " falls " +
              before_and_after(d, d.refitted, d.extended) + remainder(d) + ".";
     case Verdict::partly_explained:
-      return "The model lacks " + named + ": with it the " + where + " falls " +
+      return "The model misses " + named + ": with it the " + where + " falls " +
              before_and_after(d, d.refitted, d.extended) +
              ", but structure remains that no effect of the catalogue removes.";
     case Verdict::unexplained:

@@ -112,7 +112,7 @@ bool any_undecided(const Diagnosis& d) {
 /// Several causes do not fit into one headline: the first, how many more, and the list below it.
 std::string headline(const Diagnosis& d) {
   if (d.findings.size() < 2) return d.summary.empty() ? words(d.verdict).meaning : d.summary;
-  return (d.verdict == Verdict::not_identifiable ? "Not certain: " : "The model lacks ") +
+  return (d.verdict == Verdict::not_identifiable ? "Not certain: " : "The model misses ") +
          std::string(dynamics::info(d.findings.front().effect).title) + ", and " +
          std::to_string(d.findings.size() - 1) + " more";
 }

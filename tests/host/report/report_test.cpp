@@ -138,8 +138,8 @@ TEST_CASE("several causes have a headline of the first, and a list of all with t
   d.extended["height"].rmse = 0.002;
   d.noise_floor["height"].rmse = 0.001;
   const std::string page = report::render_report(d);
-  CHECK_THAT(page, Contains("<h1>The model lacks dry friction, and 2 more</h1>"));
-  CHECK_THAT(page, Contains("<title>Furcula: The model lacks dry friction, and 2 more</title>"));
+  CHECK_THAT(page, Contains("<h1>The model misses dry friction, and 2 more</h1>"));
+  CHECK_THAT(page, Contains("<title>Furcula: The model misses dry friction, and 2 more</title>"));
   CHECK_THAT(page, Contains("<li>dry friction <code>coulomb_friction</code>: 1.50 N</li>"));
   CHECK_THAT(page, Contains("<code>force_offset</code>: 1.50 N</li>"));
   CHECK_THAT(page, Contains("(RMSE) goes from 8.00 to 2.00 mm; the noise floor is 1.00 mm."));
@@ -330,7 +330,10 @@ TEST_CASE("windows that count their time from their own start are put one after 
 }
 
 TEST_CASE("a cloud of a hundred thousand samples is thinned, and the law jumps at zero velocity") {
-  diagnose::ResidualForce r{"N", "m/s", "m", {}, {}, {}, {}, {}};
+  diagnose::ResidualForce r;
+  r.unit = "N";
+  r.velocity_unit = "m/s";
+  r.position_unit = "m";
   for (int i = 0; i < 100'000; ++i) {
     const double v = std::sin(1e-3 * i * std::numbers::sqrt2);
     r.time_s.push_back(1e-3 * i);

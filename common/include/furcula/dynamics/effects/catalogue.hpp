@@ -116,7 +116,7 @@ struct Search {
 struct EffectInfo {
   Effect effect;
   std::string_view name;
-  std::string_view title;  ///< in plain words, as in "the model lacks ..."
+  std::string_view title;  ///< in plain words, as in "the model misses ..."
   Stage stage;
   std::uint8_t kinds;      ///< bit per Kind
   std::string_view phase;  ///< on a hopper: "flight+stance", "stance", "touch-down", ...
