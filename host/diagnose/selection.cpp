@@ -131,15 +131,20 @@ class Search {
       });
       std::sort(trials.begin(), trials.end(),
                 [](const Tried& a, const Tried& b) { return a.hypothesis.effects < b.hypothesis.effects; });
-      const Tried* best = nullptr;
-      for (const Tried& t : trials)
-        if (stands(t) && (best == nullptr || trainer_.preference(best->hypothesis, t.hypothesis) > 0.0))
-          best = &t;
+      const Tried* best = best_of(trials);
       if (best != nullptr) s_.chosen = simplest(trials, *best).hypothesis;
       s_.tried.insert(s_.tried.end(), trials.begin(), trials.end());
       if (best == nullptr) return;
       prune(s_.chosen);
     }
+  }
+
+  const Tried* best_of(const std::vector<Tried>& trials) const {
+    const Tried* best = nullptr;
+    for (const Tried& t : trials)
+      if (stands(t) && (best == nullptr || trainer_.preference(best->hypothesis, t.hypothesis) > 0.0))
+        best = &t;
+    return best;
   }
 
   /// Of those that do as well as the best one.
@@ -166,6 +171,7 @@ class Search {
       for (Effect e : chosen.effects) {
         Hypothesis smaller = trainer_.fit(without(chosen.effects, e), &chosen);
         if (trainer_.compare(smaller, chosen, all_.size()).significant) continue;
+        if (chosen.meaningful && !smaller.meaningful) continue;
         chosen = std::move(smaller);
         removed = chosen.effects.size() > 1;
         break;
@@ -226,24 +232,24 @@ class Search {
       for (Tried& t : trials)
         if (!t.hypothesis.failed) pairs.push_back(std::move(t));
     }
-    const Hypothesis* best = nullptr;
-    for (const Tried& t : pairs)
-      if (stands(t) && (best == nullptr || trainer_.preference(*best, t.hypothesis) > 0.0))
-        best = &t.hypothesis;
-    if (best != nullptr && trainer_.preference(s_.chosen, *best) > price_of(*best)) {
-      s_.chosen = Hypothesis(*best);
-      prune(s_.chosen);
+    if (const Tried* best = best_of(pairs)) {
+      const Hypothesis& pair = simplest(pairs, *best).hypothesis;
+      if (trainer_.preference(s_.chosen, pair) > price_of(pair)) {
+        s_.chosen = Hypothesis(pair);
+        prune(s_.chosen);
+      }
     }
     s_.tried.insert(s_.tried.end(), pairs.begin(), pairs.end());
   }
 
-  /// By how much a set must be preferred to the chosen one to take its place: fewer causes for the same, or
-  /// better ones.
+  /// By how much a set must be preferred to the chosen one to take its place: fewer causes or parameters for
+  /// the same, or better ones.
   double price_of(const Hypothesis& h) const {
     const auto more =
         static_cast<double>(parameters_of(h.effects)) - static_cast<double>(parameters_of(s_.chosen.effects));
     if (more > 0.0) return chi_square_point(static_cast<double>(all_.size()), more);
-    return h.effects.size() < s_.chosen.effects.size() ? -kEqualEvidence : kEqualEvidence;
+    const bool simpler = more < 0.0 || h.effects.size() < s_.chosen.effects.size();
+    return simpler ? -kEqualEvidence : kEqualEvidence;
   }
 
   /// What each member is worth, and which sets do as well in its place with as many parameters; one that does
