@@ -74,6 +74,12 @@ dynamics::Effects<T> of_drive(const dynamics::Effects<T>& effects) {
   return only;
 }
 
+template <class T>
+dynamics::Effects<T> unskewed(dynamics::Effects<T> effects) {
+  effects.clear(dynamics::Effect::time_skew);
+  return effects;
+}
+
 /// Brings a drive to where it is at row `first`.
 template <class T>
 void warm_up(dynamics::Actuation<T>& drive, const Recording& r, const dynamics::Commands<double>& commands,
@@ -133,7 +139,11 @@ void simulate(const PlantSetup<T>& setup, const Recording& r, const Window& w, c
   // Where the input is the drive's answer, that answer holds what the drive does already.
   const bool answered = !r.drive_command.empty();
   dynamics::Actuation<T> actuation(answered ? detail::behind_drive(setup.effects) : setup.effects);
-  dynamics::Actuation<T> drive(answered ? detail::of_drive(setup.effects) : dynamics::Effects<T>{});
+  // What the drive reports stands on its own clock, whatever the positions' is.
+  const bool own_clock = !answered && !r.drive.empty() && setup.effects.has(dynamics::Effect::time_skew);
+  dynamics::Actuation<T> drive(answered    ? detail::of_drive(setup.effects)
+                               : own_clock ? detail::unskewed(setup.effects)
+                                           : dynamics::Effects<T>{});
   with_plant(r.kind, setup, [&](auto& plant) {
     const dynamics::Sensing<T> sensing(setup.effects, detail::reference<T>(plant));
     // A slip is an event of each recording, not of the machine: where the effect is on, the recording's own.
@@ -174,11 +184,11 @@ void simulate(const PlantSetup<T>& setup, const Recording& r, const Window& w, c
     for (std::size_t i = w.first; i < w.last; ++i) {
       const double interval_s = r.time_s[i + 1] - r.time_s[i];
       visit(i, x, v,
-            answered ? drive.at_row(told, i, interval_s)
-            : ideal  ? T(r.input[i])
-                     : actuation.at_row(commands, i, interval_s),
+            answered || own_clock ? drive.at_row(told, i, interval_s)
+            : ideal               ? T(r.input[i])
+                                  : actuation.at_row(commands, i, interval_s),
             leg_angle);
-      if (answered) drive.drive(told, i, interval_s);
+      if (answered || own_clock) drive.drive(told, i, interval_s);
       const T input = ideal ? T(r.input[i]) : actuation.drive(commands, i, interval_s);
       plant.advance(actuation.motor(input, commands, i), interval_s);
       x = sensing.measured(detail::height(plant));
