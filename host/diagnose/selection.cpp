@@ -51,9 +51,9 @@ class Search {
       s_.beyond_bounds = wider;
       return std::move(s_);
     }
-    forward();
+    forward(0);
     one_for_several();
-    beam();
+    if (beam() && !follows_the_body(s_.chosen)) forward(s_.chosen.effects.size());
     replace_by_rivals();
     if (wider && trainer_.preference(s_.chosen, *wider) > -kEqualEvidence) s_.beyond_bounds = wider;
     return std::move(s_);
@@ -88,14 +88,18 @@ class Search {
     return proposals;
   }
 
-  /// How many of the proposals are fitted; puts them first.
-  std::size_t worth_a_fit(std::vector<Proposal>& proposals, std::size_t most) const {
+  /// How many of the proposals on top of `on` are fitted; puts them first.
+  std::size_t worth_a_fit(std::vector<Proposal>& proposals, const Hypothesis& on, std::size_t most) const {
     // What does not move the body promises little beside what does, and dry friction that sticks is badly
-    // judged by a linear step: those first, always.
+    // judged by a linear step: those first, always; and a law that has one of the set as a special case,
+    // where that does not do.
+    const bool lacking = !on.effects.empty() && !follows_the_body(on);
     const auto always = [&](const Proposal& p) {
       const identify::Channel judge = judged_on(p.effect, trainer_.recordings);
       const bool hardly_seen = judge == identify::Channel::contact || judge == identify::Channel::drive;
-      return (hardly_seen && p.gain > 0.0) ||
+      const bool wider =
+          std::any_of(on.effects.begin(), on.effects.end(), [&](Effect e) { return contains(p.effect, e); });
+      return (hardly_seen && p.gain > 0.0) || (lacking && wider) ||
              (most >= kMostFits &&
               (p.effect == Effect::coulomb_friction ||
                (trainer_.model.kind != dynamics::Kind::hopper_linear &&
@@ -115,15 +119,15 @@ class Search {
   /// The effect that removes most, if that is more than chance and numerics could; of those that remove as
   /// much, the one with the fewest parameters, then the first of the catalogue. Which are worth a fit is seen
   /// from one linear step each. Then the next.
-  void forward() {
-    for (std::size_t round = 0; round < kMostEffects; ++round) {
+  void forward(std::size_t first_round) {
+    for (std::size_t round = first_round; round < kMostEffects; ++round) {
       EffectSet left;
       for (Effect e : all_)
         if (!holds(s_.chosen.effects, e)) left.push_back(e);
       const double from = 0.05 + 0.18 * static_cast<double>(round);
       std::vector<Proposal> proposals = propose(s_.chosen, left, from, 0.09);
       if (round == 0) first_promises_ = proposals;
-      std::vector<Tried> trials(worth_a_fit(proposals, round == 0 ? kMostFits : kMostFits / 2));
+      std::vector<Tried> trials(worth_a_fit(proposals, s_.chosen, round == 0 ? kMostFits : kMostFits / 2));
       identify::parallel_for(trials.size(), trainer_.threads, [&](std::size_t i) {
         const EffectSet larger = extended(s_.chosen.effects, proposals[i].effect);
         tell(from + 0.09, names(larger));
@@ -207,9 +211,10 @@ class Search {
   }
 
   /// The effect that alone removes most may be a compromise between two causes: where one does not explain
-  /// the recordings, pairs that begin with others.
-  void beam() {
-    if (s_.chosen.effects.empty() || (s_.chosen.effects.size() == 1 && follows_the_body(s_.chosen))) return;
+  /// the recordings, pairs that begin with others. True if one of them took the place of the chosen set.
+  bool beam() {
+    if (s_.chosen.effects.empty() || (s_.chosen.effects.size() == 1 && follows_the_body(s_.chosen)))
+      return false;
     std::vector<const Tried*> firsts;
     for (const Tried& t : s_.tried)
       if (t.round == 0 && t.against_smaller.significant && t.hypothesis.effects.size() == 1)
@@ -232,14 +237,17 @@ class Search {
       for (Tried& t : trials)
         if (!t.hypothesis.failed) pairs.push_back(std::move(t));
     }
+    bool better = false;
     if (const Tried* best = best_of(pairs)) {
       const Hypothesis& pair = simplest(pairs, *best).hypothesis;
-      if (trainer_.preference(s_.chosen, pair) > price_of(pair)) {
+      better = trainer_.preference(s_.chosen, pair) > price_of(pair);
+      if (better) {
         s_.chosen = Hypothesis(pair);
         prune(s_.chosen);
       }
     }
     s_.tried.insert(s_.tried.end(), pairs.begin(), pairs.end());
+    return better;
   }
 
   /// By how much a set must be preferred to the chosen one to take its place: fewer causes or parameters for
