@@ -399,6 +399,12 @@ class Assembly {
     d_.residual_white = noise_alone;
     d_.unexplained_fraction = before > 0.0 ? std::clamp((after - floor) / before, 0.0, 1.0) : 0.0;
     d_.verdict = decide(noise_alone, after < before, little);
+    // What is not in the catalogue may look like the named causes in part: the less they explain, the
+    // likelier.
+    if (d_.verdict == Verdict::partly_explained && !other_channels_alone()) {
+      d_.unnamed_share = before > floor ? std::clamp((after - floor) / (before - floor), 0.0, 1.0) : 0.0;
+      for (Finding& f : d_.findings) f.confidence *= 1.0 - d_.unnamed_share;
+    }
   }
 
   Verdict decide(bool noise_alone, bool better_held_out, bool little_remains) const {

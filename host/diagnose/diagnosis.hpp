@@ -143,6 +143,8 @@ struct Diagnosis {
   };
   std::vector<BeyondBounds> beyond_bounds;
   double unexplained_fraction = 0.0;
+  /// Of what could be explained, what no named cause explains (partly_explained; else 0).
+  double unnamed_share = 0.0;
   bool residual_white = true;
   std::vector<Association> goes_along_with;
   std::string next_experiment;  ///< of the whole diagnosis

@@ -30,6 +30,10 @@ bool the_same(const Hypothesis& one, const Hypothesis& other) {
   return std::abs(one.fit.squares - other.fit.squares) < 1e-4 * other.fit.squares;
 }
 
+bool earlier_in_catalogue(const Tried& a, const Tried& b) {
+  return a.hypothesis.effects < b.hypothesis.effects;
+}
+
 bool stands(const Tried& t) { return t.against_smaller.significant && t.hypothesis.meaningful; }
 
 class Search {
@@ -133,8 +137,7 @@ class Search {
         tell(from + 0.09, names(larger));
         trials[i] = tried(larger, s_.chosen, proposals[i], round, left.size());
       });
-      std::sort(trials.begin(), trials.end(),
-                [](const Tried& a, const Tried& b) { return a.hypothesis.effects < b.hypothesis.effects; });
+      std::sort(trials.begin(), trials.end(), earlier_in_catalogue);
       const Tried* best = best_of(trials);
       if (best != nullptr) s_.chosen = simplest(trials, *best).hypothesis;
       s_.tried.insert(s_.tried.end(), trials.begin(), trials.end());
@@ -237,6 +240,7 @@ class Search {
       for (Tried& t : trials)
         if (!t.hypothesis.failed) pairs.push_back(std::move(t));
     }
+    std::stable_sort(pairs.begin(), pairs.end(), earlier_in_catalogue);
     bool better = false;
     if (const Tried* best = best_of(pairs)) {
       const Hypothesis& pair = simplest(pairs, *best).hypothesis;
@@ -282,6 +286,17 @@ class Search {
       s_.chosen = Hypothesis(better->hypothesis);
       prune(s_.chosen);
     }
+  }
+
+  /// The member of the chosen set that `effects` has not, if that is one and there are no more parameters.
+  std::optional<Effect> the_one_replaced(const EffectSet& effects) const {
+    EffectSet missing;
+    for (Effect e : s_.chosen.effects)
+      if (!holds(effects, e)) missing.push_back(e);
+    if (missing.size() != 1 || effects.size() < s_.chosen.effects.size() ||
+        parameters_of(effects) > parameters_of(s_.chosen.effects))
+      return std::nullopt;
+    return missing.front();
   }
 
   /// A set with another effect, or two, in the place of one member.
@@ -336,10 +351,18 @@ class Search {
       }
     });
     std::vector<Selection::Rival> equals;
-    for (std::size_t i = 0; i < fitted.size(); ++i)
-      if (!fitted[i].failed && fitted[i].meaningful &&
-          (trainer_.preference(fitted[i], s_.chosen) < kEqualEvidence || the_same(fitted[i], s_.chosen)))
-        equals.push_back({replacements[i].of, fitted[i]});
+    const auto add = [&](Effect of, const Hypothesis& h) {
+      if (h.failed || !h.meaningful) return;
+      const bool known = std::any_of(equals.begin(), equals.end(), [&](const Selection::Rival& r) {
+        return r.of == of && r.hypothesis.effects == h.effects;
+      });
+      if (!known && (trainer_.preference(h, s_.chosen) < kEqualEvidence || the_same(h, s_.chosen)))
+        equals.push_back({of, h});
+    };
+    for (std::size_t i = 0; i < fitted.size(); ++i) add(replacements[i].of, fitted[i]);
+    // A fit that started elsewhere may have gone further.
+    for (const Tried& t : s_.tried)
+      if (const auto of = the_one_replaced(t.hypothesis.effects)) add(*of, t.hypothesis);
     return equals;
   }
 

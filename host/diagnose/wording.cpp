@@ -107,10 +107,15 @@ std::string summary(const Diagnosis& d) {
     case Verdict::explained:
       return "The model misses " + named + ": with it the " + where + " falls " +
              before_and_after(d, d.refitted, d.extended) + remainder(d) + ".";
-    case Verdict::partly_explained:
-      return "The model misses " + named + ": with it the " + where + " falls " +
-             before_and_after(d, d.refitted, d.extended) +
-             ", but structure remains that no effect of the catalogue removes.";
+    case Verdict::partly_explained: {
+      const std::string falls =
+          ": with it the " + where + " falls " + before_and_after(d, d.refitted, d.extended);
+      if (d.unnamed_share <= 0.5)
+        return "The model misses " + named + falls +
+               ", but structure remains that no effect of the catalogue removes.";
+      return "Most of what the model misses is not in the catalogue. A part of it looks like " + named +
+             falls + ".";
+    }
     case Verdict::unexplained:
       return "The model is wrong in a way that no effect of the catalogue explains: the " + where +
              " stays at " + readable(d.refitted.at(d.main_channel).rmse, d.main_unit) +
