@@ -59,6 +59,30 @@ void expect_found(Kind kind, std::string_view effect, const Seeds& seeds = {}) {
   expect_no_wrong_name(kind, effect, seeds.small);
 }
 
+/// Both, or the same law in other words, and nothing else.
+void expect_both(const Question& question) {
+  const Case c = draw_case(question);
+  const Judgement j = judge(c, diagnosed(c, kThreads));
+  INFO(c.description());
+  INFO(j.said);
+  CHECK((j.outcome == Outcome::named || (j.outcome == Outcome::not_separated && j.alike)));
+  CHECK(listed(j.extra) == "");
+  CHECK(std::string(diagnose::name(j.verdict)) == "explained");
+}
+
+void expect_honest(const Question& question, std::string_view goes_along_with) {
+  const Case c = draw_case(question);
+  REQUIRE(c.outside());
+  const diagnose::Diagnosis d = diagnosed(c, kThreads);
+  const Judgement j = judge(c, d);
+  INFO(c.description());
+  INFO(j.said);
+  CHECK(std::string(name(j.outcome)) == std::string(name(Outcome::honest)));
+  for (const auto& f : d.findings) CHECK(f.confidence < 0.9);
+  REQUIRE(!d.goes_along_with.empty());
+  CHECK(d.goes_along_with.front().signal == goes_along_with);
+}
+
 void expect_adequate(Kind kind) {
   for (std::uint64_t seed = 1; seed <= 4; ++seed) {
     const Case c = draw_clean_case(seed, kind);
@@ -225,6 +249,28 @@ TEST_CASE("Places, inertias, drives and encoders hidden in a rotary joint are fo
 TEST_CASE("Friction and a slip hidden in a rail carriage are found") {
   for (const char* effect : {"coulomb_friction", "quadratic_drag", "encoder_slip"})
     expect_named(Kind::rail_carriage, effect, Size::medium, 2);
+}
+
+TEST_CASE("Two causes that a rail carriage hides are both found") {
+  expect_both({900, Kind::rail_carriage, {"stribeck_friction", "guide_tilt"}, Size::medium, Nominal::exact});
+}
+
+TEST_CASE("A damping and a skew of the clocks that a hopper hides are both found") {
+  expect_both(
+      {31350, Kind::hopper_linear, {"damping_error", "time_skew"}, Size::large, Nominal::wrong, true});
+}
+
+TEST_CASE("Stribeck friction and a soft ground that a hopper hides are both found") {
+  expect_both({31347,
+               Kind::hopper_linear,
+               {"stribeck_friction", "ground_compliance"},
+               Size::medium,
+               Nominal::wrong,
+               true});
+}
+
+TEST_CASE("A cable that pulls on one way only is in no catalogue, and the place and the way are told") {
+  expect_honest({77, Kind::rotary_joint, {"cable_snag"}, Size::medium, Nominal::wrong, true}, "angle_rad");
 }
 
 TEST_CASE("Nothing is found in a rotary joint that hides nothing") { expect_adequate(Kind::rotary_joint); }
