@@ -182,6 +182,7 @@ Proposer::Promise Proposer::step(const Hypothesis& on, const std::vector<Effect>
 
 std::vector<Proposer::Values> Proposer::swings(const Hypothesis& on, const std::vector<Effect>& larger,
                                                Effect effect) const {
+  constexpr std::size_t kLookedAt = 8;
   // Frequencies so dense that half a turn lies between neighbours over the travel.
   std::vector<double> shapes;
   const double pi = std::numbers::pi;
@@ -211,7 +212,15 @@ std::vector<Proposer::Values> Proposer::swings(const Hypothesis& on, const std::
     const double a = sine.values[0], b = cosine.values[0];
     found.push_back({sine.squares + cosine.squares, {std::hypot(a, b), shape, std::atan2(b, a)}});
   }
-  std::sort(found.begin(), found.end(), [](const Found& a, const Found& b) { return a.squares < b.squares; });
+  const auto sort = [&] {
+    std::stable_sort(found.begin(), found.end(),
+                     [](const Found& a, const Found& b) { return a.squares < b.squares; });
+  };
+  sort();
+  // Sine and cosine together, and the frequency free.
+  if (found.size() > kLookedAt) found.resize(kLookedAt);
+  for (Found& f : found) f.squares = step(on, larger, effect, f.values, few_, false).squares;
+  sort();
   std::vector<Values> best;
   for (std::size_t i = 0; i < found.size() && i < 3; ++i)
     if (std::isfinite(found[i].squares)) best.push_back(found[i].values);
