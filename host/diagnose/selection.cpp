@@ -104,19 +104,18 @@ class Search {
       const bool wider =
           std::any_of(on.effects.begin(), on.effects.end(), [&](Effect e) { return contains(p.effect, e); });
       return (hardly_seen && p.gain > 0.0) || (lacking && wider) ||
-             (most >= kMostFits &&
+             ((most >= kMostFits || lacking) &&
               (p.effect == Effect::coulomb_friction ||
                (trainer_.model.kind != dynamics::Kind::hopper_linear &&
                 (p.effect == Effect::asymmetric_friction || p.effect == Effect::stribeck_friction))));
     };
-    std::stable_partition(proposals.begin(), proposals.end(), always);
+    const auto first_other = std::stable_partition(proposals.begin(), proposals.end(), always);
+    const auto fixed = static_cast<std::size_t>(first_other - proposals.begin());
+    most = std::min(std::max(most, fixed + kFewestFits), proposals.size());
     double most_promising = 0.0;
     for (const Proposal& p : proposals) most_promising = std::max(most_promising, p.gain);
-    std::size_t count = 0;
-    while (count < std::min(most, proposals.size()) &&
-           (count < kFewestFits || always(proposals[count]) ||
-            proposals[count].gain > kSmallestPromise * most_promising))
-      ++count;
+    std::size_t count = std::min(std::max(fixed, kFewestFits), most);
+    while (count < most && proposals[count].gain > kSmallestPromise * most_promising) ++count;
     return count;
   }
 
