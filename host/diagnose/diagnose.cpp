@@ -5,6 +5,7 @@
 #include <set>
 
 #include "host/diagnose/associations.hpp"
+#include "host/diagnose/effect_set.hpp"
 #include "host/diagnose/next_experiment.hpp"
 #include "host/diagnose/residual_force.hpp"
 #include "host/diagnose/selection.hpp"
@@ -390,8 +391,10 @@ class Assembly {
           d_.beyond_bounds.push_back({u.name, u.unit, bounds.lower, bounds.upper, h.fit.values[i]});
       }
     }
+    // No simulator's numerics jump from one row to the next.
+    const bool numerics = before <= kNumerics && !holds(selection_.chosen.effects, Effect::encoder_slip);
     if (!d_.findings.empty() && !other_channels_alone() &&
-        (before <= kNumerics || (undecided_ && noise_alone_with(selection_.refitted.fitted, before))))
+        (numerics || (undecided_ && noise_alone_with(selection_.refitted.fitted, before))))
       retract();
     const double after = nmse(d_.extended);
     const bool noise_alone = noise_alone_with(d_.extended_model, after);
