@@ -137,12 +137,37 @@ class Search {
         trials[i] = tried(larger, s_.chosen, proposals[i], round, left.size());
       });
       std::sort(trials.begin(), trials.end(), earlier_in_catalogue);
+      const EffectSet before = s_.chosen.effects;
       const Tried* best = best_of(trials);
       if (best != nullptr) s_.chosen = simplest(trials, *best).hypothesis;
+      const bool swapped = swap_members(trials, before, round);
       s_.tried.insert(s_.tried.end(), trials.begin(), trials.end());
-      if (best == nullptr) return;
+      if (best == nullptr && !swapped) return;
       prune(s_.chosen);
     }
+  }
+
+  /// Where a larger set removes more but means nothing, because the new member explains what an old one was
+  /// taken for: the new one in the place of that, if the set is better than the chosen one.
+  bool swap_members(const std::vector<Tried>& trials, const EffectSet& before, std::size_t round) {
+    std::vector<Tried> swaps;
+    for (const Tried& t : trials) {
+      if (t.hypothesis.failed || !t.against_smaller.significant || t.hypothesis.meaningful) continue;
+      for (Effect e : before) {
+        if (!holds(t.hypothesis.effects, e)) continue;
+        Tried s{trainer_.fit(without(t.hypothesis.effects, e), &t.hypothesis), round, {}};
+        s.against_smaller = trainer_.compare(s_.refitted, s.hypothesis, all_.size());
+        swaps.push_back(std::move(s));
+      }
+    }
+    bool swapped = false;
+    for (const Tried& s : swaps)
+      if (stands(s) && trainer_.preference(s_.chosen, s.hypothesis) > price_of(s.hypothesis)) {
+        s_.chosen = Hypothesis(s.hypothesis);
+        swapped = true;
+      }
+    s_.tried.insert(s_.tried.end(), swaps.begin(), swaps.end());
+    return swapped;
   }
 
   const Tried* best_of(const std::vector<Tried>& trials) const {
