@@ -61,6 +61,7 @@ std::string unit_of(const std::string& channel, const Diagnosis& d) {
   const std::string_view suffix = diagnose::channel_suffix(channel, d.kind);
   if (suffix == "mps") return "m/s";
   if (suffix == "radps") return "rad/s";
+  if (suffix == "nm") return "N m";
   return suffix.empty() ? d.main_unit : std::string(suffix);
 }
 
@@ -247,8 +248,10 @@ std::string errors_table(const Diagnosis& d) {
                  number(scale.factor * or_nan(extended, member)),
                  known ? number(scale.factor * floor->*member) : "", escape(scale.unit)});
     };
-    add("NMSE", &E::nmse, {1.0, ""}, true);
-    add("MAE", &E::mae, s, false);
+    // Of instants, which have no spread to compare with, there is no NMSE.
+    const bool relative = std::isfinite(given.nmse);
+    if (relative) add("NMSE", &E::nmse, {1.0, ""}, true);
+    add("MAE", &E::mae, s, !relative);
     add("RMSE", &E::rmse, s, false);
   }
   if (table.empty()) return "";

@@ -252,6 +252,19 @@ TEST_CASE("figures that are not finite are dashes on the page") {
   CHECK(count(markup, "nan ") + count(markup, ">nan") + count(markup, "Mnan") + count(markup, "Lnan") == 0);
 }
 
+TEST_CASE("the table of errors has each channel's unit, and no row for a figure that a channel has not") {
+  diagnose::Diagnosis d = test::sample_diagnosis(4, 2);
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const std::size_t rows = count(report::render_report(d), ">NMSE</td>");
+  REQUIRE(rows > 0);
+  d.baseline["torque"] = d.refitted["torque"] = d.extended["torque"] = {0.1, 0.2, 0.3};
+  d.baseline["contact"] = d.refitted["contact"] = d.extended["contact"] = {nan, 2e-3, 3e-3};
+  const std::string page = report::render_report(d);
+  CHECK(count(page, ">NMSE</td>") == rows + 1);
+  CHECK_THAT(page, Contains("<td>N m</td>"));
+  CHECK(count(page, "<td>nm</td>") == 0);
+}
+
 struct Traces {
   std::vector<double> time_s, measured, model;
 };
