@@ -84,7 +84,8 @@ bool always_same(const model::Model& model, const std::vector<Effect>& a, const 
 std::map<std::string, Estimate> effect_parameters(const Hypothesis& h, Kind kind, bool qualified,
                                                   const Effect* only) {
   std::map<std::string, Estimate> all;
-  const auto verdicts = identify::parameter_verdicts(h.fit, h.unknowns);
+  const auto verdicts =
+      identify::parameter_verdicts(identify::in_law_parameters(h.fit, h.unknowns, h.fitted), h.unknowns);
   for (std::size_t i = 0; i < h.unknowns.size(); ++i) {
     const auto& u = h.unknowns[i];
     if (!u.of_effect || (only != nullptr && u.effect != *only)) continue;
@@ -347,7 +348,9 @@ class Assembly {
   void parameter_rows() {
     const auto table = dynamics::info(model_.kind).parameters;
     const auto before = identify::parameter_verdicts(selection_.refitted.fit, selection_.refitted.unknowns);
-    const auto after = identify::parameter_verdicts(selection_.chosen.fit, selection_.chosen.unknowns);
+    const Hypothesis& chosen = selection_.chosen;
+    const auto after = identify::parameter_verdicts(
+        identify::in_law_parameters(chosen.fit, chosen.unknowns, chosen.fitted), chosen.unknowns);
     for (std::size_t i = 0; i < table.size(); ++i) {
       Diagnosis::ParameterRow row;
       row.name = table[i].name;

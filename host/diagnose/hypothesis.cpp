@@ -115,8 +115,7 @@ bool stands_out(const Hypothesis& h, const model::Model& model, Effect e, double
     const bool of_model = dynamics::parameter_index(model.kind, name_on(p, model.kind)).has_value();
     if (std::isnan(p.neutral) && !of_model && u.parameter != 0) continue;
     sizes.push_back(static_cast<Eigen::Index>(i));
-    away.push_back(h.fit.values[i] -
-                   (model.effects.contains(e) ? model.effects.at(e)[u.parameter] : neutral[i]));
+    away.push_back(h.fit.values[i] - neutral[i]);
   }
   if (sizes.empty()) return true;
   Eigen::MatrixXd covariance = h.fit.covariance(sizes, sizes);

@@ -141,12 +141,13 @@ Proposer::Promise Proposer::step(const Hypothesis& on, const std::vector<Effect>
                                  bool shape_held) const {
   const std::vector<identify::Unknown> unknowns = unknowns_of(t_.model, larger);
   std::vector<double> at = identify::values_in(on.fitted, unknowns);
+  const Values start = identify::fitted_from_law(effect, values, t_.model);
   const auto n = static_cast<Eigen::Index>(unknowns.size());
   Eigen::VectorXd low(n), high(n);
   for (std::size_t i = 0; i < unknowns.size(); ++i) {
     const auto& u = unknowns[i];
     const bool own = u.of_effect && u.effect == effect;
-    if (own) at[i] = std::clamp(values[u.parameter], u.lower, u.upper);
+    if (own) at[i] = std::clamp(start[u.parameter], u.lower, u.upper);
     const auto k = static_cast<Eigen::Index>(i);
     low(k) = u.lower - at[i];
     high(k) = u.upper - at[i];
@@ -177,6 +178,7 @@ Proposer::Promise Proposer::step(const Hypothesis& on, const std::vector<Effect>
   for (std::size_t i = 0; i < unknowns.size(); ++i)
     if (unknowns[i].of_effect && unknowns[i].effect == effect)
       promise.values[unknowns[i].parameter] = at[i] + by(static_cast<Eigen::Index>(i));
+  promise.values = identify::law_from_fitted(effect, promise.values, t_.model);
   return promise;
 }
 

@@ -34,7 +34,7 @@ std::vector<double> values_from(const Trainer& t, const std::vector<identify::Un
     const auto& u = unknowns[i];
     if (!u.of_effect || base.effects.contains(u.effect)) continue;
     if (const auto proposed = starts.find(u.effect); proposed != starts.end())
-      values[i] = proposed->second[u.parameter];
+      values[i] = identify::fitted_from_law(u.effect, proposed->second, t.model)[u.parameter];
   }
   return values;
 }

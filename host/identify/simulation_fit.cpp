@@ -220,6 +220,32 @@ std::vector<bool> at_bounds(const std::vector<double>& values, const std::vector
   return all;
 }
 
+Fit in_law_parameters(Fit fit, const std::vector<Unknown>& unknowns, const model::Model& model) {
+  const auto first = std::find_if(unknowns.begin(), unknowns.end(), [](const Unknown& u) {
+    return u.of_effect && u.effect == dynamics::Effect::leg_inertia && u.parameter == 0;
+  });
+  if (first == unknowns.end()) return fit;
+  const Eigen::Index at = first - unknowns.begin();
+  const auto count = static_cast<Eigen::Index>(unknowns.size());
+  Eigen::MatrixXd to_law = Eigen::MatrixXd::Identity(count, count);
+  for (Eigen::Index k = 0; k < 3; ++k) {
+    std::array<double, 3> unit{};
+    unit[static_cast<std::size_t>(k)] = 1.0;
+    links_to_law(unit, model.parameter("link_length_m"));
+    to_law.block<3, 1>(at, at + k) = Eigen::Vector3d(unit[0], unit[1], unit[2]);
+  }
+  Eigen::Map<Eigen::VectorXd> values(fit.values.data(), count);
+  values = (to_law * values).eval();
+  fit.covariance = to_law * fit.covariance * to_law.transpose();
+  const Eigen::MatrixXd back = to_law.inverse();
+  for (WindowShare& s : fit.shares) {
+    s.gradient = back.transpose() * s.gradient;
+    s.information = back.transpose() * s.information * back;
+  }
+  fit.at_bound = at_bounds(fit.values, unknowns);
+  return fit;
+}
+
 Eigen::MatrixXd sandwich_covariance(const std::vector<WindowShare>& shares, const std::vector<bool>& at_bound,
                                     std::size_t layers) {
   const auto count = static_cast<Eigen::Index>(at_bound.size());

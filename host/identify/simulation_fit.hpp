@@ -61,6 +61,10 @@ Fit look_by_simulation(const model::Model& model, const std::vector<Unknown>& un
                        const std::vector<double>& values, const std::vector<Recording>& recordings,
                        const std::vector<Window>& windows);
 
+/// The fit by the parameters of the laws, where those are not what is fitted (unknowns.hpp); the same
+/// elsewhere.
+Fit in_law_parameters(Fit fit, const std::vector<Unknown>& unknowns, const model::Model& model);
+
 /// @throws log::DataError, naming the first recording, where `finite` is false.
 void require_finite(bool finite, const std::vector<Recording>& recordings,
                     const std::vector<Window>& windows);

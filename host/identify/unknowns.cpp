@@ -4,6 +4,18 @@
 
 namespace furcula::identify {
 
+std::array<double, 3> fitted_from_law(dynamics::Effect effect, std::array<double, 3> law,
+                                      const model::Model& model) {
+  if (effect == dynamics::Effect::leg_inertia) links_from_law(law, model.parameter("link_length_m"));
+  return law;
+}
+
+std::array<double, 3> law_from_fitted(dynamics::Effect effect, std::array<double, 3> fitted,
+                                      const model::Model& model) {
+  if (effect == dynamics::Effect::leg_inertia) links_to_law(fitted, model.parameter("link_length_m"));
+  return fitted;
+}
+
 std::vector<Unknown> free_unknowns(const model::Model& model) {
   std::vector<Unknown> all;
   const auto table = dynamics::info(model.kind).parameters;
@@ -38,7 +50,7 @@ std::vector<double> values_in(const model::Model& model, const std::vector<Unkno
       continue;
     }
     if (const auto on = model.effects.find(u.effect); on != model.effects.end()) {
-      values.push_back(on->second[u.parameter]);
+      values.push_back(fitted_from_law(u.effect, on->second, model)[u.parameter]);
       continue;
     }
     const auto& p = dynamics::info(u.effect).parameter_table[u.parameter];
@@ -59,6 +71,9 @@ model::Model with_values(model::Model model, const std::vector<Unknown>& unknown
     else
       model.parameters[unknowns[i].parameter] = values[i];
   }
+  for (const Unknown& u : unknowns)
+    if (u.of_effect && u.parameter == 0)
+      model.effects[u.effect] = law_from_fitted(u.effect, model.effects[u.effect], model);
   return model;
 }
 

@@ -1,6 +1,7 @@
 // What a fit moves: parameters of the model and of effects, in one vector.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <string>
 #include <string_view>
@@ -11,7 +12,26 @@
 
 namespace furcula::identify {
 
-/// One entry of the vector of unknowns.
+/// The links' inertias (a, b, e of leg_inertia) are fitted as p, q, r >= 0 with a = L (q + 2 r), b = r,
+/// e = p + q + 2 r: all that links can have, and nothing else (docs/physics.md, what links can have). Takes
+/// the one for the other, in place.
+template <class T>
+void links_to_law(std::array<T, 3>& of, double length_m) {
+  const T p = of[0], q = of[1], r = of[2];
+  of = {(q + 2.0 * r) * length_m, r, p + q + 2.0 * r};
+}
+inline void links_from_law(std::array<double, 3>& of, double length_m) {
+  const auto [a, b, e] = of;
+  of = {e - a / length_m, a / length_m - 2.0 * b, b};
+}
+
+/// An effect's parameters as they are fitted, from the law's; the links' are not the same.
+std::array<double, 3> fitted_from_law(dynamics::Effect effect, std::array<double, 3> law,
+                                      const model::Model& model);
+std::array<double, 3> law_from_fitted(dynamics::Effect effect, std::array<double, 3> fitted,
+                                      const model::Model& model);
+
+/// One entry of the vector of unknowns. Those of leg_inertia, by its parameters' names, are p, q and r.
 struct Unknown {
   bool of_effect = false;
   dynamics::Effect effect{};  ///< where of_effect
@@ -51,6 +71,13 @@ struct PlantSetup {
         effects.set(unknowns[i].effect, unknowns[i].parameter, values[i]);
       else
         parameters[unknowns[i].parameter] = values[i];
+    }
+    constexpr auto kLinks = dynamics::Effect::leg_inertia;
+    if (std::any_of(unknowns.begin(), unknowns.end(),
+                    [](const Unknown& u) { return u.of_effect && u.effect == kLinks; })) {
+      std::array<T, 3> links{effects.value(kLinks, 0), effects.value(kLinks, 1), effects.value(kLinks, 2)};
+      links_to_law(links, model.parameter("link_length_m"));
+      effects.set(kLinks, links);
     }
   }
 };
