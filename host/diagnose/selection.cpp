@@ -195,17 +195,25 @@ class Search {
     return *simplest;
   }
 
-  /// Backward: takes out members that the others have made needless.
+  /// Backward: takes out members that the others have made needless, and takes a law's special case for one
+  /// that needs no more.
   void prune(Hypothesis& chosen) const {
-    for (bool removed = chosen.effects.size() > 1; removed;) {
-      removed = false;
-      for (Effect e : chosen.effects) {
-        Hypothesis smaller = trainer_.fit(without(chosen.effects, e), &chosen);
-        if (trainer_.compare(smaller, chosen, all_.size()).significant) continue;
-        if (chosen.meaningful && !smaller.meaningful) continue;
-        chosen = std::move(smaller);
-        removed = chosen.effects.size() > 1;
-        break;
+    const auto replaced_by = [&](Hypothesis smaller) {
+      if (trainer_.compare(smaller, chosen, all_.size()).significant) return false;
+      if (chosen.meaningful && !smaller.meaningful) return false;
+      chosen = std::move(smaller);
+      return true;
+    };
+    for (bool again = true; again && chosen.effects.size() > 1;) {
+      again = false;
+      for (Effect e : EffectSet(chosen.effects)) {
+        const EffectSet rest = without(chosen.effects, e);
+        again = replaced_by(trainer_.fit(rest, &chosen));
+        for (Effect special : all_)
+          if (!again && contains(e, special))
+            again = replaced_by(
+                trainer_.fit(with(rest, special), &chosen, {{special, {chosen.fitted.effects.at(e)[0]}}}));
+        if (again) break;
       }
     }
   }
