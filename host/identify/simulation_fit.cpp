@@ -234,6 +234,8 @@ Fit in_law_parameters(Fit fit, const std::vector<Unknown>& unknowns, const model
     links_to_law(unit, model.parameter("link_length_m"));
     to_law.block<3, 1>(at, at + k) = Eigen::Vector3d(unit[0], unit[1], unit[2]);
   }
+  for (std::size_t k = 0; k < 3; ++k) fit.at_bound[static_cast<std::size_t>(at) + k] = false;
+  fit.covariance = sandwich_covariance(fit.shares, fit.at_bound, fit.layers);
   Eigen::Map<Eigen::VectorXd> values(fit.values.data(), count);
   values = (to_law * values).eval();
   fit.covariance = to_law * fit.covariance * to_law.transpose();
@@ -242,7 +244,6 @@ Fit in_law_parameters(Fit fit, const std::vector<Unknown>& unknowns, const model
     s.gradient = back.transpose() * s.gradient;
     s.information = back.transpose() * s.information * back;
   }
-  fit.at_bound = at_bounds(fit.values, unknowns);
   return fit;
 }
 
@@ -361,6 +362,7 @@ Fit fit_by_simulation(const model::Model& model, const std::vector<Unknown>& unk
   fit.at_bound = at_bounds(fit.values, unknowns);
   problems.shares(fit, 6);
   require_finite(usable && std::isfinite(fit.squares), recordings, windows);
+  fit.layers = layers;
   fit.covariance = sandwich_covariance(fit.shares, fit.at_bound, layers);
   return fit;
 }

@@ -46,6 +46,7 @@ struct Fit {
   Eigen::MatrixXd covariance;  ///< of the unknowns; from the scatter of the windows' gradients (sandwich), so
                                ///< that neighbouring samples need not be independent
   std::vector<bool> at_bound;
+  std::size_t layers = 1;  ///< in how many of the windows each row lies
 };
 
 /// `layers`: in how many of the windows each row lies; the covariance takes it into account.
@@ -61,8 +62,8 @@ Fit look_by_simulation(const model::Model& model, const std::vector<Unknown>& un
                        const std::vector<double>& values, const std::vector<Recording>& recordings,
                        const std::vector<Window>& windows);
 
-/// The fit by the parameters of the laws, where those are not what is fitted (unknowns.hpp); the same
-/// elsewhere.
+/// The fit by the parameters of the laws, where those are not what is fitted (unknowns.hpp); else the same.
+/// A coordinate that lies on its bound is not thereby known: the covariance is that without the bound.
 Fit in_law_parameters(Fit fit, const std::vector<Unknown>& unknowns, const model::Model& model);
 
 /// @throws log::DataError, naming the first recording, where `finite` is false.

@@ -75,20 +75,28 @@ TEST_CASE("A fit's values, covariance and information are told of the law's para
   model::Model model = test::hopper_model();
   model.parameters[*dynamics::parameter_index(model.kind, "link_length_m")] = kLength_m;
   const auto unknowns = identify::effect_unknowns(Effect::leg_inertia, model.kind);
+  // Many windows that say the same: the scatter of their gradients is their information.
   identify::Fit fit;
-  fit.values = {0.010, 0.013, 0.0075};
-  fit.covariance = Eigen::Vector3d(1e-6, 4e-6, 9e-6).asDiagonal();
-  fit.at_bound = {false, false, false};
-  fit.shares.resize(1);
-  fit.shares[0].gradient = Eigen::Vector3d(1.0, 2.0, 3.0);
-  fit.shares[0].information = fit.covariance.inverse();
+  fit.values = {0.010, 0.013, 0.0};
+  fit.at_bound = {false, false, true};
+  constexpr double kInformation[] = {1e6, 2.5e5, 1e6 / 9.0};
+  constexpr int kWindows = 3000;
+  for (int i = 0; i < kWindows; ++i) {
+    identify::WindowShare share;
+    share.gradient = Eigen::Vector3d::Zero();
+    share.gradient(i % 3) = (i / 3 % 2 == 0 ? 1.0 : -1.0) * std::sqrt(3.0 * kInformation[i % 3] / kWindows);
+    share.information = Eigen::Vector3d(kInformation[0], kInformation[1], kInformation[2]).asDiagonal();
+    share.information /= kWindows;
+    fit.shares.push_back(share);
+  }
   const identify::Fit law = identify::in_law_parameters(fit, unknowns, model);
-  CHECK(law.values[0] == Approx(42e-4));
-  CHECK(law.values[1] == Approx(75e-4));
-  CHECK(law.values[2] == Approx(38e-3));
-  // a = L (q + 2 r): L^2 (4 + 4 * 9) 1e-6; b = r; e = p + q + 2 r: (1 + 4 + 36) 1e-6.
-  CHECK(law.covariance(0, 0) == Approx(kLength_m * kLength_m * 40e-6));
-  CHECK(law.covariance(1, 1) == Approx(9e-6));
-  CHECK(law.covariance(2, 2) == Approx(41e-6));
-  CHECK((law.shares[0].information * law.covariance).isApprox(Eigen::Matrix3d::Identity(), 1e-6));
+  CHECK(law.values[0] == Approx(kLength_m * 0.013));
+  CHECK(law.values[1] == 0.0);
+  CHECK(law.values[2] == Approx(0.023));
+  // Variances 1e-6, 4e-6, 9e-6; that a coordinate lies on its bound makes it no surer. a = L (q + 2 r): L^2
+  // (4 + 4 * 9) 1e-6; b = r; e = p + q + 2 r: (1 + 4 + 36) 1e-6.
+  CHECK(law.covariance(0, 0) == Approx(kLength_m * kLength_m * 40e-6).epsilon(2e-3));
+  CHECK(law.covariance(1, 1) == Approx(9e-6).epsilon(2e-3));
+  CHECK(law.covariance(2, 2) == Approx(41e-6).epsilon(2e-3));
+  CHECK((kWindows * law.shares[0].information * law.covariance).isApprox(Eigen::Matrix3d::Identity(), 2e-3));
 }
