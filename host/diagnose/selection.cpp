@@ -198,9 +198,8 @@ class Search {
   /// Backward: takes out members that the others have made needless, and takes a law's special case for one
   /// that needs no more.
   void prune(Hypothesis& chosen) const {
-    const auto replaced_by = [&](Hypothesis smaller) {
-      if (trainer_.compare(smaller, chosen, all_.size()).significant) return false;
-      if (chosen.meaningful && !smaller.meaningful) return false;
+    const auto replaced_by = [&](Hypothesis smaller, bool needless) {
+      if (!needless || (chosen.meaningful && !smaller.meaningful)) return false;
       chosen = std::move(smaller);
       return true;
     };
@@ -208,11 +207,16 @@ class Search {
       again = false;
       for (Effect e : EffectSet(chosen.effects)) {
         const EffectSet rest = without(chosen.effects, e);
-        again = replaced_by(trainer_.fit(rest, &chosen));
-        for (Effect special : all_)
-          if (!again && contains(e, special))
-            again = replaced_by(
-                trainer_.fit(with(rest, special), &chosen, {{special, {chosen.fitted.effects.at(e)[0]}}}));
+        Hypothesis smaller = trainer_.fit(rest, &chosen);
+        const bool needless = !trainer_.compare(smaller, chosen, all_.size()).significant;
+        again = replaced_by(std::move(smaller), needless);
+        for (Effect special : all_) {
+          if (again || !contains(e, special)) continue;
+          Hypothesis narrower =
+              trainer_.fit(with(rest, special), &chosen, {{special, {chosen.fitted.effects.at(e)[0]}}});
+          const Comparison c = trainer_.compare(narrower, chosen, all_.size());
+          again = replaced_by(std::move(narrower), c.evidence <= c.threshold || c.gain <= kSmallestLoss);
+        }
         if (again) break;
       }
     }
