@@ -214,8 +214,8 @@ class Search {
           if (again || !contains(e, special)) continue;
           Hypothesis narrower =
               trainer_.fit(with(rest, special), &chosen, {{special, {chosen.fitted.effects.at(e)[0]}}});
-          const Comparison c = trainer_.compare(narrower, chosen, all_.size());
-          again = replaced_by(std::move(narrower), c.evidence <= c.threshold || c.gain <= kSmallestLoss);
+          const bool as_good = !trainer_.compare(narrower, chosen, all_.size()).told_apart;
+          again = replaced_by(std::move(narrower), as_good);
         }
         if (again) break;
       }

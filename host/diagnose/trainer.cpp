@@ -183,7 +183,8 @@ Comparison Trainer::compare(const Hypothesis& smaller, const Hypothesis& larger,
           1.0 - channel(larger.fit, judge).squares / std::max(channel(smaller.fit, judge).squares, 1e-300);
       worth = c.gain;
     }
-  c.significant = c.evidence > c.threshold && c.gain > kSmallestGain && worth > kSmallestWorth;
+  c.told_apart = c.evidence > c.threshold && c.gain > kSmallestGain;
+  c.significant = c.told_apart && worth > kSmallestWorth;
   return c;
 }
 

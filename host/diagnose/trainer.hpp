@@ -2,10 +2,8 @@
 #pragma once
 
 #include <array>
-#include <functional>
 #include <map>
 #include <optional>
-#include <string_view>
 #include <vector>
 
 #include "host/diagnose/hypothesis.hpp"
