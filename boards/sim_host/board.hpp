@@ -10,21 +10,21 @@
 #include "boards/sim_host/contact_switch.hpp"
 #include "boards/sim_host/drive.hpp"
 #include "boards/sim_host/faults.hpp"
+#include "boards/sim_host/plant.hpp"
 #include "boards/sim_host/sensors.hpp"
 #include "firmware/app/app.hpp"
-#include "furcula/dynamics/hopper.hpp"
 #include "furcula/dynamics/sensing.hpp"
 
 namespace furcula::sim_host {
 
 struct RigConfig {
-  dynamics::HopperLinearParameters<double> hopper;
-  dynamics::Effects<double> effects;
+  Plant plant;  ///< anywhere: the board puts it to the start
+  dynamics::Effects<double> effects{};
   double start_height_m = 0.0;
   double start_velocity_mps = 0.0;
   double duration_s = 0.0;
-  SensorErrors sensors;
-  std::vector<PlannedFault> faults;
+  SensorErrors sensors{};
+  std::vector<PlannedFault> faults{};
   std::uint64_t seed = 0;
 };
 
@@ -42,7 +42,7 @@ class SimBoard {
 
   explicit SimBoard(const RigConfig& config)
       : config_(config),
-        plant_(config.hopper, config.effects),
+        plant_(config.plant),
         drive_(config.effects),
         sensing_(config.effects, plant_.touchdown_height_m()),
         encoder_(config.sensors, kHeightCountM, config.seed),
@@ -93,7 +93,7 @@ class SimBoard {
   // What a simulation sees.
 
   double time_s() const { return static_cast<double>(tick_) * kPeriodS; }
-  const dynamics::Hopper<double>& plant() const { return plant_; }
+  const Plant& plant() const { return plant_; }
   const control::Command& command() const { return command_; }
   const control::Sample& sample() const { return sample_; }
   const firmware::Telemetry& telemetry() const { return telemetry_; }
@@ -162,7 +162,7 @@ class SimBoard {
   static constexpr std::uint32_t kHomeCount = 0xfffffff0u;
 
   RigConfig config_;
-  dynamics::Hopper<double> plant_;
+  Plant plant_;
   Drive drive_;
   dynamics::Sensing<double> sensing_;
   Encoder encoder_;

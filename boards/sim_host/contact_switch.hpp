@@ -4,9 +4,9 @@
 #include <cmath>
 #include <cstdint>
 
+#include "boards/sim_host/plant.hpp"
 #include "boards/sim_host/random.hpp"
 #include "boards/sim_host/sensors.hpp"
-#include "furcula/dynamics/hopper.hpp"
 
 namespace furcula::sim_host {
 
@@ -18,7 +18,6 @@ namespace furcula::sim_host {
 /// to 2 ms after opening.
 class ContactSwitch {
  public:
-  using Plant = dynamics::Hopper<double>;
   static constexpr double kJitterS = 0.010;
 
   /// `delay_s`: by how much every change is reported late (early below zero) on top of that.

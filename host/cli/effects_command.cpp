@@ -80,7 +80,7 @@ std::string unit_text(std::string_view linear, std::string_view rotary, const Ef
 }
 
 /// Stance and flight are the hopper's.
-bool has_phases(std::optional<Kind> kind) { return !kind || *kind == Kind::hopper_linear; }
+bool has_phases(std::optional<Kind> kind) { return !kind || is_hopper(*kind); }
 
 void print_text(const EffectInfo& e, std::optional<Kind> kind) {
   std::cout << e.name << "\n  law         " << e.law << "\n  stage       " << stage_name(e.stage)

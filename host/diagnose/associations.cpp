@@ -73,7 +73,7 @@ class Associations {
     if (model_.kind != Kind::rail_carriage)
       look(r_.input, input_column(model_.kind), "the remaining force changes with the input");
     look(r_.interval_s, "sample_interval_s", "the remaining force changes with the interval between rows");
-    if (model_.kind == Kind::hopper_linear) {
+    if (is_hopper(model_.kind)) {
       look(r_.since_touchdown_s, "time_since_touchdown_s",
            "in stance the remaining force changes with the time since touch-down");
       look(r_.since_liftoff_s, "time_since_liftoff_s",

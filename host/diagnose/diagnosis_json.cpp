@@ -57,7 +57,7 @@ Json finding(const Finding& f, const Diagnosis& d) {
                {mae, pair(f.held_out_mae_before, f.held_out_mae_after)}};
   if (!f.channel.empty()) gain["channel"] = f.channel;
   Json out = {{"effect", effect.name}};
-  if (d.kind == dynamics::Kind::hopper_linear) out["phase"] = effect.phase;
+  if (dynamics::is_hopper(d.kind)) out["phase"] = effect.phase;
   out["parameters"] = object_of(f.parameters);
   out["gain"] = gain;
   out["confidence"] = number(f.confidence);

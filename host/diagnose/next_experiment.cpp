@@ -166,7 +166,7 @@ void shelve_carriage(Shelf& shelf, const Reach& reach) {
 
 /// Places, inputs and speeds stay near what the rig has done.
 bool within_reach(const Recording& r, const Reach& reach, Kind kind) {
-  if (kind == Kind::hopper_linear || kind == Kind::rail_carriage) return true;
+  if (is_hopper(kind) || kind == Kind::rail_carriage) return true;
   const auto [low, high] = std::minmax_element(r.position.begin(), r.position.end());
   if (kind == Kind::motor_axis && *high - *low > reach.highest - reach.lowest) return false;
   constexpr double kFaster = 1.5;
@@ -329,6 +329,7 @@ std::vector<Experiment> library(const model::Model& model, const std::vector<Rec
   const Reach reach = reach_of(recordings);
   switch (model.kind) {
     case Kind::hopper_linear:
+    case Kind::hopper_nonlinear:
       shelve_hopper(shelf, model, reach);
       break;
     case Kind::rail_carriage:

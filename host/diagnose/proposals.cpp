@@ -190,7 +190,7 @@ std::vector<Proposer::Values> Proposer::swings(const Hypothesis& on, const std::
   const double pi = std::numbers::pi;
   if (effect == Effect::torque_ripple) {
     double range = high_ - low_;  // rad
-    if (t_.model.kind == dynamics::Kind::hopper_linear) {
+    if (dynamics::is_hopper(t_.model.kind)) {
       const double length = 2.0 * t_.model.parameter("link_length_m");
       const double stop = identify::touchdown_height_m(t_.model);
       range =

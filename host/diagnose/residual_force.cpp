@@ -67,7 +67,7 @@ ResidualForce residual_force(const model::Model& model, const std::vector<dynami
   for (dynamics::Effect e : named) bare.effects.erase(e);
   const Acceleration with(model), without(bare);
   const double mass = model.parameters[0];  // inertia on a rotary axis
-  const bool hopper = model.kind == Kind::hopper_linear;
+  const bool hopper = is_hopper(model.kind);
   const double touchdown = hopper ? identify::touchdown_height_m(model) : 0.0;
 
   std::size_t rows = 0;

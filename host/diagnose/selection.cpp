@@ -106,7 +106,7 @@ class Search {
       return (hardly_seen && p.gain > 0.0) || (lacking && wider) ||
              ((most >= kMostFits || lacking) &&
               (p.effect == Effect::coulomb_friction ||
-               (trainer_.model.kind != dynamics::Kind::hopper_linear &&
+               (!dynamics::is_hopper(trainer_.model.kind) &&
                 (p.effect == Effect::asymmetric_friction || p.effect == Effect::stribeck_friction))));
     };
     const auto first_other = std::stable_partition(proposals.begin(), proposals.end(), always);

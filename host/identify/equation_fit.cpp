@@ -17,7 +17,7 @@ using Jet = ceres::Jet<double, 12>;
 /// What a channel's errors are measured by: its spread over the window on the hopper (002 eq. 4.4), over the
 /// recording on an axis, which may rest through a window.
 double spread(const std::vector<double>& values, const Recording& r, const Window& w) {
-  const bool hopper = r.kind == dynamics::Kind::hopper_linear;
+  const bool hopper = dynamics::is_hopper(r.kind);
   const std::size_t first = hopper ? w.first : 0, last = hopper ? w.last : r.rows() - 1;
   double mean = 0.0, squares = 0.0;
   for (std::size_t i = first; i <= last; ++i) mean += values[i] / static_cast<double>(last - first + 1);

@@ -23,7 +23,7 @@ bool restitution_is_free(const model::Model& model) {
 /// The windows that parameters are fitted on.
 TrainingWindows fit_windows(const std::vector<Recording>& recordings, const model::Model& model,
                             double window_s) {
-  if (model.kind != dynamics::Kind::hopper_linear) return training_windows(recordings, model, window_s);
+  if (!dynamics::is_hopper(model.kind)) return training_windows(recordings, model, window_s);
   TrainingWindows t;
   const bool whole = restitution_is_free(model);
   for (std::size_t i = 0; i < recordings.size(); ++i) {
@@ -55,7 +55,7 @@ class Work {
     fit_windows_ = fit_windows(training_, model, options.window_s);
     if (fit_windows_.windows.empty())
       throw log::DataError(training_.front().name + ": no window to fit on; expected " +
-                           (model.kind == dynamics::Kind::hopper_linear
+                           (dynamics::is_hopper(model.kind)
                                 ? std::string("a stance or a flight of at least 30 ms")
                             : model.kind == dynamics::Kind::rail_carriage
                                 ? std::string("a flight of at least 30 ms, six rows or more without contact")
@@ -105,7 +105,7 @@ class Work {
   }
 
   Fit fit(Method method, const std::vector<double>& start, const std::vector<Window>& windows) const {
-    const bool hopper = model_.kind == dynamics::Kind::hopper_linear;
+    const bool hopper = dynamics::is_hopper(model_.kind);
     if (method == Method::simulation)
       return fit_by_simulation(model_, unknowns_, start, training_, windows,
                                hopper ? Weighting::nmse : Weighting::noise, fit_windows_.layers);
@@ -153,7 +153,7 @@ class Work {
       p.with = verdicts[i].with;
       e.parameters.push_back(std::move(p));
     }
-    if (model_.kind == dynamics::Kind::hopper_linear) {
+    if (dynamics::is_hopper(model_.kind)) {
       Derived d{"damped_frequency_radps", "rad/s", damped_frequency(e.model), {}};
       for (const auto& values : estimates)
         d.folds.push_back(damped_frequency(with_values(model_, unknowns_, values)));

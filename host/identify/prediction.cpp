@@ -48,7 +48,7 @@ Errors pool(const std::vector<Recording>& recordings, const std::vector<Window>&
     fill(k, position, velocity);
     const std::string channel = channel_names(r.kind).position;
     sums[channel].add(r.position, w.first, position, 0, w.rows() - 1);
-    const bool hopper = r.kind == dynamics::Kind::hopper_linear;
+    const bool hopper = dynamics::is_hopper(r.kind);
     if (hopper || r.velocity_recorded) sums["velocity"].add(r.velocity, w.first, velocity, 0, w.rows() - 1);
     if (w.kind == WindowKind::stride) {
       sums["height_stance"].add(r.position, w.first, position, w.touchdown - w.first,

@@ -196,6 +196,7 @@ LocalPolynomial local_polynomial(const std::vector<double>& time_s, const std::v
 ChannelNames channel_names(dynamics::Kind kind) {
   switch (kind) {
     case dynamics::Kind::hopper_linear:
+    case dynamics::Kind::hopper_nonlinear:
     case dynamics::Kind::rail_carriage:
       return {"height", "m", "mps"};
     case dynamics::Kind::motor_axis:
@@ -218,6 +219,7 @@ Recording make_recording(const log::Log& log, dynamics::Kind kind) {
   const char* velocity_column = "velocity_mps";
   switch (kind) {
     case dynamics::Kind::hopper_linear:
+    case dynamics::Kind::hopper_nonlinear:
       r.position = log.at("height_m");
       r.input = log.at("torque_cmd_nm");
       break;
@@ -244,7 +246,7 @@ Recording make_recording(const log::Log& log, dynamics::Kind kind) {
     r.impulse[i] = r.impulse[i - 1] + r.input[i - 1] * interval_s;
     r.driven_s[i] = r.driven_s[i - 1] + (r.input[i - 1] != 0.0 ? interval_s : 0.0);
   }
-  if (kind == dynamics::Kind::hopper_linear) {
+  if (dynamics::is_hopper(kind)) {
     if (log.has("contact")) r.touchdown_reports_s = first_closings(r.time_s, log.at("contact"));
     if (log.has("torque_nm") && log.at("torque_nm") != r.input) r.drive = log.at("torque_nm");
     if (log.has("leg_angle_rad")) {

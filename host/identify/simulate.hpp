@@ -114,6 +114,12 @@ void with_plant(dynamics::Kind kind, const PlantSetup<T>& setup, const Use& use)
       use(plant);
       return;
     }
+    case dynamics::Kind::hopper_nonlinear: {
+      dynamics::Hopper<T> plant(make.template operator()<dynamics::HopperNonlinearParameters<T>>(),
+                                setup.effects);
+      use(plant);
+      return;
+    }
     case dynamics::Kind::motor_axis: {
       dynamics::MotorAxis<T> plant(make.template operator()<dynamics::MotorAxisParameters<T>>(),
                                    setup.effects);

@@ -205,7 +205,7 @@ std::vector<Window> prediction_windows(const std::vector<Recording>& recordings,
                                        double interval_s) {
   std::vector<Window> all;
   for (std::size_t i = 0; i < recordings.size(); ++i) {
-    const bool hopper = model.kind == dynamics::Kind::hopper_linear;
+    const bool hopper = dynamics::is_hopper(model.kind);
     const auto some = hopper && moves_on_the_ground(recordings[i], model)
                           ? intervals(recordings[i], i, interval_s)
                       : hopper                                      ? strides(recordings[i], i, model)
@@ -213,7 +213,7 @@ std::vector<Window> prediction_windows(const std::vector<Recording>& recordings,
                                                                     : intervals(recordings[i], i, interval_s);
     all.insert(all.end(), some.begin(), some.end());
   }
-  if (model.kind == dynamics::Kind::hopper_linear) attach_reports(all, recordings, touchdown_height_m(model));
+  if (dynamics::is_hopper(model.kind)) attach_reports(all, recordings, touchdown_height_m(model));
   return all;
 }
 

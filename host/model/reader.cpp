@@ -23,7 +23,7 @@ constexpr std::array<std::string_view, 4> kClutchParameters{"release_delay_s", "
                                                             "auxiliary_stiffness_npm", "tooth_pitch_m"};
 
 bool is_clutch_parameter(Kind kind, std::string_view name) {
-  if (kind != Kind::hopper_linear) return false;
+  if (!is_hopper(kind)) return false;
   for (const std::string_view p : kClutchParameters)
     if (p == name) return true;
   return false;
@@ -87,8 +87,7 @@ class Reader {
     const toml::table& table = section("parameters");
     const auto& kind = dynamics::info(model_.kind);
     std::vector<std::string_view> known = parameter_names(model_.kind);
-    if (model_.kind == Kind::hopper_linear)
-      known.insert(known.end(), kClutchParameters.begin(), kClutchParameters.end());
+    if (is_hopper(model_.kind)) known.insert(known.end(), kClutchParameters.begin(), kClutchParameters.end());
     log::refuse_unknown_keys(table, name_, "[parameters] of " + std::string(kind.name), known);
     for (const auto& p : kind.parameters) {
       const std::string expected = "a number from " + shortest(p.lower) + " to " + shortest(p.upper) +

@@ -10,7 +10,7 @@
 namespace furcula::model {
 
 /// Kinds of docs/contracts.md that this version has no plant for: refused with a word of their own.
-inline constexpr std::array<std::string_view, 2> kKindsWithoutPlant{"hopper_nonlinear", "clutch_bench"};
+inline constexpr std::array<std::string_view, 1> kKindsWithoutPlant{"clutch_bench"};
 
 /// What is wrong with a name that is none of dynamics::kKinds, and what was expected.
 std::string no_such_kind(std::string_view name);

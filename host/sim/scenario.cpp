@@ -27,6 +27,7 @@ struct Names {
 Names names_on(Kind kind) {
   switch (kind) {
     case Kind::hopper_linear:
+    case Kind::hopper_nonlinear:
       // 20 N m is what the controller commands at most.
       return {"height_m", "m", "velocity_mps", "m/s", "torque", "amplitude_nm", "N m", 10.0, 20.0, 20.0};
     case Kind::motor_axis:
@@ -51,7 +52,7 @@ class Reader {
   Scenario read() {
     std::vector<std::string_view> sections{"start", "run", "sensors"};
     if (!names_.drive.empty()) sections.insert(sections.begin() + 2, names_.drive);
-    if (kind_ == Kind::hopper_linear) sections.push_back("fault");
+    if (is_hopper(kind_)) sections.push_back("fault");
     log::refuse_unknown_keys(file_, name_, "a scenario for " + std::string(dynamics::info(kind_).name),
                              sections);
     if (const toml::table* t = section("start")) read_start(*t);
@@ -92,7 +93,7 @@ class Reader {
   void read_start(const toml::table& t) {
     const std::array known{names_.position, names_.velocity};
     log::refuse_unknown_keys(t, name_, "[start]", known);
-    const double least = kind_ == Kind::hopper_linear   ? 1e-3
+    const double least = is_hopper(kind_)               ? 1e-3
                          : kind_ == Kind::rail_carriage ? 0.0  // on its stop
                                                         : -names_.position_most;
     number(t, names_.position, least, names_.position_most, names_.position_unit, scenario_.start_position);
@@ -127,7 +128,7 @@ class Reader {
 
   void read_sensors(const toml::table& t) {
     static constexpr std::array<std::string_view, 4> kKeys{"quantisation", "noise", "bounce", "jitter"};
-    const bool hopper = kind_ == Kind::hopper_linear;
+    const bool hopper = is_hopper(kind_);
     // Bounce and jitter are the contact switch's.
     log::refuse_unknown_keys(t, name_, "[sensors]", std::span(kKeys).first(hopper ? 4 : 2));
     const std::array<bool*, 4> switches{&scenario_.sensors.quantisation, &scenario_.sensors.noise,
@@ -180,7 +181,7 @@ class Reader {
 
 Scenario default_scenario(const model::Model& model) {
   Scenario scenario;
-  if (model.kind == Kind::hopper_linear) {
+  if (is_hopper(model.kind)) {
     scenario.start_position =
         1.25 * 2.0 * model.parameter("link_length_m") * std::cos(model.parameter("touchdown_angle_rad"));
     scenario.amplitude = 2.0;
@@ -218,8 +219,7 @@ std::string format_scenario(const Scenario& s, dynamics::Kind kind) {
     return std::string(name) + (on ? " = true\n" : " = false\n");
   };
   text += "\n[sensors]\n" + flag("quantisation", s.sensors.quantisation) + flag("noise", s.sensors.noise);
-  if (kind == Kind::hopper_linear)
-    text += flag("bounce", s.sensors.bounce) + flag("jitter", s.sensors.jitter);
+  if (is_hopper(kind)) text += flag("bounce", s.sensors.bounce) + flag("jitter", s.sensors.jitter);
   for (const sim_host::PlannedFault& f : s.faults) {
     const auto& fault = *std::find_if(sim_host::kRigFaults.begin(), sim_host::kRigFaults.end(),
                                       [&](const auto& row) { return row.fault == f.kind; });

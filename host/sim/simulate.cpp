@@ -160,9 +160,12 @@ void slip_columns(const model::Model& model, log::Log& log) {
 }  // namespace
 
 sim_host::RigConfig rig_config(const model::Model& model, const Scenario& scenario, std::uint64_t seed) {
-  sim_host::RigConfig rig;
-  rig.hopper = parameters_of<dynamics::HopperLinearParameters<double>>(model);
-  rig.effects = effects_of(model);
+  const dynamics::Effects<double> effects = effects_of(model);
+  sim_host::RigConfig rig{
+      model.kind == Kind::hopper_nonlinear
+          ? sim_host::Plant(parameters_of<dynamics::HopperNonlinearParameters<double>>(model), effects)
+          : sim_host::Plant(parameters_of<dynamics::HopperLinearParameters<double>>(model), effects)};
+  rig.effects = effects;
   rig.start_height_m = scenario.start_position;
   rig.start_velocity_mps = scenario.start_velocity;
   rig.duration_s = scenario.duration_s;
@@ -195,6 +198,7 @@ log::Log simulate(const model::Model& model, const Scenario& scenario, std::uint
   log.metadata = metadata_of(model, scenario, seed);
   switch (model.kind) {
     case Kind::hopper_linear:
+    case Kind::hopper_nonlinear:
       simulate_hopper(model, scenario, seed, log);
       break;
     case Kind::motor_axis:

@@ -9,21 +9,14 @@
 #include <cstdint>
 #include <span>
 
+#include "furcula/dynamics/contact_event.hpp"
 #include "furcula/dynamics/effects/laws.hpp"
+#include "furcula/dynamics/links.hpp"
 #include "furcula/dynamics/parameters.hpp"
 #include "furcula/dynamics/rotor.hpp"
 #include "furcula/dynamics/segment.hpp"
 
 namespace furcula::dynamics {
-
-/// What happened inside a step, and when after its start.
-template <class V>
-struct ContactEvent {
-  enum class Kind { touchdown, liftoff } kind;
-  V offset_s;
-  V velocity_before_mps;
-  V velocity_after_mps;
-};
 
 /// The plant. The equations, z the height of the centre of mass:
 ///   stance   m z'' = -k (z - z0) - ds z' - m g + F(tau, z) + effects      F = -tau / (2 L sin theta), z = 2
@@ -85,6 +78,17 @@ class Hopper {
       links_gravity_ = p.gravity_mps2;
   }
 
+  /// With links that have inertia (hopper_nonlinear), the leg on its stop in flight. Their impacts are
+  /// plastic (dynamics/links.hpp), and the model's restitutions multiply what these leave.
+  Hopper(const HopperNonlinearParameters<T>& p, Effects<T> effects = {})
+      : Hopper(linear_part(p), with_links(p, effects)) {
+    const Links<T> links{p.inertia_a_kgm2, p.inertia_b_kgm, p.inertia_e_kgm, p.link_length_m, mass_};
+    const auto straight = links.pose(p.touchdown_angle_rad);
+    const T fall = T(V(1));
+    restitution_touchdown_ *= -straight.lever * links.rate_after_touchdown(straight, zero_, fall);
+    restitution_liftoff_ *= links.velocity_after_stop(straight, T(V(-1) / straight.lever), fall);
+  }
+
   /// Starts at a height (m) and velocity (m/s), in flight if above the touch-down height, else in stance.
   void reset(const T& height_m, const T& velocity_mps) {
     z_ = height_m;
@@ -136,6 +140,16 @@ class Hopper {
   static constexpr V kLongestStep = V(2e-3);
   static constexpr double kStopStiffness =
       6000.0;  ///< of the leg's stop, N/m (docs/contracts.md, toe_sticking)
+
+  static HopperLinearParameters<T> linear_part(const HopperNonlinearParameters<T>& p) {
+    HopperLinearParameters<T> out;
+    for (std::size_t i = 0; i < out.kMembers.size(); ++i) out.*out.kMembers[i] = p.*p.kMembers[i];
+    return out;
+  }
+  static Effects<T> with_links(const HopperNonlinearParameters<T>& p, Effects<T> effects) {
+    effects.set(Effect::leg_inertia, {p.inertia_a_kgm2, p.inertia_b_kgm, p.inertia_e_kgm});
+    return effects;
+  }
 
   void prepare(V h) {
     step_ = h;
@@ -674,10 +688,17 @@ class Hopper {
   }
   /// Changes the acceleration of the body alone by the difference at the step's midpoint.
   void slow_by_links(T& acceleration, const T& kappa, const T& delta, const T& h) const {
-    const T speed = v_ + (acceleration - delta * v_) * (V(0.5) * h);
-    const T linear = acceleration - kappa * v_ * (V(0.5) * h) - delta * speed;
-    const T force = linear * mass_ - V(0.5) * links_slope_ * speed * speed;
-    acceleration += force / links_mass_ - linear;
+    const T half = V(0.5) * h;
+    const T spring = kappa * v_ * half;
+    T speed = v_ + (acceleration - delta * v_) * half;
+    T difference = zero_;
+    for (int pass = 0; pass < 2; ++pass) {  // the turning depends on the speed that it slows itself
+      const T linear = acceleration - spring - delta * speed;
+      const T force = linear * mass_ - V(0.5) * links_slope_ * speed * speed;
+      difference = force / links_mass_ - linear;
+      speed = v_ + (acceleration + difference - delta * v_) * half;
+    }
+    acceleration += difference;
   }
 
   HopperLinearParameters<T> p_;

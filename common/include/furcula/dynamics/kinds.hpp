@@ -11,9 +11,9 @@
 
 namespace furcula::dynamics {
 
-enum class Kind : std::uint8_t { hopper_linear, motor_axis, rotary_joint, rail_carriage };
+enum class Kind : std::uint8_t { hopper_linear, hopper_nonlinear, motor_axis, rotary_joint, rail_carriage };
 
-inline constexpr std::size_t kKindCount = 4;
+inline constexpr std::size_t kKindCount = 5;
 
 /// One parameter of a kind. `lower` and `upper` are the values that make physical sense at all; a file
 /// outside of them is refused. They are not the bounds of a fit: those stand in the model's [free] table.
@@ -37,6 +37,23 @@ inline constexpr std::array<ParameterInfo, 10> kHopperLinearParameters{{
     {"link_length_m", "m", 1e-3, 5.0, "length of each of the four links"},
     {"touchdown_angle_rad", "rad", 0.0, 1.5, "leg angle from the vertical on the leg's stop"},
     {"gravity_mps2", "m/s^2", 0.0, 30.0, "gravity"},
+}};
+
+// In the order of the members of HopperNonlinearParameters: those of the linear hopper, then the links'.
+inline constexpr std::array<ParameterInfo, 13> kHopperNonlinearParameters{{
+    kHopperLinearParameters[0],
+    kHopperLinearParameters[1],
+    kHopperLinearParameters[2],
+    kHopperLinearParameters[3],
+    kHopperLinearParameters[4],
+    {"restitution_touchdown", "", 0.0, 1.5, "speeds after touch-down over what the plastic impact leaves"},
+    {"restitution_liftoff", "", 0.0, 1.5, "speeds after lift-off over what the leg's stop leaves"},
+    kHopperLinearParameters[7],
+    kHopperLinearParameters[8],
+    kHopperLinearParameters[9],
+    {"inertia_a_kgm2", "kg m^2", 0.0, 10.0, "links: sum I + m_L (r_L^2 + L^2) + m_U r_U^2"},
+    {"inertia_b_kgm", "kg m", 0.0, 10.0, "links: sum m_L r_L"},
+    {"inertia_e_kgm", "kg m", 0.0, 10.0, "links: sum m_L (r_L + L) + m_U r_U"},
 }};
 
 // In the order of the members of MotorAxisParameters.
@@ -70,6 +87,7 @@ struct KindInfo {
 
 inline constexpr std::array<KindInfo, kKindCount> kKinds{{
     {Kind::hopper_linear, "hopper_linear", "hopper", kHopperLinearParameters, false},
+    {Kind::hopper_nonlinear, "hopper_nonlinear", "hopper", kHopperNonlinearParameters, false},
     {Kind::motor_axis, "motor_axis", "motor_axis", kMotorAxisParameters, false},
     {Kind::rotary_joint, "rotary_joint", "rotary_joint", kRotaryJointParameters, true},
     {Kind::rail_carriage, "rail_carriage", "rail_carriage", kRailCarriageParameters, false},
@@ -82,6 +100,9 @@ constexpr std::optional<Kind> kind_named(std::string_view name) {
     if (k.name == name) return k.kind;
   return std::nullopt;
 }
+
+/// A body on a leg, with stances and flights.
+constexpr bool is_hopper(Kind kind) { return kind == Kind::hopper_linear || kind == Kind::hopper_nonlinear; }
 
 /// Index of a parameter in the kind's table.
 constexpr std::optional<std::size_t> parameter_index(Kind kind, std::string_view name) {

@@ -135,9 +135,9 @@ struct EffectInfo {
 namespace detail {
 constexpr std::uint8_t bit(Kind k) { return static_cast<std::uint8_t>(1u << static_cast<unsigned>(k)); }
 inline constexpr std::uint8_t kDriven =
-    bit(Kind::hopper_linear) | bit(Kind::motor_axis) | bit(Kind::rotary_joint);
+    bit(Kind::hopper_linear) | bit(Kind::hopper_nonlinear) | bit(Kind::motor_axis) | bit(Kind::rotary_joint);
 inline constexpr std::uint8_t kAllKinds = kDriven | bit(Kind::rail_carriage);
-inline constexpr std::uint8_t kHopper = bit(Kind::hopper_linear);
+inline constexpr std::uint8_t kHopper = bit(Kind::hopper_linear) | bit(Kind::hopper_nonlinear);
 inline constexpr std::uint8_t kVertical = kHopper | bit(Kind::rail_carriage);
 inline constexpr double kUnset = __builtin_nan("");
 /// Of a law that finds something in anything.
@@ -341,7 +341,7 @@ inline constexpr EffectInfo kCatalogue[] = {
      "leg_inertia",
      "the inertia of the links",
      Stage::mechanism,
-     detail::kHopper,
+     detail::bit(Kind::hopper_linear),
      "stance",
      "the links' inertia (a, b, e), which the linear model leaves out",
      {{{"inertia_a_kgm2", "inertia_a_kgm2", "kg m^2", "kg m^2", 0.0, 1.0, 0.0},
@@ -631,10 +631,10 @@ constexpr std::optional<Effect> effect_named(std::string_view name) {
 
 /// The parameter's name on an axis of this kind.
 constexpr std::string_view name_on(const EffectParameterInfo& p, Kind k) {
-  return info(k).rotary || (p.of_motor && k == Kind::hopper_linear) ? p.rotary_name : p.name;
+  return info(k).rotary || (p.of_motor && is_hopper(k)) ? p.rotary_name : p.name;
 }
 constexpr std::string_view unit_on(const EffectParameterInfo& p, Kind k) {
-  return info(k).rotary || (p.of_motor && k == Kind::hopper_linear) ? p.rotary_unit : p.unit;
+  return info(k).rotary || (p.of_motor && is_hopper(k)) ? p.rotary_unit : p.unit;
 }
 
 static_assert(

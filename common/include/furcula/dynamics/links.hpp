@@ -1,0 +1,79 @@
+// The non-linear leg's equations of motion, q = [theta, z] (docs/physics.md, the non-linear hopper): inertia,
+// gravity, the toe's Jacobian, and the plastic impacts of toe and stop.
+#pragma once
+
+#include <cmath>
+
+#include "furcula/dynamics/scalar.hpp"
+
+namespace furcula::dynamics {
+
+/// The lumped inertia of the four links (002 eq. 3.14): a in kg m^2, b and e in kg m, with the length of a
+/// link in m and the mass of everything that moves in kg.
+template <class T>
+struct Links {
+  using V = ValueOf<T>;
+  T a{}, b{}, e{}, link_length{}, mass{};
+
+  /// M of M q'' + B + G = [torque, 0] + J^T F_c, symmetric.
+  struct Inertia {
+    T angle, coupling, height;
+  };
+
+  /// What a leg angle gives to all of the equations.
+  struct Pose {
+    T sine, cosine;
+    T length;  ///< hip to toe, m
+    T lever;   ///< -d length / d theta = 2 L sin theta, m/rad: the toe's Jacobian is [lever, 1]
+    Inertia inertia;
+  };
+
+  Pose pose(const T& angle) const {
+    using std::cos;
+    using std::sin;
+    Pose p;
+    p.sine = sin(angle);
+    p.cosine = cos(angle);
+    p.length = V(2) * link_length * p.cosine;
+    p.lever = V(2) * link_length * p.sine;
+    // cos 2 theta = 1 - 2 sin^2 theta
+    p.inertia = {a - V(2) * link_length * b * (V(1) - V(2) * p.sine * p.sine), e * p.sine, mass};
+    return p;
+  }
+
+  /// B without damping: what turning at `rate` (rad/s) asks of the angle (N m) and of the height (N).
+  T turning_torque(const Pose& p, const T& rate) const {
+    return V(4) * link_length * b * p.sine * p.cosine * rate * rate;
+  }
+  T turning_force(const Pose& p, const T& rate) const { return e * p.cosine * rate * rate; }
+
+  /// Gravity's torque on the angle per gravity, kg m (that on the height is the mass).
+  T hanging(const Pose& p) const { return e * p.sine; }
+
+  /// Inertia of the motion with the toe on the ground, z' = -lever theta': J M^-1 J^T turned inside out, by
+  /// theta, kg m^2.
+  T standing_inertia(const Pose& p) const {
+    return p.inertia.angle - V(2) * p.lever * p.inertia.coupling + p.lever * p.lever * p.inertia.height;
+  }
+
+  /// Rate of the angle, rad/s, after the toe has come to rest on the ground: the plastic impact
+  /// q'+ = q'- - M^-1 J^T (J M^-1 J^T)^-1 J q'- along the motion that the ground leaves.
+  T rate_after_touchdown(const Pose& p, const T& rate, const T& velocity) const {
+    return (p.inertia.angle * rate + p.inertia.coupling * (velocity - p.lever * rate) -
+            p.lever * p.inertia.height * velocity) /
+           standing_inertia(p);
+  }
+
+  /// Velocity of the body, m/s, after the stop has brought the angle to rest while the toe is free: it takes
+  /// over the links' momentum.
+  T velocity_after_stop(const Pose& p, const T& rate, const T& velocity) const {
+    return velocity + p.inertia.coupling * rate / p.inertia.height;
+  }
+
+  T kinetic_energy(const Pose& p, const T& rate, const T& velocity) const {
+    return V(0.5) * (p.inertia.angle * rate * rate + p.inertia.height * velocity * velocity) +
+           p.inertia.coupling * rate * velocity;
+  }
+};
+
+}  // namespace furcula::dynamics

@@ -1,0 +1,433 @@
+// The non-linear hopper (002 section 3.2.2 with the corrections of docs/physics.md): links with inertia, a
+// leg that is free to fold in flight, a stop that it comes back to, and the ground as a constraint.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <type_traits>
+
+#include "furcula/dynamics/clutch.hpp"
+#include "furcula/dynamics/contact_event.hpp"
+#include "furcula/dynamics/hybrid.hpp"
+#include "furcula/dynamics/links.hpp"
+#include "furcula/dynamics/parameters.hpp"
+
+namespace furcula::dynamics {
+
+/// Where the energy is, and where it went since reset(), J. What the motor gave less what was lost is what
+/// the machine has more than at the start.
+template <class T>
+struct EnergyAccount {
+  T kinetic{}, gravity{}, spring{};  ///< now; zero of gravity: body on the ground
+  T motor{};                         ///< given by the motor since the start
+  T guide_damping{}, leg_damping{}, touchdown{}, stop{}, liftoff{};  ///< lost since the start
+
+  T held() const { return kinetic + gravity + spring; }
+  T lost() const { return guide_damping + leg_damping + touchdown + stop + liftoff; }
+};
+
+/// The spring's far end on a robot without a clutch: it stays where it is.
+template <class T>
+struct FixedEnd {
+  struct State {
+    static constexpr std::array<T State::*, 0> kMembers{};
+  };
+};
+
+/// The plant, with the guide's damping df in both phases and ds - df in the leg, along its length:
+///   M q'' + B + G = [torque - lever (Fs - dl l'), -df z'] + J^T F_c,    l = 2 L cos theta, lever = 2 L sin
+///   theta, Fs = k (z0 - l)
+/// In three modes: on its stop in flight (theta held), free in flight (both move), in stance (the toe rests
+/// on the ground; the ground does not pull, and where it would have to, the leg is free). Touch-down and the
+/// stop are plastic impacts; restitution_touchdown and restitution_liftoff multiply all speeds that these
+/// leave. Classic Runge-Kutta steps of at most kLongestStep; every change of mode is located inside a step,
+/// and after each the mode is chosen by the forces and accelerations that follow, so that a contact is taken
+/// or left once and does not chatter. `End` holds the spring's far end: FixedEnd, or a Clutch, whose cable
+/// follows the spring while it is released; then the spring is one that can only pull its cable, and
+/// slackens.
+template <class T, class End = FixedEnd<T>>
+class NonlinearHopper {
+ public:
+  using V = ValueOf<T>;
+  using Event = ContactEvent<V>;
+  static constexpr std::size_t kMaxEvents = 16;  ///< kept of one advance()
+  static constexpr V kLongestStep = V(2.5e-4);
+
+  enum class Mode : std::uint8_t { on_stop, free, stance };
+
+  explicit NonlinearHopper(const HopperNonlinearParameters<T>& p, const End& end = End{})
+      : p_(p),
+        end_(end),
+        links_{p.inertia_a_kgm2, p.inertia_b_kgm, p.inertia_e_kgm, p.link_length_m, p.mass_kg},
+        leg_damping_(p.damping_stance_nspm - p.damping_flight_nspm),
+        straight_(links_.pose(p.touchdown_angle_rad)) {}
+
+  /// Starts at a height (m) above the ground and a velocity (m/s): in flight with the leg on its stop if
+  /// above the touch-down height, else in stance.
+  void reset(const T& height_m, const T& velocity_mps) {
+    using std::acos;
+    account_ = {};
+    event_count_ = 0;
+    s_ = {};
+    if constexpr (kClutch) end_.reset();
+    if (value_of(height_m) > value_of(straight_.length)) {
+      mode_ = Mode::on_stop;
+      s_.angle = p_.touchdown_angle_rad;
+    } else {
+      mode_ = Mode::stance;
+      s_.angle = acos(T((height_m - ground_) / (V(2) * p_.link_length_m)));
+      s_.rate = -velocity_mps / links_.pose(s_.angle).lever;
+    }
+    s_.height = height_m;
+    s_.velocity = velocity_mps;
+    taut_ = !kClutch || value_of(stretch(s_)) >= V(0);
+    clutch_impacts_ = {};
+  }
+
+  /// Moves the ground, m (0 at the start). Has no effect on a stance: call it in flight, below the toe.
+  void set_ground(const T& height_m) { ground_ = height_m; }
+
+  /// Moves on by `dt_s` >= 0 with the motor's torque held, N m (positive folds the leg).
+  void advance(const T& torque, V dt_s) {
+    event_count_ = 0;
+    torque_ = torque;
+    if (!(dt_s > V(0))) return;
+    settle();  // the new torque may take the leg off its stop or the toe off the ground
+    for (elapsed_ = V(0); elapsed_ < dt_s;) {
+      const V start = elapsed_, h = next_step(longest_step(), dt_s - start);
+      Hybrid<NonlinearHopper, T>::pass(*this, T(h), elapsed_);
+      elapsed_ = h < dt_s - start ? start + h : dt_s;
+    }
+  }
+
+  /// Volts across the clutch's coil while it is on, 0 off; held until the next call.
+  void set_voltage(const T& volts) {
+    end_.set_voltage(volts);
+    end_.settle(s_);
+  }
+  const End& clutch() const { return end_; }
+  bool caught() const { return end_.caught(s_); }
+  /// Of the cable from its rest, as seen along the leg, m and m/s.
+  const T& cable_travel_m() const { return s_.travel; }
+  const T& cable_speed_mps() const { return s_.speed; }
+  const T& coil_current_a() const { return s_.current; }
+  auto clutch_energy() const {
+    auto e = end_.energy(s_, end_.parameters().cable_mass_kg);
+    e.impacts = clutch_impacts_;
+    return e;
+  }
+
+  Mode mode() const { return mode_; }
+  bool in_stance() const { return mode_ == Mode::stance; }
+  const T& height_m() const { return s_.height; }
+  const T& velocity_mps() const { return s_.velocity; }
+  const T& leg_angle_rad() const { return s_.angle; }
+  const T& leg_rate_radps() const { return s_.rate; }
+  T toe_height_m() const { return s_.height - links_.pose(s_.angle).length; }
+  T touchdown_height_m() const { return straight_.length; }
+  /// Of the ground on the toe, N; zero in flight.
+  T ground_force_n() const { return mode_ == Mode::stance ? accelerations(s_).ground_force : T(V(0)); }
+  /// Touch-downs and lift-offs inside the last advance(), in order; offsets from its start, s.
+  std::span<const Event> events() const { return {events_.data(), event_count_}; }
+
+  EnergyAccount<T> energy() const {
+    EnergyAccount<T> out = account_;
+    const auto p = links_.pose(s_.angle);
+    const T pull = stretch(s_, p);
+    out.kinetic = links_.kinetic_energy(p, s_.rate, s_.velocity);
+    out.gravity = p_.gravity_mps2 * (p_.mass_kg * s_.height - p_.inertia_e_kgm * p.cosine);
+    out.spring = taut_ ? T(V(0.5) * p_.stiffness_npm * pull * pull) : T(V(0));
+    out.motor = s_.motor;
+    out.guide_damping = s_.guide_damping;
+    out.leg_damping = s_.leg_damping;
+    return out;
+  }
+
+ private:
+  friend Hybrid<NonlinearHopper, T>;
+
+  static constexpr bool kClutch = !std::is_same_v<End, FixedEnd<T>>;
+
+  struct State : End::State {
+    T angle{}, height{}, rate{}, velocity{};
+    T motor{}, guide_damping{}, leg_damping{};  ///< energy, J
+    static constexpr auto kMembers = [] {
+      std::array<T State::*, 7 + End::State::kMembers.size()> all{
+          &State::angle, &State::height,        &State::rate,       &State::velocity,
+          &State::motor, &State::guide_damping, &State::leg_damping};
+      std::size_t next = 7;
+      for (const auto member : End::State::kMembers) all[next++] = member;
+      return all;
+    }();
+  };
+  State& state() { return s_; }
+  const State& state() const { return s_; }
+  struct Accelerations {
+    T angle{}, height{};
+    T ground_force{};  ///< in stance
+    T stop_torque{};   ///< on the stop: of the stop on the leg, positive
+  };
+
+  /// By which the spring is longer than relaxed, m.
+  T stretch(const State& s) const { return stretch(s, links_.pose(s.angle)); }
+  T stretch(const State& s, const typename Links<T>::Pose& p) const {
+    T out = p_.rest_height_m - p.length;
+    if constexpr (kClutch) out -= s.travel;
+    return out;
+  }
+  T spring_force(const State& s, const typename Links<T>::Pose& p) const {
+    return taut_ ? T(p_.stiffness_npm * stretch(s, p)) : T(V(0));
+  }
+  auto on_cable(const State& s) const {
+    return CableDrive<T>{spring_force(s, links_.pose(s.angle)), T(V(0))};
+  }
+  V longest_step() const {
+    V longest = kLongestStep;
+    if constexpr (kClutch)
+      if (end_.longest_step() < longest) longest = end_.longest_step();
+    return longest;
+  }
+
+  Accelerations accelerations(const State& s) const { return accelerations(s, links_.pose(s.angle)); }
+  Accelerations accelerations(const State& s, const typename Links<T>::Pose& p) const {
+    const auto& m = p.inertia;
+    const T shortening = p.lever * s.rate;
+    const T push = spring_force(s, p) + leg_damping_ * shortening;
+    const T on_angle =
+        torque_ - p.lever * push - links_.turning_torque(p, s.rate) - p_.gravity_mps2 * links_.hanging(p);
+    const T on_height =
+        -p_.damping_flight_nspm * s.velocity - links_.turning_force(p, s.rate) - p_.gravity_mps2 * p_.mass_kg;
+    Accelerations out;
+    switch (mode_) {
+      case Mode::on_stop:
+        out.height = on_height / m.height;
+        out.stop_torque = m.coupling * out.height - on_angle;
+        break;
+      case Mode::free: {
+        const T determinant = m.angle * m.height - m.coupling * m.coupling;
+        out.angle = (m.height * on_angle - m.coupling * on_height) / determinant;
+        out.height = (m.angle * on_height - m.coupling * on_angle) / determinant;
+        break;
+      }
+      case Mode::stance: {
+        // z'' = -(lever theta'' + l theta'^2), and the ground's force does no work on that motion.
+        const T drop = p.length * s.rate * s.rate;
+        out.angle = (on_angle - p.lever * on_height + (m.coupling - p.lever * m.height) * drop) /
+                    links_.standing_inertia(p);
+        out.height = -(p.lever * out.angle + drop);
+        out.ground_force = m.coupling * out.angle + m.height * out.height - on_height;
+        break;
+      }
+    }
+    return out;
+  }
+
+  State rates(const State& s) const {
+    const auto p = links_.pose(s.angle);
+    const Accelerations a = accelerations(s, p);
+    const T shortening = p.lever * s.rate;
+    State d;
+    if constexpr (kClutch)
+      static_cast<typename End::State&>(d) = end_.rates(s, {spring_force(s, p), T(V(0))});
+    d.angle = s.rate;
+    d.height = s.velocity;
+    d.rate = a.angle;
+    d.velocity = a.height;
+    d.motor = torque_ * s.rate;
+    d.guide_damping = p_.damping_flight_nspm * s.velocity * s.velocity;
+    d.leg_damping = leg_damping_ * shortening * shortening;
+    return d;
+  }
+
+  State kept(State s) const {
+    if (mode_ != Mode::stance) return s;
+    const auto p = links_.pose(s.angle);  // the toe rests
+    s.height = ground_ + p.length;
+    s.velocity = -(p.lever * s.rate);
+    return s;
+  }
+
+  /// What ends a mode: of the leg, or of the clutch.
+  struct Change {
+    enum class Leg : std::uint8_t {
+      touches_down,
+      meets_stop,
+      leaves_stop,
+      leaves_ground,
+      spring_slackens,
+      spring_tautens,
+      none
+    } leg = Leg::none;
+    std::uint8_t clutch = 0;  ///< where leg is none
+  };
+  using Leg = typename Change::Leg;
+
+  T margin(const Change& change, const State& s) const {
+    switch (change.leg) {
+      case Leg::touches_down:
+        return s.height - links_.pose(s.angle).length - ground_;
+      case Leg::meets_stop:
+        return s.angle - p_.touchdown_angle_rad;
+      case Leg::leaves_stop:
+        return accelerations(s).stop_torque;
+      case Leg::leaves_ground:
+        return accelerations(s).ground_force;
+      case Leg::spring_slackens:
+        return stretch(s);
+      case Leg::spring_tautens:
+        return -stretch(s);
+      case Leg::none:
+        break;
+    }
+    if constexpr (kClutch)
+      return end_.margin(static_cast<typename End::Change>(change.clutch), s, on_cable(s));
+    else
+      return T(V(1));
+  }
+  /// A margin that is zero at its start, of a toe or a leg that has just left, must not end by a rounding.
+  static V tolerance(const Change& change) {
+    if constexpr (kClutch)
+      if (change.leg == Leg::none) return End::tolerance(static_cast<typename End::Change>(change.clutch));
+    return follows(change) ? V(0) : sizeof(V) == 4 ? V(1e-6) : V(1e-13);
+  }
+  static bool follows(const Change& change) {
+    if constexpr (kClutch)
+      if (change.leg == Leg::none) return End::follows(static_cast<typename End::Change>(change.clutch));
+    return change.leg == Leg::leaves_stop || change.leg == Leg::leaves_ground;
+  }
+
+  class Changes {
+   public:
+    void add(const Change& c) { all_[count_++] = c; }
+    const Change* begin() const { return all_.data(); }
+    const Change* end() const { return all_.data() + count_; }
+
+   private:
+    std::array<Change, 16> all_{};
+    std::size_t count_ = 0;
+  };
+  Changes changes() const {
+    Changes out;
+    if (mode_ != Mode::stance) out.add({Leg::touches_down});
+    if (mode_ != Mode::on_stop) out.add({Leg::meets_stop});
+    if (mode_ == Mode::on_stop) out.add({Leg::leaves_stop});
+    if (mode_ == Mode::stance) out.add({Leg::leaves_ground});
+    if constexpr (kClutch) {
+      out.add({taut_ ? Leg::spring_slackens : Leg::spring_tautens});
+      for (const auto c : end_.changes()) out.add({Leg::none, static_cast<std::uint8_t>(c)});
+    }
+    return out;
+  }
+
+  void make(const Change& change) {
+    switch (change.leg) {
+      case Leg::touches_down:
+        touch_down();
+        break;
+      case Leg::meets_stop:
+        meet_stop();
+        break;
+      case Leg::leaves_stop:
+        mode_ = Mode::free;
+        break;
+      case Leg::leaves_ground:
+        lift_off(Mode::free);
+        break;
+      case Leg::spring_slackens:
+        taut_ = false;
+        break;
+      case Leg::spring_tautens:
+        taut_ = true;
+        break;
+      case Leg::none:
+        change_clutch(change);
+        break;
+    }
+    settle();
+  }
+  void change_clutch([[maybe_unused]] const Change& change) {
+    if constexpr (kClutch) {
+      const T before = energy().held() + clutch_energy().held();
+      end_.make(static_cast<typename End::Change>(change.clutch), s_, on_cable(s_));
+      end_.settle(s_);
+      clutch_impacts_ += before - energy().held() - clutch_energy().held();
+    }
+  }
+
+  T kinetic() const { return links_.kinetic_energy(links_.pose(s_.angle), s_.rate, s_.velocity); }
+
+  void touch_down() {
+    const auto p = links_.pose(s_.angle);
+    const T before = kinetic(), fell = s_.velocity;
+    mode_ = Mode::stance;
+    s_.rate = p_.restitution_touchdown * links_.rate_after_touchdown(p, s_.rate, s_.velocity);
+    s_.height = ground_ + p.length;
+    s_.velocity = -(p.lever * s_.rate);
+    account_.touchdown += before - kinetic();
+    record(Event::Kind::touchdown, fell);
+  }
+
+  void lift_off(Mode into) {
+    const T before = kinetic(), rose = s_.velocity;
+    mode_ = into;
+    if (value_of(s_.velocity) > V(0)) {  // a toe that bounces under a sinking body is no lift-off of the body
+      s_.rate = p_.restitution_liftoff * s_.rate;
+      s_.velocity = p_.restitution_liftoff * s_.velocity;
+    }
+    account_.liftoff += before - kinetic();
+    record(Event::Kind::liftoff, rose);
+  }
+
+  void meet_stop() {
+    const T before = kinetic();
+    s_.velocity = links_.velocity_after_stop(straight_, s_.rate, s_.velocity);
+    s_.rate = T(V(0));
+    s_.angle = p_.touchdown_angle_rad;
+    account_.stop += before - kinetic();
+    if (mode_ == Mode::stance)
+      lift_off(Mode::on_stop);
+    else
+      mode_ = Mode::on_stop;
+  }
+
+  /// The mode that the forces ask for where the state alone leaves it open: on the stop, and with the toe on
+  /// the ground.
+  void settle() {
+    if (mode_ == Mode::on_stop && value_of(accelerations(s_).stop_torque) < V(0)) mode_ = Mode::free;
+    if (mode_ != Mode::stance) return;
+    const bool at_stop =
+        !(value_of(s_.angle) > value_of(p_.touchdown_angle_rad)) && !(value_of(s_.rate) > V(0));
+    const Accelerations a = accelerations(s_);
+    if (at_stop && (value_of(s_.rate) < V(0) || value_of(a.angle) < V(0))) return meet_stop();
+    if (value_of(a.ground_force) < V(0)) lift_off(Mode::free);
+  }
+
+  void record(typename Event::Kind kind, const T& before) {
+    if (event_count_ < events_.size())
+      events_[event_count_++] = {kind, elapsed_, value_of(before), value_of(s_.velocity)};
+  }
+
+  HopperNonlinearParameters<T> p_;
+  End end_;
+  Links<T> links_;
+  T leg_damping_;
+  typename Links<T>::Pose straight_;
+  T torque_{}, ground_{};
+  State s_{};
+  Mode mode_ = Mode::on_stop;
+  bool taut_ = true;  ///< the spring pulls; without a clutch also where it would have to push
+  T clutch_impacts_{};
+  EnergyAccount<T> account_{};
+  V elapsed_ = V(0);
+  std::array<Event, kMaxEvents> events_{};
+  std::size_t event_count_ = 0;
+};
+
+/// The robot of 002 chapter 5: the leg's spring ends on a cable that the clutch holds or lets go.
+template <class T>
+using ClutchedHopper = NonlinearHopper<T, Clutch<T>>;
+
+}  // namespace furcula::dynamics
