@@ -46,7 +46,7 @@ bool always_same(const model::Model& model, const std::vector<Effect>& a, const 
     const auto index = dynamics::parameter_index(model.kind, name);
     return index && model.free.contains(*index);
   };
-  const bool hopper = model.kind == Kind::hopper_linear;
+  const bool hopper = is_hopper(model.kind);
   struct Pair {
     Set one, other;
     bool always;
@@ -165,7 +165,7 @@ class Assembly {
                const char* what) const {
     if (!windows.empty()) return;
     const std::string file = recordings.empty() ? std::string("no log") : recordings.front().name;
-    if (model_.kind == Kind::hopper_linear)
+    if (is_hopper(model_.kind))
       throw log::DataError(
           file + ": the " + what +
           " recordings hold no stride from apex to apex: expected the height to rise above the "
@@ -185,8 +185,7 @@ class Assembly {
     d_.held_out_logs = held_out_.size();
     for (const auto& r : training_) d_.training_files.push_back(r.name), d_.samples += r.rows();
     for (const auto& r : held_out_) d_.held_out_files.push_back(r.name), d_.samples += r.rows();
-    if (model_.kind == Kind::hopper_linear)
-      d_.hops = training_windows_.windows.size() + held_out_windows_.size();
+    if (is_hopper(model_.kind)) d_.hops = training_windows_.windows.size() + held_out_windows_.size();
     const auto names = identify::channel_names(model_.kind);
     d_.main_channel = names.position;
     d_.main_unit = names.position_unit;
@@ -407,7 +406,7 @@ class Assembly {
     d_.verdict = decide(noise_alone, after < before, little);
     // What is not in the catalogue may look like the named causes in part: the less they explain, the
     // likelier.
-    if (d_.verdict == Verdict::partly_explained && !other_channels_alone()) {
+    if (!d_.findings.empty() && after < before && !little && !other_channels_alone()) {
       d_.unnamed_share = before > floor ? std::clamp((after - floor) / (before - floor), 0.0, 1.0) : 0.0;
       for (Finding& f : d_.findings) f.confidence *= 1.0 - d_.unnamed_share;
     }

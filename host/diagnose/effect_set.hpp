@@ -33,6 +33,18 @@ inline bool contains(dynamics::Effect larger, dynamics::Effect smaller) {
          (larger == Effect::stribeck_friction || larger == Effect::asymmetric_friction);
 }
 
+/// Two effects of one parameter each that are one law under two names, on some kind of machine
+/// (docs/contracts.md, section 3).
+inline bool twins(dynamics::Effect a, dynamics::Effect b) {
+  using dynamics::Effect;
+  const auto are = [&](Effect one, Effect other) {
+    return (a == one && b == other) || (a == other && b == one);
+  };
+  return are(Effect::force_offset, Effect::guide_tilt) ||
+         are(Effect::rest_height_error, Effect::spring_preload) ||
+         are(Effect::actuator_delay, Effect::time_skew);
+}
+
 /// The set with one effect more, less what that effect contains.
 inline EffectSet extended(EffectSet effects, dynamics::Effect more) {
   effects.erase(

@@ -94,16 +94,16 @@ class Search {
 
   /// How many of the proposals on top of `on` are fitted; puts them first.
   std::size_t worth_a_fit(std::vector<Proposal>& proposals, const Hypothesis& on, std::size_t most) const {
-    // What does not move the body promises little beside what does, and dry friction that sticks is badly
-    // judged by a linear step: those first, always; and a law that has one of the set as a special case,
-    // where that does not do.
+    // What does not move the body promises little beside what does, dry friction that sticks is badly judged
+    // by a linear step, and a slip by windows that do not hold it: those first, always; and a law that has
+    // one of the set as a special case, where that does not do.
     const bool lacking = !on.effects.empty() && !follows_the_body(on);
     const auto always = [&](const Proposal& p) {
       const identify::Channel judge = judged_on(p.effect, trainer_.recordings);
       const bool hardly_seen = judge == identify::Channel::contact || judge == identify::Channel::drive;
       const bool wider =
           std::any_of(on.effects.begin(), on.effects.end(), [&](Effect e) { return contains(p.effect, e); });
-      return (hardly_seen && p.gain > 0.0) || (lacking && wider) ||
+      return (hardly_seen && p.gain > 0.0) || (lacking && wider) || p.effect == Effect::encoder_slip ||
              ((most >= kMostFits || lacking) &&
               (p.effect == Effect::coulomb_friction ||
                (!dynamics::is_hopper(trainer_.model.kind) &&
@@ -150,16 +150,32 @@ class Search {
   /// Where a larger set removes more but means nothing, because the new member explains what an old one was
   /// taken for: the new one in the place of that, if the set is better than the chosen one.
   bool swap_members(const std::vector<Tried>& trials, const EffectSet& before, std::size_t round) {
-    std::vector<Tried> swaps;
+    std::vector<std::pair<EffectSet, const Hypothesis*>> sets;
+    const Hypothesis* best = nullptr;
     for (const Tried& t : trials) {
       if (t.hypothesis.failed || !t.against_smaller.significant || t.hypothesis.meaningful) continue;
-      for (Effect e : before) {
-        if (!holds(t.hypothesis.effects, e)) continue;
-        Tried s{trainer_.fit(without(t.hypothesis.effects, e), &t.hypothesis), round, {}};
-        s.against_smaller = trainer_.compare(s_.refitted, s.hypothesis, all_.size());
-        swaps.push_back(std::move(s));
+      for (Effect e : before)
+        if (holds(t.hypothesis.effects, e)) sets.push_back({without(t.hypothesis.effects, e), &t.hypothesis});
+      if (best == nullptr || t.hypothesis.fit.squares < best->fit.squares) best = &t.hypothesis;
+    }
+    // An old member that was a stand-in, in the best of them: other single causes in its place, of one law
+    // under two names the first.
+    if (best != nullptr && before.size() == 1 && trainer_.preference(s_.chosen, *best) > price_of(*best)) {
+      const Hypothesis* last = nullptr;
+      std::size_t others = 0;
+      for (const Tried* first : first_singles()) {
+        const Effect e = first->hypothesis.effects.front();
+        if (holds(best->effects, e) || (last != nullptr && the_same(first->hypothesis, *last))) continue;
+        last = &first->hypothesis;
+        sets.push_back({with(without(best->effects, before.front()), e), best});
+        if (++others == kBeam) break;
       }
     }
+    std::vector<Tried> swaps(sets.size());
+    identify::parallel_for(sets.size(), trainer_.threads, [&](std::size_t i) {
+      swaps[i] = {trainer_.fit(sets[i].first, sets[i].second), round, {}};
+      swaps[i].against_smaller = trainer_.compare(s_.refitted, swaps[i].hypothesis, all_.size());
+    });
     bool swapped = false;
     for (const Tried& s : swaps)
       if (stands(s) && trainer_.preference(s_.chosen, s.hypothesis) > price_of(s.hypothesis)) {
@@ -249,18 +265,25 @@ class Search {
     if (simpler != nullptr) s_.chosen = Hypothesis(*simpler);
   }
 
-  /// The effect that alone removes most may be a compromise between two causes: where one does not explain
-  /// the recordings, pairs that begin with others. True if one of them took the place of the chosen set.
-  bool beam() {
-    if (s_.chosen.effects.empty() || (s_.chosen.effects.size() == 1 && follows_the_body(s_.chosen)))
-      return false;
+  /// The single effects of the first round, those that remove most first.
+  std::vector<const Tried*> first_singles() const {
     std::vector<const Tried*> firsts;
     for (const Tried& t : s_.tried)
-      if (t.round == 0 && t.against_smaller.significant && t.hypothesis.effects.size() == 1)
+      if (t.round == 0 && (t.against_smaller.significant || s_.chosen.effects.empty()) &&
+          t.hypothesis.effects.size() == 1 && !t.hypothesis.failed)
         firsts.push_back(&t);
     std::sort(firsts.begin(), firsts.end(), [](const Tried* a, const Tried* b) {
       return a->hypothesis.fit.squares < b->hypothesis.fit.squares;
     });
+    return firsts;
+  }
+
+  /// The effect that alone removes most may be a compromise between two causes, and one cause alone may
+  /// remove nothing while another twists the rest: where one or none does not explain the recordings, pairs
+  /// that begin with others. True if one of them took the place of the chosen set.
+  bool beam() {
+    if (s_.chosen.effects.size() < 2 && follows_the_body(s_.chosen)) return false;
+    std::vector<const Tried*> firsts = first_singles();
     if (firsts.size() > kBeam) firsts.resize(kBeam);
     std::vector<Tried> pairs;
     for (const Tried* first : firsts) {
@@ -300,8 +323,8 @@ class Search {
     return simpler ? -kEqualEvidence : kEqualEvidence;
   }
 
-  /// What each member is worth, and which sets do as well in its place with as many parameters; one that does
-  /// better takes its place.
+  /// What each member is worth, and which sets do as well in its place with no more parameters; one that does
+  /// better, or as well with fewer, takes its place.
   void replace_by_rivals() {
     for (int round = 0;; ++round) {
       tell(0.8 + 0.05 * round, "what cannot be told apart");
@@ -315,7 +338,7 @@ class Search {
       s_.equals = rivals();
       const Selection::Rival* better = nullptr;
       for (const auto& r : s_.equals)
-        if (trainer_.preference(s_.chosen, r.hypothesis) > kEqualEvidence &&
+        if (trainer_.preference(s_.chosen, r.hypothesis) > price_of(r.hypothesis) &&
             (better == nullptr || r.hypothesis.fit.squares < better->hypothesis.fit.squares))
           better = &r;
       if (better == nullptr || round == kMostSwaps) return;
@@ -354,7 +377,9 @@ class Search {
     std::vector<Proposal> parts;
     for (const Proposal& p : propose(on, usable, 0.85, 0.1)) {
       const bool goes_some_way = p.gain * on.fit.squares > 0.5 * lost;
-      if (goes_some_way && all.size() < kMostRivals * (member + 1))
+      if (twins(e, p.effect))  // the others stay what they are
+        all.push_back({e, with(on.effects, p.effect), &s_.chosen, {{p.effect, p.values}}});
+      else if (goes_some_way && all.size() < kMostRivals * (member + 1))
         all.push_back({e, with(on.effects, p.effect), &on, {{p.effect, p.values}}});
       if (dynamics::info(p.effect).parameter_count < size && parts.size() < kMostParts) parts.push_back(p);
     }

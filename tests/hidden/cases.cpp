@@ -300,6 +300,12 @@ int family(std::string_view law) {
   return -1;
 }
 
+// A constant force beside a friction of two sizes is that friction with two other sizes: one law, not two.
+bool one_law(std::string_view a, std::string_view b) {
+  const auto constant = [](std::string_view law) { return law == "force_offset" || law == "guide_tilt"; };
+  return (a == "asymmetric_friction" && constant(b)) || (b == "asymmetric_friction" && constant(a));
+}
+
 // Laws whose first cases were drawn before there were names: their cases stay what they were.
 constexpr std::string_view kFirstLaws[] = {
     "coulomb_friction", "stribeck_friction", "asymmetric_friction", "quadratic_drag", "force_offset",
@@ -408,7 +414,7 @@ Question question_of(Tier tier, std::uint64_t seed, std::uint64_t index, std::st
       }
       for (const LawInfo& other : laws())
         if (wanted(other, kind.kind) && family(other.name) != family(l.name) &&
-            (law == l.name || &l < &other))
+            !one_law(l.name, other.name) && (law == l.name || &l < &other))
           choices.push_back({kind.kind, {std::string(l.name), std::string(other.name)}});
     }
   }
