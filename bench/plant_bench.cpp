@@ -3,7 +3,9 @@
 #include <benchmark/benchmark.h>
 
 #include "furcula/dynamics/axis.hpp"
+#include "furcula/dynamics/clutch_designs.hpp"
 #include "furcula/dynamics/hopper.hpp"
+#include "furcula/dynamics/nonlinear_hopper.hpp"
 #include "host/identify/jet.hpp"
 
 namespace {
@@ -49,6 +51,35 @@ void hopper_step_with_derivatives(benchmark::State& state) {
   hop(state, Hopper<Jet>(p));
 }
 BENCHMARK(hopper_step_with_derivatives);
+
+/// Table 3.1 of 002; its links in flight and in stance.
+HopperNonlinearParameters<double> robot() {
+  return {1.6, 600.0, 0.289, 5.0, 1.0, 1.0, 1.0, 0.15, 0.35, 9.81, 42e-4, 75e-4, 38e-3};
+}
+void nonlinear_hopper_step(benchmark::State& state) {
+  NonlinearHopper<double> hopper(robot());
+  hopper.reset(0.35, 0.0);
+  for (auto _ : state) {
+    hopper.advance(hopper.in_stance() ? (hopper.velocity_mps() > 0.0 ? -0.6 : 0.6) : 0.0, kTickS);
+    benchmark::DoNotOptimize(hopper.height_m());
+  }
+}
+BENCHMARK(nonlinear_hopper_step);
+
+/// Released, folded and caught in each flight.
+void clutched_hopper_step(benchmark::State& state) {
+  ClutchedHopper<double> hopper(robot(), Clutch<double>(modular_clutch<double>()));
+  hopper.reset(0.35, 0.0);
+  int flight = 0;
+  for (auto _ : state) {
+    flight = hopper.in_stance() ? 0 : flight + 1;
+    hopper.set_voltage(flight > 5 && flight < 90 ? 10.0 : 0.0);
+    const double pump = hopper.velocity_mps() > 0.0 ? -0.8 : 0.8;
+    hopper.advance(hopper.in_stance() ? pump : flight < 40 ? 1.0 : -0.4, kTickS);
+    benchmark::DoNotOptimize(hopper.height_m());
+  }
+}
+BENCHMARK(clutched_hopper_step);
 
 void motor_axis_step(benchmark::State& state) {
   Effects<double> effects;

@@ -4,7 +4,9 @@
 #include <functional>
 
 #include "furcula/dynamics/axis.hpp"
+#include "furcula/dynamics/clutch_designs.hpp"
 #include "furcula/dynamics/hopper.hpp"
+#include "furcula/dynamics/nonlinear_hopper.hpp"
 #include "host/identify/jet.hpp"
 #include "tests/common/dynamics/example.hpp"
 
@@ -67,4 +69,59 @@ TEST_CASE("An axis that dry friction stops has the derivative of its stopping di
   CHECK(axis.position().v[0] == Approx(-0.09 * 100.0 / (2.0 * 400.0)).epsilon(1e-9));
   CHECK(axis.position().v[1] == Approx(0.09 / 40.0).epsilon(1e-9));
   CHECK(axis.position().v[2] == Approx(0.3 * 100.0 / 20.0).epsilon(1e-9));
+}
+
+namespace {
+
+/// Height of the robot with a clutch after a hop with the leg folded in flight, by mass, stance damping,
+/// inertia e and auxiliary stiffness.
+template <class T>
+T clutched_height_after(const T& mass, const T& damping, const T& inertia_e, const T& auxiliary) {
+  HopperNonlinearParameters<T> p;
+  p.mass_kg = mass;
+  p.stiffness_npm = T(600.0);
+  p.rest_height_m = T(0.289);
+  p.damping_stance_nspm = damping;
+  p.damping_flight_nspm = T(1.0);
+  p.restitution_touchdown = p.restitution_liftoff = T(1.0);
+  p.link_length_m = T(0.15);
+  p.touchdown_angle_rad = T(0.349);
+  p.gravity_mps2 = T(9.81);
+  p.inertia_a_kgm2 = T(42e-4);
+  p.inertia_b_kgm = T(75e-4);
+  p.inertia_e_kgm = inertia_e;
+  auto clutch = modular_clutch<T>();
+  clutch.auxiliary_stiffness_npm = auxiliary;
+  ClutchedHopper<T> robot(p, Clutch<T>(clutch));
+  robot.reset(T(0.36), T(0.0));
+  for (int n = 0; n < 420; ++n) {
+    robot.set_voltage(T(n < 80 || (n > 330 && n < 400) ? 10.0 : 0.0));
+    robot.advance(T(n < 40 || (n > 350 && n < 390) ? 0.6 : 0.0), ValueOf<T>(1e-3));
+  }
+  return robot.height_m();
+}
+
+}  // namespace
+
+TEST_CASE("The robot with a clutch carries derivatives through release, catch and contacts") {
+  const double at[4] = {2.5, 6.0, 0.038, 20.0};
+  const Jet out = clutched_height_after(Jet(at[0], 0), Jet(at[1], 1), Jet(at[2], 2), Jet(at[3], 3));
+  CHECK(out.a == Approx(clutched_height_after(at[0], at[1], at[2], at[3])).epsilon(1e-12));
+  for (int i = 0; i < 4; ++i) {
+    const double step = 1e-6 * at[i];
+    double up[4], down[4];
+    for (int k = 0; k < 4; ++k) up[k] = down[k] = at[k];
+    up[i] += step;
+    down[i] -= step;
+    const double difference = (clutched_height_after(up[0], up[1], up[2], up[3]) -
+                               clutched_height_after(down[0], down[1], down[2], down[3])) /
+                              (2 * step);
+    CAPTURE(i, out.v[i], difference);
+    CHECK(out.v[i] == Approx(difference).epsilon(2e-3).margin(1e-9));
+  }
+}
+
+TEST_CASE("In single precision the robot with a clutch hops the same") {
+  const double exact = clutched_height_after(2.5, 6.0, 0.038, 20.0);
+  CHECK(static_cast<double>(clutched_height_after(2.5F, 6.0F, 0.038F, 20.0F)) == Approx(exact).margin(1e-4));
 }

@@ -134,11 +134,11 @@ TEST_CASE("Free in flight, the leg follows the Euler-Lagrange equations of its f
   NonlinearHopper<double> plant(p);
   plant.reset(2.0, 1.0);
   for (int n = 0; n < 40; ++n) plant.advance(0.8, 1e-3);
-  REQUIRE(plant.mode() == NonlinearHopper<double>::Mode::free);
+  REQUIRE(plant.mode() == NonlinearHopper<double>::Mode::swings);
   for (int sample = 0; sample < 8; ++sample) {
     const double torque = 0.8 - 0.1 * sample;
     plant.advance(torque, 7e-3);
-    REQUIRE(plant.mode() == NonlinearHopper<double>::Mode::free);
+    REQUIRE(plant.mode() == NonlinearHopper<double>::Mode::swings);
     // Accelerations by central differences of the plant's own motion.
     const double h = 1e-4;
     NonlinearHopper<double> later = plant;
@@ -218,7 +218,7 @@ TEST_CASE("The motor cannot lift the machine in flight: its centre of mass falls
   for (int n = 1; n <= 600; ++n) {
     const auto before = plant.mode();
     plant.advance(1.5 * std::sin(0.05 * n), 1e-3);
-    met_stop += before == NonlinearHopper<double>::Mode::free &&
+    met_stop += before == NonlinearHopper<double>::Mode::swings &&
                 plant.mode() == NonlinearHopper<double>::Mode::on_stop;
     const double t = 1e-3 * n;
     CHECK(centre() == Approx(start + 0.7 * t - 0.5 * kGravity * t * t).margin(2e-9));

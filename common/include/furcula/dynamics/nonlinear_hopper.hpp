@@ -40,13 +40,13 @@ struct FixedEnd {
 /// The plant, with the guide's damping df in both phases and ds - df in the leg, along its length:
 ///   M q'' + B + G = [torque - lever (Fs - dl l'), -df z'] + J^T F_c,    l = 2 L cos theta, lever = 2 L sin
 ///   theta, Fs = k (z0 - l)
-/// In three modes: on its stop in flight (theta held), free in flight (both move), in stance (the toe rests
-/// on the ground; the ground does not pull, and where it would have to, the leg is free). Touch-down and the
-/// stop are plastic impacts; restitution_touchdown and restitution_liftoff multiply all speeds that these
-/// leave. Classic Runge-Kutta steps of at most kLongestStep; every change of mode is located inside a step,
-/// and after each the mode is chosen by the forces and accelerations that follow, so that a contact is taken
-/// or left once and does not chatter. `End` holds the spring's far end: FixedEnd, or a Clutch, whose cable
-/// follows the spring while it is released; then the spring is one that can only pull its cable, and
+/// In three modes: on its stop in flight (theta held), swinging in flight (both move), in stance (the toe
+/// rests on the ground; the ground does not pull, and where it would have to, the leg is free). Touch-down
+/// and the stop are plastic impacts; restitution_touchdown and restitution_liftoff multiply all speeds that
+/// these leave. Classic Runge-Kutta steps of at most kLongestStep; every change of mode is located inside a
+/// step, and after each the mode is chosen by the forces and accelerations that follow, so that a contact is
+/// taken or left once and does not chatter. `End` holds the spring's far end: FixedEnd, or a Clutch, whose
+/// cable follows the spring while it is released; then the spring is one that can only pull its cable, and
 /// slackens.
 template <class T, class End = FixedEnd<T>>
 class NonlinearHopper {
@@ -56,7 +56,7 @@ class NonlinearHopper {
   static constexpr std::size_t kMaxEvents = 16;  ///< kept of one advance()
   static constexpr V kLongestStep = V(2.5e-4);
 
-  enum class Mode : std::uint8_t { on_stop, free, stance };
+  enum class Mode : std::uint8_t { on_stop, swings, stance };
 
   explicit NonlinearHopper(const HopperNonlinearParameters<T>& p, const End& end = End{})
       : p_(p),
@@ -206,7 +206,7 @@ class NonlinearHopper {
         out.height = on_height / m.height;
         out.stop_torque = m.coupling * out.height - on_angle;
         break;
-      case Mode::free: {
+      case Mode::swings: {
         const T determinant = m.angle * m.height - m.coupling * m.coupling;
         out.angle = (m.height * on_angle - m.coupling * on_height) / determinant;
         out.height = (m.angle * on_height - m.coupling * on_angle) / determinant;
@@ -331,10 +331,10 @@ class NonlinearHopper {
         meet_stop();
         break;
       case Leg::leaves_stop:
-        mode_ = Mode::free;
+        mode_ = Mode::swings;
         break;
       case Leg::leaves_ground:
-        lift_off(Mode::free);
+        lift_off(Mode::swings);
         break;
       case Leg::spring_slackens:
         taut_ = false;
@@ -396,13 +396,13 @@ class NonlinearHopper {
   /// The mode that the forces ask for where the state alone leaves it open: on the stop, and with the toe on
   /// the ground.
   void settle() {
-    if (mode_ == Mode::on_stop && value_of(accelerations(s_).stop_torque) < V(0)) mode_ = Mode::free;
+    if (mode_ == Mode::on_stop && value_of(accelerations(s_).stop_torque) < V(0)) mode_ = Mode::swings;
     if (mode_ != Mode::stance) return;
     const bool at_stop =
         !(value_of(s_.angle) > value_of(p_.touchdown_angle_rad)) && !(value_of(s_.rate) > V(0));
     const Accelerations a = accelerations(s_);
     if (at_stop && (value_of(s_.rate) < V(0) || value_of(a.angle) < V(0))) return meet_stop();
-    if (value_of(a.ground_force) < V(0)) lift_off(Mode::free);
+    if (value_of(a.ground_force) < V(0)) lift_off(Mode::swings);
   }
 
   void record(typename Event::Kind kind, const T& before) {
