@@ -45,7 +45,7 @@ TEST_CASE("the JSON has every effect with its bounds, and null where no value me
   CHECK(json["effects"][1]["parameters"][2]["neutral"].is_null());
   const auto one = nlohmann::json::parse(run_furcula({"effects", "stiffness_error", "--json"}).out);
   REQUIRE(one["effects"].size() == 1);
-  CHECK(one["effects"][0]["kinds"] == nlohmann::json::array({"hopper_linear"}));
+  CHECK(one["effects"][0]["kinds"] == nlohmann::json::array({"hopper_linear", "hopper_nonlinear"}));
 }
 
 TEST_CASE("docs/effects.md is what the catalogue says (furcula effects --markdown > docs/effects.md)") {
