@@ -13,7 +13,7 @@ namespace furcula::sim_host {
 /// Each touch-down and each lift-off draws by how much it is reported early (negative) or late, uniform
 /// within
 /// +-10 ms. To report early the switch knows the future: a copy of the plant runs ahead with the command
-/// held. (In flight the torque does not move the body, so that an early touch-down report is exact.) Each
+/// held. (Where the torque does not move the leg in flight, an early touch-down report is exact.) Each
 /// change is followed by a time in which the reading is drawn anew on each tick: 1 to 4 ms after closing, up
 /// to 2 ms after opening.
 class ContactSwitch {
@@ -54,15 +54,17 @@ class ContactSwitch {
     // Reported early: the event itself is still to come. (A lift-off that was foreseen may fail to come.)
     if (!caught_up_ && now_s - changed_s_ < 2.0 * earliest_s()) return false;
     if (plant.in_stance() != closed_) return now_s - (closed_ ? liftoff_s_ : touchdown_s_) >= offset_s_;
-    const bool towards_change = closed_ ? plant.velocity_mps() > 0.0 : plant.velocity_mps() < 0.0;
+    const bool towards_change = closed_ ? plant.velocity_mps() > 0.0 : plant.toe_velocity_mps() < 0.0;
     return offset_s_ < 0.0 && towards_change && will_change(plant, torque_nm);
   }
 
   /// Whether the plant changes phase within the (early) offset.
   bool will_change(const Plant& plant, double torque_nm) const {
     // Further away than this it cannot get there in time: spares the run in most ticks.
-    const double distance_m = std::abs(plant.height_m() - plant.touchdown_height_m());
-    if (distance_m > 1.5 * earliest_s() * std::abs(plant.velocity_mps()) + 0.005) return false;
+    const double distance_m =
+        closed_ ? std::abs(plant.height_m() - plant.touchdown_height_m()) : plant.toe_height_m();
+    const double speed_mps = closed_ ? plant.velocity_mps() : plant.toe_velocity_mps();
+    if (distance_m > 1.5 * earliest_s() * std::abs(speed_mps) + 0.005) return false;
     Plant ahead = plant;
     ahead.advance(torque_nm, -offset_s_);
     return !ahead.events().empty();

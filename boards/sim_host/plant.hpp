@@ -10,8 +10,8 @@
 namespace furcula::sim_host {
 
 /// One interface to both. The non-linear hopper's leg is free in flight where nothing but drive and sensors
-/// is wrong with it; laws of mechanism and contact are known to dynamics::Hopper alone, whose leg rests on
-/// its stop in flight.
+/// is wrong with it and its links have a weight that steps can follow; laws of mechanism and contact are
+/// known to dynamics::Hopper alone, whose leg rests on its stop in flight.
 class Plant {
  public:
   explicit Plant(const dynamics::HopperLinearParameters<double>& p,
@@ -19,8 +19,9 @@ class Plant {
       : machine_(dynamics::Hopper<double>(p, effects)) {}
   explicit Plant(const dynamics::HopperNonlinearParameters<double>& p,
                  const dynamics::Effects<double>& effects = {})
-      : machine_(changes_motion(effects) ? Machine(dynamics::Hopper<double>(p, effects))
-                                         : Machine(dynamics::NonlinearHopper<double>(p))) {}
+      : machine_(changes_motion(effects) || !dynamics::NonlinearHopper<double>::resolves(p)
+                     ? Machine(dynamics::Hopper<double>(p, effects))
+                     : Machine(dynamics::NonlinearHopper<double>(p))) {}
 
   void reset(double height_m, double velocity_mps) {
     std::visit([&](auto& m) { m.reset(height_m, velocity_mps); }, machine_);
@@ -42,6 +43,16 @@ class Plant {
   }
   double touchdown_height_m() const {
     return std::visit([](const auto& m) { return m.touchdown_height_m(); }, machine_);
+  }
+  /// Of the toe above the ground, m, and m/s upwards.
+  double toe_height_m() const {
+    if (const auto* m = std::get_if<dynamics::NonlinearHopper<double>>(&machine_)) return m->toe_height_m();
+    return in_stance() ? 0.0 : height_m() - touchdown_height_m();
+  }
+  double toe_velocity_mps() const {
+    if (const auto* m = std::get_if<dynamics::NonlinearHopper<double>>(&machine_))
+      return m->toe_velocity_mps();
+    return in_stance() ? 0.0 : velocity_mps();
   }
   std::span<const dynamics::ContactEvent<double>> events() const {
     return std::visit([](const auto& m) { return m.events(); }, machine_);

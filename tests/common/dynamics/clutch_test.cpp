@@ -5,6 +5,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <numbers>
+#include <random>
 
 #include "furcula/dynamics/clutch_bench.hpp"
 #include "furcula/dynamics/clutch_designs.hpp"
@@ -164,6 +165,7 @@ TEST_CASE("Seated teeth hold up to their share of the pressing force, and beyond
     REQUIRE(slips.clutch().skipped_teeth() >= 5);
     const auto e = slips.energy();
     CHECK(std::abs(imbalance(slips)) < 1e-9);
+    CHECK_FALSE(slips.caught());
     // Each tooth turns the holding force times the pitch into heat, and the pulleys their friction.
     CHECK(e.friction == Approx(capacity * slips.travel_m()).epsilon(1e-6));
   }
@@ -233,7 +235,7 @@ TEST_CASE("Release, fold, return, catch, land and slip: the energy adds up to a 
   ClutchedHopper<double> robot_(robot(), Clutch<double>(clutch));
   robot_.reset(0.42, 0.0);
   const double start = robot_.energy().held() + robot_.clutch_energy().held();
-  double worst = 0.0, flight = 0.0, stance = 0.0;
+  double worst = 0.0, flight = 0.0, stance = 0.0, impacts = 0.0;
   int catches = 0, landings = 0;
   bool caught = true;
   for (int n = 0; n < 20000; ++n) {
@@ -247,6 +249,9 @@ TEST_CASE("Release, fold, return, catch, land and slip: the energy adds up to a 
                           : flight < 0.035   ? 1.2
                                              : -0.6;
     robot_.advance(torque, 1e-3);
+    const double lost = robot_.clutch_energy().impacts;
+    CHECK(lost >= impacts - 1e-12);  // nothing is won in an impact
+    impacts = lost;
     for (const auto& e : robot_.events())
       landings += e.kind == furcula::dynamics::ContactEvent<double>::Kind::touchdown;
     catches += robot_.caught() && !caught;
@@ -258,4 +263,31 @@ TEST_CASE("Release, fold, return, catch, land and slip: the energy adds up to a 
   CHECK(catches > 20);
   CHECK(robot_.clutch().skipped_teeth() > 5);
   CHECK(worst < 1e-9 * (robot_.energy().motor + robot_.clutch_energy().electrical));
+}
+
+TEST_CASE("No impact of the clutch wins energy, whatever coil and motor do") {
+  auto clutch = modular_clutch<double>();
+  clutch.holding_ratio = 4.0;
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+  for (int run = 0; run < 40; ++run) {
+    ClutchedHopper<double> robot_(robot(), Clutch<double>(clutch));
+    robot_.reset(0.36 + 0.03 * uniform(random), 0.0);
+    const double start = robot_.energy().held() + robot_.clutch_energy().held();
+    double before = 0.0;
+    for (int n = 0; n < 1500;) {
+      const double volts = uniform(random) > 0.0 ? 10.0 : 0.0, torque = 4.0 * uniform(random);
+      for (int k = 0; k < 30; ++k, ++n) {
+        robot_.set_voltage(volts);
+        robot_.advance(torque, 1e-3);
+        const double impacts = robot_.clutch_energy().impacts;
+        CHECK(impacts >= before - 1e-12);
+        before = impacts;
+        REQUIRE(std::isfinite(robot_.height_m()));
+        REQUIRE(robot_.cable_travel_m() >= -1e-12);
+        REQUIRE(robot_.cable_travel_m() <= clutch.travel_m + 1e-12);
+      }
+    }
+    CHECK(std::abs(imbalance(robot_, start)) < 1e-7);
+  }
 }

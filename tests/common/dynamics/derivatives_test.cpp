@@ -108,7 +108,7 @@ TEST_CASE("The robot with a clutch carries derivatives through release, catch an
   const Jet out = clutched_height_after(Jet(at[0], 0), Jet(at[1], 1), Jet(at[2], 2), Jet(at[3], 3));
   CHECK(out.a == Approx(clutched_height_after(at[0], at[1], at[2], at[3])).epsilon(1e-12));
   for (int i = 0; i < 4; ++i) {
-    const double step = 1e-6 * at[i];
+    const double step = 1e-4 * at[i];  // a smaller one sees the integrator's own steps
     double up[4], down[4];
     for (int k = 0; k < 4; ++k) up[k] = down[k] = at[k];
     up[i] += step;
@@ -117,7 +117,7 @@ TEST_CASE("The robot with a clutch carries derivatives through release, catch an
                                clutched_height_after(down[0], down[1], down[2], down[3])) /
                               (2 * step);
     CAPTURE(i, out.v[i], difference);
-    CHECK(out.v[i] == Approx(difference).epsilon(2e-3).margin(1e-9));
+    CHECK(out.v[i] == Approx(difference).epsilon(5e-3).margin(1e-8));
   }
 }
 

@@ -363,3 +363,61 @@ TEST_CASE(
     CHECK(most < (parts == 1 ? 3e-5 : 1e-5));
   }
 }
+
+TEST_CASE(
+    "The loss at lift-off is taken once a stance, also where the ground lets go before the leg is straight") {
+  for (const double kept : {0.99, 0.95, 0.9}) {
+    auto p = machine();
+    p.mass_kg += 1.0;
+    p.restitution_liftoff = kept;
+    NonlinearHopper<double> plant(p);
+    Hopper<double> quick(p);
+    plant.reset(0.42, 0.0);
+    quick.reset(0.42, 0.0);
+    int liftoffs = 0;  // of the body: under one that sinks the toe may bounce
+    double apex = 0.0, quick_apex = 0.0;
+    for (int n = 0; n < 600; ++n) {  // one hop
+      plant.advance(0.0, 1e-3);
+      quick.advance(0.0, 1e-3);
+      for (const Event& e : plant.events())
+        liftoffs += e.kind == Event::Kind::liftoff && e.velocity_before_mps > 0.0;
+      if (n > 350 && !plant.in_stance()) apex = std::max(apex, plant.height_m());
+      if (n > 350 && !quick.in_stance()) quick_apex = std::max(quick_apex, quick.height_m());
+    }
+    CAPTURE(kept, apex, quick_apex);
+    CHECK(liftoffs == 1);
+    CHECK(apex > 0.3);
+    CHECK(apex == Approx(quick_apex).margin(2e-3));  // the quick one's leg is straight at once
+  }
+}
+
+TEST_CASE("A motor that presses the leg straight lets the robot come to stand on its stop") {
+  const auto p = machine();
+  NonlinearHopper<double> plant(p);
+  plant.reset(0.35, 0.0);
+  const double start = plant.energy().held();
+  int late_events = 0;
+  for (int n = 0; n < 5000; ++n) {
+    plant.advance(-3.0, 1e-3);
+    if (n > 3000) late_events += static_cast<int>(plant.events().size());
+  }
+  CHECK(plant.mode() == NonlinearHopper<double>::Mode::stands);
+  CHECK(plant.in_stance());
+  CHECK(late_events == 0);
+  CHECK(plant.velocity_mps() == 0.0);
+  CHECK(plant.ground_force_n() == Approx(p.mass_kg * kGravity));
+  const auto energy = plant.energy();
+  CHECK(std::abs(energy.held() - start - energy.motor + energy.lost()) < 1e-9);
+  for (int n = 0; n < 100; ++n) plant.advance(3.0, 1e-3);
+  CHECK(plant.leg_angle_rad() > p.touchdown_angle_rad + 0.05);  // and folds when it is let go
+}
+
+TEST_CASE("What a new torque does at once is an event at the start of the step") {
+  NonlinearHopper<double> plant(machine());
+  plant.reset(0.26, 0.3);
+  plant.advance(0.0, 1e-3);
+  REQUIRE(plant.in_stance());
+  plant.advance(8.0, 1e-4);  // pulls the toe off the ground
+  REQUIRE(plant.events().size() >= 1);
+  CHECK(plant.events()[0].offset_s == 0.0);
+}

@@ -101,7 +101,8 @@ class Clutch {
   Cable cable() const { return cable_; }
   /// Whether the teeth hold the belt, or could not be passed by it.
   bool caught(const State& s) const {
-    return in_teeth_ && value_of(s.key) <= value_of(p_.tooth_height_m - p_.hold_depth_m);
+    return in_teeth_ && !slips_ &&
+           (at_flank_ || value_of(s.key) <= value_of(p_.tooth_height_m - p_.hold_depth_m));
   }
   /// The longest step in which it can be followed to nine digits of its energy, s: the key's flight is a
   /// matter of milliseconds, the cable between its springs swings some thirty times a second.
@@ -206,7 +207,7 @@ class Clutch {
     } else {
       if (cable_ != Cable::blocked_forth) out.add(Change::cable_starts_forth);
       if (cable_ != Cable::blocked_back) out.add(Change::cable_starts_back);
-      if (key_ == Key::seated) out.add(Change::slips);
+      if (at_flank_) out.add(Change::slips);
     }
     if (conducts_ && !(value_of(volts_) > V(0))) out.add(Change::current_ends);
     return out;
@@ -249,9 +250,12 @@ class Clutch {
         return forth ? T(p_.travel_m - s.travel) : s.travel;
       case Change::slips:
         return holding() - flank_load(s, drive);
-      case Change::next_tooth:
-        return forth ? T(gap_end() + p_.tooth_pitch_m - s.travel)
-                     : T(s.travel - gap_start() + p_.tooth_pitch_m);
+      case Change::next_tooth:  // or back into the gap that it slips out of
+        if (forth)
+          return value_of(s.travel) < value_of(gap_middle()) ? T(gap_start() - s.travel)
+                                                             : T(gap_end() + p_.tooth_pitch_m - s.travel);
+        return value_of(s.travel) > value_of(gap_middle()) ? T(s.travel - gap_end())
+                                                           : T(s.travel - gap_start() + p_.tooth_pitch_m);
       case Change::current_ends:
         return s.current;
     }
@@ -272,7 +276,6 @@ class Clutch {
       case Change::key_lifts:
       case Change::key_leaves_stop:
       case Change::key_frees:
-        if (slips_) in_teeth_ = slips_ = false;
         move_key(s);
         break;
       case Change::key_turns: {
@@ -300,25 +303,24 @@ class Clutch {
         fall_in(s);
         break;
       case Change::key_clears:
-        in_teeth_ = at_flank_ = false;
+        in_teeth_ = at_flank_ = slips_ = false;
         move_key(s);
         break;
       case Change::cable_turns:
         s.speed = zero;
         cable_ = Cable::still;
-        if (slips_) ride(s);  // between two teeth
         break;
       case Change::cable_starts_forth:
         cable_ = Cable::forth;
         at_flank_ = false;
-        if (in_teeth_ && !(value_of(s.travel) < value_of(gap_end()))) block_at_flank(s, gap_end());
+        if (in_teeth_ && !slips_ && !(value_of(s.travel) < value_of(gap_end()))) block_at_flank(s, gap_end());
         break;
       case Change::cable_starts_back:
         cable_ = Cable::back;
         at_flank_ = false;
         if (!(value_of(s.travel) > V(0)))
           block(s, zero);
-        else if (in_teeth_ && !(value_of(s.travel) > value_of(gap_start())))
+        else if (in_teeth_ && !slips_ && !(value_of(s.travel) > value_of(gap_start())))
           block_at_flank(s, gap_start());
         break;
       case Change::flank:
@@ -327,14 +329,23 @@ class Clutch {
       case Change::end_stop:
         at_flank_ = false;
         block(s, cable_ == Cable::forth ? p_.travel_m : zero);
+        if (slips_ && value_of(beside_gap(s)) <= V(0)) {
+          slips_ = false;
+          tooth_ = static_cast<std::int32_t>(next_tooth(s));
+        }
         break;
       case Change::slips:
         cable_ = cable_ == Cable::blocked_forth ? Cable::forth : Cable::back;
         slips_ = true;
         at_flank_ = false;
+        if (key_ == Key::jammed) move_key(s);
         break;
       case Change::next_tooth: {
         const bool forth = cable_ == Cable::forth;
+        if (forth == (value_of(s.travel) < value_of(gap_middle()))) {
+          slips_ = false;
+          break;
+        }
         tooth_ += forth ? 1 : -1;
         ++skipped_;
         const T net = drive.force - auxiliary(s);
@@ -413,6 +424,7 @@ class Clutch {
   /// Where a belt under a key that is in stands against its flanks; forth it is a whole number of pitches.
   T gap_end() const { return static_cast<V>(tooth_) * p_.tooth_pitch_m; }
   T gap_start() const { return gap_end() - p_.tooth_clearance_m; }
+  T gap_middle() const { return gap_end() - V(0.5) * p_.tooth_clearance_m; }
   /// How far the key's tips are from the next gap, in the direction of motion; negative: over one.
   T beside_gap(const State& s) const {
     const T middle = next_tooth(s) * p_.tooth_pitch_m - V(0.5) * p_.tooth_clearance_m;

@@ -55,6 +55,8 @@ constexpr ClutchParameters<T> modular_clutch() {
   p.pressing_force_n = T(10.0);
   p.return_stiffness_npm = T(1500.0);
   p.holding_ratio = T(20.0 * kCablePerLeg);  // holds the hops of chapter 4: 80 N along the leg
+  p.tip_friction = T(0.3 * kCablePerLeg);
+  p.flank_friction = T(0.2 / kCablePerLeg);
   p.tooth_pitch_m = T(3e-3 / kCablePerLeg);
   p.tooth_clearance_m = T(1e-3 / kCablePerLeg);
   p.cable_mass_kg = T(0.03 * kCablePerLeg * kCablePerLeg);

@@ -82,6 +82,7 @@ class Hybrid {
   static T crossing(const Machine& machine, Change change, const T& to) {
     if (machine.follows(change) && !(value_of(machine.margin(change, machine.state())) > V(0)))
       return T(V(0));
+    if (!(value_of(to) > V(0))) return T(V(0));
     const V end = value_of(to), probe = V(1e-2) * end;
     const auto value = [&](V t) { return value_of(machine.margin(change, after(machine, T(t)))); };
     const auto slope = [&](V t) { return (value(t + probe) - value(t - probe)) / (V(2) * probe); };

@@ -40,7 +40,7 @@ struct FixedEnd {
 /// The plant, with the guide's damping df in both phases and ds - df in the leg, along its length:
 ///   M q'' + B + G = [torque - lever (Fs - dl l'), -df z'] + J^T F_c,    l = 2 L cos theta, lever = 2 L sin
 ///   theta, Fs = k (z0 - l)
-/// In three modes: on its stop in flight (theta held), swinging in flight (both move), in stance (the toe
+/// In four modes: on its stop in flight (theta held), swinging in flight (both move), in stance (the toe
 /// rests on the ground; the ground does not pull, and where it would have to, the leg is free). Touch-down
 /// and the stop are plastic impacts; restitution_touchdown and restitution_liftoff multiply all speeds that
 /// these leave. Classic Runge-Kutta steps of at most kLongestStep; every change of mode is located inside a
@@ -56,7 +56,7 @@ class NonlinearHopper {
   static constexpr std::size_t kMaxEvents = 16;  ///< kept of one advance()
   static constexpr V kLongestStep = V(2.5e-4);
 
-  enum class Mode : std::uint8_t { on_stop, swings, stance };
+  enum class Mode : std::uint8_t { on_stop, swings, stance, stands };
 
   explicit NonlinearHopper(const HopperNonlinearParameters<T>& p, const End& end = End{})
       : p_(p),
@@ -71,6 +71,9 @@ class NonlinearHopper {
     using std::acos;
     account_ = {};
     event_count_ = 0;
+    elapsed_ = V(0);
+    ground_ = torque_ = T(V(0));
+    left_ = false;
     s_ = {};
     if constexpr (kClutch) end_.reset();
     if (value_of(height_m) > value_of(straight_.length)) {
@@ -78,7 +81,7 @@ class NonlinearHopper {
       s_.angle = p_.touchdown_angle_rad;
     } else {
       mode_ = Mode::stance;
-      s_.angle = acos(T((height_m - ground_) / (V(2) * p_.link_length_m)));
+      s_.angle = acos(T(height_m / (V(2) * p_.link_length_m)));
       s_.rate = -velocity_mps / links_.pose(s_.angle).lever;
     }
     s_.height = height_m;
@@ -95,8 +98,9 @@ class NonlinearHopper {
     event_count_ = 0;
     torque_ = torque;
     if (!(dt_s > V(0))) return;
+    elapsed_ = V(0);
     settle();  // the new torque may take the leg off its stop or the toe off the ground
-    for (elapsed_ = V(0); elapsed_ < dt_s;) {
+    while (elapsed_ < dt_s) {
       const V start = elapsed_, h = next_step(longest_step(), dt_s - start);
       Hybrid<NonlinearHopper, T>::pass(*this, T(h), elapsed_);
       elapsed_ = h < dt_s - start ? start + h : dt_s;
@@ -121,15 +125,31 @@ class NonlinearHopper {
   }
 
   Mode mode() const { return mode_; }
-  bool in_stance() const { return mode_ == Mode::stance; }
+  bool in_stance() const { return mode_ == Mode::stance || mode_ == Mode::stands; }
   const T& height_m() const { return s_.height; }
   const T& velocity_mps() const { return s_.velocity; }
   const T& leg_angle_rad() const { return s_.angle; }
   const T& leg_rate_radps() const { return s_.rate; }
   T toe_height_m() const { return s_.height - links_.pose(s_.angle).length; }
+  T toe_velocity_mps() const { return s_.velocity + links_.pose(s_.angle).lever * s_.rate; }
   T touchdown_height_m() const { return straight_.length; }
+
+  /// Whether the steps can follow the leg's own swing: not where its links weigh next to nothing.
+  static bool resolves(const HopperNonlinearParameters<T>& p) {
+    using std::sqrt;
+    const Links<T> links{p.inertia_a_kgm2, p.inertia_b_kgm, p.inertia_e_kgm, p.link_length_m, p.mass_kg};
+    const auto straight = links.pose(p.touchdown_angle_rad);
+    const V inertia =
+        value_of(straight.inertia.angle) -
+        value_of(straight.inertia.coupling * straight.inertia.coupling / straight.inertia.height);
+    const V lever = V(2) * value_of(p.link_length_m);  // at its longest
+    const V stiff = value_of(p.stiffness_npm) * lever * lever;
+    const V damped = value_of(p.damping_stance_nspm - p.damping_flight_nspm) * lever * lever;
+    return inertia > V(0) && sqrt(stiff / inertia) * kLongestStep < V(0.2) &&
+           damped / inertia * kLongestStep < V(0.2);
+  }
   /// Of the ground on the toe, N; zero in flight.
-  T ground_force_n() const { return mode_ == Mode::stance ? accelerations(s_).ground_force : T(V(0)); }
+  T ground_force_n() const { return in_stance() ? accelerations(s_).ground_force : T(V(0)); }
   /// Touch-downs and lift-offs inside the last advance(), in order; offsets from its start, s.
   std::span<const Event> events() const { return {events_.data(), event_count_}; }
 
@@ -205,6 +225,10 @@ class NonlinearHopper {
       case Mode::on_stop:
         out.height = on_height / m.height;
         out.stop_torque = m.coupling * out.height - on_angle;
+        break;
+      case Mode::stands:
+        out.ground_force = -on_height;
+        out.stop_torque = p.lever * on_height - on_angle;
         break;
       case Mode::swings: {
         const T determinant = m.angle * m.height - m.coupling * m.coupling;
@@ -311,10 +335,9 @@ class NonlinearHopper {
   };
   Changes changes() const {
     Changes out;
-    if (mode_ != Mode::stance) out.add({Leg::touches_down});
-    if (mode_ != Mode::on_stop) out.add({Leg::meets_stop});
-    if (mode_ == Mode::on_stop) out.add({Leg::leaves_stop});
-    if (mode_ == Mode::stance) out.add({Leg::leaves_ground});
+    const bool straight = mode_ == Mode::on_stop || mode_ == Mode::stands;
+    out.add({straight ? Leg::leaves_stop : Leg::meets_stop});
+    out.add({in_stance() ? Leg::leaves_ground : Leg::touches_down});
     if constexpr (kClutch) {
       out.add({taut_ ? Leg::spring_slackens : Leg::spring_tautens});
       for (const auto c : end_.changes()) out.add({Leg::none, static_cast<std::uint8_t>(c)});
@@ -331,10 +354,13 @@ class NonlinearHopper {
         meet_stop();
         break;
       case Leg::leaves_stop:
-        mode_ = Mode::swings;
+        mode_ = mode_ == Mode::stands ? Mode::stance : Mode::swings;
         break;
       case Leg::leaves_ground:
-        lift_off(Mode::swings);
+        if (mode_ == Mode::stands)
+          mode_ = Mode::on_stop;
+        else
+          leave_ground();
         break;
       case Leg::spring_slackens:
         taut_ = false;
@@ -357,52 +383,86 @@ class NonlinearHopper {
     }
   }
 
-  T kinetic() const { return links_.kinetic_energy(links_.pose(s_.angle), s_.rate, s_.velocity); }
+  /// From in the air or off the ground: how fast the toe goes up faster, m/s^2.
+  T toe_acceleration() const {
+    const auto p = links_.pose(s_.angle);
+    const Accelerations a = accelerations(s_, p);
+    return a.height + p.lever * a.angle + p.length * s_.rate * s_.rate;
+  }
 
   void touch_down() {
     const auto p = links_.pose(s_.angle);
-    const T before = kinetic(), fell = s_.velocity;
+    const T before = energy().held(), fell = s_.velocity;
     mode_ = Mode::stance;
+    if (value_of(fell) < V(0)) left_ = false;
     s_.rate = p_.restitution_touchdown * links_.rate_after_touchdown(p, s_.rate, s_.velocity);
     s_.height = ground_ + p.length;
     s_.velocity = -(p.lever * s_.rate);
-    account_.touchdown += before - kinetic();
+    account_.touchdown += before - energy().held();
     record(Event::Kind::touchdown, fell);
   }
 
-  void lift_off(Mode into) {
-    const T before = kinetic(), rose = s_.velocity;
-    mode_ = into;
-    if (value_of(s_.velocity) > V(0)) {  // a toe that bounces under a sinking body is no lift-off of the body
-      s_.rate = p_.restitution_liftoff * s_.rate;
-      s_.velocity = p_.restitution_liftoff * s_.velocity;
-    }
-    account_.liftoff += before - kinetic();
-    record(Event::Kind::liftoff, rose);
+  /// The loss at lift-off is the stance's: once, and not that of a toe that bounces under a sinking body.
+  void lose_at_liftoff() {
+    if (left_ || !(value_of(s_.velocity) > V(0))) return;
+    const T before = energy().held();
+    left_ = true;
+    s_.rate = p_.restitution_liftoff * s_.rate;
+    s_.velocity = p_.restitution_liftoff * s_.velocity;
+    account_.liftoff += before - energy().held();
   }
 
+  /// The ground would have to pull. What is slowed by the loss may stay for a while.
+  void leave_ground() {
+    const T rose = s_.velocity;
+    lose_at_liftoff();
+    mode_ = Mode::swings;
+    if (value_of(toe_acceleration()) < V(0))
+      mode_ = Mode::stance;
+    else
+      record(Event::Kind::liftoff, rose);
+  }
+
+  /// In flight the leg stays on its stop; from the ground it takes off, or stands if it comes there as good
+  /// as at rest and is pressed on both.
   void meet_stop() {
-    const T before = kinetic();
+    const bool stood = mode_ == Mode::stance;
+    const T before = energy().held(), rose = s_.velocity;
+    const V slow = V(1e-3);  // m/s
+    s_.angle = p_.touchdown_angle_rad;
+    if (stood && value_of(s_.velocity) < slow) {
+      mode_ = Mode::stands;
+      const Accelerations a = accelerations(s_);
+      if (value_of(a.stop_torque) >= V(0) && value_of(a.ground_force) >= V(0)) {
+        s_.rate = s_.velocity = T(V(0));
+        account_.stop += before - energy().held();
+        return;
+      }
+    }
     s_.velocity = links_.velocity_after_stop(straight_, s_.rate, s_.velocity);
     s_.rate = T(V(0));
-    s_.angle = p_.touchdown_angle_rad;
-    account_.stop += before - kinetic();
-    if (mode_ == Mode::stance)
-      lift_off(Mode::on_stop);
-    else
-      mode_ = Mode::on_stop;
+    mode_ = Mode::on_stop;
+    account_.stop += before - energy().held();
+    if (!stood) return;
+    lose_at_liftoff();
+    record(Event::Kind::liftoff, rose);
   }
 
   /// The mode that the forces ask for where the state alone leaves it open: on the stop, and with the toe on
   /// the ground.
   void settle() {
     if (mode_ == Mode::on_stop && value_of(accelerations(s_).stop_torque) < V(0)) mode_ = Mode::swings;
+    if (mode_ == Mode::stands) {
+      const Accelerations a = accelerations(s_);
+      if (value_of(a.stop_torque) < V(0)) mode_ = Mode::stance;
+      if (value_of(a.ground_force) < V(0)) mode_ = Mode::on_stop;
+    }
     if (mode_ != Mode::stance) return;
     const bool at_stop =
         !(value_of(s_.angle) > value_of(p_.touchdown_angle_rad)) && !(value_of(s_.rate) > V(0));
     const Accelerations a = accelerations(s_);
     if (at_stop && (value_of(s_.rate) < V(0) || value_of(a.angle) < V(0))) return meet_stop();
-    if (value_of(a.ground_force) < V(0)) lift_off(Mode::swings);
+    if (value_of(a.ground_force) < V(0)) leave_ground();
   }
 
   void record(typename Event::Kind kind, const T& before) {
@@ -418,7 +478,8 @@ class NonlinearHopper {
   T torque_{}, ground_{};
   State s_{};
   Mode mode_ = Mode::on_stop;
-  bool taut_ = true;  ///< the spring pulls; without a clutch also where it would have to push
+  bool left_ = false;  ///< the loss at lift-off of this stance is taken
+  bool taut_ = true;   ///< the spring pulls; without a clutch also where it would have to push
   T clutch_impacts_{};
   EnergyAccount<T> account_{};
   V elapsed_ = V(0);
