@@ -405,11 +405,12 @@ class Assembly {
     d_.unexplained_fraction = before > 0.0 ? std::clamp((after - floor) / before, 0.0, 1.0) : 0.0;
     d_.verdict = decide(noise_alone, after < before, little);
     // What is not in the catalogue may look like the named causes in part: the less they explain, the
-    // likelier.
-    if (!d_.findings.empty() && after < before && !little && !other_channels_alone()) {
-      d_.unnamed_share = before > floor ? std::clamp((after - floor) / (before - floor), 0.0, 1.0) : 0.0;
-      for (Finding& f : d_.findings) f.confidence *= 1.0 - d_.unnamed_share;
-    }
+    // likelier. Where more than noise remains, a fifth of the error halves the confidence: about as often
+    // were such names right in the blind suite (docs/blind_suite.md).
+    if (d_.findings.empty() || other_channels_alone() || !(after < before) || !(before > floor)) return;
+    d_.unnamed_share = std::clamp((after - floor) / (before - floor), 0.0, 1.0);
+    const double share = noise_alone && little ? 0.0 : d_.unnamed_share;
+    for (Finding& f : d_.findings) f.confidence *= noise_alone ? 1.0 - share : 1.0 / (1.0 + 5.0 * share);
   }
 
   Verdict decide(bool noise_alone, bool better_held_out, bool little_remains) const {
