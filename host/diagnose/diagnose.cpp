@@ -393,10 +393,14 @@ class Assembly {
           d_.beyond_bounds.push_back({u.name, u.unit, bounds.lower, bounds.upper, h.fit.values[i]});
       }
     }
-    // No simulator's numerics jump from one row to the next.
-    const bool numerics = before <= kNumerics && !holds(selection_.chosen.effects, Effect::encoder_slip);
+    // Nothing is named where the re-fitted model leaves noise alone, and what was found on the training
+    // recordings is undecided or of no help on the held-out ones. No simulator's numerics jump from one row
+    // to the next, and a slip in one recording says nothing of another.
+    const bool slipped = holds(selection_.chosen.effects, Effect::encoder_slip);
+    const bool numerics = before <= kNumerics && !slipped;
+    const bool helps = slipped || nmse(d_.extended) < before;
     if (!d_.findings.empty() && !other_channels_alone() &&
-        (numerics || (undecided_ && noise_alone_with(selection_.refitted.fitted, before))))
+        (numerics || ((undecided_ || !helps) && noise_alone_with(selection_.refitted.fitted, before))))
       retract();
     const double after = nmse(d_.extended);
     const bool noise_alone = noise_alone_with(d_.extended_model, after);
