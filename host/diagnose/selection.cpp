@@ -158,9 +158,9 @@ class Search {
         if (holds(t.hypothesis.effects, e)) sets.push_back({without(t.hypothesis.effects, e), &t.hypothesis});
       if (best == nullptr || t.hypothesis.fit.squares < best->fit.squares) best = &t.hypothesis;
     }
-    // An old member that was a stand-in, in the best of them: other single causes in its place, of one law
-    // under two names the first.
-    if (best != nullptr && before.size() == 1 && trainer_.preference(s_.chosen, *best) > price_of(*best)) {
+    // An old member that was a stand-in, where the best of them leaves less than half of the body's error:
+    // other single causes in its place, of one law under two names the first.
+    if (best != nullptr && before.size() == 1 && squares_of_body(*best) < 0.5 * squares_of_body(s_.chosen)) {
       const Hypothesis* last = nullptr;
       std::size_t others = 0;
       for (const Tried* first : first_singles()) {
