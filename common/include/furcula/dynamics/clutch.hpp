@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "furcula/dynamics/hybrid.hpp"
 #include "furcula/dynamics/scalar.hpp"
 #include "furcula/dynamics/solenoid.hpp"
 
@@ -52,6 +53,9 @@ struct CableDrive {
   T force{}, mass{};
 };
 
+/// Its modes, laws and changes; what drives the cable, and the time, are the machine's that it is part of.
+/// The machine's State holds the clutch's; its members are called in the order in which Hybrid calls the
+/// machine's.
 template <class T>
 class Clutch {
  public:
@@ -62,8 +66,7 @@ class Clutch {
     T key{}, key_speed{};  ///< of the key from its seat, m and m/s
     T current{};           ///< A
     T electrical{}, copper{}, flyback{}, key_damping{}, cable_damping{}, friction{};  ///< J
-    static constexpr std::size_t kCount = 11;
-    static constexpr std::array<T State::*, kCount> kMembers{
+    static constexpr std::array<T State::*, 11> kMembers{
         &State::travel,      &State::speed,         &State::key,     &State::key_speed,
         &State::current,     &State::electrical,    &State::copper,  &State::flyback,
         &State::key_damping, &State::cable_damping, &State::friction};
@@ -159,19 +162,10 @@ class Clutch {
     return d;
   }
 
-  /// What can change next. Everything that the state of now cannot do is left out.
-  class Changes {
-   public:
-    void add(Change c) { all_[count_++] = c; }
-    const Change* begin() const { return all_.data(); }
-    const Change* end() const { return all_.data() + count_; }
-
-   private:
-    std::array<Change, 12> all_{};
-    std::size_t count_ = 0;
-  };
-  Changes changes() const {
-    Changes out;
+  /// Everything that the state of now cannot do is left out.
+  static constexpr std::size_t kMostChanges = 12;
+  Changes<Change, kMostChanges> changes() const {
+    Changes<Change, kMostChanges> out;
     switch (key_) {
       case Key::seated:
         out.add(Change::key_lifts);
@@ -398,7 +392,7 @@ class Clutch {
   T key_force(const State& s) const {
     return p_.solenoid.pull(s.current, s.key) - p_.pressing_force_n - p_.return_stiffness_npm * s.key;
   }
-  /// Load that the seated key holds: in proportion to the return spring's force, whatever the coil does.
+  /// Load that a key in the teeth holds: in proportion to the return spring's force, whatever the coil does.
   T holding() const { return p_.holding_ratio * p_.pressing_force_n; }
   /// Dry friction on the belt: pulleys and guide, the key's tips where it rides on them, and the teeth while
   /// they are skipped.

@@ -2,10 +2,6 @@
 // pulley's turns.
 #pragma once
 
-#include <array>
-#include <cstddef>
-#include <span>
-
 #include "furcula/dynamics/clutch.hpp"
 #include "furcula/dynamics/hybrid.hpp"
 
@@ -18,6 +14,7 @@ struct ClutchBenchSetup {
   T load_mass_kg{}, pulley_radius_m{}, pulley_inertia_kgm2{}, gravity_mps2{};
 };
 
+/// Starts at rest, caught, at travel 0.
 template <class T>
 class ClutchBenchRig {
  public:
@@ -38,12 +35,8 @@ class ClutchBenchRig {
   void advance(const T& volts, V dt_s) {
     clutch_.set_voltage(volts);
     clutch_.settle(s_);
-    V elapsed = V(0);
-    for (V left = dt_s; left > V(0);) {
-      const V h = next_step(clutch_.longest_step(), left);
-      Hybrid<ClutchBenchRig, T>::pass(*this, T(h), elapsed);
-      left = h < left ? left - h : V(0);
-    }
+    V elapsed;
+    Hybrid<ClutchBenchRig, T>::advance(*this, dt_s, elapsed);
   }
 
   const T& travel_m() const { return s_.travel; }
@@ -68,6 +61,7 @@ class ClutchBenchRig {
   const State& state() const { return s_; }
   State rates(const State& s) const { return clutch_.rates(s, drive_); }
   static State kept(const State& s) { return s; }
+  V longest_step() const { return clutch_.longest_step(); }
   auto changes() const { return clutch_.changes(); }
   T margin(Change c, const State& s) const { return clutch_.margin(c, s, drive_); }
   static V tolerance(Change c) { return Clutch<T>::tolerance(c); }

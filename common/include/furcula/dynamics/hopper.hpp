@@ -81,7 +81,7 @@ class Hopper {
   /// With links that have inertia (hopper_nonlinear), the leg on its stop in flight. Their impacts are
   /// plastic (dynamics/links.hpp), and the model's restitutions multiply what these leave.
   Hopper(const HopperNonlinearParameters<T>& p, Effects<T> effects = {})
-      : Hopper(linear_part(p), with_links(p, effects)) {
+      : Hopper(static_cast<const HopperLinearParameters<T>&>(p), with_links(p, effects)) {
     const Links<T> links{p.inertia_a_kgm2, p.inertia_b_kgm, p.inertia_e_kgm, p.link_length_m, mass_};
     const auto straight = links.pose(p.touchdown_angle_rad);
     const T fall = T(V(1));
@@ -141,11 +141,6 @@ class Hopper {
   static constexpr double kStopStiffness =
       6000.0;  ///< of the leg's stop, N/m (docs/contracts.md, toe_sticking)
 
-  static HopperLinearParameters<T> linear_part(const HopperNonlinearParameters<T>& p) {
-    HopperLinearParameters<T> out;
-    for (std::size_t i = 0; i < out.kMembers.size(); ++i) out.*out.kMembers[i] = p.*p.kMembers[i];
-    return out;
-  }
   static Effects<T> with_links(const HopperNonlinearParameters<T>& p, Effects<T> effects) {
     effects.set(Effect::leg_inertia, {p.inertia_a_kgm2, p.inertia_b_kgm, p.inertia_e_kgm});
     return effects;

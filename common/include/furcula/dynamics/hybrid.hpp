@@ -1,6 +1,7 @@
 // Motion with changes of mode: Runge-Kutta steps that end where a mode ends.
 #pragma once
 
+#include <array>
 #include <cstddef>
 
 #include "furcula/dynamics/event_time.hpp"
@@ -8,18 +9,25 @@
 
 namespace furcula::dynamics {
 
-/// The next of the equal steps, none longer than `longest`, that take up `left` seconds.
-template <class V>
-V next_step(V longest, V left) {
-  const V parts = left / longest;
-  return parts <= V(1.001) ? left : left / static_cast<V>(static_cast<int>(parts + V(0.999)));
-}
+/// What can end a mode.
+template <class Change, std::size_t kMost>
+class Changes {
+ public:
+  void add(const Change& c) { all_[count_++] = c; }
+  const Change* begin() const { return all_.data(); }
+  const Change* end() const { return all_.data() + count_; }
 
-/// Moves a machine on by `left` seconds in its modes. A machine has
+ private:
+  std::array<Change, kMost> all_{};
+  std::size_t count_ = 0;
+};
+
+/// Moves a machine on in its modes. A machine has
 ///   State                     with kMembers, pointers to its members, each of the scalar T
 ///   state()                   where it is, to read and to set
 ///   rates(state)              of every member, in the mode of now
 ///   kept(state)               the state on the mode's constraint
+///   longest_step()            that is accurate enough in the mode of now, s
 ///   changes()                 what can end the mode: a range of Change
 ///   margin(change, state)     positive while that does not happen, with its tolerance(change) for a margin
 ///                             that starts at zero: it counts as crossed where it ends below minus that
@@ -27,7 +35,7 @@ V next_step(V longest, V left) {
 ///   make(change)              takes the machine through it, into the mode that follows
 /// One classic Runge-Kutta step from change to change; each is located inside it (by further steps of the
 /// same kind, so that location adds no error of its own) and carries its derivative by the implicit function
-/// theorem. `elapsed` grows by what has passed. After kMostChanges the rest passes in the mode of then.
+/// theorem. After kMostChanges the rest passes in the mode of then.
 template <class Machine, class T>
 class Hybrid {
  public:
@@ -36,6 +44,19 @@ class Hybrid {
   using Change = typename Machine::Change;
   static constexpr int kMostChanges = 16;
 
+  /// By `dt_s` seconds, in equal steps while the longest one stays; `elapsed` goes from 0 to dt_s.
+  static void advance(Machine& machine, V dt_s, V& elapsed) {
+    elapsed = V(0);
+    while (elapsed < dt_s) {
+      const V start = elapsed, left = dt_s - start;
+      const V parts = left / machine.longest_step();
+      const V h = parts <= V(1.001) ? left : left / static_cast<V>(static_cast<int>(parts + V(0.999)));
+      pass(machine, T(h), elapsed);
+      elapsed = h < left ? start + h : dt_s;
+    }
+  }
+
+ private:
   static void pass(Machine& machine, T left, V& elapsed) {
     for (int round = 0; round < kMostChanges; ++round) {
       if (!(value_of(left) > V(0))) return;
@@ -60,7 +81,6 @@ class Hybrid {
     elapsed += value_of(left);
   }
 
- private:
   static State along(const State& s, const State& rate, const T& t) {
     State out = s;
     for (const auto member : State::kMembers) out.*member += t * (rate.*member);

@@ -13,6 +13,7 @@
 #include "furcula/dynamics/contact_event.hpp"
 #include "furcula/dynamics/hybrid.hpp"
 #include "furcula/dynamics/links.hpp"
+#include "furcula/dynamics/members.hpp"
 #include "furcula/dynamics/parameters.hpp"
 
 namespace furcula::dynamics {
@@ -41,13 +42,13 @@ struct FixedEnd {
 ///   M q'' + B + G = [torque - lever (Fs - dl l'), -df z'] + J^T F_c,    l = 2 L cos theta, lever = 2 L sin
 ///   theta, Fs = k (z0 - l)
 /// In four modes: on its stop in flight (theta held), swinging in flight (both move), in stance (the toe
-/// rests on the ground; the ground does not pull, and where it would have to, the leg is free). Touch-down
-/// and the stop are plastic impacts; restitution_touchdown and restitution_liftoff multiply all speeds that
-/// these leave. Classic Runge-Kutta steps of at most kLongestStep; every change of mode is located inside a
-/// step, and after each the mode is chosen by the forces and accelerations that follow, so that a contact is
-/// taken or left once and does not chatter. `End` holds the spring's far end: FixedEnd, or a Clutch, whose
-/// cable follows the spring while it is released; then the spring is one that can only pull its cable, and
-/// slackens.
+/// rests on the ground; the ground does not pull, and where it would have to, the leg is free), standing on
+/// stop and ground. Touch-down and the stop are plastic impacts; restitution_touchdown and
+/// restitution_liftoff multiply all speeds that these leave. Classic Runge-Kutta steps of at most
+/// kLongestStep; every change of mode is located inside a step, and after each the mode is chosen by the
+/// forces and accelerations that follow, so that a contact is taken or left once and does not chatter. `End`
+/// holds the spring's far end: FixedEnd, or a Clutch, whose cable follows the spring while it is released;
+/// then the spring is one that can only pull its cable, and slackens.
 template <class T, class End = FixedEnd<T>>
 class NonlinearHopper {
  public:
@@ -100,11 +101,7 @@ class NonlinearHopper {
     if (!(dt_s > V(0))) return;
     elapsed_ = V(0);
     settle();  // the new torque may take the leg off its stop or the toe off the ground
-    while (elapsed_ < dt_s) {
-      const V start = elapsed_, h = next_step(longest_step(), dt_s - start);
-      Hybrid<NonlinearHopper, T>::pass(*this, T(h), elapsed_);
-      elapsed_ = h < dt_s - start ? start + h : dt_s;
-    }
+    Hybrid<NonlinearHopper, T>::advance(*this, dt_s, elapsed_);
   }
 
   /// Volts across the clutch's coil while it is on, 0 off; held until the next call.
@@ -174,14 +171,10 @@ class NonlinearHopper {
   struct State : End::State {
     T angle{}, height{}, rate{}, velocity{};
     T motor{}, guide_damping{}, leg_damping{};  ///< energy, J
-    static constexpr auto kMembers = [] {
-      std::array<T State::*, 7 + End::State::kMembers.size()> all{
-          &State::angle, &State::height,        &State::rate,       &State::velocity,
-          &State::motor, &State::guide_damping, &State::leg_damping};
-      std::size_t next = 7;
-      for (const auto member : End::State::kMembers) all[next++] = member;
-      return all;
-    }();
+    static constexpr auto kMembers =
+        joined(End::State::kMembers,
+               std::array<T State::*, 7>{&State::angle, &State::height, &State::rate, &State::velocity,
+                                         &State::motor, &State::guide_damping, &State::leg_damping});
   };
   State& state() { return s_; }
   const State& state() const { return s_; }
@@ -323,18 +316,8 @@ class NonlinearHopper {
     return change.leg == Leg::leaves_stop || change.leg == Leg::leaves_ground;
   }
 
-  class Changes {
-   public:
-    void add(const Change& c) { all_[count_++] = c; }
-    const Change* begin() const { return all_.data(); }
-    const Change* end() const { return all_.data() + count_; }
-
-   private:
-    std::array<Change, 16> all_{};
-    std::size_t count_ = 0;
-  };
-  Changes changes() const {
-    Changes out;
+  auto changes() const {
+    Changes<Change, 16> out;
     const bool straight = mode_ == Mode::on_stop || mode_ == Mode::stands;
     out.add({straight ? Leg::leaves_stop : Leg::meets_stop});
     out.add({in_stance() ? Leg::leaves_ground : Leg::touches_down});
@@ -383,7 +366,7 @@ class NonlinearHopper {
     }
   }
 
-  /// From in the air or off the ground: how fast the toe goes up faster, m/s^2.
+  /// Of the toe, upwards, m/s^2.
   T toe_acceleration() const {
     const auto p = links_.pose(s_.angle);
     const Accelerations a = accelerations(s_, p);

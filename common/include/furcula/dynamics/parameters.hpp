@@ -6,6 +6,7 @@
 #include <span>
 
 #include "furcula/dynamics/kinds.hpp"
+#include "furcula/dynamics/members.hpp"
 
 namespace furcula::dynamics {
 
@@ -30,26 +31,14 @@ struct HopperLinearParameters {
 };
 
 template <class T>
-struct HopperNonlinearParameters {
+struct HopperNonlinearParameters : HopperLinearParameters<T> {
   static constexpr Kind kKind = Kind::hopper_nonlinear;
-  T mass_kg{}, stiffness_npm{}, rest_height_m{}, damping_stance_nspm{}, damping_flight_nspm{};
-  T restitution_touchdown{}, restitution_liftoff{}, link_length_m{}, touchdown_angle_rad{}, gravity_mps2{};
   T inertia_a_kgm2{}, inertia_b_kgm{}, inertia_e_kgm{};
 
   using Self = HopperNonlinearParameters;
-  static constexpr std::array<T Self::*, 13> kMembers{&Self::mass_kg,
-                                                      &Self::stiffness_npm,
-                                                      &Self::rest_height_m,
-                                                      &Self::damping_stance_nspm,
-                                                      &Self::damping_flight_nspm,
-                                                      &Self::restitution_touchdown,
-                                                      &Self::restitution_liftoff,
-                                                      &Self::link_length_m,
-                                                      &Self::touchdown_angle_rad,
-                                                      &Self::gravity_mps2,
-                                                      &Self::inertia_a_kgm2,
-                                                      &Self::inertia_b_kgm,
-                                                      &Self::inertia_e_kgm};
+  static constexpr auto kMembers =
+      joined(HopperLinearParameters<T>::kMembers,
+             std::array<T Self::*, 3>{&Self::inertia_a_kgm2, &Self::inertia_b_kgm, &Self::inertia_e_kgm});
   static_assert(kMembers.size() == kHopperNonlinearParameters.size());
 };
 

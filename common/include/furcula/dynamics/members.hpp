@@ -1,0 +1,20 @@
+// Lists of pointers to members, for structs that are walked through member by member.
+#pragma once
+
+#include <array>
+#include <cstddef>
+
+namespace furcula::dynamics {
+
+/// The members of a struct and then those of its base, as members of the struct.
+template <class Struct, class Base, class T, std::size_t N, std::size_t M>
+constexpr std::array<T Struct::*, N + M> joined(const std::array<T Base::*, N>& of_base,
+                                                const std::array<T Struct::*, M>& own) {
+  std::array<T Struct::*, N + M> all{};
+  std::size_t next = 0;
+  for (const auto member : of_base) all[next++] = member;
+  for (const auto member : own) all[next++] = member;
+  return all;
+}
+
+}  // namespace furcula::dynamics
