@@ -409,8 +409,9 @@ class Assembly {
     d_.unexplained_fraction = before > 0.0 ? std::clamp((after - floor) / before, 0.0, 1.0) : 0.0;
     d_.verdict = decide(noise_alone, after < before, little);
     // What is not in the catalogue may look like the named causes in part: the less they explain, the
-    // likelier. Where more than noise remains, a fifth of the error halves the confidence: about as often
-    // were such names right in the blind suite (docs/blind_suite.md).
+    // likelier. Where more than noise remains, a fifth of the error halves the confidence. (In the blind
+    // suite such names were right less often still: docs/blind_suite.md. Real machines have more than one
+    // cause.)
     if (d_.findings.empty() || other_channels_alone() || !(after < before) || !(before > floor)) return;
     d_.unnamed_share = std::clamp((after - floor) / (before - floor), 0.0, 1.0);
     const double share = noise_alone && little ? 0.0 : d_.unnamed_share;

@@ -143,7 +143,8 @@ struct Diagnosis {
   };
   std::vector<BeyondBounds> beyond_bounds;
   double unexplained_fraction = 0.0;
-  /// Of what could be explained, what no named cause explains (partly_explained; else 0).
+  /// Of what could be explained on the held-out recordings, what no named cause explains; 0 without a
+  /// finding, or where those do not help there.
   double unnamed_share = 0.0;
   bool residual_white = true;
   std::vector<Association> goes_along_with;

@@ -34,7 +34,8 @@ inline bool contains(dynamics::Effect larger, dynamics::Effect smaller) {
 }
 
 /// Two effects of one parameter each that are one law under two names, on some kind of machine
-/// (docs/contracts.md, section 3).
+/// (docs/contracts.md, section 3; on which kinds whatever the recordings, always_same() in diagnose.cpp
+/// knows).
 inline bool twins(dynamics::Effect a, dynamics::Effect b) {
   using dynamics::Effect;
   const auto are = [&](Effect one, Effect other) {

@@ -89,6 +89,21 @@ double chi_square_point(double tries, double freedom) {
   return 2.0 * std::log(std::max(tries, 1.0) / kFalseAlarmLevel) + 2.5 * (std::max(freedom, 1.0) - 2.0);
 }
 
+namespace {
+
+/// Whether the dry friction of a whole cycle, all of its laws together, is one.
+bool takes_energy(const model::Model& model) {
+  double both_ways = 0.0;
+  for (const auto& [effect, values] : model.effects) {
+    if (effect == Effect::asymmetric_friction) both_ways += values[0] + values[1];
+    if (effect == Effect::coulomb_friction || effect == Effect::stribeck_friction)
+      both_ways += 2.0 * values[0];
+  }
+  return both_ways >= 0.0;
+}
+
+}  // namespace
+
 bool within_limits(const Hypothesis& h) {
   std::size_t inertias = 0;
   for (std::size_t i = 0; i < h.unknowns.size(); ++i)
@@ -101,7 +116,8 @@ bool within_limits(const Hypothesis& h) {
       const auto& p = h.fitted.effects.at(e);
       if (p[1] <= p[0]) return false;  // no rise towards standstill: not the Stribeck effect
     }
-  return true;
+  return !std::count(h.effects.begin(), h.effects.end(), Effect::asymmetric_friction) ||
+         takes_energy(h.fitted);
 }
 
 bool stands_out(const Hypothesis& h, const model::Model& model, Effect e, double tries) {

@@ -54,7 +54,8 @@ double cross_validate(const identify::Fit& fit, const std::vector<identify::Wind
 /// above.
 double chi_square_point(double tries, double freedom);
 
-/// False if an effect's parameters mean nothing: where the effect is not there, or against a physical limit.
+/// False if an effect's parameters mean nothing: where the effect is not there, against a physical limit, or
+/// a friction that gives energy.
 bool within_limits(const Hypothesis& h);
 
 /// Of a law that can take many shapes: whether its size is away from where the effect is not there, by the

@@ -255,6 +255,66 @@ TEST_CASE("Two causes that a rail carriage hides are both found") {
   expect_both({900, Kind::rail_carriage, {"stribeck_friction", "guide_tilt"}, Size::medium, Nominal::exact});
 }
 
+TEST_CASE("A friction, or an offset, and slips of the encoder are both found, wherever the slips are") {
+  expect_both({20261154,
+               Kind::rail_carriage,
+               {"asymmetric_friction", "encoder_slip"},
+               Size::large,
+               Nominal::exact,
+               true});
+  expect_both(
+      {20261162, Kind::motor_axis, {"force_offset", "encoder_slip"}, Size::medium, Nominal::exact, true});
+}
+
+TEST_CASE("Two causes of which neither helps alone are both found in a rotary joint") {
+  expect_both(
+      {20261168, Kind::rotary_joint, {"damping_error", "time_skew"}, Size::large, Nominal::wrong, true});
+}
+
+TEST_CASE("Two causes that a hopper hides take the place of one that stood in for them") {
+  expect_both({20261147,
+               Kind::hopper_linear,
+               {"thermal_derating", "encoder_offset"},
+               Size::large,
+               Nominal::wrong,
+               true});
+}
+
+TEST_CASE("Two causes that a hopper hides take the place of three that do as well") {
+  expect_both({20261150,
+               Kind::hopper_linear,
+               {"stiffness_error", "liftoff_loss"},
+               Size::medium,
+               Nominal::exact,
+               true});
+}
+
+TEST_CASE("What helps no held-out recording of a clean rotary joint is not named") {
+  const Case c = draw_case({77011, Kind::rotary_joint, {}, Size::medium, Nominal::wrong, true});
+  const diagnose::Diagnosis d = diagnosed(c, kThreads);
+  INFO(c.description());
+  INFO(judge(c, d).said);
+  CHECK(d.findings.empty());
+  CHECK(std::string(diagnose::name(d.verdict)) == "adequate");
+}
+
+TEST_CASE("Sticking counts are not called a friction that gives energy") {
+  const Case c =
+      draw_case({99003, Kind::rail_carriage, {"sticking_counts"}, Size::medium, Nominal::wrong, true});
+  const Judgement j = judge(c, diagnosed(c, kThreads));
+  INFO(c.description());
+  INFO(j.said);
+  CHECK(std::string(name(j.outcome)) == std::string(name(Outcome::honest)));
+}
+
+TEST_CASE("A resonator in a rotary joint gets no name with confidence") {
+  const Case c = draw_case({20261150, Kind::rotary_joint, {"side_mass"}, Size::medium, Nominal::wrong, true});
+  const Judgement j = judge(c, diagnosed(c, kThreads));
+  INFO(c.description());
+  INFO(j.said);
+  CHECK(std::string(name(j.outcome)) == std::string(name(Outcome::honest)));
+}
+
 TEST_CASE("A damping and a skew of the clocks that a hopper hides are both found") {
   expect_both(
       {31350, Kind::hopper_linear, {"damping_error", "time_skew"}, Size::large, Nominal::wrong, true});
