@@ -78,6 +78,18 @@ class Search {
     return t;
   }
 
+  /// Marked as failed where the model runs away from there.
+  Hypothesis fit_if_it_runs(const EffectSet& effects, const Hypothesis& from, const Starts& starts = {}) const {
+    try {
+      return trainer_.fit(effects, &from, starts);
+    } catch (const log::DataError&) {
+      Hypothesis none;
+      none.effects = effects;
+      none.failed = true;
+      return none;
+    }
+  }
+
   /// What each effect on top of `on` promises, the most promising first.
   std::vector<Proposal> propose(const Hypothesis& on, const EffectSet& effects, double progress_from,
                                 double progress_share) const {
@@ -136,6 +148,7 @@ class Search {
         tell(from + 0.09, names(larger));
         trials[i] = tried(larger, s_.chosen, proposals[i], round, left.size());
       });
+      drop_failed(trials);
       std::sort(trials.begin(), trials.end(), earlier_in_catalogue);
       const EffectSet before = s_.chosen.effects;
       const Tried* best = best_of(trials);
@@ -153,7 +166,7 @@ class Search {
     std::vector<std::pair<EffectSet, const Hypothesis*>> sets;
     const Hypothesis* best = nullptr;
     for (const Tried& t : trials) {
-      if (t.hypothesis.failed || !t.against_smaller.significant || t.hypothesis.meaningful) continue;
+      if (!t.against_smaller.significant || t.hypothesis.meaningful) continue;
       for (Effect e : before)
         if (holds(t.hypothesis.effects, e)) sets.push_back({without(t.hypothesis.effects, e), &t.hypothesis});
       if (best == nullptr || t.hypothesis.fit.squares < best->fit.squares) best = &t.hypothesis;
@@ -173,9 +186,11 @@ class Search {
     }
     std::vector<Tried> swaps(sets.size());
     identify::parallel_for(sets.size(), trainer_.threads, [&](std::size_t i) {
-      swaps[i] = {trainer_.fit(sets[i].first, sets[i].second), round, {}};
-      swaps[i].against_smaller = trainer_.compare(s_.refitted, swaps[i].hypothesis, all_.size());
+      swaps[i] = {fit_if_it_runs(sets[i].first, *sets[i].second), round, {}};
+      if (!swaps[i].hypothesis.failed)
+        swaps[i].against_smaller = trainer_.compare(s_.refitted, swaps[i].hypothesis, all_.size());
     });
+    drop_failed(swaps);
     bool swapped = false;
     for (const Tried& s : swaps)
       if (stands(s) && trainer_.preference(s_.chosen, s.hypothesis) > price_of(s.hypothesis)) {
@@ -184,6 +199,10 @@ class Search {
       }
     s_.tried.insert(s_.tried.end(), swaps.begin(), swaps.end());
     return swapped;
+  }
+
+  static void drop_failed(std::vector<Tried>& all) {
+    std::erase_if(all, [](const Tried& t) { return t.hypothesis.failed; });
   }
 
   const Tried* best_of(const std::vector<Tried>& trials) const {
@@ -223,14 +242,14 @@ class Search {
       again = false;
       for (Effect e : EffectSet(chosen.effects)) {
         const EffectSet rest = without(chosen.effects, e);
-        Hypothesis smaller = trainer_.fit(rest, &chosen);
-        const bool needless = !trainer_.compare(smaller, chosen, all_.size()).significant;
+        Hypothesis smaller = fit_if_it_runs(rest, chosen);
+        const bool needless = !smaller.failed && !trainer_.compare(smaller, chosen, all_.size()).significant;
         again = replaced_by(std::move(smaller), needless);
         for (Effect special : all_) {
           if (again || !contains(e, special)) continue;
           Hypothesis narrower =
-              trainer_.fit(with(rest, special), &chosen, {{special, {chosen.fitted.effects.at(e)[0]}}});
-          const bool as_good = !trainer_.compare(narrower, chosen, all_.size()).told_apart;
+              fit_if_it_runs(with(rest, special), chosen, {{special, {chosen.fitted.effects.at(e)[0]}}});
+          const bool as_good = !narrower.failed && !trainer_.compare(narrower, chosen, all_.size()).told_apart;
           again = replaced_by(std::move(narrower), as_good);
         }
         if (again) break;
@@ -254,7 +273,7 @@ class Search {
     identify::parallel_for(singles.size(), trainer_.threads, [&](std::size_t i) {
       trials[i] = tried({singles[i].effect}, s_.refitted, singles[i], 0, all_.size());
     });
-    std::erase_if(trials, [](const Tried& t) { return t.hypothesis.failed; });
+    drop_failed(trials);
     s_.tried.insert(s_.tried.end(), trials.begin(), trials.end());
     const Hypothesis* simpler = nullptr;
     for (const Tried& t : s_.tried)
@@ -270,7 +289,7 @@ class Search {
     std::vector<const Tried*> firsts;
     for (const Tried& t : s_.tried)
       if (t.round == 0 && (t.against_smaller.significant || s_.chosen.effects.empty()) &&
-          t.hypothesis.effects.size() == 1 && !t.hypothesis.failed)
+          t.hypothesis.effects.size() == 1)
         firsts.push_back(&t);
     std::sort(firsts.begin(), firsts.end(), [](const Tried* a, const Tried* b) {
       return a->hypothesis.fit.squares < b->hypothesis.fit.squares;
@@ -296,8 +315,8 @@ class Search {
       identify::parallel_for(trials.size(), trainer_.threads, [&](std::size_t i) {
         trials[i] = tried(with(on.effects, proposals[i].effect), on, proposals[i], 1, left.size());
       });
-      for (Tried& t : trials)
-        if (!t.hypothesis.failed) pairs.push_back(std::move(t));
+      drop_failed(trials);
+      for (Tried& t : trials) pairs.push_back(std::move(t));
     }
     std::stable_sort(pairs.begin(), pairs.end(), earlier_in_catalogue);
     bool better = false;
@@ -332,7 +351,9 @@ class Search {
       s_.without.assign(members.size(), {});
       s_.against_without.assign(members.size(), {});
       identify::parallel_for(members.size(), trainer_.threads, [&](std::size_t i) {
-        s_.without[i] = trainer_.fit(without(members, members[i]), &s_.chosen);
+        const EffectSet rest = without(members, members[i]);
+        s_.without[i] = fit_if_it_runs(rest, s_.chosen);
+        if (s_.without[i].failed) s_.without[i] = trainer_.fit(rest, &s_.refitted);
         s_.against_without[i] = trainer_.compare(s_.without[i], s_.chosen, all_.size());
       });
       s_.equals = rivals();
@@ -405,11 +426,7 @@ class Search {
         fitted[i] = fit_new(trainer_, r.effects, *r.from, {effect, values, {}, 0.0});
         return;
       }
-      try {
-        fitted[i] = trainer_.fit(r.effects, r.from, r.starts);
-      } catch (const log::DataError&) {  // from there the model runs away
-        fitted[i].failed = true;
-      }
+      fitted[i] = fit_if_it_runs(r.effects, *r.from, r.starts);
     });
     std::vector<Selection::Rival> equals;
     const auto add = [&](Effect of, const Hypothesis& h) {
