@@ -68,4 +68,11 @@ TEST_CASE("An event is located to rounding, by its sign change alone") {
   // A derivative that misleads must not lead out of the bracket.
   const auto wrong = [](double) { return 1e-9; };
   CHECK(event_time<double>(0.0, 1.0, f, wrong) == Approx(0.7390851332151607).epsilon(1e-9));
+  int calls = 0;
+  const auto counted = [&](double t) {
+    ++calls;
+    return f(t);
+  };
+  CHECK(event_time<double>(0.0, 1.0, counted) == Approx(0.7390851332151607).epsilon(1e-14));
+  CHECK(calls < 12);
 }

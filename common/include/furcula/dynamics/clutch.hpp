@@ -110,7 +110,7 @@ class Clutch {
   /// The longest step in which it can be followed to nine digits of its energy, s: the key's flight is a
   /// matter of milliseconds, the cable between its springs swings some thirty times a second.
   V longest_step() const {
-    return key_ == Key::moving ? V(2.5e-5) : moves() || conducts_ || key_ != Key::seated ? V(1e-4) : V(1);
+    return key_ == Key::moving ? V(2.5e-5) : moves() || key_ == Key::on_tips ? V(2e-4) : V(1);
   }
   std::uint32_t skipped_teeth() const { return skipped_; }
 
@@ -160,6 +160,26 @@ class Clutch {
         d.flyback = -volts * s.current;
     }
     return d;
+  }
+
+  /// While the key does not move, the coil's inductance stays, and its current has a closed form: what flowed
+  /// and was lost in the time `t` from `from` to `to`.
+  void keep_coil(const State& from, State& to, const T& t) const {
+    using std::exp;
+    if (!conducts_ || key_ == Key::moving) return;
+    const bool on = value_of(volts_) > V(0);
+    const T volts = on ? volts_ : T(-p_.solenoid.flyback_v);
+    const T& ohm = p_.solenoid.resistance_ohm;
+    const T last = volts / ohm, away = from.current - last;
+    const T time = p_.solenoid.inductance(from.key) / ohm, left = exp(T(-t / time));
+    const T charge = last * t + away * time * (V(1) - left);
+    to.current = last + away * left;
+    to.copper = from.copper + ohm * (last * charge + last * away * time * (V(1) - left) +
+                                     V(0.5) * away * away * time * (V(1) - left * left));
+    if (on)
+      to.electrical = from.electrical + volts * charge;
+    else
+      to.flyback = from.flyback - volts * charge;
   }
 
   /// Everything that the state of now cannot do is left out.

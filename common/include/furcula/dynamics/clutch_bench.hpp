@@ -60,8 +60,12 @@ class ClutchBenchRig {
   State& state() { return s_; }
   const State& state() const { return s_; }
   State rates(const State& s) const { return clutch_.rates(s, drive_); }
-  static State kept(const State& s) { return s; }
+  State kept(const State& from, State s, const T& t) const {
+    clutch_.keep_coil(from, s, t);
+    return s;
+  }
   V longest_step() const { return clutch_.longest_step(); }
+  static const State& look(const State& s) { return s; }
   auto changes() const { return clutch_.changes(); }
   T margin(Change c, const State& s) const { return clutch_.margin(c, s, drive_); }
   static V tolerance(Change c) { return Clutch<T>::tolerance(c); }

@@ -31,4 +31,26 @@ V event_time(V from, V to, const F& f, const R& rate) {
   return t;
 }
 
+/// The same for an f whose derivative costs as much as f does: the secant method from the end of the bracket,
+/// for f(to) < 0.
+template <class V, class F>
+V event_time(V from, V to, const F& f) {
+  V low = from, high = to;
+  V last = to, last_value = f(to);
+  V t = to - V(0.01) * (to - from);
+  for (int round = 0; round < 60; ++round) {
+    const V value = f(t);
+    if (value == V(0)) return t;
+    (value < V(0) ? high : low) = t;
+    V next = value != last_value ? t - value * (t - last) / (value - last_value) : low;
+    if (!(next > low && next < high)) next = low + (high - low) * V(0.5);
+    const V moved = next > t ? next - t : t - next;
+    last = t;
+    last_value = value;
+    t = next;
+    if (moved <= to * (sizeof(V) == 4 ? V(1e-7) : V(1e-15))) break;
+  }
+  return t;
+}
+
 }  // namespace furcula::dynamics

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstddef>
+#include <type_traits>
 
 #include "furcula/dynamics/event_time.hpp"
 #include "furcula/dynamics/scalar.hpp"
@@ -26,61 +27,56 @@ class Changes {
 ///   State                     with kMembers, pointers to its members, each of the scalar T
 ///   state()                   where it is, to read and to set
 ///   rates(state)              of every member, in the mode of now
-///   kept(state)               the state on the mode's constraint
-///   longest_step()            that is accurate enough in the mode of now, s
-///   changes()                 what can end the mode: a range of Change
-///   margin(change, state)     positive while that does not happen, with its tolerance(change) for a margin
+///   kept(from, state, t)      the state, `t` after `from`, on the mode's constraint and with what has a
+///   closed form longest_step()            that is accurate enough in the mode of now, s changes() what can
+///   end the mode: a range of Change look(state)               what the margins of a state share
+///   margin(change, look)      positive while that does not happen, with its tolerance(change) for a margin
 ///                             that starts at zero: it counts as crossed where it ends below minus that
 ///   follows(change)           whether a change happens at once where its margin starts at or below zero
 ///   make(change)              takes the machine through it, into the mode that follows
 /// One classic Runge-Kutta step from change to change; each is located inside it (by further steps of the
 /// same kind, so that location adds no error of its own) and carries its derivative by the implicit function
-/// theorem. After kMostChanges the rest passes in the mode of then.
+/// theorem. After kMostChanges in one advance() the rest passes in the mode of then.
 template <class Machine, class T>
 class Hybrid {
  public:
   using V = ValueOf<T>;
   using State = typename Machine::State;
   using Change = typename Machine::Change;
-  static constexpr int kMostChanges = 16;
+  static constexpr int kMostChanges = 64;
 
-  /// By `dt_s` seconds, in equal steps while the longest one stays; `elapsed` goes from 0 to dt_s.
+  /// By `dt_s` seconds, in steps that are equal while the longest one stays; `elapsed` goes from 0 to dt_s.
   static void advance(Machine& machine, V dt_s, V& elapsed) {
     elapsed = V(0);
-    while (elapsed < dt_s) {
-      const V start = elapsed, left = dt_s - start;
-      const V parts = left / machine.longest_step();
-      const V h = parts <= V(1.001) ? left : left / static_cast<V>(static_cast<int>(parts + V(0.999)));
-      pass(machine, T(h), elapsed);
-      elapsed = h < left ? start + h : dt_s;
+    int made = 0;
+    for (T left = T(dt_s); value_of(left) > V(0);) {
+      const V parts = value_of(left) / machine.longest_step();
+      T until = left;
+      if (parts > V(1.001)) until = T(value_of(left) / static_cast<V>(static_cast<int>(parts + V(0.999))));
+      State end = after(machine, until);
+      bool changes = false;
+      Change change{};
+      if (made < kMostChanges) {
+        auto look = machine.look(end);
+        for (const Change c : machine.changes()) {
+          if (!(value_of(machine.margin(c, look)) < -machine.tolerance(c))) continue;
+          until = crossing(machine, c, until);
+          end = after(machine, until);
+          look = machine.look(end);
+          change = c;
+          changes = true;
+        }
+      }
+      machine.state() = end;
+      left = left - until;  // where the change's time has a derivative, so has the rest's
+      elapsed = dt_s - value_of(left);
+      if (!changes) continue;
+      machine.make(change);
+      ++made;
     }
   }
 
  private:
-  static void pass(Machine& machine, T left, V& elapsed) {
-    for (int round = 0; round < kMostChanges; ++round) {
-      if (!(value_of(left) > V(0))) return;
-      State end = after(machine, left);
-      bool changes = false;
-      Change change{};
-      T until = left;
-      for (const Change c : machine.changes()) {
-        if (!(value_of(machine.margin(c, end)) < -machine.tolerance(c))) continue;
-        until = crossing(machine, c, until);
-        end = after(machine, until);
-        change = c;
-        changes = true;
-      }
-      machine.state() = end;
-      elapsed += value_of(until);
-      left = left - until;
-      if (!changes) return;
-      machine.make(change);
-    }
-    machine.state() = after(machine, left);
-    elapsed += value_of(left);
-  }
-
   static State along(const State& s, const State& rate, const T& t) {
     State out = s;
     for (const auto member : State::kMembers) out.*member += t * (rate.*member);
@@ -96,20 +92,28 @@ class Hybrid {
     const State d = machine.rates(along(s, c, t));
     State out = s;
     for (const auto m : State::kMembers) out.*m += sixth * (a.*m + V(2) * (b.*m + c.*m) + d.*m);
-    return machine.kept(out);
+    return machine.kept(s, out, t);
+  }
+
+  static T margin_after(const Machine& machine, const Change& change, const T& t) {
+    const State s = after(machine, t);
+    return machine.margin(change, machine.look(s));
   }
 
   static T crossing(const Machine& machine, Change change, const T& to) {
-    if (machine.follows(change) && !(value_of(machine.margin(change, machine.state())) > V(0)))
+    if (machine.follows(change) && !(value_of(machine.margin(change, machine.look(machine.state()))) > V(0)))
       return T(V(0));
     if (!(value_of(to) > V(0))) return T(V(0));
-    const V end = value_of(to), probe = V(1e-2) * end;
-    const auto value = [&](V t) { return value_of(machine.margin(change, after(machine, T(t)))); };
-    const auto slope = [&](V t) { return (value(t + probe) - value(t - probe)) / (V(2) * probe); };
-    const V time = event_time<V>(V(0), end, value, slope);
-    const V rate = slope(time);
-    if (rate == V(0)) return T(time);
-    return T(time) - (machine.margin(change, after(machine, T(time))) - value(time)) / rate;
+    const auto value = [&](V t) { return value_of(margin_after(machine, change, T(t))); };
+    const V end = value_of(to), time = event_time<V>(V(0), end, value);
+    if constexpr (std::is_same_v<T, V>) {
+      return time;
+    } else {
+      const V probe = V(1e-2) * end;
+      const V rate = (value(time + probe) - value(time - probe)) / (V(2) * probe);
+      if (rate == V(0)) return T(time);
+      return T(time) - (margin_after(machine, change, T(time)) - value(time)) / rate;
+    }
   }
 };
 

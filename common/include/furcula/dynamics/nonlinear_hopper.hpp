@@ -259,7 +259,8 @@ class NonlinearHopper {
     return d;
   }
 
-  State kept(State s) const {
+  State kept([[maybe_unused]] const State& from, State s, [[maybe_unused]] const T& t) const {
+    if constexpr (kClutch) end_.keep_coil(from, s, t);
     if (mode_ != Mode::stance) return s;
     const auto p = links_.pose(s.angle);  // the toe rests
     s.height = ground_ + p.length;
@@ -282,25 +283,37 @@ class NonlinearHopper {
   };
   using Leg = typename Change::Leg;
 
-  T margin(const Change& change, const State& s) const {
+  struct Look {
+    State s;
+    typename Links<T>::Pose pose;
+    Accelerations accelerations;
+  };
+  Look look(const State& s) const {
+    const auto p = links_.pose(s.angle);
+    return {s, p, accelerations(s, p)};
+  }
+
+  T margin(const Change& change, const Look& look) const {
+    const State& s = look.s;
     switch (change.leg) {
       case Leg::touches_down:
-        return s.height - links_.pose(s.angle).length - ground_;
+        return s.height - look.pose.length - ground_;
       case Leg::meets_stop:
         return s.angle - p_.touchdown_angle_rad;
       case Leg::leaves_stop:
-        return accelerations(s).stop_torque;
+        return look.accelerations.stop_torque;
       case Leg::leaves_ground:
-        return accelerations(s).ground_force;
+        return look.accelerations.ground_force;
       case Leg::spring_slackens:
-        return stretch(s);
+        return stretch(s, look.pose);
       case Leg::spring_tautens:
-        return -stretch(s);
+        return -stretch(s, look.pose);
       case Leg::none:
         break;
     }
     if constexpr (kClutch)
-      return end_.margin(static_cast<typename End::Change>(change.clutch), s, on_cable(s));
+      return end_.margin(static_cast<typename End::Change>(change.clutch), s,
+                         CableDrive<T>{spring_force(s, look.pose), T(V(0))});
     else
       return T(V(1));
   }
@@ -400,7 +413,8 @@ class NonlinearHopper {
     const T rose = s_.velocity;
     lose_at_liftoff();
     mode_ = Mode::swings;
-    if (value_of(toe_acceleration()) < V(0))
+    const V rounding = sizeof(V) == 4 ? V(1e-2) : V(1e-6);  // m/s^2, of where the force is zero
+    if (value_of(toe_acceleration()) < -rounding)
       mode_ = Mode::stance;
     else
       record(Event::Kind::liftoff, rose);
