@@ -39,6 +39,8 @@ struct Outputs {
   float height_m = 0.0f, velocity_mps = 0.0f;
   float since_touchdown_s = 0.0f, since_liftoff_s = 0.0f, apex_height_m = 0.0f;
   std::uint8_t phase = 0, touchdown = 0, liftoff = 0, fault = 0;
+  std::uint32_t clutch_stage = 0;
+  float fold_m = 0.0f, cable_travel_m = 0.0f;
 };
 
 /// Board to host, each tick.
@@ -55,9 +57,9 @@ struct Farewell {
       0;  ///< what 100 instructions measure: 100, if the emulator counts as it should
 };
 
-static_assert(std::is_trivially_copyable_v<Begin> && sizeof(Begin) == 112);
-static_assert(std::is_trivially_copyable_v<Tick> && sizeof(Tick) == 40);
-static_assert(std::is_trivially_copyable_v<Reply> && sizeof(Outputs) == 36 && sizeof(Reply) == 40);
+static_assert(std::is_trivially_copyable_v<Begin> && sizeof(Begin) == 272);
+static_assert(std::is_trivially_copyable_v<Tick> && sizeof(Tick) == 48);
+static_assert(std::is_trivially_copyable_v<Reply> && sizeof(Outputs) == 48 && sizeof(Reply) == 52);
 static_assert(std::has_unique_object_representations_v<Farewell>);
 
 inline Outputs outputs_of(const firmware::Telemetry& telemetry) {
@@ -74,6 +76,9 @@ inline Outputs outputs_of(const firmware::Telemetry& telemetry) {
   wire.touchdown = out.phase.touchdown ? 1 : 0;
   wire.liftoff = out.phase.liftoff ? 1 : 0;
   wire.fault = static_cast<std::uint8_t>(out.fault);
+  wire.clutch_stage = static_cast<std::uint32_t>(out.clutch.stage);
+  wire.fold_m = out.clutch.path.fold_m;
+  wire.cable_travel_m = out.clutch.travel_m;
   return wire;
 }
 

@@ -11,8 +11,10 @@
 #include "boards/sim_host/drive.hpp"
 #include "boards/sim_host/faults.hpp"
 #include "boards/sim_host/plant.hpp"
+#include "boards/sim_host/random.hpp"
 #include "boards/sim_host/sensors.hpp"
 #include "firmware/app/app.hpp"
+#include "furcula/core/count.hpp"
 #include "furcula/dynamics/sensing.hpp"
 
 namespace furcula::sim_host {
@@ -25,6 +27,9 @@ struct RigConfig {
   double duration_s = 0.0;
   SensorErrors sensors{};
   std::vector<PlannedFault> faults{};
+  double coil_supply_v = 10.0;
+  double cable_count_m = 0.0;   ///< of the clutch's encoder, along the leg; 0 without a clutch
+  double ground_steps_m = 0.0;  ///< in each flight the ground moves to a height within this, either way
   std::uint64_t seed = 0;
 };
 
@@ -47,6 +52,7 @@ class SimBoard {
         sensing_(config.effects, plant_.touchdown_height_m()),
         encoder_(config.sensors, kHeightCountM, config.seed),
         switch_(config.sensors, config.effects.value_or(dynamics::Effect::contact_delay, 0.0), config.seed),
+        ground_(config.seed, 4),
         ticks_(static_cast<std::uint32_t>(std::lround(config.duration_s / kPeriodS))) {
     plant_.reset(config.start_height_m, config.start_velocity_mps);
     home_ = std::llround(sensing_.measured(config.start_height_m) / metres_per_count(config.sensors));
@@ -99,6 +105,10 @@ class SimBoard {
   const firmware::Telemetry& telemetry() const { return telemetry_; }
   /// As the sample has them, to the double; the height is NaN where the encoder is not homed.
   double measured_height_m() const { return height_m_; }
+  /// As the encoder's counts have it.
+  double measured_cable_travel_m() const {
+    return config_.cable_count_m * count_difference(sample_.cable_count, sample_.cable_home_count);
+  }
   double measured_leg_angle_rad() const { return leg_angle_rad_; }
   /// As the rig derives it from counts; with ideal sensors the plant's own.
   double measured_velocity_mps() const {
@@ -113,9 +123,24 @@ class SimBoard {
  private:
   void pass_millisecond() {
     if (time_s() - kicked_s_ > kWatchdogS) command_ = {};
+    if (plant_.clutched() != nullptr) plant_.set_voltage(coil_volts());
+    if (config_.ground_steps_m > 0.0) move_ground();
     plant_.advance(drive_.step(static_cast<double>(command_.torque_nm), kPeriodS), kPeriodS);
     switch_.follow(plant_, time_s());
     ++tick_;
+  }
+
+  double coil_volts() const {
+    const double supply_v = config_.coil_supply_v * (active(RigFault::supply_sag) ? 0.8 : 1.0);
+    if (active(RigFault::coil_open)) return 0.0;
+    return supply_v * (active(RigFault::coil_stuck_on) ? 1.0 : static_cast<double>(command_.coil_duty));
+  }
+
+  /// At the apex, under the toe.
+  void move_ground() {
+    const bool falls = plant_.velocity_mps() < 0.0 && !plant_.in_stance();
+    if (falls && !fell_) plant_.set_ground(ground_.uniform(-config_.ground_steps_m, config_.ground_steps_m));
+    fell_ = falls;
   }
 
   bool starts_now(const PlannedFault& fault) const {
@@ -150,6 +175,11 @@ class SimBoard {
     sample_.leg_angle_rad = static_cast<float>(leg_angle_rad_);
     sample_.age_us = 0;
     sample_.contact = reading ? 1 : 0;
+    if (config_.cable_count_m > 0.0) {
+      sample_.cable_home_count = kHomeCount;
+      sample_.cable_count = kHomeCount + static_cast<std::uint32_t>(
+                                             std::llround(plant_.cable_travel_m() / config_.cable_count_m));
+    }
     if (!faults) return;
     if (active(RigFault::height_nan)) {
       sample_.home_height_m = std::numeric_limits<float>::quiet_NaN();
@@ -167,6 +197,8 @@ class SimBoard {
   dynamics::Sensing<double> sensing_;
   Encoder encoder_;
   ContactSwitch switch_;
+  Random ground_;
+  bool fell_ = true;
   std::uint32_t ticks_;
   std::int64_t home_ = 0;
 

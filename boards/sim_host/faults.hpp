@@ -16,6 +16,9 @@ enum class RigFault : std::uint8_t {
   switch_stuck_closed,
   late_tick,
   peer_lost,
+  coil_open,  // this and the next are the clutch's
+  coil_stuck_on,
+  supply_sag,
 };
 
 struct RigFaultInfo {
@@ -24,7 +27,7 @@ struct RigFaultInfo {
   std::string_view meaning;
 };
 
-inline constexpr std::array<RigFaultInfo, 7> kRigFaults{{
+inline constexpr std::array<RigFaultInfo, 10> kRigFaults{{
     {RigFault::encoder_frozen, "encoder_frozen",
      "the device answers with the same old sample, whose age grows"},
     {RigFault::encoder_stuck, "encoder_stuck", "the height's counter stands still, all else is fresh"},
@@ -33,6 +36,9 @@ inline constexpr std::array<RigFaultInfo, 7> kRigFaults{{
     {RigFault::switch_stuck_closed, "switch_stuck_closed", "the contact switch reads closed"},
     {RigFault::late_tick, "late_tick", "one tick comes late by the fault's duration"},
     {RigFault::peer_lost, "peer_lost", "the device with the sensors does not answer"},
+    {RigFault::coil_open, "coil_open", "no current flows in the clutch's coil"},
+    {RigFault::coil_stuck_on, "coil_stuck_on", "the clutch's coil is on, whatever it is told"},
+    {RigFault::supply_sag, "supply_sag", "the coil's supply has 0.8 of its voltage"},
 }};
 
 constexpr std::optional<RigFault> rig_fault_named(std::string_view name) {

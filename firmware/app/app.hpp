@@ -24,6 +24,8 @@ class App {
     static_cast<void>(board_.actuate(control::Command{}));
   }
 
+  const control::State& state() const { return state_; }
+
   /// One tick, right after wait_for_tick().
   void tick() {
     const std::uint32_t now_us = board_.now_us();

@@ -52,7 +52,7 @@ TEST_CASE(
   CHECK(out.height.height_m == Approx(0.251).margin(1.1e-3));
   CHECK(out.height.velocity_mps == Approx(-1.0).margin(0.02));
   CHECK(out.command.torque_nm == 2.0f);
-  CHECK(out.command.solenoid == 0);
+  CHECK(out.command.coil_duty == 0.0f);
 }
 
 TEST_CASE("the same inputs give the same outputs: the controller has no memory but its state") {
@@ -76,7 +76,7 @@ TEST_CASE("a fault makes torque zero and the solenoid off on the same tick, past
   const Outputs out = step(config, state, bad, kDt);
   CHECK(out.fault == Fault::non_finite_input);
   CHECK(out.command.torque_nm == 0.0f);
-  CHECK(out.command.solenoid == 0);
+  CHECK(out.command.coil_duty == 0.0f);
   // It stays so on sound inputs, until a reset; then the torque comes back at its limited rate.
   CHECK(step(config, state, at(0.248, true), kDt).command.torque_nm == 0.0f);
   Inputs reset = at(0.247, true);

@@ -28,5 +28,5 @@ TEST_CASE("each fault has a name of its own, says what it means and what to do")
     CHECK(fault.remedy.ends_with("."));
     CHECK(info(fault.fault).name == fault.name);
   }
-  CHECK(names.size() == 10);
+  CHECK(names.size() == kFaultCount);
 }

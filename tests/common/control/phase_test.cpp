@@ -13,8 +13,9 @@ struct Fixture {
   PhaseConfig config;
   PhaseState state;
   PhaseEstimate at(bool closed, float above_touchdown_m, float velocity_mps) {
+    const float leg_m = config.touchdown_height_m + (above_touchdown_m < 0.0f ? above_touchdown_m : 0.0f);
     return estimate_phase(config, state, closed,
-                          {config.touchdown_height_m + above_touchdown_m, velocity_mps}, kDt);
+                          {config.touchdown_height_m + above_touchdown_m, velocity_mps}, leg_m, kDt);
   }
   PhaseEstimate many(int ticks, bool closed, float above_touchdown_m, float velocity_mps) {
     PhaseEstimate last;

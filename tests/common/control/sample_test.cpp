@@ -6,5 +6,5 @@
 TEST_CASE("a default command is the safe state") {
   const furcula::control::Command command;
   CHECK(command.torque_nm == 0.0f);
-  CHECK(command.solenoid == 0);
+  CHECK(command.coil_duty == 0.0f);
 }

@@ -4,8 +4,11 @@
 
 #include <cstdint>
 
+#include "furcula/control/clutch_sequencer.hpp"
+#include "furcula/control/coil_drive.hpp"
 #include "furcula/control/debounce.hpp"
 #include "furcula/control/height.hpp"
+#include "furcula/control/leg_position.hpp"
 #include "furcula/control/limits.hpp"
 #include "furcula/control/phase.hpp"
 #include "furcula/control/sample.hpp"
@@ -19,12 +22,16 @@ namespace furcula::control {
 
 struct Config {
   float link_length_m = 0.15f;  ///< of each of the four links
+  float gravity_mps2 = 9.81f;
   HeightConfig height;
   DebounceConfig debounce;
   PhaseConfig phase;
   TorqueProfileConfig torque;
   LimitsConfig limits;
   SupervisorConfig supervisor;
+  ClutchConfig clutch;
+  CoilConfig coil;
+  LegPositionConfig leg;
 };
 
 struct Inputs {
@@ -42,6 +49,9 @@ struct State {
   PhaseState phase;
   LimitsState limits;
   SupervisorState supervisor;
+  ClutchState clutch;
+  CoilState coil;
+  LegPositionState leg;
   Sample last_sample;
   std::uint32_t missed_samples = 1;  ///< running; nothing was ever measured
 };
@@ -50,6 +60,7 @@ struct Outputs {
   Command command;
   HeightEstimate height;
   PhaseEstimate phase;
+  ClutchEstimate clutch;
   Fault fault = Fault::none;
 };
 
@@ -58,21 +69,59 @@ inline float leg_height_m(float link_length_m, float leg_angle_rad) {
   return 2.0f * link_length_m * sine_of_turns(leg_angle_rad * 0.159154943f + 0.25f);
 }
 
+/// The same for a robot with a clutch.
+inline Status check(const ClutchConfig& c, const CoilConfig& coil, const LegPositionConfig& leg) {
+  const float positive[] = {c.metres_per_count,
+                            c.tooth_pitch_m,
+                            c.spring_npm,
+                            c.spring_rest_m,
+                            c.contraction_s,
+                            c.shortest_contraction_s,
+                            c.most_acceleration_mps2,
+                            c.longest_delay_s,
+                            c.moved_m,
+                            c.hesitation_m,
+                            c.still_mps,
+                            c.homing_s,
+                            c.test_pull_m,
+                            c.test_s,
+                            coil.peak_s,
+                            coil.longest_s,
+                            coil.heat_max,
+                            coil.heat_time_constant_s,
+                            leg.stiffness_nmprad,
+                            leg.damping_nmsprad};
+  const float not_negative[] = {c.tooth_play_m,       c.contraction_m,   c.liftoff_confirmed_s,
+                                c.touchdown_margin_s, c.release_delay_s, c.catch_wait_s,
+                                coil.hold_duty,       leg.inertia_kgm2};
+  for (const float x : positive)
+    if (!is_finite(x) || x <= 0.0f) return Status::invalid;
+  for (const float x : not_negative)
+    if (!is_finite(x) || x < 0.0f) return Status::invalid;
+  return coil.hold_duty <= 1.0f && c.tooth_play_m < c.tooth_pitch_m ? Status::ok : Status::invalid;
+}
+
 /// Whether every number of the configuration makes sense: finite, and positive where it must be.
 inline Status check(const Config& c) {
-  const float positive[] = {c.link_length_m,          c.height.metres_per_count,  c.debounce.close_settle_s,
-                            c.debounce.open_settle_s, c.phase.touchdown_height_m, c.limits.torque_nm,
-                            c.limits.torque_rate_nmps};
+  const float positive[] = {c.link_length_m,
+                            c.height.metres_per_count,
+                            c.debounce.close_settle_s,
+                            c.debounce.open_settle_s,
+                            c.phase.touchdown_height_m,
+                            c.limits.torque_nm,
+                            c.limits.torque_rate_nmps,
+                            c.gravity_mps2};
   const float any_sign[] = {
       c.phase.touchdown_margin_m,     c.phase.touchdown_velocity_max_mps, c.phase.liftoff_margin_m,
       c.phase.latest_report_s,        c.phase.shortest_stance_s,          c.torque.amplitude_nm,
       c.supervisor.height_min_m,      c.supervisor.height_max_m,          c.supervisor.leg_angle_min_rad,
       c.supervisor.leg_angle_max_rad, c.supervisor.height_mismatch_m,     c.supervisor.flexed_leg_m,
-      c.supervisor.contact_margin_m,  c.supervisor.implausible_contact_s};
+      c.supervisor.contact_margin_m,  c.supervisor.implausible_closed_s,  c.supervisor.implausible_open_s};
   for (const float x : positive)
     if (!is_finite(x) || x <= 0.0f) return Status::invalid;
   for (const float x : any_sign)
     if (!is_finite(x)) return Status::invalid;
+  if (moves_leg_in_flight(c.clutch) && check(c.clutch, c.coil, c.leg) != Status::ok) return Status::invalid;
   // Shorter than ten ticks it is no profile.
   if (!is_finite(c.torque.period_s) || c.torque.period_s < 0.01f) return Status::invalid;
   return Status::ok;
@@ -82,6 +131,7 @@ inline Status check(const Config& c) {
 inline State begin(const Config& config) {
   State state;
   state.configuration = check(config);
+  state.clutch = begin_clutch(config.clutch);
   return state;
 }
 
@@ -103,7 +153,19 @@ inline Outputs step(const Config& config, State& state, const Inputs& inputs, fl
       estimate_height(config.height, state.height, count_difference(sample.height_count, sample.home_count),
                       sample.home_height_m, dt_s);
   const bool closed = debounce(config.debounce, state.debounce, reading, dt_s);
-  out.phase = estimate_phase(config.phase, state.phase, closed, out.height, dt_s);
+  const float leg_m = leg_height_m(config.link_length_m, sample.leg_angle_rad);
+  const float straight_m = config.phase.touchdown_height_m;
+  out.phase = estimate_phase(config.phase, state.phase, closed, out.height, leg_m, dt_s);
+  if (moves_leg_in_flight(config.clutch)) {
+    if (inputs.reset) state.clutch = begin_clutch(config.clutch);
+    ClutchView view;
+    view.phase = out.phase;
+    view.time_left_s = time_to_touchdown_s(config.gravity_mps2, out.height, straight_m, dt_s);
+    view.leg_fold_m = straight_m - leg_m;
+    view.cable_count = count_difference(sample.cable_count, sample.cable_home_count);
+    view.coil_ready = !state.coil.blocked;
+    out.clutch = sequence_clutch(config.clutch, state.clutch, view, dt_s);
+  }
 
   Observation seen;
   seen.tick_interval_us = inputs.tick_interval_us;
@@ -112,18 +174,36 @@ inline Outputs step(const Config& config, State& state, const Inputs& inputs, fl
   seen.height_m = out.height.height_m;
   seen.above_touchdown_m = out.height.height_m - config.phase.touchdown_height_m;
   seen.leg_angle_rad = sample.leg_angle_rad;
-  seen.leg_height_m = leg_height_m(config.link_length_m, sample.leg_angle_rad);
+  seen.leg_height_m = leg_m;
   seen.contact_reading = reading;
+  seen.cable_travel_m = out.clutch.travel_m;
+  seen.missed_catches = state.clutch.missed_running;
   out.fault = state.configuration == Status::ok
                   ? supervise(config.supervisor, state.supervisor, seen, inputs.reset, dt_s)
                   : Fault::bad_configuration;
-  if (out.fault != Fault::none) {
+  const bool safe = out.fault != Fault::none;  // the command of the safe state is the default one
+  if (safe) {
     state.limits = {};
-    return out;  // its command is the safe state
+    abandon(state.clutch);
   }
-  out.command.torque_nm =
-      limit_torque(config.limits, state.limits,
-                   profile_torque_nm(config.torque, out.phase, out.height.velocity_mps, dt_s), dt_s);
+  if (config.clutch.fitted != 0) {
+    out.command.coil_duty = drive_coil(config.coil, state.coil, out.clutch.coil && !safe, dt_s);
+    // Where the coil gave up the key falls in: the sequencer finds the cable caught, or not.
+  }
+  const float lever_m = leg_lever_m(config.link_length_m, sample.leg_angle_rad);
+  float torque_nm = profile_torque_nm(config.torque, out.phase, out.height.velocity_mps, dt_s);
+  if (out.clutch.drives_leg) {
+    const float fold_m = straight_m - leg_m;
+    // Stretched, the leg rests on its stop, and the spring helps.
+    const float pull_n =
+        out.clutch.path.fold_m > 0.0f ? spring_pull_n(config.clutch, leg_m, out.clutch.travel_m) : 0.0f;
+    torque_nm = follow_path(config.leg, state.leg, out.clutch.path, fold_m, sample.leg_angle_rad, lever_m,
+                            pull_n, dt_s);
+  } else if (config.clutch.fitted != 0 && out.phase.phase == Phase::stance) {
+    torque_nm -= lever_m * lost_push_n(config.clutch, leg_m, out.clutch.travel_m);
+  }
+  note_angle(state.leg, sample.leg_angle_rad);
+  if (!safe) out.command.torque_nm = limit_torque(config.limits, state.limits, torque_nm, dt_s);
   return out;
 }
 

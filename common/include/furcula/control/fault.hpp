@@ -22,6 +22,8 @@ enum class Fault : std::uint8_t {
   leg_angle_out_of_range = 7,
   encoder_implausible = 8,
   contact_implausible = 9,
+  cable_implausible = 10,
+  clutch_not_caught = 11,
 };
 
 struct FaultInfo {
@@ -31,7 +33,7 @@ struct FaultInfo {
   std::string_view remedy;  ///< what a person should do
 };
 
-inline constexpr std::size_t kFaultCount = 10;
+inline constexpr std::size_t kFaultCount = 12;
 inline constexpr std::array<FaultInfo, kFaultCount> kFaults{{
     {Fault::none, "none", "No fault.", "Nothing."},
     {Fault::bad_configuration, "bad_configuration",
@@ -56,6 +58,13 @@ inline constexpr std::array<FaultInfo, kFaultCount> kFaults{{
     {Fault::contact_implausible, "contact_implausible",
      "The contact switch reads closed high above the ground, or open while the leg is compressed.",
      "Check the switch under the toe and its cable: it sticks, or a wire is broken; then reset."},
+    {Fault::cable_implausible, "cable_implausible", "The clutch's cable is where it cannot be.",
+     "Home the cable's encoder again: its counter has slipped, or the cable is torn; then reset."},
+    {Fault::clutch_not_caught, "clutch_not_caught",
+     "Several stances running stood on a spring that was not caught.",
+     "Look at the clutch's key and its return spring, and at the coil's supply: it may be on all the time; "
+     "then "
+     "reset."},
 }};
 
 constexpr const FaultInfo& info(Fault fault) { return kFaults[static_cast<std::size_t>(fault)]; }

@@ -16,8 +16,8 @@ struct PhaseConfig {
   float touchdown_margin_m = 0.03f;
   /// A body that rises faster does not touch down: lift-off's bounce closes the switch again; m/s.
   float touchdown_velocity_max_mps = 0.1f;
-  /// Further above the touch-down height than this the leg cannot reach the ground, whatever the switch reads
-  /// (it reports lift-off up to 10 ms late); m.
+  /// Further above the touch-down height than this a straight leg does not reach the ground, whatever the
+  /// switch reads (it reports lift-off up to 10 ms late); a leg is straight within this length; m.
   float liftoff_margin_m = 0.005f;
   /// Debouncing takes time, and the switch reports up to 10 ms late: how long ago the body passed the
   /// touch-down height is told from height and velocity, up to this time; s.
@@ -53,9 +53,9 @@ inline float time_since_passed(const PhaseConfig& config, const HeightEstimate& 
   return time_s < config.latest_report_s ? time_s : 0.0f;
 }
 
-/// One tick. `contact_closed` is the debounced switch, `height` from the encoder.
+/// One tick. `contact_closed` is the debounced switch, `height` from the encoder, `leg_m` the leg's length.
 inline PhaseEstimate estimate_phase(const PhaseConfig& config, PhaseState& state, bool contact_closed,
-                                    const HeightEstimate& height, float dt_s) {
+                                    const HeightEstimate& height, float leg_m, float dt_s) {
   const float height_m = height.height_m;
   PhaseEstimate estimate;
   if (state.ticks_in_phase != 0xffffffffu) ++state.ticks_in_phase;
@@ -69,6 +69,7 @@ inline PhaseEstimate estimate_phase(const PhaseConfig& config, PhaseState& state
   } else {
     const bool out_of_reach = height_m > config.touchdown_height_m + config.touchdown_margin_m;
     const bool rising_out = height_m > config.touchdown_height_m + config.liftoff_margin_m &&
+                            leg_m > config.touchdown_height_m - config.liftoff_margin_m &&
                             in_phase_s >= config.shortest_stance_s;
     const bool opened = !contact_closed && in_phase_s >= config.shortest_stance_s;
     estimate.liftoff = out_of_reach || rising_out || opened;

@@ -14,13 +14,15 @@ struct Sample {
   float leg_angle_rad = 0.0f;      ///< from the drive, from the vertical
   std::uint32_t age_us = 0;        ///< how long ago the sensors were read
   std::uint32_t contact = 0;       ///< raw switch: 0 open, 1 closed
+  std::uint32_t cable_count = 0;  ///< encoder on the clutch's pulley, free-running, wraps; 0 without a clutch
+  std::uint32_t cable_home_count = 0;  ///< what it read with the cable at rest
 };
-static_assert(sizeof(Sample) == 24 && std::is_trivially_copyable_v<Sample>, "it travels as bytes");
+static_assert(sizeof(Sample) == 32 && std::is_trivially_copyable_v<Sample>, "it travels as bytes");
 
 /// What the rig is told. The value of a default Command is the safe state.
 struct Command {
-  float torque_nm = 0.0f;      ///< positive flexes the leg
-  std::uint32_t solenoid = 0;  ///< 1 = energised = spring released; no block energises it yet
+  float torque_nm = 0.0f;  ///< positive flexes the leg
+  float coil_duty = 0.0f;  ///< share of the supply across the solenoid's coil, 0 to 1; 0 = spring caught
 };
 static_assert(sizeof(Command) == 8 && std::is_trivially_copyable_v<Command>, "it travels as bytes");
 

@@ -1,5 +1,5 @@
 // Watches inputs and timing. A fault latches until an explicit reset; while it stands the controller is in
-// its safe state: torque 0, solenoid off.
+// its safe state: torque 0, coil off.
 #pragma once
 
 #include <cstdint>
@@ -24,9 +24,15 @@ struct SupervisorConfig {
   /// ground; m.
   float flexed_leg_m = 0.01f;
   /// A switch that reads closed this far above the touch-down height, or open this far below it, is wrong if
-  /// it stays so for implausible_contact_s (it reports within 10 ms of the true instant, and bounces); m, s.
+  /// it stays so for so long (it reports within 10 ms of the true instant, and bounces; a toe that meets the
+  /// ground while the motor folds the leg may hover on it for a while); m, s.
   float contact_margin_m = 0.03f;
-  float implausible_contact_s = 0.02f;
+  float implausible_closed_s = 0.02f;
+  float implausible_open_s = 0.05f;
+  /// The clutch's cable, from home; beyond either the encoder has lost its count; m.
+  float cable_travel_min_m = -0.003f;
+  float cable_travel_max_m = 0.11f;
+  std::uint32_t missed_catches_max = 5;  ///< running stances on a spring that was not caught
 };
 
 /// What the supervisor looks at, gathered by the controller on each tick.
@@ -39,6 +45,8 @@ struct Observation {
   float leg_angle_rad = 0.0f;
   float leg_height_m = 0.0f;  ///< 2 L cos(leg angle)
   bool contact_reading = false;
+  float cable_travel_m = 0.0f;       ///< 0 without a clutch
+  std::uint32_t missed_catches = 0;  ///< running
 };
 
 struct SupervisorState {
@@ -64,11 +72,17 @@ inline Fault find_fault(const SupervisorConfig& config, SupervisorState& state, 
   if (mismatch_m < -config.height_mismatch_m || (toe_on_ground && mismatch_m > config.height_mismatch_m))
     return Fault::encoder_implausible;
 
+  // A leg that is folded in flight lets the body come lower than at touch-down with the toe in the air.
   const bool implausible = seen.contact_reading ? seen.above_touchdown_m > config.contact_margin_m
-                                                : seen.above_touchdown_m < -config.contact_margin_m;
+                                                : seen.above_touchdown_m < -config.contact_margin_m &&
+                                                      mismatch_m < config.contact_margin_m;
   state.implausible_contact_ticks = implausible ? state.implausible_contact_ticks + 1 : 0;
-  if (static_cast<float>(state.implausible_contact_ticks) * dt_s > config.implausible_contact_s)
+  if (static_cast<float>(state.implausible_contact_ticks) * dt_s >
+      (seen.contact_reading ? config.implausible_closed_s : config.implausible_open_s))
     return Fault::contact_implausible;
+  if (seen.cable_travel_m < config.cable_travel_min_m || seen.cable_travel_m > config.cable_travel_max_m)
+    return Fault::cable_implausible;
+  if (seen.missed_catches >= config.missed_catches_max) return Fault::clutch_not_caught;
   return Fault::none;
 }
 

@@ -46,8 +46,10 @@ constexpr ClutchBenchSetup<T> release_catch_bench() {
 
 /// The modular clutch (section 5.2): 5 mm of stroke, up to 15 kg held at 1.5 A and 10 V [given], of which the
 /// key uses the last 2.3 mm; on a cable that gives 7 cm for 10 cm of leg [given], all as seen along the leg.
+/// The auxiliary spring is pretensioned to bring the cable home against `pull_n`, which is what the leg's
+/// spring has with the leg straight, with 1 N to spare.
 template <class T>
-constexpr ClutchParameters<T> modular_clutch() {
+constexpr ClutchParameters<T> modular_clutch(const T& pull_n = T(0.0)) {
   constexpr double kCablePerLeg = 0.7;
   ClutchParameters<T> p = bench_clutch<T>();
   p.solenoid = {T(10.0 / 1.5), T(20e-3), T(1.33e-4),
@@ -63,7 +65,7 @@ constexpr ClutchParameters<T> modular_clutch() {
   p.cable_damping_nspm = T(0.5);
   p.cable_friction_n = T(0.3);
   p.auxiliary_stiffness_npm = T(20.0);
-  p.auxiliary_preload_n = T(1.0);
+  p.auxiliary_preload_n = T(1.0) + pull_n;
   p.travel_m = T(0.07 / kCablePerLeg);
   return p;
 }

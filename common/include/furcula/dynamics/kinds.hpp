@@ -56,6 +56,14 @@ inline constexpr std::array<ParameterInfo, 13> kHopperNonlinearParameters{{
     {"inertia_e_kgm", "kg m", 0.0, 10.0, "links: sum m_L (r_L + L) + m_U r_U"},
 }};
 
+// Of a hopper that has a clutch; without one they are all 0, or not there.
+inline constexpr std::array<ParameterInfo, 4> kClutchParameters{{
+    {"release_delay_s", "s", 0.0, 1.0, "from the coil's switching on until the belt is free"},
+    {"catch_delay_s", "s", 0.0, 1.0, "from its switching off until the belt is held"},
+    {"auxiliary_stiffness_npm", "N/m", 0.0, 1e4, "auxiliary spring, as seen along the leg"},
+    {"tooth_pitch_m", "m", 0.0, 0.1, "of the belt, as seen along the leg; 0: no clutch"},
+}};
+
 // In the order of the members of MotorAxisParameters.
 inline constexpr std::array<ParameterInfo, 2> kMotorAxisParameters{{
     {"mass_kg", "kg", 1e-6, 1e6, "moving mass, the motor's inertia included"},
