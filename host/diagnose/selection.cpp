@@ -79,7 +79,8 @@ class Search {
   }
 
   /// Marked as failed where the model runs away from there.
-  Hypothesis fit_if_it_runs(const EffectSet& effects, const Hypothesis& from, const Starts& starts = {}) const {
+  Hypothesis fit_if_it_runs(const EffectSet& effects, const Hypothesis& from,
+                            const Starts& starts = {}) const {
     try {
       return trainer_.fit(effects, &from, starts);
     } catch (const log::DataError&) {
@@ -249,7 +250,8 @@ class Search {
           if (again || !contains(e, special)) continue;
           Hypothesis narrower =
               fit_if_it_runs(with(rest, special), chosen, {{special, {chosen.fitted.effects.at(e)[0]}}});
-          const bool as_good = !narrower.failed && !trainer_.compare(narrower, chosen, all_.size()).told_apart;
+          const bool as_good =
+              !narrower.failed && !trainer_.compare(narrower, chosen, all_.size()).told_apart;
           again = replaced_by(std::move(narrower), as_good);
         }
         if (again) break;

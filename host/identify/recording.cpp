@@ -7,6 +7,7 @@
 
 #include "host/identify/quantile.hpp"
 #include "host/log/error.hpp"
+#include "host/log/message.hpp"
 
 namespace furcula::identify {
 namespace {
@@ -150,6 +151,17 @@ std::vector<Slip> find_slips(const std::vector<double>& time_s, const std::vecto
   return found;
 }
 
+void refuse_released_spring(const log::Log& log) {
+  const auto& solenoid = log.at("solenoid");
+  const auto first = std::find(solenoid.begin(), solenoid.end(), 1.0);
+  if (first == solenoid.end()) return;
+  throw log::DataError(
+      log.path + ": the spring is released from " +
+      log::shortest(log.time_s()[static_cast<std::size_t>(first - solenoid.begin())]) +
+      " s on (solenoid = 1); expected recordings with the spring caught: this version fits no "
+      "released one");
+}
+
 }  // namespace
 
 LocalPolynomial local_polynomial(const std::vector<double>& time_s, const std::vector<double>& values,
@@ -247,6 +259,7 @@ Recording make_recording(const log::Log& log, dynamics::Kind kind) {
     r.driven_s[i] = r.driven_s[i - 1] + (r.input[i - 1] != 0.0 ? interval_s : 0.0);
   }
   if (dynamics::is_hopper(kind)) {
+    if (log.has("solenoid")) refuse_released_spring(log);
     if (log.has("contact")) r.touchdown_reports_s = first_closings(r.time_s, log.at("contact"));
     if (log.has("torque_nm") && log.at("torque_nm") != r.input) r.drive = log.at("torque_nm");
     if (log.has("leg_angle_rad")) {

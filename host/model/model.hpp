@@ -3,6 +3,7 @@
 
 #include <array>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,9 +17,18 @@ struct Bounds {
   double upper;
 };
 
+/// The clutch of a hopper that has one: dynamics::kClutchParameters.
+struct Clutch {
+  double release_delay_s = 0.0, catch_delay_s = 0.0, auxiliary_stiffness_npm = 0.0, tooth_pitch_m = 0.0;
+};
+inline constexpr std::array<double Clutch::*, 4> kClutchMembers{
+    &Clutch::release_delay_s, &Clutch::catch_delay_s, &Clutch::auxiliary_stiffness_npm,
+    &Clutch::tooth_pitch_m};
+
 struct Model {
   dynamics::Kind kind = dynamics::Kind::hopper_linear;
   std::vector<double> parameters;      ///< in the order of dynamics::info(kind).parameters
+  std::optional<Clutch> clutch;        ///< on hopper_nonlinear alone
   std::map<std::size_t, Bounds> free;  ///< index of a parameter -> bounds of its fit
   /// Effects switched on, each with its parameters in the order of the catalogue.
   std::map<dynamics::Effect, std::array<double, dynamics::kMaxEffectParameters>> effects;

@@ -17,15 +17,10 @@ using log::fail;
 using log::quoted;
 using log::shortest;
 
-/// Parameters of the contract's hopper with a clutch. This version's plant has none: zero (no clutch) is all
-/// it can be.
-constexpr std::array<std::string_view, 4> kClutchParameters{"release_delay_s", "catch_delay_s",
-                                                            "auxiliary_stiffness_npm", "tooth_pitch_m"};
-
 bool is_clutch_parameter(Kind kind, std::string_view name) {
   if (!is_hopper(kind)) return false;
-  for (const std::string_view p : kClutchParameters)
-    if (p == name) return true;
+  for (const auto& p : dynamics::kClutchParameters)
+    if (p.name == name) return true;
   return false;
 }
 
@@ -87,28 +82,53 @@ class Reader {
     const toml::table& table = section("parameters");
     const auto& kind = dynamics::info(model_.kind);
     std::vector<std::string_view> known = parameter_names(model_.kind);
-    if (is_hopper(model_.kind)) known.insert(known.end(), kClutchParameters.begin(), kClutchParameters.end());
+    if (is_hopper(model_.kind))
+      for (const auto& p : dynamics::kClutchParameters) known.push_back(p.name);
     log::refuse_unknown_keys(table, name_, "[parameters] of " + std::string(kind.name), known);
     for (const auto& p : kind.parameters) {
-      const std::string expected = "a number from " + shortest(p.lower) + " to " + shortest(p.upper) +
-                                   (p.unit.empty() ? "" : " " + std::string(p.unit)) + " (" +
-                                   std::string(p.meaning) + ")";
-      const toml::node& node = entry(table, "[parameters]", p.name, expected);
+      const toml::node& node = entry(table, "[parameters]", p.name, expected(p));
       model_.parameters.push_back(log::number(node, name_, p.name, p.lower, p.upper, p.unit));
     }
-    for (const auto& [key, node] : table)
-      if (is_clutch_parameter(model_.kind, key.str()) && node.value<double>() != 0.0)
-        fail(name_, node.source(),
-             std::string(key.str()) + " = " + log::value_text(node) +
-                 "; expected 0 or no such key: this version simulates no clutch");
+    if (is_hopper(model_.kind)) read_clutch(table);
+  }
+
+  static std::string expected(const dynamics::ParameterInfo& p) {
+    return "a number from " + shortest(p.lower) + " to " + shortest(p.upper) +
+           (p.unit.empty() ? "" : " " + std::string(p.unit)) + " (" + std::string(p.meaning) + ")";
+  }
+
+  void read_clutch(const toml::table& table) {
+    Clutch clutch;
+    const toml::node* given = nullptr;  // a key that is not 0
+    std::string_view which;
+    for (std::size_t i = 0; i < kClutchMembers.size(); ++i) {
+      const auto& p = dynamics::kClutchParameters[i];
+      const toml::node* node = table.get(p.name);
+      if (node == nullptr) continue;
+      double& value = clutch.*kClutchMembers[i];
+      value = log::number(*node, name_, p.name, p.lower, p.upper, p.unit);
+      if (value == 0.0) continue;
+      given = node;
+      which = p.name;
+    }
+    if (given == nullptr) return;
+    if (clutch.tooth_pitch_m == 0.0)
+      fail(name_, given->source(),
+           std::string(which) + " = " + log::value_text(*given) +
+               " without a tooth_pitch_m; expected one above 0, or 0 for a robot without a clutch");
+    if (model_.kind != Kind::hopper_nonlinear)
+      fail(name_, given->source(),
+           std::string(which) + " = " + log::value_text(*given) + " on " +
+               std::string(dynamics::info(model_.kind).name) +
+               "; expected 0 or no such key: this version knows a clutch on hopper_nonlinear alone");
+    model_.clutch = clutch;
   }
 
   void read_free(const toml::table& table) {
     for (const auto& [key, node] : table)
       if (is_clutch_parameter(model_.kind, key.str()))
         fail(name_, key.source(),
-             "'" + std::string(key.str()) +
-                 "' in [free]; expected no such key: this version simulates no clutch");
+             "'" + std::string(key.str()) + "' in [free]; expected no such key: this version fits no clutch");
     log::refuse_unknown_keys(table, name_, "[free]", parameter_names(model_.kind));
     for (const auto& [key, node] : table) {
       const std::size_t index = *dynamics::parameter_index(model_.kind, key.str());

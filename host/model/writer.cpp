@@ -10,6 +10,10 @@ std::string format_model(const Model& model) {
   std::string out = "[model]\nkind = \"" + std::string(kind.name) + "\"\nschema = 1\n\n[parameters]\n";
   for (std::size_t i = 0; i < kind.parameters.size(); ++i)
     out += std::string(kind.parameters[i].name) + " = " + log::toml_float(model.parameters.at(i)) + "\n";
+  if (model.clutch)
+    for (std::size_t i = 0; i < kClutchMembers.size(); ++i)
+      out += std::string(dynamics::kClutchParameters[i].name) + " = " +
+             log::toml_float((*model.clutch).*kClutchMembers[i]) + "\n";
   if (!model.free.empty()) out += "\n[free]\n";
   for (const auto& [index, bounds] : model.free)
     out += std::string(kind.parameters[index].name) + " = [" + log::toml_float(bounds.lower) + ", " +

@@ -46,6 +46,7 @@ class Reader {
       : name_(name),
         file_(log::parse_toml(text, name)),
         kind_(model.kind),
+        clutch_(model.clutch.has_value()),
         names_(names_on(model.kind)),
         scenario_(default_scenario(model)) {}
 
@@ -53,6 +54,8 @@ class Reader {
     std::vector<std::string_view> sections{"start", "run", "sensors"};
     if (!names_.drive.empty()) sections.insert(sections.begin() + 2, names_.drive);
     if (is_hopper(kind_)) sections.push_back("fault");
+    const bool free_leg = kind_ == Kind::hopper_nonlinear;
+    if (free_leg) sections.insert(sections.end(), {"clutch", "contraction", "ground"});
     log::refuse_unknown_keys(file_, name_, "a scenario for " + std::string(dynamics::info(kind_).name),
                              sections);
     if (const toml::table* t = section("start")) read_start(*t);
@@ -64,6 +67,22 @@ class Reader {
     if (!names_.drive.empty())
       if (const toml::table* t = section(names_.drive)) read_drive(*t);
     if (const toml::table* t = section("sensors")) read_sensors(*t);
+    if (free_leg) {
+      if (const toml::table* t = section("clutch")) read_clutch(*t);
+      if (const toml::table* t = section("contraction")) {
+        static constexpr std::array<std::string_view, 2> kKeys{"amplitude_m", "period_s"};
+        log::refuse_unknown_keys(*t, name_, "[contraction]", kKeys);
+        required(*t, "[contraction]", "amplitude_m", "a number of metres");
+        number(*t, "amplitude_m", 0.0, 1.0, "m", scenario_.contraction_m);
+        number(*t, "period_s", 0.05, 10.0, "s", scenario_.contraction_period_s);
+      }
+      if (const toml::table* t = section("ground")) {
+        static constexpr std::array<std::string_view, 1> kKeys{"steps_m"};
+        log::refuse_unknown_keys(*t, name_, "[ground]", kKeys);
+        required(*t, "[ground]", "steps_m", "a number of metres");
+        number(*t, "steps_m", 0.0, 0.1, "m", scenario_.ground_steps_m);
+      }
+    }
     if (const toml::node* faults = file_.get("fault")) read_faults(*faults);
     return std::move(scenario_);
   }
@@ -126,6 +145,23 @@ class Reader {
     if (!period && profile == "harmonic") required(t, where, "period_s", "a number of seconds");
   }
 
+  void read_clutch(const toml::table& t) {
+    if (!clutch_)
+      fail(name_, t.source(),
+           "[clutch] for a model without one; expected a tooth_pitch_m above 0 in the model");
+    static constexpr std::array<std::string_view, 2> kKeys{"in_flight", "catch_before_touchdown_s"};
+    static constexpr std::array<std::string_view, 2> kActions{"release", "hold"};
+    log::refuse_unknown_keys(t, name_, "[clutch]", kKeys);
+    const toml::node& node = required(t, "[clutch]", "in_flight", "one of " + log::listed(kActions));
+    const std::string action = log::text(node, name_, "in_flight");
+    if (action != "release" && action != "hold")
+      fail(name_, node.source(),
+           "in_flight = " + quoted(action) + "; expected one of " + log::listed(kActions) +
+               log::did_you_mean(action, kActions));
+    scenario_.release_in_flight = action == "release";
+    number(t, "catch_before_touchdown_s", 0.0, 1.0, "s", scenario_.catch_before_touchdown_s);
+  }
+
   void read_sensors(const toml::table& t) {
     static constexpr std::array<std::string_view, 4> kKeys{"quantisation", "noise", "bounce", "jitter"};
     const bool hopper = is_hopper(kind_);
@@ -160,6 +196,10 @@ class Reader {
         fail(name_, kind_node.source(),
              "unknown fault " + quoted(kind) + "; expected one of " + log::listed(kinds) +
                  log::did_you_mean(kind, kinds));
+      if (!clutch_ && *found >= sim_host::RigFault::coil_open)
+        fail(name_, kind_node.source(),
+             "fault " + quoted(kind) +
+                 " for a model without a clutch; expected a tooth_pitch_m above 0 in the model");
       required(t, "[[fault]]", "time_s", "a number of seconds");
       sim_host::PlannedFault fault;
       fault.kind = *found;
@@ -173,6 +213,7 @@ class Reader {
   const std::string& name_;
   toml::table file_;
   Kind kind_;
+  bool clutch_;
   Names names_;
   Scenario scenario_;
 };
@@ -220,6 +261,14 @@ std::string format_scenario(const Scenario& s, dynamics::Kind kind) {
   };
   text += "\n[sensors]\n" + flag("quantisation", s.sensors.quantisation) + flag("noise", s.sensors.noise);
   if (is_hopper(kind)) text += flag("bounce", s.sensors.bounce) + flag("jitter", s.sensors.jitter);
+  const Scenario standard;
+  if (s.release_in_flight || s.catch_before_touchdown_s != standard.catch_before_touchdown_s)
+    text += std::string("\n[clutch]\nin_flight = \"") + (s.release_in_flight ? "release" : "hold") + "\"\n" +
+            key("catch_before_touchdown_s", s.catch_before_touchdown_s);
+  if (s.contraction_m > 0.0)
+    text +=
+        "\n[contraction]\n" + key("amplitude_m", s.contraction_m) + key("period_s", s.contraction_period_s);
+  if (s.ground_steps_m > 0.0) text += "\n[ground]\n" + key("steps_m", s.ground_steps_m);
   for (const sim_host::PlannedFault& f : s.faults) {
     const auto& fault = *std::find_if(sim_host::kRigFaults.begin(), sim_host::kRigFaults.end(),
                                       [&](const auto& row) { return row.fault == f.kind; });

@@ -24,6 +24,12 @@ struct Scenario {
   double period_s = 0.3;
   sim_host::SensorErrors sensors;
   std::vector<sim_host::PlannedFault> faults;  ///< on the hopper alone
+  // Where the leg is free in flight (hopper_nonlinear):
+  bool release_in_flight = false;           ///< needs a clutch
+  double catch_before_touchdown_s = 0.012;  ///< the catch verified
+  double contraction_m = 0.0;               ///< by which the leg folds in flight
+  double contraction_period_s = 0.4;  ///< folding and stretching take half of it, or what the flight leaves
+  double ground_steps_m = 0.0;        ///< the ground is at another height within this in each flight
 };
 
 /// What holds for everything that a scenario file leaves out: the hopper starts at rest a quarter above its
@@ -41,6 +47,8 @@ Scenario default_scenario(const model::Model& model);
 /// - `[torque]` profile ("harmonic", "constant", "zero"), amplitude_nm, period_s; on motor_axis it is
 ///   `[force]`, and amplitude_n; nothing drives a rail carriage.
 /// - `[sensors]` quantisation, noise, bounce, jitter (true or false; the last two on the hopper alone).
+/// - `[clutch]` in_flight ("release", "hold"), catch_before_touchdown_s; on a hopper with a clutch.
+/// - `[contraction]` amplitude_m, period_s; `[ground]` steps_m: on hopper_nonlinear.
 /// - `[[fault]]` time_s, kind, duration_s: on the hopper; without duration_s to the end, a late_tick 5 ms.
 Scenario read_scenario(const std::string& path, const model::Model& model);
 

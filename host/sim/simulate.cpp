@@ -62,7 +62,8 @@ void simulate_hopper(const model::Model& model, const Scenario& scenario, std::u
       {"contact", [](SimBoard& b) { return static_cast<double>(b.sample().contact); }},
       {"torque_cmd_nm", [](SimBoard& b) { return static_cast<double>(b.command().torque_nm); }},
       {"torque_nm", [](SimBoard& b) { return b.measured_torque_nm(); }},
-      {"solenoid", [](SimBoard& b) { return static_cast<double>(b.command().solenoid); }},
+      {"solenoid", [](SimBoard& b) { return b.command().coil_duty > 0.0f ? 1.0 : 0.0; }},
+      {"clutch_travel_m", [](SimBoard& b) { return b.measured_cable_travel_m(); }},
       {"fault", [](SimBoard& b) { return static_cast<double>(b.telemetry().outputs.fault); }},
   };
   std::vector<double> values[std::size(columns)];
@@ -75,6 +76,7 @@ void simulate_hopper(const model::Model& model, const Scenario& scenario, std::u
     for (std::size_t i = 0; i < std::size(columns); ++i) values[i].push_back(columns[i].second(board));
   }
   for (std::size_t i = 0; i < std::size(columns); ++i) log.columns[columns[i].first] = std::move(values[i]);
+  if (!model.clutch) log.columns.erase("clutch_travel_m");
 }
 
 double drive(const Scenario& scenario, double time_s) {
@@ -159,13 +161,32 @@ void slip_columns(const model::Model& model, log::Log& log) {
 
 }  // namespace
 
+sim_host::Plant plant_of(const model::Model& model, const dynamics::Effects<double>& effects) {
+  if (model.kind != Kind::hopper_nonlinear)
+    return sim_host::Plant(parameters_of<dynamics::HopperLinearParameters<double>>(model), effects);
+  const auto p = parameters_of<dynamics::HopperNonlinearParameters<double>>(model);
+  if (!model.clutch) return sim_host::Plant(p, effects);
+  return {p, clutch_of(model)};
+}
+
+dynamics::ClutchParameters<double> clutch_of(const model::Model& model) {
+  const double straight_m =
+      2.0 * model.parameter("link_length_m") * std::cos(model.parameter("touchdown_angle_rad"));
+  const double pull_n =
+      model.parameter("stiffness_npm") * std::max(0.0, model.parameter("rest_height_m") - straight_m);
+  auto clutch = dynamics::modular_clutch<double>(pull_n);
+  clutch.tooth_clearance_m *= model.clutch->tooth_pitch_m / clutch.tooth_pitch_m;
+  clutch.tooth_pitch_m = model.clutch->tooth_pitch_m;
+  clutch.auxiliary_stiffness_npm = model.clutch->auxiliary_stiffness_npm;
+  return clutch;
+}
+
 sim_host::RigConfig rig_config(const model::Model& model, const Scenario& scenario, std::uint64_t seed) {
   const dynamics::Effects<double> effects = effects_of(model);
-  sim_host::RigConfig rig{
-      model.kind == Kind::hopper_nonlinear
-          ? sim_host::Plant(parameters_of<dynamics::HopperNonlinearParameters<double>>(model), effects)
-          : sim_host::Plant(parameters_of<dynamics::HopperLinearParameters<double>>(model), effects)};
+  sim_host::RigConfig rig{plant_of(model, effects)};
   rig.effects = effects;
+  if (model.clutch) rig.cable_count_m = kCableCountM;
+  rig.ground_steps_m = scenario.ground_steps_m;
   rig.start_height_m = scenario.start_position;
   rig.start_velocity_mps = scenario.start_velocity;
   rig.duration_s = scenario.duration_s;
@@ -189,6 +210,31 @@ control::Config controller_config(const model::Model& model, const Scenario& sce
   config.supervisor.height_max_m = static_cast<float>(10.0 * length_m);
   config.supervisor.height_min_m = static_cast<float>(0.2 * length_m);
   config.supervisor.leg_angle_min_rad = static_cast<float>(angle_rad - 0.05);
+  config.gravity_mps2 = static_cast<float>(std::max(0.1, model.parameter("gravity_mps2")));
+  if (model.kind != Kind::hopper_nonlinear) return config;
+  control::ClutchConfig& clutch = config.clutch;
+  clutch.spring_npm = static_cast<float>(std::max(1.0, model.parameter("stiffness_npm")));
+  clutch.spring_rest_m = static_cast<float>(model.parameter("rest_height_m"));
+  clutch.contraction_m = static_cast<float>(scenario.contraction_m);
+  clutch.contraction_s = static_cast<float>(0.5 * scenario.contraction_period_s);
+  clutch.touchdown_margin_s = static_cast<float>(scenario.catch_before_touchdown_s);
+  const dynamics::Links<double> links{model.parameter("inertia_a_kgm2"), model.parameter("inertia_b_kgm"),
+                                      model.parameter("inertia_e_kgm"), length_m, model.parameter("mass_kg")};
+  const auto inertia = links.pose(angle_rad).inertia;
+  config.leg.inertia_kgm2 =
+      static_cast<float>(inertia.angle - inertia.coupling * inertia.coupling / inertia.height);
+  if (!model.clutch) return config;
+  const auto design = clutch_of(model);
+  clutch.fitted = 1;
+  clutch.release_in_flight = scenario.release_in_flight ? 1 : 0;
+  clutch.metres_per_count = static_cast<float>(kCableCountM);
+  clutch.tooth_pitch_m = static_cast<float>(design.tooth_pitch_m);
+  clutch.tooth_play_m = static_cast<float>(design.tooth_clearance_m);
+  config.supervisor.cable_travel_max_m = static_cast<float>(design.travel_m + 0.01);
+  if (model.clutch->release_delay_s > 0.0)
+    clutch.release_delay_s = static_cast<float>(model.clutch->release_delay_s);
+  if (model.clutch->catch_delay_s > 0.0)
+    clutch.catch_wait_s = static_cast<float>(model.clutch->catch_delay_s);
   return config;
 }
 

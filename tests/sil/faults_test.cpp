@@ -72,7 +72,7 @@ TEST_CASE(
       before_nm = static_cast<double>(board.command().torque_nm);
     } else if (board.time_s() > t + 0.0015) {
       REQUIRE(board.command().torque_nm == 0.0f);
-      REQUIRE(board.command().solenoid == 0);
+      REQUIRE(board.command().coil_duty == 0.0f);
     }
   }
   CHECK(before_nm > 1.0);  // the fault met a working motor

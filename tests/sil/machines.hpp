@@ -31,6 +31,25 @@ inline sim::Scenario example_scenario(double duration_s) {
   return scenario;
 }
 
+/// The robot of 002 chapter 5: links of table 3.1, spring relaxed at 0.289 m, a clutch with a belt of 3 mm.
+inline model::Model robot_with_clutch() {
+  model::Model model = example_hopper();
+  model.kind = dynamics::Kind::hopper_nonlinear;
+  model.parameters[2] = 0.289;
+  for (const double inertia : {42e-4, 75e-4, 38e-3}) model.parameters.push_back(inertia);
+  model.clutch = model::Clutch{0.020, 0.020, 20.0, 3e-3 / 0.7};
+  return model;
+}
+
+/// Hops of 7 cm with the spring let go and the leg folded by 5 cm in each flight.
+inline sim::Scenario clutch_scenario(double duration_s) {
+  sim::Scenario scenario = example_scenario(duration_s);
+  scenario.amplitude = 3.0;
+  scenario.release_in_flight = true;
+  scenario.contraction_m = 0.05;
+  return scenario;
+}
+
 /// Local maxima of the height above the touch-down height, each the highest of a stretch above it.
 inline std::vector<double> apexes(const log::Log& log) {
   std::vector<double> found;

@@ -179,3 +179,47 @@ duration_s = 0.5
     CHECK(again(axis, kind).amplitude == axis.amplitude);
   }
 }
+
+TEST_CASE("clutch, contraction and ground are read where the leg is free in flight, and written back") {
+  const model::Model robot = test::robot_with_clutch();
+  const std::string text = R"(
+[clutch]
+in_flight = "release"
+catch_before_touchdown_s = 0.02
+[contraction]
+amplitude_m = 0.08
+period_s = 0.3
+[ground]
+steps_m = 0.03
+[[fault]]
+time_s = 1.5
+kind = "coil_stuck_on"
+duration_s = 0.2
+)";
+  const auto check = [](const sim::Scenario& s) {
+    CHECK(s.release_in_flight);
+    CHECK(s.catch_before_touchdown_s == 0.02);
+    CHECK(s.contraction_m == 0.08);
+    CHECK(s.contraction_period_s == 0.3);
+    CHECK(s.ground_steps_m == 0.03);
+    REQUIRE(s.faults.size() == 1);
+    CHECK(s.faults[0].kind == sim_host::RigFault::coil_stuck_on);
+  };
+  const sim::Scenario s = sim::parse_scenario(text, "s.toml", robot);
+  check(s);
+  check(sim::parse_scenario(sim::format_scenario(s, robot.kind), "again.toml", robot));
+
+  const auto refused = [](const std::string& words, const model::Model& model) {
+    return test::error_message([&] { sim::parse_scenario(words, "s.toml", model); });
+  };
+  model::Model without = robot;
+  without.clutch.reset();
+  CHECK_THAT(refused("[clutch]\nin_flight = \"release\"\n", without),
+             Contains("s.toml:1: [clutch] for a model without one; expected a tooth_pitch_m above 0"));
+  CHECK_THAT(refused("[[fault]]\ntime_s = 1\nkind = \"coil_open\"\n", without),
+             Contains("s.toml:3: fault 'coil_open' for a model without a clutch"));
+  CHECK_THAT(refused("[clutch]\nin_flight = \"relaese\"\n", robot), Contains("did you mean 'release'?"));
+  CHECK_THAT(refused("[contraction]\nperiod_s = 0.4\n", robot),
+             Contains("no key 'amplitude_m' in [contraction]"));
+  CHECK_THAT(message("[contraction]\namplitude_m = 0.1\n"), Contains("unknown key 'contraction'"));
+}

@@ -3,6 +3,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "host/model/writer.hpp"
 #include "tests/host/cli/run_program.hpp"
 #include "tests/host/error_message.hpp"
 #include "tests/host/model/example.hpp"
@@ -48,14 +49,35 @@ TEST_CASE("on a rotary joint an effect's parameters have their rotary names") {
       Contains("m.toml:9: unknown key 'force_n' in [effect.coulomb_friction]; expected one of torque_nm"));
 }
 
-TEST_CASE("zero clutch parameters mean no clutch, others are refused") {
+TEST_CASE(
+    "a hopper_nonlinear has a clutch where its tooth pitch is not zero, and the file reads back the same") {
+  std::string text = with(kHopperModel, "hopper_linear", "hopper_nonlinear");
+  text = with(text, "[free]",
+              "inertia_a_kgm2 = 42e-4\ninertia_b_kgm = 75e-4\ninertia_e_kgm = 38e-3\nrelease_delay_s = 0.02\n"
+              "auxiliary_stiffness_npm = 20.0\ntooth_pitch_m = 0.0043\n[free]");
+  const model::Model m = model::parse_model(text, "m.toml");
+  REQUIRE(m.clutch.has_value());
+  CHECK(m.clutch->release_delay_s == 0.02);
+  CHECK(m.clutch->catch_delay_s == 0.0);
+  CHECK(m.clutch->auxiliary_stiffness_npm == 20.0);
+  CHECK(m.clutch->tooth_pitch_m == 0.0043);
+  const model::Model again = model::parse_model(model::format_model(m), "again.toml");
+  REQUIRE(again.clutch.has_value());
+  CHECK(again.clutch->tooth_pitch_m == 0.0043);
+  CHECK_THAT(refused(with(text, "tooth_pitch_m = 0.0043\n", "")),
+             Contains("auxiliary_stiffness_npm = 20.0 without a tooth_pitch_m; expected one above 0"));
+  CHECK_THAT(refused(with(text, "tooth_pitch_m = 0.0043", "tooth_pitch_m = 0.2")),
+             Contains("tooth_pitch_m = 0.2; expected a number from 0 to 0.1 m"));
+}
+
+TEST_CASE("zero clutch parameters mean no clutch, others are refused where there is none") {
   const model::Model m = model::parse_model(
       with(kHopperModel, "[free]", "release_delay_s = 0.0\ntooth_pitch_m = 0\n[free]"), "m.toml");
   CHECK(m.parameters.size() == 10);
-  CHECK_THAT(
-      refused("[free]", "catch_delay_s = 0.02\n[free]"),
-      Contains(
-          "m.toml:17: catch_delay_s = 0.02; expected 0 or no such key: this version simulates no clutch"));
+  CHECK_THAT(refused("[free]", "catch_delay_s = 0.02\ntooth_pitch_m = 0.003\n[free]"),
+             Contains("m.toml:18: tooth_pitch_m = 0.003 on hopper_linear; expected 0 or no such key: this "
+                      "version knows a "
+                      "clutch on hopper_nonlinear alone"));
   CHECK_THAT(refused("[free]", "[free]\ntooth_pitch_m = [0.0, 0.01]"),
              Contains("'tooth_pitch_m' in [free]; expected no such key"));
   CHECK_THAT(refused(with(kJointModel, "damping", "tooth_pitch_m = 0\ndamping")),
