@@ -49,6 +49,7 @@ void run(int argc, char** argv) {
   furcula::cli::add_demo_command(app);
   furcula::cli::add_effects_command(app);
   furcula::cli::add_check_command(app);
+  furcula::cli::add_bench_command(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {

@@ -1,0 +1,124 @@
+// `furcula bench`: experiments on a test stand.
+#include <cmath>
+#include <cstdio>
+#include <memory>
+#include <string>
+
+#include "host/bench/limits.hpp"
+#include "host/bench/release_catch.hpp"
+#include "host/bench/release_catch_json.hpp"
+#include "host/bench/release_catch_report.hpp"
+#include "host/bench/sim_board.hpp"
+#include "host/cli/commands.hpp"
+#include "host/cli/errors.hpp"
+#include "host/cli/progress.hpp"
+#include "host/cli/recordings.hpp"
+#include "host/log/atomic_file.hpp"
+#include "host/log/message.hpp"
+#include "host/log/writer.hpp"
+
+namespace furcula::cli {
+namespace {
+
+struct Options {
+  std::string board = "sim", limits, out;
+  bench::Conditions conditions;
+  double window_ms = 40.0;
+  std::size_t trials = 100;
+  std::uint64_t seed = 0;
+};
+
+std::string milliseconds(double time_s) {
+  return time_s == time_s ? log::shortest(std::round(1e4 * time_s) / 10.0) + " ms" : "never";
+}
+
+void run(const Options& o) {
+  const bench::Limits limits = o.limits.empty() ? bench::Limits{} : bench::read_limits(o.limits);
+  const OutFolder folder(o.out);
+  bench::SimBoard board;
+  bench::Options options;
+  options.conditions = o.conditions;
+  options.conditions.window_s = 1e-3 * o.window_ms;
+  options.trials = o.trials;
+  options.seed = o.seed;
+  bench::ReleaseCatch r;
+  {
+    Progress progress("release and catch");
+    options.progress = [&](double fraction, std::string_view doing) { progress.update(fraction, doing); };
+    r = bench::run_release_catch(board, options, limits);
+  }
+  std::string command = "furcula bench release-catch --board " + o.board + " --load-kg " +
+                        log::shortest(o.conditions.load_kg) + " --window-ms " + log::shortest(o.window_ms) +
+                        " --supply-v " + log::shortest(o.conditions.supply_v) + " --pressing-n " +
+                        log::shortest(o.conditions.pressing_n) + " --trials " + std::to_string(o.trials) +
+                        " --seed " + std::to_string(o.seed) +
+                        (o.limits.empty() ? "" : " --limits " + o.limits) + " --out " + o.out;
+  log::write_log(bench::to_log(r.standard, board, "standard.csv"), o.out + "/standard.csv");
+  if (!r.trials.empty())
+    log::write_log(bench::to_log(r.trials[r.worst], board, "worst.csv"), o.out + "/worst.csv");
+  log::write_file_atomically(o.out + "/release_catch.json", bench::to_json_text(r));
+  log::write_file_atomically(o.out + "/report.html",
+                             bench::render_release_catch_report(r, board.metres_per_count(), command));
+
+  const bench::Summary& s = r.summary;
+  std::printf("as given: released after %s, caught after %s, drop %.1f mm%s\n",
+              milliseconds(r.standard.released_after_s).c_str(),
+              milliseconds(r.standard.caught_after_s).c_str(), 1e3 * r.standard.drop_m,
+              r.standard.slipped ? ", then slipped" : "");
+  if (s.trials > 0)
+    std::printf(
+        "%zu varied: caught after %s (median), %s to %s (5 to 95 %%), %s (worst); drop up to %.1f mm; "
+        "%zu not caught, %zu slipped, %zu never released\n",
+        s.trials, milliseconds(s.caught_after_median_s).c_str(), milliseconds(s.caught_after_p5_s).c_str(),
+        milliseconds(s.caught_after_p95_s).c_str(), milliseconds(s.caught_after_worst_s).c_str(),
+        1e3 * s.drop_worst_m, s.not_caught, s.slips, s.not_released);
+  for (std::size_t i = 0; i < r.pressing_n.size(); ++i)
+    std::printf("%s%g N holds %.2f kg", i == 0 ? "pressing force: " : ", ", r.pressing_n[i], r.holding_kg[i]);
+  std::printf("\n");
+  for (const bench::Check& c : r.checks)
+    std::printf("%s %s: %g %s, asked %s %g\n", c.passed ? "passed" : "FAILED", std::string(c.name).c_str(),
+                c.measured, std::string(c.unit).c_str(), c.at_most ? "at most" : "at least", c.limit);
+  std::printf("report: %s/report.html\n", o.out.c_str());
+  std::fflush(stdout);
+  if (!r.passed) throw Refusal("the clutch does not meet its limits (" + o.limits + ")");
+}
+
+}  // namespace
+
+void add_bench_command(CLI::App& app) {
+  auto options = std::make_shared<Options>();
+  CLI::App* group = app.add_subcommand("bench", "Experiments on a test stand");
+  group->require_subcommand(1);
+  CLI::App* command = group->add_subcommand(
+      "release-catch",
+      "Let a weight on the clutch's belt go and catch it; varied trials, sweeps, holding load");
+  command->add_option("--board", options->board, "The stand: sim")
+      ->check(CLI::IsMember({"sim"}))
+      ->capture_default_str();
+  command->add_option("--load-kg", options->conditions.load_kg, "Weight on the belt")
+      ->check(CLI::Range(0.01, 1000.0))
+      ->capture_default_str();
+  command->add_option("--window-ms", options->window_ms, "From the release command to the catch command")
+      ->check(CLI::Range(1.0, 10000.0))
+      ->capture_default_str();
+  command->add_option("--supply-v", options->conditions.supply_v, "Supply of the coil")
+      ->check(CLI::Range(0.1, 1000.0))
+      ->capture_default_str();
+  command->add_option("--pressing-n", options->conditions.pressing_n, "Return spring's force on the key")
+      ->check(CLI::Range(0.01, 1000.0))
+      ->capture_default_str();
+  command
+      ->add_option("--trials", options->trials, "With load, window and supply varied by 20 %, 5 ms and 10 %")
+      ->check(CLI::Range(std::size_t{0}, std::size_t{1000000}))
+      ->capture_default_str();
+  command->add_option("--seed", options->seed, "Seed of the varied trials")->capture_default_str();
+  command->add_option("--limits", options->limits,
+                      "What the test must meet (TOML): status 4 where it does not");
+  command
+      ->add_option("--out", options->out,
+                   "Folder for report.html, release_catch.json, standard.csv, worst.csv")
+      ->required();
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace furcula::cli
