@@ -80,6 +80,10 @@ class Plant {
   const dynamics::ClutchedHopper<double>* clutched() const {
     return std::get_if<dynamics::ClutchedHopper<double>>(&machine_);
   }
+  /// The non-linear one without a clutch, else null.
+  const dynamics::NonlinearHopper<double>* nonlinear() const {
+    return std::get_if<dynamics::NonlinearHopper<double>>(&machine_);
+  }
   /// Volts across the coil, 0 off. Has no effect without a clutch.
   void set_voltage(double volts) {
     if (auto* m = std::get_if<dynamics::ClutchedHopper<double>>(&machine_)) m->set_voltage(volts);
@@ -96,10 +100,6 @@ class Plant {
         machine_);
   }
 
- private:
-  using Machine = std::variant<dynamics::Hopper<double>, dynamics::NonlinearHopper<double>,
-                               dynamics::ClutchedHopper<double>>;
-
   /// Whether a law is on that sits in the mechanism, in a contact, or between the motor and the leg.
   static bool changes_motion(const dynamics::Effects<double>& effects) {
     using dynamics::Effect;
@@ -113,6 +113,9 @@ class Plant {
     return false;
   }
 
+ private:
+  using Machine = std::variant<dynamics::Hopper<double>, dynamics::NonlinearHopper<double>,
+                               dynamics::ClutchedHopper<double>>;
   Machine machine_;
 };
 

@@ -3,6 +3,7 @@
 
 #include <array>
 
+#include "host/log/message.hpp"
 #include "host/log/strict_toml.hpp"
 
 namespace furcula::bench {
@@ -13,9 +14,10 @@ struct Key {
   double most;
   std::optional<double> Limits::*member;
 };
-constexpr std::array<Key, 6> kKeys{{{"caught_after_max_s", "s", 10.0, &Limits::caught_after_max_s},
+constexpr std::array<Key, 7> kKeys{{{"caught_after_max_s", "s", 10.0, &Limits::caught_after_max_s},
                                     {"released_after_max_s", "s", 10.0, &Limits::released_after_max_s},
                                     {"drop_max_m", "m", 10.0, &Limits::drop_max_m},
+                                    {"not_released_max", "", 1e6, &Limits::not_released_max},
                                     {"not_caught_max", "", 1e6, &Limits::not_caught_max},
                                     {"slips_max", "", 1e6, &Limits::slips_max},
                                     {"holding_min_kg", "kg", 1e4, &Limits::holding_min_kg}}};
@@ -36,6 +38,8 @@ Limits parse_limits(std::string_view text, const std::string& name) {
   for (const Key& key : kKeys)
     if (const toml::node* node = table.get(key.name))
       limits.*key.member = log::number(*node, name, key.name, 0.0, key.most, key.unit);
+  if (table.empty())
+    log::fail(name, section->source(), "no limit in [limits]; expected one of " + log::listed(known));
   return limits;
 }
 

@@ -11,11 +11,12 @@ namespace furcula::bench {
 struct Limits {
   std::optional<double> caught_after_max_s;  ///< of every trial, from the catch command to standstill
   std::optional<double>
-      released_after_max_s;              ///< of every trial, from the release command to the first motion
-  std::optional<double> drop_max_m;      ///< of every trial, from where the load hung to where it is held
-  std::optional<double> not_caught_max;  ///< trials
-  std::optional<double> slips_max;       ///< trials that moved again after they stood
-  std::optional<double> holding_min_kg;  ///< at the pressing force of the test
+      released_after_max_s;                ///< of every trial, from the release command to the first motion
+  std::optional<double> drop_max_m;        ///< of every trial, from where the load hung to where it is held
+  std::optional<double> not_released_max;  ///< trials; 0 unless it is given
+  std::optional<double> not_caught_max;    ///< trials
+  std::optional<double> slips_max;         ///< trials that moved again after they stood
+  std::optional<double> holding_min_kg;    ///< at the pressing force of the test
 };
 
 /// A file with the section [limits] and these names as keys. @throws log::DataError naming file, line, key,

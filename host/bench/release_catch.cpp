@@ -45,8 +45,13 @@ Trial run_trial(Board& board, const Conditions& conditions) {
   t.readings.push_back({});
   for (std::size_t n = 0; n < end; ++n) t.readings.push_back(board.tick(n >= release && n < caught));
   const auto& r = t.readings;
+  // What moves before it is told to is not held, and what does not move after it, not released: nothing to
+  // catch.
+  for (std::size_t n = 1; n <= release; ++n) t.held = t.held && r[n].count == r[0].count;
+  if (!t.held) return t;
   for (std::size_t n = release + 1; n <= end && std::isnan(t.released_after_s); ++n)
     if (r[n].count != r[release].count) t.released_after_s = static_cast<double>(n - release) * kTick_s;
+  if (!t.released()) return t;
   // The first standstill after the catch command.
   std::size_t last = caught;
   for (std::size_t n = caught + 1; n <= end && n < last + stands; ++n)
@@ -112,9 +117,10 @@ Summary summarise(const std::vector<Trial>& trials) {
   std::vector<double> released_after;
   for (const Trial& t : trials) {
     s.slips += t.slipped;
-    s.not_caught += !t.caught();
-    s.not_released += std::isnan(t.released_after_s);
-    if (!std::isnan(t.released_after_s)) released_after.push_back(t.released_after_s);
+    s.not_held += !t.held;
+    s.not_released += t.held && !t.released();
+    s.not_caught += t.released() && !t.caught();
+    if (t.released()) released_after.push_back(t.released_after_s);
     if (!t.caught()) continue;
     caught_after.push_back(t.caught_after_s);
     drop.push_back(t.drop_m);
@@ -196,16 +202,22 @@ ReleaseCatch run_release_catch(Board& board, const Options& options, const Limit
   all.insert(all.end(), out.trials.begin(), out.trials.end());
   const Summary s = summarise(all);
   const auto count = [](std::size_t n) { return static_cast<double>(n); };
-  // Of every trial: one that was never released, or never caught, fails them.
+  const std::size_t never = s.not_held + s.not_released;
+  // Of every trial: one that was never held, released or caught fails them.
   const auto of_all = [](double worst, std::size_t missing) { return missing == 0 ? worst : kNever; };
-  add(out.checks, "caught_after_max_s", "s", of_all(s.caught_after_worst_s, s.not_caught),
+  add(out.checks, "caught_after_max_s", "s", of_all(s.caught_after_worst_s, never + s.not_caught),
       limits.caught_after_max_s, true);
-  add(out.checks, "released_after_max_s", "s", of_all(s.released_after_worst_s, s.not_released),
+  add(out.checks, "released_after_max_s", "s", of_all(s.released_after_worst_s, never),
       limits.released_after_max_s, true);
-  add(out.checks, "drop_max_m", "m", of_all(s.drop_worst_m, s.not_caught), limits.drop_max_m, true);
+  add(out.checks, "drop_max_m", "m", of_all(s.drop_worst_m, never + s.not_caught), limits.drop_max_m, true);
   add(out.checks, "not_caught_max", "", count(s.not_caught), limits.not_caught_max, true);
   add(out.checks, "slips_max", "", count(s.slips), limits.slips_max, true);
   add(out.checks, "holding_min_kg", "kg", holding_kg, limits.holding_min_kg, false);
+  if (!out.checks.empty()) {
+    add(out.checks, "not_held_max", "", count(s.not_held), 0.0, true);
+    add(out.checks, "not_released_max", "", count(s.not_released), limits.not_released_max.value_or(0.0),
+        true);
+  }
   out.passed = std::all_of(out.checks.begin(), out.checks.end(), [](const Check& x) { return x.passed; });
   return out;
 }

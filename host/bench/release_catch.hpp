@@ -21,10 +21,12 @@ struct Trial {
   /// From the catch command to the last motion before it stood for 50 ms, not at the end of its way.
   double caught_after_s = std::numeric_limits<double>::quiet_NaN();
   double drop_m = 0.0;            ///< from where the load hung to where it stood
-  bool slipped = false;           ///< it moved again after that
+  bool held = true;               ///< before the release command
+  bool slipped = false;           ///< it moved again after it stood
   std::vector<Reading> readings;  ///< a millisecond apart, the first at 0
 
-  bool caught() const { return caught_after_s == caught_after_s; }
+  bool released() const { return released_after_s == released_after_s; }
+  bool caught() const { return caught_after_s == caught_after_s; }  ///< after it was released
 };
 
 /// Hangs for kRest_s, is released, caught, and watched for kWatch_s after the catch command.
@@ -39,7 +41,7 @@ double holding_load_kg(Board& board, const Conditions& conditions);
 
 /// Of all trials; times over those that were caught, NaN if there is none.
 struct Summary {
-  std::size_t trials = 0, not_released = 0, not_caught = 0, slips = 0;
+  std::size_t trials = 0, not_held = 0, not_released = 0, not_caught = 0, slips = 0;
   double caught_after_median_s, caught_after_p5_s, caught_after_p95_s, caught_after_worst_s;
   double released_after_worst_s;
   double drop_median_m, drop_worst_m;

@@ -22,6 +22,7 @@ Json trial(const Trial& t) {
   out["released_after_s"] = number(t.released_after_s);
   out["caught_after_s"] = number(t.caught_after_s);
   out["drop_m"] = t.caught() ? number(t.drop_m) : Json(nullptr);
+  out["held"] = t.held;
   out["slipped"] = t.slipped;
   return out;
 }
@@ -42,6 +43,7 @@ std::string to_json_text(const ReleaseCatch& r) {
   out["standard"] = trial(r.standard);
   const Summary& s = r.summary;
   out["summary"] = {{"trials", s.trials},
+                    {"not_held", s.not_held},
                     {"not_released", s.not_released},
                     {"not_caught", s.not_caught},
                     {"slips", s.slips},

@@ -25,9 +25,11 @@ std::string millimetres(double length_m) {
 std::string header(const ReleaseCatch& r) {
   const Conditions& c = r.options.conditions;
   const std::string what = number(c.load_kg) + " kg, released for " + number(1e3 * c.window_s) + " ms";
-  const std::string end = r.standard.caught() ? " is caught " + number(1e3 * r.standard.caught_after_s, 3) +
-                                                    " ms after the command"
-                                              : " is not caught";
+  const std::string end = !r.standard.held         ? " is not held"
+                          : !r.standard.released() ? " is never released"
+                          : r.standard.caught() ? " is caught " + number(1e3 * r.standard.caught_after_s, 3) +
+                                                      " ms after the command"
+                                                : " is not caught";
   const std::string verdict =
       r.checks.empty() ? ""
                        : report::badge(r.passed ? "Passed" : "Failed", r.passed ? Tone::good : Tone::bad);
@@ -46,7 +48,9 @@ std::string figures(const ReleaseCatch& r) {
         milliseconds(s.caught_after_p5_s) + " <small>to</small> " + milliseconds(s.caught_after_p95_s),
         "of those that were caught"},
        {"Worst", milliseconds(s.caught_after_worst_s),
-        "held after a drop of " + number(1e3 * s.drop_worst_m, 3) + " mm at most"},
+        s.not_caught + s.not_released + s.not_held < s.trials
+            ? "held after a drop of " + number(1e3 * s.drop_worst_m, 3) + " mm at most"
+            : "none was caught"},
        {"Not caught", std::to_string(s.not_caught),
         std::to_string(s.slips) + " slipped after they stood, " + std::to_string(s.not_released) +
             " were never released"}});
@@ -152,7 +156,7 @@ std::string render_release_catch_report(const ReleaseCatch& r, double metres_per
       report::section("traces", "Drop over time",
                       report::paragraph("Released at 20 ms; from the encoder, a sample a millisecond; beside "
                                         "it a free fall from the first motion on, as far as the load fell.") +
-                          report::trace_plot_html(data)) +
+                          report::trace_plot_html(data, "measured minus free fall")) +
       report::section("distribution", "Distribution of the varied trials", distribution(r));
   for (const Sweep& s : r.sweeps)
     page.body_html += report::section("sweep-" + std::string(s.of),

@@ -31,6 +31,20 @@ struct Options {
 std::string milliseconds(double time_s) {
   return time_s == time_s ? log::shortest(std::round(1e4 * time_s) / 10.0) + " ms" : "never";
 }
+std::string millimetres(double length_m) {
+  return length_m == length_m ? log::shortest(std::round(1e4 * length_m) / 10.0) + " mm" : "-";
+}
+
+/// CLI::Range lets what is not a number through.
+CLI::Validator within(double lower, double upper) {
+  const std::string expected = "a number from " + log::shortest(lower) + " to " + log::shortest(upper);
+  return {[=](std::string& text) {
+            double value = 0.0;
+            const bool good = CLI::detail::lexical_cast(text, value) && value >= lower && value <= upper;
+            return good ? std::string() : "'" + text + "' is not " + expected;
+          },
+          expected};
+}
 
 void run(const Options& o) {
   const bench::Limits limits = o.limits.empty() ? bench::Limits{} : bench::read_limits(o.limits);
@@ -38,7 +52,7 @@ void run(const Options& o) {
   bench::SimBoard board;
   bench::Options options;
   options.conditions = o.conditions;
-  options.conditions.window_s = 1e-3 * o.window_ms;
+  options.conditions.window_s = 1e-3 * std::round(o.window_ms);  // whole ticks
   options.trials = o.trials;
   options.seed = o.seed;
   bench::ReleaseCatch r;
@@ -61,23 +75,33 @@ void run(const Options& o) {
                              bench::render_release_catch_report(r, board.metres_per_count(), command));
 
   const bench::Summary& s = r.summary;
-  std::printf("as given: released after %s, caught after %s, drop %.1f mm%s\n",
-              milliseconds(r.standard.released_after_s).c_str(),
-              milliseconds(r.standard.caught_after_s).c_str(), 1e3 * r.standard.drop_m,
-              r.standard.slipped ? ", then slipped" : "");
-  if (s.trials > 0)
-    std::printf(
-        "%zu varied: caught after %s (median), %s to %s (5 to 95 %%), %s (worst); drop up to %.1f mm; "
-        "%zu not caught, %zu slipped, %zu never released\n",
-        s.trials, milliseconds(s.caught_after_median_s).c_str(), milliseconds(s.caught_after_p5_s).c_str(),
-        milliseconds(s.caught_after_p95_s).c_str(), milliseconds(s.caught_after_worst_s).c_str(),
-        1e3 * s.drop_worst_m, s.not_caught, s.slips, s.not_released);
+  const bench::Trial& given = r.standard;
+  if (!given.held)
+    std::printf("as given: not held before the release\n");
+  else
+    std::printf("as given: released after %s, caught after %s, drop %s%s\n",
+                milliseconds(given.released_after_s).c_str(), milliseconds(given.caught_after_s).c_str(),
+                given.caught() ? millimetres(given.drop_m).c_str() : "-",
+                given.slipped ? ", then slipped" : "");
+  if (s.trials > 0) {
+    if (std::isfinite(s.caught_after_worst_s))
+      std::printf("%zu varied: caught after %s (median), %s to %s (5 to 95 %%), %s (worst); drop up to %s; ",
+                  s.trials, milliseconds(s.caught_after_median_s).c_str(),
+                  milliseconds(s.caught_after_p5_s).c_str(), milliseconds(s.caught_after_p95_s).c_str(),
+                  milliseconds(s.caught_after_worst_s).c_str(), millimetres(s.drop_worst_m).c_str());
+    else
+      std::printf("%zu varied: none caught; ", s.trials);
+    std::printf("%zu not held, %zu never released, %zu not caught, %zu slipped\n", s.not_held, s.not_released,
+                s.not_caught, s.slips);
+  }
   for (std::size_t i = 0; i < r.pressing_n.size(); ++i)
     std::printf("%s%g N holds %.2f kg", i == 0 ? "pressing force: " : ", ", r.pressing_n[i], r.holding_kg[i]);
   std::printf("\n");
   for (const bench::Check& c : r.checks)
-    std::printf("%s %s: %g %s, asked %s %g\n", c.passed ? "passed" : "FAILED", std::string(c.name).c_str(),
-                c.measured, std::string(c.unit).c_str(), c.at_most ? "at most" : "at least", c.limit);
+    std::printf("%s %s: %s, asked %s %s%s%s\n", c.passed ? "passed" : "FAILED", std::string(c.name).c_str(),
+                std::isfinite(c.measured) ? log::shortest(c.measured).c_str() : "not in every trial",
+                c.at_most ? "at most" : "at least", log::shortest(c.limit).c_str(), c.unit.empty() ? "" : " ",
+                std::string(c.unit).c_str());
   std::printf("report: %s/report.html\n", o.out.c_str());
   std::fflush(stdout);
   if (!r.passed) throw Refusal("the clutch does not meet its limits (" + o.limits + ")");
@@ -96,16 +120,16 @@ void add_bench_command(CLI::App& app) {
       ->check(CLI::IsMember({"sim"}))
       ->capture_default_str();
   command->add_option("--load-kg", options->conditions.load_kg, "Weight on the belt")
-      ->check(CLI::Range(0.01, 1000.0))
+      ->check(within(0.01, 1000.0))
       ->capture_default_str();
   command->add_option("--window-ms", options->window_ms, "From the release command to the catch command")
-      ->check(CLI::Range(1.0, 10000.0))
+      ->check(within(1.0, 10000.0))
       ->capture_default_str();
   command->add_option("--supply-v", options->conditions.supply_v, "Supply of the coil")
-      ->check(CLI::Range(0.1, 1000.0))
+      ->check(within(0.1, 1000.0))
       ->capture_default_str();
   command->add_option("--pressing-n", options->conditions.pressing_n, "Return spring's force on the key")
-      ->check(CLI::Range(0.01, 1000.0))
+      ->check(within(0.01, 1000.0))
       ->capture_default_str();
   command
       ->add_option("--trials", options->trials, "With load, window and supply varied by 20 %, 5 ms and 10 %")

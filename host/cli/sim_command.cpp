@@ -1,4 +1,5 @@
 // `furcula sim`: a model and a scenario in, a log out.
+#include <algorithm>
 #include <cstdint>
 #include <iostream>
 #include <memory>
@@ -40,13 +41,19 @@ void run(const SimOptions& options) {
   const model::Model model = model::read_model(options.model);
   const sim::Scenario scenario =
       options.scenario.empty() ? sim::default_scenario(model) : sim::read_scenario(options.scenario, model);
-  const log::Log log = sim::simulate(model, scenario, options.seed);
+  log::Log log = sim::simulate(model, scenario, options.seed);
   if (log.rows() == 0)
     throw log::DataError(options.scenario +
                          ": the height is not homed from the start, so that the log has no row; " +
                          "expected a [[fault]] of kind height_nan later than time_s = 0");
   log::write_log(log, options.out);
   tell_fault(log);
+  const auto& solenoid = log.columns["solenoid"];
+  if (scenario.release_in_flight && std::find(solenoid.begin(), solenoid.end(), 1.0) == solenoid.end())
+    std::cerr
+        << "furcula: the spring was never released: no flight was long enough for release, contraction and "
+           "catch "
+        << log::shortest(scenario.catch_before_touchdown_s) << " s before touch-down\n";
 }
 
 }  // namespace

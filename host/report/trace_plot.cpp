@@ -178,21 +178,25 @@ TraceData encode(const TracePlot& plot, std::size_t most_samples) {
   return out;
 }
 
-std::string trace_plot_html(const TraceData& data) {
+std::string trace_plot_html(const TraceData& data, std::string_view error) {
   if (data.kept == 0) return "";
   std::string out =
-      "<div class=\"controls\">"
-      "<label id=\"pick-log-label\">Recording <select id=\"pick-log\"></select></label>"
-      "<label id=\"pick-channel-label\">Channel <select id=\"pick-channel\"></select></label>"
-      "<label>Window <button type=\"button\" id=\"window-before\" title=\"window before\">&#8249;</button>"
-      "<select id=\"pick-window\"></select>"
-      "<button type=\"button\" id=\"window-after\" title=\"next window\">&#8250;</button></label></div>\n"
-      "<p id=\"trace-caption\" class=\"caption\"></p>\n"
-      "<div id=\"trace-legend\" class=\"legend\"></div>\n"
-      "<div class=\"plot-pair\"><div id=\"trace-plot\" class=\"plot\"></div>\n"
-      "<div id=\"error-plot\" class=\"plot error-plot\"></div></div>\n"
-      "<p class=\"hint\">Below: error, measured minus simulated. <span class=\"screen-only\">Drag to zoom, "
-      "shift-drag to pan, double-click to see all again; the two plots move together. Click a name in the "
+      std::string(
+          "<div class=\"controls\">"
+          "<label id=\"pick-log-label\">Recording <select id=\"pick-log\"></select></label>"
+          "<label id=\"pick-channel-label\">Channel <select id=\"pick-channel\"></select></label>"
+          "<label>Window <button type=\"button\" id=\"window-before\" title=\"window "
+          "before\">&#8249;</button>"
+          "<select id=\"pick-window\"></select>"
+          "<button type=\"button\" id=\"window-after\" title=\"next window\">&#8250;</button></label></div>\n"
+          "<p id=\"trace-caption\" class=\"caption\"></p>\n"
+          "<div id=\"trace-legend\" class=\"legend\"></div>\n"
+          "<div class=\"plot-pair\"><div id=\"trace-plot\" class=\"plot\"></div>\n"
+          "<div id=\"error-plot\" class=\"plot error-plot\"></div></div>\n"
+          "<p class=\"hint\">Below: error, ") +
+      escape(error) +
+      ". <span class=\"screen-only\">Drag to zoom, shift-drag to pan, double-click to see all again; the two "
+      "plots move together. Click a name in the "
       "legend to hide its line.</span></p>\n"
       "<noscript><p>The traces are drawn by the script inside this file; allow it to see them. All figures "
       "and tables are readable without it.</p></noscript>\n";

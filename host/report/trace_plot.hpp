@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace furcula::report {
@@ -36,7 +37,8 @@ struct TraceData {
 /// other.
 TraceData encode(const TracePlot& plot, std::size_t most_samples = 30000);
 
-/// The places on the page that the script draws into: selectors, legend, the plot and the error below it.
-std::string trace_plot_html(const TraceData& data);
+/// The places on the page that the script draws into: selectors, legend, the plot and the error below it,
+/// which is `error`.
+std::string trace_plot_html(const TraceData& data, std::string_view error = "measured minus simulated");
 
 }  // namespace furcula::report

@@ -80,7 +80,7 @@ class Reader {
         static constexpr std::array<std::string_view, 1> kKeys{"steps_m"};
         log::refuse_unknown_keys(*t, name_, "[ground]", kKeys);
         required(*t, "[ground]", "steps_m", "a number of metres");
-        number(*t, "steps_m", 0.0, 0.1, "m", scenario_.ground_steps_m);
+        number(*t, "steps_m", 0.0, 0.03, "m", scenario_.ground_steps_m);  // what the supervisor bears
       }
     }
     if (const toml::node* faults = file_.get("fault")) read_faults(*faults);

@@ -11,6 +11,7 @@
 
 #include "firmware/app/app.hpp"
 #include "furcula/dynamics/axis.hpp"
+#include "host/log/error.hpp"
 #include "host/log/message.hpp"
 
 namespace furcula::sim {
@@ -41,13 +42,18 @@ std::map<std::string, std::string> metadata_of(const model::Model& model, const 
   add(scenario.sensors.noise, "noise");
   add(scenario.sensors.bounce, "bounce");
   add(scenario.sensors.jitter, "jitter");
-  return {{"sample_rate_hz", "1000"},
-          {"model", std::string(dynamics::info(model.kind).name)},
-          {"seed", std::to_string(seed)},
-          {"profile", kProfiles[static_cast<int>(scenario.profile)]},
-          {"amplitude", log::shortest(scenario.amplitude)},
-          {"period_s", log::shortest(scenario.period_s)},
-          {"sensors", sensors.empty() ? "ideal" : sensors}};
+  std::map<std::string, std::string> all{{"sample_rate_hz", "1000"},
+                                         {"model", std::string(dynamics::info(model.kind).name)},
+                                         {"seed", std::to_string(seed)},
+                                         {"profile", kProfiles[static_cast<int>(scenario.profile)]},
+                                         {"amplitude", log::shortest(scenario.amplitude)},
+                                         {"period_s", log::shortest(scenario.period_s)},
+                                         {"sensors", sensors.empty() ? "ideal" : sensors}};
+  if (model.clutch) all["clutch_in_flight"] = scenario.release_in_flight ? "release" : "hold";
+  if (scenario.contraction_m > 0.0) all["contraction_m"] = log::shortest(scenario.contraction_m);
+  if (scenario.ground_steps_m > 0.0) all["ground_steps_m"] = log::shortest(scenario.ground_steps_m);
+  if (!scenario.faults.empty()) all["planted_faults"] = std::to_string(scenario.faults.size());
+  return all;
 }
 
 void simulate_hopper(const model::Model& model, const Scenario& scenario, std::uint64_t seed, log::Log& log) {
@@ -232,13 +238,39 @@ control::Config controller_config(const model::Model& model, const Scenario& sce
   clutch.tooth_play_m = static_cast<float>(design.tooth_clearance_m);
   config.supervisor.cable_travel_max_m = static_cast<float>(design.travel_m + 0.01);
   if (model.clutch->release_delay_s > 0.0)
-    clutch.release_delay_s = static_cast<float>(model.clutch->release_delay_s);
+    clutch.release_delay_s =
+        std::min(clutch.longest_delay_s, static_cast<float>(model.clutch->release_delay_s));
   if (model.clutch->catch_delay_s > 0.0)
-    clutch.catch_wait_s = static_cast<float>(model.clutch->catch_delay_s);
+    clutch.catch_wait_s = std::min(clutch.longest_delay_s, static_cast<float>(model.clutch->catch_delay_s));
   return config;
 }
 
+/// A clutch, a contraction and a ground that moves need a leg that is free in flight.
+void refuse_what_has_no_free_leg(const model::Model& model, const Scenario& scenario) {
+  const char* what = model.clutch                    ? "a clutch"
+                     : scenario.contraction_m > 0.0  ? "[contraction]"
+                     : scenario.ground_steps_m > 0.0 ? "[ground]"
+                                                     : nullptr;
+  if (what == nullptr || model.kind != Kind::hopper_nonlinear) return;
+  for (const auto& [effect, values] : model.effects) {
+    dynamics::Effects<double> one;
+    one.set(effect, values);
+    if (sim_host::Plant::changes_motion(one))
+      throw log::DataError(
+          "the model: [effect." + std::string(dynamics::info(effect).name) + "] with " + what +
+          "; expected effects of the drive and the sensors alone: the leg that is free in flight "
+          "knows no others");
+  }
+  if (!dynamics::NonlinearHopper<double>::resolves(
+          parameters_of<dynamics::HopperNonlinearParameters<double>>(model)))
+    throw log::DataError(
+        std::string(
+            "the model: inertia_a_kgm2, inertia_b_kgm and inertia_e_kgm are too small, or no links', for ") +
+        what + "; expected those of links, as a = 42e-4, b = 75e-4, e = 38e-3 of table 3.1 of document 002");
+}
+
 log::Log simulate(const model::Model& model, const Scenario& scenario, std::uint64_t seed) {
+  refuse_what_has_no_free_leg(model, scenario);
   log::Log log;
   log.rig = std::string(dynamics::info(model.kind).rig);
   log.metadata = metadata_of(model, scenario, seed);

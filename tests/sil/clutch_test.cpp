@@ -8,6 +8,7 @@
 #include "boards/sim_host/random.hpp"
 #include "firmware/app/app.hpp"
 #include "host/sim/simulate.hpp"
+#include "tests/host/error_message.hpp"
 #include "tests/sil/machines.hpp"
 
 using namespace furcula;
@@ -180,4 +181,26 @@ TEST_CASE("a coil that never lets go is a fault after five stances, and then the
   CHECK(out.fault_s < 7.0);
   CHECK(out.torque_after_fault_nm == 0.0);
   CHECK(out.lowest_m > 0.14);  // each was borne by the motor
+}
+
+TEST_CASE("what a leg that is free in flight does not know is refused, and not left out") {
+  const auto refused = [](const model::Model& model, const sim::Scenario& scenario) {
+    return test::error_message([&] { sim::simulate(model, scenario, 1); });
+  };
+  model::Model sticky = robot_with_clutch();
+  sticky.effects[dynamics::Effect::coulomb_friction] = {1.0};
+  CHECK_THAT(refused(sticky, clutch_scenario(1.0)),
+             Catch::Contains(
+                 "[effect.coulomb_friction] with a clutch; expected effects of the drive and the sensors"));
+  sticky.clutch.reset();
+  sim::Scenario scenario = example_scenario(1.0);
+  CHECK(refused(sticky, scenario).empty());
+  scenario.contraction_m = 0.05;
+  CHECK_THAT(refused(sticky, scenario), Catch::Contains("with [contraction]"));
+  model::Model light = robot_with_clutch();
+  for (std::size_t i = 10; i < 13; ++i) light.parameters[i] = 0.0;
+  CHECK_THAT(refused(light, clutch_scenario(1.0)), Catch::Contains("inertia_a_kgm2"));
+  model::Model lagging = robot_with_clutch();
+  lagging.effects[dynamics::Effect::actuator_lag] = {0.002};
+  CHECK(refused(lagging, clutch_scenario(1.0)).empty());
 }

@@ -137,3 +137,57 @@ TEST_CASE("the leg's height is 2 L cos of its angle") {
   for (float angle = 0.3f; angle < 1.5f; angle += 0.01f)
     REQUIRE(leg_height_m(0.15f, angle) == Approx(0.3 * std::cos(static_cast<double>(angle))).margin(2e-7));
 }
+
+namespace {
+
+Config with_clutch() {
+  Config config;
+  config.clutch.fitted = config.clutch.release_in_flight = 1;
+  config.clutch.contraction_m = 0.05f;
+  return config;
+}
+
+}  // namespace
+
+TEST_CASE(
+    "a robot that hangs in the air does not release and does not move its leg, at the start and after a "
+    "reset") {
+  const Config config = with_clutch();
+  State state = begin(config);
+  for (int n = 0; n < 1000; ++n) {
+    Inputs inputs = at(0.6, false);
+    inputs.reset = n == 500;
+    const Outputs out = step(config, state, inputs, kDt);
+    REQUIRE(out.fault == Fault::none);
+    REQUIRE(out.command.coil_duty == 0.0f);
+    REQUIRE(out.command.torque_nm == 0.0f);
+  }
+}
+
+TEST_CASE("with a leg that has no lever, and with numbers that are none, the torque stays a number") {
+  LegPositionState leg;
+  const LegPath path{0.01f, 0.5f, 100.0f};
+  CHECK(std::isfinite(follow_path(LegPositionConfig{}, leg, path, 0.0f, 0.0f, 0.0f, 5.0f, kDt)));
+  LimitsState limits;
+  CHECK(limit_torque(LimitsConfig{}, limits, std::numeric_limits<float>::quiet_NaN(), kDt) == 0.0f);
+  Config config = with_clutch();
+  CHECK(check(config) == Status::ok);
+  config.supervisor.leg_angle_min_rad = -0.05f;
+  CHECK(check(config) == Status::invalid);
+}
+
+TEST_CASE("a clutch's configuration with a number that makes no sense is refused") {
+  const auto refused = [](auto member, float value) {
+    Config config = with_clutch();
+    config.clutch.*member = value;
+    return check(config) == Status::invalid;
+  };
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  CHECK(refused(&ClutchConfig::tooth_pitch_m, 0.0f));
+  CHECK(refused(&ClutchConfig::tooth_play_m, 0.01f));
+  CHECK(refused(&ClutchConfig::onset_m, nan));
+  CHECK(refused(&ClutchConfig::creep_s, -1.0f));
+  CHECK(refused(&ClutchConfig::resolution_s, 0.0f));
+  CHECK(refused(&ClutchConfig::release_delay_s, 0.2f));
+  CHECK(refused(&ClutchConfig::contraction_m, nan));
+}

@@ -48,6 +48,10 @@ TEST_CASE("Arguments that make no sense are refused") {
   const TemporaryFolder folder;
   const Ran board = run_furcula({"bench", "release-catch", "--board", "moon", "--out", folder.path() + "/b"});
   CHECK(board.status == 2);
+  const Ran number =
+      run_furcula({"bench", "release-catch", "--window-ms", "nan", "--out", folder.path() + "/b"});
+  CHECK(number.status == 2);
+  CHECK_THAT(number.err, Contains("is not a number from 1 to 10000"));
   const Ran none = run_furcula({"bench"});
   CHECK(none.status == 2);
   const Ran limits = run_furcula(

@@ -29,4 +29,5 @@ TEST_CASE("A limit with a typo, a wrong value or no section is refused with file
   CHECK_THAT(refused("caught_after_max_s = 0.05\n"),
              Contains("unknown key 'caught_after_max_s' in the limits"));
   CHECK_THAT(refused(""), Contains("no section [limits]"));
+  CHECK_THAT(refused("[limits]\n"), Contains("no limit in [limits]; expected one of caught_after_max_s"));
 }

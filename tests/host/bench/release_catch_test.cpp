@@ -70,8 +70,8 @@ TEST_CASE("A weight that moves again after it stood has slipped; one that never 
   board.releases_s = 1e9;
   const Trial hangs = run_trial(board, {});
   CHECK(std::isnan(hangs.released_after_s));
-  CHECK(hangs.caught());
-  CHECK(hangs.drop_m == 0.0);
+  CHECK_FALSE(hangs.caught());
+  CHECK(hangs.held);
 }
 
 TEST_CASE("On the simulated bench 1 kg is caught 20 to 50 ms after a window of 40 ms, at a tooth") {
@@ -133,6 +133,25 @@ TEST_CASE("1,000 trials with load, window and supply varied: what is caught, whe
   CHECK(std::none_of(r.trials.begin(), r.trials.end(), worse));
 }
 
+TEST_CASE("A coil that never pulls, or a load that is not held, passes no limit") {
+  SimBoard board;
+  Options options;
+  options.trials = 5;
+  options.conditions.supply_v = 3.0;
+  Limits limits;
+  limits.slips_max = 0.0;
+  const ReleaseCatch dead = run_release_catch(board, options, limits);
+  CHECK(dead.summary.not_released == 5);
+  CHECK_FALSE(dead.passed);
+  options.conditions.supply_v = 12.0;
+  options.conditions.load_kg = 50.0;
+  const ReleaseCatch heavy = run_release_catch(board, options, limits);
+  CHECK_FALSE(heavy.standard.held);
+  CHECK(std::isnan(heavy.standard.released_after_s));
+  CHECK(heavy.summary.not_held == 5);
+  CHECK_FALSE(heavy.passed);
+}
+
 TEST_CASE("Limits are judged on every trial: one that is never caught fails them") {
   Falling board;
   Options options;
@@ -143,7 +162,7 @@ TEST_CASE("Limits are judged on every trial: one that is never caught fails them
   limits.slips_max = 0.0;
   ReleaseCatch r = run_release_catch(board, options, limits);
   CHECK(r.passed);
-  CHECK(r.checks.size() == 3);
+  CHECK(r.checks.size() == 5);  // and that all were held and released
   limits.caught_after_max_s = 0.025;
   r = run_release_catch(board, options, limits);
   CHECK_FALSE(r.passed);

@@ -9,6 +9,7 @@
 #include "furcula/control/height.hpp"
 #include "furcula/control/leg_position.hpp"
 #include "furcula/control/phase.hpp"
+#include "furcula/core/count.hpp"
 
 namespace furcula::control {
 
@@ -22,7 +23,8 @@ struct ClutchConfig {
   float spring_npm = 605.0f;
   float spring_rest_m = 0.289f;  ///< leg's length at which the caught spring is relaxed
 
-  float contraction_m = 0.0f;            ///< by which the leg folds in flight, whether released or not
+  float contraction_m =
+      0.0f;  ///< by which the leg folds in flight; also without a release, where none is asked
   float contraction_s = 0.2f;            ///< that folding and stretching take where the flight is long enough
   float shortest_contraction_s = 0.08f;  ///< in flights that leave less there is no release
   float most_acceleration_mps2 = 250.0f;  ///< of the leg's length: a contraction that takes more is smaller
@@ -65,6 +67,7 @@ struct ClutchState {
   std::uint8_t next = 0;  ///< in the ring of counts
   bool coil = false;
   bool tried = false;        ///< in this flight
+  bool began_held = true;    ///< the release of this flight, with the cable held by the key
   bool released = false;     ///< in this flight: the cable was seen to move
   bool waited = false;       ///< in this flight: the leg, for the cable
   bool missed_here = false;  ///< this stance is counted as missed
@@ -111,6 +114,14 @@ inline ClutchState begin_clutch(const ClutchConfig& config) {
   state.held_after_s = config.catch_wait_s;
   state.free_after_s = 0.5f * config.catch_wait_s;
   return state;
+}
+
+/// After a fault: what it has learned and counted stays, and there is no release before the next lift-off.
+inline void restart_clutch(ClutchState& state, const ClutchConfig& config, std::int32_t cable_count) {
+  state.tried = state.released = state.missed_here = false;
+  state.flights = state.failed_running = state.slipped_running = state.missed_running = 0;
+  state.tooth = 0;
+  state.landed_m = static_cast<float>(cable_count) * config.metres_per_count;
 }
 
 /// In a fault: the coil goes off, the leg is not driven.
@@ -182,7 +193,9 @@ class ClutchTick {
   bool at_tooth() const { return within_play(tooth_m()); }
   bool still() const {
     const float moved_m =
-        static_cast<float>(view_.cable_count - s_.cable_counts[s_.next]) * c_.metres_per_count;
+        static_cast<float>(count_difference(static_cast<std::uint32_t>(view_.cable_count),
+                                            static_cast<std::uint32_t>(s_.cable_counts[s_.next]))) *
+        c_.metres_per_count;
     const float most_m = c_.still_mps * dt_s_ * static_cast<float>(s_.cable_counts.size());
     return moved_m <= most_m && moved_m >= -most_m;
   }
@@ -266,7 +279,8 @@ class ClutchTick {
   void consider_release() {
     if (travel_m_ <= c_.moved_m) s_.tooth = 0;  // on its stop
     const bool astray = releases() && !at_tooth();
-    if (s_.tried || view_.leg_fold_m > c_.straight_m || view_.phase.since_liftoff_s < c_.liftoff_confirmed_s)
+    if (s_.flights == 0 || s_.tried || view_.leg_fold_m > c_.straight_m ||
+        view_.phase.since_liftoff_s < c_.liftoff_confirmed_s)
       return;
     if (releases() ? !view_.coil_ready || rests() : c_.contraction_m == 0.0f) return;
     const float before_s = releases() ? s_.release_delay_s + until_caught_s() : c_.touchdown_margin_s;
@@ -275,17 +289,20 @@ class ClutchTick {
     s_.contraction_s = room_s < c_.contraction_s ? room_s : c_.contraction_s;
     // The wave's acceleration is half its height times (2 pi / time)^2.
     const float most_m = c_.most_acceleration_mps2 * s_.contraction_s * s_.contraction_s * 0.050660592f;
-    const float wanted_m = c_.contraction_m > c_.test_pull_m ? c_.contraction_m : c_.test_pull_m;
+    const float wanted_m =
+        releases() && c_.contraction_m < c_.test_pull_m ? c_.test_pull_m : c_.contraction_m;
     s_.contraction_m = astray ? 0.0f : wanted_m < most_m ? wanted_m : most_m;
     s_.tried = true;
     if (releases())
-      release();
+      release(true);
     else
       enter(ClutchStage::folding);
   }
   /// A coil that failed and failed is left alone for a while.
   bool rests() const { return s_.failed_running >= c_.failed_releases_max && s_.flights % 10 != 0; }
-  void release() {
+  /// `held`: by the key, so that the first motion of the cable is the release.
+  void release(bool held) {
+    s_.began_held = held;
     s_.hold_m = 0.0f;
     s_.released = s_.waited = false;
     const auto teeth_below = static_cast<std::int32_t>((travel_m_ - c_.moved_m) / c_.tooth_pitch_m);
@@ -295,7 +312,12 @@ class ClutchTick {
   }
 
   void note_release() {
-    if (s_.released || within_play(s_.held_m)) return;
+    if (s_.released) return;
+    if (!s_.began_held) {
+      s_.released = coil_s() >= s_.release_delay_s;
+      return;
+    }
+    if (within_play(s_.held_m)) return;
     s_.released = true;
     s_.failed_running = 0;
     ++s_.counts.releases;
@@ -348,8 +370,9 @@ class ClutchTick {
     const bool waits = !s_.released && coil_s() < c_.longest_delay_s;
     s_.waited = s_.waited || waits;
     if (!late && (waits || !still())) return path;
-    if (s_.released) s_.tooth = nearest_tooth();
+    if (s_.released && view_.coil_ready) s_.tooth = nearest_tooth();  // not where a key fell in too early
     if (!late && !at_tooth() && s_.hold_m == 0.0f) {
+      if (in_stage_s() < 2.0f * c_.homing_s) return path;  // it may be creeping home
       const float middle_m = tooth_m() - 0.5f * c_.tooth_play_m;
       s_.hold_m = middle_m + (middle_m < travel_m_ ? c_.tooth_pitch_m : 0.0f) - travel_m_;
       enter(ClutchStage::homing);
@@ -373,11 +396,13 @@ class ClutchTick {
       path.fold_m += s_.hold_m;
       return path;
     }
+    enter(ClutchStage::caught);
+    if (!s_.released) return {};  // it was caught all along
+    const float waited_s = wait_s();
     ++s_.counts.catches;
-    s_.held_after_s = wait_s();
+    s_.held_after_s = waited_s;
     s_.slipped_running = 0;
     s_.free_after_s *= 0.998f;  // what was too short once may be long enough by now
-    enter(ClutchStage::caught);
     return {};
   }
   LegPath miss() {
@@ -392,11 +417,11 @@ class ClutchTick {
         s_.held_after_s = longer_s < c_.longest_delay_s ? longer_s : c_.longest_delay_s;
     }
     s_.contraction_m = 0.0f;  // the cable comes home by itself
-    if (view_.time_left_s < s_.release_delay_s + until_caught_s()) {
+    if (view_.time_left_s < s_.release_delay_s + until_caught_s() || !view_.coil_ready || rests()) {
       enter(ClutchStage::caught);
     } else {
       ++s_.counts.retries;
-      release();
+      release(false);
     }
     return {};
   }

@@ -85,20 +85,25 @@ inline Status check(const ClutchConfig& c, const CoilConfig& coil, const LegPosi
                             c.homing_s,
                             c.test_pull_m,
                             c.test_s,
+                            c.straight_m,
+                            c.onset_m,
+                            c.resolution_s,
                             coil.peak_s,
                             coil.longest_s,
                             coil.heat_max,
                             coil.heat_time_constant_s,
                             leg.stiffness_nmprad,
                             leg.damping_nmsprad};
-  const float not_negative[] = {c.tooth_play_m,       c.contraction_m,   c.liftoff_confirmed_s,
-                                c.touchdown_margin_s, c.release_delay_s, c.catch_wait_s,
-                                coil.hold_duty,       leg.inertia_kgm2};
+  const float not_negative[] = {
+      c.tooth_play_m, c.contraction_m, c.liftoff_confirmed_s, c.touchdown_margin_s, c.release_delay_s,
+      c.catch_wait_s, c.creep_s,       coil.hold_duty,        leg.inertia_kgm2};
   for (const float x : positive)
     if (!is_finite(x) || x <= 0.0f) return Status::invalid;
   for (const float x : not_negative)
     if (!is_finite(x) || x < 0.0f) return Status::invalid;
-  return coil.hold_duty <= 1.0f && c.tooth_play_m < c.tooth_pitch_m ? Status::ok : Status::invalid;
+  const bool sound = coil.hold_duty <= 1.0f && c.tooth_play_m < c.tooth_pitch_m && c.tooth_pitch_m > 1e-4f &&
+                     c.release_delay_s <= c.longest_delay_s && c.catch_wait_s <= c.longest_delay_s;
+  return sound ? Status::ok : Status::invalid;
 }
 
 /// Whether every number of the configuration makes sense: finite, and positive where it must be.
@@ -121,6 +126,11 @@ inline Status check(const Config& c) {
     if (!is_finite(x) || x <= 0.0f) return Status::invalid;
   for (const float x : any_sign)
     if (!is_finite(x)) return Status::invalid;
+  const SupervisorConfig& s = c.supervisor;
+  if (!is_finite(s.cable_travel_min_m) || !is_finite(s.cable_travel_max_m) || s.missed_catches_max == 0)
+    return Status::invalid;
+  // A leg that is moved must not be straight: there it has no lever.
+  if (moves_leg_in_flight(c.clutch) && !(s.leg_angle_min_rad > 0.0f)) return Status::invalid;
   if (moves_leg_in_flight(c.clutch) && check(c.clutch, c.coil, c.leg) != Status::ok) return Status::invalid;
   // Shorter than ten ticks it is no profile.
   if (!is_finite(c.torque.period_s) || c.torque.period_s < 0.01f) return Status::invalid;
@@ -156,16 +166,9 @@ inline Outputs step(const Config& config, State& state, const Inputs& inputs, fl
   const float leg_m = leg_height_m(config.link_length_m, sample.leg_angle_rad);
   const float straight_m = config.phase.touchdown_height_m;
   out.phase = estimate_phase(config.phase, state.phase, closed, out.height, leg_m, dt_s);
-  if (moves_leg_in_flight(config.clutch)) {
-    if (inputs.reset) state.clutch = begin_clutch(config.clutch);
-    ClutchView view;
-    view.phase = out.phase;
-    view.time_left_s = time_to_touchdown_s(config.gravity_mps2, out.height, straight_m, dt_s);
-    view.leg_fold_m = straight_m - leg_m;
-    view.cable_count = count_difference(sample.cable_count, sample.cable_home_count);
-    view.coil_ready = !state.coil.blocked;
-    out.clutch = sequence_clutch(config.clutch, state.clutch, view, dt_s);
-  }
+  const std::int32_t cable_count = count_difference(sample.cable_count, sample.cable_home_count);
+  if (inputs.reset && state.supervisor.fault != Fault::none)
+    restart_clutch(state.clutch, config.clutch, cable_count);
 
   Observation seen;
   seen.tick_interval_us = inputs.tick_interval_us;
@@ -176,7 +179,8 @@ inline Outputs step(const Config& config, State& state, const Inputs& inputs, fl
   seen.leg_angle_rad = sample.leg_angle_rad;
   seen.leg_height_m = leg_m;
   seen.contact_reading = reading;
-  seen.cable_travel_m = out.clutch.travel_m;
+  if (config.clutch.fitted != 0)
+    seen.cable_travel_m = static_cast<float>(cable_count) * config.clutch.metres_per_count;
   seen.missed_catches = state.clutch.missed_running;
   out.fault = state.configuration == Status::ok
                   ? supervise(config.supervisor, state.supervisor, seen, inputs.reset, dt_s)
@@ -185,9 +189,17 @@ inline Outputs step(const Config& config, State& state, const Inputs& inputs, fl
   if (safe) {
     state.limits = {};
     abandon(state.clutch);
+  } else if (moves_leg_in_flight(config.clutch)) {
+    ClutchView view;
+    view.phase = out.phase;
+    view.time_left_s = time_to_touchdown_s(config.gravity_mps2, out.height, straight_m, dt_s);
+    view.leg_fold_m = straight_m - leg_m;
+    view.cable_count = cable_count;
+    view.coil_ready = !state.coil.blocked;
+    out.clutch = sequence_clutch(config.clutch, state.clutch, view, dt_s);
   }
   if (config.clutch.fitted != 0) {
-    out.command.coil_duty = drive_coil(config.coil, state.coil, out.clutch.coil && !safe, dt_s);
+    out.command.coil_duty = drive_coil(config.coil, state.coil, out.clutch.coil, dt_s);
     // Where the coil gave up the key falls in: the sequencer finds the cable caught, or not.
   }
   const float lever_m = leg_lever_m(config.link_length_m, sample.leg_angle_rad);

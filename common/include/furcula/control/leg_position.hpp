@@ -11,6 +11,9 @@ struct LegPositionConfig {
   float inertia_kgm2 = 0.003f;  ///< of the leg about the hip, toe in the air
 };
 
+/// A leg that is closer to straight has none to speak of.
+inline constexpr float kShortestLever_m = 0.02f;
+
 struct LegPositionState {
   float last_angle_rad = 0.0f, angle_before_rad = 0.0f;
 };
@@ -42,7 +45,7 @@ inline float leg_lever_m(float link_length_m, float leg_angle_rad) {
 inline float follow_path(const LegPositionConfig& config, LegPositionState& state, const LegPath& path,
                          float fold_m, float leg_angle_rad, float lever_m, float pull_n, float dt_s) {
   const float rate_radps = (leg_angle_rad - state.angle_before_rad) / (2.0f * dt_s);
-  const float per_lever = 1.0f / lever_m;
+  const float per_lever = 1.0f / (lever_m > kShortestLever_m ? lever_m : kShortestLever_m);
   return config.stiffness_nmprad * (path.fold_m - fold_m) * per_lever +
          config.damping_nmsprad * (path.rate_mps * per_lever - rate_radps) +
          config.inertia_kgm2 * path.acceleration_mps2 * per_lever + pull_n * lever_m;

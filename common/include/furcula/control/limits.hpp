@@ -1,6 +1,8 @@
 // What the drive may be asked for at most.
 #pragma once
 
+#include "furcula/core/sine.hpp"
+
 namespace furcula::control {
 
 struct LimitsConfig {
@@ -18,7 +20,8 @@ inline float limit_torque(const LimitsConfig& config, LimitsState& state, float 
     return x < lower ? lower : x > upper ? upper : x;
   };
   const float change = config.torque_rate_nmps * dt_s;
-  const float target = between(-config.torque_nm, wanted_nm, config.torque_nm);
+  // What is not a number is no wish.
+  const float target = is_finite(wanted_nm) ? between(-config.torque_nm, wanted_nm, config.torque_nm) : 0.0f;
   state.last_nm = between(state.last_nm - change, target, state.last_nm + change);
   return state.last_nm;
 }
