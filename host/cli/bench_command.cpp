@@ -13,6 +13,7 @@
 #include "host/cli/errors.hpp"
 #include "host/cli/progress.hpp"
 #include "host/cli/recordings.hpp"
+#include "host/cli/within.hpp"
 #include "host/log/atomic_file.hpp"
 #include "host/log/message.hpp"
 #include "host/log/writer.hpp"
@@ -33,17 +34,6 @@ std::string milliseconds(double time_s) {
 }
 std::string millimetres(double length_m) {
   return length_m == length_m ? log::shortest(std::round(1e4 * length_m) / 10.0) + " mm" : "-";
-}
-
-/// CLI::Range lets what is not a number through.
-CLI::Validator within(double lower, double upper) {
-  const std::string expected = "a number from " + log::shortest(lower) + " to " + log::shortest(upper);
-  return {[=](std::string& text) {
-            double value = 0.0;
-            const bool good = CLI::detail::lexical_cast(text, value) && value >= lower && value <= upper;
-            return good ? std::string() : "'" + text + "' is not " + expected;
-          },
-          expected};
 }
 
 void run(const Options& o) {

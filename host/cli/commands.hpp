@@ -14,5 +14,6 @@ void add_demo_command(CLI::App& app);
 void add_effects_command(CLI::App& app);
 void add_check_command(CLI::App& app);
 void add_bench_command(CLI::App& app);
+void add_energy_command(CLI::App& app);
 
 }  // namespace furcula::cli

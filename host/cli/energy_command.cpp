@@ -1,0 +1,119 @@
+// `furcula energy`: what a hop costs with the clutch and without.
+#include <cstdio>
+#include <memory>
+#include <string>
+#include <thread>
+
+#include "host/cli/commands.hpp"
+#include "host/cli/progress.hpp"
+#include "host/cli/recordings.hpp"
+#include "host/cli/within.hpp"
+#include "host/energy/study.hpp"
+#include "host/energy/study_json.hpp"
+#include "host/energy/study_report.hpp"
+#include "host/log/atomic_file.hpp"
+#include "host/log/message.hpp"
+#include "host/model/reader.hpp"
+
+namespace furcula::cli {
+namespace {
+
+struct Options {
+  std::string model, out;
+  energy::Options study;
+};
+
+std::string centimetres(const std::optional<double>& length_m) {
+  char text[32] = "nowhere";
+  if (length_m) std::snprintf(text, sizeof text, "%.1f cm", 100.0 * *length_m);
+  return text;
+}
+
+void run(const Options& o) {
+  const model::Model model = model::read_model(o.model);
+  const OutFolder folder(o.out);
+  energy::Options options = o.study;
+  if (options.threads == 0) options.threads = std::max(1u, std::thread::hardware_concurrency());
+  energy::Study s;
+  {
+    Progress progress("energy");
+    options.progress = [&](double fraction, std::string_view doing) { progress.update(fraction, doing); };
+    s = energy::run_study(model, options);
+  }
+  const std::string command =
+      "furcula energy --model " + o.model + " --apex-m " + log::shortest(o.study.apex_m) +
+      " --clutch-mass-kg " + log::shortest(o.study.clutch_mass_kg) + " --contraction-max-m " +
+      log::shortest(o.study.most_contraction_m) + " --points " + std::to_string(o.study.points) +
+      " --torque-constant-nmpa " + log::shortest(o.study.motor.torque_constant_nmpa) + " --resistance-ohm " +
+      log::shortest(o.study.motor.resistance_ohm) + " --out " + o.out;
+  log::write_file_atomically(o.out + "/energy.json", energy::to_json_text(s));
+  log::write_file_atomically(o.out + "/report.html", energy::render_energy_report(s, command));
+
+  std::printf("J a hop at an apex of %g m       caught                          with the clutch\n",
+              o.study.apex_m);
+  std::printf("contraction    mechanical  electrical  peak N m    mechanical  electrical  peak N m\n");
+  const auto robot = [](const std::optional<energy::Settled>& r) {
+    if (!r) {
+      std::printf("  %10s  %10s  %8s", "-", "-", "-");
+      return;
+    }
+    std::printf("  %10.2f  %10.2f  %8.1f", energy::cost_j(r->energy, energy::Measure::mechanical),
+                energy::cost_j(r->energy, energy::Measure::electrical), r->energy.peak_torque_flight_nm);
+  };
+  for (const energy::Point& p : s.points) {
+    std::printf("%8.1f cm  ", 100.0 * p.contraction_m);
+    robot(p.caught);
+    std::printf("  ");
+    robot(p.clutched);
+    std::printf("\n");
+  }
+  std::printf(
+      "break-even: mechanical %s, electrical %s; as published (k A^2/2 against %.2f J of coil) %s, with %.2f "
+      "J for "
+      "the clutch's mass %s\n",
+      centimetres(s.mechanical_m).c_str(), centimetres(s.electrical_m).c_str(), s.published.coil_j,
+      centimetres(s.published.break_even_m).c_str(), s.published.mass_j,
+      centimetres(s.published.break_even_with_mass_m).c_str());
+  for (const energy::Variant& v : s.variants)
+    std::printf("  %-42s mechanical %s, electrical %s\n", v.what.c_str(), centimetres(v.mechanical_m).c_str(),
+                centimetres(v.electrical_m).c_str());
+  std::printf("report: %s/report.html\n", o.out.c_str());
+}
+
+}  // namespace
+
+void add_energy_command(CLI::App& app) {
+  auto options = std::make_shared<Options>();
+  options->study.threads = 0;
+  CLI::App* command =
+      app.add_subcommand("energy", "What a hop costs with the spring caught and with the clutch");
+  command
+      ->add_option("--model", options->model,
+                   "hopper_nonlinear with a clutch, without the clutch's mass (TOML)")
+      ->required();
+  command->add_option("--apex-m", options->study.apex_m, "That both reach")
+      ->check(within(0.05, 5.0))
+      ->capture_default_str();
+  command->add_option("--clutch-mass-kg", options->study.clutch_mass_kg, "Mass of the clutch")
+      ->check(within(0.0, 100.0))
+      ->capture_default_str();
+  command
+      ->add_option("--contraction-max-m", options->study.most_contraction_m, "Largest contraction in flight")
+      ->check(within(0.001, 1.0))
+      ->capture_default_str();
+  command->add_option("--points", options->study.points, "Contractions, from none to the largest")
+      ->check(CLI::Range(std::size_t{2}, std::size_t{1000}))
+      ->capture_default_str();
+  command
+      ->add_option("--torque-constant-nmpa", options->study.motor.torque_constant_nmpa, "Of the leg's motor")
+      ->check(within(1e-4, 1e3))
+      ->capture_default_str();
+  command->add_option("--resistance-ohm", options->study.motor.resistance_ohm, "Of the leg's motor")
+      ->check(within(0.0, 1e3))
+      ->capture_default_str();
+  command->add_option("--threads", options->study.threads, "Threads; without it as many as processors");
+  command->add_option("--out", options->out, "Folder for report.html and energy.json")->required();
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace furcula::cli

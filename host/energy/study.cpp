@@ -1,0 +1,153 @@
+// When the clutch pays, see study.hpp.
+#include "host/energy/study.hpp"
+
+#include <atomic>
+#include <cmath>
+
+#include "host/identify/parallel.hpp"
+#include "host/log/error.hpp"
+#include "host/log/message.hpp"
+#include "host/sim/simulate.hpp"
+
+namespace furcula::energy {
+namespace {
+
+/// What a variant changes on the robot with the clutch.
+struct Change {
+  double hold_duty = -1.0;                                                    ///< below 0: as it is
+  double coil_resistance = 1.0, cable_mass = 1.0, auxiliary_stiffness = 1.0;  ///< factors
+  double clutch_mass_kg = 0.0;                                                ///< more
+  bool peak_only = false;                                                     ///< full supply all the time
+};
+
+sim::Scenario hopping(const Options& o, double contraction_m, bool release) {
+  sim::Scenario s;
+  s.start_position = o.apex_m;
+  s.period_s = o.period_s;
+  s.amplitude = 2.0;
+  s.contraction_m = contraction_m;
+  s.release_in_flight = release;
+  return s;
+}
+
+Robot caught_robot(const model::Model& model, const Options& o, double contraction_m) {
+  model::Model without = model;
+  without.clutch.reset();
+  const sim::Scenario s = hopping(o, contraction_m, false);
+  return {sim::rig_config(without, s, 1), sim::controller_config(without, s)};
+}
+
+Robot clutched_robot(const model::Model& model, const Options& o, double contraction_m,
+                     const Change& change) {
+  model::Model with = model;
+  with.parameters[0] += o.clutch_mass_kg + change.clutch_mass_kg;
+  with.clutch->auxiliary_stiffness_npm *= change.auxiliary_stiffness;
+  const sim::Scenario s = hopping(o, contraction_m, contraction_m > 0.0);
+  Robot r{sim::rig_config(with, s, 1), sim::controller_config(with, s)};
+  auto clutch = sim::clutch_of(with);
+  clutch.solenoid.resistance_ohm *= change.coil_resistance;
+  clutch.cable_mass_kg *= change.cable_mass;
+  r.rig.plant = sim_host::Plant(dynamics::from_table<dynamics::HopperNonlinearParameters<double>>(
+                                    std::span<const double>(with.parameters)),
+                                clutch);
+  r.rig.coil_supply_v *= change.coil_resistance;  // the same current
+  if (change.hold_duty >= 0.0) r.config.coil.hold_duty = static_cast<float>(change.hold_duty);
+  if (change.peak_only) {
+    r.config.coil.hold_duty = 1.0f;
+    r.config.coil.heat_max = 10.0f;
+  }
+  return r;
+}
+
+std::vector<Point> sweep(const model::Model& model, const Options& o, std::size_t count, const Change& change,
+                         const std::vector<Point>* caught) {
+  std::vector<Point> points(count);
+  identify::parallel_for(2 * count, o.threads, [&](std::size_t i) {
+    Point& p = points[i / 2];
+    const double share = count > 1 ? static_cast<double>(i / 2) / static_cast<double>(count - 1) : 1.0;
+    const double contraction_m = share * o.most_contraction_m;
+    if (i % 2 == 0) {
+      p.contraction_m = contraction_m;
+      if (caught == nullptr)
+        p.caught = energy_at_apex(caught_robot(model, o, contraction_m), o.motor, o.apex_m);
+    } else {
+      p.clutched = energy_at_apex(clutched_robot(model, o, contraction_m, change), o.motor, o.apex_m);
+    }
+  });
+  if (caught != nullptr)
+    for (std::size_t i = 0; i < count; ++i)
+      points[i].caught = (*caught)[i * (caught->size() - 1) / std::max<std::size_t>(1, count - 1)].caught;
+  return points;
+}
+
+}  // namespace
+
+double cost_j(const HopEnergy& e, Measure measure) {
+  return e.motor_pushed + e.coil + (measure == Measure::electrical ? e.motor_copper : 0.0);
+}
+
+std::optional<double> break_even_m(const std::vector<Point>& points, Measure measure) {
+  std::optional<double> after_at, after_gain;
+  for (auto p = points.rbegin(); p != points.rend(); ++p) {
+    if (!p->caught || !p->clutched) continue;
+    const double gain = cost_j(p->caught->energy, measure) - cost_j(p->clutched->energy, measure);
+    if (gain < 0.0) {
+      if (!after_at) return std::nullopt;
+      return p->contraction_m + (*after_at - p->contraction_m) * gain / (gain - *after_gain);
+    }
+    after_at = p->contraction_m;
+    after_gain = gain;
+  }
+  return after_at;
+}
+
+Study run_study(const model::Model& model, const Options& options) {
+  if (model.kind != dynamics::Kind::hopper_nonlinear || !model.clutch)
+    throw log::DataError("the model has no clutch; expected a hopper_nonlinear with a tooth_pitch_m above 0");
+  const auto tell = [&](double fraction, std::string_view doing) {
+    if (options.progress) options.progress(fraction, doing);
+  };
+  Study out;
+  out.options = options;
+  tell(0.0, "contractions");
+  out.points = sweep(model, options, options.points, {}, nullptr);
+  out.mechanical_m = break_even_m(out.points, Measure::mechanical);
+  out.electrical_m = break_even_m(out.points, Measure::electrical);
+
+  // As published: without the robot's own motion but for its flight time and the price of its mass.
+  const Point& still = out.points.front();
+  if (still.caught && still.clutched) {
+    const auto clutch = sim::clutch_of(model);
+    const double supply_v = sim_host::RigConfig{sim::plant_of(model, {})}.coil_supply_v;
+    const double power_w = supply_v * supply_v / clutch.solenoid.resistance_ohm;
+    const double stiffness = model.parameter("stiffness_npm");
+    out.published.coil_j = power_w * still.caught->energy.flight_s;
+    out.published.mass_j = still.clutched->energy.motor_work - still.caught->energy.motor_work;
+    out.published.break_even_m = std::sqrt(2.0 * out.published.coil_j / stiffness);
+    out.published.break_even_with_mass_m =
+        std::sqrt(2.0 * (out.published.coil_j + std::max(0.0, out.published.mass_j)) / stiffness);
+  }
+
+  struct Named {
+    const char* what;
+    Change change;
+  };
+  const Named all[] = {{"coil at full supply all the time", {.peak_only = true}},
+                       {"hold current a quarter less", {.hold_duty = 0.45 * 0.75}},
+                       {"coil of half the resistance, same current", {.coil_resistance = 0.5}},
+                       {"moving cable twice as heavy", {.cable_mass = 2.0}},
+                       {"auxiliary spring twice as stiff", {.auxiliary_stiffness = 2.0}},
+                       {"clutch half a kilogram lighter", {.clutch_mass_kg = -0.5}},
+                       {"clutch half a kilogram heavier", {.clutch_mass_kg = 0.5}}};
+  const std::size_t coarse = options.points > 10 ? (options.points - 1) / 2 + 1 : options.points;
+  for (std::size_t i = 0; i < std::size(all); ++i) {
+    tell(0.4 + 0.6 * static_cast<double>(i) / static_cast<double>(std::size(all)), all[i].what);
+    const std::vector<Point> points = sweep(model, options, coarse, all[i].change, &out.points);
+    out.variants.push_back(
+        {all[i].what, break_even_m(points, Measure::mechanical), break_even_m(points, Measure::electrical)});
+  }
+  tell(1.0, "done");
+  return out;
+}
+
+}  // namespace furcula::energy
