@@ -289,6 +289,11 @@ TEST_CASE("Two causes that a hopper hides take the place of three that do as wel
                true});
 }
 
+TEST_CASE("Two causes that a hopper hides are found where a fit on the way there runs away") {
+  expect_both(
+      {20261229, Kind::hopper_linear, {"torque_offset", "bump_stop"}, Size::large, Nominal::wrong, true});
+}
+
 TEST_CASE("What helps no held-out recording of a clean rotary joint is not named") {
   const Case c = draw_case({77011, Kind::rotary_joint, {}, Size::medium, Nominal::wrong, true});
   const diagnose::Diagnosis d = diagnosed(c, kThreads);
