@@ -39,7 +39,7 @@ TEST_CASE("bad models and scenarios end with status 3, one message, and no outpu
        "expected lower < upper"},
       {"a NaN", model("1.554", "nan"), "\n", m + ":6:", "nan", "expected a number from 0.001 to 1000 kg"},
       {"a clutch", model("[free]", "catch_delay_s = 0.02\n[free]"), "\n", m + ":17:", "catch_delay_s = 0.02",
-       "expected 0"},
+       "expected one above 0"},
       {"an empty model", "", "\n", m + ":1:", "empty", "expected a model file"},
       {"a model of zeros", std::string(1000, '\0'), "\n", m + ":", "NUL", "expected a model file"},
       {"an empty scenario", good, "", s + ":1:", "empty", "expected a scenario"},
