@@ -63,8 +63,9 @@ std::vector<Point> sweep(const model::Model& model, const Options& o, std::size_
                          const std::vector<Point>* caught) {
   std::vector<Point> points(count);
   identify::parallel_for(2 * count, o.threads, [&](std::size_t i) {
-    Point& p = points[i / 2];
-    const double share = count > 1 ? static_cast<double>(i / 2) / static_cast<double>(count - 1) : 1.0;
+    const std::size_t place = i / 2;
+    Point& p = points[place];
+    const double share = count > 1 ? static_cast<double>(place) / static_cast<double>(count - 1) : 1.0;
     const double contraction_m = share * o.most_contraction_m;
     if (i % 2 == 0) {
       p.contraction_m = contraction_m;

@@ -99,7 +99,6 @@ TEST_CASE("1,000 times a pin joins a link that swings at up to 3 rad/s to its mo
       "the pin went in; torque on the link %.1f N m (median), %.1f N m (largest)\n",
       joined, 1e3 * times_s[times_s.size() / 2], 1e3 * longest_s, 1e3 * most_off_rad, most_off_radps,
       steps_nm[steps_nm.size() / 2], most_step_nm);
-  const PinClutchConfig config;
   CHECK(joined == 1000);
   CHECK(longest_s < 1.0);
   CHECK(most_off_rad < 0.036);  // play and chamfer
