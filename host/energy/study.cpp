@@ -1,12 +1,11 @@
 // When the clutch pays, see study.hpp.
 #include "host/energy/study.hpp"
 
-#include <atomic>
+#include <algorithm>
 #include <cmath>
 
 #include "host/identify/parallel.hpp"
 #include "host/log/error.hpp"
-#include "host/log/message.hpp"
 #include "host/sim/simulate.hpp"
 
 namespace furcula::energy {
@@ -17,7 +16,6 @@ struct Change {
   double hold_duty = -1.0;                                                    ///< below 0: as it is
   double coil_resistance = 1.0, cable_mass = 1.0, auxiliary_stiffness = 1.0;  ///< factors
   double clutch_mass_kg = 0.0;                                                ///< more
-  bool peak_only = false;                                                     ///< full supply all the time
 };
 
 sim::Scenario hopping(const Options& o, double contraction_m, bool release) {
@@ -40,7 +38,8 @@ Robot caught_robot(const model::Model& model, const Options& o, double contracti
 Robot clutched_robot(const model::Model& model, const Options& o, double contraction_m,
                      const Change& change) {
   model::Model with = model;
-  with.parameters[0] += o.clutch_mass_kg + change.clutch_mass_kg;
+  with.parameters[*dynamics::parameter_index(with.kind, "mass_kg")] +=
+      o.clutch_mass_kg + change.clutch_mass_kg;
   with.clutch->auxiliary_stiffness_npm *= change.auxiliary_stiffness;
   const sim::Scenario s = hopping(o, contraction_m, contraction_m > 0.0);
   Robot r{sim::rig_config(with, s, 1), sim::controller_config(with, s)};
@@ -51,14 +50,14 @@ Robot clutched_robot(const model::Model& model, const Options& o, double contrac
                                     std::span<const double>(with.parameters)),
                                 clutch);
   r.rig.coil_supply_v *= change.coil_resistance;  // the same current
-  if (change.hold_duty >= 0.0) r.config.coil.hold_duty = static_cast<float>(change.hold_duty);
-  if (change.peak_only) {
-    r.config.coil.hold_duty = 1.0f;
-    r.config.coil.heat_max = 10.0f;
+  if (change.hold_duty >= 0.0) {
+    r.config.coil.hold_duty = static_cast<float>(change.hold_duty);
+    r.config.coil.heat_max = 10.0f;  // whatever the coil would say to it
   }
   return r;
 }
 
+/// `caught`: points at the same contractions, or at so many between them that each is one of those.
 std::vector<Point> sweep(const model::Model& model, const Options& o, std::size_t count, const Change& change,
                          const std::vector<Point>* caught) {
   std::vector<Point> points(count);
@@ -105,6 +104,16 @@ std::optional<double> break_even_m(const std::vector<Point>& points, Measure mea
 Study run_study(const model::Model& model, const Options& options) {
   if (model.kind != dynamics::Kind::hopper_nonlinear || !model.clutch)
     throw log::DataError("the model has no clutch; expected a hopper_nonlinear with a tooth_pitch_m above 0");
+  if (!model.effects.empty())
+    throw log::DataError("the model: [effect." +
+                         std::string(dynamics::info(model.effects.begin()->first).name) +
+                         "]; expected none: what a drive or a friction costs beside is not told apart");
+  if (!dynamics::NonlinearHopper<double>::resolves(
+          dynamics::from_table<dynamics::HopperNonlinearParameters<double>>(
+              std::span<const double>(model.parameters))))
+    throw log::DataError(
+        "the model: inertia_a_kgm2, inertia_b_kgm and inertia_e_kgm are too small, or no links'; "
+        "expected those of links");
   const auto tell = [&](double fraction, std::string_view doing) {
     if (options.progress) options.progress(fraction, doing);
   };
@@ -119,7 +128,7 @@ Study run_study(const model::Model& model, const Options& options) {
   const Point& still = out.points.front();
   if (still.caught && still.clutched) {
     const auto clutch = sim::clutch_of(model);
-    const double supply_v = sim_host::RigConfig{sim::plant_of(model, {})}.coil_supply_v;
+    const double supply_v = caught_robot(model, options, 0.0).rig.coil_supply_v;
     const double power_w = supply_v * supply_v / clutch.solenoid.resistance_ohm;
     const double stiffness = model.parameter("stiffness_npm");
     out.published.coil_j = power_w * still.caught->energy.flight_s;
@@ -133,14 +142,17 @@ Study run_study(const model::Model& model, const Options& options) {
     const char* what;
     Change change;
   };
-  const Named all[] = {{"coil at full supply all the time", {.peak_only = true}},
-                       {"hold current a quarter less", {.hold_duty = 0.45 * 0.75}},
+  const Named all[] = {{"coil at full supply all the time", {.hold_duty = 1.0}},
+                       {"hold current a quarter less",
+                        {.hold_duty = 0.75 * static_cast<double>(control::CoilConfig{}.hold_duty)}},
                        {"coil of half the resistance, same current", {.coil_resistance = 0.5}},
                        {"moving cable twice as heavy", {.cable_mass = 2.0}},
                        {"auxiliary spring twice as stiff", {.auxiliary_stiffness = 2.0}},
                        {"clutch half a kilogram lighter", {.clutch_mass_kg = -0.5}},
                        {"clutch half a kilogram heavier", {.clutch_mass_kg = 0.5}}};
-  const std::size_t coarse = options.points > 10 ? (options.points - 1) / 2 + 1 : options.points;
+  // Every other contraction will do, where the last one is one of them.
+  const bool halves = options.points > 10 && options.points % 2 == 1;
+  const std::size_t coarse = halves ? options.points / 2 + 1 : options.points;
   for (std::size_t i = 0; i < std::size(all); ++i) {
     tell(0.4 + 0.6 * static_cast<double>(i) / static_cast<double>(std::size(all)), all[i].what);
     const std::vector<Point> points = sweep(model, options, coarse, all[i].change, &out.points);

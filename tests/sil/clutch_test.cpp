@@ -90,6 +90,23 @@ TEST_CASE("in flight the spring is let go, the leg folds, and the spring is caug
   CHECK(out.highest_m == Approx(0.355).margin(0.01));
 }
 
+TEST_CASE("a cable that creeps home is waited for, and not taken for one that rests between two teeth") {
+  model::Model heavy = robot_with_clutch();
+  heavy.parameters[0] = 2.6;
+  auto scenario = clutch_scenario(25.0);
+  scenario.start_position = 0.34;
+  scenario.amplitude = 1.65;
+  for (const double contraction_m : {0.065, 0.075, 0.085}) {
+    scenario.contraction_m = contraction_m;
+    const Outcome out = run(heavy, scenario, 1);
+    CAPTURE(contraction_m);
+    CHECK(out.hops > 45);
+    CHECK(out.clutch.counts.slipped == 0);
+    CHECK(out.clutch.counts.missed == 0);
+    CHECK(static_cast<int>(out.clutch.counts.catches) >= out.hops - 3);
+  }
+}
+
 TEST_CASE("the delays that are learned are the coil's and the key's") {
   // As the plant has them: coil on until the key is out, coil off until it is in.
   const auto model = robot_with_clutch();

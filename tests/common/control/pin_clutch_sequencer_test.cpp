@@ -183,3 +183,14 @@ TEST_CASE("what cannot be done is refused, with the motor off, and tried again w
     CHECK(rig.out.stage == PinStage::active);
   }
 }
+
+TEST_CASE("a time of zero in its configuration gives no torque that is not a number") {
+  Rig rig;
+  rig.config.fade_s = 0.0f;
+  rig.wanted = PinMode::active;
+  for (int n = 0; n < 1000; ++n) {
+    rig.tick();
+    REQUIRE(std::isfinite(rig.out.torque_nm));
+  }
+  CHECK(rig.out.stage == PinStage::active);
+}

@@ -113,6 +113,13 @@ TEST_CASE("The study finds the published figures by the published accounting, an
   model::Model without = robot();
   without.clutch.reset();
   CHECK_THAT(test::error_message([&] { run_study(without, options); }), Catch::Contains("has no clutch"));
+  model::Model sticky = robot();
+  sticky.effects[dynamics::Effect::coulomb_friction] = {1.0};
+  CHECK_THAT(test::error_message([&] { run_study(sticky, options); }),
+             Catch::Contains("[effect.coulomb_friction]; expected none"));
+  model::Model light = robot();
+  for (std::size_t i = 10; i < 13; ++i) light.parameters[i] = 0.0;
+  CHECK_THAT(test::error_message([&] { run_study(light, options); }), Catch::Contains("inertia_a_kgm2"));
 }
 
 TEST_CASE("furcula energy writes its page and its figures") {

@@ -90,7 +90,9 @@ class PinClutchTick {
     s_.ticks_aligned = aligned ? s_.ticks_aligned + 1 : 0;
     PinClutchOutput out;
     step(out);
-    out.torque_nm = between(-c_.torque_limit_nm, out.torque_nm, c_.torque_limit_nm);
+    // What is not a number (a configuration with a time of 0) is no torque.
+    out.torque_nm =
+        is_finite(out.torque_nm) ? between(-c_.torque_limit_nm, out.torque_nm, c_.torque_limit_nm) : 0.0f;
     out.stage = s_.stage;
     out.off_rad = off_rad_;
     out.off_radps = off_radps_;
