@@ -15,5 +15,6 @@ void add_effects_command(CLI::App& app);
 void add_check_command(CLI::App& app);
 void add_bench_command(CLI::App& app);
 void add_energy_command(CLI::App& app);
+void add_reproduce_command(CLI::App& app);
 
 }  // namespace furcula::cli

@@ -1,0 +1,76 @@
+// `furcula reproduce`: a source document's figures, computed anew.
+#include <cstdio>
+#include <memory>
+#include <string>
+#include <thread>
+
+#include "host/cli/commands.hpp"
+#include "host/cli/errors.hpp"
+#include "host/cli/progress.hpp"
+#include "host/cli/recordings.hpp"
+#include "host/log/atomic_file.hpp"
+#include "host/report/html.hpp"
+#include "host/reproduce/reproduction.hpp"
+#include "host/reproduce/reproduction_json.hpp"
+#include "host/reproduce/reproduction_report.hpp"
+
+namespace furcula::cli {
+namespace {
+
+struct Options {
+  std::string document, out;
+  reproduce::Options study;
+};
+
+void run(const Options& o) {
+  const OutFolder folder(o.out);
+  reproduce::Options options = o.study;
+  if (options.threads == 0) options.threads = std::max(1u, std::thread::hardware_concurrency());
+  reproduce::Reproduction r;
+  {
+    Progress progress("reproduce " + o.document);
+    options.progress = [&](double fraction, std::string_view doing) { progress.update(fraction, doing); };
+    r = reproduce::reproduce_002(options);
+  }
+  const std::string command = "furcula reproduce " + o.document + " --seed " + std::to_string(o.study.seed) +
+                              " --out " + o.out;
+  log::write_file_atomically(o.out + "/reproduction.json", reproduce::to_json_text(r));
+  log::write_file_atomically(o.out + "/report.html", reproduce::render_reproduction_report(r, command));
+
+  std::printf("%-18s %-66s %24s  %12s %-8s %s\n", "where", "what", "printed", "here", "unit", "");
+  for (const reproduce::Row& row : r.rows) {
+    std::printf("%-18s %-66s %24s  %12.4g %-8s %s\n", row.where.c_str(), row.what.c_str(), row.published.c_str(),
+                row.ours, row.unit.c_str(), reproduce::name(row.outcome));
+    if (row.outcome == reproduce::Outcome::explained) std::printf("%-18s   %s\n", "", row.remark.c_str());
+  }
+  using reproduce::Outcome;
+  std::printf("%zu met, %zu explained, %zu differ; %zu computed beside a picture or no figure\n",
+              r.count(Outcome::met), r.count(Outcome::explained), r.count(Outcome::differs),
+              r.count(Outcome::computed));
+  std::printf("identification study %.1f s, energy study %.1f s, on %u threads; the fits alone on one thread:\n",
+              r.study.seconds, r.energy_s, options.threads);
+  for (const reproduce::PlainCost& c : r.study.plain)
+    std::printf("  %-20s %zu fits: %.2f s here, %.2f s the plain way (%zu costs evaluated)\n", c.phase.c_str(),
+                c.fits, c.ours_s, c.plain_s, c.evaluations);
+  std::printf("report: %s/report.html\n", o.out.c_str());
+  if (r.count(Outcome::differs) > 0)
+    throw Refusal(std::to_string(r.count(Outcome::differs)) + " printed figures differ without a reason");
+}
+
+}  // namespace
+
+void add_reproduce_command(CLI::App& app) {
+  auto options = std::make_shared<Options>();
+  options->study.threads = 0;
+  CLI::App* command =
+      app.add_subcommand("reproduce", "A source document's numbers and figures, computed and compared");
+  command->add_option("document", options->document, "002: the clutched parallel-elastic hopper")
+      ->required()
+      ->check(CLI::IsMember({"002"}));
+  command->add_option("--seed", options->study.seed, "Of the rig that is identified")->capture_default_str();
+  command->add_option("--threads", options->study.threads, "Threads; without it as many as processors");
+  command->add_option("--out", options->out, "Folder for report.html and reproduction.json")->required();
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace furcula::cli

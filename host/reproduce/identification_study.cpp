@@ -1,0 +1,444 @@
+#include "host/reproduce/identification_study.hpp"
+
+#include <ceres/ceres.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+
+#include "furcula/dynamics/hopper.hpp"
+#include "furcula/dynamics/links.hpp"
+#include "host/identify/equation_fit.hpp"
+#include "host/identify/parallel.hpp"
+#include "host/identify/prediction.hpp"
+#include "host/log/error.hpp"
+#include "host/reproduce/plain_fit.hpp"
+
+namespace furcula::reproduce {
+namespace {
+
+using identify::Recording;
+using identify::StartState;
+using identify::Unknown;
+using identify::Window;
+
+double now_s() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+std::size_t index_of(const model::Model& m, std::string_view name) {
+  return *dynamics::parameter_index(m.kind, name);
+}
+void set(model::Model& m, std::string_view name, double value) { m.parameters[index_of(m, name)] = value; }
+void set_free(model::Model& m, std::string_view name, double lower, double upper) {
+  m.free[index_of(m, name)] = {lower, upper};
+}
+
+/// What is known before the first fit; nothing of the rig's truth.
+model::Model believed(const VirtualRig& rig, dynamics::Kind kind) {
+  model::Model m;
+  m.kind = kind;
+  m.parameters.resize(dynamics::info(kind).parameters.size());
+  set(m, "mass_kg", rig.weighed_kg);
+  set(m, "stiffness_npm", rig.stiffness_npm);
+  set(m, "rest_height_m", rig.rest_height_m);
+  set(m, "damping_stance_nspm", 5.0);
+  set(m, "damping_flight_nspm", 1.0);
+  set(m, "restitution_touchdown", 1.0);
+  set(m, "restitution_liftoff", 1.0);
+  set(m, "link_length_m", 0.15);
+  set(m, "touchdown_angle_rad", 20.0 * std::numbers::pi / 180.0);
+  set(m, "gravity_mps2", 9.81);
+  return m;
+}
+
+template <class Predicted>
+TrajectoryErrors errors_of(const Recording& r, const Window& w, const Predicted& run) {
+  TrajectoryErrors e;
+  const auto rows = static_cast<double>(w.rows());
+  double z_mean = 0.0, v_mean = 0.0, z_spread = 0.0, v_spread = 0.0;
+  for (std::size_t i = w.first; i <= w.last; ++i) {
+    z_mean += r.position[i] / rows;
+    v_mean += r.velocity_smoothed[i] / rows;
+  }
+  for (std::size_t i = w.first; i <= w.last; ++i) {
+    const double z = run.position[i - w.first] - r.position[i];
+    const double v = run.velocity[i - w.first] - r.velocity_smoothed[i];
+    e.nmse_height += z * z;
+    e.nmse_velocity += v * v;
+    e.mae_height_m += std::abs(z) / rows;
+    e.mae_velocity_mps += std::abs(v) / rows;
+    e.worst_height_m = std::max(e.worst_height_m, std::abs(z));
+    z_spread += (r.position[i] - z_mean) * (r.position[i] - z_mean);
+    v_spread += (r.velocity_smoothed[i] - v_mean) * (r.velocity_smoothed[i] - v_mean);
+  }
+  e.nmse_height /= z_spread;
+  e.nmse_velocity /= v_spread;
+  return e;
+}
+
+/// One window of each recording.
+struct Data {
+  std::vector<Recording> recordings;
+  std::vector<Window> windows;
+};
+
+/// Recording i is left out of fold i % folds.
+std::vector<Window> seen_by(const std::vector<Window>& windows, std::size_t fold, std::size_t folds) {
+  std::vector<Window> seen;
+  for (std::size_t i = 0; i < windows.size(); ++i)
+    if (i % folds != fold) seen.push_back(windows[i]);
+  return seen;
+}
+
+Data one_window_each(const std::vector<log::Log>& logs, const model::Model& m,
+                     std::vector<Window> (*find)(const Recording&, std::size_t, const model::Model&),
+                     std::size_t which, const char* what) {
+  Data d{identify::make_recordings(logs, m.kind), {}};
+  for (std::size_t i = 0; i < d.recordings.size(); ++i) {
+    const auto found = find(d.recordings[i], i, m);
+    if (found.size() <= which) throw log::DataError(d.recordings[i].name + ": no whole " + what);
+    d.windows.push_back(found[which]);
+  }
+  return d;
+}
+
+/// Fits and cross-validates. `fit(start, windows)` gives values, `predict(values, i)` recording i's errors.
+template <class Fit, class Predict>
+Estimates cross_validate(std::string phase, std::string method, const std::vector<Unknown>& unknowns,
+                         const std::vector<double>& start, const std::vector<Window>& windows,
+                         std::size_t folds, unsigned threads, const Fit& fit, const Predict& predict) {
+  Estimates e;
+  e.phase = std::move(phase);
+  e.method = std::move(method);
+  for (const Unknown& u : unknowns) {
+    e.names.push_back(u.name);
+    e.units.push_back(u.unit);
+  }
+  e.folds.resize(folds);
+  e.errors.resize(windows.size());
+  identify::parallel_for(folds + 1, threads, [&](std::size_t fold) {
+    if (fold == folds) {
+      e.values = fit(start, windows);
+      return;
+    }
+    e.folds[fold] = fit(start, seen_by(windows, fold, folds));
+    for (std::size_t i = fold; i < windows.size(); i += folds) e.errors[i] = predict(e.folds[fold], i);
+  });
+  return e;
+}
+
+Estimates of_phase(std::string phase, bool by_equation, const model::Model& m, const Data& d,
+                   std::size_t folds, unsigned threads) {
+  const std::vector<Unknown> unknowns = identify::free_unknowns(m);
+  return cross_validate(
+      std::move(phase), by_equation ? "equation" : "simulation", unknowns, identify::values_in(m, unknowns),
+      d.windows, folds, threads,
+      [&](const std::vector<double>& start, const std::vector<Window>& windows) {
+        return by_equation ? identify::fit_by_equation(m, unknowns, start, d.recordings, windows).values
+                           : identify::fit_by_simulation(m, unknowns, start, d.recordings, windows,
+                                                         identify::Weighting::nmse)
+                                 .values;
+      },
+      [&](const std::vector<double>& values, std::size_t i) {
+        const model::Model fitted = identify::with_values(m, unknowns, values);
+        const Window& w = d.windows[i];
+        const Recording& r = d.recordings[w.recording];
+        return errors_of(r, w, identify::predict(fitted, r, w, identify::start_state(r, w, fitted)));
+      });
+}
+
+/// A stride of the linear model from apex to apex, its torque restarted at the touch-down that it predicts
+/// (section 4.2.1.1).
+identify::Run stride(const model::Model& m, const Recording& r, const Window& w, const Experiment& e) {
+  dynamics::Hopper<double> plant(
+      dynamics::from_table<dynamics::HopperLinearParameters<double>>(std::span<const double>(m.parameters)));
+  const StartState start = identify::start_state(r, w, m);
+  plant.reset(start.position, start.velocity);
+  identify::Run run;
+  double touchdown_s = 0.0;
+  for (std::size_t i = w.first;; ++i) {
+    run.position.push_back(plant.height_m());
+    run.velocity.push_back(plant.velocity_mps());
+    if (i == w.last) return run;
+    const double dt_s = r.time_s[i + 1] - r.time_s[i];
+    const double since_s = r.time_s[i] + 0.5 * dt_s - touchdown_s;
+    plant.advance(plant.in_stance()
+                      ? e.amplitude_nm * std::sin(2.0 * std::numbers::pi * since_s / e.period_s)
+                      : 0.0,
+                  dt_s);
+    for (const auto& event : plant.events())
+      if (event.kind == dynamics::ContactEvent<double>::Kind::touchdown)
+        touchdown_s = r.time_s[i] + event.offset_s;
+  }
+}
+
+/// Where torque starts hangs on the parameters in a way that no derivative of a run sees: finite differences.
+struct StrideCost {
+  const model::Model& model;
+  const std::vector<Unknown>& unknowns;
+  const Recording& recording;
+  const Window& window;
+  const Experiment& experiment;
+  double height_weight, velocity_weight;
+
+  bool operator()(double const* const* at, double* residuals) const {
+    const std::vector<double> values(at[0], at[0] + unknowns.size());
+    const auto run =
+        stride(identify::with_values(model, unknowns, values), recording, window, experiment);
+    for (std::size_t i = 0; i < window.rows(); ++i) {
+      *residuals++ = height_weight * (run.position[i] - recording.position[window.first + i]);
+      *residuals++ = velocity_weight * (run.velocity[i] - recording.velocity_smoothed[window.first + i]);
+    }
+    return true;
+  }
+};
+
+std::vector<double> fit_strides(const model::Model& m, const std::vector<Unknown>& unknowns,
+                                std::vector<double> values, const Data& d, const std::vector<Window>& windows,
+                                const std::vector<Experiment>& experiments) {
+  ceres::Problem problem;
+  for (const Window& w : windows) {
+    const Recording& r = d.recordings[w.recording];
+    const auto weight = [&](const std::vector<double>& of) {
+      const auto begin = of.begin() + static_cast<std::ptrdiff_t>(w.first);
+      const auto end = of.begin() + static_cast<std::ptrdiff_t>(w.last) + 1;
+      const double mean = std::accumulate(begin, end, 0.0) / static_cast<double>(w.rows());
+      double squares = 0.0;
+      for (auto v = begin; v != end; ++v) squares += (*v - mean) * (*v - mean);
+      return 1.0 / std::sqrt(squares);
+    };
+    auto* cost = new ceres::DynamicNumericDiffCostFunction<StrideCost>(
+        new StrideCost{m, unknowns, r, w, experiments[w.recording], weight(r.position),
+                       weight(r.velocity_smoothed)});
+    cost->AddParameterBlock(static_cast<int>(unknowns.size()));
+    cost->SetNumResiduals(2 * static_cast<int>(w.rows()));
+    problem.AddResidualBlock(cost, nullptr, values.data());
+  }
+  for (std::size_t i = 0; i < unknowns.size(); ++i) {
+    problem.SetParameterLowerBound(values.data(), static_cast<int>(i), unknowns[i].lower);
+    problem.SetParameterUpperBound(values.data(), static_cast<int>(i), unknowns[i].upper);
+  }
+  ceres::Solver::Options options;
+  options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
+  options.num_threads = 1;
+  options.logging_type = ceres::SILENT;
+  ceres::Solver::Summary summary;
+  ceres::Solve(options, &problem, &summary);
+  return values;
+}
+
+PlainCost plain_cost(const std::string& phase, const model::Model& m, const Data& d, std::size_t folds) {
+  const std::vector<Unknown> unknowns = identify::free_unknowns(m);
+  const std::vector<double> start = identify::values_in(m, unknowns);
+  PlainCost c;
+  c.phase = phase;
+  for (const Unknown& u : unknowns) c.names.push_back(u.name);
+  for (std::size_t fold = 0; fold <= folds; ++fold) {
+    const std::vector<Window> windows = fold == folds ? d.windows : seen_by(d.windows, fold, folds);
+    double from_s = now_s();
+    const PlainFit fit = fit_plainly(m, unknowns, start, d.recordings, windows);
+    c.plain_s += now_s() - from_s;
+    c.evaluations += fit.evaluations;
+    ++c.fits;
+    if (fold == folds) c.values = fit.values;
+    from_s = now_s();
+    identify::fit_by_simulation(m, unknowns, start, d.recordings, windows, identify::Weighting::nmse);
+    c.ours_s += now_s() - from_s;
+  }
+  return c;
+}
+
+double effective_stance_mass_kg(const model::Model& truth, const Data& stances) {
+  const dynamics::Links<double> links{truth.parameter("inertia_a_kgm2"), truth.parameter("inertia_b_kgm"),
+                                      truth.parameter("inertia_e_kgm"), truth.parameter("link_length_m"),
+                                      truth.parameter("mass_kg")};
+  double sum = 0.0, rows = 0.0;
+  for (const Window& w : stances.windows)
+    for (std::size_t i = w.first; i <= w.last; ++i) {
+      const double height_m = stances.recordings[w.recording].position[i];
+      const auto pose = links.pose(std::acos(height_m / (2.0 * links.link_length)));
+      sum += links.standing_inertia(pose) / (pose.lever * pose.lever);
+      rows += 1.0;
+    }
+  return sum / rows;
+}
+
+double equivalent_flight_damping_nspm(const model::Model& truth, const Data& flights) {
+  double speed = 0.0, squares = 0.0;
+  for (const Window& w : flights.windows)
+    for (std::size_t i = w.first; i <= w.last; ++i) {
+      const double v = flights.recordings[w.recording].velocity_smoothed[i];
+      speed += std::abs(v);
+      squares += v * v;
+    }
+  return truth.parameter("damping_flight_nspm") +
+         truth.effects.at(dynamics::Effect::coulomb_friction)[0] * speed / squares;
+}
+
+/// (m, e, b, a) of a kilogram at the toe, which stands still in stance: z = 2 L cos theta makes
+/// M = [[2 L^2 (1 - cos 2 theta), 2 L sin theta], [., 1]] of it, singular along the motion.
+constexpr const char* kToeNames[] = {"mass_kg", "inertia_e_kgm", "inertia_b_kgm", "inertia_a_kgm2"};
+std::array<double, 4> toe_mass(double length_m) {
+  return {1.0, 2.0 * length_m, length_m, 2.0 * length_m * length_m};
+}
+
+}  // namespace
+
+double Estimates::value(std::string_view name) const {
+  return values[static_cast<std::size_t>(std::find(names.begin(), names.end(), name) - names.begin())];
+}
+
+double Estimates::spread(std::string_view name) const {
+  const auto i = static_cast<std::size_t>(std::find(names.begin(), names.end(), name) - names.begin());
+  double low = folds.front()[i], high = low, sum = 0.0;
+  for (const auto& f : folds) {
+    low = std::min(low, f[i]);
+    high = std::max(high, f[i]);
+    sum += f[i];
+  }
+  return (high - low) / (sum / static_cast<double>(folds.size()));
+}
+
+double damped_frequency_radps(double mass_kg, double stiffness_npm, double damping_nspm) {
+  const double damping_ratio = damping_nspm / (2.0 * std::sqrt(stiffness_npm * mass_kg));
+  return std::sqrt(stiffness_npm / mass_kg) * std::sqrt(1.0 - damping_ratio * damping_ratio);
+}
+
+IdentificationStudy run_identification_study(const StudyOptions& o) {
+  const auto tell = [&](double fraction, std::string_view doing) {
+    if (o.progress) o.progress(fraction, doing);
+  };
+  IdentificationStudy out;
+  tell(0.0, "recordings");
+  out.rig = draw_rig(o.seed, o.stances, o.flights);
+  const VirtualRig& rig = out.rig;
+  const double from_s = now_s();
+
+  tell(0.05, "stance");
+  model::Model linear = believed(rig, dynamics::Kind::hopper_linear);
+  const Data stances = one_window_each(rig.stance_logs, linear, identify::stances, 0, "stance");
+  model::Model of_stance = linear;
+  set_free(of_stance, "mass_kg", 0.5, 3.0);
+  set_free(of_stance, "damping_stance_nspm", 0.0, 50.0);
+  out.stance = of_phase("stance", false, of_stance, stances, o.stance_folds, o.threads);
+  out.stance_by_equation = of_phase("stance", true, of_stance, stances, o.stance_folds, o.threads);
+  Data raw = stances;
+  for (Recording& r : raw.recordings) r.velocity_smoothed = r.velocity;
+  out.stance_by_equation_raw = of_phase("stance", true, of_stance, raw, o.stance_folds, o.threads);
+  for (const auto& freed : {std::vector<const char*>{"mass_kg"}, std::vector<const char*>{"stiffness_npm"},
+                            std::vector<const char*>{"mass_kg", "stiffness_npm"}}) {
+    model::Model m = linear;
+    set_free(m, "damping_stance_nspm", 0.0, 50.0);
+    std::string what;
+    for (const char* name : freed) {
+      set_free(m, name, 0.3 * m.parameter(name), 3.0 * m.parameter(name));
+      what += (what.empty() ? "" : ", ") + std::string(name);
+    }
+    const auto unknowns = identify::free_unknowns(m);
+    const model::Model fitted = identify::with_values(
+        m, unknowns,
+        identify::fit_by_simulation(m, unknowns, identify::values_in(m, unknowns), stances.recordings,
+                                    stances.windows, identify::Weighting::nmse)
+            .values);
+    const double mass = fitted.parameter("mass_kg"), stiffness = fitted.parameter("stiffness_npm"),
+                 damping = fitted.parameter("damping_stance_nspm");
+    out.variants.push_back(
+        {what, mass, stiffness, damping, damped_frequency_radps(mass, stiffness, damping)});
+  }
+
+  tell(0.3, "flight");
+  model::Model of_flight = linear;
+  set_free(of_flight, "damping_flight_nspm", 0.0, 20.0);
+  const Data flights = one_window_each(rig.flight_logs, linear, identify::flights, 1, "flight");
+  out.flight = of_phase("flight", false, of_flight, flights, o.flight_folds, o.threads);
+  out.flight_by_equation = of_phase("flight", true, of_flight, flights, o.flight_folds, o.threads);
+
+  out.effective_stance_mass_kg = effective_stance_mass_kg(rig.truth, stances);
+  out.equivalent_flight_damping_nspm = equivalent_flight_damping_nspm(rig.truth, flights);
+
+  tell(0.4, "whole strides");
+  model::Model whole = linear;
+  set(whole, "mass_kg", out.stance.value("mass_kg"));
+  set(whole, "damping_stance_nspm", out.stance.value("damping_stance_nspm"));
+  set(whole, "damping_flight_nspm", out.flight.value("damping_flight_nspm"));
+  set_free(whole, "restitution_touchdown", 0.3, 1.2);
+  set_free(whole, "restitution_liftoff", 0.3, 1.2);
+  const Data strides{stances.recordings,
+                     one_window_each(rig.stance_logs, linear, identify::strides, 0, "stride").windows};
+  const auto unknowns = identify::free_unknowns(whole);
+  out.strides = cross_validate(
+      "stride", "simulation", unknowns, {0.9, 1.0}, strides.windows, o.stance_folds, o.threads,
+      [&](const std::vector<double>& start, const std::vector<Window>& windows) {
+        return fit_strides(whole, unknowns, start, strides, windows, rig.stance_experiments);
+      },
+      [&](const std::vector<double>& values, std::size_t i) {
+        const Window& w = strides.windows[i];
+        const Recording& r = strides.recordings[w.recording];
+        return errors_of(r, w, stride(identify::with_values(whole, unknowns, values), r, w,
+                                      rig.stance_experiments[w.recording]));
+      });
+  {
+    const auto worse = [](const TrajectoryErrors& a, const TrajectoryErrors& b) {
+      return a.nmse_height + a.nmse_velocity < b.nmse_height + b.nmse_velocity;
+    };
+    const auto [best, worst] = std::minmax_element(out.strides.errors.begin(), out.strides.errors.end(), worse);
+    for (const auto it : {best, worst}) {
+      const auto i = static_cast<std::size_t>(it - out.strides.errors.begin());
+      const Window& w = strides.windows[i];
+      const Recording& r = strides.recordings[w.recording];
+      const auto& values = out.strides.folds[i % o.stance_folds];
+      const auto begin = static_cast<std::ptrdiff_t>(w.first), end = static_cast<std::ptrdiff_t>(w.last) + 1;
+      out.good_and_poor.push_back({r.name,
+                                   {r.time_s.begin() + begin, r.time_s.begin() + end},
+                                   {r.position.begin() + begin, r.position.begin() + end},
+                                   stride(identify::with_values(whole, unknowns, values), r, w,
+                                          rig.stance_experiments[w.recording])
+                                       .position});
+    }
+  }
+
+  tell(0.6, "non-linear model");
+  model::Model nonlinear = believed(rig, dynamics::Kind::hopper_nonlinear);
+  set(nonlinear, "damping_flight_nspm", out.flight.value("damping_flight_nspm"));
+  set(nonlinear, "inertia_a_kgm2", 42e-4);  // table 3.1
+  set(nonlinear, "inertia_b_kgm", 75e-4);
+  set(nonlinear, "inertia_e_kgm", 38e-3);
+  set_free(nonlinear, "mass_kg", 1.0, 3.0);
+  set_free(nonlinear, "stiffness_npm", 400.0, 900.0);
+  set_free(nonlinear, "damping_stance_nspm", 0.0, 50.0);
+  set_free(nonlinear, "inertia_a_kgm2", 0.0, 0.05);
+  set_free(nonlinear, "inertia_b_kgm", 0.0, 0.1);
+  set_free(nonlinear, "inertia_e_kgm", 0.0, 0.3);
+  const Data turning = one_window_each(rig.stance_logs, nonlinear, identify::stances, 0, "stance");
+  out.nonlinear = of_phase("stance, non-linear", false, nonlinear, turning, o.stance_folds, o.threads);
+  {
+    const auto free = identify::free_unknowns(nonlinear);
+    const model::Model fitted = identify::with_values(nonlinear, free, out.nonlinear.values);
+    model::Model heavier = fitted;
+    const auto direction = toe_mass(fitted.parameter("link_length_m"));
+    for (std::size_t i = 0; i < 4; ++i)
+      set(heavier, kToeNames[i], fitted.parameter(kToeNames[i]) + 0.1 * direction[i]);
+    const auto cost = [&](const model::Model& m) {
+      return identify::look_by_simulation(m, {}, {}, turning.recordings, turning.windows).squares;
+    };
+    out.toe_mass_cost_change = std::abs(cost(heavier) / cost(fitted) - 1.0);
+  }
+  out.seconds = now_s() - from_s;
+
+  if (o.plain) {
+    tell(0.85, "the plain way");
+    out.plain.push_back(plain_cost("stance", of_stance, stances, o.stance_folds));
+    out.plain.push_back(plain_cost("flight", of_flight, flights, o.flight_folds));
+    out.plain.push_back(plain_cost("stance, non-linear", nonlinear, turning, o.stance_folds));
+  }
+  out.rig.stance_logs.clear();
+  out.rig.flight_logs.clear();
+  tell(1.0, "done");
+  return out;
+}
+
+}  // namespace furcula::reproduce

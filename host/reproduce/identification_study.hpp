@@ -1,0 +1,89 @@
+// The identification of document 002, section 4.2, at its full scale: stance, flight, whole strides and the
+// non-linear model, cross-validated, by both estimators.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "host/reproduce/virtual_rig.hpp"
+
+namespace furcula::reproduce {
+
+/// Of one recording, predicted by an estimate that has not seen it. NMSE as in eq. 4.4.
+struct TrajectoryErrors {
+  double nmse_height = 0.0, nmse_velocity = 0.0;
+  double mae_height_m = 0.0, mae_velocity_mps = 0.0;
+  double worst_height_m = 0.0;
+};
+
+/// What one estimator found on one phase.
+struct Estimates {
+  std::string phase;                       ///< "stance", "flight", "stride", "stance, non-linear"
+  std::string method;                      ///< "simulation", "equation"
+  std::vector<std::string> names, units;   ///< of the parameters
+  std::vector<double> values;              ///< on all recordings
+  std::vector<std::vector<double>> folds;  ///< one a fold left out
+  std::vector<TrajectoryErrors> errors;    ///< one a recording
+
+  double value(std::string_view name) const;
+  /// Largest less smallest estimate over the folds, over the mean.
+  double spread(std::string_view name) const;
+};
+
+/// The same fits the plain way (plain_fit.hpp).
+struct PlainCost {
+  std::string phase;
+  std::vector<std::string> names;
+  std::vector<double> values;  ///< on all recordings
+  std::size_t fits = 0, evaluations = 0;
+  double plain_s = 0.0, ours_s = 0.0;  ///< wall time of all fits of this phase on one thread
+};
+
+/// Predicted and measured heights of one recording.
+struct Example {
+  std::string recording;
+  std::vector<double> time_s, measured_m, predicted_m;
+};
+
+struct IdentificationStudy {
+  VirtualRig rig;                    ///< without its logs
+  Estimates stance, stance_by_equation, flight, flight_by_equation, strides, nonlinear;
+  /// The same from differences of counts as the rig derives them, instead of the slope of a smoothing fit.
+  Estimates stance_by_equation_raw;
+  /// Stance by simulation error with other parameters held: mass, spring rate, damping (section 6.1.1).
+  struct Variant {
+    std::string freed;
+    double mass_kg, stiffness_npm, damping_nspm, damped_frequency_radps;
+  };
+  std::vector<Variant> variants;
+  /// How much the cost of the non-linear stance changes, relatively, when a mass is added at the toe, which
+  /// stands still (m, e, b, a by 1, 2 L, L, 2 L^2 a kilogram): 0.1 kg.
+  double toe_mass_cost_change = 0.0;
+  /// From the rig's true links: the mass that height feels in stance, M of theta over the lever's square,
+  /// mean over the stances.
+  double effective_stance_mass_kg = 0.0;
+  /// The viscous damping that takes the same power from the flights as the rig's damping and friction.
+  double equivalent_flight_damping_nspm = 0.0;
+  std::vector<PlainCost> plain;
+  std::vector<Example> good_and_poor;  ///< whole strides: the best and the worst predicted one
+  double seconds = 0.0;                ///< the fits and predictions, without the peer's
+};
+
+struct StudyOptions {
+  std::uint64_t seed = 1;
+  std::size_t stances = 60, flights = 20, stance_folds = 10, flight_folds = 5;
+  bool plain = true;  ///< with the peer's fits
+  unsigned threads = 1;
+  std::function<void(double fraction, std::string_view doing)> progress;
+};
+
+/// The same for any number of threads, but for the times.
+IdentificationStudy run_identification_study(const StudyOptions& options);
+
+/// sqrt(k/m) sqrt(1 - xi^2), section 4.2.1.1.
+double damped_frequency_radps(double mass_kg, double stiffness_npm, double damping_nspm);
+
+}  // namespace furcula::reproduce

@@ -1,0 +1,60 @@
+#include "host/reproduce/reproduction_json.hpp"
+
+#include <nlohmann/json.hpp>
+
+namespace furcula::reproduce {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json estimates(const Estimates& e) {
+  Json out{{"phase", e.phase}, {"method", e.method}};
+  for (std::size_t i = 0; i < e.names.size(); ++i) {
+    Json folds = Json::array();
+    for (const auto& fold : e.folds) folds.push_back(fold[i]);
+    out["parameters"][e.names[i]] = {{"value", e.values[i]}, {"folds", folds}};
+  }
+  for (const TrajectoryErrors& t : e.errors)
+    out["validation"].push_back({{"nmse_height", t.nmse_height},
+                                 {"nmse_velocity", t.nmse_velocity},
+                                 {"mae_height_m", t.mae_height_m},
+                                 {"mae_velocity_mps", t.mae_velocity_mps},
+                                 {"worst_height_m", t.worst_height_m}});
+  return out;
+}
+
+}  // namespace
+
+std::string to_json_text(const Reproduction& r) {
+  Json out{{"schema", "furcula-reproduction/1"}, {"document", "002"}, {"seed", r.options.seed}};
+  for (const Outcome o : {Outcome::met, Outcome::explained, Outcome::differs, Outcome::computed})
+    out["count"][name(o)] = r.count(o);
+  for (const Row& row : r.rows)
+    out["rows"].push_back({{"where", row.where},
+                           {"what", row.what},
+                           {"unit", row.unit},
+                           {"published", row.published},
+                           {"ours", row.ours},
+                           {"outcome", name(row.outcome)},
+                           {"remark", row.remark}});
+  const IdentificationStudy& s = r.study;
+  Json truth;
+  const auto& table = dynamics::info(s.rig.truth.kind).parameters;
+  for (std::size_t i = 0; i < table.size(); ++i)
+    truth[std::string(table[i].name)] = s.rig.truth.parameters[i];
+  for (const auto& [effect, values] : s.rig.truth.effects) {
+    const dynamics::EffectInfo& e = dynamics::info(effect);
+    for (std::size_t i = 0; i < e.parameter_count; ++i)
+      truth[std::string(e.name) + "." + std::string(e.parameter_table[i].name)] = values[i];
+  }
+  out["rig"] = {{"truth", truth},
+                {"weighed_kg", s.rig.weighed_kg},
+                {"measured_stiffness_npm", s.rig.stiffness_npm},
+                {"measured_rest_height_m", s.rig.rest_height_m}};
+  for (const Estimates* e : {&s.stance, &s.stance_by_equation, &s.stance_by_equation_raw, &s.flight,
+                             &s.flight_by_equation, &s.strides, &s.nonlinear})
+    out["identification"].push_back(estimates(*e));
+  return out.dump(2) + "\n";
+}
+
+}  // namespace furcula::reproduce

@@ -1,0 +1,83 @@
+#include "host/reproduce/virtual_rig.hpp"
+
+#include <cmath>
+#include <numbers>
+#include <string>
+
+#include "boards/sim_host/random.hpp"
+#include "host/sim/simulate.hpp"
+
+namespace furcula::reproduce {
+namespace {
+
+using sim_host::Random;
+
+void set(model::Model& m, std::string_view name, double value) {
+  m.parameters[*dynamics::parameter_index(m.kind, name)] = value;
+}
+
+/// Around what the document measured and assumed: 1.62 kg, 605 N/m, 0.289 m; links as in section 3.2.2.
+model::Model draw_truth(Random& random) {
+  model::Model m;
+  m.kind = dynamics::Kind::hopper_nonlinear;
+  m.parameters.resize(dynamics::info(m.kind).parameters.size());
+  constexpr double kLength = 0.15;
+  set(m, "mass_kg", 1.62 * random.uniform(0.98, 1.02));
+  set(m, "stiffness_npm", 605.0 * random.uniform(0.98, 1.02));
+  set(m, "rest_height_m", random.uniform(0.288, 0.290));
+  set(m, "damping_stance_nspm", random.uniform(4.5, 7.0));
+  set(m, "damping_flight_nspm", random.uniform(0.8, 1.5));
+  set(m, "restitution_touchdown", 1.0);
+  set(m, "restitution_liftoff", 1.0);
+  set(m, "link_length_m", kLength);
+  set(m, "touchdown_angle_rad", 20.0 * std::numbers::pi / 180.0);
+  set(m, "gravity_mps2", 9.81);
+  const double lower_kg = 0.1 * random.uniform(0.9, 1.1), lower_m = 0.075 * random.uniform(0.9, 1.1);
+  const double upper_kg = 0.8 * random.uniform(0.9, 1.1), upper_m = 0.0194 * random.uniform(0.9, 1.1);
+  const double inertia = 20e-4 * random.uniform(0.9, 1.1);
+  set(m, "inertia_a_kgm2",
+      inertia + lower_kg * (lower_m * lower_m + kLength * kLength) + upper_kg * upper_m * upper_m);
+  set(m, "inertia_b_kgm", lower_kg * lower_m);
+  set(m, "inertia_e_kgm", lower_kg * (lower_m + kLength) + upper_kg * upper_m);
+  m.effects[dynamics::Effect::coulomb_friction] = {random.uniform(0.3, 1.0)};
+  m.effects[dynamics::Effect::torque_gain_error] = {random.uniform(0.97, 1.03)};
+  return m;
+}
+
+log::Log record(const model::Model& truth, const Experiment& e, double duration_s, std::uint64_t seed,
+                const std::string& name) {
+  sim::Scenario s = sim::default_scenario(truth);
+  s.start_position = e.start_m;
+  s.duration_s = duration_s;
+  s.amplitude = e.amplitude_nm;
+  s.period_s = e.period_s;
+  s.sensors = {.quantisation = true, .noise = true, .bounce = true, .jitter = true};
+  log::Log log = sim::simulate(truth, s, seed);
+  log.path = name;
+  return log;
+}
+
+}  // namespace
+
+VirtualRig draw_rig(std::uint64_t seed, std::size_t stances, std::size_t flights) {
+  Random random(seed, 0);
+  VirtualRig rig;
+  rig.truth = draw_truth(random);
+  // A kitchen scale, a force plate.
+  rig.weighed_kg = rig.truth.parameter("mass_kg") + 0.003 * random.gaussian();
+  rig.stiffness_npm = rig.truth.parameter("stiffness_npm") * (1.0 + 0.003 * random.gaussian());
+  rig.rest_height_m = rig.truth.parameter("rest_height_m") + 0.0003 * random.gaussian();
+  const auto run = [&](std::size_t count, const char* what, double duration_s, std::vector<Experiment>& list,
+                       std::vector<log::Log>& logs) {
+    for (std::size_t i = 0; i < count; ++i) {
+      list.push_back({random.uniform(0.32, 0.36), random.uniform(1.0, 2.5), random.uniform(0.26, 0.34)});
+      logs.push_back(record(rig.truth, list.back(), duration_s, random.next(),
+                            std::string(what) + "-" + std::to_string(i + 1)));
+    }
+  };
+  run(stances, "stride", 0.75, rig.stance_experiments, rig.stance_logs);
+  run(flights, "flight", 0.95, rig.flight_experiments, rig.flight_logs);
+  return rig;
+}
+
+}  // namespace furcula::reproduce
