@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 
 #include "host/report/html.hpp"
@@ -22,6 +23,13 @@ std::vector<double> ticks(double low, double high) {
   for (double k = std::ceil(low / step - 1e-9); k * step <= high + 1e-9 * step; k += 1.0)
     out.push_back(k == 0.0 ? 0.0 : k * step);
   return out;
+}
+
+/// Without needless zeros.
+std::string tick(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.6g", value);
+  return text;
 }
 
 struct Range {
@@ -67,11 +75,11 @@ std::string line_plot_html(const LinePlot& plot) {
     out += "<line x1=\"64\" x2=\"620\" y1=\"" + at + "\" y2=\"" + at +
            "\" stroke=\"currentColor\" opacity=\"0.15\"/><text x=\"58\" y=\"" + at +
            "\" text-anchor=\"end\" dominant-baseline=\"middle\" font-size=\"12\" fill=\"currentColor\">" +
-           number(v, 4) + "</text>\n";
+           tick(v) + "</text>\n";
   }
   for (const double v : ticks(across.low, across.high))
     out += "<text x=\"" + number(x(v), 5) +
-           "\" y=\"246\" text-anchor=\"middle\" font-size=\"12\" fill=\"currentColor\">" + number(v, 4) +
+           "\" y=\"246\" text-anchor=\"middle\" font-size=\"12\" fill=\"currentColor\">" + tick(v) +
            "</text>\n";
   std::string legend;
   for (std::size_t k = 0; k < plot.lines.size(); ++k) {
@@ -85,7 +93,8 @@ std::string line_plot_html(const LinePlot& plot) {
       if (!std::isfinite(l.x[i]) || !std::isfinite(l.y[i])) continue;
       const std::string px = number(x(l.x[i]), 5), py = number(y(l.y[i]), 5);
       if (l.dots)
-        out += "<circle cx=\"" + px + "\" cy=\"" + py + "\" r=\"3\" fill=\"" + colour + "\" opacity=\"0.6\"/>";
+        out +=
+            "<circle cx=\"" + px + "\" cy=\"" + py + "\" r=\"3\" fill=\"" + colour + "\" opacity=\"0.6\"/>";
       else
         stroke += px + "," + py + " ";
     }

@@ -13,10 +13,10 @@ struct Line {
 };
 
 struct LinePlot {
-  std::string title;          ///< what is drawn, with its unit
-  std::string over;           ///< what the axis below is, with its unit
-  std::vector<Line> lines;    ///< at most six are told apart by their colours
-  bool from_zero = false;     ///< the upright axis begins at zero
+  std::string title;        ///< what is drawn, with its unit
+  std::string over;         ///< what the axis below is, with its unit
+  std::vector<Line> lines;  ///< at most six are told apart by their colours
+  bool from_zero = false;   ///< the upright axis begins at zero
 };
 
 /// A <figure> with its caption and legend; nothing where no two points are there to draw.

@@ -30,9 +30,8 @@ Row compare(std::string where, std::string what, std::string unit, std::string p
 
 Row computed(std::string where, std::string what, std::string unit, std::string published, double ours,
              std::string remark) {
-  return {std::move(where),    std::move(what), std::move(unit),
-          std::move(published), ours,           Outcome::computed,
-          std::move(remark)};
+  return {std::move(where),  std::move(what),  std::move(unit), std::move(published), ours,
+          Outcome::computed, std::move(remark)};
 }
 
 }  // namespace furcula::reproduce

@@ -22,16 +22,15 @@ Trajectory run(Plant plant, double link_length_m, const Drive& drive, double sta
     const double now_s = static_cast<double>(i) * kStepS;
     const double torque_nm =
         plant.in_stance()
-            ? drive.amplitude_nm * std::sin(2.0 * std::numbers::pi * (now_s + 0.5 * kStepS - touchdown_s) /
-                                            drive.period_s)
+            ? drive.amplitude_nm *
+                  std::sin(2.0 * std::numbers::pi * (now_s + 0.5 * kStepS - touchdown_s) / drive.period_s)
             : 0.0;
     t.time_s.push_back(now_s);
     t.height_m.push_back(plant.height_m());
     t.velocity_mps.push_back(plant.velocity_mps());
     // F = -tau / (2 L sin theta), theta of the leg (docs/physics.md).
-    t.force_n.push_back(plant.in_stance()
-                            ? -torque_nm / (2.0 * link_length_m * std::sin(plant.leg_angle_rad()))
-                            : 0.0);
+    t.force_n.push_back(
+        plant.in_stance() ? -torque_nm / (2.0 * link_length_m * std::sin(plant.leg_angle_rad())) : 0.0);
     top_m = std::max(top_m, plant.height_m());
     plant.advance(torque_nm, kStepS);
     for (const auto& event : plant.events()) {

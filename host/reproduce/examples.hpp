@@ -12,8 +12,8 @@ namespace furcula::reproduce {
 /// One entry a millisecond.
 struct Trajectory {
   std::vector<double> time_s, height_m, velocity_mps, force_n;  ///< force: of the motor along the leg, up
-  std::vector<double> apexes_m;                                 ///< highest point of each flight but the first
-  std::vector<double> touchdown_ratios, liftoff_ratios;         ///< velocity after over velocity before
+  std::vector<double> apexes_m;                          ///< highest point of each flight but the first
+  std::vector<double> touchdown_ratios, liftoff_ratios;  ///< velocity after over velocity before
 };
 
 /// Harmonic torque, restarted at each touch-down, zero in flight (eq. 4.1): positive `amplitude_nm` pumps
@@ -29,8 +29,8 @@ dynamics::HopperLinearParameters<double> example_parameters();
 dynamics::HopperNonlinearParameters<double> table_parameters();
 
 /// By the exact step of eq. 3.8 at 1 kHz.
-Trajectory hop(const dynamics::HopperLinearParameters<double>& parameters, const Drive& drive,
-               double start_m, double duration_s);
+Trajectory hop(const dynamics::HopperLinearParameters<double>& parameters, const Drive& drive, double start_m,
+               double duration_s);
 /// By the equations of section 3.2.2, the leg on its stop in flight unless it swings.
 Trajectory hop(const dynamics::HopperNonlinearParameters<double>& parameters, const Drive& drive,
                double start_m, double duration_s);

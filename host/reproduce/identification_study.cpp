@@ -131,6 +131,11 @@ Estimates cross_validate(std::string phase, std::string method, const std::vecto
   return e;
 }
 
+TrajectoryErrors predicted(const model::Model& m, const Data& d, const Window& w) {
+  const Recording& r = d.recordings[w.recording];
+  return errors_of(r, w, identify::predict(m, r, w, identify::start_state(r, w, m)));
+}
+
 Estimates of_phase(std::string phase, bool by_equation, const model::Model& m, const Data& d,
                    std::size_t folds, unsigned threads) {
   const std::vector<Unknown> unknowns = identify::free_unknowns(m);
@@ -144,10 +149,7 @@ Estimates of_phase(std::string phase, bool by_equation, const model::Model& m, c
                                  .values;
       },
       [&](const std::vector<double>& values, std::size_t i) {
-        const model::Model fitted = identify::with_values(m, unknowns, values);
-        const Window& w = d.windows[i];
-        const Recording& r = d.recordings[w.recording];
-        return errors_of(r, w, identify::predict(fitted, r, w, identify::start_state(r, w, fitted)));
+        return predicted(identify::with_values(m, unknowns, values), d, d.windows[i]);
       });
 }
 
@@ -166,10 +168,9 @@ identify::Run stride(const model::Model& m, const Recording& r, const Window& w,
     if (i == w.last) return run;
     const double dt_s = r.time_s[i + 1] - r.time_s[i];
     const double since_s = r.time_s[i] + 0.5 * dt_s - touchdown_s;
-    plant.advance(plant.in_stance()
-                      ? e.amplitude_nm * std::sin(2.0 * std::numbers::pi * since_s / e.period_s)
-                      : 0.0,
-                  dt_s);
+    plant.advance(
+        plant.in_stance() ? e.amplitude_nm * std::sin(2.0 * std::numbers::pi * since_s / e.period_s) : 0.0,
+        dt_s);
     for (const auto& event : plant.events())
       if (event.kind == dynamics::ContactEvent<double>::Kind::touchdown)
         touchdown_s = r.time_s[i] + event.offset_s;
@@ -187,8 +188,7 @@ struct StrideCost {
 
   bool operator()(double const* const* at, double* residuals) const {
     const std::vector<double> values(at[0], at[0] + unknowns.size());
-    const auto run =
-        stride(identify::with_values(model, unknowns, values), recording, window, experiment);
+    const auto run = stride(identify::with_values(model, unknowns, values), recording, window, experiment);
     for (std::size_t i = 0; i < window.rows(); ++i) {
       *residuals++ = height_weight * (run.position[i] - recording.position[window.first + i]);
       *residuals++ = velocity_weight * (run.velocity[i] - recording.velocity_smoothed[window.first + i]);
@@ -211,9 +211,8 @@ std::vector<double> fit_strides(const model::Model& m, const std::vector<Unknown
       for (auto v = begin; v != end; ++v) squares += (*v - mean) * (*v - mean);
       return 1.0 / std::sqrt(squares);
     };
-    auto* cost = new ceres::DynamicNumericDiffCostFunction<StrideCost>(
-        new StrideCost{m, unknowns, r, w, experiments[w.recording], weight(r.position),
-                       weight(r.velocity_smoothed)});
+    auto* cost = new ceres::DynamicNumericDiffCostFunction<StrideCost>(new StrideCost{
+        m, unknowns, r, w, experiments[w.recording], weight(r.position), weight(r.velocity_smoothed)});
     cost->AddParameterBlock(static_cast<int>(unknowns.size()));
     cost->SetNumResiduals(2 * static_cast<int>(w.rows()));
     problem.AddResidualBlock(cost, nullptr, values.data());
@@ -231,6 +230,15 @@ std::vector<double> fit_strides(const model::Model& m, const std::vector<Unknown
   return values;
 }
 
+double mean_nmse(const model::Model& m, const Data& d) {
+  double sum = 0.0;
+  for (const Window& w : d.windows) {
+    const TrajectoryErrors e = predicted(m, d, w);
+    sum += (e.nmse_height + e.nmse_velocity) / static_cast<double>(d.windows.size());
+  }
+  return sum;
+}
+
 PlainCost plain_cost(const std::string& phase, const model::Model& m, const Data& d, std::size_t folds) {
   const std::vector<Unknown> unknowns = identify::free_unknowns(m);
   const std::vector<double> start = identify::values_in(m, unknowns);
@@ -244,10 +252,14 @@ PlainCost plain_cost(const std::string& phase, const model::Model& m, const Data
     c.plain_s += now_s() - from_s;
     c.evaluations += fit.evaluations;
     ++c.fits;
-    if (fold == folds) c.values = fit.values;
     from_s = now_s();
-    identify::fit_by_simulation(m, unknowns, start, d.recordings, windows, identify::Weighting::nmse);
+    const auto ours =
+        identify::fit_by_simulation(m, unknowns, start, d.recordings, windows, identify::Weighting::nmse);
     c.ours_s += now_s() - from_s;
+    if (fold < folds) continue;
+    c.values = fit.values;
+    c.plain_nmse = mean_nmse(identify::with_values(m, unknowns, fit.values), d);
+    c.ours_nmse = mean_nmse(identify::with_values(m, unknowns, ours.values), d);
   }
   return c;
 }
@@ -378,26 +390,28 @@ IdentificationStudy run_identification_study(const StudyOptions& o) {
       [&](const std::vector<double>& values, std::size_t i) {
         const Window& w = strides.windows[i];
         const Recording& r = strides.recordings[w.recording];
-        return errors_of(r, w, stride(identify::with_values(whole, unknowns, values), r, w,
-                                      rig.stance_experiments[w.recording]));
+        return errors_of(r, w,
+                         stride(identify::with_values(whole, unknowns, values), r, w,
+                                rig.stance_experiments[w.recording]));
       });
   {
     const auto worse = [](const TrajectoryErrors& a, const TrajectoryErrors& b) {
       return a.nmse_height + a.nmse_velocity < b.nmse_height + b.nmse_velocity;
     };
-    const auto [best, worst] = std::minmax_element(out.strides.errors.begin(), out.strides.errors.end(), worse);
+    const auto [best, worst] =
+        std::minmax_element(out.strides.errors.begin(), out.strides.errors.end(), worse);
     for (const auto it : {best, worst}) {
       const auto i = static_cast<std::size_t>(it - out.strides.errors.begin());
       const Window& w = strides.windows[i];
       const Recording& r = strides.recordings[w.recording];
       const auto& values = out.strides.folds[i % o.stance_folds];
       const auto begin = static_cast<std::ptrdiff_t>(w.first), end = static_cast<std::ptrdiff_t>(w.last) + 1;
-      out.good_and_poor.push_back({r.name,
-                                   {r.time_s.begin() + begin, r.time_s.begin() + end},
-                                   {r.position.begin() + begin, r.position.begin() + end},
-                                   stride(identify::with_values(whole, unknowns, values), r, w,
-                                          rig.stance_experiments[w.recording])
-                                       .position});
+      out.good_and_poor.push_back(
+          {r.name,
+           {r.time_s.begin() + begin, r.time_s.begin() + end},
+           {r.position.begin() + begin, r.position.begin() + end},
+           stride(identify::with_values(whole, unknowns, values), r, w, rig.stance_experiments[w.recording])
+               .position});
     }
   }
 

@@ -40,6 +40,8 @@ struct PlainCost {
   std::vector<double> values;  ///< on all recordings
   std::size_t fits = 0, evaluations = 0;
   double plain_s = 0.0, ours_s = 0.0;  ///< wall time of all fits of this phase on one thread
+  /// NMSE(z) + NMSE(z') of both estimates on all recordings, mean, from the same estimated starts.
+  double plain_nmse = 0.0, ours_nmse = 0.0;
 };
 
 /// Predicted and measured heights of one recording.
@@ -49,7 +51,7 @@ struct Example {
 };
 
 struct IdentificationStudy {
-  VirtualRig rig;                    ///< without its logs
+  VirtualRig rig;  ///< without its logs
   Estimates stance, stance_by_equation, flight, flight_by_equation, strides, nonlinear;
   /// The same from differences of counts as the rig derives them, instead of the slope of a smoothing fit.
   Estimates stance_by_equation_raw;

@@ -89,11 +89,10 @@ void integrate(const Motion& f, const Recording& r, const Window& w, State x, co
     const State k2 = f.rates(t + h / 5, at(x, h, {{1.0 / 5, &k1}}));
     const State k3 = f.rates(t + 3 * h / 10, at(x, h, {{3.0 / 40, &k1}, {9.0 / 40, &k2}}));
     const State k4 = f.rates(t + 4 * h / 5, at(x, h, {{44.0 / 45, &k1}, {-56.0 / 15, &k2}, {32.0 / 9, &k3}}));
-    const State k5 = f.rates(t + 8 * h / 9, at(x, h,
-                                               {{19372.0 / 6561, &k1},
-                                                {-25360.0 / 2187, &k2},
-                                                {64448.0 / 6561, &k3},
-                                                {-212.0 / 729, &k4}}));
+    const State k5 = f.rates(
+        t + 8 * h / 9,
+        at(x, h,
+           {{19372.0 / 6561, &k1}, {-25360.0 / 2187, &k2}, {64448.0 / 6561, &k3}, {-212.0 / 729, &k4}}));
     const State k6 = f.rates(t + h, at(x, h,
                                        {{9017.0 / 3168, &k1},
                                         {-355.0 / 33, &k2},

@@ -1,6 +1,7 @@
-// The fits of document 002 the way they were made there: a general variable-step integrator (Dormand and Prince
-// 5(4), as ode45), the cost of eq. 4.5 as one number, its gradient by finite differences, a quasi-Newton search
-// (BFGS, as fmincon). A peer for the time and the estimates of host/identify, nothing else.
+// The fits of document 002 the way they were made there: a general variable-step integrator (Dormand and
+// Prince 5(4), as ode45), the cost of eq. 4.5 as one number, its gradient by finite differences, a
+// quasi-Newton search (BFGS, as fmincon). A peer for the time and the estimates of host/identify, nothing
+// else.
 #pragma once
 
 #include <cstddef>
@@ -18,8 +19,8 @@ struct PlainFit {
   std::size_t evaluations = 0;  ///< of the cost
 };
 
-/// Fits on stances or flights, each from its measured state (as the document has it: the start is not fitted),
-/// the recorded torque in straight lines between the rows.
+/// Fits on stances or flights, each from its measured state (as the document has it: the start is not
+/// fitted), the recorded torque in straight lines between the rows.
 PlainFit fit_plainly(const model::Model& model, const std::vector<identify::Unknown>& unknowns,
                      const std::vector<double>& start, const std::vector<identify::Recording>& recordings,
                      const std::vector<identify::Window>& windows);

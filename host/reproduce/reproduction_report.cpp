@@ -35,7 +35,8 @@ std::string table(const Reproduction& r) {
   Table t({{"Where"}, {"What"}, {"Printed", true}, {"Here", true}, {""}, {"Remark"}});
   for (const Row& row : r.rows)
     t.add({report::escape(row.where), report::escape(row.what), report::escape(row.published),
-           number(row.ours, 4) + (row.unit.empty() ? "" : "&#8239;<small>" + report::escape(row.unit) + "</small>"),
+           number(row.ours, 4) +
+               (row.unit.empty() ? "" : "&#8239;<small>" + report::escape(row.unit) + "</small>"),
            report::badge(name(row.outcome), tone(row.outcome)), report::escape(row.remark)},
           row.outcome == Outcome::differs);
   return t.html();
@@ -58,15 +59,19 @@ std::string chapter_3(const Reproduction& r) {
   const auto &one = r.example, &two = r.example_with_losses;
   return line_plot_html({"Fig. 3.4a: height, m", "time, s", {line("", one, &Trajectory::height_m)}}) +
          line_plot_html({"Fig. 3.4b: velocity, m/s", "time, s", {line("", one, &Trajectory::velocity_mps)}}) +
-         line_plot_html({"Fig. 3.4c: force of the motor along the leg, N", "time, s",
+         line_plot_html({"Fig. 3.4c: force of the motor along the leg, N",
+                         "time, s",
                          {line("", one, &Trajectory::force_n)}}) +
-         line_plot_html({"Fig. 3.5: velocity, m/s", "time, s",
+         line_plot_html({"Fig. 3.5: velocity, m/s",
+                         "time, s",
                          {line("no loss", one, &Trajectory::velocity_mps),
                           line("0.8 at touch-down, 0.9 at lift-off", two, &Trajectory::velocity_mps)}}) +
-         line_plot_html({"Fig. 3.7a: height, m", "time, s",
+         line_plot_html({"Fig. 3.7a: height, m",
+                         "time, s",
                          {line("linear", r.linear_stride, &Trajectory::height_m),
                           line("non-linear", r.nonlinear_stride, &Trajectory::height_m)}}) +
-         line_plot_html({"Fig. 3.7b: velocity, m/s", "time, s",
+         line_plot_html({"Fig. 3.7b: velocity, m/s",
+                         "time, s",
                          {line("linear", r.linear_stride, &Trajectory::velocity_mps),
                           line("non-linear", r.nonlinear_stride, &Trajectory::velocity_mps)}});
 }
@@ -79,7 +84,8 @@ Line dots(const char* label, const std::vector<double>& values) {
 }
 Line folds(const char* label, const Estimates& e, std::string_view parameter) {
   std::vector<double> values;
-  const auto i = static_cast<std::size_t>(std::find(e.names.begin(), e.names.end(), parameter) - e.names.begin());
+  const auto i =
+      static_cast<std::size_t>(std::find(e.names.begin(), e.names.end(), parameter) - e.names.begin());
   for (const auto& fold : e.folds) values.push_back(fold[i]);
   return dots(label, values);
 }
@@ -90,7 +96,12 @@ Line recordings(const char* label, const Estimates& e, double TrajectoryErrors::
 }
 
 std::string estimates_table(const IdentificationStudy& s) {
-  Table t({{"Phase"}, {"Estimator"}, {"Parameter"}, {"All recordings", true}, {"Over the folds", true}, {"The rig's", true}});
+  Table t({{"Phase"},
+           {"Estimator"},
+           {"Parameter"},
+           {"All recordings", true},
+           {"Over the folds", true},
+           {"The rig's", true}});
   for (const Estimates* e : {&s.stance, &s.stance_by_equation, &s.stance_by_equation_raw, &s.flight,
                              &s.flight_by_equation, &s.strides, &s.nonlinear})
     for (std::size_t i = 0; i < e->names.size(); ++i) {
@@ -100,7 +111,7 @@ std::string estimates_table(const IdentificationStudy& s) {
         high = std::max(high, fold[i]);
       }
       t.add({i == 0 ? report::escape(e->phase) : "",
-             i != 0                          ? ""
+             i != 0                           ? ""
              : e == &s.stance_by_equation_raw ? "equation, the rig's velocity"
                                               : report::escape(e->method),
              "<code>" + report::escape(e->names[i]) + "</code>",
@@ -112,7 +123,15 @@ std::string estimates_table(const IdentificationStudy& s) {
 
 std::string plain_table(const IdentificationStudy& s) {
   if (s.plain.empty()) return "";
-  Table t({{"Phase"}, {"Fits", true}, {"Here", true}, {"The plain way", true}, {"Costs evaluated", true}, {"Estimates, here"}, {"the plain way"}});
+  Table t({{"Phase"},
+           {"Fits", true},
+           {"Here", true},
+           {"The plain way", true},
+           {"Costs evaluated", true},
+           {"NMSE, here", true},
+           {"the plain way", true},
+           {"Estimates, here"},
+           {"the plain way"}});
   const auto list = [](const std::vector<double>& values) {
     std::string out;
     for (const double v : values) out += (out.empty() ? "" : ", ") + number(v, 4);
@@ -120,27 +139,32 @@ std::string plain_table(const IdentificationStudy& s) {
   };
   for (const PlainCost& c : s.plain) {
     const Estimates& ours = c.phase == "flight" ? s.flight : c.phase == "stance" ? s.stance : s.nonlinear;
-    t.add({report::escape(c.phase), std::to_string(c.fits), number(c.ours_s, 3) + " s", number(c.plain_s, 3) + " s",
-           std::to_string(c.evaluations), list(ours.values), list(c.values)});
+    t.add({report::escape(c.phase), std::to_string(c.fits), number(c.ours_s, 3) + " s",
+           number(c.plain_s, 3) + " s", std::to_string(c.evaluations), number(c.ours_nmse, 3),
+           number(c.plain_nmse, 3), list(ours.values), list(c.values)});
   }
-  return t.html() +
-         report::paragraph(
-             "The plain way: Dormand and Prince's variable step at ode45's tolerances, the cost of eq. 4.5 as one "
-             "number, forward differences, BFGS, each run from the measured state; compiled, on one thread. Here: "
-             "exact steps at the recorded rate with their derivatives, least squares, each run's start estimated "
-             "with the parameters.");
+  return t.html() + report::paragraph(
+                        "The plain way: Dormand and Prince's variable step at ode45's tolerances, the cost "
+                        "of eq. 4.5 as one "
+                        "number, forward differences, BFGS, each run from the measured state; compiled, on "
+                        "one thread. Here: "
+                        "exact steps at the recorded rate with their derivatives, least squares, each run's "
+                        "start estimated "
+                        "with the parameters.");
 }
 
 std::string chapter_4(const Reproduction& r) {
   const IdentificationStudy& s = r.study;
   std::string out = estimates_table(s);
   using E = TrajectoryErrors;
-  out += line_plot_html({"Fig. 4.9: mass identified in stance, kg", "fold left out",
+  out += line_plot_html({"Fig. 4.9: mass identified in stance, kg",
+                         "fold left out",
                          {folds("simulation error", s.stance, "mass_kg"),
                           folds("equation error", s.stance_by_equation, "mass_kg"),
                           folds("equation error, the rig's velocity", s.stance_by_equation_raw, "mass_kg")}});
   out += line_plot_html(
-      {"Fig. 4.9: damping identified in stance, N s/m", "fold left out",
+      {"Fig. 4.9: damping identified in stance, N s/m",
+       "fold left out",
        {folds("simulation error", s.stance, "damping_stance_nspm"),
         folds("equation error", s.stance_by_equation, "damping_stance_nspm"),
         folds("equation error, the rig's velocity", s.stance_by_equation_raw, "damping_stance_nspm")}});
@@ -150,31 +174,40 @@ std::string chapter_4(const Reproduction& r) {
       values.push_back(damped_frequency_radps(fold[0], s.rig.stiffness_npm, fold[1]));
     return dots(label, values);
   };
-  out += line_plot_html({"Fig. 4.10: damped natural frequency, rad/s", "fold left out",
-                         {frequencies("simulation error", s.stance),
-                          frequencies("equation error", s.stance_by_equation),
-                          frequencies("equation error, the rig's velocity", s.stance_by_equation_raw)}});
-  out += line_plot_html({"Fig. 4.11, 4.20: mean absolute error of height in stance, mm", "recording",
-                         {recordings("linear", s.stance, &E::mae_height_m, 1e3),
-                          recordings("linear, by equation error", s.stance_by_equation, &E::mae_height_m, 1e3),
-                          recordings("non-linear", s.nonlinear, &E::mae_height_m, 1e3)},
-                         true});
-  out += line_plot_html({"Fig. 4.11, 4.20: NMSE of velocity in stance, %", "recording",
-                         {recordings("linear", s.stance, &E::nmse_velocity, 100),
-                          recordings("linear, by equation error", s.stance_by_equation, &E::nmse_velocity, 100),
-                          recordings("non-linear", s.nonlinear, &E::nmse_velocity, 100)},
-                         true});
-  out += line_plot_html({"Fig. 4.13: damping in flight, N s/m", "fold left out",
+  out += line_plot_html(
+      {"Fig. 4.10: damped natural frequency, rad/s",
+       "fold left out",
+       {frequencies("simulation error", s.stance), frequencies("equation error", s.stance_by_equation),
+        frequencies("equation error, the rig's velocity", s.stance_by_equation_raw)}});
+  out +=
+      line_plot_html({"Fig. 4.11, 4.20: mean absolute error of height in stance, mm",
+                      "recording",
+                      {recordings("linear", s.stance, &E::mae_height_m, 1e3),
+                       recordings("linear, by equation error", s.stance_by_equation, &E::mae_height_m, 1e3),
+                       recordings("non-linear", s.nonlinear, &E::mae_height_m, 1e3)},
+                      true});
+  out +=
+      line_plot_html({"Fig. 4.11, 4.20: NMSE of velocity in stance, %",
+                      "recording",
+                      {recordings("linear", s.stance, &E::nmse_velocity, 100),
+                       recordings("linear, by equation error", s.stance_by_equation, &E::nmse_velocity, 100),
+                       recordings("non-linear", s.nonlinear, &E::nmse_velocity, 100)},
+                      true});
+  out += line_plot_html({"Fig. 4.13: damping in flight, N s/m",
+                         "fold left out",
                          {folds("simulation error", s.flight, "damping_flight_nspm"),
                           folds("equation error", s.flight_by_equation, "damping_flight_nspm")}});
-  out += line_plot_html({"Fig. 4.14: mean absolute error of height in flight, mm", "recording",
+  out += line_plot_html({"Fig. 4.14: mean absolute error of height in flight, mm",
+                         "recording",
                          {recordings("simulation error", s.flight, &E::mae_height_m, 1e3),
                           recordings("equation error", s.flight_by_equation, &E::mae_height_m, 1e3)},
                          true});
-  out += line_plot_html({"Fig. 4.16: velocity kept", "fold left out",
+  out += line_plot_html({"Fig. 4.16: velocity kept",
+                         "fold left out",
                          {folds("touch-down", s.strides, "restitution_touchdown"),
                           folds("lift-off", s.strides, "restitution_liftoff")}});
-  out += line_plot_html({"Fig. 4.17: NMSE over whole strides, %", "recording",
+  out += line_plot_html({"Fig. 4.17: NMSE over whole strides, %",
+                         "recording",
                          {recordings("height", s.strides, &E::nmse_height, 100),
                           recordings("velocity", s.strides, &E::nmse_velocity, 100)},
                          true});
@@ -186,9 +219,9 @@ std::string chapter_4(const Reproduction& r) {
                            {{"measured", e.time_s, e.measured_m}, {"predicted", e.time_s, e.predicted_m}}});
   }
   const Estimates& n = s.nonlinear;
-  for (const auto& [name, title] : {std::pair{"inertia_a_kgm2", "Fig. 4.19: a, kg m^2"},
-                                    std::pair{"inertia_b_kgm", "Fig. 4.19: b, kg m"},
-                                    std::pair{"inertia_e_kgm", "Fig. 4.19: e, kg m"}})
+  for (const auto& [name, title] :
+       {std::pair{"inertia_a_kgm2", "Fig. 4.19: a, kg m^2"}, std::pair{"inertia_b_kgm", "Fig. 4.19: b, kg m"},
+        std::pair{"inertia_e_kgm", "Fig. 4.19: e, kg m"}})
     out += line_plot_html({title, "fold left out", {folds("", n, name)}});
   return out;
 }
@@ -214,16 +247,18 @@ std::string chapter_5(const Reproduction& r) {
   }
   const std::vector<double> at_cm = scaled(r.contraction_m, 100.0);
   return line_plot_html({"Fig. 5.6: encoder of the pulley, counts of 2400 a turn", "time, ms", {travel}}) +
-         line_plot_html({"Fig. 5.10a: energy a hop, J",
-                         "contraction, cm",
-                         {{"k A^2 / 2 against the spring", at_cm, r.spring_work_j},
-                          {"coil, as published", at_cm, std::vector<double>(at_cm.size(), r.energy.published.coil_j)}},
-                         true}) +
+         line_plot_html(
+             {"Fig. 5.10a: energy a hop, J",
+              "contraction, cm",
+              {{"k A^2 / 2 against the spring", at_cm, r.spring_work_j},
+               {"coil, as published", at_cm, std::vector<double>(at_cm.size(), r.energy.published.coil_j)}},
+              true}) +
          line_plot_html({"Energy a hop of the simulated robots, motor and coil, J",
                          "contraction, cm",
                          {caught_j, clutched_j},
                          true}) +
-         line_plot_html({"Fig. 5.11: largest torque in flight, N m", "contraction, cm", {caught, clutched}, true});
+         line_plot_html(
+             {"Fig. 5.11: largest torque in flight, N m", "contraction, cm", {caught, clutched}, true});
 }
 
 }  // namespace
@@ -247,7 +282,8 @@ std::string render_reproduction_report(const Reproduction& r, const std::string&
                 ") and shown to no fit"},
            {"Time of the study", number(s.seconds, 2) + "&#8239;<small>s</small>",
             "all fits, folds and predictions of chapter 4"},
-           {"Caught after", number(1e3 * r.release_catch.standard.caught_after_s, 2) + "&#8239;<small>ms</small>",
+           {"Caught after",
+            number(1e3 * r.release_catch.standard.caught_after_s, 2) + "&#8239;<small>ms</small>",
             "1 kg, 40 ms after the release; printed 20 to 50"},
            {"Break-even", number(100.0 * r.energy.published.break_even_m, 3) + "&#8239;<small>cm</small>",
             "of contraction, by the document's accounting; printed near 10"}}) +

@@ -1,5 +1,5 @@
-// A rig like that of document 002, chapter 4, whose true parameters are drawn from a seed, what is measured of
-// it beforehand, and its recordings.
+// A rig like that of document 002, chapter 4, whose true parameters are drawn from a seed, what is measured
+// of it beforehand, and its recordings.
 #pragma once
 
 #include <cstdint>
@@ -26,8 +26,8 @@ struct VirtualRig {
   std::vector<log::Log> stance_logs, flight_logs;  ///< one stride each; a drop, a stance and a flight
 };
 
-/// 60 and 20 experiments "with different excitation period and amplitude", the sensors as published: counts of
-/// 0.09 mm, noise, a switch that chatters and reports up to 10 ms early or late.
+/// 60 and 20 experiments "with different excitation period and amplitude", the sensors as published: counts
+/// of 0.09 mm, noise, a switch that chatters and reports up to 10 ms early or late.
 VirtualRig draw_rig(std::uint64_t seed, std::size_t stances = 60, std::size_t flights = 20);
 
 }  // namespace furcula::reproduce

@@ -1,0 +1,111 @@
+// The identification study: the rig is drawn, the fits do not see its truth, the plain way agrees.
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "host/identify/windows.hpp"
+#include "host/reproduce/identification_study.hpp"
+#include "host/reproduce/plain_fit.hpp"
+#include "host/sim/simulate.hpp"
+
+using namespace furcula;
+using namespace furcula::reproduce;
+
+namespace {
+
+StudyOptions small(std::uint64_t seed) {
+  StudyOptions o;
+  o.seed = seed;
+  o.stances = 12;
+  o.flights = 6;
+  o.stance_folds = 4;
+  o.flight_folds = 3;
+  o.plain = false;
+  return o;
+}
+
+void set(model::Model& m, std::string_view name, double value) {
+  m.parameters[*dynamics::parameter_index(m.kind, name)] = value;
+}
+
+}  // namespace
+
+TEST_CASE("Rigs differ by their seed, and recordings among themselves") {
+  const VirtualRig a = draw_rig(1, 3, 2), b = draw_rig(2, 3, 2), again = draw_rig(1, 3, 2);
+  CHECK(a.truth.parameters != b.truth.parameters);
+  CHECK(a.truth.parameters == again.truth.parameters);
+  CHECK(a.stance_logs[0].at("height_m") == again.stance_logs[0].at("height_m"));
+  CHECK(a.stance_logs[0].at("height_m") != a.stance_logs[1].at("height_m"));
+  CHECK(a.weighed_kg != a.truth.parameter("mass_kg"));
+}
+
+TEST_CASE("A drawn rig is identified: what the links do to the mass, what friction does to the damping") {
+  for (const std::uint64_t seed : {11u, 12u}) {
+    const IdentificationStudy s = run_identification_study(small(seed));
+    INFO("seed " << seed);
+    // The mass that height feels in stance, from the true links in closed form; the fit knows no links.
+    CHECK(s.stance.value("mass_kg") == Approx(s.effective_stance_mass_kg).epsilon(0.03));
+    CHECK(s.stance.value("mass_kg") < 0.97 * s.rig.weighed_kg);
+    // Friction is no viscous damping: their powers agree, the fit weighs otherwise.
+    CHECK(s.flight.value("damping_flight_nspm") == Approx(s.equivalent_flight_damping_nspm).epsilon(0.35));
+    CHECK(s.flight.value("damping_flight_nspm") > s.rig.truth.parameter("damping_flight_nspm"));
+    // sqrt(k/m) sqrt(1 - xi^2) stays put whichever of mass and spring rate is held (section 6.1.1).
+    REQUIRE(s.variants.size() == 3);
+    for (const auto& v : s.variants)
+      CHECK(v.damped_frequency_radps == Approx(s.variants[0].damped_frequency_radps).epsilon(0.01));
+    CHECK(std::abs(s.variants[1].mass_kg / s.variants[0].mass_kg - 1.0) > 0.03);
+    // Plastic impacts of links that are not in the linear model.
+    CHECK(s.strides.value("restitution_touchdown") > 0.8);
+    CHECK(s.strides.value("restitution_touchdown") < 1.0);
+    CHECK(s.toe_mass_cost_change < 1e-3);
+    REQUIRE(s.stance.errors.size() == 12);
+    REQUIRE(s.flight.errors.size() == 6);
+    double linear = 0.0, nonlinear = 0.0;
+    for (const auto& e : s.stance.errors) linear += e.nmse_height;
+    for (const auto& e : s.nonlinear.errors) nonlinear += e.nmse_height;
+    CHECK(nonlinear < linear);
+  }
+}
+
+TEST_CASE("A study is the same on any number of threads") {
+  StudyOptions o = small(5);
+  const IdentificationStudy one = run_identification_study(o);
+  o.threads = 3;
+  const IdentificationStudy three = run_identification_study(o);
+  CHECK(one.stance.folds == three.stance.folds);
+  CHECK(one.strides.folds == three.strides.folds);
+  CHECK(one.nonlinear.values == three.nonlinear.values);
+}
+
+TEST_CASE("The plain way finds the parameters of ideal recordings, of both models") {
+  for (const auto kind : {dynamics::Kind::hopper_linear, dynamics::Kind::hopper_nonlinear}) {
+    VirtualRig rig = draw_rig(7, 1, 1);
+    model::Model truth = rig.truth;
+    truth.effects.clear();
+    truth.kind = kind;
+    truth.parameters.resize(dynamics::info(kind).parameters.size());
+    std::vector<log::Log> logs;
+    for (const double period_s : {0.27, 0.30, 0.33}) {
+      sim::Scenario s = sim::default_scenario(truth);
+      s.start_position = 0.35;
+      s.duration_s = 0.75;
+      s.amplitude = 2.0;
+      s.period_s = period_s;
+      logs.push_back(sim::simulate(truth, s, 1));
+    }
+    model::Model m = truth;
+    m.free[*dynamics::parameter_index(kind, "mass_kg")] = {0.5, 3.0};
+    m.free[*dynamics::parameter_index(kind, "damping_stance_nspm")] = {0.0, 50.0};
+    set(m, "mass_kg", 1.4);
+    set(m, "damping_stance_nspm", 3.0);
+    const auto recordings = identify::make_recordings(logs, kind);
+    std::vector<identify::Window> windows;
+    for (std::size_t i = 0; i < recordings.size(); ++i)
+      windows.push_back(identify::stances(recordings[i], i, m).at(0));
+    const auto unknowns = identify::free_unknowns(m);
+    const PlainFit fit = fit_plainly(m, unknowns, identify::values_in(m, unknowns), recordings, windows);
+    // The recorded torque is held from row to row, the plain way draws it straight: half a row apart.
+    CHECK(fit.values[0] == Approx(truth.parameter("mass_kg")).epsilon(0.01));
+    CHECK(fit.values[1] == Approx(truth.parameter("damping_stance_nspm")).epsilon(0.03));
+    CHECK(fit.evaluations > 5);
+  }
+}
