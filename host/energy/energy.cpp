@@ -54,7 +54,7 @@ HopEnergy energy_per_hop(Robot robot, const Motor& motor, int settle, int count)
   double pushed = 0.0, copper = 0.0, highest_m = 0.0, last_angle = board.plant().leg_angle_rad(),
          last_torque_nm = 0.0;
   int touchdowns = 0;
-  bool counting = false;
+  bool counting = false, commanded_in_flight = true;
   while (board.wait_for_tick()) {
     app.tick();
     const auto& o = board.telemetry().outputs;
@@ -62,22 +62,22 @@ HopEnergy energy_per_hop(Robot robot, const Motor& motor, int settle, int count)
     const double angle = board.plant().leg_angle_rad();
     const double work = last_torque_nm * (angle - last_angle);
     last_angle = angle;
+    const bool flight = o.phase.phase == control::Phase::flight;
     if (counting) {
-      const bool flight = o.phase.phase == control::Phase::flight;
       const double size_nm = std::abs(last_torque_nm),
                    current_a = last_torque_nm / motor.torque_constant_nmpa;
       pushed += std::max(0.0, work);
       copper += motor.resistance_ohm * current_a * current_a * 1e-3;
-      double& peak_nm = flight ? out.peak_torque_flight_nm : out.peak_torque_stance_nm;
+      double& peak_nm = commanded_in_flight ? out.peak_torque_flight_nm : out.peak_torque_stance_nm;
       peak_nm = std::max(peak_nm, size_nm);
-      if (flight) {
-        out.flight_s += 1e-3;
-        const double leg_m = 2.0 * static_cast<double>(robot.config.link_length_m) * std::cos(angle);
-        out.fold_m = std::max(out.fold_m, board.plant().touchdown_height_m() - leg_m);
-      }
+      const double leg_m = 2.0 * static_cast<double>(robot.config.link_length_m) * std::cos(angle);
+      double& shorter_m = flight ? out.fold_m : out.compression_m;
+      shorter_m = std::max(shorter_m, board.plant().touchdown_height_m() - leg_m);
+      if (flight) out.flight_s += 1e-3;
       highest_m = std::max(highest_m, board.plant().height_m());
     }
     last_torque_nm = static_cast<double>(board.command().torque_nm);
+    commanded_in_flight = flight;
     if (!o.phase.touchdown) continue;
     ++touchdowns;
     if (counting) {
