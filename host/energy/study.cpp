@@ -57,33 +57,35 @@ Robot clutched_robot(const model::Model& model, const Options& o, double contrac
   return r;
 }
 
-/// `others`: points at the same contractions, or at so many between them that each is one of those, with the
-/// robots that the change does not touch; null: all three are run.
-std::vector<Point> sweep(const model::Model& model, const Options& o, std::size_t count, const Change& change,
-                         const std::vector<Point>* others) {
-  std::vector<Point> points(count);
-  const std::size_t robots = others == nullptr ? 3 : 1;
-  identify::parallel_for(robots * count, o.threads, [&](std::size_t i) {
-    const std::size_t place = i / robots;
-    Point& p = points[place];
-    const double share = count > 1 ? static_cast<double>(place) / static_cast<double>(count - 1) : 1.0;
-    const double contraction_m = share * o.most_contraction_m;
+/// All three robots at `options.points` contractions, evenly from none to the largest.
+std::vector<Point> sweep(const model::Model& model, const Options& o) {
+  std::vector<Point> points(o.points);
+  for (std::size_t i = 0; i < o.points; ++i)
+    points[i].contraction_m =
+        o.most_contraction_m *
+        (o.points > 1 ? static_cast<double>(i) / static_cast<double>(o.points - 1) : 1.0);
+  constexpr std::size_t kRobots = 3;
+  identify::parallel_for(kRobots * o.points, o.threads, [&](std::size_t i) {
+    Point& p = points[i / kRobots];
+    const double contraction_m = p.contraction_m;
     const auto settled = [&](const Robot& robot) { return energy_at_apex(robot, o.motor, o.apex_m); };
-    switch (i % robots) {
-      case 0:
-        p.contraction_m = contraction_m;
-        p.clutched = settled(clutched_robot(model, o, contraction_m, change));
-        break;
-      case 1:
-        p.caught = settled(caught_robot(model, o, contraction_m));
-        break;
-      default:
-        p.springless = settled(springless_robot(model, hopping(o, contraction_m, false)));
-    }
+    if (i % kRobots == 0)
+      p.caught = settled(caught_robot(model, o, contraction_m));
+    else if (i % kRobots == 1)
+      p.clutched = settled(clutched_robot(model, o, contraction_m, {}));
+    else
+      p.springless = settled(springless_robot(model, hopping(o, contraction_m, false)));
   });
-  if (others != nullptr)
-    for (std::size_t i = 0; i < count; ++i)
-      points[i].caught = (*others)[i * (others->size() - 1) / std::max<std::size_t>(1, count - 1)].caught;
+  return points;
+}
+
+/// The same with a robot with the clutch that is changed; the others stay what they are.
+std::vector<Point> changed(std::vector<Point> points, const model::Model& model, const Options& o,
+                           const Change& change) {
+  identify::parallel_for(points.size(), o.threads, [&](std::size_t i) {
+    points[i].clutched =
+        energy_at_apex(clutched_robot(model, o, points[i].contraction_m, change), o.motor, o.apex_m);
+  });
   return points;
 }
 
@@ -141,7 +143,7 @@ Study run_study(const model::Model& model, const Options& options) {
   Study out;
   out.options = options;
   tell(0.0, "contractions");
-  out.points = sweep(model, options, options.points, {}, nullptr);
+  out.points = sweep(model, options);
   out.mechanical_m = break_even_m(out.points, Measure::mechanical);
   out.electrical_m = break_even_m(out.points, Measure::electrical);
   const auto springless = [&](Measure measure) {
@@ -177,11 +179,12 @@ Study run_study(const model::Model& model, const Options& options) {
                        {"clutch half a kilogram lighter", {.clutch_mass_kg = -0.5}},
                        {"clutch half a kilogram heavier", {.clutch_mass_kg = 0.5}}};
   // Every other contraction will do, where the last one is one of them.
-  const bool halves = options.points > 10 && options.points % 2 == 1;
-  const std::size_t coarse = halves ? options.points / 2 + 1 : options.points;
+  std::vector<Point> coarse;
+  const std::size_t stride = options.points > 10 && options.points % 2 == 1 ? 2 : 1;
+  for (std::size_t i = 0; i < out.points.size(); i += stride) coarse.push_back(out.points[i]);
   for (std::size_t i = 0; i < std::size(all); ++i) {
     tell(0.4 + 0.6 * static_cast<double>(i) / static_cast<double>(std::size(all)), all[i].what);
-    const std::vector<Point> points = sweep(model, options, coarse, all[i].change, &out.points);
+    const std::vector<Point> points = changed(coarse, model, options, all[i].change);
     out.variants.push_back(
         {all[i].what, break_even_m(points, Measure::mechanical), break_even_m(points, Measure::electrical)});
   }
