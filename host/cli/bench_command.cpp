@@ -84,8 +84,11 @@ void run(const Options& o) {
     std::printf("%zu not held, %zu never released, %zu not caught, %zu slipped\n", s.not_held, s.not_released,
                 s.not_caught, s.slips);
   }
-  for (std::size_t i = 0; i < r.pressing_n.size(); ++i)
-    std::printf("%s%g N holds %.2f kg", i == 0 ? "pressing force: " : ", ", r.pressing_n[i], r.holding_kg[i]);
+  const char* before = "pressing force: ";
+  for (const bench::Holding& h : r.holding) {
+    std::printf("%s%g N holds %.2f kg", before, h.pressing_n, h.load_kg);
+    before = ", ";
+  }
   std::printf("\n");
   for (const bench::Check& c : r.checks)
     std::printf("%s %s: %s, asked %s %s%s%s\n", c.passed ? "passed" : "FAILED", std::string(c.name).c_str(),
