@@ -14,6 +14,12 @@ using namespace furcula::dynamics;
 
 constexpr double kTickS = 0.001;
 
+/// Seconds simulated in one, a tick an iteration.
+void count_times_real_time(benchmark::State& state) {
+  state.counters["times_real_time"] =
+      benchmark::Counter(kTickS * static_cast<double>(state.iterations()), benchmark::Counter::kIsRate);
+}
+
 // The example of 002 section 3.2.1, hopping by a constant torque in the direction of the motion.
 template <class T>
 HopperLinearParameters<T> example() {
@@ -63,6 +69,7 @@ void nonlinear_hopper_step(benchmark::State& state) {
     hopper.advance(hopper.in_stance() ? (hopper.velocity_mps() > 0.0 ? -0.6 : 0.6) : 0.0, kTickS);
     benchmark::DoNotOptimize(hopper.height_m());
   }
+  count_times_real_time(state);
 }
 BENCHMARK(nonlinear_hopper_step);
 
@@ -78,6 +85,7 @@ void clutched_hopper_step(benchmark::State& state) {
     hopper.advance(hopper.in_stance() ? pump : flight < 40 ? 1.0 : -0.4, kTickS);
     benchmark::DoNotOptimize(hopper.height_m());
   }
+  count_times_real_time(state);
 }
 BENCHMARK(clutched_hopper_step);
 

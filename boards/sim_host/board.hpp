@@ -29,6 +29,7 @@ struct RigConfig {
   std::vector<PlannedFault> faults{};
   double coil_supply_v = 10.0;
   double cable_count_m = 0.0;   ///< of the clutch's encoder, along the leg; 0 without a clutch
+  double cable_loose_m = 0.0;   ///< that its cable hangs loose, along the leg: so much more is paid out
   double ground_steps_m = 0.0;  ///< in each flight the ground moves to a height within this, either way
   std::uint64_t seed = 0;
 };
@@ -177,8 +178,9 @@ class SimBoard {
     sample_.contact = reading ? 1 : 0;
     if (config_.cable_count_m > 0.0) {
       sample_.cable_home_count = kHomeCount;
-      sample_.cable_count = kHomeCount + static_cast<std::uint32_t>(
-                                             std::llround(plant_.cable_travel_m() / config_.cable_count_m));
+      const double paid_out_m = plant_.cable_travel_m() + config_.cable_loose_m;
+      sample_.cable_count =
+          kHomeCount + static_cast<std::uint32_t>(std::llround(paid_out_m / config_.cable_count_m));
     }
     if (!faults) return;
     if (active(RigFault::height_nan)) {

@@ -26,14 +26,6 @@ double quantile(const std::vector<double>& sorted, double share) {
   return sorted[below] + (at - static_cast<double>(below)) * (sorted[above] - sorted[below]);
 }
 
-void add(std::vector<Check>& checks, std::string_view name, std::string_view unit, double measured,
-         const std::optional<double>& limit, bool at_most) {
-  if (!limit) return;
-  // What was never measured (NaN) does not pass.
-  checks.push_back(
-      {name, unit, measured, *limit, at_most, at_most ? measured <= *limit : measured >= *limit});
-}
-
 }  // namespace
 
 Trial run_trial(Board& board, const Conditions& conditions) {
@@ -138,6 +130,41 @@ Summary summarise(const std::vector<Trial>& trials) {
   return s;
 }
 
+namespace {
+
+/// What of the limits is asked, of every trial.
+std::vector<Check> check(const ReleaseCatch& r, const Limits& limits) {
+  std::vector<Check> checks;
+  const auto add = [&](std::string_view name, std::string_view unit, double measured,
+                       const std::optional<double>& limit, bool at_most) {
+    if (!limit) return;
+    // What was never measured (NaN) does not pass.
+    const bool passed = at_most ? measured <= *limit : measured >= *limit;
+    checks.push_back({name, unit, measured, *limit, at_most, passed});
+  };
+  std::vector<Trial> all{r.standard};
+  all.insert(all.end(), r.trials.begin(), r.trials.end());
+  const Summary s = summarise(all);
+  const auto count = [](std::size_t n) { return static_cast<double>(n); };
+  const std::size_t never = s.not_held + s.not_released;
+  // One that was never held, released or caught fails them.
+  const auto of_all = [](double worst, std::size_t missing) { return missing == 0 ? worst : kNever; };
+  add("caught_after_max_s", "s", of_all(s.caught_after_worst_s, never + s.not_caught),
+      limits.caught_after_max_s, true);
+  add("released_after_max_s", "s", of_all(s.released_after_worst_s, never), limits.released_after_max_s,
+      true);
+  add("drop_max_m", "m", of_all(s.drop_worst_m, never + s.not_caught), limits.drop_max_m, true);
+  add("not_caught_max", "", count(s.not_caught), limits.not_caught_max, true);
+  add("slips_max", "", count(s.slips), limits.slips_max, true);
+  add("holding_min_kg", "kg", r.holding_kg, limits.holding_min_kg, false);
+  if (checks.empty()) return checks;
+  add("not_held_max", "", count(s.not_held), 0.0, true);
+  add("not_released_max", "", count(s.not_released), limits.not_released_max.value_or(0.0), true);
+  return checks;
+}
+
+}  // namespace
+
 ReleaseCatch run_release_catch(Board& board, const Options& options, const Limits& limits) {
   ReleaseCatch out;
   out.board = board.name();
@@ -188,36 +215,15 @@ ReleaseCatch run_release_catch(Board& board, const Options& options, const Limit
         {0.5 * c.pressing_n, 0.75 * c.pressing_n, c.pressing_n, 1.25 * c.pressing_n, 1.5 * c.pressing_n});
 
   tell(0.9, "holding load");
-  double holding_kg = 0.0;
   for (const double share : {0.25, 0.5, 0.75, 1.0, 1.25, 1.5}) {
     Conditions at = c;
     at.pressing_n = share * c.pressing_n;
-    out.pressing_n.push_back(at.pressing_n);
-    out.holding_kg.push_back(holding_load_kg(board, at));
-    if (share == 1.0) holding_kg = out.holding_kg.back();
+    out.holding.push_back({at.pressing_n, holding_load_kg(board, at)});
+    if (share == 1.0) out.holding_kg = out.holding.back().load_kg;
   }
   tell(1.0, "done");
 
-  std::vector<Trial> all{out.standard};
-  all.insert(all.end(), out.trials.begin(), out.trials.end());
-  const Summary s = summarise(all);
-  const auto count = [](std::size_t n) { return static_cast<double>(n); };
-  const std::size_t never = s.not_held + s.not_released;
-  // Of every trial: one that was never held, released or caught fails them.
-  const auto of_all = [](double worst, std::size_t missing) { return missing == 0 ? worst : kNever; };
-  add(out.checks, "caught_after_max_s", "s", of_all(s.caught_after_worst_s, never + s.not_caught),
-      limits.caught_after_max_s, true);
-  add(out.checks, "released_after_max_s", "s", of_all(s.released_after_worst_s, never),
-      limits.released_after_max_s, true);
-  add(out.checks, "drop_max_m", "m", of_all(s.drop_worst_m, never + s.not_caught), limits.drop_max_m, true);
-  add(out.checks, "not_caught_max", "", count(s.not_caught), limits.not_caught_max, true);
-  add(out.checks, "slips_max", "", count(s.slips), limits.slips_max, true);
-  add(out.checks, "holding_min_kg", "kg", holding_kg, limits.holding_min_kg, false);
-  if (!out.checks.empty()) {
-    add(out.checks, "not_held_max", "", count(s.not_held), 0.0, true);
-    add(out.checks, "not_released_max", "", count(s.not_released), limits.not_released_max.value_or(0.0),
-        true);
-  }
+  out.checks = check(out, limits);
   out.passed = std::all_of(out.checks.begin(), out.checks.end(), [](const Check& x) { return x.passed; });
   return out;
 }

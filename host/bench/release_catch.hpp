@@ -64,6 +64,11 @@ struct Sweep {
   std::vector<Trial> trials;
 };
 
+/// The largest load that a pressing force holds.
+struct Holding {
+  double pressing_n, load_kg;
+};
+
 /// A check of the limits: what was measured against what was asked.
 struct Check {
   std::string_view name, unit;
@@ -80,7 +85,8 @@ struct ReleaseCatch {
   std::size_t worst = 0;      ///< not caught, else caught last
   Summary summary;
   std::vector<Sweep> sweeps;
-  std::vector<double> pressing_n, holding_kg;
+  std::vector<Holding> holding;  ///< over the pressing force
+  double holding_kg = 0.0;       ///< at the conditions given
   std::vector<Check> checks;
   bool passed = true;
 };

@@ -63,8 +63,8 @@ std::string to_json_text(const ReleaseCatch& r) {
     out["sweeps"][std::string(sweep.of)] = std::move(rows);
   }
   out["holding"] = Json::array();
-  for (std::size_t i = 0; i < r.pressing_n.size(); ++i)
-    out["holding"].push_back({{"pressing_n", r.pressing_n[i]}, {"load_kg", r.holding_kg[i]}});
+  for (const Holding& h : r.holding)
+    out["holding"].push_back({{"pressing_n", h.pressing_n}, {"load_kg", h.load_kg}});
   out["checks"] = Json::array();
   for (const Check& c : r.checks)
     out["checks"].push_back(

@@ -111,9 +111,8 @@ std::string sweep(const Sweep& s) {
 
 std::string holding(const ReleaseCatch& r) {
   Table table({{"Pressing force, N", true}, {"Holds, kg", true}, {"Held force over pressing force", true}});
-  for (std::size_t i = 0; i < r.pressing_n.size(); ++i)
-    table.add(
-        {number(r.pressing_n[i]), number(r.holding_kg[i]), number(9.81 * r.holding_kg[i] / r.pressing_n[i])});
+  for (const Holding& h : r.holding)
+    table.add({number(h.pressing_n), number(h.load_kg), number(9.81 * h.load_kg / h.pressing_n)});
   return table.html();
 }
 

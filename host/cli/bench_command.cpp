@@ -84,14 +84,19 @@ void run(const Options& o) {
     std::printf("%zu not held, %zu never released, %zu not caught, %zu slipped\n", s.not_held, s.not_released,
                 s.not_caught, s.slips);
   }
-  for (std::size_t i = 0; i < r.pressing_n.size(); ++i)
-    std::printf("%s%g N holds %.2f kg", i == 0 ? "pressing force: " : ", ", r.pressing_n[i], r.holding_kg[i]);
+  const char* before = "pressing force: ";
+  for (const bench::Holding& h : r.holding) {
+    std::printf("%s%g N holds %.2f kg", before, h.pressing_n, h.load_kg);
+    before = ", ";
+  }
   std::printf("\n");
-  for (const bench::Check& c : r.checks)
-    std::printf("%s %s: %s, asked %s %s%s%s\n", c.passed ? "passed" : "FAILED", std::string(c.name).c_str(),
-                std::isfinite(c.measured) ? log::shortest(c.measured).c_str() : "not in every trial",
-                c.at_most ? "at most" : "at least", log::shortest(c.limit).c_str(), c.unit.empty() ? "" : " ",
+  for (const bench::Check& c : r.checks) {
+    char measured[32] = "not in every trial";
+    if (std::isfinite(c.measured)) std::snprintf(measured, sizeof measured, "%.6g", c.measured);
+    std::printf("%s %s: %s, asked %s %g%s%s\n", c.passed ? "passed" : "FAILED", std::string(c.name).c_str(),
+                measured, c.at_most ? "at most" : "at least", c.limit, c.unit.empty() ? "" : " ",
                 std::string(c.unit).c_str());
+  }
   std::printf("report: %s/report.html\n", o.out.c_str());
   std::fflush(stdout);
   if (!r.passed) throw Refusal("the clutch does not meet its limits (" + o.limits + ")");

@@ -1,4 +1,4 @@
-// `furcula energy`: what a hop costs with the clutch and without.
+// `furcula energy`: what a hop costs with the clutch, without, and without a spring.
 #include <cstdio>
 #include <memory>
 #include <string>
@@ -49,22 +49,25 @@ void run(const Options& o) {
   log::write_file_atomically(o.out + "/energy.json", energy::to_json_text(s));
   log::write_file_atomically(o.out + "/report.html", energy::render_energy_report(s, command));
 
-  std::printf("J a hop at an apex of %g m       caught                          with the clutch\n",
-              o.study.apex_m);
-  std::printf("contraction    mechanical  electrical  peak N m    mechanical  electrical  peak N m\n");
+  std::printf("J a hop (peak N m in flight and in stance) at an apex of %g m\n", o.study.apex_m);
+  std::printf("%-11s%32s%32s%32s\ncontraction", "", "caught", "with the clutch", "without a spring");
+  for (int i = 0; i < 3; ++i) std::printf("%9s%9s%7s%7s", "mech.", "electr.", "flight", "stance");
+  std::printf("\n");
   const auto robot = [](const std::optional<energy::Settled>& r) {
     if (!r) {
-      std::printf("  %10s  %10s  %8s", "-", "-", "-");
+      std::printf("%9s%9s%7s%7s", "-", "-", "-", "-");
       return;
     }
-    std::printf("  %10.2f  %10.2f  %8.1f", energy::cost_j(r->energy, energy::Measure::mechanical),
-                energy::cost_j(r->energy, energy::Measure::electrical), r->energy.peak_torque_flight_nm);
+    const energy::HopEnergy& e = r->energy;
+    std::printf("%9.2f%9.2f%7.1f%7.1f", energy::cost_j(e, energy::Measure::mechanical),
+                energy::cost_j(e, energy::Measure::electrical), e.peak_torque_flight_nm,
+                e.peak_torque_stance_nm);
   };
   for (const energy::Point& p : s.points) {
-    std::printf("%8.1f cm  ", 100.0 * p.contraction_m);
+    std::printf("%8.1f cm", 100.0 * p.contraction_m);
     robot(p.caught);
-    std::printf("  ");
     robot(p.clutched);
+    robot(p.springless);
     std::printf("\n");
   }
   std::printf(
@@ -74,6 +77,8 @@ void run(const Options& o) {
       centimetres(s.mechanical_m).c_str(), centimetres(s.electrical_m).c_str(), s.published.coil_j,
       centimetres(s.published.break_even_m).c_str(), s.published.mass_j,
       centimetres(s.published.break_even_with_mass_m).c_str());
+  std::printf("without a spring it costs less than against a caught one from: mechanical %s, electrical %s\n",
+              centimetres(s.springless_mechanical_m).c_str(), centimetres(s.springless_electrical_m).c_str());
   for (const energy::Variant& v : s.variants)
     std::printf("  %-42s mechanical %s, electrical %s\n", v.what.c_str(), centimetres(v.mechanical_m).c_str(),
                 centimetres(v.electrical_m).c_str());
@@ -85,13 +90,13 @@ void run(const Options& o) {
 void add_energy_command(CLI::App& app) {
   auto options = std::make_shared<Options>();
   options->study.threads = 0;
-  CLI::App* command =
-      app.add_subcommand("energy", "What a hop costs with the spring caught and with the clutch");
+  CLI::App* command = app.add_subcommand(
+      "energy", "What a hop costs with the spring caught, with the clutch, and without a spring");
   command
       ->add_option("--model", options->model,
                    "hopper_nonlinear with a clutch, without the clutch's mass (TOML)")
       ->required();
-  command->add_option("--apex-m", options->study.apex_m, "That both reach")
+  command->add_option("--apex-m", options->study.apex_m, "That all reach")
       ->check(within(0.05, 5.0))
       ->capture_default_str();
   command->add_option("--clutch-mass-kg", options->study.clutch_mass_kg, "Mass of the clutch")

@@ -10,18 +10,19 @@
 namespace furcula::energy {
 namespace {
 
-/// Sums of the whole run up to an instant.
-struct Account {
-  double motor_work = 0.0, guide = 0.0, leg = 0.0, touchdown = 0.0, stop = 0.0, liftoff = 0.0, coil = 0.0,
-         clutch_friction = 0.0, clutch_impacts = 0.0, coil_heat = 0.0;
-};
+/// What the plant keeps account of.
+constexpr double HopEnergy::*kAccounts[] = {
+    &HopEnergy::motor_work,     &HopEnergy::coil,     &HopEnergy::guide_damping, &HopEnergy::leg_damping,
+    &HopEnergy::touchdown,      &HopEnergy::stop,     &HopEnergy::liftoff,       &HopEnergy::clutch_friction,
+    &HopEnergy::clutch_impacts, &HopEnergy::coil_heat};
 
-Account account_of(const sim_host::Plant& plant) {
-  Account a;
+/// Sums of the whole run up to now.
+HopEnergy account_of(const sim_host::Plant& plant) {
+  HopEnergy a;
   const auto take = [&](const auto& e) {
     a.motor_work = e.motor;
-    a.guide = e.guide_damping;
-    a.leg = e.leg_damping;
+    a.guide_damping = e.guide_damping;
+    a.leg_damping = e.leg_damping;
     a.touchdown = e.touchdown;
     a.stop = e.stop;
     a.liftoff = e.liftoff;
@@ -49,12 +50,10 @@ HopEnergy energy_per_hop(Robot robot, const Motor& motor, int settle, int count)
   robot.rig.duration_s = 0.7 * (settle + count + 2);
   sim_host::SimBoard board(robot.rig);
   firmware::App app(board, robot.config);
-  HopEnergy out;
-  Account before;
-  double pushed = 0.0, copper = 0.0, highest_m = 0.0, last_angle = board.plant().leg_angle_rad(),
-         last_torque_nm = 0.0;
+  HopEnergy out, before;
+  double highest_m = 0.0, last_angle = board.plant().leg_angle_rad(), last_torque_nm = 0.0;
   int touchdowns = 0;
-  bool counting = false;
+  bool counting = false, commanded_in_flight = true;
   while (board.wait_for_tick()) {
     app.tick();
     const auto& o = board.telemetry().outputs;
@@ -62,22 +61,22 @@ HopEnergy energy_per_hop(Robot robot, const Motor& motor, int settle, int count)
     const double angle = board.plant().leg_angle_rad();
     const double work = last_torque_nm * (angle - last_angle);
     last_angle = angle;
+    const bool flight = o.phase.phase == control::Phase::flight;
     if (counting) {
-      const bool flight = o.phase.phase == control::Phase::flight;
       const double size_nm = std::abs(last_torque_nm),
                    current_a = last_torque_nm / motor.torque_constant_nmpa;
-      pushed += std::max(0.0, work);
-      copper += motor.resistance_ohm * current_a * current_a * 1e-3;
-      double& peak_nm = flight ? out.peak_torque_flight_nm : out.peak_torque_stance_nm;
+      out.motor_pushed += std::max(0.0, work);
+      out.motor_copper += motor.resistance_ohm * current_a * current_a * 1e-3;
+      double& peak_nm = commanded_in_flight ? out.peak_torque_flight_nm : out.peak_torque_stance_nm;
       peak_nm = std::max(peak_nm, size_nm);
-      if (flight) {
-        out.flight_s += 1e-3;
-        const double leg_m = 2.0 * static_cast<double>(robot.config.link_length_m) * std::cos(angle);
-        out.fold_m = std::max(out.fold_m, board.plant().touchdown_height_m() - leg_m);
-      }
+      const double leg_m = 2.0 * static_cast<double>(robot.config.link_length_m) * std::cos(angle);
+      double& shorter_m = flight ? out.fold_m : out.compression_m;
+      shorter_m = std::max(shorter_m, board.plant().touchdown_height_m() - leg_m);
+      if (flight) out.flight_s += 1e-3;
       highest_m = std::max(highest_m, board.plant().height_m());
     }
     last_torque_nm = static_cast<double>(board.command().torque_nm);
+    commanded_in_flight = flight;
     if (!o.phase.touchdown) continue;
     ++touchdowns;
     if (counting) {
@@ -95,22 +94,11 @@ HopEnergy energy_per_hop(Robot robot, const Motor& motor, int settle, int count)
     out.fell = true;
     return out;
   }
-  const Account after = account_of(board.plant());
-  const double hops = out.hops;
-  out.motor_work = (after.motor_work - before.motor_work) / hops;
-  out.motor_pushed = pushed / hops;
-  out.motor_copper = copper / hops;
-  out.coil = (after.coil - before.coil) / hops;
-  out.guide_damping = (after.guide - before.guide) / hops;
-  out.leg_damping = (after.leg - before.leg) / hops;
-  out.touchdown = (after.touchdown - before.touchdown) / hops;
-  out.stop = (after.stop - before.stop) / hops;
-  out.liftoff = (after.liftoff - before.liftoff) / hops;
-  out.clutch_friction = (after.clutch_friction - before.clutch_friction) / hops;
-  out.clutch_impacts = (after.clutch_impacts - before.clutch_impacts) / hops;
-  out.coil_heat = (after.coil_heat - before.coil_heat) / hops;
-  out.apex_m /= hops;
-  out.flight_s /= hops;
+  const HopEnergy after = account_of(board.plant());
+  for (const auto account : kAccounts) out.*account = (after.*account - before.*account) / out.hops;
+  for (const auto sum :
+       {&HopEnergy::motor_pushed, &HopEnergy::motor_copper, &HopEnergy::apex_m, &HopEnergy::flight_s})
+    out.*sum /= out.hops;
   return out;
 }
 

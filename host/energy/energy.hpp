@@ -27,8 +27,9 @@ struct HopEnergy {
   double coil_heat = 0.0;  ///< copper and flyback
 
   double apex_m = 0.0;
-  double peak_torque_flight_nm = 0.0, peak_torque_stance_nm = 0.0;
-  double fold_m = 0.0;  ///< by which the leg was shorter at most in flight
+  double peak_torque_flight_nm = 0.0, peak_torque_stance_nm = 0.0;  ///< of what is commanded there
+  double fold_m = 0.0;         ///< by which the leg was shorter at most in flight
+  double compression_m = 0.0;  ///< the same in stance, of the deepest
   double flight_s = 0.0;
   int hops = 0;
   bool fell = false;  ///< no hops, or a fault

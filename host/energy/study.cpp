@@ -57,40 +57,63 @@ Robot clutched_robot(const model::Model& model, const Options& o, double contrac
   return r;
 }
 
-/// `caught`: points at the same contractions, or at so many between them that each is one of those.
-std::vector<Point> sweep(const model::Model& model, const Options& o, std::size_t count, const Change& change,
-                         const std::vector<Point>* caught) {
-  std::vector<Point> points(count);
-  identify::parallel_for(2 * count, o.threads, [&](std::size_t i) {
-    const std::size_t place = i / 2;
-    Point& p = points[place];
-    const double share = count > 1 ? static_cast<double>(place) / static_cast<double>(count - 1) : 1.0;
-    const double contraction_m = share * o.most_contraction_m;
-    if (i % 2 == 0) {
-      p.contraction_m = contraction_m;
-      if (caught == nullptr)
-        p.caught = energy_at_apex(caught_robot(model, o, contraction_m), o.motor, o.apex_m);
-    } else {
-      p.clutched = energy_at_apex(clutched_robot(model, o, contraction_m, change), o.motor, o.apex_m);
-    }
+/// All three robots at `options.points` contractions, evenly from none to the largest.
+std::vector<Point> sweep(const model::Model& model, const Options& o) {
+  std::vector<Point> points(o.points);
+  for (std::size_t i = 0; i < o.points; ++i)
+    points[i].contraction_m =
+        o.most_contraction_m *
+        (o.points > 1 ? static_cast<double>(i) / static_cast<double>(o.points - 1) : 1.0);
+  constexpr std::size_t kRobots = 3;
+  identify::parallel_for(kRobots * o.points, o.threads, [&](std::size_t i) {
+    Point& p = points[i / kRobots];
+    const double contraction_m = p.contraction_m;
+    const auto settled = [&](const Robot& robot) { return energy_at_apex(robot, o.motor, o.apex_m); };
+    if (i % kRobots == 0)
+      p.caught = settled(caught_robot(model, o, contraction_m));
+    else if (i % kRobots == 1)
+      p.clutched = settled(clutched_robot(model, o, contraction_m, {}));
+    else
+      p.springless = settled(springless_robot(model, hopping(o, contraction_m, false)));
   });
-  if (caught != nullptr)
-    for (std::size_t i = 0; i < count; ++i)
-      points[i].caught = (*caught)[i * (caught->size() - 1) / std::max<std::size_t>(1, count - 1)].caught;
+  return points;
+}
+
+/// The same with a robot with the clutch that is changed; the others stay what they are.
+std::vector<Point> changed(std::vector<Point> points, const model::Model& model, const Options& o,
+                           const Change& change) {
+  identify::parallel_for(points.size(), o.threads, [&](std::size_t i) {
+    points[i].clutched =
+        energy_at_apex(clutched_robot(model, o, points[i].contraction_m, change), o.motor, o.apex_m);
+  });
   return points;
 }
 
 }  // namespace
 
+Robot springless_robot(const model::Model& model, const sim::Scenario& scenario) {
+  Robot r{sim::rig_config(model, scenario, 1), sim::controller_config(model, scenario)};
+  auto p = dynamics::from_table<dynamics::HopperNonlinearParameters<double>>(
+      std::span<const double>(model.parameters));
+  // Paid out by more than any leg can fold: the controller pushes with all that the spring would.
+  r.rig.cable_loose_m = p.rest_height_m;
+  r.config.supervisor.cable_travel_max_m = static_cast<float>(p.rest_height_m) + 0.01f;
+  p.stiffness_npm = 0.0;
+  r.rig.plant = sim_host::Plant(p);
+  return r;
+}
+
 double cost_j(const HopEnergy& e, Measure measure) {
   return e.motor_pushed + e.coil + (measure == Measure::electrical ? e.motor_copper : 0.0);
 }
 
-std::optional<double> break_even_m(const std::vector<Point>& points, Measure measure) {
+std::optional<double> break_even_m(const std::vector<Point>& points, Measure measure,
+                                   std::optional<Settled> Point::*one, std::optional<Settled> Point::*other) {
   std::optional<double> after_at, after_gain;
   for (auto p = points.rbegin(); p != points.rend(); ++p) {
-    if (!p->caught || !p->clutched) continue;
-    const double gain = cost_j(p->caught->energy, measure) - cost_j(p->clutched->energy, measure);
+    const auto &cheaper = (*p).*one, &dearer = (*p).*other;
+    if (!cheaper || !dearer) continue;
+    const double gain = cost_j(dearer->energy, measure) - cost_j(cheaper->energy, measure);
     if (gain < 0.0) {
       if (!after_at) return std::nullopt;
       return p->contraction_m + (*after_at - p->contraction_m) * gain / (gain - *after_gain);
@@ -120,9 +143,14 @@ Study run_study(const model::Model& model, const Options& options) {
   Study out;
   out.options = options;
   tell(0.0, "contractions");
-  out.points = sweep(model, options, options.points, {}, nullptr);
+  out.points = sweep(model, options);
   out.mechanical_m = break_even_m(out.points, Measure::mechanical);
   out.electrical_m = break_even_m(out.points, Measure::electrical);
+  const auto springless = [&](Measure measure) {
+    return break_even_m(out.points, measure, &Point::springless, &Point::caught);
+  };
+  out.springless_mechanical_m = springless(Measure::mechanical);
+  out.springless_electrical_m = springless(Measure::electrical);
 
   // As published: without the robot's own motion but for its flight time and the price of its mass.
   const Point& still = out.points.front();
@@ -151,11 +179,12 @@ Study run_study(const model::Model& model, const Options& options) {
                        {"clutch half a kilogram lighter", {.clutch_mass_kg = -0.5}},
                        {"clutch half a kilogram heavier", {.clutch_mass_kg = 0.5}}};
   // Every other contraction will do, where the last one is one of them.
-  const bool halves = options.points > 10 && options.points % 2 == 1;
-  const std::size_t coarse = halves ? options.points / 2 + 1 : options.points;
+  std::vector<Point> coarse;
+  const std::size_t stride = options.points > 10 && options.points % 2 == 1 ? 2 : 1;
+  for (std::size_t i = 0; i < out.points.size(); i += stride) coarse.push_back(out.points[i]);
   for (std::size_t i = 0; i < std::size(all); ++i) {
     tell(0.4 + 0.6 * static_cast<double>(i) / static_cast<double>(std::size(all)), all[i].what);
-    const std::vector<Point> points = sweep(model, options, coarse, all[i].change, &out.points);
+    const std::vector<Point> points = changed(coarse, model, options, all[i].change);
     out.variants.push_back(
         {all[i].what, break_even_m(points, Measure::mechanical), break_even_m(points, Measure::electrical)});
   }

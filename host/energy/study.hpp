@@ -1,5 +1,5 @@
-// When the clutch pays: the leg folds in flight against a caught spring, or with the spring let go, at the
-// same apex (002 section 5.2).
+// When the clutch pays: the leg folds in flight against a caught spring, with the spring let go, or has none
+// and stands on its motor, at the same apex (002 section 5.2).
 #pragma once
 
 #include <functional>
@@ -10,6 +10,7 @@
 
 #include "host/energy/energy.hpp"
 #include "host/model/model.hpp"
+#include "host/sim/scenario.hpp"
 
 namespace furcula::energy {
 
@@ -24,20 +25,28 @@ struct Options {
   std::function<void(double fraction, std::string_view doing)> progress;
 };
 
-/// Both robots at one contraction; absent where one cannot reach the apex.
+/// The three robots at one contraction; absent where one cannot reach the apex.
 struct Point {
   double contraction_m = 0.0;
-  std::optional<Settled> caught;    ///< without the clutch and its mass, folding against the spring
-  std::optional<Settled> clutched;  ///< with both
+  std::optional<Settled> caught;      ///< without the clutch and its mass, folding against the spring
+  std::optional<Settled> clutched;    ///< with both
+  std::optional<Settled> springless;  ///< of the mass of `caught`; in stance the motor is the spring
 };
+
+/// The robot of a model with a clutch, without spring and clutch: of the same mass, its plant without
+/// stiffness. To its controller it is one whose cable hangs loose: in stance the motor pushes with
+/// k (z0 - z) from the measured leg angle, as it does when the leg lands on a spring that was not caught.
+Robot springless_robot(const model::Model& model, const sim::Scenario& scenario);
 
 /// What counts as the energy of a hop.
 enum class Measure { mechanical, electrical };  ///< motor's positive work and coil; copper losses too
 double cost_j(const HopEnergy& energy, Measure measure);
 
-/// The contraction from which on the clutch costs less and goes on to, by straight lines between the points;
-/// absent if nowhere.
-std::optional<double> break_even_m(const std::vector<Point>& points, Measure measure);
+/// The contraction from which on one robot costs less than another and goes on to, by straight lines between
+/// the points; absent if nowhere.
+std::optional<double> break_even_m(const std::vector<Point>& points, Measure measure,
+                                   std::optional<Settled> Point::*one = &Point::clutched,
+                                   std::optional<Settled> Point::*other = &Point::caught);
 
 /// The accounting of 002 section 5.2: work k A^2 / 2 against the spring on the one side; on the other a coil
 /// that takes its full power for the whole flight, and what the clutch's mass costs.
@@ -57,7 +66,8 @@ struct Study {
   Options options;
   std::vector<Point> points;
   Published published;
-  std::optional<double> mechanical_m, electrical_m;  ///< break-even
+  std::optional<double> mechanical_m, electrical_m;                        ///< break-even
+  std::optional<double> springless_mechanical_m, springless_electrical_m;  ///< without one against caught
   std::vector<Variant> variants;
 };
 

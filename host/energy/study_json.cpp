@@ -31,6 +31,7 @@ Json robot(const std::optional<Settled>& settled) {
           {"peak_torque_flight_nm", e.peak_torque_flight_nm},
           {"peak_torque_stance_nm", e.peak_torque_stance_nm},
           {"fold_m", e.fold_m},
+          {"compression_m", e.compression_m},
           {"flight_s", e.flight_s}};
 }
 
@@ -45,9 +46,13 @@ std::string to_json_text(const Study& s) {
   out["resistance_ohm"] = s.options.motor.resistance_ohm;
   out["points"] = Json::array();
   for (const Point& p : s.points)
-    out["points"].push_back(
-        {{"contraction_m", p.contraction_m}, {"caught", robot(p.caught)}, {"clutched", robot(p.clutched)}});
+    out["points"].push_back({{"contraction_m", p.contraction_m},
+                             {"caught", robot(p.caught)},
+                             {"clutched", robot(p.clutched)},
+                             {"springless", robot(p.springless)}});
   out["break_even"] = {{"mechanical_m", number(s.mechanical_m)}, {"electrical_m", number(s.electrical_m)}};
+  out["springless_below_caught"] = {{"mechanical_m", number(s.springless_mechanical_m)},
+                                    {"electrical_m", number(s.springless_electrical_m)}};
   out["as_published"] = {{"coil_j", s.published.coil_j},
                          {"mass_j", s.published.mass_j},
                          {"break_even_m", s.published.break_even_m},

@@ -17,12 +17,17 @@ std::string centimetres(const std::optional<double>& length_m) {
   return length_m ? number(100.0 * *length_m, 3) + "&#8239;<small>cm</small>" : "nowhere";
 }
 
-/// Two lines over the contraction: the robot whose spring stays caught, and the one with the clutch.
+/// With copper losses.
+std::string joules(const std::optional<Settled>& robot) {
+  return robot ? number(cost_j(robot->energy, Measure::electrical), 3) + " J" : "nothing";
+}
+
+/// A line over the contraction for each robot.
 std::string plot(const Study& s, const std::string& title, double (*value)(const HopEnergy&)) {
   constexpr double kWidth = 640, kHeight = 260, kLeft = 56, kBottom = 34, kTop = 12, kRight = 20;
   double most = 0.0;
   for (const Point& p : s.points)
-    for (const auto* robot : {&p.caught, &p.clutched})
+    for (const auto* robot : {&p.caught, &p.clutched, &p.springless})
       if (*robot) most = std::max(most, value((*robot)->energy));
   if (!(most > 0.0) || s.points.size() < 2) return "";
   const double widest = s.points.back().contraction_m;
@@ -50,18 +55,33 @@ std::string plot(const Study& s, const std::string& title, double (*value)(const
   };
   line(&Point::caught, "#b45309");
   line(&Point::clutched, "#047857");
+  line(&Point::springless, "#4f46e5");
   return out + "</svg><figcaption>" + report::escape(title) +
          ", over the contraction in cm. <span style=\"color:#b45309\">Spring caught</span>, <span "
-         "style=\"color:#047857\">spring released by the clutch</span>.</figcaption></figure>\n";
+         "style=\"color:#047857\">spring released by the clutch</span>, <span style=\"color:#4f46e5\">no "
+         "spring</span>.</figcaption></figure>\n";
 }
 
 std::string where_it_goes(const Study& s) {
-  Table table({{"J a hop"}, {"no contraction", true}, {"caught, folded", true}, {"released, folded", true}});
+  struct Column {
+    const char* name;
+    const std::optional<Settled>& robot;
+  };
   const Point &first = s.points.front(), &last = s.points.back();
-  if (!first.caught || !last.caught || !last.clutched) return "";
+  const Column all[] = {{"caught", first.caught},
+                        {"no spring", first.springless},
+                        {"caught, folded", last.caught},
+                        {"released, folded", last.clutched},
+                        {"no spring, folded", last.springless}};
+  if (std::none_of(std::begin(all), std::end(all), [](const Column& c) { return c.robot.has_value(); }))
+    return "";
+  std::vector<Table::Column> head{{"J a hop"}};
+  for (const Column& c : all) head.push_back({c.name, true});
+  Table table(head);
   const auto row = [&](const char* what, double HopEnergy::*member) {
-    table.add({what, number(first.caught->energy.*member, 3), number(last.caught->energy.*member, 3),
-               number(last.clutched->energy.*member, 3)});
+    std::vector<std::string> cells{what};
+    for (const Column& c : all) cells.push_back(c.robot ? number(c.robot->energy.*member, 3) : "&ndash;");
+    table.add(cells);
   };
   row("Motor, mechanical, given", &HopEnergy::motor_pushed);
   row("Motor, mechanical, net", &HopEnergy::motor_work);
@@ -76,6 +96,7 @@ std::string where_it_goes(const Study& s) {
   row("Clutch, impacts", &HopEnergy::clutch_impacts);
   row("Clutch, coil's heat", &HopEnergy::coil_heat);
   row("Peak torque in flight, N m", &HopEnergy::peak_torque_flight_nm);
+  row("Peak torque in stance, N m", &HopEnergy::peak_torque_stance_nm);
   return table.html();
 }
 
@@ -96,9 +117,9 @@ std::string render_energy_report(const Study& s, const std::string& command) {
   page.body_html =
       "<header>\n<p class=\"eyebrow\">Energy a hop, at an apex of " + number(100.0 * s.options.apex_m) +
       " cm</p>\n<h1>" +
-      (s.mechanical_m
-           ? "The clutch costs less from a contraction of " + number(100.0 * *s.mechanical_m, 3) + " cm on."
-           : std::string("The clutch costs more at every contraction.")) +
+      (s.mechanical_m ? "The clutch costs less than a caught spring from a contraction of " +
+                            number(100.0 * *s.mechanical_m, 3) + " cm on."
+                      : std::string("The clutch costs more than a caught spring at every contraction.")) +
       "</h1>\n</header>\n" +
       report::key_figures(
           {{"Break-even, mechanical", centimetres(s.mechanical_m), "motor's positive work and coil"},
@@ -107,14 +128,18 @@ std::string render_energy_report(const Study& s, const std::string& command) {
             "k A² / 2 against " + number(s.published.coil_j) +
                 " J of a coil at full power for the whole flight"},
            {"The clutch's mass", number(s.published.mass_j, 3) + "&#8239;<small>J</small>",
-            number(s.options.clutch_mass_kg) + " kg more, a hop"}}) +
+            number(s.options.clutch_mass_kg) + " kg more, a hop"},
+           {"Without a spring", joules(s.points.front().springless),
+            "electrical, not folded; with it " + joules(s.points.front().caught)}}) +
       report::section("mechanical", "Motor's work and coil",
                       plot(s, "J a hop", [](const HopEnergy& e) { return cost_j(e, Measure::mechanical); })) +
       report::section("electrical", "With the motor's copper losses",
                       plot(s, "J a hop", [](const HopEnergy& e) { return cost_j(e, Measure::electrical); })) +
       report::section("torque", "Peak torque in flight",
                       plot(s, "N m", [](const HopEnergy& e) { return e.peak_torque_flight_nm; })) +
-      report::section("where", "Where it goes, at the largest contraction", where_it_goes(s)) +
+      report::section("stance", "Peak torque in stance",
+                      plot(s, "N m", [](const HopEnergy& e) { return e.peak_torque_stance_nm; })) +
+      report::section("where", "Where it goes, without a contraction and at the largest", where_it_goes(s)) +
       report::section("variants", "What moves the break-even", break_even(s));
   return report::render(page);
 }

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <numeric>
 #include <string>
 
 #include "furcula/dynamics/links.hpp"
@@ -307,15 +306,18 @@ void chapter_4(Reproduction& out) {
       "is more than the smallness that the document gives as the reason.";
 }
 
-double slope_r2(const std::vector<double>& x, const std::vector<double>& y) {
-  const auto n = static_cast<double>(x.size());
-  const double mx = std::accumulate(x.begin(), x.end(), 0.0) / n,
-               my = std::accumulate(y.begin(), y.end(), 0.0) / n;
-  double xx = 0.0, xy = 0.0, yy = 0.0;
-  for (std::size_t i = 0; i < x.size(); ++i) {
-    xx += (x[i] - mx) * (x[i] - mx);
-    xy += (x[i] - mx) * (y[i] - my);
-    yy += (y[i] - my) * (y[i] - my);
+/// Of the best straight line through the loads over the pressing forces.
+double line_r2(const std::vector<bench::Holding>& points) {
+  const auto n = static_cast<double>(points.size());
+  double mx = 0.0, my = 0.0, xx = 0.0, xy = 0.0, yy = 0.0;
+  for (const auto& p : points) {
+    mx += p.pressing_n / n;
+    my += p.load_kg / n;
+  }
+  for (const auto& p : points) {
+    xx += (p.pressing_n - mx) * (p.pressing_n - mx);
+    xy += (p.pressing_n - mx) * (p.load_kg - my);
+    yy += (p.load_kg - my) * (p.load_kg - my);
   }
   return xy * xy / (xx * yy);
 }
@@ -328,7 +330,7 @@ void chapter_5(Reproduction& out) {
   rows.push_back(compare("5.1, Fig. 5.6", "the slowest of varied trials", "s", "0.020 to 0.050",
                          bench.summary.caught_after_worst_s, {0.020, 0.050}));
   rows.push_back(compare("5.1", "holding load over pressing force: R^2 of a straight line", "",
-                         "rises with it", slope_r2(bench.pressing_n, bench.holding_kg), {0.95, 1.0}));
+                         "rises with it", line_r2(bench.holding), {0.95, 1.0}));
 
   // W = integral of k dz d(dz) while the leg folds; dz = A sin(2 pi t / P) rises for P / 4.
   constexpr double kPeriodS = 0.4, kStiffness = 605.0;
