@@ -1,10 +1,10 @@
 // What stands on the page of an energy study, from top to bottom.
 #include "host/energy/study_report.hpp"
 
-#include <algorithm>
-#include <cmath>
+#include <utility>
 
 #include "host/report/html.hpp"
+#include "host/report/line_plot.hpp"
 #include "host/report/page.hpp"
 
 namespace furcula::energy {
@@ -24,42 +24,21 @@ std::string joules(const std::optional<Settled>& robot) {
 
 /// A line over the contraction for each robot.
 std::string plot(const Study& s, const std::string& title, double (*value)(const HopEnergy&)) {
-  constexpr double kWidth = 640, kHeight = 260, kLeft = 56, kBottom = 34, kTop = 12, kRight = 20;
-  double most = 0.0;
-  for (const Point& p : s.points)
-    for (const auto* robot : {&p.caught, &p.clutched, &p.springless})
-      if (*robot) most = std::max(most, value((*robot)->energy));
-  if (!(most > 0.0) || s.points.size() < 2) return "";
-  const double widest = s.points.back().contraction_m;
-  const auto x = [&](double m) { return kLeft + (kWidth - kLeft - kRight) * m / widest; };
-  const auto y = [&](double v) { return kHeight - kBottom - (kHeight - kBottom - kTop) * v / most; };
-  std::string out = "<figure><svg viewBox=\"0 0 640 260\" width=\"640\" role=\"img\" aria-label=\"" +
-                    report::escape(title) + "\" style=\"max-width:100%\">\n";
-  for (const double share : {0.0, 0.25, 0.5, 0.75, 1.0}) {
-    const std::string at = number(y(share * most), 5);
-    out += "<line x1=\"56\" x2=\"620\" y1=\"" + at + "\" y2=\"" + at +
-           "\" stroke=\"currentColor\" opacity=\"0.15\"/><text x=\"50\" y=\"" + at +
-           "\" text-anchor=\"end\" dominant-baseline=\"middle\" font-size=\"12\" fill=\"currentColor\">" +
-           number(share * most, 3) + "</text>\n";
-    out += "<text x=\"" + number(x(share * widest), 5) +
-           "\" y=\"246\" text-anchor=\"middle\" font-size=\"12\" fill=\"currentColor\">" +
-           number(100.0 * share * widest, 3) + "</text>\n";
-  }
-  const auto line = [&](std::optional<Settled> Point::*robot, const char* colour) {
-    std::string points;
+  report::LinePlot out{title, "contraction, cm", {}, true};
+  const std::pair<const char*, std::optional<Settled> Point::*> robots[] = {
+      {"spring caught", &Point::caught},
+      {"spring released by the clutch", &Point::clutched},
+      {"no spring", &Point::springless}};
+  for (const auto& [label, robot] : robots) {
+    report::Line line{label, {}, {}};
     for (const Point& p : s.points)
-      if (p.*robot)
-        points += number(x(p.contraction_m), 5) + "," + number(y(value((p.*robot)->energy)), 5) + " ";
-    out += "<polyline fill=\"none\" stroke-width=\"2\" stroke=\"" + std::string(colour) + "\" points=\"" +
-           points + "\"/>\n";
-  };
-  line(&Point::caught, "#b45309");
-  line(&Point::clutched, "#047857");
-  line(&Point::springless, "#4f46e5");
-  return out + "</svg><figcaption>" + report::escape(title) +
-         ", over the contraction in cm. <span style=\"color:#b45309\">Spring caught</span>, <span "
-         "style=\"color:#047857\">spring released by the clutch</span>, <span style=\"color:#4f46e5\">no "
-         "spring</span>.</figcaption></figure>\n";
+      if (p.*robot) {
+        line.x.push_back(100.0 * p.contraction_m);
+        line.y.push_back(value((p.*robot)->energy));
+      }
+    out.lines.push_back(std::move(line));
+  }
+  return report::line_plot_html(out);
 }
 
 std::string where_it_goes(const Study& s) {
