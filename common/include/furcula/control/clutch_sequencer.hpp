@@ -261,13 +261,8 @@ class ClutchTick {
         break;
       case ClutchStage::testing:
         return test_catch();
-      case ClutchStage::aborting: {
-        const float share = 0.5f + 0.5f * in_stage_s() / c_.shortest_contraction_s;
-        if (share < 1.0f)
-          return raised_cosine(s_.contraction_m, 2.0f * c_.shortest_contraction_s, share, true);
-        enter(ClutchStage::caught);
-        break;
-      }
+      case ClutchStage::aborting:
+        return go_back();
     }
     return path;
   }
@@ -357,6 +352,14 @@ class ClutchTick {
     s_.contraction_m = path.fold_m;
     enter(ClutchStage::aborting);
     return path;
+  }
+
+  /// From where the leg waited, at rest, stretched gently.
+  LegPath go_back() {
+    const float share = 0.5f + 0.5f * in_stage_s() / c_.shortest_contraction_s;
+    if (share < 1.0f) return raised_cosine(s_.contraction_m, 2.0f * c_.shortest_contraction_s, share, true);
+    enter(ClutchStage::caught);
+    return {};
   }
 
   /// The leg is stretched. A cable that rests between two teeth is brought to the next one by the leg.
