@@ -33,27 +33,30 @@ void run(const Options& o) {
     options.progress = [&](double fraction, std::string_view doing) { progress.update(fraction, doing); };
     r = reproduce::reproduce_002(options);
   }
-  const std::string command =
-      "furcula reproduce " + o.document + " --seed " + std::to_string(o.study.seed) + " --out " + o.out;
+  const std::string command = "furcula reproduce " + o.document + " --seed " + std::to_string(o.study.seed) +
+                              " --out '" + o.out + "'";
   log::write_file_atomically(o.out + "/reproduction.json", reproduce::to_json_text(r));
   log::write_file_atomically(o.out + "/report.html", reproduce::render_reproduction_report(r, command));
 
-  std::printf("%-18s %-66s %24s  %12s %-8s %s\n", "where", "what", "printed", "here", "unit", "");
+  std::printf("%-18s %-82s %-32s %11s %-7s\n", "where", "what", "printed", "here", "unit");
   for (const reproduce::Row& row : r.rows) {
-    std::printf("%-18s %-66s %24s  %12.4g %-8s %s\n", row.where.c_str(), row.what.c_str(),
+    std::printf("%-18s %-82s %-32s %11.4g %-7s %s\n", row.where.c_str(), row.what.c_str(),
                 row.published.c_str(), row.ours, row.unit.c_str(), reproduce::name(row.outcome));
     if (row.outcome == reproduce::Outcome::explained) std::printf("%-18s   %s\n", "", row.remark.c_str());
   }
   using reproduce::Outcome;
-  std::printf("%zu met, %zu explained, %zu differ; %zu computed beside a picture or no figure\n",
-              r.count(Outcome::met), r.count(Outcome::explained), r.count(Outcome::differs),
-              r.count(Outcome::computed));
+  std::printf(
+      "%zu met, %zu errors smaller than printed, %zu explained, %zu differ; %zu computed beside a picture or "
+      "no figure\n",
+      r.count(Outcome::met), r.count(Outcome::smaller), r.count(Outcome::explained),
+      r.count(Outcome::differs), r.count(Outcome::computed));
   std::printf(
       "identification study %.1f s, energy study %.1f s, on %u threads; the fits alone on one thread:\n",
       r.study.seconds, r.energy_s, options.threads);
-  for (const reproduce::PlainCost& c : r.study.plain)
-    std::printf("  %-20s %zu fits: %.2f s here, %.2f s the plain way; NMSE %.5f here, %.5f\n",
-                c.phase.c_str(), c.fits, c.ours_s, c.plain_s, c.ours_nmse, c.plain_nmse);
+  for (const reproduce::PlainStudy& c : r.study.plain)
+    std::printf("  %-20s %zu fits: %.2f s here, %.2f s the plain way (%zu converged); NMSE %.5f here, %.5f\n",
+                c.estimates.phase.c_str(), c.fits, c.ours_s, c.plain_s, c.converged, c.ours_nmse,
+                c.plain_nmse);
   std::printf("report: %s/report.html\n", o.out.c_str());
   if (r.count(Outcome::differs) > 0)
     throw Refusal(std::to_string(r.count(Outcome::differs)) + " printed figures differ without a reason");

@@ -1,7 +1,6 @@
 #include "host/reproduce/comparison.hpp"
 
 #include <cmath>
-#include <utility>
 
 namespace furcula::reproduce {
 
@@ -9,6 +8,8 @@ const char* name(Outcome outcome) {
   switch (outcome) {
     case Outcome::met:
       return "met";
+    case Outcome::smaller:
+      return "smaller";
     case Outcome::explained:
       return "explained";
     case Outcome::differs:
@@ -19,19 +20,21 @@ const char* name(Outcome outcome) {
   return "computed";
 }
 
-Row compare(std::string where, std::string what, std::string unit, std::string published, double ours,
-            Range range, const std::optional<Reason>& reason) {
-  Row row{std::move(where), std::move(what), std::move(unit), std::move(published), ours, {}, ""};
-  const bool explained = reason && reason->holds && std::isfinite(ours);
-  row.outcome = range.has(ours) ? Outcome::met : explained ? Outcome::explained : Outcome::differs;
+Row compare(Row row, Range accepted, const std::optional<Reason>& reason) {
+  row.accepted = accepted;
+  const bool explained = reason && reason->holds && std::isfinite(row.ours);
+  row.outcome = accepted.has(row.ours) ? Outcome::met : explained ? Outcome::explained : Outcome::differs;
   if (row.outcome == Outcome::explained) row.remark = reason->text;
   return row;
 }
 
-Row computed(std::string where, std::string what, std::string unit, std::string published, double ours,
-             std::string remark) {
-  return {std::move(where),  std::move(what),  std::move(unit), std::move(published), ours,
-          Outcome::computed, std::move(remark)};
+Row compare_error(Row row, double printed, const std::optional<Reason>& reason) {
+  row = compare(std::move(row), {0.5 * printed, 2.0 * printed}, reason);
+  if (row.ours >= 0.0 && row.ours < 0.5 * printed) {
+    row.outcome = Outcome::smaller;
+    row.remark.clear();
+  }
+  return row;
 }
 
 }  // namespace furcula::reproduce

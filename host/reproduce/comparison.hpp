@@ -3,29 +3,31 @@
 
 #include <optional>
 #include <string>
-#include <vector>
 
 namespace furcula::reproduce {
 
-/// Met: inside what was printed. Explained: outside of it, for a reason that was computed and holds. Differs:
-/// outside of it. Computed: the document prints a picture or nothing that a number can be held against.
-enum class Outcome { met, explained, differs, computed };
+/// Met: inside of what the printed figure allows. Smaller: an error below half of a printed one, of a rig
+/// that is cleaner than the real one. Explained: outside, for a reason that was computed and holds. Differs:
+/// outside. Computed: nothing is printed that a number of ours can be held against.
+enum class Outcome { met, smaller, explained, differs, computed };
 
 const char* name(Outcome outcome);
+
+/// What a printed figure allows for, both ends included.
+struct Range {
+  double low, high;
+  bool has(double value) const { return value >= low && value <= high; }
+};
 
 struct Row {
   std::string where;      ///< "3.2.1, Fig. 3.4"
   std::string what;       ///< "apex, steady"
-  std::string unit;       ///< "" of a plain number
+  std::string unit;       ///< of `ours` and `accepted`; "" of a plain number
   std::string published;  ///< as printed
   double ours = 0.0;
+  std::optional<Range> accepted = {};
   Outcome outcome = Outcome::computed;
-  std::string remark;  ///< the reason, or what the number means
-};
-
-struct Range {
-  double low, high;
-  bool has(double value) const { return value >= low && value <= high; }
+  std::string remark = {};  ///< the reason, or what the number means
 };
 
 /// Why a number may lie outside of its range: `holds` is what was computed to show it.
@@ -35,11 +37,9 @@ struct Reason {
 };
 
 /// A number against the range that the printed one allows for.
-Row compare(std::string where, std::string what, std::string unit, std::string published, double ours,
-            Range range, const std::optional<Reason>& reason = std::nullopt);
+Row compare(Row row, Range accepted, const std::optional<Reason>& reason = std::nullopt);
 
-/// A number that nothing printed can be held against.
-Row computed(std::string where, std::string what, std::string unit, std::string published, double ours,
-             std::string remark = "");
+/// An error against a printed one of the same kind: met within a factor of two.
+Row compare_error(Row row, double printed, const std::optional<Reason>& reason = std::nullopt);
 
 }  // namespace furcula::reproduce

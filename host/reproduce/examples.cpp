@@ -37,7 +37,7 @@ Trajectory run(Plant plant, double link_length_m, const Drive& drive, double sta
       const bool touchdown = event.kind == std::decay_t<decltype(event)>::Kind::touchdown;
       const double ratio = event.velocity_after_mps / event.velocity_before_mps;
       if (touchdown) {
-        touchdown_s = now_s + event.offset_s;
+        if (drive.restarted) touchdown_s = now_s + event.offset_s;
         if (!t.touchdown_ratios.empty()) t.apexes_m.push_back(top_m);
         t.touchdown_ratios.push_back(ratio);
         top_m = 0.0;

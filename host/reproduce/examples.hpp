@@ -16,10 +16,12 @@ struct Trajectory {
   std::vector<double> touchdown_ratios, liftoff_ratios;  ///< velocity after over velocity before
 };
 
-/// Harmonic torque, restarted at each touch-down, zero in flight (eq. 4.1): positive `amplitude_nm` pumps
-/// energy in, negative is what the signs of eq. 3.3 as printed make of it.
+/// Harmonic torque, zero in flight: positive `amplitude_nm` pumps energy in, negative is what the signs of
+/// eq. 3.3 as printed make of it.
 struct Drive {
   double amplitude_nm = 2.0, period_s = 0.3;
+  bool restarted =
+      true;  ///< at each touch-down (eq. 4.1); else T sin(2 pi t / P), as section 3.2.1 prints it
 };
 
 /// Section 3.2.1: L 0.15 m, k 600 N/m, m 1.5 kg, ds 5, df 1 N s/m, z0 = 2 L cos 20 deg, alphas 1.

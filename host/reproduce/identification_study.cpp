@@ -8,6 +8,7 @@
 #include <cmath>
 #include <numbers>
 #include <numeric>
+#include <stdexcept>
 
 #include "furcula/dynamics/hopper.hpp"
 #include "furcula/dynamics/links.hpp"
@@ -15,6 +16,7 @@
 #include "host/identify/parallel.hpp"
 #include "host/identify/prediction.hpp"
 #include "host/log/error.hpp"
+#include "host/reproduce/examples.hpp"
 #include "host/reproduce/plain_fit.hpp"
 
 namespace furcula::reproduce {
@@ -131,13 +133,15 @@ Estimates cross_validate(std::string phase, std::string method, const std::vecto
   return e;
 }
 
-TrajectoryErrors predicted(const model::Model& m, const Data& d, const Window& w) {
+TrajectoryErrors predicted(const model::Model& m, const model::Model& reference, const Data& d,
+                           const Window& w) {
   const Recording& r = d.recordings[w.recording];
-  return errors_of(r, w, identify::predict(m, r, w, identify::start_state(r, w, m)));
+  return errors_of(r, w, identify::predict(m, r, w, identify::start_state(r, w, reference)));
 }
 
+/// `judged`: what predictions are compared with, the same recordings.
 Estimates of_phase(std::string phase, bool by_equation, const model::Model& m, const Data& d,
-                   std::size_t folds, unsigned threads) {
+                   const Data& judged, std::size_t folds, unsigned threads) {
   const std::vector<Unknown> unknowns = identify::free_unknowns(m);
   return cross_validate(
       std::move(phase), by_equation ? "equation" : "simulation", unknowns, identify::values_in(m, unknowns),
@@ -149,7 +153,8 @@ Estimates of_phase(std::string phase, bool by_equation, const model::Model& m, c
                                  .values;
       },
       [&](const std::vector<double>& values, std::size_t i) {
-        return predicted(identify::with_values(m, unknowns, values), d, d.windows[i]);
+        const model::Model fitted = identify::with_values(m, unknowns, values);
+        return predicted(fitted, fitted, judged, judged.windows[i]);
       });
 }
 
@@ -230,44 +235,48 @@ std::vector<double> fit_strides(const model::Model& m, const std::vector<Unknown
   return values;
 }
 
-double mean_nmse(const model::Model& m, const Data& d) {
+/// NMSE(z) + NMSE(z') over all windows, mean, from the starts that `reference` gives them.
+double mean_nmse(const model::Model& m, const model::Model& reference, const Data& d) {
   double sum = 0.0;
   for (const Window& w : d.windows) {
-    const TrajectoryErrors e = predicted(m, d, w);
+    const TrajectoryErrors e = predicted(m, reference, d, w);
     sum += (e.nmse_height + e.nmse_velocity) / static_cast<double>(d.windows.size());
   }
   return sum;
 }
 
-PlainCost plain_cost(const std::string& phase, const model::Model& m, const Data& d, std::size_t folds) {
+PlainStudy plain_study(const std::string& phase, const model::Model& m, const Data& d, std::size_t folds) {
   const std::vector<Unknown> unknowns = identify::free_unknowns(m);
   const std::vector<double> start = identify::values_in(m, unknowns);
-  PlainCost c;
-  c.phase = phase;
-  for (const Unknown& u : unknowns) c.names.push_back(u.name);
-  for (std::size_t fold = 0; fold <= folds; ++fold) {
-    const std::vector<Window> windows = fold == folds ? d.windows : seen_by(d.windows, fold, folds);
-    double from_s = now_s();
-    const PlainFit fit = fit_plainly(m, unknowns, start, d.recordings, windows);
-    c.plain_s += now_s() - from_s;
-    c.evaluations += fit.evaluations;
-    ++c.fits;
-    from_s = now_s();
-    const auto ours =
-        identify::fit_by_simulation(m, unknowns, start, d.recordings, windows, identify::Weighting::nmse);
-    c.ours_s += now_s() - from_s;
-    if (fold < folds) continue;
-    c.values = fit.values;
-    c.plain_nmse = mean_nmse(identify::with_values(m, unknowns, fit.values), d);
-    c.ours_nmse = mean_nmse(identify::with_values(m, unknowns, ours.values), d);
-  }
-  return c;
+  PlainStudy s;
+  model::Model ours;
+  s.estimates = cross_validate(
+      phase, "simulation, the plain way", unknowns, start, d.windows, folds, 1,
+      [&](const std::vector<double>& from, const std::vector<Window>& windows) {
+        const double begin_s = now_s();
+        const PlainFit fit = fit_plainly(m, unknowns, from, d.recordings, windows);
+        const double middle_s = now_s();
+        const auto by_ours =
+            identify::fit_by_simulation(m, unknowns, from, d.recordings, windows, identify::Weighting::nmse);
+        s.plain_s += middle_s - begin_s;
+        s.ours_s += now_s() - middle_s;
+        s.evaluations += fit.evaluations;
+        s.converged += fit.converged ? 1 : 0;
+        ++s.fits;
+        if (windows.size() == d.windows.size()) ours = identify::with_values(m, unknowns, by_ours.values);
+        return fit.values;
+      },
+      [&](const std::vector<double>& values, std::size_t i) {
+        const model::Model fitted = identify::with_values(m, unknowns, values);
+        return predicted(fitted, fitted, d, d.windows[i]);
+      });
+  s.plain_nmse = mean_nmse(identify::with_values(m, unknowns, s.estimates.values), ours, d);
+  s.ours_nmse = mean_nmse(ours, ours, d);
+  return s;
 }
 
-double effective_stance_mass_kg(const model::Model& truth, const Data& stances) {
-  const dynamics::Links<double> links{truth.parameter("inertia_a_kgm2"), truth.parameter("inertia_b_kgm"),
-                                      truth.parameter("inertia_e_kgm"), truth.parameter("link_length_m"),
-                                      truth.parameter("mass_kg")};
+/// Mean of M(theta) / lever^2 over the measured stances, kg.
+double effective_mass_kg(const dynamics::Links<double>& links, const Data& stances) {
   double sum = 0.0, rows = 0.0;
   for (const Window& w : stances.windows)
     for (std::size_t i = w.first; i <= w.last; ++i) {
@@ -300,19 +309,28 @@ std::array<double, 4> toe_mass(double length_m) {
 
 }  // namespace
 
-double Estimates::value(std::string_view name) const {
-  return values[static_cast<std::size_t>(std::find(names.begin(), names.end(), name) - names.begin())];
+std::size_t Estimates::index(std::string_view name) const {
+  const auto it = std::find(names.begin(), names.end(), name);
+  if (it == names.end()) throw std::out_of_range(phase + ": no parameter " + std::string(name));
+  return static_cast<std::size_t>(it - names.begin());
 }
 
-double Estimates::spread(std::string_view name) const {
-  const auto i = static_cast<std::size_t>(std::find(names.begin(), names.end(), name) - names.begin());
-  double low = folds.front()[i], high = low, sum = 0.0;
+std::pair<double, double> Estimates::range(std::string_view name) const {
+  const std::size_t i = index(name);
+  double low = folds.front()[i], high = low;
   for (const auto& f : folds) {
     low = std::min(low, f[i]);
     high = std::max(high, f[i]);
-    sum += f[i];
   }
-  return (high - low) / (sum / static_cast<double>(folds.size()));
+  return {low, high};
+}
+
+double Estimates::spread(std::string_view name) const {
+  const std::size_t i = index(name);
+  double sum = 0.0;
+  for (const auto& f : folds) sum += f[i];
+  const auto [low, high] = range(name);
+  return (high - low) * static_cast<double>(folds.size()) / sum;
 }
 
 double damped_frequency_radps(double mass_kg, double stiffness_npm, double damping_nspm) {
@@ -336,11 +354,11 @@ IdentificationStudy run_identification_study(const StudyOptions& o) {
   model::Model of_stance = linear;
   set_free(of_stance, "mass_kg", 0.5, 3.0);
   set_free(of_stance, "damping_stance_nspm", 0.0, 50.0);
-  out.stance = of_phase("stance", false, of_stance, stances, o.stance_folds, o.threads);
-  out.stance_by_equation = of_phase("stance", true, of_stance, stances, o.stance_folds, o.threads);
+  out.stance = of_phase("stance", false, of_stance, stances, stances, o.stance_folds, o.threads);
+  out.stance_by_equation = of_phase("stance", true, of_stance, stances, stances, o.stance_folds, o.threads);
   Data raw = stances;
   for (Recording& r : raw.recordings) r.velocity_smoothed = r.velocity;
-  out.stance_by_equation_raw = of_phase("stance", true, of_stance, raw, o.stance_folds, o.threads);
+  out.stance_by_equation_raw = of_phase("stance", true, of_stance, raw, stances, o.stance_folds, o.threads);
   for (const auto& freed : {std::vector<const char*>{"mass_kg"}, std::vector<const char*>{"stiffness_npm"},
                             std::vector<const char*>{"mass_kg", "stiffness_npm"}}) {
     model::Model m = linear;
@@ -358,18 +376,40 @@ IdentificationStudy run_identification_study(const StudyOptions& o) {
             .values);
     const double mass = fitted.parameter("mass_kg"), stiffness = fitted.parameter("stiffness_npm"),
                  damping = fitted.parameter("damping_stance_nspm");
-    out.variants.push_back(
-        {what, mass, stiffness, damping, damped_frequency_radps(mass, stiffness, damping)});
+    out.variants.push_back({what, mass, stiffness, damping, damped_frequency_radps(mass, stiffness, damping),
+                            mean_nmse(fitted, fitted, stances)});
   }
 
   tell(0.3, "flight");
   model::Model of_flight = linear;
   set_free(of_flight, "damping_flight_nspm", 0.0, 20.0);
   const Data flights = one_window_each(rig.flight_logs, linear, identify::flights, 1, "flight");
-  out.flight = of_phase("flight", false, of_flight, flights, o.flight_folds, o.threads);
-  out.flight_by_equation = of_phase("flight", true, of_flight, flights, o.flight_folds, o.threads);
+  out.flight = of_phase("flight", false, of_flight, flights, flights, o.flight_folds, o.threads);
+  out.flight_by_equation = of_phase("flight", true, of_flight, flights, flights, o.flight_folds, o.threads);
 
-  out.effective_stance_mass_kg = effective_stance_mass_kg(rig.truth, stances);
+  {
+    const model::Model& t = rig.truth;
+    out.effective_stance_mass_kg = effective_mass_kg(
+        {t.parameter("inertia_a_kgm2"), t.parameter("inertia_b_kgm"), t.parameter("inertia_e_kgm"),
+         t.parameter("link_length_m"), t.parameter("mass_kg")},
+        stances);
+    constexpr double kWeighedKg = 1.62;
+    const auto table = table_parameters();
+    dynamics::Links<double> links{table.inertia_a_kgm2, table.inertia_b_kgm, table.inertia_e_kgm,
+                                  table.link_length_m, kWeighedKg};
+    out.table_mass_ratio = effective_mass_kg(links, stances) / kWeighedKg;
+    links.a = links_of_section_3_2_2(0.075, 0.0194).a;
+    out.printed_links_mass_ratio = effective_mass_kg(links, stances) / kWeighedKg;
+  }
+  {
+    const model::Model fitted =
+        identify::with_values(of_flight, identify::free_unknowns(of_flight), out.flight.values);
+    for (const Window& w : flights.windows) {
+      const auto floor = identify::noise_floor(fitted, flights.recordings, {w},
+                                               identify::start_states(flights.recordings, {w}, fitted));
+      out.flight_floor.push_back({floor.at("height").nmse, floor.at("velocity").nmse});
+    }
+  }
   out.equivalent_flight_damping_nspm = equivalent_flight_damping_nspm(rig.truth, flights);
 
   tell(0.4, "whole strides");
@@ -394,6 +434,12 @@ IdentificationStudy run_identification_study(const StudyOptions& o) {
                          stride(identify::with_values(whole, unknowns, values), r, w,
                                 rig.stance_experiments[w.recording]));
       });
+  for (const Window& w : strides.windows) {
+    const Recording& r = strides.recordings[w.recording];
+    std::size_t i = w.first;
+    while (i < w.last && r.input[i] == 0.0) ++i;
+    out.stride_torque_late_s.push_back(r.time_s[i] - r.time_s[w.touchdown]);
+  }
   {
     const auto worse = [](const TrajectoryErrors& a, const TrajectoryErrors& b) {
       return a.nmse_height + a.nmse_velocity < b.nmse_height + b.nmse_velocity;
@@ -428,7 +474,8 @@ IdentificationStudy run_identification_study(const StudyOptions& o) {
   set_free(nonlinear, "inertia_b_kgm", 0.0, 0.1);
   set_free(nonlinear, "inertia_e_kgm", 0.0, 0.3);
   const Data turning = one_window_each(rig.stance_logs, nonlinear, identify::stances, 0, "stance");
-  out.nonlinear = of_phase("stance, non-linear", false, nonlinear, turning, o.stance_folds, o.threads);
+  out.nonlinear =
+      of_phase("stance, non-linear", false, nonlinear, turning, turning, o.stance_folds, o.threads);
   {
     const auto free = identify::free_unknowns(nonlinear);
     const model::Model fitted = identify::with_values(nonlinear, free, out.nonlinear.values);
@@ -436,18 +483,30 @@ IdentificationStudy run_identification_study(const StudyOptions& o) {
     const auto direction = toe_mass(fitted.parameter("link_length_m"));
     for (std::size_t i = 0; i < 4; ++i)
       set(heavier, kToeNames[i], fitted.parameter(kToeNames[i]) + 0.1 * direction[i]);
-    const auto cost = [&](const model::Model& m) {
-      return identify::look_by_simulation(m, {}, {}, turning.recordings, turning.windows).squares;
+    const auto cost = [&](const model::Model& m, const std::vector<Unknown>& moved) {
+      return identify::fit_by_simulation(m, moved, identify::values_in(m, moved), turning.recordings,
+                                         turning.windows, identify::Weighting::nmse)
+          .squares;
     };
-    out.toe_mass_cost_change = std::abs(cost(heavier) / cost(fitted) - 1.0);
+    const double fitted_cost = cost(fitted, {});
+    out.toe_mass_cost_change = std::abs(cost(heavier, {}) / fitted_cost - 1.0);
+    model::Model without = nonlinear;
+    for (const char* name : {"inertia_a_kgm2", "inertia_b_kgm"}) {
+      set(without, name, 0.0);
+      without.free.erase(index_of(without, name));
+    }
+    out.nmse_of_a_and_b = (cost(without, identify::free_unknowns(without)) - fitted_cost) /
+                          static_cast<double>(turning.windows.size());
+    out.b_at_bound = identify::at_bounds(out.nonlinear.values, free)[out.nonlinear.index("inertia_b_kgm")] ||
+                     out.nonlinear.value("inertia_b_kgm") < 1e-4;
   }
   out.seconds = now_s() - from_s;
 
   if (o.plain) {
     tell(0.85, "the plain way");
-    out.plain.push_back(plain_cost("stance", of_stance, stances, o.stance_folds));
-    out.plain.push_back(plain_cost("flight", of_flight, flights, o.flight_folds));
-    out.plain.push_back(plain_cost("stance, non-linear", nonlinear, turning, o.stance_folds));
+    out.plain.push_back(plain_study("stance", of_stance, stances, o.stance_folds));
+    out.plain.push_back(plain_study("flight", of_flight, flights, o.flight_folds));
+    out.plain.push_back(plain_study("stance, non-linear", nonlinear, turning, o.stance_folds));
   }
   out.rig.stance_logs.clear();
   out.rig.flight_logs.clear();

@@ -221,7 +221,8 @@ PlainFit fit_plainly(const model::Model& model, const std::vector<identify::Unkn
   options.logging_type = ceres::SILENT;
   ceres::GradientProblemSolver::Summary summary;
   ceres::Solve(options, problem, x.data(), &summary);
-  return {cost->values(x), summary.final_cost, cost->evaluations()};
+  return {cost->values(x), summary.final_cost, cost->evaluations(),
+          summary.termination_type == ceres::CONVERGENCE};
 }
 
 }  // namespace furcula::reproduce

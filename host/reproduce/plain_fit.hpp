@@ -17,6 +17,7 @@ struct PlainFit {
   std::vector<double> values;
   double cost = 0.0;            ///< eq. 4.5 at `values`
   std::size_t evaluations = 0;  ///< of the cost
+  bool converged = false;       ///< else it stopped short
 };
 
 /// Fits on stances or flights, each from its measured state (as the document has it: the start is not

@@ -27,16 +27,19 @@ Json estimates(const Estimates& e) {
 
 std::string to_json_text(const Reproduction& r) {
   Json out{{"schema", "furcula-reproduction/1"}, {"document", "002"}, {"seed", r.options.seed}};
-  for (const Outcome o : {Outcome::met, Outcome::explained, Outcome::differs, Outcome::computed})
+  for (const Outcome o :
+       {Outcome::met, Outcome::smaller, Outcome::explained, Outcome::differs, Outcome::computed})
     out["count"][name(o)] = r.count(o);
   for (const Row& row : r.rows)
-    out["rows"].push_back({{"where", row.where},
-                           {"what", row.what},
-                           {"unit", row.unit},
-                           {"published", row.published},
-                           {"ours", row.ours},
-                           {"outcome", name(row.outcome)},
-                           {"remark", row.remark}});
+    out["rows"].push_back(
+        {{"where", row.where},
+         {"what", row.what},
+         {"unit", row.unit},
+         {"published", row.published},
+         {"ours", row.ours},
+         {"accepted", row.accepted ? Json{row.accepted->low, row.accepted->high} : Json(nullptr)},
+         {"outcome", name(row.outcome)},
+         {"remark", row.remark}});
   const IdentificationStudy& s = r.study;
   Json truth;
   const auto& table = dynamics::info(s.rig.truth.kind).parameters;
@@ -54,6 +57,16 @@ std::string to_json_text(const Reproduction& r) {
   for (const Estimates* e : {&s.stance, &s.stance_by_equation, &s.stance_by_equation_raw, &s.flight,
                              &s.flight_by_equation, &s.strides, &s.nonlinear})
     out["identification"].push_back(estimates(*e));
+  for (const PlainStudy& p : s.plain) out["identification"].push_back(estimates(p.estimates));
+  for (const auto& v : s.variants)
+    out["stance_variants"].push_back({{"identified", v.freed},
+                                      {"mass_kg", v.mass_kg},
+                                      {"stiffness_npm", v.stiffness_npm},
+                                      {"damping_nspm", v.damping_nspm},
+                                      {"damped_frequency_radps", v.damped_frequency_radps},
+                                      {"nmse", v.nmse}});
+  out["effective_stance_mass_kg"] = s.effective_stance_mass_kg;
+  out["equivalent_flight_damping_nspm"] = s.equivalent_flight_damping_nspm;
   return out.dump(2) + "\n";
 }
 

@@ -2,7 +2,6 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <fstream>
-#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "host/reproduce/comparison.hpp"
@@ -13,16 +12,27 @@ using namespace furcula::reproduce;
 
 TEST_CASE("A figure outside of its range differs, unless its reason holds") {
   const Range range{1.0, 2.0};
-  CHECK(compare("", "", "", "1.5", 1.5, range).outcome == Outcome::met);
-  CHECK(compare("", "", "", "1.5", 2.5, range).outcome == Outcome::differs);
-  CHECK(compare("", "", "", "1.5", 2.5, range, Reason{false, "no"}).outcome == Outcome::differs);
-  const Row explained = compare("", "", "", "1.5", 2.5, range, Reason{true, "because"});
+  const auto row = [](double ours) { return Row{"", "", "", "1.5", ours}; };
+  CHECK(compare(row(1.5), range).outcome == Outcome::met);
+  CHECK(compare(row(2.5), range).outcome == Outcome::differs);
+  CHECK(compare(row(2.5), range, Reason{false, "no"}).outcome == Outcome::differs);
+  const Row explained = compare(row(2.5), range, Reason{true, "because"});
   CHECK(explained.outcome == Outcome::explained);
   CHECK(explained.remark == "because");
-  CHECK(compare("", "", "", "1.5", 1.5, range, Reason{true, "because"}).remark.empty());
+  CHECK(compare(row(1.5), range, Reason{true, "because"}).remark.empty());
   // What could not be computed is not explained by anything.
-  const double nan = std::numeric_limits<double>::quiet_NaN();
-  CHECK(compare("", "", "", "1.5", nan, range, Reason{true, "because"}).outcome == Outcome::differs);
+  CHECK(compare(row(std::nan("")), range, Reason{true, "because"}).outcome == Outcome::differs);
+}
+
+TEST_CASE("An error is met within a factor of two, and one below that is not called met") {
+  const auto row = [](double ours) { return Row{"", "", "", "2 mm", ours}; };
+  CHECK(compare_error(row(1.1), 2.0).outcome == Outcome::met);
+  CHECK(compare_error(row(3.9), 2.0).outcome == Outcome::met);
+  CHECK(compare_error(row(0.9), 2.0).outcome == Outcome::smaller);
+  CHECK(compare_error(row(4.1), 2.0).outcome == Outcome::differs);
+  CHECK(compare_error(row(4.1), 2.0, Reason{true, "because"}).outcome == Outcome::explained);
+  CHECK(compare_error(row(-0.1), 2.0).outcome == Outcome::differs);
+  CHECK(compare_error(row(std::nan("")), 2.0).outcome == Outcome::differs);
 }
 
 TEST_CASE("furcula reproduce 002 meets or explains every printed figure, and writes page and table") {
@@ -36,12 +46,12 @@ TEST_CASE("furcula reproduce 002 meets or explains every printed figure, and wri
   const auto json = nlohmann::json::parse(file);
   CHECK(json["schema"] == "furcula-reproduction/1");
   CHECK(json["count"]["differs"] == 0);
-  CHECK(json["count"]["met"] > 30);
+  CHECK(json["count"]["met"] > 25);
   bool coil = false;
   for (const auto& row : json["rows"]) {
     CHECK(row["ours"].is_number());
     if (row["outcome"] == "explained") CHECK(!row["remark"].get<std::string>().empty());
-    coil = coil || row["what"] == "coil at 10 V and 1.5 A for a flight";
+    coil = coil || row["what"] == "coil at 10 V and 1.5 A for that flight";
   }
   CHECK(coil);
   for (const auto& phase : json["identification"])

@@ -45,8 +45,8 @@ TEST_CASE("A drawn rig is identified: what the links do to the mass, what fricti
     // The mass that height feels in stance, from the true links in closed form; the fit knows no links.
     CHECK(s.stance.value("mass_kg") == Approx(s.effective_stance_mass_kg).epsilon(0.03));
     CHECK(s.stance.value("mass_kg") < 0.97 * s.rig.weighed_kg);
-    // Friction is no viscous damping: their powers agree, the fit weighs otherwise.
-    CHECK(s.flight.value("damping_flight_nspm") == Approx(s.equivalent_flight_damping_nspm).epsilon(0.35));
+    // Friction is no viscous damping: a fit of heights weighs it otherwise than its power does.
+    CHECK(s.flight.value("damping_flight_nspm") == Approx(s.equivalent_flight_damping_nspm).epsilon(0.3));
     CHECK(s.flight.value("damping_flight_nspm") > s.rig.truth.parameter("damping_flight_nspm"));
     // sqrt(k/m) sqrt(1 - xi^2) stays put whichever of mass and spring rate is held (section 6.1.1).
     REQUIRE(s.variants.size() == 3);
