@@ -157,6 +157,7 @@ class Assembly {
  private:
   static std::vector<Recording> recordings_of(const std::vector<log::Log>& logs, const model::Model& model) {
     std::vector<Recording> all = identify::make_recordings(logs, model.kind);
+    identify::require_clutch(all, model::has_clutch(model));
     identify::keep_plausible_leg_angles(all, model);
     return all;
   }
@@ -175,6 +176,10 @@ class Assembly {
       throw log::DataError(file + ": the " + what +
                            " recordings hold no free flight: expected at least 30 ms and six rows in a row "
                            "without contact");
+    if (model_.kind == Kind::clutch_bench)
+      throw log::DataError(file + ": the " + what +
+                           " recordings hold no release: expected solenoid = 1 for a while, at least three "
+                           "rows of rest before and 30 ms after it");
     throw log::DataError(file + ": the " + what + " recordings are shorter than a prediction window of " +
                          number(options_.window_s) + " s; expected longer ones or a smaller --window-s");
   }
