@@ -59,7 +59,13 @@ std::string format(const char* pattern, double value) {
 double neutral_value(const Case& c, std::string_view law) {
   const auto held = [&](std::string_view name) { return c.model.parameter(name); };
   if (law == "mass_error") return c.model.parameters[0];
-  if (law == "damping_error") return c.kind == Kind::hopper_linear ? 0.0 : c.model.parameters.back();
+  if (law == "damping_error")
+    return c.kind == Kind::hopper_linear     ? 0.0
+           : is_kind(c.kind, "clutch_bench") ? held("damping_nmspr")
+                                             : c.model.parameters.back();
+  if (law == "late_catch") return c.model.clutch ? c.model.clutch->catch_delay_s : held("catch_delay_s");
+  if (law == "auxiliary_spring")
+    return c.model.clutch ? c.model.clutch->auxiliary_stiffness_npm : held("auxiliary_stiffness_npm");
   if (law == "stiffness_error") return held("stiffness_npm");
   if (law == "rest_height_error") return held("rest_height_m");
   if (law == "touchdown_loss") return held("restitution_touchdown");
@@ -193,6 +199,8 @@ void judge_predictions(Judgement& j, const Case& c, const diagnose::Diagnosis& d
     std::copy_n(values.begin(), std::min(values.size(), p.values.size()), p.values.begin());
     extended.planted.push_back(p);
   }
+  // No machine of this folder starts with a clutch between its states.
+  if (is_kind(c.kind, "clutch_bench") || c.model.clutch) return;
   if (!moves_the_body(extended.planted, c.kind) || !moves_the_body(c.truth.planted, c.kind)) return;
   // Unfit values (a ground without a damper) are no machine.
   try {
