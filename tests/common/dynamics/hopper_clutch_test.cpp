@@ -61,7 +61,7 @@ TEST_CASE("Released, the leg pushes with the pretension and the two springs in s
       Hopper<double> h = hopper(e);
       h.reset(0.22, 0.0);
       h.energise(true);
-      h.advance(0.0, kClutch.release_delay_s);
+      h.advance(0.0, kClutch.release_delay_s + 1e-9);
       const double soft = in_series(600.0, auxiliary), rate = soft + ratio * (600.0 - soft);
       const double push_n = pretension_n + rate * (kStraight_m - h.height_m());
       CAPTURE(auxiliary, ratio);
