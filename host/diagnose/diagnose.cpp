@@ -54,6 +54,8 @@ bool always_same(const model::Model& model, const std::vector<Effect>& a, const 
   const std::vector<Pair> table{
       {{Effect::asymmetric_friction}, {Effect::coulomb_friction, Effect::force_offset}, true},
       {{Effect::rest_height_error}, {Effect::spring_preload}, true},
+      // Each is another rate of the released leg.
+      {{Effect::incomplete_release}, {Effect::auxiliary_spring}, hopper},
       // An axis has no third channel whose clock would tell which of the two is late.
       {{Effect::actuator_delay}, {Effect::time_skew}, !hopper},
       // With mass and damping free, a torque gain and a spring rate divided by it are the same equation.

@@ -107,6 +107,9 @@ bool start_clutch(auto& plant, const PlantSetup<T>& setup, const Recording& r, s
     const double pitch_m = dynamics::value_of(setup.clutch.tooth_pitch_m);
     dynamics::KeyTiming<T> key(setup.clutch.release_delay_s,
                                setup.effects.value_or(Effect::late_catch, setup.clutch.catch_delay_s));
+    const auto travel = [&](double height_m) {
+      return dynamics::value_of(plant.loose_travel_m(T(height_m)));
+    };
     bool held = true;  // else out, or on its way to a tooth
     int teeth = 0;
     double last_m = 0.0;
@@ -118,12 +121,17 @@ bool start_clutch(auto& plant, const PlantSetup<T>& setup, const Recording& r, s
         key.pass(until_s);
         left_s -= until_s;
         key.change();
-        if (key.out()) held = false;
+        if (key.out()) {
+          held = false;
+          continue;
+        }
+        const double at_s = r.time_s[i + 1] - dynamics::value_of(left_s);
+        last_m = travel(interpolated(r.time_s, r.position, at_s));
       }
       key.pass(left_s);
       if (held) continue;
       // The cable follows the leg; the pressed key meets a tooth where its travel passes one, and at home.
-      const double travel_m = dynamics::value_of(plant.loose_travel_m(T(r.position[i + 1])));
+      const double travel_m = travel(r.position[i + 1]);
       if (!key.out()) {
         const double from = last_m / pitch_m, to = travel_m / pitch_m;
         const double tooth = to > from ? std::floor(to) : std::ceil(to);

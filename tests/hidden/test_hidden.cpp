@@ -354,14 +354,4 @@ TEST_CASE("Dry friction of the bench's pulley is found") {
 
 TEST_CASE("A bench with nothing hidden is adequate") { expect_adequate(Kind::clutch_bench); }
 
-TEST_CASE("A release that is not complete is found in a hopper") {
-  expect_found(Kind::hopper_linear, "incomplete_release");
-}
-
-TEST_CASE("An auxiliary spring is found in a hopper") {
-  expect_found(Kind::hopper_linear, "auxiliary_spring");
-}
-
-TEST_CASE("A late catch is found in a hopper") { expect_found(Kind::hopper_linear, "late_catch"); }
-
 }  // namespace furcula::hidden

@@ -82,6 +82,8 @@ TEST_CASE("Delays, friction and pitch of a simulated bench are found from wrong 
   }
 }
 
+// About the 40 ms of the document. Over shorter and longer falls one delay does not do: on a slow belt the
+// key is in a gap some 4 ms sooner, and one faster than 0.6 m/s throws it out (docs/physics.md, the clutch).
 TEST_CASE("The law of two delays follows the bench with coil, key and teeth") {
   bench::SimBoard board;
   const auto recorded = [&](std::initializer_list<double> windows_ms) {
@@ -93,9 +95,9 @@ TEST_CASE("The law of two delays follows the bench with coil, key and teeth") {
     }
     return logs;
   };
-  const auto found = identify::identify(test::clutch_bench_model(true),
-                                        recorded({24, 25, 28, 30, 32, 34, 36, 39, 41, 44, 46, 48}),
-                                        recorded({27, 33, 38, 43}));
+  const auto found =
+      identify::identify(test::clutch_bench_model(true), recorded({34, 36, 38, 40, 42, 44, 46, 48, 50}),
+                         recorded({35, 37, 41, 43, 47, 49}));
   // When the belt of the detailed bench is free, and when its key is back on it.
   dynamics::ClutchBenchRig<double> rig(dynamics::release_catch_bench<double>());
   double released_s = 0.0, caught_s = 0.0;
@@ -110,9 +112,11 @@ TEST_CASE("The law of two delays follows the bench with coil, key and teeth") {
                      << parameter(e, "damping_nmspr").value << ", held-out rmse "
                      << e.held_out->at("angle").rmse << " rad, nmse " << e.held_out->at("angle").nmse);
   CHECK(parameter(e, "release_delay_s").value == Approx(released_s).margin(1e-3));
-  CHECK(parameter(e, "catch_delay_s").value == Approx(caught_s).margin(3e-3));
+  // It has to fall into a gap then.
+  CHECK(parameter(e, "catch_delay_s").value > caught_s);
+  CHECK(parameter(e, "catch_delay_s").value < caught_s + 3e-3);
   CHECK(parameter(e, "tooth_pitch_m").value == Approx(3e-3).epsilon(0.01));
-  CHECK(e.held_out->at("angle").nmse < 0.01);
+  CHECK(e.held_out->at("angle").nmse < 1e-3);
 }
 
 TEST_CASE("What a bench's recordings cannot say is refused with what was expected") {
