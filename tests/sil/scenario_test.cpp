@@ -189,7 +189,8 @@ TEST_CASE("releases and catches of a bench's belt are read in turn, and written 
   const std::string text =
       "[start]\nangle_rad = 0.5\n[[clutch]]\ntime_s = 0.2\naction = \"release\"\n[[clutch]]\ntime_s = "
       "0.25\naction = \"catch\"\n[[clutch]]\ntime_s = 0.6\naction = \"release\"\n";
-  for (const sim::Scenario& s : {parse(text, bench), again(parse(text, bench), bench)}) {
+  for (const sim::Scenario& s :
+       {parse(text, bench), parse(sim::format_scenario(parse(text, bench), bench), bench)}) {
     CHECK(s.start_position == 0.5);
     REQUIRE(s.clutch.size() == 3);
     CHECK(s.clutch[1].time_s == 0.25);
