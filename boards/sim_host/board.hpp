@@ -19,6 +19,12 @@
 
 namespace furcula::sim_host {
 
+/// From then on the coil of a clutch of two delays is on, or off.
+struct CoilSwitch {
+  double time_s;
+  bool on;
+};
+
 struct RigConfig {
   Plant plant;  ///< anywhere: the board puts it to the start
   dynamics::Effects<double> effects{};
@@ -28,7 +34,8 @@ struct RigConfig {
   SensorErrors sensors{};
   std::vector<PlannedFault> faults{};
   double coil_supply_v = 10.0;
-  double cable_count_m = 0.0;   ///< of the clutch's encoder, along the leg; 0 without a clutch
+  std::vector<CoilSwitch> coil_switches{};  ///< in the order of time
+  double cable_count_m = 0.0;               ///< of the clutch's encoder, along the leg; 0 without a clutch
   double cable_loose_m = 0.0;   ///< that its cable hangs loose, along the leg: so much more is paid out
   double ground_steps_m = 0.0;  ///< in each flight the ground moves to a height within this, either way
   std::uint64_t seed = 0;
@@ -101,6 +108,13 @@ class SimBoard {
 
   double time_s() const { return static_cast<double>(tick_) * kPeriodS; }
   const Plant& plant() const { return plant_; }
+  /// Of a clutch of two delays, at this tick.
+  bool coil_switched_on() const {
+    bool on = false;
+    for (const CoilSwitch& s : config_.coil_switches)
+      if (s.time_s <= time_s() + 1e-9) on = s.on;
+    return on;
+  }
   const control::Command& command() const { return command_; }
   const control::Sample& sample() const { return sample_; }
   const firmware::Telemetry& telemetry() const { return telemetry_; }
@@ -125,6 +139,7 @@ class SimBoard {
   void pass_millisecond() {
     if (time_s() - kicked_s_ > kWatchdogS) command_ = {};
     if (plant_.clutched() != nullptr) plant_.set_voltage(coil_volts());
+    if (!config_.coil_switches.empty()) plant_.energise(coil_switched_on());
     if (config_.ground_steps_m > 0.0) move_ground();
     plant_.advance(drive_.step(static_cast<double>(command_.torque_nm), kPeriodS), kPeriodS);
     switch_.follow(plant_, time_s());

@@ -20,6 +20,12 @@ class Plant {
   explicit Plant(const dynamics::HopperLinearParameters<double>& p,
                  const dynamics::Effects<double>& effects = {})
       : machine_(dynamics::Hopper<double>(p, effects)) {}
+  /// With a clutch of two delays (dynamics::Hopper), which energise() moves.
+  Plant(const dynamics::HopperLinearParameters<double>& p, const dynamics::Effects<double>& effects,
+        const dynamics::HopperClutchParameters<double>& clutch)
+      : machine_(dynamics::Hopper<double>(p, effects)) {
+    std::get<dynamics::Hopper<double>>(machine_).fit_clutch(clutch);
+  }
   explicit Plant(const dynamics::HopperNonlinearParameters<double>& p,
                  const dynamics::Effects<double>& effects = {})
       : machine_(changes_motion(effects) || !dynamics::NonlinearHopper<double>::resolves(p)
@@ -88,8 +94,16 @@ class Plant {
   void set_voltage(double volts) {
     if (auto* m = std::get_if<dynamics::ClutchedHopper<double>>(&machine_)) m->set_voltage(volts);
   }
+  /// The coil on or off, of a clutch of two delays. Has no effect without one.
+  void energise(bool on) {
+    if (auto* m = std::get_if<dynamics::Hopper<double>>(&machine_)) m->energise(on);
+  }
   /// Of the clutch's cable along the leg, m; 0 without one.
-  double cable_travel_m() const { return clutched() != nullptr ? clutched()->cable_travel_m() : 0.0; }
+  double cable_travel_m() const {
+    if (const auto* m = std::get_if<dynamics::Hopper<double>>(&machine_))
+      return m->has_clutch() ? m->cable_travel_m() : 0.0;
+    return clutched() != nullptr ? clutched()->cable_travel_m() : 0.0;
+  }
   /// Moves the ground. Only where the toe is above it, and where the leg is free in flight.
   void set_ground(double height_m) {
     std::visit(

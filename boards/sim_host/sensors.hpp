@@ -19,6 +19,8 @@ struct SensorErrors {
 inline constexpr double kHeightCountM = 0.00009;  ///< 2000 counts/rev on 0.18 m a turn (002 chapter 4)
 inline constexpr double kAxisCountM = 0.00001;    ///< a linear scale
 inline constexpr double kJointCountRad = 6.283185307179586 / 8192;  ///< a 13-bit encoder
+inline constexpr double kPulleyCountRad =
+    6.283185307179586 / 2400;  ///< of the clutch bench (002 section 5.1)
 /// The controller always reads whole counts; with quantisation off they are this small.
 inline constexpr double kFineCountM = 1e-6;
 

@@ -19,7 +19,10 @@ constexpr std::size_t kBins = 12;
 constexpr double kWeakest = 0.1;
 
 const char* position_column(Kind kind) {
-  return kind == Kind::motor_axis ? "position_m" : kind == Kind::rotary_joint ? "angle_rad" : "height_m";
+  return kind == Kind::motor_axis     ? "position_m"
+         : kind == Kind::rotary_joint ? "angle_rad"
+         : kind == Kind::clutch_bench ? "pulley_angle_rad"
+                                      : "height_m";
 }
 
 const char* input_column(Kind kind) {
@@ -70,7 +73,7 @@ class Associations {
     look(r_.acceleration, "acceleration", "the remaining force changes with the acceleration");
     look_at_position();
     look(r_.time_s, "time_s", "the remaining force changes with the time since the recording began");
-    if (model_.kind != Kind::rail_carriage)
+    if (model_.kind != Kind::rail_carriage && model_.kind != Kind::clutch_bench)
       look(r_.input, input_column(model_.kind), "the remaining force changes with the input");
     look(r_.interval_s, "sample_interval_s", "the remaining force changes with the interval between rows");
     if (is_hopper(model_.kind)) {

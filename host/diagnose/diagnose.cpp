@@ -54,6 +54,8 @@ bool always_same(const model::Model& model, const std::vector<Effect>& a, const 
   const std::vector<Pair> table{
       {{Effect::asymmetric_friction}, {Effect::coulomb_friction, Effect::force_offset}, true},
       {{Effect::rest_height_error}, {Effect::spring_preload}, true},
+      // Each is another rate of the released leg.
+      {{Effect::incomplete_release}, {Effect::auxiliary_spring}, hopper},
       // An axis has no third channel whose clock would tell which of the two is late.
       {{Effect::actuator_delay}, {Effect::time_skew}, !hopper},
       // With mass and damping free, a torque gain and a spring rate divided by it are the same equation.
@@ -157,6 +159,7 @@ class Assembly {
  private:
   static std::vector<Recording> recordings_of(const std::vector<log::Log>& logs, const model::Model& model) {
     std::vector<Recording> all = identify::make_recordings(logs, model.kind);
+    identify::require_clutch(all, model::has_clutch(model));
     identify::keep_plausible_leg_angles(all, model);
     return all;
   }
@@ -175,6 +178,10 @@ class Assembly {
       throw log::DataError(file + ": the " + what +
                            " recordings hold no free flight: expected at least 30 ms and six rows in a row "
                            "without contact");
+    if (model_.kind == Kind::clutch_bench)
+      throw log::DataError(file + ": the " + what +
+                           " recordings hold no release: expected solenoid = 1 for a while, at least three "
+                           "rows of rest before and 30 ms after it");
     throw log::DataError(file + ": the " + what + " recordings are shorter than a prediction window of " +
                          number(options_.window_s) + " s; expected longer ones or a smaller --window-s");
   }

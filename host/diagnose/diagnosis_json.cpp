@@ -94,6 +94,7 @@ std::string main_channel(const Diagnosis& diagnosis) {
     case dynamics::Kind::motor_axis:
       return "position";
     case dynamics::Kind::rotary_joint:
+    case dynamics::Kind::clutch_bench:
       return "angle";
     default:
       return "height";

@@ -128,8 +128,15 @@ bool stands_out(const Hypothesis& h, const model::Model& model, Effect e, double
     const auto& u = h.unknowns[i];
     if (!u.of_effect || u.effect != e) continue;
     const auto& p = dynamics::info(e).parameter_table[u.parameter];
-    const bool of_model = dynamics::parameter_index(model.kind, name_on(p, model.kind)).has_value();
-    if (std::isnan(p.neutral) && !of_model && u.parameter != 0) continue;
+    const auto none = identify::neutral_value(model, p);
+    if (!none && u.parameter != 0) continue;
+    if (i < h.fit.ranges.size() && h.fit.ranges[i].first < h.fit.ranges[i].second) {
+      // All of the range explains the windows as well: is the effect not there in it? (A clutch that holds
+      // anything does not slip.)
+      const auto [low, high] = h.fit.ranges[i];
+      if (none ? low <= *none && *none <= high : high >= identify::jumps(u, model.kind)->upper) return false;
+      continue;
+    }
     sizes.push_back(static_cast<Eigen::Index>(i));
     away.push_back(h.fit.values[i] - neutral[i]);
   }

@@ -164,9 +164,26 @@ void shelve_carriage(Shelf& shelf, const Reach& reach) {
   }
 }
 
+void shelve_bench(Shelf& shelf, const model::Model& model) {
+  const double delay_s = model.parameter("release_delay_s");
+  for (double fall_s : {0.02, 0.03, 0.045}) {
+    Scenario s = shelf.start(0.0, 0.0, 0.0);
+    s.clutch.clear();
+    constexpr int kReleases = 5;
+    for (int i = 0; i < kReleases; ++i) {
+      const double at_s = 0.1 + 0.4 * i;
+      s.clutch.push_back({at_s, true});
+      s.clutch.push_back({at_s + delay_s + fall_s + 1e-3 * i, false});
+    }
+    s.duration_s = 0.1 + 0.4 * kReleases;
+    shelf.add(
+        "five releases one after the other, each with a fall of " + number(1e3 * fall_s) + " ms and more", s);
+  }
+}
+
 /// Places, inputs and speeds stay near what the rig has done.
 bool within_reach(const Recording& r, const Reach& reach, Kind kind) {
-  if (is_hopper(kind) || kind == Kind::rail_carriage) return true;
+  if (is_hopper(kind) || kind == Kind::rail_carriage || kind == Kind::clutch_bench) return true;
   const auto [low, high] = std::minmax_element(r.position.begin(), r.position.end());
   if (kind == Kind::motor_axis && *high - *low > reach.highest - reach.lowest) return false;
   constexpr double kFaster = 1.5;
@@ -334,6 +351,9 @@ std::vector<Experiment> library(const model::Model& model, const std::vector<Rec
       break;
     case Kind::rail_carriage:
       shelve_carriage(shelf, reach);
+      break;
+    case Kind::clutch_bench:
+      shelve_bench(shelf, model);
       break;
     case Kind::motor_axis:
     case Kind::rotary_joint:

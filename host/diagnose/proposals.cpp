@@ -124,6 +124,9 @@ std::vector<Proposer::Values> Proposer::starts(Effect effect) const {
           case Measure::model:
             values[i] *= t_.model.parameter(e.parameter_table[i].name);
             break;
+          case Measure::load:
+            values[i] *= force_ / t_.model.parameter("pulley_radius_m");
+            break;
           case Measure::place:
             values[i] = low_ + (place + 0.5) / kPlaces * (high_ - low_);
             break;

@@ -24,7 +24,10 @@ class Acceleration {
   double at(double position, double velocity, double input) const {
     double result = 0.0;
     identify::with_plant(kind_, setup_, [&](auto& plant) {
-      plant.reset(position, velocity);
+      if constexpr (requires { plant.reset_loose(position, velocity); })
+        plant.reset_loose(position, velocity);  // a held belt has no acceleration
+      else
+        plant.reset(position, velocity);
       plant.advance(input, kProbe_s);
       result = (identify::detail::speed(plant) - velocity) / kProbe_s;
     });
@@ -54,6 +57,21 @@ SinceEvents since_events(const Recording& r, double touchdown_m) {
   return since;
 }
 
+/// What a force is to the acceleration that it makes; an inertia on a rotary axis.
+double inertia_of(const model::Model& m) {
+  if (m.kind != Kind::clutch_bench) return m.parameters[0];
+  const double radius_m = m.parameter("pulley_radius_m");
+  return m.parameter("load_mass_kg") * radius_m * radius_m + m.parameter("pulley_inertia_kgm2");
+}
+
+/// Whether the coil is on and the belt moves in all of the rows.
+bool falls(const Recording& r, std::size_t first, std::size_t last) {
+  for (std::size_t i = first; i <= last; ++i)
+    if (r.input[i] == 0.0 || !(std::abs(r.velocity_smoothed[i]) > 10.0 * r.position_noise / kHalfWidth_s))
+      return false;
+  return true;
+}
+
 }  // namespace
 
 ResidualForce residual_force(const model::Model& model, const std::vector<dynamics::Effect>& named,
@@ -66,7 +84,7 @@ ResidualForce residual_force(const model::Model& model, const std::vector<dynami
   model::Model bare = model;
   for (dynamics::Effect e : named) bare.effects.erase(e);
   const Acceleration with(model), without(bare);
-  const double mass = model.parameters[0];  // inertia on a rotary axis
+  const double mass = inertia_of(model);
   const bool hopper = is_hopper(model.kind);
   const double touchdown = hopper ? identify::touchdown_height_m(model) : 0.0;
 
@@ -85,6 +103,8 @@ ResidualForce residual_force(const model::Model& model, const std::vector<dynami
         if (last + 1 < r.rows()) ++last;
       }
       if (i - first < 2 || last - i < 2) continue;
+      // Of a belt the middle of its fall, clear of where it is let go and of where it is held.
+      if (model.kind == Kind::clutch_bench && !falls(r, first, last)) continue;
       if (!r.contact.empty() && std::any_of(r.contact.begin() + static_cast<std::ptrdiff_t>(first),
                                             r.contact.begin() + static_cast<std::ptrdiff_t>(last) + 1,
                                             [](double touches) { return touches != 0.0; }))

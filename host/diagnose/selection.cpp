@@ -109,14 +109,17 @@ class Search {
   std::size_t worth_a_fit(std::vector<Proposal>& proposals, const Hypothesis& on, std::size_t most) const {
     // What does not move the body promises little beside what does, dry friction that sticks is badly judged
     // by a linear step, and a slip by windows that do not hold it: those first, always; and a law that has
-    // one of the set as a special case, where that does not do.
+    // one of the set as a special case, where that does not do. What a clutch's teeth make of a start is no
+    // linear step's affair either.
     const bool lacking = !on.effects.empty() && !follows_the_body(on);
     const auto always = [&](const Proposal& p) {
       const identify::Channel judge = judged_on(p.effect, trainer_.recordings);
       const bool hardly_seen = judge == identify::Channel::contact || judge == identify::Channel::drive;
       const bool wider =
           std::any_of(on.effects.begin(), on.effects.end(), [&](Effect e) { return contains(p.effect, e); });
-      return (hardly_seen && p.gain > 0.0) || (lacking && wider) || p.effect == Effect::encoder_slip ||
+      const bool jumps = p.effect == Effect::late_catch || p.effect == Effect::clutch_slip;
+      return (jumps && (most >= kMostFits || lacking)) || (hardly_seen && p.gain > 0.0) ||
+             (lacking && wider) || p.effect == Effect::encoder_slip ||
              ((most >= kMostFits || lacking) &&
               (p.effect == Effect::coulomb_friction ||
                (!dynamics::is_hopper(trainer_.model.kind) &&

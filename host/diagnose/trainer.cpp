@@ -80,10 +80,11 @@ std::vector<Effect> Trainer::candidates() const {
         std::none_of(recordings.begin(), recordings.end(), [](const auto& r) { return !r.slips.empty(); }))
       continue;
     if (!applies(info.effect, model.kind)) continue;  // one that is on may have the wrong size
+    if (dynamics::needs_clutch(info.effect) && !clutch_works()) continue;
     bool free_anyway = false;
     for (const auto& p : info.parameters()) {
-      const auto same = dynamics::parameter_index(model.kind, name_on(p, model.kind));
-      free_anyway = free_anyway || (std::isnan(p.neutral) && same && model.free.contains(*same));
+      const auto same = identify::parameter_meant(model.kind, p);
+      free_anyway = free_anyway || (same && model.free.contains(*same));
     }
     // The loss at touch-down is held in the model by the name restitution_touchdown, the spring's rate by
     // stiffness_npm: where those are free, identification has moved them already.
@@ -110,6 +111,12 @@ Hypothesis Trainer::fit(const std::vector<Effect>& effects, const Hypothesis* fr
   return h;
 }
 
+bool Trainer::clutch_works() const {
+  return model.kind == dynamics::Kind::clutch_bench ||
+         (model.clutch && std::any_of(recordings.begin(), recordings.end(),
+                                      [](const auto& r) { return !r.solenoid.empty(); }));
+}
+
 Trainer::Scales Trainer::scales() const {
   double squares = 0.0, inputs = 0.0, rows = 0.0;
   for (const auto& w : training.windows) {
@@ -121,6 +128,10 @@ Trainer::Scales Trainer::scales() const {
     }
   }
   if (rows == 0.0) return {};
+  if (model.kind == dynamics::Kind::clutch_bench)
+    return {
+        model.parameter("load_mass_kg") * dynamics::kBenchGravity_mps2 * model.parameter("pulley_radius_m"),
+        std::sqrt(squares / rows)};
   return {dynamics::info(model.kind).rig == "hopper"
               ? model.parameter("mass_kg") * model.parameter("gravity_mps2")
               : std::sqrt(inputs / rows),

@@ -51,8 +51,8 @@ struct Trainer {
   /// what was to be expected before.
   double preference(const Hypothesis& one, const Hypothesis& other) const;
 
-  /// What moves the axis (root mean square of the input, on the hopper the weight; N or N m) and the root
-  /// mean square of its speed.
+  /// What moves the axis (root mean square of the input, on hopper and clutch bench the weight; N or N m) and
+  /// the root mean square of its speed.
   struct Scales {
     double force = 1.0, speed = 1.0;
   };
@@ -65,6 +65,8 @@ struct Trainer {
   Travel travel() const;
 
  private:
+  /// Whether the model has a clutch, and it is released in the recordings.
+  bool clutch_works() const;
   /// False where an effect is smaller than what its channel resolves.
   bool beyond_resolution(const Hypothesis& h) const;
 };

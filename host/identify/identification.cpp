@@ -52,6 +52,12 @@ class Work {
     training_ = make_recordings(training, model.kind);
     held_out_ = make_recordings(held_out, model.kind);
     require_plausible(training_, held_out_);
+    for (const auto* list : {&training_, &held_out_}) require_clutch(*list, model::has_clutch(model));
+    if (model.kind == dynamics::Kind::clutch_bench && options.by_equation)
+      throw log::DataError(
+          "equation error says nothing on clutch_bench, whose belt stands or falls for whole windows; "
+          "expected "
+          "--method simulation");
     fit_windows_ = fit_windows(training_, model, options.window_s);
     if (fit_windows_.windows.empty())
       throw log::DataError(training_.front().name + ": no window to fit on; expected " +
@@ -59,6 +65,9 @@ class Work {
                                 ? std::string("a stance or a flight of at least 30 ms")
                             : model.kind == dynamics::Kind::rail_carriage
                                 ? std::string("a flight of at least 30 ms, six rows or more without contact")
+                            : model.kind == dynamics::Kind::clutch_bench
+                                ? std::string("a release (solenoid = 1) from a rest of three rows, and 30 ms "
+                                              "after its end")
                                 : "at least " + std::to_string(options.window_s) + " s of recording"));
     held_out_windows_ = prediction_windows(held_out_, model, options.window_s);
     for (const Window& w : fit_windows_.windows) units_.try_emplace(w.recording, units_.size());

@@ -67,6 +67,27 @@ double sample_noise(const std::vector<double>& time_s, const std::vector<double>
   return std::sqrt(by_median > 0.0 ? by_median : mean);
 }
 
+/// Of an encoder on a belt that stands still most of the time, where a count does not flicker and a stop is a
+/// kink: what a count is worth, and the scatter in the rows in which the coil is off and has been for long.
+double standstill_noise(const Recording& r) {
+  constexpr double kStands_s = 0.3;
+  double count = 0.0, squares = 0.0, freedom = 0.0;
+  for (std::size_t i = 1; i < r.rows(); ++i) {
+    const double step = std::abs(r.position[i] - r.position[i - 1]);
+    if (step > 0.0 && (count == 0.0 || step < count)) count = step;
+  }
+  double on_until_s = r.time_s.front() - kStands_s;
+  for (std::size_t i = 0; i < r.rows(); ++i) {
+    if (r.input[i] != 0.0) on_until_s = r.time_s[i];
+    if (i == 0 || r.time_s[i - 1] - on_until_s < kStands_s) continue;
+    const double step = r.position[i] - r.position[i - 1];
+    squares += 0.5 * step * step;
+    freedom += 1.0;
+  }
+  const double scatter = freedom > 0.0 ? squares / freedom : 0.0;
+  return std::sqrt(scatter + count * count / 12.0);
+}
+
 /// A current sensor tells a hundredth of what is usual at best; and whether a row's torque is that before or
 /// after its command is the rig's affair.
 double drive_noise(const std::vector<double>& time_s, std::span<const double> command,
@@ -151,15 +172,20 @@ std::vector<Slip> find_slips(const std::vector<double>& time_s, const std::vecto
   return found;
 }
 
-void refuse_released_spring(const log::Log& log) {
-  const auto& solenoid = log.at("solenoid");
-  const auto first = std::find(solenoid.begin(), solenoid.end(), 1.0);
-  if (first == solenoid.end()) return;
-  throw log::DataError(
-      log.path + ": the spring is released from " +
-      log::shortest(log.time_s()[static_cast<std::size_t>(first - solenoid.begin())]) +
-      " s on (solenoid = 1); expected recordings with the spring caught: this version fits no "
-      "released one");
+/// The plants keep a straight leg in flight, on its stop.
+void refuse_folded_flight(const Recording& r, const std::vector<double>& contact) {
+  constexpr double kFolded_rad = 0.05;
+  constexpr std::size_t kRows = 20;  // in a row, clear of the contact's bounce
+  if (r.leg_angle.empty() || r.solenoid.empty() || contact.empty()) return;
+  const double straight = *std::min_element(r.leg_angle.begin(), r.leg_angle.end());
+  std::size_t folded = 0;
+  for (std::size_t i = 0; i < r.rows(); ++i) {
+    folded = contact[i] == 0.0 && r.leg_angle[i] > straight + kFolded_rad ? folded + 1 : 0;
+    if (folded == kRows)
+      throw log::DataError(r.name + ": the leg is folded in flight by " +
+                           log::rounded(r.leg_angle[i] - straight) + " rad at " + log::shortest(r.time_s[i]) +
+                           " s; expected a leg that stays on its stop in flight: this version fits no other");
+  }
 }
 
 }  // namespace
@@ -214,6 +240,7 @@ ChannelNames channel_names(dynamics::Kind kind) {
     case dynamics::Kind::motor_axis:
       return {"position", "m", "mps"};
     case dynamics::Kind::rotary_joint:
+    case dynamics::Kind::clutch_bench:
       return {"angle", "rad", "radps"};
   }
   return {};
@@ -250,6 +277,10 @@ Recording make_recording(const log::Log& log, dynamics::Kind kind) {
       r.input.assign(r.rows(), 0.0);
       if (log.has("contact")) r.contact = log.at("contact");
       break;
+    case dynamics::Kind::clutch_bench:
+      r.position = log.at("pulley_angle_rad");
+      r.input = log.at("solenoid");
+      break;
   }
   r.impulse.assign(r.rows(), 0.0);
   r.driven_s.assign(r.rows(), 0.0);
@@ -259,7 +290,9 @@ Recording make_recording(const log::Log& log, dynamics::Kind kind) {
     r.driven_s[i] = r.driven_s[i - 1] + (r.input[i - 1] != 0.0 ? interval_s : 0.0);
   }
   if (dynamics::is_hopper(kind)) {
-    if (log.has("solenoid")) refuse_released_spring(log);
+    if (log.has("solenoid") && std::any_of(log.at("solenoid").begin(), log.at("solenoid").end(),
+                                           [](double on) { return on != 0.0; }))
+      r.solenoid = log.at("solenoid");
     if (log.has("contact")) r.touchdown_reports_s = first_closings(r.time_s, log.at("contact"));
     if (log.has("torque_nm") && log.at("torque_nm") != r.input) r.drive = log.at("torque_nm");
     if (log.has("leg_angle_rad")) {
@@ -267,6 +300,7 @@ Recording make_recording(const log::Log& log, dynamics::Kind kind) {
       r.leg_angle_noise = leg_angle_noise(r.time_s, r.leg_angle);
       const auto [low, high] = std::minmax_element(r.leg_angle.begin(), r.leg_angle.end());
       if (*high - *low < kLegMovesOverNoise * r.leg_angle_noise) r.leg_angle.clear();
+      refuse_folded_flight(r, log.has("contact") ? log.at("contact") : std::vector<double>{});
     }
   }
   if (!r.drive_command.empty()) {
@@ -289,7 +323,8 @@ Recording make_recording(const log::Log& log, dynamics::Kind kind) {
   r.velocity_smoothed = smoothed_slope(r.time_s, r.position, r.contact);
   r.velocity_recorded = log.has(velocity_column);
   r.velocity = r.velocity_recorded ? log.at(velocity_column) : r.velocity_smoothed;
-  r.position_noise = sample_noise(r.time_s, r.position, r.contact);
+  r.position_noise = kind == dynamics::Kind::clutch_bench ? standstill_noise(r)
+                                                          : sample_noise(r.time_s, r.position, r.contact);
   r.velocity_noise = sample_noise(r.time_s, r.velocity, r.contact);
   r.slips = find_slips(r.time_s, r.position, r.position_noise);
   if (!r.slips.empty()) {
@@ -298,6 +333,19 @@ Recording make_recording(const log::Log& log, dynamics::Kind kind) {
       for (std::size_t i = slip.row; i < r.rows(); ++i) r.slip_offset[i] += slip.step;
   }
   return r;
+}
+
+void require_clutch(const std::vector<Recording>& recordings, bool has_clutch) {
+  for (const Recording& r : recordings) {
+    if (has_clutch || r.solenoid.empty()) continue;
+    const auto first =
+        std::find_if(r.solenoid.begin(), r.solenoid.end(), [](double on) { return on != 0.0; });
+    throw log::DataError(r.name + ": the spring is released from " +
+                         log::shortest(r.time_s[static_cast<std::size_t>(first - r.solenoid.begin())]) +
+                         " s on (solenoid = 1), and the model has no clutch; expected a tooth_pitch_m above "
+                         "0 in the model, or "
+                         "recordings with the spring caught");
+  }
 }
 
 std::vector<Recording> make_recordings(const std::vector<log::Log>& logs, dynamics::Kind kind) {

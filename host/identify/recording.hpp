@@ -20,7 +20,8 @@ struct Slip {
 };
 
 /// One recording. All vectors have the same length. Position in m (rad), velocity in m/s (rad/s), input in N
-/// (N m; on the hopper the torque command in N m), each row's input acting until the next row.
+/// (N m; on the hopper the torque command in N m; on the clutch bench 1 while the coil is on), each row's
+/// input acting until the next row.
 struct Recording {
   std::string name;
   dynamics::Kind kind;
@@ -43,6 +44,8 @@ struct Recording {
   double leg_angle_noise = 0.0;  ///< with what links and joints give
   /// Hopper: when the contact switch first reported each touch-down, s (bounces left out).
   std::vector<double> touchdown_reports_s;
+  /// Hopper with a clutch: 1 in rows in which its coil is on; empty where it never is.
+  std::vector<double> solenoid;
   /// Rail carriage: 1 in rows in which it touches its stop; empty where the log has no such column.
   std::vector<double> contact;
   std::vector<Slip> slips;          ///< found in the positions alone
@@ -68,8 +71,11 @@ Recording make_recording(const log::Log& log, dynamics::Kind kind);
 /// any of them.
 std::vector<Recording> make_recordings(const std::vector<log::Log>& logs, dynamics::Kind kind);
 
+/// @throws log::DataError where a hopper's spring is released and the model has no clutch.
+void require_clutch(const std::vector<Recording>& recordings, bool has_clutch);
+
 /// Names of the channels in results: "height" and "velocity" on hopper and rail carriage, "position",
-/// "angle".
+/// "angle" on rotary joint and clutch bench.
 struct ChannelNames {
   std::string position, position_unit, velocity_unit;
 };

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <span>
 #include <vector>
 
@@ -9,6 +10,7 @@
 #include "furcula/dynamics/axis.hpp"
 #include "furcula/dynamics/hopper.hpp"
 #include "furcula/dynamics/sensing.hpp"
+#include "furcula/dynamics/simple_clutch_bench.hpp"
 #include "host/identify/recording.hpp"
 #include "host/identify/unknowns.hpp"
 #include "host/identify/windows.hpp"
@@ -92,6 +94,59 @@ void warm_up(dynamics::Actuation<T>& drive, const Recording& r, const dynamics::
   for (; from < first; ++from) drive.drive(commands, from, r.time_s[from + 1] - r.time_s[from]);
 }
 
+/// Where a window finds a hopper's clutch: its coil's past is in the recording, and the travel that a caught
+/// cable has follows from the measured heights at which the key came. False where there is no clutch, or its
+/// coil is never on.
+template <class T>
+bool start_clutch(auto& plant, const PlantSetup<T>& setup, const Recording& r, std::size_t first) {
+  if constexpr (!requires { plant.has_clutch(); }) {
+    return false;
+  } else {
+    using dynamics::Effect;
+    if (!plant.has_clutch() || r.solenoid.empty()) return false;
+    const double pitch_m = dynamics::value_of(setup.clutch.tooth_pitch_m);
+    dynamics::KeyTiming<T> key(setup.clutch.release_delay_s,
+                               setup.effects.value_or(Effect::late_catch, setup.clutch.catch_delay_s));
+    const auto travel = [&](double height_m) {
+      return dynamics::value_of(plant.loose_travel_m(T(height_m)));
+    };
+    bool held = true;  // else out, or on its way to a tooth
+    int teeth = 0;
+    double last_m = 0.0;
+    for (std::size_t i = 0; i < first; ++i) {
+      key.energise(r.solenoid[i] != 0.0);
+      T left_s(r.time_s[i + 1] - r.time_s[i]);
+      while (key.changes_within(dynamics::value_of(left_s))) {
+        const T until_s = key.change_in();
+        key.pass(until_s);
+        left_s -= until_s;
+        key.change();
+        if (key.out()) {
+          held = false;
+          continue;
+        }
+        const double at_s = r.time_s[i + 1] - dynamics::value_of(left_s);
+        last_m = travel(interpolated(r.time_s, r.position, at_s));
+      }
+      key.pass(left_s);
+      if (held) continue;
+      // The cable follows the leg; the pressed key meets a tooth where its travel passes one, and at home.
+      const double travel_m = travel(r.position[i + 1]);
+      if (!key.out()) {
+        const double from = last_m / pitch_m, to = travel_m / pitch_m;
+        const double tooth = to > from ? std::floor(to) : std::ceil(to);
+        if (!(travel_m > 0.0) || (to > from ? tooth > from : tooth < from)) {
+          held = true;
+          teeth = travel_m > 0.0 ? static_cast<int>(tooth) : 0;
+        }
+      }
+      last_m = travel_m;
+    }
+    plant.start_clutch(key, held, teeth);
+    return true;
+  }
+}
+
 }  // namespace detail
 
 /// Calls use(plant) with the plant of the kind, in the scalar T.
@@ -111,12 +166,14 @@ void with_plant(dynamics::Kind kind, const PlantSetup<T>& setup, const Use& use)
     case dynamics::Kind::hopper_linear: {
       dynamics::Hopper<T> plant(make.template operator()<dynamics::HopperLinearParameters<T>>(),
                                 setup.effects);
+      if (dynamics::value_of(setup.clutch.tooth_pitch_m) > 0.0) plant.fit_clutch(setup.clutch);
       use(plant);
       return;
     }
     case dynamics::Kind::hopper_nonlinear: {
       dynamics::Hopper<T> plant(make.template operator()<dynamics::HopperNonlinearParameters<T>>(),
                                 setup.effects);
+      if (dynamics::value_of(setup.clutch.tooth_pitch_m) > 0.0) plant.fit_clutch(setup.clutch);
       use(plant);
       return;
     }
@@ -129,6 +186,12 @@ void with_plant(dynamics::Kind kind, const PlantSetup<T>& setup, const Use& use)
     case dynamics::Kind::rotary_joint: {
       dynamics::RotaryJoint<T> plant(make.template operator()<dynamics::RotaryJointParameters<T>>(),
                                      setup.effects);
+      use(plant);
+      return;
+    }
+    case dynamics::Kind::clutch_bench: {
+      dynamics::SimpleClutchBench<T> plant(make.template operator()<dynamics::ClutchBenchParameters<T>>(),
+                                           setup.effects);
       use(plant);
       return;
     }
@@ -171,6 +234,7 @@ void simulate(const PlantSetup<T>& setup, const Recording& r, const Window& w, c
             plant.place_rotor(seen.value, seen.slope);
           }
       }
+    [[maybe_unused]] const bool clutched = detail::start_clutch<T>(plant, setup, r, w.first);
     const bool ideal = actuation.ideal_drive();
     detail::warm_up(actuation, r, commands, w.first);
     detail::warm_up(drive, r, told, w.first);
@@ -196,6 +260,8 @@ void simulate(const PlantSetup<T>& setup, const Recording& r, const Window& w, c
             leg_angle);
       if (answered || own_clock) drive.drive(told, i, interval_s);
       const T input = ideal ? T(r.input[i]) : actuation.drive(commands, i, interval_s);
+      if constexpr (requires { plant.energise(true); })
+        if (clutched) plant.energise(r.solenoid[i] != 0.0);
       plant.advance(actuation.motor(input, commands, i), interval_s);
       x = sensing.measured(detail::height(plant));
       if (slipped != nullptr) x += slipped[i + 1];

@@ -323,6 +323,149 @@ Fit look_by_simulation(const model::Model& model, const std::vector<Unknown>& un
   return fit;
 }
 
+namespace {
+
+/// Moves the values and start states to where the squares are least. False where the runs do not stay finite.
+bool solve(Costs& problems, const std::vector<Unknown>& unknowns, std::vector<double>& values) {
+  auto& [costs, starts] = problems;
+  if (unknowns.empty() || costs.empty()) return true;
+  ceres::Problem::Options problem_options;
+  problem_options.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+  ceres::Problem problem(problem_options);
+  ceres::Solver::Options options;
+  options.linear_solver_type = ceres::DENSE_SCHUR;
+  options.linear_solver_ordering = std::make_shared<ceres::ParameterBlockOrdering>();
+  options.max_num_iterations = 60;
+  options.function_tolerance = 1e-9;
+  options.parameter_tolerance = 1e-10;
+  options.num_threads = 1;
+  options.logging_type = ceres::SILENT;
+  for (std::size_t i = 0; i < costs.size(); ++i) {
+    problem.AddResidualBlock(&costs[i], nullptr, values.data(), &starts[kStartSize * i]);
+    options.linear_solver_ordering->AddElementToGroup(&starts[kStartSize * i], 0);
+  }
+  options.linear_solver_ordering->AddElementToGroup(values.data(), 1);
+  for (std::size_t i = 0; i < unknowns.size(); ++i) {
+    values[i] = std::clamp(values[i], unknowns[i].lower, unknowns[i].upper);
+    problem.SetParameterLowerBound(values.data(), static_cast<int>(i), unknowns[i].lower);
+    problem.SetParameterUpperBound(values.data(), static_cast<int>(i), unknowns[i].upper);
+  }
+  ceres::Solver::Summary summary;
+  ceres::Solve(options, &problem, &summary);
+  return summary.IsSolutionUsable();
+}
+
+/// The unknowns that the runs jump with, looked through value by value.
+class Jumping {
+ public:
+  Jumping(Costs& problems, const std::vector<Unknown>& unknowns, dynamics::Kind kind)
+      : problems_(problems), ranges_(unknowns.size(), {0.0, 0.0}) {
+    for (std::size_t i = 0; i < unknowns.size(); ++i)
+      if (const auto range = jumps(unknowns[i], kind)) all_.push_back({i, *range});
+  }
+  bool any() const { return !all_.empty(); }
+  const std::vector<std::pair<double, double>>& ranges() const { return ranges_; }
+
+  /// Of all windows, their start states as they are.
+  double squares(const std::vector<double>& values) const {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < problems_.costs.size(); ++i) {
+      residual_.resize(static_cast<std::size_t>(problems_.costs[i].num_residuals()));
+      const double* blocks[2] = {values.data(), &problems_.starts[kStartSize * i]};
+      if (!problems_.costs[i].Evaluate(blocks, residual_.data(), nullptr))
+        return std::numeric_limits<double>::infinity();
+      for (double r : residual_) sum += r * r;
+    }
+    return sum;
+  }
+
+  /// Pairs of two of them on a coarse grid, all else as it is.
+  void look_coarsely(std::vector<double>& values) const {
+    constexpr int kPoints = 24;
+    if (all_.size() < 2) return;
+    const auto at = [&](const Sought& u, int k) {
+      const double share = (k + 0.5) / kPoints;
+      return u.where.by_ratio ? u.where.lower * std::pow(u.where.upper / u.where.lower, share)
+                              : u.where.lower + share * (u.where.upper - u.where.lower);
+    };
+    std::vector<double> best = values;
+    double least = squares(values);
+    for (int i = 0; i < kPoints; ++i)
+      for (int k = 0; k < kPoints; ++k) {
+        values[all_[0].index] = at(all_[0], i);
+        values[all_[1].index] = at(all_[1], k);
+        if (const double s = squares(values); s < least) {
+          least = s;
+          best = values;
+        }
+      }
+    values = best;
+  }
+
+  /// Each to the middle of the range that leaves least. True if that leaves less than before.
+  bool look(std::vector<double>& values) {
+    bool better = false;
+    for (const Sought& u : all_) better = look_through(u, values) || better;
+    return better;
+  }
+
+ private:
+  struct Sought {
+    std::size_t index;
+    Jumps where;
+  };
+
+  bool look_through(const Sought& u, std::vector<double>& values) {
+    constexpr double kStep_s = 5e-4, kRatio = 1.04, kSame = 1e-6;
+    constexpr int kHalvings = 8;
+    const Jumps& where = u.where;
+    const auto with = [&](double value) {
+      values[u.index] = value;
+      return squares(values);
+    };
+    double best = values[u.index], least = with(best);
+    const double before = least;
+    const auto next = [&](double v) { return where.by_ratio ? v * kRatio : v + kStep_s; };
+    const auto previous = [&](double v) { return where.by_ratio ? v / kRatio : v - kStep_s; };
+    for (double v = where.lower; v <= where.upper; v = next(v))
+      if (const double s = with(v); s < least * (1.0 - kSame)) {
+        least = s;
+        best = v;
+      }
+    const auto as_good = [&](double v) { return with(v) <= least * (1.0 + kSame); };
+    const auto end = [&](const auto& further) {
+      double inside = best;
+      for (;;) {
+        const double outside = std::clamp(further(inside), where.lower, where.upper);
+        if (as_good(outside)) {
+          if (outside == inside) return inside;
+          inside = outside;
+          continue;
+        }
+        double beyond = outside;
+        for (int i = 0; i < kHalvings; ++i) {
+          const double middle = 0.5 * (inside + beyond);
+          (as_good(middle) ? inside : beyond) = middle;
+        }
+        return inside;
+      }
+    };
+    const double low = end(previous), high = end(next);
+    // What changes the runs between the jumps too has a best value, which the fit's steps find.
+    const bool flat = high - low > 0.01 * (next(best) - best);
+    ranges_[u.index] = flat ? std::pair(low, high) : std::pair(0.0, 0.0);
+    values[u.index] = flat ? 0.5 * (low + high) : best;
+    return least < before * (1.0 - 1e-3);
+  }
+
+  Costs& problems_;
+  std::vector<Sought> all_;
+  std::vector<std::pair<double, double>> ranges_;
+  mutable std::vector<double> residual_;
+};
+
+}  // namespace
+
 Fit fit_by_simulation(const model::Model& model, const std::vector<Unknown>& unknowns,
                       const std::vector<double>& start, const std::vector<Recording>& recordings,
                       const std::vector<Window>& windows, Weighting weighting, std::size_t layers) {
@@ -331,34 +474,27 @@ Fit fit_by_simulation(const model::Model& model, const std::vector<Unknown>& unk
   [[maybe_unused]] static const bool quiet = (FLAGS_minloglevel = google::GLOG_FATAL, true);
   fit.values = start;
   Costs problems(model, unknowns, recordings, windows, weighting);
-  auto& [costs, starts] = problems;
+  Jumping jumping(problems, unknowns, model.kind);
   bool usable = true;
-  if (!unknowns.empty() && !windows.empty()) {
-    ceres::Problem::Options problem_options;
-    problem_options.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
-    ceres::Problem problem(problem_options);
-    ceres::Solver::Options options;
-    options.linear_solver_type = ceres::DENSE_SCHUR;
-    options.linear_solver_ordering = std::make_shared<ceres::ParameterBlockOrdering>();
-    options.max_num_iterations = 60;
-    options.function_tolerance = 1e-9;
-    options.parameter_tolerance = 1e-10;
-    options.num_threads = 1;
-    options.logging_type = ceres::SILENT;
-    for (std::size_t i = 0; i < windows.size(); ++i) {
-      problem.AddResidualBlock(&costs[i], nullptr, fit.values.data(), &starts[kStartSize * i]);
-      options.linear_solver_ordering->AddElementToGroup(&starts[kStartSize * i], 0);
-    }
-    options.linear_solver_ordering->AddElementToGroup(fit.values.data(), 1);
-    for (std::size_t i = 0; i < unknowns.size(); ++i) {
-      fit.values[i] = std::clamp(fit.values[i], unknowns[i].lower, unknowns[i].upper);
-      problem.SetParameterLowerBound(fit.values.data(), static_cast<int>(i), unknowns[i].lower);
-      problem.SetParameterUpperBound(fit.values.data(), static_cast<int>(i), unknowns[i].upper);
-    }
-    ceres::Solver::Summary summary;
-    ceres::Solve(options, &problem, &summary);
-    usable = summary.IsSolutionUsable();
+  if (model.kind == dynamics::Kind::clutch_bench && !unknowns.empty()) {
+    // As long as the coil is on no tooth matters: first how the belt falls, then where it is held.
+    std::vector<Window> falls = windows;
+    for (Window& w : falls) w.last = w.liftoff;
+    Costs falling(model, unknowns, recordings, falls, weighting);
+    const double before = jumping.squares(fit.values);
+    const std::vector<double> given = fit.values;
+    usable = solve(falling, unknowns, fit.values);
+    if (!usable || (!jumping.any() && !(jumping.squares(fit.values) < before))) fit.values = given;
+    jumping.look_coarsely(fit.values);
+    jumping.look(fit.values);
   }
+  constexpr int kRounds = 3;
+  bool again = true;
+  for (int round = 0; round < kRounds && again; ++round) {
+    usable = solve(problems, unknowns, fit.values);
+    again = usable && jumping.look(fit.values);
+  }
+  fit.ranges = jumping.ranges();
   fit.at_bound = at_bounds(fit.values, unknowns);
   problems.shares(fit, 6);
   require_finite(usable && std::isfinite(fit.squares), recordings, windows);

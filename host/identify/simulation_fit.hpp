@@ -3,6 +3,7 @@
 
 #include <Eigen/Dense>
 #include <array>
+#include <utility>
 #include <vector>
 
 #include "host/identify/simulate.hpp"
@@ -46,6 +47,9 @@ struct Fit {
   Eigen::MatrixXd covariance;  ///< of the unknowns; from the scatter of the windows' gradients (sandwich), so
                                ///< that neighbouring samples need not be independent
   std::vector<bool> at_bound;
+  /// Of unknowns that the runs jump with (unknowns.hpp, jumps), and do not change with in between: from where
+  /// to where they explain the windows as well. Equal ends: not such an unknown, or not within such a range.
+  std::vector<std::pair<double, double>> ranges;
   std::size_t layers = 1;  ///< in how many of the windows each row lies
 };
 

@@ -42,6 +42,37 @@ std::vector<Unknown> effect_unknowns(dynamics::Effect effect, dynamics::Kind kin
   return all;
 }
 
+std::optional<std::size_t> parameter_meant(dynamics::Kind kind, const dynamics::EffectParameterInfo& p) {
+  if (!std::isnan(p.neutral)) return std::nullopt;
+  return dynamics::parameter_index(kind, p.model_parameter.empty() ? name_on(p, kind) : p.model_parameter);
+}
+
+std::optional<double> neutral_value(const model::Model& model, const dynamics::EffectParameterInfo& p) {
+  if (!std::isnan(p.neutral)) return p.neutral;
+  if (const auto meant = parameter_meant(model.kind, p)) return model.parameters[*meant];
+  if (model.clutch)
+    for (std::size_t i = 0; i < model::kClutchMembers.size(); ++i)
+      if (dynamics::kClutchParameters[i].name == p.model_parameter)
+        return (*model.clutch).*model::kClutchMembers[i];
+  return std::nullopt;
+}
+
+std::optional<Jumps> jumps(const Unknown& unknown, dynamics::Kind kind) {
+  using dynamics::Effect;
+  constexpr double kLongestCatch_s = 0.15;
+  const bool late = unknown.of_effect && unknown.effect == Effect::late_catch;
+  const bool of_bench = !unknown.of_effect && kind == dynamics::Kind::clutch_bench &&
+                        unknown.parameter == dynamics::parameter_index(kind, "catch_delay_s");
+  if (late || of_bench)
+    return Jumps{unknown.lower, std::max(unknown.lower, std::min(unknown.upper, kLongestCatch_s)), false};
+  if (unknown.of_effect && unknown.effect == Effect::clutch_slip)
+    return Jumps{std::max(unknown.lower, 1.0), std::min(unknown.upper, 300.0), true};
+  if (!unknown.of_effect && kind == dynamics::Kind::clutch_bench &&
+      unknown.parameter == dynamics::parameter_index(kind, "tooth_pitch_m"))
+    return Jumps{unknown.lower, unknown.upper, true};
+  return std::nullopt;
+}
+
 std::vector<double> values_in(const model::Model& model, const std::vector<Unknown>& unknowns) {
   std::vector<double> values;
   for (const Unknown& u : unknowns) {
@@ -54,11 +85,7 @@ std::vector<double> values_in(const model::Model& model, const std::vector<Unkno
       continue;
     }
     const auto& p = dynamics::info(u.effect).parameter_table[u.parameter];
-    const auto same = dynamics::parameter_index(model.kind, name_on(p, model.kind));
-    if (!std::isnan(p.neutral))
-      values.push_back(p.neutral);
-    else
-      values.push_back(same ? model.parameters[*same] : 0.0);
+    values.push_back(neutral_value(model, p).value_or(0.0));
   }
   return values;
 }

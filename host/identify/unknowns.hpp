@@ -3,11 +3,13 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "furcula/dynamics/effects/effects.hpp"
+#include "furcula/dynamics/parameters.hpp"
 #include "host/model/model.hpp"
 
 namespace furcula::identify {
@@ -49,6 +51,20 @@ std::vector<Unknown> free_unknowns(const model::Model& model);
 /// each recording (Recording::slips).
 std::vector<Unknown> effect_unknowns(dynamics::Effect effect, dynamics::Kind kind);
 
+/// The value of an effect's parameter with which the effect is not there; nothing where it is any.
+std::optional<double> neutral_value(const model::Model& model, const dynamics::EffectParameterInfo& p);
+
+/// The index of the free parameter whose true value the effect's parameter is; nothing where there is none.
+std::optional<std::size_t> parameter_meant(dynamics::Kind kind, const dynamics::EffectParameterInfo& p);
+
+/// The range in which a fit looks for an unknown value by value, since the runs jump with it: which tooth a
+/// catch ends on. Nothing for all others.
+struct Jumps {
+  double lower, upper;
+  bool by_ratio;  ///< the values looked at are a ratio apart, not a distance
+};
+std::optional<Jumps> jumps(const Unknown& unknown, dynamics::Kind kind);
+
 /// The values of the unknowns in a model (of an effect that is off: its neutral value, 0 where it has none).
 std::vector<double> values_in(const model::Model& model, const std::vector<Unknown>& unknowns);
 
@@ -60,10 +76,14 @@ model::Model with_values(model::Model model, const std::vector<Unknown>& unknown
 template <class T>
 struct PlantSetup {
   std::array<T, 16> parameters{};
+  dynamics::HopperClutchParameters<T> clutch{};  ///< of a hopper that has one
   dynamics::Effects<T> effects;
 
   PlantSetup(const model::Model& model, const std::vector<Unknown>& unknowns, const T* values) {
     for (std::size_t i = 0; i < model.parameters.size(); ++i) parameters[i] = T(model.parameters[i]);
+    if (model.clutch)
+      clutch = {T(model.clutch->release_delay_s), T(model.clutch->catch_delay_s),
+                T(model.clutch->auxiliary_stiffness_npm), T(model.clutch->tooth_pitch_m)};
     for (const auto& [effect, numbers] : model.effects)
       for (std::size_t k = 0; k < numbers.size(); ++k) effects.set(effect, k, T(numbers[k]));
     for (std::size_t i = 0; i < unknowns.size(); ++i) {

@@ -66,6 +66,14 @@ std::vector<ParameterVerdict> parameter_verdicts(const Fit& fit, const std::vect
       v.lower = unknowns[i].lower;
       v.upper = unknowns[i].upper;
     }
+    if (i < fit.ranges.size() && fit.ranges[i].first < fit.ranges[i].second) {
+      // Known to a range, all of which explains the windows as well, and to what the numerics are worth.
+      v.lower = fit.ranges[i].first - kNumerics * v.value;
+      v.upper = fit.ranges[i].second + kNumerics * v.value;
+      v.verdict = v.upper - v.lower > kNotExcited * 0.5 * (unknowns[i].upper - unknowns[i].lower)
+                      ? "not_excited"
+                      : "identified";
+    }
     if (fit.at_bound[i]) {
       const bool lower = v.value - unknowns[i].lower < unknowns[i].upper - v.value;
       v.verdict = "at_bound";

@@ -140,6 +140,35 @@ std::vector<Window> free_flights(const Recording& r, std::size_t index) {
   return found;
 }
 
+std::vector<Window> releases(const Recording& r, std::size_t index) {
+  constexpr double kRest_s = 0.05, kAfterwards_s = 0.25;
+  constexpr std::size_t kFewestRows = 3;
+  std::vector<Window> found;
+  const auto on = [&](std::size_t i) { return r.input[i] != 0.0; };
+  const std::size_t n = r.rows();
+  std::vector<double> intervals_s;
+  for (std::size_t i = 1; i < n; ++i) intervals_s.push_back(r.time_s[i] - r.time_s[i - 1]);
+  const double usual_s = median(intervals_s);
+  std::size_t free = 0;  // the first row that no earlier release needs
+  for (std::size_t i = 1; i < n; ++i) {
+    if (!on(i) || on(i - 1)) continue;
+    std::size_t first = i, off = i;
+    while (first > free && r.time_s[i] - r.time_s[first - 1] <= kRest_s && !on(first - 1)) --first;
+    while (off < n && on(off)) ++off;
+    if (off == n) break;  // not switched off any more
+    std::size_t last = off;
+    while (last + 1 < n && !on(last + 1) && r.time_s[last + 1] - r.time_s[off] <= kAfterwards_s) ++last;
+    // Switched within a gap it is not known when: such a release is left out.
+    const auto known = [&](std::size_t row) { return r.time_s[row] - r.time_s[row - 1] < 1.5 * usual_s; };
+    if (known(i) && known(off) && i - first >= kFewestRows &&
+        r.time_s[last] - r.time_s[off] >= kShortestPhase_s)
+      found.push_back({index, first, last, WindowKind::release, i, off});
+    free = off;
+    i = last;
+  }
+  return without_pauses(std::move(found), r);
+}
+
 std::vector<Window> intervals(const Recording& r, std::size_t index, double length_s, double from_s) {
   std::vector<Window> found;
   const std::size_t n = r.rows();
@@ -210,6 +239,7 @@ std::vector<Window> prediction_windows(const std::vector<Recording>& recordings,
                           ? intervals(recordings[i], i, interval_s)
                       : hopper                                      ? strides(recordings[i], i, model)
                       : model.kind == dynamics::Kind::rail_carriage ? free_flights(recordings[i], i)
+                      : model.kind == dynamics::Kind::clutch_bench  ? releases(recordings[i], i)
                                                                     : intervals(recordings[i], i, interval_s);
     all.insert(all.end(), some.begin(), some.end());
   }
@@ -321,15 +351,25 @@ LocalPolynomial start_polynomial(const std::vector<double>& time_s, const std::v
   return p;
 }
 
+StartState rest_before(const Recording& r, const Window& w) {
+  StartState s;
+  const auto rows = static_cast<double>(w.touchdown - w.first);
+  for (std::size_t i = w.first; i < w.touchdown; ++i) s.position += r.position[i] / rows;
+  s.position_variance = 1.0 / rows;
+  return s;
+}
+
 }  // namespace
 
 StartState start_state(const Recording& r, const Window& w) {
+  if (w.kind == WindowKind::release) return rest_before(r, w);
   const LocalPolynomial p =
       start_polynomial(r.time_s, r.position, w.first, start_rows_end(r, w), r.position_noise);
   return {p.value, p.slope, p.value_variance, p.slope_variance, p.covariance};
 }
 
 StartState start_state(const Recording& r, const Window& w, const model::Model& reference) {
+  if (w.kind == WindowKind::release) return rest_before(r, w);
   const StartState first = start_state(r, w);
   Window start = w;
   start.last = start_rows_end(r, w);

@@ -10,9 +10,10 @@
 
 namespace furcula::identify {
 
-enum class WindowKind { stride, stance, flight, interval };
+enum class WindowKind { stride, stance, flight, interval, release };
 
-/// Rows [first, last] of a recording (both included). `touchdown` and `liftoff` are the rows where a stride
+/// Rows [first, last] of a recording (both included). Of a release `touchdown` and `liftoff` are the rows
+/// in which the coil is switched on and off; else `touchdown` and `liftoff` are the rows where a stride
 /// crosses the touch-down height (0 where there is none).
 struct Window {
   std::size_t recording = 0;
@@ -49,8 +50,13 @@ std::vector<Window> intervals(const Recording& r, std::size_t index, double leng
 /// count as flight.
 std::vector<Window> free_flights(const Recording& r, std::size_t index);
 
+/// Releases of a clutch bench: from the rest before the coil is switched on (at most 50 ms of it, at least
+/// three rows) to 0.25 s after it is switched off, or to before it is switched on again; at least 30 ms after
+/// the switching off, and without a pause.
+std::vector<Window> releases(const Recording& r, std::size_t index);
+
 /// The windows that predictions are judged on: strides on the hopper (intervals of a recording that never
-/// leaves the ground), flights on the rail carriage, intervals elsewhere.
+/// leaves the ground), flights on the rail carriage, releases on the clutch bench, intervals elsewhere.
 std::vector<Window> prediction_windows(const std::vector<Recording>& recordings, const model::Model& model,
                                        double interval_s);
 
@@ -78,7 +84,7 @@ struct StartState {
   double position_variance = 0.0, velocity_variance = 0.0, covariance = 0.0;
 };
 
-/// By a parabola through those positions.
+/// By a parabola through those positions; of a release the mean of the rest, with no velocity.
 StartState start_state(const Recording& r, const Window& w);
 
 /// By a parabola through what those positions leave over a run of `reference` from the start above: a

@@ -28,12 +28,17 @@ inline constexpr std::array<double Clutch::*, 4> kClutchMembers{
 struct Model {
   dynamics::Kind kind = dynamics::Kind::hopper_linear;
   std::vector<double> parameters;      ///< in the order of dynamics::info(kind).parameters
-  std::optional<Clutch> clutch;        ///< on hopper_nonlinear alone
+  std::optional<Clutch> clutch;        ///< on a hopper that has one
   std::map<std::size_t, Bounds> free;  ///< index of a parameter -> bounds of its fit
   /// Effects switched on, each with its parameters in the order of the catalogue.
   std::map<dynamics::Effect, std::array<double, dynamics::kMaxEffectParameters>> effects;
 
   double parameter(std::string_view name) const { return parameters[*dynamics::parameter_index(kind, name)]; }
 };
+
+/// Whether it has the parameters of a clutch: in its table, or beside it.
+inline bool has_clutch(const Model& m) {
+  return m.clutch.has_value() || m.kind == dynamics::Kind::clutch_bench;
+}
 
 }  // namespace furcula::model

@@ -116,11 +116,6 @@ class Reader {
       fail(name_, given->source(),
            std::string(which) + " = " + log::value_text(*given) +
                " without a tooth_pitch_m; expected one above 0, or 0 for a robot without a clutch");
-    if (model_.kind != Kind::hopper_nonlinear)
-      fail(name_, given->source(),
-           std::string(which) + " = " + log::value_text(*given) + " on " +
-               std::string(dynamics::info(model_.kind).name) +
-               "; expected 0 or no such key: this version knows a clutch on hopper_nonlinear alone");
     model_.clutch = clutch;
   }
 
@@ -172,6 +167,10 @@ class Reader {
         fail(name_, key.source(),
              "effect " + quoted(key.str()) + " does not exist on " + std::string(kind) +
                  "; expected one of " + log::listed(here));
+      if (dynamics::needs_clutch(*effect) && !has_clutch(model_))
+        fail(name_, key.source(),
+             "effect " + quoted(key.str()) +
+                 " in a model without a clutch; expected a tooth_pitch_m above 0 in [parameters]");
       read_effect(*effect, node);
     }
   }
@@ -206,8 +205,6 @@ std::string no_such_kind(std::string_view name) {
   std::vector<std::string_view> kinds;
   for (const auto& k : dynamics::kKinds) kinds.push_back(k.name);
   const std::string expected = "; expected one of " + log::listed(kinds);
-  for (const std::string_view k : kKindsWithoutPlant)
-    if (k == name) return "kind " + quoted(name) + " is not simulated in this version" + expected;
   return "unknown kind " + quoted(name) + expected + log::did_you_mean(name, kinds);
 }
 

@@ -1,16 +1,12 @@
 // Reads model files (docs/contracts.md, section 2), strictly.
 #pragma once
 
-#include <array>
 #include <string>
 #include <string_view>
 
 #include "host/model/model.hpp"
 
 namespace furcula::model {
-
-/// Kinds of docs/contracts.md that this version has no plant for: refused with a word of their own.
-inline constexpr std::array<std::string_view, 1> kKindsWithoutPlant{"clutch_bench"};
 
 /// What is wrong with a name that is none of dynamics::kKinds, and what was expected.
 std::string no_such_kind(std::string_view name);

@@ -155,7 +155,8 @@ Mystery draw_mystery(std::uint64_t seed) {
   for (const dynamics::EffectInfo& e : dynamics::kCatalogue)
     if (dynamics::applies(e.effect, Kind::hopper_linear) &&
         e.effect != Effect::damping_error &&  // the dampings are free: identification finds it
-        e.effect != Effect::backlash)         // hardly moves the body: shows in the leg angle
+        e.effect != Effect::backlash &&       // hardly moves the body: shows in the leg angle
+        !dynamics::needs_clutch(e.effect))
       possible.push_back(e.effect);
   m.cause = possible[random.next() % possible.size()];
   m.truth.effects[m.cause] = draw_size(m.cause, m.model, random);

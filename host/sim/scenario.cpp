@@ -36,6 +36,8 @@ Names names_on(Kind kind) {
       return {"angle_rad", "rad", "velocity_radps", "rad/s", "torque", "amplitude_nm", "N m", 1e3, 1e3, 1e6};
     case Kind::rail_carriage:  // nothing drives it
       return {"height_m", "m", "velocity_mps", "m/s", "", "", "", 100.0, 50.0, 0.0};
+    case Kind::clutch_bench:  // a belt at rest, which its weight drives
+      return {"angle_rad", "rad", "", "", "", "", "", 1e3, 0.0, 0.0};
   }
   return {};
 }
@@ -46,7 +48,7 @@ class Reader {
       : name_(name),
         file_(log::parse_toml(text, name)),
         kind_(model.kind),
-        clutch_(model.clutch.has_value()),
+        clutch_(model::has_clutch(model)),
         names_(names_on(model.kind)),
         scenario_(default_scenario(model)) {}
 
@@ -55,6 +57,8 @@ class Reader {
     if (!names_.drive.empty()) sections.insert(sections.begin() + 2, names_.drive);
     if (is_hopper(kind_)) sections.push_back("fault");
     const bool free_leg = kind_ == Kind::hopper_nonlinear;
+    const bool timed_clutch = kind_ == Kind::clutch_bench || kind_ == Kind::hopper_linear;
+    if (timed_clutch) sections.push_back("clutch");
     if (free_leg) sections.insert(sections.end(), {"clutch", "contraction", "ground"});
     log::refuse_unknown_keys(file_, name_, "a scenario for " + std::string(dynamics::info(kind_).name),
                              sections);
@@ -83,6 +87,8 @@ class Reader {
         number(*t, "steps_m", 0.0, 0.03, "m", scenario_.ground_steps_m);  // what the supervisor bears
       }
     }
+    if (timed_clutch)
+      if (const toml::node* actions = file_.get("clutch")) read_actions(*actions);
     if (const toml::node* faults = file_.get("fault")) read_faults(*faults);
     return std::move(scenario_);
   }
@@ -111,13 +117,14 @@ class Reader {
 
   void read_start(const toml::table& t) {
     const std::array known{names_.position, names_.velocity};
-    log::refuse_unknown_keys(t, name_, "[start]", known);
+    log::refuse_unknown_keys(t, name_, "[start]", std::span(known).first(names_.velocity.empty() ? 1 : 2));
     const double least = is_hopper(kind_)               ? 1e-3
                          : kind_ == Kind::rail_carriage ? 0.0  // on its stop
                                                         : -names_.position_most;
     number(t, names_.position, least, names_.position_most, names_.position_unit, scenario_.start_position);
-    number(t, names_.velocity, -names_.velocity_most, names_.velocity_most, names_.velocity_unit,
-           scenario_.start_velocity);
+    if (!names_.velocity.empty())
+      number(t, names_.velocity, -names_.velocity_most, names_.velocity_most, names_.velocity_unit,
+             scenario_.start_velocity);
   }
 
   void read_drive(const toml::table& t) {
@@ -160,6 +167,41 @@ class Reader {
                log::did_you_mean(action, kActions));
     scenario_.release_in_flight = action == "release";
     number(t, "catch_before_touchdown_s", 0.0, 1.0, "s", scenario_.catch_before_touchdown_s);
+  }
+
+  void read_actions(const toml::node& node) {
+    if (!clutch_)
+      fail(name_, node.source(),
+           "[[clutch]] for a model without one; expected a tooth_pitch_m above 0 in the model");
+    const toml::array* actions = node.as_array();
+    if (actions == nullptr)
+      fail(name_, node.source(), "clutch is " + log::value_text(node) + "; expected sections [[clutch]]");
+    static constexpr std::array<std::string_view, 2> kKeys{"time_s", "action"};
+    static constexpr std::array<std::string_view, 2> kActions{"release", "catch"};
+    scenario_.clutch.clear();
+    for (const toml::node& item : *actions) {
+      const toml::table& t = log::table(item, name_, "[[clutch]]");
+      log::refuse_unknown_keys(t, name_, "[[clutch]]", kKeys);
+      const toml::node& time = required(t, "[[clutch]]", "time_s", "a number of seconds");
+      const toml::node& node_of_action =
+          required(t, "[[clutch]]", "action", "one of " + log::listed(kActions));
+      const std::string action = log::text(node_of_action, name_, "action");
+      if (action != "release" && action != "catch")
+        fail(name_, node_of_action.source(),
+             "action = " + quoted(action) + "; expected one of " + log::listed(kActions) +
+                 log::did_you_mean(action, kActions));
+      ClutchAction next{log::number(time, name_, "time_s", 0.0, 3600.0, "s"), action == "release"};
+      const bool caught = scenario_.clutch.empty() || !scenario_.clutch.back().release;
+      if (next.release != caught)
+        fail(name_, node_of_action.source(),
+             "action = " + quoted(action) + " where the clutch is " + (caught ? "caught" : "released") +
+                 "; expected releases and catches in turn, a release first");
+      if (!scenario_.clutch.empty() && !(next.time_s > scenario_.clutch.back().time_s))
+        fail(name_, time.source(),
+             "time_s = " + log::value_text(time) +
+                 " is not after the action before it; expected growing times");
+      scenario_.clutch.push_back(next);
+    }
   }
 
   void read_sensors(const toml::table& t) {
@@ -231,6 +273,10 @@ Scenario default_scenario(const model::Model& model) {
     scenario.start_position = 1.0;
     scenario.duration_s = 1.0;
     scenario.profile = control::ProfileShape::zero;
+  } else if (model.kind == Kind::clutch_bench) {
+    scenario.duration_s = 0.5;
+    scenario.profile = control::ProfileShape::zero;
+    scenario.clutch = {{0.1, true}, {0.14, false}};
   } else {
     scenario.amplitude = 1.0;
     scenario.period_s = 1.0;
@@ -248,7 +294,8 @@ std::string format_scenario(const Scenario& s, dynamics::Kind kind) {
     return std::string(name) + " = " + log::shortest(value) + "\n";
   };
   std::string text = "[start]\n" + key(names.position, s.start_position) +
-                     key(names.velocity, s.start_velocity) + "\n[run]\n" + key("duration_s", s.duration_s);
+                     (names.velocity.empty() ? "" : key(names.velocity, s.start_velocity)) + "\n[run]\n" +
+                     key("duration_s", s.duration_s);
   if (!names.drive.empty()) {
     static constexpr const char* kProfiles[] = {"zero", "harmonic", "constant"};
     text += "\n[" + std::string(names.drive) + "]\nprofile = \"" + kProfiles[static_cast<int>(s.profile)] +
@@ -268,6 +315,9 @@ std::string format_scenario(const Scenario& s, dynamics::Kind kind) {
   if (s.contraction_m > 0.0)
     text +=
         "\n[contraction]\n" + key("amplitude_m", s.contraction_m) + key("period_s", s.contraction_period_s);
+  for (const ClutchAction& a : s.clutch)
+    text += "\n[[clutch]]\n" + key("time_s", a.time_s) + "action = \"" + (a.release ? "release" : "catch") +
+            "\"\n";
   if (s.ground_steps_m > 0.0) text += "\n[ground]\n" + key("steps_m", s.ground_steps_m);
   for (const sim_host::PlannedFault& f : s.faults) {
     const auto& fault = *std::find_if(sim_host::kRigFaults.begin(), sim_host::kRigFaults.end(),

@@ -13,6 +13,12 @@
 
 namespace furcula::sim {
 
+/// What the coil is told, and when.
+struct ClutchAction {
+  double time_s;
+  bool release;  ///< switched on; else off, and the belt or cable caught
+};
+
 struct Scenario {
   double start_position = 0.0;  ///< m or rad
   double start_velocity = 0.0;  ///< m/s or rad/s
@@ -29,13 +35,16 @@ struct Scenario {
   double catch_before_touchdown_s = 0.012;  ///< the catch verified
   double contraction_m = 0.0;               ///< by which the leg folds in flight
   double contraction_period_s = 0.4;  ///< folding and stretching take half of it, or what the flight leaves
-  double ground_steps_m = 0.0;        ///< the ground is at another height within this in each flight
+  /// clutch_bench, and a hopper with a clutch whose leg is on its stop in flight: in the order of time.
+  std::vector<ClutchAction> clutch;
+  double ground_steps_m = 0.0;  ///< the ground is at another height within this in each flight
 };
 
 /// What holds for everything that a scenario file leaves out: the hopper starts at rest a quarter above its
 /// touch-down height and is driven with 2 N m, 0.3 s; an axis starts at rest at 0 and is driven with 1 N or
-/// 1 N m, 1 s; a rail carriage starts at rest 1 m above its stop; 5 s, the carriage 1 s; ideal sensors; no
-/// faults.
+/// 1 N m, 1 s; a rail carriage starts at rest 1 m above its stop; the belt of
+/// a clutch bench hangs at 0, is released at 0.1 s and caught at 0.14 s; 5 s, the carriage 1 s, the bench
+/// 0.5 s; ideal sensors; no faults.
 Scenario default_scenario(const model::Model& model);
 
 /// A scenario file for a model of this kind; an example is in docs/logs_and_models.md. @throws log::DataError
@@ -43,7 +52,10 @@ Scenario default_scenario(const model::Model& model);
 ///
 /// - `[start]` height_m, velocity_mps (rail_carriage: from 0, its stop, upwards); on motor_axis position_m,
 ///   velocity_mps; on rotary_joint angle_rad, velocity_radps.
+///   On clutch_bench angle_rad.
 /// - `[run]` duration_s.
+/// - `[[clutch]]` time_s, action ("release", "catch"), in the order of time and in turn: on clutch_bench, and
+///   on hopper_linear with a clutch.
 /// - `[torque]` profile ("harmonic", "constant", "zero"), amplitude_nm, period_s; on motor_axis it is
 ///   `[force]`, and amplitude_n; nothing drives a rail carriage.
 /// - `[sensors]` quantisation, noise, bounce, jitter (true or false; the last two on the hopper alone).

@@ -11,6 +11,7 @@
 
 #include "firmware/app/app.hpp"
 #include "furcula/dynamics/axis.hpp"
+#include "furcula/dynamics/simple_clutch_bench.hpp"
 #include "host/log/error.hpp"
 #include "host/log/message.hpp"
 
@@ -49,7 +50,8 @@ std::map<std::string, std::string> metadata_of(const model::Model& model, const 
                                          {"amplitude", log::shortest(scenario.amplitude)},
                                          {"period_s", log::shortest(scenario.period_s)},
                                          {"sensors", sensors.empty() ? "ideal" : sensors}};
-  if (model.clutch) all["clutch_in_flight"] = scenario.release_in_flight ? "release" : "hold";
+  if (model.clutch && model.kind == Kind::hopper_nonlinear)
+    all["clutch_in_flight"] = scenario.release_in_flight ? "release" : "hold";
   if (scenario.contraction_m > 0.0) all["contraction_m"] = log::shortest(scenario.contraction_m);
   if (scenario.ground_steps_m > 0.0) all["ground_steps_m"] = log::shortest(scenario.ground_steps_m);
   if (!scenario.faults.empty()) all["planted_faults"] = std::to_string(scenario.faults.size());
@@ -68,7 +70,8 @@ void simulate_hopper(const model::Model& model, const Scenario& scenario, std::u
       {"contact", [](SimBoard& b) { return static_cast<double>(b.sample().contact); }},
       {"torque_cmd_nm", [](SimBoard& b) { return static_cast<double>(b.command().torque_nm); }},
       {"torque_nm", [](SimBoard& b) { return b.measured_torque_nm(); }},
-      {"solenoid", [](SimBoard& b) { return b.command().coil_duty > 0.0f ? 1.0 : 0.0; }},
+      {"solenoid",
+       [](SimBoard& b) { return b.command().coil_duty > 0.0f || b.coil_switched_on() ? 1.0 : 0.0; }},
       {"clutch_travel_m", [](SimBoard& b) { return b.measured_cable_travel_m(); }},
       {"fault", [](SimBoard& b) { return static_cast<double>(b.telemetry().outputs.fault); }},
   };
@@ -135,6 +138,31 @@ void simulate_carriage(const model::Model& model, const Scenario& scenario, std:
   }
 }
 
+/// Whether the coil is on at an instant.
+bool coil_on(const Scenario& scenario, double time_s) {
+  bool on = false;
+  for (const ClutchAction& a : scenario.clutch)
+    if (a.time_s <= time_s + 1e-9) on = a.release;
+  return on;
+}
+
+void simulate_clutch_bench(const model::Model& model, const Scenario& scenario, std::uint64_t seed,
+                           log::Log& log) {
+  dynamics::SimpleClutchBench<double> plant(parameters_of<dynamics::ClutchBenchParameters<double>>(model),
+                                            effects_of(model));
+  plant.reset(scenario.start_position);
+  sim_host::Encoder encoder(scenario.sensors, sim_host::kPulleyCountRad, seed);
+  const auto rows = static_cast<std::size_t>(std::llround(scenario.duration_s / SimBoard::kPeriodS));
+  for (std::size_t row = 0; row < rows; ++row) {
+    const double time_s = static_cast<double>(row) * SimBoard::kPeriodS;
+    const double on = coil_on(scenario, time_s) ? 1.0 : 0.0;
+    log.columns["time_s"].push_back(time_s);
+    log.columns["pulley_angle_rad"].push_back(encoder.measure(plant.position()));
+    log.columns["solenoid"].push_back(on);
+    plant.advance(on, SimBoard::kPeriodS);
+  }
+}
+
 /// measured(t) = true(t - skew), for the columns of the position's clock; between rows in a straight line,
 /// held at the ends.
 void skew_columns(const model::Model& model, log::Log& log) {
@@ -159,7 +187,7 @@ void slip_columns(const model::Model& model, log::Log& log) {
   const auto slip = model.effects.find(dynamics::Effect::encoder_slip);
   if (slip == model.effects.end()) return;
   const std::vector<double>& time_s = log.time_s();
-  for (const char* name : {"height_m", "position_m", "angle_rad"})
+  for (const char* name : {"height_m", "position_m", "angle_rad", "pulley_angle_rad"})
     if (log.has(name))
       for (std::size_t i = 0; i < time_s.size(); ++i)
         if (time_s[i] >= slip->second[1]) log.columns[name][i] += slip->second[0];
@@ -168,8 +196,14 @@ void slip_columns(const model::Model& model, log::Log& log) {
 }  // namespace
 
 sim_host::Plant plant_of(const model::Model& model, const dynamics::Effects<double>& effects) {
-  if (model.kind != Kind::hopper_nonlinear)
-    return sim_host::Plant(parameters_of<dynamics::HopperLinearParameters<double>>(model), effects);
+  if (model.kind != Kind::hopper_nonlinear) {
+    const auto p = parameters_of<dynamics::HopperLinearParameters<double>>(model);
+    if (!model.clutch) return sim_host::Plant(p, effects);
+    return {p,
+            effects,
+            {model.clutch->release_delay_s, model.clutch->catch_delay_s,
+             model.clutch->auxiliary_stiffness_npm, model.clutch->tooth_pitch_m}};
+  }
   const auto p = parameters_of<dynamics::HopperNonlinearParameters<double>>(model);
   if (!model.clutch) return sim_host::Plant(p, effects);
   return {p, clutch_of(model)};
@@ -198,6 +232,7 @@ sim_host::RigConfig rig_config(const model::Model& model, const Scenario& scenar
   rig.duration_s = scenario.duration_s;
   rig.sensors = scenario.sensors;
   rig.faults = scenario.faults;
+  for (const ClutchAction& a : scenario.clutch) rig.coil_switches.push_back({a.time_s, a.release});
   rig.seed = seed;
   return rig;
 }
@@ -290,6 +325,10 @@ log::Log simulate(const model::Model& model, const Scenario& scenario, std::uint
     case Kind::rail_carriage:
       for (const char* key : {"profile", "amplitude", "period_s"}) log.metadata.erase(key);
       simulate_carriage(model, scenario, seed, log);
+      break;
+    case Kind::clutch_bench:
+      for (const char* key : {"profile", "amplitude", "period_s"}) log.metadata.erase(key);
+      simulate_clutch_bench(model, scenario, seed, log);
       break;
   }
   if (log.rows() > 1) skew_columns(model, log);

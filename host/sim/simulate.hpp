@@ -22,6 +22,7 @@ namespace furcula::sim {
 /// - motor_axis: time_s, position_m, force_n. rotary_joint: time_s, angle_rad, torque_nm.
 /// - rail_carriage: time_s, height_m, contact. Its stop is at height 0; a carriage that falls onto it lies
 ///   there to the end.
+/// - clutch_bench: time_s, pulley_angle_rad, solenoid.
 ///
 /// The same arguments give the same log.
 log::Log simulate(const model::Model& model, const Scenario& scenario, std::uint64_t seed);

@@ -7,6 +7,7 @@
 #include <numbers>
 #include <utility>
 
+#include "tests/hidden/belt.hpp"
 #include "tests/hidden/random.hpp"
 #include "tests/hidden/rig.hpp"
 #include "tests/hidden/sizes.hpp"
@@ -76,7 +77,17 @@ void draw_hopper(Case& c, Random& random) {
   if (!mass_held) c.truth.parameters[0] *= off(q, 0.03, random);
   c.truth.parameters[3] *= off(q, 0.1, random);
   if (!guide_held) c.truth.parameters[4] *= off(q, 0.1, random);
-  for (const std::string& law : q.laws) c.truth.planted.push_back(hopper_law(law, c.size, c.model, random));
+  for (const std::string& law : q.laws)
+    if (law != "late_catch" && law != "incomplete_release" && law != "auxiliary_spring")
+      c.truth.planted.push_back(hopper_law(law, c.size, c.model, random));
+  if (q.clutched || asks(q, "late_catch") || asks(q, "incomplete_release") || asks(q, "auxiliary_spring")) {
+    c.truth.clutch = {random.uniform(4e-3, 10e-3), random.uniform(6e-3, 15e-3), random.uniform(20, 60),
+                      3e-3 / 0.7};
+    const auto [release_s, catch_s, auxiliary_npm, pitch_m] = c.truth.clutch;
+    c.model.clutch = model::Clutch{release_s, catch_s, auxiliary_npm, pitch_m};
+    for (const std::string& law : q.laws)
+      if (const auto p = clutch_law(law, c.size, c.model, random)) c.truth.planted.push_back(*p);
+  }
   // The body's mass is what the side mass leaves of it: at rest nothing shows.
   if (const auto* side = find(c.truth.planted, "side_mass")) c.truth.parameters[0] -= (*side)[0];
 
@@ -281,17 +292,53 @@ void draw_carriage(Case& c, Random& random) {
   }
 }
 
+void draw_bench(Case& c, Random& random) {
+  const Question& q = c.question;
+  // About 002, section 5.1: 1 kg, a belt of 3 mm pitch on a pulley of 20 teeth.
+  const double mass = random.uniform(0.7, 1.4), radius = 60e-3 / kTwoPi * random.uniform(0.8, 1.25);
+  const double damping = random.uniform(1e-5, 4e-5);
+  const double release_s = random.uniform(5e-3, 14e-3), catch_s = random.uniform(6e-3, 16e-3);
+  c.model.parameters = {mass,      radius, random.uniform(1e-6, 4e-6), damping, 0.0, 3e-3, 1.8e-3,
+                        release_s, catch_s};
+  if (!asks(q, "damping_error")) c.model.free[3] = {0.0, 2e-3};
+  c.model.free[7] = {0.0, 0.04};
+  // When the key comes is what the user believes to know, or has never measured.
+  const bool catch_free = !asks(q, "late_catch") && random.chance(0.5);
+  if (catch_free) c.model.free[8] = {0.0, 0.06};
+  c.truth.parameters = c.model.parameters;
+  if (!asks(q, "damping_error")) c.truth.parameters[3] *= off(q, 0.1, random);
+  c.truth.parameters[7] *= off(q, 0.1, random);
+  if (catch_free) c.truth.parameters[8] *= off(q, 0.1, random);
+  for (const std::string& law : q.laws) c.truth.planted.push_back(bench_law(law, c.size, c.model, random));
+
+  BenchSensors sensors;
+  sensors.noise_rad = sensors.quantum_rad * random.uniform(0.1, 0.5);
+  sensors.dropped_fraction = random.chance(0.3) ? random.uniform(1e-3, 1e-2) : 0.0;
+  c.resolution = sensors.quantum_rad;
+  constexpr int kTraining = 5, kHeldOut = 2, kReleases = 4;
+  for (int i = 0; i < kTraining + kHeldOut; ++i) {
+    BenchExperiment e;
+    for (int j = 0; j < kReleases; ++j) e.windows_s.push_back(release_s + random.uniform(0.015, 0.05));
+    log::Log log = record_bench(during(c, static_cast<std::size_t>(i), 0), e, sensors, random);
+    (i < kTraining ? c.training : c.held_out).push_back(std::move(log));
+  }
+}
+
 // Families of laws that a pair takes one each of: within a family they are too much alike to be a fair pair.
 constexpr std::pair<std::string_view, int> kFamilies[] = {
-    {"coulomb_friction", 0},  {"stribeck_friction", 0}, {"asymmetric_friction", 0}, {"spring_hysteresis", 0},
-    {"damping_error", 1},     {"quadratic_drag", 1},    {"binding_spot", 2},        {"force_offset", 3},
-    {"guide_tilt", 3},        {"mass_error", 3},        {"rest_height_error", 3},   {"spring_preload", 3},
-    {"torque_offset", 3},     {"encoder_offset", 3},    {"stiffness_error", 4},     {"spring_hardening", 4},
-    {"torque_gain_error", 4}, {"leg_inertia", 4},       {"height_scale_error", 4},  {"thermal_derating", 4},
-    {"actuator_delay", 5},    {"actuator_lag", 5},      {"time_skew", 5},           {"backlash", 5},
-    {"torque_saturation", 5}, {"torque_ripple", 6},     {"touchdown_loss", 7},      {"liftoff_loss", 7},
-    {"ground_compliance", 7}, {"toe_sticking", 7},      {"height_eccentricity", 8}, {"encoder_slip", 8},
-    {"contact_delay", 9},     {"bump_stop", 4},
+    {"coulomb_friction", 0},    {"stribeck_friction", 0},   {"asymmetric_friction", 0},
+    {"spring_hysteresis", 0},   {"damping_error", 1},       {"quadratic_drag", 1},
+    {"binding_spot", 2},        {"force_offset", 3},        {"guide_tilt", 3},
+    {"mass_error", 3},          {"rest_height_error", 3},   {"spring_preload", 3},
+    {"torque_offset", 3},       {"encoder_offset", 3},      {"stiffness_error", 4},
+    {"spring_hardening", 4},    {"torque_gain_error", 4},   {"leg_inertia", 4},
+    {"height_scale_error", 4},  {"thermal_derating", 4},    {"actuator_delay", 5},
+    {"actuator_lag", 5},        {"time_skew", 5},           {"backlash", 5},
+    {"torque_saturation", 5},   {"torque_ripple", 6},       {"touchdown_loss", 7},
+    {"liftoff_loss", 7},        {"ground_compliance", 7},   {"toe_sticking", 7},
+    {"height_eccentricity", 8}, {"encoder_slip", 8},        {"contact_delay", 9},
+    {"bump_stop", 4},           {"clutch_slip", 10},        {"late_catch", 11},
+    {"auxiliary_spring", 12},   {"incomplete_release", 12},
 };
 
 int family(std::string_view law) {
@@ -364,6 +411,8 @@ Case draw_case(const Question& question) {
     draw_hopper(c, random);
   else if (is_kind(question.kind, "rail_carriage"))
     draw_carriage(c, random);
+  else if (is_kind(question.kind, "clutch_bench"))
+    draw_bench(c, random);
   else
     draw_axis(c, random);
   int number = 0;

@@ -9,6 +9,7 @@
 //   equation of motion by g leaves the commanded torque with gain one and mass, stiffness and both dampings
 //   divided by g. With the mass known (Case::weighed) the two differ by what a scale would read.
 // - actuator_delay is time_skew on an axis with two channels.
+// - incomplete_release and auxiliary_spring on a hopper each change the rate of the released leg.
 // - mass_error m' on a rail is damping_error d m / m': nothing but the rail's damper tells what it weighs.
 //
 // What no data of these rigs decide: Stribeck friction with a small (Fs - Fc) on the hopper. It passes
@@ -59,7 +60,13 @@ std::string format(const char* pattern, double value) {
 double neutral_value(const Case& c, std::string_view law) {
   const auto held = [&](std::string_view name) { return c.model.parameter(name); };
   if (law == "mass_error") return c.model.parameters[0];
-  if (law == "damping_error") return c.kind == Kind::hopper_linear ? 0.0 : c.model.parameters.back();
+  if (law == "damping_error")
+    return c.kind == Kind::hopper_linear     ? 0.0
+           : is_kind(c.kind, "clutch_bench") ? held("damping_nmspr")
+                                             : c.model.parameters.back();
+  if (law == "late_catch") return c.model.clutch ? c.model.clutch->catch_delay_s : held("catch_delay_s");
+  if (law == "auxiliary_spring")
+    return c.model.clutch ? c.model.clutch->auxiliary_stiffness_npm : held("auxiliary_stiffness_npm");
   if (law == "stiffness_error") return held("stiffness_npm");
   if (law == "rest_height_error") return held("rest_height_m");
   if (law == "touchdown_loss") return held("restitution_touchdown");
@@ -112,6 +119,15 @@ std::vector<OtherWords> in_other_words(const Case& c, const Planted& p) {
   if (c.kind == Kind::hopper_linear) {
     const double rate = c.model.parameter("stiffness_npm"), rest = c.model.parameter("rest_height_m");
     const double weight = c.truth.parameters[0] * c.model.parameter("gravity_mps2");
+    if (c.model.clutch) {  // both are another rate of the released leg
+      const auto series = [&](double auxiliary) { return rate * auxiliary / (rate + auxiliary); };
+      const double modelled = series(c.model.clutch->auxiliary_stiffness_npm);
+      const double loose = p.law == "auxiliary_spring" ? series(v) : modelled + v * (rate - modelled);
+      if (p.law == "auxiliary_spring")
+        out.push_back({{{"incomplete_release", {(loose - modelled) / (rate - modelled)}}}});
+      if (p.law == "incomplete_release")
+        out.push_back({{{"auxiliary_spring", {rate * loose / (rate - loose)}}}});
+    }
     if (p.law == "spring_preload") out.push_back({{{"rest_height_error", {rest + v / rate}}}});
     if (p.law == "rest_height_error") out.push_back({{{"spring_preload", {(v - rest) * rate}}}});
     if (p.law == "guide_tilt") out.push_back({{{"force_offset", {weight * (1 - std::cos(v))}}}});
@@ -193,6 +209,8 @@ void judge_predictions(Judgement& j, const Case& c, const diagnose::Diagnosis& d
     std::copy_n(values.begin(), std::min(values.size(), p.values.size()), p.values.begin());
     extended.planted.push_back(p);
   }
+  // No machine of this folder starts with a clutch between its states.
+  if (is_kind(c.kind, "clutch_bench") || c.model.clutch) return;
   if (!moves_the_body(extended.planted, c.kind) || !moves_the_body(c.truth.planted, c.kind)) return;
   // Unfit values (a ground without a damper) are no machine.
   try {

@@ -12,12 +12,12 @@ constexpr Acts kBody = Acts::on_the_body, kSensors = Acts::on_the_sensors, kOuts
 // clang-format off
 constexpr LawInfo kLaws[] = {
     // name                  acts      hopper axis  joint  rail
-    {"coulomb_friction",     kBody,    true,  true,  true,  true,  {"force_n"}},
+    {"coulomb_friction",     kBody,    true,  true,  true,  true,  {"force_n"}, true},
     {"stribeck_friction",    kBody,    true,  true,  true,  true,  {"force_n", "static_force_n", "velocity_mps"}},
     {"asymmetric_friction",  kBody,    true,  true,  true,  true,  {"force_up_n", "force_down_n"}},
     {"quadratic_drag",       kBody,    true,  true,  true,  true,  {"drag_ns2pm2"}},
     {"binding_spot",         kBody,    true,  true,  true,  true,  {"force_n", "centre_m", "width_m"}},
-    {"damping_error",        kBody,    true,  true,  true,  true,  {"damping_nspm"}},
+    {"damping_error",        kBody,    true,  true,  true,  true,  {"damping_nspm"}, true},
     {"force_offset",         kBody,    true,  true,  true,  true,  {"force_n"}},
     {"guide_tilt",           kBody,    true,  false, false, true,  {"tilt_rad"}},
     {"mass_error",           kBody,    true,  true,  true,  true,  {"mass_kg"}},
@@ -42,20 +42,25 @@ constexpr LawInfo kLaws[] = {
     {"encoder_offset",       kSensors, true,  true,  true,  false, {"offset_m"}},
     {"height_scale_error",   kSensors, true,  false, false, true,  {"scale"}},
     {"height_eccentricity",  kSensors, true,  true,  true,  true,  {"amplitude_m", "pitch_m", "phase_rad"}},
-    {"encoder_slip",         kSensors, true,  true,  true,  true,  {"step_m", "time_s"}},
+    {"encoder_slip",         kSensors, true,  true,  true,  true,  {"step_m", "time_s"}, true},
     {"contact_delay",        kSensors, true,  false, false, false, {"delay_s"}},
     {"time_skew",            kSensors, true,  true,  true,  false, {"skew_s"}},
     {"bump_stop",            kBody,    true,  false, false, false, {"compression_m", "stiffness_npm"}},
+    {"clutch_slip",          kBody,    false, false, false, false, {"holding_force_n"}, true},
+    {"late_catch",           kBody,    true,  false, false, false, {"delay_s"}, true},
+    {"incomplete_release",   kBody,    true,  false, false, false, {"ratio"}},
+    {"auxiliary_spring",     kBody,    true,  false, false, false, {"stiffness_npm"}, true},
     // Mechanical.
     {"side_mass",            kOutside, true,  true,  true,  true,  {"mass_kg", "frequency_hz", "damping_ratio"}},
     {"end_stop",             kOutside, false, true,  true,  false, {"position_m", "stiffness_npm"}},
-    {"cable_snag",           kOutside, true,  true,  true,  true,  {"force_n", "centre_m", "width_m"}},
+    {"cable_snag",           kOutside, true,  true,  true,  true,  {"force_n", "centre_m", "width_m"}, true},
     {"detents",              kOutside, false, true,  false, false, {"force_n", "pitch_m", "phase_rad"}},
     {"periodic_force",       kOutside, true,  true,  true,  true,  {"force_n", "frequency_hz", "phase_rad"}},
     {"gusts",                kOutside, true,  true,  true,  true,  {"force_n", "duration_s", "rate_hz"}},
     // Changing with time.
-    {"warming_friction",     kOutside, true,  true,  true,  true,  {"force_n", "time_constant_s"}},
+    {"warming_friction",     kOutside, true,  true,  true,  true,  {"force_n", "time_constant_s"}, true},
     {"fading_spring",        kOutside, true,  false, false, false, {"share", "time_constant_s"}},
+    {"catch_scatter",        kOutside, false, false, false, false, {"spread_s"}, true},
     // Electrical.
     {"drive_dropout",        kOutside, true,  true,  true,  false, {"duration_s", "rate_hz"}},
     {"drive_deadband",       kOutside, true,  true,  true,  false, {"limit_nm"}},
@@ -89,7 +94,7 @@ const LawInfo* law_named(std::string_view name) {
 std::string parameter_name(const LawInfo& law, std::size_t index, Kind kind) {
   const std::string_view name = law.parameters[index];
   if (kind == Kind::motor_axis && name == "limit_nm") return "limit_n";
-  if (dynamics::info(kind).rotary)
+  if (dynamics::info(kind).rotary && law.name != "auxiliary_spring")  // whose rate is along the belt
     for (const auto& [linear, rotary] : kRotary)
       if (linear == name) return std::string(rotary);
   return std::string(name);

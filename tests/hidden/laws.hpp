@@ -22,7 +22,7 @@ using dynamics::Kind;
 constexpr bool is_kind(Kind kind, std::string_view name) { return dynamics::info(kind).name == name; }
 constexpr bool machine_has(Kind kind) {
   return is_kind(kind, "hopper_linear") || is_kind(kind, "motor_axis") || is_kind(kind, "rotary_joint") ||
-         is_kind(kind, "rail_carriage");
+         is_kind(kind, "rail_carriage") || is_kind(kind, "clutch_bench");
 }
 
 inline constexpr std::size_t kMostValues = 3;
@@ -46,11 +46,13 @@ struct LawInfo {
   Acts acts;
   bool hopper, motor_axis, rotary_joint, rail_carriage;    ///< the kinds on which the machine can have it
   std::array<std::string_view, kMostValues> parameters{};  ///< names on a linear axis; empty: none
+  bool clutch_bench = false;                               ///< and on the bench (belt.hpp)
   constexpr bool on(Kind kind) const {
     const std::string_view kind_name = dynamics::info(kind).name;
     return kind_name == "hopper_linear"  ? hopper
            : kind_name == "motor_axis"   ? motor_axis
            : kind_name == "rotary_joint" ? rotary_joint
+           : kind_name == "clutch_bench" ? clutch_bench
                                          : kind_name == "rail_carriage" && rail_carriage;
   }
 };

@@ -53,6 +53,8 @@ Machine::Machine(const Truth& truth, double position, double velocity, double st
     if (carriage_) gravity_ = parameter("gravity_mps2");
   }
 
+  auxiliary_npm_ = truth.clutch[2];
+  pitch_m_ = truth.clutch[3];
   for (const Planted& p : truth.planted) {
     const LawInfo* law = law_named(p.law);
     if (!law || !law->on(truth.kind)) throw std::invalid_argument("no machine of this kind has " + p.law);
@@ -121,6 +123,10 @@ Machine::Machine(const Truth& truth, double position, double velocity, double st
     } else if (is("bump_stop")) {
       bump_compression_m_ = v0;
       bump_npm_ = v1;
+    } else if (is("incomplete_release")) {
+      left_in_ = v0;
+    } else if (is("auxiliary_spring")) {
+      auxiliary_npm_ = v0;
     } else if (is("end_stop")) {
       end_position_ = v0;
       end_stiffness_ = v1;
@@ -168,8 +174,37 @@ double Machine::torque(const State& s, double t) const {
 // Spring with all that makes it another one, without the preload.
 double Machine::elastic_force(double length, double t) const {
   const double rate = stiffness_npm_ * (1 - fading_ * (1 - std::exp(-t / fading_s_)));
-  const double compression = rest_height_m_ - length;
+  if (cable_ != Cable::held)
+    return stiffness_npm_ * (rest_height_m_ - touchdown_height_m_) +
+           loose_rate_npm() * (touchdown_height_m_ - length);
+  const double compression = rest_height_m_ - travel_m_ - length;
   return rate * compression + cubic_npm3_ * compression * compression * compression;
+}
+
+// Of the two springs in series, and what an incomplete release leaves of the rest.
+double Machine::loose_rate_npm() const {
+  const double series = stiffness_npm_ * auxiliary_npm_ / (stiffness_npm_ + auxiliary_npm_);
+  return series + left_in_ * (stiffness_npm_ - series);
+}
+
+double Machine::loose_travel_m(double length) const {
+  return std::max(0.0, touchdown_height_m_ - length) * (1 - loose_rate_npm() / stiffness_npm_);
+}
+
+double Machine::cable_travel_m() const {
+  if (cable_ == Cable::held) return travel_m_;
+  return stance_ ? loose_travel_m(state_[kX] - state_[kToe]) : 0.0;
+}
+
+// After a step: has the cable come to a tooth since its travel was `from_m`? In flight it is at home.
+void Machine::seek_tooth(double from_m) {
+  if (cable_ != Cable::seeking) return;
+  const double to_m = cable_travel_m();
+  const double tooth =
+      to_m > from_m ? pitch_m_ * std::floor(to_m / pitch_m_) : pitch_m_ * std::ceil(to_m / pitch_m_);
+  if (to_m > 0 && !(to_m > from_m ? tooth > from_m : tooth < from_m)) return;
+  travel_m_ = to_m > 0 ? tooth : 0.0;
+  cable_ = Cable::held;
 }
 
 // In stance. Without links' inertia the leg has no mass: its force on the body is the ground's on the toe.
@@ -364,6 +399,7 @@ void Machine::advance(double until_s, double command, double step_s) {
     // The last sliver goes into the step before it, so that no step is all rounding.
     const double h = piece_s < 1.001 * step_s ? piece_s : step_s;
     const State start = state_;
+    const double travelled_m = cable_travel_m();
     const double from_s = time_s_;
     const auto event = [&](const State& s, double t) {
       return turns(s) || touches_down(s) || lifts_off(s, t) || rotor_arrives(s);
@@ -414,6 +450,7 @@ void Machine::advance(double until_s, double command, double step_s) {
       state_[kV] = 0;
       direction_ = 0;
     }
+    seek_tooth(travelled_m);
   }
   drive_.settle(until_s);
 }

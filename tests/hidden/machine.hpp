@@ -40,6 +40,8 @@ struct Truth {
   std::vector<double> parameters;  ///< in the order of dynamics::info(kind).parameters
   std::vector<Planted> planted;    ///< hidden causes; none twice
   std::uint64_t draw = 0;          ///< decides what is random in a cause: another one for each recording
+  /// Hopper: release and catch delay, s, auxiliary spring, N/m, and tooth pitch, m; a pitch of 0: no clutch.
+  std::array<double, 4> clutch{};
 };
 
 /// Position and velocity in m, m/s or rad, rad/s. On the hopper the position is the body's height.
@@ -47,6 +49,13 @@ class Machine {
  public:
   /// A hopper above its touch-down height is in flight, else in stance.
   Machine(const Truth& truth, double position, double velocity, double start_s = 0.0);
+
+  /// Hopper with a clutch: the key goes out of the teeth, or comes back on the cable, now.
+  void pull_key() { cable_ = Cable::loose; }
+  void press_key() {
+    if (cable_ == Cable::loose) cable_ = Cable::seeking;
+  }
+  double cable_travel_m() const;
 
   /// Runs to `until_s` with the command (N or N m) held. `step_s` is the longest Runge-Kutta step.
   void advance(double until_s, double command, double step_s = 50e-6);
@@ -106,6 +115,9 @@ class Machine {
   void choose_direction_from_rest();
   void follow_rotor();
   double gust(double t) const;
+  double loose_rate_npm() const;
+  double loose_travel_m(double length) const;
+  void seek_tooth(double from_m);
 
   bool hopper_, rotary_, carriage_;                 // none of them: a motor axis
   double inertia_ = 1, damping_ = 0, gravity_ = 0;  // kg or kg m^2; of the axis or guide; m/s^2 or N m
@@ -138,6 +150,10 @@ class Machine {
   int rotor_end_ = 1;  // the end of the gap that the rotor rests on; 0 while it crosses
   double touchdown_s_, liftoff_s_;
   bool ground_pulled_ = false;
+  // A cable that is let go is in balance between the leg's spring and an auxiliary one, which is pretensioned
+  // to what the leg's pulls with the leg straight; caught, it keeps its travel.
+  enum class Cable { held, loose, seeking } cable_ = Cable::held;
+  double auxiliary_npm_ = 0, pitch_m_ = 0, left_in_ = 0, travel_m_ = 0;
 };
 
 }  // namespace furcula::hidden

@@ -7,6 +7,7 @@
 #include <numbers>
 #include <optional>
 #include <string>
+#include <utility>
 
 namespace furcula::hidden {
 
@@ -207,6 +208,16 @@ HopperRecording record_hopper(const Truth& truth, const HopperExperiment& experi
   bool believes_stance = false, was_closed = false;
   double believed_touchdown_s = 0.0, impact_mps = 0.0, moved_s = 0.0, last_liftoff = m.liftoff_s();
   double command = 0.0;
+  const bool clutched = truth.clutch[3] > 0;
+  const auto* late = find(truth.planted, "late_catch");
+  const double release_s = truth.clutch[0], catch_s = late ? (*late)[0] : truth.clutch[1];
+  std::vector<double> solenoid;
+  double on_s = kNever, off_s = kNever;  // of the coil, next
+  bool coil = false;
+  std::vector<std::pair<double, bool>> key;  // when it goes out, or comes back
+  std::size_t next_key = 0;
+  int stances = 0;
+  bool home_due = false;
   for (int row = 0;; ++row) {
     const double now = row * kRow_s;
 
@@ -231,6 +242,29 @@ HopperRecording record_hopper(const Truth& truth, const HopperExperiment& experi
       believes_stance = false;
     }
     was_closed = closed;
+    if (clutched) {
+      // Every second stance the spring is let go for a while, and in the flight after it the cable goes home.
+      const bool now_stands = believes_stance && believed_touchdown_s == now;
+      const bool now_flies = !believes_stance && home_due && on_s == kNever && !coil;
+      if (now_stands && ++stances % 2 == 1) {
+        home_due = true;
+        on_s = now + std::round(1e3 * more.uniform(0.01, 0.05)) * 1e-3;
+        off_s = on_s + std::round(1e3 * more.uniform(0.015, 0.045)) * 1e-3;
+      } else if (now_flies) {
+        on_s = now + 0.02;
+        off_s = on_s + 0.02;
+        home_due = false;
+      }
+      if (!coil && now >= on_s - 1e-9) {
+        coil = true;
+        on_s = kNever;
+        key.emplace_back(now + release_s, true);
+      } else if (coil && now >= off_s - 1e-9) {
+        coil = false;
+        key.emplace_back(now + catch_s, false);
+      }
+      solenoid.push_back(coil ? 1.0 : 0.0);
+    }
     const std::size_t back = std::min<std::size_t>(time.size() - 1, 8);
     const double rising = height.back() - height[height.size() - 1 - back];
     command = believes_stance ? profile_torque(experiment, now - believed_touchdown_s, rising) : 0.0;
@@ -245,6 +279,10 @@ HopperRecording record_hopper(const Truth& truth, const HopperExperiment& experi
     if (out.liftoffs > experiment.hops || now >= experiment.longest_s || now - moved_s > 0.1) break;
 
     if (!m.stance()) impact_mps = std::abs(m.velocity());
+    while (next_key < key.size() && key[next_key].first < (row + 1) * kRow_s) {
+      m.advance(std::max(now, key[next_key].first), command);
+      key[next_key++].second ? m.pull_key() : m.press_key();
+    }
     m.advance((row + 1) * kRow_s, command);
   }
   out.ground_pulled = m.ground_pulled();
@@ -266,6 +304,7 @@ HopperRecording record_hopper(const Truth& truth, const HopperExperiment& experi
   if (sensors.velocity_column) out.log.columns["velocity_mps"] = derived_velocity(time, height);
   if (sensors.torque_column) out.log.columns["torque_nm"] = drive_torque;
   if (sensors.leg_angle_column) out.log.columns["leg_angle_rad"] = leg_angle;
+  if (clutched) out.log.columns["solenoid"] = solenoid;
   for (auto& [name, column] : out.log.columns) column.resize(column.size() - beyond);
   drop_rows(out.log, sensors.dropped_fraction, random);
   return out;

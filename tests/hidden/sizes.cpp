@@ -47,6 +47,19 @@
 //   to 4 s encoder_offset                      0.02     0.06     0.15   rad height_eccentricity, encoder_slip
 //   0.5      1.5      4      % of the travel
 //
+//   on a hopper with a clutch
+//   late_catch                          5        12       25     ms more than modelled
+//   incomplete_release                  0.08     0.2      0.4
+//   auxiliary_spring                    40       100      200    N/m more than modelled
+//
+//   on the clutch bench (0.7 to 1.4 kg on a belt)
+//   coulomb_friction                    4        10       20     % of the weight
+//   damping_error        at 0.4 m/s     4        10       20     % of the weight more
+//   clutch_slip                         3        2.2      1.5    times the weight is held
+//   late_catch                          4        10       25     ms more than modelled
+//   auxiliary_spring                    30       60       100    N/m more than modelled (the belt goes some 5
+//   cm) encoder_slip                        0.03     0.1      0.3    rad
+//
 // A spring slack by 6 N at touch-down would have the ground pull on the toe: no such rig exists, so a large
 // preload pushes upwards, and so do a large error of the rest height and a large offset of the torque.
 #include "tests/hidden/sizes.hpp"
@@ -164,6 +177,44 @@ Planted hopper_law(std::string_view law, Size size, const model::Model& model, R
   if (is("wandering_zero"))
     return planted(law, {{random.uniform(1e-3, 3e-3), random.uniform(1.1, 2.7), random.uniform(0, kTwoPi)}});
   return friction_of(law, scatter * by(0.5, 1.5, 3), 1.2, 0, random);
+}
+
+std::optional<Planted> clutch_law(std::string_view law, Size size, const model::Model& model,
+                                  Random& random) {
+  const BySize by{size};
+  const double scatter = random.uniform(0.9, 1.1);
+  if (law == "late_catch")
+    return planted(law, {{model.clutch->catch_delay_s + scatter * by(5e-3, 12e-3, 25e-3)}});
+  if (law == "incomplete_release") return planted(law, {{scatter * by(0.08, 0.2, 0.4)}});
+  if (law == "auxiliary_spring")
+    return planted(law, {{model.clutch->auxiliary_stiffness_npm + scatter * by(40, 100, 200)}});
+  return std::nullopt;
+}
+
+Planted bench_law(std::string_view law, Size size, const model::Model& model, Random& random) {
+  const BySize by{size};
+  const double scatter = random.uniform(0.9, 1.1);
+  const double load_n = model.parameter("load_mass_kg") * 9.81, radius_m = model.parameter("pulley_radius_m");
+  const auto is = [&](std::string_view name) { return law == name; };
+  if (is("coulomb_friction")) return planted(law, {{load_n * radius_m * scatter * by(0.04, 0.1, 0.2)}});
+  if (is("damping_error"))
+    return planted(law, {{model.parameter("damping_nmspr") +
+                          load_n * radius_m * scatter * by(0.04, 0.1, 0.2) / (0.4 / radius_m)}});
+  if (is("clutch_slip")) return planted(law, {{load_n * scatter * by(3.0, 2.2, 1.5)}});
+  if (is("late_catch"))
+    return planted(law, {{model.parameter("catch_delay_s") + scatter * by(4e-3, 10e-3, 25e-3)}});
+  if (is("auxiliary_spring"))
+    return planted(law, {{model.parameter("auxiliary_stiffness_npm") + scatter * by(30, 60, 100)}});
+  if (is("encoder_slip"))
+    return planted(law, {{random.sign() * scatter * by(0.03, 0.1, 0.3), random.uniform(0.4, 1.5)}});
+  // Outside of the catalogue: one size.
+  if (is("cable_snag"))
+    return planted(law, {{load_n * radius_m * random.uniform(0.3, 0.6), random.uniform(1.0, 2.0),
+                          random.uniform(0.3, 0.8)}});
+  if (is("warming_friction"))
+    return planted(law, {{load_n * radius_m * random.uniform(0.2, 0.4), random.uniform(0.4, 1.0)}});
+  if (is("catch_scatter")) return planted(law, {{random.uniform(6e-3, 12e-3)}});
+  throw std::invalid_argument("no size for " + std::string(law));
 }
 
 Planted axis_law(std::string_view law, Size size, const model::Model& model, const AxisHabits& habits,

@@ -1,6 +1,7 @@
 // How large a planted law is: values by size, on a machine that is about to be recorded.
 #pragma once
 
+#include <optional>
 #include <string_view>
 
 #include "host/model/model.hpp"
@@ -19,6 +20,9 @@ struct AxisHabits {
 };
 
 Planted hopper_law(std::string_view law, Size size, const model::Model& model, Random& random);
+/// Of a hopper's clutch; nothing for another law.
+std::optional<Planted> clutch_law(std::string_view law, Size size, const model::Model& model, Random& random);
+Planted bench_law(std::string_view law, Size size, const model::Model& model, Random& random);
 Planted axis_law(std::string_view law, Size size, const model::Model& model, const AxisHabits& habits,
                  Random& random);
 

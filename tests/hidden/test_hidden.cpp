@@ -340,4 +340,18 @@ TEST_CASE("A cable that pulls on one way only is in no catalogue, and the place 
 
 TEST_CASE("Nothing is found in a rotary joint that hides nothing") { expect_adequate(Kind::rotary_joint); }
 
+TEST_CASE("A clutch that slips on its bench is found") { expect_found(Kind::clutch_bench, "clutch_slip"); }
+
+TEST_CASE("A late catch on the bench is found") { expect_found(Kind::clutch_bench, "late_catch"); }
+
+TEST_CASE("An auxiliary spring on the bench is found") {
+  expect_found(Kind::clutch_bench, "auxiliary_spring");
+}
+
+TEST_CASE("Dry friction of the bench's pulley is found") {
+  expect_found(Kind::clutch_bench, "coulomb_friction");
+}
+
+TEST_CASE("A bench with nothing hidden is adequate") { expect_adequate(Kind::clutch_bench); }
+
 }  // namespace furcula::hidden

@@ -185,6 +185,9 @@ TEST_CASE("No drawn hopper has the ground pull, and with its torque on it hops")
   for (const LawInfo& law : laws())
     for (Size size : {Size::medium, Size::large}) {
       if (!can_be_planted(law.name, Kind::hopper_linear)) continue;
+      // A spring that is let go in stance leaves the leg slack, and the hop dies.
+      if (const auto effect = dynamics::effect_named(law.name); effect && dynamics::needs_clutch(*effect))
+        continue;
       if (law.acts == Acts::outside_catalogue && size != Size::medium) continue;
       const Case c = draw_case(1 + seed++ % 3, Kind::hopper_linear, law.name, size);
       INFO(c.description());

@@ -180,6 +180,36 @@ duration_s = 0.5
   }
 }
 
+TEST_CASE("releases and catches of a bench's belt are read in turn, and written back") {
+  const auto bench = dynamics::Kind::clutch_bench;
+  const auto standard = parse("", bench);
+  REQUIRE(standard.clutch.size() == 2);
+  CHECK(standard.clutch[0].release);
+  CHECK(standard.clutch[1].time_s == 0.14);
+  const std::string text =
+      "[start]\nangle_rad = 0.5\n[[clutch]]\ntime_s = 0.2\naction = \"release\"\n[[clutch]]\ntime_s = "
+      "0.25\naction = \"catch\"\n[[clutch]]\ntime_s = 0.6\naction = \"release\"\n";
+  for (const sim::Scenario& s :
+       {parse(text, bench), parse(sim::format_scenario(parse(text, bench), bench), bench)}) {
+    CHECK(s.start_position == 0.5);
+    REQUIRE(s.clutch.size() == 3);
+    CHECK(s.clutch[1].time_s == 0.25);
+    CHECK_FALSE(s.clutch[1].release);
+    CHECK(s.clutch[2].release);
+  }
+  CHECK_THAT(message("[[clutch]]\ntime_s = 1\naction = \"catch\"\n", bench),
+             Contains("s.toml:3: action = 'catch' where the clutch is caught"));
+  CHECK_THAT(message("[[clutch]]\ntime_s = 1\naction = \"release\"\n[[clutch]]\ntime_s = 1\naction = "
+                     "\"catch\"\n",
+                     bench),
+             Contains("not after the action before it"));
+  CHECK_THAT(message("[[clutch]]\ntime_s = 1\naction = \"relaese\"\n", bench),
+             Contains("did you mean 'release'?"));
+  CHECK_THAT(message("[start]\nvelocity_mps = 1\n", bench), Contains("unknown key 'velocity_mps'"));
+  CHECK_THAT(message("[[clutch]]\ntime_s = 1\naction = \"release\"\n", dynamics::Kind::hopper_linear),
+             Contains("[[clutch]] for a model without one"));
+}
+
 TEST_CASE("clutch, contraction and ground are read where the leg is free in flight, and written back") {
   const model::Model robot = test::robot_with_clutch();
   const std::string text = R"(

@@ -33,7 +33,8 @@ TEST_CASE("unusable arguments end with status 2 and one message on stderr") {
       {{"sim", "--modell", "m.toml"}, "no option '--modell' of furcula sim; expected one of"},
       {{"effects", "coulomb"}, "did you mean 'coulomb_friction'?"},
       {{"effects", "--kind", "hexapod"}, "--kind: unknown kind 'hexapod'; expected one of hopper_linear"},
-      {{"effects", "--kind", "clutch_bench"}, "kind 'clutch_bench' is not simulated in this version"},
+      {{"effects", "torque_gain_error", "--kind", "clutch_bench"},
+       "no effect 'torque_gain_error' on clutch_bench"},
       {{"effects", "spring_preload", "--kind", "motor_axis"}, "no effect 'spring_preload' on motor_axis"},
       {{"effects", "--json", "--markdown"}, "--json and --markdown: expected one of them"},
   };

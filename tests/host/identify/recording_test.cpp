@@ -46,7 +46,7 @@ TEST_CASE("A log of a few rows is refused with its name and the number expected"
                                                                          Catch::Contains("at least 20"));
 }
 
-TEST_CASE("A recording in which the clutch has released the spring is refused, with its name and the time") {
+TEST_CASE("A released spring is refused for a model without a clutch, with the log's name and the time") {
   log::Log log;
   log.path = "released.csv";
   log.rig = "hopper";
@@ -59,7 +59,9 @@ TEST_CASE("A recording in which the clutch has released the spring is refused, w
   }
   CHECK(make_recording(log, dynamics::Kind::hopper_nonlinear).rows() == 100);
   log.columns["solenoid"][40] = 1.0;
-  CHECK_THROWS_WITH(make_recording(log, dynamics::Kind::hopper_nonlinear),
+  const auto recordings = identify::make_recordings({log}, dynamics::Kind::hopper_nonlinear);
+  CHECK_NOTHROW(identify::require_clutch(recordings, true));
+  CHECK_THROWS_WITH(identify::require_clutch(recordings, false),
                     Catch::Contains("released.csv: the spring is released from 0.04 s on") &&
-                        Catch::Contains("expected recordings with the spring caught"));
+                        Catch::Contains("expected a tooth_pitch_m above 0"));
 }

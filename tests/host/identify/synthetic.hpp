@@ -99,6 +99,16 @@ inline model::Model carriage_model() {
   return m;
 }
 
+/// The bench of document 002, section 5.1; with `free` its friction, delays and pitch are to be found from
+/// values that are off.
+inline model::Model clutch_bench_model(bool free = false) {
+  model::Model m;
+  m.kind = dynamics::Kind::clutch_bench;
+  m.parameters = {1.0, 60e-3 / (2.0 * std::numbers::pi), 2e-6, 2e-5, 0.0, 3e-3, 1.8e-3, 0.010, 0.010};
+  if (free) m.free = {{3, {0.0, 2e-3}}, {5, {2.4e-3, 3.6e-3}}, {7, {0.0, 0.04}}, {8, {0.0, 0.06}}};
+  return m;
+}
+
 /// The hopper of document 002's identification: known k, z0, g; mass and dampings free.
 inline model::Model hopper_model() {
   model::Model m;

@@ -74,10 +74,16 @@ TEST_CASE("zero clutch parameters mean no clutch, others are refused where there
   const model::Model m = model::parse_model(
       with(kHopperModel, "[free]", "release_delay_s = 0.0\ntooth_pitch_m = 0\n[free]"), "m.toml");
   CHECK(m.parameters.size() == 10);
-  CHECK_THAT(refused("[free]", "catch_delay_s = 0.02\ntooth_pitch_m = 0.003\n[free]"),
-             Contains("m.toml:18: tooth_pitch_m = 0.003 on hopper_linear; expected 0 or no such key: this "
-                      "version knows a "
-                      "clutch on hopper_nonlinear alone"));
+  const model::Model fitted = model::parse_model(
+      with(kHopperModel, "[free]",
+           "catch_delay_s = 0.02\ntooth_pitch_m = 0.003\n[effect.late_catch]\ndelay_s = 0.03\n[free]"),
+      "m.toml");
+  REQUIRE(fitted.clutch.has_value());
+  CHECK(fitted.clutch->catch_delay_s == 0.02);
+  CHECK(fitted.effects.at(dynamics::Effect::late_catch)[0] == 0.03);
+  CHECK_THAT(refused("[free]", "[effect.late_catch]\ndelay_s = 0.03\n[free]"),
+             Contains("m.toml:17: effect 'late_catch' in a model without a clutch; expected a tooth_pitch_m "
+                      "above 0"));
   CHECK_THAT(refused("[free]", "[free]\ntooth_pitch_m = [0.0, 0.01]"),
              Contains("'tooth_pitch_m' in [free]; expected no such key"));
   CHECK_THAT(refused(with(kJointModel, "damping", "tooth_pitch_m = 0\ndamping")),
@@ -103,15 +109,26 @@ TEST_CASE("an unknown section, key, kind or effect is refused, and the nearest n
   CHECK_THAT(refused("hopper_linear", "hopper_lineal"),
              Contains("m.toml:2: unknown kind 'hopper_lineal'; expected one of hopper_linear, "
                       "hopper_nonlinear, motor_axis, "
-                      "rotary_joint, rail_carriage (did you mean 'hopper_linear'?)"));
+                      "rotary_joint, rail_carriage, clutch_bench (did you mean 'hopper_linear'?)"));
 }
 
-TEST_CASE("a kind of the contract that has no plant yet is said to be that, not unknown") {
-  for (const char* kind : {"clutch_bench"})
-    CHECK_THAT(refused("hopper_linear", kind),
-               Contains("m.toml:2: kind '" + std::string(kind) +
-                        "' is not simulated in this version; expected "
-                        "one of hopper_linear, hopper_nonlinear, motor_axis, rotary_joint, rail_carriage"));
+TEST_CASE("a clutch bench has its delays and its pitch in its table, and reads back the same") {
+  const std::string text =
+      "[model]\nkind = \"clutch_bench\"\nschema = 1\n\n[parameters]\nload_mass_kg = 1.0\npulley_radius_m = "
+      "0.0095\npulley_inertia_kgm2 = 2e-6\ndamping_nmspr = 0.0\nauxiliary_stiffness_npm = 0.0\n"
+      "tooth_pitch_m = 0.003\ntooth_height_m = 0.0018\nrelease_delay_s = 0.01\ncatch_delay_s = 0.012\n\n"
+      "[free]\ncatch_delay_s = [0.0, 0.06]\n\n[effect.clutch_slip]\nholding_force_n = 20.0\n";
+  const model::Model m = model::parse_model(text, "m.toml");
+  CHECK(m.parameter("catch_delay_s") == 0.012);
+  CHECK(m.effects.at(dynamics::Effect::clutch_slip)[0] == 20.0);
+  const model::Model again = model::parse_model(model::format_model(m), "again.toml");
+  CHECK(again.parameters == m.parameters);
+  CHECK(again.free.size() == 1);
+  CHECK(again.effects == m.effects);
+  CHECK_THAT(refused(with(text, "tooth_pitch_m = 0.003", "tooth_pitch_m = 0")),
+             Contains("m.toml:11: tooth_pitch_m = 0; expected a number from 1e-04 to 0.1 m"));
+  CHECK_THAT(refused(with(text, "clutch_slip]\nholding_force_n", "incomplete_release]\nratio")),
+             Contains("'incomplete_release' does not exist on clutch_bench"));
 }
 
 TEST_CASE("what is missing is named, with what was expected") {

@@ -11,6 +11,7 @@
 
 #include "furcula/dynamics/contact_event.hpp"
 #include "furcula/dynamics/effects/laws.hpp"
+#include "furcula/dynamics/key_timing.hpp"
 #include "furcula/dynamics/links.hpp"
 #include "furcula/dynamics/parameters.hpp"
 #include "furcula/dynamics/rotor.hpp"
@@ -27,6 +28,14 @@ namespace furcula::dynamics {
 /// lever arm and the forces that depend on speed are taken at the step's predicted midpoint (error of third
 /// order in the step). A toe that sticks, a bump stop, a ground that gives and a rotor in its backlash add
 /// states of the leg (Leg::State, straight_, rotor_), whose changes are located inside the step as well.
+///
+/// With a clutch (fit_clutch) the spring's far end is on a cable without mass, whose travel x is counted
+/// along the leg. Held, the spring's rest height is z0 - x. Let go, the cable is in balance between the
+/// spring and an auxiliary spring that is pretensioned to what the spring pulls with the leg straight (length
+/// l0), so that the cable is home then:
+///   k (z0 - x - l) = k (z0 - l0) + k_aux x,   the leg's spring has the rate k k_aux / (k + k_aux) below l0;
+/// of what it lacks to the rate k an incomplete release leaves the ratio. Its times: dynamics/key_timing.hpp;
+/// the pressed key holds the cable at the next whole pitch that its travel comes to.
 template <class T>
 class Hopper {
  public:
@@ -89,8 +98,47 @@ class Hopper {
     restitution_liftoff_ *= links.velocity_after_stop(straight, T(V(-1) / straight.lever), fall);
   }
 
-  /// Starts at a height (m) and velocity (m/s), in flight if above the touch-down height, else in stance.
+  /// Gives it a clutch, caught, with its cable home. Not for a leg whose spring hardens: its stretch is taken
+  /// from where the cable is home.
+  void fit_clutch(const HopperClutchParameters<T>& p) {
+    clutched_ = more_ = true;
+    key_ = KeyTiming<T>(p.release_delay_s, e_.value_or(Effect::late_catch, p.catch_delay_s));
+    pitch_ = p.tooth_pitch_m;
+    caught_stiffness_ = stiffness_;
+    const T auxiliary = e_.value_or(Effect::auxiliary_spring, p.auxiliary_stiffness_npm);
+    loose_stiffness_ = stiffness_ * auxiliary / (stiffness_ + auxiliary);
+    if (e_.has(Effect::incomplete_release))
+      loose_stiffness_ += e_.value(Effect::incomplete_release) * (stiffness_ - loose_stiffness_);
+    travel_per_shortening_ = T(V(1)) - loose_stiffness_ / stiffness_;
+    home_force_ = leg_force_at_zero_;
+    hold_cable(T(V(0)));
+  }
+  bool has_clutch() const { return clutched_; }
+  /// Whether the coil is on from now on.
+  void energise(bool on) { key_.energise(on); }
+  /// After reset(): where a start finds the clutch. A held cable's travel is so many teeth.
+  void start_clutch(const KeyTiming<T>& key, bool held, int teeth) {
+    key_ = key;
+    if (held) return hold_cable(T(static_cast<V>(teeth) * pitch_));
+    let_cable_go();
+    if (!key_.out()) press_key();
+  }
+  /// Travel of the cable for a length of the leg while it is let go, m.
+  T loose_travel_m(const T& length_m) const {
+    return value_of(length_m) < value_of(touchdown_height_)
+               ? T((touchdown_height_ - length_m) * travel_per_shortening_)
+               : T(V(0));
+  }
+  T cable_travel_m() const { return cable_ == Cable::held ? travel_ : loose_travel_m(T(z_ - toe_)); }
+  bool cable_held() const { return cable_ == Cable::held; }
+
+  /// Starts at a height (m) and velocity (m/s), in flight if above the touch-down height, else in stance. A
+  /// clutch starts caught, its cable home.
   void reset(const T& height_m, const T& velocity_mps) {
+    if (clutched_) {
+      key_.reset();
+      hold_cable(zero_);
+    }
     z_ = height_m;
     v_ = velocity_mps;
     stance_ = value_of(z_) <= value_of(touchdown_height_);
@@ -116,6 +164,7 @@ class Hopper {
     event_count_ = 0;
     elapsed_ = V(0);
     if (dt_s <= V(0)) return;
+    if (clutched_) return advance_clutched(torque, dt_s);
     const int parts = dt_s <= kLongestStep ? 1 : 1 + static_cast<int>(dt_s / kLongestStep);
     const V h = parts == 1 ? dt_s : dt_s / static_cast<V>(parts);
     if (h != step_) prepare(h);
@@ -181,6 +230,7 @@ class Hopper {
     v_ = restitution_liftoff_ * v_;
     stance_ = false;
     toe_ = T(V(0));
+    if (cable_ == Cable::pressed) hold_cable(zero_);  // the leg is straight, the cable home
     record(ContactEvent<V>::Kind::liftoff, before, v_);
   }
 
@@ -194,6 +244,74 @@ class Hopper {
     // So many events in one step means contacts without end (a body bouncing down to rest): it rests.
     v_ = T(V(0));
     elapsed_ += value_of(left);
+  }
+
+  /// The same for a leg with a clutch, whose key may come or go at any time.
+  void advance_clutched(const T& torque, V dt_s) {
+    constexpr V kShortest = V(1e-12);  // so that a piece of no length has its derivative
+    T left = T(dt_s);
+    while (value_of(left) > V(0)) {
+      T until = value_of(left) > kLongestStep ? T(kLongestStep) : left;
+      const bool changes = key_.changes_within(value_of(until));
+      if (changes) until = key_.change_in() + kShortest;
+      T rest = until;
+      bool moved = !(value_of(rest) > V(0));
+      for (int round = 0; round < kMaxEvents && !moved && value_of(rest) > V(0); ++round)
+        moved = move<true>(torque, rest, false);
+      if (!moved && value_of(rest) > V(0)) {  // contacts without end, as in step()
+        v_ = T(V(0));
+        elapsed_ += value_of(rest);
+      }
+      key_.pass(until);
+      left = left - until;
+      if (!changes) continue;
+      key_.change();
+      if (key_.out())
+        let_cable_go();
+      else
+        press_key();
+    }
+  }
+
+  void hold_cable(const T& travel) {
+    cable_ = Cable::held;
+    travel_ = travel;
+    set_spring(caught_stiffness_, T(home_force_ - caught_stiffness_ * travel));
+  }
+  /// Straight, the spring pulls with what it does when it is caught with the cable home.
+  void let_cable_go() {
+    cable_ = Cable::loose;
+    set_spring(loose_stiffness_, T(home_force_ - (caught_stiffness_ - loose_stiffness_) * touchdown_height_));
+  }
+  void press_key() {
+    const V at = value_of(loose_travel_m(T(z_ - toe_))) / value_of(pitch_);
+    const bool shortens = stance_ && !(value_of(v_) > V(0));
+    if (!(at > V(0)) && !shortens) return hold_cable(T(V(0)));
+    cable_ = Cable::pressed;
+    aim(shortens, at);
+  }
+  /// At the next whole pitch of the cable's travel.
+  void aim(bool shortens, V at) {
+    using std::ceil;
+    using std::floor;
+    constexpr V kJust = V(1e-9);
+    tooth_ = shortens ? floor(at + kJust) + V(1) : ceil(at - kJust) - V(1);
+    if (tooth_ < V(0)) tooth_ = V(0);
+    tooth_shortens_ = shortens;
+    tooth_height_ = value_of(travel_per_shortening_) > V(1e-6)
+                        ? T(touchdown_height_ - tooth_ * pitch_ / travel_per_shortening_)
+                        : T(V(-1));
+  }
+  void set_spring(const T& stiffness, const T& force_at_zero) {
+    stiffness_ = stiffness;
+    kappa_stance_ = stiffness * inverse_mass_;
+    leg_force_at_zero_ = force_at_zero;
+    stretched_stiffness_ = stiffness_ + V(kStopStiffness);
+    kappa_stretched_ = stretched_stiffness_ * inverse_mass_;
+    if (e_.has(Effect::bump_stop)) {
+      stopped_stiffness_ = stiffness_ + e_.value(Effect::bump_stop, 1);
+      kappa_stopped_ = stopped_stiffness_ * inverse_mass_;
+    }
   }
 
   /// What the leg does to the body over the rest of a step: constant - stiffness z - damping v, all of it
@@ -298,7 +416,8 @@ class Hopper {
     }
     // So it may be up to where the rotor is through the backlash, or the leg comes to a stop or leaves it.
     Change change = Change::none;
-    if (soft || (kMore && (rotor_.crosses() || (stance_ && e_.has(Effect::bump_stop)))))
+    if (soft ||
+        (kMore && (rotor_.crosses() || (stance_ && (e_.has(Effect::bump_stop) || cable_ == Cable::pressed)))))
       change = cut_short(segment, torque, up, t_end, z_end, v_end, turns);
 
     if (!stance_ && !up && value_of(z_end) < value_of(touchdown_height_)) {
@@ -347,6 +466,10 @@ class Hopper {
     if (kMore && rotor_.crosses()) rotor_.follow(t_end, leg_angle(T(z_ - toe_)), leg_speed(z_, v_));
     if (change == Change::rotor) land_rotor();
     if (change == Change::stop) z_ = stop_length_;
+    if (change == Change::tooth) {
+      z_ = tooth_height_;
+      hold_cable(T(tooth_ * pitch_));
+    }
     if (change == Change::straightens || change == Change::flexes) straight_ = change == Change::straightens;
     if (!turns && change == Change::none) return true;
     left = left - t_end;
@@ -355,8 +478,8 @@ class Hopper {
 
   /// What ends a piece of a step besides turning points, touch-down and lift-off: the rotor arrives, a leg on
   /// a ground that gives comes to its full length or leaves it, a leg on hard ground comes to its bump stop
-  /// or leaves it.
-  enum class Change : std::uint8_t { none, rotor, straightens, flexes, stop };
+  /// or leaves it, the pressed key meets a tooth (by the body's height, on a ground that gives too).
+  enum class Change : std::uint8_t { none, rotor, straightens, flexes, stop, tooth };
   Change cut_short(const Segment<T>& segment, const T& torque, bool up, T& t_end, T& z_end, T& v_end,
                    bool& turns) {
     const bool soft = stance_ && e_.has(Effect::ground_compliance);
@@ -390,6 +513,12 @@ class Hopper {
     if (e_.has(Effect::bump_stop) && !soft &&
         (on_bump_stop() ? up && value_of(z_end) > stop : !up && value_of(z_end) < stop))
       end_at(segment.crossing_time(T(V(1)), T(V(0)), -stop_length_, V(0), value_of(t_end)), Change::stop);
+    if (cable_ == Cable::pressed) {
+      if (tooth_shortens_ == up) aim(!up, value_of(loose_travel_m(z_)) / value_of(pitch_));
+      const V tooth = value_of(tooth_height_);
+      if (up ? value_of(z_end) > tooth && tooth < value_of(touchdown_height_) : value_of(z_end) < tooth)
+        end_at(segment.crossing_time(T(V(1)), T(V(0)), -tooth_height_, V(0), value_of(t_end)), Change::tooth);
+    }
     return change;
   }
 
@@ -713,6 +842,14 @@ class Hopper {
   T stretched_stiffness_{}, links_gravity_{}, links_mass_{}, links_slope_{}, links_lift_{}, links_weight_{};
   T kappa_stretched_{}, kappa_straight_{}, delta_straight_{};
   T stop_length_{}, stopped_stiffness_{}, kappa_stopped_{};  ///< of the leg at its bump stop
+  enum class Cable : std::uint8_t { held, loose, pressed };  ///< pressed: on its way to a tooth
+  bool clutched_ = false, tooth_shortens_ = true;
+  Cable cable_ = Cable::held;
+  KeyTiming<T> key_;
+  V tooth_ = V(0);
+  T pitch_{}, travel_{}, tooth_height_{}, travel_per_shortening_{};
+  T caught_stiffness_{}, loose_stiffness_{}, home_force_{};
+
   bool leg_is_more_ = false;  ///< its force on the ground is more than spring, damper and motor: toe_force_
   bool more_ = false;         ///< leg_is_more_, or the leg, its toe or its rotor is in one of several states
   Leg leg_{};

@@ -11,9 +11,16 @@
 
 namespace furcula::dynamics {
 
-enum class Kind : std::uint8_t { hopper_linear, hopper_nonlinear, motor_axis, rotary_joint, rail_carriage };
+enum class Kind : std::uint8_t {
+  hopper_linear,
+  hopper_nonlinear,
+  motor_axis,
+  rotary_joint,
+  rail_carriage,
+  clutch_bench
+};
 
-inline constexpr std::size_t kKindCount = 5;
+inline constexpr std::size_t kKindCount = 6;
 
 /// One parameter of a kind. `lower` and `upper` are the values that make physical sense at all; a file
 /// outside of them is refused. They are not the bounds of a fit: those stand in the model's [free] table.
@@ -85,6 +92,22 @@ inline constexpr std::array<ParameterInfo, 3> kRailCarriageParameters{{
     {"gravity_mps2", "m/s^2", 0.0, 30.0, "gravity"},
 }};
 
+/// Of the release/catch bench, whose model has no other, m/s^2.
+inline constexpr double kBenchGravity_mps2 = 9.81;
+
+// In the order of the members of ClutchBenchParameters.
+inline constexpr std::array<ParameterInfo, 9> kClutchBenchParameters{{
+    {"load_mass_kg", "kg", 1e-3, 1e3, "weight that hangs on the belt"},
+    {"pulley_radius_m", "m", 1e-4, 1.0, "of the belt on the pulley"},
+    {"pulley_inertia_kgm2", "kg m^2", 0.0, 10.0, "of pulley and encoder"},
+    {"damping_nmspr", "N m s/rad", 0.0, 1e3, "viscous friction, about the pulley"},
+    {"auxiliary_stiffness_npm", "N/m", 0.0, 1e4, "auxiliary spring on the belt, slack at the angle 0"},
+    {"tooth_pitch_m", "m", 1e-4, 0.1, "of the belt"},
+    {"tooth_height_m", "m", 0.0, 0.1, "way of the key; its times are in the delays"},
+    {"release_delay_s", "s", 0.0, 1.0, "from the coil's switching on until the belt is free"},
+    {"catch_delay_s", "s", 0.0, 1.0, "from its switching off until the key presses on the belt"},
+}};
+
 struct KindInfo {
   Kind kind;
   std::string_view name;  ///< in the model file
@@ -99,6 +122,7 @@ inline constexpr std::array<KindInfo, kKindCount> kKinds{{
     {Kind::motor_axis, "motor_axis", "motor_axis", kMotorAxisParameters, false},
     {Kind::rotary_joint, "rotary_joint", "rotary_joint", kRotaryJointParameters, true},
     {Kind::rail_carriage, "rail_carriage", "rail_carriage", kRailCarriageParameters, false},
+    {Kind::clutch_bench, "clutch_bench", "clutch_bench", kClutchBenchParameters, true},
 }};
 
 constexpr const KindInfo& info(Kind kind) { return kKinds[static_cast<std::size_t>(kind)]; }
@@ -111,6 +135,10 @@ constexpr std::optional<Kind> kind_named(std::string_view name) {
 
 /// A body on a leg, with stances and flights.
 constexpr bool is_hopper(Kind kind) { return kind == Kind::hopper_linear || kind == Kind::hopper_nonlinear; }
+
+/// Whether the parameters of a clutch can stand in a model of this kind: in its table, or beside it
+/// (kClutchParameters).
+constexpr bool can_have_clutch(Kind kind) { return is_hopper(kind) || kind == Kind::clutch_bench; }
 
 /// Index of a parameter in the kind's table.
 constexpr std::optional<std::size_t> parameter_index(Kind kind, std::string_view name) {

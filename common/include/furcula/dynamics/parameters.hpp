@@ -74,6 +74,26 @@ struct RailCarriageParameters {
   static_assert(kMembers.size() == kRailCarriageParameters.size());
 };
 
+template <class T>
+struct ClutchBenchParameters {
+  static constexpr Kind kKind = Kind::clutch_bench;
+  T load_mass_kg{}, pulley_radius_m{}, pulley_inertia_kgm2{}, damping_nmspr{}, auxiliary_stiffness_npm{};
+  T tooth_pitch_m{}, tooth_height_m{}, release_delay_s{}, catch_delay_s{};
+
+  using Self = ClutchBenchParameters;
+  static constexpr std::array<T Self::*, 9> kMembers{
+      &Self::load_mass_kg,   &Self::pulley_radius_m,         &Self::pulley_inertia_kgm2,
+      &Self::damping_nmspr,  &Self::auxiliary_stiffness_npm, &Self::tooth_pitch_m,
+      &Self::tooth_height_m, &Self::release_delay_s,         &Self::catch_delay_s};
+  static_assert(kMembers.size() == kClutchBenchParameters.size());
+};
+
+/// The clutch of a hopper that has one (kClutchParameters); its pitch is 0 where there is none.
+template <class T>
+struct HopperClutchParameters {
+  T release_delay_s{}, catch_delay_s{}, auxiliary_stiffness_npm{}, tooth_pitch_m{};
+};
+
 /// The struct from values in the order of the kind's table (`values.size()` = number of parameters).
 template <class Parameters, class T>
 constexpr Parameters from_table(std::span<const T> values) {

@@ -51,6 +51,10 @@ enum class Effect : std::uint8_t {
   encoder_slip,
   contact_delay,
   time_skew,
+  clutch_slip,
+  late_catch,
+  incomplete_release,
+  auxiliary_spring,
   bump_stop,
 };
 
@@ -69,6 +73,9 @@ struct EffectParameterInfo {
   double neutral;  ///< value at which the effect is not there; NaN: that of the model parameter of the same
                    ///< name, or any value (a width, a shape) where there is none
   bool of_motor = false;  ///< on a hopper the motor turns: its parameter has the rotary name
+  /// The model parameter whose true value it is, where that has another name; empty: one of the same name, if
+  /// there is one.
+  std::string_view model_parameter = {};
 };
 
 /// What a start value is a multiple of.
@@ -81,6 +88,7 @@ enum class Measure : std::uint8_t {
   model,     ///< the model's parameter of the same name
   place,     ///< not a multiple: eight places along the travel are tried in turn
   depth,     ///< likewise, measured down from the touch-down height of a hopper
+  load,      ///< the weight on the belt of a clutch bench, N
 };
 
 /// Start values of a fit, a row for each that is tried.
@@ -139,6 +147,7 @@ inline constexpr std::uint8_t kDriven =
 inline constexpr std::uint8_t kAllKinds = kDriven | bit(Kind::rail_carriage);
 inline constexpr std::uint8_t kHopper = bit(Kind::hopper_linear) | bit(Kind::hopper_nonlinear);
 inline constexpr std::uint8_t kVertical = kHopper | bit(Kind::rail_carriage);
+inline constexpr std::uint8_t kBench = bit(Kind::clutch_bench);
 inline constexpr double kUnset = __builtin_nan("");
 /// Of a law that finds something in anything.
 inline constexpr double kManyShapes = 30.0;
@@ -151,7 +160,7 @@ inline constexpr EffectInfo kCatalogue[] = {
      "coulomb_friction",
      "dry friction",
      Stage::mechanism,
-     detail::kAllKinds,
+     detail::kAllKinds | detail::kBench,
      "flight+stance",
      "-Fc sgn(v)",
      {{{"force_n", "torque_nm", "N", "N m", 0.0, 1e4, 0.0}}},
@@ -229,7 +238,7 @@ inline constexpr EffectInfo kCatalogue[] = {
      "damping_error",
      "the true viscous damping",
      Stage::mechanism,
-     detail::kAllKinds,
+     detail::kAllKinds | detail::kBench,
      "flight+stance",
      "viscous damping differs from a held value (on a hopper: so much more in the guide)",
      {{{"damping_nspm", "damping_nmspr", "N s/m", "N m s/rad", -1e4, 1e6, detail::kUnset}}},
@@ -561,7 +570,7 @@ inline constexpr EffectInfo kCatalogue[] = {
      "encoder_slip",
      "a slip of the encoder",
      Stage::sensing,
-     detail::kAllKinds,
+     detail::kAllKinds | detail::kBench,
      "flight+stance",
      "the measured position jumps by a step at an instant and stays there",
      {{{"step_m", "step_rad", "m", "rad", -10.0, 10.0, 0.0},
@@ -596,6 +605,63 @@ inline constexpr EffectInfo kCatalogue[] = {
      "Time stamps taken at reception, filters on the encoder's line, buffering.",
      "A tap or a torque step that both channels see: compare the instants.",
      {.starts = {{-5e-3}, {0.0}, {5e-3}}, .doubt = detail::kSeldomMet}},
+    {Effect::clutch_slip,
+     "clutch_slip",
+     "a clutch that slips over its teeth",
+     Stage::mechanism,
+     detail::kBench,
+     "",
+     "the pressed key skips a tooth while the load on it, the belt's pull and its kinetic energy over a "
+     "pitch, "
+     "is above what it holds, and turns that force times the pitch into heat",
+     {{{"holding_force_n", "holding_force_n", "N", "N", 0.0, 1e4, detail::kUnset}}},
+     1,
+     "The key cannot stop the falling load at once: the belt slips on over whole teeth, each of which takes "
+     "some of its energy.",
+     "The key's return spring, worn or printed teeth, a belt that is not pressed on along its whole length.",
+     "Releases of growing length with one load: the longer the fall, the more teeth the catch skips.",
+     {.measures = {Measure::load}, .starts = {{1.1}, {1.4}, {2.0}, {3.0}, {5.0}}, .shapes = 4.0}},
+    {Effect::late_catch,
+     "late_catch",
+     "the true delay of the catch",
+     Stage::mechanism,
+     detail::kHopper | detail::kBench,
+     "",
+     "the catch engages so long after the coil is switched off, whatever the model's catch_delay_s",
+     {{{"delay_s", "delay_s", "s", "s", 0.0, 1.0, detail::kUnset, false, "catch_delay_s"}}},
+     1,
+     "The key presses on the belt later, or earlier, after the coil is switched off than the model says.",
+     "The coil's flyback path, a key that is heavy, dirty or sticks to the yoke, a weak return spring.",
+     "Releases of many different lengths: which tooth each catch ends on tells when the key came.",
+     {.starts = {{2e-3}, {8e-3}, {16e-3}, {28e-3}, {45e-3}}, .shapes = 4.0}},
+    {Effect::incomplete_release,
+     "incomplete_release",
+     "a release that leaves a part of the spring's force",
+     Stage::mechanism,
+     detail::kHopper,
+     "stance",
+     "F = F_released + ratio (F_caught - F_released) while released",
+     {{{"ratio", "ratio", "", "", 0.0, 1.0, 0.0}}},
+     1,
+     "The released spring still pushes with a part of the force that it has when it is caught.",
+     "A key that is not pulled out of the teeth, a cable that rubs on its guide, a solenoid with too little "
+     "stroke.",
+     "Releases in stance at several depths: the leg that should go soft stays stiff in part.",
+     {.clear = {{{0.15, 0.4}}}}},
+    {Effect::auxiliary_spring,
+     "auxiliary_spring",
+     "the auxiliary spring's true rate",
+     Stage::mechanism,
+     detail::kHopper | detail::kBench,
+     "stance",
+     "the force of the auxiliary spring when released, k_aux times its stretch, is not what the model says",
+     {{{"stiffness_npm", "stiffness_npm", "N/m", "N/m", 0.0, 1e4, detail::kUnset, false,
+        "auxiliary_stiffness_npm"}}},
+     1,
+     "The soft spring that takes the cable home pulls harder, or less, than the model says.",
+     "The auxiliary spring itself, its pretension, and the pulleys between it and the clutch.",
+     "On the bench several releases one after the other: each fall begins with less force. On the robot "
+     "releases in stance at several depths."},
     {Effect::bump_stop,
      "bump_stop",
      "a bump stop at the end of the leg's travel",
@@ -622,6 +688,12 @@ inline constexpr std::size_t kEffectCount = std::size(kCatalogue);
 constexpr const EffectInfo& info(Effect e) { return kCatalogue[static_cast<std::size_t>(e)]; }
 
 constexpr bool applies(Effect e, Kind k) { return (info(e).kinds & detail::bit(k)) != 0; }
+
+/// Laws of a clutch, which a hopper need not have.
+constexpr bool needs_clutch(Effect e) {
+  return e == Effect::clutch_slip || e == Effect::late_catch || e == Effect::incomplete_release ||
+         e == Effect::auxiliary_spring;
+}
 
 constexpr std::optional<Effect> effect_named(std::string_view name) {
   for (const EffectInfo& e : kCatalogue)
