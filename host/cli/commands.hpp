@@ -14,6 +14,7 @@ void add_demo_command(CLI::App& app);
 void add_effects_command(CLI::App& app);
 void add_check_command(CLI::App& app);
 void add_bench_command(CLI::App& app);
+void add_bus_command(CLI::App& app);
 void add_energy_command(CLI::App& app);
 void add_reproduce_command(CLI::App& app);
 

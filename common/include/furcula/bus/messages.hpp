@@ -1,0 +1,412 @@
+// The table of all messages on the bus. Codec, DBC file, documentation and decoder follow from it.
+//
+// Sources
+//   mini_cheetah  CubeMars (T-Motor), "AK Series Actuator Driver Manual" V1.0.8, section 5.3, pages 48 and
+//   49;
+//                 B. Katz, HKC_MiniCheetah, CAN_com.cpp (pack_reply: 6 bytes, to the master's id)
+//   odrive        ODrive Robotics, "CAN Protocol" (docs.odriverobotics.com, can-protocol.html), and the
+//   messages of
+//                 firmware 0.6 in its ODriveArduino, src/can_simple_messages.hpp
+//   the others    this project's own
+// Where they disagree: docs/bus.md.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+#include "furcula/bus/message.hpp"
+
+namespace furcula::bus {
+
+/// Of the project's own messages; a receiver refuses what carries another.
+inline constexpr std::uint8_t kProtocolVersion = 1;
+
+namespace table {
+
+constexpr Signal ranged(std::string_view name, std::string_view unit, std::uint8_t start, std::uint8_t width,
+                        Ranged what, std::string_view meaning) {
+  return {name, unit, start, width, ByteOrder::big, Encoding::unsigned_integer, meaning,
+          1.0f, 1.0f, 0.0f,  what};
+}
+constexpr Signal code(std::string_view name, std::uint8_t start, std::uint8_t width,
+                      std::string_view meaning) {
+  return {name, "", start, width, ByteOrder::little, Encoding::unsigned_integer, meaning};
+}
+constexpr Signal real(std::string_view name, std::string_view unit, std::uint8_t start,
+                      std::string_view meaning) {
+  return {name, unit, start, 32, ByteOrder::little, Encoding::real, meaning};
+}
+/// A step is 1 / counts of the unit.
+constexpr Signal fixed_point(std::string_view name, std::string_view unit, std::uint8_t start,
+                             std::uint8_t width, Encoding encoding, float counts, std::string_view meaning) {
+  return {name, unit, start, width, ByteOrder::little, encoding, meaning, 1.0f, counts};
+}
+
+// mini-cheetah
+
+inline constexpr std::array<Signal, 5> kMotorCommand{{
+    ranged("Position", "rad", 7, 16, Ranged::position, "Position that the stiffness pulls to."),
+    ranged("Velocity", "rad/s", 23, 12, Ranged::velocity, "Velocity that the damping pulls to."),
+    ranged("Stiffness", "N m/rad", 27, 12, Ranged::stiffness, "kp."),
+    ranged("Damping", "N m s/rad", 47, 12, Ranged::damping, "kd."),
+    ranged("Torque", "N m", 51, 12, Ranged::torque, "Torque added to that of stiffness and damping."),
+}};
+inline constexpr std::array<Signal, 6> kMotorReply{{
+    {"Motor_Id", "", 7, 8, ByteOrder::big, Encoding::unsigned_integer, "Node id of the motor that replies."},
+    ranged("Position", "rad", 15, 16, Ranged::position, "Measured at the output shaft."),
+    ranged("Velocity", "rad/s", 31, 12, Ranged::velocity, "Measured at the output shaft."),
+    ranged("Torque", "N m", 35, 12, Ranged::torque, "From the current; the manual calls it current."),
+    {"Temperature", "degC", 55, 8, ByteOrder::big, Encoding::unsigned_integer,
+     "As the drive sends it. Only in replies of 8 bytes."},
+    {"Error", "", 63, 8, ByteOrder::big, Encoding::unsigned_integer, "0: none. Only in replies of 8 bytes."},
+}};
+
+// ODrive CAN Simple. An axis answers a remote frame with the same id and the data.
+
+inline constexpr std::array<Signal, 4> kOdriveHeartbeat{{
+    code("Axis_Error", 0, 32, "Flags; 0: none."),
+    code("Axis_State", 32, 8, "1: idle, 3: calibration, 8: closed-loop control."),
+    code("Procedure_Result", 40, 8, "Of the last calibration or homing; 0: success, 1: busy."),
+    code("Trajectory_Done", 48, 1, "1: the trajectory has ended."),
+}};
+inline constexpr std::array<Signal, 2> kOdriveGetError{{
+    code("Active_Errors", 0, 32, "Flags."),
+    code("Disarm_Reason", 32, 32, "Flags of what disarmed the axis."),
+}};
+inline constexpr std::array<Signal, 1> kOdriveSetAxisState{{
+    code("Axis_State", 0, 32, "1: idle, 3: calibration, 8: closed-loop control."),
+}};
+inline constexpr std::array<Signal, 2> kOdriveEncoderEstimates{{
+    real("Position", "rev", 0, "Estimated."),
+    real("Velocity", "rev/s", 32, "Estimated."),
+}};
+inline constexpr std::array<Signal, 2> kOdriveControllerMode{{
+    code("Control_Mode", 0, 32, "0: voltage, 1: torque, 2: velocity, 3: position."),
+    code("Input_Mode", 32, 32,
+         "1: passed through, 2: velocity ramp, 5: trapezoidal trajectory, 6: torque ramp."),
+}};
+inline constexpr std::array<Signal, 3> kOdriveInputPosition{{
+    real("Position", "rev", 0, "Set point."),
+    fixed_point("Velocity", "rev/s", 32, 16, Encoding::signed_integer, 1000.0f,
+                "Feed-forward; the step is the drive's default."),
+    fixed_point("Torque", "N m", 48, 16, Encoding::signed_integer, 1000.0f,
+                "Feed-forward; the step is the drive's default."),
+}};
+inline constexpr std::array<Signal, 2> kOdriveInputVelocity{{
+    real("Velocity", "rev/s", 0, "Set point."),
+    real("Torque", "N m", 32, "Feed-forward."),
+}};
+inline constexpr std::array<Signal, 1> kOdriveInputTorque{{real("Torque", "N m", 0, "Set point.")}};
+inline constexpr std::array<Signal, 2> kOdriveIq{{
+    real("Iq_Setpoint", "A", 0, "Commanded current along the q axis."),
+    real("Iq_Measured", "A", 32, "Measured current along the q axis."),
+}};
+inline constexpr std::array<Signal, 2> kOdriveTemperature{{
+    real("Fet_Temperature", "degC", 0, "Of the inverter."),
+    real("Motor_Temperature", "degC", 32, "NaN or 0 where the motor has no sensor."),
+}};
+inline constexpr std::array<Signal, 2> kOdriveBusPower{{
+    real("Bus_Voltage", "V", 0, "Of the supply."),
+    real("Bus_Current", "A", 32, "Into the drive."),
+}};
+inline constexpr std::array<Signal, 1> kOdriveClearErrors{{
+    code("Identify", 0, 8, "1: the drive blinks as well."),
+}};
+inline constexpr std::array<Signal, 2> kOdriveTorques{{
+    real("Torque_Target", "N m", 0, "Commanded to the motor."),
+    real("Torque_Estimate", "N m", 32, "From the current."),
+}};
+
+// This project's own. The first three bytes are the same in all but the heartbeat: version, sequence number,
+// age.
+
+constexpr Signal version() { return code("Protocol_Version", 0, 4, "Of this project's own messages."); }
+constexpr Signal sequence() {
+  return code("Sequence", 8, 8, "One more in each message of this kind, 0 after 255.");
+}
+/// 25.4 ms at most: an older one is 255.
+constexpr Signal age() {
+  return fixed_point("Age", "s", 16, 8, Encoding::unsigned_integer, 10000.0f,
+                     "Of the content when it was sent; 0.0255: older than 0.0254.");
+}
+
+inline constexpr std::array<Signal, 5> kHeartbeat{{
+    version(),
+    code("State", 4, 4, "0: starting, 1: idle, 2: running, 3: safe state after a fault."),
+    sequence(),
+    code("Fault", 16, 8, "Number in the table of faults (docs/firmware.md); 0: none."),
+    fixed_point("Uptime", "s", 24, 32, Encoding::unsigned_integer, 1000.0f, "Since the start."),
+}};
+inline constexpr std::array<Signal, 7> kCommand{{
+    version(),
+    code("Request", 4, 4, "0: none, 1: stop, 2: hop, 3: reset the fault."),
+    sequence(),
+    age(),
+    fixed_point("Torque_Amplitude", "N m", 24, 16, Encoding::signed_integer, 1000.0f,
+                "Of the torque over a stance."),
+    fixed_point("Torque_Period", "s", 40, 16, Encoding::unsigned_integer, 10000.0f,
+                "Of the torque over a stance."),
+    code("Clutch", 56, 1, "1: release the spring in flight."),
+}};
+inline constexpr std::array<Signal, 7> kBodyState{{
+    version(),
+    code("Phase", 4, 4, "0: flight, 1: stance."),
+    sequence(),
+    age(),
+    code("Fault", 24, 8, "Number in the table of faults (docs/firmware.md); 0: none."),
+    fixed_point("Height", "m", 32, 16, Encoding::signed_integer, 10000.0f, "Of the body's centre of mass."),
+    fixed_point("Velocity", "m/s", 48, 16, Encoding::signed_integer, 1000.0f, "Upwards."),
+}};
+inline constexpr std::array<Signal, 7> kLegState{{
+    version(),
+    code("Contact", 4, 1, "1: the debounced switch is closed."),
+    code("Solenoid", 5, 1, "1: energised, the spring is released."),
+    sequence(),
+    age(),
+    fixed_point("Leg_Angle", "rad", 24, 16, Encoding::signed_integer, 10000.0f, "On the motor's side."),
+    fixed_point("Torque", "N m", 40, 16, Encoding::signed_integer, 1000.0f, "Commanded to the drive."),
+}};
+inline constexpr std::array<Signal, 5> kEncoderSample{{
+    version(),
+    code("Status", 4, 4, "0: good, 1: not homed, 2: no signal."),
+    sequence(),
+    age(),
+    {"Count", "", 32, 32, ByteOrder::little, Encoding::signed_integer, "Of the encoder; it wraps."},
+}};
+
+}  // namespace table
+
+namespace message {
+
+inline constexpr Message kMotorCommand{"Command",
+                                       Protocol::mini_cheetah,
+                                       IdRule::plus_node,
+                                       0x000,
+                                       8,
+                                       Sender::controller,
+                                       "Position, velocity, gains and torque of a motor.",
+                                       table::kMotorCommand,
+                                       8};
+inline constexpr Message kMotorEnter{"Enter_Motor_Mode",
+                                     Protocol::mini_cheetah,
+                                     IdRule::plus_node,
+                                     0x000,
+                                     8,
+                                     Sender::controller,
+                                     "Switches the motor's control on; asks for a reply.",
+                                     {},
+                                     8,
+                                     0xfc};
+inline constexpr Message kMotorExit{"Exit_Motor_Mode",
+                                    Protocol::mini_cheetah,
+                                    IdRule::plus_node,
+                                    0x000,
+                                    8,
+                                    Sender::controller,
+                                    "Switches the motor's control off.",
+                                    {},
+                                    8,
+                                    0xfd};
+inline constexpr Message kMotorZero{"Set_Zero_Position",
+                                    Protocol::mini_cheetah,
+                                    IdRule::plus_node,
+                                    0x000,
+                                    8,
+                                    Sender::controller,
+                                    "Makes the present position the zero.",
+                                    {},
+                                    8,
+                                    0xfe};
+inline constexpr Message kMotorReply{"Reply",      Protocol::mini_cheetah,    IdRule::fixed,      0x000, 8,
+                                     Sender::node, "Answer to each command.", table::kMotorReply, 6};
+
+inline constexpr Message kOdriveHeartbeat{"Heartbeat",
+                                          Protocol::odrive,
+                                          IdRule::odrive,
+                                          0x01,
+                                          8,
+                                          Sender::node,
+                                          "State of the axis, every 100 ms.",
+                                          table::kOdriveHeartbeat,
+                                          8};
+inline constexpr Message kOdriveEstop{
+    "Estop", Protocol::odrive, IdRule::odrive, 0x02, 0, Sender::controller, "Disarms the axis at once.", {},
+    0};
+inline constexpr Message kOdriveGetError{"Get_Error",
+                                         Protocol::odrive,
+                                         IdRule::odrive,
+                                         0x03,
+                                         8,
+                                         Sender::node,
+                                         "Errors now, and those that disarmed.",
+                                         table::kOdriveGetError,
+                                         8};
+inline constexpr Message kOdriveSetAxisState{"Set_Axis_State",
+                                             Protocol::odrive,
+                                             IdRule::odrive,
+                                             0x07,
+                                             8,
+                                             Sender::controller,
+                                             "Requests a state of the axis.",
+                                             table::kOdriveSetAxisState,
+                                             4};
+inline constexpr Message kOdriveEncoderEstimates{"Get_Encoder_Estimates",
+                                                 Protocol::odrive,
+                                                 IdRule::odrive,
+                                                 0x09,
+                                                 8,
+                                                 Sender::node,
+                                                 "Position and velocity of the motor.",
+                                                 table::kOdriveEncoderEstimates,
+                                                 8};
+inline constexpr Message kOdriveControllerMode{"Set_Controller_Mode",
+                                               Protocol::odrive,
+                                               IdRule::odrive,
+                                               0x0b,
+                                               8,
+                                               Sender::controller,
+                                               "What is controlled, and how inputs pass.",
+                                               table::kOdriveControllerMode,
+                                               8};
+inline constexpr Message kOdriveInputPosition{"Set_Input_Pos",
+                                              Protocol::odrive,
+                                              IdRule::odrive,
+                                              0x0c,
+                                              8,
+                                              Sender::controller,
+                                              "Position with feed-forward.",
+                                              table::kOdriveInputPosition,
+                                              8};
+inline constexpr Message kOdriveInputVelocity{"Set_Input_Vel",
+                                              Protocol::odrive,
+                                              IdRule::odrive,
+                                              0x0d,
+                                              8,
+                                              Sender::controller,
+                                              "Velocity with feed-forward.",
+                                              table::kOdriveInputVelocity,
+                                              8};
+inline constexpr Message kOdriveInputTorque{"Set_Input_Torque",
+                                            Protocol::odrive,
+                                            IdRule::odrive,
+                                            0x0e,
+                                            8,
+                                            Sender::controller,
+                                            "Torque.",
+                                            table::kOdriveInputTorque,
+                                            4};
+inline constexpr Message kOdriveIq{"Get_Iq",     Protocol::odrive, IdRule::odrive,   0x14, 8,
+                                   Sender::node, "Motor current.", table::kOdriveIq, 8};
+inline constexpr Message kOdriveTemperature{"Get_Temperature",
+                                            Protocol::odrive,
+                                            IdRule::odrive,
+                                            0x15,
+                                            8,
+                                            Sender::node,
+                                            "Temperatures.",
+                                            table::kOdriveTemperature,
+                                            8};
+inline constexpr Message kOdriveBusPower{"Get_Bus_Voltage_Current",
+                                         Protocol::odrive,
+                                         IdRule::odrive,
+                                         0x17,
+                                         8,
+                                         Sender::node,
+                                         "Supply.",
+                                         table::kOdriveBusPower,
+                                         8};
+inline constexpr Message kOdriveClearErrors{"Clear_Errors",
+                                            Protocol::odrive,
+                                            IdRule::odrive,
+                                            0x18,
+                                            1,
+                                            Sender::controller,
+                                            "Clears the errors of the axis.",
+                                            table::kOdriveClearErrors,
+                                            0};
+inline constexpr Message kOdriveTorques{
+    "Get_Torques", Protocol::odrive,        IdRule::odrive,        0x1c, 8,
+    Sender::node,  "Torques of the motor.", table::kOdriveTorques, 8};
+
+inline constexpr Message kCommand{"Command",
+                                  Protocol::controller,
+                                  IdRule::plus_node,
+                                  0x400,
+                                  8,
+                                  Sender::desk,
+                                  "What the robot shall do; without a fresh one it stops.",
+                                  table::kCommand,
+                                  8};
+inline constexpr Message kBodyState{"Body_State", Protocol::controller,     IdRule::plus_node, 0x420, 8,
+                                    Sender::node, "Telemetry of the body.", table::kBodyState, 8};
+inline constexpr Message kLegState{"Leg_State",  Protocol::controller,           IdRule::plus_node, 0x440, 7,
+                                   Sender::node, "Telemetry of leg and clutch.", table::kLegState,  7};
+inline constexpr Message kHeartbeat{"Heartbeat",
+                                    Protocol::controller,
+                                    IdRule::plus_node,
+                                    0x700,
+                                    7,
+                                    Sender::node,
+                                    "The node lives; every 100 ms.",
+                                    table::kHeartbeat,
+                                    7};
+inline constexpr Message kEncoderSample{"Sample",
+                                        Protocol::encoder,
+                                        IdRule::plus_node,
+                                        0x460,
+                                        8,
+                                        Sender::node,
+                                        "One reading, every millisecond.",
+                                        table::kEncoderSample,
+                                        8};
+inline constexpr Message kEncoderHeartbeat{"Heartbeat",
+                                           Protocol::encoder,
+                                           IdRule::plus_node,
+                                           0x720,
+                                           7,
+                                           Sender::node,
+                                           "The node lives; every 100 ms.",
+                                           table::kHeartbeat,
+                                           7};
+
+}  // namespace message
+
+/// Those with a marker stand before what has the same id without one.
+inline constexpr std::array<const Message*, 25> kMessages{&message::kMotorEnter,
+                                                          &message::kMotorExit,
+                                                          &message::kMotorZero,
+                                                          &message::kMotorCommand,
+                                                          &message::kMotorReply,
+                                                          &message::kOdriveHeartbeat,
+                                                          &message::kOdriveEstop,
+                                                          &message::kOdriveGetError,
+                                                          &message::kOdriveSetAxisState,
+                                                          &message::kOdriveEncoderEstimates,
+                                                          &message::kOdriveControllerMode,
+                                                          &message::kOdriveInputPosition,
+                                                          &message::kOdriveInputVelocity,
+                                                          &message::kOdriveInputTorque,
+                                                          &message::kOdriveIq,
+                                                          &message::kOdriveTemperature,
+                                                          &message::kOdriveBusPower,
+                                                          &message::kOdriveClearErrors,
+                                                          &message::kOdriveTorques,
+                                                          &message::kCommand,
+                                                          &message::kBodyState,
+                                                          &message::kLegState,
+                                                          &message::kHeartbeat,
+                                                          &message::kEncoderSample,
+                                                          &message::kEncoderHeartbeat};
+
+/// For signals that are known when the program is compiled; a name that the message does not have does not
+/// compile.
+consteval const Signal& signal(const Message& message, std::string_view name) {
+  const Signal* found = nullptr;
+  for (const Signal& s : message.signals)
+    if (s.name == name) found = &s;
+  return *found;
+}
+
+}  // namespace furcula::bus

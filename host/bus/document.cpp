@@ -1,0 +1,163 @@
+// The page on the bus, see document.hpp.
+#include "host/bus/document.hpp"
+
+#include <cstdio>
+
+#include "host/bus/nodes.hpp"
+#include "host/bus/numbers.hpp"
+#include "host/log/message.hpp"
+
+namespace furcula::bus {
+namespace {
+
+using log::rounded;
+
+constexpr std::string_view kHead = R"(# The CAN bus
+
+Classical CAN, 1 Mbit/s, 11-bit ids. This page is what `furcula bus docs` prints; the table itself is
+`common/include/furcula/bus/messages.hpp`, and codec, decoder and DBC file follow from it.
+
+    furcula bus dbc > furcula.dbc            # for other tools: SavvyCAN, cantools, Wireshark, …
+    furcula bus decode can.log > can.csv     # a recording of `candump -L can0 > can.log`, one row a signal
+
+Both take the nodes of the bus as `--node NAME=PROTOCOL:ID`, once for each, and for a motor `--node NAME=mini_cheetah:ID:MOTOR`; without
+it: )";
+
+constexpr std::string_view kRules = R"(
+Ids of nodes are from 1 to 31. In the tables an id is given for node `n`; the start bit is that of a DBC file, big-endian signals start at their most
+significant bit; a physical value is the raw number times the factor, plus the offset. What is put into a frame and out of its range is clamped to the nearest end and
+reported; what is not a finite number is refused.
+
+Messages of `controller` and `encoder` carry the protocol's version ()";
+
+constexpr std::string_view kStream =
+    R"(), a sequence number of their own for each kind, and the age of their content when they were sent. A receiver
+(`bus/stream.hpp`) takes what is fresh, tells a message that came again or out of order, counts what was lost, and takes nothing that is older than allowed or of another
+version. A sender that was silent for 100 ms counts as started anew.
+)";
+
+constexpr std::string_view kMotorsHead = R"(
+## Motors with the mini-cheetah's packing
+
+| motor | position, rad | velocity, rad/s | torque, N m | kp, N m/rad | kd, N m s/rad | bytes of a reply |
+| --- | --- | --- | --- | --- | --- | --- |
+)";
+
+constexpr std::string_view kSources = R"(
+A value in the middle between two steps goes to the lower one, so that zero is `7FFF` and `7FF`: a command of zeros is `7F FF 7F F0 00 00 07 FF`. The drives' own
+code cuts off instead of going to the nearest step; both differ by one step at most.
+
+## Sources, and where they disagree
+
+- **Ranges** are those of CubeMars' "AK Series Actuator Driver Manual" V1.0.8, table on pages 49 and 50; its last column is headed AK80-80 there and taken for the
+  AK80-64, whose manual it is. The sample code on the same page has other ones (position ±95.5, velocity ±30, torque ±18). Published drivers have, for the AK10-9, ±54 N m with
+  ±23.24 rad/s, and ±16 N m with ±46.57 rad/s; for the AK60-6 ±9 N m with ±41.87 rad/s, and ±15 N m with ±50 rad/s; for the AK80-9 ±18 N m with ±41.87 rad/s. A wrong range scales
+  every torque: read the range from the drive's own configuration before the first run, and try a small torque against a spring balance.
+- **The mini-cheetah's** velocity range is ±65 rad/s in B. Katz's HKC_MiniCheetah and ±45 rad/s in other copies of that code; its comments
+  speak of ±30 rad/s, ±4 pi and, in a reply, of ±40 A, which its constants are not.
+- **A reply's length** is 6 bytes in B. Katz's firmware. The manual says 6 bytes (page 49) above a table of 8, with temperature and error code. Both lengths are read.
+- **A reply's id** is the master's in B. Katz's firmware, a setting of the drive, with the motor's id in the first byte; the manual says "0x00 + drive ID", which could not be
+  told from a command. This project reads id 0: set the drive's master id so.
+- **A reply's current** (the manual's word) is a torque: it has the torque's range.
+- **ODrive**: the set is that of firmware 0.6. In files for 0.5 and before, heartbeat bytes 5 to 7 are other flags or none, command 3 is `Get_Motor_Error`, 0x15
+  `Get_Sensorless_Estimates`, and 0x17 in the oldest the voltage alone. `Clear_Errors` had no data there; both lengths are read. `Set_Axis_State` and `Set_Input_Torque` are 8 bytes long in
+  ODrive's own library; frames of 4, which hold all that is in them, are read as well. Node id 0, ODrive's default, is not used here: its messages would have the ids of mini-cheetah
+  motors. A remote frame with the id of a `Get_…` message asks for it.
+)";
+
+std::string id_rule(const Message& m) {
+  char text[40];
+  switch (m.rule) {
+    case IdRule::fixed:
+      std::snprintf(text, sizeof text, "`0x%03X`, first byte `n`", static_cast<unsigned>(m.base));
+      break;
+    case IdRule::plus_node:
+      std::snprintf(text, sizeof text, "`0x%03X + n`", static_cast<unsigned>(m.base));
+      break;
+    case IdRule::odrive:
+      std::snprintf(text, sizeof text, "`n << 5 | 0x%02X`", static_cast<unsigned>(m.base));
+      break;
+  }
+  return text;
+}
+
+std::string_view sender(const Message& m) {
+  switch (m.sender) {
+    case Sender::desk:
+      return "the desk";
+    case Sender::controller:
+      return "the controller";
+    case Sender::node:
+      return "the node";
+  }
+  return "";
+}
+
+std::string scale(const Signal& s) {
+  switch (s.ranged) {
+    case Ranged::position:
+    case Ranged::velocity:
+    case Ranged::torque:
+      return "from - to + the motor's";
+    case Ranged::stiffness:
+    case Ranged::damping:
+      return "from 0 to the motor's";
+    case Ranged::no:
+      break;
+  }
+  if (s.encoding == Encoding::real) return "IEEE 754";
+  if (s.span == s.counts && s.unit.empty()) return "";
+  return "x " + decimal(factor(s)) + ", " + decimal(lowest(s)) + " to " + decimal(highest(s));
+}
+
+std::string message_text(const Message& m) {
+  std::string out = "\n### " + std::string(m.name) + "\n\n" + std::string(m.meaning) + " Id " + id_rule(m) +
+                    "; from " + std::string(sender(m)) + "; " + std::to_string(m.size) + " bytes";
+  if (m.least_size != m.size) out += ", or " + std::to_string(m.least_size);
+  if (m.marker != 0) {
+    char byte[8];
+    std::snprintf(byte, sizeof byte, "%02X", static_cast<unsigned>(m.marker));
+    return out + ": `FF FF FF FF FF FF FF " + byte + "`.\n";
+  }
+  out += ".\n";
+  if (m.signals.empty()) return out;
+  out +=
+      "\n| signal | unit | start bit, width | order | scale | meaning |\n| --- | --- | --- | --- | --- | --- "
+      "|\n";
+  for (const Signal& s : m.signals)
+    out += "| `" + std::string(s.name) + "` | " + std::string(s.unit) + " | " + std::to_string(s.start_bit) +
+           ", " + std::to_string(s.width) + (s.encoding == Encoding::signed_integer ? ", signed" : "") +
+           " | " + (s.order == ByteOrder::little ? "little-endian" : "big-endian") + " | " + scale(s) +
+           " | " + std::string(s.meaning) + " |\n";
+  return out;
+}
+
+}  // namespace
+
+std::string to_markdown() {
+  std::string out(kHead);
+  const char* between = "";
+  for (const Node& n : usual_nodes()) {
+    out += between + ("`" + n.name) + "=" + std::string(name_of(n.protocol)) + ":" + std::to_string(n.id) +
+           (n.protocol == Protocol::mini_cheetah ? ":" + std::string(info(n.motor).name) : "") + "`";
+    between = ", ";
+  }
+  out += ".\n" + std::string(kRules) + std::to_string(kProtocolVersion) + std::string(kStream);
+  for (const Protocol p :
+       {Protocol::controller, Protocol::encoder, Protocol::mini_cheetah, Protocol::odrive}) {
+    out += "\n## Protocol `" + std::string(name_of(p)) + "`\n";
+    for (const Message* m : kMessages)
+      if (m->protocol == p) out += message_text(*m);
+  }
+  out += kMotorsHead;
+  for (const MotorInfo& m : kMotors) {
+    const auto text = [](float x) { return rounded(static_cast<double>(x)); };
+    out += "| `" + std::string(m.name) + "` | ±" + text(m.position_max_rad) + " | ±" +
+           text(m.velocity_max_radps) + " | ±" + text(m.torque_max_nm) + " | 0 to " +
+           text(m.stiffness_max_nmpr) + " | 0 to " + text(m.damping_max_nmspr) + " | " +
+           std::to_string(m.reply_bytes) + " |\n";
+  }
+  return out + std::string(kSources);
+}
+
+}  // namespace furcula::bus

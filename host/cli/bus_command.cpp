@@ -1,0 +1,75 @@
+// `furcula bus`: the DBC file and the page of the table of CAN messages, and recordings decoded with it.
+#include <iostream>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "host/bus/candump.hpp"
+#include "host/bus/dbc.hpp"
+#include "host/bus/decoder.hpp"
+#include "host/bus/document.hpp"
+#include "host/cli/commands.hpp"
+#include "host/cli/errors.hpp"
+#include "host/log/byte_source.hpp"
+#include "host/log/error.hpp"
+
+namespace furcula::cli {
+namespace {
+
+struct Options {
+  std::vector<std::string> nodes;
+  std::string log;
+};
+
+std::vector<bus::Node> nodes_of(const Options& options) {
+  if (options.nodes.empty()) return bus::usual_nodes();
+  try {
+    std::vector<bus::Node> nodes;
+    for (const std::string& text : options.nodes) nodes.push_back(bus::parse_node(text));
+    bus::check_nodes(nodes);
+    return nodes;
+  } catch (const log::DataError& e) {
+    throw UsageError(std::string("--node: ") + e.what());
+  }
+}
+
+void decode(const Options& options) {
+  bus::Decoder decoder(nodes_of(options));
+  log::FileSource source(options.log, "a log of candump -L");
+  bus::CandumpReader reader(source, options.log);
+  bus::LogFrame frame;
+  std::string rows(bus::kDecodedHeader);
+  std::uint64_t frames = 0;
+  for (; reader.next(frame); ++frames) {
+    decoder.decode(frame, rows);
+    if (rows.size() < 60000) continue;
+    std::cout << rows;
+    rows.clear();
+  }
+  if (frames == 0) throw log::DataError(options.log + ": no frame in it; expected a log of candump -L");
+  std::cout << rows;
+  std::cerr << options.log << ": " << frames << " frames, " << decoder.decoded() << " decoded\n"
+            << decoder.remarks();
+}
+
+}  // namespace
+
+void add_bus_command(CLI::App& app) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* group = app.add_subcommand("bus", "The CAN messages: DBC file, page, recordings decoded");
+  group->require_subcommand(1);
+  CLI::App* dbc = group->add_subcommand("dbc", "Print the DBC file of a bus");
+  CLI::App* docs = group->add_subcommand("docs", "Print docs/bus.md");
+  CLI::App* decoding = group->add_subcommand("decode", "Print the signals of a candump log as CSV");
+  for (CLI::App* command : {dbc, decoding})
+    command
+        ->add_option("--node", options->nodes,
+                     "A node, NAME=PROTOCOL:ID or NAME=mini_cheetah:ID:MOTOR; one option for each")
+        ->allow_extra_args(false);
+  decoding->add_option("LOG", options->log, "Log of candump -L")->required();
+  dbc->callback([options] { std::cout << bus::to_dbc(nodes_of(*options)); });
+  docs->callback([] { std::cout << bus::to_markdown(); });
+  decoding->callback([options] { decode(*options); });
+}
+
+}  // namespace furcula::cli
