@@ -41,10 +41,10 @@ TEST_CASE("every effect that a hopper can have is drawn, with a size") {
   }
   for (const auto& e : dynamics::kCatalogue) {
     CAPTURE(e.name);
-    // The dampings are free parameters of the drawn model; backlash hardly moves the body.
+    // The dampings are free parameters of the drawn model; backlash hardly moves the body; it has no clutch.
     const bool possible = dynamics::applies(e.effect, dynamics::Kind::hopper_linear) &&
                           e.effect != dynamics::Effect::damping_error &&
-                          e.effect != dynamics::Effect::backlash;
+                          e.effect != dynamics::Effect::backlash && !dynamics::needs_clutch(e.effect);
     CHECK(drawn.contains(e.effect) == possible);
   }
 }
