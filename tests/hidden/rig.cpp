@@ -206,6 +206,7 @@ HopperRecording record_hopper(const Truth& truth, const HopperExperiment& experi
   };
 
   bool believes_stance = false, was_closed = false;
+  double stance_s = 0.2;  // the last one's length
   double believed_touchdown_s = 0.0, impact_mps = 0.0, moved_s = 0.0, last_liftoff = m.liftoff_s();
   double command = 0.0;
   const bool clutched = truth.clutch[3] > 0;
@@ -240,16 +241,18 @@ HopperRecording record_hopper(const Truth& truth, const HopperExperiment& experi
       believed_touchdown_s = now;
     } else if (believes_stance && !closed && !was_closed && now - believed_touchdown_s > kShortestStance_s) {
       believes_stance = false;
+      stance_s = now - believed_touchdown_s;
     }
     was_closed = closed;
     if (clutched) {
-      // Every second stance the spring is let go for a while, and in the flight after it the cable goes home.
+      // In every second stance the spring is let go for a while, late in the push-off, as the one before
+      // went: earlier it would cost the hop. In the flight after it the cable goes home.
       const bool now_stands = believes_stance && believed_touchdown_s == now;
       const bool now_flies = !believes_stance && home_due && on_s == kNever && !coil;
-      if (now_stands && ++stances % 2 == 1) {
+      if (now_stands && ++stances % 2 == 0) {
         home_due = true;
-        on_s = now + std::round(1e3 * more.uniform(0.01, 0.05)) * 1e-3;
-        off_s = on_s + std::round(1e3 * more.uniform(0.015, 0.045)) * 1e-3;
+        on_s = now + std::round(1e3 * (stance_s - more.uniform(0.03, 0.07))) * 1e-3;
+        off_s = on_s + std::round(1e3 * more.uniform(0.015, 0.06)) * 1e-3;
       } else if (now_flies) {
         on_s = now + 0.02;
         off_s = on_s + 0.02;
