@@ -172,15 +172,21 @@ std::vector<Slip> find_slips(const std::vector<double>& time_s, const std::vecto
   return found;
 }
 
-/// The plants keep a straight leg in flight, on its stop.
+/// The plants keep a straight leg in flight, on its stop. A toe that is pulled off the ground while the body
+/// is lower than that is no such flight: those they follow.
 void refuse_folded_flight(const Recording& r, const std::vector<double>& contact) {
-  constexpr double kFolded_rad = 0.05;
-  constexpr std::size_t kRows = 20;  // in a row, clear of the contact's bounce
+  constexpr double kFolded_rad = 0.05, kAbove_m = 0.01;  // some 10 ms of a late switch
+  constexpr std::size_t kRows = 20;                      // in a row, clear of the contact's bounce
   if (r.leg_angle.empty() || r.solenoid.empty() || contact.empty()) return;
   const double straight = *std::min_element(r.leg_angle.begin(), r.leg_angle.end());
+  std::vector<double> touchdowns_m;
+  for (std::size_t i = 1; i < r.rows(); ++i)
+    if (contact[i - 1] == 0.0 && contact[i] != 0.0) touchdowns_m.push_back(r.position[i]);
+  const double flying_m = touchdowns_m.empty() ? 0.0 : median(touchdowns_m) + kAbove_m;
   std::size_t folded = 0;
   for (std::size_t i = 0; i < r.rows(); ++i) {
-    folded = contact[i] == 0.0 && r.leg_angle[i] > straight + kFolded_rad ? folded + 1 : 0;
+    const bool now = contact[i] == 0.0 && r.position[i] > flying_m && r.leg_angle[i] > straight + kFolded_rad;
+    folded = now ? folded + 1 : 0;
     if (folded == kRows)
       throw log::DataError(r.name + ": the leg is folded in flight by " +
                            log::rounded(r.leg_angle[i] - straight) + " rad at " + log::shortest(r.time_s[i]) +
