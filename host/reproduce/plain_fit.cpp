@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "furcula/dynamics/links.hpp"
 #include "furcula/dynamics/parameters.hpp"
@@ -141,7 +142,11 @@ class Cost final : public ceres::FirstOrderFunction {
   Cost(const model::Model& model, const std::vector<identify::Unknown>& unknowns,
        const std::vector<Recording>& recordings, const std::vector<Window>& windows,
        std::vector<double> scales)
-      : model_(model), unknowns_(unknowns), recordings_(recordings), windows_(windows), scales_(scales) {}
+      : model_(model),
+        unknowns_(unknowns),
+        recordings_(recordings),
+        windows_(windows),
+        scales_(std::move(scales)) {}
 
   int NumParameters() const override { return static_cast<int>(unknowns_.size()); }
 
