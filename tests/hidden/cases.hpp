@@ -37,8 +37,8 @@ struct Question {
   std::vector<std::string> laws;  ///< none: a clean case
   Size size = Size::medium;       ///< of each; causes outside of the catalogue have one size
   Nominal nominal = Nominal::scattered;
-  bool clutched = false;  ///< a hopper with a clutch, which one that a clutch's law is asked of has anyway
   bool more_columns = false;  ///< some cases get the optional columns that the kind's rig can log
+  bool clutched = false;  ///< a hopper with a clutch, which one that a clutch's law is asked of has anyway
 };
 
 struct Case {

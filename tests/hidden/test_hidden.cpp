@@ -271,9 +271,7 @@ TEST_CASE("Two causes of which neither helps alone are both found in a rotary jo
       {20261168, Kind::rotary_joint, {"damping_error", "time_skew"}, Size::large, Nominal::wrong, true});
 }
 
-// Not found since the clutch's laws came into the catalogue: a regression of the search for pairs, not yet
-// mended.
-TEST_CASE("Two causes that a hopper hides take the place of one that stood in for them", "[!mayfail]") {
+TEST_CASE("Two causes that a hopper hides take the place of one that stood in for them") {
   expect_both({20261147,
                Kind::hopper_linear,
                {"thermal_derating", "encoder_offset"},
@@ -282,7 +280,7 @@ TEST_CASE("Two causes that a hopper hides take the place of one that stood in fo
                true});
 }
 
-TEST_CASE("Two causes that a hopper hides take the place of three that do as well", "[!mayfail]") {
+TEST_CASE("Two causes that a hopper hides take the place of three that do as well") {
   expect_both({20261150,
                Kind::hopper_linear,
                {"stiffness_error", "liftoff_loss"},
@@ -291,7 +289,7 @@ TEST_CASE("Two causes that a hopper hides take the place of three that do as wel
                true});
 }
 
-TEST_CASE("Two causes that a hopper hides are found where a fit on the way there runs away", "[!mayfail]") {
+TEST_CASE("Two causes that a hopper hides are found where a fit on the way there runs away") {
   expect_both(
       {20261229, Kind::hopper_linear, {"torque_offset", "bump_stop"}, Size::large, Nominal::wrong, true});
 }
@@ -322,12 +320,12 @@ TEST_CASE("A resonator in a rotary joint gets no name with confidence") {
   CHECK(std::string(name(j.outcome)) == std::string(name(Outcome::honest)));
 }
 
-TEST_CASE("A damping and a skew of the clocks that a hopper hides are both found", "[!mayfail]") {
+TEST_CASE("A damping and a skew of the clocks that a hopper hides are both found") {
   expect_both(
       {31350, Kind::hopper_linear, {"damping_error", "time_skew"}, Size::large, Nominal::wrong, true});
 }
 
-TEST_CASE("Stribeck friction and a soft ground that a hopper hides are both found", "[!mayfail]") {
+TEST_CASE("Stribeck friction and a soft ground that a hopper hides are both found") {
   expect_both({31347,
                Kind::hopper_linear,
                {"stribeck_friction", "ground_compliance"},
