@@ -13,7 +13,7 @@ namespace furcula::pil {
 inline constexpr char kToBoard[] = "to_board";
 inline constexpr char kFromBoard[] = "from_board";
 
-inline constexpr std::uint32_t kBegin = 0x46423031;  // "FB01": first message, and its version
+inline constexpr std::uint32_t kBegin = 0x46423032;  // "FB02": first message, and its version
 inline constexpr std::uint32_t kTick = 1;
 inline constexpr std::uint32_t kEnd = 2;
 
@@ -58,7 +58,7 @@ struct Farewell {
 };
 
 static_assert(std::is_trivially_copyable_v<Begin> && sizeof(Begin) == 272);
-static_assert(std::is_trivially_copyable_v<Tick> && sizeof(Tick) == 48);
+static_assert(std::is_trivially_copyable_v<Tick> && sizeof(Tick) == 52);
 static_assert(std::is_trivially_copyable_v<Reply> && sizeof(Outputs) == 48 && sizeof(Reply) == 52);
 static_assert(std::has_unique_object_representations_v<Farewell>);
 

@@ -172,6 +172,7 @@ inline Outputs step(const Config& config, State& state, const Inputs& inputs, fl
 
   Observation seen;
   seen.tick_interval_us = inputs.tick_interval_us;
+  seen.reported_fault = sample.reported_fault;
   seen.missed_samples = state.missed_samples;
   seen.sample_age_us = sample.age_us;
   seen.height_m = out.height.height_m;

@@ -9,8 +9,8 @@
 
 namespace furcula::control {
 
-/// Numbers are stable: logs and telemetry carry them. The order is also the order of the checks: of several
-/// faults on one tick the first is reported.
+/// Numbers are stable: logs and telemetry carry them. Of several faults on one tick the one that
+/// find_fault() (supervisor.hpp) looks for first is reported.
 enum class Fault : std::uint8_t {
   none = 0,
   bad_configuration = 1,
@@ -24,6 +24,15 @@ enum class Fault : std::uint8_t {
   contact_implausible = 9,
   cable_implausible = 10,
   clutch_not_caught = 11,
+  drive_fault = 12,
+  drive_silent = 13,
+  drive_disobeys = 14,
+  bus_off = 15,
+  command_lost = 16,
+  encoder_jump = 17,
+  task_stuck = 18,
+  processor_fault = 19,
+  parameters_lost = 20,
 };
 
 struct FaultInfo {
@@ -33,7 +42,7 @@ struct FaultInfo {
   std::string_view remedy;  ///< what a person should do
 };
 
-inline constexpr std::size_t kFaultCount = 12;
+inline constexpr std::size_t kFaultCount = 21;
 inline constexpr std::array<FaultInfo, kFaultCount> kFaults{{
     {Fault::none, "none", "No fault.", "Nothing."},
     {Fault::bad_configuration, "bad_configuration",
@@ -65,6 +74,31 @@ inline constexpr std::array<FaultInfo, kFaultCount> kFaults{{
      "Look at the clutch's key and its return spring, and at the coil's supply: it may be on all the time; "
      "then "
      "reset."},
+    {Fault::drive_fault, "drive_fault", "The motor's drive reports an error of its own.",
+     "Look up the drive's error code; check its supply, its temperature and its encoder; then reset."},
+    {Fault::drive_silent, "drive_silent", "The motor's drive does not answer its commands.",
+     "Check the drive's supply, its node id and the bus's cable; then reset."},
+    {Fault::drive_disobeys, "drive_disobeys",
+     "The torque that the drive reports is not the one that it was told.",
+     "Switch the drive's supply off; check the motor's type in the configuration, its phases and the drive; "
+     "then reset."},
+    {Fault::bus_off, "bus_off", "The CAN controller went off the bus after too many errors.",
+     "Check the bus's cable, its terminating resistors and that all nodes have the same bit rate; then "
+     "reset."},
+    {Fault::command_lost, "command_lost", "The one who commands the running robot fell silent.",
+     "Check the desk's program and its cable; then reset."},
+    {Fault::encoder_jump, "encoder_jump",
+     "The height changed by more than a body can move, or against the way that it must.",
+     "Check the height encoder's cable, its shield and the order of its two channels; home it again; then "
+     "reset."},
+    {Fault::task_stuck, "task_stuck", "The watchdog started the board anew: a task had not come to its end.",
+     "Read the fault log; report the build id with it; then reset."},
+    {Fault::processor_fault, "processor_fault",
+     "The processor stopped the program and the board started anew, as after an overflow of the stack.",
+     "Read the fault log; report the build id with it; then reset."},
+    {Fault::parameters_lost, "parameters_lost",
+     "No slot of the flash holds whole parameters: those of the image are in use.",
+     "Set the parameters and save them; then reset."},
 }};
 
 constexpr const FaultInfo& info(Fault fault) { return kFaults[static_cast<std::size_t>(fault)]; }

@@ -16,8 +16,9 @@ struct Sample {
   std::uint32_t contact = 0;       ///< raw switch: 0 open, 1 closed
   std::uint32_t cable_count = 0;  ///< encoder on the clutch's pulley, free-running, wraps; 0 without a clutch
   std::uint32_t cable_home_count = 0;  ///< what it read with the cable at rest
+  std::uint32_t reported_fault = 0;  ///< that a device or the board itself reports: a control::Fault, 0 none
 };
-static_assert(sizeof(Sample) == 32 && std::is_trivially_copyable_v<Sample>, "it travels as bytes");
+static_assert(sizeof(Sample) == 36 && std::is_trivially_copyable_v<Sample>, "it travels as bytes");
 
 /// What the rig is told. The value of a default Command is the safe state.
 struct Command {

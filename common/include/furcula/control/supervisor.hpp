@@ -38,6 +38,7 @@ struct SupervisorConfig {
 /// What the supervisor looks at, gathered by the controller on each tick.
 struct Observation {
   std::uint32_t tick_interval_us = 0;  ///< since the last tick
+  std::uint32_t reported_fault = 0;    ///< by a device or the board: a number of the table of faults
   std::uint32_t missed_samples = 0;    ///< running
   std::uint32_t sample_age_us = 0;
   float height_m = 0.0f;
@@ -58,6 +59,8 @@ struct SupervisorState {
 inline Fault find_fault(const SupervisorConfig& config, SupervisorState& state, const Observation& seen,
                         float dt_s) {
   if (seen.tick_interval_us > config.tick_interval_max_us) return Fault::late_tick;
+  if (seen.reported_fault != 0)
+    return seen.reported_fault < kFaultCount ? static_cast<Fault>(seen.reported_fault) : Fault::peer_lost;
   if (seen.missed_samples > config.missed_samples_max) return Fault::peer_lost;
   if (seen.sample_age_us > config.sample_age_max_us) return Fault::stale_input;
   if (!is_finite(seen.height_m) || !is_finite(seen.leg_angle_rad)) return Fault::non_finite_input;

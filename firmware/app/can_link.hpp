@@ -1,0 +1,399 @@
+// Between CAN frames and the controller's words: replies of the motor's drive and samples of encoder nodes
+// in, commands to the drive out; requests of a desk in. What is lost, late, repeated, reordered or malformed
+// is counted, and becomes an age or a fault. No clock and no I/O: a board hands in frames and time.
+// What the robot tells the bus of itself: can_telemetry.hpp.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "firmware/app/can_frames.hpp"
+#include "furcula/bus/codec.hpp"
+#include "furcula/bus/messages.hpp"
+#include "furcula/bus/motor_frames.hpp"
+#include "furcula/bus/stream.hpp"
+#include "furcula/control/fault.hpp"
+#include "furcula/control/sample.hpp"
+#include "furcula/core/sine.hpp"
+#include "furcula/core/status.hpp"
+
+namespace furcula::firmware {
+
+/// The frame of a source that is sent every millisecond is up to 1.2 ms old when it is read; where one is
+/// lost 2.2 ms. For control::SupervisorConfig::sample_age_max_us of a controller whose sensors are on a bus:
+/// one lost frame is bridged, two running are a fault.
+inline constexpr std::uint32_t kCanSampleAgeMaxUs = 2500;
+
+struct CanLinkConfig {
+  bus::Motor motor = bus::Motor::ak80_9;
+  std::uint8_t drive_node = 1;   ///< of the motor's drive
+  std::uint8_t height_node = 1;  ///< of the rail's encoder; 0: read by the board itself
+  std::uint8_t cable_node = 0;   ///< of the encoder on the clutch's pulley; 0: read by the board, or none
+  std::uint8_t self_node = 1;    ///< whose command frames are obeyed
+  /// leg angle = zero + sign * motor angle / gear; torques the other way round. The gear is beyond the
+  /// drive's own: turns of its shaft to one of the leg's joint.
+  float leg_zero_rad = 0.0f;
+  float leg_sign = 1.0f;  ///< 1 or -1
+  float gear = 1.0f;
+  std::uint32_t silent_us = kCanSampleAgeMaxUs;  ///< a source that has said nothing for longer is lost
+  /// What the drive reports may be so far outside of what it was commanded in its last replies, for so long
+  /// (its lag, its friction, ripple), before it counts as not obeying.
+  float torque_tolerance_nm = 1.5f;
+  float torque_tolerance = 0.2f;  ///< and this share of the command
+  std::uint32_t disobeys_us = 50000;
+  /// Of command frames, as bus/stream.hpp has them.
+  bus::StreamLimits requests{0.020f, 0.100f};
+};
+
+/// Whether every number makes sense.
+inline Status check(const CanLinkConfig& c) {
+  const auto is_node = [](std::uint8_t n) { return n >= bus::kFirstNode && n <= bus::kLastNode; };
+  const bool nodes = is_node(c.drive_node) && is_node(c.self_node) &&
+                     (c.height_node == 0 || is_node(c.height_node)) &&
+                     (c.cable_node == 0 || (is_node(c.cable_node) && c.cable_node != c.height_node));
+  const bool numbers = is_finite(c.leg_zero_rad) && (c.leg_sign == 1.0f || c.leg_sign == -1.0f) &&
+                       is_finite(c.gear) && c.gear > 0.0f && is_finite(c.torque_tolerance_nm) &&
+                       c.torque_tolerance_nm > 0.0f && is_finite(c.torque_tolerance) &&
+                       c.torque_tolerance >= 0.0f;
+  const bool motor = static_cast<std::size_t>(c.motor) < bus::kMotors.size();
+  return nodes && numbers && motor && c.silent_us > 0 ? Status::ok : Status::invalid;
+}
+
+/// Everything that a bus did to the robot, counted since the start.
+struct CanStatistics {
+  std::uint32_t received = 0;       ///< frames, ours or not
+  std::uint32_t foreign = 0;        ///< of none of the robot's nodes
+  std::uint32_t malformed = 0;      ///< a node's id with another length, or a value that the table has not
+  std::uint32_t lost = 0;           ///< told by a gap in the sequence numbers
+  std::uint32_t repeated = 0;       ///< a sequence number again; a second reply to one command
+  std::uint32_t out_of_order = 0;   ///< a sequence number from before
+  std::uint32_t stale = 0;          ///< the content was too old when it came
+  std::uint32_t other_version = 0;  ///< of the protocol
+  std::uint32_t unanswered = 0;     ///< commands that the drive did not reply to
+  std::uint32_t drive_errors = 0;   ///< replies with an error
+  std::uint32_t error_frames = 0;   ///< the CAN controller's
+  std::uint32_t bus_off = 0;        ///< times that the CAN controller went off the bus
+};
+
+/// What a board's CAN controller says of itself.
+enum class BusEvent : std::uint8_t { error, off, recovered };
+
+/// The newest reply of the drive, in the leg's terms.
+struct DriveReading {
+  float leg_angle_rad = 0.0f;
+  float leg_velocity_radps = 0.0f;
+  float torque_nm = 0.0f;        ///< as the drive reports it, positive flexes the leg
+  std::uint8_t temperature = 0;  ///< as the drive sends it; 0 in short replies
+  std::uint8_t error = 0;        ///< 0: none
+};
+
+/// Of a person's command frame.
+struct CanRequest {
+  enum class Kind : std::uint8_t { none = 0, stop = 1, hop = 2, reset = 3 };
+  Kind kind = Kind::none;
+  float torque_amplitude_nm = 0.0f;
+  float torque_period_s = 0.0f;
+  bool release_in_flight = false;
+};
+
+/// Nothing heard for so long counts as never heard: the clock wraps.
+inline constexpr std::uint32_t kForgottenUs = 1000000;
+
+/// An instant on a clock that wraps.
+struct LastHeard {
+  bool heard = false;
+  std::uint32_t at_us = 0;
+
+  void note(std::uint32_t now_us) {
+    heard = true;
+    at_us = now_us;
+  }
+  /// kForgottenUs where it was never heard. To be asked once a second at least.
+  std::uint32_t age_us(std::uint32_t now_us) {
+    if (heard && now_us - at_us >= kForgottenUs) heard = false;
+    return heard ? now_us - at_us : kForgottenUs;
+  }
+};
+
+/// An encoder at the other end of the bus.
+class CanEncoder {
+ public:
+  void receive(const bus::Frame& frame, std::uint32_t now_us, CanStatistics& statistics);
+  bool good() const { return status_ == 0; }
+  bool homed() const { return status_ != 1; }
+  std::uint32_t count() const { return count_; }
+  /// Of the newest reading: as stated, and what has passed since.
+  std::uint32_t age_us(std::uint32_t now_us) { return read_.age_us(now_us) + stated_us_; }
+  /// Since its last frame, whatever was in it.
+  std::uint32_t silence_us(std::uint32_t now_us) { return heard_.age_us(now_us); }
+
+ private:
+  LastHeard heard_, read_;
+  bus::Stream stream_;
+  std::uint32_t count_ = 0, stated_us_ = 0;
+  std::uint8_t status_ = 0;
+};
+
+/// Judges a frame of a stream and counts it. @returns its stamp where it is to be used.
+inline Result<bus::Stamp> judge(bus::Stream& stream, const bus::StreamLimits& limits, const bus::Frame& frame,
+                                std::uint32_t since_last_us, CanStatistics& statistics) {
+  const Result<bus::Stamp> stamp = bus::get_stamp(frame);
+  if (!stamp.ok()) {
+    ++statistics.malformed;
+    return Status::invalid;
+  }
+  const std::uint32_t lost_before = stream.lost;
+  const bus::Arrival arrival =
+      bus::arrive(stream, limits, stamp.value(), static_cast<float>(since_last_us) * 1e-6f);
+  statistics.lost += stream.lost - lost_before;
+  switch (arrival) {
+    case bus::Arrival::fresh:
+    case bus::Arrival::after_gap:
+      return stamp;
+    case bus::Arrival::repeated:
+      ++statistics.repeated;
+      break;
+    case bus::Arrival::out_of_order:
+      ++statistics.out_of_order;
+      break;
+    case bus::Arrival::stale:
+      ++statistics.stale;
+      break;
+    case bus::Arrival::other_version:
+      ++statistics.other_version;
+      break;
+  }
+  return Status::invalid;
+}
+
+inline void CanEncoder::receive(const bus::Frame& frame, std::uint32_t now_us, CanStatistics& statistics) {
+  using bus::message::kEncoderSample;
+  const std::uint32_t since_us = heard_.age_us(now_us);
+  const Result<std::uint32_t> status = bus::get_raw(frame, bus::signal(kEncoderSample, "Status"));
+  const Result<std::uint32_t> count = bus::get_raw(frame, bus::signal(kEncoderSample, "Count"));
+  if (!status.ok() || !count.ok() || status.value() > 2) {
+    ++statistics.malformed;
+    return;
+  }
+  heard_.note(now_us);
+  const Result<bus::Stamp> stamp = judge(stream_, bus::StreamLimits{}, frame, since_us, statistics);
+  if (!stamp.ok()) return;
+  status_ = static_cast<std::uint8_t>(status.value());
+  if (status_ == 2) return;  // no signal: the last reading grows old
+  read_.note(now_us);
+  count_ = count.value();
+  stated_us_ = static_cast<std::uint32_t>(stamp.value().age_s * 1e6f + 0.5f);
+}
+
+class CanLink {
+ public:
+  /// With a configuration that check() refuses it hears nothing and sends nothing.
+  explicit CanLink(const CanLinkConfig& config) : config_(config), sound_(check(config) == Status::ok) {}
+
+  /// Where the counters read what is home, as control::Sample has it.
+  void set_home(std::uint32_t height_count, float height_m, std::uint32_t cable_count) {
+    home_count_ = height_count;
+    home_height_m_ = height_m;
+    cable_home_count_ = cable_count;
+  }
+
+  /// A frame that came at `now_us`, any frame at all.
+  void receive(const bus::Frame& frame, std::uint32_t now_us) {
+    using namespace bus::message;
+    ++statistics_.received;
+    if (!sound_ || frame.extended || frame.remote) {
+      ++statistics_.foreign;
+      return;
+    }
+    // By the id alone: what is wrong with the rest of it is then malformed.
+    const auto of = [&](const bus::Message& message, std::uint8_t node) {
+      return node != 0 && frame.id == bus::id_of(message, node);
+    };
+    if (of(kMotorReply, config_.drive_node)) {
+      hear_drive(frame, now_us);
+    } else if (of(kEncoderSample, config_.height_node) || of(kEncoderSample, config_.cable_node)) {
+      if (frame.size != kEncoderSample.size)
+        ++statistics_.malformed;
+      else
+        (of(kEncoderSample, config_.height_node) ? height_ : cable_).receive(frame, now_us, statistics_);
+    } else if (of(kCommand, config_.self_node)) {
+      hear_desk(frame, now_us);
+    } else {
+      ++statistics_.foreign;
+    }
+  }
+
+  /// What the CAN controller reports.
+  void note(BusEvent event) {
+    if (event == BusEvent::error) ++statistics_.error_frames;
+    if (event == BusEvent::off && !bus_off_) ++statistics_.bus_off;
+    if (event != BusEvent::error) bus_off_ = event == BusEvent::off;
+  }
+
+  /// All that the bus knows of a sample: to be called on every tick, once. Fields of sensors that the board
+  /// reads itself are 0, for the board to fill in. `disconnected`: a sensor or the drive was never heard.
+  Result<control::Sample> sample(std::uint32_t now_us) {
+    control::Sample sample;
+    sample.home_count = home_count_;
+    sample.home_height_m = home_height_m_;
+    sample.cable_home_count = cable_home_count_;
+    sample.leg_angle_rad = drive_.leg_angle_rad;
+    sample.age_us = drive_heard_.age_us(now_us);
+    control::Fault fault = bus_off_ ? control::Fault::bus_off : drive_fault(now_us);
+    bool heard = drive_heard_.heard;
+    if (config_.height_node != 0) {
+      sample.height_count = height_.count();
+      if (!height_.homed()) sample.home_height_m = kNotHomed;
+      heard = listen(height_, now_us, sample, fault) && heard;
+    }
+    if (config_.cable_node != 0) {
+      sample.cable_count = cable_.count();
+      heard = listen(cable_, now_us, sample, fault) && heard;
+      if (!cable_.homed() && fault == control::Fault::none) fault = control::Fault::cable_implausible;
+    }
+    sample.reported_fault = static_cast<std::uint32_t>(fault);
+    // Silence of what was heard before is told by its fault, and so by its name.
+    if (!sound_ || (!heard && fault == control::Fault::none)) return Status::disconnected;
+    return sample;
+  }
+
+  /// The frames of one tick for the drive, to be sent at once. `run`: the drive shall be on; it is to be
+  /// false while the robot is idle or in a fault. The drive then is told on each tick to switch its motor
+  /// off, which it answers as it does a command, so that the leg's angle is known all the time. (A torque of
+  /// 0 alone is one of half a step, 4 mN m, on the drive.)
+  FrameBatch command(const control::Command& command, bool run) {
+    FrameBatch batch;
+    if (!sound_) return batch;
+    statistics_.unanswered += awaited_;
+    const float torque_nm = run && is_finite(command.torque_nm) ? command.torque_nm : 0.0f;
+    commanded_[next_commanded_] = torque_nm;
+    next_commanded_ = (next_commanded_ + 1u) % kCommandsKept;
+    if (!run) {
+      entered_ = 0;
+      batch.add(bus::empty_frame(bus::message::kMotorExit, config_.drive_node));
+      awaited_ = batch.count;
+      return batch;
+    }
+    // Said several times: one of them may be lost, and no reply tells whether the motor is on.
+    if (entered_ < kEnterTimes) {
+      ++entered_;
+      batch.add(bus::empty_frame(bus::message::kMotorEnter, config_.drive_node));
+    }
+    bus::MotorCommand motor;
+    motor.torque_nm = config_.leg_sign * torque_nm / config_.gear;
+    const Result<bus::Frame> frame = bus::pack(motor, config_.motor, config_.drive_node);
+    if (frame.ok()) batch.add(frame.value());
+    awaited_ = batch.count;
+    return batch;
+  }
+
+  const CanStatistics& statistics() const { return statistics_; }
+  const DriveReading& drive() const { return drive_; }
+  bool bus_is_off() const { return bus_off_; }
+
+  /// The newest request that was not taken yet; `kind` none where there is none.
+  CanRequest take_request() {
+    const CanRequest taken = request_;
+    request_ = {};
+    return taken;
+  }
+  /// Since the last command frame that counts, kForgottenUs where there was none for that long. To be asked
+  /// once a second at least.
+  std::uint32_t request_age_us(std::uint32_t now_us) { return requested_.age_us(now_us); }
+
+ private:
+  static constexpr float kNotHomed = __builtin_nanf("");
+  static constexpr std::uint32_t kEnterTimes = 3;
+  static constexpr std::uint32_t kCommandsKept = 4;
+
+  void hear_drive(const bus::Frame& frame, std::uint32_t now_us) {
+    const Result<bus::MotorReply> reply = bus::unpack_reply(frame, config_.motor, config_.drive_node);
+    if (!reply.ok()) {
+      // All motors reply with the same id and their own number in the first byte.
+      const bool others = frame.size >= bus::message::kMotorReply.least_size &&
+                          frame.size <= bus::message::kMotorReply.size && frame.data[0] != config_.drive_node;
+      ++(others ? statistics_.foreign : statistics_.malformed);
+      return;
+    }
+    if (awaited_ == 0)
+      ++statistics_.repeated;
+    else
+      --awaited_;
+    const bus::MotorReply& r = reply.value();
+    drive_.leg_angle_rad = config_.leg_zero_rad + config_.leg_sign * r.position_rad / config_.gear;
+    drive_.leg_velocity_radps = config_.leg_sign * r.velocity_radps / config_.gear;
+    drive_.torque_nm = config_.leg_sign * r.torque_nm * config_.gear;
+    drive_.temperature = r.temperature;
+    drive_.error = r.error;
+    if (r.error != 0) ++statistics_.drive_errors;
+    drive_heard_.note(now_us);
+    const bool obeys = torque_as_commanded();
+    if (obeys || !disobeys_) disobeys_since_us_ = now_us;
+    disobeys_ = !obeys;
+  }
+
+  /// Within what the last commands were, and the tolerance.
+  bool torque_as_commanded() const {
+    float least_nm = commanded_[0], most_nm = commanded_[0];
+    for (const float torque_nm : commanded_) {
+      if (torque_nm < least_nm) least_nm = torque_nm;
+      if (torque_nm > most_nm) most_nm = torque_nm;
+    }
+    const float largest_nm = most_nm > -least_nm ? most_nm : -least_nm;
+    const float margin_nm = config_.torque_tolerance_nm + config_.torque_tolerance * largest_nm;
+    return drive_.torque_nm >= least_nm - margin_nm && drive_.torque_nm <= most_nm + margin_nm;
+  }
+
+  control::Fault drive_fault(std::uint32_t now_us) {
+    const bool was_heard = drive_heard_.heard;
+    if (was_heard && drive_heard_.age_us(now_us) > config_.silent_us) return control::Fault::drive_silent;
+    if (drive_.error != 0) return control::Fault::drive_fault;
+    if (disobeys_ && now_us - disobeys_since_us_ > config_.disobeys_us) return control::Fault::drive_disobeys;
+    return control::Fault::none;
+  }
+
+  /// Adds an encoder to the sample's age. @returns whether it was ever heard.
+  bool listen(CanEncoder& encoder, std::uint32_t now_us, control::Sample& sample, control::Fault& fault) {
+    const std::uint32_t age_us = encoder.age_us(now_us);
+    if (age_us > sample.age_us) sample.age_us = age_us;
+    const std::uint32_t silence_us = encoder.silence_us(now_us);
+    const bool heard = silence_us < kForgottenUs;
+    if (heard && silence_us > config_.silent_us && fault == control::Fault::none)
+      fault = control::Fault::peer_lost;
+    return heard;
+  }
+
+  void hear_desk(const bus::Frame& frame, std::uint32_t now_us) {
+    using bus::message::kCommand;
+    const auto raw = [&](const bus::Signal& s) { return bus::get_raw(frame, s); };
+    const Result<std::uint32_t> kind = raw(bus::signal(kCommand, "Request"));
+    if (frame.size != kCommand.size || !kind.ok() || kind.value() > 3) {
+      ++statistics_.malformed;
+      return;
+    }
+    const std::uint32_t since_us = requested_.age_us(now_us);
+    if (!judge(request_stream_, config_.requests, frame, since_us, statistics_).ok()) return;
+    requested_.note(now_us);
+    const auto value = [&](const bus::Signal& s) { return bus::get(frame, s).value(); };
+    request_.kind = static_cast<CanRequest::Kind>(kind.value());
+    request_.torque_amplitude_nm = value(bus::signal(kCommand, "Torque_Amplitude"));
+    request_.torque_period_s = value(bus::signal(kCommand, "Torque_Period"));
+    request_.release_in_flight = raw(bus::signal(kCommand, "Clutch")).value() != 0;
+  }
+
+  CanLinkConfig config_;
+  bool sound_;
+  CanStatistics statistics_;
+  CanEncoder height_, cable_;
+  std::uint32_t home_count_ = 0, cable_home_count_ = 0;
+  float home_height_m_ = kNotHomed;
+  DriveReading drive_;
+  LastHeard drive_heard_, requested_;
+  std::array<float, kCommandsKept> commanded_{};  ///< N m, of the last ticks: the drive lags by one or two
+  std::uint32_t next_commanded_ = 0, entered_ = 0, awaited_ = 0, disobeys_since_us_ = 0;
+  bool disobeys_ = false, bus_off_ = false;
+  bus::Stream request_stream_;
+  CanRequest request_;
+};
+
+}  // namespace furcula::firmware

@@ -1,0 +1,312 @@
+// The link between the bus and the controller: what each thing that a bus does becomes.
+#include "firmware/app/can_link.hpp"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+
+using namespace furcula;
+using namespace furcula::firmware;
+using control::Fault;
+
+namespace {
+
+constexpr std::uint8_t kDrive = 3, kRail = 5, kPulley = 6, kSelf = 2;
+
+CanLinkConfig config() {
+  CanLinkConfig c;
+  c.drive_node = kDrive;
+  c.height_node = kRail;
+  c.cable_node = kPulley;
+  c.self_node = kSelf;
+  return c;
+}
+
+/// By hand from the manual's table, not through the codec: position 16 bits, velocity 12, torque 12.
+bus::Frame reply(double position_rad, double torque_nm, std::uint8_t error = 0) {
+  const auto p = static_cast<std::uint32_t>(std::lround((position_rad + 12.5) / 25.0 * 65535));
+  const auto t = static_cast<std::uint32_t>(std::lround((torque_nm + 18.0) / 36.0 * 4095));
+  bus::Frame f;
+  f.id = 0;
+  f.size = 8;
+  f.data = {kDrive,
+            static_cast<std::uint8_t>(p >> 8),
+            static_cast<std::uint8_t>(p),
+            0x7f,
+            static_cast<std::uint8_t>(0xf0 | t >> 8),
+            static_cast<std::uint8_t>(t),
+            41,
+            error};
+  return f;
+}
+
+bus::Frame encoder(std::uint8_t node, std::uint8_t sequence, std::int32_t count, std::uint8_t age_100us = 0,
+                   std::uint8_t status = 0, std::uint8_t version = 1) {
+  const auto c = static_cast<std::uint32_t>(count);
+  bus::Frame f;
+  f.id = 0x460u + node;
+  f.size = 8;
+  f.data = {static_cast<std::uint8_t>(version | status << 4),
+            sequence,
+            age_100us,
+            0,
+            static_cast<std::uint8_t>(c),
+            static_cast<std::uint8_t>(c >> 8),
+            static_cast<std::uint8_t>(c >> 16),
+            static_cast<std::uint8_t>(c >> 24)};
+  return f;
+}
+
+bus::Frame request(std::uint8_t kind, std::uint8_t sequence, std::uint8_t age_100us = 0) {
+  bus::Frame f;
+  f.id = 0x400u + kSelf;
+  f.size = 8;
+  // 3 N m is 3000 = 0x0BB8, 0.3 s is 3000 as well; the clutch's bit is set.
+  f.data = {static_cast<std::uint8_t>(1 | kind << 4), sequence, age_100us, 0xb8, 0x0b, 0xb8, 0x0b, 1};
+  return f;
+}
+
+/// A bus on which all goes well, but for what a test leaves out.
+struct Bus {
+  CanLink link{config()};
+  std::uint32_t now_us = 0xffffff00u;  // the clock wraps in each test
+  std::uint8_t sequence = 250;
+  float torque_nm = 0.0f;
+
+  Bus() { link.set_home(100, 0.25f, 200); }
+
+  /// One millisecond: the drive is told, all answer 0.2 ms later.
+  void tick(bool drive = true, bool rail = true, double reports_nm = 0.0, std::uint8_t error = 0) {
+    link.command({torque_nm, 0.0f}, true);
+    now_us += 200;
+    if (drive) link.receive(reply(0.8, reports_nm, error), now_us);
+    if (rail) link.receive(encoder(kRail, sequence, 1234), now_us);
+    link.receive(encoder(kPulley, sequence, -7), now_us);
+    ++sequence;
+    now_us += 800;
+  }
+  Fault fault() {
+    const auto sample = link.sample(now_us);
+    return sample.ok() ? static_cast<Fault>(sample.value().reported_fault) : Fault::peer_lost;
+  }
+};
+
+}  // namespace
+
+TEST_CASE("a sample has the newest count, angle and home of each source and the age of the oldest") {
+  Bus b;
+  CHECK(b.link.sample(b.now_us).status() == Status::disconnected);
+  b.tick();
+  const auto sample = b.link.sample(b.now_us);
+  REQUIRE(sample.ok());
+  CHECK(sample.value().height_count == 1234);
+  CHECK(sample.value().home_count == 100);
+  CHECK(sample.value().home_height_m == 0.25f);
+  CHECK(sample.value().cable_count == 0xfffffff9u);
+  CHECK(sample.value().cable_home_count == 200);
+  CHECK(sample.value().leg_angle_rad == Approx(0.8).margin(25.0 / 65535));
+  CHECK(sample.value().age_us == 800);
+  CHECK(sample.value().reported_fault == 0);
+  CHECK(b.link.drive().temperature == 41);
+  // An age that is stated counts as well.
+  b.link.receive(encoder(kRail, b.sequence, 1300, 12), b.now_us);
+  CHECK(b.link.sample(b.now_us + 100).value().age_us == 1300);
+}
+
+TEST_CASE("zero, sign and gear of the leg hold for angle and torque, both ways") {
+  CanLinkConfig c = config();
+  c.leg_zero_rad = 0.2f;
+  c.leg_sign = -1.0f;
+  c.gear = 2.0f;
+  CanLink link(c);
+  link.receive(reply(-1.2, 3.0), 0);
+  CHECK(link.drive().leg_angle_rad == Approx(0.8).margin(4e-4));
+  CHECK(link.drive().torque_nm == Approx(-6.0).margin(0.01));
+  const FrameBatch batch = link.command({4.0f, 0.0f}, true);
+  REQUIRE(batch.count == 2);
+  CHECK(batch.frame[0].data[7] == 0xfc);
+  // -2 N m on the motor: (-2 + 18) / 36 * 4095 = 1820 = 0x71C; the gains are 0.
+  CHECK(batch.frame[1].id == kDrive);
+  CHECK(batch.frame[1].data == std::array<std::uint8_t, 8>{0x7f, 0xff, 0x7f, 0xf0, 0, 0, 0x07, 0x1c});
+}
+
+TEST_CASE("the drive is switched on when the robot starts to run and off while it does not") {
+  Bus b;
+  const auto markers = [](const FrameBatch& batch) {
+    std::string text;
+    for (const bus::Frame& f : batch)
+      text += f.data[7] == 0xfc ? "enter " : f.data[7] == 0xfd ? "exit " : "command ";
+    return text;
+  };
+  CHECK(markers(b.link.command({2.0f, 0.0f}, false)) == "exit ");
+  for (int i = 0; i < 3; ++i) CHECK(markers(b.link.command({}, true)) == "enter command ");
+  CHECK(markers(b.link.command({}, true)) == "command ");
+  CHECK(markers(b.link.command({}, false)) == "exit ");
+  CHECK(markers(b.link.command({}, true)) == "enter command ");
+  // A torque that is not a number is none.
+  const FrameBatch batch = b.link.command({NAN, 0.0f}, true);
+  CHECK(batch.frame[1].data == std::array<std::uint8_t, 8>{0x7f, 0xff, 0x7f, 0xf0, 0, 0, 0x07, 0xff});
+}
+
+TEST_CASE("one lost reply makes the sample older, the second running is a silent drive") {
+  Bus b;
+  for (int i = 0; i < 5; ++i) b.tick();
+  CHECK(b.fault() == Fault::none);
+  b.tick(false);
+  CHECK(b.fault() == Fault::none);
+  CHECK(b.link.sample(b.now_us).value().age_us == 1800);
+  CHECK(1800 < kCanSampleAgeMaxUs);
+  b.tick(false);
+  CHECK(b.fault() == Fault::drive_silent);
+  b.tick();
+  CHECK(b.fault() == Fault::none);  // the supervisor is who remembers
+  CHECK(b.link.statistics().unanswered >= 2);
+}
+
+TEST_CASE("a silent encoder is a lost peer, one without a signal only grows old") {
+  Bus b;
+  for (int i = 0; i < 5; ++i) b.tick();
+  SECTION("silent") {
+    b.tick(true, false);
+    CHECK(b.fault() == Fault::none);
+    b.tick(true, false);
+    CHECK(b.fault() == Fault::peer_lost);
+  }
+  SECTION("silent for an hour and eleven minutes and longer, when the clock has wrapped") {
+    for (int i = 0; i < 1500; ++i) b.tick(true, false);
+    CHECK(b.fault() == Fault::peer_lost);
+    b.now_us -= 1500000;  // as if it had wrapped to just after the last frame
+    CHECK(b.fault() == Fault::peer_lost);
+  }
+  SECTION("no signal") {
+    for (std::uint8_t i = 0; i < 10; ++i) {
+      b.tick(true, false);
+      b.link.receive(encoder(kRail, static_cast<std::uint8_t>(b.sequence - 1), 99, 0, 2), b.now_us);
+    }
+    const auto sample = b.link.sample(b.now_us);
+    REQUIRE(sample.ok());
+    CHECK(sample.value().reported_fault == 0);
+    CHECK(sample.value().height_count == 1234);
+    CHECK(sample.value().age_us == 10800);
+  }
+  SECTION("not homed") {
+    b.link.receive(encoder(kRail, b.sequence, 99, 0, 1), b.now_us);
+    CHECK(std::isnan(b.link.sample(b.now_us).value().home_height_m));
+  }
+}
+
+TEST_CASE("a drive that reports an error or does not obey is a fault by its own name") {
+  Bus b;
+  for (int i = 0; i < 5; ++i) b.tick();
+  SECTION("an error") {
+    b.tick(true, true, 0.0, 4);
+    CHECK(b.fault() == Fault::drive_fault);
+    CHECK(b.link.drive().error == 4);
+    CHECK(b.link.statistics().drive_errors == 1);
+  }
+  SECTION("torque where none was told, after 50 ms") {
+    int ticks = 0;
+    while (b.fault() == Fault::none && ticks < 100) {
+      b.tick(true, true, 4.0);
+      ++ticks;
+    }
+    CHECK(b.fault() == Fault::drive_disobeys);
+    CHECK(ticks == Approx(51).margin(1));
+  }
+  SECTION("a motor that is off") {
+    b.torque_nm = 3.0f;
+    for (int i = 0; i < 60; ++i) b.tick(true, true, 0.0);
+    CHECK(b.fault() == Fault::drive_disobeys);
+  }
+  SECTION("torque that follows two ticks behind is fine") {
+    double last[2] = {0.0, 0.0};
+    for (int i = 0; i < 1000; ++i) {
+      b.torque_nm = static_cast<float>(8.0 * std::sin(0.06 * i));
+      b.tick(true, true, last[i % 2]);
+      last[i % 2] = static_cast<double>(b.torque_nm);
+      REQUIRE(b.fault() == Fault::none);
+    }
+  }
+}
+
+TEST_CASE("repeated, reordered, stale and foreign frames and other versions are counted and not used") {
+  Bus b;
+  for (int i = 0; i < 5; ++i) b.tick();
+  const CanStatistics before = b.link.statistics();
+  const std::uint8_t last = static_cast<std::uint8_t>(b.sequence - 1);
+  const auto after = [&](const bus::Frame& frame) {
+    b.link.receive(frame, b.now_us);
+    CHECK(b.link.sample(b.now_us).value().height_count == 1234);
+    return b.link.statistics();
+  };
+  CHECK(after(encoder(kRail, last, 1)).repeated == before.repeated + 1);
+  CHECK(after(encoder(kRail, static_cast<std::uint8_t>(last - 3), 2)).out_of_order ==
+        before.out_of_order + 1);
+  CHECK(after(encoder(kRail, b.sequence, 3, 200)).stale == before.stale + 1);
+  CHECK(after(encoder(kRail, b.sequence, 4, 0, 0, 9)).other_version == before.other_version + 1);
+  CHECK(after(encoder(kRail, b.sequence, 5, 0, 7)).malformed == before.malformed + 1);
+  bus::Frame half = encoder(kRail, b.sequence, 6);
+  half.size = 4;
+  CHECK(after(half).malformed == before.malformed + 2);
+  bus::Frame cut = reply(0.1, 0.0);
+  cut.size = 5;
+  CHECK(after(cut).malformed == before.malformed + 3);
+  CHECK(after(encoder(9, 0, 7)).foreign == before.foreign + 1);
+  bus::Frame neighbour = reply(0.1, 0.0);
+  neighbour.data[0] = 9;
+  CHECK(after(neighbour).foreign == before.foreign + 2);
+  CHECK(after(reply(0.8, 0.0)).repeated == before.repeated + 2);
+  // The stale one had this sequence number: the three after it never came.
+  b.link.receive(encoder(kRail, static_cast<std::uint8_t>(b.sequence + 4), 8), b.now_us);
+  CHECK(b.link.statistics().lost == before.lost + 3);
+  CHECK(b.link.sample(b.now_us).value().height_count == 8);
+}
+
+TEST_CASE("a bus that is off is a fault until it has recovered") {
+  Bus b;
+  for (int i = 0; i < 5; ++i) b.tick();
+  b.link.note(BusEvent::error);
+  CHECK(b.fault() == Fault::none);
+  b.link.note(BusEvent::off);
+  b.link.note(BusEvent::off);
+  CHECK(b.fault() == Fault::bus_off);
+  b.link.note(BusEvent::recovered);
+  CHECK(b.fault() == Fault::none);
+  CHECK(b.link.statistics().error_frames == 1);
+  CHECK(b.link.statistics().bus_off == 1);
+}
+
+TEST_CASE("a request is taken once, with its numbers, a replayed or stale one never") {
+  Bus b;
+  CHECK(b.link.request_age_us(b.now_us) == kForgottenUs);
+  b.link.receive(request(2, 10), b.now_us);
+  const CanRequest taken = b.link.take_request();
+  CHECK(taken.kind == CanRequest::Kind::hop);
+  CHECK(taken.torque_amplitude_nm == 3.0f);
+  CHECK(taken.torque_period_s == 0.3f);
+  CHECK(taken.release_in_flight);
+  CHECK(b.link.take_request().kind == CanRequest::Kind::none);
+  CHECK(b.link.request_age_us(b.now_us + 5000) == 5000);
+  b.link.receive(request(1, 10), b.now_us + 1000);       // again
+  b.link.receive(request(1, 9), b.now_us + 2000);        // from before
+  b.link.receive(request(1, 11, 255), b.now_us + 3000);  // older than can be told
+  b.link.receive(request(7, 12), b.now_us + 4000);       // there is no request 7
+  CHECK(b.link.take_request().kind == CanRequest::Kind::none);
+  CHECK(b.link.request_age_us(b.now_us + 5000) == 5000);
+  b.link.receive(request(3, 13), b.now_us + 6000);
+  CHECK(b.link.take_request().kind == CanRequest::Kind::reset);
+}
+
+TEST_CASE("a configuration that makes no sense neither hears nor speaks") {
+  CanLinkConfig c = config();
+  SECTION("a node that cannot be") { c.drive_node = 32; }
+  SECTION("two encoders of one number") { c.cable_node = kRail; }
+  SECTION("no gear") { c.gear = 0.0f; }
+  SECTION("a sign that is none") { c.leg_sign = 0.5f; }
+  SECTION("a zero that is no number") { c.leg_zero_rad = NAN; }
+  CHECK(check(c) == Status::invalid);
+  CanLink link(c);
+  link.receive(reply(0.8, 0.0), 0);
+  link.receive(encoder(kRail, 0, 1), 0);
+  CHECK_FALSE(link.sample(0).ok());
+  CHECK(link.command({1.0f, 0.0f}, true).count == 0);
+}
