@@ -11,6 +11,14 @@ namespace furcula::firmware {
 inline constexpr std::uint32_t kTickPeriodUs = 1000;
 inline constexpr float kTickPeriodS = 0.001f;
 
+/// Since the start, or since clear_statistics().
+struct TickStatistics {
+  std::uint32_t last_interval_us = 0;
+  std::uint32_t longest_interval_us = 0;
+  std::uint32_t missed_samples = 0;    ///< ticks on which the sensors did not answer
+  std::uint32_t refused_by_drive = 0;  ///< ticks on which the drive did not take its command
+};
+
 template <Board B>
 class App {
  public:
@@ -25,6 +33,42 @@ class App {
   }
 
   const control::State& state() const { return state_; }
+  const control::Config& config() const { return config_; }
+  /// Of the last tick.
+  const Telemetry& telemetry() const { return telemetry_; }
+  const TickStatistics& statistics() const { return statistics_; }
+  void clear_statistics() { statistics_ = {}; }
+
+  /// Whether the controller may command more than the safe state, from the next tick on. It may unless told
+  /// otherwise.
+  void set_run(bool run) { run_ = run; }
+  /// Clears the latched fault on the next tick.
+  void request_reset() { reset_ = true; }
+
+  /// Another configuration, for a controller that does not run. The latched fault, the last sample and the
+  /// coil's heat stay; what the clutch had learned begins anew.
+  void configure(const control::Config& config) {
+    const control::State before = state_;
+    config_ = config;
+    state_ = control::begin(config);
+    state_.supervisor = before.supervisor;
+    state_.last_sample = before.last_sample;
+    state_.missed_samples = before.missed_samples;
+    state_.coil = before.coil;
+  }
+
+  /// The robot stands on the ground: from now on the height counts from what the leg's angle says, the cable
+  /// from where it is. `invalid`: the switch is open, there was no sample, or it has no leg angle.
+  Status home() {
+    const control::Sample& now = state_.last_sample;
+    if (state_.missed_samples != 0 || now.contact == 0 || !is_finite(now.leg_angle_rad))
+      return Status::invalid;
+    home_ = now;
+    home_.home_height_m = control::leg_height_m(config_.link_length_m, now.leg_angle_rad);
+    homed_ = true;
+    configure(config_);  // no velocity from here to there
+    return Status::ok;
+  }
 
   /// One tick, right after wait_for_tick().
   void tick() {
@@ -36,22 +80,41 @@ class App {
     // A drive that did not take the last command is as much a lost peer as sensors that do not answer.
     inputs.sample_valid = sample.ok() && drive_answers_;
     if (sample.ok()) inputs.sample = sample.value();
-    inputs.reset = board_.take_reset_request();
+    if (homed_) {
+      inputs.sample.home_count = home_.height_count;
+      inputs.sample.home_height_m = home_.home_height_m;
+      inputs.sample.cable_home_count = home_.cable_count;
+    }
+    inputs.reset = board_.take_reset_request() || reset_;
+    reset_ = false;
+    inputs.run = run_;
 
-    const Telemetry telemetry{tick_, control::step(config_, state_, inputs, kTickPeriodS)};
-    drive_answers_ = board_.actuate(telemetry.outputs.command) == Status::ok;
+    telemetry_ = {tick_, control::step(config_, state_, inputs, kTickPeriodS)};
+    drive_answers_ = board_.actuate(telemetry_.outputs.command) == Status::ok;
     board_.kick_watchdog();
-    board_.report(telemetry);
+    board_.report(telemetry_);
     ++tick_;
+    count(inputs.tick_interval_us, sample.ok());
   }
 
  private:
+  void count(std::uint32_t interval_us, bool sensed) {
+    statistics_.last_interval_us = interval_us;
+    if (interval_us > statistics_.longest_interval_us) statistics_.longest_interval_us = interval_us;
+    if (!sensed) ++statistics_.missed_samples;
+    if (!drive_answers_) ++statistics_.refused_by_drive;
+  }
+
   B& board_;
   control::Config config_;
   control::State state_;
+  Telemetry telemetry_;
+  TickStatistics statistics_;
+  control::Sample home_;  ///< as it was when it was homed
   std::uint32_t tick_ = 0;
   std::uint32_t last_us_ = 0;
   bool drive_answers_ = true;
+  bool run_ = true, reset_ = false, homed_ = false;
 };
 
 }  // namespace furcula::firmware

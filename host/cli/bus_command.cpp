@@ -1,4 +1,4 @@
-// `furcula bus`: the DBC file and the page of the table of CAN messages, and recordings decoded with it.
+// `furcula bus`: the DBC file and the pages of the tables of both buses, and recordings decoded.
 #include <iostream>
 #include <memory>
 #include <string>
@@ -8,6 +8,7 @@
 #include "host/bus/dbc.hpp"
 #include "host/bus/decoder.hpp"
 #include "host/bus/document.hpp"
+#include "host/bus/modbus_document.hpp"
 #include "host/cli/commands.hpp"
 #include "host/cli/errors.hpp"
 #include "host/log/byte_source.hpp"
@@ -19,6 +20,7 @@ namespace {
 struct Options {
   std::vector<std::string> nodes;
   std::string log;
+  std::string page = "can";
 };
 
 std::vector<bus::Node> nodes_of(const Options& options) {
@@ -56,10 +58,11 @@ void decode(const Options& options) {
 
 void add_bus_command(CLI::App& app) {
   const auto options = std::make_shared<Options>();
-  CLI::App* group = app.add_subcommand("bus", "The CAN messages: DBC file, page, recordings decoded");
+  CLI::App* group =
+      app.add_subcommand("bus", "The buses: DBC file and pages of the tables, CAN recordings decoded");
   group->require_subcommand(1);
   CLI::App* dbc = group->add_subcommand("dbc", "Print the DBC file of a bus");
-  CLI::App* docs = group->add_subcommand("docs", "Print docs/bus.md");
+  CLI::App* docs = group->add_subcommand("docs", "Print docs/bus.md, or docs/modbus.md");
   CLI::App* decoding = group->add_subcommand("decode", "Print the signals of a candump log as CSV");
   for (CLI::App* command : {dbc, decoding})
     command
@@ -68,7 +71,9 @@ void add_bus_command(CLI::App& app) {
         ->allow_extra_args(false);
   decoding->add_option("LOG", options->log, "Log of candump -L")->required();
   dbc->callback([options] { std::cout << bus::to_dbc(nodes_of(*options)); });
-  docs->callback([] { std::cout << bus::to_markdown(); });
+  docs->add_option("PAGE", options->page, "can or modbus")->check(CLI::IsMember({"can", "modbus"}));
+  docs->callback(
+      [options] { std::cout << (options->page == "can" ? bus::to_markdown() : bus::modbus_to_markdown()); });
   decoding->callback([options] { decode(*options); });
 }
 

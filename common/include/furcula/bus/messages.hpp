@@ -134,7 +134,7 @@ constexpr Signal age() {
 
 inline constexpr std::array<Signal, 5> kHeartbeat{{
     version(),
-    code("State", 4, 4, "0: starting, 1: idle, 2: running, 3: safe state after a fault."),
+    code("State", 4, 4, "0: starting, 1: idle, 2: running, 3: safe state after a fault, 4: armed."),
     sequence(),
     code("Fault", 16, 8, "Number in the table of faults (docs/firmware.md); 0: none."),
     fixed_point("Uptime", "s", 24, 32, Encoding::unsigned_integer, 1000.0f, "Since the start."),

@@ -38,6 +38,7 @@ struct Inputs {
   Sample sample;
   bool sample_valid = false;           ///< false: sensors or drive did not answer since the last tick
   bool reset = false;                  ///< a person asks for the latched fault to be cleared
+  bool run = true;                     ///< false: measures and watches, and commands the safe state
   std::uint32_t tick_interval_us = 0;  ///< measured, since the last tick
 };
 
@@ -186,7 +187,8 @@ inline Outputs step(const Config& config, State& state, const Inputs& inputs, fl
   out.fault = state.configuration == Status::ok
                   ? supervise(config.supervisor, state.supervisor, seen, inputs.reset, dt_s)
                   : Fault::bad_configuration;
-  const bool safe = out.fault != Fault::none;  // the command of the safe state is the default one
+  // The command of the safe state is the default one.
+  const bool safe = out.fault != Fault::none || !inputs.run;
   if (safe) {
     state.limits = {};
     abandon(state.clutch);

@@ -1,0 +1,218 @@
+// The table of Modbus registers. Firmware, the servers of the Linux board and of the simulation, the host's
+// programs and docs/modbus.md follow from it.
+//
+// A number of 32 bits takes two registers, the more significant word first; a real number is IEEE 754.
+#pragma once
+
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string_view>
+#include <type_traits>
+
+#include "furcula/bus/parameters.hpp"
+
+namespace furcula::bus {
+
+/// Of this table; a master refuses a node that shows another.
+inline constexpr std::uint16_t kRegistersVersion = 1;
+
+/// Exception codes of MODBUS Application Protocol V1.1b3, section 7.
+enum class ModbusException : std::uint8_t {
+  none = 0,
+  illegal_function = 1,
+  illegal_address = 2,
+  illegal_value = 3,
+  device_failure = 4,  ///< here: refused; the input register last_refusal says why
+};
+
+/// Of what came over the serial line.
+struct BusCounts {
+  std::uint32_t requests = 0;    ///< answered, or broadcast and done
+  std::uint32_t exceptions = 0;  ///< of these, answered by an exception
+  std::uint32_t bad_frames = 0;  ///< dropped: checksum, length or gap
+};
+
+/// All that a node shows, as of its last tick.
+struct Snapshot {
+  std::uint16_t registers_version = kRegistersVersion;
+  std::uint16_t state = 0, reason = 0, fault = 0, last_refusal = 0, session = 0, parameter_origin = 0;
+  std::uint16_t phase = 0, contact = 0, clutch_stage = 0;
+  std::uint32_t firmware_version = 0, build_id = 0, board_id = 0;
+  std::uint32_t uptime_ms = 0;
+  float height_m = 0.0f, velocity_mps = 0.0f, apex_height_m = 0.0f, leg_angle_rad = 0.0f, torque_nm = 0.0f;
+  float cable_travel_m = 0.0f, coil_duty = 0.0f;
+  std::uint32_t missed_samples = 0, refused_by_drive = 0, last_interval_us = 0, longest_interval_us = 0;
+  std::uint32_t releases = 0, catches = 0, missed_catches = 0;
+  std::uint32_t requests_taken = 0, requests_refused = 0, stale_stops = 0;
+  std::uint32_t bus_requests = 0, bus_exceptions = 0, bus_bad_frames = 0;
+};
+
+enum class RegisterType : std::uint8_t { u16, u32, real };
+constexpr std::uint16_t words(RegisterType type) { return type == RegisterType::u16 ? 1 : 2; }
+
+struct InputRegister {
+  std::uint16_t address;
+  std::string_view name;
+  RegisterType type;
+  std::string_view unit;
+  std::string_view meaning;
+  std::uint32_t (*get)(const Snapshot&);  ///< its bits
+  void (*put)(Snapshot&, std::uint32_t);
+};
+
+namespace table {
+
+template <auto Member>
+constexpr InputRegister input(std::uint16_t address, std::string_view name, std::string_view unit,
+                              std::string_view meaning) {
+  using Value = std::remove_cvref_t<decltype(Snapshot{}.*Member)>;
+  constexpr bool is_real = std::is_same_v<Value, float>;
+  return {address,
+          name,
+          is_real              ? RegisterType::real
+          : sizeof(Value) == 2 ? RegisterType::u16
+                               : RegisterType::u32,
+          unit,
+          meaning,
+          [](const Snapshot& s) -> std::uint32_t {
+            if constexpr (is_real)
+              return std::bit_cast<std::uint32_t>(s.*Member);
+            else
+              return s.*Member;
+          },
+          [](Snapshot& s, std::uint32_t bits) {
+            if constexpr (is_real)
+              s.*Member = std::bit_cast<float>(bits);
+            else
+              s.*Member = static_cast<Value>(bits);
+          }};
+}
+
+}  // namespace table
+
+inline constexpr std::array kInputRegisters{
+    table::input<&Snapshot::registers_version>(0, "registers_version", "", "Of this table."),
+    table::input<&Snapshot::state>(1, "state", "", "Of the node; see States."),
+    table::input<&Snapshot::reason>(2, "reason", "", "Why it does not move; see Reasons."),
+    table::input<&Snapshot::fault>(3, "fault", "", "Number in the table of faults (firmware.md); 0: none."),
+    table::input<&Snapshot::last_refusal>(4, "last_refusal", "",
+                                          "Why the last write or request was refused; see Refusals."),
+    table::input<&Snapshot::session>(5, "session", "", "To be sent with the next request."),
+    table::input<&Snapshot::parameter_origin>(6, "parameter_origin", "",
+                                              "Where the parameters come from; see Parameters."),
+    table::input<&Snapshot::phase>(7, "phase", "", "0: flight, 1: stance."),
+    table::input<&Snapshot::contact>(8, "contact", "", "The raw switch; 1: closed."),
+    table::input<&Snapshot::clutch_stage>(
+        9, "clutch_stage", "",
+        "0: caught, 1: releasing, 2: folding, 3: homing, 4: catching, 5: testing, 6: aborting."),
+    table::input<&Snapshot::firmware_version>(10, "firmware_version", "",
+                                              "65536 x major + 256 x minor + patch."),
+    table::input<&Snapshot::build_id>(12, "build_id", "", "Of the image, as the board's build gives it."),
+    table::input<&Snapshot::board_id>(14, "board_id", "", "FNV-1a, 32 bits, of the name of the board."),
+    table::input<&Snapshot::uptime_ms>(16, "uptime_ms", "ms", "Ticks since the start."),
+    table::input<&Snapshot::height_m>(18, "height_m", "m",
+                                      "Of the body's centre of mass; not a number: not homed."),
+    table::input<&Snapshot::velocity_mps>(20, "velocity_mps", "m/s", "Upwards."),
+    table::input<&Snapshot::apex_height_m>(22, "apex_height_m", "m", "Of the last whole flight."),
+    table::input<&Snapshot::leg_angle_rad>(24, "leg_angle_rad", "rad",
+                                           "From the vertical, on the motor's side."),
+    table::input<&Snapshot::torque_nm>(26, "torque_nm", "N m", "Commanded."),
+    table::input<&Snapshot::cable_travel_m>(28, "cable_travel_m", "m",
+                                            "Of the clutch's cable, as seen along the leg."),
+    table::input<&Snapshot::coil_duty>(30, "coil_duty", "", "Share of the supply across the coil."),
+    table::input<&Snapshot::missed_samples>(32, "missed_samples", "",
+                                            "Ticks without an answer of the sensors."),
+    table::input<&Snapshot::refused_by_drive>(34, "refused_by_drive", "",
+                                              "Commands that the drive did not take."),
+    table::input<&Snapshot::last_interval_us>(36, "last_interval_us", "us", "Between the last two ticks."),
+    table::input<&Snapshot::longest_interval_us>(38, "longest_interval_us", "us",
+                                                 "Between two ticks, since it was idle first."),
+    table::input<&Snapshot::releases>(40, "releases", "", "Of the spring, seen to let go."),
+    table::input<&Snapshot::catches>(42, "catches", "", "Of the spring, verified in flight."),
+    table::input<&Snapshot::missed_catches>(44, "missed_catches", "",
+                                            "Stances that began on a loose spring."),
+    table::input<&Snapshot::requests_taken>(46, "requests_taken", "", "Requests and parameter writes done."),
+    table::input<&Snapshot::requests_refused>(48, "requests_refused", "",
+                                              "Requests and parameter writes refused."),
+    table::input<&Snapshot::stale_stops>(50, "stale_stops", "",
+                                         "Stops because a stream of commands fell silent."),
+    table::input<&Snapshot::bus_requests>(52, "bus_requests", "", "Modbus requests answered."),
+    table::input<&Snapshot::bus_exceptions>(54, "bus_exceptions", "", "Of these, answered by an exception."),
+    table::input<&Snapshot::bus_bad_frames>(56, "bus_bad_frames", "",
+                                            "Frames dropped: checksum, length or gap."),
+};
+
+/// Input registers: addresses 0 to this, without a gap.
+inline constexpr std::uint16_t kInputWords =
+    kInputRegisters.back().address + words(kInputRegisters.back().type);
+
+static_assert(
+    [] {
+      std::uint16_t next = 0;
+      for (const InputRegister& r : kInputRegisters) {
+        if (r.address != next) return false;
+        next = static_cast<std::uint16_t>(next + words(r.type));
+      }
+      return next == kInputWords && next <= 125;
+    }(),
+    "without a gap, and read by one request");
+
+/// The request: three holding registers that are written at once. `stop` may be written alone.
+inline constexpr std::uint16_t kRequestKeyAddress = 0, kRequestSessionAddress = 1, kRequestAddress = 2;
+inline constexpr std::uint16_t kRequestWords = 3;
+inline constexpr std::uint16_t kRequestKey = 0x4655;  ///< "FU"
+
+/// Of a parameter's two holding registers.
+inline constexpr std::uint16_t kParameterBase = 256;
+constexpr std::uint16_t address_of(const Parameter& p) {
+  return static_cast<std::uint16_t>(kParameterBase + 2 * (p.number - 1));
+}
+inline constexpr std::uint16_t kParameterWords = 2 * kParameters.size();
+static_assert(kParameterWords <= 123, "all of them are written by one request");
+
+constexpr std::uint16_t high_word(std::uint32_t bits) { return static_cast<std::uint16_t>(bits >> 16); }
+constexpr std::uint16_t low_word(std::uint32_t bits) { return static_cast<std::uint16_t>(bits & 0xffffu); }
+constexpr std::uint32_t bits_of(std::uint16_t high, std::uint16_t low) {
+  return static_cast<std::uint32_t>(high) << 16 | low;
+}
+
+/// The input registers' words.
+constexpr std::array<std::uint16_t, kInputWords> to_words(const Snapshot& snapshot) {
+  std::array<std::uint16_t, kInputWords> out{};
+  for (const InputRegister& r : kInputRegisters) {
+    const std::uint32_t bits = r.get(snapshot);
+    if (words(r.type) == 2) out[r.address] = high_word(bits);
+    out[r.address + words(r.type) - 1u] = low_word(bits);
+  }
+  return out;
+}
+constexpr Snapshot from_words(const std::array<std::uint16_t, kInputWords>& in) {
+  Snapshot snapshot;
+  for (const InputRegister& r : kInputRegisters)
+    r.put(snapshot,
+          words(r.type) == 2 ? bits_of(in[r.address], in[r.address + 1u]) : std::uint32_t{in[r.address]});
+  return snapshot;
+}
+
+/// FNV-1a of a board's name (the name of its folder).
+constexpr std::uint32_t board_id(std::string_view name) {
+  std::uint32_t hash = 0x811c9dc5u;
+  for (const char c : name) hash = (hash ^ static_cast<std::uint8_t>(c)) * 0x01000193u;
+  return hash;
+}
+constexpr std::uint32_t version_number(std::uint32_t major, std::uint32_t minor, std::uint32_t patch) {
+  return major << 16 | minor << 8 | patch;
+}
+
+/// Who a node is. The texts outlive it.
+struct Identity {
+  std::string_view board;  ///< the name of its folder
+  std::string_view text;   ///< version and build in words
+  std::uint32_t firmware_version = 0;
+  std::uint32_t build_id = 0;
+};
+
+}  // namespace furcula::bus

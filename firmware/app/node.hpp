@@ -1,0 +1,312 @@
+// A robot that people talk to: the application, idle until it is armed and told to hop, with parameters,
+// requests and all that it shows. It knows no bus: node_registers.hpp has the Modbus side.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include "firmware/app/app.hpp"
+#include "firmware/app/store.hpp"
+#include "furcula/bus/node_words.hpp"
+#include "furcula/bus/parameter_image.hpp"
+#include "furcula/bus/registers.hpp"
+
+namespace furcula::firmware {
+
+// In ticks, that is, ms.
+inline constexpr std::uint32_t kSettledTicks = 50;  ///< without a fault: the start is over
+inline constexpr std::uint32_t kStartTicks = 1000;  ///< a fault that still stands then is shown
+inline constexpr std::uint32_t kArmedTicks = 2000;  ///< that an armed robot waits for hop
+inline constexpr std::uint32_t kStreamTicks = 100;  ///< a silent stream of commands stops what it started
+
+/// A stream's request and what it wants the torque and the clutch to be (bus/messages.hpp, Command).
+struct StreamCommand {
+  bus::Request request = bus::Request::none;
+  float torque_amplitude_nm = 0.0f;
+  float torque_period_s = 0.3f;
+  bool release_in_flight = false;
+};
+
+template <Board B, ParameterStore S>
+class Node {
+ public:
+  /// Keeps references to `board` and `store`, which must outlive it. `session_seed` should differ from start
+  /// to start, so that a request recorded before a restart is an old one after it.
+  Node(B& board, S& store, const control::Config& defaults, const bus::Identity& identity,
+       std::uint16_t session_seed)
+      : store_(store), defaults_(defaults), identity_(identity), app_(board, defaults) {
+    session_ = session_seed == 0 ? std::uint16_t{1} : session_seed;
+    load();
+    app_.set_run(false);
+  }
+
+  /// One tick, right after the board's wait_for_tick().
+  void tick() {
+    if (ticks_in_state_ != 0xffffffffu) ++ticks_in_state_;
+    if (stream_age_ticks_ != 0xffffffffu) ++stream_age_ticks_;
+    if (state_ == bus::NodeState::running && by_stream_ && stream_age_ticks_ > kStreamTicks) {
+      ++stale_stops_;
+      enter(bus::NodeState::idle, bus::Reason::stream_silent);
+    }
+    if (state_ == bus::NodeState::armed && ticks_in_state_ > kArmedTicks)
+      enter(bus::NodeState::idle, bus::Reason::arming_expired);
+    if (state_ == bus::NodeState::starting) app_.request_reset();
+    app_.set_run(state_ == bus::NodeState::running);
+    app_.tick();
+    follow(app_.telemetry().outputs.fault);
+  }
+
+  /// A person's request, whose key and session were right (node_registers.hpp), or one from the board's own
+  /// buttons. The answer is also what the snapshot shows as last refusal.
+  bus::Refusal request(bus::Request wanted) { return note(carry_out(wanted)); }
+
+  /// One command of a stream, fresh as bus/stream.hpp judges it. Its request counts where it changes; `hop`
+  /// starts the robot without arming, if the stream has not said hop before. As long as they come, and say
+  /// hop, it runs; amplitude, period and clutch are taken at the start.
+  bus::Refusal stream(const StreamCommand& command) {
+    const bool fresh = stream_age_ticks_ <= kStreamTicks;
+    const bool changed = fresh && command.request != stream_request_;
+    stream_request_ = command.request;
+    stream_age_ticks_ = 0;
+    switch (command.request) {
+      case bus::Request::hop:
+        if (state_ == bus::NodeState::running && by_stream_) return bus::Refusal::none;
+        if (!changed) return bus::Refusal::no_edge;  // not counted: it comes a hundred times a second
+        return note(start_by_stream(command));
+      case bus::Request::stop:
+        stop();
+        return bus::Refusal::none;
+      case bus::Request::none:
+        if (by_stream_) stop();
+        return bus::Refusal::none;
+      case bus::Request::reset:
+        return changed ? request(bus::Request::reset) : bus::Refusal::none;
+      default:
+        return note(bus::Refusal::unknown_request);
+    }
+  }
+
+  const control::Config& config() const { return app_.config(); }
+
+  /// Another configuration, as a whole. Refused while armed or running, and where a parameter is out of its
+  /// bounds or the configuration makes no sense.
+  bus::Refusal configure(const control::Config& config) {
+    if (!quiet()) return note(bus::Refusal::not_in_this_state);
+    for (const bus::Parameter& p : bus::kParameters)
+      if (!bus::allows(p, p.get(config))) return note(bus::Refusal::value_not_allowed);
+    if (control::check(config) != Status::ok) return note(bus::Refusal::makes_no_sense);
+    app_.configure(config);
+    origin_ = bus::ParameterOrigin::changed;
+    return note(bus::Refusal::none);
+  }
+
+  bus::NodeState state() const { return state_; }
+  std::uint16_t session() const { return session_; }
+  /// The session changes with each request that brought the right one.
+  void next_session() {
+    // Marsaglia's xorshift with 7, 9, 8: runs through all numbers but 0.
+    session_ = static_cast<std::uint16_t>(session_ ^ session_ << 7);
+    session_ = static_cast<std::uint16_t>(session_ ^ session_ >> 9);
+    session_ = static_cast<std::uint16_t>(session_ ^ session_ << 8);
+  }
+  bus::Refusal refuse(bus::Refusal why) { return note(why); }
+
+  const App<B>& app() const { return app_; }
+  const bus::Identity& identity() const { return identity_; }
+  /// For the server of the serial line to count in.
+  bus::BusCounts& bus_counts() { return bus_counts_; }
+
+  /// Why it does not move.
+  bus::Reason reason() const {
+    if (state_ != bus::NodeState::running) return reason_;
+    const control::TorqueProfileConfig& torque = config().torque;
+    if (torque.shape == control::ProfileShape::zero || torque.amplitude_nm == 0.0f)
+      return bus::Reason::no_torque;
+    const control::Outputs& out = app_.telemetry().outputs;
+    return out.phase.phase == control::Phase::flight && !out.clutch.drives_leg ? bus::Reason::flight
+                                                                               : bus::Reason::none;
+  }
+
+  bus::Snapshot snapshot() const {
+    const control::Outputs& out = app_.telemetry().outputs;
+    const control::Sample& sample = app_.state().last_sample;
+    const control::ClutchCounts& clutch = app_.state().clutch.counts;
+    const TickStatistics& ticks = app_.statistics();
+    bus::Snapshot s;
+    s.state = static_cast<std::uint16_t>(state_);
+    s.reason = static_cast<std::uint16_t>(reason());
+    s.fault = static_cast<std::uint16_t>(out.fault);
+    s.last_refusal = static_cast<std::uint16_t>(last_refusal_);
+    s.session = session_;
+    s.parameter_origin = static_cast<std::uint16_t>(origin_);
+    s.phase = static_cast<std::uint16_t>(out.phase.phase);
+    s.contact = static_cast<std::uint16_t>(sample.contact != 0 ? 1 : 0);
+    s.clutch_stage = static_cast<std::uint16_t>(out.clutch.stage);
+    s.firmware_version = identity_.firmware_version;
+    s.build_id = identity_.build_id;
+    s.board_id = bus::board_id(identity_.board);
+    s.uptime_ms = app_.telemetry().tick;
+    s.height_m = out.height.height_m;
+    s.velocity_mps = out.height.velocity_mps;
+    s.apex_height_m = out.phase.apex_height_m;
+    s.leg_angle_rad = sample.leg_angle_rad;
+    s.torque_nm = out.command.torque_nm;
+    s.cable_travel_m = static_cast<float>(count_difference(sample.cable_count, sample.cable_home_count)) *
+                       config().clutch.metres_per_count;
+    s.coil_duty = out.command.coil_duty;
+    s.missed_samples = ticks.missed_samples;
+    s.refused_by_drive = ticks.refused_by_drive;
+    s.last_interval_us = ticks.last_interval_us;
+    s.longest_interval_us = ticks.longest_interval_us;
+    s.releases = clutch.releases;
+    s.catches = clutch.catches;
+    s.missed_catches = clutch.missed;
+    s.requests_taken = taken_;
+    s.requests_refused = refused_;
+    s.stale_stops = stale_stops_;
+    s.bus_requests = bus_counts_.requests;
+    s.bus_exceptions = bus_counts_.exceptions;
+    s.bus_bad_frames = bus_counts_.bad_frames;
+    return s;
+  }
+
+ private:
+  using State = bus::NodeState;
+
+  /// Parameters may change.
+  bool quiet() const { return state_ != State::armed && state_ != State::running; }
+
+  void enter(State state, bus::Reason reason) {
+    state_ = state;
+    reason_ = reason;
+    ticks_in_state_ = 0;
+    if (state != State::running) by_stream_ = false;
+  }
+
+  void stop() {
+    if (state_ == State::armed || state_ == State::running) enter(State::idle, bus::Reason::stopped);
+  }
+
+  /// What the controller's fault makes of the state.
+  void follow(control::Fault fault) {
+    const bool found = fault != control::Fault::none;
+    switch (state_) {
+      case State::starting:
+        good_ticks_ = found ? 0 : good_ticks_ + 1;
+        if (good_ticks_ >= kSettledTicks) {
+          app_.clear_statistics();
+          enter(State::idle, bus::Reason::idle);
+        } else if (found && (fault == control::Fault::bad_configuration || ticks_in_state_ > kStartTicks)) {
+          enter(State::fault, bus::Reason::fault);
+        }
+        return;
+      case State::fault:
+        if (!found) enter(State::idle, bus::Reason::idle);
+        return;
+      case State::idle:
+      case State::armed:
+      case State::running:
+        if (found) enter(State::fault, bus::Reason::fault);
+        return;
+    }
+  }
+
+  bus::Refusal carry_out(bus::Request wanted) {
+    using bus::Refusal;
+    if (wanted == bus::Request::none) return Refusal::none;
+    if (wanted == bus::Request::stop) {
+      stop();
+      return Refusal::none;
+    }
+    if (wanted == bus::Request::arm) {
+      if (state_ != State::idle) return Refusal::not_in_this_state;
+      enter(State::armed, bus::Reason::armed);
+      return Refusal::none;
+    }
+    if (wanted == bus::Request::hop) {
+      if (state_ != State::armed) return Refusal::not_in_this_state;
+      enter(State::running, bus::Reason::none);
+      return Refusal::none;
+    }
+    if (!quiet()) return Refusal::not_in_this_state;
+    switch (wanted) {
+      case bus::Request::reset:
+        app_.request_reset();
+        return Refusal::none;
+      case bus::Request::home:
+        return app_.home() == Status::ok ? Refusal::none : Refusal::not_on_the_ground;
+      case bus::Request::save:
+        return save();
+      case bus::Request::load_defaults:
+        app_.configure(defaults_);
+        origin_ = bus::ParameterOrigin::changed;
+        return Refusal::none;
+      default:
+        return Refusal::unknown_request;
+    }
+  }
+
+  bus::Refusal start_by_stream(const StreamCommand& command) {
+    if (state_ != State::idle) return bus::Refusal::not_in_this_state;
+    control::Config config = app_.config();
+    config.torque.amplitude_nm = command.torque_amplitude_nm;
+    config.torque.period_s = command.torque_period_s;
+    if (config.clutch.fitted != 0) config.clutch.release_in_flight = command.release_in_flight ? 1 : 0;
+    const bus::Refusal refusal = configure(config);
+    if (refusal != bus::Refusal::none) return refusal;
+    enter(State::running, bus::Reason::none);
+    by_stream_ = true;
+    return bus::Refusal::none;
+  }
+
+  /// The ticks that a store takes are no fault: the node starts anew, with all that it knows.
+  bus::Refusal save() {
+    const bus::ParameterImage image = bus::to_image(app_.config());
+    const Status saved = store_.save(image);
+    if (state_ == State::idle) begin_again();
+    if (saved != Status::ok) return bus::Refusal::store_failed;
+    origin_ = bus::ParameterOrigin::store;
+    return bus::Refusal::none;
+  }
+  void begin_again() {
+    good_ticks_ = 0;
+    enter(State::starting, bus::Reason::starting);
+  }
+
+  void load() {
+    std::array<std::uint8_t, bus::kImageBytesMax> image;
+    const Result<std::size_t> size = store_.load(image);
+    if (size.ok() && size.value() == 0) return;
+    control::Config config = defaults_;
+    const bool usable =
+        size.ok() && size.value() <= image.size() &&
+        bus::from_image(std::span<const std::uint8_t>(image).first(size.value()), config) == Status::ok;
+    if (usable) app_.configure(config);
+    origin_ = usable ? bus::ParameterOrigin::store : bus::ParameterOrigin::store_unusable;
+  }
+
+  bus::Refusal note(bus::Refusal refusal) {
+    ++(refusal == bus::Refusal::none ? taken_ : refused_);
+    if (refusal != bus::Refusal::none) last_refusal_ = refusal;
+    return refusal;
+  }
+
+  S& store_;
+  control::Config defaults_;
+  bus::Identity identity_;
+  App<B> app_;
+  bus::BusCounts bus_counts_;
+  State state_ = State::starting;
+  bus::Reason reason_ = bus::Reason::starting;
+  bus::Refusal last_refusal_ = bus::Refusal::none;
+  bus::ParameterOrigin origin_ = bus::ParameterOrigin::defaults;
+  bus::Request stream_request_ = bus::Request::none;
+  bool by_stream_ = false;
+  std::uint16_t session_ = 1;
+  std::uint32_t ticks_in_state_ = 0, good_ticks_ = 0;
+  std::uint32_t stream_age_ticks_ = 0xffffffffu;
+  std::uint32_t taken_ = 0, refused_ = 0, stale_stops_ = 0;
+};
+
+}  // namespace furcula::firmware

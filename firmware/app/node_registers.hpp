@@ -1,0 +1,105 @@
+// The node's Modbus registers: what a read gives and what a write does (table: bus/registers.hpp).
+#pragma once
+
+#include <bit>
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+#include "firmware/app/node.hpp"
+
+namespace furcula::firmware {
+
+/// A view of a node; the node must outlive it. To be called between ticks.
+template <class N>
+class NodeRegisters {
+ public:
+  explicit NodeRegisters(N& node) : node_(node) {}
+
+  bus::ModbusException read_input(std::uint16_t first, std::span<std::uint16_t> out) const {
+    if (first + out.size() > bus::kInputWords) return bus::ModbusException::illegal_address;
+    const auto words = bus::to_words(node_.snapshot());
+    for (std::size_t i = 0; i < out.size(); ++i) out[i] = words[first + i];
+    return bus::ModbusException::none;
+  }
+
+  /// Parameters; the request's registers read as 0.
+  bus::ModbusException read_holding(std::uint16_t first, std::span<std::uint16_t> out) const {
+    if (first + out.size() <= bus::kRequestWords) {
+      for (std::uint16_t& word : out) word = 0;
+      return bus::ModbusException::none;
+    }
+    if (!in_parameters(first, out.size())) return bus::ModbusException::illegal_address;
+    for (std::size_t i = 0; i < out.size(); ++i) {
+      const std::size_t at = first - bus::kParameterBase + i;
+      const auto bits = std::bit_cast<std::uint32_t>(bus::kParameters[at / 2].get(node_.config()));
+      out[i] = at % 2 == 0 ? bus::high_word(bits) : bus::low_word(bits);
+    }
+    return bus::ModbusException::none;
+  }
+
+  /// A request, or one parameter or several that follow each other, all or none of them.
+  bus::ModbusException write_holding(std::uint16_t first, std::span<const std::uint16_t> in) {
+    if (first + in.size() <= bus::kRequestWords) return write_request(first, in);
+    if (!in_parameters(first, in.size())) return bus::ModbusException::illegal_address;
+    // Half a number is none.
+    if ((first - bus::kParameterBase) % 2 != 0 || in.size() % 2 != 0)
+      return bus::ModbusException::illegal_address;
+    control::Config edited = node_.config();
+    for (std::size_t i = 0; i < in.size(); i += 2) {
+      const bus::Parameter& p = bus::kParameters[(first - bus::kParameterBase + i) / 2];
+      const auto value = std::bit_cast<float>(bus::bits_of(in[i], in[i + 1]));
+      if (!bus::allows(p, value)) {
+        node_.refuse(bus::Refusal::value_not_allowed);
+        return bus::ModbusException::illegal_value;
+      }
+      p.put(edited, value);
+    }
+    return answer(node_.configure(edited));
+  }
+
+  /// Objects 0 to 2 of the device identification: vendor, product, revision; empty: no such object.
+  std::string_view identification(std::uint8_t object) const {
+    return object == 0   ? "Furcula"
+           : object == 1 ? node_.identity().board
+           : object == 2 ? node_.identity().text
+                         : "";
+  }
+
+ private:
+  static bool in_parameters(std::uint16_t first, std::size_t count) {
+    return first >= bus::kParameterBase && first + count <= bus::kParameterBase + bus::kParameterWords;
+  }
+
+  static bus::ModbusException answer(bus::Refusal refusal) {
+    switch (refusal) {
+      case bus::Refusal::none:
+        return bus::ModbusException::none;
+      case bus::Refusal::unknown_request:
+      case bus::Refusal::value_not_allowed:
+      case bus::Refusal::makes_no_sense:
+        return bus::ModbusException::illegal_value;
+      default:
+        return bus::ModbusException::device_failure;
+    }
+  }
+
+  bus::ModbusException write_request(std::uint16_t first, std::span<const std::uint16_t> in) {
+    const auto stop = static_cast<std::uint16_t>(bus::Request::stop);
+    if (first + in.size() == bus::kRequestWords && in.back() == stop)
+      return answer(node_.request(bus::Request::stop));
+    if (first != bus::kRequestKeyAddress || in.size() != bus::kRequestWords)
+      return bus::ModbusException::illegal_address;
+    if (in[bus::kRequestKeyAddress] != bus::kRequestKey) return answer(node_.refuse(bus::Refusal::wrong_key));
+    if (in[bus::kRequestSessionAddress] != node_.session())
+      return answer(node_.refuse(bus::Refusal::wrong_session));
+    node_.next_session();
+    if (in[bus::kRequestAddress] >= bus::kRequests.size())
+      return answer(node_.refuse(bus::Refusal::unknown_request));
+    return answer(node_.request(static_cast<bus::Request>(in[bus::kRequestAddress])));
+  }
+
+  N& node_;
+};
+
+}  // namespace furcula::firmware

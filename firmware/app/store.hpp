@@ -1,0 +1,32 @@
+// The seam to where parameters are kept over a restart: flash slots on a controller, a file on a computer.
+#pragma once
+
+#include <concepts>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "furcula/core/status.hpp"
+
+namespace furcula::firmware {
+
+/// A store keeps one image of at most bus::kImageBytesMax bytes. What load() gives is whole, or it is not
+/// given.
+template <class S>
+concept ParameterStore = requires(S& store, std::span<std::uint8_t> into,
+                                  std::span<const std::uint8_t> image) {
+  /// The image's bytes, at the beginning of `into`: how many. 0: nothing was ever saved. `invalid`:
+  /// something was, and it is damaged or longer than `into`.
+  { store.load(into) } -> std::same_as<Result<std::size_t>>;
+  /// May take long: ticks are missed meanwhile. A power cut leaves the old image or the new one.
+  { store.save(image) } -> std::same_as<Status>;
+};
+
+/// Keeps nothing: for a board without a place to keep it.
+struct NoStore {
+  static Result<std::size_t> load(std::span<std::uint8_t>) { return std::size_t{0}; }
+  static Status save(std::span<const std::uint8_t>) { return Status::disconnected; }
+};
+static_assert(ParameterStore<NoStore>);
+
+}  // namespace furcula::firmware

@@ -1,0 +1,101 @@
+// The page on Modbus, see modbus_document.hpp.
+#include "host/bus/modbus_document.hpp"
+
+#include "furcula/bus/node_words.hpp"
+#include "furcula/bus/registers.hpp"
+#include "host/log/message.hpp"
+
+namespace furcula::bus {
+namespace {
+
+using log::rounded;
+
+constexpr std::string_view kHead = R"(# Modbus
+
+A board is a Modbus server: over a serial line (RTU) or TCP, with one table of registers. This page is what `furcula bus docs modbus` prints;
+the tables are `common/include/furcula/bus/registers.hpp`, `parameters.hpp` and `node_words.hpp`, and firmware, simulation and host use them.
+
+    furcula monitor --port modbus:/dev/ttyUSB0@115200     # what it does, and why it does not move
+    furcula param list --port modbus:192.168.7.2:1502     # the parameters, with bounds
+
+Functions: 3 (read holding registers), 4 (read input registers), 6 and 16 (write one or several holding registers), 43/14 (device identification: vendor,
+board, version and build). Serial: 8 data bits, even parity, 1 stop bit or as the board says; unit 1. A broadcast (unit 0) is done and not answered, as far as it writes.
+
+A number of 32 bits takes two registers, the more significant word first; `real` is IEEE 754. What one request reads is of one tick.
+
+| exception | means here |
+| --- | --- |
+| 1 | no such function |
+| 2 | no such register, or half of a parameter |
+| 3 | a value that is not allowed, or a request that makes no sense |
+| 4 | refused; the input register `last_refusal` says why |
+
+## Making it hop
+
+Torque stays 0 until the robot is armed and told to hop. A request is three holding registers, written at once (function 16):
+
+| address | holding register |
+| --- | --- |
+)";
+
+std::string word_table(std::span<const Word> words) {
+  std::string out = "\n| number | name | meaning |\n| --- | --- | --- |\n";
+  for (const Word& w : words)
+    out += "| " + std::to_string(w.number) + " | `" + std::string(w.name) + "` | " + std::string(w.meaning) +
+           " |\n";
+  return out;
+}
+
+std::string row(std::uint32_t address, const std::string& text) {
+  return "| " + std::to_string(address) + " | " + text + " |\n";
+}
+
+std::string type_name(RegisterType type) {
+  return type == RegisterType::u16 ? "u16" : type == RegisterType::u32 ? "u32" : "real";
+}
+
+}  // namespace
+
+std::string modbus_to_markdown() {
+  const control::Config defaults;
+  std::string out(kHead);
+  out += row(kRequestKeyAddress, "key: " + std::to_string(kRequestKey));
+  out += row(kRequestSessionAddress, "session: what the input register `session` shows now");
+  out += row(kRequestAddress, "request: a number of the table below");
+  out += R"(
+1. Read `session`; write key, session and `arm`.
+2. Within 2 s read `session` again, which has changed; write key, session and `hop`.
+
+The session changes with every request that brought the right one, so a frame that comes a second time, or late, does nothing. It is a guard against accidents, not against
+people: whoever reaches the bus can move the robot. `stop` may be written alone, with function 6. What a person started runs until `stop`, a fault, or the end of the
+power; what a stream of CAN commands ([bus.md](bus.md)) started also stops when the stream is silent for 100 ms.
+
+### Requests
+)";
+  out += word_table(kRequests) + "\n### States\n" + word_table(kNodeStates) + "\n### Reasons\n" +
+         word_table(kReasons) + "\n### Refusals\n" + word_table(kRefusals);
+  out +=
+      "\n## Input registers\n\n| address | name | type | unit | meaning |\n| --- | --- | --- | --- | --- |\n";
+  for (const InputRegister& r : kInputRegisters)
+    out += row(r.address, "`" + std::string(r.name) + "` | " + type_name(r.type) + " | " +
+                              std::string(r.unit) + " | " + std::string(r.meaning));
+  out += R"(
+## Parameters
+
+Two holding registers each, `real`. Refused while armed or running, by exception 4; and where a value is no number, out of its bounds or a fraction of what is whole, or the controller's
+configuration would make no sense, by exception 3: then none of the request's parameters is written. They act at once and are forgotten at a restart, unless `save` is requested.
+
+| address | number | name | unit | least | most | built in | meaning |
+| --- | --- | --- | --- | --- | --- | --- | --- |
+)";
+  for (const Parameter& p : kParameters) {
+    const auto text = [](float x) { return rounded(static_cast<double>(x), 6); };
+    out += row(address_of(p), std::to_string(p.number) + " | `" + std::string(p.name) + "` | " +
+                                  std::string(p.unit) + " | " + text(p.least) + " | " + text(p.most) + " | " +
+                                  text(p.get(defaults)) + " | " + std::string(p.meaning));
+  }
+  out += "\nWhere they come from (`parameter_origin`):\n";
+  return out + word_table(kParameterOrigins);
+}
+
+}  // namespace furcula::bus

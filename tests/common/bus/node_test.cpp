@@ -1,0 +1,274 @@
+// The node: what it takes in which state, what makes it stop, what it says of itself.
+#include "firmware/app/node.hpp"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <limits>
+
+#include "tests/common/bus/node_board.hpp"
+
+using namespace furcula;
+using bus::NodeState;
+using bus::Reason;
+using bus::Refusal;
+using bus::Request;
+using test::Bench;
+
+TEST_CASE("a node starts idle, with torque 0 for as long as nobody arms it") {
+  Bench b;
+  CHECK(b.node.state() == NodeState::starting);
+  CHECK(b.node.reason() == Reason::starting);
+  for (int i = 0; i < 5000; ++i) {
+    b.tick();
+    REQUIRE(b.board.command.torque_nm == 0.0f);
+    REQUIRE(b.board.command.coil_duty == 0.0f);
+  }
+  CHECK(b.node.state() == NodeState::idle);
+  CHECK(b.node.reason() == Reason::idle);
+  CHECK(b.node.snapshot().uptime_ms == 4999);
+}
+
+TEST_CASE("armed and told to hop it commands a torque, and stop takes it away on the next tick") {
+  Bench b;
+  b.settle();
+  CHECK(b.node.request(Request::hop) == Refusal::not_in_this_state);
+  b.tick(100);
+  CHECK(b.board.command.torque_nm == 0.0f);
+  REQUIRE(b.node.request(Request::arm) == Refusal::none);
+  b.tick(100);
+  CHECK(b.node.state() == NodeState::armed);
+  CHECK(b.board.command.torque_nm == 0.0f);
+  REQUIRE(b.node.request(Request::hop) == Refusal::none);
+  float most_nm = 0.0f;
+  for (int i = 0; i < 300; ++i) {
+    b.tick();
+    most_nm = std::max(most_nm, std::abs(b.board.command.torque_nm));
+  }
+  CHECK(most_nm == Approx(2.0f).margin(0.01));  // the harmonic's amplitude
+  CHECK(b.node.reason() == Reason::none);
+  REQUIRE(b.node.request(Request::stop) == Refusal::none);
+  b.tick();
+  CHECK(b.board.command.torque_nm == 0.0f);
+  CHECK(b.node.state() == NodeState::idle);
+  CHECK(b.node.reason() == Reason::stopped);
+}
+
+TEST_CASE("an armed robot that is not told to hop within 2 s is idle again") {
+  Bench b;
+  b.settle();
+  REQUIRE(b.node.request(Request::arm) == Refusal::none);
+  b.tick(2000);
+  CHECK(b.node.state() == NodeState::armed);
+  b.tick(2);
+  CHECK(b.node.state() == NodeState::idle);
+  CHECK(b.node.reason() == Reason::arming_expired);
+  CHECK(b.node.request(Request::hop) == Refusal::not_in_this_state);
+}
+
+TEST_CASE("a fault stops it within two ticks, stays until a reset, and hopping needs arming once more") {
+  Bench b;
+  b.start();
+  b.tick(75);
+  REQUIRE(std::abs(b.board.command.torque_nm) > 0.5f);
+  b.board.answers = false;
+  b.tick(2);
+  CHECK(b.board.command.torque_nm == 0.0f);
+  CHECK(b.node.state() == NodeState::fault);
+  CHECK(b.node.reason() == Reason::fault);
+  CHECK(b.node.snapshot().fault == static_cast<int>(control::Fault::peer_lost));
+  CHECK(b.node.request(Request::arm) == Refusal::not_in_this_state);
+  // While the cause stands a reset does nothing.
+  REQUIRE(b.node.request(Request::reset) == Refusal::none);
+  b.tick(5);
+  CHECK(b.node.state() == NodeState::fault);
+  b.board.answers = true;
+  b.tick(100);
+  CHECK(b.node.state() == NodeState::fault);
+  REQUIRE(b.node.request(Request::reset) == Refusal::none);
+  b.tick(100);
+  CHECK(b.node.state() == NodeState::idle);
+  CHECK(b.board.command.torque_nm == 0.0f);
+  CHECK(b.node.snapshot().missed_samples == 7);
+}
+
+TEST_CASE("parameters are written when idle and refused when armed or running") {
+  Bench b;
+  b.settle();
+  control::Config config = b.node.config();
+  config.torque.amplitude_nm = 3.0f;
+  REQUIRE(b.node.configure(config) == Refusal::none);
+  CHECK(b.node.snapshot().parameter_origin == static_cast<int>(bus::ParameterOrigin::changed));
+  config.torque.amplitude_nm = 4.0f;
+  REQUIRE(b.node.request(Request::arm) == Refusal::none);
+  CHECK(b.node.configure(config) == Refusal::not_in_this_state);
+  CHECK(b.node.request(Request::save) == Refusal::not_in_this_state);
+  CHECK(b.node.request(Request::load_defaults) == Refusal::not_in_this_state);
+  CHECK(b.node.request(Request::home) == Refusal::not_in_this_state);
+  REQUIRE(b.node.request(Request::hop) == Refusal::none);
+  CHECK(b.node.configure(config) == Refusal::not_in_this_state);
+  CHECK(b.node.request(Request::reset) == Refusal::not_in_this_state);
+  CHECK(b.node.config().torque.amplitude_nm == 3.0f);
+  CHECK(b.node.snapshot().requests_refused == 6);
+  CHECK(b.node.snapshot().last_refusal == static_cast<int>(Refusal::not_in_this_state));
+  CHECK(b.store.saves == 0);
+}
+
+TEST_CASE("what was saved is there after a restart, and the defaults can be had back") {
+  Bench first;
+  first.settle();
+  control::Config config = first.node.config();
+  config.torque.amplitude_nm = 3.0f;
+  REQUIRE(first.node.configure(config) == Refusal::none);
+  REQUIRE(first.node.request(Request::save) == Refusal::none);
+  CHECK(first.node.snapshot().parameter_origin == static_cast<int>(bus::ParameterOrigin::store));
+
+  Bench second(first.store);
+  CHECK(second.node.config().torque.amplitude_nm == 3.0f);
+  CHECK(second.node.snapshot().parameter_origin == static_cast<int>(bus::ParameterOrigin::store));
+  second.settle();
+  REQUIRE(second.node.request(Request::load_defaults) == Refusal::none);
+  CHECK(second.node.config().torque.amplitude_nm == 2.0f);
+  CHECK(Bench(second.store).node.config().torque.amplitude_nm == 3.0f);  // until it is saved
+}
+
+TEST_CASE("a store that takes long is no fault, and one that fails is told") {
+  Bench b;
+  b.settle();
+  REQUIRE(b.node.request(Request::save) == Refusal::none);
+  b.board.clock_us += 300000;  // a sector's erase
+  b.tick(1);
+  CHECK(b.node.state() == NodeState::starting);
+  b.settle();
+  CHECK(b.node.state() == NodeState::idle);
+  b.store.save_status = Status::disconnected;
+  CHECK(b.node.request(Request::save) == Refusal::store_failed);
+}
+
+TEST_CASE("a damaged store, and one whose image makes no sense, leave the defaults") {
+  test::MemoryStore kept;
+  kept.load_status = Status::invalid;
+  CHECK(Bench(kept).node.snapshot().parameter_origin ==
+        static_cast<int>(bus::ParameterOrigin::store_unusable));
+  kept.load_status = Status::ok;
+  kept.image = {1, 1, 2, 0, 0, 0, 0xc0, 0x7f};
+  Bench b(kept);
+  CHECK(b.node.snapshot().parameter_origin == static_cast<int>(bus::ParameterOrigin::store_unusable));
+  CHECK(b.node.config().torque.amplitude_nm == 2.0f);
+}
+
+TEST_CASE("homing on the ground takes the height from the leg's angle, and the fault can then be cleared") {
+  Bench b;
+  b.board.sample.home_height_m = std::numeric_limits<float>::quiet_NaN();
+  b.board.sample.height_count = 0xfffffff0u;
+  b.board.sample.cable_count = 77;
+  b.tick(1100);
+  CHECK(b.node.state() == NodeState::fault);
+  CHECK(b.node.snapshot().fault == static_cast<int>(control::Fault::non_finite_input));
+  b.board.sample.contact = 0;
+  b.tick();
+  CHECK(b.node.request(Request::home) == Refusal::not_on_the_ground);
+  b.board.sample.contact = 1;
+  b.tick();
+  REQUIRE(b.node.request(Request::home) == Refusal::none);
+  REQUIRE(b.node.request(Request::reset) == Refusal::none);
+  b.tick(2);
+  CHECK(b.node.state() == NodeState::idle);
+  CHECK(b.node.snapshot().height_m == Approx(0.22f).margin(1e-5));  // 2 x 0.15 cos(0.747584)
+  CHECK(b.node.snapshot().velocity_mps == 0.0f);
+  b.board.sample.height_count += 100;  // over the wrap of the counter
+  b.tick();
+  CHECK(b.node.snapshot().height_m == Approx(0.22f + 100 * 0.00009f).margin(1e-5));
+}
+
+TEST_CASE("a stream starts it at the change to hop, and stops it when it says so or falls silent") {
+  Bench b;
+  b.settle();
+  const firmware::StreamCommand none{}, stop{Request::stop}, hop{Request::hop, 3.0f, 0.25f, false};
+  CHECK(b.node.stream(hop) == Refusal::no_edge);  // the first that was ever heard
+  CHECK(b.node.stream(hop) == Refusal::no_edge);
+  b.tick(10);
+  CHECK(b.node.state() == NodeState::idle);
+  CHECK(b.node.stream(none) == Refusal::none);
+  b.tick(10);
+  REQUIRE(b.node.stream(hop) == Refusal::none);
+  CHECK(b.node.config().torque.amplitude_nm == 3.0f);
+  for (int i = 0; i < 100; ++i) {
+    b.tick(10);
+    CHECK(b.node.stream(hop) == Refusal::none);
+  }
+  CHECK(b.node.state() == NodeState::running);
+  SECTION("silence") {
+    b.tick(100);
+    CHECK(b.node.state() == NodeState::running);
+    b.tick(1);
+    CHECK(b.node.state() == NodeState::idle);
+    CHECK(b.board.command.torque_nm == 0.0f);
+    CHECK(b.node.reason() == Reason::stream_silent);
+    CHECK(b.node.snapshot().stale_stops == 1);
+    CHECK(b.node.stream(hop) == Refusal::no_edge);  // the stream is back, and starts nothing
+    b.tick();
+    CHECK(b.node.stream(hop) == Refusal::no_edge);
+    CHECK(b.node.state() == NodeState::idle);
+  }
+  SECTION("none") {
+    b.node.stream(none);
+    CHECK(b.node.state() == NodeState::idle);
+  }
+  SECTION("stop") {
+    b.node.stream(stop);
+    b.tick();
+    CHECK(b.node.reason() == Reason::stopped);
+  }
+  SECTION("a fault, and its reset while the stream still says hop") {
+    b.board.answers = false;
+    b.tick(3);
+    b.board.answers = true;
+    b.tick(3);
+    CHECK(b.node.stream(hop) == Refusal::no_edge);
+    REQUIRE(b.node.request(Request::reset) == Refusal::none);
+    b.tick(2);
+    CHECK(b.node.stream(hop) == Refusal::no_edge);
+    b.tick(2);
+    CHECK(b.node.state() == NodeState::idle);
+  }
+}
+
+TEST_CASE("a stream with an amplitude out of bounds starts nothing") {
+  Bench b;
+  b.settle();
+  b.node.stream({});
+  b.tick();
+  CHECK(b.node.stream({Request::hop, std::nanf(""), 0.3f, false}) == Refusal::value_not_allowed);
+  CHECK(b.node.state() == NodeState::idle);
+  b.node.stream({});
+  b.tick();
+  CHECK(b.node.stream({Request::hop, 2.0f, 0.0f, false}) == Refusal::value_not_allowed);
+  CHECK(b.node.config().torque.period_s == 0.3f);
+}
+
+TEST_CASE("what a person started does not depend on a stream, but a stream's stop stops it") {
+  Bench b;
+  b.start();
+  b.node.stream({});
+  b.tick(500);
+  CHECK(b.node.state() == NodeState::running);
+  b.node.stream({Request::stop});
+  CHECK(b.node.state() == NodeState::idle);
+}
+
+TEST_CASE("a running robot without a torque says why it does not move") {
+  Bench b({}, control::Config{});
+  b.start();
+  b.tick(10);
+  CHECK(b.node.state() == NodeState::running);
+  CHECK(b.node.reason() == Reason::no_torque);
+}
+
+TEST_CASE("a controller whose configuration makes no sense is in its fault at once") {
+  control::Config config = test::constant_torque();
+  config.height.metres_per_count = 0.0f;
+  Bench b({}, config);
+  b.tick(2);
+  CHECK(b.node.state() == NodeState::fault);
+  CHECK(b.node.request(Request::arm) == Refusal::not_in_this_state);
+}
