@@ -48,13 +48,16 @@ class App {
   /// Another configuration, for a controller that does not run. The latched fault, the last sample and the
   /// coil's heat stay; what the clutch had learned begins anew.
   void configure(const control::Config& config) {
-    const control::State before = state_;
+    const control::SupervisorState supervisor = state_.supervisor;
+    const control::Sample last_sample = state_.last_sample;
+    const std::uint32_t missed_samples = state_.missed_samples;
+    const control::CoilState coil = state_.coil;
     config_ = config;
     state_ = control::begin(config);
-    state_.supervisor = before.supervisor;
-    state_.last_sample = before.last_sample;
-    state_.missed_samples = before.missed_samples;
-    state_.coil = before.coil;
+    state_.supervisor = supervisor;
+    state_.last_sample = last_sample;
+    state_.missed_samples = missed_samples;
+    state_.coil = coil;
   }
 
   /// The robot stands on the ground: from now on the height counts from what the leg's angle says, the cable
