@@ -23,13 +23,14 @@ enum class LoadReason : std::uint8_t {
   loaded = 0,
   blank = 1,         ///< nothing was ever saved
   damaged = 2,       ///< records were begun, and none is whole
-  other_layout = 3,  ///< the newest record is of another layout or length: of other firmware
+  other_layout = 3,  ///< the newest record is of another layout, or longer than asked for: of other firmware
 };
 
 struct Loaded {
   LoadReason reason = LoadReason::damaged;
   unsigned slot = 0;           ///< of the newest whole record, where there is one
   std::uint32_t sequence = 0;  ///< its number
+  std::uint32_t bytes = 0;     ///< its length, where it was loaded
   /// ok: the bytes were loaded. invalid: they were not, see `reason`; asking again changes nothing.
   constexpr Status status() const { return reason == LoadReason::loaded ? Status::ok : Status::invalid; }
 };
@@ -46,8 +47,8 @@ class SlotStore {
   constexpr SlotStore(F& flash, std::uint32_t layout_version)
       : flash_(flash), layout_version_(layout_version) {}
 
-  /// Copies the newest whole record into `bytes`, which stay as they are unless all of them were loaded.
-  Loaded load(std::span<std::uint8_t> bytes) const {
+  /// Copies the newest whole record to the beginning of `into`, which stays as it is unless that is `loaded`.
+  Loaded load(std::span<std::uint8_t> into) const {
     Loaded found;
     const Newest newest = find_newest();
     if (!newest.exists) {
@@ -56,12 +57,14 @@ class SlotStore {
     }
     found.slot = newest.slot;
     found.sequence = flash_.read(newest.slot, 2);
-    if (flash_.read(newest.slot, 1) != layout_version_ || flash_.read(newest.slot, 3) != bytes.size()) {
+    const std::uint32_t bytes = flash_.read(newest.slot, 3);
+    if (flash_.read(newest.slot, 1) != layout_version_ || bytes > into.size()) {
       found.reason = LoadReason::other_layout;
       return found;
     }
-    for (std::uint32_t i = 0; i < bytes.size(); ++i)
-      bytes[i] = static_cast<std::uint8_t>(flash_.read(newest.slot, kHeaderWords + i / 4) >> (8 * (i % 4)));
+    for (std::uint32_t i = 0; i < bytes; ++i)
+      into[i] = static_cast<std::uint8_t>(flash_.read(newest.slot, kHeaderWords + i / 4) >> (8 * (i % 4)));
+    found.bytes = bytes;
     found.reason = LoadReason::loaded;
     return found;
   }

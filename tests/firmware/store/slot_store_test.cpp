@@ -151,8 +151,13 @@ TEST_CASE("a reason is given for what cannot be loaded, and the defaults stay") 
   CHECK(Store(flash, kLayout + 1).load(seen).reason == LoadReason::other_layout);
   CHECK(Store(flash, kLayout + 1).load(seen).status() == Status::invalid);
   CHECK(seen == Bytes(12, 0xee));
-  CHECK(load(flash, 13).reason == LoadReason::other_layout);
-  CHECK(load(flash, 13).bytes == Bytes(13, 0xee));
+  CHECK(load(flash, 11).reason == LoadReason::other_layout);
+  CHECK(load(flash, 11).bytes == Bytes(11, 0xee));
+  // A shorter record than there is room for is loaded, and says how long it is.
+  Bytes room(20, 0xee);
+  CHECK(Store(flash, kLayout).load(room).bytes == 12);
+  CHECK(Bytes(room.begin(), room.begin() + 12) == drawn(12, 1));
+  CHECK(Bytes(room.begin() + 12, room.end()) == Bytes(8, 0xee));
 
   // Any bit that flips in the only record.
   for (std::uint32_t word = 0; word < 4 + 3 + 1; ++word)
