@@ -11,6 +11,10 @@ extern std::uint32_t _stack_bottom[], _stack_top[];
 
 [[noreturn]] void reset_handler();
 [[noreturn]] void exception_handler();
+[[noreturn]] void furcula_on_exception();
+/// The exception of the processor's timer, for an image that starts it to define.
+void tick_handler();
+asm(".weak tick_handler\n.thumb_set tick_handler, exception_handler");
 
 /// FPU on before the first instruction that needs it, stack painted, .data copied, .bss zeroed. Assembly,
 /// because a function's own frame would lie on the stack that is painted.
@@ -53,19 +57,29 @@ extern std::uint32_t _stack_bottom[], _stack_top[];
   )");
 }
 
-void exception_handler() { furcula::firmware::on_exception(); }
+/// With the stack empty again: what it held is of no use, and its overflow may be what happened.
+[[gnu::naked]] void exception_handler() {
+  asm volatile(R"(
+    ldr   r0, =_stack_top
+    mov   sp, r0
+    bl    furcula_on_exception
+    .ltorg
+  )");
+}
+[[noreturn, gnu::used]] void furcula_on_exception() { furcula::firmware::on_exception(); }
 
 struct VectorTable {
   std::uint32_t* initial_stack;
   void (*handlers[15])();
 };
 
-/// The processor's own exceptions. No peripheral interrupt is enabled: the application polls.
+/// The processor's own exceptions. No interrupt of a peripheral is let through: the application looks at
+/// them.
 [[gnu::section(".isr_vector"), gnu::used]] const VectorTable vector_table = {
     _stack_top,
     {reset_handler, exception_handler, exception_handler, exception_handler, exception_handler,
      exception_handler, nullptr, nullptr, nullptr, nullptr, exception_handler, exception_handler, nullptr,
-     exception_handler, exception_handler}};
+     exception_handler, tick_handler}};
 }
 
 namespace furcula::firmware {

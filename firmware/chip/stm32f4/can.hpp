@@ -154,6 +154,14 @@ class Can {
             (esr & 4u) != 0};
   }
 
+  /// Whether an error was seen on the bus since this was last asked.
+  bool take_error() {
+    constexpr std::uint32_t kCode = 7u << 4;  // ESR: LEC; what is written stays until the next frame
+    const std::uint32_t code = can_.esr & kCode;
+    can_.esr = kCode;
+    return code != 0 && code != kCode;
+  }
+
   /// Times that a FIFO was full when a frame came.
   std::uint32_t overruns() const { return overruns_; }
 

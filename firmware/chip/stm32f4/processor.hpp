@@ -5,15 +5,9 @@
 #include <cstdint>
 
 #include "firmware/chip/stm32f4/registers.hpp"
+#include "furcula/core/status.hpp"
 
 namespace furcula::stm32f4 {
-
-/// Lets an interrupt through, PM0214 4.3.2; all have the same priority, so that none interrupts another.
-template <class Word>
-void enable_interrupt(Word* nvic_enable, Interrupt interrupt) {
-  const auto number = static_cast<std::uint32_t>(interrupt);
-  nvic_enable[number / 32] = 1u << (number % 32);  // ones set, zeros leave
-}
 
 /// Starts the chip anew, PM0214 4.4.5.
 template <class Word>
@@ -26,6 +20,22 @@ void request_reset(Word& aircr) {
 template <class Word>
 std::array<std::uint32_t, 3> unique_id(const Word* signature) {
   return {signature[0], signature[1], signature[2]};
+}
+
+/// 32 bits of noise, 24.3.1: the second number, since the first is not to be used. Needs the 48 MHz of the
+/// PLL; `disconnected` without it, and where the generator finds itself not random.
+template <class Word>
+Result<std::uint32_t> draw_random(RandomRegisters<Word>& random) {
+  constexpr std::uint32_t kEnable = 1u << 2, kReady = 1u << 0, kErrors = 3u << 1, kPolls = 1000;
+  random.cr = kEnable;
+  std::uint32_t drawn = 0;
+  for (int i = 0; i < 2; ++i) {
+    const bool ready = wait_for([&] { return (random.sr & kReady) != 0; }, kPolls);
+    if (!ready || (random.sr & kErrors) != 0) return Status::disconnected;
+    drawn = random.dr;
+  }
+  random.cr = 0;
+  return drawn;
 }
 
 }  // namespace furcula::stm32f4

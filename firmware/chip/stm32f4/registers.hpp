@@ -21,9 +21,10 @@ inline constexpr std::uintptr_t kUsart1 = 0x40011000, kUsart2 = 0x40004400, kUsa
 inline constexpr std::uintptr_t kCan1 = 0x40006400;
 inline constexpr std::uintptr_t kGpioA = 0x40020000, kGpioStride = 0x400;
 inline constexpr std::uintptr_t kRcc = 0x40023800, kFlash = 0x40023c00;
+inline constexpr std::uintptr_t kRandom = 0x50060800;
 inline constexpr std::uintptr_t kUniqueId = 0x1fff7a10;
-inline constexpr std::uintptr_t kNvicEnable = 0xe000e100;  // PM0214 4.3
-inline constexpr std::uintptr_t kAircr = 0xe000ed0c;       // PM0214 4.4
+inline constexpr std::uintptr_t kSysTick = 0xe000e010;  // PM0214 4.5
+inline constexpr std::uintptr_t kAircr = 0xe000ed0c;    // PM0214 4.4
 }  // namespace address
 
 /// The block at an address of the chip.
@@ -53,6 +54,12 @@ bool wait_for(Condition condition, std::uint32_t polls) {
     if (condition()) return true;
   return false;
 }
+
+/// A register by itself.
+template <class Word>
+struct SingleRegister {
+  Word word;
+};
 
 /// General-purpose I/O, 8.4.
 template <class Word>
@@ -109,8 +116,16 @@ struct CanRegisters {
   Word filter[28][2];
 };
 
-/// Positions of the peripheral interrupts in the vector table, 12.2 table 62.
-enum class Interrupt : std::uint8_t { tim2 = 28, tim3 = 29, tim4 = 30, tim5 = 50 };
-inline constexpr std::uint32_t kInterrupts = 82;
+/// Random number generator, 24.4.
+template <class Word>
+struct RandomRegisters {
+  Word cr, sr, dr;
+};
+
+/// The processor's timer, PM0214 4.5.
+template <class Word>
+struct SysTickRegisters {
+  Word csr, rvr, cvr, calib;
+};
 
 }  // namespace furcula::stm32f4

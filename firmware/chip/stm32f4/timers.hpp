@@ -9,8 +9,8 @@
 namespace furcula::stm32f4 {
 
 namespace timer_bits {
-inline constexpr std::uint32_t kEnable = 1u << 0, kOnlyOverflow = 1u << 2, kPreload = 1u << 7;  // CR1
-inline constexpr std::uint32_t kUpdate = 1u << 0;  // DIER, SR, EGR
+inline constexpr std::uint32_t kEnable = 1u << 0, kPreload = 1u << 7;  // CR1
+inline constexpr std::uint32_t kUpdate = 1u << 0;                      // SR, EGR
 }  // namespace timer_bits
 
 /// A 32-bit timer (TIM2 or TIM5) as a free-running clock of microseconds, 18.3.2.
@@ -19,10 +19,10 @@ class MicrosecondClock {
  public:
   explicit MicrosecondClock(TimerRegisters<Word>& timer) : timer_(timer) {}
 
-  /// `timer_hz`: whole megahertz, up to 65536 of them.
-  void start(std::uint32_t timer_hz) {
+  /// `timer_mhz`: the timer's clock, up to 65536 MHz.
+  void start(std::uint32_t timer_mhz) {
     timer_.cr1 = 0;
-    timer_.psc = timer_hz / 1'000'000 - 1;
+    timer_.psc = timer_mhz - 1;
     timer_.arr = 0xffffffffu;
     timer_.egr = timer_bits::kUpdate;  // takes the prescaler over at once
     timer_.sr = 0;
@@ -34,28 +34,52 @@ class MicrosecondClock {
   TimerRegisters<Word>& timer_;
 };
 
-/// The tick: a timer that overflows every millisecond, its interrupt, and the count of ticks that nobody
-/// took.
+/// A timer's clock in MHz, measured over a millisecond of the processor's own timer, to the nearest. On a
+/// chip it is what the tree of clocks says, or `expected_mhz` was wrong; in QEMU, whose timers have clocks of
+/// their own, it makes the clock of microseconds agree with the tick. `expected_mhz` where the processor's
+/// timer does not run.
 template <class Word>
-class TickTimer {
+std::uint32_t measure_mhz(SysTickRegisters<Word>& processor, TimerRegisters<Word>& timer,
+                          std::uint32_t core_hz, std::uint32_t expected_mhz) {
+  constexpr std::uint32_t kEnable = 1u << 0, kCoreClock = 1u << 2, kCounted = 1u << 16, kPolls = 1'000'000;
+  timer.cr1 = 0;
+  timer.psc = 0;
+  timer.arr = 0xffffffffu;
+  timer.egr = timer_bits::kUpdate;
+  timer.cr1 = timer_bits::kEnable;
+  processor.rvr = core_hz / 1000 - 1;
+  processor.cvr = 0;
+  processor.csr = kEnable | kCoreClock;
+  std::uint32_t counts[2] = {};
+  bool counted = true;
+  // The flag is cleared by reading it; so the first time only begins the millisecond.
+  for (std::uint32_t& count : counts) {
+    counted = counted && wait_for([&] { return (processor.csr & kCounted) != 0; }, kPolls);
+    count = timer.cnt;
+  }
+  processor.csr = 0;
+  const std::uint32_t mhz = (counts[1] - counts[0] + 500) / 1000;
+  return counted && mhz != 0 && mhz <= 0x10000 ? mhz : expected_mhz;
+}
+
+/// The tick: the processor's own timer (PM0214 4.5), its exception every millisecond, and the count of ticks
+/// that nobody took.
+template <class Word>
+class Tick {
  public:
-  explicit TickTimer(TimerRegisters<Word>& timer) : timer_(timer) {}
+  explicit Tick(SysTickRegisters<Word>& timer) : timer_(timer) {}
 
-  void start(std::uint32_t timer_hz, std::uint32_t period_us) {
-    timer_.cr1 = 0;
-    timer_.psc = timer_hz / 1'000'000 - 1;
-    timer_.arr = period_us - 1;
-    timer_.egr = timer_bits::kUpdate;
-    timer_.sr = 0;  // the write to EGR has set the flag
-    timer_.dier = timer_bits::kUpdate;
-    timer_.cr1 = timer_bits::kEnable | timer_bits::kOnlyOverflow;
+  /// `core_hz`: whole megahertz. Up to 99 ms at 168 MHz.
+  void start(std::uint32_t core_hz, std::uint32_t period_us) {
+    constexpr std::uint32_t kEnable = 1u << 0, kException = 1u << 1, kCoreClock = 1u << 2;
+    timer_.csr = 0;
+    timer_.rvr = core_hz / 1'000'000 * period_us - 1;
+    timer_.cvr = 0;  // whatever is written: begins anew
+    timer_.csr = kEnable | kException | kCoreClock;
   }
 
-  /// The interrupt: clears the flag (written 0, which leaves flags of which 1 is written) and counts.
-  void on_interrupt() {
-    timer_.sr = ~timer_bits::kUpdate;
-    ticks_ = ticks_ + 1;
-  }
+  /// The exception.
+  void on_exception() { ticks_ = ticks_ + 1; }
 
   /// Whether a tick is due; takes it. Of several that are due all are taken, and all but one are missed: the
   /// application sees one long interval.
@@ -74,8 +98,8 @@ class TickTimer {
   std::uint32_t missed() const { return missed_; }
 
  private:
-  TimerRegisters<Word>& timer_;
-  volatile std::uint32_t ticks_ = 0;  // by the interrupt
+  SysTickRegisters<Word>& timer_;
+  volatile std::uint32_t ticks_ = 0;  // by the exception
   std::uint32_t taken_ = 0, missed_ = 0;
 };
 

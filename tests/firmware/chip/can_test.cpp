@@ -231,3 +231,18 @@ TEST_CASE("the error counters are those of the manual's register") {
   model.can.esr.value = 0;
   CHECK_FALSE(can.errors().bus_off);
 }
+
+TEST_CASE("an error on the bus is told once") {
+  CanModel model;
+  Can<Register> can(model.can);
+  // Only the code of the last error can be written (32.9.2 CAN_ESR).
+  model.can.esr.on_write = [](std::uint32_t old, std::uint32_t written) {
+    return (old & ~0x70u) | (written & 0x70u);
+  };
+  model.can.esr.value = 0x0100'0000u | 3u << 4;
+  CHECK(can.take_error());
+  CHECK_FALSE(can.take_error());
+  CHECK(model.can.esr.value == (0x0100'0000u | 7u << 4));
+  model.can.esr.value = 0;  // a frame went well
+  CHECK_FALSE(can.take_error());
+}

@@ -6,6 +6,7 @@
 #include "firmware/chip/stm32f4/gpio.hpp"
 #include "firmware/chip/stm32f4/processor.hpp"
 #include "firmware/chip/stm32f4/timers.hpp"
+#include "firmware/chip/stm32f4/wiring.hpp"
 #include "tests/firmware/chip/model.hpp"
 
 namespace {
@@ -82,11 +83,11 @@ TEST_CASE("a pin is made what it is to be, and the other fifteen stay as they ar
 }
 
 TEST_CASE("the clock counts microseconds at either speed of the chip") {
-  for (const std::uint32_t hz : {84'000'000u, 16'000'000u}) {
+  for (const std::uint32_t mhz : {84u, 16u}) {
     TimerModel model;
     MicrosecondClock<Register> clock(model.timer);
-    clock.start(hz);
-    CHECK(hz / (model.prescaler + 1) == 1'000'000);  // 18.3.1: f(CK_PSC) / (PSC + 1)
+    clock.start(mhz);
+    CHECK(mhz / (model.prescaler + 1) == 1);  // 18.3.1: f(CK_PSC) / (PSC + 1)
     CHECK(model.timer.arr.value == 0xffff'ffffu);
     CHECK((model.timer.cr1.value & 1u) == 1);
     CHECK(model.timer.sr.value == 0);
@@ -95,33 +96,60 @@ TEST_CASE("the clock counts microseconds at either speed of the chip") {
   }
 }
 
-TEST_CASE("the tick comes every 1000 counts of a microsecond, and nobody takes one that was not there") {
+TEST_CASE("a timer's clock is measured against the processor's") {
+  // Each look at the flag takes 10 clocks of the processor; the flag comes every RELOAD + 1 of them.
+  for (const auto& [core_hz, timer_mhz] :
+       {std::pair{168'000'000u, 84u}, {16'000'000u, 16u}, {168'000'000u, 1000u}}) {
+    TimerModel model;
+    SysTickRegisters<Register> processor;
+    std::uint64_t cycles = 0, flagged = 0;
+    processor.csr.on_read = [&](std::uint32_t value) {
+      cycles += 10;
+      const std::uint64_t periods = cycles / (processor.rvr.value + 1);
+      const bool counted = periods > flagged;
+      flagged = periods;
+      return value | (counted ? 1u << 16 : 0u);
+    };
+    model.timer.cnt.on_read = [&, mhz = timer_mhz, hz = core_hz](std::uint32_t) {
+      return static_cast<std::uint32_t>(cycles * mhz * 1'000'000u / hz);
+    };
+    CHECK(measure_mhz(processor, model.timer, core_hz, 1u) == timer_mhz);
+    CHECK(processor.csr.value == 0);  // off, for the tick to begin
+  }
   TimerModel model;
-  TickTimer<Register> tick(model.timer);
-  tick.start(84'000'000, 1000);
-  CHECK((model.prescaler + 1) * (model.timer.arr.value + 1) == 84'000);  // 18.3.1: 84 MHz / 84000 = 1 kHz
-  CHECK(model.timer.dier.value == 1u);
-  CHECK(model.timer.sr.value == 0);  // the update by software is no tick
-  CHECK((model.timer.cr1.value & 5u) == 5u);
-  CHECK_FALSE(tick.take());
+  SysTickRegisters<Register> stopped;
+  CHECK(measure_mhz(stopped, model.timer, 16'000'000u, 16u) == 16);
+}
 
-  model.timer.sr.value = 0x41u;  // an overflow, and a trigger's flag
-  tick.on_interrupt();
-  CHECK(model.timer.sr.value == 0x40u);  // only its own flag is cleared
-  CHECK(tick.take());
-  CHECK_FALSE(tick.take());
-  CHECK(tick.missed() == 0);
+TEST_CASE("the tick comes every millisecond, and nobody takes one that was not there") {
+  for (const std::uint32_t hz : {168'000'000u, 16'000'000u}) {
+    SysTickRegisters<Register> timer;
+    timer.cvr.value = 77;
+    timer.cvr.on_write = [](std::uint32_t, std::uint32_t) { return 0u; };
+    Tick<Register> tick(timer);
+    tick.start(hz, 1000);
+    // PM0214 4.5.2: the exception comes every RELOAD + 1 clocks; RELOAD has 24 bits.
+    CHECK(timer.rvr.value + 1 == hz / 1000);
+    CHECK(timer.rvr.value < 1u << 24);
+    CHECK(timer.cvr.value == 0);
+    CHECK(timer.csr.value == 7u);  // enabled, with its exception, from the core's clock
+    CHECK_FALSE(tick.take());
+    tick.on_exception();
+    CHECK(tick.take());
+    CHECK_FALSE(tick.take());
+    CHECK(tick.missed() == 0);
+  }
 }
 
 TEST_CASE("ticks that nobody took are counted as missed, unless they are skipped") {
-  TimerModel model;
-  TickTimer<Register> tick(model.timer);
+  SysTickRegisters<Register> timer;
+  Tick<Register> tick(timer);
   tick.start(16'000'000, 1000);
-  for (int i = 0; i < 4; ++i) tick.on_interrupt();
+  for (int i = 0; i < 4; ++i) tick.on_exception();
   CHECK(tick.take());
   CHECK_FALSE(tick.take());
   CHECK(tick.missed() == 3);
-  for (int i = 0; i < 250; ++i) tick.on_interrupt();
+  for (int i = 0; i < 250; ++i) tick.on_exception();
   tick.skip();
   CHECK_FALSE(tick.take());
   CHECK(tick.missed() == 3);
@@ -188,13 +216,57 @@ TEST_CASE("the coil's duty is a share of the timer's steps") {
   }
 }
 
-TEST_CASE("an interrupt is let through by its bit alone, and a reset asked for with its key") {
-  Register enable[3];
-  enable_interrupt(enable, Interrupt::tim4);
-  enable_interrupt(enable, Interrupt::tim5);
-  CHECK(enable[0].writes == std::vector<std::uint32_t>{1u << 30});
-  CHECK(enable[1].writes == std::vector<std::uint32_t>{1u << 18});
+TEST_CASE("a reset is asked for with its key") {
   Register aircr;
   request_reset(aircr);
   CHECK(aircr.value == 0x05fa'0004u);
+}
+
+TEST_CASE("the clock of a block is let through by the bit that the manual has for it") {
+  // RM0090 7.3.10 to 7.3.14.
+  const struct {
+    std::uintptr_t block;
+    Register RccRegisters<Register>::*reg;
+    unsigned bit;
+  } cases[] = {
+      {address::kTim2, &RccRegisters<Register>::apb1enr, 0},
+      {address::kTim3, &RccRegisters<Register>::apb1enr, 1},
+      {address::kTim4, &RccRegisters<Register>::apb1enr, 2},
+      {address::kTim5, &RccRegisters<Register>::apb1enr, 3},
+      {address::kTim13, &RccRegisters<Register>::apb1enr, 7},
+      {address::kTim14, &RccRegisters<Register>::apb1enr, 8},
+      {address::kTim9, &RccRegisters<Register>::apb2enr, 16},
+      {address::kUsart1, &RccRegisters<Register>::apb2enr, 4},
+      {address::kUsart2, &RccRegisters<Register>::apb1enr, 17},
+      {address::kUsart3, &RccRegisters<Register>::apb1enr, 18},
+      {address::kCan1, &RccRegisters<Register>::apb1enr, 25},
+      {address::kRandom, &RccRegisters<Register>::ahb2enr, 6},
+      {address::kGpioA, &RccRegisters<Register>::ahb1enr, 0},
+      {address::kGpioA + 4 * address::kGpioStride, &RccRegisters<Register>::ahb1enr, 4},
+  };
+  for (const auto& c : cases) {
+    RccRegisters<Register> rcc;
+    (rcc.*c.reg).value = 1u << 31;
+    enable_block(rcc, c.block);
+    CHECK((rcc.*c.reg).value == (1u << 31 | 1u << c.bit));
+  }
+}
+
+TEST_CASE("a random number is the second of the generator, and there is none without its clock") {
+  RandomRegisters<Register> random;
+  std::uint32_t number = 100;
+  int polls = 0;
+  random.sr.on_read = [&](std::uint32_t) {
+    return (random.cr.value & 4u) != 0 && ++polls % 40 == 0 ? 1u : 0u;
+  };
+  random.dr.on_read = [&](std::uint32_t) { return number++; };
+  // Asked for its flags once more after they said ready: no error then.
+  const auto drawn = draw_random(random);
+  REQUIRE(drawn.ok());
+  CHECK(drawn.value() == 101);
+  CHECK(random.cr.value == 0);
+  random.sr.on_read = [](std::uint32_t) { return 0u; };
+  CHECK(draw_random(random).status() == furcula::Status::disconnected);
+  random.sr.on_read = [](std::uint32_t) { return 1u | 1u << 2; };  // SECS: the same bits all the time
+  CHECK(draw_random(random).status() == furcula::Status::disconnected);
 }

@@ -54,6 +54,8 @@ TEST_CASE("the blocks lie where the memory map of the manual has them") {
   CHECK(address::kRcc == 0x4002'3800);
   CHECK(address::kFlash == 0x4002'3c00);
   CHECK(address::kUniqueId == 0x1fff'7a10);
+  CHECK(address::kRandom == 0x5006'0800);
+  CHECK(address::kSysTick == 0xe000'e010);
 }
 
 TEST_CASE("a condition is looked at so often at most") {
