@@ -15,8 +15,15 @@ constexpr std::string_view kHead = R"(# Modbus
 A board is a Modbus server: over a serial line (RTU) or TCP, with one table of registers. This page is what `furcula bus docs modbus` prints;
 the tables are `common/include/furcula/bus/registers.hpp`, `parameters.hpp` and `node_words.hpp`, and firmware, simulation and host use them.
 
-    furcula monitor --port modbus:/dev/ttyUSB0@115200     # what it does, and why it does not move
-    furcula param list --port modbus:192.168.7.2:1502     # the parameters, with bounds
+    furcula serve                                               # a simulated robot at modbus:127.0.0.1:1502
+    furcula monitor --port modbus:127.0.0.1:1502                # live: what it does, and why it does not move
+    furcula monitor --once --json --port modbus:127.0.0.1:1502  # the same for a program
+    furcula request hop --port modbus:127.0.0.1:1502            # arms it and makes it hop; stop, reset, home, ...
+    furcula param list --port modbus:/dev/ttyUSB0@115200        # over a serial line (8E1; 8N1: @115200,8N1)
+    furcula param set torque_amplitude_nm 2 --port modbus:/dev/ttyUSB0@115200
+    furcula param save --port modbus:/dev/ttyUSB0@115200
+
+Exit statuses: 2 for what cannot be meant, 3 where nothing answers, 4 where the robot refuses; the message says why.
 
 Functions: 3 (read holding registers), 4 (read input registers), 6 and 16 (write one or several holding registers), 43/14 (device identification: vendor,
 board, version and build). Serial: 8 data bits, even parity, 1 stop bit or as the board says; unit 1. A broadcast (unit 0) is done and not answered, as far as it writes.
@@ -68,7 +75,8 @@ std::string modbus_to_markdown() {
 
 The session changes with every request that brought the right one, so a frame that comes a second time, or late, does nothing. It is a guard against accidents, not against
 people: whoever reaches the bus can move the robot. `stop` may be written alone, with function 6. What a person started runs until `stop`, a fault, or the end of the
-power; what a stream of CAN commands ([bus.md](bus.md)) started also stops when the stream is silent for 100 ms.
+power; what a stream of CAN commands ([bus.md](bus.md)) started also stops when the stream is silent for 100 ms. A stream starts it by changing from `stop` to `hop`
+without a gap of 100 ms.
 
 ### Requests
 )";

@@ -17,5 +17,9 @@ void add_bench_command(CLI::App& app);
 void add_bus_command(CLI::App& app);
 void add_energy_command(CLI::App& app);
 void add_reproduce_command(CLI::App& app);
+void add_monitor_command(CLI::App& app);
+void add_param_command(CLI::App& app);
+void add_request_command(CLI::App& app);
+void add_serve_command(CLI::App& app);
 
 }  // namespace furcula::cli

@@ -53,6 +53,10 @@ void run(int argc, char** argv) {
   furcula::cli::add_bus_command(app);
   furcula::cli::add_energy_command(app);
   furcula::cli::add_reproduce_command(app);
+  furcula::cli::add_monitor_command(app);
+  furcula::cli::add_param_command(app);
+  furcula::cli::add_request_command(app);
+  furcula::cli::add_serve_command(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {

@@ -1,0 +1,137 @@
+// `furcula param` and `furcula request`: a robot's parameters, and what it is asked to do.
+#include <charconv>
+#include <cstdio>
+#include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host/cli/commands.hpp"
+#include "host/cli/robot.hpp"
+#include "host/log/message.hpp"
+
+namespace furcula::cli {
+namespace {
+
+struct Options {
+  RobotOptions robot;
+  std::string name, value;
+  bool json = false;
+};
+
+const bus::Parameter& parameter(const std::string& name) {
+  if (const bus::Parameter* p = bus::parameter_named(name)) return *p;
+  std::vector<std::string_view> names;
+  for (const bus::Parameter& p : bus::kParameters) names.push_back(p.name);
+  throw UsageError("no parameter " + log::quoted(name) + log::did_you_mean(name, names) +
+                   "; furcula param list shows them");
+}
+
+/// In decimal, as short as it reads back to the same float.
+std::string text(float value) {
+  char digits[32];
+  const auto [end, error] = std::to_chars(digits, digits + sizeof digits, value);
+  return {digits, end};
+}
+
+float number(const bus::Parameter& p, const std::string& value) {
+  float x = 0.0f;
+  const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), x);
+  const bool read = error == std::errc{} && end == value.data() + value.size();
+  if (read && bus::allows(p, x)) return x;
+  throw UsageError(std::string(p.name) + " cannot be " + log::quoted(value) + "; expected " +
+                   (p.whole ? "a whole number" : "a number") + " from " + text(p.least) + " to " +
+                   text(p.most) + (p.unit.empty() ? "" : " " + std::string(p.unit)));
+}
+
+void list(const Options& options) {
+  const std::vector<float> values = connect(options.robot).parameters();
+  if (options.json) {
+    nlohmann::ordered_json out;
+    for (std::size_t i = 0; i < values.size(); ++i)
+      out[std::string(bus::kParameters[i].name)] = static_cast<double>(values[i]);
+    std::cout << out.dump(2) << "\n";
+    return;
+  }
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const bus::Parameter& p = bus::kParameters[i];
+    char line[200];
+    std::snprintf(line, sizeof line, "%-26s %12s %-10s %s to %s", std::string(p.name).c_str(),
+                  text(values[i]).c_str(), std::string(p.unit).c_str(), text(p.least).c_str(),
+                  text(p.most).c_str());
+    std::cout << line << "  " << p.meaning << "\n";
+  }
+}
+
+void get(const Options& options) {
+  const bus::Parameter& p = parameter(options.name);
+  std::cout << text(connect(options.robot).parameters()[p.number - 1u]) << "\n";
+}
+
+void set(const Options& options) {
+  const bus::Parameter& p = parameter(options.name);
+  const float value = number(p, options.value);
+  connect(options.robot).write(p, value);
+}
+
+bus::Request request_named(const std::string& name) {
+  for (const bus::Word& w : bus::kRequests)
+    if (w.name == name) return static_cast<bus::Request>(w.number);
+  throw UsageError("no request " + log::quoted(name));
+}
+
+/// `hop` arms it first.
+void ask(const Options& options, bus::Request request) {
+  modbus::Client robot = connect(options.robot);
+  if (request == bus::Request::hop) robot.request(bus::Request::arm);
+  robot.request(request);
+}
+
+/// A robot's refusal is the command's.
+template <class Run>
+auto guarded(const std::shared_ptr<Options>& options, Run run) {
+  return [options, run] {
+    try {
+      run(*options);
+    } catch (const modbus::Refused& e) {
+      throw Refusal(e.what());
+    }
+  };
+}
+
+}  // namespace
+
+void add_param_command(CLI::App& app) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* group = app.add_subcommand("param", "A robot's parameters: list, get, set, save");
+  group->require_subcommand(1);
+  const auto add = [&](const char* name, const char* what, auto run) {
+    CLI::App* command = group->add_subcommand(name, what);
+    add_robot_options(*command, options->robot);
+    command->callback(guarded(options, run));
+    return command;
+  };
+  add("list", "Print all parameters with their bounds", list)
+      ->add_flag("--json", options->json, "Names and values as JSON");
+  add("get", "Print one parameter", get)->add_option("NAME", options->name, "Its name")->required();
+  CLI::App* setting = add("set", "Write one parameter; not while it is armed or runs", set);
+  setting->add_option("NAME", options->name, "Its name")->required();
+  setting->add_option("VALUE", options->value, "A number within its bounds")->required();
+  add("save", "Keep the parameters over a restart", [](const Options& o) { ask(o, bus::Request::save); });
+}
+
+void add_request_command(CLI::App& app) {
+  const auto options = std::make_shared<Options>();
+  std::vector<std::string> names;
+  for (const bus::Word& w : bus::kRequests)
+    if (w.number != 0 && w.name != "arm") names.emplace_back(w.name);
+  CLI::App* command =
+      app.add_subcommand("request", "Ask a robot to hop (it is armed first), stop, reset, home, ...");
+  add_robot_options(*command, options->robot);
+  command->add_option("REQUEST", options->name, "What it is to do")->required()->check(CLI::IsMember(names));
+  command->callback(guarded(options, [](const Options& o) { ask(o, request_named(o.name)); }));
+}
+
+}  // namespace furcula::cli

@@ -1,0 +1,76 @@
+// `furcula serve`: the simulated rig in real time behind Modbus/TCP, to try the other commands on.
+#include <chrono>
+#include <csignal>
+#include <ctime>
+#include <iostream>
+#include <memory>
+#include <random>
+#include <string>
+#include <thread>
+
+#include "host/cli/commands.hpp"
+#include "host/cli/errors.hpp"
+#include "host/modbus/tcp_server.hpp"
+#include "host/model/reader.hpp"
+#include "host/sim/live_rig.hpp"
+
+namespace furcula::cli {
+namespace {
+
+struct Options {
+  std::string model, scenario, store;
+  std::string address = "127.0.0.1";
+  int port = 1502;
+  std::uint64_t seed = 0;
+  double duration_s = 0.0;
+};
+
+volatile std::sig_atomic_t ended = 0;
+
+void run(const Options& options) {
+  const model::Model model = options.model.empty() ? sim::example_hopper() : model::read_model(options.model);
+  if (!dynamics::is_hopper(model.kind)) throw UsageError("--model: furcula serve needs a hopper");
+  const sim::Scenario scenario =
+      options.scenario.empty() ? sim::default_scenario(model) : sim::read_scenario(options.scenario, model);
+  const bus::Identity identity{"sim_host", FURCULA_VERSION, FURCULA_VERSION_NUMBER, 0};
+  sim::LiveRig rig(model, scenario, options.seed, options.store, identity,
+                   static_cast<std::uint16_t>(std::random_device{}()));
+  const modbus::TcpServer server(options.address, options.port,
+                                 [&rig](bus::TcpConnection& c) { return rig.answer(c); });
+  std::signal(SIGINT, [](int) { ended = 1; });
+  std::signal(SIGTERM, [](int) { ended = 1; });
+  std::cout << "a simulated robot answers at modbus:" << options.address << ":" << server.port() << "\n"
+            << std::flush;
+  using Clock = std::chrono::steady_clock;
+  const auto begin = Clock::now();
+  for (std::int64_t done_ms = 0; ended == 0;) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    const auto due_ms = std::chrono::duration_cast<std::chrono::milliseconds>(Clock::now() - begin).count();
+    rig.advance(static_cast<int>(due_ms - done_ms));
+    done_ms = due_ms;
+    if (options.duration_s > 0.0 && static_cast<double>(due_ms) >= options.duration_s * 1000.0) break;
+  }
+}
+
+}  // namespace
+
+void add_serve_command(CLI::App& app) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* command =
+      app.add_subcommand("serve", "A simulated robot in real time behind Modbus/TCP, for monitor and param");
+  command->add_option("--model", options->model, "Hopper model (TOML); without it the example's");
+  command->add_option("--scenario", options->scenario,
+                      "Scenario file (TOML): start, torque, sensors, faults");
+  command->add_option("--store", options->store, "File that keeps its parameters; without it none does");
+  command->add_option("--address", options->address, "IPv4 address to listen on")->capture_default_str();
+  command->add_option("--tcp-port", options->port, "Port to listen on; 0: any that is not used")
+      ->check(CLI::Range(0, 65535))
+      ->capture_default_str();
+  command->add_option("--seed", options->seed, "Seed of the sensors' errors")->capture_default_str();
+  command->add_option("--duration", options->duration_s, "Seconds until it ends; 0: until it is interrupted")
+      ->check(CLI::Range(0.0, 4e6))
+      ->capture_default_str();
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace furcula::cli

@@ -1,0 +1,51 @@
+// A robot at the other end of Modbus: what it shows, its parameters, requests to it. The only file that knows
+// libmodbus's master is client.cpp.
+#pragma once
+
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "furcula/bus/node_words.hpp"
+#include "furcula/bus/parameters.hpp"
+#include "furcula/bus/registers.hpp"
+#include "host/modbus/port.hpp"
+
+namespace furcula::modbus {
+
+/// The robot understood and did not do it; the message says why.
+struct Refused : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// Vendor, board, version and build, as the robot says them.
+struct DeviceNames {
+  std::string vendor, board, revision;
+};
+
+/// Not for several threads. Every function may throw log::DataError (no answer within the time, a broken one,
+/// another version of the table), naming the port.
+class Client {
+ public:
+  /// Opens the port and checks that what answers has our table.
+  explicit Client(const Port& port, int unit = 1);
+  ~Client();
+  Client(Client&&) noexcept;
+  Client& operator=(Client&&) noexcept;
+
+  bus::Snapshot snapshot();
+  DeviceNames names();
+  /// In the order of bus::kParameters.
+  std::vector<float> parameters();
+  /// @throws Refused
+  void write(const bus::Parameter& parameter, float value);
+  /// Reads the session and sends key, session and request; `stop` without them. @throws Refused
+  void request(bus::Request request);
+
+ private:
+  struct Link;
+  std::unique_ptr<Link> link_;
+};
+
+}  // namespace furcula::modbus

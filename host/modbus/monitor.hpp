@@ -1,0 +1,21 @@
+// What a robot shows, as a person or a program reads it.
+#pragma once
+
+#include <string>
+
+#include "furcula/bus/registers.hpp"
+#include "host/modbus/client.hpp"
+
+namespace furcula::modbus {
+
+/// Why it does not move, in words; where a fault holds it, with the fault's meaning and remedy.
+std::string reason_text(const bus::Snapshot& snapshot);
+
+/// A page of some lines, without control characters.
+std::string to_text(const bus::Snapshot& snapshot, const DeviceNames& names);
+
+/// One line: an object with every input register by its name, and `state_name`, `reason_text`, `fault_name`,
+/// `board`, `revision`. What is not a number is null.
+std::string to_json(const bus::Snapshot& snapshot, const DeviceNames& names);
+
+}  // namespace furcula::modbus

@@ -1,0 +1,123 @@
+#include "host/sim/live_rig.hpp"
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <mutex>
+#include <vector>
+
+#include "boards/sim_host/board.hpp"
+#include "firmware/app/node_registers.hpp"
+#include "furcula/core/crc32.hpp"
+#include "host/log/atomic_file.hpp"
+#include "host/log/error.hpp"
+#include "host/model/reader.hpp"
+#include "host/sim/simulate.hpp"
+
+namespace furcula::sim {
+namespace {
+
+/// The image and its CRC-32, in a file that is replaced as a whole.
+class FileStore {
+ public:
+  explicit FileStore(std::string path) : path_(std::move(path)) {}
+
+  Result<std::size_t> load(std::span<std::uint8_t> into) const {
+    if (path_.empty() || !std::filesystem::exists(path_)) return std::size_t{0};
+    std::ifstream in(path_, std::ios::binary);
+    const std::vector<std::uint8_t> bytes{std::istreambuf_iterator<char>(in), {}};
+    if (bytes.size() < 4 || bytes.size() - 4 > into.size()) return Status::invalid;
+    const std::size_t size = bytes.size() - 4;
+    const std::uint32_t crc = crc32(std::span(bytes).first(size));
+    for (std::size_t i = 0; i < 4; ++i)
+      if (bytes[size + i] != (crc >> 8 * i & 0xffu)) return Status::invalid;
+    std::copy_n(bytes.begin(), size, into.begin());
+    return size;
+  }
+
+  Status save(std::span<const std::uint8_t> image) const {
+    if (path_.empty()) return Status::disconnected;
+    std::string bytes(image.begin(), image.end());
+    const std::uint32_t crc = crc32(image);
+    for (std::size_t i = 0; i < 4; ++i) bytes += static_cast<char>(crc >> 8 * i & 0xffu);
+    try {
+      log::write_file_atomically(path_, bytes);
+    } catch (const log::OutputError&) {
+      return Status::disconnected;
+    }
+    return Status::ok;
+  }
+
+ private:
+  std::string path_;
+};
+
+sim_host::RigConfig endless(sim_host::RigConfig rig) {
+  rig.duration_s = 4e6;  // 46 days: what a counter of ticks holds
+  return rig;
+}
+
+}  // namespace
+
+model::Model example_hopper() {
+  return model::parse_model(R"([model]
+kind = "hopper_nonlinear"
+schema = 1
+
+[parameters]
+mass_kg = 1.554
+stiffness_npm = 605.0
+rest_height_m = 0.282
+damping_stance_nspm = 5.0
+damping_flight_nspm = 1.0
+restitution_touchdown = 0.95
+restitution_liftoff = 0.98
+link_length_m = 0.15
+touchdown_angle_rad = 0.349
+gravity_mps2 = 9.81
+inertia_a_kgm2 = 42e-4
+inertia_b_kgm = 75e-4
+inertia_e_kgm = 38e-3
+release_delay_s = 0.02
+catch_delay_s = 0.02
+auxiliary_stiffness_npm = 20.0
+tooth_pitch_m = 4.2857e-3
+)",
+                            "example");
+}
+
+struct LiveRig::Parts {
+  Parts(const model::Model& model, const Scenario& scenario, std::uint64_t seed, const std::string& path,
+        const bus::Identity& identity, std::uint16_t session_seed)
+      : board(endless(rig_config(model, scenario, seed))),
+        store(path),
+        node(board, store, controller_config(model, scenario), identity, session_seed) {}
+
+  std::mutex mutex;
+  sim_host::SimBoard board;
+  FileStore store;
+  firmware::Node<sim_host::SimBoard, FileStore> node;
+  firmware::NodeRegisters<firmware::Node<sim_host::SimBoard, FileStore>> registers{node};
+};
+
+LiveRig::LiveRig(const model::Model& model, const Scenario& scenario, std::uint64_t seed,
+                 const std::string& store, const bus::Identity& identity, std::uint16_t session_seed)
+    : parts_(std::make_unique<Parts>(model, scenario, seed, store, identity, session_seed)) {}
+LiveRig::~LiveRig() = default;
+
+void LiveRig::advance(int ticks) {
+  const std::lock_guard lock(parts_->mutex);
+  for (int i = 0; i < ticks && parts_->board.wait_for_tick(); ++i) parts_->node.tick();
+}
+
+bus::Snapshot LiveRig::snapshot() const {
+  const std::lock_guard lock(parts_->mutex);
+  return parts_->node.snapshot();
+}
+
+std::span<const std::uint8_t> LiveRig::answer(bus::TcpConnection& connection) {
+  const std::lock_guard lock(parts_->mutex);
+  return connection.answer(parts_->registers, parts_->node.bus_counts());
+}
+
+}  // namespace furcula::sim

@@ -1,0 +1,29 @@
+// A simulated robot behind Modbus/TCP whose time goes on only when a test says so.
+#pragma once
+
+#include <string>
+
+#include "host/modbus/tcp_server.hpp"
+#include "host/sim/live_rig.hpp"
+
+namespace furcula::test {
+
+inline sim::Scenario hopping(const model::Model& model) {
+  sim::Scenario scenario = sim::default_scenario(model);
+  scenario.amplitude = 2.0;
+  return scenario;
+}
+
+struct Robot {
+  model::Model model = sim::example_hopper();
+  sim::LiveRig rig;
+  modbus::TcpServer server;
+
+  explicit Robot(const std::string& store = "", const std::string& address = "127.0.0.1")
+      : rig(model, hopping(model), 1, store, {"sim_host", "9.8.7 build 6", 0x090807, 6}, 77),
+        server(address, 0, [this](bus::TcpConnection& c) { return rig.answer(c); }) {}
+
+  std::string port() const { return "modbus:127.0.0.1:" + std::to_string(server.port()); }
+};
+
+}  // namespace furcula::test
