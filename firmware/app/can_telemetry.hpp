@@ -7,12 +7,13 @@
 #include "firmware/app/can_frames.hpp"
 #include "furcula/bus/codec.hpp"
 #include "furcula/bus/messages.hpp"
+#include "furcula/bus/node_words.hpp"
 #include "furcula/bus/stream.hpp"
 
 namespace furcula::firmware {
 
 /// As in the heartbeat's signal State.
-enum class NodeState : std::uint8_t { starting = 0, idle = 1, running = 2, fault = 3 };
+using bus::NodeState;
 
 struct CanTelemetryConfig {
   std::uint8_t node = 1;

@@ -63,11 +63,6 @@ bus::Identity identity() {
   return {FURCULA_BOARD, {identity_text.data(), identity_text.size()}, FURCULA_VERSION_NUMBER, build};
 }
 
-/// As the heartbeat has it, which knows four states.
-firmware::NodeState shown_state(bus::NodeState state) {
-  return state == bus::NodeState::armed ? firmware::NodeState::idle : static_cast<firmware::NodeState>(state);
-}
-
 /// A command frame of the CAN bus, if one came.
 void obey_stream(RobotBoard& board, RobotNode& node) {
   const firmware::CanRequest heard = board.link().take_request();
@@ -107,7 +102,7 @@ int main() {
   static firmware::NodeRegisters<RobotNode> registers(node);
   board.start_ticks();
   while (board.wait_for_tick()) {
-    board.set_state(shown_state(node.state()));
+    board.set_state(node.state());
     node.tick();
     obey_stream(board, node);
     board.serve(registers, node.bus_counts());
