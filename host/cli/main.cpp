@@ -51,6 +51,7 @@ void run(int argc, char** argv) {
   furcula::cli::add_check_command(app);
   furcula::cli::add_bench_command(app);
   furcula::cli::add_bus_command(app);
+  furcula::cli::add_flash_command(app);
   furcula::cli::add_energy_command(app);
   furcula::cli::add_reproduce_command(app);
   furcula::cli::add_monitor_command(app);
