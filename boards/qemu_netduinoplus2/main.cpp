@@ -37,18 +37,20 @@ class InstructionCounter {
   std::uint32_t overhead_ = 0;
 };
 
+/// Not on the stack, which would keep room for it all the time.
+constinit pil::Begin first_message;
+
 class QemuBoard {
  public:
   /// Opens the pipes and waits for the host's first message.
-  control::Config begin() {
+  const control::Config& begin() {
     using semihosting::Mode;
     in_ = semihosting::open(pil::kToBoard, sizeof(pil::kToBoard) - 1, Mode::read_binary);
     out_ = semihosting::open(pil::kFromBoard, sizeof(pil::kFromBoard) - 1, Mode::write_binary);
     if (in_ < 0 || out_ < 0) semihosting::exit(kNoPipes);
-    pil::Begin message;
-    receive(message);
-    if (message.kind != pil::kBegin) semihosting::exit(kBadMessage);
-    return message.config;
+    receive(first_message);
+    if (first_message.kind != pil::kBegin) semihosting::exit(kBadMessage);
+    return first_message.config;
   }
 
   bool wait_for_tick() {

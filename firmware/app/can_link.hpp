@@ -43,6 +43,9 @@ struct CanLinkConfig {
   std::uint32_t disobeys_us = 50000;
   /// Of command frames, as bus/stream.hpp has them.
   bus::StreamLimits requests{0.020f, 0.100f};
+  /// So many frames lost, unanswered or out of order, less one in ten ticks, are a bus that cannot be relied
+  /// on.
+  std::uint32_t troubles_max = 10;
 };
 
 /// Whether every number makes sense.
@@ -240,6 +243,7 @@ class CanLink {
     sample.leg_angle_rad = drive_.leg_angle_rad;
     sample.age_us = drive_heard_.age_us(now_us);
     control::Fault fault = bus_off_ ? control::Fault::bus_off : drive_fault(now_us);
+    const bool unreliable = note_troubles();
     bool heard = drive_heard_.heard;
     if (config_.height_node != 0) {
       sample.height_count = height_.count();
@@ -251,6 +255,7 @@ class CanLink {
       heard = listen(cable_, now_us, sample, fault) && heard;
       if (!cable_.homed() && fault == control::Fault::none) fault = control::Fault::cable_implausible;
     }
+    if (unreliable && fault == control::Fault::none) fault = control::Fault::bus_unreliable;
     sample.reported_fault = static_cast<std::uint32_t>(fault);
     // Silence of what was heard before is told by its fault, and so by its name.
     if (!sound_ || (!heard && fault == control::Fault::none)) return Status::disconnected;
@@ -352,6 +357,20 @@ class CanLink {
     return control::Fault::none;
   }
 
+  /// One tick's. @returns whether there were too many of late.
+  bool note_troubles() {
+    const std::uint32_t all = statistics_.lost + statistics_.out_of_order + statistics_.unanswered;
+    std::uint32_t added = all - troubles_before_;
+    troubles_before_ = all;
+    if (added > 2u * config_.troubles_max) added = 2u * config_.troubles_max;
+    if (trouble_tenths_ > 0) --trouble_tenths_;
+    trouble_tenths_ += 10u * added;
+    // A bus that is well again is believed after a while.
+    const std::uint32_t most = 20u * config_.troubles_max;
+    if (trouble_tenths_ > most) trouble_tenths_ = most;
+    return trouble_tenths_ > 10u * config_.troubles_max;
+  }
+
   /// Adds an encoder to the sample's age. @returns whether it was ever heard.
   bool listen(CanEncoder& encoder, std::uint32_t now_us, control::Sample& sample, control::Fault& fault) {
     const std::uint32_t age_us = encoder.age_us(now_us);
@@ -391,6 +410,7 @@ class CanLink {
   LastHeard drive_heard_, requested_;
   std::array<float, kCommandsKept> commanded_{};  ///< N m, of the last ticks: the drive lags by one or two
   std::uint32_t next_commanded_ = 0, entered_ = 0, awaited_ = 0, disobeys_since_us_ = 0;
+  std::uint32_t troubles_before_ = 0, trouble_tenths_ = 0;
   bool disobeys_ = false, bus_off_ = false;
   bus::Stream request_stream_;
   CanRequest request_;

@@ -169,3 +169,45 @@ TEST_CASE_METHOD(Fixture, "the first fault is kept, not the last") {
   late.tick_interval_us = 5000;
   CHECK(after(late) == Fault::stale_input);
 }
+
+TEST_CASE_METHOD(Fixture, "a height that moves faster than a body can fall has jumped") {
+  auto seen = sound(0.35f);
+  // 5.5 m/s is 5.5 mm a tick, and 2 mm for noise; twice the ticks, twice the way.
+  seen.height_step_m = -0.0074f;
+  CHECK(after(seen) == Fault::none);
+  seen.height_step_m = 0.0129f;
+  seen.step_ticks = 2;
+  CHECK(after(seen) == Fault::none);
+  seen.step_ticks = 1;
+  CHECK(after(seen) == Fault::encoder_jump);
+}
+
+TEST_CASE_METHOD(Fixture, "a switch that changes on each tick is found within 30, one that bounces is not") {
+  for (int stride = 0; stride < 20; ++stride)
+    for (int tick = 0; tick < 400; ++tick) {
+      auto seen = sound(kTouchdown - 0.005f);
+      seen.contact_reading = tick < 5 ? tick % 2 == 0 : tick < 200;
+      REQUIRE(after(seen) == Fault::none);
+    }
+  int ticks = 0;
+  auto seen = sound(kTouchdown - 0.005f);
+  for (; ticks < 100; ++ticks) {
+    seen.contact_reading = ticks % 2 == 0;
+    if (after(seen) != Fault::none) break;
+  }
+  CHECK(state.fault == Fault::contact_implausible);
+  CHECK(ticks < 30);
+}
+
+TEST_CASE_METHOD(Fixture,
+                 "a fault that a device reports is the fault, one that is none of the table a lost peer") {
+  auto seen = sound(0.35f);
+  SECTION("its own") {
+    seen.reported_fault = 12;
+    CHECK(after(seen) == Fault::drive_fault);
+  }
+  SECTION("none of the table") {
+    seen.reported_fault = 4711;
+    CHECK(after(seen) == Fault::peer_lost);
+  }
+}

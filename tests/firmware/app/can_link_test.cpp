@@ -261,6 +261,24 @@ TEST_CASE("repeated, reordered, stale and foreign frames and other versions are 
   CHECK(b.link.sample(b.now_us).value().height_count == 8);
 }
 
+TEST_CASE(
+    "single frames are lost now and then without a fault, one in three is a bus that cannot be relied on") {
+  Bus b;
+  for (int i = 0; i < 5; ++i) b.tick();
+  for (int i = 0; i < 3600; ++i) {
+    b.tick(i % 20 != 0, i % 20 != 10);
+    REQUIRE(b.fault() == Fault::none);
+  }
+  int ticks = 0;
+  Fault found = Fault::none;
+  for (; found == Fault::none && ticks < 1000; ++ticks) {
+    b.tick(ticks % 3 != 0);
+    found = b.fault();
+  }
+  CHECK(found == Fault::bus_unreliable);
+  CHECK(ticks < 60);
+}
+
 TEST_CASE("a bus that is off is a fault until it has recovered") {
   Bus b;
   for (int i = 0; i < 5; ++i) b.tick();

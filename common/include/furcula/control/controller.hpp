@@ -116,13 +116,17 @@ inline Status check(const Config& c) {
                             c.phase.touchdown_height_m,
                             c.limits.torque_nm,
                             c.limits.torque_rate_nmps,
-                            c.gravity_mps2};
+                            c.gravity_mps2,
+                            c.supervisor.speed_max_mps,
+                            c.supervisor.contact_changes_max,
+                            c.supervisor.contact_changes_per_s};
   const float any_sign[] = {
       c.phase.touchdown_margin_m,     c.phase.touchdown_velocity_max_mps, c.phase.liftoff_margin_m,
       c.phase.latest_report_s,        c.phase.shortest_stance_s,          c.torque.amplitude_nm,
       c.supervisor.height_min_m,      c.supervisor.height_max_m,          c.supervisor.leg_angle_min_rad,
       c.supervisor.leg_angle_max_rad, c.supervisor.height_mismatch_m,     c.supervisor.flexed_leg_m,
-      c.supervisor.contact_margin_m,  c.supervisor.implausible_closed_s,  c.supervisor.implausible_open_s};
+      c.supervisor.contact_margin_m,  c.supervisor.implausible_closed_s,  c.supervisor.implausible_open_s,
+      c.supervisor.step_margin_m};
   for (const float x : positive)
     if (!is_finite(x) || x <= 0.0f) return Status::invalid;
   for (const float x : any_sign)
@@ -149,7 +153,15 @@ inline State begin(const Config& config) {
 /// One tick, `dt_s` after the last (the nominal period: that a tick was late is an input).
 inline Outputs step(const Config& config, State& state, const Inputs& inputs, float dt_s) {
   // One lost sample is bridged with the last one; what it measures is then one tick older.
+  Observation seen;
+  seen.step_ticks = state.missed_samples + 1;
   if (inputs.sample_valid) {
+    // Counted from the start, not from home, which a person may set anew. Before the first tick there is
+    // none.
+    if (state.height.filled > 0)
+      seen.height_step_m =
+          static_cast<float>(count_difference(inputs.sample.height_count, state.last_sample.height_count)) *
+          config.height.metres_per_count;
     state.last_sample = inputs.sample;
     state.missed_samples = 0;
   } else {
@@ -171,7 +183,6 @@ inline Outputs step(const Config& config, State& state, const Inputs& inputs, fl
   if (inputs.reset && state.supervisor.fault != Fault::none)
     restart_clutch(state.clutch, config.clutch, cable_count);
 
-  Observation seen;
   seen.tick_interval_us = inputs.tick_interval_us;
   seen.reported_fault = sample.reported_fault;
   seen.missed_samples = state.missed_samples;

@@ -33,6 +33,7 @@ enum class Fault : std::uint8_t {
   task_stuck = 18,
   processor_fault = 19,
   parameters_lost = 20,
+  bus_unreliable = 21,
 };
 
 struct FaultInfo {
@@ -42,7 +43,7 @@ struct FaultInfo {
   std::string_view remedy;  ///< what a person should do
 };
 
-inline constexpr std::size_t kFaultCount = 21;
+inline constexpr std::size_t kFaultCount = 22;
 inline constexpr std::array<FaultInfo, kFaultCount> kFaults{{
     {Fault::none, "none", "No fault.", "Nothing."},
     {Fault::bad_configuration, "bad_configuration",
@@ -99,6 +100,9 @@ inline constexpr std::array<FaultInfo, kFaultCount> kFaults{{
     {Fault::parameters_lost, "parameters_lost",
      "No slot of the flash holds whole parameters: those of the image are in use.",
      "Set the parameters and save them; then reset."},
+    {Fault::bus_unreliable, "bus_unreliable",
+     "Too many of the bus's frames were lost, unanswered or out of order in a short time.",
+     "Look at the bus's load, its cable and its terminating resistors; then reset."},
 }};
 
 constexpr const FaultInfo& info(Fault fault) { return kFaults[static_cast<std::size_t>(fault)]; }

@@ -29,6 +29,15 @@ struct SupervisorConfig {
   float contact_margin_m = 0.03f;
   float implausible_closed_s = 0.02f;
   float implausible_open_s = 0.05f;
+  /// A body on the rail is no faster than a fall from its end, sqrt(2 * 9.81 * 1.5); a count that moves
+  /// further between two samples has jumped. The margin is for noise and for when exactly the samples were
+  /// taken; m/s, m.
+  float speed_max_mps = 5.5f;
+  float step_margin_m = 0.002f;
+  /// The switch bounces for 4 ms after a change, and there are two changes in a stride. So many changes, less
+  /// those that a rate explains, are chatter; 1/s.
+  float contact_changes_max = 20.0f;
+  float contact_changes_per_s = 100.0f;
   /// The clutch's cable, from home; beyond either the encoder has lost its count; m.
   float cable_travel_min_m = -0.003f;
   float cable_travel_max_m = 0.11f;
@@ -43,6 +52,9 @@ struct Observation {
   std::uint32_t sample_age_us = 0;
   float height_m = 0.0f;
   float above_touchdown_m = 0.0f;  ///< the height less the touch-down height
+  /// By which the height's counter moved since the sample before, and so many ticks lie between them.
+  float height_step_m = 0.0f;
+  std::uint32_t step_ticks = 1;
   float leg_angle_rad = 0.0f;
   float leg_height_m = 0.0f;  ///< 2 L cos(leg angle)
   bool contact_reading = false;
@@ -53,9 +65,12 @@ struct Observation {
 struct SupervisorState {
   Fault fault = Fault::none;  ///< latched: the first since the last reset
   std::uint32_t implausible_contact_ticks = 0;
+  float contact_changes = 0.0f;  ///< of late, see SupervisorConfig
+  bool last_reading = false;
 };
 
-/// The fault of this tick alone, or none. Counts how long the switch has been implausible.
+/// The fault of this tick alone, or none. Counts how long the switch has been implausible and how often it
+/// changes.
 inline Fault find_fault(const SupervisorConfig& config, SupervisorState& state, const Observation& seen,
                         float dt_s) {
   if (seen.tick_interval_us > config.tick_interval_max_us) return Fault::late_tick;
@@ -68,6 +83,9 @@ inline Fault find_fault(const SupervisorConfig& config, SupervisorState& state, 
     return Fault::height_out_of_range;
   if (seen.leg_angle_rad < config.leg_angle_min_rad || seen.leg_angle_rad > config.leg_angle_max_rad)
     return Fault::leg_angle_out_of_range;
+  const float step_max_m =
+      config.speed_max_mps * dt_s * static_cast<float>(seen.step_ticks) + config.step_margin_m;
+  if (seen.height_step_m > step_max_m || seen.height_step_m < -step_max_m) return Fault::encoder_jump;
   const float mismatch_m = seen.height_m - seen.leg_height_m;
   // How much shorter the leg is than at touch-down.
   const float leg_flexed_m = mismatch_m - seen.above_touchdown_m;
@@ -83,6 +101,11 @@ inline Fault find_fault(const SupervisorConfig& config, SupervisorState& state, 
   if (static_cast<float>(state.implausible_contact_ticks) * dt_s >
       (seen.contact_reading ? config.implausible_closed_s : config.implausible_open_s))
     return Fault::contact_implausible;
+  state.contact_changes -= config.contact_changes_per_s * dt_s;
+  if (state.contact_changes < 0.0f) state.contact_changes = 0.0f;
+  if (seen.contact_reading != state.last_reading) state.contact_changes += 1.0f;
+  state.last_reading = seen.contact_reading;
+  if (state.contact_changes > config.contact_changes_max) return Fault::contact_implausible;
   if (seen.cable_travel_m < config.cable_travel_min_m || seen.cable_travel_m > config.cable_travel_max_m)
     return Fault::cable_implausible;
   if (seen.missed_catches >= config.missed_catches_max) return Fault::clutch_not_caught;
