@@ -72,7 +72,7 @@ class SimBoard {
     if (started_) {
       pass_millisecond();
       for (const PlannedFault& fault : config_.faults)
-        if (fault.kind == RigFault::late_tick && starts_now(fault))
+        if (delays_tick(fault.kind) && starts_now(fault))
           for (double late_s = 0.0; late_s < fault.duration_s - 1e-9; late_s += kPeriodS) pass_millisecond();
     }
     started_ = true;
@@ -134,6 +134,14 @@ class SimBoard {
   /// What the drive's current says of its torque, once the command of this tick has arrived.
   double measured_torque_nm() { return drive_.shows(static_cast<double>(command_.torque_nm), kPeriodS); }
   void request_reset() { reset_requested_ = true; }
+  /// Whether such a fault is planted at this tick.
+  bool active(RigFault kind) const {
+    for (const PlannedFault& fault : config_.faults)
+      if (fault.kind == kind && time_s() >= fault.time_s - 1e-9 &&
+          time_s() < fault.time_s + fault.duration_s - 1e-9)
+        return true;
+    return false;
+  }
 
  private:
   void pass_millisecond() {
@@ -148,8 +156,14 @@ class SimBoard {
 
   double coil_volts() const {
     const double supply_v = config_.coil_supply_v * (active(RigFault::supply_sag) ? 0.8 : 1.0);
-    if (active(RigFault::coil_open)) return 0.0;
-    return supply_v * (active(RigFault::coil_stuck_on) ? 1.0 : static_cast<double>(command_.coil_duty));
+    if (config_.faults.empty()) return supply_v * static_cast<double>(command_.coil_duty);
+    // A key that sticks is one that the coil does not pull, or one that the coil holds.
+    if (active(RigFault::coil_open) || active(RigFault::coil_shorted)) return 0.0;
+    const bool caught = plant_.clutched() == nullptr || plant_.clutched()->caught();
+    if (active(RigFault::key_stuck_caught) && caught) return 0.0;
+    const bool held = active(RigFault::key_stuck_released) && !caught;
+    return supply_v *
+           (held || active(RigFault::coil_stuck_on) ? 1.0 : static_cast<double>(command_.coil_duty));
   }
 
   /// At the apex, under the toe.
@@ -163,18 +177,11 @@ class SimBoard {
     return fault.time_s <= time_s() + 1e-9 && fault.time_s > time_s() - kPeriodS + 1e-9;
   }
 
-  bool active(RigFault kind) const {
-    for (const PlannedFault& fault : config_.faults)
-      if (fault.kind == kind && time_s() >= fault.time_s - 1e-9 &&
-          time_s() < fault.time_s + fault.duration_s - 1e-9)
-        return true;
-    return false;
-  }
-
   void measure() {
     const bool faults = !config_.faults.empty();
     const bool reading = switch_.read(plant_, static_cast<double>(command_.torque_nm), time_s());
-    const double height_m = encoder_.measure(sensing_.measured(plant_.height_m()));
+    double height_m = encoder_.measure(sensing_.measured(plant_.height_m()));
+    if (faults) height_m += miscounted_m(height_m);
     if (faults && active(RigFault::encoder_frozen)) {
       sample_.age_us += 1000;
       return;
@@ -204,8 +211,21 @@ class SimBoard {
     }
     if (active(RigFault::switch_stuck_open)) sample_.contact = 0;
     if (active(RigFault::switch_stuck_closed)) sample_.contact = 1;
+    if (active(RigFault::switch_chattering)) sample_.contact = tick_ % 2;
   }
 
+  /// What the encoder's faults have added to its count so far; it stays when they have gone.
+  double miscounted_m(double height_m) {
+    const double moved_m = std::isfinite(counted_m_) ? height_m - counted_m_ : 0.0;
+    counted_m_ = height_m;
+    const bool backwards = active(RigFault::encoder_backwards) && moved_m > 0.0;
+    if (active(RigFault::encoder_reversed) || backwards) miscount_m_ -= 2.0 * moved_m;
+    const bool jumped = active(RigFault::encoder_jumping) && tick_ / 10 % 2 == jump_phase_;
+    if (!active(RigFault::encoder_jumping)) jump_phase_ = (tick_ + 1) / 10 % 2;
+    return miscount_m_ + (jumped ? kJumpM : 0.0);
+  }
+
+  static constexpr double kJumpM = 0.05;
   static constexpr std::uint32_t kHomeCount = 0xfffffff0u;
 
   RigConfig config_;
@@ -225,6 +245,8 @@ class SimBoard {
   control::Sample sample_;
   firmware::Telemetry telemetry_;
   double height_m_ = 0.0, leg_angle_rad_ = 0.0;
+  double counted_m_ = std::numeric_limits<double>::quiet_NaN(), miscount_m_ = 0.0;
+  std::uint32_t jump_phase_ = 0;
   double kicked_s_ = 0.0;
   bool reset_requested_ = false;
 };

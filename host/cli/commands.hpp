@@ -22,5 +22,6 @@ void add_monitor_command(CLI::App& app);
 void add_param_command(CLI::App& app);
 void add_request_command(CLI::App& app);
 void add_serve_command(CLI::App& app);
+void add_safety_command(CLI::App& app);
 
 }  // namespace furcula::cli

@@ -238,14 +238,16 @@ class Reader {
         fail(name_, kind_node.source(),
              "unknown fault " + quoted(kind) + "; expected one of " + log::listed(kinds) +
                  log::did_you_mean(kind, kinds));
-      if (!clutch_ && *found >= sim_host::RigFault::coil_open)
+      if (!clutch_ && sim_host::info(*found).part == sim_host::RigPart::clutch)
         fail(name_, kind_node.source(),
              "fault " + quoted(kind) +
                  " for a model without a clutch; expected a tooth_pitch_m above 0 in the model");
       required(t, "[[fault]]", "time_s", "a number of seconds");
       sim_host::PlannedFault fault;
       fault.kind = *found;
-      fault.duration_s = *found == sim_host::RigFault::late_tick ? 0.005 : 3600.0;
+      fault.duration_s = *found == sim_host::RigFault::late_tick    ? 0.005
+                         : *found == sim_host::RigFault::task_stuck ? 0.05
+                                                                    : 3600.0;
       number(t, "time_s", 0.0, 3600.0, "s", fault.time_s);
       number(t, "duration_s", 0.001, 3600.0, "s", fault.duration_s);
       scenario_.faults.push_back(fault);

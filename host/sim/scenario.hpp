@@ -61,7 +61,8 @@ Scenario default_scenario(const model::Model& model);
 /// - `[sensors]` quantisation, noise, bounce, jitter (true or false; the last two on the hopper alone).
 /// - `[clutch]` in_flight ("release", "hold"), catch_before_touchdown_s; on a hopper with a clutch.
 /// - `[contraction]` amplitude_m, period_s; `[ground]` steps_m: on hopper_nonlinear.
-/// - `[[fault]]` time_s, kind, duration_s: on the hopper; without duration_s to the end, a late_tick 5 ms.
+/// - `[[fault]]` time_s, kind, duration_s: on the hopper; without duration_s to the end, a late_tick 5 ms, a
+///   task_stuck 50 ms. With a fault on the bus drive and encoders are on one (boards/sim_host/can_board.hpp).
 Scenario read_scenario(const std::string& path, const model::Model& model);
 
 /// The same on text; `name` stands for the path in messages.

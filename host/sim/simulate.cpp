@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "boards/sim_host/can_board.hpp"
 #include "firmware/app/app.hpp"
 #include "furcula/dynamics/axis.hpp"
 #include "furcula/dynamics/simple_clutch_bench.hpp"
@@ -58,10 +59,14 @@ std::map<std::string, std::string> metadata_of(const model::Model& model, const 
   return all;
 }
 
-void simulate_hopper(const model::Model& model, const Scenario& scenario, std::uint64_t seed, log::Log& log) {
-  SimBoard board(rig_config(model, scenario, seed));
-  firmware::App app(board, controller_config(model, scenario));
+SimBoard& rig_of(SimBoard& board) { return board; }
+SimBoard& rig_of(sim_host::CanBoard& board) { return board.rig(); }
 
+template <class Board>
+void simulate_hopper(const model::Model& model, Board& seam, const control::Config& config,
+                     const Scenario& scenario, log::Log& log) {
+  firmware::App app(seam, config);
+  SimBoard& board = rig_of(seam);
   const std::pair<const char*, double (*)(SimBoard&)> columns[] = {
       {"time_s", [](SimBoard& b) { return b.time_s(); }},
       {"height_m", [](SimBoard& b) { return b.measured_height_m(); }},
@@ -77,7 +82,7 @@ void simulate_hopper(const model::Model& model, const Scenario& scenario, std::u
   };
   std::vector<double> values[std::size(columns)];
   for (auto& v : values) v.reserve(static_cast<std::size_t>(scenario.duration_s * 1e3) + 1);
-  while (board.wait_for_tick()) {
+  while (seam.wait_for_tick()) {
     app.tick();
     const bool homed =
         std::isfinite(board.measured_height_m()) && std::isfinite(board.measured_velocity_mps());
@@ -86,6 +91,19 @@ void simulate_hopper(const model::Model& model, const Scenario& scenario, std::u
   }
   for (std::size_t i = 0; i < std::size(columns); ++i) log.columns[columns[i].first] = std::move(values[i]);
   if (!model.clutch) log.columns.erase("clutch_travel_m");
+}
+
+void simulate_hopper(const model::Model& model, const Scenario& scenario, std::uint64_t seed, log::Log& log) {
+  const sim_host::RigConfig rig = rig_config(model, scenario, seed);
+  control::Config config = controller_config(model, scenario);
+  if (needs_bus(scenario)) {
+    sim_host::CanBoard board(rig);
+    sim_host::CanBoard::adapt(config);
+    simulate_hopper(model, board, config, scenario, log);
+  } else {
+    SimBoard board(rig);
+    simulate_hopper(model, board, config, scenario, log);
+  }
 }
 
 double drive(const Scenario& scenario, double time_s) {
@@ -194,6 +212,12 @@ void slip_columns(const model::Model& model, log::Log& log) {
 }
 
 }  // namespace
+
+bool needs_bus(const Scenario& scenario) {
+  return std::any_of(scenario.faults.begin(), scenario.faults.end(), [](const sim_host::PlannedFault& f) {
+    return sim_host::info(f.kind).part == sim_host::RigPart::bus;
+  });
+}
 
 sim_host::Plant plant_of(const model::Model& model, const dynamics::Effects<double>& effects) {
   if (model.kind != Kind::hopper_nonlinear) {

@@ -41,6 +41,10 @@ sim_host::Plant plant_of(const model::Model& model, const dynamics::Effects<doub
 /// The rig of a hopper model under a scenario.
 sim_host::RigConfig rig_config(const model::Model& model, const Scenario& scenario, std::uint64_t seed);
 
+/// Whether a fault of the scenario is one of a bus: then the drive and the encoders are on one
+/// (boards/sim_host/can_board.hpp), and the controller's configuration is adapted to it.
+bool needs_bus(const Scenario& scenario);
+
 /// How the controller is configured for it: the leg's geometry, the encoder's count, the torque profile.
 control::Config controller_config(const model::Model& model, const Scenario& scenario);
 

@@ -6,6 +6,7 @@
 #include <bit>
 #include <catch2/catch.hpp>
 #include <chrono>
+#include <cmath>
 #include <fstream>
 #include <map>
 #include <sstream>
@@ -14,6 +15,7 @@
 #include "boards/sim_host/board.hpp"
 #include "firmware/app/app.hpp"
 #include "host/model/reader.hpp"
+#include "host/safety/fault_table.hpp"
 #include "host/sim/scenario.hpp"
 #include "host/sim/simulate.hpp"
 #include "tests/pil/qemu.hpp"
@@ -66,6 +68,7 @@ struct Run {
   std::string first_difference;
   std::uint32_t worst_instructions = 0;
   std::map<int, std::size_t> ticks_with_fault;          ///< by fault number
+  double fault_s = -1.0;                                ///< when the first was found
   std::map<std::uint32_t, std::size_t> ticks_in_stage;  ///< of the clutch's sequencer
   std::size_t touchdowns = 0;
   float highest_torque_nm = 0.0f;
@@ -75,11 +78,8 @@ struct Run {
 
 /// The host's application and the board's get the same samples; the plant obeys the board's command alone.
 /// `reset_at_tick` asks both to clear their faults.
-Run run_in_lock_step(const std::string& scenario_text, std::uint64_t seed, std::size_t reset_at_tick = 0,
-                     control::DebounceRule rule = control::DebounceRule::two_readings,
-                     const std::string& model_text = kModel) {
-  const model::Model model = model::parse_model(model_text, "example.toml");
-  const sim::Scenario scenario = sim::parse_scenario(scenario_text, "scenario.toml", model);
+Run run_in_lock_step(const model::Model& model, const sim::Scenario& scenario, std::uint64_t seed,
+                     std::size_t reset_at_tick, control::DebounceRule rule) {
   control::Config config = sim::controller_config(model, scenario);
   config.debounce.rule = rule;
   sim_host::SimBoard rig(sim::rig_config(model, scenario, seed));
@@ -109,6 +109,7 @@ Run run_in_lock_step(const std::string& scenario_text, std::uint64_t seed, std::
     ++run.ticks;
     run.worst_instructions = std::max(run.worst_instructions, there.instructions);
     ++run.ticks_with_fault[there.outputs.fault];
+    if (run.fault_s < 0.0 && there.outputs.fault != 0) run.fault_s = rig.time_s();
     run.touchdowns += there.outputs.touchdown;
     ++run.ticks_in_stage[there.outputs.clutch_stage];
     run.highest_torque_nm = std::max(run.highest_torque_nm, std::abs(there.outputs.command.torque_nm));
@@ -117,6 +118,14 @@ Run run_in_lock_step(const std::string& scenario_text, std::uint64_t seed, std::
   }
   run.farewell = qemu.finish();
   return run;
+}
+
+Run run_in_lock_step(const std::string& scenario_text, std::uint64_t seed, std::size_t reset_at_tick = 0,
+                     control::DebounceRule rule = control::DebounceRule::two_readings,
+                     const std::string& model_text = kModel) {
+  const model::Model model = model::parse_model(model_text, "example.toml");
+  return run_in_lock_step(model, sim::parse_scenario(scenario_text, "scenario.toml", model), seed,
+                          reset_at_tick, rule);
 }
 
 std::map<std::string, double> read_budget() {
@@ -238,6 +247,33 @@ kind = ")") + c.kind + (lasting ? "\"\nduration_s = 0.5\n" : "\"\n"),
   CHECK(run.ticks_with_fault[0] > 2500);  // before the fault, and after the reset at 2.5 s
   CHECK(run.ticks_with_fault.size() == 2);
   CHECK(run.worst_instructions <= read_budget()["worst_tick"]);
+}
+
+TEST_CASE(
+    "what breaks is found on the Cortex-M4F on the tick on which the simulation of docs/safety.md finds it") {
+  if (cannot_run_here()) return;
+  std::size_t n = 0;
+  for (const safety::RigRow& row : safety::rig_rows()) {
+    const auto& what = sim_host::info(row.breaks);
+    if (what.part == sim_host::RigPart::bus) continue;
+    // Rows take turns with the moments of the stride; the host alone has tried them all.
+    const auto moment = static_cast<safety::Moment>(n++ % safety::kMoments.size());
+    const double at_s = safety::instant_of(moment, 1, safety::Rig::local);
+    sim::Scenario scenario = safety::hopping(at_s + 1e-3 * row.found_within_ticks + 0.3);
+    scenario.faults = {{at_s, row.breaks, row.duration_s}};
+    Run run = run_in_lock_step(safety::robot(), scenario, 1, 0, control::DebounceRule::two_readings);
+    const safety::Trial trial = safety::run_trial(safety::robot(), scenario, 1, safety::Rig::local);
+    INFO(what.name << ": " << run.first_difference);
+    CHECK(run.differing_ticks == 0);
+    CHECK(run.worst_instructions <= read_budget()["worst_tick"]);
+    if (row.is_borne()) {
+      CHECK(run.ticks_with_fault.size() == 1);
+      continue;
+    }
+    CHECK(run.ticks_with_fault[static_cast<int>(trial.fault)] > 0);
+    CHECK(std::lround(1e3 * (run.fault_s - at_s)) == trial.found_tick);
+    CHECK(trial.found_tick <= row.found_within_ticks);
+  }
 }
 
 TEST_CASE("a board whose configuration makes no sense stays in the safe state") {

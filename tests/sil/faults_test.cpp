@@ -153,3 +153,15 @@ TEST_CASE("rows without a height are left out of the log, time goes on over the 
   CHECK(log.time_s()[999] == Approx(0.999));
   CHECK(log.time_s()[1000] == Approx(1.25));
 }
+
+TEST_CASE("a scenario with a fault of the drive puts it behind a bus, and the robot hops there as well") {
+  const double t = 3.0;
+  const log::Log log = with_fault(RigFault::drive_silent, t);
+  const auto hops = apexes(log);
+  REQUIRE(hops.size() > 4);
+  CHECK(hops[4] == Approx(0.36).margin(0.005));
+  const double noticed_s = time_of(control::Fault::drive_silent, log);
+  CHECK(noticed_s - t > 0.0);
+  CHECK(noticed_s - t < 0.0035);
+  CHECK(most_torque_from(t + 0.001, log) == 0.0);  // a dead drive gives none
+}

@@ -1,0 +1,169 @@
+// The rows of the table of what breaks, see fault_table.hpp.
+#include "host/safety/fault_table.hpp"
+
+#include <algorithm>
+
+namespace furcula::safety {
+namespace {
+
+using control::Fault;
+using sim_host::RigFault;
+
+constexpr double kForGood = 1e6;
+
+// Where only physics can tell, the time is that of the stride: what is wrong in a flight may show as late as
+// in the next stance, or, where the robot does not leave the ground any more, when it stands.
+constexpr RigRow kRigRows[] = {
+    {RigFault::encoder_frozen, kForGood, {Fault::stale_input}, 2, "safe state"},
+    {RigFault::encoder_stuck,
+     kForGood,
+     {Fault::encoder_implausible, Fault::contact_implausible},
+     400,
+     "safe state, once leg angle or switch contradict the height by 3.5 cm"},
+    {RigFault::encoder_jumping, kForGood, {Fault::encoder_jump}, 0, "safe state"},
+    {RigFault::encoder_reversed,
+     kForGood,
+     {Fault::encoder_implausible, Fault::contact_implausible},
+     400,
+     "safe state, once leg angle or switch contradict the height by 3.5 cm"},
+    {RigFault::encoder_backwards,
+     kForGood,
+     {Fault::encoder_implausible, Fault::contact_implausible},
+     400,
+     "safe state, once leg angle or switch contradict the height by 3.5 cm"},
+    {RigFault::height_nan, kForGood, {Fault::non_finite_input}, 0, "safe state"},
+    {RigFault::switch_stuck_open,
+     kForGood,
+     {Fault::contact_implausible},
+     400,
+     "no torque from a stance that is not seen; safe state 50 ms after the leg is 3 cm short"},
+    {RigFault::switch_stuck_closed,
+     kForGood,
+     {Fault::contact_implausible, Fault::encoder_implausible},
+     400,
+     "no torque high above the ground; safe state after 20 ms of it, or when a leg that is folded in flight "
+     "contradicts it"},
+    {RigFault::switch_chattering,
+     kForGood,
+     {Fault::contact_implausible, Fault::encoder_implausible},
+     30,
+     "safe state"},
+    {RigFault::late_tick, 0.005, {Fault::late_tick}, 5, "safe state on the late tick itself"},
+    {RigFault::task_stuck,
+     0.05,
+     {Fault::late_tick},
+     50,
+     "the watchdog takes the torque away after 5 ms; safe state when the task comes back"},
+    {RigFault::peer_lost, kForGood, {Fault::peer_lost, Fault::stale_input}, 2, "safe state"},
+    {RigFault::coil_open,
+     kForGood,
+     {},
+     0,
+     "the spring stays caught: the leg waits, goes back and is not folded; after three failures tried again "
+     "in every tenth flight; the robot hops on"},
+    {RigFault::coil_shorted, kForGood, {}, 0, "as with an open coil"},
+    {RigFault::coil_stuck_on,
+     kForGood,
+     {Fault::clutch_not_caught},
+     4000,
+     "the motor carries landings on the free spring; safe state after five of them"},
+    {RigFault::key_stuck_caught, kForGood, {}, 0, "as with an open coil"},
+    {RigFault::key_stuck_released,
+     kForGood,
+     {Fault::clutch_not_caught},
+     4000,
+     "as with a coil that is stuck on"},
+    {RigFault::supply_sag, 1.0, {}, 0, "the release takes longer, and its delay is learned anew; hops on"},
+    {RigFault::frame_lost,
+     kForGood,
+     {Fault::drive_silent, Fault::peer_lost, Fault::stale_input},
+     3,
+     "safe state; the drive, which hears nothing, stops after its own time-out of 5 ms"},
+    {RigFault::frame_late,
+     kForGood,
+     {Fault::drive_silent, Fault::peer_lost, Fault::stale_input},
+     3,
+     "safe state, by the silence before the first late frame"},
+    {RigFault::frame_repeated, kForGood, {}, 0, "counted, used once; the robot hops on"},
+    {RigFault::frame_reordered,
+     kForGood,
+     {Fault::bus_unreliable},
+     30,
+     "one is counted and the older frame not used; safe state after ten"},
+    {RigFault::frame_corrupted,
+     kForGood,
+     {Fault::drive_silent, Fault::peer_lost, Fault::bus_off},
+     3,
+     "dropped by the CAN controller and counted; safe state as with lost frames"},
+    {RigFault::bus_off,
+     kForGood,
+     {Fault::bus_off},
+     0,
+     "safe state; the drive, which hears nothing, stops after its own time-out of 5 ms"},
+    {RigFault::drive_silent, kForGood, {Fault::drive_silent}, 3, "safe state"},
+    {RigFault::drive_error, kForGood, {Fault::drive_fault}, 1, "safe state"},
+    {RigFault::drive_off,
+     kForGood,
+     {Fault::drive_disobeys},
+     600,
+     "safe state, once torque is wanted and none comes for 50 ms"},
+};
+
+constexpr OtherRow kOtherRows[] = {
+    {"flash slot torn, at any step of a save",
+     "the record before is read; with neither slot whole the parameters of the image, and the node says so",
+     "tests/firmware/store/slot_store_test.cpp"},
+    {"parameter out of range, or no number", "refused, the old value stays",
+     "tests/common/bus/parameters_test.cpp"},
+    {"parameter written while the robot is armed or runs", "refused, the old value stays",
+     "tests/common/bus/node_test.cpp"},
+    {"Modbus write while the robot is armed or runs", "refused, and a register says why",
+     "tests/common/bus/node_registers_test.cpp"},
+    {"request of an arming sequence, replayed", "does nothing a second time",
+     "tests/common/bus/node_registers_test.cpp"},
+    {"stream of commands falls silent", "the robot that it started stops", "tests/common/bus/node_test.cpp"},
+    {"CAN command repeated, out of order, stale or of another version", "not obeyed, counted",
+     "tests/firmware/app/can_link_test.cpp"},
+    {"configuration that makes no sense",
+     "`bad_configuration` from the first tick on; a reset does not clear it", "tests/pil/lock_step_test.cpp"},
+    {"stack overflow",
+     "the stack lies at the bottom of the RAM: a bus fault, the exception's handler, the watchdog's reset. "
+     "The "
+     "depth is budgeted and measured; an overflow itself has not been tried",
+     "scripts/size-budget"},
+};
+
+}  // namespace
+
+bool RigRow::may_find(control::Fault fault) const {
+  return fault != Fault::none && std::find(finds.begin(), finds.end(), fault) != finds.end();
+}
+
+std::span<const RigRow> rig_rows() { return kRigRows; }
+std::span<const OtherRow> other_rows() { return kOtherRows; }
+
+std::vector<Tried> try_row(const RigRow& row, Rig rig, unsigned seeds) {
+  std::vector<Tried> all;
+  for (unsigned seed = 1; seed <= seeds; ++seed)
+    for (std::size_t m = 0; m < kMoments.size(); ++m) {
+      const auto moment = static_cast<Moment>(m);
+      const double at_s = instant_of(moment, seed, rig);
+      sim::Scenario scenario = hopping(at_s + 1e-3 * row.found_within_ticks + 1.0);
+      scenario.faults = {{at_s, row.breaks, row.duration_s}};
+      all.push_back({moment, seed, run_trial(robot(), scenario, seed, rig)});
+    }
+  return all;
+}
+
+std::string_view broken_limit(const RigRow& row, const Trial& trial) {
+  if (trial.false_alarm) return "a fault was found before anything broke";
+  if (trial.unsafe != 0)
+    for (const UnsafeInfo& u : kUnsafe)
+      if (trial.is(u.outcome)) return u.name;
+  if (row.is_borne()) return trial.fault == Fault::none ? "" : "a fault was found that should be borne";
+  if (trial.fault == Fault::none) return "not found";
+  if (!row.may_find(trial.fault)) return "found by another name";
+  return trial.found_tick <= row.found_within_ticks ? "" : "found too late";
+}
+
+}  // namespace furcula::safety

@@ -1,0 +1,52 @@
+// Random faults in random experiments, many of them, and what of it was unsafe.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "boards/sim_host/faults.hpp"
+#include "furcula/control/fault.hpp"
+#include "host/safety/trial.hpp"
+
+namespace furcula::safety {
+
+/// A random experiment: one to three faults of random kind, instant and duration, in a robot that hops with
+/// random torque, contraction, ground and sensors, three quarters of them on a bus.
+struct Injection {
+  std::uint64_t seed = 0;
+  sim::Scenario scenario;
+  Rig rig = Rig::on_bus;
+};
+
+/// The experiment of a number; the same seed and number give the same one.
+Injection draw_injection(std::uint64_t seed, std::uint64_t number);
+
+struct UnsafeRun {
+  std::uint64_t number = 0;
+  Trial trial;
+};
+
+struct Tally {
+  std::uint64_t runs = 0, found = 0, borne = 0, false_alarms = 0;
+  /// By kind of the fault that was planted first: runs, those in which the controller found a fault, and
+  /// unsafe ones.
+  struct Kind {
+    std::uint64_t runs = 0, found = 0, unsafe = 0;
+  };
+  std::array<Kind, sim_host::kRigFaults.size()> kinds{};
+  std::array<std::uint64_t, control::kFaultCount> by_fault{};
+  std::array<std::uint64_t, kUnsafe.size()> by_outcome{};
+  std::uint32_t longest_coil_in_stance_ticks = 0, longest_torque_off_ticks = 0;
+  double lowest_m = 1e9, highest_m = 0.0, hardest_mps = 0.0, fastest_toe_mps = 0.0;
+  std::vector<UnsafeRun> unsafe;  ///< by number
+};
+
+/// Experiments 0 to `count` - 1. The result does not depend on `threads`.
+Tally inject(std::uint64_t seed, std::uint64_t count, unsigned threads);
+
+/// The tally in words and figures, for a person.
+std::string format_tally(const Tally& tally);
+
+}  // namespace furcula::safety

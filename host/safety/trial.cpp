@@ -1,0 +1,202 @@
+// Running the robot with planted faults, see trial.hpp.
+#include "host/safety/trial.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "boards/sim_host/can_board.hpp"
+#include "firmware/app/app.hpp"
+#include "host/sim/simulate.hpp"
+
+namespace furcula::safety {
+namespace {
+
+using sim_host::CanBoard;
+using sim_host::RigFault;
+using sim_host::SimBoard;
+
+SimBoard& rig_of(SimBoard& board) { return board; }
+SimBoard& rig_of(CanBoard& board) { return board.rig(); }
+
+std::uint32_t tick_of(double time_s) {
+  return static_cast<std::uint32_t>(std::max(0l, std::lround(time_s * 1e3)));
+}
+
+/// Whether commands may not reach the drive while such a fault lasts.
+bool silences_bus(RigFault kind) {
+  return kind == RigFault::frame_lost || kind == RigFault::frame_late || kind == RigFault::frame_reordered ||
+         kind == RigFault::frame_corrupted || kind == RigFault::bus_off;
+}
+
+template <class Board>
+class Judge {
+ public:
+  Judge(Board& board, const control::Config& config, const sim::Scenario& scenario)
+      : board_(board), rig_(rig_of(board)), config_(config), app_(board, config) {
+    onset_tick_ = 0xffffffffu;
+    for (const auto& f : scenario.faults) {
+      onset_tick_ = std::min(onset_tick_, tick_of(f.time_s));
+      deaf_ = deaf_ || silences_bus(f.kind);
+    }
+  }
+
+  Trial run() {
+    while (board_.wait_for_tick()) {
+      app_.tick();
+      look();
+    }
+    if (trial_.fault != control::Fault::none) {
+      trial_.torque_off_ticks = last_torque_tick_ > found_ ? last_torque_tick_ - found_ : 0;
+      const std::uint32_t most = deaf_ ? kDeafDriveTicks : kTorqueOffTicks;
+      if (trial_.torque_off_ticks > most) trial_.set(Unsafe::torque_after_fault);
+      judge_spring();
+    }
+    return trial_;
+  }
+
+ private:
+  void look() {
+    const auto& out = rig_.telemetry().outputs;
+    const auto& plant = rig_.plant();
+    const std::uint32_t tick = tick_of(rig_.time_s());
+    const auto wanted_nm = std::abs(static_cast<double>(out.command.torque_nm));
+    if (!std::isfinite(plant.height_m()) || !std::isfinite(wanted_nm) ||
+        !std::isfinite(out.command.coil_duty))
+      trial_.set(Unsafe::not_finite);
+    if (trial_.fault == control::Fault::none && out.fault != control::Fault::none) {
+      trial_.fault = out.fault;
+      found_ = tick;
+      trial_.false_alarm = tick < onset_tick_;
+      trial_.found_tick = tick < onset_tick_ ? 0 : tick - onset_tick_;
+    }
+    const bool faulty = trial_.fault != control::Fault::none;
+    // What acts from this tick on.
+    const auto acts_nm = std::abs(static_cast<double>(rig_.command().torque_nm));
+    if (faulty && acts_nm > kDriveStepNm) last_torque_tick_ = tick;
+    if (faulty && wanted_nm != 0.0) trial_.set(Unsafe::torque_after_fault);
+    const bool coil = out.command.coil_duty > 0.0f;
+    if (faulty && coil) trial_.set(Unsafe::coil_after_fault);
+    coil_in_stance_ = coil && plant.in_stance() ? coil_in_stance_ + 1 : 0;
+    trial_.longest_coil_in_stance_ticks = std::max(trial_.longest_coil_in_stance_ticks, coil_in_stance_);
+    if (coil_in_stance_ > kCoilInStanceTicks) trial_.set(Unsafe::coil_in_stance);
+    if (wanted_nm > static_cast<double>(config_.limits.torque_nm)) trial_.set(Unsafe::torque_beyond_limit);
+
+    trial_.highest_m = std::max(trial_.highest_m, plant.height_m());
+    trial_.lowest_m = std::min(trial_.lowest_m, plant.height_m());
+    if (trial_.highest_m > kHighestM) trial_.set(Unsafe::off_the_rail);
+    if (!faulty && plant.height_m() < kFallenM) trial_.set(Unsafe::fall_unnoticed);
+    if (plant.in_stance() && !stood_) {
+      ++trial_.hops;
+      trial_.hardest_mps = std::max(trial_.hardest_mps, -body_mps_);
+      trial_.fastest_toe_mps = std::max(trial_.fastest_toe_mps, -toe_mps_);
+      if (trial_.hardest_mps > kHardestMps || trial_.fastest_toe_mps > kFastestToeMps)
+        trial_.set(Unsafe::hard_impact);
+    }
+    stood_ = plant.in_stance();
+    toe_mps_ = plant.toe_velocity_mps();
+    body_mps_ = plant.velocity_mps();
+  }
+
+  void judge_spring() {
+    const auto* clutched = rig_.plant().clutched();
+    if (clutched == nullptr) return;
+    trial_.caught_at_end = clutched->caught();
+    const bool long_ago = tick_of(rig_.time_s()) > found_ + tick_of(kSpringCaughtS);
+    const bool seen_loose =
+        std::abs(rig_.measured_cable_travel_m()) > static_cast<double>(config_.clutch.moved_m);
+    // On its stop a leg takes no force from the spring: it shows as soon as it bears something.
+    const bool bears =
+        rig_.plant().in_stance() && leg_fold_m() > 2.0 * static_cast<double>(config_.clutch.tooth_pitch_m);
+    const bool blind = rig_.active(RigFault::encoder_frozen);  // the cable's encoder is broken as well
+    if (long_ago && bears && !blind && !clutched->caught() && !seen_loose) trial_.set(Unsafe::spring_unknown);
+  }
+
+  double leg_fold_m() const {
+    const double length_m = static_cast<double>(config_.link_length_m);
+    return rig_.plant().touchdown_height_m() - 2.0 * length_m * std::cos(rig_.plant().leg_angle_rad());
+  }
+
+  Board& board_;
+  SimBoard& rig_;
+  control::Config config_;
+  firmware::App<Board> app_;
+  Trial trial_;
+  std::uint32_t onset_tick_, found_ = 0, last_torque_tick_ = 0, coil_in_stance_ = 0;
+  bool deaf_ = false, stood_ = false;
+  double toe_mps_ = 0.0, body_mps_ = 0.0;
+};
+
+/// Calls `visit` with a board of that rig and its controller's configuration.
+template <class Visit>
+auto on_rig(Rig rig, const model::Model& model, const sim::Scenario& scenario, std::uint64_t seed,
+            const Visit& visit) {
+  const sim_host::RigConfig rig_config = sim::rig_config(model, scenario, seed);
+  control::Config config = sim::controller_config(model, scenario);
+  if (rig == Rig::on_bus) {
+    CanBoard board(rig_config);
+    CanBoard::adapt(config);
+    return visit(board, config);
+  }
+  SimBoard board(rig_config);
+  return visit(board, config);
+}
+
+bool is_at(Moment moment, const control::Outputs& out) {
+  using control::ClutchStage;
+  const bool stance = out.phase.phase == control::Phase::stance;
+  switch (moment) {
+    case Moment::flight:
+      return !stance && out.clutch.stage == ClutchStage::caught && out.phase.since_liftoff_s > 0.002f;
+    case Moment::stance:
+      return stance && out.phase.since_touchdown_s > 0.04f;
+    case Moment::released:
+      return out.clutch.stage == ClutchStage::folding && out.clutch.path.fold_m > 0.02f;
+    case Moment::catching:
+      return out.clutch.stage == ClutchStage::catching;
+  }
+  return false;
+}
+
+}  // namespace
+
+Trial run_trial(const model::Model& model, const sim::Scenario& scenario, std::uint64_t seed, Rig rig) {
+  return on_rig(rig, model, scenario, seed, [&](auto& board, const control::Config& config) {
+    return Judge<std::remove_reference_t<decltype(board)>>(board, config, scenario).run();
+  });
+}
+
+model::Model robot() {
+  model::Model model;
+  model.kind = dynamics::Kind::hopper_nonlinear;
+  model.parameters = {1.5,  600.0, 0.289, 5.0,  1.0, 1.0, 1.0, 0.15, 0.3490658503988659,
+                      9.81, 42e-4, 75e-4, 38e-3};
+  model.clutch = model::Clutch{0.020, 0.020, 20.0, 3e-3 / 0.7};
+  return model;
+}
+
+sim::Scenario hopping(double duration_s) {
+  sim::Scenario scenario;
+  scenario.start_position = 0.35;
+  scenario.duration_s = duration_s;
+  scenario.amplitude = 3.0;
+  scenario.period_s = 0.3;
+  scenario.release_in_flight = true;
+  scenario.contraction_m = 0.05;
+  scenario.sensors = {true, true, true, true};
+  return scenario;
+}
+
+double instant_of(Moment moment, std::uint64_t seed, Rig rig) {
+  const sim::Scenario scenario = hopping(6.0);
+  return on_rig(rig, robot(), scenario, seed, [&](auto& board, const control::Config& config) {
+    firmware::App app(board, config);
+    while (board.wait_for_tick()) {
+      app.tick();
+      const SimBoard& r = rig_of(board);
+      if (r.time_s() > 1.0 && is_at(moment, r.telemetry().outputs)) return r.time_s();
+    }
+    return scenario.duration_s;
+  });
+}
+
+}  // namespace furcula::safety
