@@ -7,10 +7,12 @@
 
 #include "furcula/control/fault.hpp"
 #include "host/cli/commands.hpp"
+#include "host/cli/errors.hpp"
 #include "host/log/error.hpp"
 #include "host/log/message.hpp"
 #include "host/log/writer.hpp"
 #include "host/model/reader.hpp"
+#include "host/sim/expectation.hpp"
 #include "host/sim/simulate.hpp"
 
 namespace furcula::cli {
@@ -21,6 +23,7 @@ struct SimOptions {
   std::string scenario;
   std::string out;
   std::uint64_t seed = 0;
+  bool check = false;
 };
 
 /// One line on stderr where the controller went to its safe state, and what to do about it.
@@ -37,8 +40,17 @@ void tell_fault(const log::Log& log) {
   }
 }
 
+void check_expectation(const std::string& path, const model::Model& model, const sim::Scenario& scenario,
+                       const log::Log& log) {
+  const auto found = sim::violations(sim::read_expectation(path), log, sim::first_fault_s(scenario),
+                                     model.clutch ? model.clutch->tooth_pitch_m : 0.0);
+  if (!found.empty()) throw Refusal(path + ": " + found.front());
+}
+
 void run(const SimOptions& options) {
   const model::Model model = model::read_model(options.model);
+  if (options.check && (options.scenario.empty() || !dynamics::is_hopper(model.kind)))
+    throw UsageError("--check needs a --scenario for a hopper");
   const sim::Scenario scenario =
       options.scenario.empty() ? sim::default_scenario(model) : sim::read_scenario(options.scenario, model);
   log::Log log = sim::simulate(model, scenario, options.seed);
@@ -48,6 +60,7 @@ void run(const SimOptions& options) {
                          "expected a [[fault]] of kind height_nan later than time_s = 0");
   log::write_log(log, options.out);
   tell_fault(log);
+  if (options.check) check_expectation(options.scenario, model, scenario, log);
   const auto& solenoid = log.columns["solenoid"];
   if (scenario.release_in_flight && std::find(solenoid.begin(), solenoid.end(), 1.0) == solenoid.end())
     std::cerr
@@ -66,6 +79,9 @@ void add_sim_command(CLI::App& app) {
                       "Scenario file (TOML); without it 5 s of hopping, or of a sine drive");
   command->add_option("--out", options->out, "The log to write (furcula-log/1, CSV)")->required();
   command->add_option("--seed", options->seed, "Seed of the sensors' errors")->capture_default_str();
+  command->add_flag(
+      "--check", options->check,
+      "End with status 4 where what the scenario expects ([expect]) does not hold; on a hopper");
   command->callback([options] { run(*options); });
 }
 

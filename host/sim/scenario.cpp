@@ -55,7 +55,7 @@ class Reader {
   Scenario read() {
     std::vector<std::string_view> sections{"start", "run", "sensors"};
     if (!names_.drive.empty()) sections.insert(sections.begin() + 2, names_.drive);
-    if (is_hopper(kind_)) sections.push_back("fault");
+    if (is_hopper(kind_)) sections.insert(sections.end(), {"fault", "expect"});  // expectation.hpp reads that
     const bool free_leg = kind_ == Kind::hopper_nonlinear;
     const bool timed_clutch = kind_ == Kind::clutch_bench || kind_ == Kind::hopper_linear;
     if (timed_clutch) sections.push_back("clutch");

@@ -2,6 +2,7 @@
 // (docs/contracts.md, section 4).
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -40,6 +41,14 @@ struct Scenario {
   double ground_steps_m = 0.0;  ///< the ground is at another height within this in each flight
 };
 
+/// When the first fault is planted; absent: none is.
+inline std::optional<double> first_fault_s(const Scenario& scenario) {
+  std::optional<double> first_s;
+  for (const sim_host::PlannedFault& fault : scenario.faults)
+    if (!first_s || fault.time_s < *first_s) first_s = fault.time_s;
+  return first_s;
+}
+
 /// What holds for everything that a scenario file leaves out: the hopper starts at rest a quarter above its
 /// touch-down height and is driven with 2 N m, 0.3 s; an axis starts at rest at 0 and is driven with 1 N or
 /// 1 N m, 1 s; a rail carriage starts at rest 1 m above its stop; the belt of
@@ -63,6 +72,7 @@ Scenario default_scenario(const model::Model& model);
 /// - `[contraction]` amplitude_m, period_s; `[ground]` steps_m: on hopper_nonlinear.
 /// - `[[fault]]` time_s, kind, duration_s: on the hopper; without duration_s to the end, a late_tick 5 ms, a
 ///   task_stuck 50 ms. With a fault on the bus drive and encoders are on one (boards/sim_host/can_board.hpp).
+/// - `[expect]`: expectation.hpp.
 Scenario read_scenario(const std::string& path, const model::Model& model);
 
 /// The same on text; `name` stands for the path in messages.

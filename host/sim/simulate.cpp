@@ -15,6 +15,7 @@
 #include "furcula/dynamics/simple_clutch_bench.hpp"
 #include "host/log/error.hpp"
 #include "host/log/message.hpp"
+#include "host/sim/recorder.hpp"
 
 namespace furcula::sim {
 namespace {
@@ -67,30 +68,12 @@ void simulate_hopper(const model::Model& model, Board& seam, const control::Conf
                      const Scenario& scenario, log::Log& log) {
   firmware::App app(seam, config);
   SimBoard& board = rig_of(seam);
-  const std::pair<const char*, double (*)(SimBoard&)> columns[] = {
-      {"time_s", [](SimBoard& b) { return b.time_s(); }},
-      {"height_m", [](SimBoard& b) { return b.measured_height_m(); }},
-      {"velocity_mps", [](SimBoard& b) { return b.measured_velocity_mps(); }},
-      {"leg_angle_rad", [](SimBoard& b) { return b.measured_leg_angle_rad(); }},
-      {"contact", [](SimBoard& b) { return static_cast<double>(b.sample().contact); }},
-      {"torque_cmd_nm", [](SimBoard& b) { return static_cast<double>(b.command().torque_nm); }},
-      {"torque_nm", [](SimBoard& b) { return b.measured_torque_nm(); }},
-      {"solenoid",
-       [](SimBoard& b) { return b.command().coil_duty > 0.0f || b.coil_switched_on() ? 1.0 : 0.0; }},
-      {"clutch_travel_m", [](SimBoard& b) { return b.measured_cable_travel_m(); }},
-      {"fault", [](SimBoard& b) { return static_cast<double>(b.telemetry().outputs.fault); }},
-  };
-  std::vector<double> values[std::size(columns)];
-  for (auto& v : values) v.reserve(static_cast<std::size_t>(scenario.duration_s * 1e3) + 1);
+  HopperRecorder recorder(scenario.duration_s);
   while (seam.wait_for_tick()) {
     app.tick();
-    const bool homed =
-        std::isfinite(board.measured_height_m()) && std::isfinite(board.measured_velocity_mps());
-    if (!homed) continue;
-    for (std::size_t i = 0; i < std::size(columns); ++i) values[i].push_back(columns[i].second(board));
+    recorder.add(board);
   }
-  for (std::size_t i = 0; i < std::size(columns); ++i) log.columns[columns[i].first] = std::move(values[i]);
-  if (!model.clutch) log.columns.erase("clutch_travel_m");
+  recorder.finish(log, model.clutch.has_value());
 }
 
 void simulate_hopper(const model::Model& model, const Scenario& scenario, std::uint64_t seed, log::Log& log) {
