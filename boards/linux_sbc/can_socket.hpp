@@ -1,0 +1,64 @@
+// SocketCAN raw: non-blocking, filtered by id, with the bus's errors as frames.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <stdexcept>
+#include <string>
+
+#include "furcula/bus/frame.hpp"
+
+namespace furcula::linux_sbc {
+
+/// An interface that is not there, or down; the message says which and what to do.
+struct CanError : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+struct CanCounters {
+  std::uint64_t received = 0, sent = 0;
+  std::uint64_t refused = 0;       ///< the send queue was full, or the interface down
+  std::uint64_t error_frames = 0;  ///< of which:
+  std::uint64_t bus_off = 0, controller_errors = 0, no_acknowledge = 0;
+  std::uint64_t overflowed = 0;  ///< frames that the kernel dropped because nobody fetched them
+};
+
+/// A frame, and when the kernel got it.
+struct Received {
+  bus::Frame frame;
+  std::int64_t age_ns = 0;  ///< how long it lay in the queue
+};
+
+class CanSocket {
+ public:
+  static constexpr std::size_t kBatch = 32;
+
+  /// `ids`: the 11-bit ids that are received; without any, all. At most 16. @throws CanError.
+  CanSocket(const std::string& interface, std::span<const std::uint32_t> ids);
+  ~CanSocket();
+  CanSocket(const CanSocket&) = delete;
+  CanSocket& operator=(const CanSocket&) = delete;
+
+  /// Takes what is there, at most kBatch frames, with one system call. Error frames are counted and left out.
+  /// Never blocks.
+  std::span<const Received> receive();
+
+  /// Sends all with one system call; never blocks. false: some were not taken.
+  bool send(std::span<const bus::Frame> frames);
+
+  /// The controller is off the bus, since the last error frame that said so; until it is restarted.
+  bool bus_off() const { return bus_off_; }
+  const CanCounters& counters() const { return counters_; }
+  int fd() const { return fd_; }
+
+ private:
+  void count_error(std::uint32_t id, const unsigned char* data);
+
+  int fd_ = -1;
+  bool bus_off_ = false;
+  CanCounters counters_;
+  std::uint32_t dropped_ = 0;  ///< as the kernel counts them
+  Received received_[kBatch];
+};
+
+}  // namespace furcula::linux_sbc

@@ -1,0 +1,209 @@
+// Reading furculad's files, see configuration.hpp.
+#include "boards/linux_sbc/configuration.hpp"
+
+#include <toml++/toml.h>
+
+#include <cmath>
+#include <functional>
+#include <map>
+#include <vector>
+
+#include "furcula/bus/motors.hpp"
+#include "furcula/bus/parameters.hpp"
+#include "host/log/error.hpp"
+#include "host/log/message.hpp"
+#include "host/log/strict_toml.hpp"
+
+namespace furcula::linux_sbc {
+namespace {
+
+/// One key of a section: how its value is taken.
+using Take = std::function<void(const toml::node&, const std::string& key)>;
+
+/// The keys of a section; those that are there are taken, others refused, and missing ones that must be there
+/// named.
+class Section {
+ public:
+  Section(const toml::table& file, std::string name, std::string title)
+      : table_(file[title].as_table()), name_(std::move(name)), title_(std::move(title)) {
+    if (file.contains(title_)) table_ = &log::table(*file.get(title_), name_, title_);
+  }
+
+  bool is_there() const { return table_ != nullptr; }
+
+  void whole(const std::string& key, int least, int most, const std::function<void(int)>& put) {
+    keys_[key] = [=, this](const toml::node& node, const std::string& k) {
+      const double value = log::number(node, name_, k, least, most);
+      if (value != std::floor(value))
+        log::fail(name_, node.source(), k + " = " + log::value_text(node) + "; expected a whole number");
+      put(static_cast<int>(value));
+    };
+  }
+  void real(const std::string& key, double least, double most, const char* unit, float& out) {
+    keys_[key] = [=, this, &out](const toml::node& node, const std::string& k) {
+      out = static_cast<float>(log::number(node, name_, k, least, most, unit));
+    };
+  }
+  /// Of an encoder: what a 32-bit counter can read, with a sign or without.
+  void count(const std::string& key, std::uint32_t& out) {
+    keys_[key] = [this, &out](const toml::node& node, const std::string& k) {
+      const double value = log::number(node, name_, k, -2147483648.0, 4294967295.0);
+      if (value != std::floor(value))
+        log::fail(name_, node.source(), k + " = " + log::value_text(node) + "; expected a whole number");
+      out = static_cast<std::uint32_t>(static_cast<std::int64_t>(value));
+    };
+  }
+  void text(const std::string& key, std::string& out) {
+    keys_[key] = [this, &out](const toml::node& node, const std::string& k) {
+      out = log::text(node, name_, k);
+      if (out.empty()) log::fail(name_, node.source(), k + " is empty");
+    };
+  }
+  void flag(const std::string& key, bool& out) {
+    keys_[key] = [this, &out](const toml::node& node, const std::string& k) {
+      if (!node.is_boolean())
+        log::fail(name_, node.source(), k + " is " + log::value_text(node) + "; expected true or false");
+      out = *node.value<bool>();
+    };
+  }
+  void any(const std::string& key, Take take) { keys_[key] = std::move(take); }
+
+  /// `needed`: keys that must be there, if the section is.
+  void read(std::initializer_list<const char*> needed = {}) {
+    if (table_ == nullptr) return;
+    std::vector<std::string_view> known;
+    for (const auto& [key, take] : keys_) known.push_back(key);
+    log::refuse_unknown_keys(*table_, name_, "[" + title_ + "]", known);
+    for (const char* key : needed)
+      if (!table_->contains(key))
+        log::fail(name_, table_->source(), "[" + title_ + "] has no key " + log::quoted(key));
+    for (const auto& [key, take] : keys_)
+      if (const toml::node* node = table_->get(key)) take(*node, title_ + "." + key);
+  }
+
+ private:
+  const toml::table* table_;
+  std::string name_, title_;
+  std::map<std::string, Take> keys_;
+};
+
+void take_line(Section& section, GpioLine& line) {
+  section.text("chip", line.chip);
+  section.text("line", line.line);
+  section.flag("active_low", line.active_low);
+  section.read({"chip", "line"});
+}
+
+/// The controller's parameters, by the names of their table.
+void take_parameters(const toml::table& table, const std::string& name, control::Config& config) {
+  std::vector<std::string_view> names;
+  for (const bus::Parameter& p : bus::kParameters) names.push_back(p.name);
+  log::refuse_unknown_keys(table, name, "[parameters]", names);
+  for (const bus::Parameter& p : bus::kParameters) {
+    const toml::node* node = table.get(p.name);
+    if (node == nullptr) continue;
+    const std::string key(p.name);
+    // Judged as the float that it becomes: a bound is one too.
+    const auto value = static_cast<float>(log::number(*node, name, key, -1e9, 1e9, p.unit));
+    if (!bus::allows(p, value))
+      log::fail(name, node->source(),
+                key + " = " + log::value_text(*node) + "; expected a " + (p.whole ? "whole " : "") +
+                    "number from " + log::rounded(static_cast<double>(p.least)) + " to " +
+                    log::rounded(static_cast<double>(p.most)) +
+                    (p.unit.empty() ? "" : " " + std::string(p.unit)));
+    p.put(config, value);
+  }
+  if (control::check(config) != Status::ok)
+    log::fail(name, table.source(),
+              "[parameters] make no sense together (as a clutch whose tooth_play_m is more than its "
+              "tooth_pitch_m)");
+}
+
+}  // namespace
+
+Configuration parse_configuration(std::string_view text, const std::string& name) {
+  const toml::table file = log::parse_toml(text, name);
+  static constexpr std::string_view kSections[] = {"can",      "leg",    "height", "cable", "contact",
+                                                   "solenoid", "modbus", "loop",   "store", "parameters"};
+  log::refuse_unknown_keys(file, name, "the file", kSections);
+  Configuration c;
+
+  Section can(file, name, "can");
+  const auto node = [&](const char* key, int least, std::uint8_t& out) {
+    can.whole(key, least, bus::kLastNode, [&out](int n) { out = static_cast<std::uint8_t>(n); });
+  };
+  can.text("interface", c.can_interface);
+  node("drive_node", bus::kFirstNode, c.link.drive_node);
+  node("height_encoder_node", bus::kFirstNode, c.link.height_node);
+  node("cable_encoder_node", 0, c.link.cable_node);
+  node("own_node", bus::kFirstNode, c.link.self_node);
+  can.any("motor", [&](const toml::node& n, const std::string& key) {
+    const std::string wanted = log::text(n, name, key);
+    std::vector<std::string_view> motors;
+    for (const bus::MotorInfo& m : bus::kMotors) {
+      motors.push_back(m.name);
+      if (m.name == wanted) {
+        c.link.motor = m.motor;
+        return;
+      }
+    }
+    log::fail(name, n.source(),
+              key + " = " + log::quoted(wanted) + "; expected one of " + log::listed(motors) +
+                  log::did_you_mean(wanted, motors));
+  });
+  if (!can.is_there()) throw log::DataError(name + ": no section [can]");
+  can.read({"interface", "motor"});
+
+  Section leg(file, name, "leg");
+  leg.real("zero_rad", -3.2, 3.2, "rad", c.link.leg_zero_rad);
+  leg.real("gear", 0.01, 100.0, "", c.link.gear);
+  bool reversed = false;
+  leg.flag("reversed", reversed);
+  leg.read();
+  c.link.leg_sign = reversed ? -1.0f : 1.0f;
+
+  Section height(file, name, "height");
+  height.count("home_count", c.home_count);
+  height.real("home_m", 0.0, 5.0, "m", c.home_height_m);
+  height.read({"home_count", "home_m"});
+  Section cable(file, name, "cable");
+  cable.count("home_count", c.cable_home_count);
+  cable.read({"home_count"});
+
+  Section contact(file, name, "contact");
+  if (!contact.is_there())
+    throw log::DataError(name + ": no section [contact]; expected chip and line of the switch");
+  take_line(contact, c.contact);
+  Section solenoid(file, name, "solenoid");
+  c.has_solenoid = solenoid.is_there();
+  take_line(solenoid, c.solenoid);
+
+  Section modbus(file, name, "modbus");
+  modbus.flag("on", c.modbus);
+  modbus.text("address", c.modbus_address);
+  modbus.whole("port", 1, 65535, [&c](int port) { c.modbus_port = port; });
+  modbus.read();
+
+  Section loop(file, name, "loop");
+  loop.whole("priority", 0, 99, [&c](int priority) { c.priority = priority; });
+  loop.read();
+
+  Section store(file, name, "store");
+  store.text("file", c.store_file);
+  store.read({"file"});
+
+  // Sensors on a bus are older than those that the board reads itself.
+  c.controller.supervisor.sample_age_max_us = firmware::kCanSampleAgeMaxUs;
+  if (const toml::node* parameters = file.get("parameters"))
+    take_parameters(log::table(*parameters, name, "parameters"), name, c.controller);
+
+  if (firmware::check(c.link) != Status::ok)
+    throw log::DataError(name + ": [can] two encoders with one node id; expected different ones");
+  return c;
+}
+
+Configuration read_configuration(const std::string& path) {
+  return parse_configuration(log::read_small_file(path, "a configuration file"), path);
+}
+
+}  // namespace furcula::linux_sbc

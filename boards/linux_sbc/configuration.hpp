@@ -1,0 +1,40 @@
+// furculad's configuration file: how the robot is wired, and the controller's parameters
+// (docs/linux_board.md).
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "boards/linux_sbc/gpio.hpp"
+#include "firmware/app/can_link.hpp"
+#include "furcula/control/controller.hpp"
+
+namespace furcula::linux_sbc {
+
+struct Configuration {
+  std::string can_interface = "can0";
+  firmware::CanLinkConfig link;
+  GpioLine contact;
+  GpioLine solenoid;
+  bool has_solenoid = false;
+  /// Where the rail's encoder reads `home_count` the body is at `home_height_m`; NaN: it is homed on a
+  /// request.
+  std::uint32_t home_count = 0;
+  float home_height_m = __builtin_nanf("");
+  std::uint32_t cable_home_count = 0;  ///< what the cable's encoder reads with the cable at rest
+  std::string modbus_address = "127.0.0.1";
+  int modbus_port = 1502;
+  bool modbus = true;
+  int priority = 80;           ///< SCHED_FIFO, 1 to 99; 0: the usual priority
+  std::string store_file;      ///< where parameters are saved; empty: nowhere
+  control::Config controller;  ///< the parameters as the file has them, the others at their defaults
+};
+
+/// Reads and checks the file. @throws log::DataError naming file, line, key, value and what was expected.
+Configuration read_configuration(const std::string& path);
+
+/// The same on text; `name` stands for the path in messages.
+Configuration parse_configuration(std::string_view text, const std::string& name);
+
+}  // namespace furcula::linux_sbc

@@ -1,0 +1,201 @@
+// furculad, see daemon.hpp. Three threads: the loop, which alone touches robot and node; the server of
+// Modbus; and the first one, which waits for signals and speaks with the service manager.
+#include "boards/linux_sbc/daemon.hpp"
+
+#include <pthread.h>
+#include <signal.h>
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <iostream>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "boards/linux_sbc/board.hpp"
+#include "boards/linux_sbc/file_store.hpp"
+#include "boards/linux_sbc/hatch.hpp"
+#include "boards/linux_sbc/modbus_server.hpp"
+#include "boards/linux_sbc/notify.hpp"
+#include "boards/linux_sbc/realtime.hpp"
+#include "firmware/app/node.hpp"
+#include "firmware/app/node_registers.hpp"
+#include "furcula/bus/modbus_pdu.hpp"
+
+/// Of this process so far, where a program that counts them is linked (tests/hil/allocations.cpp).
+extern "C" __attribute__((weak)) unsigned long furcula_allocations();
+
+namespace furcula::linux_sbc {
+namespace {
+
+using Node = firmware::Node<Board, FileStore>;
+
+constexpr std::uint64_t kSettledTicks =
+    100;  ///< until READY=1: the loop runs, and all that it needs is in memory
+
+constexpr bus::Identity kIdentity{
+    "linux_sbc", "furculad " FURCULA_VERSION,
+    bus::version_number(FURCULA_VERSION_MAJOR, FURCULA_VERSION_MINOR, FURCULA_VERSION_PATCH), 0};
+
+struct Daemon {
+  Daemon(const Configuration& configuration, CanSocket& can, Gpio& gpio)
+      : board(configuration, can, gpio, stop, figures),
+        store(configuration.store_file),
+        node(board, store, configuration.controller, kIdentity,
+             static_cast<std::uint16_t>(monotonic_ns() / 1000)),
+        registers(node),
+        priority(configuration.priority) {}
+
+  std::atomic<bool> stop{false};
+  LoopFigures figures;
+  Board board;
+  FileStore store;
+  Node node;
+  firmware::NodeRegisters<Node> registers;
+  Hatch hatch;
+  std::unique_ptr<ModbusServer> server;
+  int priority;
+  std::string warning;  ///< of the loop's thread; written before its first tick
+};
+
+void obey_stream(Daemon& d) {
+  const firmware::CanRequest wanted = d.board.link().take_request();
+  if (wanted.kind == firmware::CanRequest::Kind::none) return;
+  firmware::StreamCommand command;
+  command.request = static_cast<bus::Request>(wanted.kind);
+  command.torque_amplitude_nm = wanted.torque_amplitude_nm;
+  command.torque_period_s = wanted.torque_period_s;
+  command.release_in_flight = wanted.release_in_flight;
+  static_cast<void>(d.node.stream(command));
+}
+
+void answer_people(Daemon& d) {
+  Pdu request;
+  if (!d.hatch.request.take(request)) return;
+  Pdu reply;
+  reply.number = request.number;
+  const bus::Response response =
+      bus::handle_pdu(d.registers, std::span<const std::uint8_t>(request.bytes).first(request.size));
+  reply.size = static_cast<std::uint16_t>(response.size);
+  std::copy_n(response.bytes.begin(), response.size, reply.bytes.begin());
+  static_cast<void>(d.hatch.answer.put(reply));
+}
+
+void* run_loop(void* argument) {
+  Daemon& d = *static_cast<Daemon*>(argument);
+  touch_stack();
+  if (d.priority > 0) d.warning = run_first_in_first_out(d.priority);
+  while (d.board.wait_for_tick()) {
+    obey_stream(d);
+    d.board.set_state(d.node.state());
+    d.node.tick();
+    answer_people(d);
+  }
+  // Said several times: one frame may be lost.
+  d.board.set_state(bus::NodeState::idle);
+  for (int i = 0; i < 5; ++i) {
+    static_cast<void>(d.board.actuate(control::Command{}));
+    static_cast<void>(d.board.wait_for_tick());
+  }
+  return nullptr;
+}
+
+void* run_server(void* argument) {
+  Daemon& d = *static_cast<Daemon*>(argument);
+  touch_stack();
+  d.server->serve(d.stop);
+  return nullptr;
+}
+
+struct Baseline {
+  rusage usage{};
+  unsigned long allocations = 0;
+};
+
+Baseline now() {
+  Baseline b;
+  ::getrusage(RUSAGE_SELF, &b.usage);
+  if (furcula_allocations != nullptr) b.allocations = furcula_allocations();
+  return b;
+}
+
+void print_figures(const LoopFigures& figures, const Baseline& begin) {
+  const Baseline end = now();
+  std::cout << "furculad: " << figures.ticks.load() << " ticks, " << figures.overruns.load()
+            << " missed; CAN: " << figures.can_refused.load() << " sends refused, "
+            << figures.can_errors.load() << " error frames; switch: " << figures.edges.load() << " edges\n"
+            << figures.lateness.text("a tick begins late by") << figures.work.text("a tick's own work")
+            << "since the start: " << end.usage.ru_minflt - begin.usage.ru_minflt << " page faults, "
+            << end.usage.ru_majflt - begin.usage.ru_majflt << " from disk";
+  if (furcula_allocations != nullptr)
+    std::cout << "; " << end.allocations - begin.allocations << " allocations";
+  std::cout << std::endl;
+}
+
+void warn(const std::string& message) {
+  if (!message.empty()) std::cerr << "furculad: warning: " << message << "\n";
+}
+
+/// Waits for signals; the watchdog of the service manager hears of a loop that ticks, and of no other.
+void watch(Daemon& d, const ServiceManager& manager, const sigset_t& signals, const Baseline& begin) {
+  std::chrono::nanoseconds pause = std::chrono::milliseconds(100);
+  if (manager.watchdog_period().count() > 0)
+    pause = std::min<std::chrono::nanoseconds>(pause, manager.watchdog_period());
+  const timespec wait{0, static_cast<long>(pause.count())};
+  std::uint64_t seen = 0;
+  for (;;) {
+    const int signal = ::sigtimedwait(&signals, nullptr, &wait);
+    if (signal == SIGTERM || signal == SIGINT) return;
+    if (signal == SIGUSR1) print_figures(d.figures, begin);
+    const std::uint64_t ticks = d.figures.ticks.load(std::memory_order_relaxed);
+    if (ticks != seen) manager.tell("WATCHDOG=1");
+    seen = ticks;
+  }
+}
+
+}  // namespace
+
+void run_daemon(const Configuration& configuration) {
+  sigset_t signals;
+  ::sigemptyset(&signals);
+  for (const int signal : {SIGTERM, SIGINT, SIGUSR1}) ::sigaddset(&signals, signal);
+  ::pthread_sigmask(SIG_BLOCK, &signals, nullptr);  // the other threads inherit that
+
+  const firmware::CanLinkConfig& link = configuration.link;
+  std::vector<std::uint32_t> ids{bus::id_of(bus::message::kMotorReply, link.drive_node),
+                                 bus::id_of(bus::message::kCommand, link.self_node),
+                                 bus::id_of(bus::message::kEncoderSample, link.height_node)};
+  if (link.cable_node != 0) ids.push_back(bus::id_of(bus::message::kEncoderSample, link.cable_node));
+  const ServiceManager manager;
+  CanSocket can(configuration.can_interface, ids);
+  Gpio gpio(configuration.contact, configuration.has_solenoid ? &configuration.solenoid : nullptr);
+  const auto daemon = std::make_unique<Daemon>(configuration, can, gpio);
+  if (configuration.modbus)
+    daemon->server = std::make_unique<ModbusServer>(configuration.modbus_address, configuration.modbus_port,
+                                                    daemon->hatch);
+  warn(lock_memory());
+
+  const unsigned long loop = start_thread(run_loop, daemon.get());
+  unsigned long server = 0;
+  if (daemon->server) server = start_thread(run_server, daemon.get());
+  touch_stack();
+  while (daemon->figures.ticks.load() < kSettledTicks) {
+    const timespec pause{0, 1'000'000};
+    ::nanosleep(&pause, nullptr);
+  }
+  warn(daemon->warning);
+  std::cout << "furculad: running on " << configuration.can_interface << std::endl;
+  manager.tell("READY=1");
+  const Baseline begin = now();
+  watch(*daemon, manager, signals, begin);
+
+  manager.tell("STOPPING=1");
+  daemon->stop = true;
+  ::pthread_join(loop, nullptr);
+  if (daemon->server) ::pthread_join(server, nullptr);
+  print_figures(daemon->figures, begin);
+}
+
+}  // namespace furcula::linux_sbc

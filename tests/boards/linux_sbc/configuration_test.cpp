@@ -1,0 +1,201 @@
+// furculad's files: the configuration, read strictly, and the store of parameters.
+#include "boards/linux_sbc/configuration.hpp"
+
+#include <unistd.h>
+
+#include <array>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+
+#include "boards/linux_sbc/file_store.hpp"
+#include "furcula/bus/parameters.hpp"
+#include "host/log/error.hpp"
+#include "host/rig/rig.hpp"
+
+using namespace furcula;
+using Catch::Contains;
+using linux_sbc::parse_configuration;
+
+namespace {
+
+const std::string kLeast = R"([can]
+interface = "can0"
+motor = "ak80_9"
+
+[contact]
+chip = "gpiochip0"
+line = "contact"
+)";
+
+std::string message_of(const std::string& text) {
+  try {
+    parse_configuration(text, "f.toml");
+  } catch (const log::DataError& e) {
+    return e.what();
+  }
+  return "no error";
+}
+
+/// A folder that goes with the test.
+struct Folder {
+  Folder() : path(std::filesystem::temp_directory_path() / ("furculad-test-" + std::to_string(::getpid()))) {
+    std::filesystem::create_directories(path);
+  }
+  ~Folder() { std::filesystem::remove_all(path); }
+  std::filesystem::path path;
+};
+
+}  // namespace
+
+TEST_CASE(
+    "the least that a configuration says leaves Modbus on the loopback, no solenoid, and a height to be "
+    "homed") {
+  const auto c = parse_configuration(kLeast, "f.toml");
+  CHECK(c.can_interface == "can0");
+  CHECK(c.link.motor == bus::Motor::ak80_9);
+  CHECK(c.modbus_address == "127.0.0.1");
+  CHECK_FALSE(c.has_solenoid);
+  CHECK(std::isnan(c.home_height_m));
+  CHECK(c.controller.supervisor.sample_age_max_us == firmware::kCanSampleAgeMaxUs);
+}
+
+TEST_CASE("the example of a configuration is sound") {
+  const auto c = linux_sbc::read_configuration(FURCULAD_EXAMPLE);
+  CHECK(c.controller.torque.amplitude_nm == 2.0f);
+  CHECK(c.contact.active_low);
+}
+
+TEST_CASE("everything that a configuration can say is taken") {
+  const auto c = parse_configuration(kLeast + R"(active_low = true
+[solenoid]
+chip = "gpiochip1"
+line = "7"
+[leg]
+zero_rad = 0.5
+reversed = true
+gear = 2.0
+[height]
+home_count = -16
+home_m = 0.28
+[cable]
+home_count = 5
+[modbus]
+address = "0.0.0.0"
+port = 502
+[loop]
+priority = 0
+[store]
+file = "/var/lib/furcula/parameters"
+[parameters]
+torque_amplitude_nm = 3.5
+clutch_fitted = 1
+)",
+                                     "f.toml");
+  CHECK(c.contact.active_low);
+  CHECK(c.has_solenoid);
+  CHECK(c.solenoid.line == "7");
+  CHECK(c.link.leg_sign == -1.0f);
+  CHECK(c.link.gear == 2.0f);
+  CHECK(c.home_count == 0xfffffff0u);
+  CHECK(c.home_height_m == 0.28f);
+  CHECK(c.cable_home_count == 5);
+  CHECK(c.modbus_port == 502);
+  CHECK(c.priority == 0);
+  CHECK(c.store_file == "/var/lib/furcula/parameters");
+  CHECK(c.controller.torque.amplitude_nm == 3.5f);
+  CHECK(c.controller.clutch.fitted == 1);
+}
+
+TEST_CASE("what is wrong in a configuration is said with its line, its key and what was expected") {
+  CHECK_THAT(message_of(kLeast + "[leg]\nzero = 1\n"),
+             Contains("f.toml:9: unknown key 'zero' in [leg]") && Contains("zero_rad"));
+  CHECK_THAT(message_of("[can]\ninterface = \"can0\"\nmotor = \"ak80-9\"\n"),
+             Contains("f.toml:3") && Contains("can.motor = 'ak80-9'") && Contains("did you mean 'ak80_9'"));
+  CHECK_THAT(message_of("[contact]\nchip = \"a\"\nline = \"b\"\n"), Contains("no section [can]"));
+  CHECK_THAT(message_of("[can]\ninterface = \"can0\"\nmotor = \"ak80_9\"\n"),
+             Contains("no section [contact]"));
+  CHECK_THAT(message_of(kLeast + "[solenoid]\nchip = \"gpiochip0\"\n"),
+             Contains("[solenoid] has no key 'line'"));
+  CHECK_THAT(message_of(kLeast + "[modbus]\nport = 70000\n"),
+             Contains("modbus.port = 70000") && Contains("1 to 65535"));
+  CHECK_THAT(message_of(kLeast + "[modbus]\nport = 50.5\n"), Contains("expected a whole number"));
+  CHECK_THAT(message_of(kLeast + "[loop]\npriority = \"high\"\n"), Contains("loop.priority is 'high'"));
+  CHECK_THAT(message_of(kLeast + "[parameters]\ntorque_limit_nm = 100\n"),
+             Contains("torque_limit_nm = 100") && Contains("from 0.1 to 40 N m"));
+  CHECK_THAT(message_of(kLeast + "[parameters]\nclutch_fitted = 0.5\n"),
+             Contains("whole number from 0 to 1"));
+  CHECK_THAT(message_of(kLeast + "[parameters]\nleg_angle_max = 1\n"),
+             Contains("did you mean 'leg_angle_max_rad'"));
+  CHECK_THAT(message_of(kLeast + "[parameters]\nclutch_fitted = 1\nclutch_release_in_flight = "
+                                 "1\ntooth_play_m = 0.02\ntooth_pitch_m = 0.001\n"),
+             Contains("make no sense together"));
+  CHECK_THAT(
+      message_of(
+          "[can]\ninterface = \"can0\"\nmotor = \"ak80_9\"\nheight_encoder_node = 3\ncable_encoder_node = 3\n"
+          "[contact]\nchip = \"a\"\nline = \"b\"\n"),
+      Contains("two encoders with one node id"));
+  CHECK_THAT(message_of("can = 3\n"), Contains("can is 3; expected a table"));
+}
+
+TEST_CASE("the configuration that a rig writes for a controller reads back as that controller") {
+  rig::RigOptions options;
+  options.gpio_chip = "/dev/gpiochip0";
+  control::Config config;
+  config.torque.amplitude_nm = 2.7182817f;
+  config.link_length_m = 0.1234567f;
+  config.clutch.fitted = 1;
+  const auto c =
+      parse_configuration(rig::board_configuration(options, config, true, 0xfffffff0u, 0.34998f), "f.toml");
+  CHECK(c.can_interface == "vcan0");
+  CHECK(c.home_count == 0xfffffff0u);
+  CHECK(c.home_height_m == 0.34998f);
+  CHECK(c.link.cable_node == 2);
+  for (const bus::Parameter& p : bus::kParameters) {
+    INFO(p.name);
+    if (p.name != "sample_age_max_us") CHECK(p.get(c.controller) == p.get(config));
+  }
+}
+
+TEST_CASE("what a store saves it loads, and nothing that was cut or changed at any byte") {
+  const Folder folder;
+  const std::string path = folder.path / "parameters";
+  linux_sbc::FileStore store(path);
+  std::array<std::uint8_t, 64> into{};
+  CHECK(store.load(into).value() == 0);  // never saved
+  const std::array<std::uint8_t, 10> image{1, 2, 3, 0, 255, 10, 13, 7, 8, 9};
+  REQUIRE(store.save(image) == Status::ok);
+  REQUIRE(store.load(into).ok());
+  CHECK(store.load(into).value() == image.size());
+  CHECK(std::equal(image.begin(), image.end(), into.begin()));
+
+  std::ifstream file(path, std::ios::binary);
+  const std::string whole{std::istreambuf_iterator<char>(file), {}};
+  const auto write = [&](const std::string& bytes) { std::ofstream(path, std::ios::binary) << bytes; };
+  for (std::size_t i = 0; i < whole.size(); ++i) {
+    write(whole.substr(0, i));
+    CHECK(store.load(into).status() == Status::invalid);
+    std::string changed = whole;
+    changed[i] = static_cast<char>(changed[i] ^ 0x10);
+    write(changed);
+    CHECK(store.load(into).status() == Status::invalid);
+  }
+  write(whole + "x");
+  CHECK(store.load(into).status() == Status::invalid);
+  write(whole);
+  std::array<std::uint8_t, 9> too_small{};
+  CHECK(store.load(too_small).status() == Status::invalid);
+}
+
+TEST_CASE("a store that cannot be written says so and leaves no part") {
+  const Folder folder;
+  linux_sbc::FileStore store(folder.path / "no" / "such" / "folder");
+  const std::array<std::uint8_t, 4> image{};
+  CHECK(store.save(image) == Status::disconnected);
+  CHECK(std::filesystem::is_empty(folder.path));
+  linux_sbc::FileStore none("");
+  CHECK(none.save(image) == Status::disconnected);
+}

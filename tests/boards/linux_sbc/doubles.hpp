@@ -1,0 +1,58 @@
+// What stands in the place of bus and lines in tests: they keep what they were told and give what they are
+// set to.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include "boards/linux_sbc/board.hpp"
+
+namespace furcula::test {
+
+class QuietBus {
+ public:
+  std::span<const linux_sbc::Received> receive() {
+    const std::span<const linux_sbc::Received> all(incoming.data(), count);
+    count = 0;
+    return all;
+  }
+  bool send(std::span<const bus::Frame> frames) {
+    for (const bus::Frame& f : frames) sent[next++ % sent.size()] = f;
+    return takes;
+  }
+  bool bus_off() const { return off; }
+  const linux_sbc::CanCounters& counters() const { return counters_; }
+
+  void arrive(const bus::Frame& frame, std::int64_t age_ns = 0) { incoming[count++] = {frame, age_ns}; }
+  /// The newest.
+  const bus::Frame& last() const { return sent[(next + sent.size() - 1) % sent.size()]; }
+
+  std::array<linux_sbc::Received, 8> incoming{};
+  std::size_t count = 0;
+  std::array<bus::Frame, 64> sent{};
+  std::size_t next = 0;
+  bool takes = true, off = false;
+
+ private:
+  linux_sbc::CanCounters counters_;
+};
+
+class QuietLines {
+ public:
+  linux_sbc::SwitchReading read_switch() { return reading; }
+  bool set_solenoid(bool on) {
+    solenoid = on;
+    on_ticks += on ? 1 : 0;
+    return true;
+  }
+
+  linux_sbc::SwitchReading reading;
+  bool solenoid = false;
+  std::size_t on_ticks = 0;
+};
+
+using QuietBoard = linux_sbc::LinuxBoard<QuietBus, QuietLines>;
+static_assert(firmware::Board<QuietBoard>);
+
+}  // namespace furcula::test

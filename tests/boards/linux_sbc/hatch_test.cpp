@@ -1,0 +1,212 @@
+// The hand-over between the threads of furculad; of use under the preset tsan above all.
+#include "boards/linux_sbc/hatch.hpp"
+
+#include <modbus/modbus.h>
+
+#include <atomic>
+#include <catch2/catch.hpp>
+#include <chrono>
+#include <cstring>
+#include <thread>
+
+#include "boards/linux_sbc/histogram.hpp"
+#include "boards/linux_sbc/modbus_server.hpp"
+
+using namespace furcula;
+using linux_sbc::Hatch;
+using linux_sbc::Pdu;
+
+namespace {
+
+/// A loop that answers each read of holding registers (function 3) with the addresses that were asked for.
+class EchoLoop {
+ public:
+  explicit EchoLoop(Hatch& hatch) : thread_([this, &hatch] { run(hatch); }) {}
+  ~EchoLoop() {
+    stop_ = true;
+    thread_.join();
+  }
+
+ private:
+  void run(Hatch& hatch) {
+    while (!stop_) {
+      Pdu pdu;
+      if (hatch.request.take(pdu)) {
+        if (pdu.bytes[0] == 3) {
+          const auto first = static_cast<std::uint16_t>(pdu.bytes[1] << 8 | pdu.bytes[2]);
+          const std::uint8_t count = pdu.bytes[4];
+          pdu.bytes[1] = static_cast<std::uint8_t>(2 * count);
+          for (std::uint8_t i = 0; i < count; ++i) {
+            pdu.bytes[2u + 2u * i] = static_cast<std::uint8_t>((first + i) >> 8);
+            pdu.bytes[3u + 2u * i] = static_cast<std::uint8_t>(first + i);
+          }
+          pdu.size = static_cast<std::uint16_t>(2 + 2 * count);
+        } else {
+          pdu.bytes[0] |= 0x80u;
+          pdu.bytes[1] = 1;
+          pdu.size = 2;
+        }
+        static_cast<void>(hatch.answer.put(pdu));
+      }
+      std::this_thread::yield();
+    }
+  }
+  std::atomic<bool> stop_{false};
+  std::thread thread_;
+};
+
+/// The server on its own thread, on a port of the loopback that is free.
+class Service {
+ public:
+  explicit Service(Hatch& hatch)
+      : server_("127.0.0.1", port(), hatch), thread_([this] { server_.serve(stop_); }) {}
+  ~Service() {
+    stop_ = true;
+    thread_.join();
+  }
+  static int port() { return 15020; }
+
+ private:
+  linux_sbc::ModbusServer server_;
+  std::atomic<bool> stop_{false};
+  std::thread thread_;
+};
+
+struct Master {
+  Master() : context(::modbus_new_tcp("127.0.0.1", Service::port())) {
+    ::modbus_set_response_timeout(context, 5, 0);
+    REQUIRE(::modbus_connect(context) == 0);
+  }
+  ~Master() {
+    ::modbus_close(context);
+    ::modbus_free(context);
+  }
+  modbus_t* context;
+};
+
+}  // namespace
+
+TEST_CASE("every value that one thread puts another takes once, in order and whole") {
+  struct Value {
+    std::uint32_t number = 0;
+    std::uint32_t copies[30] = {};
+  };
+  static linux_sbc::Slot<Value> slot;
+  constexpr std::uint32_t kMany = 20000;
+  std::thread producer([] {
+    for (std::uint32_t n = 1; n <= kMany;) {
+      Value value{n, {}};
+      for (auto& copy : value.copies) copy = n;
+      if (slot.put(value))
+        ++n;
+      else
+        std::this_thread::yield();
+    }
+  });
+  std::uint32_t taken = 0, torn = 0, wrong_order = 0;
+  while (taken < kMany) {
+    Value value;
+    if (!slot.take(value)) {
+      std::this_thread::yield();
+      continue;
+    }
+    if (value.number != ++taken) ++wrong_order;
+    for (const auto copy : value.copies) torn += copy != value.number;
+  }
+  producer.join();
+  CHECK(torn == 0);
+  CHECK(wrong_order == 0);
+  Value value;
+  CHECK_FALSE(slot.take(value));
+}
+
+TEST_CASE("a full slot keeps what it has") {
+  linux_sbc::Slot<int> slot;
+  CHECK(slot.put(1));
+  CHECK_FALSE(slot.put(2));
+  int value = 0;
+  REQUIRE(slot.take(value));
+  CHECK(value == 1);
+  CHECK(slot.put(3));
+}
+
+TEST_CASE(
+    "libmodbus reads through the server and the hatch what the loop answers, from two masters at once") {
+  Hatch hatch;
+  const EchoLoop loop(hatch);
+  const Service service(hatch);
+  const Master first, second;
+  std::uint16_t words[100] = {};
+  for (int round = 0; round < 50; ++round) {
+    REQUIRE(::modbus_read_registers(first.context, 1000 + round, 100, words) == 100);
+    CHECK(words[0] == 1000 + round);
+    CHECK(words[99] == 1099 + round);
+    REQUIRE(::modbus_read_registers(second.context, 7, 1, words) == 1);
+    CHECK(words[0] == 7);
+  }
+  // What the loop refuses comes back as that exception.
+  CHECK(::modbus_write_register(first.context, 1, 1) == -1);
+  CHECK(errno == EMBXILFUN);
+}
+
+TEST_CASE(
+    "a loop that does not answer is a server's failure, and the next request is not answered by an old "
+    "answer") {
+  Hatch hatch;
+  const Service service(hatch);
+  const Master master;
+  std::uint16_t word = 0;
+  CHECK(::modbus_read_registers(master.context, 1, 1, &word) == -1);
+  CHECK(errno == EMBXSFAIL);
+  const EchoLoop late(hatch);  // answers the old request first
+  int read = -1;
+  // It may take a while until that thread runs.
+  for (int tries = 0; tries < 2000 && read != 1; ++tries) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    read = ::modbus_read_registers(master.context, 77, 1, &word);
+  }
+  REQUIRE(read == 1);
+  CHECK(word == 77);
+}
+
+TEST_CASE("a port that is taken is an error that names address and port") {
+  Hatch hatch;
+  const Service service(hatch);
+  Hatch other;
+  CHECK_THROWS_WITH(linux_sbc::ModbusServer("127.0.0.1", Service::port(), other),
+                    Catch::Contains("127.0.0.1, port 15020"));
+}
+
+TEST_CASE("a histogram puts each duration into its bin, and says so of mean, maximum and share") {
+  linux_sbc::Histogram h;
+  for (int i = 0; i < 998; ++i) h.add(3'000);  // 2 to 4 us
+  h.add(900);
+  h.add(5'000'000);
+  CHECK(h.count() == 1000);
+  CHECK(h.count(0) == 1);
+  CHECK(h.count(2) == 998);
+  CHECK(h.most_ns() == 5'000'000);
+  CHECK(h.mean_us() == Approx((998 * 3.0 + 0.9 + 5000.0) / 1000.0));
+  CHECK(h.quantile_us(0.99) == 4.0);
+  CHECK(h.quantile_us(1.0) == 5000.0);
+  h.add(-5);
+  CHECK(h.count(0) == 2);
+  h.add(1'000'000'000'000);
+  CHECK(h.count(linux_sbc::Histogram::kBins - 1) == 1);
+}
+
+TEST_CASE("a histogram may be read while it is filled") {
+  linux_sbc::Histogram h;
+  std::thread writer([&h] {
+    for (int i = 0; i < 20000; ++i) h.add(i * 10);
+  });
+  std::uint64_t last = 0;
+  while (last < 20000) {
+    const std::uint64_t now = h.count();
+    CHECK(now >= last);
+    last = now;
+    if (h.text("x").empty()) break;
+  }
+  writer.join();
+  CHECK(h.count() == 20000);
+}
