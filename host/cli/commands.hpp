@@ -23,5 +23,6 @@ void add_param_command(CLI::App& app);
 void add_request_command(CLI::App& app);
 void add_serve_command(CLI::App& app);
 void add_safety_command(CLI::App& app);
+void add_rig_command(CLI::App& app);
 
 }  // namespace furcula::cli

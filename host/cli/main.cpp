@@ -59,6 +59,7 @@ void run(int argc, char** argv) {
   furcula::cli::add_request_command(app);
   furcula::cli::add_serve_command(app);
   furcula::cli::add_safety_command(app);
+  furcula::cli::add_rig_command(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {

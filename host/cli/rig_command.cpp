@@ -1,0 +1,75 @@
+// `furcula rig`: a board's own program against a mocked robot, on SocketCAN and simulated GPIO lines.
+#include <iostream>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "host/cli/commands.hpp"
+#include "host/cli/errors.hpp"
+#include "host/log/writer.hpp"
+#include "host/model/reader.hpp"
+#include "host/rig/rig.hpp"
+#include "host/sim/expectation.hpp"
+
+namespace furcula::cli {
+namespace {
+
+struct Options {
+  std::string model, scenario, out;
+  std::uint64_t seed = 0;
+  rig::RigOptions rig;
+};
+
+void run(Options& options) {
+  const model::Model model = model::read_model(options.model);
+  if (!dynamics::is_hopper(model.kind)) throw UsageError("the rig is a hopper; expected a model of one");
+  const sim::Scenario scenario = sim::read_scenario(options.scenario, model);
+  const sim::Expectation expected = sim::read_expectation(options.scenario);
+  if (const std::string fault = rig::what_cannot_be_planted(scenario); !fault.empty())
+    throw UsageError(options.scenario + ": the fault " + fault +
+                     " cannot be planted from the rig's end of the bus");
+  if (options.rig.configuration_path.empty()) options.rig.configuration_path = options.out + ".furculad.toml";
+  rig::RigResult result;
+  try {
+    result = rig::run(model, scenario, options.seed, options.rig);
+  } catch (const std::runtime_error& e) {
+    throw Refusal(options.scenario + ": " + e.what());
+  }
+  result.log.rig = std::string(dynamics::info(model.kind).rig);
+  result.log.metadata = {{"sample_rate_hz", "1000"}, {"seed", std::to_string(options.seed)}, {"ring", "hil"}};
+  log::write_log(result.log, options.out);
+  std::cerr << "furcula: " << result.log.rows() << " ticks, " << result.silent_ticks << " without a command, "
+            << result.late_ticks << " on which the rig was late\n";
+  auto found = sim::violations(expected, result.log, sim::first_fault_s(scenario),
+                               model.clutch ? model.clutch->tooth_pitch_m : 0.0);
+  if (!result.complaint.empty()) found.push_back(result.complaint);
+  if (!found.empty()) throw Refusal(options.scenario + ": " + found.front());
+}
+
+}  // namespace
+
+void add_rig_command(CLI::App& app) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand(
+      "rig",
+      "Run a board's own program against a mocked robot on a CAN bus and simulated GPIO lines (docs/hil.md)");
+  command->add_option("--model", options->model, "Model file (TOML) of a hopper")->required();
+  command->add_option("--scenario", options->scenario, "Scenario file (TOML); its [expect] must hold")
+      ->required();
+  command->add_option("--out", options->out, "The log to write (furcula-log/1, CSV)")->required();
+  command->add_option("--seed", options->seed, "Seed of the sensors' errors")->capture_default_str();
+  command->add_option("--can", options->rig.can_interface, "CAN interface")->capture_default_str();
+  command
+      ->add_option("--gpio-sim", options->rig.gpio_folder,
+                   "Folder in sysfs of the gpio-sim bank with the two lines")
+      ->required();
+  command->add_option("--gpio-chip", options->rig.gpio_chip, "The same chip as the board's program names it")
+      ->required();
+  command->add_option("--configuration", options->rig.configuration_path,
+                      "Where the program's configuration file is written; without it beside the log");
+  command->add_option("program", options->rig.command, "The board's program, furculad, and its arguments")
+      ->required();
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace furcula::cli

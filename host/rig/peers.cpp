@@ -1,0 +1,81 @@
+// Devices on the bus, see peers.hpp.
+#include "host/rig/peers.hpp"
+
+#include <cmath>
+
+#include "furcula/bus/codec.hpp"
+#include "furcula/bus/messages.hpp"
+#include "furcula/bus/stream.hpp"
+#include "host/log/message.hpp"
+
+namespace furcula::rig {
+namespace {
+
+using namespace bus::message;
+
+void set(bus::Frame& frame, const bus::Signal& signal, float value) {
+  static_cast<void>(bus::put(frame, signal, value));
+}
+void set_code(bus::Frame& frame, const bus::Signal& signal, std::uint32_t raw) {
+  static_cast<void>(bus::put_raw(frame, signal, raw));
+}
+
+float motor_value(const bus::Frame& frame, std::size_t signal) {
+  return bus::get(frame, bus::with_range(bus::table::kMotorCommand[signal], bus::info(kMotor))).value();
+}
+
+}  // namespace
+
+std::optional<bus::Frame> Drive::receive(const bus::Frame& frame, float angle_rad, float torque_nm) {
+  if (bus::is(frame, kMotorEnter, kDriveNode)) {
+    on_ = true;
+    torque_nm_ = 0.0f;
+  } else if (bus::is(frame, kMotorExit, kDriveNode)) {
+    on_ = false;
+    torque_nm_ = 0.0f;
+  } else if (bus::is(frame, kMotorCommand, kDriveNode)) {
+    torque_nm_ = motor_value(frame, 4);
+    if (motor_value(frame, 2) != 0.0f || motor_value(frame, 3) != 0.0f)
+      complaint_ = "the drive was told a stiffness or a damping; expected torques alone";
+  } else {
+    return std::nullopt;
+  }
+  bus::Frame reply = bus::empty_frame(kMotorReply, kDriveNode);
+  reply.size = bus::info(kMotor).reply_bytes;
+  const float measured[] = {angle_rad, 0.0f, torque_nm};
+  for (std::size_t i = 0; i < 3; ++i)
+    set(reply, bus::with_range(bus::table::kMotorReply[i + 1], bus::info(kMotor)), measured[i]);
+  if (reply.size > 6) reply.data[6] = 25;  // degrees
+  return reply;
+}
+
+bus::Frame EncoderNode::sample(std::uint32_t count, std::uint32_t age_us, bool homed) {
+  bus::Frame frame = bus::empty_frame(kEncoderSample, node_);
+  static_cast<void>(
+      bus::put_stamp(frame, {bus::kProtocolVersion, sequence_++, static_cast<float>(age_us) * 1e-6f}));
+  set_code(frame, bus::signal(kEncoderSample, "Status"), homed ? 0 : 1);
+  set_code(frame, bus::signal(kEncoderSample, "Count"), count);
+  return frame;
+}
+
+bus::Frame Desk::command(Wish wish, float amplitude_nm, float period_s, bool release) {
+  bus::Frame frame = bus::empty_frame(kCommand, kBoardNode);
+  static_cast<void>(bus::put_stamp(frame, {bus::kProtocolVersion, sequence_++, 0.0f}));
+  set_code(frame, bus::signal(kCommand, "Request"), static_cast<std::uint32_t>(wish));
+  set(frame, bus::signal(kCommand, "Torque_Amplitude"), amplitude_nm);
+  set(frame, bus::signal(kCommand, "Torque_Period"), period_s);
+  set_code(frame, bus::signal(kCommand, "Clutch"), release ? 1 : 0);
+  return frame;
+}
+
+void BoardWords::receive(const bus::Frame& frame) {
+  if (bus::is(frame, kHeartbeat, kBoardNode)) {
+    heard = true;
+    state = bus::get_raw(frame, bus::signal(kHeartbeat, "State")).value();
+    fault = bus::get_raw(frame, bus::signal(kHeartbeat, "Fault")).value();
+  } else if (bus::is(frame, kBodyState, kBoardNode)) {
+    fault = bus::get_raw(frame, bus::signal(kBodyState, "Fault")).value();
+  }
+}
+
+}  // namespace furcula::rig

@@ -1,0 +1,65 @@
+// The robot's devices as the bus sees them: a drive with the mini-cheetah's packing, and two encoder nodes.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "furcula/bus/frame.hpp"
+#include "furcula/bus/motors.hpp"
+#include "furcula/control/sample.hpp"
+
+namespace furcula::rig {
+
+inline constexpr bus::Motor kMotor = bus::Motor::ak80_9;
+inline constexpr std::uint8_t kDriveNode = 1, kHeightNode = 1, kCableNode = 2, kBoardNode = 1;
+
+class Drive {
+ public:
+  /// A frame of the bus. @returns the reply, where the frame is one that this drive answers. `angle_rad` and
+  /// `torque_nm` are what it measures.
+  std::optional<bus::Frame> receive(const bus::Frame& frame, float angle_rad, float torque_nm);
+
+  bool on() const { return on_; }
+  /// 0 while it is off.
+  float torque_nm() const { return on_ ? torque_nm_ : 0.0f; }
+  /// Empty, or what about its commands is not as agreed.
+  const std::string& complaint() const { return complaint_; }
+
+ private:
+  bool on_ = false;
+  float torque_nm_ = 0.0f;
+  std::string complaint_;
+};
+
+class EncoderNode {
+ public:
+  explicit EncoderNode(std::uint8_t node) : node_(node) {}
+
+  /// The next reading. `homed` false: it says that it is not.
+  bus::Frame sample(std::uint32_t count, std::uint32_t age_us, bool homed);
+
+ private:
+  std::uint8_t node_;
+  std::uint8_t sequence_ = 0;
+};
+
+/// The desk that tells the robot to stop or to hop.
+class Desk {
+ public:
+  enum class Wish : std::uint8_t { stop = 1, hop = 2 };
+  bus::Frame command(Wish wish, float amplitude_nm, float period_s, bool release);
+
+ private:
+  std::uint8_t sequence_ = 0;
+};
+
+/// What the board tells of itself.
+struct BoardWords {
+  bool heard = false;
+  std::uint32_t state = 0;  ///< of its heartbeat
+  std::uint32_t fault = 0;
+  void receive(const bus::Frame& frame);
+};
+
+}  // namespace furcula::rig
