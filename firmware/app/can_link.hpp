@@ -97,6 +97,7 @@ struct CanRequest {
   float torque_amplitude_nm = 0.0f;
   float torque_period_s = 0.0f;
   bool release_in_flight = false;
+  bool came = false;  ///< a frame came, be it one that asks for nothing
 };
 
 /// Nothing heard for so long counts as never heard: the clock wraps.
@@ -394,6 +395,7 @@ class CanLink {
     if (!judge(request_stream_, config_.requests, frame, since_us, statistics_).ok()) return;
     requested_.note(now_us);
     const auto value = [&](const bus::Signal& s) { return bus::get(frame, s).value(); };
+    request_.came = true;
     request_.kind = static_cast<CanRequest::Kind>(kind.value());
     request_.torque_amplitude_nm = value(bus::signal(kCommand, "Torque_Amplitude"));
     request_.torque_period_s = value(bus::signal(kCommand, "Torque_Period"));

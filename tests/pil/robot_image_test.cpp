@@ -15,11 +15,13 @@
 #include <bit>
 #include <catch2/catch.hpp>
 #include <chrono>
+#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -183,6 +185,28 @@ TEST_CASE("each STM32F4 image starts, ticks every millisecond and tells who it i
     CHECK(later.torque_nm == 0.0f);
     CHECK(later.coil_duty == 0.0f);
   }
+}
+
+TEST_CASE("a running robot's whole tick, with its buses, takes no more instructions than its budget") {
+  if (cannot_run_here()) return;
+  const std::string elf = FURCULA_IMAGES "/qemu_robot_tick.elf";
+  if (!std::filesystem::exists(elf)) return test::skip("no image qemu_robot_tick");
+  const std::string command = "timeout 60 qemu-system-arm -M netduinoplus2 -kernel '" + elf +
+                              "' -icount shift=0 -semihosting-config enable=on,target=native -display none "
+                              "-monitor none -serial none 2>&1";
+  FILE* pipe = ::popen(command.c_str(), "r");
+  REQUIRE(pipe != nullptr);
+  std::map<std::string, long> said;
+  char name[32];
+  for (long number = 0; std::fscanf(pipe, "%31s %ld", name, &number) == 2;) said[name] = number;
+  REQUIRE(::pclose(pipe) == 0);
+  // It ran, with a request of all registers every ten ticks.
+  CHECK(said["ticks_running"] > 1500);
+  CHECK(said["modbus_answers"] == 300);
+  CHECK(said["worst_tick"] > 1000);
+  CHECK(said["worst_tick"] <= 8000);
+  // For the table of scripts/size-budget.
+  std::ofstream(elf + ".measured") << "worst_tick " << said["worst_tick"] << "\n";
 }
 
 TEST_CASE("a parameter of the image is read and written over Modbus") {

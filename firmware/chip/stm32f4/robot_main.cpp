@@ -66,7 +66,7 @@ bus::Identity identity() {
 /// A command frame of the CAN bus, if one came.
 void obey_stream(RobotBoard& board, RobotNode& node) {
   const firmware::CanRequest heard = board.link().take_request();
-  if (heard.kind == firmware::CanRequest::Kind::none) return;
+  if (!heard.came) return;
   static_cast<void>(node.stream({static_cast<bus::Request>(heard.kind), heard.torque_amplitude_nm,
                                  heard.torque_period_s, heard.release_in_flight}));
 }

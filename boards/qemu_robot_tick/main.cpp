@@ -1,0 +1,159 @@
+// The work of a robot's whole tick in instructions of an emulated Cortex-M4F: frames of drive, two encoders
+// and a desk in, the node's tick while it runs, commands and telemetry out, and one Modbus request for all
+// registers. Without the chip's drivers, whose registers QEMU does not have. It says the longest and ends.
+#include <array>
+#include <cstdint>
+
+#include "boards/qemu_netduinoplus2/semihosting.hpp"
+#include "firmware/app/can_link.hpp"
+#include "firmware/app/can_telemetry.hpp"
+#include "firmware/app/node.hpp"
+#include "firmware/app/node_registers.hpp"
+#include "firmware/chip/stm32f4/timers.hpp"
+#include "firmware/startup/startup.hpp"
+#include "furcula/bus/modbus_rtu.hpp"
+
+namespace {
+
+using namespace furcula;
+using firmware::CanLinkConfig;
+
+constexpr CanLinkConfig kLink{.height_node = 1, .cable_node = 2};
+
+/// A robot that stands on the ground: its sensors come as frames.
+class BusRig {
+ public:
+  static bool wait_for_tick() { return true; }
+  std::uint32_t now_us() const { return now_us_; }
+  Result<control::Sample> sense() {
+    Result<control::Sample> heard = link_.sample(now_us_);
+    if (!heard.ok()) return heard.status();
+    sample_ = heard.value();
+    sample_.contact = 1;
+    return sample_;
+  }
+  Status actuate(const control::Command& command) {
+    for (const bus::Frame& frame : link_.command(command, state_ == bus::NodeState::running)) send(frame);
+    return Status::ok;
+  }
+  static void kick_watchdog() {}
+  static bool take_reset_request() { return false; }
+  void report(const firmware::Telemetry& telemetry) {
+    for (const bus::Frame& frame : telemetry_.tick(telemetry, sample_, state_)) send(frame);
+  }
+
+  void set_state(bus::NodeState state) { state_ = state; }
+  firmware::CanLink& link() { return link_; }
+  /// What arrives in a millisecond: the leg is folded by `angle` of the drive's 16 bits, the desk says
+  /// `request`.
+  void receive(std::uint8_t sequence, std::uint32_t angle, std::uint8_t request) {
+    now_us_ += 1000;
+    bus::Frame frame;
+    frame.size = 8;
+    frame.data = {kLink.drive_node,
+                  static_cast<std::uint8_t>(angle >> 8),
+                  static_cast<std::uint8_t>(angle),
+                  0x7f,
+                  0xf7,
+                  0xff,
+                  41,
+                  0};
+    link_.receive(frame, now_us_);
+    for (const std::uint8_t node : {kLink.height_node, kLink.cable_node}) {
+      frame.id = 0x460u + node;
+      frame.data = {1, sequence, 1, 0, 0, 0, 0, 0};
+      link_.receive(frame, now_us_);
+    }
+    frame.id = 0x400u + kLink.self_node;  // 2 N m over 0.3 s
+    frame.data = {static_cast<std::uint8_t>(1 | request << 4), sequence, 1, 0xd0, 0x07, 0xb8, 0x0b, 1};
+    link_.receive(frame, now_us_);
+  }
+
+ private:
+  /// In the place of a mailbox.
+  void send(const bus::Frame& frame) { mailbox_ = frame.data[0] + frame.id; }
+
+  firmware::CanLink link_{kLink};
+  firmware::CanTelemetry telemetry_{{1, 100, 100}};
+  control::Sample sample_;
+  bus::NodeState state_ = bus::NodeState::starting;
+  std::uint32_t now_us_ = 0;
+  volatile std::uint32_t mailbox_ = 0;
+};
+static_assert(firmware::Board<BusRig>);
+
+using Node = firmware::Node<BusRig, firmware::NoStore>;
+
+control::Config hopping() {
+  control::Config config;
+  config.torque = {control::ProfileShape::harmonic, 2.0f, 0.3f};
+  config.supervisor.sample_age_max_us = firmware::kCanSampleAgeMaxUs;
+  config.clutch.fitted = 1;
+  return config;
+}
+
+/// "NAME NUMBER\n" on the console.
+void say(const char* name, std::uint32_t number) {
+  char text[48];
+  std::size_t n = 0;
+  while (name[n] != '\0' && n < 30) {
+    text[n] = name[n];
+    ++n;
+  }
+  text[n++] = ' ';
+  std::uint32_t power = 1'000'000'000;
+  while (power > 1 && number < power) power /= 10;
+  for (; power != 0; power /= 10) text[n++] = static_cast<char>('0' + number / power % 10);
+  text[n++] = '\n';
+  text[n] = '\0';
+  semihosting::call(0x04, text);
+}
+
+}  // namespace
+
+void furcula::firmware::on_exception() { semihosting::exit(5); }
+
+int main() {
+  static BusRig rig;
+  static firmware::NoStore store;
+  static Node node(rig, store, hopping(), {"qemu_robot_tick", "emulated", 0, 0}, 1);
+  static firmware::NodeRegisters<Node> registers(node);
+  static bus::RtuServer server(1, 1750);
+  // TIM2 counts nanoseconds in QEMU, and with `-icount shift=0` an instruction takes one.
+  static stm32f4::MicrosecondClock counter(
+      stm32f4::block_at<stm32f4::TimerRegisters>(stm32f4::address::kTim2));
+  counter.start(1);
+  const std::uint32_t first = counter.now_us();
+  const std::uint32_t overhead = counter.now_us() - first;
+
+  constexpr std::array<std::uint8_t, 6> kReadAll{1, 4, 0, 0, 0, bus::kInputWords};
+  const std::uint16_t crc = bus::crc16(kReadAll);
+  std::uint32_t longest = 0, running = 0;
+  for (std::uint32_t tick = 0; tick < 3000; ++tick) {
+    // Homed on the ground, then told to hop.
+    const std::uint8_t request = tick > 1300 ? 2 : 0;
+    const std::uint32_t began = counter.now_us();
+    rig.receive(static_cast<std::uint8_t>(tick), 34730 + tick % 4, request);  // 0.7476 rad
+    rig.set_state(node.state());
+    node.tick();
+    const firmware::CanRequest heard = rig.link().take_request();
+    if (heard.came)
+      static_cast<void>(node.stream({static_cast<bus::Request>(heard.kind), heard.torque_amplitude_nm,
+                                     heard.torque_period_s, heard.release_in_flight}));
+    if (tick % 10 == 0) {
+      for (const std::uint8_t byte : kReadAll) server.receive(byte, rig.now_us());
+      server.receive(static_cast<std::uint8_t>(crc), rig.now_us());
+      server.receive(static_cast<std::uint8_t>(crc >> 8), rig.now_us());
+    }
+    static_cast<void>(server.poll(registers, node.bus_counts(), rig.now_us() + (tick % 10 == 5 ? 2000 : 0)));
+    const std::uint32_t work = counter.now_us() - began - overhead;
+    if (work > longest) longest = work;
+    if (node.state() == bus::NodeState::running) ++running;
+    if (tick == 1200) static_cast<void>(node.request(bus::Request::home));
+    if (tick == 1202) static_cast<void>(node.request(bus::Request::reset));
+  }
+  say("worst_tick", longest);
+  say("ticks_running", running);
+  say("modbus_answers", node.bus_counts().requests);
+  semihosting::exit(0);
+}
