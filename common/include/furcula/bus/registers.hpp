@@ -156,7 +156,7 @@ static_assert(
         if (r.address != next) return false;
         next = static_cast<std::uint16_t>(next + words(r.type));
       }
-      return next == kInputWords && next <= 125;
+      return next <= 125;
     }(),
     "without a gap, and read by one request");
 
