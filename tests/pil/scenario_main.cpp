@@ -22,6 +22,10 @@ int run(const char* model_path, const char* scenario_path) {
   }
   const model::Model model = model::read_model(model_path);
   const sim::Scenario scenario = sim::read_scenario(scenario_path, model);
+  if (sim::needs_bus(scenario)) {
+    std::cout << "SKIPPED: the emulated board has no bus\n";
+    return 77;
+  }
   sim_host::SimBoard rig(sim::rig_config(model, scenario, 0));
   pil::Qemu qemu(FURCULA_M4F_IMAGE, sim::controller_config(model, scenario), std::chrono::seconds(10));
   sim::HopperRecorder recorder(scenario.duration_s);
