@@ -62,7 +62,7 @@ struct Daemon {
 
 void obey_stream(Daemon& d) {
   const firmware::CanRequest wanted = d.board.link().take_request();
-  if (wanted.kind == firmware::CanRequest::Kind::none) return;
+  if (!wanted.came) return;
   firmware::StreamCommand command;
   command.request = static_cast<bus::Request>(wanted.kind);
   command.torque_amplitude_nm = wanted.torque_amplitude_nm;
