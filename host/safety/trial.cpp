@@ -49,7 +49,6 @@ class Judge {
       trial_.torque_off_ticks = last_torque_tick_ > found_ ? last_torque_tick_ - found_ : 0;
       const std::uint32_t most = deaf_ ? kDeafDriveTicks : kTorqueOffTicks;
       if (trial_.torque_off_ticks > most) trial_.set(Unsafe::torque_after_fault);
-      judge_spring();
     }
     return trial_;
   }
@@ -74,6 +73,7 @@ class Judge {
     const auto acts_nm = std::abs(static_cast<double>(rig_.command().torque_nm));
     if (faulty && acts_nm > kDriveStepNm) last_torque_tick_ = tick;
     if (faulty && wanted_nm != 0.0) trial_.set(Unsafe::torque_after_fault);
+    if (faulty) judge_spring();
     const bool coil = out.command.coil_duty > 0.0f;
     if (faulty && coil) trial_.set(Unsafe::coil_after_fault);
     coil_in_stance_ = coil && plant.in_stance() ? coil_in_stance_ + 1 : 0;
@@ -97,6 +97,7 @@ class Judge {
     body_mps_ = plant.velocity_mps();
   }
 
+  /// On each tick; a key that has just come out has not let the cable move yet.
   void judge_spring() {
     const auto* clutched = rig_.plant().clutched();
     if (clutched == nullptr) return;
@@ -108,7 +109,9 @@ class Judge {
     const bool bears =
         rig_.plant().in_stance() && leg_fold_m() > 2.0 * static_cast<double>(config_.clutch.tooth_pitch_m);
     const bool blind = rig_.active(RigFault::encoder_frozen);  // the cable's encoder is broken as well
-    if (long_ago && bears && !blind && !clutched->caught() && !seen_loose) trial_.set(Unsafe::spring_unknown);
+    const bool unknown = long_ago && bears && !blind && !clutched->caught() && !seen_loose;
+    unknown_ticks_ = unknown ? unknown_ticks_ + 1 : 0;
+    if (unknown_ticks_ > kUnknownTicks) trial_.set(Unsafe::spring_unknown);
   }
 
   double leg_fold_m() const {
@@ -121,7 +124,7 @@ class Judge {
   control::Config config_;
   firmware::App<Board> app_;
   Trial trial_;
-  std::uint32_t onset_tick_, found_ = 0, last_torque_tick_ = 0, coil_in_stance_ = 0;
+  std::uint32_t onset_tick_, found_ = 0, last_torque_tick_ = 0, coil_in_stance_ = 0, unknown_ticks_ = 0;
   bool deaf_ = false, stood_ = false;
   double toe_mps_ = 0.0, body_mps_ = 0.0;
 };

@@ -34,8 +34,9 @@ inline constexpr double kHardestMps =
     3.0;  ///< of the body: a fall from that height, with the guide's damping
 /// Of the toe, whose links weigh a tenth of the body, when a leg that is still stretching meets the ground.
 inline constexpr double kFastestToeMps = 4.0;
-inline constexpr double kFallenM = 0.10;       ///< of the hip; the spring alone holds a landing above it
-inline constexpr double kSpringCaughtS = 0.3;  ///< after detection: the key falls in within 50 ms
+inline constexpr double kFallenM = 0.10;            ///< of the hip; the spring alone holds a landing above it
+inline constexpr double kSpringCaughtS = 0.3;       ///< after detection: the key falls in within 50 ms
+inline constexpr std::uint32_t kUnknownTicks = 50;  ///< running: so long a loose spring may be unseen
 /// The switch reports touch-down up to 10 ms late and two readings count; an open one in a stance is found
 /// once the leg is 3 cm short, for 50 ms.
 inline constexpr std::uint32_t kCoilInStanceTicks = 100;

@@ -4,6 +4,8 @@
 #include <array>
 #include <cstdint>
 
+#include "furcula/core/count.hpp"
+
 namespace furcula::control {
 
 /// The velocity is the difference of counts over this many ticks: at 1 kHz and 0.09 mm a count one count is
@@ -32,7 +34,9 @@ inline HeightEstimate estimate_height(const HeightConfig& config, HeightState& s
   estimate.height_m = home_height_m + static_cast<float>(count) * config.metres_per_count;
   if (state.filled > 0) {
     const std::uint8_t oldest = state.filled == kVelocityWindowTicks ? state.next : std::uint8_t{0};
-    const auto moved = static_cast<float>(count - state.counts[oldest]);
+    // Counters wrap, and a broken one may be anywhere.
+    const auto moved = static_cast<float>(count_difference(static_cast<std::uint32_t>(count),
+                                                           static_cast<std::uint32_t>(state.counts[oldest])));
     estimate.velocity_mps = moved * config.metres_per_count / (static_cast<float>(state.filled) * dt_s);
   }
   state.counts[state.next] = count;
