@@ -9,7 +9,7 @@
 
 #include "boards/linux_sbc/hatch.hpp"
 
-struct _modbus;
+struct _modbus;  // NOLINT(bugprone-reserved-identifier): libmodbus's own name
 
 namespace furcula::linux_sbc {
 

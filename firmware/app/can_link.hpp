@@ -14,6 +14,7 @@
 #include "furcula/bus/stream.hpp"
 #include "furcula/control/fault.hpp"
 #include "furcula/control/sample.hpp"
+#include "furcula/core/count.hpp"
 #include "furcula/core/sine.hpp"
 #include "furcula/core/status.hpp"
 
@@ -186,7 +187,7 @@ inline void CanEncoder::receive(const bus::Frame& frame, std::uint32_t now_us, C
   if (status_ == 2) return;  // no signal: the last reading grows old
   read_.note(now_us);
   count_ = count.value();
-  stated_us_ = static_cast<std::uint32_t>(stamp.value().age_s * 1e6f + 0.5f);
+  stated_us_ = nearest_count(stamp.value().age_s * 1e6f);
 }
 
 class CanLink {

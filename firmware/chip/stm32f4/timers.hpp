@@ -169,7 +169,7 @@ class Pwm {
   void set(float duty) {
     const float share = duty >= 1.0f ? 1.0f : duty > 0.0f ? duty : 0.0f;
     // A compare value of all steps is on without a gap.
-    timer_.ccr[channel_] = static_cast<std::uint32_t>(share * static_cast<float>(steps_) + 0.5f);
+    timer_.ccr[channel_] = nearest_count(share * static_cast<float>(steps_));
   }
 
  private:

@@ -31,3 +31,13 @@ TEST_CASE("a 32-bit counter's movement is right across its wrap in both directio
   }
   CHECK(position == 5000000000);
 }
+
+TEST_CASE("the nearest count is the one that rounding half up gives, above 2^24 too") {
+  using furcula::nearest_count;
+  CHECK(nearest_count(0.0f) == 0);
+  CHECK(nearest_count(0.49f) == 0);
+  CHECK(nearest_count(0.5f) == 1);
+  CHECK(nearest_count(7.25f) == 7);
+  CHECK(nearest_count(7.75f) == 8);
+  CHECK(nearest_count(16777219.0f) == 16777220);  // the float itself is even there
+}

@@ -14,7 +14,7 @@ using furcula::crc32;
 
 /// The remainder of the message's polynomial, as IEEE 802.3 defines it: most significant bit first, without
 /// any table or reflected constant.
-std::uint32_t by_long_division(std::vector<std::uint8_t> bytes) {
+std::uint32_t by_long_division(const std::vector<std::uint8_t>& bytes) {
   std::vector<bool> bits;
   for (const std::uint8_t byte : bytes)
     for (int i = 0; i < 8; ++i) bits.push_back((byte >> i & 1) != 0);  // each byte leaves lowest bit first

@@ -30,7 +30,7 @@ struct CanModel {
       return (can.mcr.value & 1u) != 0 || !bus_quiet ? 1u : 0u;
     };
     can.tsr.value = 7u << 26;
-    can.tsr.on_write = [this](std::uint32_t old, std::uint32_t written) {
+    can.tsr.on_write = [](std::uint32_t old, std::uint32_t written) {
       for (int box = 0; box < 3; ++box)
         if ((written >> (8 * box + 7) & 1u) != 0) old |= 1u << (26 + box);  // an abort empties it
       return old & ~(written & 0x0f0f0fu);

@@ -15,4 +15,10 @@ constexpr std::int32_t count_difference(Raw newer, Raw older) {
   return static_cast<std::make_signed_t<Raw>>(static_cast<Raw>(newer - older));
 }
 
+/// The nearest whole number to `x`, from 0 to below 2^32.
+constexpr std::uint32_t nearest_count(float x) {
+  const auto below = static_cast<std::uint32_t>(x);
+  return x - static_cast<float>(below) >= 0.5f ? below + 1 : below;
+}
+
 }  // namespace furcula
