@@ -35,7 +35,7 @@ void controller_step(benchmark::State& state) {
   std::vector<control::Inputs> inputs;
   while (board.wait_for_tick()) {
     app.tick();
-    inputs.push_back({board.sample(), true, false, 1000});
+    inputs.push_back({.sample = board.sample(), .sample_valid = true, .tick_interval_us = 1000});
   }
   control::State controller = control::begin(config);
   std::size_t i = 0;
