@@ -1,16 +1,11 @@
 // libmodbus as the master of the emulated Cortex-M4F: a node whose USART is a pty of QEMU's.
 #include <fcntl.h>
 #include <poll.h>
-#include <signal.h>
-#include <sys/prctl.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <catch2/catch.hpp>
 #include <chrono>
 #include <cmath>
-#include <cstdlib>
-#include <filesystem>
 #include <fstream>
 #include <optional>
 #include <sstream>
@@ -20,7 +15,7 @@
 #include "furcula/bus/modbus_rtu.hpp"
 #include "host/log/error.hpp"
 #include "host/modbus/client.hpp"
-#include "tests/skip.hpp"
+#include "tests/pil/emulator.hpp"
 
 namespace {
 
@@ -29,40 +24,19 @@ using Bytes = std::vector<std::uint8_t>;
 using Clock = std::chrono::steady_clock;
 using namespace std::chrono_literals;
 
-bool cannot_run_here() {
-  const char* reason = nullptr;
-  if (std::system("command -v qemu-system-arm > /dev/null") != 0)  // NOLINT(concurrency-mt-unsafe)
-    reason = "qemu-system-arm is not installed (scripts/setup installs it)";
-  else if (!std::filesystem::exists(FURCULA_MODBUS_IMAGE))
-    reason = "no image (cmake --preset cortex-m4f && cmake --build --preset cortex-m4f)";
-  if (reason != nullptr) test::skip(reason);
-  return reason != nullptr;
-}
+bool cannot_run_here() { return test::cannot_emulate({FURCULA_MODBUS_IMAGE}); }
 
 /// QEMU with the image, in real time: where time runs by instructions it hands over a byte too seldom.
 class Machine {
  public:
   Machine() {
-    std::string pattern = (std::filesystem::temp_directory_path() / "furcula-modbus-XXXXXX").string();
-    REQUIRE(::mkdtemp(pattern.data()) != nullptr);
-    directory_ = pattern;
-    child_ = ::fork();
-    REQUIRE(child_ >= 0);
-    if (child_ == 0) {
-      ::prctl(PR_SET_PDEATHSIG, SIGKILL);
-      const int words = ::open((directory_ + "/words").c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
-      ::dup2(words, 1);
-      ::dup2(words, 2);
-      ::execlp("qemu-system-arm", "qemu-system-arm", "-M", "netduinoplus2", "-kernel", FURCULA_MODBUS_IMAGE,
-               "-semihosting-config", "enable=on,target=native", "-display", "none", "-monitor", "none",
-               "-serial", "pty", static_cast<char*>(nullptr));
-      ::_exit(127);
-    }
+    emulator_.start(FURCULA_MODBUS_IMAGE,
+                    {"-semihosting-config", "enable=on,target=native", "-serial", "pty"});
     const auto deadline = Clock::now() + 20s;
     while (pty_.empty() && Clock::now() < deadline) {
       ::poll(nullptr, 0, 20);
       std::ostringstream said;
-      said << std::ifstream(directory_ + "/words").rdbuf();
+      said << std::ifstream(emulator_.said_path()).rdbuf();
       const std::string text = said.str();
       const std::size_t at = text.find("/dev/pts/");
       if (at != std::string::npos && text.find(' ', at) != std::string::npos)
@@ -73,13 +47,7 @@ class Machine {
     line_ = ::open(pty_.c_str(), O_RDWR | O_NOCTTY);
     REQUIRE(line_ >= 0);
   }
-  ~Machine() {
-    ::close(line_);
-    ::kill(child_, SIGKILL);
-    ::waitpid(child_, nullptr, 0);
-    std::error_code ignored;
-    std::filesystem::remove_all(directory_, ignored);
-  }
+  ~Machine() { ::close(line_); }
   Machine(const Machine&) = delete;
   Machine& operator=(const Machine&) = delete;
 
@@ -96,8 +64,8 @@ class Machine {
   }
 
  private:
-  std::string directory_, pty_;
-  pid_t child_ = -1;
+  test::Emulator emulator_;
+  std::string pty_;
   int line_ = -1;
 };
 

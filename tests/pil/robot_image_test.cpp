@@ -1,13 +1,9 @@
 // The images of the STM32F4 boards, as they are flashed, in QEMU: start, tick, and Modbus over the serial
 // port. QEMU has no clock control, pins, CAN or encoders: the image starts from its internal oscillator and
 // says that it has no peer.
-#include <fcntl.h>
 #include <poll.h>
-#include <signal.h>
-#include <sys/prctl.h>
 #include <sys/socket.h>
 #include <sys/un.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -29,7 +25,7 @@
 #include "furcula/bus/parameters.hpp"
 #include "furcula/bus/registers.hpp"
 #include "furcula/control/fault.hpp"
-#include "tests/skip.hpp"
+#include "tests/pil/emulator.hpp"
 
 namespace {
 
@@ -46,39 +42,20 @@ constexpr BoardCase kBoards[] = {{"stm32f4discovery", 1}, {"feather_stm32f405", 
 std::string image(const BoardCase& board) { return FURCULA_IMAGES "/" + std::string(board.name) + ".elf"; }
 
 bool cannot_run_here() {
-  const char* reason = nullptr;
-  if (std::system("command -v qemu-system-arm > /dev/null") != 0)  // NOLINT(concurrency-mt-unsafe)
-    reason = "qemu-system-arm is not installed (scripts/setup installs it)";
-  for (const BoardCase& board : kBoards)
-    if (!std::filesystem::exists(image(board)))
-      reason = "no images (cmake --preset cortex-m4f && cmake --build --preset cortex-m4f)";
-  if (reason != nullptr) test::skip(reason);
-  return reason != nullptr;
+  std::vector<std::string> images;
+  for (const BoardCase& board : kBoards) images.push_back(image(board));
+  return test::cannot_emulate(images);
 }
 
 /// QEMU with an image, its serial port at our end of a socket.
 class Machine {
  public:
   explicit Machine(const BoardCase& board) {
-    std::string pattern = (std::filesystem::temp_directory_path() / "furcula-robot-XXXXXX").string();
-    REQUIRE(::mkdtemp(pattern.data()) != nullptr);
-    directory_ = pattern;
-    const std::string socket_path = directory_ + "/serial";
-    std::vector<std::string> words{
-        "qemu-system-arm", "-M",       "netduinoplus2", "-kernel",  image(board), "-icount",
-        "shift=0",         "-display", "none",          "-monitor", "none"};
-    for (int i = 0; i < board.serial_ports_before; ++i) words.insert(words.end(), {"-serial", "null"});
-    words.insert(words.end(), {"-serial", "unix:" + socket_path + ",server=on,wait=off"});
-    child_ = ::fork();
-    REQUIRE(child_ >= 0);
-    if (child_ == 0) {
-      ::prctl(PR_SET_PDEATHSIG, SIGKILL);
-      std::vector<char*> arguments;
-      for (std::string& word : words) arguments.push_back(word.data());
-      arguments.push_back(nullptr);
-      ::execvp(arguments[0], arguments.data());
-      ::_exit(127);
-    }
+    const std::string socket_path = emulator_.folder() + "/serial";
+    std::vector<std::string> more{"-icount", "shift=0"};
+    for (int i = 0; i < board.serial_ports_before; ++i) more.insert(more.end(), {"-serial", "null"});
+    more.insert(more.end(), {"-serial", "unix:" + socket_path + ",server=on,wait=off"});
+    emulator_.start(image(board), more);
     sockaddr_un address{};
     address.sun_family = AF_UNIX;
     REQUIRE(socket_path.size() < sizeof(address.sun_path));
@@ -90,13 +67,7 @@ class Machine {
       ::poll(nullptr, 0, 10);
     }
   }
-  ~Machine() {
-    ::close(socket_);
-    ::kill(child_, SIGKILL);
-    ::waitpid(child_, nullptr, 0);
-    std::error_code ignored;
-    std::filesystem::remove_all(directory_, ignored);
-  }
+  ~Machine() { ::close(socket_); }
   Machine(const Machine&) = delete;
   Machine& operator=(const Machine&) = delete;
 
@@ -136,8 +107,7 @@ class Machine {
     return crc;
   }
 
-  std::string directory_;
-  pid_t child_ = -1;
+  test::Emulator emulator_;
   int socket_ = -1;
 };
 
