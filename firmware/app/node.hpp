@@ -89,12 +89,12 @@ class Node {
 
   const control::Config& config() const { return app_.config(); }
 
-  /// Another configuration, as a whole. Refused while armed or running, and where a parameter is out of its
-  /// bounds or the configuration makes no sense.
+  /// Not while armed or running.
+  bool may_configure() const { return state_ != bus::NodeState::armed && state_ != bus::NodeState::running; }
+  /// Another configuration, as a whole, with parameters that the table allows: each value is looked at where
+  /// it comes in (bus::allows()). Refused while armed or running, and where the configuration makes no sense.
   bus::Refusal configure(const control::Config& config) {
-    if (!quiet()) return note(bus::Refusal::not_in_this_state);
-    for (const bus::Parameter& p : bus::kParameters)
-      if (!bus::allows(p, p.get(config))) return note(bus::Refusal::value_not_allowed);
+    if (!may_configure()) return note(bus::Refusal::not_in_this_state);
     if (control::check(config) != Status::ok) return note(bus::Refusal::makes_no_sense);
     app_.configure(config);
     origin_ = bus::ParameterOrigin::changed;
@@ -174,9 +174,6 @@ class Node {
  private:
   using State = bus::NodeState;
 
-  /// Parameters may change.
-  bool quiet() const { return state_ != State::armed && state_ != State::running; }
-
   void enter(State state, bus::Reason reason) {
     state_ = state;
     reason_ = reason;
@@ -229,7 +226,7 @@ class Node {
       enter(State::running, bus::Reason::none);
       return Refusal::none;
     }
-    if (!quiet()) return Refusal::not_in_this_state;
+    if (!may_configure()) return Refusal::not_in_this_state;
     switch (wanted) {
       case bus::Request::reset:
         app_.request_reset();
@@ -249,6 +246,11 @@ class Node {
 
   bus::Refusal start_by_stream(const StreamCommand& command) {
     if (state_ != State::idle) return bus::Refusal::not_in_this_state;
+    static constexpr const bus::Parameter& kAmplitude = *bus::parameter_named("torque_amplitude_nm");
+    static constexpr const bus::Parameter& kPeriod = *bus::parameter_named("torque_period_s");
+    if (!bus::allows(kAmplitude, command.torque_amplitude_nm) ||
+        !bus::allows(kPeriod, command.torque_period_s))
+      return bus::Refusal::value_not_allowed;
     control::Config config = app_.config();
     config.torque.amplitude_nm = command.torque_amplitude_nm;
     config.torque.period_s = command.torque_period_s;

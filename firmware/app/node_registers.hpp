@@ -1,6 +1,7 @@
 // The node's Modbus registers: what a read gives and what a write does (table: bus/registers.hpp).
 #pragma once
 
+#include <algorithm>
 #include <bit>
 #include <cstdint>
 #include <span>
@@ -19,7 +20,7 @@ class NodeRegisters {
   bus::ModbusException read_input(std::uint16_t first, std::span<std::uint16_t> out) const {
     if (first + out.size() > bus::kInputWords) return bus::ModbusException::illegal_address;
     const auto words = bus::to_words(node_.snapshot());
-    for (std::size_t i = 0; i < out.size(); ++i) out[i] = words[first + i];
+    std::copy_n(words.begin() + first, out.size(), out.begin());
     return bus::ModbusException::none;
   }
 
@@ -30,11 +31,8 @@ class NodeRegisters {
       return bus::ModbusException::none;
     }
     if (!in_parameters(first, out.size())) return bus::ModbusException::illegal_address;
-    for (std::size_t i = 0; i < out.size(); ++i) {
-      const std::size_t at = first - bus::kParameterBase + i;
-      const auto bits = std::bit_cast<std::uint32_t>(bus::kParameters[at / 2].get(node_.config()));
-      out[i] = at % 2 == 0 ? bus::high_word(bits) : bus::low_word(bits);
-    }
+    const auto words = bus::to_words(node_.config());
+    std::copy_n(words.begin() + (first - bus::kParameterBase), out.size(), out.begin());
     return bus::ModbusException::none;
   }
 
@@ -45,6 +43,7 @@ class NodeRegisters {
     // Half a number is none.
     if ((first - bus::kParameterBase) % 2 != 0 || in.size() % 2 != 0)
       return bus::ModbusException::illegal_address;
+    if (!node_.may_configure()) return answer(node_.refuse(bus::Refusal::not_in_this_state));
     control::Config edited = node_.config();
     for (std::size_t i = 0; i < in.size(); i += 2) {
       const bus::Parameter& p = bus::kParameters[(first - bus::kParameterBase + i) / 2];

@@ -2,9 +2,7 @@
 #pragma once
 
 #include <concepts>
-#include <cstddef>
 #include <cstdint>
-#include <span>
 
 #include "furcula/bus/modbus_rtu.hpp"
 #include "furcula/core/status.hpp"
@@ -31,8 +29,8 @@ class RtuPort {
   template <bus::Registers R>
   void poll(R& registers, bus::BusCounts& counts, std::uint32_t now_us) {
     const Result<std::uint8_t> byte = port_.receive();
-    if (!answer_.empty()) {  // what comes while we talk is our own echo, or a master that does not wait
-      if (port_.send(answer_.front()) == Status::ok) answer_ = answer_.subspan(1);
+    if (server_.answering()) {  // what comes while we talk is our own echo, or a master that does not wait
+      if (port_.send(server_.next()) == Status::ok) server_.advance();
       return;
     }
     if (byte.ok())
@@ -40,13 +38,12 @@ class RtuPort {
     else if (byte.status() == Status::invalid)
       server_.spoil(now_us);
     else
-      answer_ = server_.poll(registers, counts, now_us);
+      server_.poll(registers, counts, now_us);
   }
 
  private:
   P& port_;
   bus::RtuServer server_;
-  std::span<const std::uint8_t> answer_;
 };
 
 }  // namespace furcula::firmware

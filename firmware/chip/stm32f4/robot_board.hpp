@@ -89,9 +89,8 @@ class RobotBoard {
   /// Answers the serial line, between two ticks. `registers` and `counts` are the node's.
   template <bus::Registers R>
   void serve(R& registers, bus::BusCounts& counts) {
-    if (!answer_.empty()) return;
-    answer_ = server_.poll(registers, counts, now_us());
-    if (!answer_.empty()) drive_serial(true);
+    server_.poll(registers, counts, now_us());
+    if (server_.answering()) drive_serial(true);
   }
   firmware::CanLink& link() { return link_; }
   const Clocks& clocks() const { return clocks_; }
@@ -132,8 +131,7 @@ class RobotBoard {
   SlotFlash<Hardware> flash_;
   firmware::CanLink link_;
   bus::RtuServer server_;
-  std::span<const std::uint8_t> answer_;  ///< what of it is still to be sent
-  bool sending_ = false;                  ///< the last byte is not out yet
+  bool sending_ = false;  ///< the last byte is not out yet
   firmware::CanTelemetry telemetry_;
   Clocks clocks_;
   ResetCause reset_cause_ = ResetCause::other;
@@ -228,14 +226,14 @@ inline void RobotBoard::listen() {
 inline void RobotBoard::exchange_serial() {
   const Result<std::uint8_t> byte = serial_.receive();
   const bool silent = byte.status() == Status::disconnected;
-  if (answer_.empty() && !sending_) {
+  if (!server_.answering() && !sending_) {
     if (byte.ok()) server_.receive(byte.value(), now_us());
     if (!byte.ok() && !silent) server_.spoil(now_us());
     return;
   }
-  if (!answer_.empty()) {
-    if (serial_.send(answer_.front()) != Status::ok) return;
-    answer_ = answer_.subspan(1);
+  if (server_.answering()) {
+    if (serial_.send(server_.next()) != Status::ok) return;
+    server_.advance();
     sending_ = true;
   } else if (serial_.all_sent()) {
     sending_ = false;

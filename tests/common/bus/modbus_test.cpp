@@ -52,6 +52,16 @@ Bytes framed(Bytes frame) {
   return frame;
 }
 
+/// All of the answer that is still to be sent.
+Bytes drain(bus::RtuServer& server) {
+  Bytes out;
+  while (server.answering()) {
+    out.push_back(server.next());
+    server.advance();
+  }
+  return out;
+}
+
 struct Line {
   Memory memory;
   bus::BusCounts counts;
@@ -62,11 +72,12 @@ struct Line {
     for (const std::uint8_t byte : frame) {
       server.receive(byte, now_us);
       now_us += 90;
-      CHECK(server.poll(memory, counts, now_us).empty());
+      server.poll(memory, counts, now_us);
+      CHECK_FALSE(server.answering());
     }
     now_us += 1750;
-    const auto out = server.poll(memory, counts, now_us);
-    return {out.begin(), out.end()};
+    server.poll(memory, counts, now_us);
+    return drain(server);
   }
 };
 
@@ -204,8 +215,24 @@ TEST_CASE("a frame with a spoilt byte in it is dropped whole") {
   CHECK(line.send(good) == good);
   line.server.spoil(line.now_us);  // alone
   line.now_us += 2000;
-  CHECK(line.server.poll(line.memory, line.counts, line.now_us).empty());
+  line.server.poll(line.memory, line.counts, line.now_us);
+  CHECK_FALSE(line.server.answering());
   CHECK(line.counts.bad_frames == 2);
+}
+
+TEST_CASE("what comes while an answer is being sent ends the answer and is a frame of its own") {
+  Line line;
+  line.memory.words[8] = 0x1234;
+  for (const std::uint8_t byte : framed({17, 4, 0, 8, 0, 1})) line.server.receive(byte, line.now_us);
+  line.now_us += 1750;
+  line.server.poll(line.memory, line.counts, line.now_us);
+  REQUIRE(line.server.answering());
+  line.server.advance();
+  line.server.advance();
+  CHECK(line.server.next() == 2);
+  CHECK(line.send(framed({17, 6, 0, 8, 0, 7})) == framed({17, 6, 0, 8, 0, 7}));
+  CHECK(line.memory.words[8] == 7);
+  CHECK(line.counts.bad_frames == 0);
 }
 
 TEST_CASE("a port's answer goes out byte by byte, and what comes meanwhile is not taken for a request") {
@@ -246,7 +273,8 @@ TEST_CASE("a whole node answers through frames: all of its input registers in on
   bus::RtuServer server(1, 1750);
   const Bytes request = framed({1, 4, 0, 0, 0, static_cast<std::uint8_t>(bus::kInputWords)});
   for (const std::uint8_t byte : request) server.receive(byte, 0);
-  const auto out = server.poll(b.registers, b.node.bus_counts(), 2000);
+  server.poll(b.registers, b.node.bus_counts(), 2000);
+  const Bytes out = drain(server);
   REQUIRE(out.size() == 3u + 2u * bus::kInputWords + 2u);
   std::array<std::uint16_t, bus::kInputWords> words;
   for (std::size_t i = 0; i < words.size(); ++i)

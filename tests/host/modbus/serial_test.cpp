@@ -69,7 +69,9 @@ class SerialRobot {
         for (ssize_t i = 0; i < n; ++i) server.receive(bytes[i], now_us());
         continue;
       }
-      const auto out = server.poll(bench_.registers, bench_.node.bus_counts(), now_us());
+      server.poll(bench_.registers, bench_.node.bus_counts(), now_us());
+      std::string out;
+      for (; server.answering(); server.advance()) out.push_back(static_cast<char>(server.next()));
       if (!out.empty() && ::write(fd_, out.data(), out.size()) < 0) return;
     }
   }

@@ -24,30 +24,39 @@ constexpr std::uint32_t bytes_to_end(const Signal& signal) {
   return frame_bit(signal, signal.order == ByteOrder::little ? signal.width - 1u : 0u) / 8u + 1u;
 }
 
+/// Whether the signal lies within the frame.
+constexpr bool has(const Frame& frame, const Signal& signal) {
+  return !frame.remote && frame.size <= frame.data.size() && signal.width >= 1 && signal.width <= 32 &&
+         bytes_to_end(signal) <= frame.size;
+}
+
+/// A frame's eight bytes as one number in a signal's order of bytes: the signal's bits then stand in a row.
+constexpr std::uint64_t in_a_row(const Frame& frame, ByteOrder order) {
+  const auto number = std::bit_cast<std::uint64_t>(frame.data);
+  return order == ByteOrder::little ? number : __builtin_bswap64(number);
+}
+static_assert(std::endian::native == std::endian::little && sizeof(Frame::data) == 8);
+/// Of the signal's least significant bit in that number.
+constexpr std::uint32_t place_in_row(const Signal& signal) {
+  const std::uint32_t bit = frame_bit(signal, 0);
+  return signal.order == ByteOrder::little ? bit : 8u * (7u - bit / 8u) + bit % 8u;
+}
+constexpr std::uint32_t ones(const Signal& signal) { return 0xffffffffu >> (32u - signal.width); }
+
 /// The bits of a signal. `invalid`: the frame is shorter than the signal needs, or carries no data.
 constexpr Result<std::uint32_t> get_raw(const Frame& frame, const Signal& signal) {
-  if (frame.remote || frame.size > frame.data.size() || signal.width > 32 ||
-      bytes_to_end(signal) > frame.size)
-    return Status::invalid;
-  std::uint32_t raw = 0;
-  for (std::uint32_t i = 0; i < signal.width; ++i) {
-    const std::uint32_t at = frame_bit(signal, i);
-    raw |= static_cast<std::uint32_t>(frame.data[at / 8u] >> at % 8u & 1u) << i;
-  }
-  return raw;
+  if (!has(frame, signal)) return Status::invalid;
+  return static_cast<std::uint32_t>(in_a_row(frame, signal.order) >> place_in_row(signal)) & ones(signal);
 }
 
 /// Sets the bits of a signal; bits of `raw` above its width are ignored. `invalid`: as in get_raw().
 constexpr Status put_raw(Frame& frame, const Signal& signal, std::uint32_t raw) {
-  if (frame.remote || frame.size > frame.data.size() || signal.width > 32 ||
-      bytes_to_end(signal) > frame.size)
-    return Status::invalid;
-  for (std::uint32_t i = 0; i < signal.width; ++i) {
-    const std::uint32_t at = frame_bit(signal, i);
-    const auto mask = static_cast<std::uint8_t>(1u << at % 8u);
-    std::uint8_t& byte = frame.data[at / 8u];
-    byte = static_cast<std::uint8_t>((raw >> i & 1u) != 0 ? byte | mask : byte & ~mask);
-  }
+  if (!has(frame, signal)) return Status::invalid;
+  const std::uint32_t place = place_in_row(signal);
+  const std::uint64_t others = in_a_row(frame, signal.order) & ~(std::uint64_t{ones(signal)} << place);
+  const std::uint64_t row = others | std::uint64_t{raw & ones(signal)} << place;
+  frame.data =
+      std::bit_cast<decltype(frame.data)>(signal.order == ByteOrder::little ? row : __builtin_bswap64(row));
   return Status::ok;
 }
 
@@ -83,8 +92,7 @@ constexpr Put put(Frame& frame, const Signal& signal, float value) {
                                                                                      : Put::refused;
   // Below 2^24 a float holds every integer; a wider signal's ends are powers of two, which it holds too.
   const bool is_signed = signal.encoding == Encoding::signed_integer;
-  const std::uint32_t ones = signal.width >= 32 ? 0xffffffffu : (1u << signal.width) - 1u;
-  const std::uint32_t raw_max = is_signed ? ones >> 1 : ones;
+  const std::uint32_t raw_max = is_signed ? ones(signal) >> 1 : ones(signal);
   const float below = is_signed ? -static_cast<float>(raw_max) - 1.0f : 0.0f;
   const float steps = (value - signal.offset) * signal.counts / signal.span;
   std::uint32_t raw = 0;

@@ -34,9 +34,14 @@ struct Response {
   constexpr std::span<const std::uint8_t> pdu() const { return {bytes.data(), size}; }
   constexpr bool is_exception() const { return size == 2 && (bytes[0] & 0x80u) != 0; }
   constexpr void put(std::uint32_t byte) { bytes[size++] = static_cast<std::uint8_t>(byte & 0xffu); }
-  constexpr void put_word(std::uint32_t word) {
-    put(word >> 8);
-    put(word);
+  constexpr void put_words(std::span<const std::uint16_t> words) {
+    // A byte that is stored might be any object's, for all that the compiler knows: the place is a local one.
+    std::size_t at = size;
+    for (const std::uint16_t word : words) {
+      bytes[at++] = static_cast<std::uint8_t>(word >> 8);
+      bytes[at++] = static_cast<std::uint8_t>(word & 0xffu);
+    }
+    size = at;
   }
 };
 
@@ -68,7 +73,7 @@ ModbusException read(R& registers, std::span<const std::uint8_t> request, Respon
       request[0] == kReadHolding ? registers.read_holding(first, out) : registers.read_input(first, out);
   if (exception != ModbusException::none) return exception;
   response.put(2u * count);
-  for (const std::uint16_t word : out) response.put_word(word);
+  response.put_words(out);
   return ModbusException::none;
 }
 

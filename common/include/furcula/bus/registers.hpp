@@ -11,6 +11,7 @@
 #include <span>
 #include <string_view>
 #include <type_traits>
+#include <utility>
 
 #include "furcula/bus/parameters.hpp"
 
@@ -179,14 +180,42 @@ constexpr std::uint32_t bits_of(std::uint16_t high, std::uint16_t low) {
   return static_cast<std::uint32_t>(high) << 16 | low;
 }
 
+namespace table {
+
+template <std::size_t... I>
+constexpr void put_words(const Snapshot& snapshot, std::array<std::uint16_t, kInputWords>& out,
+                         std::index_sequence<I...>) {
+  const auto put = [&out](const InputRegister& r, std::uint32_t bits) {
+    if (words(r.type) == 2) out[r.address] = high_word(bits);
+    out[r.address + words(r.type) - 1u] = low_word(bits);
+  };
+  (put(kInputRegisters[I], kInputRegisters[I].get(snapshot)), ...);
+}
+
+template <std::size_t... I>
+inline void put_words(const control::Config& config, std::array<std::uint16_t, kParameterWords>& out,
+                      std::index_sequence<I...>) {
+  const auto put = [&out](std::size_t i, std::uint32_t bits) {
+    out[2 * i] = high_word(bits);
+    out[2 * i + 1] = low_word(bits);
+  };
+  (put(I, std::bit_cast<std::uint32_t>(kParameters[I].get(config))), ...);
+}
+
+}  // namespace table
+
+// Without loops over the tables, which would be slower: a robot answers between two ticks.
+
 /// The input registers' words.
 constexpr std::array<std::uint16_t, kInputWords> to_words(const Snapshot& snapshot) {
   std::array<std::uint16_t, kInputWords> out{};
-  for (const InputRegister& r : kInputRegisters) {
-    const std::uint32_t bits = r.get(snapshot);
-    if (words(r.type) == 2) out[r.address] = high_word(bits);
-    out[r.address + words(r.type) - 1u] = low_word(bits);
-  }
+  table::put_words(snapshot, out, std::make_index_sequence<kInputRegisters.size()>());
+  return out;
+}
+/// The parameters' words, from kParameterBase on.
+inline std::array<std::uint16_t, kParameterWords> to_words(const control::Config& config) {
+  std::array<std::uint16_t, kParameterWords> out;
+  table::put_words(config, out, std::make_index_sequence<kParameters.size()>());
   return out;
 }
 constexpr Snapshot from_words(const std::array<std::uint16_t, kInputWords>& in) {
