@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <iostream>
 #include <memory>
+#include <optional>
 #include <string>
 #include <thread>
 
@@ -16,10 +17,21 @@ namespace {
 
 struct Options {
   std::uint64_t runs = 2000, seed = 1;
+  std::optional<std::uint64_t> only;
   unsigned threads = 0;
 };
 
+void inject_one(std::uint64_t seed, std::uint64_t number) {
+  const safety::Injection injection = safety::draw_injection(seed, number);
+  const safety::Trial trial =
+      safety::run_trial(safety::robot(), injection.scenario, injection.seed, injection.rig);
+  std::cout << safety::format_run(injection, trial);
+  if (trial.unsafe != 0 || trial.false_alarm)
+    throw Refusal("experiment " + std::to_string(number) + " was unsafe or a false alarm");
+}
+
 void inject(const Options& o) {
+  if (o.only) return inject_one(o.seed, *o.only);
   const unsigned threads = o.threads == 0 ? std::max(1u, std::thread::hardware_concurrency()) : o.threads;
   const safety::Tally tally = safety::inject(o.seed, o.runs, threads);
   std::cout << safety::format_tally(tally);
@@ -45,6 +57,7 @@ void add_safety_command(CLI::App& app) {
   injection->add_option("--seed", options->seed, "Seed of the experiments");
   injection->add_option("--threads", options->threads, "Threads; 0: one for each processor")
       ->check(CLI::Range(0, 256));
+  injection->add_option("--only", options->only, "Only the experiment of this number, and what was drawn");
   injection->callback([options] { inject(*options); });
 }
 

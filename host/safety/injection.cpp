@@ -96,6 +96,31 @@ Tally inject(std::uint64_t seed, std::uint64_t count, unsigned threads) {
   return tally;
 }
 
+std::string format_run(const Injection& injection, const Trial& trial) {
+  const sim::Scenario& s = injection.scenario;
+  std::string text;
+  char line[200];
+  const auto put = [&](const auto&... values) {
+    std::snprintf(line, sizeof line, values...);
+    text += line;
+  };
+  put("%s, %.3f s from %.3f m, torque %.2f N m for %.3f s, contraction %.3f m, ground within %.3f m\n",
+      injection.rig == Rig::on_bus ? "on a bus" : "without a bus", s.duration_s, s.start_position,
+      s.amplitude, s.period_s, s.release_in_flight ? s.contraction_m : 0.0, s.ground_steps_m);
+  for (const sim_host::PlannedFault& f : s.faults)
+    put("%s at %.3f s, for %.3f s\n", std::string(sim_host::info(f.kind).name).c_str(), f.time_s,
+        f.duration_s);
+  text += "found: " + std::string(control::info(trial.fault).name);
+  if (trial.false_alarm)
+    text += ", before anything was broken: a false alarm";
+  else if (trial.fault != control::Fault::none)
+    put(", %u ms after the first", trial.found_tick);
+  text += trial.unsafe == 0 ? "\nunsafe: nothing" : "\nunsafe:";
+  for (const UnsafeInfo& u : kUnsafe)
+    if (trial.is(u.outcome)) text += " " + std::string(u.name);
+  return text + "\n";
+}
+
 std::string format_tally(const Tally& t) {
   std::string text;
   char line[200];

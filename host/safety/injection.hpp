@@ -43,6 +43,9 @@ struct Tally {
   std::vector<UnsafeRun> unsafe;  ///< by number
 };
 
+/// One experiment in words and figures, for a person: what was drawn, what broke, and what came of it.
+std::string format_run(const Injection& injection, const Trial& trial);
+
 /// Experiments 0 to `count` - 1. The result does not depend on `threads`.
 Tally inject(std::uint64_t seed, std::uint64_t count, unsigned threads);
 

@@ -18,14 +18,15 @@ struct SupervisorConfig {
   float leg_angle_min_rad = 0.30f;  ///< the leg's stops, and a little play
   float leg_angle_max_rad = 1.45f;
   /// The leg's height 2 L cos(leg angle) is the body's as long as the toe is on the ground, and can never be
-  /// above it. By how much the encoder may contradict that (the switch may report 10 ms early); m.
+  /// above it. By how much the encoder may contradict that, on uneven ground; m.
   float height_mismatch_m = 0.035f;
   /// A leg so much shorter than at touch-down is off its stop: with the switch closed the toe is on the
   /// ground; m.
   float flexed_leg_m = 0.01f;
   /// A switch that reads closed this far above the touch-down height, or open this far below it, is wrong if
   /// it stays so for so long (it reports within 10 ms of the true instant, and bounces; a toe that meets the
-  /// ground while the motor folds the leg may hover on it for a while); m, s.
+  /// ground while the motor folds the leg may hover on it for a while). Not before that does a closed switch
+  /// say where the toe is: stretching, it moves by 2.5 cm in 10 ms; m, s.
   float contact_margin_m = 0.03f;
   float implausible_closed_s = 0.02f;
   float implausible_open_s = 0.05f;
@@ -63,14 +64,15 @@ struct Observation {
 };
 
 struct SupervisorState {
-  Fault fault = Fault::none;  ///< latched: the first since the last reset
+  Fault fault = Fault::none;               ///< latched: the first since the last reset
+  std::uint32_t toe_off_ground_ticks = 0;  ///< running; by encoder and leg, while the switch reads closed
   std::uint32_t implausible_contact_ticks = 0;
   float contact_changes = 0.0f;  ///< of late, see SupervisorConfig
   bool last_reading = false;
 };
 
-/// The fault of this tick alone, or none. Counts how long the switch has been implausible and how often it
-/// changes.
+/// The fault of this tick alone, or none. Counts how long the switch has been contradicted and how often
+/// it changes.
 inline Fault find_fault(const SupervisorConfig& config, SupervisorState& state, const Observation& seen,
                         float dt_s) {
   if (seen.tick_interval_us > config.tick_interval_max_us) return Fault::late_tick;
@@ -90,7 +92,10 @@ inline Fault find_fault(const SupervisorConfig& config, SupervisorState& state, 
   // How much shorter the leg is than at touch-down.
   const float leg_flexed_m = mismatch_m - seen.above_touchdown_m;
   const bool toe_on_ground = seen.contact_reading && leg_flexed_m > config.flexed_leg_m;
-  if (mismatch_m < -config.height_mismatch_m || (toe_on_ground && mismatch_m > config.height_mismatch_m))
+  const bool toe_off_ground = toe_on_ground && mismatch_m > config.height_mismatch_m;
+  state.toe_off_ground_ticks = toe_off_ground ? state.toe_off_ground_ticks + 1 : 0;
+  if (mismatch_m < -config.height_mismatch_m ||
+      static_cast<float>(state.toe_off_ground_ticks) * dt_s > config.implausible_closed_s)
     return Fault::encoder_implausible;
 
   // A leg that is folded in flight lets the body come lower than at touch-down with the toe in the air.
