@@ -63,6 +63,7 @@ class SimBoard {
         ground_(config.seed, 4),
         ticks_(static_cast<std::uint32_t>(std::lround(config.duration_s / kPeriodS))) {
     plant_.reset(config.start_height_m, config.start_velocity_mps);
+    note_faults();
     home_ = std::llround(sensing_.measured(config.start_height_m) / metres_per_count(config.sensors));
   }
 
@@ -135,13 +136,7 @@ class SimBoard {
   double measured_torque_nm() { return drive_.shows(static_cast<double>(command_.torque_nm), kPeriodS); }
   void request_reset() { reset_requested_ = true; }
   /// Whether such a fault is planted at this tick.
-  bool active(RigFault kind) const {
-    for (const PlannedFault& fault : config_.faults)
-      if (fault.kind == kind && time_s() >= fault.time_s - 1e-9 &&
-          time_s() < fault.time_s + fault.duration_s - 1e-9)
-        return true;
-    return false;
-  }
+  bool active(RigFault kind) const { return (active_ >> static_cast<unsigned>(kind) & 1u) != 0; }
 
  private:
   void pass_millisecond() {
@@ -152,6 +147,14 @@ class SimBoard {
     plant_.advance(drive_.step(static_cast<double>(command_.torque_nm), kPeriodS), kPeriodS);
     switch_.follow(plant_, time_s());
     ++tick_;
+    note_faults();
+  }
+
+  void note_faults() {
+    active_ = 0;
+    for (const PlannedFault& fault : config_.faults)
+      if (time_s() >= fault.time_s - 1e-9 && time_s() < fault.time_s + fault.duration_s - 1e-9)
+        active_ |= std::uint64_t{1} << static_cast<unsigned>(fault.kind);
   }
 
   double coil_volts() const {
@@ -240,7 +243,8 @@ class SimBoard {
   std::int64_t home_ = 0;
 
   bool started_ = false;
-  std::uint32_t tick_ = 0;  ///< milliseconds passed
+  std::uint32_t tick_ = 0;    ///< milliseconds passed
+  std::uint64_t active_ = 0;  ///< a bit for each RigFault
   control::Command command_;
   control::Sample sample_;
   firmware::Telemetry telemetry_;

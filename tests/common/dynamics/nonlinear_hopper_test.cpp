@@ -275,6 +275,20 @@ TEST_CASE("Impacts are plastic: the toe stops, and what changes the momentum act
     }
 }
 
+TEST_CASE("A pose turned on is the pose of the angle that it comes to") {
+  const auto p = machine();
+  const Links<double> links{p.inertia_a_kgm2, p.inertia_b_kgm, p.inertia_e_kgm, kLinkLength, p.mass_kg};
+  for (const double angle : {0.01, 0.35, 1.2})
+    for (const double by : {0.0, 1e-9, -0.003, 0.0499, -0.0499, 0.0501, -0.3, 2.0}) {
+      CAPTURE(angle, by);
+      const auto turned = links.turned(links.pose(angle), by), pose = links.pose(angle + by);
+      CHECK(turned.sine == Approx(pose.sine).margin(4e-16).epsilon(0));
+      CHECK(turned.cosine == Approx(pose.cosine).margin(4e-16).epsilon(0));
+      CHECK(turned.length == Approx(pose.length).margin(4e-16).epsilon(0));
+      CHECK(turned.inertia.angle == Approx(pose.inertia.angle).margin(4e-16).epsilon(0));
+    }
+}
+
 TEST_CASE("With links that weigh nothing the hops are the linear model's") {
   auto p = machine();
   HopperLinearParameters<double> linear = p;

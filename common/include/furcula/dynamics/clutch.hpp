@@ -66,10 +66,11 @@ class Clutch {
     T key{}, key_speed{};  ///< of the key from its seat, m and m/s
     T current{};           ///< A
     T electrical{}, copper{}, flyback{}, key_damping{}, cable_damping{}, friction{};  ///< J
-    static constexpr std::array<T State::*, 11> kMembers{
-        &State::travel,      &State::speed,         &State::key,     &State::key_speed,
-        &State::current,     &State::electrical,    &State::copper,  &State::flyback,
-        &State::key_damping, &State::cable_damping, &State::friction};
+    static constexpr std::array<T State::*, 5> kMembers{&State::travel, &State::speed, &State::key,
+                                                        &State::key_speed, &State::current};
+    static constexpr std::array<T State::*, 6> kIntegrals{&State::electrical,    &State::copper,
+                                                          &State::flyback,       &State::key_damping,
+                                                          &State::cable_damping, &State::friction};
   };
 
   /// jammed: a loaded flank holds the key between its ends.
@@ -109,9 +110,7 @@ class Clutch {
   }
   /// The longest step in which it can be followed to nine digits of its energy, s: the key's flight is a
   /// matter of milliseconds, the cable between its springs swings some thirty times a second.
-  V longest_step() const {
-    return key_ == Key::moving ? V(2.5e-5) : moves() || key_ == Key::on_tips ? V(2e-4) : V(1);
-  }
+  V longest_step() const { return key_ == Key::moving ? V(5e-5) : moves() ? V(2e-4) : V(1); }
   std::uint32_t skipped_teeth() const { return skipped_; }
 
   /// Volts across the coil while it is on; 0 is off (current goes on through the flyback path).

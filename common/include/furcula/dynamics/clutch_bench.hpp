@@ -59,15 +59,20 @@ class ClutchBenchRig {
   friend Hybrid<ClutchBenchRig, T>;
   State& state() { return s_; }
   const State& state() const { return s_; }
-  State rates(const State& s) const { return clutch_.rates(s, drive_); }
-  State kept(const State& from, State s, const T& t) const {
-    clutch_.keep_coil(from, s, t);
-    return s;
+  struct Look {
+    State state;
+  };
+  static Look look(const State& s) { return {s}; }
+  State rates(const Look& look) const { return clutch_.rates(look.state, drive_); }
+  State rates(const State& s, const Look&) const { return clutch_.rates(s, drive_); }
+  Look arrive(const Look& from, const State& s, const T& t) const {
+    Look out{s};
+    clutch_.keep_coil(from.state, out.state, t);
+    return out;
   }
   V longest_step() const { return clutch_.longest_step(); }
-  static const State& look(const State& s) { return s; }
   auto changes() const { return clutch_.changes(); }
-  T margin(Change c, const State& s) const { return clutch_.margin(c, s, drive_); }
+  T margin(Change c, const Look& look) const { return clutch_.margin(c, look.state, drive_); }
   static V tolerance(Change c) { return Clutch<T>::tolerance(c); }
   static bool follows(Change c) { return Clutch<T>::follows(c); }
   void make(Change c) {

@@ -31,9 +31,32 @@ struct Links {
   Pose pose(const T& angle) const {
     using std::cos;
     using std::sin;
+    return pose(T(sin(angle)), T(cos(angle)));
+  }
+
+  /// Of an angle that is `by` rad from that of a pose, without its sine: the first terms of the rotation's
+  /// series give what is less than kNear to the rounding of a double.
+  Pose turned(const Pose& from, const T& by) const {
+    using std::cos;
+    using std::sin;
+    constexpr V kNear = V(0.05);
+    T sine, cosine;
+    if (value_of(by) < kNear && value_of(by) > -kNear) {
+      const T x = by * by;
+      sine = by * (V(1) - x * (V(1.0 / 6) - x * (V(1.0 / 120) - x * V(1.0 / 5040))));
+      cosine = V(1) - x * (V(0.5) - x * (V(1.0 / 24) - x * (V(1.0 / 720) - x * V(1.0 / 40320))));
+    } else {
+      sine = sin(by);
+      cosine = cos(by);
+    }
+    return pose(T(from.sine * cosine + from.cosine * sine), T(from.cosine * cosine - from.sine * sine));
+  }
+
+ private:
+  Pose pose(const T& sine, const T& cosine) const {
     Pose p;
-    p.sine = sin(angle);
-    p.cosine = cos(angle);
+    p.sine = sine;
+    p.cosine = cosine;
     p.length = V(2) * link_length * p.cosine;
     p.lever = V(2) * link_length * p.sine;
     // cos 2 theta = 1 - 2 sin^2 theta
@@ -41,6 +64,7 @@ struct Links {
     return p;
   }
 
+ public:
   /// B without damping: what turning at `rate` (rad/s) asks of the angle (N m) and of the height (N).
   T turning_torque(const Pose& p, const T& rate) const {
     return V(4) * link_length * b * p.sine * p.cosine * rate * rate;

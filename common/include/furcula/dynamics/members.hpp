@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstddef>
+#include <utility>
 
 namespace furcula::dynamics {
 
@@ -15,6 +16,14 @@ constexpr std::array<T Struct::*, N + M> joined(const std::array<T Base::*, N>& 
   for (const auto member : of_base) all[next++] = member;
   for (const auto member : own) all[next++] = member;
   return all;
+}
+
+/// Calls `f` with each of the members, written out one by one: in a loop over more than a compiler unrolls
+/// each would be looked up.
+template <class Member, std::size_t N, class F>
+constexpr void for_each(const std::array<Member, N>& members, const F& f) {
+  [&]<std::size_t... kIndex>(std::index_sequence<kIndex...>) { (f(members[kIndex]), ...); }
+  (std::make_index_sequence<N>{});
 }
 
 }  // namespace furcula::dynamics

@@ -34,7 +34,7 @@ struct EnergyAccount {
 template <class T>
 struct FixedEnd {
   struct State {
-    static constexpr std::array<T State::*, 0> kMembers{};
+    static constexpr std::array<T State::*, 0> kMembers{}, kIntegrals{};
   };
 };
 
@@ -44,8 +44,8 @@ struct FixedEnd {
 /// In four modes: on its stop in flight (theta held), swinging in flight (both move), in stance (the toe
 /// rests on the ground; the ground does not pull, and where it would have to, the leg is free), standing on
 /// stop and ground. Touch-down and the stop are plastic impacts; restitution_touchdown and
-/// restitution_liftoff multiply all speeds that these leave. Classic Runge-Kutta steps of at most
-/// kLongestStep; every change of mode is located inside a step, and after each the mode is chosen by the
+/// restitution_liftoff multiply all speeds that these leave. Classic Runge-Kutta steps, as long as each mode
+/// allows; every change of mode is located inside a step, and after each the mode is chosen by the
 /// forces and accelerations that follow, so that a contact is taken or left once and does not chatter. `End`
 /// holds the spring's far end: FixedEnd, or a Clutch, whose cable follows the spring while it is released;
 /// then the spring is one that can only pull its cable, and slackens.
@@ -55,7 +55,7 @@ class NonlinearHopper {
   using V = ValueOf<T>;
   using Event = ContactEvent<V>;
   static constexpr std::size_t kMaxEvents = 16;  ///< kept of one advance()
-  static constexpr V kLongestStep = V(2.5e-4);
+  static constexpr V kLongestStep = V(2.5e-4);   ///< of a leg that swings
 
   enum class Mode : std::uint8_t { on_stop, swings, stance, stands };
 
@@ -173,8 +173,10 @@ class NonlinearHopper {
     T motor{}, guide_damping{}, leg_damping{};  ///< energy, J
     static constexpr auto kMembers =
         joined(End::State::kMembers,
-               std::array<T State::*, 7>{&State::angle, &State::height, &State::rate, &State::velocity,
-                                         &State::motor, &State::guide_damping, &State::leg_damping});
+               std::array<T State::*, 4>{&State::angle, &State::height, &State::rate, &State::velocity});
+    static constexpr auto kIntegrals =
+        joined(End::State::kIntegrals,
+               std::array<T State::*, 3>{&State::motor, &State::guide_damping, &State::leg_damping});
   };
   State& state() { return s_; }
   const State& state() const { return s_; }
@@ -198,7 +200,8 @@ class NonlinearHopper {
     return CableDrive<T>{spring_force(s, links_.pose(s.angle)), T(V(0))};
   }
   V longest_step() const {
-    V longest = kLongestStep;
+    // The body's swing on the spring is slower than the leg's own; on its stop nothing swings.
+    V longest = mode_ == Mode::swings ? kLongestStep : mode_ == Mode::stance ? V(1e-3) / V(3) : V(1e-3);
     if constexpr (kClutch)
       if (end_.longest_step() < longest) longest = end_.longest_step();
     return longest;
@@ -242,9 +245,22 @@ class NonlinearHopper {
     return out;
   }
 
-  State rates(const State& s) const {
+  /// A state with what its angle and its mode make of it.
+  struct Look {
+    State state;
+    typename Links<T>::Pose pose;
+    Accelerations accelerations;
+  };
+  Look look(const State& s) const {
     const auto p = links_.pose(s.angle);
-    const Accelerations a = accelerations(s, p);
+    return {s, p, accelerations(s, p)};
+  }
+  State rates(const Look& look) const { return rates(look.state, look.pose, look.accelerations); }
+  State rates(const State& s, const Look& near) const {
+    const auto p = links_.turned(near.pose, T(s.angle - near.state.angle));
+    return rates(s, p, accelerations(s, p));
+  }
+  State rates(const State& s, const typename Links<T>::Pose& p, const Accelerations& a) const {
     const T shortening = p.lever * s.rate;
     State d;
     if constexpr (kClutch)
@@ -258,14 +274,14 @@ class NonlinearHopper {
     d.leg_damping = leg_damping_ * shortening * shortening;
     return d;
   }
-
-  State kept([[maybe_unused]] const State& from, State s, [[maybe_unused]] const T& t) const {
-    if constexpr (kClutch) end_.keep_coil(from, s, t);
-    if (mode_ != Mode::stance) return s;
-    const auto p = links_.pose(s.angle);  // the toe rests
-    s.height = ground_ + p.length;
-    s.velocity = -(p.lever * s.rate);
-    return s;
+  Look arrive([[maybe_unused]] const Look& from, State s, [[maybe_unused]] const T& t) const {
+    if constexpr (kClutch) end_.keep_coil(from.state, s, t);
+    const auto p = links_.pose(s.angle);
+    if (mode_ == Mode::stance) {  // the toe rests
+      s.height = ground_ + p.length;
+      s.velocity = -(p.lever * s.rate);
+    }
+    return {s, p, accelerations(s, p)};
   }
 
   /// What ends a mode: of the leg, or of the clutch.
@@ -283,18 +299,8 @@ class NonlinearHopper {
   };
   using Leg = typename Change::Leg;
 
-  struct Look {
-    State s;
-    typename Links<T>::Pose pose;
-    Accelerations accelerations;
-  };
-  Look look(const State& s) const {
-    const auto p = links_.pose(s.angle);
-    return {s, p, accelerations(s, p)};
-  }
-
   T margin(const Change& change, const Look& look) const {
-    const State& s = look.s;
+    const State& s = look.state;
     switch (change.leg) {
       case Leg::touches_down:
         return s.height - look.pose.length - ground_;
