@@ -6,7 +6,8 @@
 #include "furcula/dynamics/clutch_designs.hpp"
 #include "furcula/dynamics/hopper.hpp"
 #include "furcula/dynamics/nonlinear_hopper.hpp"
-#include "host/identify/jet.hpp"
+#include "host/identify/dual.hpp"
+#include "tests/common/dynamics/jet.hpp"
 
 namespace {
 
@@ -48,15 +49,21 @@ void hopper_step_with_friction(benchmark::State& state) {
 BENCHMARK(hopper_step_with_friction);
 
 /// As a fit runs it: six derivatives beside each value.
-void hopper_step_with_derivatives(benchmark::State& state) {
-  using Jet = ceres::Jet<double, 6>;
-  auto p = example<Jet>();
+template <class T>
+void hop_with_derivatives(benchmark::State& state) {
+  auto p = example<T>();
   int index = 0;
-  for (Jet* free : {&p.mass_kg, &p.stiffness_npm, &p.damping_stance_nspm, &p.damping_flight_nspm})
-    free->v[index++] = 1.0;
-  hop(state, Hopper<Jet>(p));
+  for (T* free : {&p.mass_kg, &p.stiffness_npm, &p.damping_stance_nspm, &p.damping_flight_nspm})
+    *free = T(value_of(*free), index++);
+  hop(state, Hopper<T>(p));
 }
+void hopper_step_with_derivatives(benchmark::State& state) { hop_with_derivatives<furcula::identify::Dual<6>>(state); }
 BENCHMARK(hopper_step_with_derivatives);
+/// The peer: Ceres' own numbers.
+void hopper_step_with_ceres_jets(benchmark::State& state) {
+  hop_with_derivatives<ceres::Jet<double, 6>>(state);
+}
+BENCHMARK(hopper_step_with_ceres_jets);
 
 /// Table 3.1 of 002; its links in flight and in stance.
 HopperNonlinearParameters<double> robot() {

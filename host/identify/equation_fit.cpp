@@ -6,13 +6,11 @@
 #include <cmath>
 #include <deque>
 
-#include "host/identify/jet.hpp"
+#include "host/identify/dual.hpp"
 #include "host/log/error.hpp"
 
 namespace furcula::identify {
 namespace {
-
-using Jet = ceres::Jet<double, 12>;
 
 /// What a channel's errors are measured by: its spread over the window on the hopper (002 eq. 4.4), over the
 /// recording on an axis, which may rest through a window.
@@ -42,7 +40,7 @@ class StepCost final : public ceres::CostFunction {
 
   bool Evaluate(double const* const* blocks, double* residuals, double** jacobians) const override {
     if (jacobians == nullptr || jacobians[0] == nullptr) return run<double>(blocks[0], residuals, nullptr);
-    return run<Jet>(blocks[0], residuals, jacobians[0]);
+    return run<Dual<12>>(blocks[0], residuals, jacobians[0]);
   }
 
  private:
@@ -52,7 +50,7 @@ class StepCost final : public ceres::CostFunction {
     std::vector<T> values(count);
     for (std::size_t i = 0; i < count; ++i) {
       values[i] = T(at[i]);
-      if constexpr (!std::is_same_v<T, double>) values[i].v[static_cast<Eigen::Index>(i)] = 1.0;
+      if constexpr (!std::is_same_v<T, double>) values[i].set(i, 1.0);
     }
     bool finite = true;
     const auto put = [&](const T& error, double weight) {
@@ -60,7 +58,7 @@ class StepCost final : public ceres::CostFunction {
       finite = finite && std::isfinite(*residuals);
       ++residuals;
       if constexpr (!std::is_same_v<T, double>)
-        for (std::size_t i = 0; i < count; ++i) *jacobian++ = error.v[static_cast<Eigen::Index>(i)] * weight;
+        for (std::size_t i = 0; i < count; ++i) *jacobian++ = error.derivative(i) * weight;
     };
     const Recording& r = recording_;
     with_plant(r.kind, PlantSetup<T>(model_, unknowns_, values.data()), [&](auto& plant) {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "host/identify/jet.hpp"
+#include "host/identify/dual.hpp"
 #include "host/identify/simulate.hpp"
 
 namespace furcula::identify {
@@ -162,20 +162,21 @@ std::optional<ChannelErrors> leg_angle_errors(const model::Model& model,
 
 Errors noise_floor(const model::Model& model, const std::vector<Recording>& recordings,
                    const std::vector<Window>& windows, const std::vector<StartState>& starts) {
-  using Jet = ceres::Jet<double, 2>;
-  const PlantSetup<Jet> setup(model, {}, nullptr);
+  const PlantSetup<Dual<2>> setup(model, {}, nullptr);
   Errors floor = pool(
       recordings, windows, [&](std::size_t k, std::vector<double>& position, std::vector<double>& velocity) {
         const Window& w = windows[k];
         const Recording& r = recordings[w.recording];
         const StartState& s = starts[k];
         const double noise = r.position_noise * r.position_noise;
-        const auto spread = [&](const Jet& x) {
-          return noise * (x.v[0] * x.v[0] * s.position_variance + 2.0 * x.v[0] * x.v[1] * s.covariance +
-                          x.v[1] * x.v[1] * s.velocity_variance);
+        const auto spread = [&](const Dual<2>& x) {
+          const double by_position = x.derivative(0), by_velocity = x.derivative(1);
+          return noise * (by_position * by_position * s.position_variance +
+                          2.0 * by_position * by_velocity * s.covariance +
+                          by_velocity * by_velocity * s.velocity_variance);
         };
-        simulate(setup, r, w, Jet(s.position, 0), Jet(s.velocity, 1),
-                 [&](std::size_t row, const Jet& x, const Jet& v, const Jet&, const auto&) {
+        simulate(setup, r, w, Dual<2>(s.position, 0), Dual<2>(s.velocity, 1),
+                 [&](std::size_t row, const Dual<2>& x, const Dual<2>& v, const Dual<2>&, const auto&) {
                    position[row - w.first] = std::sqrt(noise + spread(x));
                    velocity[row - w.first] = std::sqrt(r.velocity_noise * r.velocity_noise + spread(v));
                  });

@@ -8,7 +8,7 @@
 #include <deque>
 #include <limits>
 
-#include "host/identify/jet.hpp"
+#include "host/identify/dual.hpp"
 #include "host/log/error.hpp"
 
 namespace furcula::identify {
@@ -61,12 +61,12 @@ class WindowCost final : public ceres::CostFunction {
   bool Evaluate(double const* const* blocks, double* residuals, double** jacobians) const override {
     if (jacobians == nullptr) return run<double>(blocks, residuals, nullptr);
     const std::size_t size = unknowns_.size() + kStartSize;
-    if (size <= 4) return run<ceres::Jet<double, 4>>(blocks, residuals, jacobians);
-    if (size <= 6) return run<ceres::Jet<double, 6>>(blocks, residuals, jacobians);
-    if (size <= 8) return run<ceres::Jet<double, 8>>(blocks, residuals, jacobians);
-    if (size <= 12) return run<ceres::Jet<double, 12>>(blocks, residuals, jacobians);
-    if (size <= 20) return run<ceres::Jet<double, 20>>(blocks, residuals, jacobians);
-    return run<ceres::Jet<double, 32>>(blocks, residuals, jacobians);
+    if (size <= 4) return run<Dual<4>>(blocks, residuals, jacobians);
+    if (size <= 6) return run<Dual<6>>(blocks, residuals, jacobians);
+    if (size <= 8) return run<Dual<8>>(blocks, residuals, jacobians);
+    if (size <= 12) return run<Dual<12>>(blocks, residuals, jacobians);
+    if (size <= 20) return run<Dual<20>>(blocks, residuals, jacobians);
+    return run<Dual<32>>(blocks, residuals, jacobians);
   }
 
  private:
@@ -78,9 +78,9 @@ class WindowCost final : public ceres::CostFunction {
     T position(start[0]), velocity(start[1]);
     for (std::size_t i = 0; i < count; ++i) values[i] = T(blocks[0][i]);
     if constexpr (!std::is_same_v<T, double>) {
-      for (std::size_t i = 0; i < count; ++i) values[i].v[static_cast<Eigen::Index>(i)] = 1.0;
-      position.v[static_cast<Eigen::Index>(count)] = 1.0;
-      velocity.v[static_cast<Eigen::Index>(count) + 1] = 1.0;
+      for (std::size_t i = 0; i < count; ++i) values[i].set(i, 1.0);
+      position.set(count, 1.0);
+      velocity.set(count + 1, 1.0);
     }
     const PlantSetup<T> setup(model_, unknowns_, values.data());
     bool finite = true;
@@ -92,10 +92,10 @@ class WindowCost final : public ceres::CostFunction {
       if constexpr (!std::is_same_v<T, double>) {
         if (of_unknowns != nullptr)
           for (std::size_t i = 0; i < count; ++i)
-            of_unknowns[at * count + i] = simulated.v[static_cast<Eigen::Index>(i)] * weight;
+            of_unknowns[at * count + i] = simulated.derivative(i) * weight;
         if (of_start != nullptr)
           for (std::size_t i = 0; i < kStartSize; ++i)
-            of_start[at * kStartSize + i] = simulated.v[static_cast<Eigen::Index>(count + i)] * weight;
+            of_start[at * kStartSize + i] = simulated.derivative(count + i) * weight;
       }
     };
     std::size_t motion = 0, drives = motion_rows() + contact_rows();

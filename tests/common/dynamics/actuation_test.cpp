@@ -6,7 +6,7 @@
 #include <functional>
 #include <vector>
 
-#include "host/identify/jet.hpp"
+#include "tests/common/dynamics/jet.hpp"
 
 using namespace furcula::dynamics;
 using Jet = ceres::Jet<double, 3>;

@@ -6,7 +6,7 @@
 
 #include "furcula/dynamics/axis.hpp"
 #include "furcula/dynamics/hopper.hpp"
-#include "host/identify/jet.hpp"
+#include "tests/common/dynamics/jet.hpp"
 #include "tests/common/dynamics/example.hpp"
 
 using namespace furcula::dynamics;

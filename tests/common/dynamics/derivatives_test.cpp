@@ -7,7 +7,7 @@
 #include "furcula/dynamics/clutch_designs.hpp"
 #include "furcula/dynamics/hopper.hpp"
 #include "furcula/dynamics/nonlinear_hopper.hpp"
-#include "host/identify/jet.hpp"
+#include "tests/common/dynamics/jet.hpp"
 #include "tests/common/dynamics/example.hpp"
 
 using namespace furcula::dynamics;

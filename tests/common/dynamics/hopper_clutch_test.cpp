@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "furcula/dynamics/hopper.hpp"
-#include "host/identify/jet.hpp"
+#include "tests/common/dynamics/jet.hpp"
 
 using namespace furcula::dynamics;
 

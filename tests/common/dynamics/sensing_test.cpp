@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "host/identify/jet.hpp"
+#include "tests/common/dynamics/jet.hpp"
 
 using namespace furcula::dynamics;
 using Jet = ceres::Jet<double, 6>;

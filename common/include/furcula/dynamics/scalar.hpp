@@ -7,7 +7,7 @@
 namespace furcula::dynamics {
 
 /// How to read the plain value of a scalar. Automatic-differentiation types specialise it
-/// (host/identify/jet.hpp).
+/// (host/identify/dual.hpp).
 template <class T>
 struct ScalarTraits {
   using Value = T;
