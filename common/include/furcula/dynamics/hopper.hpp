@@ -254,10 +254,13 @@ class Hopper {
       T until = value_of(left) > kLongestStep ? T(kLongestStep) : left;
       const bool changes = key_.changes_within(value_of(until));
       if (changes) until = key_.change_in() + kShortest;
+      // Steps of one length, in which no key comes or goes, share their flow.
+      const bool full = !changes && value_of(until) == dt_s;
+      if (full && dt_s != step_) prepare(dt_s);
       T rest = until;
       bool moved = !(value_of(rest) > V(0));
       for (int round = 0; round < kMaxEvents && !moved && value_of(rest) > V(0); ++round)
-        moved = move<true>(torque, rest, false);
+        moved = move<true>(torque, rest, full && round == 0);
       if (!moved && value_of(rest) > V(0)) {  // contacts without end, as in step()
         v_ = T(V(0));
         elapsed_ += value_of(rest);
@@ -303,6 +306,7 @@ class Hopper {
                         : T(V(-1));
   }
   void set_spring(const T& stiffness, const T& force_at_zero) {
+    step_ = V(-1);
     stiffness_ = stiffness;
     kappa_stance_ = stiffness * inverse_mass_;
     leg_force_at_zero_ = force_at_zero;
