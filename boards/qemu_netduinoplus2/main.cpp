@@ -38,7 +38,7 @@ class InstructionCounter {
 };
 
 /// Not on the stack, which would keep room for it all the time.
-constinit pil::Begin first_message;
+constinit pil::Begin last_configuration;
 
 class QemuBoard {
  public:
@@ -48,15 +48,28 @@ class QemuBoard {
     in_ = semihosting::open(pil::kToBoard, sizeof(pil::kToBoard) - 1, Mode::read_binary);
     out_ = semihosting::open(pil::kFromBoard, sizeof(pil::kFromBoard) - 1, Mode::write_binary);
     if (in_ < 0 || out_ < 0) semihosting::exit(kNoPipes);
-    receive(first_message);
-    if (first_message.kind != pil::kBegin) semihosting::exit(kBadMessage);
-    return first_message.config;
+    receive(last_configuration);
+    if (last_configuration.kind != pil::kBegin) semihosting::exit(kBadMessage);
+    return last_configuration.config;
   }
 
   bool wait_for_tick() {
     receive(tick_);
+    configured_ = tick_.kind == pil::kBegin;
+    if (configured_) {
+      // Its first bytes came in the place of a tick.
+      auto* bytes = reinterpret_cast<std::uint8_t*>(&last_configuration);
+      std::memcpy(bytes, &tick_, sizeof(tick_));
+      if (!semihosting::read(in_, bytes + sizeof(tick_), sizeof(last_configuration) - sizeof(tick_)))
+        semihosting::exit(kPeerGone);
+      receive(tick_);
+    }
     if (tick_.kind != pil::kTick && tick_.kind != pil::kEnd) semihosting::exit(kBadMessage);
     return tick_.kind == pil::kTick;
+  }
+  /// The configuration that came before this tick, or null.
+  const control::Config* new_configuration() const {
+    return configured_ ? &last_configuration.config : nullptr;
   }
   std::uint32_t now_us() const { return tick_.now_us; }
   Result<control::Sample> sense() const {
@@ -91,6 +104,7 @@ class QemuBoard {
   }
 
   std::int32_t in_ = -1, out_ = -1;
+  bool configured_ = false;
   pil::Tick tick_;
   pil::Outputs outputs_;
   control::Command command_;
@@ -98,6 +112,11 @@ class QemuBoard {
 };
 
 static_assert(firmware::Board<QemuBoard>);
+
+/// Not in main(), whose frame would keep room for it beneath every tick.
+[[gnu::noinline]] void configure(firmware::App<QemuBoard>& app, const control::Config& config) {
+  app.configure(config);
+}
 
 }  // namespace
 
@@ -108,6 +127,7 @@ int main() {
   firmware::App<QemuBoard> app(board, board.begin());
   const InstructionCounter counter;
   while (board.wait_for_tick()) {
+    if (const control::Config* config = board.new_configuration()) configure(app, *config);
     const std::uint32_t before = counter.read();
     app.tick();
     const std::uint32_t after = counter.read();

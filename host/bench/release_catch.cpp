@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "boards/sim_host/random.hpp"
+#include "host/log/error.hpp"
 #include "host/log/message.hpp"
 
 namespace furcula::bench {
@@ -31,11 +32,11 @@ double quantile(const std::vector<double>& sorted, double share) {
 Trial run_trial(Board& board, const Conditions& conditions) {
   Trial t;
   t.conditions = conditions;
-  const std::size_t release = ticks(kRest_s), caught = release + ticks(conditions.window_s),
-                    end = caught + ticks(kWatch_s), stands = ticks(kStands_s);
-  board.prepare(conditions);
-  t.readings.push_back({});
-  for (std::size_t n = 0; n < end; ++n) t.readings.push_back(board.tick(n >= release && n < caught));
+  const Timing timing{ticks(kRest_s), ticks(conditions.window_s), ticks(kWatch_s)};
+  const std::size_t release = timing.rest, caught = release + timing.window, end = caught + timing.watch,
+                    stands = ticks(kStands_s);
+  t.readings = board.run(conditions, timing);
+  require_as_told(t.readings, timing, board.name());
   const auto& r = t.readings;
   // What moves before it is told to is not held, and what does not move after it, not released: nothing to
   // catch.
@@ -56,6 +57,18 @@ Trial run_trial(Board& board, const Conditions& conditions) {
   return t;
 }
 
+void require_as_told(const std::vector<Reading>& rows, const Timing& timing, const std::string& board) {
+  if (rows.size() != timing.rows())
+    throw log::DataError(board + ": the trial has " + std::to_string(rows.size()) + " rows; expected " +
+                         std::to_string(timing.rows()));
+  for (std::size_t n = 0; n < rows.size(); ++n) {
+    const bool wanted = n >= timing.rest && n < timing.rest + timing.window;
+    if ((rows[n].coil > 0.0) != wanted)
+      throw log::DataError(board + ": " + std::to_string(n) + " ms into the trial the coil was " +
+                           (wanted ? "off, expected on (has it become too hot?)" : "on, expected off"));
+  }
+}
+
 log::Log to_log(const Trial& trial, const Board& board, const std::string& path) {
   log::Log log;
   log.path = path;
@@ -66,14 +79,13 @@ log::Log to_log(const Trial& trial, const Board& board, const std::string& path)
                   {"window_s", log::shortest(trial.conditions.window_s)},
                   {"supply_v", log::shortest(trial.conditions.supply_v)},
                   {"pressing_n", log::shortest(trial.conditions.pressing_n)}};
-  const std::size_t release = ticks(kRest_s), caught = release + ticks(trial.conditions.window_s);
   const bool current = std::all_of(trial.readings.begin() + 1, trial.readings.end(),
                                    [](const Reading& r) { return std::isfinite(r.current_a); });
   for (std::size_t n = 0; n < trial.readings.size(); ++n) {
     const Reading& r = trial.readings[n];
     log.columns["time_s"].push_back(static_cast<double>(n) * kTick_s);
     log.columns["pulley_angle_rad"].push_back(r.count * board.metres_per_count() / board.pulley_radius_m());
-    log.columns["solenoid"].push_back(n >= release && n < caught ? 1.0 : 0.0);
+    log.columns["solenoid"].push_back(r.coil > 0.0 ? 1.0 : 0.0);
     log.columns["voltage_v"].push_back(r.voltage_v);
     if (current) log.columns["current_a"].push_back(n == 0 ? 0.0 : r.current_a);
   }
@@ -84,10 +96,8 @@ double holding_load_kg(Board& board, const Conditions& conditions) {
   const auto holds = [&](double load_kg) {
     Conditions c = conditions;
     c.load_kg = load_kg;
-    board.prepare(c);
-    Reading last;
-    for (std::size_t n = 0; n < ticks(1.0); ++n) last = board.tick(false);  // near its limit it creeps
-    return std::abs(last.count) * board.metres_per_count() < 0.5 * board.tooth_pitch_m();
+    const std::vector<Reading> rows = board.run(c, {ticks(1.0), 0, 0});  // near its limit it creeps
+    return std::abs(rows.back().count) * board.metres_per_count() < 0.5 * board.tooth_pitch_m();
   };
   double low = 0.01, high = 0.02;
   if (!holds(low)) return 0.0;

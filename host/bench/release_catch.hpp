@@ -33,6 +33,9 @@ struct Trial {
 inline constexpr double kRest_s = 0.020, kWatch_s = 0.500;
 Trial run_trial(Board& board, const Conditions& conditions);
 
+/// @throws log::DataError where rows are missing, or the coil was not on just when it was to be.
+void require_as_told(const std::vector<Reading>& rows, const Timing& timing, const std::string& board);
+
 /// As furcula-log/1 of the rig clutch_bench.
 log::Log to_log(const Trial& trial, const Board& board, const std::string& path);
 

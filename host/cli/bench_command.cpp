@@ -5,6 +5,7 @@
 #include <string>
 
 #include "host/bench/limits.hpp"
+#include "host/bench/pil_board.hpp"
 #include "host/bench/release_catch.hpp"
 #include "host/bench/release_catch_json.hpp"
 #include "host/bench/release_catch_report.hpp"
@@ -36,10 +37,20 @@ std::string millimetres(double length_m) {
   return length_m == length_m ? log::shortest(std::round(1e4 * length_m) / 10.0) + " mm" : "-";
 }
 
+constexpr const char* kBoards = "sim, pil or pil:IMAGE";
+
+std::unique_ptr<bench::Board> open_board(const std::string& text) {
+  if (text == "sim") return std::make_unique<bench::SimBoard>();
+  if (text == "pil") return std::make_unique<bench::PilBoard>(FURCULA_M4F_IMAGE);
+  if (text.starts_with("pil:") && text.size() > 4) return std::make_unique<bench::PilBoard>(text.substr(4));
+  throw UsageError("--board: " + log::quoted(text) + "; expected " + kBoards);
+}
+
 void run(const Options& o) {
   const bench::Limits limits = o.limits.empty() ? bench::Limits{} : bench::read_limits(o.limits);
+  const std::unique_ptr<bench::Board> stand = open_board(o.board);
+  bench::Board& board = *stand;
   const OutFolder folder(o.out);
-  bench::SimBoard board;
   bench::Options options;
   options.conditions = o.conditions;
   options.conditions.window_s = 1e-3 * std::round(o.window_ms);  // whole ticks
@@ -111,9 +122,7 @@ void add_bench_command(CLI::App& app) {
   CLI::App* command = group->add_subcommand(
       "release-catch",
       "Let a weight on the clutch's belt go and catch it; varied trials, sweeps, holding load");
-  command->add_option("--board", options->board, "The stand: sim")
-      ->check(CLI::IsMember({"sim"}))
-      ->capture_default_str();
+  command->add_option("--board", options->board, std::string("The stand: ") + kBoards)->capture_default_str();
   command->add_option("--load-kg", options->conditions.load_kg, "Weight on the belt")
       ->check(within(0.01, 1000.0))
       ->capture_default_str();

@@ -15,10 +15,10 @@
 #include "boards/sim_host/board.hpp"
 #include "firmware/app/app.hpp"
 #include "host/model/reader.hpp"
+#include "host/pil/qemu.hpp"
 #include "host/safety/fault_table.hpp"
 #include "host/sim/scenario.hpp"
 #include "host/sim/simulate.hpp"
-#include "tests/pil/qemu.hpp"
 #include "tests/skip.hpp"
 
 namespace {
@@ -143,7 +143,7 @@ std::map<std::string, double> read_budget() {
 }
 
 bool cannot_run_here() {
-  const std::string reason = pil::why_not_here();
+  const std::string reason = pil::why_not_here(FURCULA_M4F_IMAGE);
   if (!reason.empty()) test::skip(reason.c_str());
   return !reason.empty();
 }

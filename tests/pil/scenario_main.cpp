@@ -6,17 +6,17 @@
 
 #include "boards/sim_host/board.hpp"
 #include "host/model/reader.hpp"
+#include "host/pil/qemu.hpp"
 #include "host/sim/expectation.hpp"
 #include "host/sim/recorder.hpp"
 #include "host/sim/simulate.hpp"
-#include "tests/pil/qemu.hpp"
 
 namespace {
 
 using namespace furcula;
 
 int run(const char* model_path, const char* scenario_path) {
-  if (const std::string why = pil::why_not_here(); !why.empty()) {
+  if (const std::string why = pil::why_not_here(FURCULA_M4F_IMAGE); !why.empty()) {
     std::cout << "SKIPPED: " << why << "\n";
     return 77;
   }

@@ -23,27 +23,21 @@ class Falling final : public Board {
   double pulley_radius_m() const override { return 0.01; }
   double tooth_pitch_m() const override { return 0.003; }
   double travel_m() const override { return 10.0; }
-  void prepare(const Conditions& c) override {
-    window_s_ = c.window_s;
-    time_s_ = on_s_ = off_s_ = 0.0;
-    coil_ = false;
+  std::vector<Reading> run(const Conditions&, const Timing& timing) override {
+    const double on_s = 1e-3 * static_cast<double>(timing.rest),
+                 off_s = on_s + 1e-3 * static_cast<double>(timing.window);
+    std::vector<Reading> rows(timing.rows());
+    for (std::size_t n = 0; n < rows.size(); ++n) {
+      const double time_s = 1e-3 * static_cast<double>(n);
+      const double fall_s = std::min(time_s, off_s + catches_s) - on_s - releases_s;
+      const bool released = timing.window > 0 && fall_s > 0.0;
+      const double fell = released ? 4.905 * fall_s * fall_s : 0.0;
+      const double slipped = time_s > off_s + catches_s + slips_s ? 0.005 : 0.0;
+      rows[n].count = static_cast<std::int32_t>(std::lround((fell + slipped) / 1e-5));
+      rows[n].coil = n >= timing.rest && n < timing.rest + timing.window ? 1.0 : 0.0;
+    }
+    return rows;
   }
-  Reading tick(bool coil) override {
-    if (coil && !coil_) on_s_ = time_s_;
-    if (!coil && coil_) off_s_ = time_s_;
-    coil_ = coil;
-    time_s_ += 1e-3;
-    double fall_s = 0.0;
-    if (on_s_ > 0.0) fall_s = time_s_ - on_s_ - releases_s;
-    if (off_s_ > 0.0) fall_s = std::min(fall_s, window_s_ + catches_s - releases_s);
-    const double fell = fall_s > 0.0 ? 4.905 * fall_s * fall_s : 0.0;
-    const double slipped = off_s_ > 0.0 && time_s_ > off_s_ + catches_s + slips_s ? 0.005 : 0.0;
-    return {static_cast<std::int32_t>(std::lround((fell + slipped) / 1e-5))};
-  }
-
- private:
-  double window_s_ = 0.0, time_s_ = 0.0, on_s_ = 0.0, off_s_ = 0.0;
-  bool coil_ = false;
 };
 
 }  // namespace

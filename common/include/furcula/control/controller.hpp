@@ -4,6 +4,7 @@
 
 #include <cstdint>
 
+#include "furcula/control/bench_trial.hpp"
 #include "furcula/control/clutch_sequencer.hpp"
 #include "furcula/control/coil_drive.hpp"
 #include "furcula/control/debounce.hpp"
@@ -32,6 +33,7 @@ struct Config {
   ClutchConfig clutch;
   CoilConfig coil;
   LegPositionConfig leg;
+  BenchConfig bench;
 };
 
 struct Inputs {
@@ -53,6 +55,7 @@ struct State {
   ClutchState clutch;
   CoilState coil;
   LegPositionState leg;
+  BenchState bench;
   Sample last_sample;
   std::uint32_t missed_samples = 1;  ///< running; nothing was ever measured
 };
@@ -62,6 +65,7 @@ struct Outputs {
   HeightEstimate height;
   PhaseEstimate phase;
   ClutchEstimate clutch;
+  TrialEstimate trial;
   Fault fault = Fault::none;
 };
 
@@ -136,7 +140,13 @@ inline Status check(const Config& c) {
     return Status::invalid;
   // A leg that is moved must not be straight: there it has no lever.
   if (moves_leg_in_flight(c.clutch) && !(s.leg_angle_min_rad > 0.0f)) return Status::invalid;
-  if (moves_leg_in_flight(c.clutch) && check(c.clutch, c.coil, c.leg) != Status::ok) return Status::invalid;
+  constexpr std::uint32_t kMostTicks = 100000;
+  if (c.bench.rest_ticks > kMostTicks || c.bench.window_ticks > kMostTicks ||
+      c.bench.watch_ticks > kMostTicks)
+    return Status::invalid;
+  const bool on_bench = c.bench.on_bench != 0;
+  if ((moves_leg_in_flight(c.clutch) || on_bench) && check(c.clutch, c.coil, c.leg) != Status::ok)
+    return Status::invalid;
   // Shorter than ten ticks it is no profile.
   if (!is_finite(c.torque.period_s) || c.torque.period_s < 0.01f) return Status::invalid;
   return Status::ok;
@@ -150,8 +160,8 @@ inline State begin(const Config& config) {
   return state;
 }
 
-/// One tick, `dt_s` after the last (the nominal period: that a tick was late is an input).
-inline Outputs step(const Config& config, State& state, const Inputs& inputs, float dt_s) {
+/// Takes a tick's sample. @returns what the supervisor looks at, as far as the sample's arrival tells it.
+inline Observation take_sample(const Config& config, State& state, const Inputs& inputs) {
   // One lost sample is bridged with the last one; what it measures is then one tick older.
   Observation seen;
   seen.step_ticks = state.missed_samples + 1;
@@ -168,6 +178,36 @@ inline Outputs step(const Config& config, State& state, const Inputs& inputs, fl
     state.last_sample.age_us += inputs.tick_interval_us;
     if (state.missed_samples != 0xffffffffu) ++state.missed_samples;
   }
+  seen.tick_interval_us = inputs.tick_interval_us;
+  seen.reported_fault = state.last_sample.reported_fault;
+  seen.missed_samples = state.missed_samples;
+  seen.sample_age_us = state.last_sample.age_us;
+  return seen;
+}
+
+/// The tick of a board on the clutch's bench: to run is to make one trial.
+inline Outputs step_on_bench(const Config& config, State& state, const Inputs& inputs, float dt_s) {
+  Observation seen = take_sample(config, state, inputs);
+  const Sample& sample = state.last_sample;
+  seen.has_body = false;
+  seen.cable_travel_m = static_cast<float>(count_difference(sample.cable_count, sample.cable_home_count)) *
+                        config.clutch.metres_per_count;
+  Outputs out;
+  out.fault = state.configuration == Status::ok
+                  ? supervise(config.supervisor, state.supervisor, seen, inputs.reset, dt_s)
+                  : Fault::bad_configuration;
+  if (out.fault != Fault::none || !inputs.run)
+    state.bench = {};
+  else
+    out.trial = run_trial(config.bench, state.bench);
+  out.command.coil_duty = drive_coil(config.coil, state.coil, out.trial.coil, dt_s);
+  return out;
+}
+
+/// One tick, `dt_s` after the last (the nominal period: that a tick was late is an input).
+inline Outputs step(const Config& config, State& state, const Inputs& inputs, float dt_s) {
+  if (config.bench.on_bench != 0) return step_on_bench(config, state, inputs, dt_s);
+  Observation seen = take_sample(config, state, inputs);
   const Sample& sample = state.last_sample;
   const bool reading = sample.contact != 0;
 
@@ -183,10 +223,6 @@ inline Outputs step(const Config& config, State& state, const Inputs& inputs, fl
   if (inputs.reset && state.supervisor.fault != Fault::none)
     restart_clutch(state.clutch, config.clutch, cable_count);
 
-  seen.tick_interval_us = inputs.tick_interval_us;
-  seen.reported_fault = sample.reported_fault;
-  seen.missed_samples = state.missed_samples;
-  seen.sample_age_us = sample.age_us;
   seen.height_m = out.height.height_m;
   seen.above_touchdown_m = out.height.height_m - config.phase.touchdown_height_m;
   seen.leg_angle_rad = sample.leg_angle_rad;

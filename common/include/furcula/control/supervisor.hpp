@@ -51,6 +51,7 @@ struct Observation {
   std::uint32_t reported_fault = 0;    ///< by a device or the board: a number of the table of faults
   std::uint32_t missed_samples = 0;    ///< running
   std::uint32_t sample_age_us = 0;
+  bool has_body = true;  ///< false: on the clutch's bench, where there is no more than the cable
   float height_m = 0.0f;
   float above_touchdown_m = 0.0f;  ///< the height less the touch-down height
   /// By which the height's counter moved since the sample before, and so many ticks lie between them.
@@ -71,15 +72,10 @@ struct SupervisorState {
   bool last_reading = false;
 };
 
-/// The fault of this tick alone, or none. Counts how long the switch has been contradicted and how often
-/// it changes.
-inline Fault find_fault(const SupervisorConfig& config, SupervisorState& state, const Observation& seen,
-                        float dt_s) {
-  if (seen.tick_interval_us > config.tick_interval_max_us) return Fault::late_tick;
-  if (seen.reported_fault != 0)
-    return seen.reported_fault < kFaultCount ? static_cast<Fault>(seen.reported_fault) : Fault::peer_lost;
-  if (seen.missed_samples > config.missed_samples_max) return Fault::peer_lost;
-  if (seen.sample_age_us > config.sample_age_max_us) return Fault::stale_input;
+/// Of rail, leg and switch: the fault of this tick alone, or none. Counts how long the switch has been
+/// contradicted and how often it changes.
+inline Fault find_body_fault(const SupervisorConfig& config, SupervisorState& state, const Observation& seen,
+                             float dt_s) {
   if (!is_finite(seen.height_m) || !is_finite(seen.leg_angle_rad)) return Fault::non_finite_input;
   if (seen.height_m < config.height_min_m || seen.height_m > config.height_max_m)
     return Fault::height_out_of_range;
@@ -111,6 +107,21 @@ inline Fault find_fault(const SupervisorConfig& config, SupervisorState& state, 
   if (seen.contact_reading != state.last_reading) state.contact_changes += 1.0f;
   state.last_reading = seen.contact_reading;
   if (state.contact_changes > config.contact_changes_max) return Fault::contact_implausible;
+  return Fault::none;
+}
+
+/// The fault of this tick alone, or none.
+inline Fault find_fault(const SupervisorConfig& config, SupervisorState& state, const Observation& seen,
+                        float dt_s) {
+  if (seen.tick_interval_us > config.tick_interval_max_us) return Fault::late_tick;
+  if (seen.reported_fault != 0)
+    return seen.reported_fault < kFaultCount ? static_cast<Fault>(seen.reported_fault) : Fault::peer_lost;
+  if (seen.missed_samples > config.missed_samples_max) return Fault::peer_lost;
+  if (seen.sample_age_us > config.sample_age_max_us) return Fault::stale_input;
+  if (seen.has_body) {
+    const Fault found = find_body_fault(config, state, seen, dt_s);
+    if (found != Fault::none) return found;
+  }
   if (seen.cable_travel_m < config.cable_travel_min_m || seen.cable_travel_m > config.cable_travel_max_m)
     return Fault::cable_implausible;
   if (seen.missed_catches >= config.missed_catches_max) return Fault::clutch_not_caught;

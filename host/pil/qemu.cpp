@@ -1,5 +1,5 @@
 // The emulated board as a child process, see qemu.hpp.
-#include "tests/pil/qemu.hpp"
+#include "host/pil/qemu.hpp"
 
 #include <fcntl.h>
 #include <poll.h>
@@ -36,16 +36,15 @@ constexpr std::chrono::milliseconds kSlice{50};
 
 }  // namespace
 
-std::string why_not_here() {
+std::string why_not_here(const std::string& image) {
   bool found = false;
   const char* const folders = std::getenv("PATH");  // NOLINT(concurrency-mt-unsafe): one thread
   std::istringstream path(folders == nullptr ? "" : folders);
   for (std::string folder; std::getline(path, folder, ':');)
     found = found || ::access((folder + "/qemu-system-arm").c_str(), X_OK) == 0;
   if (!found) return "qemu-system-arm is not installed (scripts/setup installs it)";
-  if (!std::filesystem::exists(FURCULA_M4F_IMAGE))
-    return "no image at " FURCULA_M4F_IMAGE
-           " (cmake --preset cortex-m4f && cmake --build --preset cortex-m4f)";
+  if (!std::filesystem::exists(image))
+    return "no image at " + image + " (cmake --preset cortex-m4f && cmake --build --preset cortex-m4f)";
   return "";
 }
 
@@ -53,8 +52,7 @@ Qemu::Qemu(const std::string& image, const control::Config& config, std::chrono:
     : allowed_(allowed) {
   try {
     start(image);
-    const Begin begin{kBegin, config};
-    send(&begin, sizeof(begin));
+    configure(config);
   } catch (...) {
     clean_up();
     throw;
@@ -95,6 +93,11 @@ void Qemu::start(const std::string& image) {
              "-monitor", "none", "-serial", "none", static_cast<char*>(nullptr));
     ::_exit(127);
   }
+}
+
+void Qemu::configure(const control::Config& config) {
+  const Begin begin{kBegin, config};
+  send(&begin, sizeof(begin));
 }
 
 Reply Qemu::exchange(const Tick& tick) {

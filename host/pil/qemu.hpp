@@ -18,7 +18,7 @@ struct LinkError : std::runtime_error {
 };
 
 /// Why processor-in-the-loop cannot run here, or an empty string.
-std::string why_not_here();
+std::string why_not_here(const std::string& image);
 
 class Qemu {
  public:
@@ -30,6 +30,8 @@ class Qemu {
   Qemu(const Qemu&) = delete;
   Qemu& operator=(const Qemu&) = delete;
 
+  /// Another configuration before the next tick. @throws LinkError
+  void configure(const control::Config& config);
   /// One tick there and back. @throws LinkError
   Reply exchange(const Tick& tick);
   /// Ends the run; QEMU must end with status 0. @throws LinkError
