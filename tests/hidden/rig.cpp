@@ -5,7 +5,6 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <optional>
 #include <string>
 #include <utility>
 
@@ -51,7 +50,7 @@ class PositionSensor {
   }
   /// A reading that sticks: it moves on only once it would be off by more than so much.
   double stuck(double reading) {
-    if (sticking_ > 0 && shown_ && std::abs(reading - *shown_) < sticking_) return *shown_;
+    if (sticking_ > 0 && std::abs(reading - shown_) < sticking_) return shown_;
     shown_ = reading;
     return reading;
   }
@@ -59,7 +58,7 @@ class PositionSensor {
  private:
   double centre_, offset_ = 0, scale_ = 1, crosstalk_ = 0, skew_s_ = 0, sticking_ = 0;
   Values wheel_{}, slip_{}, wander_{};
-  std::optional<double> shown_;
+  double shown_ = std::numeric_limits<double>::quiet_NaN();
 };
 
 // True position between the rows, to well below a count; what an impact bends within a row is lost.
