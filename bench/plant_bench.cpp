@@ -67,7 +67,7 @@ BENCHMARK(hopper_step_with_ceres_jets);
 
 /// Table 3.1 of 002; its links in flight and in stance.
 HopperNonlinearParameters<double> robot() {
-  return {1.6, 600.0, 0.289, 5.0, 1.0, 1.0, 1.0, 0.15, 0.35, 9.81, 42e-4, 75e-4, 38e-3};
+  return {{1.6, 600.0, 0.289, 5.0, 1.0, 1.0, 1.0, 0.15, 0.35, 9.81}, 42e-4, 75e-4, 38e-3};
 }
 void nonlinear_hopper_step(benchmark::State& state) {
   NonlinearHopper<double> hopper(robot());
