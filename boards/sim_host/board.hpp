@@ -135,6 +135,11 @@ class SimBoard {
   /// What the drive's current says of its torque, once the command of this tick has arrived.
   double measured_torque_nm() { return drive_.shows(static_cast<double>(command_.torque_nm), kPeriodS); }
   void request_reset() { reset_requested_ = true; }
+  /// One more, from the next tick on or later.
+  void plant(const PlannedFault& fault) {
+    config_.faults.push_back(fault);
+    jump_phase_ = (tick_ + 1) / 10 % 2;
+  }
   /// Whether such a fault is planted at this tick.
   bool active(RigFault kind) const { return (active_ >> static_cast<unsigned>(kind) & 1u) != 0; }
 

@@ -6,6 +6,7 @@
 
 #include "host/cli/commands.hpp"
 #include "host/cli/errors.hpp"
+#include "host/cli/rig_options.hpp"
 #include "host/log/writer.hpp"
 #include "host/model/reader.hpp"
 #include "host/rig/rig.hpp"
@@ -25,9 +26,6 @@ void run(Options& options) {
   if (!dynamics::is_hopper(model.kind)) throw UsageError("the rig is a hopper; expected a model of one");
   const sim::Scenario scenario = sim::read_scenario(options.scenario, model);
   const sim::Expectation expected = sim::read_expectation(options.scenario);
-  if (const std::string fault = rig::what_cannot_be_planted(scenario); !fault.empty())
-    throw UsageError(options.scenario + ": the fault " + fault +
-                     " cannot be planted from the rig's end of the bus");
   if (options.rig.configuration_path.empty()) options.rig.configuration_path = options.out + ".furculad.toml";
   rig::RigResult result;
   try {
@@ -58,17 +56,9 @@ void add_rig_command(CLI::App& app) {
       ->required();
   command->add_option("--out", options->out, "The log to write (furcula-log/1, CSV)")->required();
   command->add_option("--seed", options->seed, "Seed of the sensors' errors")->capture_default_str();
-  command->add_option("--can", options->rig.can_interface, "CAN interface")->capture_default_str();
-  command
-      ->add_option("--gpio-sim", options->rig.gpio_folder,
-                   "Folder in sysfs of the gpio-sim bank with the two lines")
-      ->required();
-  command->add_option("--gpio-chip", options->rig.gpio_chip, "The same chip as the board's program names it")
-      ->required();
+  add_rig_options(*command, options->rig);
   command->add_option("--configuration", options->rig.configuration_path,
                       "Where the program's configuration file is written; without it beside the log");
-  command->add_option("program", options->rig.command, "The board's program, furculad, and its arguments")
-      ->required();
   command->callback([options] { run(*options); });
 }
 

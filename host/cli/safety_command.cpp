@@ -1,15 +1,23 @@
-// `furcula safety`: the page of what breaks, and random faults in random experiments.
+// `furcula safety`: the page of what breaks, random faults in random experiments, and the faults of the page
+// on a board's own program.
 #include <algorithm>
 #include <cstdint>
+#include <cstdio>
+#include <fstream>
 #include <iostream>
 #include <memory>
 #include <optional>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "host/cli/commands.hpp"
 #include "host/cli/errors.hpp"
+#include "host/cli/rig_options.hpp"
+#include "host/log/atomic_file.hpp"
+#include "host/rig/fault_trials.hpp"
 #include "host/safety/document.hpp"
+#include "host/safety/hil_ticks.hpp"
 #include "host/safety/injection.hpp"
 
 namespace furcula::cli {
@@ -43,6 +51,57 @@ void inject(const Options& o) {
                 " runs were unsafe or a false alarm; the first have the numbers " + numbers);
 }
 
+struct HilOptions {
+  rig::RigOptions rig;
+  std::string out;
+  std::vector<std::string> only;
+};
+
+std::string ticks_or_dash(std::optional<std::uint32_t> ticks) { return ticks ? std::to_string(*ticks) : "-"; }
+
+/// A row a line: ticks at each moment, and what is not as it must be.
+std::string describe(const safety::RigRow& row, const std::vector<rig::FaultTrial>& trials) {
+  char cell[64];
+  std::string line, reasons;
+  const auto put = [&](const char* format, const auto&... values) {
+    std::snprintf(cell, sizeof cell, format, values...);
+    line += cell;
+  };
+  const std::string allowed =
+      row.is_borne() ? "-" : std::to_string(row.found_within_ticks + rig::kSeenLaterTicks);
+  put("%-20s%8s%6s", std::string(sim_host::info(row.breaks).name).c_str(), allowed.c_str(),
+      ticks_or_dash(safety::hil_ticks(row.breaks)).c_str());
+  for (const rig::FaultTrial& trial : trials) {
+    put("%17s", ticks_or_dash(trial.told_off_ticks).c_str());
+    if (!trial.broken_limit.empty())
+      reasons += "  " + std::string(safety::kMoments[static_cast<std::size_t>(trial.moment)]) + ": " +
+                 trial.broken_limit + "\n";
+  }
+  return line + "\n" + reasons;
+}
+
+void try_on_board(HilOptions& options) {
+  for (const std::string& name : options.only)
+    if (!sim_host::rig_fault_named(name)) throw UsageError("there is no fault '" + name + "'");
+  options.rig.configuration_path = options.out + ".furculad.toml";
+  std::ofstream table(options.out);
+  if (!table) throw log::OutputError(options.out + ": cannot be written");
+  table << "what breaks          allowed  page           flight           stance  released flight            "
+           "catch\n";
+  unsigned broken = 0;
+  for (const safety::RigRow& row : safety::rig_rows()) {
+    const std::string name(sim_host::info(row.breaks).name);
+    if (!options.only.empty() &&
+        std::find(options.only.begin(), options.only.end(), name) == options.only.end())
+      continue;
+    const std::vector<rig::FaultTrial> trials = rig::try_on_board(row, options.rig);
+    table << describe(row, trials) << std::flush;
+    for (const rig::FaultTrial& trial : trials)
+      if (!trial.broken_limit.empty()) ++broken;
+  }
+  if (broken != 0) throw Refusal(std::to_string(broken) + " trials broke the limits of docs/safety.md");
+}
+
 }  // namespace
 
 void add_safety_command(CLI::App& app) {
@@ -51,6 +110,19 @@ void add_safety_command(CLI::App& app) {
   group->require_subcommand(1);
   group->add_subcommand("docs", "Print docs/safety.md (some seconds)")->callback([] {
     std::cout << safety::to_markdown();
+  });
+  const auto hil = std::make_shared<HilOptions>();
+  CLI::App* on_board = group->add_subcommand(
+      "hil", "Each fault of the table in a mocked robot against a board's own program (docs/hil.md)");
+  on_board->add_option("--only", hil->only, "These faults alone")->delimiter(',');
+  on_board->add_option("--out", hil->out, "The table to write, as text")->required();
+  add_rig_options(*on_board, hil->rig);
+  on_board->callback([hil] {
+    try {
+      try_on_board(*hil);
+    } catch (const rig::RigError& e) {
+      throw Refusal(e.what());
+    }
   });
   CLI::App* injection = group->add_subcommand("inject", "Random faults in random experiments");
   injection->add_option("--runs", options->runs, "Experiments")->check(CLI::Range(1, 10000000));

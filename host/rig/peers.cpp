@@ -26,11 +26,18 @@ float motor_value(const bus::Frame& frame, std::size_t signal) {
 
 }  // namespace
 
+bool is_switch_off(const bus::Frame& frame) { return bus::is(frame, kMotorExit, kDriveNode); }
+
+bool is_for_drive(const bus::Frame& frame) {
+  return bus::is(frame, kMotorEnter, kDriveNode) || bus::is(frame, kMotorCommand, kDriveNode) ||
+         is_switch_off(frame);
+}
+
 std::optional<bus::Frame> Drive::receive(const bus::Frame& frame, float angle_rad, float torque_nm) {
   if (bus::is(frame, kMotorEnter, kDriveNode)) {
     on_ = true;
     torque_nm_ = 0.0f;
-  } else if (bus::is(frame, kMotorExit, kDriveNode)) {
+  } else if (is_switch_off(frame)) {
     on_ = false;
     torque_nm_ = 0.0f;
   } else if (bus::is(frame, kMotorCommand, kDriveNode)) {

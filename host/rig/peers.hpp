@@ -14,6 +14,11 @@ namespace furcula::rig {
 inline constexpr bus::Motor kMotor = bus::Motor::ak80_9;
 inline constexpr std::uint8_t kDriveNode = 1, kHeightNode = 1, kCableNode = 2, kBoardNode = 1;
 
+/// Whether the drive answers such a frame.
+bool is_for_drive(const bus::Frame& frame);
+/// Whether it tells the drive to switch off.
+bool is_switch_off(const bus::Frame& frame);
+
 class Drive {
  public:
   /// A frame of the bus. @returns the reply, where the frame is one that this drive answers. `angle_rad` and
@@ -21,6 +26,7 @@ class Drive {
   std::optional<bus::Frame> receive(const bus::Frame& frame, float angle_rad, float torque_nm);
 
   bool on() const { return on_; }
+  void switch_off() { on_ = false; }
   /// 0 while it is off.
   float torque_nm() const { return on_ ? torque_nm_ : 0.0f; }
   /// Empty, or what about its commands is not as agreed.

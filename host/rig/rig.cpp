@@ -1,15 +1,18 @@
 // The mocked robot, see rig.hpp.
 #include "host/rig/rig.hpp"
 
+#include <linux/can.h>
+#include <linux/can/error.h>
 #include <poll.h>
 #include <sched.h>
 #include <signal.h>
+#include <sys/mman.h>
 #include <time.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
-#include <map>
+#include <iterator>
 
 #include "boards/linux_sbc/can_socket.hpp"
 #include "boards/sim_host/board.hpp"
@@ -18,8 +21,10 @@
 #include "host/log/message.hpp"
 #include "host/log/strict_toml.hpp"
 #include "host/rig/child.hpp"
+#include "host/rig/devices.hpp"
 #include "host/rig/gpio_sim.hpp"
 #include "host/rig/peers.hpp"
+#include "host/sim/expectation.hpp"
 #include "host/sim/recorder.hpp"
 #include "host/sim/simulate.hpp"
 
@@ -37,28 +42,8 @@ std::int64_t now_ns() {
   return std::int64_t{1'000'000'000} * now.tv_sec + now.tv_nsec;
 }
 
-/// How a fault is planted: by the simulated rig's own means, or here.
-enum class Means { rig, peers_silent, drive_silent, drive_lies, stop_program, impossible };
-
-const std::map<std::string_view, Means>& means() {
-  static const std::map<std::string_view, Means> all{
-      {"late_tick", Means::stop_program},     {"task_stuck", Means::stop_program},
-      {"peer_lost", Means::peers_silent},     {"drive_silent", Means::drive_silent},
-      {"drive_error", Means::drive_lies},     {"drive_off", Means::impossible},
-      {"frame_lost", Means::impossible},      {"frame_late", Means::impossible},
-      {"frame_repeated", Means::impossible},  {"frame_reordered", Means::impossible},
-      {"frame_corrupted", Means::impossible}, {"bus_off", Means::impossible}};
-  return all;
-}
-
-Means means_of(const sim_host::PlannedFault& fault) {
-  for (const auto& row : sim_host::kRigFaults)
-    if (row.fault == fault.kind) {
-      const auto found = means().find(row.name);
-      return found == means().end() ? Means::rig : found->second;
-    }
-  return Means::rig;
-}
+/// A fault of the clock befalls the board's program; all others the rig has.
+bool befalls_program(const sim_host::PlannedFault& fault) { return sim_host::delays_tick(fault.kind); }
 
 class Rig {
  public:
@@ -70,7 +55,17 @@ class Rig {
         board_(own_part(sim::rig_config(model, scenario, seed))),
         recorder_(scenario.duration_s),
         can_(options.can_interface, {}),
+        devices_(
+            [this](const bus::Frame& frame) {
+              static_cast<void>(can_.send({&frame, 1}));
+            },
+            [this](std::uint32_t classes) { send_error_frame(classes); }, clutch_),
         gpio_(options.gpio_folder) {
+    if (!options.moment) {
+      onset_s_ = sim::first_fault_s(scenario).value_or(kNever);
+      std::copy_if(scenario.faults.begin(), scenario.faults.end(), std::back_inserter(program_faults_),
+                   befalls_program);
+    }
     static_cast<void>(board_.wait_for_tick());  // the first sample: the body is held where it starts
     const control::Sample& home = board_.sample();
     log::write_file_atomically(
@@ -85,42 +80,55 @@ class Rig {
     sched_param priority{};
     priority.sched_priority = 50;
     static_cast<void>(::sched_setscheduler(0, SCHED_FIFO, &priority));  // where it may not, the counts tell
+    // A page that is read from the disk in the middle of a run makes the rig late.
+    static_cast<void>(::mlockall(MCL_CURRENT | MCL_FUTURE));
     due_ns_ = now_ns();
     start(program);
     bool ended = false;
     while (!ended) {
+      stop_program(program);
       pass_tick(program);
-      plant(program);
       settle();
       recorder_.add(board_);
-      ended = !board_.wait_for_tick();
+      note();
+      if (options_.moment && onset_s_ == kNever && board_.time_s() > kFirstMomentS && options_.moment(board_))
+        plant();
+      ended = !board_.wait_for_tick() || board_.time_s() > onset_s_ + options_.watched_s ||
+              (options_.moment && board_.time_s() > result_.told_off_s + kWatchedS);
     }
+    if (options_.moment && onset_s_ == kNever) throw RigError("the moment for its fault never came");
+    recorder_.finish(result_.log, clutch_);
+    result_.onset_s = onset_s_;
+    result_.fault = words_.fault;
+    result_.complaint = devices_.drive().complaint();
+    RigResult result = std::move(result_);  // what the board says at its end is no part of it
     finish(program);
-    RigResult result;
-    recorder_.finish(result.log, clutch_);
-    result.silent_ticks = silent_ticks_;
-    result.late_ticks = late_ticks_;
-    result.complaint = drive_.complaint();
     return result;
   }
 
  private:
-  /// What the simulated rig plants itself.
-  static sim_host::RigConfig own_part(sim_host::RigConfig config) {
-    std::erase_if(config.faults, [](const auto& fault) { return means_of(fault) != Means::rig; });
+  /// What the simulated rig has itself: where a moment is waited for, nothing yet.
+  sim_host::RigConfig own_part(sim_host::RigConfig config) const {
+    std::erase_if(config.faults,
+                  [&](const auto& fault) { return options_.moment != nullptr || befalls_program(fault); });
     return config;
   }
 
-  bool active(Means wanted) const {
-    return std::any_of(scenario_.faults.begin(), scenario_.faults.end(), [&](const auto& fault) {
-      return means_of(fault) == wanted && running_ && board_.time_s() >= fault.time_s - 1e-9 &&
-             board_.time_s() < fault.time_s + fault.duration_s - 1e-9;
-    });
+  /// The scenario's faults, from the next tick on.
+  void plant() {
+    onset_s_ = board_.time_s() + 0.001;
+    for (sim_host::PlannedFault fault : scenario_.faults) {
+      fault.time_s += onset_s_;
+      if (befalls_program(fault))
+        program_faults_.push_back(fault);
+      else
+        board_.plant(fault);
+    }
   }
 
   /// Holds the body and speaks for the desk until the drive is switched on.
   void start(Child& program) {
-    for (std::uint32_t tick = 0; !drive_.on(); ++tick) {
+    for (std::uint32_t tick = 0; !devices_.drive().on(); ++tick) {
       if (tick > kStartTicks)
         throw RigError(!words_.heard ? "the board says nothing on " + options_.can_interface + " for 10 s"
                                      : "the board does not start within 10 s: its state is " +
@@ -142,12 +150,17 @@ class Rig {
   /// Sends what the devices measure, then answers the board until the next tick is due.
   void pass_tick(Child& program, Desk::Wish wish = Desk::Wish::hop) {
     gpio_.set_contact(board_.sample().contact != 0);
-    speak(wish);
+    devices_.begin_tick(board_, running_);
+    if (tick_ % kCommandTicks == 0) {
+      const bus::Frame frame = desk_.command(wish, config_.torque.amplitude_nm, config_.torque.period_s,
+                                             config_.clutch.release_in_flight != 0);
+      static_cast<void>(can_.send({&frame, 1}));
+    }
     due_ns_ += kTickNs;
     for (;;) {
       const std::int64_t left_ns = due_ns_ - now_ns();
       if (left_ns <= 0) {
-        if (left_ns <= -kTickNs) ++late_ticks_;
+        if (left_ns <= -kTickNs && running_) ++result_.late_ticks;
         break;
       }
       pollfd waited{can_.fd(), POLLIN, 0};
@@ -160,36 +173,27 @@ class Rig {
         throw RigError("the board's program " + ending);
   }
 
-  void speak(Desk::Wish wish) {
-    if (!active(Means::peers_silent)) {
-      const control::Sample& s = board_.sample();
-      send(height_.sample(s.height_count, s.age_us, std::isfinite(s.home_height_m)));
-      if (clutch_) send(cable_.sample(s.cable_count, s.age_us, true));
-    }
-    if (tick_ % kCommandTicks == 0)
-      send(desk_.command(wish, config_.torque.amplitude_nm, config_.torque.period_s,
-                         config_.clutch.release_in_flight != 0));
-  }
-
   void listen() {
     for (const linux_sbc::Received& r : can_.receive()) {
       words_.receive(r.frame);
-      const bool silent = active(Means::peers_silent) || active(Means::drive_silent);
-      const auto reply = drive_.receive(r.frame, board_.sample().leg_angle_rad, shown_torque_nm_);
-      if (!reply) continue;
-      commanded_ = true;
-      bus::Frame answer = *reply;
-      if (active(Means::drive_lies)) answer.data[7] = 1;
-      if (!silent) send(answer);
+      if (devices_.hear(r.frame)) commanded_ = true;
+      if (is_switch_off(r.frame) && board_.time_s() >= onset_s_ && result_.told_off_s == kNever)
+        result_.told_off_s = board_.time_s();
     }
   }
 
-  void send(const bus::Frame& frame) { static_cast<void>(can_.send({&frame, 1})); }
+  /// As the board's CAN controller would have the kernel say.
+  void send_error_frame(std::uint32_t classes) const {
+    can_frame frame{};
+    frame.can_id = CAN_ERR_FLAG | classes;
+    frame.can_dlc = CAN_ERR_DLC;
+    if (::write(can_.fd(), &frame, sizeof frame) != static_cast<ssize_t>(sizeof frame))
+      throw RigError("the CAN interface does not take an error frame");
+  }
 
   /// What befalls the board's program itself. One that shall hang to the end of the run is killed.
-  void plant(Child& program) {
-    for (const sim_host::PlannedFault& fault : scenario_.faults) {
-      if (means_of(fault) != Means::stop_program) continue;
+  void stop_program(Child& program) {
+    for (const sim_host::PlannedFault& fault : program_faults_) {
       const bool for_ever = fault.time_s + fault.duration_s >= scenario_.duration_s;
       const auto is_now = [&](double time_s) {
         return board_.time_s() >= time_s - 1e-9 && board_.time_s() < time_s + 0.001 - 1e-9;
@@ -203,16 +207,16 @@ class Rig {
     }
   }
 
-  /// Hands what the board commanded to the plant. A drive that hears nothing switches off by its own
-  /// watchdog, the simulated board's.
+  /// Hands what drive and solenoid do to the plant. That of a board whose program is gone is what the
+  /// kernel leaves of its line.
   void settle() {
     control::Command command;
-    command.torque_nm = active(Means::drive_silent) ? 0.0f : drive_.torque_nm();  // a drive that is dead
+    command.torque_nm = devices_.torque_nm();
     command.coil_duty = gpio_.solenoid() ? 1.0f : 0.0f;
-    if (commanded_ || quiet_ticks_ < kQuietTicks) static_cast<void>(board_.actuate(command));
+    static_cast<void>(board_.actuate(command));
+    board_.kick_watchdog();  // the simulated board's; the drive has its own
     quiet_ticks_ = commanded_ ? 0 : quiet_ticks_ + 1;
-    if (commanded_) board_.kick_watchdog();
-    if (!commanded_) ++silent_ticks_;
+    if (!commanded_) ++result_.silent_ticks;
     if (quiet_ticks_ > kSilentTicks && !killed_ && board_.time_s() > stopped_until_s_)
       throw RigError("the board said nothing to the drive for 1 s, from " +
                      log::rounded(board_.time_s() - 1.0) + " s on");
@@ -224,7 +228,16 @@ class Rig {
                                  count_difference(board_.sample().height_count, board_.sample().home_count),
                                  board_.sample().home_height_m, 0.001f);
     board_.report(telemetry);
-    shown_torque_nm_ = static_cast<float>(board_.command().torque_nm);
+    devices_.show_torque(command.torque_nm);
+  }
+
+  void note() {
+    if (std::abs(board_.command().torque_nm) > static_cast<float>(sim::kNoTorqueNm))
+      result_.last_torque_s = board_.time_s();
+    if (board_.time_s() < onset_s_) result_.fault_before = result_.fault_before || words_.fault != 0;
+    const bool stands = board_.plant().in_stance();
+    if (stands && !stood_ && board_.time_s() >= onset_s_) ++result_.landings;
+    stood_ = stands;
   }
 
   void finish(Child& program) {
@@ -235,7 +248,7 @@ class Rig {
     for (int i = 0; i < 2000 && program.ending().empty(); ++i) pass_tick_at_end();
     if (program.ending().empty()) throw RigError("the board's program did not end within 2 s of SIGTERM");
     if (!program.ended_well()) throw RigError("the board's program " + program.ending() + " on SIGTERM");
-    if (drive_.on() || gpio_.solenoid())
+    if (devices_.drive().on() || gpio_.solenoid())
       throw RigError("the board's program ended and left the drive on, or the solenoid");
   }
   void pass_tick_at_end() {
@@ -245,7 +258,9 @@ class Rig {
     listen();
   }
 
-  static constexpr std::uint32_t kQuietTicks = 4;  ///< then the drive's watchdog rules
+  static constexpr double kNever = RigResult::kNever;
+  static constexpr double kFirstMomentS = 0.6;  ///< by then it hops
+  static constexpr double kWatchedS = 0.15;     ///< after the drive was told off; telemetry tells why
 
   const RigOptions& options_;
   const sim::Scenario& scenario_;
@@ -254,28 +269,20 @@ class Rig {
   sim_host::SimBoard board_;
   sim::HopperRecorder recorder_;
   linux_sbc::CanSocket can_;
+  Devices devices_;
   GpioSim gpio_;
-  Drive drive_;
-  EncoderNode height_{kHeightNode}, cable_{kCableNode};
   Desk desk_;
   BoardWords words_;
   control::HeightState height_state_;
+  RigResult result_;
+  std::vector<sim_host::PlannedFault> program_faults_;
   std::int64_t due_ns_ = 0;
-  std::uint32_t tick_ = 0, idle_ticks_ = 0, quiet_ticks_ = 0, silent_ticks_ = 0, late_ticks_ = 0;
-  float shown_torque_nm_ = 0.0f;
-  double stopped_until_s_ = 0.0;
-  bool commanded_ = false, running_ = false, killed_ = false;
+  std::uint32_t tick_ = 0, idle_ticks_ = 0, quiet_ticks_ = 0;
+  double onset_s_ = kNever, stopped_until_s_ = 0.0;
+  bool commanded_ = false, running_ = false, killed_ = false, stood_ = false;
 };
 
 }  // namespace
-
-std::string what_cannot_be_planted(const sim::Scenario& scenario) {
-  for (const sim_host::PlannedFault& fault : scenario.faults)
-    if (means_of(fault) == Means::impossible)
-      for (const auto& row : sim_host::kRigFaults)
-        if (row.fault == fault.kind) return std::string(row.name);
-  return {};
-}
 
 std::string board_configuration(const RigOptions& options, const control::Config& config, bool clutch,
                                 std::uint32_t home_count, float home_height_m) {

@@ -2,9 +2,11 @@
 #include "host/safety/document.hpp"
 
 #include <algorithm>
+#include <optional>
 #include <vector>
 
 #include "host/safety/fault_table.hpp"
+#include "host/safety/hil_ticks.hpp"
 
 namespace furcula::safety {
 namespace {
@@ -26,11 +28,12 @@ This page is what `furcula safety docs` prints; the table itself is `host/safety
 
 Each is tried at four moments of the stride (flight, stance, released flight with the leg folded, catch), three times each, with noise, quantisation, bounce and jitter on, on the robot with its clutch that hops by 7 cm. Times are in ticks of
 1 ms: from the instant that something breaks until the controller finds it (0: on the very tick), the most that is allowed and the most that was seen. *SIL* has drive and encoders behind the simulated CAN bus. *PIL* is the
-Cortex-M4F without a bus, bit-equal with the host, which is where its ticks were counted (`tests/pil`). *Motor off* is from then until its torque is zero for good; "2" and more are a drive that hears nothing.
-`-`: not on that rig.
+Cortex-M4F without a bus, bit-equal with the host, which is where its ticks were counted (`tests/pil`). *HIL* is `furculad` on a real CAN socket and GPIO lines against a mocked robot, once at each moment, as
+`scripts/hil faults` last measured it ([hil.md](hil.md)): from the same instant until the board tells its drive to be off, which is on the tick after it found the fault, and its ticks are not in step with the rig's; two more than
+allowed are therefore allowed there. *Motor off* is, in SIL, from when the fault is found until the motor's torque is zero for good; "1" and more are a drive that hears nothing. `-`: not on that rig, or nothing to be found.
 
-| what breaks | what it is | what the robot does | found as | allowed | SIL | PIL | motor off |
-| --- | --- | --- | --- | --- | --- | --- | --- |
+| what breaks | what it is | what the robot does | found as | allowed | SIL | PIL | HIL | motor off |
+| --- | --- | --- | --- | --- | --- | --- | --- | --- |
 )";
 
 std::string found_as(const RigRow& row) {
@@ -57,13 +60,14 @@ std::string to_markdown() {
     const auto on_bus = try_row(row, Rig::on_bus, kSeeds);
     const bool needs_bus = what.part == sim_host::RigPart::bus;
     const auto local = needs_bus ? std::vector<Tried>{} : try_row(row, Rig::local, kSeeds);
+    const std::optional<std::uint32_t> hil = hil_ticks(row.breaks);
     const auto ticks = [&](const std::vector<Tried>& all) {
       return row.is_borne() || all.empty() ? std::string("-") : std::to_string(most(all, &Trial::found_tick));
     };
     page += "| `" + std::string(what.name) + "`" + bar + std::string(what.meaning) + bar +
             std::string(row.reaction) + bar + found_as(row) + bar +
             (row.is_borne() ? "-" : std::to_string(row.found_within_ticks)) + bar + ticks(on_bus) + bar +
-            ticks(local) + bar +
+            ticks(local) + bar + (hil ? std::to_string(*hil) : "-") + bar +
             (row.is_borne() ? "-" : std::to_string(most(on_bus, &Trial::torque_off_ticks))) + " |\n";
   }
   page += "\n## Other faults\n\n| what breaks | what the robot does | shown by |\n| --- | --- | --- |\n";

@@ -54,8 +54,9 @@ Expectation parse_expectation(std::string_view text, const std::string& name) {
   const toml::node* section = file.get("expect");
   if (section == nullptr) return e;
   const toml::table& t = log::table(*section, name, "[expect]");
-  static constexpr std::array<std::string_view, 6> kKeys{
-      "apex_least_m", "apex_most_m", "fault", "torque_zero_after_s", "releases_least", "caught_share_least"};
+  static constexpr std::array<std::string_view, 7> kKeys{
+      "apex_least_m",   "apex_most_m",       "fault", "torque_zero_after_s", "coil_off_after_s",
+      "releases_least", "caught_share_least"};
   log::refuse_unknown_keys(t, name, "[expect]", kKeys);
   const auto number = [&](std::string_view key, double most, std::string_view unit,
                           std::optional<double>& out) {
@@ -64,6 +65,7 @@ Expectation parse_expectation(std::string_view text, const std::string& name) {
   number("apex_least_m", 10.0, "m", e.apex_least_m);
   number("apex_most_m", 10.0, "m", e.apex_most_m);
   number("torque_zero_after_s", 3600.0, "s", e.torque_zero_after_s);
+  number("coil_off_after_s", 3600.0, "s", e.coil_off_after_s);
   number("releases_least", 1e6, "", e.releases_least);
   number("caught_share_least", 1.0, "", e.caught_share_least);
   if (const toml::node* node = t.get("fault")) {
@@ -131,6 +133,21 @@ std::vector<std::string> violations(const Expectation& expected, const log::Log&
       break;
     }
     if (first_fault_s && !worked) found.push_back("the fault met a motor that did not work yet");
+  }
+
+  if (expected.coil_off_after_s) {
+    const double planted_s = first_fault_s.value_or(0.0);
+    bool on_before = false;
+    for (std::size_t row = 0; row < log.rows(); ++row) {
+      const bool on = log.at("solenoid")[row] != 0.0;
+      // A duty below 1 is a line that is off now and then.
+      on_before = on_before || (on && time_s[row] > planted_s - 0.005 && time_s[row] < planted_s);
+      if (!on || time_s[row] < planted_s + *expected.coil_off_after_s) continue;
+      found.push_back("the solenoid is on at " + rounded(time_s[row], 6) + " s; expected off " +
+                      rounded(1e3 * *expected.coil_off_after_s) + " ms after the fault was planted");
+      break;
+    }
+    if (!on_before) found.push_back("the fault met a solenoid that was off");
   }
 
   if (expected.releases_least) {

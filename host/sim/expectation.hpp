@@ -20,6 +20,8 @@ struct Expectation {
   /// From so long after the start of the first planted fault on the drive commands no torque (none above
   /// kNoTorqueNm), s.
   std::optional<double> torque_zero_after_s;
+  /// The same of the solenoid, which must have been on until then, s.
+  std::optional<double> coil_off_after_s;
   std::optional<double> releases_least;  ///< times that the solenoid was switched on
   /// Share of the touch-downs at which the clutch's cable was home (less than half a tooth from it).
   std::optional<double> caught_share_least;

@@ -6,6 +6,8 @@
 #include <filesystem>
 #include <set>
 
+#include "host/safety/hil_ticks.hpp"
+
 using namespace furcula;
 using namespace furcula::safety;
 using sim_host::RigFault;
@@ -34,6 +36,15 @@ TEST_CASE("the table has a row for every fault that the rig can have, once") {
   std::set<RigFault> rows;
   for (const RigRow& row : rig_rows()) CHECK(rows.insert(row.breaks).second);
   CHECK(rows.size() == sim_host::kRigFaults.size());
+}
+
+TEST_CASE("each fault that is to be found was found on furculad, within two ticks more than allowed") {
+  for (const RigRow& row : rig_rows()) {
+    const auto ticks = hil_ticks(row.breaks);
+    INFO(sim_host::info(row.breaks).name);
+    CHECK(ticks.has_value() != row.is_borne());
+    CHECK(ticks.value_or(0) <= row.found_within_ticks + 2);
+  }
 }
 
 TEST_CASE("the tests that show the other rows are there") {

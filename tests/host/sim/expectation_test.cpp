@@ -71,6 +71,14 @@ TEST_CASE(
   CHECK_THAT(first_violation("torque_zero_after_s = 0.002", log, 1.45), Contains("did not work yet"));
 }
 
+TEST_CASE("a solenoid that stays on after the fault is a violation, and one that was off before it too") {
+  log::Log log = hops(0.36);  // it is on from 1.051 s to 1.099 s
+  CHECK_THAT(first_violation("coil_off_after_s = 0.002", log, 1.07), Contains("on at 1.072 s"));
+  for (std::size_t row = 1072; row < 3000; ++row) log.columns["solenoid"][row] = 0.0;
+  CHECK(first_violation("coil_off_after_s = 0.002", log, 1.07).empty());
+  CHECK_THAT(first_violation("coil_off_after_s = 0.002", log, 1.2), Contains("a solenoid that was off"));
+}
+
 TEST_CASE("releases are counted as a person would, and a spring that is not caught at touch-down is seen") {
   log::Log log = hops(0.36);
   CHECK(first_violation("releases_least = 6\ncaught_share_least = 1.0", log).empty());

@@ -1,0 +1,48 @@
+// The most ticks that `scripts/hil faults` saw on furculad, for docs/safety.md: from the tick on which
+// something breaks until the drive is told to be off. That run holds them to the limits of the table.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "boards/sim_host/faults.hpp"
+
+namespace furcula::safety {
+
+struct HilTicks {
+  sim_host::RigFault breaks;
+  std::uint32_t ticks;
+};
+inline constexpr HilTicks kHilTicks[] = {
+    {sim_host::RigFault::encoder_frozen, 3},
+    {sim_host::RigFault::encoder_stuck, 297},
+    {sim_host::RigFault::encoder_jumping, 1},
+    {sim_host::RigFault::encoder_reversed, 222},
+    {sim_host::RigFault::encoder_backwards, 183},
+    {sim_host::RigFault::height_nan, 1},
+    {sim_host::RigFault::switch_stuck_open, 322},
+    {sim_host::RigFault::switch_stuck_closed, 172},
+    {sim_host::RigFault::switch_chattering, 30},
+    {sim_host::RigFault::late_tick, 5},
+    {sim_host::RigFault::task_stuck, 50},
+    {sim_host::RigFault::peer_lost, 3},
+    {sim_host::RigFault::coil_stuck_on, 2072},
+    {sim_host::RigFault::key_stuck_released, 2201},
+    {sim_host::RigFault::frame_lost, 3},
+    {sim_host::RigFault::frame_late, 3},
+    {sim_host::RigFault::frame_reordered, 7},
+    {sim_host::RigFault::frame_corrupted, 3},
+    {sim_host::RigFault::bus_off, 1},
+    {sim_host::RigFault::drive_silent, 3},
+    {sim_host::RigFault::drive_error, 2},
+    {sim_host::RigFault::drive_off, 186},
+};
+
+/// Absent: borne.
+inline std::optional<std::uint32_t> hil_ticks(sim_host::RigFault fault) {
+  for (const HilTicks& row : kHilTicks)
+    if (row.breaks == fault) return row.ticks;
+  return std::nullopt;
+}
+
+}  // namespace furcula::safety
