@@ -43,7 +43,8 @@ inline bool twins(dynamics::Effect a, dynamics::Effect b) {
   };
   return are(Effect::force_offset, Effect::guide_tilt) ||
          are(Effect::rest_height_error, Effect::spring_preload) ||
-         are(Effect::actuator_delay, Effect::time_skew);
+         are(Effect::actuator_delay, Effect::time_skew) ||
+         are(Effect::incomplete_release, Effect::auxiliary_spring);
 }
 
 /// The set with one effect more, less what that effect contains.

@@ -122,7 +122,9 @@ std::vector<Proposer::Values> Proposer::starts(Effect effect) const {
             values[i] *= high_ - low_;
             break;
           case Measure::model:
-            values[i] *= t_.model.parameter(e.parameter_table[i].name);
+            values[i] *= e.parameter_table[i].model_parameter.empty()
+                             ? t_.model.parameter(e.parameter_table[i].name)
+                             : identify::neutral_value(t_.model, e.parameter_table[i]).value();
             break;
           case Measure::load:
             values[i] *= force_ / t_.model.parameter("pulley_radius_m");
@@ -269,7 +271,8 @@ Hypothesis fit_new(const Trainer& trainer, const EffectSet& larger, const Hypoth
     }
   };
   try_from(on, proposal.values);
-  if (dynamics::info(e).search.shapes >= dynamics::detail::kManyShapes)
+  // Where the teeth of a clutch or many shapes lie between the starts, the next best of these as well.
+  if (dynamics::needs_clutch(e) || dynamics::info(e).search.shapes >= dynamics::detail::kManyShapes)
     for (const auto& values : proposal.others) try_from(on, values);
   // Dry friction sticks, which makes a fit's landscape uneven: a second start from a twentieth of what moves
   // the axis; for the Stribeck curve from the constant friction that fits best, twice as large at standstill,

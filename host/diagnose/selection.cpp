@@ -1,6 +1,7 @@
 #include "host/diagnose/selection.hpp"
 
 #include <algorithm>
+#include <array>
 
 #include "host/diagnose/effect_set.hpp"
 #include "host/diagnose/proposals.hpp"
@@ -117,7 +118,7 @@ class Search {
       const bool hardly_seen = judge == identify::Channel::contact || judge == identify::Channel::drive;
       const bool wider =
           std::any_of(on.effects.begin(), on.effects.end(), [&](Effect e) { return contains(p.effect, e); });
-      const bool jumps = p.effect == Effect::late_catch || p.effect == Effect::clutch_slip;
+      const bool jumps = dynamics::needs_clutch(p.effect);
       return (jumps && (most >= kMostFits || lacking)) || (hardly_seen && p.gain > 0.0) ||
              (lacking && wider) || p.effect == Effect::encoder_slip ||
              ((most >= kMostFits || lacking) &&
@@ -392,6 +393,22 @@ class Search {
     Starts starts;
   };
 
+  /// The values of `other` that make of the fitted model what its effect `e` makes of it, where that has a
+  /// closed form: both are the rate of a released leg, k k_aux / (k + k_aux) or more (dynamics/hopper.hpp).
+  static std::optional<std::array<double, dynamics::kMaxEffectParameters>> in_other_words(
+      const model::Model& fitted, Effect e, Effect other) {
+    if (!fitted.clutch || !dynamics::needs_clutch(e) || !dynamics::needs_clutch(other)) return std::nullopt;
+    const auto wrong = fitted.effects.find(Effect::stiffness_error);
+    const double k = wrong == fitted.effects.end() ? fitted.parameter("stiffness_npm") : wrong->second[0];
+    const auto released = [&](double auxiliary) { return k * auxiliary / (k + auxiliary); };
+    const double modelled = released(fitted.clutch->auxiliary_stiffness_npm);
+    const double value = fitted.effects.at(e)[0];
+    if (other == Effect::incomplete_release)
+      return {{std::clamp((released(value) - modelled) / (k - modelled), 0.0, 1.0)}};
+    const double rate = modelled + value * (k - modelled);
+    return {{k * rate / std::max(k - rate, 1e-6 * k)}};
+  }
+
   void add_replacements(std::size_t member, std::vector<Replacement>& all) const {
     const Effect e = s_.chosen.effects[member];
     const Hypothesis& on = s_.without[member];
@@ -404,7 +421,8 @@ class Search {
     for (const Proposal& p : propose(on, usable, 0.85, 0.1)) {
       const bool goes_some_way = p.gain * on.fit.squares > 0.5 * lost;
       if (twins(e, p.effect))  // the others stay what they are
-        all.push_back({e, with(on.effects, p.effect), &s_.chosen, {{p.effect, p.values}}});
+        all.push_back({e, with(on.effects, p.effect), &s_.chosen,
+                       {{p.effect, in_other_words(s_.chosen.fitted, e, p.effect).value_or(p.values)}}});
       else if (goes_some_way && all.size() < kMostRivals * (member + 1))
         all.push_back({e, with(on.effects, p.effect), &on, {{p.effect, p.values}}});
       if (dynamics::info(p.effect).parameter_count < size && parts.size() < kMostParts) parts.push_back(p);

@@ -85,7 +85,7 @@ enum class Measure : std::uint8_t {
   speed,     ///< RMS speed
   input,     ///< 99 % of the inputs are smaller
   travel,    ///< length of the travel
-  model,     ///< the model's parameter of the same name
+  model,     ///< the model's parameter that it is the true value of, else the one of the same name
   place,     ///< not a multiple: eight places along the travel are tried in turn
   depth,     ///< likewise, measured down from the touch-down height of a hopper
   load,      ///< the weight on the belt of a clutch bench, N
@@ -93,7 +93,7 @@ enum class Measure : std::uint8_t {
 
 /// Start values of a fit, a row for each that is tried.
 struct Starts {
-  static constexpr std::size_t kMost = 5;
+  static constexpr std::size_t kMost = 8;
   std::array<std::array<double, kMaxEffectParameters>, kMost> rows{};
   std::size_t count = 0;
   constexpr Starts() = default;
@@ -647,7 +647,9 @@ inline constexpr EffectInfo kCatalogue[] = {
      "A key that is not pulled out of the teeth, a cable that rubs on its guide, a solenoid with too little "
      "stroke.",
      "Releases in stance at several depths: the leg that should go soft stays stiff in part.",
-     {.clear = {{{0.15, 0.4}}}}},
+     {.starts = {{0.02}, {0.06}, {0.12}, {0.2}, {0.3}, {0.45}, {0.65}, {0.85}},
+      .shapes = 4.0,
+      .clear = {{{0.15, 0.4}}}}},
     {Effect::auxiliary_spring,
      "auxiliary_spring",
      "the auxiliary spring's true rate",
@@ -661,7 +663,10 @@ inline constexpr EffectInfo kCatalogue[] = {
      "The soft spring that takes the cable home pulls harder, or less, than the model says.",
      "The auxiliary spring itself, its pretension, and the pulleys between it and the clutch.",
      "On the bench several releases one after the other: each fall begins with less force. On the robot "
-     "releases in stance at several depths."},
+     "releases in stance at several depths.",
+     {.measures = {Measure::model},
+      .starts = {{0.3}, {1.0}, {2.0}, {4.0}, {7.0}, {11.0}, {16.0}, {22.0}},
+      .shapes = 4.0}},
     {Effect::bump_stop,
      "bump_stop",
      "a bump stop at the end of the leg's travel",
