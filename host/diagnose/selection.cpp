@@ -421,7 +421,9 @@ class Search {
     for (const Proposal& p : propose(on, usable, 0.85, 0.1)) {
       const bool goes_some_way = p.gain * on.fit.squares > 0.5 * lost;
       if (twins(e, p.effect))  // the others stay what they are
-        all.push_back({e, with(on.effects, p.effect), &s_.chosen,
+        all.push_back({e,
+                       with(on.effects, p.effect),
+                       &s_.chosen,
                        {{p.effect, in_other_words(s_.chosen.fitted, e, p.effect).value_or(p.values)}}});
       else if (goes_some_way && all.size() < kMostRivals * (member + 1))
         all.push_back({e, with(on.effects, p.effect), &on, {{p.effect, p.values}}});
