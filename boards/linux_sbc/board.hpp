@@ -86,6 +86,9 @@ class LinuxBoard {
   // What stands around the application.
 
   firmware::CanLink& link() { return link_; }
+  void introduce(const bus::Identity& identity, const firmware::FaultLog& faults) {
+    telemetry_.introduce(identity, faults);
+  }
   /// Before each tick: whether the drive shall be on, and what the heartbeat says.
   void set_state(bus::NodeState state) {
     run_ = state == bus::NodeState::running;

@@ -23,6 +23,7 @@
 #include "firmware/app/node.hpp"
 #include "firmware/app/node_registers.hpp"
 #include "furcula/bus/modbus_pdu.hpp"
+#include "host/log/own_build.hpp"
 
 /// Of this process so far, where a program that counts them is linked (tests/hil/allocations.cpp).
 extern "C" __attribute__((weak)) unsigned long furcula_allocations();
@@ -35,23 +36,32 @@ using Node = firmware::Node<Board, FileStore>;
 constexpr std::uint64_t kSettledTicks =
     100;  ///< until READY=1: the loop runs, and all that it needs is in memory
 
-constexpr bus::Identity kIdentity{
-    "linux_sbc", "furculad " FURCULA_VERSION,
-    bus::version_number(FURCULA_VERSION_MAJOR, FURCULA_VERSION_MINOR, FURCULA_VERSION_PATCH), 0};
-
 struct Daemon {
   Daemon(const Configuration& configuration, CanSocket& can, Gpio& gpio)
       : board(configuration, can, gpio, stop, figures),
         store(configuration.store_file),
-        node(board, store, configuration.controller, kIdentity,
-             static_cast<std::uint16_t>(monotonic_ns() / 1000)),
+        text("furculad " FURCULA_VERSION " build " + log::hexadecimal(build_id)),
+        identity{.board = "linux_sbc",
+                 .text = text,
+                 .firmware_version =
+                     bus::version_number(FURCULA_VERSION_MAJOR, FURCULA_VERSION_MINOR, FURCULA_VERSION_PATCH),
+                 .build_id = build_id},
+        node(board, store, configuration.controller, identity,
+             static_cast<std::uint16_t>(monotonic_ns() / 1000), faults),
         registers(node),
-        priority(configuration.priority) {}
+        priority(configuration.priority) {
+    faults.begin();
+    board.introduce(identity, faults);
+  }
 
   std::atomic<bool> stop{false};
   LoopFigures figures;
   Board board;
   FileStore store;
+  std::uint32_t build_id = log::own_build_id();
+  std::string text;
+  bus::Identity identity;
+  firmware::FaultLog faults{};
   Node node;
   firmware::NodeRegisters<Node> registers;
   Hatch hatch;

@@ -83,8 +83,10 @@ int main() {
   using Node = firmware::Node<StandingRig, firmware::NoStore>;
   static StandingRig rig;
   static firmware::NoStore store;
-  static Node node(rig, store, hopping(), {"qemu_modbus", "emulated", 0, 0},
-                   static_cast<std::uint16_t>(rig.now_us()));
+  static firmware::FaultLog faults{};
+  faults.begin();
+  static Node node(rig, store, hopping(), {.board = "qemu_modbus", .text = "emulated"},
+                   static_cast<std::uint16_t>(rig.now_us()), faults);
   static firmware::NodeRegisters<Node> registers(node);
   static stm32f4::Usart<stm32f4::Hardware> usart(
       stm32f4::block_at<stm32f4::UsartRegisters>(stm32f4::address::kUsart1));

@@ -49,6 +49,9 @@ class BusRig {
 
   void set_state(bus::NodeState state) { state_ = state; }
   firmware::CanLink& link() { return link_; }
+  void introduce(const bus::Identity& identity, const firmware::FaultLog& faults) {
+    telemetry_.introduce(identity, faults);
+  }
   /// What arrives in a millisecond: the leg is folded by `angle` of the drive's 16 bits, the desk says
   /// `request`.
   void receive(std::uint8_t sequence, std::uint32_t angle, std::uint8_t request) {
@@ -209,7 +212,11 @@ void furcula::firmware::on_exception() { semihosting::exit(5); }
 int main() {
   static BusRig rig;
   static firmware::NoStore store;
-  static Node node(rig, store, hopping(), {"qemu_robot_tick", "emulated", 0, 0}, 1);
+  static firmware::FaultLog faults{};
+  faults.begin();
+  static constexpr bus::Identity kIdentity{.board = "qemu_robot_tick", .text = "emulated"};
+  rig.introduce(kIdentity, faults);
+  static Node node(rig, store, hopping(), kIdentity, 1, faults);
   static firmware::NodeRegisters<Node> registers(node);
   static bus::RtuServer server(1, 1750);
   // TIM2 counts nanoseconds in QEMU, and with `-icount shift=0` an instruction takes one.

@@ -1,13 +1,15 @@
-// What the robot tells the bus of itself: its body, its leg and that it lives.
+// What the robot tells the bus of itself: its body, its leg, that it lives, who it is, and its log of faults.
 #pragma once
 
 #include <cstdint>
 
 #include "firmware/app/board.hpp"
 #include "firmware/app/can_frames.hpp"
+#include "firmware/store/fault_log.hpp"
 #include "furcula/bus/codec.hpp"
 #include "furcula/bus/messages.hpp"
 #include "furcula/bus/node_words.hpp"
+#include "furcula/bus/registers.hpp"
 #include "furcula/bus/stream.hpp"
 
 namespace furcula::firmware {
@@ -26,6 +28,12 @@ struct CanTelemetryConfig {
 class CanTelemetry {
  public:
   explicit CanTelemetry(const CanTelemetryConfig& config) : config_(config) {}
+
+  /// Who it is, and its log of faults: from now on it tells these too. Keeps pointers.
+  void introduce(const bus::Identity& identity, const FaultLog& faults) {
+    identity_ = &identity;
+    faults_ = &faults;
+  }
 
   /// To be called once a tick; mostly there is nothing to send. `sample` is that of the tick. A value that is
   /// not a number is left 0, and stands in for no measurement: the fault beside it tells.
@@ -53,19 +61,55 @@ class CanTelemetry {
     }
     if (config_.heartbeat_ticks != 0 &&
         tick_ % config_.heartbeat_ticks == 2u * config_.heartbeat_ticks / 3u) {
-      bus::Frame beat = bus::empty_frame(kHeartbeat, config_.node);
-      put_code(beat, bus::table::version(), bus::kProtocolVersion);
+      bus::Frame beat = versioned(kHeartbeat);
       put_code(beat, bus::signal(kHeartbeat, "State"), static_cast<std::uint32_t>(state));
       put_code(beat, bus::table::sequence(), heartbeat_sequence_++);
       put_code(beat, bus::signal(kHeartbeat, "Fault"), static_cast<std::uint32_t>(out.fault));
       put_code(beat, bus::signal(kHeartbeat, "Uptime"), tick_);  // ms
       batch.add(beat);
     }
+    if (identity_ != nullptr && config_.heartbeat_ticks != 0 &&
+        tick_ % config_.heartbeat_ticks == config_.heartbeat_ticks / 6u)
+      batch.add(next_particular());
     ++tick_;
     return batch;
   }
 
  private:
+  /// One after the other: who it is, the parts of its number, the entries of its log.
+  bus::Frame next_particular() {
+    using namespace bus::message;
+    const std::uint32_t which = particular_;
+    particular_ = which == kUniqueIdParts + FaultLog::kEntries ? 0 : which + 1;
+    if (which == 0) {
+      bus::Frame frame = versioned(kIdentity);
+      put_code(frame, bus::signal(kIdentity, "Reset_Cause"),
+               static_cast<std::uint32_t>(identity_->reset_cause));
+      put_code(frame, bus::signal(kIdentity, "Firmware_Version"), identity_->firmware_version);
+      put_code(frame, bus::signal(kIdentity, "Build_Id"), identity_->build_id);
+      return frame;
+    }
+    if (which <= kUniqueIdParts) {
+      bus::Frame frame = versioned(kUniqueId);
+      put_code(frame, bus::signal(kUniqueId, "Part"), which - 1);
+      put_code(frame, bus::signal(kUniqueId, "Bits"), identity_->unique_id[which - 1]);
+      return frame;
+    }
+    const std::uint32_t age = which - 1 - kUniqueIdParts;
+    const bus::LoggedFault entry = age < faults_->count() ? faults_->entry(age) : bus::LoggedFault{};
+    bus::Frame frame = versioned(kLoggedFault);
+    put_code(frame, bus::signal(kLoggedFault, "Entry"), age);
+    put_code(frame, bus::signal(kLoggedFault, "Fault"), entry.fault);
+    put_code(frame, bus::signal(kLoggedFault, "Start"), entry.starts);
+    put_code(frame, bus::signal(kLoggedFault, "Tick"), entry.tick);
+    return frame;
+  }
+  bus::Frame versioned(const bus::Message& message) const {
+    bus::Frame frame = bus::empty_frame(message, config_.node);
+    put_code(frame, bus::table::version(), bus::kProtocolVersion);
+    return frame;
+  }
+
   static void put_code(bus::Frame& frame, const bus::Signal& signal, std::uint32_t raw) {
     static_cast<void>(bus::put_raw(frame, signal, raw));
   }
@@ -78,7 +122,12 @@ class CanTelemetry {
     return frame;
   }
 
+  static constexpr std::uint32_t kUniqueIdParts = 3;
+
   CanTelemetryConfig config_;
+  const bus::Identity* identity_ = nullptr;
+  const FaultLog* faults_ = nullptr;
+  std::uint32_t particular_ = 0;
   std::uint32_t tick_ = 0;
   std::uint8_t body_sequence_ = 0, leg_sequence_ = 0, heartbeat_sequence_ = 0;
 };

@@ -8,6 +8,7 @@
 
 #include "firmware/app/app.hpp"
 #include "firmware/app/store.hpp"
+#include "firmware/store/fault_log.hpp"
 #include "furcula/bus/node_words.hpp"
 #include "furcula/bus/parameter_image.hpp"
 #include "furcula/bus/registers.hpp"
@@ -31,11 +32,12 @@ struct StreamCommand {
 template <Board B, ParameterStore S>
 class Node {
  public:
-  /// Keeps references to `board` and `store`, which must outlive it. `session_seed` should differ from start
-  /// to start, so that a request recorded before a restart is an old one after it.
+  /// Keeps references to `board`, `store` and `faults`, which must outlive it. `session_seed` should differ
+  /// from start to start, so that a request recorded before a restart is an old one after it. `faults` is
+  /// begun by whoever has it.
   Node(B& board, S& store, const control::Config& defaults, const bus::Identity& identity,
-       std::uint16_t session_seed)
-      : store_(store), defaults_(defaults), identity_(identity), app_(board, defaults) {
+       std::uint16_t session_seed, FaultLog& faults)
+      : store_(store), faults_(faults), defaults_(defaults), identity_(identity), app_(board, defaults) {
     session_ = session_seed == 0 ? std::uint16_t{1} : session_seed;
     load();
     app_.set_run(false);
@@ -54,7 +56,9 @@ class Node {
     if (state_ == bus::NodeState::starting) app_.request_reset();
     app_.set_run(state_ == bus::NodeState::running);
     app_.tick();
-    follow(app_.telemetry().outputs.fault);
+    const control::Fault fault = app_.telemetry().outputs.fault;
+    faults_.note(app_.telemetry().tick, static_cast<std::uint8_t>(fault));
+    follow(fault);
   }
 
   /// A person's request, whose key and session were right (node_registers.hpp), or one from the board's own
@@ -114,6 +118,7 @@ class Node {
 
   const App<B>& app() const { return app_; }
   const bus::Identity& identity() const { return identity_; }
+  const FaultLog& faults() const { return faults_; }
   /// For the server of the serial line to count in.
   bus::BusCounts& bus_counts() { return bus_counts_; }
 
@@ -168,6 +173,12 @@ class Node {
     s.bus_requests = bus_counts_.requests;
     s.bus_exceptions = bus_counts_.exceptions;
     s.bus_bad_frames = bus_counts_.bad_frames;
+    s.reset_cause = static_cast<std::uint16_t>(identity_.reset_cause);
+    s.logged_faults = static_cast<std::uint16_t>(faults_.count());
+    s.starts = faults_.starts();
+    s.unique_id_0 = identity_.unique_id[0];
+    s.unique_id_1 = identity_.unique_id[1];
+    s.unique_id_2 = identity_.unique_id[2];
     return s;
   }
 
@@ -295,6 +306,7 @@ class Node {
   }
 
   S& store_;
+  FaultLog& faults_;
   control::Config defaults_;
   bus::Identity identity_;
   App<B> app_;

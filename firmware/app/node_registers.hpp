@@ -2,7 +2,9 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <bit>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <string_view>
@@ -18,6 +20,7 @@ class NodeRegisters {
   explicit NodeRegisters(N& node) : node_(node) {}
 
   bus::ModbusException read_input(std::uint16_t first, std::span<std::uint16_t> out) const {
+    if (first >= bus::kLogBase) return read_log(first - bus::kLogBase, out);
     if (first + out.size() > bus::kInputWords) return bus::ModbusException::illegal_address;
     const auto words = bus::to_words(node_.snapshot());
     std::copy_n(words.begin() + first, out.size(), out.begin());
@@ -66,6 +69,15 @@ class NodeRegisters {
   }
 
  private:
+  bus::ModbusException read_log(std::size_t first, std::span<std::uint16_t> out) const {
+    if (first + out.size() > bus::kLogWords) return bus::ModbusException::illegal_address;
+    std::array<bus::LoggedFault, bus::kLoggedFaults> entries;
+    for (std::uint32_t age = 0; age < node_.faults().count(); ++age) entries[age] = node_.faults().entry(age);
+    const auto words = bus::to_words(entries);
+    std::copy_n(words.begin() + static_cast<std::ptrdiff_t>(first), out.size(), out.begin());
+    return bus::ModbusException::none;
+  }
+
   static bool in_parameters(std::uint16_t first, std::size_t count) {
     return first >= bus::kParameterBase && first + count <= bus::kParameterBase + bus::kParameterWords;
   }

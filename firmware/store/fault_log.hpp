@@ -4,24 +4,18 @@
 #include <array>
 #include <cstdint>
 
-#include "furcula/core/crc32.hpp"
+#include "furcula/bus/logged_fault.hpp"
 
 namespace furcula::firmware {
-
-struct FaultEntry {
-  std::uint32_t tick = 0;    ///< since that start, ms
-  std::uint16_t fault = 0;   ///< number in the table of faults (control/fault.hpp)
-  std::uint16_t starts = 0;  ///< starts since the log was cleared, 1 is the first: which run it was
-};
 
 /// Lies in the section .noinit: after a power-up it is noise, after a reset what it was. begin() tells.
 class FaultLog {
  public:
-  static constexpr std::uint32_t kEntries = 8;
+  static constexpr std::uint32_t kEntries = bus::kLoggedFaults;
 
   /// At each start. A log that is not whole, as after a power-up, is cleared. @returns whether it was kept.
   bool begin() {
-    const bool kept = crc_ == checksum() && count_ <= kEntries && next_ < kEntries;
+    const bool kept = checksum_ == checksum() && count_ <= kEntries && next_ < kEntries;
     if (!kept) {
       entries_ = {};
       next_ = count_ = 0;
@@ -29,7 +23,7 @@ class FaultLog {
     }
     last_fault_ = 0;
     if (starts_ != 0xffffu) ++starts_;
-    crc_ = checksum();
+    checksum_ = checksum();
     return kept;
   }
 
@@ -41,33 +35,41 @@ class FaultLog {
     entries_[next_] = {tick, fault, static_cast<std::uint16_t>(starts_)};
     next_ = next_ + 1 == kEntries ? 0 : next_ + 1;
     if (count_ < kEntries) ++count_;
-    crc_ = checksum();
+    checksum_ = checksum();
+  }
+
+  /// Whether the run before this one ended in that fault, and no tick had noted it: an exception's handler.
+  bool last_run_ended_by(std::uint8_t fault) const {
+    return count_ != 0 && entry(0).fault == fault && entry(0).tick == bus::kNoTick &&
+           entry(0).starts + 1u == starts_;
   }
 
   std::uint32_t count() const { return count_; }
   std::uint32_t starts() const { return starts_; }
   /// `age` 0 is the newest; below count().
-  const FaultEntry& entry(std::uint32_t age) const {
+  const bus::LoggedFault& entry(std::uint32_t age) const {
     return entries_[(next_ + 2 * kEntries - 1 - age) % kEntries];
   }
 
  private:
+  /// FNV-1a of the words: no change of one word leaves it as it was, and it is made within a tick.
   std::uint32_t checksum() const {
-    Crc32 crc;
-    for (const FaultEntry& e : entries_) {
-      crc.add_word(e.tick);
-      crc.add_word(static_cast<std::uint32_t>(e.fault) << 16 | e.starts);
+    std::uint32_t hash = 0x811c9dc5u;
+    const auto add = [&hash](std::uint32_t word) { hash = (hash ^ word) * 0x01000193u; };
+    for (const bus::LoggedFault& e : entries_) {
+      add(e.tick);
+      add(static_cast<std::uint32_t>(e.fault) << 16 | e.starts);
     }
-    crc.add_word(next_);
-    crc.add_word(count_);
-    crc.add_word(starts_);
-    return crc.value();
+    add(next_);
+    add(count_);
+    add(starts_);
+    return hash;
   }
 
   // No initial values: an object in .noinit is not initialised, and one that is constructed is cleared by
   // begin().
-  std::array<FaultEntry, kEntries> entries_;
-  std::uint32_t next_, count_, starts_, crc_;
+  std::array<bus::LoggedFault, kEntries> entries_;
+  std::uint32_t next_, count_, starts_, checksum_;
   std::uint8_t last_fault_;
 };
 

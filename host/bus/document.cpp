@@ -33,7 +33,8 @@ Messages of `controller` and `encoder` carry the protocol's version ()";
 constexpr std::string_view kStream =
     R"(), a sequence number of their own for each kind, and the age of their content when they were sent. A receiver
 (`bus/stream.hpp`) takes what is fresh, tells a message that came again or out of order, counts what was lost, and takes nothing that is older than allowed or of another
-version. A sender that was silent for 100 ms counts as started anew.
+version. A sender that was silent for 100 ms counts as started anew. The heartbeat has no age; `Identity`, `Unique_Id` and `Logged_Fault`, which hardly change, have neither age nor number: ten
+of them a second come in turn, so that all of them came after 1.2 s.
 )";
 
 constexpr std::string_view kMotorsHead = R"(

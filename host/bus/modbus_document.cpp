@@ -61,6 +61,12 @@ std::string type_name(RegisterType type) {
   return type == RegisterType::u16 ? "u16" : type == RegisterType::u32 ? "u32" : "real";
 }
 
+template <class Owner>
+std::string register_row(const RegisterOf<Owner>& r) {
+  return row(r.address, "`" + std::string(r.name) + "` | " + type_name(r.type) + " | " + std::string(r.unit) +
+                            " | " + std::string(r.meaning));
+}
+
 }  // namespace
 
 std::string modbus_to_markdown() {
@@ -84,9 +90,15 @@ without a gap of 100 ms.
          word_table(kReasons) + "\n### Refusals\n" + word_table(kRefusals);
   out +=
       "\n## Input registers\n\n| address | name | type | unit | meaning |\n| --- | --- | --- | --- | --- |\n";
-  for (const InputRegister& r : kInputRegisters)
-    out += row(r.address, "`" + std::string(r.name) + "` | " + type_name(r.type) + " | " +
-                              std::string(r.unit) + " | " + std::string(r.meaning));
+  for (const InputRegister& r : kInputRegisters) out += register_row(r);
+  out += "\n### Reset causes\n" + word_table(kResetCauses);
+  out +=
+      "\n### The log of faults\n\nThe last " + std::to_string(kLoggedFaults) +
+      " faults, the newest first: entry k of them, from 0 on, begins at input register " +
+      std::to_string(kLogBase) + " + " + std::to_string(kLogEntryWords) +
+      " k. An entry that is not there reads as 0. A board keeps them over a\nreset, not over a power cut.\n"
+      "\n| address + | name | type | unit | meaning |\n| --- | --- | --- | --- | --- |\n";
+  for (const LogRegister& r : kLogRegisters) out += register_row(r);
   out += R"(
 ## Parameters
 

@@ -34,8 +34,8 @@ void follow(const Options& options) {
         robot.emplace(connect(options.robot));
         names = robot->names();
       }
-      const bus::Snapshot snapshot = robot->snapshot();
-      shown = options.json ? modbus::to_json(snapshot, names) + "\n" : modbus::to_text(snapshot, names);
+      const modbus::View view{names, robot->snapshot(), robot->faults()};
+      shown = options.json ? modbus::to_json(view) + "\n" : modbus::to_text(view);
     } catch (const log::DataError& e) {
       robot.reset();
       if (options.json) throw;
@@ -51,9 +51,8 @@ void follow(const Options& options) {
 void run(const Options& options) {
   if (!options.once) return follow(options);
   modbus::Client robot = connect(options.robot);
-  const modbus::DeviceNames names = robot.names();
-  const bus::Snapshot snapshot = robot.snapshot();
-  std::cout << (options.json ? modbus::to_json(snapshot, names) + "\n" : modbus::to_text(snapshot, names));
+  const modbus::View view{robot.names(), robot.snapshot(), robot.faults()};
+  std::cout << (options.json ? modbus::to_json(view) + "\n" : modbus::to_text(view));
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 
 #include "host/cli/commands.hpp"
 #include "host/cli/errors.hpp"
+#include "host/log/own_build.hpp"
 #include "host/modbus/tcp_server.hpp"
 #include "host/model/reader.hpp"
 #include "host/sim/live_rig.hpp"
@@ -32,14 +33,18 @@ void run(const Options& options) {
   if (!dynamics::is_hopper(model.kind)) throw UsageError("--model: furcula serve needs a hopper");
   const sim::Scenario scenario =
       options.scenario.empty() ? sim::default_scenario(model) : sim::read_scenario(options.scenario, model);
-  const bus::Identity identity{"sim_host", FURCULA_VERSION, FURCULA_VERSION_NUMBER, 0};
+  const std::uint32_t build_id = log::own_build_id();
+  const std::string text = FURCULA_VERSION " build " + log::hexadecimal(build_id);
+  const bus::Identity identity{
+      .board = "sim_host", .text = text, .firmware_version = FURCULA_VERSION_NUMBER, .build_id = build_id};
   sim::LiveRig rig(model, scenario, options.seed, options.store, identity,
                    static_cast<std::uint16_t>(std::random_device{}()));
   const modbus::TcpServer server(options.address, options.port,
                                  [&rig](bus::TcpConnection& c) { return rig.answer(c); });
   std::signal(SIGINT, [](int) { ended = 1; });
   std::signal(SIGTERM, [](int) { ended = 1; });
-  std::cout << "a simulated robot answers at modbus:" << options.address << ":" << server.port() << "\n"
+  std::cout << "a simulated robot answers at modbus:" << options.address << ":" << server.port() << ", build "
+            << log::hexadecimal(build_id) << "\n"
             << std::flush;
   using Clock = std::chrono::steady_clock;
   const auto begin = Clock::now();

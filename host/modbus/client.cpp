@@ -79,6 +79,17 @@ bus::Snapshot Client::snapshot() {
   return bus::from_words(words);
 }
 
+std::vector<bus::LoggedFault> Client::faults() {
+  std::array<std::uint16_t, bus::kLogWords> words{};
+  link_->read_input(bus::kLogBase, words);
+  std::vector<bus::LoggedFault> entries;
+  for (std::size_t i = 0; i < bus::kLoggedFaults; ++i) {
+    const bus::LoggedFault entry = bus::logged_fault(std::span(words).subspan(i * bus::kLogEntryWords));
+    if (entry.fault != 0) entries.push_back(entry);
+  }
+  return entries;
+}
+
 DeviceNames Client::names() {
   // libmodbus has no call for the device identification and does not know how long its answer is: what comes
   // up to a pause is read here. Code 1: the basic objects.

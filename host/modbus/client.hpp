@@ -36,6 +36,8 @@ class Client {
 
   bus::Snapshot snapshot();
   DeviceNames names();
+  /// Its log of faults, the newest first.
+  std::vector<bus::LoggedFault> faults();
   /// In the order of bus::kParameters.
   std::vector<float> parameters();
   /// @throws Refused

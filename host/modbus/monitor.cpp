@@ -8,6 +8,7 @@
 
 #include "furcula/bus/node_words.hpp"
 #include "furcula/control/fault.hpp"
+#include "host/log/own_build.hpp"
 
 namespace furcula::modbus {
 namespace {
@@ -35,6 +36,16 @@ std::string fixed(float value, int decimals) {
   return text;
 }
 
+/// 24 digits, the most significant first.
+std::string unique_id(const bus::Snapshot& s) {
+  return log::hexadecimal(s.unique_id_2) + log::hexadecimal(s.unique_id_1) + log::hexadecimal(s.unique_id_0);
+}
+
+std::string when(const bus::LoggedFault& f) {
+  return f.tick == bus::kNoTick ? "at an unknown time"
+                                : "at " + fixed(static_cast<float>(f.tick) * 0.001f, 3) + " s";
+}
+
 }  // namespace
 
 std::string reason_text(const bus::Snapshot& s) {
@@ -45,7 +56,8 @@ std::string reason_text(const bus::Snapshot& s) {
          std::string(fault.remedy);
 }
 
-std::string to_text(const bus::Snapshot& s, const DeviceNames& names) {
+std::string to_text(const View& view) {
+  const bus::Snapshot& s = view.snapshot;
   const bool moves = s.state == static_cast<int>(bus::NodeState::running) &&
                      s.reason != static_cast<int>(bus::Reason::no_torque);
   const auto count = [](std::uint32_t n) { return std::to_string(n); };
@@ -55,7 +67,7 @@ std::string to_text(const bus::Snapshot& s, const DeviceNames& names) {
     std::snprintf(text, sizeof text, "%-11s", head);
     out += text + rest + "\n";
   };
-  line("robot", names.board + ", " + names.revision + ", up " +
+  line("robot", view.names.board + ", " + view.names.revision + ", up " +
                     fixed(static_cast<float>(s.uptime_ms) * 0.001f, 1) + " s");
   line("state", name_of(bus::kNodeStates, s.state) + ", fault " + fault_name(s.fault));
   line(moves ? "moves" : "why not", reason_text(s));
@@ -76,16 +88,29 @@ std::string to_text(const bus::Snapshot& s, const DeviceNames& names) {
   line("parameters", meaning_of(bus::kParameterOrigins, s.parameter_origin));
   line("bus", "requests " + count(s.bus_requests) + ", exceptions " + count(s.bus_exceptions) +
                   ", frames dropped " + count(s.bus_bad_frames));
+  line("start", "number " + count(s.starts) + ", by " + name_of(bus::kResetCauses, s.reset_cause) +
+                    ", chip " + unique_id(s));
+  for (const bus::LoggedFault& f : view.faults)
+    line("fault log", fault_name(f.fault) + " in start " + count(f.starts) + " " + when(f));
   return out;
 }
 
-std::string to_json(const bus::Snapshot& s, const DeviceNames& names) {
+std::string to_json(const View& view) {
+  const bus::Snapshot& s = view.snapshot;
   nlohmann::ordered_json out;
-  out["board"] = names.board;
-  out["revision"] = names.revision;
+  out["board"] = view.names.board;
+  out["revision"] = view.names.revision;
   out["state_name"] = name_of(bus::kNodeStates, s.state);
   out["reason_text"] = reason_text(s);
   out["fault_name"] = fault_name(s.fault);
+  out["reset_cause_name"] = name_of(bus::kResetCauses, s.reset_cause);
+  out["unique_id"] = unique_id(s);
+  out["faults"] = nlohmann::ordered_json::array();
+  for (const bus::LoggedFault& f : view.faults) {
+    nlohmann::ordered_json entry{{"fault_name", fault_name(f.fault)}};
+    for (const bus::LogRegister& r : bus::kLogRegisters) entry[std::string(r.name)] = r.get(f);
+    out["faults"].push_back(entry);
+  }
   for (const bus::InputRegister& r : bus::kInputRegisters) {
     const std::string name(r.name);
     if (r.type != bus::RegisterType::real) {

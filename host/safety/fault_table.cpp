@@ -127,10 +127,9 @@ constexpr OtherRow kOtherRows[] = {
     {"configuration that makes no sense",
      "`bad_configuration` from the first tick on; a reset does not clear it", "tests/pil/lock_step_test.cpp"},
     {"stack overflow",
-     "the stack lies at the bottom of the RAM: a bus fault, the exception's handler, the watchdog's reset. "
-     "The "
-     "depth is budgeted and measured; an overflow itself has not been tried",
-     "scripts/size-budget"},
+     "the stack lies at the bottom of the RAM: a bus fault, the exception's handler (coil off, a line in the "
+     "log) and a new start, idle, with `processor_fault`; nothing else in the RAM is touched",
+     "tests/pil/robot_image_test.cpp"},
 };
 
 }  // namespace

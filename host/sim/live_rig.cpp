@@ -91,11 +91,14 @@ struct LiveRig::Parts {
         const bus::Identity& identity, std::uint16_t session_seed)
       : board(endless(rig_config(model, scenario, seed))),
         store(path),
-        node(board, store, controller_config(model, scenario), identity, session_seed) {}
+        node(board, store, controller_config(model, scenario), identity, session_seed, faults) {
+    faults.begin();
+  }
 
   std::mutex mutex;
   sim_host::SimBoard board;
   FileStore store;
+  firmware::FaultLog faults{};
   firmware::Node<sim_host::SimBoard, FileStore> node;
   firmware::NodeRegisters<firmware::Node<sim_host::SimBoard, FileStore>> registers{node};
 };

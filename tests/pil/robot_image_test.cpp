@@ -18,6 +18,7 @@
 #include <fstream>
 #include <iterator>
 #include <map>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -55,17 +56,10 @@ class Machine {
     std::vector<std::string> more{"-icount", "shift=0"};
     for (int i = 0; i < board.serial_ports_before; ++i) more.insert(more.end(), {"-serial", "null"});
     more.insert(more.end(), {"-serial", "unix:" + socket_path + ",server=on,wait=off"});
+    more.insert(more.end(), {"-chardev", "socket,id=debugger,path=" + debugger_path() + ",server=on,wait=off",
+                             "-gdb", "chardev:debugger"});
     emulator_.start(image(board), more);
-    sockaddr_un address{};
-    address.sun_family = AF_UNIX;
-    REQUIRE(socket_path.size() < sizeof(address.sun_path));
-    std::memcpy(address.sun_path, socket_path.c_str(), socket_path.size());
-    socket_ = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
-    const auto deadline = Clock::now() + std::chrono::seconds(20);
-    while (::connect(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof(address)) != 0) {
-      REQUIRE(Clock::now() < deadline);
-      ::poll(nullptr, 0, 10);
-    }
+    socket_ = connected(socket_path);
   }
   ~Machine() { ::close(socket_); }
   Machine(const Machine&) = delete;
@@ -95,7 +89,64 @@ class Machine {
     return {};
   }
 
+  /// The next thing to be pushed finds this stack pointer. By the debugger's protocol ("GDB Remote Serial
+  /// Protocol"): the program stops when one connects, `g` and `G` are the registers, `D` lets it go on.
+  void set_stack_pointer(std::uint32_t address) const {
+    const int debugger = connected(debugger_path());
+    std::string registers = say(debugger, "g").substr(0, std::size_t{16} * 8);
+    REQUIRE(registers.size() == std::size_t{16} * 8);
+    for (std::size_t i = 0; i < 4; ++i) {
+      char digits[3];
+      std::snprintf(digits, sizeof digits, "%02x", address >> 8 * i & 0xffu);
+      registers.replace(std::size_t{13} * 8 + 2 * i, 2, digits);
+    }
+    REQUIRE(say(debugger, "G" + registers) == "OK");
+    REQUIRE(say(debugger, "D") == "OK");
+    ::close(debugger);
+  }
+
  private:
+  std::string debugger_path() const { return emulator_.folder() + "/debugger"; }
+
+  static int connected(const std::string& path) {
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    REQUIRE(path.size() < sizeof(address.sun_path));
+    std::memcpy(address.sun_path, path.c_str(), path.size());
+    const int socket = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    const auto deadline = Clock::now() + std::chrono::seconds(20);
+    while (::connect(socket, reinterpret_cast<const sockaddr*>(&address), sizeof(address)) != 0) {
+      REQUIRE(Clock::now() < deadline);
+      ::poll(nullptr, 0, 10);
+    }
+    return socket;
+  }
+
+  /// A packet of the debugger's, and the one that answers it.
+  static std::string say(int debugger, const std::string& packet) {
+    unsigned sum = 0;
+    for (const char c : packet) sum += static_cast<unsigned char>(c);
+    char tail[4];
+    std::snprintf(tail, sizeof tail, "#%02x", sum & 0xffu);
+    const std::string framed = "$" + packet + tail;
+    REQUIRE(::write(debugger, framed.data(), framed.size()) == static_cast<ssize_t>(framed.size()));
+    std::string answer;
+    const auto deadline = Clock::now() + std::chrono::seconds(10);
+    for (;;) {
+      REQUIRE(Clock::now() < deadline);
+      pollfd waited{debugger, POLLIN, 0};
+      ::poll(&waited, 1, 50);
+      char c = 0;
+      while (::recv(debugger, &c, 1, MSG_DONTWAIT) == 1) answer.push_back(c);
+      const std::size_t begin = answer.find('$'), end = answer.find('#');
+      if (begin == std::string::npos || end == std::string::npos || answer.size() < end + 3) continue;
+      REQUIRE(::write(debugger, "+", 1) == 1);
+      const std::string body = answer.substr(begin + 1, end - begin - 1);
+      answer.erase(0, end + 3);
+      if (body.substr(0, 1) != "T") return body;  // that says that it stopped
+    }
+  }
+
   /// CRC-16 of the serial line, MODBUS over Serial Line V1.02, 6.2.2: of a frame with its own CRC it is 0.
   static std::uint16_t crc_of(const Bytes& bytes) {
     std::uint16_t crc = 0xffff;
@@ -118,6 +169,21 @@ bus::Snapshot snapshot_of(Machine& machine) {
   for (std::size_t i = 0; i < words.size(); ++i)
     words[i] = static_cast<std::uint16_t>(answer[2 + 2 * i] << 8 | answer[3 + 2 * i]);
   return bus::from_words(words);
+}
+
+/// The newest first.
+std::vector<bus::LoggedFault> log_of(Machine& machine, std::size_t entries) {
+  const auto count = static_cast<std::uint8_t>(entries * bus::kLogEntryWords);
+  std::vector<bus::LoggedFault> log;
+  if (count == 0) return log;
+  const Bytes answer = machine.ask({4, bus::kLogBase >> 8, bus::kLogBase & 0xff, 0, count});
+  REQUIRE(answer.size() == 2u + 2u * count);
+  std::vector<std::uint16_t> words;
+  for (std::size_t i = 2; i < answer.size(); i += 2)
+    words.push_back(static_cast<std::uint16_t>(answer[i] << 8 | answer[i + 1]));
+  for (std::size_t i = 0; i < entries; ++i)
+    log.push_back(bus::logged_fault(std::span(words).subspan(i * bus::kLogEntryWords)));
+  return log;
 }
 
 firmware::ImageHeader header_of(const BoardCase& board) {
@@ -179,6 +245,40 @@ TEST_CASE("a running robot's whole tick, with its buses, takes no more instructi
   CHECK(said["worst_tick"] <= 8000);
   // For the table of scripts/size-budget.
   std::ofstream(elf + ".measured") << "worst_tick " << said["worst_tick"] << "\n";
+}
+
+TEST_CASE("a stack that overflows ends in the exception's handler and a new start, with all else as it was") {
+  if (cannot_run_here()) return;
+  // The stack lies at the bottom of the RAM (firmware/chip/stm32f4/stm32f4x5xg.ld): what does not fit between
+  // its pointer and there is written below it. Of the least depths the first to overflow is the frame that
+  // the processor pushes for the tick's exception, of the others a function's.
+  constexpr std::uint32_t kStackBottom = 0x20000000;
+  for (const std::uint32_t left : {0u, 64u, 400u}) {
+    INFO("bytes left: " << left);
+    Machine machine(kBoards[0]);
+    bus::Snapshot before;
+    for (int i = 0; i < 30 && before.uptime_ms < 1100; ++i) before = snapshot_of(machine);
+    REQUIRE(before.starts == 1);
+    const std::vector<bus::LoggedFault> log_before = log_of(machine, before.logged_faults);
+
+    machine.set_stack_pointer(kStackBottom + left);
+    const bus::Snapshot after = snapshot_of(machine);
+    CHECK(after.starts == 2);
+    CHECK(after.uptime_ms < before.uptime_ms);
+    CHECK(after.torque_nm == 0.0f);
+    CHECK(after.coil_duty == 0.0f);
+    // The log, in the RAM that a start leaves alone, is whole: what it had, and the handler's line.
+    const std::vector<bus::LoggedFault> log_after = log_of(machine, after.logged_faults);
+    REQUIRE(log_after.size() > log_before.size());
+    const std::size_t newer = log_after.size() - log_before.size() - 1;
+    CHECK(log_after[newer].fault == static_cast<std::uint16_t>(control::Fault::processor_fault));
+    CHECK(log_after[newer].starts == 1);
+    CHECK(log_after[newer].tick == bus::kNoTick);
+    for (std::size_t i = 0; i < log_before.size(); ++i) {
+      CHECK(log_after[newer + 1 + i].fault == log_before[i].fault);
+      CHECK(log_after[newer + 1 + i].tick == log_before[i].tick);
+    }
+  }
 }
 
 TEST_CASE("a parameter of the image is read and written over Modbus") {

@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "firmware/chip/stm32f4/registers.hpp"
+#include "furcula/bus/node_words.hpp"
 #include "furcula/core/status.hpp"
 
 namespace furcula::stm32f4 {
@@ -86,13 +87,7 @@ Status start_clocks(RccRegisters<Word>& rcc, FlashRegisters<Word>& flash, std::u
 }
 
 /// Why the chip started, 7.3.21; of several causes the one that tells most.
-enum class ResetCause : std::uint8_t {
-  power = 0,     ///< power-up, or a supply that sagged
-  pin = 1,       ///< the reset button, or the debugger
-  software = 2,  ///< the firmware itself, after an exception
-  watchdog = 3,  ///< the independent watchdog: a task was stuck
-  other = 4,
-};
+using bus::ResetCause;
 
 /// Reads the flags and clears them for the next start.
 template <class Word>
@@ -105,7 +100,7 @@ ResetCause take_reset_cause(RccRegisters<Word>& rcc) {
   if ((flags & kWatchdogs) != 0) return ResetCause::watchdog;
   if ((flags & kSoftware) != 0) return ResetCause::software;
   if ((flags & (kPower | kBrownOut)) != 0) return ResetCause::power;
-  return (flags & kPin) != 0 ? ResetCause::pin : ResetCause::other;
+  return (flags & kPin) != 0 ? ResetCause::pin : ResetCause::unknown;
 }
 
 }  // namespace furcula::stm32f4

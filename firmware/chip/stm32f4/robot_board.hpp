@@ -83,6 +83,14 @@ class RobotBoard {
     return static_cast<std::uint16_t>(seed ^ seed >> 16);
   }
 
+  /// Of this chip; 0 where there is none, as in an emulator, which has no oscillator either: 7.3.1, HSIRDY.
+  std::array<std::uint32_t, 3> unique_id() const {
+    if ((block_at<RccRegisters>(address::kRcc).cr & 2u) == 0) return {};
+    return stm32f4::unique_id(reinterpret_cast<const Hardware*>(address::kUniqueId));
+  }
+  /// What its telemetry tells of it besides. Kept by reference.
+  void introduce(const bus::Identity& identity) { telemetry_.introduce(identity, faults_); }
+
   void on_tick() { tick_.on_exception(); }
 
   SlotFlash<Hardware>& flash() { return flash_; }
@@ -134,7 +142,7 @@ class RobotBoard {
   bool sending_ = false;  ///< the last byte is not out yet
   firmware::CanTelemetry telemetry_;
   Clocks clocks_;
-  ResetCause reset_cause_ = ResetCause::other;
+  ResetCause reset_cause_ = ResetCause::unknown;
   bool can_runs_ = false;
   firmware::NodeState state_ = firmware::NodeState::starting;
   control::Fault start_fault_ = control::Fault::none;
@@ -164,6 +172,8 @@ inline void RobotBoard::begin() {
   serial_.start(clocks_.apb1_hz, wiring_.serial.baud, wiring_.serial.parity);
   start_can();
   if (reset_cause_ == ResetCause::watchdog) report_start_fault(control::Fault::task_stuck);
+  if (faults_.last_run_ended_by(static_cast<std::uint8_t>(control::Fault::processor_fault)))
+    report_start_fault(control::Fault::processor_fault);
 }
 
 inline void RobotBoard::start_clocks_of_blocks() {
@@ -290,7 +300,6 @@ inline Status RobotBoard::actuate(const control::Command& command) {
 
 inline void RobotBoard::report(const firmware::Telemetry& telemetry) {
   const auto fault = static_cast<std::uint8_t>(telemetry.outputs.fault);
-  faults_.note(telemetry.tick, fault);
   static_cast<void>(send(telemetry_.tick(telemetry, sample_, state_)));
   const bool lit = state_ == firmware::NodeState::running || (fault != 0 && ticks_ % 256 < 128);
   write_pin(gpio_of(wiring_.led), wiring_.led.number, lit);

@@ -55,12 +55,17 @@ const firmware::ImageHeader& own_header() {
 /// "0.1.0 build 1a2b3c4d".
 constexpr std::string_view kTextBegins = FURCULA_VERSION " build ";
 constinit std::array<char, kTextBegins.size() + 8> identity_text{};
-bus::Identity identity() {
+bus::Identity identity_of(const RobotBoard& board) {
   const std::uint32_t build = firmware::build_id(own_header());
   std::copy(kTextBegins.begin(), kTextBegins.end(), identity_text.begin());
   for (unsigned i = 0; i < 8; ++i)
     identity_text[kTextBegins.size() + i] = "0123456789abcdef"[build >> (28 - 4 * i) & 0xfu];
-  return {FURCULA_BOARD, {identity_text.data(), identity_text.size()}, FURCULA_VERSION_NUMBER, build};
+  return {.board = FURCULA_BOARD,
+          .text = {identity_text.data(), identity_text.size()},
+          .firmware_version = FURCULA_VERSION_NUMBER,
+          .build_id = build,
+          .reset_cause = board.reset_cause(),
+          .unique_id = board.unique_id()};
 }
 
 /// A command frame of the CAN bus, if one came.
@@ -87,7 +92,9 @@ void tick_handler() { the_board->on_tick(); }
 void furcula::firmware::on_exception() {
   asm volatile("cpsid i");
   if (the_board != nullptr) static_cast<void>(the_board->actuate(control::Command{}));
-  fault_log.note(0xffffffffu, static_cast<std::uint8_t>(control::Fault::processor_fault));
+  fault_log.note(bus::kNoTick, static_cast<std::uint8_t>(control::Fault::processor_fault));
+  // To the compiler nobody reads the log after this, and it would write none.
+  asm volatile("dsb" ::: "memory");
   for (;;) stm32f4::request_reset(stm32f4::block_at<stm32f4::SingleRegister>(stm32f4::address::kAircr).word);
 }
 
@@ -95,7 +102,9 @@ int main() {
   static RobotBoard board(stm32f4::kWiring, fault_log);
   board.begin();
   static KeptParameters kept(board);
-  static RobotNode node(board, kept, default_config(), identity(), board.session_seed());
+  static const bus::Identity identity = identity_of(board);
+  board.introduce(identity);
+  static RobotNode node(board, kept, default_config(), identity, board.session_seed(), fault_log);
   if (node.snapshot().parameter_origin == static_cast<std::uint16_t>(bus::ParameterOrigin::store_unusable))
     board.report_start_fault(control::Fault::parameters_lost);
   the_board = &board;

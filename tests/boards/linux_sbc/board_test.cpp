@@ -143,7 +143,10 @@ TEST_CASE("a thousand ticks of a node on the board take nothing from the heap") 
 #else
   Bench bench;
   linux_sbc::FileStore store("");
-  firmware::Node node(bench.board, store, control::Config{}, bus::Identity{"linux_sbc", "", 0, 0}, 1);
+  firmware::FaultLog faults{};
+  faults.begin();
+  firmware::Node node(bench.board, store, control::Config{}, bus::Identity{.board = "linux_sbc", .text = ""},
+                      1, faults);
   unsigned long begin = 0;
   for (int tick = 0; tick < 1100; ++tick) {
     if (tick == 100) begin = furcula_allocations();

@@ -67,17 +67,24 @@ inline control::Config constant_torque() {
   return config;
 }
 
-inline constexpr bus::Identity kTestIdentity{"test_board", "1.2.3 build 0badcafe",
-                                             bus::version_number(1, 2, 3), 0x0badcafe};
+inline constexpr bus::Identity kTestIdentity{.board = "test_board",
+                                             .text = "1.2.3 build 0badcafe",
+                                             .firmware_version = bus::version_number(1, 2, 3),
+                                             .build_id = 0x0badcafe,
+                                             .reset_cause = bus::ResetCause::watchdog,
+                                             .unique_id = {0x11111111, 0x22222222, 0x33333333}};
 
 struct Bench {
   StandingBoard board;
   MemoryStore store;
+  firmware::FaultLog faults{};
   firmware::Node<StandingBoard, MemoryStore> node;
   firmware::NodeRegisters<firmware::Node<StandingBoard, MemoryStore>> registers{node};
 
   explicit Bench(const MemoryStore& kept = {}, const control::Config& config = constant_torque())
-      : store(kept), node(board, store, config, kTestIdentity, 0x1234) {}
+      : store(kept), node(board, store, config, kTestIdentity, 0x1234, faults) {
+    faults.begin();
+  }
   Bench(const Bench&) = delete;
   Bench& operator=(const Bench&) = delete;
 

@@ -57,6 +57,36 @@ TEST_CASE("the arming sequence makes it run, and each of its frames does nothing
   }
 }
 
+TEST_CASE("the log of faults is read entry by entry, the newest first, beside start, cause and number") {
+  Bench b;
+  b.settle();
+  CHECK(input(b, 58) == static_cast<int>(bus::ResetCause::watchdog));
+  CHECK(input(b, 59) == 0);
+  CHECK(input(b, 61) == 1);
+  CHECK(input(b, 62) == 0x1111);
+  CHECK(input(b, 67) == 0x3333);
+  Words entry(4, 0xdead);
+  REQUIRE(b.registers.read_input(512, entry) == ModbusException::none);
+  CHECK(entry == Words{0, 0, 0, 0});
+
+  b.board.answers = false;
+  b.tick(10);  // ticks 60 to 69: one lost sample is bridged
+  b.board.answers = true;
+  CHECK(b.node.request(Request::reset) == Refusal::none);
+  b.tick(10);
+  b.board.sample.leg_angle_rad = 1.5f;
+  b.tick(1);  // tick 80
+  CHECK(input(b, 59) == 2);
+  REQUIRE(b.registers.read_input(512, entry) == ModbusException::none);
+  CHECK(entry == Words{static_cast<std::uint16_t>(control::Fault::leg_angle_out_of_range), 1, 0, 80});
+  REQUIRE(b.registers.read_input(516, entry) == ModbusException::none);
+  CHECK(entry == Words{static_cast<std::uint16_t>(control::Fault::peer_lost), 1, 0, 61});
+  Words all(32), beyond(33);
+  CHECK(b.registers.read_input(512, all) == ModbusException::none);
+  CHECK(b.registers.read_input(512, beyond) == ModbusException::illegal_address);
+  CHECK(b.registers.read_input(0xffff, entry) == ModbusException::illegal_address);
+}
+
 TEST_CASE("no session comes a second time within 65535 requests") {
   Bench b;
   std::vector<bool> seen(65536);
@@ -116,13 +146,13 @@ TEST_CASE("a parameter that is written while it is armed or runs is refused, and
 TEST_CASE("addresses that are none are refused") {
   Bench b;
   Words out(1), two(2);
-  CHECK(b.registers.read_input(57, out) == ModbusException::none);
-  CHECK(b.registers.read_input(58, out) == ModbusException::illegal_address);
-  CHECK(b.registers.read_input(57, two) == ModbusException::illegal_address);
+  CHECK(b.registers.read_input(67, out) == ModbusException::none);
+  CHECK(b.registers.read_input(68, out) == ModbusException::illegal_address);
+  CHECK(b.registers.read_input(67, two) == ModbusException::illegal_address);
   CHECK(b.registers.read_input(65535, two) == ModbusException::illegal_address);
   CHECK(b.registers.read_holding(2, two) == ModbusException::illegal_address);
   CHECK(b.registers.read_holding(255, two) == ModbusException::illegal_address);
-  CHECK(b.registers.read_holding(256 + 82, out) == ModbusException::illegal_address);
-  CHECK(b.registers.write_holding(256 + 80, Words(4)) == ModbusException::illegal_address);
+  CHECK(b.registers.read_holding(256 + 84, out) == ModbusException::illegal_address);
+  CHECK(b.registers.write_holding(256 + 82, Words(4)) == ModbusException::illegal_address);
   CHECK(b.registers.write_holding(65535, two) == ModbusException::illegal_address);
 }

@@ -3,6 +3,7 @@
 
 #include <catch2/catch.hpp>
 #include <set>
+#include <vector>
 
 #include "furcula/bus/node_words.hpp"
 #include "furcula/control/clutch_sequencer.hpp"
@@ -28,9 +29,22 @@ TEST_CASE("a snapshot goes through the registers and back to the bit, the more s
 TEST_CASE("the registers have names of their own, and the parameters addresses of their own") {
   std::set<std::string_view> names;
   for (const bus::InputRegister& r : bus::kInputRegisters) CHECK(names.insert(r.name).second);
-  CHECK(bus::kInputWords == 58);
+  CHECK(bus::kInputWords == 68);
+  CHECK(bus::kLogBase == 512);
+  CHECK(bus::kLogWords == 8 * 4);
   CHECK(bus::address_of(*bus::parameter_named("torque_shape")) == 256);
   CHECK(bus::address_of(*bus::parameter_named("leg_damping_nmsprad")) == 256 + 80);
+}
+
+TEST_CASE("an entry of the log of faults is four words, and what is not there is 0") {
+  const bus::LoggedFault entries[] = {{0x00010002u, 19, 3}, {bus::kNoTick, 4, 2}};
+  const auto words = bus::to_words(entries);
+  CHECK(std::vector<std::uint16_t>(words.begin(), words.begin() + 9) ==
+        std::vector<std::uint16_t>{19, 3, 1, 2, 4, 2, 0xffff, 0xffff, 0});
+  const bus::LoggedFault second = bus::logged_fault(std::span(words).subspan(4));
+  CHECK(second.fault == 4);
+  CHECK(second.starts == 2);
+  CHECK(second.tick == bus::kNoTick);
 }
 
 TEST_CASE("a board's id is FNV-1a of its name") {

@@ -1,8 +1,10 @@
 // What the robot tells the bus, read back by the table of messages.
 #include "firmware/app/can_telemetry.hpp"
 
+#include <array>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <map>
 
 using namespace furcula;
 using namespace furcula::firmware;
@@ -54,6 +56,50 @@ TEST_CASE("body, leg and heartbeat leave ten times a second each, on different t
   CHECK(bodies == 10);
   CHECK(legs == 10);
   CHECK(beats == 10);
+}
+
+TEST_CASE("who it is, its number and its log of faults come in turn, all of them within 1.2 s") {
+  CanTelemetry source({4, 100, 100});
+  FaultLog faults{};
+  faults.begin();
+  faults.note(5, 3);
+  faults.note(1234, 13);
+  const bus::Identity identity{.board = "x",
+                               .text = "",
+                               .firmware_version = 0x010203,
+                               .build_id = 0xcafe0123,
+                               .reset_cause = bus::ResetCause::watchdog,
+                               .unique_id = {0x11111111, 0x89abcdef, 3}};
+  source.introduce(identity, faults);
+  using namespace bus::message;
+  const auto raw = [](const bus::Frame& f, const bus::Signal& s) { return bus::get_raw(f, s).value(); };
+  std::map<std::uint32_t, std::uint32_t> parts;
+  std::map<std::uint32_t, std::array<std::uint32_t, 3>> entries;
+  int identities = 0;
+  for (int tick = 0; tick < 1200; ++tick) {
+    const FrameBatch batch = source.tick({}, {}, NodeState::idle);
+    REQUIRE(batch.count <= 1);
+    for (const bus::Frame& f : batch) {
+      if (bus::is(f, kIdentity, 4)) {
+        ++identities;
+        CHECK(raw(f, bus::signal(kIdentity, "Reset_Cause")) == 4);
+        CHECK(raw(f, bus::signal(kIdentity, "Firmware_Version")) == 0x010203);
+        CHECK(raw(f, bus::signal(kIdentity, "Build_Id")) == 0xcafe0123);
+      } else if (bus::is(f, kUniqueId, 4)) {
+        parts[raw(f, bus::signal(kUniqueId, "Part"))] = raw(f, bus::signal(kUniqueId, "Bits"));
+      } else if (bus::is(f, kLoggedFault, 4)) {
+        entries[raw(f, bus::signal(kLoggedFault, "Entry"))] = {raw(f, bus::signal(kLoggedFault, "Fault")),
+                                                               raw(f, bus::signal(kLoggedFault, "Start")),
+                                                               raw(f, bus::signal(kLoggedFault, "Tick"))};
+      }
+    }
+  }
+  CHECK(identities == 1);
+  CHECK(parts == std::map<std::uint32_t, std::uint32_t>{{0, 0x11111111}, {1, 0x89abcdef}, {2, 3}});
+  REQUIRE(entries.size() == 8);
+  CHECK(entries[0] == std::array<std::uint32_t, 3>{13, 1, 1234});
+  CHECK(entries[1] == std::array<std::uint32_t, 3>{3, 1, 5});
+  CHECK(entries[7] == std::array<std::uint32_t, 3>{0, 0, 0});
 }
 
 TEST_CASE("a height that is not a number leaves a frame all the same") {

@@ -125,7 +125,7 @@ TEST_CASE("the reset's cause is read once and cleared for the next start") {
   } cases[] = {{0x0e00'0000u, ResetCause::power},    {0x0400'0000u, ResetCause::pin},
                {0x1400'0000u, ResetCause::software}, {0x2400'0000u, ResetCause::watchdog},
                {0x4400'0000u, ResetCause::watchdog}, {0x0600'0000u, ResetCause::power},
-               {0x0000'0000u, ResetCause::other}};
+               {0x0000'0000u, ResetCause::unknown}};
   for (const auto& c : cases) {
     RccRegisters<Register> rcc;
     rcc.csr.value = c.csr | 1u;  // and the watchdog's oscillator on
@@ -134,6 +134,6 @@ TEST_CASE("the reset's cause is read once and cleared for the next start") {
     };
     CHECK(take_reset_cause(rcc) == c.cause);
     CHECK(rcc.csr.value == 1u);
-    CHECK(take_reset_cause(rcc) == ResetCause::other);
+    CHECK(take_reset_cause(rcc) == ResetCause::unknown);
   }
 }

@@ -51,6 +51,23 @@ TEST_CASE("faults are noted when they come, newest first, and kept over a reset"
   CHECK(log.entry(1).starts == 1);
 }
 
+TEST_CASE("a run that an exception ended is known as such in the next one, and in no later one") {
+  Memory memory(1);
+  FaultLog& log = memory.log();
+  log.begin();
+  log.note(7, 3);
+  log.note(furcula::bus::kNoTick, 19);
+  CHECK_FALSE(log.last_run_ended_by(19));  // it is this run
+  log.begin();
+  CHECK(log.last_run_ended_by(19));
+  CHECK_FALSE(log.last_run_ended_by(18));
+  log.begin();
+  CHECK_FALSE(log.last_run_ended_by(19));
+  log.note(9, 19);  // noted by a tick
+  log.begin();
+  CHECK_FALSE(log.last_run_ended_by(19));
+}
+
 TEST_CASE("the last eight faults are kept") {
   Memory memory(1);
   memory.log().begin();

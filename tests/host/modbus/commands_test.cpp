@@ -21,6 +21,28 @@ TEST_CASE("furcula monitor shows why a robot does not move, in words and as JSON
   CHECK(shown.at("state_name") == "idle");
   CHECK(shown.at("uptime_ms") == 199);
   CHECK(shown.at("height_m").get<double>() == Approx(robot.rig.snapshot().height_m));
+  CHECK(shown.at("starts") == 1);
+  CHECK(shown.at("reset_cause_name") == "unknown");
+  CHECK(shown.at("unique_id") == std::string(24, '0'));
+  CHECK(shown.at("faults").empty());
+}
+
+TEST_CASE("furcula monitor shows the log of faults") {
+  test::Robot robot("", "127.0.0.1", 0.5);
+  robot.rig.advance(1000);
+  const test::Ran ran = test::run_furcula({"monitor", "--once", "--port", robot.port()});
+  CHECK_THAT(ran.out, Contains("fault log  peer_lost in start 1 at 0.50"));
+  const auto shown =
+      nlohmann::json::parse(test::run_furcula({"monitor", "--once", "--json", "--port", robot.port()}).out);
+  REQUIRE(shown.at("faults").size() == 1);
+  CHECK(shown.at("faults")[0].at("fault") == 3);
+  CHECK(shown.at("faults")[0].at("tick").get<int>() == Approx(500).margin(3));
+}
+
+TEST_CASE("furcula serve says which build it is") {
+  const test::Ran ran = test::run_furcula({"serve", "--tcp-port", "0", "--duration", "0.1"});
+  CHECK_THAT(ran.out, Catch::Matchers::Matches("(.|\n)*, build [0-9a-f]{8}\n(.|\n)*"));
+  CHECK_THAT(ran.out, !Contains("build 00000000"));
 }
 
 TEST_CASE("furcula param and furcula request do what they say, and end with the status of a refusal") {

@@ -8,8 +8,9 @@
 
 namespace furcula::test {
 
-inline sim::Scenario hopping(const model::Model& model) {
+inline sim::Scenario hopping(const model::Model& model, double peer_lost_s) {
   sim::Scenario scenario = sim::default_scenario(model);
+  scenario.faults = {{peer_lost_s, sim_host::RigFault::peer_lost, 1e9}};
   scenario.amplitude = 2.0;
   return scenario;
 }
@@ -19,8 +20,11 @@ struct Robot {
   sim::LiveRig rig;
   modbus::TcpServer server;
 
-  explicit Robot(const std::string& store = "", const std::string& address = "127.0.0.1")
-      : rig(model, hopping(model), 1, store, {"sim_host", "9.8.7 build 6", 0x090807, 6}, 77),
+  /// From `peer_lost_s` on its sensors do not answer.
+  explicit Robot(const std::string& store = "", const std::string& address = "127.0.0.1",
+                 double peer_lost_s = 1e9)
+      : rig(model, hopping(model, peer_lost_s), 1, store,
+            {.board = "sim_host", .text = "9.8.7 build 6", .firmware_version = 0x090807, .build_id = 6}, 77),
         server(address, 0, [this](bus::TcpConnection& c) { return rig.answer(c); }) {}
 
   std::string port() const { return "modbus:127.0.0.1:" + std::to_string(server.port()); }

@@ -176,6 +176,27 @@ inline constexpr std::array<Signal, 5> kEncoderSample{{
     {"Count", "", 32, 32, ByteOrder::little, Encoding::signed_integer, "Of the encoder; it wraps."},
 }};
 
+/// What does not change while it runs, and so has neither sequence number nor age.
+inline constexpr std::array<Signal, 4> kIdentity{{
+    version(),
+    code("Reset_Cause", 4, 4, "Why it started: 0: unknown, 1: power, 2: pin, 3: software, 4: watchdog."),
+    code("Firmware_Version", 8, 24, "65536 x major + 256 x minor + patch."),
+    code("Build_Id", 32, 32, "Of the image, as the board's build gives it."),
+}};
+inline constexpr std::array<Signal, 3> kUniqueId{{
+    version(),
+    code("Part", 4, 4, "0: bits 0 to 31, 1: bits 32 to 63, 2: bits 64 to 95."),
+    code("Bits", 8, 32, "Of the chip's number; all 0: it has none."),
+}};
+inline constexpr std::array<Signal, 5> kLoggedFault{{
+    version(),
+    code("Entry", 4, 4, "0 is the newest."),
+    code("Fault", 8, 8, "Number in the table of faults (docs/firmware.md); 0: there is no such entry."),
+    code("Start", 16, 16, "The run: 1 is the first since the log was cleared."),
+    fixed_point("Tick", "s", 32, 32, Encoding::unsigned_integer, 1000.0f,
+                "Since that start; 4294967.295: not known."),
+}};
+
 }  // namespace table
 
 namespace message {
@@ -352,6 +373,26 @@ inline constexpr Message kHeartbeat{"Heartbeat",
                                     "The node lives; every 100 ms.",
                                     table::kHeartbeat,
                                     7};
+inline constexpr Message kIdentity{"Identity",
+                                   Protocol::controller,
+                                   IdRule::plus_node,
+                                   0x480,
+                                   8,
+                                   Sender::node,
+                                   "Who it is; this and the next two share ten frames a second, in turn.",
+                                   table::kIdentity,
+                                   8};
+inline constexpr Message kUniqueId{"Unique_Id",  Protocol::controller,           IdRule::plus_node, 0x4a0, 5,
+                                   Sender::node, "A part of its chip's number.", table::kUniqueId,  5};
+inline constexpr Message kLoggedFault{"Logged_Fault",
+                                      Protocol::controller,
+                                      IdRule::plus_node,
+                                      0x4c0,
+                                      8,
+                                      Sender::node,
+                                      "An entry of its log of faults.",
+                                      table::kLoggedFault,
+                                      8};
 inline constexpr Message kEncoderSample{"Sample",
                                         Protocol::encoder,
                                         IdRule::plus_node,
@@ -374,7 +415,7 @@ inline constexpr Message kEncoderHeartbeat{"Heartbeat",
 }  // namespace message
 
 /// Those with a marker stand before what has the same id without one.
-inline constexpr std::array<const Message*, 25> kMessages{&message::kMotorEnter,
+inline constexpr std::array<const Message*, 28> kMessages{&message::kMotorEnter,
                                                           &message::kMotorExit,
                                                           &message::kMotorZero,
                                                           &message::kMotorCommand,
@@ -397,6 +438,9 @@ inline constexpr std::array<const Message*, 25> kMessages{&message::kMotorEnter,
                                                           &message::kBodyState,
                                                           &message::kLegState,
                                                           &message::kHeartbeat,
+                                                          &message::kIdentity,
+                                                          &message::kUniqueId,
+                                                          &message::kLoggedFault,
                                                           &message::kEncoderSample,
                                                           &message::kEncoderHeartbeat};
 

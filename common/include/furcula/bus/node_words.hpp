@@ -52,6 +52,9 @@ enum class Reason : std::uint8_t {
 /// Where the parameters come from.
 enum class ParameterOrigin : std::uint8_t { defaults = 0, store = 1, store_unusable = 2, changed = 3 };
 
+/// Why it started.
+enum class ResetCause : std::uint8_t { unknown = 0, power = 1, pin = 2, software = 3, watchdog = 4 };
+
 struct Word {
   std::uint8_t number;
   std::string_view name;
@@ -115,6 +118,14 @@ inline constexpr std::array<Word, 4> kParameterOrigins{{
     {3, "changed", "Changed since the start or the last save, and not saved."},
 }};
 
+inline constexpr std::array<Word, 5> kResetCauses{{
+    {0, "unknown", "It cannot be told, as on a computer."},
+    {1, "power", "Power came, or had sagged."},
+    {2, "pin", "The reset button, or a debugger."},
+    {3, "software", "The firmware itself, after an exception."},
+    {4, "watchdog", "The watchdog: a task was stuck."},
+}};
+
 namespace table {
 template <std::size_t N>
 constexpr bool in_order(const std::array<Word, N>& words) {
@@ -124,13 +135,15 @@ constexpr bool in_order(const std::array<Word, N>& words) {
 }
 }  // namespace table
 static_assert(table::in_order(kNodeStates) && table::in_order(kRequests) && table::in_order(kRefusals) &&
-                  table::in_order(kReasons) && table::in_order(kParameterOrigins),
+                  table::in_order(kReasons) && table::in_order(kParameterOrigins) &&
+                  table::in_order(kResetCauses),
               "the words stand in the order of their numbers");
 
 constexpr const Word& info(NodeState x) { return kNodeStates[static_cast<std::size_t>(x)]; }
 constexpr const Word& info(Request x) { return kRequests[static_cast<std::size_t>(x)]; }
 constexpr const Word& info(Refusal x) { return kRefusals[static_cast<std::size_t>(x)]; }
 constexpr const Word& info(Reason x) { return kReasons[static_cast<std::size_t>(x)]; }
+constexpr const Word& info(ResetCause x) { return kResetCauses[static_cast<std::size_t>(x)]; }
 constexpr const Word& info(ParameterOrigin x) { return kParameterOrigins[static_cast<std::size_t>(x)]; }
 
 }  // namespace furcula::bus

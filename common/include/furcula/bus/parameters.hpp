@@ -165,6 +165,8 @@ inline constexpr std::array kAll{
                                                           "Of the leg that is moved in flight."),
     parameter<kLeg, &LegPositionConfig::damping_nmsprad>(41, "leg_damping_nmsprad", "N m s/rad", 0.01f, 20.0f,
                                                          "Of the leg that is moved in flight."),
+    parameter<kLeg, &LegPositionConfig::inertia_kgm2>(42, "leg_inertia_kgm2", "kg m^2", 0.0f, 0.1f,
+                                                      "Of the leg about the hip, toe in the air."),
 };
 
 }  // namespace table_of_parameters

@@ -13,12 +13,14 @@
 #include <type_traits>
 #include <utility>
 
+#include "furcula/bus/logged_fault.hpp"
+#include "furcula/bus/node_words.hpp"
 #include "furcula/bus/parameters.hpp"
 
 namespace furcula::bus {
 
 /// Of this table; a master refuses a node that shows another.
-inline constexpr std::uint16_t kRegistersVersion = 1;
+inline constexpr std::uint16_t kRegistersVersion = 2;
 
 /// Exception codes of MODBUS Application Protocol V1.1b3, section 7.
 enum class ModbusException : std::uint8_t {
@@ -49,27 +51,36 @@ struct Snapshot {
   std::uint32_t releases = 0, catches = 0, missed_catches = 0;
   std::uint32_t requests_taken = 0, requests_refused = 0, stale_stops = 0;
   std::uint32_t bus_requests = 0, bus_exceptions = 0, bus_bad_frames = 0;
+  std::uint16_t reset_cause = 0, logged_faults = 0;
+  std::uint32_t starts = 0, unique_id_0 = 0, unique_id_1 = 0, unique_id_2 = 0;
 };
 
 enum class RegisterType : std::uint8_t { u16, u32, real };
 constexpr std::uint16_t words(RegisterType type) { return type == RegisterType::u16 ? 1 : 2; }
 
-struct InputRegister {
-  std::uint16_t address;
+/// A number in a block of registers that `Owner` is.
+template <class Owner>
+struct RegisterOf {
+  std::uint16_t address;  ///< from the block's begin
   std::string_view name;
   RegisterType type;
   std::string_view unit;
   std::string_view meaning;
-  std::uint32_t (*get)(const Snapshot&);  ///< its bits
-  void (*put)(Snapshot&, std::uint32_t);
+  std::uint32_t (*get)(const Owner&);  ///< its bits
+  void (*put)(Owner&, std::uint32_t);
 };
+using InputRegister = RegisterOf<Snapshot>;
+using LogRegister = RegisterOf<LoggedFault>;
 
 namespace table {
 
-template <auto Member>
-constexpr InputRegister input(std::uint16_t address, std::string_view name, std::string_view unit,
-                              std::string_view meaning) {
-  using Value = std::remove_cvref_t<decltype(Snapshot{}.*Member)>;
+template <class Owner, class Value>
+constexpr Owner owner_of(Value Owner::*);
+
+template <auto Member, class Owner = decltype(owner_of(Member))>
+constexpr RegisterOf<Owner> input(std::uint16_t address, std::string_view name, std::string_view unit,
+                                  std::string_view meaning) {
+  using Value = std::remove_cvref_t<decltype(Owner{}.*Member)>;
   constexpr bool is_real = std::is_same_v<Value, float>;
   return {address,
           name,
@@ -78,13 +89,13 @@ constexpr InputRegister input(std::uint16_t address, std::string_view name, std:
                                : RegisterType::u32,
           unit,
           meaning,
-          [](const Snapshot& s) -> std::uint32_t {
+          [](const Owner& s) -> std::uint32_t {
             if constexpr (is_real)
               return std::bit_cast<std::uint32_t>(s.*Member);
             else
               return s.*Member;
           },
-          [](Snapshot& s, std::uint32_t bits) {
+          [](Owner& s, std::uint32_t bits) {
             if constexpr (is_real)
               s.*Member = std::bit_cast<float>(bits);
             else
@@ -144,6 +155,13 @@ inline constexpr std::array kInputRegisters{
     table::input<&Snapshot::bus_exceptions>(54, "bus_exceptions", "", "Of these, answered by an exception."),
     table::input<&Snapshot::bus_bad_frames>(56, "bus_bad_frames", "",
                                             "Frames dropped: checksum, length or gap."),
+    table::input<&Snapshot::reset_cause>(58, "reset_cause", "", "Why it started; see Reset causes."),
+    table::input<&Snapshot::logged_faults>(59, "logged_faults", "",
+                                           "Entries of the log of faults; see below."),
+    table::input<&Snapshot::starts>(60, "starts", "", "Since the log of faults was cleared, this one too."),
+    table::input<&Snapshot::unique_id_0>(62, "unique_id_0", "", "Of the chip, bits 0 to 31; 0: it has none."),
+    table::input<&Snapshot::unique_id_1>(64, "unique_id_1", "", "Bits 32 to 63."),
+    table::input<&Snapshot::unique_id_2>(66, "unique_id_2", "", "Bits 64 to 95."),
 };
 
 /// Input registers: addresses 0 to this, without a gap.
@@ -160,6 +178,18 @@ static_assert(
       return next <= 125;
     }(),
     "without a gap, and read by one request");
+
+/// The log of faults: input registers from here on, the same few for each entry, the newest fault first. An
+/// entry that is not there reads as 0.
+inline constexpr std::uint16_t kLogBase = 512;
+inline constexpr std::array kLogRegisters{
+    table::input<&LoggedFault::fault>(0, "fault", "", "Number in the table of faults (firmware.md)."),
+    table::input<&LoggedFault::starts>(1, "start", "", "The run: 1 is the first since the log was cleared."),
+    table::input<&LoggedFault::tick>(2, "tick", "ms", "Of that run; 4294967295: not known."),
+};
+inline constexpr std::uint16_t kLogEntryWords =
+    kLogRegisters.back().address + words(kLogRegisters.back().type);
+inline constexpr std::uint16_t kLogWords = kLoggedFaults * kLogEntryWords;
 
 /// The request: three holding registers that are written at once. `stop` may be written alone.
 inline constexpr std::uint16_t kRequestKeyAddress = 0, kRequestSessionAddress = 1, kRequestAddress = 2;
@@ -182,14 +212,21 @@ constexpr std::uint32_t bits_of(std::uint16_t high, std::uint16_t low) {
 
 namespace table {
 
+constexpr void put_words(std::span<std::uint16_t> block, std::uint16_t address, RegisterType type,
+                         std::uint32_t bits) {
+  if (words(type) == 2) block[address] = high_word(bits);
+  block[address + words(type) - 1u] = low_word(bits);
+}
+constexpr std::uint32_t bits_at(std::span<const std::uint16_t> block, std::uint16_t address,
+                                RegisterType type) {
+  return words(type) == 2 ? bits_of(block[address], block[address + 1u]) : std::uint32_t{block[address]};
+}
+
 template <std::size_t... I>
 constexpr void put_words(const Snapshot& snapshot, std::array<std::uint16_t, kInputWords>& out,
                          std::index_sequence<I...>) {
-  const auto put = [&out](const InputRegister& r, std::uint32_t bits) {
-    if (words(r.type) == 2) out[r.address] = high_word(bits);
-    out[r.address + words(r.type) - 1u] = low_word(bits);
-  };
-  (put(kInputRegisters[I], kInputRegisters[I].get(snapshot)), ...);
+  (put_words(out, kInputRegisters[I].address, kInputRegisters[I].type, kInputRegisters[I].get(snapshot)),
+   ...);
 }
 
 template <std::size_t... I>
@@ -220,10 +257,23 @@ inline std::array<std::uint16_t, kParameterWords> to_words(const control::Config
 }
 constexpr Snapshot from_words(const std::array<std::uint16_t, kInputWords>& in) {
   Snapshot snapshot;
-  for (const InputRegister& r : kInputRegisters)
-    r.put(snapshot,
-          words(r.type) == 2 ? bits_of(in[r.address], in[r.address + 1u]) : std::uint32_t{in[r.address]});
+  for (const InputRegister& r : kInputRegisters) r.put(snapshot, table::bits_at(in, r.address, r.type));
   return snapshot;
+}
+
+/// Entries of the log of faults, the newest first: their words, one entry after the other.
+constexpr std::array<std::uint16_t, kLogWords> to_words(std::span<const LoggedFault> entries) {
+  std::array<std::uint16_t, kLogWords> out{};
+  for (std::size_t i = 0; i < entries.size() && i < kLoggedFaults; ++i)
+    for (const LogRegister& r : kLogRegisters)
+      table::put_words(std::span(out).subspan(i * kLogEntryWords), r.address, r.type, r.get(entries[i]));
+  return out;
+}
+/// Of one entry. `in` has its kLogEntryWords words.
+constexpr LoggedFault logged_fault(std::span<const std::uint16_t> in) {
+  LoggedFault entry;
+  for (const LogRegister& r : kLogRegisters) r.put(entry, table::bits_at(in, r.address, r.type));
+  return entry;
 }
 
 /// FNV-1a of a board's name (the name of its folder).
@@ -242,6 +292,8 @@ struct Identity {
   std::string_view text;   ///< version and build in words
   std::uint32_t firmware_version = 0;
   std::uint32_t build_id = 0;
+  ResetCause reset_cause = ResetCause::unknown;
+  std::array<std::uint32_t, 3> unique_id{};  ///< least significant word first; 0: it has none
 };
 
 }  // namespace furcula::bus
