@@ -57,7 +57,9 @@ void hop_with_derivatives(benchmark::State& state) {
     *free = T(value_of(*free), index++);
   hop(state, Hopper<T>(p));
 }
-void hopper_step_with_derivatives(benchmark::State& state) { hop_with_derivatives<furcula::identify::Dual<6>>(state); }
+void hopper_step_with_derivatives(benchmark::State& state) {
+  hop_with_derivatives<furcula::identify::Dual<6>>(state);
+}
 BENCHMARK(hopper_step_with_derivatives);
 /// The peer: Ceres' own numbers.
 void hopper_step_with_ceres_jets(benchmark::State& state) {

@@ -9,7 +9,7 @@
 
 #include "boards/linux_sbc/hatch.hpp"
 
-struct _modbus;  // NOLINT(bugprone-reserved-identifier): libmodbus's own name
+struct _modbus;  // NOLINT(clang-diagnostic-reserved-identifier): libmodbus's own name
 
 namespace furcula::linux_sbc {
 

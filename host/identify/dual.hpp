@@ -1,8 +1,9 @@
-// Numbers that carry derivatives by N unknowns (forward automatic differentiation), for fits through the dynamics.
+// Numbers that carry derivatives by N unknowns (forward automatic differentiation), for fits through the
+// dynamics.
 //
 // They follow ceres::Jet's rules, against which a test holds them. Nine tenths of a diagnosis are their
-// arithmetic (docs/profile.md), and GCC 12 leaves the expression templates of Ceres' as calls and scalar loops:
-// here the derivatives are pairs of doubles that every x86-64 and AArch64 adds and multiplies at once.
+// arithmetic (docs/profile.md), and GCC 12 leaves the expression templates of Ceres' as calls and scalar
+// loops: here the derivatives are pairs of doubles that every x86-64 and AArch64 adds and multiplies at once.
 #pragma once
 
 #include <array>
@@ -147,18 +148,18 @@ Dual<N>& operator/=(Dual<N>& x, const Y& y) {
 }
 
 /// Dual numbers compare as their values do.
-#define FURCULA_COMPARE(op)                                                                                  \
-  template <int N>                                                                                           \
-  bool operator op(const Dual<N>& x, const Dual<N>& y) {                                                     \
-    return x.a op y.a;                                                                                       \
-  }                                                                                                          \
-  template <int N>                                                                                           \
-  bool operator op(const Dual<N>& x, double y) {                                                             \
-    return x.a op y;                                                                                         \
-  }                                                                                                          \
-  template <int N>                                                                                           \
-  bool operator op(double x, const Dual<N>& y) {                                                             \
-    return x op y.a;                                                                                         \
+#define FURCULA_COMPARE(op)                              \
+  template <int N>                                       \
+  bool operator op(const Dual<N>& x, const Dual<N>& y) { \
+    return x.a op y.a;                                   \
+  }                                                      \
+  template <int N>                                       \
+  bool operator op(const Dual<N>& x, double y) {         \
+    return x.a op y;                                     \
+  }                                                      \
+  template <int N>                                       \
+  bool operator op(double x, const Dual<N>& y) {         \
+    return x op y.a;                                     \
   }
 FURCULA_COMPARE(<)
 FURCULA_COMPARE(<=)

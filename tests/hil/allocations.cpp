@@ -4,14 +4,15 @@
 #include <cerrno>
 #include <cstddef>
 
-// NOLINTBEGIN(bugprone-reserved-identifier): glibc's own names for what stands behind malloc and its like.
+// NOLINTBEGIN(clang-diagnostic-reserved-identifier): glibc's own names for what stands behind malloc and its
+// like.
 extern "C" {
 void* __libc_malloc(std::size_t size);
 void* __libc_calloc(std::size_t count, std::size_t size);
 void* __libc_realloc(void* old, std::size_t size);
 void* __libc_memalign(std::size_t alignment, std::size_t size);
 }
-// NOLINTEND(bugprone-reserved-identifier)
+// NOLINTEND(clang-diagnostic-reserved-identifier)
 
 namespace {
 std::atomic<unsigned long> allocations{0};

@@ -7,8 +7,8 @@
 #include "furcula/dynamics/clutch_designs.hpp"
 #include "furcula/dynamics/hopper.hpp"
 #include "furcula/dynamics/nonlinear_hopper.hpp"
-#include "tests/common/dynamics/jet.hpp"
 #include "tests/common/dynamics/example.hpp"
+#include "tests/common/dynamics/jet.hpp"
 
 using namespace furcula::dynamics;
 using Jet = ceres::Jet<double, 4>;

@@ -6,8 +6,8 @@
 
 #include "furcula/dynamics/axis.hpp"
 #include "furcula/dynamics/hopper.hpp"
-#include "tests/common/dynamics/jet.hpp"
 #include "tests/common/dynamics/example.hpp"
+#include "tests/common/dynamics/jet.hpp"
 
 using namespace furcula::dynamics;
 using Jet = ceres::Jet<double, 3>;

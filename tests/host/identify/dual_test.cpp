@@ -45,7 +45,8 @@ void expect_same(F of, bool positive = false) {
 TEST_CASE("Sums, products and quotients carry their derivatives") {
   expect_same([](auto x, auto y) { return x + y - x * y; });
   expect_same([](auto x, auto y) { return x / y + 2.0 / y - y / 3.0; });
-  expect_same([](auto x, auto y) { return 3.0 * x - y * 0.5 + (1.0 - x) + (y - 1.0) + (2.0 + x) + (y + 4.0); });
+  expect_same(
+      [](auto x, auto y) { return 3.0 * x - y * 0.5 + (1.0 - x) + (y - 1.0) + (2.0 + x) + (y + 4.0); });
   expect_same([](auto x, auto y) { return -(x * y); });
   expect_same([](auto x, auto y) {
     x += y;
