@@ -25,8 +25,8 @@ struct SupervisorConfig {
   float flexed_leg_m = 0.01f;
   /// A switch that reads closed this far above the touch-down height, or open this far below it, is wrong if
   /// it stays so for so long (it reports within 10 ms of the true instant, and bounces; a toe that meets the
-  /// ground while the motor folds the leg may hover on it for a while). Not before that does a closed switch
-  /// say where the toe is: stretching, it moves by 2.5 cm in 10 ms; m, s.
+  /// ground while the motor folds the leg may hover on it for a while). Only a switch that has been closed
+  /// for as long says where the toe is: stretching, it moves by 2.5 cm in 10 ms; m, s.
   float contact_margin_m = 0.03f;
   float implausible_closed_s = 0.02f;
   float implausible_open_s = 0.05f;
@@ -65,8 +65,8 @@ struct Observation {
 };
 
 struct SupervisorState {
-  Fault fault = Fault::none;               ///< latched: the first since the last reset
-  std::uint32_t toe_off_ground_ticks = 0;  ///< running; by encoder and leg, while the switch reads closed
+  Fault fault = Fault::none;       ///< latched: the first since the last reset
+  std::uint32_t closed_ticks = 0;  ///< running: the switch reads closed
   std::uint32_t implausible_contact_ticks = 0;
   float contact_changes = 0.0f;  ///< of late, see SupervisorConfig
   bool last_reading = false;
@@ -87,11 +87,11 @@ inline Fault find_body_fault(const SupervisorConfig& config, SupervisorState& st
   const float mismatch_m = seen.height_m - seen.leg_height_m;
   // How much shorter the leg is than at touch-down.
   const float leg_flexed_m = mismatch_m - seen.above_touchdown_m;
-  const bool toe_on_ground = seen.contact_reading && leg_flexed_m > config.flexed_leg_m;
-  const bool toe_off_ground = toe_on_ground && mismatch_m > config.height_mismatch_m;
-  state.toe_off_ground_ticks = toe_off_ground ? state.toe_off_ground_ticks + 1 : 0;
-  if (mismatch_m < -config.height_mismatch_m ||
-      static_cast<float>(state.toe_off_ground_ticks) * dt_s > config.implausible_closed_s)
+  // A toe that has just come down may still be on its way.
+  state.closed_ticks = seen.contact_reading ? state.closed_ticks + 1 : 0;
+  const bool toe_on_ground = static_cast<float>(state.closed_ticks) * dt_s > config.implausible_closed_s &&
+                             leg_flexed_m > config.flexed_leg_m;
+  if (mismatch_m < -config.height_mismatch_m || (toe_on_ground && mismatch_m > config.height_mismatch_m))
     return Fault::encoder_implausible;
 
   // A leg that is folded in flight lets the body come lower than at touch-down with the toe in the air.
