@@ -78,12 +78,13 @@ class Machine {
       Bytes answer;
       const auto deadline = Clock::now() + std::chrono::seconds(2);
       while (Clock::now() < deadline) {
+        // A frame ends with a silence: one whose check sum ends with a 0 is whole by its sum a byte too
+        // early.
         pollfd waited{socket_, POLLIN, 0};
-        ::poll(&waited, 1, 50);
+        if (::poll(&waited, 1, 50) == 0 && answer.size() >= 5 && crc_of(answer) == 0 && answer[0] == 1)
+          return {answer.begin() + 1, answer.end() - 2};
         std::uint8_t byte = 0;
         while (::recv(socket_, &byte, 1, MSG_DONTWAIT) == 1) answer.push_back(byte);
-        if (answer.size() >= 5 && crc_of(answer) == 0 && answer[0] == 1)
-          return {answer.begin() + 1, answer.end() - 2};
       }
     }
     return {};
