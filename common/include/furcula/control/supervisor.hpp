@@ -73,7 +73,7 @@ struct SupervisorState {
 };
 
 /// Of rail, leg and switch: the fault of this tick alone, or none. Counts how long the switch has been
-/// contradicted and how often it changes.
+/// closed, how long implausible, and how often it changes.
 inline Fault find_body_fault(const SupervisorConfig& config, SupervisorState& state, const Observation& seen,
                              float dt_s) {
   if (!is_finite(seen.height_m) || !is_finite(seen.leg_angle_rad)) return Fault::non_finite_input;

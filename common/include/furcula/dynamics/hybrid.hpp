@@ -35,9 +35,9 @@ class Changes {
 ///                           with what has a closed form
 ///   longest_step()          that is accurate enough in the mode of now, s
 ///   changes()               what can end the mode: a range of Change
-///   margin(change, look)    positive while that does not happen, with its tolerance(change) for a margin
-///   that
-///                           starts at zero: it counts as crossed where it ends below minus that
+///   margin(change, look)    positive while that does not happen
+///   tolerance(change)       for a margin that starts at zero: it counts as crossed where it ends below minus
+///                           that
 ///   follows(change)         whether a change happens at once where its margin starts at or below zero
 ///   make(change)            takes the machine through it, into the mode that follows
 /// One classic Runge-Kutta step from change to change; each is located inside it (by further steps of the

@@ -52,19 +52,6 @@ struct Links {
     return pose(T(from.sine * cosine + from.cosine * sine), T(from.cosine * cosine - from.sine * sine));
   }
 
- private:
-  Pose pose(const T& sine, const T& cosine) const {
-    Pose p;
-    p.sine = sine;
-    p.cosine = cosine;
-    p.length = V(2) * link_length * p.cosine;
-    p.lever = V(2) * link_length * p.sine;
-    // cos 2 theta = 1 - 2 sin^2 theta
-    p.inertia = {a - V(2) * link_length * b * (V(1) - V(2) * p.sine * p.sine), e * p.sine, mass};
-    return p;
-  }
-
- public:
   /// B without damping: what turning at `rate` (rad/s) asks of the angle (N m) and of the height (N).
   T turning_torque(const Pose& p, const T& rate) const {
     return V(4) * link_length * b * p.sine * p.cosine * rate * rate;
@@ -97,6 +84,18 @@ struct Links {
   T kinetic_energy(const Pose& p, const T& rate, const T& velocity) const {
     return V(0.5) * (p.inertia.angle * rate * rate + p.inertia.height * velocity * velocity) +
            p.inertia.coupling * rate * velocity;
+  }
+
+ private:
+  Pose pose(const T& sine, const T& cosine) const {
+    Pose p;
+    p.sine = sine;
+    p.cosine = cosine;
+    p.length = V(2) * link_length * p.cosine;
+    p.lever = V(2) * link_length * p.sine;
+    // cos 2 theta = 1 - 2 sin^2 theta
+    p.inertia = {a - V(2) * link_length * b * (V(1) - V(2) * p.sine * p.sine), e * p.sine, mass};
+    return p;
   }
 };
 
