@@ -100,6 +100,7 @@ void* run_loop(void* argument) {
   while (d.board.wait_for_tick()) {
     obey_stream(d);
     d.board.set_state(d.node.state());
+    d.board.link().set_on_bench(d.node.config().bench.on_bench != 0);
     d.node.tick();
     answer_people(d);
   }

@@ -61,10 +61,17 @@ class App {
   }
 
   /// The robot stands on the ground: from now on the height counts from what the leg's angle says, the cable
-  /// from where it is. `invalid`: the switch is open, there was no sample, or it has no leg angle.
+  /// from where it is; on the bench that alone. `invalid`: the switch is open, there was no sample, or it has
+  /// no leg angle.
   Status home() {
     const control::Sample& now = state_.last_sample;
-    if (state_.missed_samples != 0 || now.contact == 0 || !is_finite(now.leg_angle_rad))
+    const bool on_bench = config_.bench.on_bench != 0;
+    if (on_bench && state_.missed_samples == 0) {
+      home_ = now;
+      homed_ = true;
+      return Status::ok;
+    }
+    if (on_bench || state_.missed_samples != 0 || now.contact == 0 || !is_finite(now.leg_angle_rad))
       return Status::invalid;
     home_ = now;
     home_.home_height_m = control::leg_height_m(config_.link_length_m, now.leg_angle_rad);

@@ -202,6 +202,10 @@ class CanLink {
     cable_home_count_ = cable_count;
   }
 
+  /// On the clutch's bench there is neither drive nor rail: they are not waited for, and nothing is sent.
+  void set_on_bench(bool on_bench) { on_bench_ = on_bench; }
+  bool on_bench() const { return on_bench_; }
+
   /// A frame that came at `now_us`, any frame at all.
   void receive(const bus::Frame& frame, std::uint32_t now_us) {
     using namespace bus::message;
@@ -243,11 +247,13 @@ class CanLink {
     sample.home_height_m = home_height_m_;
     sample.cable_home_count = cable_home_count_;
     sample.leg_angle_rad = drive_.leg_angle_rad;
-    sample.age_us = drive_heard_.age_us(now_us);
-    control::Fault fault = bus_off_ ? control::Fault::bus_off : drive_fault(now_us);
+    const std::uint32_t drive_age_us = drive_heard_.age_us(now_us);
+    sample.age_us = on_bench_ ? 0 : drive_age_us;
+    const control::Fault of_drive = on_bench_ ? control::Fault::none : drive_fault(now_us);
+    control::Fault fault = bus_off_ ? control::Fault::bus_off : of_drive;
     const bool unreliable = note_troubles();
-    bool heard = drive_heard_.heard;
-    if (config_.height_node != 0) {
+    bool heard = on_bench_ || drive_heard_.heard;
+    if (config_.height_node != 0 && !on_bench_) {
       sample.height_count = height_.count();
       if (!height_.homed()) sample.home_height_m = kNotHomed;
       heard = listen(height_, now_us, sample, fault) && heard;
@@ -271,6 +277,10 @@ class CanLink {
   FrameBatch command(const control::Command& command, bool run) {
     FrameBatch batch;
     if (!sound_) return batch;
+    if (on_bench_) {
+      entered_ = awaited_ = 0;
+      return batch;
+    }
     statistics_.unanswered += awaited_;
     const float torque_nm = run && is_finite(command.torque_nm) ? command.torque_nm : 0.0f;
     commanded_[next_commanded_] = torque_nm;
@@ -414,7 +424,7 @@ class CanLink {
   std::array<float, kCommandsKept> commanded_{};  ///< N m, of the last ticks: the drive lags by one or two
   std::uint32_t next_commanded_ = 0, entered_ = 0, awaited_ = 0, disobeys_since_us_ = 0;
   std::uint32_t troubles_before_ = 0, trouble_tenths_ = 0;
-  bool disobeys_ = false, bus_off_ = false;
+  bool disobeys_ = false, bus_off_ = false, on_bench_ = false;
   bus::Stream request_stream_;
   CanRequest request_;
 };

@@ -8,6 +8,7 @@
 
 #include "firmware/app/app.hpp"
 #include "firmware/app/store.hpp"
+#include "firmware/app/trial_record.hpp"
 #include "firmware/store/fault_log.hpp"
 #include "furcula/bus/node_words.hpp"
 #include "furcula/bus/parameter_image.hpp"
@@ -56,6 +57,7 @@ class Node {
     if (state_ == bus::NodeState::starting) app_.request_reset();
     app_.set_run(state_ == bus::NodeState::running);
     app_.tick();
+    keep_trial();
     const control::Fault fault = app_.telemetry().outputs.fault;
     faults_.note(app_.telemetry().tick, static_cast<std::uint8_t>(fault));
     follow(fault);
@@ -116,6 +118,7 @@ class Node {
   }
   bus::Refusal refuse(bus::Refusal why) { return note(why); }
 
+  const TrialRecord& trial() const { return trial_; }
   const App<B>& app() const { return app_; }
   const bus::Identity& identity() const { return identity_; }
   const FaultLog& faults() const { return faults_; }
@@ -125,6 +128,7 @@ class Node {
   /// Why it does not move.
   bus::Reason reason() const {
     if (state_ != bus::NodeState::running) return reason_;
+    if (config().bench.on_bench != 0) return bus::Reason::trial;
     const control::TorqueProfileConfig& torque = config().torque;
     if (torque.shape == control::ProfileShape::zero || torque.amplitude_nm == 0.0f)
       return bus::Reason::no_torque;
@@ -190,6 +194,13 @@ class Node {
     reason_ = reason;
     ticks_in_state_ = 0;
     if (state != State::running) by_stream_ = false;
+  }
+
+  /// On the bench to run is to make one trial.
+  void keep_trial() {
+    const control::Outputs& out = app_.telemetry().outputs;
+    trial_.add(out.trial, app_.state().last_sample.cable_count, out.command.coil_duty);
+    if (state_ == State::running && out.trial.ended) enter(State::idle, bus::Reason::trial_ended);
   }
 
   void stop() {
@@ -310,6 +321,7 @@ class Node {
   control::Config defaults_;
   bus::Identity identity_;
   App<B> app_;
+  TrialRecord trial_;
   bus::BusCounts bus_counts_;
   State state_ = State::starting;
   bus::Reason reason_ = bus::Reason::starting;

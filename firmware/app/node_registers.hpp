@@ -20,6 +20,7 @@ class NodeRegisters {
   explicit NodeRegisters(N& node) : node_(node) {}
 
   bus::ModbusException read_input(std::uint16_t first, std::span<std::uint16_t> out) const {
+    if (first >= bus::kTrialNumberAddress) return read_trial(first, out);
     if (first >= bus::kLogBase) return read_log(first - bus::kLogBase, out);
     if (first + out.size() > bus::kInputWords) return bus::ModbusException::illegal_address;
     const auto words = bus::to_words(node_.snapshot());
@@ -80,6 +81,13 @@ class NodeRegisters {
 
   static bool in_parameters(std::uint16_t first, std::size_t count) {
     return first >= bus::kParameterBase && first + count <= bus::kParameterBase + bus::kParameterWords;
+  }
+
+  bus::ModbusException read_trial(std::uint16_t first, std::span<std::uint16_t> out) const {
+    for (std::size_t i = 0; i < out.size(); ++i)
+      if (!node_.trial().read(static_cast<std::uint16_t>(first + i), out[i]))
+        return bus::ModbusException::illegal_address;
+    return bus::ModbusException::none;
   }
 
   static bus::ModbusException answer(bus::Refusal refusal) {

@@ -27,8 +27,8 @@ struct Timing {
 struct Reading {
   std::int32_t count = 0;  ///< of the pulley's encoder, from where the belt hung; positive: the load is lower
   double current_a = std::numeric_limits<double>::quiet_NaN();  ///< of the coil, where it is measured
-  double voltage_v = 0.0;                                       ///< across the coil, until then
-  double coil = 0.0;                                            ///< share of the supply, from then on
+  double voltage_v = 0.0;  ///< across the coil until then; NaN where it is not measured
+  double coil = 0.0;       ///< share of the supply, from then on
 };
 
 /// What of the conditions a board sets up by itself: all of them, or the window alone. Where a person hangs

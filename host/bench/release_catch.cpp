@@ -79,6 +79,8 @@ log::Log to_log(const Trial& trial, const Board& board, const std::string& path)
                   {"window_s", log::shortest(trial.conditions.window_s)},
                   {"supply_v", log::shortest(trial.conditions.supply_v)},
                   {"pressing_n", log::shortest(trial.conditions.pressing_n)}};
+  const bool voltage = std::all_of(trial.readings.begin(), trial.readings.end(),
+                                   [](const Reading& r) { return std::isfinite(r.voltage_v); });
   const bool current = std::all_of(trial.readings.begin() + 1, trial.readings.end(),
                                    [](const Reading& r) { return std::isfinite(r.current_a); });
   for (std::size_t n = 0; n < trial.readings.size(); ++n) {
@@ -86,7 +88,7 @@ log::Log to_log(const Trial& trial, const Board& board, const std::string& path)
     log.columns["time_s"].push_back(static_cast<double>(n) * kTick_s);
     log.columns["pulley_angle_rad"].push_back(r.count * board.metres_per_count() / board.pulley_radius_m());
     log.columns["solenoid"].push_back(r.coil > 0.0 ? 1.0 : 0.0);
-    log.columns["voltage_v"].push_back(r.voltage_v);
+    if (voltage) log.columns["voltage_v"].push_back(r.voltage_v);
     if (current) log.columns["current_a"].push_back(n == 0 ? 0.0 : r.current_a);
   }
   return log;
@@ -182,6 +184,11 @@ ReleaseCatch run_release_catch(Board& board, const Options& options, const Limit
   const auto tell = [&](double fraction, std::string_view doing) {
     if (options.progress) options.progress(fraction, doing);
   };
+  const bool adjusts_all = board.adjusts() == Adjusts::everything;
+  if (!adjusts_all && limits.holding_min_kg)
+    throw log::DataError(out.board +
+                         ": holding_min_kg is asked for, and this board cannot set the load: leave it " +
+                         "out of the limits");
   tell(0.0, "the trial as given");
   out.standard = run_trial(board, options.conditions);
 
@@ -189,9 +196,14 @@ ReleaseCatch run_release_catch(Board& board, const Options& options, const Limit
   for (std::size_t i = 0; i < options.trials; ++i) {
     tell(0.8 * static_cast<double>(i) / static_cast<double>(options.trials), "varied trials");
     Conditions c = options.conditions;
-    c.load_kg *= 1.0 + random.uniform(-options.load_share, options.load_share);
-    c.window_s = std::max(kTick_s, c.window_s + random.uniform(-options.window_s, options.window_s));
-    c.supply_v *= 1.0 + random.uniform(-options.supply_share, options.supply_share);
+    const double load = random.uniform(-options.load_share, options.load_share),
+                 window_s = random.uniform(-options.window_s, options.window_s),
+                 supply = random.uniform(-options.supply_share, options.supply_share);
+    c.window_s = std::max(kTick_s, c.window_s + window_s);
+    if (adjusts_all) {
+      c.load_kg *= 1.0 + load;
+      c.supply_v *= 1.0 + supply;
+    }
     Trial t = run_trial(board, c);
     const auto badness = [](const Trial& x) { return x.caught() ? x.caught_after_s : 1e9; };
     if (out.trials.empty() || badness(t) > badness(out.trials[out.worst])) {
@@ -216,16 +228,20 @@ ReleaseCatch run_release_catch(Board& board, const Options& options, const Limit
     out.sweeps.push_back(std::move(s));
   };
   const Conditions& c = options.conditions;
-  sweep("load_kg", &Conditions::load_kg,
-        {0.25 * c.load_kg, 0.5 * c.load_kg, c.load_kg, 1.5 * c.load_kg, 2.0 * c.load_kg, 3.0 * c.load_kg});
+  if (adjusts_all)
+    sweep("load_kg", &Conditions::load_kg,
+          {0.25 * c.load_kg, 0.5 * c.load_kg, c.load_kg, 1.5 * c.load_kg, 2.0 * c.load_kg, 3.0 * c.load_kg});
   sweep("window_s", &Conditions::window_s,
         {0.5 * c.window_s, 0.75 * c.window_s, c.window_s, 1.25 * c.window_s, 1.5 * c.window_s,
          2.0 * c.window_s});
-  sweep("pressing_n", &Conditions::pressing_n,
-        {0.5 * c.pressing_n, 0.75 * c.pressing_n, c.pressing_n, 1.25 * c.pressing_n, 1.5 * c.pressing_n});
+  if (adjusts_all)
+    sweep("pressing_n", &Conditions::pressing_n,
+          {0.5 * c.pressing_n, 0.75 * c.pressing_n, c.pressing_n, 1.25 * c.pressing_n, 1.5 * c.pressing_n});
 
   tell(0.9, "holding load");
+  if (!adjusts_all) out.holding_kg = kNever;
   for (const double share : {0.25, 0.5, 0.75, 1.0, 1.25, 1.5}) {
+    if (!adjusts_all) break;
     Conditions at = c;
     at.pressing_n = share * c.pressing_n;
     out.holding.push_back({at.pressing_n, holding_load_kg(board, at)});

@@ -88,13 +88,16 @@ struct ReleaseCatch {
   std::size_t worst = 0;      ///< not caught, else caught last
   Summary summary;
   std::vector<Sweep> sweeps;
-  std::vector<Holding> holding;  ///< over the pressing force
-  double holding_kg = 0.0;       ///< at the conditions given
+  /// Over the pressing force; empty where the board does not set the load.
+  std::vector<Holding> holding;
+  double holding_kg = 0.0;  ///< at the conditions given; NaN where it was not looked for
   std::vector<Check> checks;
   bool passed = true;
 };
 
-/// The whole test. The same options give the same result on a board that does.
+/// The whole test; on a board that adjusts no more than the window, what varies that alone. The same options
+/// give the same result on a board that does. @throws log::DataError as Board::run() does, and where a limit
+/// asks for what the board cannot look for.
 ReleaseCatch run_release_catch(Board& board, const Options& options, const Limits& limits);
 
 }  // namespace furcula::bench

@@ -99,6 +99,16 @@ without a gap of 100 ms.
       " k. An entry that is not there reads as 0. A board keeps them over a\nreset, not over a power cut.\n"
       "\n| address + | name | type | unit | meaning |\n| --- | --- | --- | --- | --- |\n";
   for (const LogRegister& r : kLogRegisters) out += register_row(r);
+  out +=
+      "\n### The last trial on the clutch's bench\n\nInput registers too; a row is a millisecond. With "
+      "`on_bench` set, `arm` and `hop` make one trial ([bench.md](bench.md)), which is read when it is "
+      "over.\n"
+      "\n| address | meaning |\n| --- | --- |\n";
+  out += row(kTrialNumberAddress, "number of the trial since the start; 0: there was none");
+  out += row(kTrialRowsAddress, "rows that it has, up to " + std::to_string(kTrialRowsMost));
+  out += row(kTrialCountBase,
+             "and on, one a row: what the cable's encoder had moved since the first row, in counts, signed");
+  out += row(kTrialCoilBase, "and on, one a row: the coil's duty from then on, in percent");
   out += R"(
 ## Parameters
 

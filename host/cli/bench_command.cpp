@@ -1,10 +1,13 @@
 // `furcula bench`: experiments on a test stand.
+#include <unistd.h>
+
 #include <cmath>
 #include <cstdio>
 #include <memory>
 #include <string>
 
 #include "host/bench/limits.hpp"
+#include "host/bench/modbus_board.hpp"
 #include "host/bench/pil_board.hpp"
 #include "host/bench/release_catch.hpp"
 #include "host/bench/release_catch_json.hpp"
@@ -16,6 +19,7 @@
 #include "host/cli/recordings.hpp"
 #include "host/cli/within.hpp"
 #include "host/log/atomic_file.hpp"
+#include "host/log/error.hpp"
 #include "host/log/message.hpp"
 #include "host/log/writer.hpp"
 
@@ -26,6 +30,7 @@ struct Options {
   std::string board = "sim", limits, out;
   bench::Conditions conditions;
   double window_ms = 40.0;
+  int pulley_teeth = 20;
   std::size_t trials = 100;
   std::uint64_t seed = 0;
 };
@@ -37,18 +42,42 @@ std::string millimetres(double length_m) {
   return length_m == length_m ? log::shortest(std::round(1e4 * length_m) / 10.0) + " mm" : "-";
 }
 
-constexpr const char* kBoards = "sim, pil or pil:IMAGE";
+constexpr const char* kBoards = "sim, pil, pil:IMAGE, modbus:HOST:PORT or modbus:/dev/NAME@BAUD";
 
-std::unique_ptr<bench::Board> open_board(const std::string& text) {
+/// Where nobody sits, the stand hangs its load up by itself.
+void ask_to_hang(const bench::Conditions& c) {
+  if (::isatty(STDIN_FILENO) == 0) return;
+  std::fprintf(stderr,
+               "Hang %g kg at rest at the top of its way (window %g ms), then press Enter: ", c.load_kg,
+               1e3 * c.window_s);
+  for (int key = std::getchar(); key != '\n' && key != EOF;) key = std::getchar();
+}
+
+std::unique_ptr<bench::Board> open_board(const Options& o) {
+  const std::string& text = o.board;
   if (text == "sim") return std::make_unique<bench::SimBoard>();
   if (text == "pil") return std::make_unique<bench::PilBoard>(FURCULA_M4F_IMAGE);
   if (text.starts_with("pil:") && text.size() > 4) return std::make_unique<bench::PilBoard>(text.substr(4));
+  if (text.starts_with("modbus:")) {
+    modbus::Port port;
+    try {
+      port = modbus::parse_port(text);
+    } catch (const log::DataError& e) {
+      throw UsageError(std::string("--board: ") + e.what());
+    }
+    return std::make_unique<bench::ModbusBoard>(port, o.pulley_teeth, ask_to_hang);
+  }
+  if (text == "hil" || text.starts_with("can:"))
+    throw UsageError(
+        "--board: " + text +
+        " is not supported: the CAN bus carries no trial; a board on a bench answers over Modbus "
+        "(furculad does, too)");
   throw UsageError("--board: " + log::quoted(text) + "; expected " + kBoards);
 }
 
 void run(const Options& o) {
   const bench::Limits limits = o.limits.empty() ? bench::Limits{} : bench::read_limits(o.limits);
-  const std::unique_ptr<bench::Board> stand = open_board(o.board);
+  const std::unique_ptr<bench::Board> stand = open_board(o);
   bench::Board& board = *stand;
   const OutFolder folder(o.out);
   bench::Options options;
@@ -100,7 +129,7 @@ void run(const Options& o) {
     std::printf("%s%g N holds %.2f kg", before, h.pressing_n, h.load_kg);
     before = ", ";
   }
-  std::printf("\n");
+  if (!r.holding.empty()) std::printf("\n");
   for (const bench::Check& c : r.checks) {
     char measured[32] = "not in every trial";
     if (std::isfinite(c.measured)) std::snprintf(measured, sizeof measured, "%.6g", c.measured);
@@ -138,6 +167,11 @@ void add_bench_command(CLI::App& app) {
   command
       ->add_option("--trials", options->trials, "With load, window and supply varied by 20 %, 5 ms and 10 %")
       ->check(CLI::Range(std::size_t{0}, std::size_t{1000000}))
+      ->capture_default_str();
+  command
+      ->add_option("--pulley-teeth", options->pulley_teeth,
+                   "Of the belt's pulley at the encoder of a board on a bus, for its angle in the logs")
+      ->check(CLI::Range(1, 1000))
       ->capture_default_str();
   command->add_option("--seed", options->seed, "Seed of the varied trials")->capture_default_str();
   command->add_option("--limits", options->limits,

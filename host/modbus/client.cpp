@@ -4,6 +4,7 @@
 #include <poll.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cerrno>
@@ -148,6 +149,35 @@ void Client::request(bus::Request request) {
   link_->read_input(5, {&session, 1});
   const std::array<std::uint16_t, bus::kRequestWords> words{bus::kRequestKey, session, number};
   link_->write(bus::kRequestKeyAddress, words, what);
+}
+
+std::uint16_t Client::trial_number() {
+  std::uint16_t number = 0;
+  link_->read_input(bus::kTrialNumberAddress, {&number, 1});
+  return number;
+}
+
+Trial Client::trial() {
+  std::array<std::uint16_t, 2> head{};
+  link_->read_input(bus::kTrialNumberAddress, head);
+  if (head[1] > bus::kTrialRowsMost)
+    throw log::DataError(link_->port + ": its trial has " + std::to_string(head[1]) +
+                         " rows; expected at most " + std::to_string(bus::kTrialRowsMost));
+  const auto read_all = [&](std::uint16_t base) {
+    std::vector<std::uint16_t> words(head[1]);
+    for (std::size_t at = 0; at < words.size(); at += MODBUS_MAX_READ_REGISTERS)
+      link_->read_input(
+          static_cast<std::uint16_t>(base + at),
+          std::span(words).subspan(at, std::min<std::size_t>(MODBUS_MAX_READ_REGISTERS, words.size() - at)));
+    return words;
+  };
+  const std::vector<std::uint16_t> counts = read_all(bus::kTrialCountBase),
+                                   coil = read_all(bus::kTrialCoilBase);
+  Trial trial;
+  trial.number = head[0];
+  for (std::size_t i = 0; i < counts.size(); ++i)
+    trial.rows.push_back({static_cast<std::int16_t>(counts[i]), coil[i]});
+  return trial;
 }
 
 }  // namespace furcula::modbus

@@ -2,6 +2,7 @@
 // libmodbus's master is client.cpp.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <stdexcept>
 #include <string>
@@ -24,6 +25,16 @@ struct DeviceNames {
   std::string vendor, board, revision;
 };
 
+/// The last trial on the clutch's bench: a row a millisecond.
+struct Trial {
+  struct Row {
+    int count = 0;         ///< of the cable's encoder, since the first row
+    int coil_percent = 0;  ///< duty from then on
+  };
+  std::uint16_t number = 0;  ///< since the start; 0: there was none
+  std::vector<Row> rows;
+};
+
 /// Not for several threads. Every function may throw log::DataError (no answer within the time, a broken one,
 /// another version of the table), naming the port.
 class Client {
@@ -44,6 +55,8 @@ class Client {
   void write(const bus::Parameter& parameter, float value);
   /// Reads the session and sends key, session and request; `stop` without them. @throws Refused
   void request(bus::Request request);
+  std::uint16_t trial_number();
+  Trial trial();
 
  private:
   struct Link;

@@ -292,6 +292,7 @@ inline Result<control::Sample> RobotBoard::sense() {
 
 inline Status RobotBoard::actuate(const control::Command& command) {
   coil_.set(command.coil_duty);
+  if (link_.on_bench()) return Status::ok;
   if (!can_runs_) return Status::disconnected;
   can_.abort_pending();  // a command of the last tick is not to go out after this one
   const bool run = state_ == firmware::NodeState::running;

@@ -112,6 +112,7 @@ int main() {
   board.start_ticks();
   while (board.wait_for_tick()) {
     board.set_state(node.state());
+    board.link().set_on_bench(node.config().bench.on_bench != 0);
     node.tick();
     obey_stream(board, node);
     board.serve(registers, node.bus_counts());

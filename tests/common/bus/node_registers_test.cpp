@@ -152,7 +152,8 @@ TEST_CASE("addresses that are none are refused") {
   CHECK(b.registers.read_input(65535, two) == ModbusException::illegal_address);
   CHECK(b.registers.read_holding(2, two) == ModbusException::illegal_address);
   CHECK(b.registers.read_holding(255, two) == ModbusException::illegal_address);
-  CHECK(b.registers.read_holding(256 + 84, out) == ModbusException::illegal_address);
-  CHECK(b.registers.write_holding(256 + 82, Words(4)) == ModbusException::illegal_address);
+  CHECK(b.registers.read_holding(256 + bus::kParameterWords, out) == ModbusException::illegal_address);
+  CHECK(b.registers.write_holding(256 + bus::kParameterWords - 2, Words(4)) ==
+        ModbusException::illegal_address);
   CHECK(b.registers.write_holding(65535, two) == ModbusException::illegal_address);
 }

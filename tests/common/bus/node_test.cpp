@@ -1,6 +1,7 @@
 // The node: what it takes in which state, what makes it stop, what it says of itself.
 #include "firmware/app/node.hpp"
 
+#include <array>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <limits>
@@ -271,4 +272,55 @@ TEST_CASE("a controller whose configuration makes no sense is in its fault at on
   b.tick(2);
   CHECK(b.node.state() == NodeState::fault);
   CHECK(b.node.request(Request::arm) == Refusal::not_in_this_state);
+}
+
+TEST_CASE("on the bench arm and hop make one trial, which is kept row by row; then it is idle and says so") {
+  control::Config config;
+  config.bench = {.on_bench = 1, .rest_ticks = 5, .window_ticks = 10, .watch_ticks = 20};
+  config.clutch.metres_per_count = 1e-5f;
+  test::Bench b({}, config);
+  b.board.sample.leg_angle_rad = 9.0f;  // there is no leg
+  b.board.sample.cable_count = 5000;
+  b.settle();
+  CHECK(b.node.request(bus::Request::home) == bus::Refusal::none);
+  CHECK(b.node.request(bus::Request::arm) == bus::Refusal::none);
+  CHECK(b.node.request(bus::Request::hop) == bus::Refusal::none);
+  for (std::uint32_t row = 0; row < 36; ++row) {
+    CHECK(b.node.state() == bus::NodeState::running);
+    b.board.sample.cable_count = 5000 + row * row;
+    b.tick();
+  }
+  CHECK(b.node.state() == bus::NodeState::idle);
+  CHECK(b.node.reason() == bus::Reason::trial_ended);
+  b.tick(50);
+  std::array<std::uint16_t, 2> head{};
+  REQUIRE(b.registers.read_input(bus::kTrialNumberAddress, head) == bus::ModbusException::none);
+  CHECK(head == std::array<std::uint16_t, 2>{1, 36});
+  std::array<std::uint16_t, 36> counts{}, coil{};
+  REQUIRE(b.registers.read_input(bus::kTrialCountBase, counts) == bus::ModbusException::none);
+  REQUIRE(b.registers.read_input(bus::kTrialCoilBase, coil) == bus::ModbusException::none);
+  for (std::uint16_t row = 0; row < 36; ++row) {
+    CHECK(counts[row] == row * row);
+    CHECK(coil[row] == (row >= 5 && row < 15 ? 100 : 0));
+  }
+  std::uint16_t none = 0;
+  CHECK(b.registers.read_input(1026, {&none, 1}) == bus::ModbusException::illegal_address);
+  CHECK(b.registers.read_input(bus::kTrialCoilBase + bus::kTrialRowsMost - 1, head) ==
+        bus::ModbusException::illegal_address);
+}
+
+TEST_CASE("a trial that is stopped switches the coil off; its rows end there") {
+  control::Config config;
+  config.bench.on_bench = 1;
+  test::Bench b({}, config);
+  b.start();
+  b.tick(30);
+  CHECK(b.board.command.coil_duty > 0.0f);
+  CHECK(b.node.reason() == bus::Reason::trial);
+  static_cast<void>(b.node.request(bus::Request::stop));
+  b.tick();
+  CHECK(b.board.command.coil_duty == 0.0f);
+  std::uint16_t rows = 0;
+  REQUIRE(b.registers.read_input(bus::kTrialRowsAddress, {&rows, 1}) == bus::ModbusException::none);
+  CHECK(rows == 30);
 }

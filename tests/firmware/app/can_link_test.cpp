@@ -328,3 +328,18 @@ TEST_CASE("a configuration that makes no sense neither hears nor speaks") {
   CHECK_FALSE(link.sample(0).ok());
   CHECK(link.command({1.0f, 0.0f}, true).count == 0);
 }
+
+TEST_CASE("on the clutch's bench the cable's encoder alone is asked for, and nothing is sent to a drive") {
+  Bus b;
+  b.link.set_on_bench(true);
+  CHECK(b.link.sample(b.now_us).status() == Status::disconnected);
+  for (int i = 0; i < 100; ++i) {
+    CHECK(b.link.command({}, true).count == 0);
+    b.link.receive(encoder(kPulley, b.sequence++, 77), b.now_us += 1000);
+    CHECK(b.fault() == Fault::none);
+  }
+  CHECK(b.link.sample(b.now_us).value().cable_count == 77);
+  CHECK(b.link.statistics().unanswered == 0);
+  b.now_us += 5000;
+  CHECK(b.fault() == Fault::peer_lost);
+}

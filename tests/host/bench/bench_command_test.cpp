@@ -48,6 +48,19 @@ TEST_CASE("Arguments that make no sense are refused") {
   const TemporaryFolder folder;
   const Ran board = run_furcula({"bench", "release-catch", "--board", "moon", "--out", folder.path() + "/b"});
   CHECK(board.status == 2);
+  const Ran port =
+      run_furcula({"bench", "release-catch", "--board", "modbus:nowhere", "--out", folder.path() + "/b"});
+  CHECK(port.status == 2);
+  CHECK_THAT(port.err, Contains("expected modbus:/dev/NAME@BAUD"));
+  const Ran nobody =
+      run_furcula({"bench", "release-catch", "--board", "modbus:127.0.0.1:9", "--out", folder.path() + "/b"});
+  CHECK(nobody.status == 3);
+  CHECK_THAT(nobody.err, Contains("modbus:127.0.0.1:9"));
+  for (const char* name : {"hil", "can:can0"}) {
+    const Ran ran = run_furcula({"bench", "release-catch", "--board", name, "--out", folder.path() + "/b"});
+    CHECK(ran.status == 2);
+    CHECK_THAT(ran.err, Contains("is not supported"));
+  }
   const Ran number =
       run_furcula({"bench", "release-catch", "--window-ms", "nan", "--out", folder.path() + "/b"});
   CHECK(number.status == 2);

@@ -47,6 +47,8 @@ enum class Reason : std::uint8_t {
   stream_silent = 7,
   no_torque = 8,
   flight = 9,
+  trial = 10,
+  trial_ended = 11,
 };
 
 /// Where the parameters come from.
@@ -76,8 +78,8 @@ inline constexpr std::array<Word, 8> kRequests{{
     {3, "reset", "Clears the fault, if its cause is gone. Not taken when armed or running."},
     {4, "arm", "Makes ready to hop. Taken when idle."},
     {5, "home",
-     "The robot stands on the ground: the height is what the leg says, the clutch's cable is at rest. Not "
-     "taken when armed or running."},
+     "The robot stands on the ground: the height is what the leg says, the clutch's cable is at rest. On the "
+     "bench: the load is at the top of its way. Not taken when armed or running."},
     {6, "save", "Keeps the parameters over a restart. Not taken when armed or running."},
     {7, "load_defaults", "The parameters as built in; not saved. Not taken when armed or running."},
 }};
@@ -90,14 +92,16 @@ inline constexpr std::array<Word, 10> kRefusals{{
      "The session was not the one that the node shows: an old or repeated frame. Read it again."},
     {4, "not_in_this_state", "Not taken in the state that the node is in."},
     {5, "not_on_the_ground",
-     "Homing needs a fresh sample of a robot whose contact switch is closed, with its leg angle."},
+     "Homing needs a fresh sample of a robot whose contact switch is closed, with its leg angle; on the "
+     "bench "
+     "a fresh sample."},
     {6, "value_not_allowed", "A parameter's value is not a number, out of its bounds, or has a fraction."},
     {7, "makes_no_sense", "With these values together the controller's configuration makes no sense."},
     {8, "store_failed", "The parameters could not be saved."},
     {9, "no_edge", "A stream starts the robot only when its request changes to hop, while it is fresh."},
 }};
 
-inline constexpr std::array<Word, 10> kReasons{{
+inline constexpr std::array<Word, 12> kReasons{{
     {0, "none", "Nothing holds it: the controller commands a torque."},
     {1, "starting", "It starts: it waits for sensors that answer without a fault."},
     {2, "fault", "A fault holds it in the safe state."},
@@ -109,6 +113,8 @@ inline constexpr std::array<Word, 10> kReasons{{
     {8, "no_torque",
      "Its torque has no shape, or an amplitude of 0: set torque_shape and torque_amplitude_nm."},
     {9, "flight", "It is in the air: the torque is 0 until touch-down."},
+    {10, "trial", "It is on the clutch's bench, and a trial runs."},
+    {11, "trial_ended", "The bench's trial is over and can be read: arm it, then hop, for the next one."},
 }};
 
 inline constexpr std::array<Word, 4> kParameterOrigins{{

@@ -75,6 +75,7 @@ inline constexpr auto kSupervisor = &Config::supervisor;
 inline constexpr auto kClutch = &Config::clutch;
 inline constexpr auto kCoil = &Config::coil;
 inline constexpr auto kLeg = &Config::leg;
+inline constexpr auto kBench = &Config::bench;
 
 /// A number is never given to another parameter; what is added takes the next one.
 inline constexpr std::array kAll{
@@ -167,6 +168,11 @@ inline constexpr std::array kAll{
                                                          "Of the leg that is moved in flight."),
     parameter<kLeg, &LegPositionConfig::inertia_kgm2>(42, "leg_inertia_kgm2", "kg m^2", 0.0f, 0.1f,
                                                       "Of the leg about the hip, toe in the air."),
+    parameter<kBench, &BenchConfig::on_bench>(
+        43, "on_bench", "", 0.0f, 1.0f,
+        "1: a clutch on its bench, without leg, rail and drive: hop makes one trial."),
+    parameter<kBench, &BenchConfig::window_ticks>(44, "bench_window_ms", "ms", 1.0f, 500.0f,
+                                                  "That the coil is on in a trial."),
 };
 
 }  // namespace table_of_parameters

@@ -191,6 +191,14 @@ inline constexpr std::uint16_t kLogEntryWords =
     kLogRegisters.back().address + words(kLogRegisters.back().type);
 inline constexpr std::uint16_t kLogWords = kLoggedFaults * kLogEntryWords;
 
+/// The last trial on the clutch's bench, input registers too: its number since the start, how many rows it
+/// has, and of each row what the cable's encoder had moved since the first one (counts, signed) and the
+/// coil's duty from then on (percent). A row is a millisecond. Rows that the trial does not have are old or
+/// 0.
+inline constexpr std::uint16_t kTrialNumberAddress = 1024, kTrialRowsAddress = 1025;
+inline constexpr std::uint16_t kTrialCountBase = 2048, kTrialCoilBase = 4096;
+inline constexpr std::uint16_t kTrialRowsMost = 1024;
+
 /// The request: three holding registers that are written at once. `stop` may be written alone.
 inline constexpr std::uint16_t kRequestKeyAddress = 0, kRequestSessionAddress = 1, kRequestAddress = 2;
 inline constexpr std::uint16_t kRequestWords = 3;
