@@ -24,7 +24,7 @@ control::Config live_config(const SimStand& stand) {
 
 struct LiveStand::Parts {
   Parts(const Conditions& c, const bus::Identity& identity, std::uint16_t session_seed)
-      : conditions(c), node(stand, store, live_config(stand), identity, session_seed) {
+      : conditions(c), node(stand, store, live_config(stand), identity, session_seed, faults) {
     wind_up();
   }
   void wind_up() { stand.prepare(conditions, std::numeric_limits<std::size_t>::max()); }
@@ -33,6 +33,7 @@ struct LiveStand::Parts {
   Conditions conditions;
   SimStand stand;
   firmware::NoStore store;
+  firmware::FaultLog faults;
   firmware::Node<SimStand, firmware::NoStore> node;
   firmware::NodeRegisters<firmware::Node<SimStand, firmware::NoStore>> registers{node};
 };
@@ -46,7 +47,10 @@ void LiveStand::advance(int ticks) {
   for (int i = 0; i < ticks && parts_->stand.wait_for_tick(); ++i) {
     const bool ran = parts_->node.state() == bus::NodeState::running;
     parts_->node.tick();
-    if (ran && parts_->node.state() != bus::NodeState::running) parts_->wind_up();
+    if (!ran || parts_->node.state() == bus::NodeState::running) continue;
+    // Who asks for home next shall find it where the load hangs now.
+    parts_->wind_up();
+    if (parts_->stand.wait_for_tick()) parts_->node.tick();
   }
 }
 

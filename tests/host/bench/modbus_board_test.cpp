@@ -1,6 +1,7 @@
 // The release/catch test on a board that answers to Modbus: the simulated bench with a node on it.
 #include "host/bench/modbus_board.hpp"
 
+#include <atomic>
 #include <catch2/catch.hpp>
 #include <cmath>
 
@@ -20,8 +21,9 @@ namespace {
 /// Its time goes on with each request, so that nothing depends on this computer's.
 struct Stand {
   LiveStand live{{}, {"sim_host", "1.0.0", 0x010000, 0}, 77};
+  std::atomic<int> ticks = 60;
   modbus::TcpServer server{"127.0.0.1", 0, [this](bus::TcpConnection& c) {
-                             live.advance(60);
+                             live.advance(ticks);
                              return live.answer(c);
                            }};
   std::string port() const { return "modbus:127.0.0.1:" + std::to_string(server.port()); }
@@ -78,6 +80,24 @@ TEST_CASE(
   limits.holding_min_kg = 4.0;
   CHECK_THAT(test::error_message([&] { run_release_catch(board, options, limits); }),
              Contains("holding_min_kg is asked for, and this board cannot set the load"));
+}
+
+TEST_CASE(
+    "Home is where the load hangs again, also for who asks in the same millisecond in which a trial ended") {
+  Stand stand;
+  modbus::Client client(modbus::parse_port(stand.port()));
+  client.write(*bus::parameter_named("bench_window_ms"), 40.0f);
+  client.request(bus::Request::arm);
+  client.request(bus::Request::hop);
+  const auto ended = [&] { return client.snapshot().reason == static_cast<int>(bus::Reason::trial_ended); };
+  stand.ticks = 1;
+  for (int i = 0; i < 1000 && !ended(); ++i) {
+  }
+  stand.ticks = 0;
+  REQUIRE(ended());
+  client.request(bus::Request::home);
+  stand.ticks = 1;
+  CHECK(client.snapshot().cable_travel_m == 0.0f);
 }
 
 TEST_CASE("A board that is not there, not on a bench, or asked for what it cannot do, says so") {
