@@ -17,13 +17,13 @@
 #include "boards/linux_sbc/board.hpp"
 #include "boards/linux_sbc/file_store.hpp"
 #include "boards/linux_sbc/hatch.hpp"
-#include "boards/linux_sbc/modbus_server.hpp"
 #include "boards/linux_sbc/notify.hpp"
 #include "boards/linux_sbc/realtime.hpp"
 #include "firmware/app/node.hpp"
 #include "firmware/app/node_registers.hpp"
 #include "furcula/bus/modbus_pdu.hpp"
 #include "host/log/own_build.hpp"
+#include "host/modbus/tcp_server.hpp"
 
 /// Of this process so far, where a program that counts them is linked (tests/hil/allocations.cpp).
 extern "C" __attribute__((weak)) unsigned long furcula_allocations();
@@ -65,7 +65,7 @@ struct Daemon {
   Node node;
   firmware::NodeRegisters<Node> registers;
   Hatch hatch;
-  std::unique_ptr<ModbusServer> server;
+  std::unique_ptr<modbus::TcpServer> server;
   int priority;
   std::string warning;  ///< of the loop's thread; written before its first tick
 };
@@ -81,18 +81,6 @@ void obey_stream(Daemon& d) {
   static_cast<void>(d.node.stream(command));
 }
 
-void answer_people(Daemon& d) {
-  Pdu request;
-  if (!d.hatch.request.take(request)) return;
-  Pdu reply;
-  reply.number = request.number;
-  const bus::Response response =
-      bus::handle_pdu(d.registers, std::span<const std::uint8_t>(request.bytes).first(request.size));
-  reply.size = static_cast<std::uint16_t>(response.size);
-  std::copy_n(response.bytes.begin(), response.size, reply.bytes.begin());
-  static_cast<void>(d.hatch.answer.put(reply));
-}
-
 void* run_loop(void* argument) {
   Daemon& d = *static_cast<Daemon*>(argument);
   touch_stack();
@@ -102,7 +90,9 @@ void* run_loop(void* argument) {
     d.board.set_state(d.node.state());
     d.board.link().set_on_bench(d.node.config().bench.on_bench != 0);
     d.node.tick();
-    answer_people(d);
+    d.hatch.attend([&d](std::span<const std::uint8_t> request) {
+      return bus::handle_pdu(d.registers, d.node.bus_counts(), request);
+    });
   }
   // Said several times: one frame may be lost.
   d.board.set_state(bus::NodeState::idle);
@@ -116,7 +106,7 @@ void* run_loop(void* argument) {
 void* run_server(void* argument) {
   Daemon& d = *static_cast<Daemon*>(argument);
   touch_stack();
-  d.server->serve(d.stop);
+  d.server->serve();
   return nullptr;
 }
 
@@ -184,8 +174,9 @@ void run_daemon(const Configuration& configuration) {
   Gpio gpio(configuration.contact, configuration.has_solenoid ? &configuration.solenoid : nullptr);
   const auto daemon = std::make_unique<Daemon>(configuration, can, gpio);
   if (configuration.modbus)
-    daemon->server = std::make_unique<ModbusServer>(configuration.modbus_address, configuration.modbus_port,
-                                                    daemon->hatch);
+    daemon->server = std::make_unique<modbus::TcpServer>(
+        configuration.modbus_address, configuration.modbus_port,
+        [&hatch = daemon->hatch](std::span<const std::uint8_t> request) { return hatch.ask(request); });
   warn(lock_memory());
 
   const unsigned long loop = start_thread(run_loop, daemon.get());
@@ -205,7 +196,10 @@ void run_daemon(const Configuration& configuration) {
   manager.tell("STOPPING=1");
   daemon->stop = true;
   ::pthread_join(loop, nullptr);
-  if (daemon->server) ::pthread_join(server, nullptr);
+  if (daemon->server) {
+    daemon->server->stop();
+    ::pthread_join(server, nullptr);
+  }
   print_figures(daemon->figures, begin);
 }
 

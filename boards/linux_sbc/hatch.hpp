@@ -3,23 +3,40 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 
 #include "boards/linux_sbc/slot.hpp"
 #include "furcula/bus/modbus_pdu.hpp"
 
 namespace furcula::linux_sbc {
 
-/// A Modbus request or answer without what wraps it on the wire: function code and data.
-struct Pdu {
-  static constexpr std::size_t kMostBytes = bus::kPduBytesMax;
-  std::uint32_t number = 0;  ///< an answer has that of its request
-  std::uint16_t size = 0;
-  std::array<std::uint8_t, kMostBytes> bytes{};
-};
+class Hatch {
+ public:
+  /// For the server's thread: hands a Modbus request (function code and data, at most bus::kPduBytesMax) to
+  /// the loop and waits for its answer. A loop that does not answer within 100 ms is the exception of a
+  /// server's failure.
+  bus::Response ask(std::span<const std::uint8_t> request);
 
-struct Hatch {
-  Slot<Pdu> request;  ///< put by the server, taken by the loop
-  Slot<Pdu> answer;   ///< the other way round
+  /// For the loop: answers what there is to answer, if anything. Never waits.
+  template <class Answer>
+  void attend(const Answer& answer) {
+    if (Pdu request; request_.take(request)) {
+      const bus::Response response = answer(std::span<const std::uint8_t>(request.bytes).first(request.size));
+      static_cast<void>(answer_.put({request.number, response.bytes, response.size}));
+    }
+  }
+
+ private:
+  /// Without what wraps it on the wire.
+  struct Pdu {
+    std::uint32_t number = 0;  ///< an answer has that of its request
+    std::array<std::uint8_t, bus::kPduBytesMax> bytes{};
+    std::size_t size = 0;
+  };
+
+  Slot<Pdu> request_;  ///< put by the server, taken by the loop
+  Slot<Pdu> answer_;   ///< the other way round
+  std::uint32_t number_ = 0;
 };
 
 }  // namespace furcula::linux_sbc

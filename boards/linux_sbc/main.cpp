@@ -4,7 +4,6 @@
 #include <iostream>
 
 #include "boards/linux_sbc/daemon.hpp"
-#include "host/log/error.hpp"
 
 namespace {
 
@@ -42,17 +41,17 @@ int main(int argc, char** argv) {
       path = argv[i];
   }
   if (path == nullptr) return tell("no configuration file (furculad --help)", 2);
+  bool sound = false;
   try {
     const auto configuration = furcula::linux_sbc::read_configuration(path);
+    sound = true;
     if (check) {
       std::cout << "furculad: " << path << " is sound\n";
       return 0;
     }
     furcula::linux_sbc::run_daemon(configuration);
     return 0;
-  } catch (const furcula::log::DataError& e) {
-    return tell(e.what(), 3);
   } catch (const std::exception& e) {
-    return tell(e.what(), 4);
+    return tell(e.what(), sound ? 4 : 3);
   }
 }

@@ -54,9 +54,9 @@ void LiveStand::advance(int ticks) {
   }
 }
 
-std::span<const std::uint8_t> LiveStand::answer(bus::TcpConnection& connection) {
+bus::Response LiveStand::answer(std::span<const std::uint8_t> request) {
   const std::lock_guard lock(parts_->mutex);
-  return connection.answer(parts_->registers, parts_->node.bus_counts());
+  return bus::handle_pdu(parts_->registers, parts_->node.bus_counts(), request);
 }
 
 }  // namespace furcula::bench

@@ -5,7 +5,7 @@
 #include <memory>
 #include <span>
 
-#include "furcula/bus/modbus_tcp.hpp"
+#include "furcula/bus/modbus_pdu.hpp"
 #include "furcula/bus/registers.hpp"
 #include "host/bench/board.hpp"
 
@@ -21,8 +21,8 @@ class LiveStand {
 
   /// So many milliseconds of simulated time.
   void advance(int ticks);
-  /// Of a connection's complete request; holds as TcpConnection::answer() says.
-  std::span<const std::uint8_t> answer(bus::TcpConnection& connection);
+  /// Of a Modbus request: function code and its data.
+  bus::Response answer(std::span<const std::uint8_t> request);
 
  private:
   struct Parts;

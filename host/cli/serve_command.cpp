@@ -6,6 +6,7 @@
 #include <iostream>
 #include <memory>
 #include <random>
+#include <span>
 #include <string>
 #include <thread>
 #include <utility>
@@ -35,7 +36,7 @@ volatile std::sig_atomic_t ended = 0;
 /// Until it is interrupted, or for as long as it was told.
 void live(const Options& options, const char* what, const std::function<void(int)>& advance,
           modbus::TcpServer::Answer answer) {
-  const modbus::TcpServer server(options.address, options.port, std::move(answer));
+  const modbus::TcpService server(options.address, options.port, std::move(answer));
   std::signal(SIGINT, [](int) { ended = 1; });
   std::signal(SIGTERM, [](int) { ended = 1; });
   std::cout << what << " answers at modbus:" << options.address << ":" << server.port() << ", build "
@@ -62,7 +63,7 @@ void run(const Options& options) {
     bench::LiveStand stand({}, identity, session);
     live(
         options, "a simulated bench", [&stand](int ticks) { stand.advance(ticks); },
-        [&stand](bus::TcpConnection& c) { return stand.answer(c); });
+        [&stand](std::span<const std::uint8_t> request) { return stand.answer(request); });
     return;
   }
   const model::Model model = options.model.empty() ? sim::example_hopper() : model::read_model(options.model);
@@ -72,7 +73,7 @@ void run(const Options& options) {
   sim::LiveRig rig(model, scenario, options.seed, options.store, identity, session);
   live(
       options, "a simulated robot", [&rig](int ticks) { rig.advance(ticks); },
-      [&rig](bus::TcpConnection& c) { return rig.answer(c); });
+      [&rig](std::span<const std::uint8_t> request) { return rig.answer(request); });
 }
 
 }  // namespace

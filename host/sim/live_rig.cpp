@@ -118,9 +118,9 @@ bus::Snapshot LiveRig::snapshot() const {
   return parts_->node.snapshot();
 }
 
-std::span<const std::uint8_t> LiveRig::answer(bus::TcpConnection& connection) {
+bus::Response LiveRig::answer(std::span<const std::uint8_t> request) {
   const std::lock_guard lock(parts_->mutex);
-  return connection.answer(parts_->registers, parts_->node.bus_counts());
+  return bus::handle_pdu(parts_->registers, parts_->node.bus_counts(), request);
 }
 
 }  // namespace furcula::sim

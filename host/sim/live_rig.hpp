@@ -6,7 +6,7 @@
 #include <span>
 #include <string>
 
-#include "furcula/bus/modbus_tcp.hpp"
+#include "furcula/bus/modbus_pdu.hpp"
 #include "furcula/bus/registers.hpp"
 #include "host/model/model.hpp"
 #include "host/sim/scenario.hpp"
@@ -30,8 +30,8 @@ class LiveRig {
   /// So many milliseconds of simulated time.
   void advance(int ticks);
   bus::Snapshot snapshot() const;
-  /// Of a connection's complete request; holds as TcpConnection::answer() says.
-  std::span<const std::uint8_t> answer(bus::TcpConnection& connection);
+  /// Of a Modbus request: function code and its data.
+  bus::Response answer(std::span<const std::uint8_t> request);
 
  private:
   struct Parts;

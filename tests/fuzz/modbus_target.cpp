@@ -3,7 +3,6 @@
 #include <cmath>
 
 #include "furcula/bus/modbus_rtu.hpp"
-#include "furcula/bus/modbus_tcp.hpp"
 #include "tests/common/bus/node_board.hpp"
 #include "tests/fuzz/target.hpp"
 
@@ -17,24 +16,6 @@ void check(const test::Bench& b) {
   const bool runs = b.node.state() == bus::NodeState::running;
   require(std::isfinite(b.board.command.torque_nm), "the torque is a number");
   require(runs || b.node.reason() != bus::Reason::none, "a robot that does not run says why");
-}
-
-/// The same bytes as a stream of Modbus/TCP.
-void serve_stream(std::string_view input) {
-  test::Bench b;
-  b.settle();
-  bus::TcpConnection connection;
-  const std::vector<std::uint8_t> bytes(input.begin(), input.end());
-  for (std::span<const std::uint8_t> rest(bytes); !rest.empty() && !connection.broken();) {
-    const std::size_t taken = connection.take(rest);
-    require(taken > 0, "a stream that is not broken goes on");
-    rest = rest.subspan(taken);
-    if (!connection.complete()) continue;
-    const auto out = connection.answer(b.registers, b.node.bus_counts());
-    require(out.size() >= 9 && out.size() <= bus::kTcpBytesMax, "an answer is a frame");
-    require(out[4] * 256u + out[5] == out.size() - 6, "and says how long it is");
-    check(b);
-  }
 }
 
 }  // namespace
@@ -76,7 +57,6 @@ bool accepts(std::string_view input) {
     answered = answered || !out.empty();
     check(b);
   }
-  serve_stream(input);
   return answered;
 }
 

@@ -9,7 +9,6 @@
 
 #include "firmware/app/rtu_port.hpp"
 #include "furcula/bus/modbus_rtu.hpp"
-#include "furcula/bus/modbus_tcp.hpp"
 #include "tests/common/bus/node_board.hpp"
 
 using namespace furcula;
@@ -284,42 +283,4 @@ TEST_CASE("a whole node answers through frames: all of its input registers in on
   CHECK(s.height_m == Approx(0.22f));
   CHECK(s.board_id == bus::board_id("test_board"));
   CHECK(s.build_id == 0x0badcafe);
-}
-
-TEST_CASE(
-    "requests over TCP are found in a stream that is cut anywhere, and answered with their transaction") {
-  // Reads registers 8 and then 9; unit and transaction come back as they went.
-  const Bytes first{0x15, 0x01, 0, 0, 0, 6, 0xff, 4, 0, 8, 0, 1},
-      second{0x15, 0x02, 0, 0, 0, 6, 7, 4, 0, 9, 0, 1};
-  Bytes stream = first;
-  stream.insert(stream.end(), second.begin(), second.end());
-  for (std::size_t cut = 0; cut <= stream.size(); ++cut) {
-    Memory memory;
-    memory.words[8] = 0x1234;
-    bus::BusCounts counts;
-    bus::TcpConnection connection;
-    Bytes answers;
-    const std::span<const std::uint8_t> all(stream);
-    for (std::span<const std::uint8_t> rest : {all.first(cut), all.subspan(cut)})
-      while (!rest.empty()) {
-        rest = rest.subspan(connection.take(rest));
-        if (!connection.complete()) continue;
-        const auto out = connection.answer(memory, counts);
-        answers.insert(answers.end(), out.begin(), out.end());
-      }
-    CHECK(answers ==
-          Bytes{0x15, 0x01, 0, 0, 0, 5, 0xff, 4, 2, 0x12, 0x34, 0x15, 0x02, 0, 0, 0, 5, 7, 4, 2, 0, 0});
-    CHECK(counts.requests == 2);
-  }
-}
-
-TEST_CASE("a stream that is no Modbus over TCP is broken for good, and takes nothing more") {
-  for (const Bytes& wrong : {Bytes{0, 1, 0, 1, 0, 6}, Bytes{0, 1, 0, 0, 0, 1}, Bytes{0, 1, 0, 0, 0, 255},
-                             Bytes{0, 1, 0, 0, 1, 0}, Bytes{'G', 'E', 'T', ' ', '/', ' '}}) {
-    bus::TcpConnection connection;
-    CHECK(connection.take(wrong) == 6);
-    CHECK(connection.broken());
-    CHECK_FALSE(connection.complete());
-    CHECK(connection.take(wrong) == 0);
-  }
 }

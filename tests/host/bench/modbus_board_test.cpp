@@ -22,10 +22,10 @@ namespace {
 struct Stand {
   LiveStand live{{}, {"sim_host", "1.0.0", 0x010000, 0}, 77};
   std::atomic<int> ticks = 60;
-  modbus::TcpServer server{"127.0.0.1", 0, [this](bus::TcpConnection& c) {
-                             live.advance(ticks);
-                             return live.answer(c);
-                           }};
+  modbus::TcpService server{"127.0.0.1", 0, [this](std::span<const std::uint8_t> request) {
+                              live.advance(ticks);
+                              return live.answer(request);
+                            }};
   std::string port() const { return "modbus:127.0.0.1:" + std::to_string(server.port()); }
 };
 

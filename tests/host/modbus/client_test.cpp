@@ -1,11 +1,6 @@
 // libmodbus as master over TCP against our server with the simulated robot behind it.
 #include "host/modbus/client.hpp"
 
-#include <arpa/inet.h>
-#include <netinet/in.h>
-#include <sys/socket.h>
-#include <unistd.h>
-
 #include <catch2/catch.hpp>
 #include <vector>
 
@@ -102,24 +97,4 @@ TEST_CASE("a host that does not answer ends with the port's name") {
   }
   CHECK_THROWS_WITH(modbus::Client(modbus::parse_port(port)),
                     Contains(port) && Contains("Connection refused"));
-}
-
-TEST_CASE("a connection that speaks something else is closed, and others go on") {
-  test::Robot robot;
-  modbus::Client client(modbus::parse_port(robot.port()));
-  const int fd = ::socket(AF_INET, SOCK_STREAM, 0);
-  sockaddr_in to{};
-  to.sin_family = AF_INET;
-  to.sin_port = htons(static_cast<std::uint16_t>(robot.server.port()));
-  ::inet_pton(AF_INET, "127.0.0.1", &to.sin_addr);
-  REQUIRE(::connect(fd, reinterpret_cast<const sockaddr*>(&to), sizeof to) == 0);
-  REQUIRE(::send(fd, "GET / HTTP/1.1\r\n\r\n", 18, MSG_NOSIGNAL) == 18);
-  char byte = 0;
-  CHECK(::recv(fd, &byte, 1, 0) <= 0);  // closed, with nothing said
-  ::close(fd);
-  CHECK(client.snapshot().bus_exceptions == 0);
-}
-
-TEST_CASE("an address that cannot be listened on is named") {
-  CHECK_THROWS_WITH(test::Robot("", "somewhere"), Contains("somewhere:0: no address to listen on"));
 }

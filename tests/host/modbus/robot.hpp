@@ -18,14 +18,14 @@ inline sim::Scenario hopping(const model::Model& model, double peer_lost_s) {
 struct Robot {
   model::Model model = sim::example_hopper();
   sim::LiveRig rig;
-  modbus::TcpServer server;
+  modbus::TcpService server;
 
   /// From `peer_lost_s` on its sensors do not answer.
   explicit Robot(const std::string& store = "", const std::string& address = "127.0.0.1",
                  double peer_lost_s = 1e9)
       : rig(model, hopping(model, peer_lost_s), 1, store,
             {.board = "sim_host", .text = "9.8.7 build 6", .firmware_version = 0x090807, .build_id = 6}, 77),
-        server(address, 0, [this](bus::TcpConnection& c) { return rig.answer(c); }) {}
+        server(address, 0, [this](std::span<const std::uint8_t> request) { return rig.answer(request); }) {}
 
   std::string port() const { return "modbus:127.0.0.1:" + std::to_string(server.port()); }
 };

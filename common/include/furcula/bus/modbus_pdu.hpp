@@ -163,5 +163,13 @@ Response handle_pdu(R& registers, std::span<const std::uint8_t> request) {
   response.put(static_cast<std::uint32_t>(exception));
   return response;
 }
+/// The same, counted.
+template <Registers R>
+Response handle_pdu(R& registers, BusCounts& counts, std::span<const std::uint8_t> request) {
+  const Response response = handle_pdu(registers, request);
+  ++counts.requests;
+  if (response.is_exception()) ++counts.exceptions;
+  return response;
+}
 
 }  // namespace furcula::bus

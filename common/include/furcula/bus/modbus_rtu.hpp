@@ -89,9 +89,7 @@ class RtuServer {
     const std::span<const std::uint8_t> pdu = frame.subspan(1, frame.size() - 3);
     // A broadcast that reads asks for nothing.
     if (broadcast && pdu[0] != modbus::kWriteOne && pdu[0] != modbus::kWriteSeveral) return;
-    const Response response = handle_pdu(registers, pdu);
-    ++counts.requests;
-    if (response.is_exception()) ++counts.exceptions;
+    const Response response = handle_pdu(registers, counts, pdu);
     if (broadcast) return;
     frame_[0] = unit_;
     std::copy_n(response.bytes.begin(), response.size, frame_.begin() + 1);

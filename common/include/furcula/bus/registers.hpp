@@ -31,7 +31,7 @@ enum class ModbusException : std::uint8_t {
   device_failure = 4,  ///< here: refused; the input register last_refusal says why
 };
 
-/// Of what came over the serial line.
+/// Of what came over Modbus.
 struct BusCounts {
   std::uint32_t requests = 0;    ///< answered, or broadcast and done
   std::uint32_t exceptions = 0;  ///< of these, answered by an exception
