@@ -52,6 +52,11 @@ class Node {
       ++stale_stops_;
       enter(bus::NodeState::idle, bus::Reason::stream_silent);
     }
+    if (desk_age_ticks_ != 0xffffffffu) ++desk_age_ticks_;
+    if (state_ == bus::NodeState::running && !by_stream_ && desk_is_silent()) {
+      ++stale_stops_;
+      enter(bus::NodeState::idle, bus::Reason::desk_silent);
+    }
     if (state_ == bus::NodeState::armed && ticks_in_state_ > kArmedTicks)
       enter(bus::NodeState::idle, bus::Reason::arming_expired);
     if (state_ == bus::NodeState::starting) app_.request_reset();
@@ -63,9 +68,12 @@ class Node {
     follow(fault);
   }
 
-  /// A person's request, whose key and session were right (node_registers.hpp), or one from the board's own
-  /// buttons. The answer is also what the snapshot shows as last refusal.
+  /// A person's request, whose key and session were right (node_registers.hpp). What it starts runs for as
+  /// long as hear_desk() is called. The answer is also what the snapshot shows as last refusal.
   bus::Refusal request(bus::Request wanted) { return note(carry_out(wanted)); }
+
+  /// Somebody reads or writes its registers, and so is there.
+  void hear_desk() { desk_age_ticks_ = 0; }
 
   /// One command of a stream, fresh as bus/stream.hpp judges it. Its request counts where it changes; `hop`
   /// starts the robot without arming, if the stream has not said hop before. As long as they come, and say
@@ -203,6 +211,11 @@ class Node {
     if (state_ == State::running && out.trial.ended) enter(State::idle, bus::Reason::trial_ended);
   }
 
+  bool desk_is_silent() const {
+    const float longest_s = config().desk_silent_s;
+    return longest_s > 0.0f && static_cast<float>(desk_age_ticks_) > 1000.0f * longest_s;
+  }
+
   void stop() {
     if (state_ == State::armed || state_ == State::running) enter(State::idle, bus::Reason::stopped);
   }
@@ -245,6 +258,7 @@ class Node {
     }
     if (wanted == bus::Request::hop) {
       if (state_ != State::armed) return Refusal::not_in_this_state;
+      hear_desk();
       enter(State::running, bus::Reason::none);
       return Refusal::none;
     }
@@ -331,7 +345,7 @@ class Node {
   bool by_stream_ = false;
   std::uint16_t session_ = 1;
   std::uint32_t ticks_in_state_ = 0, good_ticks_ = 0;
-  std::uint32_t stream_age_ticks_ = 0xffffffffu;
+  std::uint32_t stream_age_ticks_ = 0xffffffffu, desk_age_ticks_ = 0xffffffffu;
   std::uint32_t taken_ = 0, refused_ = 0, stale_stops_ = 0;
 };
 

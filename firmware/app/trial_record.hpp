@@ -26,6 +26,7 @@ class TrialRecord {
     if (moved > 32767) moved = 32767;
     if (moved < -32768) moved = -32768;
     counts_[rows_] = static_cast<std::int16_t>(moved);
+    // NOLINTNEXTLINE(bugprone-incorrect-roundings): a duty is not negative
     coil_percent_[rows_] = static_cast<std::uint8_t>(coil_duty * 100.0f + 0.5f);
     ++rows_;
   }

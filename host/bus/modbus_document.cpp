@@ -18,7 +18,7 @@ the tables are `common/include/furcula/bus/registers.hpp`, `parameters.hpp` and 
     furcula serve                                               # a simulated robot at modbus:127.0.0.1:1502
     furcula monitor --port modbus:127.0.0.1:1502                # live: what it does, and why it does not move
     furcula monitor --once --json --port modbus:127.0.0.1:1502  # the same for a program
-    furcula request hop --port modbus:127.0.0.1:1502            # arms it and makes it hop; stop, reset, home, ...
+    furcula request hop --port modbus:127.0.0.1:1502            # arms it and makes it hop until Ctrl-C; stop, reset, home, ...
     furcula param list --port modbus:/dev/ttyUSB0@115200        # over a serial line (8E1; 8N1: @115200,8N1)
     furcula param set torque_amplitude_nm 2 --port modbus:/dev/ttyUSB0@115200
     furcula param save --port modbus:/dev/ttyUSB0@115200
@@ -80,9 +80,13 @@ std::string modbus_to_markdown() {
 2. Within 2 s read `session` again, which has changed; write key, session and `hop`.
 
 The session changes with every request that brought the right one, so a frame that comes a second time, or late, does nothing. It is a guard against accidents, not against
-people: whoever reaches the bus can move the robot. `stop` may be written alone, with function 6. What a person started runs until `stop`, a fault, or the end of the
-power; what a stream of CAN commands ([bus.md](bus.md)) started also stops when the stream is silent for 100 ms. A stream starts it by changing from `stop` to `hop`
-without a gap of 100 ms.
+people: whoever reaches the bus can move the robot. `stop` may be written alone, with function 6.
+
+What was started in this way runs until `stop`, a fault, or silence: when nothing is asked for longer than the parameter `desk_silent_s` (2 s as built in; 0: it runs on), because a cable was
+pulled, a computer sleeps or a program ended, the robot stops as on `stop`, with the reason `desk_silent`. Any request that reads or writes registers counts, whoever sends it: `furcula monitor` is
+enough. `furcula request hop` stays and asks until Ctrl-C, and then stops the robot; `--for 5` does so after 5 s; `--for 0` leaves the robot at once to who else asks.
+
+What a stream of CAN commands ([bus.md](bus.md)) started stops when the stream is silent for 100 ms. A stream starts it by changing from `stop` to `hop` without a gap of 100 ms.
 
 ### Requests
 )";

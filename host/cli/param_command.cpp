@@ -1,4 +1,4 @@
-// `furcula param` and `furcula request`: a robot's parameters, and what it is asked to do.
+// `furcula param`: a robot's parameters.
 #include <charconv>
 #include <cstdio>
 #include <iostream>
@@ -76,30 +76,7 @@ void set(const Options& options) {
   connect(options.robot).write(p, value);
 }
 
-bus::Request request_named(const std::string& name) {
-  for (const bus::Word& w : bus::kRequests)
-    if (w.name == name) return static_cast<bus::Request>(w.number);
-  throw UsageError("no request " + log::quoted(name));
-}
-
-/// `hop` arms it first.
-void ask(const Options& options, bus::Request request) {
-  modbus::Client robot = connect(options.robot);
-  if (request == bus::Request::hop) robot.request(bus::Request::arm);
-  robot.request(request);
-}
-
-/// A robot's refusal is the command's.
-template <class Run>
-auto guarded(const std::shared_ptr<Options>& options, Run run) {
-  return [options, run] {
-    try {
-      run(*options);
-    } catch (const modbus::Refused& e) {
-      throw Refusal(e.what());
-    }
-  };
-}
+void save(const Options& options) { connect(options.robot).request(bus::Request::save); }
 
 }  // namespace
 
@@ -110,7 +87,7 @@ void add_param_command(CLI::App& app) {
   const auto add = [&](const char* name, const char* what, auto run) {
     CLI::App* command = group->add_subcommand(name, what);
     add_robot_options(*command, options->robot);
-    command->callback(guarded(options, run));
+    command->callback(guarded([options, run] { run(*options); }));
     return command;
   };
   add("list", "Print all parameters with their bounds", list)
@@ -119,19 +96,7 @@ void add_param_command(CLI::App& app) {
   CLI::App* setting = add("set", "Write one parameter; not while it is armed or runs", set);
   setting->add_option("NAME", options->name, "Its name")->required();
   setting->add_option("VALUE", options->value, "A number within its bounds")->required();
-  add("save", "Keep the parameters over a restart", [](const Options& o) { ask(o, bus::Request::save); });
-}
-
-void add_request_command(CLI::App& app) {
-  const auto options = std::make_shared<Options>();
-  std::vector<std::string> names;
-  for (const bus::Word& w : bus::kRequests)
-    if (w.number != 0 && w.name != "arm") names.emplace_back(w.name);
-  CLI::App* command =
-      app.add_subcommand("request", "Ask a robot to hop (it is armed first), stop, reset, home, ...");
-  add_robot_options(*command, options->robot);
-  command->add_option("REQUEST", options->name, "What it is to do")->required()->check(CLI::IsMember(names));
-  command->callback(guarded(options, [](const Options& o) { ask(o, request_named(o.name)); }));
+  add("save", "Keep the parameters over a restart", save);
 }
 
 }  // namespace furcula::cli

@@ -36,4 +36,16 @@ inline modbus::Client connect(const RobotOptions& options) {
   return modbus::Client(port, options.unit);
 }
 
+/// A robot's refusal is the command's.
+template <class Run>
+auto guarded(Run run) {
+  return [run] {
+    try {
+      run();
+    } catch (const modbus::Refused& e) {
+      throw Refusal(e.what());
+    }
+  };
+}
+
 }  // namespace furcula::cli

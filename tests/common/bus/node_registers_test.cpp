@@ -1,8 +1,10 @@
 // A node through its registers: the arming sequence, what is refused, and what a repeated frame does.
 #include "firmware/app/node_registers.hpp"
 
+#include <algorithm>
 #include <bit>
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <vector>
 
 #include "tests/common/bus/node_board.hpp"
@@ -55,6 +57,60 @@ TEST_CASE("the arming sequence makes it run, and each of its frames does nothing
     b.tick();
     CHECK(input(b, 1) == static_cast<int>(NodeState::idle));
   }
+}
+
+TEST_CASE("a desk that falls silent stops what it started: torque 0 on the next tick, and it says why") {
+  Bench b;
+  b.settle();
+  CHECK(b.registers.write_holding(0, request(b, Request::arm)) == ModbusException::none);
+  CHECK(b.registers.write_holding(0, request(b, Request::hop)) == ModbusException::none);
+  float most_nm = 0.0f;
+  const auto run = [&](int ticks) {
+    for (int i = 0; i < ticks; ++i) {
+      b.tick();
+      REQUIRE(b.node.state() == NodeState::running);
+      most_nm = std::max(most_nm, std::abs(b.board.command.torque_nm));
+    }
+  };
+  // Each kind of request is a sign of life; 2 s after the last one there is none.
+  run(1999);
+  std::uint16_t word = 0;
+  CHECK(b.registers.read_holding(0, {&word, 1}) == ModbusException::none);
+  run(1999);
+  CHECK(b.registers.identification(0) == "Furcula");
+  run(1999);
+  CHECK(b.registers.write_holding(kAmplitude, real(1.0f)) != ModbusException::none);
+  run(1999);
+  CHECK(input(b, 1) == static_cast<int>(NodeState::running));
+  run(2000);
+  CHECK(most_nm > 1.9f);
+  b.tick();
+  CHECK(b.board.command.torque_nm == 0.0f);
+  CHECK(b.board.command.coil_duty == 0.0f);
+  CHECK(input(b, 1) == static_cast<int>(NodeState::idle));
+  CHECK(input(b, 2) == static_cast<int>(bus::Reason::desk_silent));
+  CHECK(b.node.snapshot().stale_stops == 1);
+}
+
+TEST_CASE("how long a desk may be silent is a parameter, and 0 lets the robot run on") {
+  Bench b;
+  b.settle();
+  const std::uint16_t address = bus::address_of(*bus::parameter_named("desk_silent_s"));
+  const auto start = [&] {
+    CHECK(b.registers.write_holding(0, request(b, Request::arm)) == ModbusException::none);
+    CHECK(b.registers.write_holding(0, request(b, Request::hop)) == ModbusException::none);
+  };
+  REQUIRE(b.registers.write_holding(address, real(0.1f)) == ModbusException::none);
+  start();
+  b.tick(100);
+  CHECK(b.node.state() == NodeState::running);
+  b.tick(2);
+  CHECK(b.node.state() == NodeState::idle);
+  REQUIRE(b.registers.write_holding(address, real(0.0f)) == ModbusException::none);
+  start();
+  b.tick(100000);
+  CHECK(b.node.state() == NodeState::running);
+  CHECK(b.registers.write_holding(address, real(-1.0f)) != ModbusException::none);
 }
 
 TEST_CASE("the log of faults is read entry by entry, the newest first, beside start, cause and number") {

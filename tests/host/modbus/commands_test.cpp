@@ -56,7 +56,7 @@ TEST_CASE("furcula param and furcula request do what they say, and end with the 
   CHECK(list.size() == bus::kParameters.size());
   CHECK(list.at("torque_amplitude_nm") == 2.75);
 
-  CHECK(test::run_furcula({"request", "hop", "--port", port}).status == 0);
+  CHECK(test::run_furcula({"request", "hop", "--for", "0", "--port", port}).status == 0);
   robot.rig.advance(10);
   CHECK(robot.rig.snapshot().state == static_cast<int>(bus::NodeState::running));
   const test::Ran refused = test::run_furcula({"param", "set", "torque_amplitude_nm", "1", "--port", port});
@@ -65,6 +65,25 @@ TEST_CASE("furcula param and furcula request do what they say, and end with the 
              Contains("torque_amplitude_nm: refused: Not taken in the state that the node is in."));
   CHECK(test::run_furcula({"request", "stop", "--port", port}).status == 0);
   CHECK(test::run_furcula({"param", "save", "--port", port}).status == 4);  // nowhere to keep them
+}
+
+TEST_CASE("furcula request hop keeps the robot hopping for as long as it is told, and stops it") {
+  test::Robot robot;
+  robot.rig.advance(200);
+  robot.ticks_a_request = 1000;  // from one look to the next; without a look it would stop after 2 s
+  const test::Ran ran = test::run_furcula({"request", "hop", "--for", "0.5", "--port", robot.port()});
+  CHECK(ran.status == 0);
+  CHECK(robot.rig.snapshot().uptime_ms > 3000);
+  CHECK(robot.rig.snapshot().reason == static_cast<int>(bus::Reason::stopped));
+}
+
+TEST_CASE("furcula request hop ends with the reason when the robot ends by itself") {
+  test::Robot robot("", "127.0.0.1", 2.0);
+  robot.rig.advance(200);
+  robot.ticks_a_request = 100;
+  const test::Ran ran = test::run_furcula({"request", "hop", "--port", robot.port()});
+  CHECK(ran.status == 4);
+  CHECK_THAT(ran.err, Contains("it hops no more: ") && Contains("peer_lost"));
 }
 
 TEST_CASE("what cannot be meant is told before anything is sent") {

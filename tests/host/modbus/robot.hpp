@@ -1,6 +1,7 @@
-// A simulated robot behind Modbus/TCP whose time goes on only when a test says so.
+// A simulated robot behind Modbus/TCP whose time goes on only when a test says so, or with each request.
 #pragma once
 
+#include <atomic>
 #include <string>
 
 #include "host/modbus/tcp_server.hpp"
@@ -18,6 +19,7 @@ inline sim::Scenario hopping(const model::Model& model, double peer_lost_s) {
 struct Robot {
   model::Model model = sim::example_hopper();
   sim::LiveRig rig;
+  std::atomic<int> ticks_a_request = 0;
   modbus::TcpService server;
 
   /// From `peer_lost_s` on its sensors do not answer.
@@ -25,7 +27,10 @@ struct Robot {
                  double peer_lost_s = 1e9)
       : rig(model, hopping(model, peer_lost_s), 1, store,
             {.board = "sim_host", .text = "9.8.7 build 6", .firmware_version = 0x090807, .build_id = 6}, 77),
-        server(address, 0, [this](std::span<const std::uint8_t> request) { return rig.answer(request); }) {}
+        server(address, 0, [this](std::span<const std::uint8_t> request) {
+          rig.advance(ticks_a_request);
+          return rig.answer(request);
+        }) {}
 
   std::string port() const { return "modbus:127.0.0.1:" + std::to_string(server.port()); }
 };

@@ -49,6 +49,7 @@ enum class Reason : std::uint8_t {
   flight = 9,
   trial = 10,
   trial_ended = 11,
+  desk_silent = 12,
 };
 
 /// Where the parameters come from.
@@ -101,7 +102,7 @@ inline constexpr std::array<Word, 10> kRefusals{{
     {9, "no_edge", "A stream starts the robot only when its request changes to hop, while it is fresh."},
 }};
 
-inline constexpr std::array<Word, 12> kReasons{{
+inline constexpr std::array<Word, 13> kReasons{{
     {0, "none", "Nothing holds it: the controller commands a torque."},
     {1, "starting", "It starts: it waits for sensors that answer without a fault."},
     {2, "fault", "A fault holds it in the safe state."},
@@ -115,6 +116,7 @@ inline constexpr std::array<Word, 12> kReasons{{
     {9, "flight", "It is in the air: the torque is 0 until touch-down."},
     {10, "trial", "It is on the clutch's bench, and a trial runs."},
     {11, "trial_ended", "The bench's trial is over and can be read: arm it, then hop, for the next one."},
+    {12, "desk_silent", "The desk that had started it fell silent for desk_silent_s: arm it, then hop."},
 }};
 
 inline constexpr std::array<Word, 4> kParameterOrigins{{

@@ -173,6 +173,9 @@ inline constexpr std::array kAll{
         "1: a clutch on its bench, without leg, rail and drive: hop makes one trial."),
     parameter<kBench, &BenchConfig::window_ticks>(44, "bench_window_ms", "ms", 1.0f, 500.0f,
                                                   "That the coil is on in a trial."),
+    parameter<&Config::desk_silent_s>(
+        45, "desk_silent_s", "s", 0.0f, 60.0f,
+        "Without a request from the desk that had started it, until it stops; 0: it runs on."),
 };
 
 }  // namespace table_of_parameters

@@ -34,6 +34,8 @@ struct Config {
   CoilConfig coil;
   LegPositionConfig leg;
   BenchConfig bench;
+  /// Of whoever lets it run (firmware/app/node.hpp); 0: for ever.
+  float desk_silent_s = 2.0f;
 };
 
 struct Inputs {
@@ -149,6 +151,7 @@ inline Status check(const Config& c) {
     return Status::invalid;
   // Shorter than ten ticks it is no profile.
   if (!is_finite(c.torque.period_s) || c.torque.period_s < 0.01f) return Status::invalid;
+  if (!is_finite(c.desk_silent_s)) return Status::invalid;
   return Status::ok;
 }
 
