@@ -34,7 +34,10 @@ Result<std::size_t> FileStore::load(std::span<std::uint8_t> into) {
   std::ifstream file(path_, std::ios::binary);
   if (!file) return std::size_t{0};
   const std::string bytes{std::istreambuf_iterator<char>(file), {}};
-  const std::string_view all = bytes;
+  return read(bytes, into);
+}
+
+Result<std::size_t> FileStore::read(std::string_view all, std::span<std::uint8_t> into) {
   if (!all.starts_with(kTitle) || all.size() < kTitle.size() + kChecksumBytes) return Status::invalid;
   const std::string_view image = all.substr(kTitle.size(), all.size() - kTitle.size() - kChecksumBytes);
   if (image.size() > into.size() || as_bytes(checksum(image)) != all.substr(all.size() - kChecksumBytes))

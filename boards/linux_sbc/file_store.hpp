@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <string_view>
 
 #include "firmware/app/store.hpp"
 
@@ -18,6 +19,8 @@ class FileStore {
   explicit FileStore(std::string path) : path_(std::move(path)) {}
 
   Result<std::size_t> load(std::span<std::uint8_t> into);
+  /// The image in such a file's bytes. @returns its size; `invalid`: damaged, no such file, or larger.
+  static Result<std::size_t> read(std::string_view file, std::span<std::uint8_t> into);
   /// Takes memory and time, which a robot that is idle has.
   Status save(std::span<const std::uint8_t> image);
 

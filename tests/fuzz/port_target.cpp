@@ -1,0 +1,28 @@
+// Where a robot answers, as the command line names it.
+#include "host/log/error.hpp"
+#include "host/modbus/port.hpp"
+#include "tests/fuzz/target.hpp"
+
+namespace furcula::fuzz {
+
+bool accepts(std::string_view input) {
+  try {
+    const modbus::Port port = modbus::parse_port(input);
+    require(port.text == input, "a port keeps its name");
+    require(port.host.empty() != port.device.empty(), "it is a host or a device");
+    if (port.device.empty()) {
+      require(port.tcp_port >= 1 && port.tcp_port <= 65535, "a port number is one");
+      require(input == "modbus:" + port.host + ":" + std::string(input.substr(input.rfind(':') + 1)),
+              "the host is what was said");
+    } else {
+      require(port.device[0] == '/' && port.baud >= 1200, "a device has a path and a speed");
+      require(std::string_view("ENO").find(port.parity) != std::string_view::npos, "a parity is one");
+      require(port.stop_bits == 1 || port.stop_bits == 2, "and so are stop bits");
+    }
+    return true;
+  } catch (const log::DataError&) {
+    return false;
+  }
+}
+
+}  // namespace furcula::fuzz
