@@ -15,19 +15,19 @@ struct HilTicks {
 };
 inline constexpr HilTicks kHilTicks[] = {
     {sim_host::RigFault::encoder_frozen, 3},
-    {sim_host::RigFault::encoder_stuck, 297},
+    {sim_host::RigFault::encoder_stuck, 279},
     {sim_host::RigFault::encoder_jumping, 1},
-    {sim_host::RigFault::encoder_reversed, 222},
-    {sim_host::RigFault::encoder_backwards, 183},
+    {sim_host::RigFault::encoder_reversed, 224},
+    {sim_host::RigFault::encoder_backwards, 182},
     {sim_host::RigFault::height_nan, 1},
-    {sim_host::RigFault::switch_stuck_open, 322},
-    {sim_host::RigFault::switch_stuck_closed, 172},
-    {sim_host::RigFault::switch_chattering, 30},
+    {sim_host::RigFault::switch_stuck_open, 324},
+    {sim_host::RigFault::switch_stuck_closed, 168},
+    {sim_host::RigFault::switch_chattering, 24},
     {sim_host::RigFault::late_tick, 5},
     {sim_host::RigFault::task_stuck, 50},
     {sim_host::RigFault::peer_lost, 3},
-    {sim_host::RigFault::coil_stuck_on, 2072},
-    {sim_host::RigFault::key_stuck_released, 2201},
+    {sim_host::RigFault::coil_stuck_on, 2080},
+    {sim_host::RigFault::key_stuck_released, 2203},
     {sim_host::RigFault::frame_lost, 3},
     {sim_host::RigFault::frame_late, 3},
     {sim_host::RigFault::frame_reordered, 7},
@@ -35,7 +35,7 @@ inline constexpr HilTicks kHilTicks[] = {
     {sim_host::RigFault::bus_off, 1},
     {sim_host::RigFault::drive_silent, 3},
     {sim_host::RigFault::drive_error, 2},
-    {sim_host::RigFault::drive_off, 186},
+    {sim_host::RigFault::drive_off, 185},
 };
 
 /// Absent: borne.
