@@ -10,7 +10,7 @@
 namespace furcula::bench {
 namespace {
 
-/// Within the parameters' bounds: the whole supply for the first 200 ms of a window.
+/// Within the parameters' bounds.
 control::Config live_config(const SimStand& stand) {
   control::Config c = stand_config(stand, {});
   c.coil.peak_s = 0.2f;

@@ -80,6 +80,7 @@ inline control::Config stand_config(const SimStand& stand, const Timing& timing)
              .window_ticks = static_cast<std::uint32_t>(timing.window),
              .watch_ticks = static_cast<std::uint32_t>(timing.watch)};
   c.coil.peak_s = c.coil.longest_s = 100.0f;
+  c.coil.hold_duty = 1.0f;
   c.coil.heat_max = 2.0f;
   c.clutch.fitted = 1;
   c.clutch.metres_per_count = static_cast<float>(stand.metres_per_count());

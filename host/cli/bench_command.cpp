@@ -6,6 +6,7 @@
 #include <memory>
 #include <string>
 
+#include "host/bench/hil_board.hpp"
 #include "host/bench/limits.hpp"
 #include "host/bench/modbus_board.hpp"
 #include "host/bench/pil_board.hpp"
@@ -42,7 +43,8 @@ std::string millimetres(double length_m) {
   return length_m == length_m ? log::shortest(std::round(1e4 * length_m) / 10.0) + " mm" : "-";
 }
 
-constexpr const char* kBoards = "sim, pil, pil:IMAGE, modbus:HOST:PORT or modbus:/dev/NAME@BAUD";
+constexpr const char* kBoards =
+    "sim, pil, pil:IMAGE, hil, hil:FURCULAD, modbus:HOST:PORT or modbus:/dev/NAME@BAUD";
 
 /// Where nobody sits, the stand hangs its load up by itself.
 void ask_to_hang(const bench::Conditions& c) {
@@ -58,6 +60,8 @@ std::unique_ptr<bench::Board> open_board(const Options& o) {
   if (text == "sim") return std::make_unique<bench::SimBoard>();
   if (text == "pil") return std::make_unique<bench::PilBoard>(FURCULA_M4F_IMAGE);
   if (text.starts_with("pil:") && text.size() > 4) return std::make_unique<bench::PilBoard>(text.substr(4));
+  if (text == "hil") return std::make_unique<bench::HilBoard>("");
+  if (text.starts_with("hil:") && text.size() > 4) return std::make_unique<bench::HilBoard>(text.substr(4));
   if (text.starts_with("modbus:")) {
     modbus::Port port;
     try {
@@ -67,7 +71,7 @@ std::unique_ptr<bench::Board> open_board(const Options& o) {
     }
     return std::make_unique<bench::ModbusBoard>(port, o.pulley_teeth, ask_to_hang);
   }
-  if (text == "hil" || text.starts_with("can:"))
+  if (text.starts_with("can:"))
     throw UsageError(
         "--board: " + text +
         " is not supported: the CAN bus carries no trial; a board on a bench answers over Modbus "

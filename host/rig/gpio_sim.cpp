@@ -6,6 +6,7 @@
 
 #include <cerrno>
 #include <cstring>
+#include <fstream>
 #include <system_error>
 
 #include "host/rig/rig.hpp"
@@ -22,6 +23,18 @@ int open_attribute(const std::string& path, int flags) {
 }
 
 }  // namespace
+
+GpioBank find_gpio_bank(const std::string& configuration) {
+  const auto read = [&](const char* attribute) {
+    std::string word;
+    if (!(std::ifstream(configuration + attribute) >> word))
+      throw RigError("no bank of gpio-sim at " + configuration +
+                     "; scripts/hil sets it up, or runs what needs it in a small kernel that has it");
+    return word;
+  };
+  const std::string chip = read("/bank0/chip_name");
+  return {"/sys/devices/platform/" + read("/dev_name") + "/" + chip, "/dev/" + chip};
+}
 
 GpioSim::GpioSim(const std::string& folder)
     : contact_(open_attribute(folder + "/sim_gpio0/pull", O_WRONLY)),

@@ -5,6 +5,14 @@
 
 namespace furcula::rig {
 
+struct GpioBank {
+  std::string folder;  ///< in sysfs
+  std::string chip;    ///< the same in /dev
+};
+/// The bank that tests/hil/ring makes: `configuration` is its folder in configfs. @throws RigError: there is
+/// none.
+GpioBank find_gpio_bank(const std::string& configuration = "/sys/kernel/config/gpio-sim/furcula");
+
 /// Line 0 is the contact switch, line 1 the solenoid.
 class GpioSim {
  public:
