@@ -40,12 +40,7 @@ struct Daemon {
   Daemon(const Configuration& configuration, CanSocket& can, Gpio& gpio)
       : board(configuration, can, gpio, stop, figures),
         store(configuration.store_file),
-        text("furculad " FURCULA_VERSION " build " + log::hexadecimal(build_id)),
-        identity{.board = "linux_sbc",
-                 .text = text,
-                 .firmware_version =
-                     bus::version_number(FURCULA_VERSION_MAJOR, FURCULA_VERSION_MINOR, FURCULA_VERSION_PATCH),
-                 .build_id = build_id},
+        identity(own_identity(text)),
         node(board, store, configuration.controller, identity,
              static_cast<std::uint16_t>(monotonic_ns() / 1000), faults),
         registers(node),
@@ -58,7 +53,6 @@ struct Daemon {
   LoopFigures figures;
   Board board;
   FileStore store;
-  std::uint32_t build_id = log::own_build_id();
   std::string text;
   bus::Identity identity;
   firmware::FaultLog faults{};
@@ -157,6 +151,16 @@ void watch(Daemon& d, const ServiceManager& manager, const sigset_t& signals, co
 }
 
 }  // namespace
+
+bus::Identity own_identity(std::string& text) {
+  const std::uint32_t build_id = log::own_build_id();
+  text = "furculad " FURCULA_VERSION " build " + log::hexadecimal(build_id);
+  return {.board = "linux_sbc",
+          .text = text,
+          .firmware_version =
+              bus::version_number(FURCULA_VERSION_MAJOR, FURCULA_VERSION_MINOR, FURCULA_VERSION_PATCH),
+          .build_id = build_id};
+}
 
 void run_daemon(const Configuration& configuration) {
   sigset_t signals;

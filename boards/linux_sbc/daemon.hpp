@@ -4,8 +4,12 @@
 #include <string>
 
 #include "boards/linux_sbc/configuration.hpp"
+#include "furcula/bus/registers.hpp"
 
 namespace furcula::linux_sbc {
+
+/// What this program says of itself on both buses: version and build. `text` keeps the words that it shows.
+bus::Identity own_identity(std::string& text);
 
 /// Runs until SIGTERM or SIGINT, then leaves the drive off and the coil without current. Figures of the loop
 /// go to stdout on SIGUSR1 and at the end, warnings to stderr. @throws CanError, GpioError, log::DataError

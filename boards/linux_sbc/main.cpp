@@ -2,6 +2,7 @@
 #include <cstring>
 #include <exception>
 #include <iostream>
+#include <string>
 
 #include "boards/linux_sbc/daemon.hpp"
 
@@ -30,7 +31,8 @@ int main(int argc, char** argv) {
       return 0;
     }
     if (std::strcmp(argv[i], "--version") == 0) {
-      std::cout << "furculad " FURCULA_VERSION "\n";
+      std::string text;
+      std::cout << furcula::linux_sbc::own_identity(text).text << "\n";
       return 0;
     }
     if (std::strcmp(argv[i], "--check") == 0)
