@@ -35,6 +35,8 @@ class CanSocket {
 
   /// `ids`: the 11-bit ids that are received; without any, all. At most 16. @throws CanError.
   CanSocket(const std::string& interface, std::span<const std::uint32_t> ids);
+  /// Over a socket of the kernel's CAN frames that is open and non-blocking, and is closed with this.
+  explicit CanSocket(int fd) : fd_(fd) {}
   ~CanSocket();
   CanSocket(const CanSocket&) = delete;
   CanSocket& operator=(const CanSocket&) = delete;
