@@ -168,8 +168,9 @@ Proposer::Promise Proposer::step(const Hypothesis& on, const std::vector<Effect>
       high(k) = std::min(high(k), std::abs(at[i]));
     }
   }
-  const identify::Fit look = identify::look_by_simulation(with_slips(t_.model, t_.recordings, larger),
-                                                          unknowns, at, t_.recordings, windows);
+  const identify::Fit look =
+      identify::look_by_simulation(with_slips(t_.model, t_.recordings, larger), unknowns, at, t_.recordings,
+                                   windows, identify::Starting::linear);
   Eigen::VectorXd gradient = Eigen::VectorXd::Zero(n);
   Eigen::MatrixXd information = Eigen::MatrixXd::Zero(n, n);
   for (const auto& share : look.shares) {
@@ -241,7 +242,8 @@ Proposal Proposer::best(const Hypothesis& on, const std::vector<Effect>& larger,
       dynamics::info(effect).search.swings ? swings(on, larger, effect) : starts(effect);
   double before = 0.0;  // of the same windows
   {
-    const identify::Fit look = identify::look_by_simulation(on.fitted, {}, {}, t_.recordings, some_);
+    const identify::Fit look =
+        identify::look_by_simulation(on.fitted, {}, {}, t_.recordings, some_, identify::Starting::linear);
     before = look.squares;
   }
   std::vector<Promise> promises;

@@ -60,6 +60,7 @@ class WindowCost final : public ceres::CostFunction {
 
   bool Evaluate(double const* const* blocks, double* residuals, double** jacobians) const override {
     if (jacobians == nullptr) return run<double>(blocks, residuals, nullptr);
+    if (unknowns_.empty() || jacobians[0] == nullptr) return run<Dual<2>>(blocks, residuals, jacobians);
     const std::size_t size = unknowns_.size() + kStartSize;
     if (size <= 4) return run<Dual<4>>(blocks, residuals, jacobians);
     if (size <= 6) return run<Dual<6>>(blocks, residuals, jacobians);
@@ -72,11 +73,12 @@ class WindowCost final : public ceres::CostFunction {
  private:
   template <class T>
   bool run(double const* const* blocks, double* residuals, double** jacobians) const {
-    const std::size_t count = unknowns_.size();
-    const double* start = blocks[count == 0 ? 0 : 1];
-    std::vector<T> values(count);
+    const bool by_start_alone = unknowns_.empty() || jacobians == nullptr || jacobians[0] == nullptr;
+    const std::size_t count = by_start_alone ? 0 : unknowns_.size();  // that derivatives are asked by
+    const double* start = blocks[unknowns_.empty() ? 0 : 1];
+    std::vector<T> values(unknowns_.size());
     T position(start[0]), velocity(start[1]);
-    for (std::size_t i = 0; i < count; ++i) values[i] = T(blocks[0][i]);
+    for (std::size_t i = 0; i < values.size(); ++i) values[i] = T(blocks[0][i]);
     if constexpr (!std::is_same_v<T, double>) {
       for (std::size_t i = 0; i < count; ++i) values[i].set(i, 1.0);
       position.set(count, 1.0);
@@ -84,8 +86,8 @@ class WindowCost final : public ceres::CostFunction {
     }
     const PlantSetup<T> setup(model_, unknowns_, values.data());
     bool finite = true;
-    double* of_unknowns = jacobians != nullptr && count > 0 ? jacobians[0] : nullptr;
-    double* of_start = jacobians != nullptr ? jacobians[count == 0 ? 0 : 1] : nullptr;
+    double* of_unknowns = by_start_alone ? nullptr : jacobians[0];
+    double* of_start = jacobians != nullptr ? jacobians[unknowns_.empty() ? 0 : 1] : nullptr;
     const auto put = [&](std::size_t at, const T& simulated, double measured, double weight) {
       residuals[at] = (dynamics::value_of(simulated) - measured) * weight;
       finite = finite && std::isfinite(residuals[at]);
@@ -149,34 +151,34 @@ double effective_count(const Eigen::Ref<const Eigen::VectorXd>& residual) {
   return static_cast<double>(rows) / time;
 }
 
-/// The window's share at these values, its start state moved to its own optimum (a few Gauss-Newton rounds).
-WindowShare share_of(const WindowCost& cost, const std::vector<double>& values, double* start,
-                     int rounds = 6) {
+/// The window's share at these values, its start state moved to its own optimum: by so many Gauss-Newton
+/// rounds, and from there by a linear step.
+WindowShare share_of(const WindowCost& cost, const std::vector<double>& values, double* start, int rounds) {
   const auto rows = static_cast<Eigen::Index>(cost.num_residuals());
   const auto count = static_cast<Eigen::Index>(values.size());
   Eigen::VectorXd residual(rows);
   using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   RowMajor by_unknowns(rows, count);
   RowMajor by_start(rows, kStartSize);
-  const auto evaluate = [&](const double* at) {
+  const auto evaluate = [&](const double* at, double* of_unknowns) {
     const double* blocks[2] = {values.data(), at};
-    double* jacobians[2] = {by_unknowns.data(), by_start.data()};
+    double* jacobians[2] = {of_unknowns, by_start.data()};
     return count == 0 ? cost.Evaluate(blocks + 1, residual.data(), jacobians + 1)
                       : cost.Evaluate(blocks, residual.data(), jacobians);
   };
-  double best = evaluate(start) ? residual.squaredNorm() : std::numeric_limits<double>::infinity();
+  double best = rounds == 0                ? 0.0
+                : evaluate(start, nullptr) ? residual.squaredNorm()
+                                           : std::numeric_limits<double>::infinity();
   for (int round = 0; round < rounds; ++round) {
     const Eigen::Vector2d step = by_start.colPivHouseholderQr().solve(residual);
     const double trial[kStartSize] = {start[0] - step(0), start[1] - step(1)};
-    const bool usable = evaluate(trial);
+    const bool usable = evaluate(trial, nullptr);
     const double squares = usable ? residual.squaredNorm() : best;
-    if (!(squares < best * (1.0 - 1e-9))) {
-      evaluate(start);
-      break;
-    }
+    if (!(squares < best * (1.0 - 1e-9))) break;
     best = squares;
     std::copy(trial, trial + kStartSize, start);
   }
+  evaluate(start, by_unknowns.data());
   WindowShare share;
   const Eigen::ColPivHouseholderQR<RowMajor> qr(by_start);
   const Eigen::MatrixXd basis = qr.householderQ() * Eigen::MatrixXd::Identity(rows, qr.rank());
@@ -188,7 +190,7 @@ WindowShare share_of(const WindowCost& cost, const std::vector<double>& values, 
     share.gradient.resize(0);
     share.information.resize(0, 0);
   }
-  share.squares = residual.squaredNorm();
+  share.squares = residual.squaredNorm() - (basis.transpose() * residual).squaredNorm();
   const std::size_t sizes[kChannels] = {cost.motion_rows(), cost.contact_rows(), cost.drive_rows(),
                                         cost.leg_rows()};
   Eigen::Index from = 0;
@@ -315,11 +317,12 @@ struct Costs {
 
 Fit look_by_simulation(const model::Model& model, const std::vector<Unknown>& unknowns,
                        const std::vector<double>& values, const std::vector<Recording>& recordings,
-                       const std::vector<Window>& windows) {
+                       const std::vector<Window>& windows, Starting starting) {
   Fit fit;
   fit.values = values;
   fit.at_bound = at_bounds(values, unknowns);
-  Costs(model, unknowns, recordings, windows, Weighting::noise).shares(fit, 2);
+  Costs(model, unknowns, recordings, windows, Weighting::noise)
+      .shares(fit, starting == Starting::linear ? 0 : 2);
   return fit;
 }
 
@@ -336,7 +339,9 @@ bool solve(Costs& problems, const std::vector<Unknown>& unknowns, std::vector<do
   options.linear_solver_type = ceres::DENSE_SCHUR;
   options.linear_solver_ordering = std::make_shared<ceres::ParameterBlockOrdering>();
   options.max_num_iterations = 60;
-  options.function_tolerance = 1e-9;
+  // Of the squares, which judge a cause by their logarithm times the number of rows: less is no evidence, and
+  // a law with more parameters than the recordings can tell creeps on for as long as it may.
+  options.function_tolerance = 1e-6;
   options.parameter_tolerance = 1e-10;
   options.num_threads = 1;
   options.logging_type = ceres::SILENT;

@@ -61,10 +61,14 @@ Fit fit_by_simulation(const model::Model& model, const std::vector<Unknown>& unk
                       const std::vector<Window>& windows, Weighting weighting = Weighting::noise,
                       std::size_t layers = 1);
 
-/// The windows' shares at values that are not fitted: each start state moved to its own optimum.
+/// How the windows' start states, which are measured, come to their optimum: by running them again until they
+/// are there, or by a linear step in the same run, at a third of the price.
+enum class Starting : std::uint8_t { at_optimum, linear };
+
+/// The windows' shares at values that are not fitted.
 Fit look_by_simulation(const model::Model& model, const std::vector<Unknown>& unknowns,
                        const std::vector<double>& values, const std::vector<Recording>& recordings,
-                       const std::vector<Window>& windows);
+                       const std::vector<Window>& windows, Starting starting = Starting::at_optimum);
 
 /// The fit by the parameters of the laws, where those are not what is fitted (unknowns.hpp); else the same.
 /// A coordinate that lies on its bound is not thereby known: the covariance is that without the bound.
