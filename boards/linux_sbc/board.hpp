@@ -81,7 +81,14 @@ class LinuxBoard {
 
   bool take_reset_request() { return false; }
 
-  void report(const firmware::Telemetry& telemetry) { send(telemetry_.tick(telemetry, sample_, state_)); }
+  void report(const firmware::Telemetry& telemetry) {
+    firmware::FrameBatch batch = telemetry_.tick(telemetry, sample_, state_);
+    if (link_.registers().answering()) {
+      batch.add(link_.registers().next());
+      link_.registers().advance();  // whose frame is not taken asks again
+    }
+    send(batch);
+  }
 
   // What stands around the application.
 

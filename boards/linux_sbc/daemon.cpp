@@ -87,6 +87,9 @@ void* run_loop(void* argument) {
     d.hatch.attend([&d](std::span<const std::uint8_t> request) {
       return bus::handle_pdu(d.registers, d.node.bus_counts(), request);
     });
+    d.board.link().registers().serve([&d](std::span<const std::uint8_t> request, bus::Response& response) {
+      bus::handle_pdu(d.registers, d.node.bus_counts(), request, response);
+    });
   }
   // Said several times: one frame may be lost.
   d.board.set_state(bus::NodeState::idle);
@@ -171,6 +174,7 @@ void run_daemon(const Configuration& configuration) {
   const firmware::CanLinkConfig& link = configuration.link;
   std::vector<std::uint32_t> ids{bus::id_of(bus::message::kMotorReply, link.drive_node),
                                  bus::id_of(bus::message::kCommand, link.self_node),
+                                 bus::id_of(bus::message::kRegisterRequest, link.self_node),
                                  bus::id_of(bus::message::kEncoderSample, link.height_node)};
   if (link.cable_node != 0) ids.push_back(bus::id_of(bus::message::kEncoderSample, link.cable_node));
   const ServiceManager manager;

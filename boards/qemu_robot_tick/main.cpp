@@ -1,12 +1,13 @@
 // The work of a robot's whole tick in instructions of an emulated Cortex-M4F: frames of drive, two encoders
-// and a desk in, the node's tick while it runs, commands and telemetry out, and a serial line on which one
-// Modbus request follows the other. Without the chip's drivers, whose registers QEMU does not have. It says
-// what takes longest and ends.
+// and a desk in, the node's tick while it runs, commands and telemetry out, a serial line on which one Modbus
+// request follows the other, and a desk that reads or writes registers over CAN as often. Without the chip's
+// drivers, whose registers QEMU does not have. It says what takes longest and ends.
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <iterator>
 #include <span>
 
 #include "boards/qemu_netduinoplus2/semihosting.hpp"
@@ -45,7 +46,12 @@ class BusRig {
   static bool take_reset_request() { return false; }
   void report(const firmware::Telemetry& telemetry) {
     for (const bus::Frame& frame : telemetry_.tick(telemetry, sample_, state_)) send(frame);
+    if (!link_.registers().answering()) return;
+    send(link_.registers().next());
+    link_.registers().advance();
+    ++answers_;
   }
+  std::uint32_t answers() const { return answers_; }
 
   void set_state(bus::NodeState state) { state_ = state; }
   firmware::CanLink& link() { return link_; }
@@ -75,9 +81,26 @@ class BusRig {
     frame.id = 0x400u + kLink.self_node;  // 2 N m over 0.3 s
     frame.data = {static_cast<std::uint8_t>(1 | request << 4), sequence, 1, 0xd0, 0x07, 0xb8, 0x0b, 1};
     link_.receive(frame, now_us_);
+    link_.receive(register_request(sequence), now_us_);
   }
 
  private:
+  /// The most that there is to read, a write and a request that is stale, in turn.
+  static bus::Frame register_request(std::uint8_t sequence) {
+    using Operation = bus::RegisterOperation;
+    constexpr bus::RegisterRequest kAsked[] = {
+        {.operation = Operation::read_input, .value = bus::kInputWords},
+        {.operation = Operation::read_holding, .address = bus::kParameterBase, .value = bus::kParameterWords},
+        {.operation = Operation::write, .address = bus::kParameterBase + 2, .value = 0x40000000},  // 2 N m
+        {.operation = Operation::request, .address = bus::kRequestKey, .value = 4},
+        {.operation = Operation::read_text, .value = 2},
+        {.operation = Operation::read_input, .address = bus::kTrialCountBase, .value = 125},
+    };
+    bus::RegisterRequest request = kAsked[sequence / 8 % std::size(kAsked)];
+    request.sequence = sequence;
+    return bus::pack(request, kLink.self_node);
+  }
+
   /// In the place of a mailbox.
   void send(const bus::Frame& frame) { mailbox_ = frame.data[0] + frame.id; }
 
@@ -87,6 +110,7 @@ class BusRig {
   bus::NodeState state_ = bus::NodeState::starting;
   std::uint32_t now_us_ = 0;
   volatile std::uint32_t mailbox_ = 0;
+  std::uint32_t answers_ = 0;
 };
 static_assert(firmware::Board<BusRig>);
 
@@ -242,7 +266,13 @@ int main() {
       static_cast<void>(node.stream({static_cast<bus::Request>(heard.kind), heard.torque_amplitude_nm,
                                      heard.torque_period_s, heard.release_in_flight}));
     const std::uint32_t ticked = counter.now_us();
+    // One request a tick, as on the boards.
+    const std::uint32_t before = node.bus_counts().requests;
     server.poll(registers, node.bus_counts(), rig.now_us());
+    if (node.bus_counts().requests == before)
+      rig.link().registers().serve([&](std::span<const std::uint8_t> asked, bus::Response& response) {
+        bus::handle_pdu(registers, node.bus_counts(), asked, response);
+      });
     master.exchange(rig.now_us());
     const std::uint32_t ended = counter.now_us();
     Longest& longest = node.state() == bus::NodeState::running ? running : idle;
@@ -258,5 +288,6 @@ int main() {
   say("running_modbus", running.modbus);
   say("ticks_running", ticks_running);
   say("modbus_answers", node.bus_counts().requests);
+  say("can_answers", rig.answers());
   semihosting::exit(0);
 }

@@ -8,6 +8,7 @@
 #include <cstdint>
 
 #include "firmware/app/can_frames.hpp"
+#include "firmware/app/can_registers.hpp"
 #include "furcula/bus/codec.hpp"
 #include "furcula/bus/messages.hpp"
 #include "furcula/bus/motor_frames.hpp"
@@ -30,7 +31,7 @@ struct CanLinkConfig {
   std::uint8_t drive_node = 1;   ///< of the motor's drive
   std::uint8_t height_node = 1;  ///< of the rail's encoder; 0: read by the board itself
   std::uint8_t cable_node = 0;   ///< of the encoder on the clutch's pulley; 0: read by the board, or none
-  std::uint8_t self_node = 1;    ///< whose command frames are obeyed
+  std::uint8_t self_node = 1;    ///< whose command frames are obeyed, and whose registers are asked for
   /// leg angle = zero + sign * motor angle / gear; torques the other way round. The gear is beyond the
   /// drive's own: turns of its shaft to one of the leg's joint.
   float leg_zero_rad = 0.0f;
@@ -193,7 +194,8 @@ inline void CanEncoder::receive(const bus::Frame& frame, std::uint32_t now_us, C
 class CanLink {
  public:
   /// With a configuration that check() refuses it hears nothing and sends nothing.
-  explicit CanLink(const CanLinkConfig& config) : config_(config), sound_(check(config) == Status::ok) {}
+  explicit CanLink(const CanLinkConfig& config)
+      : config_(config), sound_(check(config) == Status::ok), registers_(config.self_node) {}
 
   /// Where the counters read what is home, as control::Sample has it.
   void set_home(std::uint32_t height_count, float height_m, std::uint32_t cable_count) {
@@ -227,6 +229,10 @@ class CanLink {
         (of(kEncoderSample, config_.height_node) ? height_ : cable_).receive(frame, now_us, statistics_);
     } else if (of(kCommand, config_.self_node)) {
       hear_desk(frame, now_us);
+    } else if (of(kRegisterRequest, config_.self_node)) {
+      const CanRegisters::Heard heard = registers_.receive(frame);
+      if (heard == CanRegisters::Heard::malformed) ++statistics_.malformed;
+      if (heard == CanRegisters::Heard::other_version) ++statistics_.other_version;
     } else {
       ++statistics_.foreign;
     }
@@ -305,6 +311,8 @@ class CanLink {
   }
 
   const CanStatistics& statistics() const { return statistics_; }
+  /// To be served between two ticks, and its answer sent, a frame a tick.
+  CanRegisters& registers() { return registers_; }
   const DriveReading& drive() const { return drive_; }
   bool bus_is_off() const { return bus_off_; }
 
@@ -427,6 +435,7 @@ class CanLink {
   bool disobeys_ = false, bus_off_ = false, on_bench_ = false;
   bus::Stream request_stream_;
   CanRequest request_;
+  CanRegisters registers_;
 };
 
 }  // namespace furcula::firmware

@@ -312,7 +312,8 @@ class Node {
     enter(State::starting, bus::Reason::starting);
   }
 
-  void load() {
+  /// Not inlined: what it reads into would lie on the stack under all that main() calls.
+  [[gnu::noinline]] void load() {
     std::array<std::uint8_t, bus::kImageBytesMax> image;
     const Result<std::size_t> size = store_.load(image);
     if (size.ok() && size.value() == 0) return;

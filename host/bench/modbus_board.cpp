@@ -1,4 +1,4 @@
-// A board over Modbus, see modbus_board.hpp.
+// A board over Modbus or CAN, see modbus_board.hpp.
 #include "host/bench/modbus_board.hpp"
 
 #include <chrono>
@@ -21,7 +21,11 @@ float value(const std::vector<float>& parameters, std::string_view name) {
 
 ModbusBoard::ModbusBoard(const modbus::Port& port, int pulley_teeth,
                          std::function<void(const Conditions&)> hang)
-    : name_(port.text), client_(port), hang_(std::move(hang)) {
+    : ModbusBoard(port.text, modbus::Client(port), pulley_teeth, std::move(hang)) {}
+
+ModbusBoard::ModbusBoard(std::string name, modbus::Client client, int pulley_teeth,
+                         std::function<void(const Conditions&)> hang)
+    : name_(std::move(name)), client_(std::move(client)), hang_(std::move(hang)) {
   const std::vector<float> p = client_.parameters();
   if (value(p, "on_bench") != 1.0f)
     throw log::DataError(name_ +

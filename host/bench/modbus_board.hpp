@@ -1,5 +1,5 @@
-// A board on the clutch's bench that answers to Modbus: it makes the trial by itself and keeps a reading
-// every millisecond, which is read when the trial is over. A person hangs the weight.
+// A board on the clutch's bench that answers to Modbus, or over CAN: it makes the trial by itself and keeps a
+// reading every millisecond, which is read when the trial is over. A person hangs the weight.
 #pragma once
 
 #include <functional>
@@ -15,6 +15,9 @@ class ModbusBoard final : public Board {
   /// `hang`: called before each trial; it returns when the load hangs at rest at the top of its way.
   /// @throws log::DataError where nothing answers, or the board is not on a bench.
   ModbusBoard(const modbus::Port& port, int pulley_teeth, std::function<void(const Conditions&)> hang);
+  /// `name` is for messages.
+  ModbusBoard(std::string name, modbus::Client client, int pulley_teeth,
+              std::function<void(const Conditions&)> hang);
 
   std::string name() const override { return name_; }
   Adjusts adjusts() const override { return Adjusts::window; }

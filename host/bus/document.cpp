@@ -35,6 +35,29 @@ constexpr std::string_view kStream =
 (`bus/stream.hpp`) takes what is fresh, tells a message that came again or out of order, counts what was lost, and takes nothing that is older than allowed or of another
 version. A sender that was silent for 100 ms counts as started anew. The heartbeat has no age; `Identity`, `Unique_Id` and `Logged_Fault`, which hardly change, have neither age nor number: ten
 of them a second come in turn, so that all of them came after 1.2 s.
+
+## Registers over CAN
+
+With `Register_Request` and `Register_Answer` a desk reads and writes the whole table of [registers](modbus.md), as over Modbus: the same code answers, with the same bounds, refusals
+and exceptions. It is the pattern of ODrive's and CANopen's parameter access (SDO): one request, one answer.
+
+    furcula monitor --port can:can0          # node 1; another one: can:can0@2
+    furcula param set torque_amplitude_nm 2 --port can:can0
+    furcula bench release-catch --board can:can0 --out trial
+
+What one request reads is of one tick, and is sent two registers a frame, one frame a millisecond: 68 input registers take 35 ms. The answer's frames carry the request's sequence
+number and the address of their registers, so that a lost one is a gap: ask again, with another sequence number. A desk waits 100 ms for the next frame of what it reads, 1 s for what it
+writes (a board is silent while it saves), and asks three times. One desk at a time: a new request takes the place of the one that is being answered.
+
+What holds, whoever sends what:
+
+- **Flood.** A node does one request and sends one frame of an answer in a tick, and its worst tick is measured so. Both ids are behind those of drive, encoders and commands: on the
+  wire those go first. Of the requests that come in one millisecond the last one is done; but a `stop` is done whatever comes with it.
+- **While it runs** what Modbus refuses is refused: parameters are not written, and only `stop` acts. A desk that falls silent stops the robot after
+  `desk_silent_s`; a repeated request that is not done does not count as one.
+- **Repeated and recorded frames.** A request has key and session, as over Modbus, and its session is used up. The frame of the last request, heard again, is answered as it was and not
+  done again, so that a desk whose answer was lost can repeat it; an older one is refused. `stop` needs neither and is done each time.
+- What is shorter than 8 bytes, of another version or of no operation is counted and not answered.
 )";
 
 constexpr std::string_view kMotorsHead = R"(

@@ -22,6 +22,7 @@ the tables are `common/include/furcula/bus/registers.hpp`, `parameters.hpp` and 
     furcula param list --port modbus:/dev/ttyUSB0@115200        # over a serial line (8E1; 8N1: @115200,8N1)
     furcula param set torque_amplitude_nm 2 --port modbus:/dev/ttyUSB0@115200
     furcula param save --port modbus:/dev/ttyUSB0@115200
+    furcula monitor --port can:can0                             # the same registers over CAN (bus.md)
 
 Exit statuses: 2 for what cannot be meant, 3 where nothing answers, 4 where the robot refuses; the message says why.
 

@@ -44,7 +44,7 @@ std::string millimetres(double length_m) {
 }
 
 constexpr const char* kBoards =
-    "sim, pil, pil:IMAGE, hil, hil:FURCULAD, modbus:HOST:PORT or modbus:/dev/NAME@BAUD";
+    "sim, pil, pil:IMAGE, hil, hil:FURCULAD, modbus:HOST:PORT, modbus:/dev/NAME@BAUD or can:INTERFACE";
 
 /// Where nobody sits, the stand hangs its load up by itself.
 void ask_to_hang(const bench::Conditions& c) {
@@ -62,7 +62,7 @@ std::unique_ptr<bench::Board> open_board(const Options& o) {
   if (text.starts_with("pil:") && text.size() > 4) return std::make_unique<bench::PilBoard>(text.substr(4));
   if (text == "hil") return std::make_unique<bench::HilBoard>("");
   if (text.starts_with("hil:") && text.size() > 4) return std::make_unique<bench::HilBoard>(text.substr(4));
-  if (text.starts_with("modbus:")) {
+  if (text.starts_with("modbus:") || text.starts_with("can:")) {
     modbus::Port port;
     try {
       port = modbus::parse_port(text);
@@ -71,11 +71,6 @@ std::unique_ptr<bench::Board> open_board(const Options& o) {
     }
     return std::make_unique<bench::ModbusBoard>(port, o.pulley_teeth, ask_to_hang);
   }
-  if (text.starts_with("can:"))
-    throw UsageError(
-        "--board: " + text +
-        " is not supported: the CAN bus carries no trial; a board on a bench answers over Modbus "
-        "(furculad does, too)");
   throw UsageError("--board: " + log::quoted(text) + "; expected " + kBoards);
 }
 

@@ -18,7 +18,8 @@ struct RobotOptions {
 inline void add_robot_options(CLI::App& command, RobotOptions& options) {
   command
       .add_option("--port", options.port,
-                  "Where the robot answers: modbus:/dev/NAME@BAUD (8E1; or @BAUD,8N1) or modbus:HOST:PORT")
+                  "Where the robot answers: modbus:/dev/NAME@BAUD (8E1; or @BAUD,8N1), modbus:HOST:PORT or "
+                  "can:INTERFACE (node 1; or can:INTERFACE@NODE)")
       ->required();
   command.add_option("--unit", options.unit, "Modbus address on a serial line")
       ->check(CLI::Range(1, 247))

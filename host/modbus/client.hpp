@@ -1,9 +1,9 @@
-// A robot at the other end of Modbus: what it shows, its parameters, requests to it. The only file that knows
-// libmodbus's master is client.cpp.
+// A robot at the other end of Modbus or CAN: what it shows, its parameters, requests to it.
 #pragma once
 
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -14,6 +14,9 @@
 #include "host/modbus/port.hpp"
 
 namespace furcula::modbus {
+
+class Link;
+struct Answer;
 
 /// The robot understood and did not do it; the message says why.
 struct Refused : std::runtime_error {
@@ -41,6 +44,8 @@ class Client {
  public:
   /// Opens the port and checks that what answers has our table.
   explicit Client(const Port& port, int unit = 1);
+  /// Over an open link; `name` is for messages.
+  Client(std::string name, std::unique_ptr<Link> link);
   ~Client();
   Client(Client&&) noexcept;
   Client& operator=(Client&&) noexcept;
@@ -59,7 +64,10 @@ class Client {
   Trial trial();
 
  private:
-  struct Link;
+  void read_input(std::uint16_t first, std::span<std::uint16_t> out);
+  void check(const Answer& answer, const std::string& what);
+
+  std::string name_;
   std::unique_ptr<Link> link_;
 };
 

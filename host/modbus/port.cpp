@@ -1,22 +1,25 @@
 #include "host/modbus/port.hpp"
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <optional>
 
+#include "furcula/bus/message.hpp"
 #include "host/log/error.hpp"
 #include "host/log/message.hpp"
 
 namespace furcula::modbus {
 namespace {
 
-constexpr std::string_view kPrefix = "modbus:";
+constexpr std::string_view kPrefix = "modbus:", kCan = "can:";
 constexpr std::array kBauds{1200,   2400,   4800,   9600,   19200,  38400,  57600,
                             115200, 230400, 460800, 500000, 576000, 921600, 1000000};
 
 [[noreturn]] void fail(std::string_view text, const std::string& what) {
   throw log::DataError("port " + log::quoted(text) + ": " + what +
-                       "; expected modbus:/dev/NAME@BAUD, modbus:/dev/NAME@BAUD,8N1 or modbus:HOST:PORT");
+                       "; expected modbus:/dev/NAME@BAUD, modbus:/dev/NAME@BAUD,8N1, modbus:HOST:PORT, "
+                       "can:INTERFACE or can:INTERFACE@NODE");
 }
 
 std::optional<int> whole(std::string_view digits) {
@@ -49,10 +52,28 @@ Port serial(std::string_view text, std::string_view rest) {
   return port;
 }
 
+Port can(std::string_view text, std::string_view rest) {
+  Port port;
+  const std::size_t at = std::min(rest.find('@'), rest.size());
+  port.can_interface = rest.substr(0, at);
+  if (port.can_interface.empty()) fail(text, "no CAN interface");
+  if (at == rest.size()) return port;
+  const std::optional<int> node = whole(rest.substr(at + 1));
+  if (!node || *node < bus::kFirstNode || *node > bus::kLastNode)
+    fail(text, "no node from 1 to 31: " + log::quoted(rest.substr(at + 1)));
+  port.can_node = static_cast<std::uint8_t>(*node);
+  return port;
+}
+
 }  // namespace
 
 Port parse_port(std::string_view text) {
-  if (!text.starts_with(kPrefix)) fail(text, "it does not begin with modbus:");
+  if (text.starts_with(kCan)) {
+    Port port = can(text, text.substr(kCan.size()));
+    port.text = text;
+    return port;
+  }
+  if (!text.starts_with(kPrefix)) fail(text, "it begins neither with modbus: nor with can:");
   const std::string_view rest = text.substr(kPrefix.size());
   Port port;
   if (rest.starts_with('/')) {

@@ -1,10 +1,12 @@
 // The link between the bus and the controller: no sequence of frames, events and pauses makes it say anything
-// that is not a number, or count backwards.
+// that is not a number, or count backwards; and no request for registers brings the node behind it out of its
+// bounds.
 #include <cmath>
 #include <string_view>
 
 #include "firmware/app/can_link.hpp"
 #include "furcula/control/controller.hpp"
+#include "tests/common/bus/node_board.hpp"
 #include "tests/fuzz/target.hpp"
 
 namespace furcula::fuzz {
@@ -35,6 +37,37 @@ bus::Frame frame_of(Bytes& bytes) {
   return frame;
 }
 
+/// Mostly sound ones. A session of 0xffff stands for the right one.
+bus::Frame register_request_of(Bytes& bytes, std::uint16_t session) {
+  bus::Frame frame = bus::empty_frame(bus::message::kRegisterRequest, 1);
+  for (std::uint8_t& byte : frame.data) byte = bytes.next();
+  if (frame.data[0] == 0xff) frame.size = frame.data[7];
+  if (frame.data[6] == 0xff && frame.data[7] == 0xff) {
+    frame.data[6] = static_cast<std::uint8_t>(session & 0xff);
+    frame.data[7] = static_cast<std::uint8_t>(session >> 8);
+  }
+  if (frame.data[0] < 0xf0) frame.data[0] = static_cast<std::uint8_t>((frame.data[0] & 0xf0) % 0x50 | 1);
+  return frame;
+}
+
+/// A tick of the node behind the registers.
+void serve(test::Bench& bench, firmware::CanLink& link) {
+  bench.tick();
+  if (link.registers().answering()) {
+    const bus::Frame frame = link.registers().next();
+    require(frame.id == 0x501 && frame.size == 8, "the registers' frames");
+    link.registers().advance();
+  }
+  const bus::BusCounts before = bench.node.bus_counts();
+  link.registers().serve([&](std::span<const std::uint8_t> request, bus::Response& response) {
+    bus::handle_pdu(bench.registers, bench.node.bus_counts(), request, response);
+  });
+  require(bench.node.bus_counts().requests <= before.requests + 1, "one request a tick");
+  require(control::check(bench.node.config()) == Status::ok, "the configuration makes sense");
+  require(bench.node.state() == bus::NodeState::running || bench.node.reason() != bus::Reason::none,
+          "a robot that does not run says why");
+}
+
 }  // namespace
 
 bool accepts(std::string_view input) {
@@ -44,6 +77,8 @@ bool accepts(std::string_view input) {
   config.leg_sign = (bytes.next() & 1) != 0 ? 1.0f : -1.0f;
   firmware::CanLink link(config);
   link.set_home(0, 0.25f, 0);
+  test::Bench bench;
+  bench.settle();
   control::Config controller_config;
   control::State controller = control::begin(controller_config);
   std::uint32_t now_us = 0xffff0000u;
@@ -58,9 +93,12 @@ bool accepts(std::string_view input) {
       link.note(static_cast<firmware::BusEvent>(what % 3));
     } else if (what < 0xd8) {
       now_us += bytes.next() << 16;
+    } else if (what < 0xf0) {
+      link.receive(register_request_of(bytes, bench.node.session()), now_us);
     }
     if (what % 4 != 0) continue;
     now_us += 1000u + bytes.next();
+    serve(bench, link);
     const auto sample = link.sample(now_us);
     control::Inputs inputs;
     inputs.tick_interval_us = 1000;

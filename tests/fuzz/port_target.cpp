@@ -9,6 +9,11 @@ bool accepts(std::string_view input) {
   try {
     const modbus::Port port = modbus::parse_port(input);
     require(port.text == input, "a port keeps its name");
+    if (!port.can_interface.empty()) {
+      require(port.host.empty() && port.device.empty(), "a CAN interface is no host and no device");
+      require(port.can_node >= 1 && port.can_node <= 31, "a node is one");
+      return true;
+    }
     require(port.host.empty() != port.device.empty(), "it is a host or a device");
     if (port.device.empty()) {
       require(port.tcp_port >= 1 && port.tcp_port <= 65535, "a port number is one");

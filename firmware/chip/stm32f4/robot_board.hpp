@@ -94,10 +94,16 @@ class RobotBoard {
   void on_tick() { tick_.on_exception(); }
 
   SlotFlash<Hardware>& flash() { return flash_; }
-  /// Answers the serial line, between two ticks. `registers` and `counts` are the node's.
+  /// Answers the serial line or the bus, one request between two ticks. `registers` and `counts` are the
+  /// node's.
   template <bus::Registers R>
   void serve(R& registers, bus::BusCounts& counts) {
+    const std::uint32_t before = counts.requests;
     server_.poll(registers, counts, now_us());
+    if (counts.requests == before)
+      link_.registers().serve([&](std::span<const std::uint8_t> request, bus::Response& response) {
+        bus::handle_pdu(registers, counts, request, response);
+      });
     if (server_.answering()) drive_serial(true);
   }
   firmware::CanLink& link() { return link_; }
@@ -207,10 +213,11 @@ inline void RobotBoard::start_pins() {
 inline void RobotBoard::start_can() {
   if (!clocks_.from_crystal) return;
   const firmware::CanLinkConfig& link = wiring_.link;
-  std::array<CanFilter, 4> filters;
+  std::array<CanFilter, 5> filters;
   std::size_t used = 0;
   filters[used++] = {bus::id_of(bus::message::kMotorReply, link.drive_node)};
   filters[used++] = {bus::id_of(bus::message::kCommand, link.self_node)};
+  filters[used++] = {bus::id_of(bus::message::kRegisterRequest, link.self_node)};
   for (const std::uint8_t node : {link.height_node, link.cable_node})
     if (node != 0) filters[used++] = {bus::id_of(bus::message::kEncoderSample, node)};
   can_runs_ = can_.start(can_timing(clocks_.apb1_hz, wiring_.can.bits_per_s),
@@ -302,6 +309,8 @@ inline Status RobotBoard::actuate(const control::Command& command) {
 inline void RobotBoard::report(const firmware::Telemetry& telemetry) {
   const auto fault = static_cast<std::uint8_t>(telemetry.outputs.fault);
   static_cast<void>(send(telemetry_.tick(telemetry, sample_, state_)));
+  firmware::CanRegisters& registers = link_.registers();
+  if (can_runs_ && registers.answering() && can_.send(registers.next()) == Status::ok) registers.advance();
   const bool lit = state_ == firmware::NodeState::running || (fault != 0 && ticks_ % 256 < 128);
   write_pin(gpio_of(wiring_.led), wiring_.led.number, lit);
   ++ticks_;

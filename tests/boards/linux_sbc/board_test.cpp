@@ -103,6 +103,29 @@ TEST_CASE("a board that is not running tells the drive to be off, and no torque"
   CHECK(bus::is(bench.can.last(), bus::message::kMotorCommand, 1));
 }
 
+TEST_CASE("a request for registers is answered with the telemetry, a frame a tick") {
+  Bench bench;
+  bus::RegisterRequest request;
+  request.sequence = 7;
+  request.value = 4;
+  bench.can.arrive(bus::pack(request, 1));
+  REQUIRE(bench.board.wait_for_tick());
+  bench.board.link().registers().serve([](std::span<const std::uint8_t>, bus::Response& response) {
+    response.size = 0;
+    for (const std::uint32_t byte : {4u, 8u, 0u, 1u, 0u, 2u, 0u, 3u, 0u, 4u}) response.put(byte);
+  });
+  for (const std::uint32_t value : {0x00010002u, 0x00030004u}) {
+    bench.board.report({});
+    const auto answer = bus::unpack_register_answer(bench.can.last(), 1);
+    REQUIRE(answer.ok());
+    CHECK(answer.value().sequence == 7);
+    CHECK(answer.value().value == value);
+  }
+  const std::size_t sent = bench.can.next;
+  bench.board.report({});
+  CHECK(bench.can.next == sent);
+}
+
 TEST_CASE("the coil's duty is the share of ticks on which the line is on") {
   Bench bench;
   const float duty = GENERATE(0.0f, 0.25f, 0.4f, 1.0f);

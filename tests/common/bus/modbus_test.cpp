@@ -40,7 +40,8 @@ struct Memory {
 };
 
 Bytes answer(Memory& memory, const Bytes& request) {
-  const bus::Response response = bus::handle_pdu(memory, request);
+  bus::Response response;
+  bus::handle_pdu(memory, request, response);
   return {response.bytes.begin(), response.bytes.begin() + static_cast<std::ptrdiff_t>(response.size)};
 }
 

@@ -11,6 +11,7 @@
 #include "host/modbus/client.hpp"
 #include "host/modbus/tcp_server.hpp"
 #include "tests/host/error_message.hpp"
+#include "tests/host/modbus/can_bus.hpp"
 
 using namespace furcula;
 using namespace furcula::bench;
@@ -54,6 +55,29 @@ TEST_CASE("A trial over Modbus is the board's own: every millisecond of it, as o
     CHECK(a.caught_after_s == b.caught_after_s);
     CHECK(a.readings.back().count > 100);
   }
+}
+
+TEST_CASE("A trial over CAN is the one over Modbus, bit for bit, also where frames are lost") {
+  Stand stand;
+  ModbusBoard over_modbus = open(stand.port());
+  LiveStand live{{}, {"sim_host", "1.0.0", 0x010000, 0}, 77};
+  test::CanBus bus;
+  bus.tick = [&] { live.advance(1); };
+  bus.answer = [&](std::span<const std::uint8_t> request) { return live.answer(request); };
+  bus.loses = [](int frame) { return frame % 97 == 0; };
+  live.advance(60);
+  ModbusBoard over_can("can:test", bus.connect(), 20, [](const Conditions&) {});
+  CHECK(over_can.metres_per_count() == over_modbus.metres_per_count());
+  Conditions c;
+  c.window_s = 0.045;
+  const Trial a = run_trial(over_modbus, c), b = run_trial(over_can, c);
+  REQUIRE(a.readings.size() == b.readings.size());
+  std::size_t differing = 0;
+  for (std::size_t n = 0; n < a.readings.size(); ++n)
+    differing += a.readings[n].count != b.readings[n].count || a.readings[n].coil != b.readings[n].coil;
+  CHECK(differing == 0);
+  CHECK(a.readings.size() > 500);
+  CHECK(b.readings.back().count > 100);
 }
 
 TEST_CASE(

@@ -119,8 +119,8 @@ inline constexpr std::array<Signal, 2> kOdriveTorques{{
     real("Torque_Estimate", "N m", 32, "From the current."),
 }};
 
-// This project's own. The first three bytes are the same in all but the heartbeat: version, sequence number,
-// age.
+// This project's own. The first three bytes are the same in all that tell of a present state: version,
+// sequence number, age.
 
 constexpr Signal version() { return code("Protocol_Version", 0, 4, "Of this project's own messages."); }
 constexpr Signal sequence() {
@@ -195,6 +195,28 @@ inline constexpr std::array<Signal, 5> kLoggedFault{{
     code("Start", 16, 16, "The run: 1 is the first since the log was cleared."),
     fixed_point("Tick", "s", 32, 32, Encoding::unsigned_integer, 1000.0f,
                 "Since that start; 4294967.295: not known."),
+}};
+
+/// A desk's access to the table of registers, and its answer (register_frames.hpp, docs/modbus.md).
+inline constexpr std::array<Signal, 5> kRegisterRequest{{
+    version(),
+    code("Operation", 4, 4,
+         "0: read input registers, 1: read holding registers, 2: write two holding registers, 3: request, 4: "
+         "read a text."),
+    code("Sequence", 8, 8, "Another one in each request; the answer has it too."),
+    code("Address", 16, 16, "Of the first register; of a request the key."),
+    code("Value", 32, 32,
+         "To be read: how many registers, at most 125. To be written: both registers, the first one high. "
+         "Of a request: 65536 x session + request. Of a text: the object of the device identification."),
+}};
+inline constexpr std::array<Signal, 5> kRegisterAnswer{{
+    version(),
+    code("Status", 4, 4, "0: done; else the exception, with the numbers of Modbus."),
+    code("Sequence", 8, 8, "Of the request."),
+    code("Address", 16, 16, "Of the first of both registers; of a text counted from 0."),
+    code("Value", 32, 32,
+         "Two registers, the first one high, the last one of an odd number alone; of a text four characters, "
+         "and a 0 behind its last one. What was written, where nothing was read."),
 }};
 
 }  // namespace table
@@ -393,6 +415,24 @@ inline constexpr Message kLoggedFault{"Logged_Fault",
                                       "An entry of its log of faults.",
                                       table::kLoggedFault,
                                       8};
+inline constexpr Message kRegisterRequest{"Register_Request",
+                                          Protocol::controller,
+                                          IdRule::plus_node,
+                                          0x4e0,
+                                          8,
+                                          Sender::desk,
+                                          "Reads or writes the table of registers, as Modbus does.",
+                                          table::kRegisterRequest,
+                                          8};
+inline constexpr Message kRegisterAnswer{"Register_Answer",
+                                         Protocol::controller,
+                                         IdRule::plus_node,
+                                         0x500,
+                                         8,
+                                         Sender::node,
+                                         "Two registers; as many of them as it takes, one every millisecond.",
+                                         table::kRegisterAnswer,
+                                         8};
 inline constexpr Message kEncoderSample{"Sample",
                                         Protocol::encoder,
                                         IdRule::plus_node,
@@ -415,7 +455,7 @@ inline constexpr Message kEncoderHeartbeat{"Heartbeat",
 }  // namespace message
 
 /// Those with a marker stand before what has the same id without one.
-inline constexpr std::array<const Message*, 28> kMessages{&message::kMotorEnter,
+inline constexpr std::array<const Message*, 30> kMessages{&message::kMotorEnter,
                                                           &message::kMotorExit,
                                                           &message::kMotorZero,
                                                           &message::kMotorCommand,
@@ -441,6 +481,8 @@ inline constexpr std::array<const Message*, 28> kMessages{&message::kMotorEnter,
                                                           &message::kIdentity,
                                                           &message::kUniqueId,
                                                           &message::kLoggedFault,
+                                                          &message::kRegisterRequest,
+                                                          &message::kRegisterAnswer,
                                                           &message::kEncoderSample,
                                                           &message::kEncoderHeartbeat};
 

@@ -133,10 +133,10 @@ ModbusException identify(R& registers, std::span<const std::uint8_t> request, Re
 }  // namespace modbus
 
 /// Does what the request asks for. `request` is the function code and its data; what is longer or shorter
-/// than its function says is an exception.
+/// than its function says is an exception. `response` is what is to be answered, whatever it was before.
 template <Registers R>
-Response handle_pdu(R& registers, std::span<const std::uint8_t> request) {
-  Response response;
+void handle_pdu(R& registers, std::span<const std::uint8_t> request, Response& response) {
+  response.size = 0;
   const std::uint8_t function = request.empty() ? std::uint8_t{0} : request[0];
   response.put(function);
   ModbusException exception = ModbusException::illegal_function;
@@ -157,18 +157,22 @@ Response handle_pdu(R& registers, std::span<const std::uint8_t> request) {
     default:
       break;
   }
-  if (exception == ModbusException::none) return response;
+  if (exception == ModbusException::none) return;
   response.size = 0;
   response.put(function | 0x80u);
   response.put(static_cast<std::uint32_t>(exception));
-  return response;
 }
 /// The same, counted.
 template <Registers R>
-Response handle_pdu(R& registers, BusCounts& counts, std::span<const std::uint8_t> request) {
-  const Response response = handle_pdu(registers, request);
+void handle_pdu(R& registers, BusCounts& counts, std::span<const std::uint8_t> request, Response& response) {
+  handle_pdu(registers, request, response);
   ++counts.requests;
   if (response.is_exception()) ++counts.exceptions;
+}
+template <Registers R>
+Response handle_pdu(R& registers, BusCounts& counts, std::span<const std::uint8_t> request) {
+  Response response;
+  handle_pdu(registers, counts, request, response);
   return response;
 }
 

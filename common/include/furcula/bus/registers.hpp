@@ -31,11 +31,11 @@ enum class ModbusException : std::uint8_t {
   device_failure = 4,  ///< here: refused; the input register last_refusal says why
 };
 
-/// Of what came over Modbus.
+/// Of what came over Modbus, and as requests for registers over CAN.
 struct BusCounts {
   std::uint32_t requests = 0;    ///< answered, or broadcast and done
   std::uint32_t exceptions = 0;  ///< of these, answered by an exception
-  std::uint32_t bad_frames = 0;  ///< dropped: checksum, length or gap
+  std::uint32_t bad_frames = 0;  ///< of the serial line, dropped: checksum, length or gap
 };
 
 /// All that a node shows, as of its last tick.
@@ -151,10 +151,11 @@ inline constexpr std::array kInputRegisters{
                                               "Requests and parameter writes refused."),
     table::input<&Snapshot::stale_stops>(50, "stale_stops", "",
                                          "Stops because a stream of commands, or the desk, fell silent."),
-    table::input<&Snapshot::bus_requests>(52, "bus_requests", "", "Modbus requests answered."),
+    table::input<&Snapshot::bus_requests>(52, "bus_requests", "",
+                                          "Requests answered: of Modbus, and for registers over CAN."),
     table::input<&Snapshot::bus_exceptions>(54, "bus_exceptions", "", "Of these, answered by an exception."),
     table::input<&Snapshot::bus_bad_frames>(56, "bus_bad_frames", "",
-                                            "Frames dropped: checksum, length or gap."),
+                                            "Frames of the serial line dropped: checksum, length or gap."),
     table::input<&Snapshot::reset_cause>(58, "reset_cause", "", "Why it started; see Reset causes."),
     table::input<&Snapshot::logged_faults>(59, "logged_faults", "",
                                            "Entries of the log of faults; see below."),
