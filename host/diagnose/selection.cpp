@@ -264,17 +264,19 @@ class Search {
   }
 
   /// One cause that explains as much as several is the better explanation, even where no step towards it
-  /// promised so.
+  /// promised so; a law that has one of them as a special case is always asked.
   void one_for_several() {
     if (s_.chosen.effects.size() < 2) return;
     tell(0.78, "one cause in the place of several");
     std::vector<Proposal> singles;
-    for (const Proposal& p : first_promises_)
-      if (std::none_of(
-              s_.tried.begin(), s_.tried.end(),
-              [&](const Tried& t) { return t.round == 0 && t.hypothesis.effects == EffectSet{p.effect}; }) &&
-          p.gain > 0.0 && singles.size() < kMostFits)
-        singles.push_back(p);
+    for (const Proposal& p : first_promises_) {
+      const bool known = std::any_of(s_.tried.begin(), s_.tried.end(), [&](const Tried& t) {
+        return t.round == 0 && t.hypothesis.effects == EffectSet{p.effect};
+      });
+      const bool wider = std::any_of(s_.chosen.effects.begin(), s_.chosen.effects.end(),
+                                     [&](Effect e) { return contains(p.effect, e); });
+      if (!known && (wider || (p.gain > 0.0 && singles.size() < kMostFits))) singles.push_back(p);
+    }
     std::vector<Tried> trials(singles.size());
     identify::parallel_for(singles.size(), trainer_.threads, [&](std::size_t i) {
       trials[i] = tried({singles[i].effect}, s_.refitted, singles[i], 0, all_.size());
