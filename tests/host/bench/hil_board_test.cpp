@@ -145,7 +145,7 @@ TEST_CASE("A line that cannot be read ends the stand, and that is what is said")
   };
   const test::TemporaryFolder folder;
   CHECK_THAT(test::error_message([&] {
-               HilBoard(options(folder, {"/bin/sh", "-c", "sleep 60"}), std::make_unique<Broken>());
+               HilBoard(options(folder, {"/bin/sh", "-c", "exec sleep 60"}), std::make_unique<Broken>());
              }),
              Contains("hil: the solenoid's line cannot be read"));
 }
@@ -160,7 +160,7 @@ TEST_CASE("A board that is idle and does not answer over Modbus is an error that
   };
   const test::TemporaryFolder folder;
   CHECK_THAT(test::error_message([&] {
-               HilBoard(options(folder, {"/bin/sh", "-c", "sleep 60"}), std::make_unique<Idle>());
+               HilBoard(options(folder, {"/bin/sh", "-c", "exec sleep 60"}), std::make_unique<Idle>());
              }),
              Contains("modbus:127.0.0.1:1502: opening it"));
 }
