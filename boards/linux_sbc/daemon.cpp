@@ -17,11 +17,11 @@
 #include "boards/linux_sbc/board.hpp"
 #include "boards/linux_sbc/file_store.hpp"
 #include "boards/linux_sbc/hatch.hpp"
+#include "boards/linux_sbc/loop.hpp"
 #include "boards/linux_sbc/notify.hpp"
 #include "boards/linux_sbc/realtime.hpp"
 #include "firmware/app/node.hpp"
 #include "firmware/app/node_registers.hpp"
-#include "furcula/bus/modbus_pdu.hpp"
 #include "host/log/own_build.hpp"
 #include "host/modbus/tcp_server.hpp"
 
@@ -64,33 +64,11 @@ struct Daemon {
   std::string warning;  ///< of the loop's thread; written before its first tick
 };
 
-void obey_stream(Daemon& d) {
-  const firmware::CanRequest wanted = d.board.link().take_request();
-  if (!wanted.came) return;
-  firmware::StreamCommand command;
-  command.request = static_cast<bus::Request>(wanted.kind);
-  command.torque_amplitude_nm = wanted.torque_amplitude_nm;
-  command.torque_period_s = wanted.torque_period_s;
-  command.release_in_flight = wanted.release_in_flight;
-  static_cast<void>(d.node.stream(command));
-}
-
 void* run_loop(void* argument) {
   Daemon& d = *static_cast<Daemon*>(argument);
   touch_stack();
   if (d.priority > 0) d.warning = run_first_in_first_out(d.priority);
-  while (d.board.wait_for_tick()) {
-    obey_stream(d);
-    d.board.set_state(d.node.state());
-    d.board.link().set_on_bench(d.node.config().bench.on_bench != 0);
-    d.node.tick();
-    d.hatch.attend([&d](std::span<const std::uint8_t> request) {
-      return bus::handle_pdu(d.registers, d.node.bus_counts(), request);
-    });
-    d.board.link().registers().serve([&d](std::span<const std::uint8_t> request, bus::Response& response) {
-      bus::handle_pdu(d.registers, d.node.bus_counts(), request, response);
-    });
-  }
+  while (d.board.wait_for_tick()) run_tick(d.board, d.node, d.registers, d.hatch);
   // Said several times: one frame may be lost.
   d.board.set_state(bus::NodeState::idle);
   for (int i = 0; i < 5; ++i) {

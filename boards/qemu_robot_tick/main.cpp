@@ -14,6 +14,7 @@
 #include "firmware/app/can_link.hpp"
 #include "firmware/app/can_telemetry.hpp"
 #include "firmware/app/node.hpp"
+#include "firmware/app/node_on_can.hpp"
 #include "firmware/app/node_registers.hpp"
 #include "firmware/chip/stm32f4/timers.hpp"
 #include "firmware/startup/startup.hpp"
@@ -261,10 +262,7 @@ int main() {
     rig.receive(static_cast<std::uint8_t>(tick), 34730 + tick % 4, request);  // 0.7476 rad
     rig.set_state(node.state());
     node.tick();
-    const firmware::CanRequest heard = rig.link().take_request();
-    if (heard.came)
-      static_cast<void>(node.stream({static_cast<bus::Request>(heard.kind), heard.torque_amplitude_nm,
-                                     heard.torque_period_s, heard.release_in_flight}));
+    firmware::obey_stream(rig.link(), node);
     const std::uint32_t ticked = counter.now_us();
     // One request a tick, as on the boards.
     const std::uint32_t before = node.bus_counts().requests;

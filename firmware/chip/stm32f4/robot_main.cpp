@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "firmware/app/node.hpp"
+#include "firmware/app/node_on_can.hpp"
 #include "firmware/app/node_registers.hpp"
 #include "firmware/chip/stm32f4/robot_board.hpp"
 #include "firmware/startup/image_header.hpp"
@@ -68,14 +69,6 @@ bus::Identity identity_of(const RobotBoard& board) {
           .unique_id = board.unique_id()};
 }
 
-/// A command frame of the CAN bus, if one came.
-void obey_stream(RobotBoard& board, RobotNode& node) {
-  const firmware::CanRequest heard = board.link().take_request();
-  if (!heard.came) return;
-  static_cast<void>(node.stream({static_cast<bus::Request>(heard.kind), heard.torque_amplitude_nm,
-                                 heard.torque_period_s, heard.release_in_flight}));
-}
-
 }  // namespace
 
 extern "C" {
@@ -114,7 +107,7 @@ int main() {
     board.set_state(node.state());
     board.link().set_on_bench(node.config().bench.on_bench != 0);
     node.tick();
-    obey_stream(board, node);
+    firmware::obey_stream(board.link(), node);
     board.serve(registers, node.bus_counts());
   }
 }
