@@ -17,12 +17,12 @@
 #include <vector>
 
 #include "boards/linux_sbc/board.hpp"
-#include "boards/linux_sbc/file_store.hpp"
 #include "boards/linux_sbc/hatch.hpp"
 #include "boards/linux_sbc/loop.hpp"
 #include "boards/linux_sbc/realtime.hpp"
 #include "firmware/app/node.hpp"
 #include "firmware/app/node_registers.hpp"
+#include "host/log/parameter_file.hpp"
 #include "host/rig/peers.hpp"
 
 using namespace furcula;
@@ -58,7 +58,7 @@ class PipeLines {
 };
 
 using Board = linux_sbc::LinuxBoard<linux_sbc::CanSocket, PipeLines>;
-using Node = firmware::Node<Board, linux_sbc::FileStore>;
+using Node = firmware::Node<Board, log::ParameterFile>;
 
 struct Stand {
   Stand() {
@@ -144,7 +144,7 @@ int main(int argc, char** argv) {
   linux_sbc::CanSocket can(stand.bus[0]);
   PipeLines lines(stand.line[0]);
   Board board(stand.configuration, can, lines, stand.stop, stand.figures);
-  linux_sbc::FileStore store("");
+  log::ParameterFile store("");
   firmware::FaultLog faults{};
   faults.begin();
   Node node(board, store, stand.configuration.controller, {.board = "linux_sbc", .text = ""}, 1, faults);

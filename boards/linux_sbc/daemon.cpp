@@ -12,10 +12,8 @@
 #include <iostream>
 #include <memory>
 #include <string>
-#include <vector>
 
 #include "boards/linux_sbc/board.hpp"
-#include "boards/linux_sbc/file_store.hpp"
 #include "boards/linux_sbc/hatch.hpp"
 #include "boards/linux_sbc/loop.hpp"
 #include "boards/linux_sbc/notify.hpp"
@@ -23,6 +21,7 @@
 #include "firmware/app/node.hpp"
 #include "firmware/app/node_registers.hpp"
 #include "host/log/own_build.hpp"
+#include "host/log/parameter_file.hpp"
 #include "host/modbus/tcp_server.hpp"
 
 /// Of this process so far, where a program that counts them is linked (tests/hil/allocations.cpp).
@@ -31,7 +30,7 @@ extern "C" __attribute__((weak)) unsigned long furcula_allocations();
 namespace furcula::linux_sbc {
 namespace {
 
-using Node = firmware::Node<Board, FileStore>;
+using Node = firmware::Node<Board, log::ParameterFile>;
 
 constexpr std::uint64_t kSettledTicks =
     100;  ///< until READY=1: the loop runs, and all that it needs is in memory
@@ -52,7 +51,7 @@ struct Daemon {
   std::atomic<bool> stop{false};
   LoopFigures figures;
   Board board;
-  FileStore store;
+  log::ParameterFile store;
   std::string text;
   bus::Identity identity;
   firmware::FaultLog faults{};
@@ -149,12 +148,7 @@ void run_daemon(const Configuration& configuration) {
   for (const int signal : {SIGTERM, SIGINT, SIGUSR1}) ::sigaddset(&signals, signal);
   ::pthread_sigmask(SIG_BLOCK, &signals, nullptr);  // the other threads inherit that
 
-  const firmware::CanLinkConfig& link = configuration.link;
-  std::vector<std::uint32_t> ids{bus::id_of(bus::message::kMotorReply, link.drive_node),
-                                 bus::id_of(bus::message::kCommand, link.self_node),
-                                 bus::id_of(bus::message::kRegisterRequest, link.self_node),
-                                 bus::id_of(bus::message::kEncoderSample, link.height_node)};
-  if (link.cable_node != 0) ids.push_back(bus::id_of(bus::message::kEncoderSample, link.cable_node));
+  const firmware::HeardIds ids(configuration.link);
   const ServiceManager manager;
   CanSocket can(configuration.can_interface, ids);
   Gpio gpio(configuration.contact, configuration.has_solenoid ? &configuration.solenoid : nullptr);

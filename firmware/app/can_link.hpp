@@ -64,6 +64,28 @@ inline Status check(const CanLinkConfig& c) {
   return nodes && numbers && motor && c.silent_us > 0 ? Status::ok : Status::invalid;
 }
 
+/// The ids that CanLink hears, for the filters of a board's receiver.
+class HeardIds {
+ public:
+  constexpr explicit HeardIds(const CanLinkConfig& c) {
+    add(bus::message::kMotorReply, c.drive_node);
+    add(bus::message::kCommand, c.self_node);
+    add(bus::message::kRegisterRequest, c.self_node);
+    for (const std::uint8_t node : {c.height_node, c.cable_node})
+      if (node != 0) add(bus::message::kEncoderSample, node);
+  }
+  constexpr const std::uint32_t* begin() const { return ids_.data(); }
+  constexpr const std::uint32_t* end() const { return ids_.data() + size_; }
+  static constexpr std::size_t kMost = 5;
+
+ private:
+  constexpr void add(const bus::Message& message, std::uint8_t node) {
+    ids_[size_++] = bus::id_of(message, node);
+  }
+  std::array<std::uint32_t, kMost> ids_{};
+  std::size_t size_ = 0;
+};
+
 /// Everything that a bus did to the robot, counted since the start.
 struct CanStatistics {
   std::uint32_t received = 0;       ///< frames, ours or not

@@ -1,56 +1,15 @@
 #include "host/sim/live_rig.hpp"
 
-#include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <mutex>
-#include <vector>
 
 #include "boards/sim_host/board.hpp"
 #include "firmware/app/node_registers.hpp"
-#include "furcula/core/crc32.hpp"
-#include "host/log/atomic_file.hpp"
-#include "host/log/error.hpp"
+#include "host/log/parameter_file.hpp"
 #include "host/model/reader.hpp"
 #include "host/sim/simulate.hpp"
 
 namespace furcula::sim {
 namespace {
-
-/// The image and its CRC-32, in a file that is replaced as a whole.
-class FileStore {
- public:
-  explicit FileStore(std::string path) : path_(std::move(path)) {}
-
-  Result<std::size_t> load(std::span<std::uint8_t> into) const {
-    if (path_.empty() || !std::filesystem::exists(path_)) return std::size_t{0};
-    std::ifstream in(path_, std::ios::binary);
-    const std::vector<std::uint8_t> bytes{std::istreambuf_iterator<char>(in), {}};
-    if (bytes.size() < 4 || bytes.size() - 4 > into.size()) return Status::invalid;
-    const std::size_t size = bytes.size() - 4;
-    const std::uint32_t crc = crc32(std::span(bytes).first(size));
-    for (std::size_t i = 0; i < 4; ++i)
-      if (bytes[size + i] != (crc >> 8 * i & 0xffu)) return Status::invalid;
-    std::copy_n(bytes.begin(), size, into.begin());
-    return size;
-  }
-
-  Status save(std::span<const std::uint8_t> image) const {
-    if (path_.empty()) return Status::disconnected;
-    std::string bytes(image.begin(), image.end());
-    const std::uint32_t crc = crc32(image);
-    for (std::size_t i = 0; i < 4; ++i) bytes += static_cast<char>(crc >> 8 * i & 0xffu);
-    try {
-      log::write_file_atomically(path_, bytes);
-    } catch (const log::OutputError&) {
-      return Status::disconnected;
-    }
-    return Status::ok;
-  }
-
- private:
-  std::string path_;
-};
 
 sim_host::RigConfig endless(sim_host::RigConfig rig) {
   rig.duration_s = 4e6;  // 46 days: what a counter of ticks holds
@@ -97,10 +56,10 @@ struct LiveRig::Parts {
 
   std::mutex mutex;
   sim_host::SimBoard board;
-  FileStore store;
+  log::ParameterFile store;
   firmware::FaultLog faults{};
-  firmware::Node<sim_host::SimBoard, FileStore> node;
-  firmware::NodeRegisters<firmware::Node<sim_host::SimBoard, FileStore>> registers{node};
+  firmware::Node<sim_host::SimBoard, log::ParameterFile> node;
+  firmware::NodeRegisters<firmware::Node<sim_host::SimBoard, log::ParameterFile>> registers{node};
 };
 
 LiveRig::LiveRig(const model::Model& model, const Scenario& scenario, std::uint64_t seed,

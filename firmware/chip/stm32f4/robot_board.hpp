@@ -212,14 +212,9 @@ inline void RobotBoard::start_pins() {
 /// The internal oscillator is too far off for 1 Mbit/s: the robot then stays off the bus, and does not move.
 inline void RobotBoard::start_can() {
   if (!clocks_.from_crystal) return;
-  const firmware::CanLinkConfig& link = wiring_.link;
-  std::array<CanFilter, 5> filters;
+  std::array<CanFilter, firmware::HeardIds::kMost> filters;
   std::size_t used = 0;
-  filters[used++] = {bus::id_of(bus::message::kMotorReply, link.drive_node)};
-  filters[used++] = {bus::id_of(bus::message::kCommand, link.self_node)};
-  filters[used++] = {bus::id_of(bus::message::kRegisterRequest, link.self_node)};
-  for (const std::uint8_t node : {link.height_node, link.cable_node})
-    if (node != 0) filters[used++] = {bus::id_of(bus::message::kEncoderSample, node)};
+  for (const std::uint32_t id : firmware::HeardIds(wiring_.link)) filters[used++] = {id};
   can_runs_ = can_.start(can_timing(clocks_.apb1_hz, wiring_.can.bits_per_s),
                          std::span<const CanFilter>(filters).first(used)) == Status::ok;
 }

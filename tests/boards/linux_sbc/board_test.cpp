@@ -4,10 +4,10 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "boards/linux_sbc/file_store.hpp"
 #include "firmware/app/node.hpp"
 #include "furcula/bus/codec.hpp"
 #include "furcula/bus/messages.hpp"
+#include "host/log/parameter_file.hpp"
 #include "host/rig/peers.hpp"
 #include "tests/boards/linux_sbc/doubles.hpp"
 
@@ -165,7 +165,7 @@ TEST_CASE("a thousand ticks of a node on the board take nothing from the heap") 
   WARN("not counted under a sanitizer");
 #else
   Bench bench;
-  linux_sbc::FileStore store("");
+  log::ParameterFile store("");
   firmware::FaultLog faults{};
   faults.begin();
   firmware::Node node(bench.board, store, control::Config{}, bus::Identity{.board = "linux_sbc", .text = ""},

@@ -1,4 +1,4 @@
-// furculad's files: the configuration, read strictly, and the store of parameters.
+// furculad's configuration, read strictly.
 #include "boards/linux_sbc/configuration.hpp"
 
 #include <unistd.h>
@@ -11,7 +11,6 @@
 #include <iterator>
 #include <string>
 
-#include "boards/linux_sbc/file_store.hpp"
 #include "furcula/bus/parameters.hpp"
 #include "host/log/error.hpp"
 #include "host/rig/rig.hpp"
@@ -158,44 +157,4 @@ TEST_CASE("the configuration that a rig writes for a controller reads back as th
     INFO(p.name);
     if (p.name != "sample_age_max_us") CHECK(p.get(c.controller) == p.get(config));
   }
-}
-
-TEST_CASE("what a store saves it loads, and nothing that was cut or changed at any byte") {
-  const Folder folder;
-  const std::string path = folder.path / "parameters";
-  linux_sbc::FileStore store(path);
-  std::array<std::uint8_t, 64> into{};
-  CHECK(store.load(into).value() == 0);  // never saved
-  const std::array<std::uint8_t, 10> image{1, 2, 3, 0, 255, 10, 13, 7, 8, 9};
-  REQUIRE(store.save(image) == Status::ok);
-  REQUIRE(store.load(into).ok());
-  CHECK(store.load(into).value() == image.size());
-  CHECK(std::equal(image.begin(), image.end(), into.begin()));
-
-  std::ifstream file(path, std::ios::binary);
-  const std::string whole{std::istreambuf_iterator<char>(file), {}};
-  const auto write = [&](const std::string& bytes) { std::ofstream(path, std::ios::binary) << bytes; };
-  for (std::size_t i = 0; i < whole.size(); ++i) {
-    write(whole.substr(0, i));
-    CHECK(store.load(into).status() == Status::invalid);
-    std::string changed = whole;
-    changed[i] = static_cast<char>(changed[i] ^ 0x10);
-    write(changed);
-    CHECK(store.load(into).status() == Status::invalid);
-  }
-  write(whole + "x");
-  CHECK(store.load(into).status() == Status::invalid);
-  write(whole);
-  std::array<std::uint8_t, 9> too_small{};
-  CHECK(store.load(too_small).status() == Status::invalid);
-}
-
-TEST_CASE("a store that cannot be written says so and leaves no part") {
-  const Folder folder;
-  linux_sbc::FileStore store(folder.path / "no" / "such" / "folder");
-  const std::array<std::uint8_t, 4> image{};
-  CHECK(store.save(image) == Status::disconnected);
-  CHECK(std::filesystem::is_empty(folder.path));
-  linux_sbc::FileStore none("");
-  CHECK(none.save(image) == Status::disconnected);
 }

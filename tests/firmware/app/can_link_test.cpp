@@ -3,6 +3,7 @@
 
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <set>
 
 using namespace furcula;
 using namespace furcula::firmware;
@@ -342,4 +343,29 @@ TEST_CASE("on the clutch's bench the cable's encoder alone is asked for, and not
   CHECK(b.link.statistics().unanswered == 0);
   b.now_us += 5000;
   CHECK(b.fault() == Fault::peer_lost);
+}
+
+TEST_CASE("the filters of a board's receiver let through what is heard, and nothing else") {
+  CanLinkConfig c = config();
+  c.cable_node = 9;
+  // By hand from docs/bus.md: a reply of a drive, samples of two encoders, a command, a request for
+  // registers.
+  const std::set<std::uint32_t> expected{0x000, 0x460u + c.height_node, 0x469, 0x400u + kSelf,
+                                         0x4e0u + kSelf};
+  const HeardIds ids(c);
+  CHECK(std::set<std::uint32_t>(ids.begin(), ids.end()) == expected);
+  for (std::uint32_t id = 0; id < 0x800; ++id) {
+    CanLink link(c);
+    bus::Frame frame;
+    frame.id = id;
+    frame.size = 8;
+    frame.data[0] = kDrive;
+    link.receive(frame, 1000);
+    CAPTURE(id);
+    REQUIRE((link.statistics().foreign == 0) == (expected.count(id) != 0));
+  }
+  c.height_node = c.cable_node = 0;
+  const HeardIds fewer(c);
+  CHECK(std::set<std::uint32_t>(fewer.begin(), fewer.end()) ==
+        std::set<std::uint32_t>{0x000, 0x400u + kSelf, 0x4e0u + kSelf});
 }

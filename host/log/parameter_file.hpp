@@ -7,26 +7,26 @@
 #include <string>
 #include <string_view>
 
-#include "firmware/app/store.hpp"
+#include "furcula/core/status.hpp"
 
-namespace furcula::linux_sbc {
+namespace furcula::log {
 
-/// The image (furcula/bus/parameter_image.hpp) behind a line that says what it is, and its checksum. Written
+/// The image (furcula/bus/parameter_image.hpp) behind a line that says what it is, and its CRC-32. Written
 /// whole or not at all.
-class FileStore {
+class ParameterFile {
  public:
   /// Empty: keeps nothing.
-  explicit FileStore(std::string path) : path_(std::move(path)) {}
+  explicit ParameterFile(std::string path) : path_(std::move(path)) {}
 
-  Result<std::size_t> load(std::span<std::uint8_t> into);
+  /// @returns the image's size, 0 where there is no file; `invalid`: damaged, or larger.
+  Result<std::size_t> load(std::span<std::uint8_t> into) const;
   /// The image in such a file's bytes. @returns its size; `invalid`: damaged, no such file, or larger.
   static Result<std::size_t> read(std::string_view file, std::span<std::uint8_t> into);
   /// Takes memory and time, which a robot that is idle has.
-  Status save(std::span<const std::uint8_t> image);
+  Status save(std::span<const std::uint8_t> image) const;
 
  private:
   std::string path_;
 };
-static_assert(firmware::ParameterStore<FileStore>);
 
-}  // namespace furcula::linux_sbc
+}  // namespace furcula::log

@@ -1,0 +1,57 @@
+#include "host/log/parameter_file.hpp"
+
+#include <algorithm>
+#include <exception>
+#include <fstream>
+#include <iterator>
+
+#include "furcula/core/crc32.hpp"
+#include "host/log/atomic_file.hpp"
+
+namespace furcula::log {
+namespace {
+
+constexpr std::string_view kTitle = "furcula-parameters/1\n";
+constexpr std::size_t kChecksumBytes = 4;
+
+/// Least significant byte first.
+std::string checksum(std::string_view image) {
+  Crc32 crc;
+  for (const char c : image) crc.add(static_cast<std::uint8_t>(c));
+  std::string bytes;
+  for (unsigned i = 0; i < kChecksumBytes; ++i)
+    bytes.push_back(static_cast<char>(crc.value() >> 8 * i & 0xffu));
+  return bytes;
+}
+
+}  // namespace
+
+Result<std::size_t> ParameterFile::load(std::span<std::uint8_t> into) const {
+  if (path_.empty()) return std::size_t{0};
+  std::ifstream file(path_, std::ios::binary);
+  if (!file) return std::size_t{0};
+  const std::string bytes{std::istreambuf_iterator<char>(file), {}};
+  return read(bytes, into);
+}
+
+Result<std::size_t> ParameterFile::read(std::string_view file, std::span<std::uint8_t> into) {
+  if (!file.starts_with(kTitle) || file.size() < kTitle.size() + kChecksumBytes) return Status::invalid;
+  const std::string_view image = file.substr(kTitle.size(), file.size() - kTitle.size() - kChecksumBytes);
+  if (image.size() > into.size() || checksum(image) != file.substr(file.size() - kChecksumBytes))
+    return Status::invalid;
+  std::copy(image.begin(), image.end(), into.begin());
+  return image.size();
+}
+
+Status ParameterFile::save(std::span<const std::uint8_t> image) const {
+  if (path_.empty()) return Status::disconnected;
+  try {
+    const std::string content(image.begin(), image.end());
+    write_file_atomically(path_, std::string(kTitle) + content + checksum(content));
+    return Status::ok;
+  } catch (const std::exception&) {
+    return Status::disconnected;
+  }
+}
+
+}  // namespace furcula::log

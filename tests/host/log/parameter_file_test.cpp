@@ -1,0 +1,53 @@
+// The file of parameters on a computer: what is damaged in it is not believed.
+#include "host/log/parameter_file.hpp"
+
+#include <algorithm>
+#include <array>
+#include <catch2/catch.hpp>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+
+#include "tests/host/temporary_folder.hpp"
+
+using namespace furcula;
+
+TEST_CASE("what a store saves it loads, and nothing that was cut or changed at any byte") {
+  const test::TemporaryFolder folder;
+  const std::string path = folder.path() / "parameters";
+  log::ParameterFile store(path);
+  std::array<std::uint8_t, 64> into{};
+  CHECK(store.load(into).value() == 0);  // never saved
+  const std::array<std::uint8_t, 10> image{1, 2, 3, 0, 255, 10, 13, 7, 8, 9};
+  REQUIRE(store.save(image) == Status::ok);
+  REQUIRE(store.load(into).ok());
+  CHECK(store.load(into).value() == image.size());
+  CHECK(std::equal(image.begin(), image.end(), into.begin()));
+
+  std::ifstream file(path, std::ios::binary);
+  const std::string whole{std::istreambuf_iterator<char>(file), {}};
+  const auto write = [&](const std::string& bytes) { std::ofstream(path, std::ios::binary) << bytes; };
+  for (std::size_t i = 0; i < whole.size(); ++i) {
+    write(whole.substr(0, i));
+    CHECK(store.load(into).status() == Status::invalid);
+    std::string changed = whole;
+    changed[i] = static_cast<char>(changed[i] ^ 0x10);
+    write(changed);
+    CHECK(store.load(into).status() == Status::invalid);
+  }
+  write(whole + "x");
+  CHECK(store.load(into).status() == Status::invalid);
+  write(whole);
+  std::array<std::uint8_t, 9> too_small{};
+  CHECK(store.load(too_small).status() == Status::invalid);
+}
+
+TEST_CASE("a store that cannot be written says so and leaves no part") {
+  const test::TemporaryFolder folder;
+  log::ParameterFile store(folder.path() / "no" / "such" / "folder");
+  const std::array<std::uint8_t, 4> image{};
+  CHECK(store.save(image) == Status::disconnected);
+  CHECK(std::filesystem::is_empty(folder.path()));
+  log::ParameterFile none("");
+  CHECK(none.save(image) == Status::disconnected);
+}
