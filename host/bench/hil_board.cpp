@@ -15,7 +15,7 @@
 
 #include "boards/linux_sbc/can_socket.hpp"
 #include "boards/linux_sbc/timer.hpp"
-#include "host/bench/modbus_board.hpp"
+#include "host/bench/bus_board.hpp"
 #include "host/log/atomic_file.hpp"
 #include "host/log/error.hpp"
 #include "host/rig/child.hpp"
@@ -190,7 +190,7 @@ struct HilBoard::Parts {
   ConfigurationFile configuration;
   std::unique_ptr<Wires> wires;
   rig::Child program;
-  std::optional<ModbusBoard> desk;
+  std::optional<BusBoard> desk;
   std::thread thread;
 
   std::mutex mutex;  ///< of all below

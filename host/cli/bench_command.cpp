@@ -6,9 +6,9 @@
 #include <memory>
 #include <string>
 
+#include "host/bench/bus_board.hpp"
 #include "host/bench/hil_board.hpp"
 #include "host/bench/limits.hpp"
-#include "host/bench/modbus_board.hpp"
 #include "host/bench/pil_board.hpp"
 #include "host/bench/release_catch.hpp"
 #include "host/bench/release_catch_json.hpp"
@@ -69,7 +69,7 @@ std::unique_ptr<bench::Board> open_board(const Options& o) {
     } catch (const log::DataError& e) {
       throw UsageError(std::string("--board: ") + e.what());
     }
-    return std::make_unique<bench::ModbusBoard>(port, o.pulley_teeth, ask_to_hang);
+    return std::make_unique<bench::BusBoard>(port, o.pulley_teeth, ask_to_hang);
   }
   throw UsageError("--board: " + log::quoted(text) + "; expected " + kBoards);
 }

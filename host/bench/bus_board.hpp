@@ -10,14 +10,14 @@
 
 namespace furcula::bench {
 
-class ModbusBoard final : public Board {
+class BusBoard final : public Board {
  public:
   /// `hang`: called before each trial; it returns when the load hangs at rest at the top of its way.
   /// @throws log::DataError where nothing answers, or the board is not on a bench.
-  ModbusBoard(const modbus::Port& port, int pulley_teeth, std::function<void(const Conditions&)> hang);
+  BusBoard(const modbus::Port& port, int pulley_teeth, std::function<void(const Conditions&)> hang);
   /// `name` is for messages.
-  ModbusBoard(std::string name, modbus::Client client, int pulley_teeth,
-              std::function<void(const Conditions&)> hang);
+  BusBoard(std::string name, modbus::Client client, int pulley_teeth,
+           std::function<void(const Conditions&)> hang);
 
   std::string name() const override { return name_; }
   Adjusts adjusts() const override { return Adjusts::window; }

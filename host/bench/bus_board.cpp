@@ -1,5 +1,5 @@
-// A board over Modbus or CAN, see modbus_board.hpp.
-#include "host/bench/modbus_board.hpp"
+// A board over Modbus or CAN, see bus_board.hpp.
+#include "host/bench/bus_board.hpp"
 
 #include <chrono>
 #include <thread>
@@ -19,12 +19,11 @@ float value(const std::vector<float>& parameters, std::string_view name) {
 
 }  // namespace
 
-ModbusBoard::ModbusBoard(const modbus::Port& port, int pulley_teeth,
-                         std::function<void(const Conditions&)> hang)
-    : ModbusBoard(port.text, modbus::Client(port), pulley_teeth, std::move(hang)) {}
+BusBoard::BusBoard(const modbus::Port& port, int pulley_teeth, std::function<void(const Conditions&)> hang)
+    : BusBoard(port.text, modbus::Client(port), pulley_teeth, std::move(hang)) {}
 
-ModbusBoard::ModbusBoard(std::string name, modbus::Client client, int pulley_teeth,
-                         std::function<void(const Conditions&)> hang)
+BusBoard::BusBoard(std::string name, modbus::Client client, int pulley_teeth,
+                   std::function<void(const Conditions&)> hang)
     : name_(std::move(name)), client_(std::move(client)), hang_(std::move(hang)) {
   const std::vector<float> p = client_.parameters();
   if (value(p, "on_bench") != 1.0f)
@@ -37,7 +36,7 @@ ModbusBoard::ModbusBoard(std::string name, modbus::Client client, int pulley_tee
   pulley_radius_m_ = pulley_teeth * tooth_pitch_m_ / (2.0 * 3.14159265358979323846);
 }
 
-void ModbusBoard::set_window(std::size_t window_ms) {
+void BusBoard::set_window(std::size_t window_ms) {
   const bus::Parameter& p = *bus::parameter_named("bench_window_ms");
   const auto wanted = static_cast<float>(window_ms);
   if (!bus::allows(p, wanted))
@@ -47,7 +46,7 @@ void ModbusBoard::set_window(std::size_t window_ms) {
   client_.write(p, wanted);
 }
 
-void ModbusBoard::wait_for_end(std::size_t rows) {
+void BusBoard::wait_for_end(std::size_t rows) {
   // A serial line may take a second for each look at it.
   const auto deadline = std::chrono::steady_clock::now() + std::chrono::milliseconds(2 * rows) + 30s;
   for (;;) {
@@ -61,7 +60,7 @@ void ModbusBoard::wait_for_end(std::size_t rows) {
   }
 }
 
-std::vector<Reading> ModbusBoard::run(const Conditions& conditions, const Timing& timing) {
+std::vector<Reading> BusBoard::run(const Conditions& conditions, const Timing& timing) {
   hang_(conditions);
   modbus::Trial trial;
   try {

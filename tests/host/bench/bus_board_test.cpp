@@ -1,5 +1,5 @@
 // The release/catch test on a board that answers to Modbus: the simulated bench with a node on it.
-#include "host/bench/modbus_board.hpp"
+#include "host/bench/bus_board.hpp"
 
 #include <atomic>
 #include <catch2/catch.hpp>
@@ -30,7 +30,7 @@ struct Stand {
   std::string port() const { return "modbus:127.0.0.1:" + std::to_string(server.port()); }
 };
 
-ModbusBoard open(const std::string& port) {
+BusBoard open(const std::string& port) {
   return {modbus::parse_port(port), 20, [](const Conditions&) {}};
 }
 
@@ -38,7 +38,7 @@ ModbusBoard open(const std::string& port) {
 
 TEST_CASE("A trial over Modbus is the board's own: every millisecond of it, as on the simulated bench") {
   Stand stand;
-  ModbusBoard there = open(stand.port());
+  BusBoard there = open(stand.port());
   SimBoard here;
   CHECK(there.metres_per_count() == Approx(here.metres_per_count()).epsilon(1e-6));
   CHECK(there.tooth_pitch_m() == Approx(here.tooth_pitch_m()).epsilon(1e-6));
@@ -59,14 +59,14 @@ TEST_CASE("A trial over Modbus is the board's own: every millisecond of it, as o
 
 TEST_CASE("A trial over CAN is the one over Modbus, bit for bit, also where frames are lost") {
   Stand stand;
-  ModbusBoard over_modbus = open(stand.port());
+  BusBoard over_modbus = open(stand.port());
   LiveStand live{{}, {"sim_host", "1.0.0", 0x010000, 0}, 77};
   test::CanBus bus;
   bus.tick = [&] { live.advance(1); };
   bus.answer = [&](std::span<const std::uint8_t> request) { return live.answer(request); };
   bus.loses = [](int frame) { return frame % 97 == 0; };
   live.advance(60);
-  ModbusBoard over_can("can:test", bus.connect(), 20, [](const Conditions&) {});
+  BusBoard over_can("can:test", bus.connect(), 20, [](const Conditions&) {});
   CHECK(over_can.metres_per_count() == over_modbus.metres_per_count());
   Conditions c;
   c.window_s = 0.045;
@@ -83,7 +83,7 @@ TEST_CASE("A trial over CAN is the one over Modbus, bit for bit, also where fram
 TEST_CASE(
     "On a board that cannot hang weights the window alone is varied, and what is not measured not logged") {
   Stand stand;
-  ModbusBoard board = open(stand.port());
+  BusBoard board = open(stand.port());
   Options options;
   options.trials = 4;
   options.conditions.load_kg = 1.0;
@@ -127,7 +127,7 @@ TEST_CASE(
 TEST_CASE("A board that is not there, not on a bench, or asked for what it cannot do, says so") {
   CHECK_THAT(test::error_message([] { open("modbus:127.0.0.1:9"); }), Contains("modbus:127.0.0.1:9"));
   Stand stand;
-  ModbusBoard board = open(stand.port());
+  BusBoard board = open(stand.port());
   Conditions c;
   c.window_s = 0.600;
   CHECK_THAT(test::error_message([&] { run_trial(board, c); }),
