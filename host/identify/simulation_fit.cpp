@@ -166,9 +166,8 @@ WindowShare share_of(const WindowCost& cost, const std::vector<double>& values, 
     return count == 0 ? cost.Evaluate(blocks + 1, residual.data(), jacobians + 1)
                       : cost.Evaluate(blocks, residual.data(), jacobians);
   };
-  double best = rounds == 0                ? 0.0
-                : evaluate(start, nullptr) ? residual.squaredNorm()
-                                           : std::numeric_limits<double>::infinity();
+  double best = std::numeric_limits<double>::infinity();
+  if (rounds > 0 && evaluate(start, nullptr)) best = residual.squaredNorm();
   for (int round = 0; round < rounds; ++round) {
     const Eigen::Vector2d step = by_start.colPivHouseholderQr().solve(residual);
     const double trial[kStartSize] = {start[0] - step(0), start[1] - step(1)};

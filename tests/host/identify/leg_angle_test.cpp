@@ -187,3 +187,19 @@ TEST_CASE("The squares of a fit with leg angles have the gradient that finite di
     CHECK(gradient != Approx(other).epsilon(0.01));
   }
 }
+
+TEST_CASE("By a linear step the start states come to where running the windows again brings them") {
+  const auto recordings = hops();
+  const auto model = test::hopper_model();
+  const auto windows = identify::prediction_windows(recordings, model, 0.5);
+  const auto unknowns = identify::effect_unknowns(Effect::stiffness_error, model.kind);
+  const auto look = [&](identify::Starting starting) {
+    return identify::look_by_simulation(model, unknowns, {612.0}, recordings, windows, starting);
+  };
+  const auto best = look(identify::Starting::at_optimum), linear = look(identify::Starting::linear);
+  REQUIRE(best.shares.size() == linear.shares.size());
+  for (std::size_t i = 0; i < best.shares.size(); ++i) {
+    CHECK(linear.shares[i].squares == Approx(best.shares[i].squares).epsilon(0.02));
+    CHECK(linear.shares[i].gradient(0) == Approx(best.shares[i].gradient(0)).epsilon(0.02));
+  }
+}
