@@ -11,8 +11,7 @@
 namespace furcula::sim_host {
 
 /// Each touch-down and each lift-off draws by how much it is reported early (negative) or late, uniform
-/// within
-/// +-10 ms. To report early the switch knows the future: a copy of the plant runs ahead with the command
+/// within +-10 ms. To report early the switch knows the future: a copy of the plant runs ahead with the command
 /// held. (Where the torque does not move the leg in flight, an early touch-down report is exact.) Each
 /// change is followed by a time in which the reading is drawn anew on each tick: 1 to 4 ms after closing, up
 /// to 2 ms after opening.

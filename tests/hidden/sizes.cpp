@@ -17,9 +17,10 @@
 //   spring_preload                      1        3        6      N, upwards only if large (below)
 //   spring_hardening     at 7 cm        1.5      4        10     N, hardening only if large
 //   spring_hysteresis                   2        6        15     %
-//   leg_inertia                         0.3      0.6      1      of the published rig's a, b, e (002,
-//   table 3.1) torque_gain_error                   6        12       25     % torque_offset 0.05     0.15
-//   0.35   N m, extending the leg only if large actuator_delay                      3        8        20 ms
+//   leg_inertia                         0.3      0.6      1      of the published rig's a, b, e (002, table 3.1)
+//   torque_gain_error                   6        12       25     %
+//   torque_offset                       0.05     0.15     0.35   N m, extending the leg only if large
+//   actuator_delay                      3        8        20     ms
 //   actuator_lag                        4        10       25     ms
 //   torque_saturation                   1.5      1.1      0.8    N m
 //   torque_ripple                       0.08     0.18     0.32   N m, 12 to 36 cycles a revolution
@@ -38,14 +39,17 @@
 //   time_skew                           1.5      4        10     ms
 //
 //   on the axes
-//   all frictions and drags             3        8        20     % of the RMS of the command without the
-//   effect force_offset, torque_ripple         3        8        20     % of it binding_spot 10       25 60
-//   % of it, over a tenth to a third of the travel damping_error        at top speed   5        12       30
-//   % of it mass_error, torque_gain_error       4        8        20     % actuator_delay, time_skew 3 8 20
-//   ms actuator_lag                        4        10       30     ms torque_saturation                   90
-//   70       50     % of the peak command thermal_derating     down to        0.93     0.85     0.65 with 1.5
-//   to 4 s encoder_offset                      0.02     0.06     0.15   rad height_eccentricity, encoder_slip
-//   0.5      1.5      4      % of the travel
+//   all frictions and drags             3        8        20     % of the RMS of the command without the effect
+//   force_offset, torque_ripple         3        8        20     % of it
+//   binding_spot                        10       25       60     % of it, over a tenth to a third of the travel
+//   damping_error        at top speed   5        12       30     % of it
+//   mass_error, torque_gain_error       4        8        20     %
+//   actuator_delay, time_skew           3        8        20     ms
+//   actuator_lag                        4        10       30     ms
+//   torque_saturation                   90       70       50     % of the peak command
+//   thermal_derating     down to        0.93     0.85     0.65   with 1.5 to 4 s
+//   encoder_offset                      0.02     0.06     0.15   rad
+//   height_eccentricity, encoder_slip   0.5      1.5      4      % of the travel
 //
 //   on a hopper with a clutch
 //   late_catch                          5        12       25     ms more than modelled
@@ -57,8 +61,8 @@
 //   damping_error        at 0.4 m/s     4        10       20     % of the weight more
 //   clutch_slip                         3        2.2      1.5    times the weight is held
 //   late_catch                          4        10       25     ms more than modelled
-//   auxiliary_spring                    30       60       100    N/m more than modelled (the belt goes some 5
-//   cm) encoder_slip                        0.03     0.1      0.3    rad
+//   auxiliary_spring                    30       60       100    N/m more than modelled (the belt goes some 5 cm)
+//   encoder_slip                        0.03     0.1      0.3    rad
 //
 // A spring slack by 6 N at touch-down would have the ground pull on the toe: no such rig exists, so a large
 // preload pushes upwards, and so do a large error of the rest height and a large offset of the torque.

@@ -1,9 +1,9 @@
 // The diagnosis must find what a virtual rig hides, and must find nothing where nothing is hidden.
 // A failing case prints its seed, what was planted and what the diagnosis said. The same case again, with its
-// recordings as files: furcula_hidden_table --kind KIND --effect LAW --size SIZE --seed N --cases 1 --write
-// DIR. To add an effect: a test case of one line; other seeds, where these show nothing of it:
-// expect_found(kind, law,
-// {.medium = 7}). The suite with fresh seeds, and all that it asks: docs/blind_suite.md.
+// recordings as files:
+//   furcula_hidden_table --kind KIND --effect LAW --size SIZE --seed N --cases 1 --write DIR
+// To add an effect: a test case of one line; other seeds, where these show nothing of it:
+// expect_found(kind, law, {.medium = 7}). The suite with fresh seeds, and all that it asks: docs/blind_suite.md.
 #include <catch2/catch.hpp>
 #include <cstdint>
 #include <string>

@@ -1,11 +1,9 @@
 // The table of all messages on the bus. Codec, DBC file, documentation and decoder follow from it.
 //
 // Sources
-//   mini_cheetah  CubeMars (T-Motor), "AK Series Actuator Driver Manual" V1.0.8, section 5.3, pages 48 and
-//   49;
+//   mini_cheetah  CubeMars (T-Motor), "AK Series Actuator Driver Manual" V1.0.8, section 5.3, pages 48 and 49;
 //                 B. Katz, HKC_MiniCheetah, CAN_com.cpp (pack_reply: 6 bytes, to the master's id)
-//   odrive        ODrive Robotics, "CAN Protocol" (docs.odriverobotics.com, can-protocol.html), and the
-//   messages of
+//   odrive        ODrive Robotics, "CAN Protocol" (docs.odriverobotics.com, can-protocol.html), and the messages of
 //                 firmware 0.6 in its ODriveArduino, src/can_simple_messages.hpp
 //   the others    this project's own
 // Where they disagree: docs/bus.md.

@@ -23,8 +23,7 @@ struct LegPath {
   float fold_m = 0.0f, rate_mps = 0.0f, acceleration_mps2 = 0.0f;
 };
 
-/// Half a wave, or the whole wave, of a raised cosine: `share` 0 to 1 of `time_s`, from 0 up to `height_m`
-/// and
+/// Half a wave, or the whole wave, of a raised cosine: `share` 0 to 1 of `time_s`, from 0 up to `height_m` and
 /// (`back`) down again; at rest at both ends.
 inline LegPath raised_cosine(float height_m, float time_s, float share, bool back) {
   constexpr float kTau = 6.283185307f;

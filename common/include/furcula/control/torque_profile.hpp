@@ -18,8 +18,8 @@ struct TorqueProfileConfig {
 };
 
 /// Zero in flight. In stance
-///   harmonic  T sin(2 pi (t - t_td) / P), 002 eq. 4.1, t the middle of the tick over which the torque is
-///   held constant  -T sgn(z_dot): torque pulls the body down while it sinks and pushes it up while it rises
+///   harmonic   T sin(2 pi (t - t_td) / P), 002 eq. 4.1; t is the middle of the tick over which the torque is held
+///   constant   -T sgn(z_dot): the torque pulls the body down while it sinks, and pushes it up while it rises
 inline float profile_torque_nm(const TorqueProfileConfig& config, const PhaseEstimate& phase,
                                float velocity_mps, float dt_s) {
   if (phase.phase == Phase::flight) return 0.0f;

@@ -20,8 +20,9 @@
 namespace furcula::dynamics {
 
 /// The plant. The equations, z the height of the centre of mass:
-///   stance   m z'' = -k (z - z0) - ds z' - m g + F(tau, z) + effects      F = -tau / (2 L sin theta), z = 2
-///   L cos theta flight   m z'' = -df z' - m g + effects on the guide
+///   stance   m z'' = -k (z - z0) - ds z' - m g + F(tau, z) + effects
+///            F = -tau / (2 L sin theta),   z = 2 L cos theta
+///   flight   m z'' = -df z' - m g + effects on the guide
 /// df acts in the guide in both phases, ds - df in the leg. Touch-down when z falls to 2 L cos(touchdown
 /// angle); lift-off when, rising, z is back there or the ground's force is zero. The ground cannot pull:
 /// while the body sinks and the leg would pull, the leg's force is zero. The torque is held over a step, its
@@ -33,9 +34,10 @@ namespace furcula::dynamics {
 /// along the leg. Held, the spring's rest height is z0 - x. Let go, the cable is in balance between the
 /// spring and an auxiliary spring that is pretensioned to what the spring pulls with the leg straight (length
 /// l0), so that the cable is home then:
-///   k (z0 - x - l) = k (z0 - l0) + k_aux x,   the leg's spring has the rate k k_aux / (k + k_aux) below l0;
-/// of what it lacks to the rate k an incomplete release leaves the ratio. Its times: dynamics/key_timing.hpp;
-/// the pressed key holds the cable at the next whole pitch that its travel comes to.
+///   k (z0 - x - l) = k (z0 - l0) + k_aux x
+/// The leg's spring then has the rate k k_aux / (k + k_aux) below l0; of what it lacks to the rate k an
+/// incomplete release leaves the ratio. Its times: dynamics/key_timing.hpp; the pressed key holds the cable at
+/// the next whole pitch that its travel comes to.
 template <class T>
 class Hopper {
  public:

@@ -39,8 +39,8 @@ struct FixedEnd {
 };
 
 /// The plant, with the guide's damping df in both phases and ds - df in the leg, along its length:
-///   M q'' + B + G = [torque - lever (Fs - dl l'), -df z'] + J^T F_c,    l = 2 L cos theta, lever = 2 L sin
-///   theta, Fs = k (z0 - l)
+///   M q'' + B + G = [torque - lever (Fs - dl l'), -df z'] + J^T F_c
+///   l = 2 L cos theta,   lever = 2 L sin theta,   Fs = k (z0 - l)
 /// In four modes: on its stop in flight (theta held), swinging in flight (both move), in stance (the toe
 /// rests on the ground; the ground does not pull, and where it would have to, the leg is free), standing on
 /// stop and ground. Touch-down and the stop are plastic impacts; restitution_touchdown and

@@ -15,8 +15,8 @@ namespace furcula::dynamics {
 
 /// Angle of the pulley, rad; growing while the load goes down.
 ///   held    angle = that of a tooth
-///   loose   (m r^2 + I) angle'' = m g r - d angle' - k_aux r^2 angle - friction    (auxiliary spring slack
-///                                                                                    at the angle 0)
+///   loose   (m r^2 + I) angle'' = m g r - d angle' - k_aux r^2 angle - friction
+///           (auxiliary spring slack at the angle 0)
 /// From a release delay after the coil is switched on the belt is loose. A catch delay after it is switched
 /// off the key presses, and stops the belt (plastically) at the next tooth that it comes to in its motion;
 /// the teeth lie pitch / radius apart, counted from where the belt was held when the run began. A clutch that
