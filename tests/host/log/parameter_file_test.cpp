@@ -8,13 +8,13 @@
 #include <fstream>
 #include <iterator>
 
-#include "tests/host/temporary_folder.hpp"
+#include "tests/host/cli/run_program.hpp"
 
 using namespace furcula;
 
 TEST_CASE("what a store saves it loads, and nothing that was cut or changed at any byte") {
   const test::TemporaryFolder folder;
-  const std::string path = folder.path() / "parameters";
+  const std::string path = folder.path() + "/parameters";
   log::ParameterFile store(path);
   std::array<std::uint8_t, 64> into{};
   CHECK(store.load(into).value() == 0);  // never saved
@@ -44,7 +44,7 @@ TEST_CASE("what a store saves it loads, and nothing that was cut or changed at a
 
 TEST_CASE("a store that cannot be written says so and leaves no part") {
   const test::TemporaryFolder folder;
-  log::ParameterFile store(folder.path() / "no" / "such" / "folder");
+  log::ParameterFile store(folder.path() + "/no/such/folder");
   const std::array<std::uint8_t, 4> image{};
   CHECK(store.save(image) == Status::disconnected);
   CHECK(std::filesystem::is_empty(folder.path()));
