@@ -4,10 +4,16 @@ set -euo pipefail
 project=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 jobs=$(nproc)
 export CMAKE_BUILD_PARALLEL_LEVEL=${CMAKE_BUILD_PARALLEL_LEVEL:-$jobs}
-# Compiler output is kept for the next build where ccache is installed; nothing needs it.
+# The compiler's output is kept for the next build, of this clone or another, where ccache is installed: in ccache's own folder
+# (~/.cache/ccache), by paths relative to the project. Precompiled headers need the sloppiness.
 if command -v ccache >/dev/null; then
   export CMAKE_CXX_COMPILER_LAUNCHER=${CMAKE_CXX_COMPILER_LAUNCHER-ccache}
+  export CCACHE_BASEDIR=${CCACHE_BASEDIR-$project} CCACHE_NOHASHDIR=${CCACHE_NOHASHDIR-1}
+  export CCACHE_SLOPPINESS=${CCACHE_SLOPPINESS-pch_defines,time_macros}
 fi
+
+# cache_folder NAME: where results are kept that every clone can use.
+cache_folder() { echo "${XDG_CACHE_HOME:-${HOME:-/tmp}/.cache}/furcula/$1"; }
 
 step() { printf '\n== %s\n' "$*" >&2; }
 
