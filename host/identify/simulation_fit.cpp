@@ -9,20 +9,11 @@
 #include <limits>
 
 #include "host/identify/dual.hpp"
+#include "host/identify/window_run.hpp"
 #include "host/log/error.hpp"
 
 namespace furcula::identify {
 namespace {
-
-constexpr int kStartSize = 2;
-
-struct Weights {
-  double position = 0.0;
-  double velocity = 0.0;  ///< 0: not used
-  double contact = 0.0;   ///< 0: not used
-  double drive = 0.0;     ///< 0: not used
-  double leg = 0.0;       ///< 0: not used
-};
 
 Weights weights_of(const Recording& r, const Window& w, Weighting weighting) {
   if (weighting == Weighting::noise) {
@@ -46,94 +37,30 @@ class WindowCost final : public ceres::CostFunction {
  public:
   WindowCost(const model::Model& model, const std::vector<Unknown>& unknowns, const Recording& recording,
              const Window& window, Weights weights)
-      : model_(model), unknowns_(unknowns), recording_(recording), window_(window), weights_(weights) {
-    set_num_residuals(static_cast<int>(motion_rows() + contact_rows() + drive_rows() + leg_rows()));
+      : run_{model, unknowns, recording, window, weights} {
+    set_num_residuals(
+        static_cast<int>(run_.motion_rows() + run_.contact_rows() + run_.drive_rows() + run_.leg_rows()));
     if (!unknowns.empty()) mutable_parameter_block_sizes()->push_back(static_cast<int>(unknowns.size()));
     mutable_parameter_block_sizes()->push_back(kStartSize);
   }
 
-  // In this order.
-  std::size_t motion_rows() const { return window_.rows() * (weights_.velocity > 0.0 ? 2 : 1); }
-  std::size_t contact_rows() const { return weights_.contact > 0.0 ? 1 : 0; }
-  std::size_t drive_rows() const { return weights_.drive > 0.0 ? window_.rows() - 1 : 0; }
-  std::size_t leg_rows() const { return weights_.leg > 0.0 ? window_.rows() : 0; }
+  const WindowRun& run() const { return run_; }
 
   bool Evaluate(double const* const* blocks, double* residuals, double** jacobians) const override {
-    if (jacobians == nullptr) return run<double>(blocks, residuals, nullptr);
-    if (unknowns_.empty() || jacobians[0] == nullptr) return run<Dual<2>>(blocks, residuals, jacobians);
-    const std::size_t size = unknowns_.size() + kStartSize;
-    if (size <= 4) return run<Dual<4>>(blocks, residuals, jacobians);
-    if (size <= 6) return run<Dual<6>>(blocks, residuals, jacobians);
-    if (size <= 8) return run<Dual<8>>(blocks, residuals, jacobians);
-    if (size <= 12) return run<Dual<12>>(blocks, residuals, jacobians);
-    if (size <= 20) return run<Dual<20>>(blocks, residuals, jacobians);
-    return run<Dual<32>>(blocks, residuals, jacobians);
+    if (jacobians == nullptr) return run_window<double>(run_, blocks, residuals, nullptr);
+    if (run_.unknowns.empty() || jacobians[0] == nullptr)
+      return run_window<Dual<2>>(run_, blocks, residuals, jacobians);
+    const std::size_t size = run_.unknowns.size() + kStartSize;
+    if (size <= 4) return run_window<Dual<4>>(run_, blocks, residuals, jacobians);
+    if (size <= 6) return run_window<Dual<6>>(run_, blocks, residuals, jacobians);
+    if (size <= 8) return run_window<Dual<8>>(run_, blocks, residuals, jacobians);
+    if (size <= 12) return run_window<Dual<12>>(run_, blocks, residuals, jacobians);
+    if (size <= 20) return run_window<Dual<20>>(run_, blocks, residuals, jacobians);
+    return run_window<Dual<32>>(run_, blocks, residuals, jacobians);
   }
 
  private:
-  template <class T>
-  bool run(double const* const* blocks, double* residuals, double** jacobians) const {
-    const bool by_start_alone = unknowns_.empty() || jacobians == nullptr || jacobians[0] == nullptr;
-    const std::size_t count = by_start_alone ? 0 : unknowns_.size();  // that derivatives are asked by
-    const double* start = blocks[unknowns_.empty() ? 0 : 1];
-    std::vector<T> values(unknowns_.size());
-    T position(start[0]), velocity(start[1]);
-    for (std::size_t i = 0; i < values.size(); ++i) values[i] = T(blocks[0][i]);
-    if constexpr (!std::is_same_v<T, double>) {
-      for (std::size_t i = 0; i < count; ++i) values[i].set(i, 1.0);
-      position.set(count, 1.0);
-      velocity.set(count + 1, 1.0);
-    }
-    const PlantSetup<T> setup(model_, unknowns_, values.data());
-    bool finite = true;
-    double* of_unknowns = by_start_alone ? nullptr : jacobians[0];
-    double* of_start = jacobians != nullptr ? jacobians[unknowns_.empty() ? 0 : 1] : nullptr;
-    const auto put = [&](std::size_t at, const T& simulated, double measured, double weight) {
-      residuals[at] = (dynamics::value_of(simulated) - measured) * weight;
-      finite = finite && std::isfinite(residuals[at]);
-      if constexpr (!std::is_same_v<T, double>) {
-        if (of_unknowns != nullptr)
-          for (std::size_t i = 0; i < count; ++i)
-            of_unknowns[at * count + i] = simulated.derivative(i) * weight;
-        if (of_start != nullptr)
-          for (std::size_t i = 0; i < kStartSize; ++i)
-            of_start[at * kStartSize + i] = simulated.derivative(count + i) * weight;
-      }
-    };
-    std::size_t motion = 0, drives = motion_rows() + contact_rows();
-    const std::size_t first_leg = drives + drive_rows();
-    std::size_t legs = first_leg;
-    simulate(setup, recording_, window_, position, velocity,
-             [&](std::size_t row, const T& x, const T& v, const T& drive, const auto& leg_angle) {
-               put(motion++, x, recording_.position[row], weights_.position);
-               if (weights_.velocity > 0.0)
-                 put(motion++, v, recording_.velocity_smoothed[row], weights_.velocity);
-               if (weights_.drive > 0.0 && row < window_.last)
-                 put(drives++, drive, recording_.drive[row], weights_.drive);
-               if (weights_.leg > 0.0) put(legs++, leg_angle(), recording_.leg_angle[row], weights_.leg);
-             });
-    if (legs > first_leg) {
-      const auto about_mean = [&](double* of, std::size_t columns) {
-        using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-        Eigen::Map<RowMajor> part(of + first_leg * columns, static_cast<Eigen::Index>(legs - first_leg),
-                                  static_cast<Eigen::Index>(columns));
-        part.rowwise() -= part.colwise().mean().eval();
-      };
-      about_mean(residuals, 1);
-      if (of_unknowns != nullptr) about_mean(of_unknowns, count);
-      if (of_start != nullptr) about_mean(of_start, kStartSize);
-    }
-    if (weights_.contact > 0.0)
-      put(motion_rows(), report_lag(setup, recording_, window_, touchdown_height_m(model_)),
-          window_.report_lag_s, weights_.contact);
-    return finite;
-  }
-
-  const model::Model& model_;
-  const std::vector<Unknown>& unknowns_;
-  const Recording& recording_;
-  const Window& window_;
-  Weights weights_;
+  WindowRun run_;
 };
 
 /// How many independent numbers these residuals are worth: their count over the integrated autocorrelation,
@@ -190,8 +117,8 @@ WindowShare share_of(const WindowCost& cost, const std::vector<double>& values, 
     share.information.resize(0, 0);
   }
   share.squares = residual.squaredNorm() - (basis.transpose() * residual).squaredNorm();
-  const std::size_t sizes[kChannels] = {cost.motion_rows(), cost.contact_rows(), cost.drive_rows(),
-                                        cost.leg_rows()};
+  const std::size_t sizes[kChannels] = {cost.run().motion_rows(), cost.run().contact_rows(),
+                                        cost.run().drive_rows(), cost.run().leg_rows()};
   Eigen::Index from = 0;
   for (std::size_t c = 0; c < kChannels; ++c) {
     const auto part = residual.segment(from, static_cast<Eigen::Index>(sizes[c]));
@@ -202,6 +129,12 @@ WindowShare share_of(const WindowCost& cost, const std::vector<double>& values, 
 }
 
 }  // namespace
+
+void take_off_column_means(double* values, std::size_t rows, std::size_t columns) {
+  using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  Eigen::Map<RowMajor> part(values, static_cast<Eigen::Index>(rows), static_cast<Eigen::Index>(columns));
+  part.rowwise() -= part.colwise().mean().eval();
+}
 
 void require_finite(bool finite, const std::vector<Recording>& recordings,
                     const std::vector<Window>& windows) {
