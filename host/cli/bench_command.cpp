@@ -23,11 +23,12 @@
 #include "host/log/error.hpp"
 #include "host/log/message.hpp"
 #include "host/log/writer.hpp"
+#include "host/pil/own_image.hpp"
 
 namespace furcula::cli {
 namespace {
 
-struct Options {
+struct BenchOptions {
   std::string board = "sim", limits, out;
   bench::Conditions conditions;
   double window_ms = 40.0;
@@ -55,10 +56,10 @@ void ask_to_hang(const bench::Conditions& c) {
   for (int key = std::getchar(); key != '\n' && key != EOF;) key = std::getchar();
 }
 
-std::unique_ptr<bench::Board> open_board(const Options& o) {
+std::unique_ptr<bench::Board> open_board(const BenchOptions& o) {
   const std::string& text = o.board;
   if (text == "sim") return std::make_unique<bench::SimBoard>();
-  if (text == "pil") return std::make_unique<bench::PilBoard>(FURCULA_M4F_IMAGE);
+  if (text == "pil") return std::make_unique<bench::PilBoard>(pil::own_image());
   if (text.starts_with("pil:") && text.size() > 4) return std::make_unique<bench::PilBoard>(text.substr(4));
   if (text == "hil") return std::make_unique<bench::HilBoard>("");
   if (text.starts_with("hil:") && text.size() > 4) return std::make_unique<bench::HilBoard>(text.substr(4));
@@ -74,7 +75,7 @@ std::unique_ptr<bench::Board> open_board(const Options& o) {
   throw UsageError("--board: " + log::quoted(text) + "; expected " + kBoards);
 }
 
-void run(const Options& o) {
+void run(const BenchOptions& o) {
   const bench::Limits limits = o.limits.empty() ? bench::Limits{} : bench::read_limits(o.limits);
   const std::unique_ptr<bench::Board> stand = open_board(o);
   bench::Board& board = *stand;
@@ -144,7 +145,7 @@ void run(const Options& o) {
 }  // namespace
 
 void add_bench_command(CLI::App& app) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<BenchOptions>();
   CLI::App* group = app.add_subcommand("bench", "Experiments on a test stand");
   group->require_subcommand(1);
   CLI::App* command = group->add_subcommand(

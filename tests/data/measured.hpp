@@ -7,6 +7,7 @@
 
 #include "host/log/reader.hpp"
 #include "host/model/reader.hpp"
+#include "tests/paths.hpp"
 #include "tests/skip.hpp"
 
 namespace furcula::test {
@@ -15,7 +16,7 @@ namespace furcula::test {
 /// skipped) if it is not there.
 inline std::string data_folder() {
   const char* named = std::getenv("FURCULA_DATA");
-  const std::string folder = named != nullptr ? named : FURCULA_SOURCE_FOLDER "/../shared/data";
+  const std::string folder = named != nullptr ? named : source("../shared/data");
   if (std::filesystem::is_directory(folder)) return folder;
   skip(("no measured recordings at " + folder + " (FURCULA_DATA names another place)").c_str());
   return {};

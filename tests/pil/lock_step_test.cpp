@@ -15,10 +15,12 @@
 #include "boards/sim_host/board.hpp"
 #include "firmware/app/app.hpp"
 #include "host/model/reader.hpp"
+#include "host/pil/own_image.hpp"
 #include "host/pil/qemu.hpp"
 #include "host/safety/fault_table.hpp"
 #include "host/sim/scenario.hpp"
 #include "host/sim/simulate.hpp"
+#include "tests/paths.hpp"
 #include "tests/skip.hpp"
 
 namespace {
@@ -84,7 +86,7 @@ Run run_in_lock_step(const model::Model& model, const sim::Scenario& scenario, s
   config.debounce.rule = rule;
   sim_host::SimBoard rig(sim::rig_config(model, scenario, seed));
   firmware::App host(rig, config);
-  pil::Qemu qemu(FURCULA_M4F_IMAGE, config, 10s);
+  pil::Qemu qemu(pil::own_image(), config, 10s);
 
   Run run;
   while (rig.wait_for_tick()) {
@@ -129,7 +131,7 @@ Run run_in_lock_step(const std::string& scenario_text, std::uint64_t seed, std::
 }
 
 std::map<std::string, double> read_budget() {
-  std::ifstream file(FURCULA_M4F_BUDGET);
+  std::ifstream file(test::source("boards/qemu_netduinoplus2/budget.txt"));
   REQUIRE(file);
   std::map<std::string, double> budget;
   for (std::string line; std::getline(file, line);) {
@@ -143,7 +145,7 @@ std::map<std::string, double> read_budget() {
 }
 
 bool cannot_run_here() {
-  const std::string reason = pil::why_not_here(FURCULA_M4F_IMAGE);
+  const std::string reason = pil::why_not_here(pil::own_image());
   if (!reason.empty()) test::skip(reason.c_str());
   return !reason.empty();
 }
@@ -206,7 +208,7 @@ fault = [{ time_s = 5, kind = "coil_open", duration_s = 1 }, { time_s = 10, kind
     stack = std::max(stack, run.farewell.deepest_stack_bytes);
   }
   // For the table of scripts/size-budget.
-  std::ofstream(FURCULA_M4F_IMAGE ".measured")
+  std::ofstream(std::string(pil::own_image()) + ".measured")
       << "worst_tick " << worst_tick << "\nstack_measured " << stack << "\n";
   auto budget = read_budget();
   CHECK(worst_tick > 100);
@@ -282,7 +284,7 @@ TEST_CASE("a board whose configuration makes no sense stays in the safe state") 
   config.torque.shape = control::ProfileShape::constant;
   config.torque.amplitude_nm = 2.0f;
   config.height.metres_per_count = 0.0f;
-  pil::Qemu qemu(FURCULA_M4F_IMAGE, config, 10s);
+  pil::Qemu qemu(pil::own_image(), config, 10s);
   pil::Tick tick;
   tick.sample_valid = 1;
   tick.sample.home_height_m = 0.2f;
@@ -298,9 +300,9 @@ TEST_CASE("a board whose configuration makes no sense stays in the safe state") 
 
 TEST_CASE("a board that falls silent ends the run with a reason within the time allowed") {
   if (cannot_run_here()) return;
-  pil::Qemu qemu(FURCULA_M4F_IMAGE, control::Config{}, 10s);
+  pil::Qemu qemu(pil::own_image(), control::Config{}, 10s);
   for (int i = 0; i < 3; ++i) qemu.exchange({});
-  pil::Qemu silent(FURCULA_M4F_IMAGE, control::Config{}, 500ms);
+  pil::Qemu silent(pil::own_image(), control::Config{}, 500ms);
   REQUIRE(::kill(silent.pid(), SIGSTOP) == 0);
   const auto start = std::chrono::steady_clock::now();
   CHECK_THROWS_WITH(silent.exchange({}), Catch::Contains("no answer within 500 ms at tick 0"));
@@ -309,7 +311,7 @@ TEST_CASE("a board that falls silent ends the run with a reason within the time 
 
 TEST_CASE("a board that dies ends the run with a reason") {
   if (cannot_run_here()) return;
-  pil::Qemu qemu(FURCULA_M4F_IMAGE, control::Config{}, 10s);
+  pil::Qemu qemu(pil::own_image(), control::Config{}, 10s);
   for (int i = 0; i < 3; ++i) qemu.exchange({});
   REQUIRE(::kill(qemu.pid(), SIGKILL) == 0);
   CHECK_THROWS_WITH(qemu.exchange({}), Catch::Contains("was ended by signal 9 at tick 3"));
@@ -327,7 +329,7 @@ TEST_CASE("an image that is none ends the run with what QEMU says") {
 
 TEST_CASE("a message that makes no sense ends the board with its own exit status") {
   if (cannot_run_here()) return;
-  pil::Qemu qemu(FURCULA_M4F_IMAGE, control::Config{}, 10s);
+  pil::Qemu qemu(pil::own_image(), control::Config{}, 10s);
   pil::Tick nonsense;
   nonsense.kind = 99;
   CHECK_THROWS_WITH(qemu.exchange(nonsense), Catch::Contains("QEMU ended with status 4"));

@@ -16,6 +16,7 @@
 #include "furcula/bus/modbus_rtu.hpp"
 #include "host/log/error.hpp"
 #include "host/modbus/client.hpp"
+#include "tests/paths.hpp"
 #include "tests/pil/emulator.hpp"
 
 namespace {
@@ -25,13 +26,13 @@ using Bytes = std::vector<std::uint8_t>;
 using Clock = std::chrono::steady_clock;
 using namespace std::chrono_literals;
 
-bool cannot_run_here() { return test::cannot_emulate({FURCULA_MODBUS_IMAGE}); }
+bool cannot_run_here() { return test::cannot_emulate({test::image("qemu_modbus")}); }
 
 /// QEMU with the image, in real time: where time runs by instructions it hands over a byte too seldom.
 class Machine {
  public:
   Machine() {
-    emulator_.start(FURCULA_MODBUS_IMAGE,
+    emulator_.start(test::image("qemu_modbus"),
                     {"-semihosting-config", "enable=on,target=native", "-serial", "pty"});
     const auto deadline = Clock::now() + 20s;
     while (pty_.empty() && Clock::now() < deadline) {

@@ -26,6 +26,7 @@
 #include "furcula/bus/parameters.hpp"
 #include "furcula/bus/registers.hpp"
 #include "furcula/control/fault.hpp"
+#include "tests/paths.hpp"
 #include "tests/pil/emulator.hpp"
 
 namespace {
@@ -40,7 +41,7 @@ struct BoardCase {
 };
 constexpr BoardCase kBoards[] = {{"stm32f4discovery", 1}, {"feather_stm32f405", 2}};
 
-std::string image(const BoardCase& board) { return FURCULA_IMAGES "/" + std::string(board.name) + ".elf"; }
+std::string image(const BoardCase& board) { return test::image(std::string(board.name)); }
 
 bool cannot_run_here() {
   std::vector<std::string> images;
@@ -226,7 +227,7 @@ TEST_CASE("each STM32F4 image starts, ticks every millisecond and tells who it i
 
 TEST_CASE("a running robot's whole tick, with its buses, takes no more instructions than its budget") {
   if (cannot_run_here()) return;
-  const std::string elf = FURCULA_IMAGES "/qemu_robot_tick.elf";
+  const std::string elf = test::image("qemu_robot_tick");
   if (!std::filesystem::exists(elf)) return test::skip("no image qemu_robot_tick");
   const std::string command = "timeout 60 qemu-system-arm -M netduinoplus2 -kernel '" + elf +
                               "' -icount shift=0 -semihosting-config enable=on,target=native -display none "

@@ -6,6 +6,7 @@
 
 #include "boards/sim_host/board.hpp"
 #include "host/model/reader.hpp"
+#include "host/pil/own_image.hpp"
 #include "host/pil/qemu.hpp"
 #include "host/sim/expectation.hpp"
 #include "host/sim/recorder.hpp"
@@ -16,7 +17,7 @@ namespace {
 using namespace furcula;
 
 int run(const char* model_path, const char* scenario_path) {
-  if (const std::string why = pil::why_not_here(FURCULA_M4F_IMAGE); !why.empty()) {
+  if (const std::string why = pil::why_not_here(pil::own_image()); !why.empty()) {
     std::cout << "SKIPPED: " << why << "\n";
     return 77;
   }
@@ -27,7 +28,7 @@ int run(const char* model_path, const char* scenario_path) {
     return 77;
   }
   sim_host::SimBoard rig(sim::rig_config(model, scenario, 0));
-  pil::Qemu qemu(FURCULA_M4F_IMAGE, sim::controller_config(model, scenario), std::chrono::seconds(10));
+  pil::Qemu qemu(pil::own_image(), sim::controller_config(model, scenario), std::chrono::seconds(10));
   sim::HopperRecorder recorder(scenario.duration_s);
   while (rig.wait_for_tick()) {
     pil::Tick tick;

@@ -14,6 +14,7 @@
 #include "furcula/bus/parameters.hpp"
 #include "host/log/error.hpp"
 #include "host/rig/rig.hpp"
+#include "tests/paths.hpp"
 
 using namespace furcula;
 using Catch::Contains;
@@ -63,7 +64,7 @@ TEST_CASE(
 }
 
 TEST_CASE("the example of a configuration is sound") {
-  const auto c = linux_sbc::read_configuration(FURCULAD_EXAMPLE);
+  const auto c = linux_sbc::read_configuration(test::source("boards/linux_sbc/furculad.toml"));
   CHECK(c.controller.torque.amplitude_nm == 2.0f);
   CHECK(c.contact.active_low);
 }

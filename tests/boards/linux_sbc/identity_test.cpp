@@ -12,6 +12,7 @@
 #include "host/log/parameter_file.hpp"
 #include "tests/boards/linux_sbc/doubles.hpp"
 #include "tests/host/cli/run_program.hpp"
+#include "tests/paths.hpp"
 
 using namespace furcula;
 
@@ -38,10 +39,10 @@ std::string build_in_file(const std::string& path) {
 }  // namespace
 
 TEST_CASE("furculad says the build that the linker wrote into its file") {
-  const test::Ran ran = test::run_program(FURCULAD, {"--version"});
+  const test::Ran ran = test::run_program(test::program("furculad"), {"--version"});
   CHECK(ran.status == 0);
-  CHECK_THAT(ran.out,
-             Catch::Matches("furculad [0-9]+\\.[0-9]+\\.[0-9]+ build " + build_in_file(FURCULAD) + "\n"));
+  CHECK_THAT(ran.out, Catch::Matches("furculad [0-9]+\\.[0-9]+\\.[0-9]+ build " +
+                                     build_in_file(test::program("furculad")) + "\n"));
 }
 
 TEST_CASE("furculad's registers have version and build of the program that it is in") {

@@ -7,6 +7,7 @@
 #include "host/bench/release_catch.hpp"
 #include "host/bench/release_catch_json.hpp"
 #include "host/log/error.hpp"
+#include "host/pil/own_image.hpp"
 #include "host/pil/qemu.hpp"
 #include "tests/host/error_message.hpp"
 #include "tests/skip.hpp"
@@ -18,7 +19,7 @@ using Catch::Contains;
 namespace {
 
 bool cannot_run_here() {
-  const std::string reason = pil::why_not_here(FURCULA_M4F_IMAGE);
+  const std::string reason = pil::why_not_here(pil::own_image());
   if (!reason.empty()) test::skip(reason.c_str());
   return !reason.empty();
 }
@@ -42,7 +43,7 @@ TEST_CASE("On the emulated Cortex-M4F the test gives what it gives on the host, 
   options.trials = 25;
   options.seed = 5;
   SimBoard here;
-  PilBoard there(FURCULA_M4F_IMAGE);
+  PilBoard there(pil::own_image());
   const ReleaseCatch a = run_release_catch(here, options, {});
   ReleaseCatch b = run_release_catch(there, options, {});
   CHECK(b.board == "pil");

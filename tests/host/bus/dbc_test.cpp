@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "host/bus/document.hpp"
+#include "tests/paths.hpp"
 
 using namespace furcula;
 using namespace furcula::bus;
@@ -64,6 +65,6 @@ TEST_CASE(
 
 TEST_CASE("docs/bus.md is what the table says (furcula bus docs > docs/bus.md)") {
   std::ostringstream page;
-  page << std::ifstream(FURCULA_SOURCE_DIR "/docs/bus.md").rdbuf();
+  page << std::ifstream(test::source("docs/bus.md")).rdbuf();
   CHECK(page.str() == to_markdown());
 }

@@ -6,13 +6,14 @@
 #include <sstream>
 
 #include "tests/host/cli/run_program.hpp"
+#include "tests/paths.hpp"
 
 using namespace furcula;
 using Catch::Matchers::Contains;
 
 TEST_CASE("docs/modbus.md is what the tables say (furcula bus docs modbus > docs/modbus.md)") {
   std::ostringstream page;
-  page << std::ifstream(FURCULA_SOURCE_DIR "/docs/modbus.md").rdbuf();
+  page << std::ifstream(test::source("docs/modbus.md")).rdbuf();
   CHECK(page.str() == bus::modbus_to_markdown());
 }
 

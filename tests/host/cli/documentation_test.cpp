@@ -6,6 +6,7 @@
 #include "furcula/control/fault.hpp"
 #include "host/log/reader.hpp"
 #include "tests/host/cli/run_program.hpp"
+#include "tests/paths.hpp"
 
 using namespace furcula;
 using Catch::Matchers::Contains;
@@ -14,7 +15,7 @@ namespace {
 
 std::string page(const std::string& name) {
   std::ostringstream text;
-  text << std::ifstream(FURCULA_SOURCE_DIR "/docs/" + name).rdbuf();
+  text << std::ifstream(test::source("docs/" + name)).rdbuf();
   return text.str();
 }
 

@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "tests/host/cli/run_program.hpp"
+#include "tests/paths.hpp"
 
 using namespace furcula;
 using Catch::Matchers::Contains;
@@ -50,6 +51,6 @@ TEST_CASE("the JSON has every effect with its bounds, and null where no value me
 
 TEST_CASE("docs/effects.md is what the catalogue says (furcula effects --markdown > docs/effects.md)") {
   std::ostringstream page;
-  page << std::ifstream(FURCULA_SOURCE_DIR "/docs/effects.md").rdbuf();
+  page << std::ifstream(test::source("docs/effects.md")).rdbuf();
   CHECK(page.str() == run_furcula({"effects", "--markdown"}).out);
 }

@@ -2,6 +2,7 @@
 #include <catch2/catch.hpp>
 
 #include "tests/host/cli/run_program.hpp"
+#include "tests/paths.hpp"
 
 using namespace furcula;
 using Catch::Matchers::Contains;
@@ -50,7 +51,7 @@ TEST_CASE("unusable arguments end with status 2 and one message on stderr") {
 
 TEST_CASE("a result that cannot be written is not a success") {
   const test::Ran ran =
-      test::run_program("/bin/sh", {"-c", std::string("exec ") + FURCULA_PROGRAM + " effects > /dev/full"});
+      test::run_program("/bin/sh", {"-c", "exec " + test::program("furcula") + " effects > /dev/full"});
   CHECK(ran.status == 2);
   CHECK(ran.err == "furcula: stdout: cannot be written\n");
 }

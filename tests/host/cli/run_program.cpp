@@ -15,6 +15,8 @@
 #include <fstream>
 #include <stdexcept>
 
+#include "tests/paths.hpp"
+
 namespace furcula::test {
 namespace {
 
@@ -72,7 +74,7 @@ Ran run_program(const std::string& program, const std::vector<std::string>& argu
 }
 
 Ran run_furcula(const std::vector<std::string>& arguments, int limit_s) {
-  return run_program(FURCULA_PROGRAM, arguments, limit_s);
+  return run_program(program("furcula"), arguments, limit_s);
 }
 
 TemporaryFolder::TemporaryFolder()

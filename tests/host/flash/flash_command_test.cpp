@@ -8,6 +8,7 @@
 
 #include "tests/host/cli/run_program.hpp"
 #include "tests/host/flash/made_image.hpp"
+#include "tests/paths.hpp"
 
 namespace {
 
@@ -28,8 +29,13 @@ class Desk {
     REQUIRE(::chmod(path.c_str(), 0755) == 0);
   }
   test::Ran flash(std::vector<std::string> more = {}) {
-    std::vector<std::string> arguments{"PATH=" + folder_.path(), FURCULA_PROGRAM, "flash", "--board",
-                                       "stm32f4discovery",       "--elf",         elf_};
+    std::vector<std::string> arguments{"PATH=" + folder_.path(),
+                                       test::program("furcula"),
+                                       "flash",
+                                       "--board",
+                                       "stm32f4discovery",
+                                       "--elf",
+                                       elf_};
     arguments.insert(arguments.end(), more.begin(), more.end());
     return test::run_program("/usr/bin/env", arguments);
   }

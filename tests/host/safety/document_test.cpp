@@ -5,9 +5,11 @@
 #include <fstream>
 #include <sstream>
 
+#include "tests/paths.hpp"
+
 TEST_CASE(
     "docs/safety.md is what the table and the simulated robot say (furcula safety docs > docs/safety.md)") {
   std::ostringstream page;
-  page << std::ifstream(FURCULA_SOURCE_DIR "/docs/safety.md").rdbuf();
+  page << std::ifstream(test::source("docs/safety.md")).rdbuf();
   CHECK(page.str() == furcula::safety::to_markdown());
 }

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "host/safety/hil_ticks.hpp"
+#include "tests/paths.hpp"
 
 using namespace furcula;
 using namespace furcula::safety;
@@ -50,7 +51,7 @@ TEST_CASE("each fault that is to be found was found on furculad, within two tick
 TEST_CASE("the tests that show the other rows are there") {
   for (const OtherRow& row : other_rows()) {
     INFO(row.breaks);
-    CHECK(std::filesystem::exists(std::string(FURCULA_SOURCE_DIR "/") + std::string(row.shown_by)));
+    CHECK(std::filesystem::exists(test::source(std::string(row.shown_by))));
   }
 }
 
