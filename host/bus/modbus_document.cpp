@@ -10,7 +10,7 @@ namespace {
 
 using log::rounded;
 
-constexpr std::string_view kHead = R"(# Modbus
+constexpr std::string_view kModbusHead = R"(# Modbus
 
 A board is a Modbus server: over a serial line (RTU) or TCP, with one table of registers. This page is what `furcula bus docs modbus` prints;
 the tables are `common/include/furcula/bus/registers.hpp`, `parameters.hpp` and `node_words.hpp`, and firmware, simulation and host use them.
@@ -72,7 +72,7 @@ std::string register_row(const RegisterOf<Owner>& r) {
 
 std::string modbus_to_markdown() {
   const control::Config defaults;
-  std::string out(kHead);
+  std::string out(kModbusHead);
   out += row(kRequestKeyAddress, "key: " + std::to_string(kRequestKey));
   out += row(kRequestSessionAddress, "session: what the input register `session` shows now");
   out += row(kRequestAddress, "request: a number of the table below");

@@ -17,13 +17,13 @@
 namespace furcula::cli {
 namespace {
 
-struct Options {
+struct BusOptions {
   std::vector<std::string> nodes;
   std::string log;
   std::string page = "can";
 };
 
-std::vector<bus::Node> nodes_of(const Options& options) {
+std::vector<bus::Node> nodes_of(const BusOptions& options) {
   if (options.nodes.empty()) return bus::usual_nodes();
   try {
     std::vector<bus::Node> nodes;
@@ -35,7 +35,7 @@ std::vector<bus::Node> nodes_of(const Options& options) {
   }
 }
 
-void decode(const Options& options) {
+void decode(const BusOptions& options) {
   bus::Decoder decoder(nodes_of(options));
   log::FileSource source(options.log, "a log of candump -L");
   bus::CandumpReader reader(source, options.log);
@@ -57,7 +57,7 @@ void decode(const Options& options) {
 }  // namespace
 
 void add_bus_command(CLI::App& app) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<BusOptions>();
   CLI::App* group =
       app.add_subcommand("bus", "The buses: DBC file and pages of the tables, CAN recordings decoded");
   group->require_subcommand(1);

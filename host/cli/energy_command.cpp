@@ -18,7 +18,7 @@
 namespace furcula::cli {
 namespace {
 
-struct Options {
+struct EnergyOptions {
   std::string model, out;
   energy::Options study;
 };
@@ -29,7 +29,7 @@ std::string centimetres(const std::optional<double>& length_m) {
   return text;
 }
 
-void run(const Options& o) {
+void run(const EnergyOptions& o) {
   const model::Model model = model::read_model(o.model);
   const OutFolder folder(o.out);
   energy::Options options = o.study;
@@ -88,7 +88,7 @@ void run(const Options& o) {
 }  // namespace
 
 void add_energy_command(CLI::App& app) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<EnergyOptions>();
   options->study.threads = 0;
   CLI::App* command = app.add_subcommand(
       "energy", "What a hop costs with the spring caught, with the clutch, and without a spring");

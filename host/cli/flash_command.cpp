@@ -22,7 +22,7 @@
 namespace furcula::cli {
 namespace {
 
-struct Options {
+struct FlashOptions {
   std::string board, elf, tool;
   bool dry_run = false;
 };
@@ -58,7 +58,7 @@ flash::Image image_for(const flash::FlashBoard& board, const std::string& path) 
 }
 
 /// The tool to use. With --dry-run one that is not there will do.
-std::string tool_for(const flash::FlashBoard& board, const Options& options) {
+std::string tool_for(const flash::FlashBoard& board, const FlashOptions& options) {
   std::vector<std::string_view> able;
   for (const std::string_view tool : flash::kTools)
     if (flash::suits(tool, board)) able.push_back(tool);
@@ -120,7 +120,7 @@ void check_read_back(const flash::Image& image, const std::string& path, const s
             << "\n";
 }
 
-void flash_board(const Options& options) {
+void flash_board(const FlashOptions& options) {
   const flash::FlashBoard& board = board_of(options.board);
   const std::string elf = options.elf.empty() ? "build/cortex-m4f/bin/" + board.name + ".elf" : options.elf;
   if (options.elf.empty() && !std::filesystem::exists(elf))
@@ -154,7 +154,7 @@ void flash_board(const Options& options) {
 }  // namespace
 
 void add_flash_command(CLI::App& app) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<FlashOptions>();
   CLI::App* command = app.add_subcommand("flash", "Write a firmware image to a board, and read it back");
   command->add_option("--board", options->board, "Name of the board, as its folder in boards/")->required();
   command->add_option("--elf", options->elf, "The image; build/cortex-m4f/bin/BOARD.elf unless given");

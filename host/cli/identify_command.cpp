@@ -16,12 +16,12 @@
 namespace furcula::cli {
 namespace {
 
-struct Options : RecordingOptions {
+struct IdentifyOptions : RecordingOptions {
   std::string method = "simulation";
   std::size_t folds = 0;
 };
 
-void run(const Options& o) {
+void run(const IdentifyOptions& o) {
   const Recordings r = read_recordings(o);
   if (r.model.free.empty())
     throw log::DataError(
@@ -31,7 +31,7 @@ void run(const Options& o) {
   identify::Identification found;
   {
     Progress progress("identifying");
-    identify::IdentifyOptions options;
+    identify::Options options;
     options.by_equation = o.method != "simulation";
     options.by_simulation = o.method != "equation";
     options.folds = o.folds;
@@ -61,7 +61,7 @@ void run(const Options& o) {
 }  // namespace
 
 void add_identify_command(CLI::App& app) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<IdentifyOptions>();
   CLI::App* command = app.add_subcommand("identify", "Estimate a model's free parameters from measured logs");
   options->add_to(*command);
   command->add_option("--method", options->method, "equation, simulation or both")

@@ -14,14 +14,14 @@
 namespace furcula::cli {
 namespace {
 
-struct Options {
+struct MonitorOptions {
   RobotOptions robot;
   bool once = false, json = false;
   double every_s = 0.2;
 };
 
 /// For ever, or until stdout is closed: a robot that does not answer may come back.
-void follow(const Options& options) {
+void follow(const MonitorOptions& options) {
   const bool terminal = ::isatty(STDOUT_FILENO) != 0;
   std::optional<modbus::Client> robot;
   modbus::DeviceNames names;
@@ -48,7 +48,7 @@ void follow(const Options& options) {
   }
 }
 
-void run(const Options& options) {
+void run(const MonitorOptions& options) {
   if (!options.once) return follow(options);
   modbus::Client robot = connect(options.robot);
   const modbus::View view{robot.names(), robot.snapshot(), robot.faults()};
@@ -58,7 +58,7 @@ void run(const Options& options) {
 }  // namespace
 
 void add_monitor_command(CLI::App& app) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<MonitorOptions>();
   CLI::App* command = app.add_subcommand("monitor", "Show live what a robot does, and why it does not move");
   add_robot_options(*command, options->robot);
   command->add_flag("--once", options->once, "Print what it shows now, and end");

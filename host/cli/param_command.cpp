@@ -15,7 +15,7 @@
 namespace furcula::cli {
 namespace {
 
-struct Options {
+struct ParamOptions {
   RobotOptions robot;
   std::string name, value;
   bool json = false;
@@ -46,7 +46,7 @@ float number(const bus::Parameter& p, const std::string& value) {
                    text(p.most) + (p.unit.empty() ? "" : " " + std::string(p.unit)));
 }
 
-void list(const Options& options) {
+void list(const ParamOptions& options) {
   const std::vector<float> values = connect(options.robot).parameters();
   if (options.json) {
     nlohmann::ordered_json out;
@@ -65,23 +65,23 @@ void list(const Options& options) {
   }
 }
 
-void get(const Options& options) {
+void get(const ParamOptions& options) {
   const bus::Parameter& p = parameter(options.name);
   std::cout << text(connect(options.robot).parameters()[p.number - 1u]) << "\n";
 }
 
-void set(const Options& options) {
+void set(const ParamOptions& options) {
   const bus::Parameter& p = parameter(options.name);
   const float value = number(p, options.value);
   connect(options.robot).write(p, value);
 }
 
-void save(const Options& options) { connect(options.robot).request(bus::Request::save); }
+void save(const ParamOptions& options) { connect(options.robot).request(bus::Request::save); }
 
 }  // namespace
 
 void add_param_command(CLI::App& app) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<ParamOptions>();
   CLI::App* group = app.add_subcommand("param", "A robot's parameters: list, get, set, save");
   group->require_subcommand(1);
   const auto add = [&](const char* name, const char* what, auto run) {

@@ -18,12 +18,12 @@
 namespace furcula::cli {
 namespace {
 
-struct Options {
+struct ReproduceOptions {
   std::string document, out;
   reproduce::Options study;
 };
 
-void run(const Options& o) {
+void run(const ReproduceOptions& o) {
   const OutFolder folder(o.out);
   reproduce::Options options = o.study;
   if (options.threads == 0) options.threads = std::max(1u, std::thread::hardware_concurrency());
@@ -65,7 +65,7 @@ void run(const Options& o) {
 }  // namespace
 
 void add_reproduce_command(CLI::App& app) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ReproduceOptions>();
   options->study.threads = 0;
   CLI::App* command =
       app.add_subcommand("reproduce", "A source document's numbers and figures, computed and compared");

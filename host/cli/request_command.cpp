@@ -18,7 +18,7 @@
 namespace furcula::cli {
 namespace {
 
-struct Options {
+struct RequestOptions {
   RobotOptions robot;
   std::string name;
   double for_s = std::numeric_limits<double>::infinity();
@@ -53,7 +53,7 @@ void stay(modbus::Client& robot, double for_s) {
 }
 
 /// `hop` arms it first.
-void run(const Options& options) {
+void run(const RequestOptions& options) {
   const bus::Request request = request_named(options.name);
   const bool hop = request == bus::Request::hop;
   modbus::Client robot = connect(options.robot);
@@ -65,7 +65,7 @@ void run(const Options& options) {
 }  // namespace
 
 void add_request_command(CLI::App& app) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<RequestOptions>();
   std::vector<std::string> names;
   for (const bus::Word& w : bus::kRequests)
     if (w.number != 0 && w.name != "arm") names.emplace_back(w.name);

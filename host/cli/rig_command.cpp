@@ -15,13 +15,13 @@
 namespace furcula::cli {
 namespace {
 
-struct Options {
+struct RigOptions {
   std::string model, scenario, out;
   std::uint64_t seed = 0;
-  rig::RigOptions rig;
+  rig::Options rig;
 };
 
-void run(Options& options) {
+void run(RigOptions& options) {
   const model::Model model = model::read_model(options.model);
   if (!dynamics::is_hopper(model.kind)) throw UsageError("the rig is a hopper; expected a model of one");
   const sim::Scenario scenario = sim::read_scenario(options.scenario, model);
@@ -47,7 +47,7 @@ void run(Options& options) {
 }  // namespace
 
 void add_rig_command(CLI::App& app) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<RigOptions>();
   CLI::App* command = app.add_subcommand(
       "rig",
       "Run a board's own program against a mocked robot on a CAN bus and simulated GPIO lines (docs/hil.md)");

@@ -23,7 +23,7 @@
 namespace furcula::cli {
 namespace {
 
-struct Options {
+struct SafetyOptions {
   std::uint64_t runs = 2000, seed = 1;
   std::optional<std::uint64_t> only;
   unsigned threads = 0;
@@ -38,7 +38,7 @@ void inject_one(std::uint64_t seed, std::uint64_t number) {
     throw Refusal("experiment " + std::to_string(number) + " was unsafe or a false alarm");
 }
 
-void inject(const Options& o) {
+void inject(const SafetyOptions& o) {
   if (o.only) return inject_one(o.seed, *o.only);
   const unsigned threads = o.threads == 0 ? std::max(1u, std::thread::hardware_concurrency()) : o.threads;
   const safety::Tally tally = safety::inject(o.seed, o.runs, threads);
@@ -52,7 +52,7 @@ void inject(const Options& o) {
 }
 
 struct HilOptions {
-  rig::RigOptions rig;
+  rig::Options rig;
   std::string out;
   std::vector<std::string> only;
 };
@@ -105,7 +105,7 @@ void try_on_board(HilOptions& options) {
 }  // namespace
 
 void add_safety_command(CLI::App& app) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<SafetyOptions>();
   CLI::App* group = app.add_subcommand("safety", "What breaks, what the robot does then, and random faults");
   group->require_subcommand(1);
   group->add_subcommand("docs", "Print docs/safety.md (some seconds)")->callback([] {

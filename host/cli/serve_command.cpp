@@ -22,7 +22,7 @@
 namespace furcula::cli {
 namespace {
 
-struct Options {
+struct ServeOptions {
   std::string model, scenario, store;
   std::string address = "127.0.0.1";
   int port = 1502;
@@ -31,20 +31,20 @@ struct Options {
   bool bench = false;
 };
 
-volatile std::sig_atomic_t ended = 0;
+volatile std::sig_atomic_t serving_ended = 0;
 
 /// Until it is interrupted, or for as long as it was told.
-void live(const Options& options, const char* what, const std::function<void(int)>& advance,
+void live(const ServeOptions& options, const char* what, const std::function<void(int)>& advance,
           modbus::TcpServer::Answer answer) {
   const modbus::TcpService server(options.address, options.port, std::move(answer));
-  std::signal(SIGINT, [](int) { ended = 1; });
-  std::signal(SIGTERM, [](int) { ended = 1; });
+  std::signal(SIGINT, [](int) { serving_ended = 1; });
+  std::signal(SIGTERM, [](int) { serving_ended = 1; });
   std::cout << what << " answers at modbus:" << options.address << ":" << server.port() << ", build "
             << log::hexadecimal(log::own_build_id()) << "\n"
             << std::flush;
   using Clock = std::chrono::steady_clock;
   const auto begin = Clock::now();
-  for (std::int64_t done_ms = 0; ended == 0;) {
+  for (std::int64_t done_ms = 0; serving_ended == 0;) {
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
     const auto due_ms = std::chrono::duration_cast<std::chrono::milliseconds>(Clock::now() - begin).count();
     advance(static_cast<int>(due_ms - done_ms));
@@ -53,7 +53,7 @@ void live(const Options& options, const char* what, const std::function<void(int
   }
 }
 
-void run(const Options& options) {
+void run(const ServeOptions& options) {
   const std::uint32_t build_id = log::own_build_id();
   const std::string text = FURCULA_VERSION " build " + log::hexadecimal(build_id);
   const bus::Identity identity{
@@ -79,7 +79,7 @@ void run(const Options& options) {
 }  // namespace
 
 void add_serve_command(CLI::App& app) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<ServeOptions>();
   CLI::App* command =
       app.add_subcommand("serve", "A simulated robot in real time behind Modbus/TCP, for monitor and param");
   CLI::Option* bench = command->add_flag("--bench", options->bench,
