@@ -15,7 +15,11 @@ fi
 # cache_folder NAME: where results are kept that every clone can use.
 cache_folder() { echo "${XDG_CACHE_HOME:-${HOME:-/tmp}/.cache}/furcula/$1"; }
 
-step() { printf '\n== %s\n' "$*" >&2; }
+# step WORDS...: announces a step, and writes down when it began where FURCULA_STEPS names a file (.ci/run).
+step() {
+  printf '\n== %s\n' "$*" >&2
+  [ -z "${FURCULA_STEPS-}" ] || printf '%s %s\n' "$(date +%s)" "$*" >>"$FURCULA_STEPS"
+}
 
 die() {
   printf '%s: %s\n' "${0##*/}" "$*" >&2
