@@ -10,6 +10,6 @@
 TEST_CASE(
     "docs/safety.md is what the table and the simulated robot say (furcula safety docs > docs/safety.md)") {
   std::ostringstream page;
-  page << std::ifstream(test::source("docs/safety.md")).rdbuf();
+  page << std::ifstream(furcula::test::source("docs/safety.md")).rdbuf();
   CHECK(page.str() == furcula::safety::to_markdown());
 }
