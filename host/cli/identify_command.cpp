@@ -31,7 +31,7 @@ void run(const IdentifyOptions& o) {
   identify::Identification found;
   {
     Progress progress("identifying");
-    identify::Options options;
+    identify::IdentifyOptions options;
     options.by_equation = o.method != "simulation";
     options.by_simulation = o.method != "equation";
     options.folds = o.folds;

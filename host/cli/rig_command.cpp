@@ -18,7 +18,7 @@ namespace {
 struct RigOptions {
   std::string model, scenario, out;
   std::uint64_t seed = 0;
-  rig::Options rig;
+  rig::RigOptions rig;
 };
 
 void run(RigOptions& options) {

@@ -52,7 +52,7 @@ void inject(const SafetyOptions& o) {
 }
 
 struct HilOptions {
-  rig::Options rig;
+  rig::RigOptions rig;
   std::string out;
   std::vector<std::string> only;
 };
