@@ -101,8 +101,7 @@ std::string summary(const Diagnosis& d) {
   }
   switch (d.verdict) {
     case Verdict::adequate:
-      return "The model is adequate: after moving its free parameters, nothing is left but measuring noise "
-             "(" +
+      return "The model is adequate: after moving its free parameters, nothing is left but measuring noise (" +
              where + " " + before_and_after(d, d.baseline, d.refitted) + ").";
     case Verdict::explained:
       return "The model misses " + named + ": with it the " + where + " falls " +
@@ -122,8 +121,7 @@ std::string summary(const Diagnosis& d) {
              ", above the measuring noise.";
     case Verdict::not_identifiable: {
       if (!d.beyond_bounds.empty())
-        return "Nothing can be named: the bounds of the free parameters exclude what the recordings ask "
-               "for, " +
+        return "Nothing can be named: the bounds of the free parameters exclude what the recordings ask for, " +
                beyond_bounds(d) + ".";
       if (d.findings.empty())
         return "The recordings are too few or too poor to tell whether the model is right.";
@@ -172,18 +170,15 @@ std::string next_experiment(const Diagnosis& d) {
       if (!d.goes_along_with.empty())
         return "Repeat one recording unchanged, then vary " + d.goes_along_with.front().signal +
                " alone: what remains goes along with it most.";
-      return "Repeat one recording unchanged: what comes back the same is in the machine, what does not is "
-             "in the measuring.";
+      return "Repeat one recording unchanged: what comes back the same is in the machine, what does not is in the measuring.";
     case Verdict::explained:
     case Verdict::not_identifiable:
       if (!d.beyond_bounds.empty())
-        return "Widen those bounds in the model file's [free] and diagnose again; where the parameter cannot "
-               "be so, "
+        return "Widen those bounds in the model file's [free] and diagnose again; where the parameter cannot be so, "
                "check the recordings' units and the held parameters first.";
       if (const Finding* open = undecided(d)) return open->next_experiment;
       if (!d.findings.empty()) return d.findings.front().next_experiment;
-      return "Record more: several hops or strokes at different amplitudes and speeds, in at least five "
-             "recordings.";
+      return "Record more: several hops or strokes at different amplitudes and speeds, in at least five recordings.";
   }
   return "";
 }
