@@ -113,9 +113,12 @@ bool any_undecided(const Diagnosis& d) {
 /// Several causes do not fit into one headline: the first, how many more, and the list below it.
 std::string headline(const Diagnosis& d) {
   if (d.findings.size() < 2) return d.summary.empty() ? words(d.verdict).meaning : d.summary;
-  return (d.verdict == Verdict::not_identifiable ? "Not certain: " : "The model misses ") +
-         std::string(dynamics::info(d.findings.front().effect).title) + ", and " +
-         std::to_string(d.findings.size() - 1) + " more";
+  const dynamics::Effect first = d.findings.front().effect;
+  const std::string title(dynamics::info(first).title),
+      more = std::to_string(d.findings.size() - 1) + " more";
+  if (d.verdict == Verdict::not_identifiable) return "Not certain: " + title + ", and " + more;
+  if (diagnose::is_wrong_parameter(first)) return "T" + title.substr(1) + " is wrong, and " + more;
+  return "The model lacks " + title + ", and " + more;
 }
 
 /// What the named causes do to the error, in the figure of the headline of a single cause.

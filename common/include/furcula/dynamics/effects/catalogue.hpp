@@ -124,7 +124,8 @@ struct Search {
 struct EffectInfo {
   Effect effect;
   std::string_view name;
-  std::string_view title;  ///< in plain words, as in "the model misses ..."
+  /// In plain words, as in "the model lacks ..."; "the model's ..." where it is a parameter that is wrong.
+  std::string_view title;
   Stage stage;
   std::uint8_t kinds;      ///< bit per Kind
   std::string_view phase;  ///< on a hopper: "flight+stance", "stance", "touch-down", ...
@@ -234,7 +235,7 @@ inline constexpr EffectInfo kCatalogue[] = {
       .doubt = detail::kSeldomMet}},
     {Effect::damping_error,
      "damping_error",
-     "the true viscous damping",
+     "the model's viscous damping",
      Stage::mechanism,
      detail::kAllKinds | detail::kBench,
      "flight+stance",
@@ -271,7 +272,7 @@ inline constexpr EffectInfo kCatalogue[] = {
      {.starts = {{0.2}}, .clear = {{{0.3, 0.5}}}}},
     {Effect::mass_error,
      "mass_error",
-     "the true mass",
+     "the model's mass",
      Stage::mechanism,
      detail::kAllKinds,
      "flight+stance",
@@ -283,7 +284,7 @@ inline constexpr EffectInfo kCatalogue[] = {
      "A scale; or the same motion with a known mass added."},
     {Effect::stiffness_error,
      "stiffness_error",
-     "the spring's true rate",
+     "the model's spring rate",
      Stage::mechanism,
      detail::kHopper,
      "stance",
@@ -295,7 +296,7 @@ inline constexpr EffectInfo kCatalogue[] = {
      "Slow compression against a force plate or a scale: the slope of force over height is the rate."},
     {Effect::rest_height_error,
      "rest_height_error",
-     "the spring's true rest height",
+     "the model's rest height of the spring",
      Stage::mechanism,
      detail::kHopper,
      "stance",
@@ -360,7 +361,7 @@ inline constexpr EffectInfo kCatalogue[] = {
       .clear = {{{4.2e-3, 4.2e-3}, {7.5e-3, 7.5e-3}, {38e-3, 38e-3}}}}},
     {Effect::torque_gain_error,
      "torque_gain_error",
-     "the motor's true torque gain",
+     "the model's torque gain",
      Stage::actuation,
      detail::kHopper,
      "stance",
@@ -535,7 +536,7 @@ inline constexpr EffectInfo kCatalogue[] = {
      {.clear = {{{0.004, 0.01}}}}},
     {Effect::height_scale_error,
      "height_scale_error",
-     "a wrong scale of the height",
+     "a scale error of the height",
      Stage::sensing,
      detail::kVertical,
      "flight+stance",
@@ -617,7 +618,7 @@ inline constexpr EffectInfo kCatalogue[] = {
      {.measures = {Measure::load}, .starts = {{1.1}, {1.4}, {2.0}, {3.0}, {5.0}}, .shapes = 4.0}},
     {Effect::late_catch,
      "late_catch",
-     "the true delay of the catch",
+     "the model's delay of the catch",
      Stage::mechanism,
      detail::kHopper | detail::kBench,
      "",
@@ -645,7 +646,7 @@ inline constexpr EffectInfo kCatalogue[] = {
       .clear = {{{0.15, 0.4}}}}},
     {Effect::auxiliary_spring,
      "auxiliary_spring",
-     "the auxiliary spring's true rate",
+     "the model's rate of the auxiliary spring",
      Stage::mechanism,
      detail::kHopper | detail::kBench,
      "stance",
