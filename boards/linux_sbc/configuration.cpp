@@ -114,9 +114,9 @@ void take_parameters(const toml::table& table, const std::string& name, control:
     p.put(config, value);
   }
   if (control::check(config) != Status::ok)
-    log::fail(name, table.source(),
-              "[parameters] make no sense together (as a clutch whose tooth_play_m is more than its "
-              "tooth_pitch_m)");
+    log::fail(
+        name, table.source(),
+        "[parameters] make no sense together (as a clutch whose tooth_play_m is more than its tooth_pitch_m)");
 }
 
 }  // namespace

@@ -12,8 +12,7 @@ constexpr const char* kUsage =
     "usage: furculad [--check] CONFIGURATION.toml\n"
     "Runs the robot that the file describes (docs/linux_board.md). --check only reads the file.\n"
     "SIGTERM: safe state and end. SIGUSR1: figures of the loop.\n"
-    "Ends with status 0 after SIGTERM, 2 for unusable arguments, 3 for an unusable file, 4 where a board is "
-    "not there.\n";
+    "Ends with status 0 after SIGTERM, 2 for unusable arguments, 3 for an unusable file, 4 where a board is not there.\n";
 
 int tell(const char* message, int status) {
   std::cerr << "furculad: " << message << "\n";

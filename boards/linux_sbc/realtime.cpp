@@ -21,8 +21,7 @@ std::string run_first_in_first_out(int priority) {
   const int error = ::pthread_setschedparam(::pthread_self(), SCHED_FIFO, &wanted);
   if (error == 0) return {};
   return "no SCHED_FIFO with priority " + std::to_string(priority) + " (" + reason(error) +
-         "): the loop runs at the usual priority and will be late under load; LimitRTPRIO= of the service, "
-         "or CAP_SYS_NICE, "
+         "): the loop runs at the usual priority and will be late under load; LimitRTPRIO= of the service, or CAP_SYS_NICE, "
          "allows it";
 }
 

@@ -165,8 +165,7 @@ std::string render_release_catch_report(const ReleaseCatch& r, double metres_per
                                       sweep(s));
   if (r.holding.empty())
     page.body_html += report::paragraph(
-        "This board sets nothing but the window: load, supply and pressing force are as the person at the "
-        "stand "
+        "This board sets nothing but the window: load, supply and pressing force are as the person at the stand "
         "gave them, and were not varied.");
   else
     page.body_html += report::section("holding", "Holding load against pressing force", holding(r));

@@ -146,8 +146,7 @@ std::string message_text(const Message& m) {
   out += ".\n";
   if (m.signals.empty()) return out;
   out +=
-      "\n| signal | unit | start bit, width | order | scale | meaning |\n| --- | --- | --- | --- | --- | --- "
-      "|\n";
+      "\n| signal | unit | start bit, width | order | scale | meaning |\n| --- | --- | --- | --- | --- | --- |\n";
   for (const Signal& s : m.signals)
     out += "| `" + std::string(s.name) + "` | " + std::string(s.unit) + " | " + std::to_string(s.start_bit) +
            ", " + std::to_string(s.width) + (s.encoding == Encoding::signed_integer ? ", signed" : "") +

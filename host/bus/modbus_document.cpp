@@ -106,8 +106,7 @@ What a stream of CAN commands ([bus.md](bus.md)) started stops when the stream i
   for (const LogRegister& r : kLogRegisters) out += register_row(r);
   out +=
       "\n### The last trial on the clutch's bench\n\nInput registers too; a row is a millisecond. With "
-      "`on_bench` set, `arm` and `hop` make one trial ([bench.md](bench.md)), which is read when it is "
-      "over.\n"
+      "`on_bench` set, `arm` and `hop` make one trial ([bench.md](bench.md)), which is read when it is over.\n"
       "\n| address | meaning |\n| --- | --- |\n";
   out += row(kTrialNumberAddress, "number of the trial since the start; 0: there was none");
   out += row(kTrialRowsAddress, "rows that it has, up to " + std::to_string(kTrialRowsMost));

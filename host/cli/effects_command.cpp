@@ -101,13 +101,12 @@ std::string cell(std::string text) {
 }
 
 void print_markdown(const std::vector<const EffectInfo*>& effects, std::optional<Kind> kind) {
-  std::cout << "# Effects\n\n"
-               "The catalogue of causes that the simulator can switch on and a diagnosis can name. This "
-               "page is what\n"
-               "`furcula effects --markdown` prints; the table itself is "
-               "`common/include/furcula/dynamics/effects/catalogue.hpp`.\n"
-               "`v` is the velocity of the axis. Forces are positive in the direction of growing position "
-               "(up, for heights).\n";
+  std::cout
+      << "# Effects\n\n"
+         "The catalogue of causes that the simulator can switch on and a diagnosis can name. This page is what\n"
+         "`furcula effects --markdown` prints; the table itself is "
+         "`common/include/furcula/dynamics/effects/catalogue.hpp`.\n"
+         "`v` is the velocity of the axis. Forces are positive in the direction of growing position (up, for heights).\n";
   for (const EffectInfo* e : effects) {
     std::cout << "\n## " << e->name << "\n\n"
               << e->explanation << "\n\n"

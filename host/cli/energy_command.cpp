@@ -71,8 +71,7 @@ void run(const EnergyOptions& o) {
     std::printf("\n");
   }
   std::printf(
-      "break-even: mechanical %s, electrical %s; as published (k A^2/2 against %.2f J of coil) %s, with %.2f "
-      "J for "
+      "break-even: mechanical %s, electrical %s; as published (k A^2/2 against %.2f J of coil) %s, with %.2f J for "
       "the clutch's mass %s\n",
       centimetres(s.mechanical_m).c_str(), centimetres(s.electrical_m).c_str(), s.published.coil_j,
       centimetres(s.published.break_even_m).c_str(), s.published.mass_j,

@@ -68,8 +68,7 @@ Recordings read_recordings(const RecordingOptions& options) {
     throw UsageError(
         options.held_out.empty()
             ? "no log is given; expected at least one (furcula COMMAND --help)"
-            : "all logs are held out and none is left to fit; expected some before --hold-out, or after "
-              "another option or --");
+            : "all logs are held out and none is left to fit; expected some before --hold-out, or after another option or --");
   std::set<std::string> seen;
   for (const auto* list : {&options.logs, &options.held_out})
     for (const std::string& path : *list) {

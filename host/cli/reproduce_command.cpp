@@ -46,8 +46,7 @@ void run(const ReproduceOptions& o) {
   }
   using reproduce::Outcome;
   std::printf(
-      "%zu met, %zu errors smaller than printed, %zu explained, %zu differ; %zu computed beside a picture or "
-      "no figure\n",
+      "%zu met, %zu errors smaller than printed, %zu explained, %zu differ; %zu computed beside a picture or no figure\n",
       r.count(Outcome::met), r.count(Outcome::smaller), r.count(Outcome::explained),
       r.count(Outcome::differs), r.count(Outcome::computed));
   std::printf(

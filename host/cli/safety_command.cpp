@@ -86,8 +86,8 @@ void try_on_board(HilOptions& options) {
   options.rig.configuration_path = options.out + ".furculad.toml";
   std::ofstream table(options.out);
   if (!table) throw log::OutputError(options.out + ": cannot be written");
-  table << "what breaks          allowed  page           flight           stance  released flight            "
-           "catch\n";
+  table
+      << "what breaks          allowed  page           flight           stance  released flight            catch\n";
   unsigned broken = 0;
   for (const safety::RigRow& row : safety::rig_rows()) {
     const std::string name(sim_host::info(row.breaks).name);

@@ -64,8 +64,7 @@ void run(const SimOptions& options) {
   const auto& solenoid = log.columns["solenoid"];
   if (scenario.release_in_flight && std::find(solenoid.begin(), solenoid.end(), 1.0) == solenoid.end())
     std::cerr
-        << "furcula: the spring was never released: no flight was long enough for release, contraction and "
-           "catch "
+        << "furcula: the spring was never released: no flight was long enough for release, contraction and catch "
         << log::shortest(scenario.catch_before_touchdown_s) << " s before touch-down\n";
 }
 

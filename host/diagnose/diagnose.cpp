@@ -171,13 +171,12 @@ class Assembly {
     if (is_hopper(model_.kind))
       throw log::DataError(
           file + ": the " + what +
-          " recordings hold no stride from apex to apex: expected the height to rise above the "
-          "touch-down height of " +
+          " recordings hold no stride from apex to apex: expected the height to rise above the touch-down height of " +
           number(identify::touchdown_height_m(model_), 4) + " m at least twice in a recording");
     if (model_.kind == Kind::rail_carriage)
-      throw log::DataError(file + ": the " + what +
-                           " recordings hold no free flight: expected at least 30 ms and six rows in a row "
-                           "without contact");
+      throw log::DataError(
+          file + ": the " + what +
+          " recordings hold no free flight: expected at least 30 ms and six rows in a row without contact");
     if (model_.kind == Kind::clutch_bench)
       throw log::DataError(file + ": the " + what +
                            " recordings hold no release: expected solenoid = 1 for a while, at least three "

@@ -1,6 +1,7 @@
 #include "host/diagnose/wording.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 
 #include "host/log/message.hpp"
@@ -52,6 +53,44 @@ std::string remainder(const Diagnosis& d) {
   return "; the noise floor is " + readable(floor->second.rmse, unit);
 }
 
+/// "1.62 kg, not 1.55 kg": a finding's values, beside the model's own where one takes its place.
+std::string values_of(const Finding& f, const Diagnosis& d) {
+  const auto& info = dynamics::info(f.effect);
+  std::string values;
+  for (const auto& p : info.parameters()) {
+    const std::string key(name_on(p, d.kind)), unit(unit_on(p, d.kind));
+    const auto found = f.parameters.find(key);
+    if (found == f.parameters.end()) continue;
+    const auto with_unit = [&](double value) { return number(value) + (unit.empty() ? "" : " " + unit); };
+    values += (values.empty() ? "" : ", ") + (info.parameter_count > 1 ? key + " " : "") +
+              with_unit(found->second.value);
+    const std::string_view of_model = p.model_parameter.empty() ? key : p.model_parameter;
+    const auto given = std::find_if(d.parameters.begin(), d.parameters.end(),
+                                    [&](const auto& row) { return row.name == of_model; });
+    if (is_wrong_parameter(f.effect) && given != d.parameters.end())
+      values += ", not " + with_unit(given->given);
+  }
+  return " (" + std::string(info.name) + ": " + values + ")";
+}
+
+/// "the model lacks dry friction (...), and the model's mass is wrong (...)", of all findings.
+std::string what_is_wrong(const Diagnosis& d) {
+  std::string lacking, wrong;
+  for (const Finding& f : d.findings) {
+    const std::string title(dynamics::info(f.effect).title);
+    if (is_wrong_parameter(f.effect))
+      wrong += (wrong.empty() ? "" : " and ") + title + " is wrong" + values_of(f, d);
+    else
+      lacking += (lacking.empty() ? "the model lacks " : " and ") + title + values_of(f, d);
+  }
+  return lacking + (lacking.empty() || wrong.empty() ? "" : ", and ") + wrong;
+}
+
+std::string sentence(std::string text) {
+  if (!text.empty()) text[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[0])));
+  return text;
+}
+
 std::string beyond_bounds(const Diagnosis& d) {
   std::string text;
   for (const auto& p : d.beyond_bounds)
@@ -61,6 +100,10 @@ std::string beyond_bounds(const Diagnosis& d) {
 }
 
 }  // namespace
+
+bool is_wrong_parameter(dynamics::Effect effect) {
+  return dynamics::info(effect).title.starts_with("the model's ");
+}
 
 std::string number(double value, int digits) { return log::rounded(value, digits); }
 
@@ -84,59 +127,40 @@ std::string summary(const Diagnosis& d) {
   std::string channel = told(d).channel;
   std::replace(channel.begin(), channel.end(), '_', ' ');
   const std::string where = "held-out " + channel + " error (RMSE)";
-  std::string named;
-  for (const Finding& f : d.findings) {
-    const auto& info = dynamics::info(f.effect);
-    std::string values;
-    for (std::size_t i = 0; i < info.parameter_count; ++i) {
-      const std::string key(name_on(info.parameter_table[i], d.kind));
-      const auto found = f.parameters.find(key);
-      if (found == f.parameters.end()) continue;
-      values += (values.empty() ? "" : ", ") + (info.parameter_count > 1 ? key + " " : "") +
-                number(found->second.value) + " " + std::string(unit_on(info.parameter_table[i], d.kind));
-    }
-    while (!values.empty() && values.back() == ' ') values.pop_back();
-    named += (named.empty() ? "" : " and ") + std::string(info.title) + " (" + std::string(info.name) + ": " +
-             values + ")";
-  }
+  const std::string named = what_is_wrong(d);
+  const std::string falls = std::string(d.findings.size() > 1 ? ": with them the " : ": with it the ") +
+                            where + " falls " + before_and_after(d, d.refitted, d.extended);
   switch (d.verdict) {
     case Verdict::adequate:
-      return "The model is adequate: after moving its free parameters, nothing is left but measuring noise "
-             "(" +
+      return "The model is adequate: after moving its free parameters, nothing is left but measuring noise (" +
              where + " " + before_and_after(d, d.baseline, d.refitted) + ").";
     case Verdict::explained:
-      return "The model misses " + named + ": with it the " + where + " falls " +
-             before_and_after(d, d.refitted, d.extended) + remainder(d) + ".";
-    case Verdict::partly_explained: {
-      const std::string falls =
-          ": with it the " + where + " falls " + before_and_after(d, d.refitted, d.extended);
+      return sentence(named + falls + remainder(d) + ".");
+    case Verdict::partly_explained:
       if (d.unnamed_share <= 0.5)
-        return "The model misses " + named + falls +
-               ", but structure remains that no effect of the catalogue removes.";
-      return "Most of what the model misses is not in the catalogue. A part of it looks like " + named +
-             falls + ".";
-    }
+        return sentence(named + falls + ", but structure remains that no effect of the catalogue removes.");
+      return "Most of what is wrong with the model is not in the catalogue. A part of it looks as if " +
+             named + falls + ".";
     case Verdict::unexplained:
       return "The model is wrong in a way that no effect of the catalogue explains: the " + where +
              " stays at " + readable(d.refitted.at(d.main_channel).rmse, d.main_unit) +
              ", above the measuring noise.";
     case Verdict::not_identifiable: {
       if (!d.beyond_bounds.empty())
-        return "Nothing can be named: the bounds of the free parameters exclude what the recordings ask "
-               "for, " +
+        return "Nothing can be named: the bounds of the free parameters exclude what the recordings ask for, " +
                beyond_bounds(d) + ".";
       if (d.findings.empty())
         return "The recordings are too few or too poor to tell whether the model is right.";
       const Finding* open = undecided(d);
       if (open == nullptr)
-        return "No cause is named with confidence: on the training recordings " + named +
-               " would help, but on the held-out ones the " + where + " goes " +
+        return "No cause is named with confidence: the training recordings look as if " + named +
+               ", but on the held-out ones the " + where + " goes " +
                before_and_after(d, d.refitted, d.extended) +
                ". Either the recordings differ from one another, or what is missing is not in the catalogue.";
       const auto rival =
           std::find_if(open->indistinguishable_from.begin(), open->indistinguishable_from.end(),
                        [](const Rival& r) { return !r.same_law; });
-      return "Something is missing, and these recordings cannot tell what: " + named + "; " +
+      return "Something is wrong, and these recordings cannot tell what: " + named + "; " +
              names(rival->names) + " in place of " + std::string(dynamics::info(open->effect).name) +
              " explains them equally well.";
     }
@@ -172,18 +196,15 @@ std::string next_experiment(const Diagnosis& d) {
       if (!d.goes_along_with.empty())
         return "Repeat one recording unchanged, then vary " + d.goes_along_with.front().signal +
                " alone: what remains goes along with it most.";
-      return "Repeat one recording unchanged: what comes back the same is in the machine, what does not is "
-             "in the measuring.";
+      return "Repeat one recording unchanged: what comes back the same is in the machine, what does not is in the measuring.";
     case Verdict::explained:
     case Verdict::not_identifiable:
       if (!d.beyond_bounds.empty())
-        return "Widen those bounds in the model file's [free] and diagnose again; where the parameter cannot "
-               "be so, "
+        return "Widen those bounds in the model file's [free] and diagnose again; where the parameter cannot be so, "
                "check the recordings' units and the held parameters first.";
       if (const Finding* open = undecided(d)) return open->next_experiment;
       if (!d.findings.empty()) return d.findings.front().next_experiment;
-      return "Record more: several hops or strokes at different amplitudes and speeds, in at least five "
-             "recordings.";
+      return "Record more: several hops or strokes at different amplitudes and speeds, in at least five recordings.";
   }
   return "";
 }

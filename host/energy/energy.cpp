@@ -38,8 +38,7 @@ HopEnergy account_of(const sim_host::Plant& plant) {
     take(bare->energy());
   } else {
     throw log::DataError(
-        "energy: expected a hopper_nonlinear without effects of mechanism or contact, and links that weigh "
-        "something");
+        "energy: expected a hopper_nonlinear without effects of mechanism or contact, and links that weigh something");
   }
   return a;
 }

@@ -135,8 +135,7 @@ Study run_study(const model::Model& model, const Options& options) {
           dynamics::from_table<dynamics::HopperNonlinearParameters<double>>(
               std::span<const double>(model.parameters))))
     throw log::DataError(
-        "the model: inertia_a_kgm2, inertia_b_kgm and inertia_e_kgm are too small, or no links'; "
-        "expected those of links");
+        "the model: inertia_a_kgm2, inertia_b_kgm and inertia_e_kgm are too small, or no links'; expected those of links");
   const auto tell = [&](double fraction, std::string_view doing) {
     if (options.progress) options.progress(fraction, doing);
   };

@@ -47,28 +47,25 @@ class Work {
       : model_(model), options_(options), unknowns_(free_unknowns(model)) {
     if (unknowns_.empty())
       throw log::DataError(
-          "the model has no [free] table: nothing to identify; expected at least one parameter with bounds "
-          "in it");
+          "the model has no [free] table: nothing to identify; expected at least one parameter with bounds in it");
     training_ = make_recordings(training, model.kind);
     held_out_ = make_recordings(held_out, model.kind);
     require_plausible(training_, held_out_);
     for (const auto* list : {&training_, &held_out_}) require_clutch(*list, model::has_clutch(model));
     if (model.kind == dynamics::Kind::clutch_bench && options.by_equation)
       throw log::DataError(
-          "equation error says nothing on clutch_bench, whose belt stands or falls for whole windows; "
-          "expected "
+          "equation error says nothing on clutch_bench, whose belt stands or falls for whole windows; expected "
           "--method simulation");
     fit_windows_ = fit_windows(training_, model, options.window_s);
     if (fit_windows_.windows.empty())
-      throw log::DataError(training_.front().name + ": no window to fit on; expected " +
-                           (dynamics::is_hopper(model.kind)
-                                ? std::string("a stance or a flight of at least 30 ms")
-                            : model.kind == dynamics::Kind::rail_carriage
-                                ? std::string("a flight of at least 30 ms, six rows or more without contact")
-                            : model.kind == dynamics::Kind::clutch_bench
-                                ? std::string("a release (solenoid = 1) from a rest of three rows, and 30 ms "
-                                              "after its end")
-                                : "at least " + std::to_string(options.window_s) + " s of recording"));
+      throw log::DataError(
+          training_.front().name + ": no window to fit on; expected " +
+          (dynamics::is_hopper(model.kind) ? std::string("a stance or a flight of at least 30 ms")
+           : model.kind == dynamics::Kind::rail_carriage
+               ? std::string("a flight of at least 30 ms, six rows or more without contact")
+           : model.kind == dynamics::Kind::clutch_bench
+               ? std::string("a release (solenoid = 1) from a rest of three rows, and 30 ms after its end")
+               : "at least " + std::to_string(options.window_s) + " s of recording"));
     held_out_windows_ = prediction_windows(held_out_, model, options.window_s);
     for (const Window& w : fit_windows_.windows) units_.try_emplace(w.recording, units_.size());
     folds_ = fold_count();

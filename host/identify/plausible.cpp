@@ -64,8 +64,7 @@ void require_range(const Recording& r) {
           r.name + ": the " + names.position + " stands at its " + (sign > 0.0 ? "largest" : "smallest") +
           " value, " + rounded(extreme) + " " + names.position_unit + ", for up to " +
           rounded(1e3 * stays_s) +
-          " ms while the body passes: the encoder is saturated; expected a range that holds the "
-          "motion");
+          " ms while the body passes: the encoder is saturated; expected a range that holds the motion");
   }
 }
 

@@ -346,11 +346,11 @@ void require_clutch(const std::vector<Recording>& recordings, bool has_clutch) {
     if (has_clutch || r.solenoid.empty()) continue;
     const auto first =
         std::find_if(r.solenoid.begin(), r.solenoid.end(), [](double on) { return on != 0.0; });
-    throw log::DataError(r.name + ": the spring is released from " +
-                         log::shortest(r.time_s[static_cast<std::size_t>(first - r.solenoid.begin())]) +
-                         " s on (solenoid = 1), and the model has no clutch; expected a tooth_pitch_m above "
-                         "0 in the model, or "
-                         "recordings with the spring caught");
+    throw log::DataError(
+        r.name + ": the spring is released from " +
+        log::shortest(r.time_s[static_cast<std::size_t>(first - r.solenoid.begin())]) +
+        " s on (solenoid = 1), and the model has no clutch; expected a tooth_pitch_m above 0 in the model, or "
+        "recordings with the spring caught");
   }
 }
 

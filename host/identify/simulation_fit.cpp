@@ -141,8 +141,7 @@ void require_finite(bool finite, const std::vector<Recording>& recordings,
   if (!finite)
     throw log::DataError(
         recordings[windows.front().recording].name +
-        ": the model's run does not stay finite on these recordings; expected inputs and units that "
-        "fit the model");
+        ": the model's run does not stay finite on these recordings; expected inputs and units that fit the model");
 }
 
 std::vector<bool> at_bounds(const std::vector<double>& values, const std::vector<Unknown>& unknowns) {

@@ -113,9 +113,12 @@ bool any_undecided(const Diagnosis& d) {
 /// Several causes do not fit into one headline: the first, how many more, and the list below it.
 std::string headline(const Diagnosis& d) {
   if (d.findings.size() < 2) return d.summary.empty() ? words(d.verdict).meaning : d.summary;
-  return (d.verdict == Verdict::not_identifiable ? "Not certain: " : "The model misses ") +
-         std::string(dynamics::info(d.findings.front().effect).title) + ", and " +
-         std::to_string(d.findings.size() - 1) + " more";
+  const dynamics::Effect first = d.findings.front().effect;
+  const std::string title(dynamics::info(first).title),
+      more = std::to_string(d.findings.size() - 1) + " more";
+  if (d.verdict == Verdict::not_identifiable) return "Not certain: " + title + ", and " + more;
+  if (diagnose::is_wrong_parameter(first)) return "T" + title.substr(1) + " is wrong, and " + more;
+  return "The model lacks " + title + ", and " + more;
 }
 
 /// What the named causes do to the error, in the figure of the headline of a single cause.
@@ -190,13 +193,11 @@ std::string budget(const Diagnosis& d) {
   constexpr double kWorse = 1.01;
   if (extended > kWorse * refitted)
     return paragraph(
-        "On the held-out recordings the extended model does worse than the re-fitted one: none of the "
-        "squared error of " +
+        "On the held-out recordings the extended model does worse than the re-fitted one: none of the squared error of " +
         channel + " is removed by what is named.");
   if (refitted > kWorse * given)
     return paragraph(
-        "On the held-out recordings the re-fitted model does worse than the one as given: no share of "
-        "the squared error of " +
+        "On the held-out recordings the re-fitted model does worse than the one as given: no share of the squared error of " +
         channel + " is removed by re-fitting.");
   // Each step can only take away from what the step before left; a held-out error may also grow a little.
   const double after_fit = std::clamp(refitted, 0.0, given);
@@ -424,8 +425,7 @@ std::string candidates(const Diagnosis& d) {
               ? "No row is good enough to be named. "
               : "The marked row is the extended model. Every other row is the model with that row's effects "
                 "instead: it does worse, or no better; the last column says why it was not chosen. ") +
-         "Gain in training: share of the cross-validated error removed on the training logs; it alone "
-         "decides. Gain held out: "
+         "Gain in training: share of the cross-validated error removed on the training logs; it alone decides. Gain held out: "
          "share of the error above the noise floor removed on recordings that no choice has seen.</p>\n" +
          table.html();
 }
@@ -463,8 +463,7 @@ std::string next_steps(const Diagnosis& d) {
                 i == 0);
     }
     out =
-        "<p>Each was simulated with every candidate as the truth, at the noise of these recordings; the "
-        "first one is "
+        "<p>Each was simulated with every candidate as the truth, at the noise of these recordings; the first one is "
         "in next_experiment.toml as a scenario for furcula sim.</p>\n" +
         table.html();
   }
@@ -488,16 +487,13 @@ constexpr const char* kHowToRead =
     "<dl>"
     "<dt>NMSE</dt><dd>Sum of squared errors over the sum of squares about the window's mean: 0 is perfect, "
     "1 is as good as a constant.</dd>"
-    "<dt>MAE, RMSE</dt><dd>Mean absolute error, and root of the mean squared error, in the channel's "
-    "unit.</dd>"
+    "<dt>MAE, RMSE</dt><dd>Mean absolute error, and root of the mean squared error, in the channel's unit.</dd>"
     "<dt>Held out</dt><dd>Recordings that no fit and no choice between causes has seen. The model starts "
     "each window from its first measured samples and then runs free.</dd>"
     "<dt>Noise floor</dt><dd>What no model can remove: sensor noise and the start's uncertainty.</dd>"
     "<dt>As given, re-fitted, extended</dt><dd>The model file as it was; the same with its free parameters "
     "fitted again; and with the named causes switched on, all fitted together.</dd>"
-    "<dt>95 % interval</dt><dd>The range in which the parameter lies with that probability, if the model is "
-    "right.</dd>"
-    "</dl>\n";
+    "<dt>95 % interval</dt><dd>The range in which the parameter lies with that probability, if the model is right.</dd></dl>\n";
 
 }  // namespace
 

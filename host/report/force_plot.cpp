@@ -251,8 +251,7 @@ std::string force_plots(const diagnose::ResidualForce& residual, std::size_t mos
   if (outside > 0) note += std::to_string(outside) + " samples lie above or below the plots. ";
   if (!s.law.empty())
     note +=
-        "Where free parameters have stood in for the cause, the samples lie off the line by what these took "
-        "up.";
+        "Where free parameters have stood in for the cause, the samples lie off the line by what these took up.";
   if (!note.empty()) out += "<p class=\"hint\">" + note + "</p>\n";
   return out;
 }

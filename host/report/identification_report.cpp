@@ -194,18 +194,14 @@ std::string data(const Identification& id) {
 
 constexpr const char* kHowToRead =
     "<dl>"
-    "<dt>Simulation error</dt><dd>The model starts once in each window and runs free; its whole path is "
-    "compared.</dd>"
-    "<dt>Equation error</dt><dd>Each instant is predicted from the measured one before it: quick, but noise "
-    "bends it.</dd>"
+    "<dt>Simulation error</dt><dd>The model starts once in each window and runs free; its whole path is compared.</dd>"
+    "<dt>Equation error</dt><dd>Each instant is predicted from the measured one before it: quick, but noise bends it.</dd>"
     "<dt>NMSE</dt><dd>Sum of squared errors over the sum of squares about the window's mean: 0 is perfect, "
     "1 is as good as a constant.</dd>"
-    "<dt>Spread over folds</dt><dd>Smallest and largest estimate when one share of the recordings is left "
-    "out.</dd>"
+    "<dt>Spread over folds</dt><dd>Smallest and largest estimate when one share of the recordings is left out.</dd>"
     "<dt>Correlated</dt><dd>The recordings tell a combination of the two parameters, not each alone.</dd>"
     "<dt>At a bound</dt><dd>The best value lies at the edge of what the model file allows.</dd>"
-    "<dt>Not excited</dt><dd>The recordings hardly depend on the parameter.</dd>"
-    "</dl>\n";
+    "<dt>Not excited</dt><dd>The recordings hardly depend on the parameter.</dd></dl>\n";
 
 }  // namespace
 

@@ -186,8 +186,7 @@ void examples(Reproduction& out) {
        least_of(without.apexes_m),
        {},
        Outcome::computed,
-       "Not restarted at touch-down, the torque drifts against the motion. Section 4.1 restarts it; so "
-       "do all other rows."});
+       "Not restarted at touch-down, the torque drifts against the motion. Section 4.1 restarts it; so do all other rows."});
   rows.push_back(
       {"eq. 3.3",
        "lowest apex with the sign as printed",
@@ -314,14 +313,14 @@ void stance(Reproduction& out) {
               Reason{raw_gain < gain && gain < 1.0,
                      "The rig's velocity, differences of counts, is 2.5 ms late; one-step prediction "
                      "takes the delay for damping. How late the document's was is not printed."}));
-  rows.push_back(
-      compare({"6.1.1, Fig. 4.9", "damping, equation against simulation error, velocity without delay", "%",
-               "significant deviation", deviation(smooth)},
-              {5.0, 100.0},
-              Reason{deviation(raw) > 5.0 * deviation(smooth),
-                     "With a velocity that is neither late nor noisy the two agree; with the rig's own "
-                     "they differ by " +
-                         number(deviation(raw), 2) + " %. No one velocity shows both claims."}));
+  rows.push_back(compare(
+      {"6.1.1, Fig. 4.9", "damping, equation against simulation error, velocity without delay", "%",
+       "significant deviation", deviation(smooth)},
+      {5.0, 100.0},
+      Reason{
+          deviation(raw) > 5.0 * deviation(smooth),
+          "With a velocity that is neither late nor noisy the two agree; with the rig's own they differ by " +
+              number(deviation(raw), 2) + " %. No one velocity shows both claims."}));
   rows.push_back(compare(
       {"6.1.1, Fig. 4.9", "the same, the rig's own velocity", "%", "significant deviation", deviation(raw)},
       {5.0, 100.0}));
@@ -354,14 +353,12 @@ void stance(Reproduction& out) {
       {0.949, 0.969},
       Reason{
           std::abs(s.effective_stance_mass_kg / mass_kg - 1.0) < 0.03 && s.printed_links_mass_ratio < 0.959,
-          "With the toe on the ground the links turn instead of moving with the body: along the stance that "
-          "leaves " +
+          "With the toe on the ground the links turn instead of moving with the body: along the stance that leaves " +
               number(s.effective_stance_mass_kg, 4) + " kg of this rig's " +
               number(s.rig.truth.parameter("mass_kg"), 4) + " in closed form; " + number(mass_kg, 4) +
               " are identified. Of the document's own links it leaves " +
               number(s.printed_links_mass_ratio, 3) + " of 1.62 kg, " + number(s.table_mass_ratio, 3) +
-              " with a as in table 3.1: its drop of mass is its links', and would be more. The mass "
-              "identified "
+              " with a as in table 3.1: its drop of mass is its links', and would be more. The mass identified "
               "goes with the spring rate that is held (6.1.1), of which 3 % do."}));
   rows.push_back({"4.2.1.1, Fig. 4.9",
                   "damping in stance by simulation error",
@@ -386,8 +383,7 @@ void flight_and_strides(Reproduction& out) {
   const double floor = s.flight_floor[noisiest].nmse_height;
   const Reason start{
       s.flight.errors[noisiest].nmse_height < 9.0 * floor,
-      "Predicted from a start that the first 20 ms of positions give. What their noise makes of "
-      "this low flight is " +
+      "Predicted from a start that the first 20 ms of positions give. What their noise makes of this low flight is " +
           number(100.0 * floor, 2) +
           " % in the mean, to first order; the document took the start from a velocity that was "
           "filtered over the whole flight."};
@@ -421,8 +417,7 @@ void flight_and_strides(Reproduction& out) {
   const Reason late{off_s[poorest] >= identify::quantile(off_s, 0.9),
                     "In the poorest stride the switch restarted the torque " +
                         number(1e3 * off_s[poorest], 2) +
-                        " ms off the touch-down, one of the tenth that is furthest "
-                        "off (median " +
+                        " ms off the touch-down, one of the tenth that is furthest off (median " +
                         number(1e3 * median(off_s), 2) + " ms)."};
   add(rows,
       {"Fig. 4.18", "stride", s.strides.errors, &E::nmse_height, "NMSE of height", "%", 100.0, 0.75, 2.1}, {},

@@ -145,14 +145,12 @@ std::string plain_table(const IdentificationStudy& s) {
            number(c.plain_s, 3) + " s", std::to_string(c.converged), number(c.ours_nmse, 3),
            number(c.plain_nmse, 3), list(ours.values), list(c.estimates.values)});
   }
-  return t.html() + report::paragraph(
-                        "The plain way: Dormand and Prince's variable step at ode45's tolerances, the cost "
-                        "of eq. 4.5 as one "
-                        "number, forward differences, BFGS, each run from the measured state; compiled, on "
-                        "one thread. Here: "
-                        "exact steps at the recorded rate with their derivatives, least squares, each run's "
-                        "start estimated "
-                        "with the parameters.");
+  return t.html() +
+         report::paragraph(
+             "The plain way: Dormand and Prince's variable step at ode45's tolerances, the cost of eq. 4.5 as one "
+             "number, forward differences, BFGS, each run from the measured state; compiled, on one thread. Here: "
+             "exact steps at the recorded rate with their derivatives, least squares, each run's start estimated "
+             "with the parameters.");
 }
 
 std::string chapter_4(const Reproduction& r) {

@@ -41,8 +41,7 @@ constexpr RigRow kRigRows[] = {
      kForGood,
      {Fault::contact_implausible, Fault::encoder_implausible},
      400,
-     "no torque high above the ground; safe state after 20 ms of it, or when a leg that is folded in flight "
-     "contradicts it"},
+     "no torque high above the ground; safe state after 20 ms of it, or when a leg that is folded in flight contradicts it"},
     {RigFault::switch_chattering,
      kForGood,
      {Fault::contact_implausible, Fault::encoder_implausible},

@@ -144,8 +144,7 @@ std::string format_tally(const Tally& t) {
   put("\n%-22s%10s\n", "unsafe outcome", "runs");
   for (const UnsafeInfo& u : kUnsafe)
     put("%-22s%10llu\n", std::string(u.name).c_str(), n(t.by_outcome[static_cast<std::size_t>(u.outcome)]));
-  put("\ntorque off after %u ticks at most; coil on for %u ticks of a stance at most; hip from %.3f to %.3f "
-      "m; "
+  put("\ntorque off after %u ticks at most; coil on for %u ticks of a stance at most; hip from %.3f to %.3f m; "
       "impact of the body %.2f m/s, of the toe %.2f m/s at most\n",
       t.longest_torque_off_ticks, t.longest_coil_in_stance_ticks, t.lowest_m, t.highest_m, t.hardest_mps,
       t.fastest_toe_mps);

@@ -48,8 +48,7 @@ struct UnsafeInfo {
 };
 inline constexpr std::array<UnsafeInfo, 9> kUnsafe{{
     {Unsafe::torque_after_fault, "torque_after_fault",
-     "the motor gives torque more than two ticks after a fault was found (a drive that hears nothing: more "
-     "than seven)"},
+     "the motor gives torque more than two ticks after a fault was found (a drive that hears nothing: more than seven)"},
     {Unsafe::coil_after_fault, "coil_after_fault",
      "the coil is commanded on from the tick on which a fault was found"},
     {Unsafe::coil_in_stance, "coil_in_stance",
@@ -61,8 +60,7 @@ inline constexpr std::array<UnsafeInfo, 9> kUnsafe{{
     {Unsafe::not_finite, "not_finite", "a command or the body's height is not a number"},
     {Unsafe::fall_unnoticed, "fall_unnoticed", "the hip comes below 10 cm before a fault is found"},
     {Unsafe::spring_unknown, "spring_unknown",
-     "0.3 s after a fault the robot stands on a bent leg whose spring is neither caught nor seen to be loose "
-     "by the "
+     "0.3 s after a fault the robot stands on a bent leg whose spring is neither caught nor seen to be loose by the "
      "cable's encoder"},
 }};
 

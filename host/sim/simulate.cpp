@@ -300,8 +300,7 @@ void refuse_what_has_no_free_leg(const model::Model& model, const Scenario& scen
     if (sim_host::Plant::changes_motion(one))
       throw log::DataError(
           "the model: [effect." + std::string(dynamics::info(effect).name) + "] with " + what +
-          "; expected effects of the drive and the sensors alone: the leg that is free in flight "
-          "knows no others");
+          "; expected effects of the drive and the sensors alone: the leg that is free in flight knows no others");
   }
   if (!dynamics::NonlinearHopper<double>::resolves(
           parameters_of<dynamics::HopperNonlinearParameters<double>>(model)))

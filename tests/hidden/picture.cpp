@@ -37,10 +37,8 @@ std::string share(const Share& s) {
 
 std::string rates(const Tally& t) {
   std::string out =
-      "<table><tr><th>tier<th>cases<th>right<th>goal<th>named<th>in a group<th>simpler "
-      "law<th>half<th>nothing "
-      "named<th>honest<th>wrong name<th>extra name<th>main parameter within 10&nbsp;%<th>within 10&nbsp;% of "
-      "its "
+      "<table><tr><th>tier<th>cases<th>right<th>goal<th>named<th>in a group<th>simpler law<th>half<th>nothing "
+      "named<th>honest<th>wrong name<th>extra name<th>main parameter within 10&nbsp;%<th>within 10&nbsp;% of its "
       "change<th>in the 95&nbsp;% interval<th>removes 90&nbsp;%<th>seconds, median<th>longest</tr>\n";
   for (const TierTally& r : t.tiers) {
     out += "<tr><th>" + std::string(name(r.tier));
@@ -131,10 +129,8 @@ svg text{font-size:12px;fill:#444}.grid{stroke:#e4e4e4}.ideal{stroke:#999;stroke
 )";
   out += "<p>" + escaped(head) + "</p>\n" + rates(t);
   out +=
-      "<p>Right: the planted cause stands first, or in a group of causes that truly predict as well; of a "
-      "pair both are "
-      "named and nothing else; clean: no finding, adequate; outside of the catalogue: said to be "
-      "unexplained, or no name "
+      "<p>Right: the planted cause stands first, or in a group of causes that truly predict as well; of a pair both are "
+      "named and nothing else; clean: no finding, adequate; outside of the catalogue: said to be unexplained, or no name "
       "with a confidence of 0.9.</p>\n";
   for (const auto& [title, tiers] :
        {std::pair<const char*, std::vector<Tier>>{"Large and medium effects", {Tier::large, Tier::medium}},
@@ -145,15 +141,12 @@ svg text{font-size:12px;fill:#444}.grid{stroke:#e4e4e4}.ideal{stroke:#999;stroke
     out += std::string("<h2>") + title + "</h2>\n" + matrix(c);
   }
   out +=
-      "<p>Rows: what was planted. Columns: what stands first in the diagnosis; in brackets its verdict where "
-      "nothing is "
-      "named, or nothing with confidence. Green: the planted law, also in other words or in a group that "
-      "truly is one; "
+      "<p>Rows: what was planted. Columns: what stands first in the diagnosis; in brackets its verdict where nothing is "
+      "named, or nothing with confidence. Green: the planted law, also in other words or in a group that truly is one; "
       "grey: no name; red: another.</p>\n";
   out += "<h2>Reliability</h2>\n" + curve(t);
   out +=
-      "<h2>Cases that were not as they should be</h2>\n<table><tr><th>case<th>tier<th>outcome<th>what was "
-      "said</tr>\n";
+      "<h2>Cases that were not as they should be</h2>\n<table><tr><th>case<th>tier<th>outcome<th>what was said</tr>\n";
   for (const Answer& a : answers)
     if (!as_it_should_be(a))
       out += "<tr><th>" + escaped(a.description) + cell(std::string(name(a.tier))) +

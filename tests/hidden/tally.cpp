@@ -200,10 +200,8 @@ std::string text_of(const Tally& t, const std::vector<Answer>& answers) {
                    r.right.value() >= r.goal ? "   " : " !!", r.named, r.not_separated, r.alike, r.simpler,
                    r.half, r.nothing, r.honest, r.wrong, r.extra, r.refused);
   out +=
-      "right: the planted cause first, or in a group whose first one truly predicts as well (of these); "
-      "pairs: both "
-      "and\nnothing else; clean: no finding and adequate; outside: unexplained, partly explained, or no name "
-      "with "
+      "right: the planted cause first, or in a group whose first one truly predicts as well (of these); pairs: both "
+      "and\nnothing else; clean: no finding and adequate; outside: unexplained, partly explained, or no name with "
       "confidence.\n";
   for (const TierTally& r : t.tiers)
     if (r.wrong_but_undecided > 0)

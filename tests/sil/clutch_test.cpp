@@ -164,8 +164,7 @@ TEST_CASE("of 10,000 hops with rough ground and sensors and a failing coil none 
   const Outcome out = run(robot_with_clutch(), scenario, 7);
   const auto& c = out.clutch.counts;
   std::printf(
-      "%d hops: %u releases, %u failed; %u catches verified, %u slipped, %u tried again; %u stances on a "
-      "free spring\n",
+      "%d hops: %u releases, %u failed; %u catches verified, %u slipped, %u tried again; %u stances on a free spring\n",
       out.hops, c.releases, c.failed_releases, c.catches, c.slipped, c.retries, c.missed);
   CHECK(out.fault == control::Fault::none);
   CHECK(out.hops >= 10000);

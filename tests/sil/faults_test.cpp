@@ -48,8 +48,7 @@ double most_torque_from(double time_s, const log::Log& log) {
 }  // namespace
 
 TEST_CASE(
-    "torque is zero within two ticks of a frozen encoder, a lost height, a lost peer or a stuck-open "
-    "switch") {
+    "torque is zero within two ticks of a frozen encoder, a lost height, a lost peer or a stuck-open switch") {
   struct Case {
     RigFault kind;
     control::Fault fault;
@@ -87,8 +86,7 @@ TEST_CASE("a tick that comes 5 ms late finds the torque zero on the very tick") 
 }
 
 TEST_CASE(
-    "while a tick is late by more than the watchdog's 5 ms the drive is off before the controller comes "
-    "back") {
+    "while a tick is late by more than the watchdog's 5 ms the drive is off before the controller comes back") {
   const double t = instant(true, 0.020);
   auto scenario = example_scenario(5.0);
   scenario.faults = {{t, RigFault::late_tick, 0.050}};

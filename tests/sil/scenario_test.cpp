@@ -199,10 +199,10 @@ TEST_CASE("releases and catches of a bench's belt are read in turn, and written 
   }
   CHECK_THAT(message("[[clutch]]\ntime_s = 1\naction = \"catch\"\n", bench),
              Contains("s.toml:3: action = 'catch' where the clutch is caught"));
-  CHECK_THAT(message("[[clutch]]\ntime_s = 1\naction = \"release\"\n[[clutch]]\ntime_s = 1\naction = "
-                     "\"catch\"\n",
-                     bench),
-             Contains("not after the action before it"));
+  CHECK_THAT(
+      message("[[clutch]]\ntime_s = 1\naction = \"release\"\n[[clutch]]\ntime_s = 1\naction = \"catch\"\n",
+              bench),
+      Contains("not after the action before it"));
   CHECK_THAT(message("[[clutch]]\ntime_s = 1\naction = \"relaese\"\n", bench),
              Contains("did you mean 'release'?"));
   CHECK_THAT(message("[start]\nvelocity_mps = 1\n", bench), Contains("unknown key 'velocity_mps'"));

@@ -38,8 +38,7 @@ std::string Browser::run(const std::string& arguments, const fs::path& page) con
       "timeout 120 " + program_.string() +
       " --headless --no-sandbox --disable-gpu --no-first-run --disable-background-networking "
       "--disable-component-update --disable-sync --disable-quic --disable-default-apps --disable-extensions "
-      "--host-resolver-rules='MAP * ~NOTFOUND' --hide-scrollbars --virtual-time-budget=4000 "
-      "--user-data-dir='" +
+      "--host-resolver-rules='MAP * ~NOTFOUND' --hide-scrollbars --virtual-time-budget=4000 --user-data-dir='" +
       profile.path().string() + "' " + arguments + " 'file://" + page.string() + "' 2>'" +
       (profile.path() / "stderr").string() + "'";
   FILE* pipe = popen(command.c_str(), "r");

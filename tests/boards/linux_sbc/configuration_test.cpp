@@ -52,8 +52,7 @@ struct Folder {
 }  // namespace
 
 TEST_CASE(
-    "the least that a configuration says leaves Modbus on the loopback, no solenoid, and a height to be "
-    "homed") {
+    "the least that a configuration says leaves Modbus on the loopback, no solenoid, and a height to be homed") {
   const auto c = parse_configuration(kLeast, "f.toml");
   CHECK(c.can_interface == "can0");
   CHECK(c.link.motor == bus::Motor::ak80_9);

@@ -138,8 +138,7 @@ TEST_CASE(
 }
 
 TEST_CASE(
-    "a loop that does not answer is a server's failure, and the next request is not answered by an old "
-    "answer") {
+    "a loop that does not answer is a server's failure, and the next request is not answered by an old answer") {
   Hatch hatch;
   const Service service(hatch);
   const Master master(service);

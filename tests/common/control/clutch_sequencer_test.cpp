@@ -122,8 +122,7 @@ TEST_CASE("a catch that comes too late is found by the pull, and waited for long
 }
 
 TEST_CASE(
-    "a belt that is not let go is not pulled hard: the leg waits, goes back, and the coil rests after "
-    "three") {
+    "a belt that is not let go is not pulled hard: the leg waits, goes back, and the coil rests after three") {
   Rig rig(config_with(0.05f));
   rig.works = false;
   rig.stages.clear();

@@ -150,8 +150,7 @@ Config with_clutch() {
 }  // namespace
 
 TEST_CASE(
-    "a robot that hangs in the air does not release and does not move its leg, at the start and after a "
-    "reset") {
+    "a robot that hangs in the air does not release and does not move its leg, at the start and after a reset") {
   const Config config = with_clutch();
   State state = begin(config);
   for (int n = 0; n < 1000; ++n) {

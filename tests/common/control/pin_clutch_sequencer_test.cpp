@@ -94,8 +94,7 @@ TEST_CASE("1,000 times a pin joins a link that swings at up to 3 rad/s to its mo
   std::sort(times_s.begin(), times_s.end());
   std::sort(steps_nm.begin(), steps_nm.end());
   std::printf(
-      "%d of 1,000 joined, after %.0f ms (median), %.0f ms (longest); %.1f mrad and %.2f rad/s off at most "
-      "when "
+      "%d of 1,000 joined, after %.0f ms (median), %.0f ms (longest); %.1f mrad and %.2f rad/s off at most when "
       "the pin went in; torque on the link %.1f N m (median), %.1f N m (largest)\n",
       joined, 1e3 * times_s[times_s.size() / 2], 1e3 * longest_s, 1e3 * most_off_rad, most_off_radps,
       steps_nm[steps_nm.size() / 2], most_step_nm);

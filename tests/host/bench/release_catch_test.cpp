@@ -108,8 +108,7 @@ TEST_CASE("1,000 trials with load, window and supply varied: what is caught, whe
   const ReleaseCatch r = run_release_catch(board, options, {});
   const Summary& s = r.summary;
   std::printf(
-      "1,000 trials: caught after %.0f ms (median), %.0f to %.0f ms (5 to 95 %%), %.0f ms (worst), drop up "
-      "to "
+      "1,000 trials: caught after %.0f ms (median), %.0f to %.0f ms (5 to 95 %%), %.0f ms (worst), drop up to "
       "%.1f mm; %zu not caught, %zu slipped\n",
       1e3 * s.caught_after_median_s, 1e3 * s.caught_after_p5_s, 1e3 * s.caught_after_p95_s,
       1e3 * s.caught_after_worst_s, 1e3 * s.drop_worst_m, s.not_caught, s.slips);

@@ -24,14 +24,38 @@ std::string said_of(double unnamed_share) {
 
 }  // namespace
 
-TEST_CASE(
-    "A cause that explains most is what the model misses, one that explains little only looks like it") {
-  const std::string named = "dry friction (coulomb_friction: 2.5 N)";
+TEST_CASE("A cause that explains most is what the model lacks, one that explains little only looks like it") {
+  const std::string named = "he model lacks dry friction (coulomb_friction: 2.5 N)";
   const std::string falls = ": with it the held-out position error (RMSE) falls from 2 mm to 1 mm";
-  CHECK(said_of(0.2) == "The model misses " + named + falls +
-                            ", but structure remains that no effect of the catalogue removes.");
-  CHECK(said_of(0.8) == "Most of what the model misses is not in the catalogue. A part of it looks like " +
-                            named + falls + ".");
+  CHECK(said_of(0.2) ==
+        "T" + named + falls + ", but structure remains that no effect of the catalogue removes.");
+  CHECK(said_of(0.8) ==
+        "Most of what is wrong with the model is not in the catalogue. A part of it looks as if t" + named +
+            falls + ".");
+}
+
+TEST_CASE("A parameter of the model that is wrong is said with both values, beside the laws that it lacks") {
+  Diagnosis d;
+  d.kind = dynamics::Kind::hopper_linear;
+  d.main_channel = "height";
+  d.main_unit = "m";
+  d.verdict = Verdict::explained;
+  d.refitted["height"].rmse = 2e-3;
+  d.extended["height"].rmse = 1e-3;
+  Finding mass;
+  mass.effect = dynamics::Effect::mass_error;
+  mass.parameters["mass_kg"] = {1.62, 1.6, 1.64};
+  d.findings.push_back(mass);
+  d.parameters.push_back({.name = "mass_kg", .unit = "kg", .given = 1.55});
+  const std::string wrong = "he model's mass is wrong (mass_error: 1.62 kg, not 1.55 kg)";
+  const std::string falls = " the held-out height error (RMSE) falls from 2 mm to 1 mm.";
+  CHECK(summary(d) == "T" + wrong + ": with it" + falls);
+  Finding friction;
+  friction.effect = dynamics::Effect::coulomb_friction;
+  friction.parameters["force_n"] = {2.5, 2.0, 3.0};
+  d.findings.push_back(friction);
+  CHECK(summary(d) ==
+        "The model lacks dry friction (coulomb_friction: 2.5 N), and t" + wrong + ": with them" + falls);
 }
 
 }  // namespace furcula::diagnose

@@ -93,8 +93,7 @@ TEST_CASE("The damped frequency of the stance is that of the closed form") {
 }
 
 TEST_CASE(
-    "A fifth of the logs is held out, of one log its last quarter, and the choice depends on the seed "
-    "alone") {
+    "A fifth of the logs is held out, of one log its last quarter, and the choice depends on the seed alone") {
   const auto [training, held_out] = identify::split(axis_logs(10), 3);
   CHECK(training.size() == 8);
   CHECK(held_out.size() == 2);

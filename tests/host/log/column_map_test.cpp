@@ -13,8 +13,7 @@ namespace {
 
 const std::string kMap =
     "rig = \"rotary_joint\"\ntime_s = { column = \"time\" }\n"
-    "angle_rad = { column = \"pos\", scale = 0.5, offset = -1.0 }\ntorque_nm = { column = \"tau\", scale = "
-    "-2 }\n";
+    "angle_rad = { column = \"pos\", scale = 0.5, offset = -1.0 }\ntorque_nm = { column = \"tau\", scale = -2 }\n";
 
 std::string refused(const std::string& text) {
   return test::error_message([&] { log::parse_column_map(text, "map.toml"); });

@@ -118,9 +118,10 @@ TEST_CASE("a directory or a file that cannot be read is refused") {
 }
 
 TEST_CASE("a missing required column is refused, and the nearest name shown") {
-  CHECK_THAT(refused("time_s,contact,torque_cmd_nm\n0,1,0\n"),
-             Contains("a.csv:1: no column 'height_m', which a log of rig hopper must have; the file has "
-                      "time_s, contact"));
+  CHECK_THAT(
+      refused("time_s,contact,torque_cmd_nm\n0,1,0\n"),
+      Contains(
+          "a.csv:1: no column 'height_m', which a log of rig hopper must have; the file has time_s, contact"));
   CHECK_THAT(refused("time_s,hieght_m,contact,torque_cmd_nm\n0,1,1,0\n"),
              Contains("did you mean 'hieght_m'?"));
   CHECK_THAT(refused("time_s;height_m;contact\n0;1;1\n"), Contains("expected columns separated by commas"));

@@ -9,8 +9,7 @@ using namespace furcula;
 using Catch::Matchers::Contains;
 
 TEST_CASE(
-    "a port is a serial line with its speed and format, a host and a port number, or a CAN interface and a "
-    "node") {
+    "a port is a serial line with its speed and format, a host and a port number, or a CAN interface and a node") {
   const modbus::Port line = modbus::parse_port("modbus:/dev/ttyUSB0@19200");
   CHECK(line.device == "/dev/ttyUSB0");
   CHECK(line.baud == 19200);

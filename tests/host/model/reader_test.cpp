@@ -81,9 +81,10 @@ TEST_CASE("zero clutch parameters mean no clutch, others are refused where there
   REQUIRE(fitted.clutch.has_value());
   CHECK(fitted.clutch->catch_delay_s == 0.02);
   CHECK(fitted.effects.at(dynamics::Effect::late_catch)[0] == 0.03);
-  CHECK_THAT(refused("[free]", "[effect.late_catch]\ndelay_s = 0.03\n[free]"),
-             Contains("m.toml:17: effect 'late_catch' in a model without a clutch; expected a tooth_pitch_m "
-                      "above 0"));
+  CHECK_THAT(
+      refused("[free]", "[effect.late_catch]\ndelay_s = 0.03\n[free]"),
+      Contains(
+          "m.toml:17: effect 'late_catch' in a model without a clutch; expected a tooth_pitch_m above 0"));
   CHECK_THAT(refused("[free]", "[free]\ntooth_pitch_m = [0.0, 0.01]"),
              Contains("'tooth_pitch_m' in [free]; expected no such key"));
   CHECK_THAT(refused(with(kJointModel, "damping", "tooth_pitch_m = 0\ndamping")),
@@ -184,9 +185,10 @@ TEST_CASE("bounds the wrong way round, or without the value, are refused") {
 }
 
 TEST_CASE("an effect that this kind does not have is refused") {
-  CHECK_THAT(refused(kJointModel + "[effect.spring_preload]\nforce_n = 1\n"),
-             Contains("m.toml:8: effect 'spring_preload' does not exist on rotary_joint; expected one of "
-                      "coulomb_friction"));
+  CHECK_THAT(
+      refused(kJointModel + "[effect.spring_preload]\nforce_n = 1\n"),
+      Contains(
+          "m.toml:8: effect 'spring_preload' does not exist on rotary_joint; expected one of coulomb_friction"));
 }
 
 TEST_CASE("what is no TOML, or no file, is refused") {

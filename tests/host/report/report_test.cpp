@@ -138,8 +138,8 @@ TEST_CASE("several causes have a headline of the first, and a list of all with t
   d.extended["height"].rmse = 0.002;
   d.noise_floor["height"].rmse = 0.001;
   const std::string page = report::render_report(d);
-  CHECK_THAT(page, Contains("<h1>The model misses dry friction, and 2 more</h1>"));
-  CHECK_THAT(page, Contains("<title>Furcula: The model misses dry friction, and 2 more</title>"));
+  CHECK_THAT(page, Contains("<h1>The model lacks dry friction, and 2 more</h1>"));
+  CHECK_THAT(page, Contains("<title>Furcula: The model lacks dry friction, and 2 more</title>"));
   CHECK_THAT(page, Contains("<li>dry friction <code>coulomb_friction</code>: 1.50 N</li>"));
   CHECK_THAT(page, Contains("<code>force_offset</code>: 1.50 N</li>"));
   CHECK_THAT(page, Contains("(RMSE) goes from 8.00 to 2.00 mm; the noise floor is 1.00 mm."));

@@ -243,8 +243,7 @@ diagnose::Diagnosis sample_diagnosis(std::size_t logs, std::size_t hops) {
   d.summary = "Dry friction of about " + std::to_string(extended.p.friction).substr(0, 4) +
               " N is missing from the model; with it little more than the height encoder's noise remains.";
   d.next_experiment =
-      "Drop the robot with the leg's toe off the ground along the guide at two speeds, and weigh the slow "
-      "pull "
+      "Drop the robot with the leg's toe off the ground along the guide at two speeds, and weigh the slow pull "
       "up and down: half of the difference is the friction.";
 
   struct Tried {

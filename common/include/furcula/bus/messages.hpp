@@ -198,9 +198,9 @@ inline constexpr std::array<Signal, 5> kLoggedFault{{
 /// A desk's access to the table of registers, and its answer (register_frames.hpp, docs/modbus.md).
 inline constexpr std::array<Signal, 5> kRegisterRequest{{
     version(),
-    code("Operation", 4, 4,
-         "0: read input registers, 1: read holding registers, 2: write two holding registers, 3: request, 4: "
-         "read a text."),
+    code(
+        "Operation", 4, 4,
+        "0: read input registers, 1: read holding registers, 2: write two holding registers, 3: request, 4: read a text."),
     code("Sequence", 8, 8, "Another one in each request; the answer has it too."),
     code("Address", 16, 16, "Of the first register; of a request the key."),
     code("Value", 32, 32,

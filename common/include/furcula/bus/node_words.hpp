@@ -93,9 +93,7 @@ inline constexpr std::array<Word, 10> kRefusals{{
      "The session was not the one that the node shows: an old or repeated frame. Read it again."},
     {4, "not_in_this_state", "Not taken in the state that the node is in."},
     {5, "not_on_the_ground",
-     "Homing needs a fresh sample of a robot whose contact switch is closed, with its leg angle; on the "
-     "bench "
-     "a fresh sample."},
+     "Homing needs a fresh sample of a robot whose contact switch is closed, with its leg angle; on the bench a fresh sample."},
     {6, "value_not_allowed", "A parameter's value is not a number, out of its bounds, or has a fraction."},
     {7, "makes_no_sense", "With these values together the controller's configuration makes no sense."},
     {8, "store_failed", "The parameters could not be saved."},

@@ -124,7 +124,8 @@ struct Search {
 struct EffectInfo {
   Effect effect;
   std::string_view name;
-  std::string_view title;  ///< in plain words, as in "the model misses ..."
+  /// In plain words, as in "the model lacks ..."; "the model's ..." where it is a parameter that is wrong.
+  std::string_view title;
   Stage stage;
   std::uint8_t kinds;      ///< bit per Kind
   std::string_view phase;  ///< on a hopper: "flight+stance", "stance", "touch-down", ...
@@ -183,8 +184,7 @@ inline constexpr EffectInfo kCatalogue[] = {
      3,
      "Dry friction that is larger near standstill than in motion.",
      "Plain bearings and greased guides: look at the lubricant and at stick-slip at reversals.",
-     "Very slow strokes through several reversals, so that the axis spends time below the Stribeck "
-     "velocity.",
+     "Very slow strokes through several reversals, so that the axis spends time below the Stribeck velocity.",
      {.measures = {Measure::friction, Measure::friction, Measure::speed},
       .starts = {{0.8, 1.6, 0.03}, {0.8, 1.6, 0.1}, {0.8, 1.6, 0.3}},
       .shapes = 4.0}},
@@ -200,8 +200,7 @@ inline constexpr EffectInfo kCatalogue[] = {
      2,
      "Dry friction of a different size in the two directions.",
      "Tilted or preloaded guides, cable drag, a drive whose zero is off: look at what pulls one way.",
-     "Equal strokes up and down at several constant speeds, and rests in between: at rest an offset still "
-     "pushes, "
+     "Equal strokes up and down at several constant speeds, and rests in between: at rest an offset still pushes, "
      "friction does not.",
      {.measures = {Measure::friction, Measure::friction}, .starts = {{1.0, 1.0}}}},
     {Effect::quadratic_drag,
@@ -236,7 +235,7 @@ inline constexpr EffectInfo kCatalogue[] = {
       .doubt = detail::kSeldomMet}},
     {Effect::damping_error,
      "damping_error",
-     "the true viscous damping",
+     "the model's viscous damping",
      Stage::mechanism,
      detail::kAllKinds | detail::kBench,
      "flight+stance",
@@ -269,12 +268,11 @@ inline constexpr EffectInfo kCatalogue[] = {
      1,
      "The guide is not vertical, so that less of gravity acts along it.",
      "The guide against a plumb line.",
-     "A level on the guide, or long falls without torque: the acceleration in free flight, the same up "
-     "and down.",
+     "A level on the guide, or long falls without torque: the acceleration in free flight, the same up and down.",
      {.starts = {{0.2}}, .clear = {{{0.3, 0.5}}}}},
     {Effect::mass_error,
      "mass_error",
-     "the true mass",
+     "the model's mass",
      Stage::mechanism,
      detail::kAllKinds,
      "flight+stance",
@@ -286,7 +284,7 @@ inline constexpr EffectInfo kCatalogue[] = {
      "A scale; or the same motion with a known mass added."},
     {Effect::stiffness_error,
      "stiffness_error",
-     "the spring's true rate",
+     "the model's spring rate",
      Stage::mechanism,
      detail::kHopper,
      "stance",
@@ -298,7 +296,7 @@ inline constexpr EffectInfo kCatalogue[] = {
      "Slow compression against a force plate or a scale: the slope of force over height is the rate."},
     {Effect::rest_height_error,
      "rest_height_error",
-     "the spring's true rest height",
+     "the model's rest height of the spring",
      Stage::mechanism,
      detail::kHopper,
      "stance",
@@ -331,8 +329,7 @@ inline constexpr EffectInfo kCatalogue[] = {
      1,
      "The spring's force grows faster (or slower) than in proportion to the compression.",
      "The cam that the spring wraps, coils that close, a rubber part in series.",
-     "Slow compression over the whole travel against a force plate: the bend of the line of force over "
-     "height."},
+     "Slow compression over the whole travel against a force plate: the bend of the line of force over height."},
     {Effect::spring_hysteresis,
      "spring_hysteresis",
      "hysteresis of the spring",
@@ -359,13 +356,12 @@ inline constexpr EffectInfo kCatalogue[] = {
      3,
      "The links turn while the leg folds, and their inertia resists that.",
      "The masses of the links and where their centres are: a heavy knee counts most.",
-     "Hops of different depth with the spring caught: the stance of a deep hop takes longer than the spring "
-     "and the mass say.",
+     "Hops of different depth with the spring caught: the stance of a deep hop takes longer than the spring and the mass say.",
      {.starts = {{1e-3, 2e-3, 5e-3}, {4e-3, 7e-3, 3e-2}},
       .clear = {{{4.2e-3, 4.2e-3}, {7.5e-3, 7.5e-3}, {38e-3, 38e-3}}}}},
     {Effect::torque_gain_error,
      "torque_gain_error",
-     "the motor's true torque gain",
+     "the model's torque gain",
      Stage::actuation,
      detail::kHopper,
      "stance",
@@ -540,7 +536,7 @@ inline constexpr EffectInfo kCatalogue[] = {
      {.clear = {{{0.004, 0.01}}}}},
     {Effect::height_scale_error,
      "height_scale_error",
-     "a wrong scale of the height",
+     "a scale error of the height",
      Stage::sensing,
      detail::kVertical,
      "flight+stance",
@@ -611,8 +607,7 @@ inline constexpr EffectInfo kCatalogue[] = {
      Stage::mechanism,
      detail::kBench,
      "",
-     "the pressed key skips a tooth while the load on it, the belt's pull and its kinetic energy over a "
-     "pitch, "
+     "the pressed key skips a tooth while the load on it, the belt's pull and its kinetic energy over a pitch, "
      "is above what it holds, and turns that force times the pitch into heat",
      {{{"holding_force_n", "holding_force_n", "N", "N", 0.0, 1e4, detail::kUnset}}},
      1,
@@ -623,7 +618,7 @@ inline constexpr EffectInfo kCatalogue[] = {
      {.measures = {Measure::load}, .starts = {{1.1}, {1.4}, {2.0}, {3.0}, {5.0}}, .shapes = 4.0}},
     {Effect::late_catch,
      "late_catch",
-     "the true delay of the catch",
+     "the model's delay of the catch",
      Stage::mechanism,
      detail::kHopper | detail::kBench,
      "",
@@ -644,15 +639,14 @@ inline constexpr EffectInfo kCatalogue[] = {
      {{{"ratio", "ratio", "", "", 0.0, 1.0, 0.0}}},
      1,
      "The released spring still pushes with a part of the force that it has when it is caught.",
-     "A key that is not pulled out of the teeth, a cable that rubs on its guide, a solenoid with too little "
-     "stroke.",
+     "A key that is not pulled out of the teeth, a cable that rubs on its guide, a solenoid with too little stroke.",
      "Releases in stance at several depths: the leg that should go soft stays stiff in part.",
      {.starts = {{0.02}, {0.06}, {0.12}, {0.2}, {0.3}, {0.45}, {0.65}, {0.85}},
       .shapes = 4.0,
       .clear = {{{0.15, 0.4}}}}},
     {Effect::auxiliary_spring,
      "auxiliary_spring",
-     "the auxiliary spring's true rate",
+     "the model's rate of the auxiliary spring",
      Stage::mechanism,
      detail::kHopper | detail::kBench,
      "stance",
@@ -678,11 +672,8 @@ inline constexpr EffectInfo kCatalogue[] = {
        {"stiffness_npm", "stiffness_npm", "N/m", "N/m", 0.0, 1e6, 0.0}}},
      2,
      "Folded far enough, the leg runs onto an elastic stop that pushes it back.",
-     "Rubber stops on the links or the rail, coils that touch, a cable or cover that is squeezed at the "
-     "deepest point.",
-     "Slow compression to the deepest point against a force plate: the height at which the line of force "
-     "over height "
-     "kinks.",
+     "Rubber stops on the links or the rail, coils that touch, a cable or cover that is squeezed at the deepest point.",
+     "Slow compression to the deepest point against a force plate: the height at which the line of force over height kinks.",
      {.measures = {Measure::depth, Measure::model},
       .starts = {{0.0, 0.0}, {0.0, 2.0}},
       .shapes = 4.0,
