@@ -34,6 +34,7 @@ enum class Fault : std::uint8_t {
   processor_fault = 19,
   parameters_lost = 20,
   bus_unreliable = 21,
+  node_id_taken = 22,
 };
 
 struct FaultInfo {
@@ -43,7 +44,7 @@ struct FaultInfo {
   std::string_view remedy;  ///< what a person should do
 };
 
-inline constexpr std::size_t kFaultCount = 22;
+inline constexpr std::size_t kFaultCount = 23;
 inline constexpr std::array<FaultInfo, kFaultCount> kFaults{{
     {Fault::none, "none", "No fault.", "Nothing."},
     {Fault::bad_configuration, "bad_configuration",
@@ -83,7 +84,8 @@ inline constexpr std::array<FaultInfo, kFaultCount> kFaults{{
      "The torque that the drive reports is not the one that it was told.",
      "Switch the drive's supply off; check the motor's type in the configuration, its phases and the drive; "
      "then reset."},
-    {Fault::bus_off, "bus_off", "The CAN controller went off the bus after too many errors.",
+    {Fault::bus_off, "bus_off",
+     "The CAN controller went off the bus after too many errors, or its interface was taken down.",
      "Check the bus's cable, its terminating resistors and that all nodes have the same bit rate; then "
      "reset."},
     {Fault::command_lost, "command_lost", "The one who commands the running robot fell silent.",
@@ -103,6 +105,9 @@ inline constexpr std::array<FaultInfo, kFaultCount> kFaults{{
     {Fault::bus_unreliable, "bus_unreliable",
      "Too many of the bus's frames were lost, unanswered or out of order in a short time.",
      "Look at the bus's load, its cable and its terminating resistors; then reset."},
+    {Fault::node_id_taken, "node_id_taken",
+     "Another device on the bus sends with this node's id, or commands its drive.",
+     "Give each controller an id of its own, or switch the other one off; then reset."},
 }};
 
 constexpr const FaultInfo& info(Fault fault) { return kFaults[static_cast<std::size_t>(fault)]; }
