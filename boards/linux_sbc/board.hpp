@@ -23,6 +23,7 @@ struct LoopFigures {
   Histogram work;      ///< from there to the end of the tick
   std::atomic<std::uint64_t> overruns{0}, ticks{0}, edges{0};
   std::atomic<std::uint64_t> can_refused{0}, can_errors{0};
+  std::atomic<CanState> can_state{CanState::on};
 };
 
 /// `Bus` and `Lines` are CanSocket and Gpio, or what a test puts in their place.
@@ -108,8 +109,12 @@ class LinuxBoard {
   void receive() {
     for (const Received& r : bus_.receive())
       link_.receive(r.frame, now_us_ - static_cast<std::uint32_t>(r.age_ns / 1000));
-    if (bus_.bus_off() != link_.bus_is_off())
-      link_.note(bus_.bus_off() ? firmware::BusEvent::off : firmware::BusEvent::recovered);
+    // One that was off and is back is told as well: the controller's fault stays until a person resets it.
+    const CanState state = bus_.state();
+    if (times_off_ != bus_.times_off()) link_.note(firmware::BusEvent::off);
+    times_off_ = bus_.times_off();
+    if (state == CanState::on && link_.bus_is_off()) link_.note(firmware::BusEvent::recovered);
+    figures_.can_state.store(state, std::memory_order_relaxed);
     const std::uint64_t errors = bus_.counters().error_frames;
     for (; errors_ < errors; ++errors_) link_.note(firmware::BusEvent::error);
     figures_.can_errors.store(errors, std::memory_order_relaxed);
@@ -145,7 +150,7 @@ class LinuxBoard {
   bool started_ = false, run_ = false;
   bus::NodeState state_ = bus::NodeState::starting;
   std::uint32_t now_us_ = 0;
-  std::uint64_t errors_ = 0;
+  std::uint64_t errors_ = 0, times_off_ = 0;
   float owed_ = 0.0f;
 };
 

@@ -48,7 +48,8 @@ bus::Frame from_kernel(const can_frame& frame) {
 
 }  // namespace
 
-CanSocket::CanSocket(const std::string& interface, std::span<const std::uint32_t> ids) {
+CanSocket::CanSocket(const std::string& interface, std::span<const std::uint32_t> ids)
+    : interface_(interface), id_count_(std::min(ids.size(), kMostIds)) {
   ifreq request{};
   if (interface.empty() || interface.size() >= sizeof(request.ifr_name))
     throw CanError("'" + interface + "' is no name of a CAN interface");
@@ -61,27 +62,33 @@ CanSocket::CanSocket(const std::string& interface, std::span<const std::uint32_t
   std::memcpy(request.ifr_name, interface.data(), interface.size());
   if (::ioctl(fd_, SIOCGIFINDEX, &request) != 0)
     fail("there is no CAN interface '" + interface + "'; ip link lists those that there are");
-  const int index = request.ifr_ifindex;
   if (::ioctl(fd_, SIOCGIFFLAGS, &request) != 0 || (request.ifr_flags & IFF_UP) == 0)
     fail("the CAN interface '" + interface + "' is down: ip link set " + interface +
          " up type can bitrate 1000000");
+  std::copy_n(ids.begin(), id_count_, ids_.begin());
+  if (bind_to_interface() != 0)
+    fail("the CAN interface '" + interface + "' cannot be bound: " + last_error());
+}
 
-  std::array<can_filter, 16> filters{};
-  const std::size_t count = std::min(ids.size(), filters.size());
-  for (std::size_t i = 0; i < count; ++i) filters[i] = {ids[i], CAN_SFF_MASK | CAN_EFF_FLAG | CAN_RTR_FLAG};
+int CanSocket::bind_to_interface() {
+  ifreq request{};
+  std::memcpy(request.ifr_name, interface_.data(), interface_.size());
+  if (::ioctl(fd_, SIOCGIFINDEX, &request) != 0) return errno;
+  std::array<can_filter, kMostIds> filters{};
+  for (std::size_t i = 0; i < id_count_; ++i)
+    filters[i] = {ids_[i], CAN_SFF_MASK | CAN_EFF_FLAG | CAN_RTR_FLAG};
   const can_err_mask_t errors = CAN_ERR_MASK;
   const int on = 1;
-  if (count > 0)
+  if (id_count_ > 0)
     ::setsockopt(fd_, SOL_CAN_RAW, CAN_RAW_FILTER, filters.data(),
-                 static_cast<socklen_t>(count * sizeof(can_filter)));
+                 static_cast<socklen_t>(id_count_ * sizeof(can_filter)));
   ::setsockopt(fd_, SOL_CAN_RAW, CAN_RAW_ERR_FILTER, &errors, sizeof(errors));
   ::setsockopt(fd_, SOL_SOCKET, SO_TIMESTAMPNS, &on, sizeof(on));
   ::setsockopt(fd_, SOL_SOCKET, SO_RXQ_OVFL, &on, sizeof(on));
   sockaddr_can address{};
   address.can_family = AF_CAN;
-  address.can_ifindex = index;
-  if (::bind(fd_, reinterpret_cast<const sockaddr*>(&address), sizeof(address)) != 0)
-    fail("the CAN interface '" + interface + "' cannot be bound: " + last_error());
+  address.can_ifindex = request.ifr_ifindex;
+  return ::bind(fd_, reinterpret_cast<const sockaddr*>(&address), sizeof(address)) == 0 ? 0 : errno;
 }
 
 CanSocket::~CanSocket() {
@@ -101,6 +108,7 @@ std::span<const Received> CanSocket::receive() {
     messages[i].msg_hdr.msg_controllen = sizeof(extra[i]);
   }
   const int n = ::recvmmsg(fd_, messages, kBatch, MSG_DONTWAIT, nullptr);
+  watch_.note_receive(n < 0 ? errno : 0);
   std::size_t count = 0;
   const std::int64_t now_ns = n > 0 ? realtime_ns() : 0;
   for (int i = 0; i < n; ++i) {
@@ -136,11 +144,8 @@ std::span<const Received> CanSocket::receive() {
 
 void CanSocket::count_error(std::uint32_t id, const unsigned char* data) {
   ++counters_.error_frames;
-  if ((id & CAN_ERR_BUSOFF) != 0) {
-    ++counters_.bus_off;
-    bus_off_ = true;
-  }
-  if ((id & CAN_ERR_RESTARTED) != 0) bus_off_ = false;
+  watch_.note_error_frame(id);
+  if ((id & CAN_ERR_BUSOFF) != 0) ++counters_.bus_off;
   if ((id & CAN_ERR_CRTL) != 0 && data[1] != 0) ++counters_.controller_errors;
   if ((id & CAN_ERR_ACK) != 0) ++counters_.no_acknowledge;
 }
@@ -158,6 +163,11 @@ bool CanSocket::send(std::span<const bus::Frame> frames) {
   }
   if (count == 0) return true;
   const int n = ::sendmmsg(fd_, messages, static_cast<unsigned>(count), MSG_DONTWAIT);
+  watch_.note_send(n < 0 ? errno : 0);
+  if (watch_.state() == CanState::gone && !interface_.empty() && --until_look_ == 0) {
+    until_look_ = kLookAfter;
+    bind_to_interface();
+  }
   const std::size_t sent = n > 0 ? static_cast<std::size_t>(n) : 0;
   counters_.sent += sent;
   counters_.refused += frames.size() - sent;

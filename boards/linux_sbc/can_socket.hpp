@@ -1,11 +1,13 @@
 // SocketCAN raw: non-blocking, filtered by id, with the bus's errors as frames.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <stdexcept>
 #include <string>
 
+#include "boards/linux_sbc/link_watch.hpp"
 #include "furcula/bus/frame.hpp"
 
 namespace furcula::linux_sbc {
@@ -45,19 +47,31 @@ class CanSocket {
   /// Never blocks.
   std::span<const Received> receive();
 
-  /// Sends all with one system call; never blocks. false: some were not taken.
+  /// Sends all with one system call; never blocks. false: some were not taken. An interface that was gone and is
+  /// there again is opened anew.
   bool send(std::span<const bus::Frame> frames);
 
-  /// The controller is off the bus, since the last error frame that said so; until it is restarted.
-  bool bus_off() const { return bus_off_; }
+  CanState state() const { return watch_.state(); }
+  /// Times that it left the bus, so that none is missed that ended within one receive().
+  std::uint64_t times_off() const { return watch_.times_off(); }
   const CanCounters& counters() const { return counters_; }
   int fd() const { return fd_; }
 
  private:
+  static constexpr std::size_t kMostIds = 16;
+  /// Sends that are refused between two looks for an interface that is gone.
+  static constexpr std::uint32_t kLookAfter = 100;
+
+  /// Filters, what the kernel is to add, and the interface. 0, or an errno.
+  int bind_to_interface();
   void count_error(std::uint32_t id, const unsigned char* data);
 
   int fd_ = -1;
-  bool bus_off_ = false;
+  std::string interface_;  ///< empty: the socket was open
+  std::array<std::uint32_t, kMostIds> ids_{};
+  std::size_t id_count_ = 0;
+  LinkWatch watch_;
+  std::uint32_t until_look_ = kLookAfter;
   CanCounters counters_;
   std::uint32_t dropped_ = 0;  ///< as the kernel counts them
   Received received_[kBatch];

@@ -113,17 +113,39 @@ void warn(const std::string& message) {
   if (!message.empty()) std::cerr << "furculad: warning: " << message << "\n";
 }
 
+/// What a person has to know of the bus, once.
+void tell_of_bus(CanState state, const std::string& interface) {
+  const std::string begin = "furculad: " + interface;
+  if (state == CanState::on) {
+    std::cerr << begin << " is back on the bus; the fault stays until a reset\n";
+  } else if (state == CanState::off) {
+    std::cerr << begin << " went off the bus after too many errors: ip link set "
+              << interface << " type can restart, or down and up; then reset\n";
+  } else if (state == CanState::down) {
+    std::cerr << begin << " is down: ip link set "
+              << interface << " up type can bitrate 1000000; then reset\n";
+  } else {
+    std::cerr << begin << " is gone: it is looked for until it is there again; then reset\n";
+  }
+}
+
 /// Waits for signals; the watchdog of the service manager hears of a loop that ticks, and of no other.
-void watch(Daemon& d, const ServiceManager& manager, const sigset_t& signals, const Baseline& begin) {
+void watch(Daemon& d, const std::string& interface, const ServiceManager& manager, const sigset_t& signals,
+           const Baseline& begin) {
   std::chrono::nanoseconds pause = std::chrono::milliseconds(100);
   if (manager.watchdog_period().count() > 0)
     pause = std::min<std::chrono::nanoseconds>(pause, manager.watchdog_period());
   const timespec wait{0, static_cast<long>(pause.count())};
   std::uint64_t seen = 0;
+  CanState told = CanState::on;
   for (;;) {
     const int signal = ::sigtimedwait(&signals, nullptr, &wait);
     if (signal == SIGTERM || signal == SIGINT) return;
     if (signal == SIGUSR1) print_figures(d.figures, begin);
+    if (const CanState state = d.figures.can_state.load(std::memory_order_relaxed); state != told) {
+      tell_of_bus(state, interface);
+      told = state;
+    }
     const std::uint64_t ticks = d.figures.ticks.load(std::memory_order_relaxed);
     if (ticks != seen) manager.tell("WATCHDOG=1");
     seen = ticks;
@@ -171,7 +193,7 @@ void run_daemon(const Configuration& configuration) {
   std::cout << "furculad: running on " << configuration.can_interface << std::endl;
   manager.tell("READY=1");
   const Baseline begin = now();
-  watch(*daemon, manager, signals, begin);
+  watch(*daemon, configuration.can_interface, manager, signals, begin);
 
   manager.tell("STOPPING=1");
   daemon->stop = true;

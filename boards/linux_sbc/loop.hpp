@@ -10,6 +10,7 @@ namespace furcula::linux_sbc {
 
 /// Right after the board's wait_for_tick(): the robot's tick, then what was asked over Modbus and over CAN.
 void run_tick(auto& board, auto& node, auto& registers, Hatch& hatch) {
+  firmware::obey_stop(board.link(), node);
   firmware::obey_stream(board.link(), node);
   board.set_state(node.state());
   board.link().set_on_bench(node.config().bench.on_bench != 0);

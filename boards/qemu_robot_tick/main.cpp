@@ -1,7 +1,8 @@
 // The work of a robot's whole tick in instructions of an emulated Cortex-M4F: frames of drive, two encoders
 // and a desk in, the node's tick while it runs, commands and telemetry out, a serial line on which one Modbus
 // request follows the other, and a desk that reads or writes registers over CAN as often. Without the chip's
-// drivers, whose registers QEMU does not have. It says what takes longest and ends.
+// drivers, whose registers QEMU does not have. It says what takes longest; then how many stops of another desk it
+// obeyed (stop_attack.hpp), and ends.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -11,6 +12,7 @@
 #include <span>
 
 #include "boards/qemu_netduinoplus2/semihosting.hpp"
+#include "boards/qemu_robot_tick/stop_attack.hpp"
 #include "firmware/app/can_link.hpp"
 #include "firmware/app/can_telemetry.hpp"
 #include "firmware/app/node.hpp"
@@ -40,7 +42,11 @@ class BusRig {
     return sample_;
   }
   Status actuate(const control::Command& command) {
-    for (const bus::Frame& frame : link_.command(command, state_ == bus::NodeState::running)) send(frame);
+    drives_ = false;
+    for (const bus::Frame& frame : link_.command(command, state_ == bus::NodeState::running)) {
+      drives_ = drives_ || !bus::is(frame, bus::message::kMotorExit, kLink.drive_node);
+      send(frame);
+    }
     return Status::ok;
   }
   static void kick_watchdog() {}
@@ -53,15 +59,16 @@ class BusRig {
     ++answers_;
   }
   std::uint32_t answers() const { return answers_; }
+  /// Whether the last tick told the drive anything but to be off.
+  bool drives() const { return drives_; }
 
   void set_state(bus::NodeState state) { state_ = state; }
   firmware::CanLink& link() { return link_; }
   void introduce(const bus::Identity& identity, const firmware::FaultLog& faults) {
     telemetry_.introduce(identity, faults);
   }
-  /// What arrives in a millisecond: the leg is folded by `angle` of the drive's 16 bits, the desk says
-  /// `request`.
-  void receive(std::uint8_t sequence, std::uint32_t angle, std::uint8_t request) {
+  /// What arrives in a millisecond: the leg is folded by `angle` of the drive's 16 bits.
+  void receive(std::uint8_t sequence, std::uint32_t angle) {
     now_us_ += 1000;
     bus::Frame frame;
     frame.size = 8;
@@ -79,6 +86,11 @@ class BusRig {
       frame.data = {1, sequence, 1, 0, 0, 0, 0, 0};
       link_.receive(frame, now_us_);
     }
+  }
+  /// The desk says `request` and asks for registers.
+  void hear_desk(std::uint8_t sequence, std::uint8_t request) {
+    bus::Frame frame;
+    frame.size = 8;
     frame.id = 0x400u + kLink.self_node;  // 2 N m over 0.3 s
     frame.data = {static_cast<std::uint8_t>(1 | request << 4), sequence, 1, 0xd0, 0x07, 0xb8, 0x0b, 1};
     link_.receive(frame, now_us_);
@@ -111,6 +123,7 @@ class BusRig {
   bus::NodeState state_ = bus::NodeState::starting;
   std::uint32_t now_us_ = 0;
   volatile std::uint32_t mailbox_ = 0;
+  bool drives_ = false;
   std::uint32_t answers_ = 0;
 };
 static_assert(firmware::Board<BusRig>);
@@ -213,6 +226,28 @@ struct Longest {
   }
 };
 
+/// The robot under attack.
+struct Attacked {
+  BusRig& rig;
+  Node& node;
+  firmware::NodeRegisters<Node>& registers;
+  std::uint32_t ticks = 0;
+
+  void hear(const bus::Frame& frame) { rig.link().receive(frame, rig.now_us()); }
+  void tick() {
+    rig.receive(static_cast<std::uint8_t>(ticks), 34730 + ticks % 4);
+    ++ticks;
+    firmware::obey_stop(rig.link(), node);
+    rig.set_state(node.state());
+    node.tick();
+    firmware::obey_stream(rig.link(), node);
+    rig.link().registers().serve([&](std::span<const std::uint8_t> asked, bus::Response& response) {
+      bus::handle_pdu(registers, node.bus_counts(), asked, response);
+    });
+  }
+  bool drives() const { return rig.drives(); }
+};
+
 /// "NAME NUMBER\n" on the console.
 void say(const char* name, std::uint32_t number) {
   char text[48];
@@ -259,7 +294,9 @@ int main() {
     const std::uint8_t request = tick > 1300 ? 2 : 0;
     master.go_on();
     const std::uint32_t began = counter.now_us();
-    rig.receive(static_cast<std::uint8_t>(tick), 34730 + tick % 4, request);  // 0.7476 rad
+    rig.receive(static_cast<std::uint8_t>(tick), 34730 + tick % 4);  // 0.7476 rad
+    rig.hear_desk(static_cast<std::uint8_t>(tick), request);
+    firmware::obey_stop(rig.link(), node);
     rig.set_state(node.state());
     node.tick();
     firmware::obey_stream(rig.link(), node);
@@ -287,5 +324,16 @@ int main() {
   say("ticks_running", ticks_running);
   say("modbus_answers", node.bus_counts().requests);
   say("can_answers", rig.answers());
+  static Attacked attacked{rig, node, registers};
+  attacked.ticks = 6000;
+  static firmware::StopAttack attack(attacked);
+  say("stops_at_offsets", attack.offsets());
+  say("stops_of_versions", attack.versions_and_ages());
+  say("stops_by_registers", attack.registers());
+  std::uint32_t beside = 0;
+  for (const std::uint32_t offset : {0u, 1u, 2u, 127u, 128u, 129u, 255u})
+    if (attack.beside(offset)) ++beside;
+  say("stops_beside", beside);
+  say("attacks_on_hopping", attack.started());
   semihosting::exit(0);
 }

@@ -64,8 +64,16 @@ class CanBoard {
   bool take_reset_request() { return rig_.take_reset_request(); }
   void report(const firmware::Telemetry& telemetry) {
     rig_.report(telemetry);
-    runs_ = telemetry.outputs.fault == control::Fault::none;
+    if (!has_node_) runs_ = telemetry.outputs.fault == control::Fault::none;
   }
+
+  /// Before each tick of a node: from then on the drive is on while that runs, and not for as long as there is no
+  /// fault.
+  void set_state(bus::NodeState state) {
+    has_node_ = true;
+    runs_ = state == bus::NodeState::running;
+  }
+  firmware::CanLink& link() { return link_; }
 
   // What a simulation sees.
 
@@ -153,7 +161,7 @@ class CanBoard {
   control::Command commanded_;
   std::uint32_t errors_ = 0;
   std::uint8_t sequence_ = 0;
-  bool awake_ = false, runs_ = false;
+  bool awake_ = false, runs_ = false, has_node_ = false;
 };
 
 static_assert(firmware::Board<CanBoard>);

@@ -22,9 +22,10 @@ struct TickStatistics {
 template <Board B>
 class App {
  public:
-  /// Keeps a reference to `board`, which must outlive the application.
-  App(B& board, const control::Config& config)
-      : board_(board), config_(config), state_(control::begin(config)) {}
+  /// Keeps a reference to `board`, which must outlive the application. `first_tick`: the number of the first one;
+  /// they wrap after 49.7 days.
+  App(B& board, const control::Config& config, std::uint32_t first_tick = 0)
+      : board_(board), config_(config), state_(control::begin(config)), tick_(first_tick) {}
 
   /// Ticks until the board shuts down; leaves it in the safe state.
   void run() {
@@ -84,7 +85,8 @@ class App {
   void tick() {
     const std::uint32_t now_us = board_.now_us();
     control::Inputs inputs;
-    inputs.tick_interval_us = tick_ == 0 ? kTickPeriodUs : now_us - last_us_;
+    inputs.tick_interval_us = ticked_ ? now_us - last_us_ : kTickPeriodUs;
+    ticked_ = true;
     last_us_ = now_us;
     const Result<control::Sample> sample = board_.sense();
     // A drive that did not take the last command is as much a lost peer as sensors that do not answer.
@@ -123,7 +125,7 @@ class App {
   control::Sample home_;  ///< as it was when it was homed
   std::uint32_t tick_ = 0;
   std::uint32_t last_us_ = 0;
-  bool drive_answers_ = true;
+  bool ticked_ = false, drive_answers_ = true;
   bool run_ = true, reset_ = false, homed_ = false;
 };
 

@@ -64,19 +64,22 @@ inline Status check(const CanLinkConfig& c) {
   return nodes && numbers && motor && c.silent_us > 0 ? Status::ok : Status::invalid;
 }
 
-/// The ids that CanLink hears, for the filters of a board's receiver.
+/// The ids that CanLink hears, for the filters of a board's receiver. Two of them this node alone sends: who else
+/// does has its id, or commands its drive.
 class HeardIds {
  public:
   constexpr explicit HeardIds(const CanLinkConfig& c) {
     add(bus::message::kMotorReply, c.drive_node);
     add(bus::message::kCommand, c.self_node);
     add(bus::message::kRegisterRequest, c.self_node);
+    add(bus::message::kHeartbeat, c.self_node);
+    add(bus::message::kMotorCommand, c.drive_node);
     for (const std::uint8_t node : {c.height_node, c.cable_node})
       if (node != 0) add(bus::message::kEncoderSample, node);
   }
   constexpr const std::uint32_t* begin() const { return ids_.data(); }
   constexpr const std::uint32_t* end() const { return ids_.data() + size_; }
-  static constexpr std::size_t kMost = 5;
+  static constexpr std::size_t kMost = 7;
 
  private:
   constexpr void add(const bus::Message& message, std::uint8_t node) {
@@ -100,6 +103,8 @@ struct CanStatistics {
   std::uint32_t drive_errors = 0;   ///< replies with an error
   std::uint32_t error_frames = 0;   ///< the CAN controller's
   std::uint32_t bus_off = 0;        ///< times that the CAN controller went off the bus
+  std::uint32_t own_ids = 0;        ///< frames of others with ids that this node alone sends
+  std::uint32_t stops_apart = 0;    ///< command frames that say stop and were no next one of a stream
 };
 
 /// What a board's CAN controller says of itself.
@@ -121,7 +126,11 @@ struct CanRequest {
   float torque_amplitude_nm = 0.0f;
   float torque_period_s = 0.0f;
   bool release_in_flight = false;
-  bool came = false;  ///< a frame came, be it one that asks for nothing
+  bool came = false;        ///< a frame of the stream came, be it one that asks for nothing
+  bool follows = false;     ///< no frame of the stream was lost before it
+  bool stop_apart = false;  ///< somebody said stop, beside the stream
+  bool stop_again = false;  ///< the stream's stop came once more
+  bool hop_said = false;    ///< somebody said hop, in the stream or beside it
 };
 
 /// Nothing heard for so long counts as never heard: the clock wraps.
@@ -154,6 +163,11 @@ class CanEncoder {
   std::uint32_t age_us(std::uint32_t now_us) { return read_.age_us(now_us) + stated_us_; }
   /// Since its last frame, whatever was in it.
   std::uint32_t silence_us(std::uint32_t now_us) { return heard_.age_us(now_us); }
+  /// Instead of asking for its ages, once a second at least.
+  void let_pass(std::uint32_t now_us) {
+    static_cast<void>(heard_.age_us(now_us));
+    static_cast<void>(read_.age_us(now_us));
+  }
 
  private:
   LastHeard heard_, read_;
@@ -255,6 +269,9 @@ class CanLink {
       const CanRegisters::Heard heard = registers_.receive(frame);
       if (heard == CanRegisters::Heard::malformed) ++statistics_.malformed;
       if (heard == CanRegisters::Heard::other_version) ++statistics_.other_version;
+    } else if (of(kHeartbeat, config_.self_node) || (!on_bench_ && of(kMotorCommand, config_.drive_node))) {
+      ++statistics_.own_ids;
+      own_ids_heard_.note(now_us);
     } else {
       ++statistics_.foreign;
     }
@@ -264,6 +281,7 @@ class CanLink {
   void note(BusEvent event) {
     if (event == BusEvent::error) ++statistics_.error_frames;
     if (event == BusEvent::off && !bus_off_) ++statistics_.bus_off;
+    if (event == BusEvent::off) went_off_ = true;
     if (event != BusEvent::error) bus_off_ = event == BusEvent::off;
   }
 
@@ -278,7 +296,13 @@ class CanLink {
     const std::uint32_t drive_age_us = drive_heard_.age_us(now_us);
     sample.age_us = on_bench_ ? 0 : drive_age_us;
     const control::Fault of_drive = on_bench_ ? control::Fault::none : drive_fault(now_us);
-    control::Fault fault = bus_off_ ? control::Fault::bus_off : of_drive;
+    control::Fault fault = bus_off_ || went_off_ ? control::Fault::bus_off
+                           : own_ids_heard_.age_us(now_us) < kOwnIdsForgottenUs
+                               ? control::Fault::node_id_taken
+                               : of_drive;
+    went_off_ = false;  // one that ended before anybody asked is told once
+    static_cast<void>(requested_.age_us(now_us));
+    if (on_bench_) height_.let_pass(now_us);
     const bool unreliable = note_troubles();
     bool heard = on_bench_ || drive_heard_.heard;
     if (config_.height_node != 0 && !on_bench_) {
@@ -344,6 +368,10 @@ class CanLink {
     request_ = {};
     return taken;
   }
+  /// Whether somebody said stop since the last take_request().
+  bool stop_waits() const {
+    return request_.stop_apart || request_.stop_again || request_.kind == CanRequest::Kind::stop;
+  }
   /// Since the last command frame that counts, kForgottenUs where there was none for that long. To be asked
   /// once a second at least.
   std::uint32_t request_age_us(std::uint32_t now_us) { return requested_.age_us(now_us); }
@@ -351,6 +379,8 @@ class CanLink {
  private:
   static constexpr float kNotHomed = __builtin_nanf("");
   static constexpr std::uint32_t kEnterTimes = 3;
+  /// Longer than two of another node's heartbeats: as long as it is there a reset does not help.
+  static constexpr std::uint32_t kOwnIdsForgottenUs = 250000;
   static constexpr std::uint32_t kCommandsKept = 4;
 
   void hear_drive(const bus::Frame& frame, std::uint32_t now_us) {
@@ -424,23 +454,51 @@ class CanLink {
     return heard;
   }
 
+  /// A stop is obeyed, whoever says it, in whatever order, age and version: of such a frame the request alone is
+  /// looked at. Where it is not the very next one of the stream it is no part of it, so that a second desk neither
+  /// disturbs the first one's numbers nor is held to them. All else is judged by version, number and age.
   void hear_desk(const bus::Frame& frame, std::uint32_t now_us) {
     using bus::message::kCommand;
+    using Kind = CanRequest::Kind;
     const auto raw = [&](const bus::Signal& s) { return bus::get_raw(frame, s); };
-    const Result<std::uint32_t> kind = raw(bus::signal(kCommand, "Request"));
-    if (frame.size != kCommand.size || !kind.ok() || kind.value() > 3) {
+    const Result<std::uint32_t> said = raw(bus::signal(kCommand, "Request"));
+    const auto kind = static_cast<Kind>(said.ok() ? said.value() : 0xffu);
+    const std::uint32_t since_us = requested_.age_us(now_us);
+    if (kind == Kind::hop) request_.hop_said = true;
+    if (kind == Kind::stop && !is_next(frame, since_us)) {
+      // The stream's last one once more is still the stream's.
+      const bool again = stream_says_ == Kind::stop && frame.size > 1 && request_stream_.begun &&
+                         frame.data[1] == request_stream_.sequence;
+      (again ? request_.stop_again : request_.stop_apart) = true;
+      ++statistics_.stops_apart;
+      return;
+    }
+    if (frame.size != kCommand.size || kind > Kind::reset) {
       ++statistics_.malformed;
       return;
     }
-    const std::uint32_t since_us = requested_.age_us(now_us);
+    const std::uint32_t lost_before = request_stream_.lost;
     if (!judge(request_stream_, config_.requests, frame, since_us, statistics_).ok()) return;
     requested_.note(now_us);
+    stream_says_ = kind;
+    // Nothing takes the place of a stop that waits.
+    if (request_.came && request_.kind == Kind::stop) return;
     const auto value = [&](const bus::Signal& s) { return bus::get(frame, s).value(); };
     request_.came = true;
-    request_.kind = static_cast<CanRequest::Kind>(kind.value());
+    request_.kind = kind;
+    request_.follows = request_stream_.lost == lost_before;
     request_.torque_amplitude_nm = value(bus::signal(kCommand, "Torque_Amplitude"));
     request_.torque_period_s = value(bus::signal(kCommand, "Torque_Period"));
     request_.release_in_flight = raw(bus::signal(kCommand, "Clutch")).value() != 0;
+  }
+
+  /// Whether the stream's next frame is this one, with none lost between; or it begins anew with it.
+  bool is_next(const bus::Frame& frame, std::uint32_t since_us) const {
+    const Result<bus::Stamp> stamp = bus::get_stamp(frame);
+    if (frame.size != bus::message::kCommand.size || !stamp.ok()) return false;
+    bus::Stream stream = request_stream_;
+    return bus::arrive(stream, config_.requests, stamp.value(), static_cast<float>(since_us) * 1e-6f) ==
+           bus::Arrival::fresh;
   }
 
   CanLinkConfig config_;
@@ -450,12 +508,13 @@ class CanLink {
   std::uint32_t home_count_ = 0, cable_home_count_ = 0;
   float home_height_m_ = kNotHomed;
   DriveReading drive_;
-  LastHeard drive_heard_, requested_;
+  LastHeard drive_heard_, requested_, own_ids_heard_;
   std::array<float, kCommandsKept> commanded_{};  ///< N m, of the last ticks: the drive lags by one or two
   std::uint32_t next_commanded_ = 0, entered_ = 0, awaited_ = 0, disobeys_since_us_ = 0;
   std::uint32_t troubles_before_ = 0, trouble_tenths_ = 0;
-  bool disobeys_ = false, bus_off_ = false, on_bench_ = false;
+  bool disobeys_ = false, bus_off_ = false, went_off_ = false, on_bench_ = false;
   bus::Stream request_stream_;
+  CanRequest::Kind stream_says_ = CanRequest::Kind::none;
   CanRequest request_;
   CanRegisters registers_;
 };

@@ -20,17 +20,20 @@ class CanRegisters {
   enum class Heard : std::uint8_t { taken, malformed, other_version };
 
   /// A frame with the id of a request. It waits for serve(), and takes the place of one that waits already;
-  /// but nothing takes the place of a `stop`.
+  /// but nothing takes the place of a `stop`, which is one in any version of the protocol.
   Heard receive(const bus::Frame& frame) {
     const Result<bus::RegisterRequest> heard = bus::unpack_register_request(frame, node_);
     if (!heard.ok()) return Heard::malformed;
-    if (heard.value().version != bus::kProtocolVersion) return Heard::other_version;
+    if (heard.value().version != bus::kProtocolVersion && !is_stop(heard.value()))
+      return Heard::other_version;
     if (heard.value().operation > Operation::read_text) return Heard::malformed;
     if (waits_ && is_stop(request_)) return Heard::taken;
     request_ = heard.value();
     waits_ = true;
     return Heard::taken;
   }
+
+  bool stop_waits() const { return waits_ && is_stop(request_); }
 
   /// Does what the waiting request asks for, and begins its answer; what is left of the last one is dropped.
   /// To be called between two ticks: all that an answer holds is of one. `handle(pdu, response)` does what a

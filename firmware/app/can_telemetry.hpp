@@ -21,13 +21,14 @@ struct CanTelemetryConfig {
   std::uint8_t node = 1;
   std::uint32_t period_ticks = 100;  ///< of Body_State and Leg_State
   std::uint32_t heartbeat_ticks =
-      100;  ///< bus/stream.hpp holds a node silent for as long for one that is lost
+      100;                       ///< bus/stream.hpp holds a node silent for as long for one that is lost
+  std::uint32_t first_tick = 0;  ///< its number; they wrap after 49.7 days, and some frames then come earlier
 };
 
 /// Every now and then some frames.
 class CanTelemetry {
  public:
-  explicit CanTelemetry(const CanTelemetryConfig& config) : config_(config) {}
+  explicit CanTelemetry(const CanTelemetryConfig& config) : config_(config), tick_(config.first_tick) {}
 
   /// Who it is, and its log of faults: from now on it tells these too. Keeps pointers.
   void introduce(const bus::Identity& identity, const FaultLog& faults) {
@@ -128,7 +129,7 @@ class CanTelemetry {
   const bus::Identity* identity_ = nullptr;
   const FaultLog* faults_ = nullptr;
   std::uint32_t particular_ = 0;
-  std::uint32_t tick_ = 0;
+  std::uint32_t tick_;
   std::uint8_t body_sequence_ = 0, leg_sequence_ = 0, heartbeat_sequence_ = 0;
 };
 

@@ -10,6 +10,7 @@
 #include "firmware/app/store.hpp"
 #include "firmware/app/trial_record.hpp"
 #include "firmware/store/fault_log.hpp"
+#include "firmware/store/save_limit.hpp"
 #include "furcula/bus/node_words.hpp"
 #include "furcula/bus/parameter_image.hpp"
 #include "furcula/bus/registers.hpp"
@@ -17,10 +18,12 @@
 namespace furcula::firmware {
 
 // In ticks, that is, ms.
-inline constexpr std::uint32_t kSettledTicks = 50;  ///< without a fault: the start is over
-inline constexpr std::uint32_t kStartTicks = 1000;  ///< a fault that still stands then is shown
-inline constexpr std::uint32_t kArmedTicks = 2000;  ///< that an armed robot waits for hop
-inline constexpr std::uint32_t kStreamTicks = 100;  ///< a silent stream of commands stops what it started
+inline constexpr std::uint32_t kSettledTicks = 50;     ///< without a fault: the start is over
+inline constexpr std::uint32_t kStartTicks = 1000;     ///< a fault that still stands then is shown
+inline constexpr std::uint32_t kArmedTicks = 2000;     ///< that an armed robot waits for hop
+inline constexpr std::uint32_t kStreamTicks = 100;     ///< a silent stream of commands stops what it started
+inline constexpr std::uint32_t kLetGoTicks = 100;      ///< without a hop: a stream may start the robot again
+inline constexpr std::uint32_t kStopHoldsTicks = 100;  ///< after a stop beside the stream nothing starts
 
 /// A stream's request and what it wants the torque and the clutch to be (bus/messages.hpp, Command).
 struct StreamCommand {
@@ -28,6 +31,7 @@ struct StreamCommand {
   float torque_amplitude_nm = 0.0f;
   float torque_period_s = 0.3f;
   bool release_in_flight = false;
+  bool follows = true;  ///< no command of the stream was lost before it
 };
 
 template <Board B, ParameterStore S>
@@ -35,10 +39,14 @@ class Node {
  public:
   /// Keeps references to `board`, `store` and `faults`, which must outlive it. `session_seed` should differ
   /// from start to start, so that a request recorded before a restart is an old one after it. `faults` is
-  /// begun by whoever has it.
+  /// begun by whoever has it. `first_tick`: the number of the first one; they wrap after 49.7 days.
   Node(B& board, S& store, const control::Config& defaults, const bus::Identity& identity,
-       std::uint16_t session_seed, FaultLog& faults)
-      : store_(store), faults_(faults), defaults_(defaults), identity_(identity), app_(board, defaults) {
+       std::uint16_t session_seed, FaultLog& faults, std::uint32_t first_tick = 0)
+      : store_(store),
+        faults_(faults),
+        defaults_(defaults),
+        identity_(identity),
+        app_(board, defaults, first_tick) {
     session_ = session_seed == 0 ? std::uint16_t{1} : session_seed;
     load();
     app_.set_run(false);
@@ -53,6 +61,9 @@ class Node {
       enter(bus::NodeState::idle, bus::Reason::stream_silent);
     }
     if (desk_age_ticks_ != 0xffffffffu) ++desk_age_ticks_;
+    if (hop_age_ticks_ <= kLetGoTicks) ++hop_age_ticks_;
+    if (stop_holds_ticks_ != 0) --stop_holds_ticks_;
+    if constexpr (WearingStore<S>) save_limit_.tick();
     if (state_ == bus::NodeState::running && !by_stream_ && desk_is_silent()) {
       ++stale_stops_;
       enter(bus::NodeState::idle, bus::Reason::desk_silent);
@@ -64,7 +75,8 @@ class Node {
     app_.tick();
     keep_trial();
     const control::Fault fault = app_.telemetry().outputs.fault;
-    faults_.note(app_.telemetry().tick, static_cast<std::uint8_t>(fault));
+    const std::uint32_t tick = app_.telemetry().tick;
+    faults_.note(tick == bus::kNoTick ? tick - 1 : tick, static_cast<std::uint8_t>(fault));
     follow(fault);
   }
 
@@ -75,18 +87,31 @@ class Node {
   /// Somebody reads or writes its registers, and so is there.
   void hear_desk() { desk_age_ticks_ = 0; }
 
+  /// A stop that is not the next one of a stream, whoever said it. What streams hop must let go and say it anew.
+  /// `holds`: nothing starts for kStopHoldsTicks.
+  void stop_from_anyone(bool holds) {
+    if (holds) stop_holds_ticks_ = kStopHoldsTicks + 1;
+    stop();
+  }
+  /// Somebody said hop, in a command that counts or in one that does not.
+  void note_hop_said() { hop_age_ticks_ = 0; }
+
   /// One command of a stream, fresh as bus/stream.hpp judges it. Its request counts where it changes; `hop`
-  /// starts the robot without arming, if the stream has not said hop before. As long as they come, and say
-  /// hop, it runs; amplitude, period and clutch are taken at the start.
+  /// starts the robot without arming, if nobody has said hop for kLetGoTicks and the command before it, of which
+  /// none is missing, said something else: two streams that are mixed start nothing. As long as they come, and
+  /// say hop, it runs; amplitude, period and clutch are taken at the start.
   bus::Refusal stream(const StreamCommand& command) {
     const bool fresh = stream_age_ticks_ <= kStreamTicks;
     const bool changed = fresh && command.request != stream_request_;
+    const bool let_go = hop_age_ticks_ > kLetGoTicks;
     stream_request_ = command.request;
     stream_age_ticks_ = 0;
     switch (command.request) {
       case bus::Request::hop:
+        hop_age_ticks_ = 0;
         if (state_ == bus::NodeState::running && by_stream_) return bus::Refusal::none;
-        if (!changed) return bus::Refusal::no_edge;  // not counted: it comes a hundred times a second
+        // Not counted: it comes a hundred times a second.
+        if (!changed || !let_go || !command.follows) return bus::Refusal::no_edge;
         return note(start_by_stream(command));
       case bus::Request::stop:
         stop();
@@ -258,6 +283,7 @@ class Node {
     }
     if (wanted == bus::Request::hop) {
       if (state_ != State::armed) return Refusal::not_in_this_state;
+      if (stop_holds_ticks_ != 0) return Refusal::stop_stands;
       hear_desk();
       enter(State::running, bus::Reason::none);
       return Refusal::none;
@@ -282,6 +308,7 @@ class Node {
 
   bus::Refusal start_by_stream(const StreamCommand& command) {
     if (state_ != State::idle) return bus::Refusal::not_in_this_state;
+    if (stop_holds_ticks_ != 0) return bus::Refusal::stop_stands;
     static constexpr const bus::Parameter& kAmplitude = *bus::parameter_named("torque_amplitude_nm");
     static constexpr const bus::Parameter& kPeriod = *bus::parameter_named("torque_period_s");
     if (!bus::allows(kAmplitude, command.torque_amplitude_nm) ||
@@ -300,6 +327,11 @@ class Node {
 
   /// The ticks that a store takes are no fault: the node starts anew, with all that it knows.
   bus::Refusal save() {
+    if constexpr (WearingStore<S>) {
+      const bus::Refusal why = store_.may_save();
+      if (why != bus::Refusal::none) return why;
+      if (!save_limit_.take()) return bus::Refusal::saved_too_often;
+    }
     const bus::ParameterImage image = bus::to_image(app_.config());
     const Status saved = store_.save(image);
     if (state_ == State::idle) begin_again();
@@ -337,6 +369,7 @@ class Node {
   bus::Identity identity_;
   App<B> app_;
   TrialRecord trial_;
+  SaveLimit save_limit_;
   bus::BusCounts bus_counts_;
   State state_ = State::starting;
   bus::Reason reason_ = bus::Reason::starting;
@@ -347,6 +380,7 @@ class Node {
   std::uint16_t session_ = 1;
   std::uint32_t ticks_in_state_ = 0, good_ticks_ = 0;
   std::uint32_t stream_age_ticks_ = 0xffffffffu, desk_age_ticks_ = 0xffffffffu;
+  std::uint32_t hop_age_ticks_ = kLetGoTicks + 1, stop_holds_ticks_ = 0;
   std::uint32_t taken_ = 0, refused_ = 0, stale_stops_ = 0;
 };
 

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <span>
 
+#include "furcula/bus/node_words.hpp"
 #include "furcula/core/status.hpp"
 
 namespace furcula::firmware {
@@ -20,6 +21,14 @@ concept ParameterStore = requires(S& store, std::span<std::uint8_t> into,
   { store.load(into) } -> std::same_as<Result<std::size_t>>;
   /// May take long: ticks are missed meanwhile. A power cut leaves the old image or the new one.
   { store.save(image) } -> std::same_as<Status>;
+};
+
+/// A store whose memory wears says besides whether it may be written to now; a node then also limits how often
+/// (firmware/store/save_limit.hpp).
+template <class S>
+concept WearingStore = ParameterStore<S> && requires(S& store) {
+  /// none, or why not.
+  { store.may_save() } -> std::same_as<bus::Refusal>;
 };
 
 /// Keeps nothing: for a board without a place to keep it.

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <span>
 
+#include "firmware/store/save_limit.hpp"
 #include "firmware/store/slot_store.hpp"
 
 namespace furcula::firmware {
@@ -24,6 +25,8 @@ class ParameterSlots {
     return std::size_t{loaded.bytes};
   }
   Status save(std::span<const std::uint8_t> image) { return store_.save(image); }
+  /// Whether the memory bears another save.
+  bool is_worn() const { return store_.saves() >= kSavesMost; }
 
  private:
   SlotStore<F> store_;

@@ -69,6 +69,12 @@ class SlotStore {
     return found;
   }
 
+  /// Saves since the memory was new, as the newest whole record counts them: each erased one of the two slots.
+  std::uint32_t saves() const {
+    const Newest newest = find_newest();
+    return newest.exists ? flash_.read(newest.slot, 2) : 0;
+  }
+
   /// Erases the other slot and writes the bytes there; blocks as long as the memory takes. `invalid`: too
   /// many bytes. `disconnected`: the memory did not take them; what was saved before can still be loaded, and
   /// saving again is right.

@@ -36,6 +36,15 @@ constexpr std::string_view kStream =
 version. A sender that was silent for 100 ms counts as started anew. The heartbeat has no age; `Identity`, `Unique_Id` and `Logged_Fault`, which hardly change, have neither age nor number: ten
 of them a second come in turn, so that all of them came after 1.2 s.
 
+## Stop
+
+A `Command` frame that says `stop` is obeyed whoever sends it, in any order, at any age, of any version and of any length that holds its first byte, on the tick after it came. `Request` is in this place, and 1 is
+`stop`, in every version. One that is not the next frame of the stream is no part of it: it leaves the stream's numbers alone, and nothing starts for 100 ms after it. So is the request `stop` in `Register_Request`,
+in any version, without key and session.
+
+Another desk's stream that goes on saying `hop` does not start the robot again. It has to let go: for 100 ms nobody says `hop`, in whatever order, and then comes a `hop` that directly follows a frame of the same stream
+which said something else. A frame does not say who sent it: a desk that is interrupted by another one's numbers at this instant has to let go once more.
+
 ## Registers over CAN
 
 With `Register_Request` and `Register_Answer` a desk reads and writes the whole table of [registers](modbus.md), as over Modbus: the same code answers, with the same bounds, refusals
@@ -57,7 +66,7 @@ What holds, whoever sends what:
   `desk_silent_s`; a repeated request that is not done does not count as one.
 - **Repeated and recorded frames.** A request has key and session, as over Modbus, and its session is used up. The frame of the last request, heard again, is answered as it was and not
   done again, so that a desk whose answer was lost can repeat it; an older one is refused. `stop` needs neither and is done each time.
-- What is shorter than 8 bytes, of another version or of no operation is counted and not answered.
+- What is shorter than 8 bytes, of another version or of no operation is counted and not answered; but for a `stop`, which is done and answered in each version.
 )";
 
 constexpr std::string_view kMotorsHead = R"(

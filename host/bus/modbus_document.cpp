@@ -87,7 +87,8 @@ What was started in this way runs until `stop`, a fault, or silence: when nothin
 pulled, a computer sleeps or a program ended, the robot stops as on `stop`, with the reason `desk_silent`. Any request that reads or writes registers counts, whoever sends it: `furcula monitor` is
 enough. `furcula request hop` stays and asks until Ctrl-C, and then stops the robot; `--for 5` does so after 5 s; `--for 0` leaves the robot at once to who else asks.
 
-What a stream of CAN commands ([bus.md](bus.md)) started stops when the stream is silent for 100 ms. A stream starts it by changing from `stop` to `hop` without a gap of 100 ms.
+What a stream of CAN commands ([bus.md](bus.md)) started stops when the stream is silent for 100 ms. A stream starts it by changing from `stop` to `hop` without a gap of 100 ms,
+after 100 ms without any `hop`. A stop beside the stream, as of a second desk, is obeyed as well, and the stream that goes on does not undo it ([how](bus.md#stop)).
 
 ### Requests
 )";

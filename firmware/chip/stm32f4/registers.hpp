@@ -17,6 +17,7 @@ inline constexpr std::uintptr_t kTim2 = 0x40000000, kTim3 = 0x40000400, kTim4 = 
                                 kTim5 = 0x40000c00, kTim13 = 0x40001c00, kTim14 = 0x40002000,
                                 kTim9 = 0x40014000;
 inline constexpr std::uintptr_t kIwdg = 0x40003000;
+inline constexpr std::uintptr_t kPower = 0x40007000;
 inline constexpr std::uintptr_t kUsart1 = 0x40011000, kUsart2 = 0x40004400, kUsart3 = 0x40004800;
 inline constexpr std::uintptr_t kCan1 = 0x40006400;
 inline constexpr std::uintptr_t kGpioA = 0x40020000, kGpioStride = 0x400;
@@ -79,6 +80,12 @@ struct RccRegisters {
 template <class Word>
 struct FlashRegisters {
   Word acr, keyr, optkeyr, sr, cr, optcr;
+};
+
+/// Power control, 5.4.
+template <class Word>
+struct PowerRegisters {
+  Word cr, csr;
 };
 
 /// General-purpose timers, 18.4 (TIM2 to TIM5) and 19.4, 19.5 (TIM9, TIM13, TIM14, which have fewer of them).

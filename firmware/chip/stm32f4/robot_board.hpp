@@ -8,10 +8,12 @@
 #include "firmware/app/board.hpp"
 #include "firmware/app/can_link.hpp"
 #include "firmware/app/can_telemetry.hpp"
+#include "firmware/app/start_fault.hpp"
 #include "firmware/chip/stm32f4/can.hpp"
 #include "firmware/chip/stm32f4/clock.hpp"
 #include "firmware/chip/stm32f4/processor.hpp"
 #include "firmware/chip/stm32f4/slot_flash.hpp"
+#include "firmware/chip/stm32f4/supply.hpp"
 #include "firmware/chip/stm32f4/timers.hpp"
 #include "firmware/chip/stm32f4/usart.hpp"
 #include "firmware/chip/stm32f4/watchdog.hpp"
@@ -25,10 +27,6 @@ namespace furcula::stm32f4 {
 inline constexpr WatchdogTiming kBitesEarly = watchdog_timing(5);
 /// While a sector is erased (2 s at most, twice as long with a low supply).
 inline constexpr WatchdogTiming kBitesLate = watchdog_timing(5000);
-
-/// What a start found, reported as a fault for a while: long enough for the node to show it and wait for a
-/// reset, and then over, so that the reset clears it.
-inline constexpr std::uint32_t kStartFaultTicks = 1500;
 
 class RobotBoard {
  public:
@@ -44,8 +42,10 @@ class RobotBoard {
         can_(block_at<CanRegisters>(address::kCan1)),
         serial_(block_at<UsartRegisters>(wiring.serial.usart)),
         watchdog_(block_at<WatchdogRegisters>(address::kIwdg)),
-        flash_(block_at<FlashRegisters>(address::kFlash), {{{4, reinterpret_cast<Hardware*>(0x08010000)},
-                                                            {5, reinterpret_cast<Hardware*>(0x08020000)}}}),
+        supply_(block_at<PowerRegisters>(address::kPower), block_at<FlashRegisters>(address::kFlash)),
+        flash_(
+            block_at<FlashRegisters>(address::kFlash), supply_,
+            {{{4, reinterpret_cast<Hardware*>(0x08010000)}, {5, reinterpret_cast<Hardware*>(0x08020000)}}}),
         link_(wiring.link),
         server_(wiring.serial.unit, bus::silence_us(wiring.serial.baud)),
         telemetry_({wiring.link.self_node, 100, 100}) {}
@@ -67,7 +67,7 @@ class RobotBoard {
   /// Before each tick: what the robot's node is doing.
   void set_state(firmware::NodeState state) { state_ = state; }
   /// A fault that the start found, as lost parameters.
-  void report_start_fault(control::Fault fault) { start_fault_ = fault; }
+  void report_start_fault(control::Fault fault) { start_fault_.report(fault); }
 
   /// The watchdog waits while a sector is erased, and ticks that became due meanwhile are forgotten.
   void begin_save() { static_cast<void>(watchdog_.set(kBitesLate)); }
@@ -94,6 +94,7 @@ class RobotBoard {
   void on_tick() { tick_.on_exception(); }
 
   SlotFlash<Hardware>& flash() { return flash_; }
+  const Supply<Hardware>& supply() const { return supply_; }
   /// Answers the serial line or the bus, one request between two ticks. `registers` and `counts` are the
   /// node's.
   template <bus::Registers R>
@@ -142,6 +143,7 @@ class RobotBoard {
   Can<Hardware> can_;
   Usart<Hardware> serial_;
   Watchdog<Hardware> watchdog_;
+  Supply<Hardware> supply_;
   SlotFlash<Hardware> flash_;
   firmware::CanLink link_;
   bus::RtuServer server_;
@@ -151,8 +153,9 @@ class RobotBoard {
   ResetCause reset_cause_ = ResetCause::unknown;
   bool can_runs_ = false;
   firmware::NodeState state_ = firmware::NodeState::starting;
-  control::Fault start_fault_ = control::Fault::none;
+  firmware::StartFault start_fault_;
   control::Sample sample_;
+  bool ticked_ = false;
   std::uint32_t ticks_ = 0, began_us_ = 0, longest_work_us_ = 0;
 };
 
@@ -165,6 +168,7 @@ inline void RobotBoard::begin() {
   static_cast<void>(
       start_clocks(rcc, block_at<FlashRegisters>(address::kFlash), wiring_.crystal_hz, clocks_));
   start_clocks_of_blocks();
+  supply_.start();
   start_pins();
   const std::uint32_t coil_hz =
       on_apb2(wiring_.coil.timer) ? clocks_.apb2_timer_hz() : clocks_.apb1_timer_hz();
@@ -191,7 +195,7 @@ inline void RobotBoard::start_clocks_of_blocks() {
     enable_block(rcc, address::kGpioA + port_index(pin) * address::kGpioStride);
   for (const std::uintptr_t block :
        {address::kTim5, wiring_.height.timer, wiring_.cable.timer, wiring_.coil.timer, address::kCan1,
-        wiring_.serial.usart, address::kRandom})
+        wiring_.serial.usart, address::kRandom, address::kPower})
     enable_block(rcc, block);
 }
 
@@ -269,7 +273,8 @@ inline bool RobotBoard::send(const firmware::FrameBatch& batch) {
 
 /// Between two ticks frames are received as they come. A timer that ticks no more is the watchdog's affair.
 inline bool RobotBoard::wait_for_tick() {
-  if (ticks_ != 0) note_work(now_us() - began_us_);
+  if (ticked_) note_work(now_us() - began_us_);
+  ticked_ = true;
   while (!tick_.take()) {
     listen();
     exchange_serial();
@@ -286,8 +291,8 @@ inline Result<control::Sample> RobotBoard::sense() {
   if (wiring_.link.height_node == 0) sample_.height_count = height_.count();
   if (wiring_.link.cable_node == 0) sample_.cable_count = cable_.count();
   sample_.contact = read_pin(gpio_of(wiring_.contact), wiring_.contact.number) ? 0 : 1;
-  if (start_fault_ != control::Fault::none && ticks_ < kStartFaultTicks)
-    sample_.reported_fault = static_cast<std::uint32_t>(start_fault_);
+  const control::Fault of_start = start_fault_.tick();
+  if (of_start != control::Fault::none) sample_.reported_fault = static_cast<std::uint32_t>(of_start);
   if (!heard.ok()) return heard.status();
   return sample_;
 }

@@ -28,6 +28,11 @@ class KeptParameters {
  public:
   explicit KeptParameters(RobotBoard& board) : board_(board), slots_(board.flash()) {}
   Result<std::size_t> load(std::span<std::uint8_t> into) const { return slots_.load(into); }
+  bus::Refusal may_save() const {
+    if (!board_.supply().resets_when_low()) return bus::Refusal::brown_out_off;
+    if (!board_.supply().is_high()) return bus::Refusal::supply_low;
+    return slots_.is_worn() ? bus::Refusal::store_worn : bus::Refusal::none;
+  }
   Status save(std::span<const std::uint8_t> image) {
     board_.begin_save();
     const Status status = slots_.save(image);
@@ -104,6 +109,7 @@ int main() {
   static firmware::NodeRegisters<RobotNode> registers(node);
   board.start_ticks();
   while (board.wait_for_tick()) {
+    firmware::obey_stop(board.link(), node);
     board.set_state(node.state());
     board.link().set_on_bench(node.config().bench.on_bench != 0);
     node.tick();

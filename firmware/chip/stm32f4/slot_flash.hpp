@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "firmware/chip/stm32f4/registers.hpp"
+#include "firmware/chip/stm32f4/supply.hpp"
 #include "firmware/store/flash.hpp"
 #include "furcula/core/status.hpp"
 
@@ -18,24 +19,28 @@ struct FlashSector {
 };
 
 /// Programs 32 bits at a time (a supply of 2.7 to 3.6 V, 3.6.2). The processor stands still while the memory
-/// is busy, because it runs from the same one: an erase of a 128 KiB sector takes 1 s, and 2 s at most.
+/// is busy, because it runs from the same one: an erase of a 128 KiB sector takes 1 s, and 2 s at most. With a supply
+/// that is too low, or with none who watches it meanwhile, nothing is begun; an erase after which it is too low has
+/// failed.
 template <class Word>
 class SlotFlash {
  public:
   static constexpr std::uint32_t kSlotWords = 1024;
   static constexpr std::uint32_t kPolls = 20'000'000;  // seconds of looking
 
-  SlotFlash(FlashRegisters<Word>& registers, const std::array<FlashSector<Word>, firmware::kSlots>& sectors)
-      : registers_(registers), sectors_(sectors) {}
+  SlotFlash(FlashRegisters<Word>& registers, const Supply<Word>& supply,
+            const std::array<FlashSector<Word>, firmware::kSlots>& sectors)
+      : registers_(registers), supply_(supply), sectors_(sectors) {}
 
   Status erase(unsigned slot) {
     constexpr std::uint32_t kErase = 1u << 1, kStart = 1u << 16, kDataCache = 1u << 10,
                             kDataCacheReset = 1u << 12;
-    if (!unlock()) return Status::disconnected;
+    if (!supply_.is_high() || !supply_.resets_when_low() || !unlock()) return Status::disconnected;
     const std::uint32_t command = kErase | sectors_[slot].number << 3 | kWords;
     registers_.cr = command;
     registers_.cr = command | kStart;
-    const Status status = finish();
+    const Status finished = finish();
+    const Status status = supply_.is_high() ? finished : Status::disconnected;
     // What the data cache knows of the sector is not so any more; it is emptied while it is off (3.9.1).
     clear_bits(registers_.acr, kDataCache);
     set_bits(registers_.acr, kDataCacheReset);
@@ -46,7 +51,7 @@ class SlotFlash {
 
   Status program(unsigned slot, std::uint32_t index, std::uint32_t word) {
     constexpr std::uint32_t kProgram = 1u << 0;
-    if (!unlock()) return Status::disconnected;
+    if (!supply_.is_high() || !unlock()) return Status::disconnected;
     registers_.cr = kProgram | kWords;
     sectors_[slot].words[index] = word;
     return finish();
@@ -80,6 +85,7 @@ class SlotFlash {
   }
 
   FlashRegisters<Word>& registers_;
+  const Supply<Word>& supply_;
   std::array<FlashSector<Word>, firmware::kSlots> sectors_;
 };
 

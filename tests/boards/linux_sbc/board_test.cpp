@@ -1,7 +1,10 @@
 // The board between the application and a bus and lines that are doubles.
 #include "boards/linux_sbc/board.hpp"
 
+#include <linux/can/error.h>
+
 #include <catch2/catch.hpp>
+#include <cerrno>
 #include <cmath>
 
 #include "firmware/app/node.hpp"
@@ -137,18 +140,72 @@ TEST_CASE("the coil's duty is the share of ticks on which the line is on") {
 
 TEST_CASE("off the bus is a fault of the sample, and ends when the controller is back") {
   Bench bench;
-  bench.devices_answer();
-  bench.can.off = true;
-  REQUIRE(bench.board.wait_for_tick());
-  auto sample = bench.board.sense();
-  REQUIRE(sample.ok());
-  CHECK(sample.value().reported_fault == static_cast<std::uint32_t>(control::Fault::bus_off));
-  bench.can.off = false;
-  bench.devices_answer();
-  REQUIRE(bench.board.wait_for_tick());
-  sample = bench.board.sense();
-  REQUIRE(sample.ok());
-  CHECK(sample.value().reported_fault == 0);
+  const auto fault = [&] {
+    bench.devices_answer();
+    REQUIRE(bench.board.wait_for_tick());
+    const auto sample = bench.board.sense();
+    REQUIRE(sample.ok());
+    return static_cast<control::Fault>(sample.value().reported_fault);
+  };
+  CHECK(fault() == control::Fault::none);
+  bench.can.watch.note_error_frame(CAN_ERR_BUSOFF);
+  CHECK(fault() == control::Fault::bus_off);
+  CHECK(fault() == control::Fault::bus_off);
+  CHECK(bench.figures.can_state.load() == linux_sbc::CanState::off);
+  bench.can.watch.note_error_frame(CAN_ERR_RESTARTED);
+  CHECK(fault() == control::Fault::none);
+  // Off and restarted between two ticks: told once, for the controller to keep.
+  bench.can.watch.note_error_frame(CAN_ERR_BUSOFF);
+  bench.can.watch.note_error_frame(CAN_ERR_RESTARTED);
+  CHECK(fault() == control::Fault::bus_off);
+  CHECK(fault() == control::Fault::none);
+  CHECK(bench.figures.can_state.load() == linux_sbc::CanState::on);
+}
+
+TEST_CASE("a robot whose link goes down and up again stays in its safe state until a person resets it") {
+  linux_sbc::Configuration configuration = wiring();
+  Bench bench(configuration);
+  bench.lines.reading.closed = true;
+  log::ParameterFile store("");
+  firmware::FaultLog faults{};
+  faults.begin();
+  control::Config config;
+  config.supervisor.sample_age_max_us = 100'000;  // of this test's machine
+  config.supervisor.tick_interval_max_us = 100'000;
+  firmware::Node node(bench.board, store, config, bus::Identity{.board = "linux_sbc", .text = ""}, 1, faults);
+  const auto tick = [&](int ticks) {
+    for (int i = 0; i < ticks; ++i) {
+      bench.devices_answer();
+      bench.board.wait_for_tick();
+      bench.board.set_state(node.state());
+      node.tick();
+    }
+  };
+  tick(100);
+  REQUIRE(node.state() == bus::NodeState::idle);
+  REQUIRE(node.request(bus::Request::arm) == bus::Refusal::none);
+  REQUIRE(node.request(bus::Request::hop) == bus::Refusal::none);
+  tick(10);
+  REQUIRE(node.state() == bus::NodeState::running);
+
+  const bool off_first = GENERATE(false, true);
+  if (off_first) bench.can.watch.note_error_frame(CAN_ERR_BUSOFF);
+  bench.can.watch.note_receive(ENETDOWN);
+  tick(1);
+  CHECK(node.snapshot().fault == static_cast<std::uint16_t>(control::Fault::bus_off));
+  CHECK(bus::is(bench.can.last(), bus::message::kMotorCommand, 1) == false);
+  CHECK(node.request(bus::Request::reset) == bus::Refusal::none);  // while it is down
+  tick(5);
+  CHECK(node.state() == bus::NodeState::fault);
+  bench.can.watch.note_send(0);
+  tick(2000);
+  CHECK(node.state() == bus::NodeState::fault);
+  CHECK(node.snapshot().fault == static_cast<std::uint16_t>(control::Fault::bus_off));
+  CHECK(bus::is(bench.can.last(), bus::message::kMotorExit, 1));
+  CHECK(node.request(bus::Request::arm) == bus::Refusal::not_in_this_state);
+  CHECK(node.request(bus::Request::reset) == bus::Refusal::none);
+  tick(10);
+  CHECK(node.state() == bus::NodeState::idle);
 }
 
 TEST_CASE("the loop ends when it is told to stop, and counts each tick's lateness and work") {

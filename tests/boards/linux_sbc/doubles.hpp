@@ -21,7 +21,8 @@ class QuietBus {
     for (const bus::Frame& f : frames) sent[next++ % sent.size()] = f;
     return takes;
   }
-  bool bus_off() const { return off; }
+  linux_sbc::CanState state() const { return watch.state(); }
+  std::uint64_t times_off() const { return watch.times_off(); }
   const linux_sbc::CanCounters& counters() const { return counters_; }
 
   void arrive(const bus::Frame& frame, std::int64_t age_ns = 0) { incoming[count++] = {frame, age_ns}; }
@@ -32,7 +33,8 @@ class QuietBus {
   std::size_t count = 0;
   std::array<bus::Frame, 64> sent{};
   std::size_t next = 0;
-  bool takes = true, off = false;
+  bool takes = true;
+  linux_sbc::LinkWatch watch;
 
  private:
   linux_sbc::CanCounters counters_;

@@ -15,6 +15,17 @@ using bus::Refusal;
 using bus::Request;
 using test::Bench;
 
+namespace {
+
+/// As flash memory is.
+struct WornStore : test::MemoryStore {
+  Refusal why = Refusal::none;
+  Refusal may_save() const { return why; }
+};
+static_assert(firmware::WearingStore<WornStore> && !firmware::WearingStore<test::MemoryStore>);
+
+}  // namespace
+
 TEST_CASE("a node starts idle, with torque 0 for as long as nobody arms it") {
   Bench b;
   CHECK(b.node.state() == NodeState::starting);
@@ -191,6 +202,11 @@ TEST_CASE("a stream starts it at the change to hop, and stops it when it says so
   CHECK(b.node.state() == NodeState::idle);
   CHECK(b.node.stream(none) == Refusal::none);
   b.tick(10);
+  CHECK(b.node.stream(hop) == Refusal::no_edge);  // hop was said 20 ms ago
+  for (int i = 0; i < 11; ++i) {
+    b.tick(10);
+    CHECK(b.node.stream(none) == Refusal::none);
+  }
   REQUIRE(b.node.stream(hop) == Refusal::none);
   CHECK(b.node.config().torque.amplitude_nm == 3.0f);
   for (int i = 0; i < 100; ++i) {
@@ -241,6 +257,7 @@ TEST_CASE("a stream with an amplitude out of bounds starts nothing") {
   b.tick();
   CHECK(b.node.stream({Request::hop, std::nanf(""), 0.3f, false}) == Refusal::value_not_allowed);
   CHECK(b.node.state() == NodeState::idle);
+  b.tick(100);
   b.node.stream({});
   b.tick();
   CHECK(b.node.stream({Request::hop, 2.0f, 0.0f, false}) == Refusal::value_not_allowed);
@@ -323,4 +340,155 @@ TEST_CASE("a trial that is stopped switches the coil off; its rows end there") {
   std::uint16_t rows = 0;
   REQUIRE(b.registers.read_input(bus::kTrialRowsAddress, {&rows, 1}) == bus::ModbusException::none);
   CHECK(rows == 30);
+}
+
+TEST_CASE("a stop beside the stream stops the robot, and the stream that goes on does not start it again") {
+  Bench b;
+  b.settle();
+  const firmware::StreamCommand none{}, hop{Request::hop, 3.0f, 0.25f, false};
+  const auto stream = [&](const firmware::StreamCommand& command, int times) {
+    Refusal last = Refusal::none;
+    for (int i = 0; i < times; ++i) {
+      last = b.node.stream(command);
+      b.tick(10);
+    }
+    return last;
+  };
+  stream(none, 2);
+  REQUIRE(stream(hop, 10) == Refusal::none);
+  REQUIRE(b.node.state() == NodeState::running);
+  b.node.stop_from_anyone(true);
+  b.tick();
+  CHECK(b.board.command.torque_nm == 0.0f);
+  CHECK(b.node.reason() == Reason::stopped);
+  CHECK(stream(hop, 500) == Refusal::no_edge);
+  CHECK(b.node.state() == NodeState::idle);
+  SECTION("letting go for less than 100 ms is not enough") {
+    stream(none, 9);
+    CHECK(b.node.stream(hop) == Refusal::no_edge);
+  }
+  SECTION("neither is letting go while the stop still stands") {
+    stream(none, 15);
+    b.node.stop_from_anyone(true);
+    stream(none, 9);
+    CHECK(b.node.stream(hop) == Refusal::stop_stands);
+    b.tick(200);
+    CHECK(b.node.state() == NodeState::idle);
+  }
+  SECTION("nor a hop behind a command that is missing") {
+    stream(none, 15);
+    firmware::StreamCommand late = hop;
+    late.follows = false;
+    CHECK(b.node.stream(late) == Refusal::no_edge);
+  }
+  SECTION("nor while somebody else says hop") {
+    for (int i = 0; i < 20; ++i) {
+      stream(none, 1);
+      b.node.note_hop_said();
+    }
+    CHECK(b.node.stream(hop) == Refusal::no_edge);
+  }
+  SECTION("letting go for longer is") {
+    stream(none, 11);
+    CHECK(b.node.stream(hop) == Refusal::none);
+    CHECK(b.node.state() == NodeState::running);
+  }
+}
+
+TEST_CASE(
+    "hop over the registers is refused while somebody says stop, and a stop that came again does not hold") {
+  Bench b;
+  b.settle();
+  REQUIRE(b.node.request(Request::arm) == Refusal::none);
+  b.node.stop_from_anyone(true);
+  CHECK(b.node.state() == NodeState::idle);
+  REQUIRE(b.node.request(Request::arm) == Refusal::none);
+  b.tick(100);
+  CHECK(b.node.request(Request::hop) == Refusal::stop_stands);
+  b.tick(1);
+  REQUIRE(b.node.request(Request::hop) == Refusal::none);
+  b.tick();
+  b.node.stop_from_anyone(false);
+  CHECK(b.node.state() == NodeState::idle);
+  REQUIRE(b.node.request(Request::arm) == Refusal::none);
+  CHECK(b.node.request(Request::hop) == Refusal::none);
+}
+
+TEST_CASE(
+    "a store that wears is saved to as long as it bears it and not too often, with a reason for each refusal") {
+  test::StandingBoard board;
+  WornStore store;
+  firmware::FaultLog faults{};
+  faults.begin();
+  firmware::Node<test::StandingBoard, WornStore> node(board, store, test::constant_torque(),
+                                                      test::kTestIdentity, 1, faults);
+  const auto save = [&] {
+    for (int i = 0; i < 100; ++i) node.tick();
+    return node.request(Request::save);
+  };
+  for (const Refusal why : {Refusal::store_worn, Refusal::supply_low, Refusal::brown_out_off}) {
+    store.why = why;
+    CHECK(save() == why);
+    CHECK(node.snapshot().last_refusal == static_cast<std::uint16_t>(why));
+    CHECK(node.state() == NodeState::idle);
+  }
+  CHECK(store.saves == 0);
+  store.why = Refusal::none;
+  for (int i = 0; i < 10; ++i) CHECK(save() == Refusal::none);
+  CHECK(save() == Refusal::saved_too_often);
+  CHECK(store.saves == 10);
+  CHECK(node.state() == NodeState::idle);  // what was refused did not start it anew
+  for (int i = 0; i < 600'000; ++i) node.tick();
+  CHECK(save() == Refusal::none);
+  CHECK(save() == Refusal::saved_too_often);
+}
+
+TEST_CASE("a robot that hops is not disturbed by ticks that wrap after 49.7 days") {
+  // The board's clock of microseconds, which wraps after 71.6 minutes, wraps in each of these tests.
+  test::StandingBoard board;
+  test::MemoryStore store;
+  firmware::FaultLog faults{};
+  faults.begin();
+  const std::uint32_t first = 0u - 1500u;
+  firmware::Node<test::StandingBoard, test::MemoryStore> node(board, store, test::constant_torque(),
+                                                              test::kTestIdentity, 1, faults, first);
+  for (int i = 0; i < 60; ++i) node.tick();
+  CHECK(node.snapshot().uptime_ms == first + 59);
+  REQUIRE(node.request(Request::arm) == Refusal::none);
+  REQUIRE(node.request(Request::hop) == Refusal::none);
+  Bench other;  // the same robot far from the wrap
+  other.start();
+  for (int i = 0; i < 3000; ++i) {
+    node.hear_desk();
+    other.node.hear_desk();
+    node.tick();
+    const float torque_nm = board.command.torque_nm;
+    other.tick();
+    REQUIRE(torque_nm == other.board.command.torque_nm);
+    REQUIRE(node.state() == NodeState::running);
+  }
+  CHECK(node.snapshot().uptime_ms == 1559);
+  for (int i = 0; i < 2010; ++i) node.tick();
+  CHECK(node.reason() == Reason::desk_silent);
+}
+
+TEST_CASE(
+    "a late tick is a fault also where the number of the tick is 0 again, and its entry is no unknown one") {
+  for (const std::uint32_t until : {0u, 0xffffffffu}) {
+    test::StandingBoard board;
+    test::MemoryStore store;
+    firmware::FaultLog faults{};
+    faults.begin();
+    firmware::Node<test::StandingBoard, test::MemoryStore> node(board, store, test::constant_torque(),
+                                                                test::kTestIdentity, 1, faults, until - 100u);
+    for (int i = 0; i < 100; ++i) node.tick();
+    REQUIRE(node.snapshot().fault == 0);
+    board.period_us = 2000;
+    node.tick();
+    CHECK(node.snapshot().uptime_ms == until);
+    CHECK(node.snapshot().fault == static_cast<std::uint16_t>(control::Fault::late_tick));
+    REQUIRE(faults.count() == 1);
+    CHECK(faults.entry(0).tick != bus::kNoTick);
+    CHECK(until - faults.entry(0).tick <= 1);
+  }
 }

@@ -305,14 +305,148 @@ TEST_CASE("a request is taken once, with its numbers, a replayed or stale one ne
   CHECK(taken.release_in_flight);
   CHECK(b.link.take_request().kind == CanRequest::Kind::none);
   CHECK(b.link.request_age_us(b.now_us + 5000) == 5000);
-  b.link.receive(request(1, 10), b.now_us + 1000);       // again
-  b.link.receive(request(1, 9), b.now_us + 2000);        // from before
-  b.link.receive(request(1, 11, 255), b.now_us + 3000);  // older than can be told
+  b.link.receive(request(3, 10), b.now_us + 1000);       // again
+  b.link.receive(request(3, 9), b.now_us + 2000);        // from before
+  b.link.receive(request(3, 11, 255), b.now_us + 3000);  // older than can be told
   b.link.receive(request(7, 12), b.now_us + 4000);       // there is no request 7
   CHECK(b.link.take_request().kind == CanRequest::Kind::none);
   CHECK(b.link.request_age_us(b.now_us + 5000) == 5000);
   b.link.receive(request(3, 13), b.now_us + 6000);
   CHECK(b.link.take_request().kind == CanRequest::Kind::reset);
+  CHECK(b.link.statistics().stops_apart == 0);
+}
+
+TEST_CASE(
+    "a stop is heard in any order, at any age, of any version and length, and leaves the stream as it was") {
+  for (int number = 0; number < 256; ++number) {
+    Bus b;
+    b.link.receive(request(2, 100), b.now_us);
+    CHECK(b.link.take_request().kind == CanRequest::Kind::hop);
+    bus::Frame stop = request(1, static_cast<std::uint8_t>(number), static_cast<std::uint8_t>(3 * number));
+    stop.data[0] = static_cast<std::uint8_t>(0x10 | number % 16);
+    stop.size = static_cast<std::uint8_t>(number % 9);
+    if (stop.size == 0) stop.size = 8;
+    b.link.receive(stop, b.now_us + 1000);
+    const CanRequest heard = b.link.take_request();
+    CAPTURE(number, int{stop.size});
+    const bool next = number == 101 && stop.size == 8;  // never: 101 has 2 bytes
+    REQUIRE(heard.stop_apart != next);
+    REQUIRE_FALSE(heard.came);
+    CHECK(b.link.statistics().stops_apart == 1);
+    // The stream goes on where it was; nothing counts as lost.
+    b.link.receive(request(2, 101), b.now_us + 10000);
+    const CanRequest on = b.link.take_request();
+    CHECK(on.kind == CanRequest::Kind::hop);
+    CHECK(on.follows);
+    CHECK(b.link.statistics().lost + b.link.statistics().out_of_order == 0);
+  }
+}
+
+TEST_CASE("the stream's own stop is the stream's, also when it comes twice, and nothing takes its place") {
+  Bus b;
+  b.link.receive(request(2, 10), b.now_us);
+  CHECK(b.link.take_request().hop_said);
+  b.link.receive(request(1, 11), b.now_us + 1000);
+  b.link.receive(request(2, 12), b.now_us + 1000);  // in the same millisecond
+  CanRequest heard = b.link.take_request();
+  CHECK(heard.kind == CanRequest::Kind::stop);
+  CHECK(heard.hop_said);
+  CHECK_FALSE(heard.stop_apart);
+  b.link.receive(request(1, 13), b.now_us + 2000);
+  CHECK(b.link.take_request().kind == CanRequest::Kind::stop);
+  b.link.receive(request(1, 13), b.now_us + 3000);
+  heard = b.link.take_request();
+  CHECK(heard.stop_again);
+  CHECK_FALSE(heard.stop_apart);
+  b.link.receive(request(1, 13), b.now_us + 300000);  // after a silence: another desk, or this one anew
+  CHECK(b.link.take_request().kind == CanRequest::Kind::stop);
+  // A frame without a byte says nothing, one for another node neither.
+  bus::Frame none = request(1, 20);
+  none.size = 0;
+  b.link.receive(none, b.now_us + 4000);
+  bus::Frame others = request(1, 21);
+  ++others.id;
+  b.link.receive(others, b.now_us + 5000);
+  heard = b.link.take_request();
+  CHECK_FALSE(heard.came);
+  CHECK_FALSE(heard.stop_apart);
+  CHECK_FALSE(heard.stop_again);
+}
+
+TEST_CASE("a hop is noted in whatever order it comes, and one behind a lost command does not follow") {
+  Bus b;
+  b.link.receive(request(0, 10), b.now_us);
+  b.link.receive(request(2, 9), b.now_us + 1000);  // from before: not used
+  CanRequest heard = b.link.take_request();
+  CHECK(heard.kind == CanRequest::Kind::none);
+  CHECK(heard.hop_said);
+  b.link.receive(request(0, 11), b.now_us + 2000);
+  CHECK_FALSE(b.link.take_request().hop_said);
+  b.link.receive(request(2, 13), b.now_us + 3000);  // 12 is missing
+  heard = b.link.take_request();
+  CHECK(heard.kind == CanRequest::Kind::hop);
+  CHECK_FALSE(heard.follows);
+}
+
+TEST_CASE("frames that this node alone sends are another's: a fault for as long as they come") {
+  for (const bool heartbeat : {true, false}) {
+    Bus b;
+    for (int i = 0; i < 5; ++i) b.tick();
+    REQUIRE(b.fault() == Fault::none);
+    bus::Frame frame;  // by hand from docs/bus.md: a heartbeat is 0x700 + n, a motor's command n
+    frame.id = heartbeat ? 0x700u + kSelf : kDrive;
+    frame.size = heartbeat ? 7 : 8;
+    int ticks = 0;
+    for (; ticks < 300; ++ticks) {  // one each 100 ms
+      if (ticks % 100 == 0) b.link.receive(frame, b.now_us);
+      b.tick();
+      REQUIRE(b.fault() == Fault::node_id_taken);
+    }
+    CHECK(b.link.statistics().own_ids == 3);
+    while (b.fault() != Fault::none && ticks < 1000) {
+      b.tick();
+      ++ticks;
+    }
+    CHECK(ticks == Approx(450).margin(2));  // 250 ms after the last, which came at 200
+  }
+  // On the clutch's bench the motor is not ours.
+  Bus b;
+  b.link.set_on_bench(true);
+  bus::Frame command;
+  command.id = kDrive;
+  command.size = 8;
+  b.link.receive(encoder(kPulley, 0, 1), b.now_us);
+  b.link.receive(command, b.now_us);
+  CHECK(b.fault() == Fault::none);
+}
+
+TEST_CASE("off the bus and back before anybody asked is told once") {
+  Bus b;
+  for (int i = 0; i < 5; ++i) b.tick();
+  b.link.note(BusEvent::off);
+  b.link.note(BusEvent::recovered);
+  CHECK(b.fault() == Fault::bus_off);
+  CHECK(b.fault() == Fault::none);
+}
+
+TEST_CASE("what was said an hour and eleven minutes ago, when the clock has wrapped, is forgotten") {
+  Bus b;
+  b.link.receive(request(3, 10), b.now_us);
+  b.link.receive(encoder(kRail, 7, 1234), b.now_us);
+  const std::uint32_t then_us = b.now_us;
+  b.link.set_on_bench(true);  // the rail's encoder is not listened to
+  for (int i = 0; i < 1500; ++i) {
+    b.link.receive(encoder(kPulley, b.sequence++, 0), b.now_us += 1000);
+    b.fault();
+  }
+  CHECK(b.link.take_request().kind == CanRequest::Kind::reset);
+  b.now_us = then_us + 20000;  // 2^32 us later, and 20 ms
+  b.link.set_on_bench(false);
+  // A desk that starts anew has any number, and is no stream that goes backwards.
+  b.link.receive(request(3, 9), b.now_us);
+  CHECK(b.link.take_request().kind == CanRequest::Kind::reset);
+  b.link.receive(reply(0.8, 0.0), b.now_us);
+  CHECK(b.link.sample(b.now_us).status() == Status::disconnected);  // no rail was heard
 }
 
 TEST_CASE("a configuration that makes no sense neither hears nor speaks") {
@@ -350,8 +484,9 @@ TEST_CASE("the filters of a board's receiver let through what is heard, and noth
   c.cable_node = 9;
   // By hand from docs/bus.md: a reply of a drive, samples of two encoders, a command, a request for
   // registers.
-  const std::set<std::uint32_t> expected{0x000, 0x460u + c.height_node, 0x469, 0x400u + kSelf,
-                                         0x4e0u + kSelf};
+  // And what this node alone sends, its heartbeat and the drive's command: another one's.
+  const std::set<std::uint32_t> expected{0x000,          0x460u + c.height_node, 0x469, 0x400u + kSelf,
+                                         0x4e0u + kSelf, 0x700u + kSelf,         kDrive};
   const HeardIds ids(c);
   CHECK(std::set<std::uint32_t>(ids.begin(), ids.end()) == expected);
   for (std::uint32_t id = 0; id < 0x800; ++id) {
@@ -367,5 +502,5 @@ TEST_CASE("the filters of a board's receiver let through what is heard, and noth
   c.height_node = c.cable_node = 0;
   const HeardIds fewer(c);
   CHECK(std::set<std::uint32_t>(fewer.begin(), fewer.end()) ==
-        std::set<std::uint32_t>{0x000, 0x400u + kSelf, 0x4e0u + kSelf});
+        std::set<std::uint32_t>{0x000, 0x400u + kSelf, 0x4e0u + kSelf, 0x700u + kSelf, kDrive});
 }

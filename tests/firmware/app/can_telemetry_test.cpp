@@ -1,10 +1,13 @@
 // What the robot tells the bus, read back by the table of messages.
 #include "firmware/app/can_telemetry.hpp"
 
+#include <algorithm>
 #include <array>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <map>
+
+#include "firmware/app/start_fault.hpp"
 
 using namespace furcula;
 using namespace furcula::firmware;
@@ -110,4 +113,27 @@ TEST_CASE("a height that is not a number leaves a frame all the same") {
   const FrameBatch batch = source.tick(telemetry, {}, NodeState::fault);
   REQUIRE(batch.count == 1);
   CHECK(bus::get(batch.frame[0], bus::signal(bus::message::kBodyState, "Fault")).value() == 5.0f);
+}
+
+TEST_CASE("no two heartbeats are farther apart than 100 ms where the ticks' number wraps, after 49.7 days") {
+  CanTelemetry telemetry({.node = 2, .period_ticks = 100, .heartbeat_ticks = 100, .first_tick = 0u - 1000u});
+  int since = 0, longest = 0, heartbeats = 0;
+  for (int i = 0; i < 3000; ++i) {
+    ++since;
+    for (const bus::Frame& frame : telemetry.tick({}, {}, NodeState::idle))
+      if (bus::is(frame, bus::message::kHeartbeat, 2)) {
+        if (heartbeats++ > 0) longest = std::max(longest, since);
+        since = 0;
+      }
+  }
+  CHECK(longest == 100);
+  CHECK(heartbeats >= 30);
+}
+
+TEST_CASE("a fault that the start found is reported for a while and never again") {
+  StartFault found;
+  CHECK(found.tick() == control::Fault::none);
+  found.report(control::Fault::parameters_lost);
+  for (int i = 0; i < 1500; ++i) REQUIRE(found.tick() == control::Fault::parameters_lost);
+  for (int i = 0; i < 10'000; ++i) REQUIRE(found.tick() == control::Fault::none);
 }

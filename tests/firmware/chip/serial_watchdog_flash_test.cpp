@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "firmware/chip/stm32f4/slot_flash.hpp"
+#include "firmware/chip/stm32f4/supply.hpp"
 #include "firmware/chip/stm32f4/usart.hpp"
 #include "firmware/chip/stm32f4/watchdog.hpp"
 #include "firmware/store/slot_store.hpp"
@@ -52,7 +53,10 @@ struct UsartModel {
 struct FlashChip {
   static constexpr std::uint32_t kWords = 1024;
   FlashRegisters<Register> registers;
+  PowerRegisters<Register> power;
+  Supply<Register> supply{power, registers};
   std::array<std::array<Register, kWords>, 2> sectors;
+  int erases_until_sag = -1;  ///< the supply is low after so many
   int busy_polls = 0, erases = 0, cache_flushes = 0;
   std::uint32_t keys = 0;
   std::uint32_t error_next = 0;
@@ -88,6 +92,7 @@ struct FlashChip {
         error_next = 0;
         busy_polls = 20;
         ++erases;
+        if (erases == erases_until_sag) power.csr.value |= 4u;
         written &= ~(1u << 16);
       }
       return written;
@@ -111,7 +116,9 @@ struct FlashChip {
           return bad ? old : old & written;
         };
   }
-  SlotFlash<Register> flash() { return {registers, {{{4, sectors[0].data()}, {5, sectors[1].data()}}}}; }
+  SlotFlash<Register> flash() {
+    return {registers, supply, {{{4, sectors[0].data()}, {5, sectors[1].data()}}}};
+  }
 };
 
 static_assert(firmware::SlotFlash<SlotFlash<Register>>);
@@ -242,4 +249,61 @@ TEST_CASE(
   CHECK(chip.flash().erase(0) == Status::disconnected);
   CHECK(chip.flash().program(0, 0, 1) == Status::disconnected);
   CHECK(chip.sectors[0][0].value == 0x1234'5678u);
+}
+
+TEST_CASE(
+    "the supply's detector is started at its highest threshold, and the other bits of its register stay") {
+  PowerRegisters<Register> power;
+  FlashRegisters<Register> flash;
+  Supply<Register> supply(power, flash);
+  power.cr.value = 1u << 14 | 1u << 8 | 2u << 5;  // VOS as after a reset, DBP, and another threshold
+  supply.start();
+  // 5.4.1: PLS in bits 5 to 7, 7 is 2.9 V; PVDE is bit 4. The threshold stands before the detector is on.
+  CHECK(power.cr.value == (1u << 14 | 1u << 8 | 7u << 5 | 1u << 4));
+  CHECK((power.cr.writes.front() >> 4 & 1u) == 0);
+  power.csr.value = 0;
+  CHECK(supply.is_high());
+  power.csr.value = 1u << 2;  // 5.4.2: PVDO
+  CHECK_FALSE(supply.is_high());
+  // 3.9.10: BOR_LEV in bits 2 and 3; 3 is off, as sold, 0 the level of 2.7 to 3.6 V. The word is as sold but for it.
+  for (std::uint32_t level = 0; level < 4; ++level) {
+    flash.optcr.value = 0x0fff'aae1u | level << 2;
+    CHECK(supply.resets_when_low() == (level == 0));
+  }
+}
+
+TEST_CASE("nothing is erased or programmed with a supply that is low, nor erased without a brown-out reset") {
+  FlashChip chip;
+  auto flash = chip.flash();
+  firmware::SlotStore store(flash, 1);
+  const std::vector<std::uint8_t> old(8, 1), wanted(8, 2);
+  std::vector<std::uint8_t> seen(8);
+  REQUIRE(flash.erase(0) == Status::ok);
+  REQUIRE(flash.erase(1) == Status::ok);
+  REQUIRE(store.save(old) == Status::ok);
+  const int erases = chip.erases;
+  SECTION("low") { chip.power.csr.value = 4u; }
+  SECTION("no brown-out reset") { chip.registers.optcr.value = 3u << 2; }
+  SECTION("too low a one") { chip.registers.optcr.value = 1u << 2; }
+  CHECK(store.save(wanted) == Status::disconnected);
+  CHECK(chip.erases == erases);
+  REQUIRE(store.load(seen).reason == firmware::LoadReason::loaded);
+  CHECK(seen == old);
+  chip.power.csr.value = chip.registers.optcr.value = 0;
+  CHECK(store.save(wanted) == Status::ok);
+}
+
+TEST_CASE("a supply that sags while a sector is erased fails the save, and the old record stays") {
+  FlashChip chip;
+  auto flash = chip.flash();
+  firmware::SlotStore store(flash, 1);
+  REQUIRE(flash.erase(0) == Status::ok);
+  REQUIRE(flash.erase(1) == Status::ok);
+  REQUIRE(store.save(std::vector<std::uint8_t>(8, 1)) == Status::ok);
+  chip.erases_until_sag = chip.erases + 1;
+  CHECK(store.save(std::vector<std::uint8_t>(8, 2)) == Status::disconnected);
+  CHECK(flash.program(0, 900, 0) == Status::disconnected);
+  std::vector<std::uint8_t> seen(8);
+  REQUIRE(store.load(seen).reason == firmware::LoadReason::loaded);
+  CHECK(seen == std::vector<std::uint8_t>(8, 1));
 }

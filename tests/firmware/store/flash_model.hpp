@@ -42,6 +42,7 @@ class FlashModel {
       }
     }
     slots_[slot].fill(firmware::kErasedWord);
+    ++erases_[slot];
     return Status::ok;
   }
 
@@ -62,6 +63,8 @@ class FlashModel {
   std::uint32_t read(unsigned slot, std::uint32_t index) const { return slots_[slot].at(index); }
 
   void refuse(bool refuses) { refuses_ = refuses; }
+  /// That came to their end.
+  std::uint32_t erases(unsigned slot) const { return erases_.at(slot); }
   std::uint32_t& word(unsigned slot, std::uint32_t index) { return slots_[slot].at(index); }
 
  private:
@@ -75,6 +78,7 @@ class FlashModel {
   std::mt19937 random_;
   std::uint32_t steps_left_ = 0, steps_ = 0;
   bool refuses_ = false;
+  std::array<std::uint32_t, firmware::kSlots> erases_{};
 };
 
 }  // namespace furcula::test

@@ -45,3 +45,48 @@ TEST_CASE("nothing saved is no parameters, and a damaged record is an error") {
   flash.word(0, 5) ^= 1u;
   CHECK(Slots(flash).load(image).status() == Status::invalid);
 }
+
+TEST_CASE("saves are counted over restarts and cut ones, and the memory is worn after as many as it bears") {
+  Flash flash(1);
+  CHECK_FALSE(Slots(flash).is_worn());
+  const std::vector<std::uint8_t> image(30, 1);
+  for (std::uint32_t n = 1; n <= 3; ++n) {
+    REQUIRE(Slots(flash).save(image) == Status::ok);
+    CHECK(firmware::SlotStore(flash, firmware::kParameterRecordVersion).saves() == n);
+  }
+  flash.cut_at(Flash::kEraseSteps + 10);
+  CHECK_THROWS_AS(Slots(flash).save(image), test::PowerCut);
+  CHECK(firmware::SlotStore(flash, firmware::kParameterRecordVersion).saves() == 3);
+  for (std::uint32_t n = 4; n <= firmware::kSavesMost; ++n) {
+    REQUIRE_FALSE(Slots(flash).is_worn());
+    REQUIRE(Slots(flash).save(image) == Status::ok);
+  }
+  CHECK(Slots(flash).is_worn());
+  // Each of both sectors was erased half as often: less than the 10,000 times that one bears.
+  CHECK(flash.erases(0) + flash.erases(1) == firmware::kSavesMost + 1);
+  CHECK(flash.erases(0) < 10'000);
+  CHECK(flash.erases(1) < 10'000);
+}
+
+TEST_CASE("ten saves in a row, then one each ten minutes, for ever less than one") {
+  firmware::SaveLimit limit;
+  int taken = 0;
+  while (limit.take()) ++taken;
+  CHECK(taken == 10);
+  for (int ms = 1; ms < 600'000; ++ms) limit.tick();
+  CHECK_FALSE(limit.take());
+  limit.tick();
+  CHECK(limit.take());
+  CHECK_FALSE(limit.take());
+  // Asked on each tick of a day: 144 times ten minutes.
+  taken = 0;
+  for (int ms = 0; ms < 86'400'000; ++ms) {
+    limit.tick();
+    if (limit.take()) ++taken;
+  }
+  CHECK(taken == 144);
+  for (int ms = 0; ms < 20 * 600'000; ++ms) limit.tick();
+  for (taken = 0; limit.take(); ++taken) {
+  }
+  CHECK(taken == 10);  // no more are kept
+}

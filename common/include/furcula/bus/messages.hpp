@@ -139,7 +139,7 @@ inline constexpr std::array<Signal, 5> kHeartbeat{{
 }};
 inline constexpr std::array<Signal, 7> kCommand{{
     version(),
-    code("Request", 4, 4, "0: none, 1: stop, 2: hop, 3: reset the fault."),
+    code("Request", 4, 4, "0: none, 1: stop (here in every version), 2: hop, 3: reset the fault."),
     sequence(),
     age(),
     fixed_point("Torque_Amplitude", "N m", 24, 16, Encoding::signed_integer, 1000.0f,

@@ -34,6 +34,11 @@ enum class Refusal : std::uint8_t {
   makes_no_sense = 7,
   store_failed = 8,
   no_edge = 9,
+  stop_stands = 10,
+  saved_too_often = 11,
+  store_worn = 12,
+  supply_low = 13,
+  brown_out_off = 14,
 };
 
 enum class Reason : std::uint8_t {
@@ -85,7 +90,7 @@ inline constexpr std::array<Word, 8> kRequests{{
     {7, "load_defaults", "The parameters as built in; not saved. Not taken when armed or running."},
 }};
 
-inline constexpr std::array<Word, 10> kRefusals{{
+inline constexpr std::array<Word, 15> kRefusals{{
     {0, "none", "Nothing was refused."},
     {1, "unknown_request", "There is no request of that number."},
     {2, "wrong_key", "The key was not the one of the table: a stray write."},
@@ -97,7 +102,17 @@ inline constexpr std::array<Word, 10> kRefusals{{
     {6, "value_not_allowed", "A parameter's value is not a number, out of its bounds, or has a fraction."},
     {7, "makes_no_sense", "With these values together the controller's configuration makes no sense."},
     {8, "store_failed", "The parameters could not be saved."},
-    {9, "no_edge", "A stream starts the robot only when its request changes to hop, while it is fresh."},
+    {9, "no_edge",
+     "A stream starts the robot only when its request changes to hop while it is fresh, after 100 ms without any hop."},
+    {10, "stop_stands", "Within the last 100 ms somebody said stop beside the stream of commands."},
+    {11, "saved_too_often",
+     "Ten saves in a row, and then one each ten minutes: each wears the flash memory."},
+    {12, "store_worn",
+     "The flash memory has been erased as often as it bears: the board's chip must be changed."},
+    {13, "supply_low",
+     "The chip's supply is below 2.9 V: an erase of its flash memory could not be relied on."},
+    {14, "brown_out_off",
+     "The chip's option BOR_LEV is not at level 3: it would run on through a sag while it erases (adding_a_board.md)."},
 }};
 
 inline constexpr std::array<Word, 13> kReasons{{

@@ -34,6 +34,7 @@ enum class Fault : std::uint8_t {
   processor_fault = 19,
   parameters_lost = 20,
   bus_unreliable = 21,
+  node_id_taken = 22,
 };
 
 struct FaultInfo {
@@ -43,7 +44,7 @@ struct FaultInfo {
   std::string_view remedy;  ///< what a person should do
 };
 
-inline constexpr std::size_t kFaultCount = 22;
+inline constexpr std::size_t kFaultCount = 23;
 inline constexpr std::array<FaultInfo, kFaultCount> kFaults{{
     {Fault::none, "none", "No fault.", "Nothing."},
     {Fault::bad_configuration, "bad_configuration",
@@ -72,21 +73,27 @@ inline constexpr std::array<FaultInfo, kFaultCount> kFaults{{
      "Home the cable's encoder again: its counter has slipped, or the cable is torn; then reset."},
     {Fault::clutch_not_caught, "clutch_not_caught",
      "Several stances running stood on a spring that was not caught.",
-     "Look at the clutch's key and its return spring, and at the coil's supply: it may be on all the time; then reset."},
+     "Look at the clutch's key and its return spring, and at the coil's supply: it may be on all the time; "
+     "then "
+     "reset."},
     {Fault::drive_fault, "drive_fault", "The motor's drive reports an error of its own.",
      "Look up the drive's error code; check its supply, its temperature and its encoder; then reset."},
     {Fault::drive_silent, "drive_silent", "The motor's drive does not answer its commands.",
      "Check the drive's supply, its node id and the bus's cable; then reset."},
     {Fault::drive_disobeys, "drive_disobeys",
      "The torque that the drive reports is not the one that it was told.",
-     "Switch the drive's supply off; check the motor's type in the configuration, its phases and the drive; then reset."},
-    {Fault::bus_off, "bus_off", "The CAN controller went off the bus after too many errors.",
-     "Check the bus's cable, its terminating resistors and that all nodes have the same bit rate; then reset."},
+     "Switch the drive's supply off; check the motor's type in the configuration, its phases and the drive; "
+     "then reset."},
+    {Fault::bus_off, "bus_off",
+     "The CAN controller went off the bus after too many errors, or its interface was taken down.",
+     "Check the bus's cable, its terminating resistors and that all nodes have the same bit rate; then "
+     "reset."},
     {Fault::command_lost, "command_lost", "The one who commands the running robot fell silent.",
      "Check the desk's program and its cable; then reset."},
     {Fault::encoder_jump, "encoder_jump",
      "The height changed by more than a body can move, or against the way that it must.",
-     "Check the height encoder's cable, its shield and the order of its two channels; home it again; then reset."},
+     "Check the height encoder's cable, its shield and the order of its two channels; home it again; then "
+     "reset."},
     {Fault::task_stuck, "task_stuck", "The watchdog started the board anew: a task had not come to its end.",
      "Read the fault log; report the build id with it; then reset."},
     {Fault::processor_fault, "processor_fault",
@@ -98,6 +105,9 @@ inline constexpr std::array<FaultInfo, kFaultCount> kFaults{{
     {Fault::bus_unreliable, "bus_unreliable",
      "Too many of the bus's frames were lost, unanswered or out of order in a short time.",
      "Look at the bus's load, its cable and its terminating resistors; then reset."},
+    {Fault::node_id_taken, "node_id_taken",
+     "Another device on the bus sends with this node's id, or commands its drive.",
+     "Give each controller an id of its own, or switch the other one off; then reset."},
 }};
 
 constexpr const FaultInfo& info(Fault fault) { return kFaults[static_cast<std::size_t>(fault)]; }

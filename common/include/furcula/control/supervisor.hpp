@@ -88,7 +88,8 @@ inline Fault find_body_fault(const SupervisorConfig& config, SupervisorState& st
   // How much shorter the leg is than at touch-down.
   const float leg_flexed_m = mismatch_m - seen.above_touchdown_m;
   // A toe that has just come down may still be on its way.
-  state.closed_ticks = seen.contact_reading ? state.closed_ticks + 1 : 0;
+  if (!seen.contact_reading) state.closed_ticks = 0;
+  if (seen.contact_reading && state.closed_ticks != 0xffffffffu) ++state.closed_ticks;
   const bool toe_on_ground = static_cast<float>(state.closed_ticks) * dt_s > config.implausible_closed_s &&
                              leg_flexed_m > config.flexed_leg_m;
   if (mismatch_m < -config.height_mismatch_m || (toe_on_ground && mismatch_m > config.height_mismatch_m))
