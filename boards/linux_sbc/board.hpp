@@ -67,6 +67,9 @@ class LinuxBoard {
     if (!contact.ok) return Status::disconnected;
     sample_ = heard.value();
     sample_.contact = contact.closed ? 1 : 0;
+    if (start_fault_ != control::Fault::none &&
+        figures_.ticks.load(std::memory_order_relaxed) < firmware::kStartFaultTicks)
+      sample_.reported_fault = static_cast<std::uint32_t>(start_fault_);
     return sample_;
   }
 
@@ -96,6 +99,8 @@ class LinuxBoard {
   void introduce(const bus::Identity& identity, const firmware::FaultLog& faults) {
     telemetry_.introduce(identity, faults);
   }
+  /// Before the first tick: what the start found.
+  void report_start_fault(control::Fault fault) { start_fault_ = fault; }
   /// Before each tick: whether the drive shall be on, and what the heartbeat says.
   void set_state(bus::NodeState state) {
     run_ = state == bus::NodeState::running;
@@ -144,6 +149,7 @@ class LinuxBoard {
   control::Sample sample_;
   bool started_ = false, run_ = false;
   bus::NodeState state_ = bus::NodeState::starting;
+  control::Fault start_fault_ = control::Fault::none;
   std::uint32_t now_us_ = 0;
   std::uint64_t errors_ = 0;
   float owed_ = 0.0f;

@@ -9,6 +9,10 @@
 
 namespace furcula::firmware {
 
+/// What a start found, reported as a fault for a while: long enough for the node to show it and wait for a
+/// reset, and then over, so that the reset clears it.
+inline constexpr std::uint32_t kStartFaultTicks = 1500;
+
 /// What a tick came to, for whoever watches. Never read back by the controller.
 struct Telemetry {
   std::uint32_t tick = 0;

@@ -26,10 +26,6 @@ inline constexpr WatchdogTiming kBitesEarly = watchdog_timing(5);
 /// While a sector is erased (2 s at most, twice as long with a low supply).
 inline constexpr WatchdogTiming kBitesLate = watchdog_timing(5000);
 
-/// What a start found, reported as a fault for a while: long enough for the node to show it and wait for a
-/// reset, and then over, so that the reset clears it.
-inline constexpr std::uint32_t kStartFaultTicks = 1500;
-
 class RobotBoard {
  public:
   /// `faults` lies in memory that survives a reset.
@@ -286,7 +282,7 @@ inline Result<control::Sample> RobotBoard::sense() {
   if (wiring_.link.height_node == 0) sample_.height_count = height_.count();
   if (wiring_.link.cable_node == 0) sample_.cable_count = cable_.count();
   sample_.contact = read_pin(gpio_of(wiring_.contact), wiring_.contact.number) ? 0 : 1;
-  if (start_fault_ != control::Fault::none && ticks_ < kStartFaultTicks)
+  if (start_fault_ != control::Fault::none && ticks_ < firmware::kStartFaultTicks)
     sample_.reported_fault = static_cast<std::uint32_t>(start_fault_);
   if (!heard.ok()) return heard.status();
   return sample_;
