@@ -13,6 +13,7 @@
 #include "firmware/app/board.hpp"
 #include "firmware/app/can_link.hpp"
 #include "firmware/app/can_telemetry.hpp"
+#include "firmware/app/start_fault.hpp"
 #include "furcula/bus/node_words.hpp"
 
 namespace furcula::linux_sbc {
@@ -68,6 +69,8 @@ class LinuxBoard {
     if (!contact.ok) return Status::disconnected;
     sample_ = heard.value();
     sample_.contact = contact.closed ? 1 : 0;
+    const control::Fault of_start = start_fault_.tick();
+    if (of_start != control::Fault::none) sample_.reported_fault = static_cast<std::uint32_t>(of_start);
     return sample_;
   }
 
@@ -97,6 +100,8 @@ class LinuxBoard {
   void introduce(const bus::Identity& identity, const firmware::FaultLog& faults) {
     telemetry_.introduce(identity, faults);
   }
+  /// Before the first tick: what the start found.
+  void report_start_fault(control::Fault fault) { start_fault_.report(fault); }
   /// Before each tick: whether the drive shall be on, and what the heartbeat says.
   void set_state(bus::NodeState state) {
     run_ = state == bus::NodeState::running;
@@ -149,6 +154,7 @@ class LinuxBoard {
   control::Sample sample_;
   bool started_ = false, run_ = false;
   bus::NodeState state_ = bus::NodeState::starting;
+  firmware::StartFault start_fault_;
   std::uint32_t now_us_ = 0;
   std::uint64_t errors_ = 0, times_off_ = 0;
   float owed_ = 0.0f;

@@ -13,6 +13,7 @@
 #include "host/log/error.hpp"
 #include "host/log/message.hpp"
 #include "host/log/strict_toml.hpp"
+#include "host/modbus/tcp_server.hpp"
 
 namespace furcula::linux_sbc {
 namespace {
@@ -200,6 +201,10 @@ Configuration parse_configuration(std::string_view text, const std::string& name
   if (firmware::check(c.link) != Status::ok)
     throw log::DataError(name + ": [can] two encoders with one node id; expected different ones");
   return c;
+}
+
+std::string network_warning(const Configuration& configuration) {
+  return configuration.modbus ? modbus::network_warning(configuration.modbus_address) : "";
 }
 
 Configuration read_configuration(const std::string& path) {

@@ -37,4 +37,7 @@ Configuration read_configuration(const std::string& path);
 /// The same on text; `name` stands for the path in messages.
 Configuration parse_configuration(std::string_view text, const std::string& name);
 
+/// What to warn of where Modbus listens on more than the loopback; empty: nothing.
+std::string network_warning(const Configuration& configuration);
+
 }  // namespace furcula::linux_sbc

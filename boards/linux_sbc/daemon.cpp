@@ -1,9 +1,9 @@
-// furculad, see daemon.hpp. Three threads: the loop, which alone touches robot and node; the server of
-// Modbus; and the first one, which waits for signals and speaks with the service manager.
+// furculad, see daemon.hpp. Four threads: the loop, which alone touches robot and node; the server of
+// Modbus; the writer of parameters; and the first one, which waits for signals and speaks with the service
+// manager.
 #include "boards/linux_sbc/daemon.hpp"
 
 #include <pthread.h>
-#include <signal.h>
 #include <sys/resource.h>
 
 #include <algorithm>
@@ -17,9 +17,12 @@
 #include "boards/linux_sbc/hatch.hpp"
 #include "boards/linux_sbc/loop.hpp"
 #include "boards/linux_sbc/notify.hpp"
+#include "boards/linux_sbc/parameter_writer.hpp"
 #include "boards/linux_sbc/realtime.hpp"
+#include "boards/linux_sbc/signals.hpp"
 #include "firmware/app/node.hpp"
 #include "firmware/app/node_registers.hpp"
+#include "host/log/message.hpp"
 #include "host/log/own_build.hpp"
 #include "host/log/parameter_file.hpp"
 #include "host/modbus/tcp_server.hpp"
@@ -30,7 +33,9 @@ extern "C" __attribute__((weak)) unsigned long furcula_allocations();
 namespace furcula::linux_sbc {
 namespace {
 
-using Node = firmware::Node<Board, log::ParameterFile>;
+using Store = ParameterWriter<log::ParameterFile>;
+using Node = firmware::Node<Board, Store>;
+static_assert(firmware::SavesAside<Store>);
 
 constexpr std::uint64_t kSettledTicks =
     100;  ///< until READY=1: the loop runs, and all that it needs is in memory
@@ -46,12 +51,14 @@ struct Daemon {
         priority(configuration.priority) {
     faults.begin();
     board.introduce(identity, faults);
+    if (node.snapshot().parameter_origin == static_cast<std::uint16_t>(bus::ParameterOrigin::store_unusable))
+      board.report_start_fault(control::Fault::parameters_lost);
   }
 
   std::atomic<bool> stop{false};
   LoopFigures figures;
   Board board;
-  log::ParameterFile store;
+  Store store;
   std::string text;
   bus::Identity identity;
   firmware::FaultLog faults{};
@@ -84,6 +91,13 @@ void* run_server(void* argument) {
   return nullptr;
 }
 
+void* run_writer(void* argument) {
+  Daemon& d = *static_cast<Daemon*>(argument);
+  touch_stack();
+  d.store.serve();
+  return nullptr;
+}
+
 struct Baseline {
   rusage usage{};
   unsigned long allocations = 0;
@@ -110,7 +124,7 @@ void print_figures(const LoopFigures& figures, const Baseline& begin) {
 }
 
 void warn(const std::string& message) {
-  if (!message.empty()) std::cerr << "furculad: warning: " << message << "\n";
+  if (!message.empty()) std::cerr << "furculad: warning: " << log::printable_lines(message) << "\n";
 }
 
 /// What a person has to know of the bus, once.
@@ -130,7 +144,7 @@ void tell_of_bus(CanState state, const std::string& interface) {
 }
 
 /// Waits for signals; the watchdog of the service manager hears of a loop that ticks, and of no other.
-void watch(Daemon& d, const std::string& interface, const ServiceManager& manager, const sigset_t& signals,
+void watch(Daemon& d, const std::string& interface, const ServiceManager& manager, const Signals& signals,
            const Baseline& begin) {
   std::chrono::nanoseconds pause = std::chrono::milliseconds(100);
   if (manager.watchdog_period().count() > 0)
@@ -139,9 +153,9 @@ void watch(Daemon& d, const std::string& interface, const ServiceManager& manage
   std::uint64_t seen = 0;
   CanState told = CanState::on;
   for (;;) {
-    const int signal = ::sigtimedwait(&signals, nullptr, &wait);
-    if (signal == SIGTERM || signal == SIGINT) return;
-    if (signal == SIGUSR1) print_figures(d.figures, begin);
+    const Signals::Asks asks = signals.wait(wait);
+    if (asks == Signals::Asks::end) return;
+    if (asks == Signals::Asks::figures) print_figures(d.figures, begin);
     if (const CanState state = d.figures.can_state.load(std::memory_order_relaxed); state != told) {
       tell_of_bus(state, interface);
       told = state;
@@ -165,11 +179,7 @@ bus::Identity own_identity(std::string& text) {
 }
 
 void run_daemon(const Configuration& configuration) {
-  sigset_t signals;
-  ::sigemptyset(&signals);
-  for (const int signal : {SIGTERM, SIGINT, SIGUSR1}) ::sigaddset(&signals, signal);
-  ::pthread_sigmask(SIG_BLOCK, &signals, nullptr);  // the other threads inherit that
-
+  const Signals signals;  // the other threads inherit that
   const firmware::HeardIds ids(configuration.link);
   const ServiceManager manager;
   CanSocket can(configuration.can_interface, ids);
@@ -179,8 +189,10 @@ void run_daemon(const Configuration& configuration) {
     daemon->server = std::make_unique<modbus::TcpServer>(
         configuration.modbus_address, configuration.modbus_port,
         [&hatch = daemon->hatch](std::span<const std::uint8_t> request) { return hatch.ask(request); });
+  warn(network_warning(configuration));
   warn(lock_memory());
 
+  const unsigned long writer = start_thread(run_writer, daemon.get());
   const unsigned long loop = start_thread(run_loop, daemon.get());
   unsigned long server = 0;
   if (daemon->server) server = start_thread(run_server, daemon.get());
@@ -202,6 +214,8 @@ void run_daemon(const Configuration& configuration) {
     daemon->server->stop();
     ::pthread_join(server, nullptr);
   }
+  daemon->store.stop();
+  ::pthread_join(writer, nullptr);
   print_figures(daemon->figures, begin);
 }
 

@@ -13,8 +13,8 @@ namespace furcula::linux_sbc {
 class Hatch {
  public:
   /// For the server's thread: hands a Modbus request (function code and data, at most bus::kPduBytesMax) to
-  /// the loop and waits for its answer. A loop that does not answer within 100 ms is the exception of a
-  /// server's failure.
+  /// the loop and waits for its answer. A request that the loop does not take within 100 ms is withdrawn, and
+  /// the exception of a server's failure: it is never done.
   bus::Response ask(std::span<const std::uint8_t> request);
 
   /// For the loop: answers what there is to answer, if anything. Never waits.

@@ -5,17 +5,18 @@
 #include <string>
 
 #include "boards/linux_sbc/daemon.hpp"
+#include "host/log/message.hpp"
 
 namespace {
 
 constexpr const char* kUsage =
     "usage: furculad [--check] CONFIGURATION.toml\n"
     "Runs the robot that the file describes (docs/linux_board.md). --check only reads the file.\n"
-    "SIGTERM: safe state and end. SIGUSR1: figures of the loop.\n"
+    "SIGTERM, SIGINT, SIGQUIT, SIGHUP, SIGPIPE: safe state and end. SIGUSR1: figures of the loop.\n"
     "Ends with status 0 after SIGTERM, 2 for unusable arguments, 3 for an unusable file, 4 where a board is not there.\n";
 
 int tell(const char* message, int status) {
-  std::cerr << "furculad: " << message << "\n";
+  std::cerr << "furculad: " << furcula::log::printable_lines(message) << "\n";
   return status;
 }
 
@@ -47,7 +48,9 @@ int main(int argc, char** argv) {
     const auto configuration = furcula::linux_sbc::read_configuration(path);
     sound = true;
     if (check) {
-      std::cout << "furculad: " << path << " is sound\n";
+      if (const std::string warning = furcula::linux_sbc::network_warning(configuration); !warning.empty())
+        std::cerr << "furculad: warning: " << furcula::log::printable_lines(warning) << "\n";
+      std::cout << "furculad: " << furcula::log::printable(path) << " is sound\n";
       return 0;
     }
     furcula::linux_sbc::run_daemon(configuration);

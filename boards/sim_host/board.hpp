@@ -14,6 +14,7 @@
 #include "boards/sim_host/random.hpp"
 #include "boards/sim_host/sensors.hpp"
 #include "firmware/app/app.hpp"
+#include "firmware/app/start_fault.hpp"
 #include "furcula/core/count.hpp"
 #include "furcula/dynamics/sensing.hpp"
 
@@ -87,7 +88,10 @@ class SimBoard {
 
   Result<control::Sample> sense() const {
     if (active(RigFault::peer_lost)) return Status::disconnected;
-    return sample_;
+    if (start_fault_ == control::Fault::none || tick_ >= firmware::kStartFaultTicks) return sample_;
+    control::Sample sample = sample_;
+    sample.reported_fault = static_cast<std::uint32_t>(start_fault_);
+    return sample;
   }
 
   Status actuate(const control::Command& command) {
@@ -135,6 +139,8 @@ class SimBoard {
   /// What the drive's current says of its torque, once the command of this tick has arrived.
   double measured_torque_nm() { return drive_.shows(static_cast<double>(command_.torque_nm), kPeriodS); }
   void request_reset() { reset_requested_ = true; }
+  /// Before the first tick: what the start found.
+  void report_start_fault(control::Fault fault) { start_fault_ = fault; }
   /// One more, from the next tick on or later.
   void plant(const PlannedFault& fault) {
     config_.faults.push_back(fault);
@@ -258,6 +264,7 @@ class SimBoard {
   std::uint32_t jump_phase_ = 0;
   double kicked_s_ = 0.0;
   bool reset_requested_ = false;
+  control::Fault start_fault_ = control::Fault::none;
 };
 
 static_assert(firmware::Board<SimBoard>);

@@ -1,17 +1,22 @@
 // The simulated drive and motor: what they make of the commands, one after the other.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
 #include <vector>
 
 #include "furcula/dynamics/actuation.hpp"
 
 namespace furcula::sim_host {
 
-/// dynamics::Actuation with the commands that it looks back on. A skew of the position's clock is none of its
-/// business: see sim::skew_columns.
+/// dynamics::Actuation with the commands that it looks back on, and no older ones: a rig may run for weeks. A
+/// skew of the position's clock is none of its business: see sim::skew_columns.
 class Drive {
  public:
-  explicit Drive(dynamics::Effects<double> effects) : actuation_(without_skew(effects)) {}
+  explicit Drive(const dynamics::Effects<double>& effects)
+      : actuation_(without_skew(effects)),
+        looks_back_s_(std::abs(effects.value_or(dynamics::Effect::actuator_delay, 0.0))) {}
 
   /// What the drive's current shows once this command has arrived, which the next step holds.
   double shows(double command, double step_s) {
@@ -30,7 +35,24 @@ class Drive {
     return actuation_.motor(actuation_.drive(commands(), row, step_s), commands(), row);
   }
 
+  /// How many commands it holds.
+  std::size_t kept() const { return command_.size(); }
+
  private:
+  /// So many at least: forgetting moves what is left, and shall be rare.
+  static constexpr std::size_t kKept = 1024;
+
+  /// What neither a delay nor the smoothing over a step (Actuation::at_row) reaches back to.
+  void forget() {
+    if (command_.size() < full_) return;
+    const double oldest_s = time_s_.back() - looks_back_s_ - 2.0 * last_step_s_;
+    const auto first = std::upper_bound(time_s_.begin(), time_s_.end(), oldest_s) - time_s_.begin();
+    // The command of before then holds until then.
+    for (auto* column : {&time_s_, &command_, &impulse_, &driven_s_})
+      column->erase(column->begin(), column->begin() + std::max<std::ptrdiff_t>(first - 1, 0));
+    full_ = std::max(kKept, 2 * command_.size());
+  }
+
   void send(double command, double step_s) {
     if (time_s_.empty()) {
       time_s_.push_back(0.0);
@@ -44,6 +66,7 @@ class Drive {
     command_.push_back(command);
     last_step_s_ = step_s;
     if (command_.size() == 1) actuation_.reset(commands(), 0);
+    forget();
   }
 
   dynamics::Commands<double> commands() const { return {time_s_, command_, impulse_, driven_s_}; }
@@ -55,7 +78,9 @@ class Drive {
 
   dynamics::Actuation<double> actuation_;
   std::vector<double> time_s_, command_, impulse_, driven_s_;
+  double looks_back_s_;
   double last_step_s_ = 0.0;
+  std::size_t full_ = kKept;  ///< at so many it forgets
   bool sent_ = false;
 };
 

@@ -54,6 +54,7 @@ class Node {
 
   /// One tick, right after the board's wait_for_tick().
   void tick() {
+    follow_save();
     if (ticks_in_state_ != 0xffffffffu) ++ticks_in_state_;
     if (stream_age_ticks_ != 0xffffffffu) ++stream_age_ticks_;
     if (state_ == bus::NodeState::running && by_stream_ && stream_age_ticks_ > kStreamTicks) {
@@ -136,8 +137,15 @@ class Node {
     if (!may_configure()) return note(bus::Refusal::not_in_this_state);
     if (control::check(config) != Status::ok) return note(bus::Refusal::makes_no_sense);
     app_.configure(config);
-    origin_ = bus::ParameterOrigin::changed;
+    note_change();
     return note(bus::Refusal::none);
+  }
+
+  /// Whether a save goes on beside the ticks: its request was taken, and parameter_origin will say what came
+  /// of it, last_refusal too where it failed.
+  constexpr bool is_saving() const {
+    if constexpr (SavesAside<S>) return saving_;
+    return false;
   }
 
   bus::NodeState state() const { return state_; }
@@ -181,7 +189,8 @@ class Node {
     s.fault = static_cast<std::uint16_t>(out.fault);
     s.last_refusal = static_cast<std::uint16_t>(last_refusal_);
     s.session = session_;
-    s.parameter_origin = static_cast<std::uint16_t>(origin_);
+    s.parameter_origin =
+        static_cast<std::uint16_t>(is_saving() ? bus::ParameterOrigin::being_saved : origin_);
     s.phase = static_cast<std::uint16_t>(out.phase.phase);
     s.contact = static_cast<std::uint16_t>(sample.contact != 0 ? 1 : 0);
     s.clutch_stage = static_cast<std::uint16_t>(out.clutch.stage);
@@ -299,7 +308,7 @@ class Node {
         return save();
       case bus::Request::load_defaults:
         app_.configure(defaults_);
-        origin_ = bus::ParameterOrigin::changed;
+        note_change();
         return Refusal::none;
       default:
         return Refusal::unknown_request;
@@ -332,12 +341,33 @@ class Node {
       if (why != bus::Refusal::none) return why;
       if (!save_limit_.take()) return bus::Refusal::saved_too_often;
     }
+    if (is_saving()) return bus::Refusal::not_in_this_state;
     const bus::ParameterImage image = bus::to_image(app_.config());
     const Status saved = store_.save(image);
+    if constexpr (SavesAside<S>) {
+      if (saved != Status::ok) return bus::Refusal::store_failed;
+      saving_ = true;
+      changed_since_ = false;
+      return bus::Refusal::none;
+    }
     if (state_ == State::idle) begin_again();
     if (saved != Status::ok) return bus::Refusal::store_failed;
     origin_ = bus::ParameterOrigin::store;
     return bus::Refusal::none;
+  }
+  void follow_save() {
+    if constexpr (SavesAside<S>) {
+      if (!saving_ || store_.saved() == SaveProgress::under_way) return;
+      saving_ = false;
+      if (store_.saved() == SaveProgress::failed)
+        static_cast<void>(note(bus::Refusal::store_failed));
+      else if (!changed_since_)
+        origin_ = bus::ParameterOrigin::store;
+    }
+  }
+  void note_change() {
+    origin_ = bus::ParameterOrigin::changed;
+    if constexpr (SavesAside<S>) changed_since_ = true;
   }
   void begin_again() {
     good_ticks_ = 0;
@@ -377,6 +407,7 @@ class Node {
   bus::ParameterOrigin origin_ = bus::ParameterOrigin::defaults;
   bus::Request stream_request_ = bus::Request::none;
   bool by_stream_ = false;
+  bool saving_ = false, changed_since_ = false;  ///< of a store that saves aside: since that save began
   std::uint16_t session_ = 1;
   std::uint32_t ticks_in_state_ = 0, good_ticks_ = 0;
   std::uint32_t stream_age_ticks_ = 0xffffffffu, desk_age_ticks_ = 0xffffffffu;

@@ -119,7 +119,12 @@ class NodeRegisters {
     node_.next_session();
     if (in[bus::kRequestAddress] >= bus::kRequests.size())
       return answer(node_.refuse(bus::Refusal::unknown_request));
-    return answer(node_.request(static_cast<bus::Request>(in[bus::kRequestAddress])));
+    const auto wanted = static_cast<bus::Request>(in[bus::kRequestAddress]);
+    const bus::Refusal refusal = node_.request(wanted);
+    // Taken, and not done yet.
+    if (wanted == bus::Request::save && refusal == bus::Refusal::none && node_.is_saving())
+      return bus::ModbusException::acknowledge;
+    return answer(refusal);
   }
 
   N& node_;

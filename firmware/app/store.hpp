@@ -31,6 +31,15 @@ concept WearingStore = ParameterStore<S> && requires(S& store) {
   { store.may_save() } -> std::same_as<bus::Refusal>;
 };
 
+/// Of a store that saves while the ticks go on.
+enum class SaveProgress : std::uint8_t { under_way, done, failed };
+
+/// Its save() takes the image, or refuses it, at once; saved() says what came of the last one that it took.
+template <class S>
+concept SavesAside = ParameterStore<S> && requires(const S& store) {
+  { store.saved() } -> std::same_as<SaveProgress>;
+};
+
 /// Keeps nothing: for a board without a place to keep it.
 struct NoStore {
   static Result<std::size_t> load(std::span<std::uint8_t>) { return std::size_t{0}; }

@@ -37,6 +37,7 @@ A number of 32 bits takes two registers, the more significant word first; `real`
 | 2 | no such register, or half of a parameter |
 | 3 | a value that is not allowed, or a request that makes no sense |
 | 4 | refused; the input register `last_refusal` says why |
+| 5 | taken, and it takes a while: a save on a computer's disk. `parameter_origin` is `being_saved` until it is done; then `store`, or `last_refusal` says why not |
 
 ## Making it hop
 

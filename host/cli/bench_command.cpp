@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "host/bench/bus_board.hpp"
 #include "host/bench/hil_board.hpp"
@@ -97,12 +98,17 @@ void run(const BenchOptions& o) {
                         log::shortest(o.conditions.pressing_n) + " --trials " + std::to_string(o.trials) +
                         " --seed " + std::to_string(o.seed) +
                         (o.limits.empty() ? "" : " --limits " + o.limits) + " --out " + o.out;
-  log::write_log(bench::to_log(r.standard, board, "standard.csv"), o.out + "/standard.csv");
-  if (!r.trials.empty())
-    log::write_log(bench::to_log(r.trials[r.worst], board, "worst.csv"), o.out + "/worst.csv");
-  log::write_file_atomically(o.out + "/release_catch.json", bench::to_json_text(r));
-  log::write_file_atomically(o.out + "/report.html",
-                             bench::render_release_catch_report(r, board.metres_per_count(), command));
+  std::vector<log::NewFile> files{
+      {o.out + "/standard.csv", log::format_log(bench::to_log(r.standard, board, "standard.csv"))},
+      {o.out + "/release_catch.json", bench::to_json_text(r)},
+      {o.out + "/report.html", bench::render_release_catch_report(r, board.metres_per_count(), command)}};
+  const std::string worst = o.out + "/worst.csv";
+  std::vector<std::string> obsolete;
+  if (r.trials.empty())
+    obsolete.push_back(worst);
+  else
+    files.push_back({worst, log::format_log(bench::to_log(r.trials[r.worst], board, "worst.csv"))});
+  log::write_files_together(files, obsolete);
 
   const bench::Summary& s = r.summary;
   const bench::Trial& given = r.standard;
@@ -137,7 +143,7 @@ void run(const BenchOptions& o) {
                 measured, c.at_most ? "at most" : "at least", c.limit, c.unit.empty() ? "" : " ",
                 std::string(c.unit).c_str());
   }
-  std::printf("report: %s/report.html\n", o.out.c_str());
+  std::printf("report: %s/report.html\n", log::printable(o.out).c_str());
   std::fflush(stdout);
   if (!r.passed) throw Refusal("the clutch does not meet its limits (" + o.limits + ")");
 }

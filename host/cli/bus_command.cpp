@@ -13,6 +13,7 @@
 #include "host/cli/errors.hpp"
 #include "host/log/byte_source.hpp"
 #include "host/log/error.hpp"
+#include "host/log/message.hpp"
 
 namespace furcula::cli {
 namespace {
@@ -50,7 +51,8 @@ void decode(const BusOptions& options) {
   }
   if (frames == 0) throw log::DataError(options.log + ": no frame in it; expected a log of candump -L");
   std::cout << rows;
-  std::cerr << options.log << ": " << frames << " frames, " << decoder.decoded() << " decoded\n"
+  std::cerr << log::printable(options.log) << ": " << frames << " frames, " << decoder.decoded()
+            << " decoded\n"
             << decoder.remarks();
 }
 

@@ -38,7 +38,8 @@ std::string rig_of(const CheckOptions& options, const log::ColumnMap* map) {
   return options.rig;
 }
 
-void print(const std::string& path, const log::LogSummary& s) {
+void print(const std::string& file, const log::LogSummary& s) {
+  const std::string path = log::printable(file);
   char figures[200];
   std::snprintf(figures, sizeof figures, "%llu rows, %.6g s, interval min %.6g, median %.6g, max %.6g ms",
                 static_cast<unsigned long long>(s.rows), s.duration_s, 1e3 * s.interval_min_s,

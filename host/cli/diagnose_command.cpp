@@ -1,15 +1,17 @@
 // `furcula diagnose`: logs and a model in; the verdict, the extended model and the report out.
 #include "host/cli/diagnose_command.hpp"
 
-#include <filesystem>
 #include <iostream>
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "host/cli/commands.hpp"
 #include "host/cli/progress.hpp"
 #include "host/diagnose/diagnose.hpp"
 #include "host/diagnose/diagnosis_json.hpp"
 #include "host/log/atomic_file.hpp"
+#include "host/log/message.hpp"
 #include "host/model/writer.hpp"
 #include "host/report/diagnosis_report.hpp"
 
@@ -27,19 +29,22 @@ diagnose::Diagnosis run_diagnose(const RecordingOptions& o) {
     options.progress = [&](double fraction, std::string_view doing) { progress.update(fraction, doing); };
     d = diagnose::diagnose(r.model, r.training, r.held_out, options);
   }
-  log::write_file_atomically(o.out + "/diagnosis.json", diagnose::to_json_text(d));
-  log::write_file_atomically(o.out + "/extended_model.toml", model::format_model(d.extended_model));
-  log::write_file_atomically(o.out + "/report.html", report::render_report(d, o.command_line("diagnose")));
-  // Of an earlier run into the same folder.
+  std::vector<log::NewFile> files{
+      {o.out + "/diagnosis.json", diagnose::to_json_text(d)},
+      {o.out + "/extended_model.toml", model::format_model(d.extended_model)},
+      {o.out + "/report.html", report::render_report(d, o.command_line("diagnose"))}};
   const std::string scenario = o.out + "/next_experiment.toml";
-  std::filesystem::remove(scenario);
-  if (!d.experiments.empty())
-    log::write_file_atomically(scenario, "# " + d.experiments.front().what + "\n\n" +
-                                             sim::format_scenario(d.experiments.front().scenario, d.kind));
+  std::vector<std::string> obsolete;
+  if (d.experiments.empty())
+    obsolete.push_back(scenario);
+  else
+    files.push_back({scenario, "# " + d.experiments.front().what + "\n\n" +
+                                   sim::format_scenario(d.experiments.front().scenario, d.kind)});
+  log::write_files_together(files, obsolete);
   std::cout << "fitted on " << r.training.size() << ", held out " << r.held_out.size() << " recordings\n"
-            << diagnose::name(d.verdict) << ": " << d.summary << "\n"
-            << (d.experiments.empty() ? "" : "next: " + d.next_experiment + "\n") << "report: " << o.out
-            << "/report.html\n";
+            << diagnose::name(d.verdict) << ": " << log::printable_lines(d.summary) << "\n"
+            << (d.experiments.empty() ? "" : "next: " + log::printable_lines(d.next_experiment) + "\n")
+            << "report: " << log::printable(o.out) << "/report.html\n";
   return d;
 }
 

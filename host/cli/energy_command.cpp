@@ -3,6 +3,7 @@
 #include <memory>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "host/cli/commands.hpp"
 #include "host/cli/progress.hpp"
@@ -46,8 +47,9 @@ void run(const EnergyOptions& o) {
       log::shortest(o.study.most_contraction_m) + " --points " + std::to_string(o.study.points) +
       " --torque-constant-nmpa " + log::shortest(o.study.motor.torque_constant_nmpa) + " --resistance-ohm " +
       log::shortest(o.study.motor.resistance_ohm) + " --out " + o.out;
-  log::write_file_atomically(o.out + "/energy.json", energy::to_json_text(s));
-  log::write_file_atomically(o.out + "/report.html", energy::render_energy_report(s, command));
+  log::write_files_together(
+      std::vector<log::NewFile>{{o.out + "/energy.json", energy::to_json_text(s)},
+                                {o.out + "/report.html", energy::render_energy_report(s, command)}});
 
   std::printf("J a hop (peak N m in flight and in stance) at an apex of %g m\n", o.study.apex_m);
   std::printf("%-11s%32s%32s%32s\ncontraction", "", "caught", "with the clutch", "without a spring");
@@ -81,7 +83,7 @@ void run(const EnergyOptions& o) {
   for (const energy::Variant& v : s.variants)
     std::printf("  %-42s mechanical %s, electrical %s\n", v.what.c_str(), centimetres(v.mechanical_m).c_str(),
                 centimetres(v.electrical_m).c_str());
-  std::printf("report: %s/report.html\n", o.out.c_str());
+  std::printf("report: %s/report.html\n", log::printable(o.out).c_str());
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 #include <cstdio>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "host/cli/commands.hpp"
 #include "host/cli/progress.hpp"
@@ -9,6 +10,7 @@
 #include "host/identify/identification.hpp"
 #include "host/log/atomic_file.hpp"
 #include "host/log/error.hpp"
+#include "host/log/message.hpp"
 #include "host/model/writer.hpp"
 #include "host/report/identification_json.hpp"
 #include "host/report/identification_report.hpp"
@@ -40,14 +42,12 @@ void run(const IdentifyOptions& o) {
     options.progress = [&](double fraction, std::string_view doing) { progress.update(fraction, doing); };
     found = identify::identify(r.model, r.training, r.held_out, options);
   }
-  log::write_file_atomically(o.out + "/identification.json", report::to_json_text(found));
-  log::write_file_atomically(o.out + "/identified_model.toml",
-                             model::format_model(found.estimations.front().model));
-  log::write_file_atomically(
-      o.out + "/report.html",
-      report::render_identification_report(
-          found, o.command_line("identify --method " + o.method +
-                                (o.folds == 0 ? "" : " --folds " + std::to_string(o.folds)))));
+  const std::string command =
+      "identify --method " + o.method + (o.folds == 0 ? "" : " --folds " + std::to_string(o.folds));
+  log::write_files_together(std::vector<log::NewFile>{
+      {o.out + "/identification.json", report::to_json_text(found)},
+      {o.out + "/identified_model.toml", model::format_model(found.estimations.front().model)},
+      {o.out + "/report.html", report::render_identification_report(found, o.command_line(command))}});
   for (const auto& e : found.estimations) {
     std::printf("%s error, %zu windows, %zu folds\n", std::string(identify::name(e.method)).c_str(),
                 found.windows, found.folds);
@@ -55,7 +55,7 @@ void run(const IdentifyOptions& o) {
       std::printf("  %-24s %12.6g %-8s 95 %% %.6g to %.6g  %s%s\n", p.name.c_str(), p.value, p.unit.c_str(),
                   p.lower, p.upper, p.verdict.c_str(), p.with.empty() ? "" : (" (" + p.with + ")").c_str());
   }
-  std::printf("report: %s/report.html\n", o.out.c_str());
+  std::printf("report: %s/report.html\n", log::printable(o.out).c_str());
 }
 
 }  // namespace

@@ -82,8 +82,9 @@ void run(int argc, char** argv) {
   }
 }
 
+/// File names, columns and what devices say of themselves are in it.
 int tell(const std::string& message, ExitStatus status) {
-  std::cerr << "furcula: " << message << "\n";
+  std::cerr << "furcula: " << furcula::log::printable_lines(message) << "\n";
   return status;
 }
 

@@ -36,6 +36,8 @@ volatile std::sig_atomic_t serving_ended = 0;
 /// Until it is interrupted, or for as long as it was told.
 void live(const ServeOptions& options, const char* what, const std::function<void(int)>& advance,
           modbus::TcpServer::Answer answer) {
+  if (const std::string warning = modbus::network_warning(options.address); !warning.empty())
+    std::cerr << "furcula: warning: " << warning << "\n";
   const modbus::TcpService server(options.address, options.port, std::move(answer));
   std::signal(SIGINT, [](int) { serving_ended = 1; });
   std::signal(SIGTERM, [](int) { serving_ended = 1; });

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <chrono>
 #include <cstddef>
 #include <cstring>
 #include <string>
@@ -16,10 +17,13 @@ class ByteSource {
   virtual std::size_t read(char* to, std::size_t size) = 0;
 };
 
-/// An open file. @throws DataError, at opening and reading: not there, not readable, a directory. `what` says
-/// what was expected, as in "a log".
+/// An open file, or a pipe (/dev/stdin, a shell's <(...), a FIFO) that a program writes to, however slowly.
+/// @throws DataError, at opening and reading: not there, not readable, a directory, a FIFO that nobody has
+/// opened for writing after kWriterWait. `what` says what was expected, as in "a log".
 class FileSource final : public ByteSource {
  public:
+  static constexpr std::chrono::milliseconds kWriterWait{2000};
+
   FileSource(const std::string& path, std::string_view what);
   ~FileSource() override;
   FileSource(const FileSource&) = delete;
@@ -27,9 +31,12 @@ class FileSource final : public ByteSource {
   std::size_t read(char* to, std::size_t size) override;
 
  private:
+  void wait_for_writer();
+
   std::string path_;
   std::string what_;
   int fd_;
+  std::string ahead_;  ///< read already, from a pipe
 };
 
 class TextSource final : public ByteSource {

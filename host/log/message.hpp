@@ -8,7 +8,14 @@
 
 namespace furcula::log {
 
-/// The value in single quotes, control and non-ASCII bytes as \xNN, cut after 40 characters.
+/// Text from a file, a device or an argument as a terminal may get it: UTF-8 stays; control characters, those
+/// that change the direction of writing, line separators and bytes that are no UTF-8 are shown as \xNN.
+std::string printable(std::string_view text);
+
+/// The same with its line ends left: for a message of several lines.
+std::string printable_lines(std::string_view text);
+
+/// The value in single quotes, printable, cut after 40 bytes at most.
 std::string quoted(std::string_view value);
 
 /// Shortest decimal form that reads back as the same double.

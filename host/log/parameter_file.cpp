@@ -1,9 +1,11 @@
 #include "host/log/parameter_file.hpp"
 
+#include <fcntl.h>
+#include <unistd.h>
+
 #include <algorithm>
+#include <cerrno>
 #include <exception>
-#include <fstream>
-#include <iterator>
 
 #include "furcula/core/crc32.hpp"
 #include "host/log/atomic_file.hpp"
@@ -28,10 +30,20 @@ std::string checksum(std::string_view image) {
 
 Result<std::size_t> ParameterFile::load(std::span<std::uint8_t> into) const {
   if (path_.empty()) return std::size_t{0};
-  std::ifstream file(path_, std::ios::binary);
-  if (!file) return std::size_t{0};
-  const std::string bytes{std::istreambuf_iterator<char>(file), {}};
-  return read(bytes, into);
+  // A pipe is not waited for.
+  const int fd = ::open(path_.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
+  if (fd < 0) return errno == ENOENT ? Result<std::size_t>(std::size_t{0}) : Status::invalid;
+  // One byte more than the largest that is whole.
+  std::string bytes(kTitle.size() + into.size() + kChecksumBytes + 1, '\0');
+  std::size_t size = 0;
+  ssize_t n = 0;
+  do {
+    n = ::read(fd, bytes.data() + size, bytes.size() - size);
+    if (n > 0) size += static_cast<std::size_t>(n);
+  } while ((n > 0 && size < bytes.size()) || (n < 0 && errno == EINTR));
+  ::close(fd);
+  if (n < 0) return Status::invalid;
+  return read(std::string_view(bytes).substr(0, size), into);
 }
 
 Result<std::size_t> ParameterFile::read(std::string_view file, std::span<std::uint8_t> into) {

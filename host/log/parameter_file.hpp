@@ -18,7 +18,8 @@ class ParameterFile {
   /// Empty: keeps nothing.
   explicit ParameterFile(std::string path) : path_(std::move(path)) {}
 
-  /// @returns the image's size, 0 where there is no file; `invalid`: damaged, or larger.
+  /// @returns the image's size; 0 where there is no such file, and only there; `invalid`: damaged, larger, or
+  /// something that cannot be read as a file (no permission, a folder, a loop of links).
   Result<std::size_t> load(std::span<std::uint8_t> into) const;
   /// The image in such a file's bytes. @returns its size; `invalid`: damaged, no such file, or larger.
   static Result<std::size_t> read(std::string_view file, std::span<std::uint8_t> into);

@@ -11,6 +11,7 @@
 #include "host/log/byte_source.hpp"
 #include "host/log/error.hpp"
 #include "host/log/message.hpp"
+#include "host/log/toml_depth.hpp"
 
 namespace furcula::log {
 
@@ -34,6 +35,8 @@ std::string read_small_file(const std::string& path, std::string_view what) {
 }
 
 toml::table parse_toml(std::string_view text, const std::string& name) {
+  if (const auto deep = find_too_deep(text))
+    throw DataError(name + ":" + std::to_string(deep->line) + ": " + deep->message);
   try {
     return toml::parse(text, std::string_view{name});
   } catch (const toml::parse_error& e) {

@@ -12,7 +12,8 @@ namespace furcula::log {
 /// The text of a file of at most 1 MiB. @throws DataError: not readable, a directory, empty, too large.
 std::string read_small_file(const std::string& path, std::string_view what);
 
-/// @throws DataError with file and line where it is not TOML 1.0.
+/// @throws DataError with file and line where it is not TOML 1.0, or nested deeper than any file of this
+/// project needs to be (host/log/toml_depth.hpp).
 toml::table parse_toml(std::string_view text, const std::string& name);
 
 /// Throws DataError "file:line: message", the line being the node's (or key's).

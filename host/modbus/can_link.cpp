@@ -27,6 +27,8 @@ std::string text_of(bus::ModbusException exception) {
       return "Illegal data value";
     case bus::ModbusException::device_failure:
       return "Slave device or server failure";
+    case bus::ModbusException::acknowledge:
+      return "Acknowledge";
   }
   return "Exception " + std::to_string(static_cast<int>(exception));
 }

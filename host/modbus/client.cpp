@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <chrono>
+#include <thread>
 
 #include "furcula/bus/modbus_pdu.hpp"
 #include "host/log/error.hpp"
@@ -89,9 +91,32 @@ void Client::write(const bus::Parameter& parameter, float value) {
 }
 
 void Client::request(bus::Request request) {
-  std::uint16_t session = 0;
-  if (request != bus::Request::stop) read_input(5, {&session, 1});
-  check(link_->request(session, request), std::string(bus::info(request).name));
+  bus::Snapshot before;
+  if (request != bus::Request::stop) before = snapshot();
+  const Answer answer = link_->request(before.session, request);
+  if (request == bus::Request::save && answer.exception == bus::ModbusException::acknowledge)
+    wait_for_save(before.requests_refused);
+  else
+    check(answer, std::string(bus::info(request).name));
+}
+
+/// A save that goes on beside the ticks; `refused` is how many requests had been refused before it.
+void Client::wait_for_save(std::uint32_t refused) {
+  const auto limit = std::chrono::steady_clock::now() + kSaveWait;
+  bus::Snapshot now = snapshot();
+  while (now.parameter_origin == static_cast<std::uint16_t>(bus::ParameterOrigin::being_saved)) {
+    if (std::chrono::steady_clock::now() >= limit)
+      throw log::DataError(
+          name_ + ": save: not done after " + std::to_string(kSaveWait.count()) +
+          " s, and still going on; parameter_origin of furcula monitor says when it is done");
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    now = snapshot();
+  }
+  if (now.requests_refused != refused &&
+      now.last_refusal == static_cast<std::uint16_t>(bus::Refusal::store_failed))
+    throw Refused("save: refused: " + std::string(bus::kRefusals[now.last_refusal].meaning));
+  if (now.parameter_origin != static_cast<std::uint16_t>(bus::ParameterOrigin::store))
+    throw Refused("save: the parameters were changed while they were saved; save them once more");
 }
 
 std::uint16_t Client::trial_number() {

@@ -1,6 +1,7 @@
 // A robot at the other end of Modbus or CAN: what it shows, its parameters, requests to it.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -58,13 +59,16 @@ class Client {
   std::vector<float> parameters();
   /// @throws Refused
   void write(const bus::Parameter& parameter, float value);
-  /// Reads the session and sends key, session and request; `stop` without them. @throws Refused
+  /// Reads the session and sends key, session and request; `stop` without them. Returns when it is done: a
+  /// save that a computer writes aside is waited for, kSaveWait at most. @throws Refused
   void request(bus::Request request);
+  static constexpr std::chrono::seconds kSaveWait{30};
   std::uint16_t trial_number();
   Trial trial();
 
  private:
   void read_input(std::uint16_t first, std::span<std::uint16_t> out);
+  void wait_for_save(std::uint32_t refused);
   void check(const Answer& answer, const std::string& what);
 
   std::string name_;

@@ -8,6 +8,7 @@
 
 #include "furcula/bus/node_words.hpp"
 #include "furcula/control/fault.hpp"
+#include "host/log/message.hpp"
 #include "host/log/own_build.hpp"
 
 namespace furcula::modbus {
@@ -67,7 +68,7 @@ std::string to_text(const View& view) {
     std::snprintf(text, sizeof text, "%-11s", head);
     out += text + rest + "\n";
   };
-  line("robot", view.names.board + ", " + view.names.revision + ", up " +
+  line("robot", log::printable(view.names.board) + ", " + log::printable(view.names.revision) + ", up " +
                     fixed(static_cast<float>(s.uptime_ms) * 0.001f, 1) + " s");
   line("state", name_of(bus::kNodeStates, s.state) + ", fault " + fault_name(s.fault));
   line(moves ? "moves" : "why not", reason_text(s));

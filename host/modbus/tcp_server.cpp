@@ -32,6 +32,13 @@ void wake_at(int socket, std::size_t bytes) {
 
 }  // namespace
 
+std::string network_warning(const std::string& address) {
+  in_addr known{};
+  if (::inet_pton(AF_INET, address.c_str(), &known) != 1 || ntohl(known.s_addr) >> 24 == 127) return {};
+  return "Modbus listens on " + address +
+         ", not on the loopback: it knows no password, and whoever reaches the port can make the robot hop";
+}
+
 TcpServer::TcpServer(const std::string& address, int port, Answer answer) : answer_(std::move(answer)) {
   const auto fail = [&](const std::string& why) {
     if (listener_ >= 0) ::close(listener_);

@@ -14,6 +14,10 @@ struct _modbus;  // NOLINT(clang-diagnostic-reserved-identifier): libmodbus's ow
 
 namespace furcula::modbus {
 
+/// Modbus knows no password: what to warn of where a server listens on `address`; empty for the loopback
+/// (127.0.0.0/8), and for what is no IPv4 address.
+std::string network_warning(const std::string& address);
+
 class TcpServer {
  public:
   /// At the same time. One more takes the place of the one that has been silent for longest: a computer that

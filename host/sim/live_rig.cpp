@@ -52,6 +52,8 @@ struct LiveRig::Parts {
         store(path),
         node(board, store, controller_config(model, scenario), identity, session_seed, faults) {
     faults.begin();
+    if (node.snapshot().parameter_origin == static_cast<std::uint16_t>(bus::ParameterOrigin::store_unusable))
+      board.report_start_fault(control::Fault::parameters_lost);
   }
 
   std::mutex mutex;

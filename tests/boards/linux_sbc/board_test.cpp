@@ -241,3 +241,34 @@ TEST_CASE("a thousand ticks of a node on the board take nothing from the heap") 
   CHECK(node.app().telemetry().tick == 1099);
 #endif
 }
+
+TEST_CASE("parameters that were saved and cannot be read are a fault from the start until a person's reset") {
+  Bench bench;
+  log::ParameterFile store("/");  // a folder
+  firmware::FaultLog faults{};
+  faults.begin();
+  firmware::Node<QuietBoard, log::ParameterFile> node(bench.board, store, {}, {}, 7, faults);
+  REQUIRE(node.snapshot().parameter_origin == static_cast<int>(bus::ParameterOrigin::store_unusable));
+  bench.board.report_start_fault(control::Fault::parameters_lost);
+  bench.lines.reading.closed = true;
+  const auto tick = [&](std::uint32_t times) {
+    for (std::uint32_t i = 0; i < times; ++i) {
+      bench.devices_answer();
+      REQUIRE(bench.board.wait_for_tick());
+      bench.board.set_state(node.state());
+      node.tick();
+    }
+  };
+  tick(1200);
+  CHECK(node.state() == bus::NodeState::fault);
+  CHECK(node.snapshot().fault == static_cast<int>(control::Fault::parameters_lost));
+  // A reset does nothing as long as the board still says so, and is what ends it after that.
+  node.request(bus::Request::reset);
+  tick(10);
+  CHECK(node.state() == bus::NodeState::fault);
+  tick(400);
+  CHECK(node.state() == bus::NodeState::fault);
+  node.request(bus::Request::reset);
+  tick(10);
+  CHECK(node.state() == bus::NodeState::idle);
+}

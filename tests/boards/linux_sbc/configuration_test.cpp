@@ -14,6 +14,7 @@
 #include "furcula/bus/parameters.hpp"
 #include "host/log/error.hpp"
 #include "host/rig/rig.hpp"
+#include "tests/host/cli/run_program.hpp"
 #include "tests/paths.hpp"
 
 using namespace furcula;
@@ -157,4 +158,35 @@ TEST_CASE("the configuration that a rig writes for a controller reads back as th
     INFO(p.name);
     if (p.name != "sample_age_max_us") CHECK(p.get(c.controller) == p.get(config));
   }
+}
+
+TEST_CASE("Modbus on more than the loopback is warned about, by --check too") {
+  const auto warning = [](const std::string& modbus) {
+    return linux_sbc::network_warning(parse_configuration(kLeast + "[modbus]\n" + modbus, "f.toml"));
+  };
+  CHECK(warning("port = 1502\n").empty());
+  CHECK(warning("address = \"127.0.0.1\"\n").empty());
+  CHECK(warning("address = \"127.8.9.1\"\n").empty());
+  CHECK(warning("on = false\naddress = \"0.0.0.0\"\n").empty());
+  for (const char* address : {"0.0.0.0", "192.168.7.2", "126.0.0.1", "128.0.0.1"}) {
+    INFO(address);
+    CHECK_THAT(warning("address = \"" + std::string(address) + "\"\n"),
+               Contains("Modbus listens on " + std::string(address)) && Contains("no password"));
+  }
+  const Folder folder;
+  std::ofstream(folder.path / "f.toml") << kLeast << "[modbus]\naddress = \"0.0.0.0\"\n";
+  const test::Ran ran = test::run_program(FURCULAD, {"--check", (folder.path / "f.toml").string()});
+  CHECK(ran.status == 0);
+  CHECK_THAT(ran.err, Contains("furculad: warning: Modbus listens on 0.0.0.0"));
+}
+
+TEST_CASE(
+    "a key of fifty thousand names is refused with its line, and does not end the program by a signal") {
+  const Folder folder;
+  std::string text = kLeast;
+  for (int i = 0; i < 50'000; ++i) text += "a.";
+  std::ofstream(folder.path / "f.toml") << text << "a = 1\n";
+  const test::Ran ran = test::run_program(FURCULAD, {"--check", (folder.path / "f.toml").string()});
+  CHECK(ran.status == 3);
+  CHECK_THAT(ran.err, Contains("f.toml:8: more than 16 names joined by dots"));
 }

@@ -108,6 +108,40 @@ TEST_CASE("every value that one thread puts another takes once, in order and who
   CHECK_FALSE(slot.take(value));
 }
 
+TEST_CASE("what is withdrawn is not taken, and what was taken is not withdrawn") {
+  linux_sbc::Slot<int> slot;
+  int value = 0;
+  CHECK_FALSE(slot.withdraw());
+  CHECK(slot.put(1));
+  CHECK(slot.withdraw());
+  CHECK_FALSE(slot.take(value));
+  CHECK(slot.put(2));
+  CHECK(slot.take(value));
+  CHECK(value == 2);
+  CHECK_FALSE(slot.withdraw());
+}
+
+TEST_CASE("of two threads, one that withdraws and one that takes, one alone has each value") {
+  static linux_sbc::Slot<int> slot;
+  std::atomic<bool> stop{false};
+  int taken = 0;
+  std::thread taker([&] {
+    int value = 0;
+    while (!stop) taken += slot.take(value) ? 1 : 0;
+    taken += slot.take(value) ? 1 : 0;
+  });
+  constexpr int kMany = 20000;
+  int put = 0, withdrawn = 0;
+  for (int i = 0; i < kMany; ++i) {
+    put += slot.put(i) ? 1 : 0;
+    if (i % 3 == 0) std::this_thread::yield();
+    withdrawn += slot.withdraw() ? 1 : 0;
+  }
+  stop = true;
+  taker.join();
+  CHECK(taken + withdrawn == put);
+}
+
 TEST_CASE("a full slot keeps what it has") {
   linux_sbc::Slot<int> slot;
   CHECK(slot.put(1));
@@ -154,6 +188,48 @@ TEST_CASE(
   }
   REQUIRE(read == 1);
   CHECK(word == 77);
+}
+
+TEST_CASE("a request that was reported as failed is never done, however late the loop comes") {
+  Hatch hatch;
+  const std::array<std::uint8_t, 5> request{3, 0, 1, 0, 1};
+  const bus::Response response = hatch.ask(request);
+  REQUIRE(response.size == 2);
+  CHECK(response.bytes[0] == (3 | 0x80));
+  CHECK(response.bytes[1] == static_cast<std::uint8_t>(bus::ModbusException::device_failure));
+  int done = 0;
+  const auto count = [&](std::span<const std::uint8_t>) {
+    ++done;
+    return bus::Response();
+  };
+  for (int tick = 0; tick < 10; ++tick) hatch.attend(count);
+  CHECK(done == 0);
+}
+
+TEST_CASE("whether a request is done and what is said of it agree, wherever the loop comes between") {
+  Hatch hatch;
+  std::atomic<int> done{0};
+  std::atomic<bool> stop{false};
+  // Looks about when the 100 ms are over, and takes its time with what it finds.
+  std::thread loop([&] {
+    for (unsigned round = 0; !stop; ++round) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(96 + round % 16));
+      hatch.attend([&](std::span<const std::uint8_t> request) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(30));
+        ++done;
+        bus::Response response;
+        response.put(request[0]);
+        return response;
+      });
+    }
+  });
+  int told_done = 0;
+  const std::array<std::uint8_t, 5> request{3, 0, 1, 0, 1};
+  for (int round = 0; round < 30; ++round) told_done += hatch.ask(request).bytes[0] == 3 ? 1 : 0;
+  stop = true;
+  loop.join();
+  CHECK(done == told_done);
+  CHECK(told_done > 0);
 }
 
 #ifdef FURCULA_COUNTS_ALLOCATIONS

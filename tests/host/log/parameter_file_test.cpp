@@ -1,6 +1,8 @@
 // The file of parameters on a computer: what is damaged in it is not believed.
 #include "host/log/parameter_file.hpp"
 
+#include <sys/stat.h>
+
 #include <algorithm>
 #include <array>
 #include <catch2/catch.hpp>
@@ -50,4 +52,28 @@ TEST_CASE("a store that cannot be written says so and leaves no part") {
   CHECK(std::filesystem::is_empty(folder.path()));
   log::ParameterFile none("");
   CHECK(none.save(image) == Status::disconnected);
+}
+
+TEST_CASE("only a file that is not there was never saved") {
+  const test::TemporaryFolder folder;
+  std::array<std::uint8_t, 64> into{};
+  const auto load = [&](const std::string& path) { return log::ParameterFile(path).load(into); };
+  CHECK(load(folder.path() + "/none").value() == 0);
+  CHECK(load(folder.path() + "/none").ok());
+  // Of all others the reason cannot be that nobody saved: a file in the place of a folder, a folder, links
+  // that name each other, a pipe, a name that is too long.
+  const std::string file = folder.file("file", "x");
+  CHECK(load(file + "/x").status() == Status::invalid);
+  CHECK(load(folder.path()).status() == Status::invalid);
+  std::filesystem::create_symlink(folder.path() + "/b", folder.path() + "/a");
+  std::filesystem::create_symlink(folder.path() + "/a", folder.path() + "/b");
+  CHECK(load(folder.path() + "/a").status() == Status::invalid);
+  REQUIRE(::mkfifo((folder.path() + "/fifo").c_str(), 0600) == 0);
+  CHECK(load(folder.path() + "/fifo").status() == Status::invalid);
+  CHECK(load(folder.path() + "/" + std::string(300, 'n')).status() == Status::invalid);
+  CHECK(load(folder.file("empty", "")).status() == Status::invalid);
+  // Nor can a folder be saved to, or what is below a file: that is told.
+  const std::array<std::uint8_t, 4> image{};
+  CHECK(log::ParameterFile(folder.path()).save(image) == Status::disconnected);
+  CHECK(log::ParameterFile(file + "/x").save(image) == Status::disconnected);
 }

@@ -109,6 +109,28 @@ TEST_CASE("a damaged file of parameters leaves the defaults, and it is told") {
   const std::string file = folder.file("parameters", "nothing of the kind");
   test::Robot robot(file);
   CHECK(robot.rig.snapshot().parameter_origin == static_cast<int>(bus::ParameterOrigin::store_unusable));
+  // As on a controller board: it waits for a person, who may set, save and reset.
+  robot.rig.advance(1400);
+  CHECK(robot.rig.snapshot().state == static_cast<int>(bus::NodeState::fault));
+  CHECK(robot.rig.snapshot().fault == static_cast<int>(control::Fault::parameters_lost));
+  robot.rig.advance(200);
+  CHECK(robot.rig.snapshot().fault == static_cast<int>(control::Fault::parameters_lost));
+  modbus::Client client(modbus::parse_port(robot.port()));
+  client.request(bus::Request::save);
+  client.request(bus::Request::reset);
+  robot.rig.advance(100);
+  CHECK(robot.rig.snapshot().state == static_cast<int>(bus::NodeState::idle));
+  CHECK(test::Robot(file).rig.snapshot().parameter_origin == static_cast<int>(bus::ParameterOrigin::store));
+}
+
+TEST_CASE("a folder in the place of the file of parameters is a damaged file, not an unexpected error") {
+  const test::TemporaryFolder folder;
+  test::Robot robot(folder.path());
+  CHECK(robot.rig.snapshot().parameter_origin == static_cast<int>(bus::ParameterOrigin::store_unusable));
+  robot.rig.advance(1600);
+  CHECK(robot.rig.snapshot().fault == static_cast<int>(control::Fault::parameters_lost));
+  modbus::Client client(modbus::parse_port(robot.port()));
+  CHECK_THROWS_AS(client.request(bus::Request::save), modbus::Refused);
 }
 
 TEST_CASE("a host that does not answer ends with the port's name") {

@@ -58,7 +58,13 @@ enum class Reason : std::uint8_t {
 };
 
 /// Where the parameters come from.
-enum class ParameterOrigin : std::uint8_t { defaults = 0, store = 1, store_unusable = 2, changed = 3 };
+enum class ParameterOrigin : std::uint8_t {
+  defaults = 0,
+  store = 1,
+  store_unusable = 2,
+  changed = 3,
+  being_saved = 4
+};
 
 /// Why it started.
 enum class ResetCause : std::uint8_t { unknown = 0, power = 1, pin = 2, software = 3, watchdog = 4 };
@@ -132,11 +138,12 @@ inline constexpr std::array<Word, 13> kReasons{{
     {12, "desk_silent", "The desk that had started it fell silent for desk_silent_s: arm it, then hop."},
 }};
 
-inline constexpr std::array<Word, 4> kParameterOrigins{{
+inline constexpr std::array<Word, 5> kParameterOrigins{{
     {0, "defaults", "As built in: nothing was saved."},
     {1, "store", "As saved."},
     {2, "store_unusable", "As built in: what was saved is damaged or makes no sense."},
     {3, "changed", "Changed since the start or the last save, and not saved."},
+    {4, "being_saved", "Being written to the file; then they are as saved, or last_refusal is store_failed."},
 }};
 
 inline constexpr std::array<Word, 5> kResetCauses{{

@@ -29,6 +29,7 @@ enum class ModbusException : std::uint8_t {
   illegal_address = 2,
   illegal_value = 3,
   device_failure = 4,  ///< here: refused; the input register last_refusal says why
+  acknowledge = 5,     ///< taken, and it takes a while: here a save; parameter_origin says when it is done
 };
 
 /// Of what came over Modbus, and as requests for registers over CAN.

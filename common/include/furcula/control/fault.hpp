@@ -100,7 +100,7 @@ inline constexpr std::array<FaultInfo, kFaultCount> kFaults{{
      "The processor stopped the program and the board started anew, as after an overflow of the stack.",
      "Read the fault log; report the build id with it; then reset."},
     {Fault::parameters_lost, "parameters_lost",
-     "No slot of the flash holds whole parameters: those of the image are in use.",
+     "No slot of the flash, or not the file, holds whole parameters: those built in are in use.",
      "Set the parameters and save them; then reset."},
     {Fault::bus_unreliable, "bus_unreliable",
      "Too many of the bus's frames were lost, unanswered or out of order in a short time.",
