@@ -50,6 +50,7 @@ enum class Reason : std::uint8_t {
   trial = 10,
   trial_ended = 11,
   desk_silent = 12,
+  landing = 13,
 };
 
 /// Where the parameters come from.
@@ -102,7 +103,7 @@ inline constexpr std::array<Word, 10> kRefusals{{
     {9, "no_edge", "A stream starts the robot only when its request changes to hop, while it is fresh."},
 }};
 
-inline constexpr std::array<Word, 13> kReasons{{
+inline constexpr std::array<Word, 14> kReasons{{
     {0, "none", "Nothing holds it: the controller commands a torque."},
     {1, "starting", "It starts: it waits for sensors that answer without a fault."},
     {2, "fault", "A fault holds it in the safe state."},
@@ -117,6 +118,7 @@ inline constexpr std::array<Word, 13> kReasons{{
     {10, "trial", "It is on the clutch's bench, and a trial runs."},
     {11, "trial_ended", "The bench's trial is over and can be read: arm it, then hop, for the next one."},
     {12, "desk_silent", "The desk that had started it fell silent for desk_silent_s: arm it, then hop."},
+    {13, "landing", "The contact switch is lost: it lands without it, and then is in that fault."},
 }};
 
 inline constexpr std::array<Word, 4> kParameterOrigins{{

@@ -34,6 +34,7 @@ enum class Fault : std::uint8_t {
   processor_fault = 19,
   parameters_lost = 20,
   bus_unreliable = 21,
+  contact_switch_lost = 22,
 };
 
 struct FaultInfo {
@@ -43,7 +44,7 @@ struct FaultInfo {
   std::string_view remedy;  ///< what a person should do
 };
 
-inline constexpr std::size_t kFaultCount = 22;
+inline constexpr std::size_t kFaultCount = 23;
 inline constexpr std::array<FaultInfo, kFaultCount> kFaults{{
     {Fault::none, "none", "No fault.", "Nothing."},
     {Fault::bad_configuration, "bad_configuration",
@@ -103,6 +104,9 @@ inline constexpr std::array<FaultInfo, kFaultCount> kFaults{{
     {Fault::bus_unreliable, "bus_unreliable",
      "Too many of the bus's frames were lost, unanswered or out of order in a short time.",
      "Look at the bus's load, its cable and its terminating resistors; then reset."},
+    {Fault::contact_switch_lost, "contact_switch_lost",
+     "The contact switch contradicts both the force on the leg and the height of its toe: the robot has landed without it.",
+     "Check the switch under the toe and its cable: it sticks, chatters, or a wire is broken; then reset."},
 }};
 
 constexpr const FaultInfo& info(Fault fault) { return kFaults[static_cast<std::size_t>(fault)]; }
