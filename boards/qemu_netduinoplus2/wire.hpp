@@ -13,7 +13,7 @@ namespace furcula::pil {
 inline constexpr char kToBoard[] = "to_board";
 inline constexpr char kFromBoard[] = "from_board";
 
-inline constexpr std::uint32_t kBegin = 0x46423034;  // "FB04": first message, and its version
+inline constexpr std::uint32_t kBegin = 0x46423035;  // "FB05": first message, and its version
 inline constexpr std::uint32_t kTick = 1;
 inline constexpr std::uint32_t kEnd = 2;
 
@@ -41,6 +41,8 @@ struct Outputs {
   std::uint8_t phase = 0, touchdown = 0, liftoff = 0, fault = 0;
   std::uint32_t clutch_stage = 0;
   float fold_m = 0.0f, cable_travel_m = 0.0f;
+  float ground_force_n = 0.0f;
+  std::uint16_t observed_contact = 0, landing = 0;
 };
 
 /// Board to host, each tick.
@@ -57,9 +59,9 @@ struct Farewell {
       0;  ///< what 100 instructions measure: 100, if the emulator counts as it should
 };
 
-static_assert(std::is_trivially_copyable_v<Begin> && sizeof(Begin) == 308);
+static_assert(std::is_trivially_copyable_v<Begin> && sizeof(Begin) == 316);
 static_assert(std::is_trivially_copyable_v<Tick> && sizeof(Tick) == 52);
-static_assert(std::is_trivially_copyable_v<Reply> && sizeof(Outputs) == 48 && sizeof(Reply) == 52);
+static_assert(std::is_trivially_copyable_v<Reply> && sizeof(Outputs) == 56 && sizeof(Reply) == 60);
 static_assert(std::has_unique_object_representations_v<Farewell>);
 
 inline Outputs outputs_of(const firmware::Telemetry& telemetry) {
@@ -79,6 +81,9 @@ inline Outputs outputs_of(const firmware::Telemetry& telemetry) {
   wire.clutch_stage = static_cast<std::uint32_t>(out.clutch.stage);
   wire.fold_m = out.clutch.path.fold_m;
   wire.cable_travel_m = out.clutch.travel_m;
+  wire.ground_force_n = out.contact.force_n;
+  wire.observed_contact = out.contact.contact ? 1 : 0;
+  wire.landing = out.landing ? 1 : 0;
   return wire;
 }
 

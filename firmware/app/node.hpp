@@ -170,6 +170,7 @@ class Node {
   bus::Reason reason() const {
     if (state_ != bus::NodeState::running) return reason_;
     if (config().bench.on_bench != 0) return bus::Reason::trial;
+    if (app_.telemetry().outputs.landing) return bus::Reason::landing;
     const control::TorqueProfileConfig& torque = config().torque;
     if (torque.shape == control::ProfileShape::zero || torque.amplitude_nm == 0.0f)
       return bus::Reason::no_torque;
@@ -225,6 +226,8 @@ class Node {
     s.unique_id_0 = identity_.unique_id[0];
     s.unique_id_1 = identity_.unique_id[1];
     s.unique_id_2 = identity_.unique_id[2];
+    s.observed_contact = out.contact.contact ? 1 : 0;
+    s.ground_force_n = out.contact.force_n;
     return s;
   }
 

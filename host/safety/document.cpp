@@ -2,7 +2,9 @@
 #include "host/safety/document.hpp"
 
 #include <algorithm>
+#include <cstdio>
 #include <optional>
+#include <string_view>
 #include <vector>
 
 #include "host/safety/fault_table.hpp"
@@ -50,6 +52,62 @@ std::uint32_t most(const std::vector<Tried>& all, std::uint32_t Trial::*figure) 
   return most;
 }
 
+bool is_of_switch(const RigRow& row) {
+  return row.breaks == sim_host::RigFault::switch_stuck_open ||
+         row.breaks == sim_host::RigFault::switch_stuck_closed ||
+         row.breaks == sim_host::RigFault::switch_chattering;
+}
+
+constexpr std::string_view kLanding = R"(
+## Without the contact switch
+
+The switch is one of three witnesses of the ground. The force on the toe is told from leg angle, torque and cable ([the contact observer](firmware.md#the-contact-observer)); the toe's height is that of the body less that of the leg.
+Where these two agree against the switch for 20 ms, and the force had agreed with the switch in the two strides before, the switch is taken to be lost. Where they do not agree, nobody knows who is wrong: safe state at once, as before.
+
+The robot then lands: no torque that pushes, but one that brakes the leg while it is on the ground; what the clutch has let go is brought home and caught, and nothing is let go any more; the observer takes the switch's place, and is watched
+as the switch was. Once it stands still for 100 ms, and after 2 s in any case, it is in the safe state with `contact_switch_lost`. A stop, and any other fault, ends the landing at once.
+The last columns are a robot whose observer is switched off, which goes limp. Each is the worst of three tries on the bus: ticks of 1 ms from the instant that the switch breaks; hip and impact from the reaction on.
+
+| what breaks | when | lands after | lowest hip, m | hardest impact, m/s | still after | limp: lowest hip | limp: hardest impact | limp: still after |
+| --- | --- | --- | --- | --- | --- | --- | --- | --- |
+)";
+
+/// The worst of several tries at one moment.
+struct Worst {
+  std::uint32_t landing_tick = 0, moving_ticks = 0;
+  double lowest_m = 1e9, hardest_mps = 0.0;
+  bool lands = true;
+};
+Worst worst_of(const std::vector<Tried>& all, Moment moment) {
+  Worst worst;
+  for (const Tried& t : all) {
+    if (t.moment != moment) continue;
+    worst.lands = worst.lands && t.trial.lands;
+    worst.landing_tick = std::max(worst.landing_tick, t.trial.landing_tick);
+    worst.moving_ticks = std::max(worst.moving_ticks, t.trial.moving_ticks);
+    worst.lowest_m = std::min(worst.lowest_m, t.trial.lowest_after_m);
+    worst.hardest_mps = std::max(worst.hardest_mps, t.trial.hardest_after_mps);
+  }
+  return worst;
+}
+
+std::string landing_rows(const RigRow& row) {
+  const auto landing = try_row(row, Rig::on_bus, kSeeds), limp = try_row(row, Rig::on_bus, kSeeds, true);
+  std::string text;
+  char cells[200];
+  for (std::size_t m = 0; m < kMoments.size(); ++m) {
+    const auto moment = static_cast<Moment>(m);
+    const Worst one = worst_of(landing, moment), other = worst_of(limp, moment);
+    const std::string after = one.lands ? std::to_string(one.landing_tick) : std::string("-: limp at once");
+    std::snprintf(cells, sizeof cells, "| %s | %.2f | %.1f | %u | %.2f | %.1f | %u |\n", after.c_str(),
+                  one.lowest_m, one.hardest_mps, one.moving_ticks, other.lowest_m, other.hardest_mps,
+                  other.moving_ticks);
+    text += "| `" + std::string(sim_host::info(row.breaks).name) + "` | " + std::string(kMoments[m]) + " " +
+            cells;
+  }
+  return text;
+}
+
 }  // namespace
 
 std::string to_markdown() {
@@ -74,6 +132,9 @@ std::string to_markdown() {
   for (const OtherRow& row : other_rows())
     page += "| " + std::string(row.breaks) + bar + std::string(row.reaction) + bar + "`" +
             std::string(row.shown_by) + "` |\n";
+  page += kLanding;
+  for (const RigRow& row : rig_rows())
+    if (is_of_switch(row)) page += landing_rows(row);
   page += R"(
 ## What counts as unsafe
 

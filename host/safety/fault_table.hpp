@@ -44,8 +44,9 @@ struct Tried {
   Trial trial;
 };
 
-/// The row at each moment, `seeds` times each. Rows that need no bus can be tried without one.
-std::vector<Tried> try_row(const RigRow& row, Rig rig, unsigned seeds);
+/// The row at each moment, `seeds` times each. Rows that need no bus can be tried without one. `blind`:
+/// run_trial().
+std::vector<Tried> try_row(const RigRow& row, Rig rig, unsigned seeds, bool blind = false);
 
 /// What of a row's limits it broke, in words; empty: nothing.
 std::string_view broken_limit(const RigRow& row, const Trial& trial);

@@ -81,6 +81,14 @@ class Judge {
     if (coil_in_stance_ > kCoilInStanceTicks) trial_.set(Unsafe::coil_in_stance);
     if (wanted_nm > static_cast<double>(config_.limits.torque_nm)) trial_.set(Unsafe::torque_beyond_limit);
 
+    if (out.landing && !trial_.lands && tick >= onset_tick_) {
+      trial_.lands = true;
+      trial_.landing_tick = tick - onset_tick_;
+    }
+    const bool reacted = faulty || out.landing;
+    if (reacted) trial_.lowest_after_m = std::min(trial_.lowest_after_m, plant.height_m());
+    if (reacted && std::abs(plant.velocity_mps()) > kStillMps) trial_.moving_ticks = tick - onset_tick_;
+
     trial_.highest_m = std::max(trial_.highest_m, plant.height_m());
     trial_.lowest_m = std::min(trial_.lowest_m, plant.height_m());
     if (trial_.highest_m > kHighestM) trial_.set(Unsafe::off_the_rail);
@@ -88,6 +96,7 @@ class Judge {
     if (plant.in_stance() && !stood_) {
       ++trial_.hops;
       trial_.hardest_mps = std::max(trial_.hardest_mps, -body_mps_);
+      if (reacted) trial_.hardest_after_mps = std::max(trial_.hardest_after_mps, -body_mps_);
       trial_.fastest_toe_mps = std::max(trial_.fastest_toe_mps, -toe_mps_);
       if (trial_.hardest_mps > kHardestMps || trial_.fastest_toe_mps > kFastestToeMps)
         trial_.set(Unsafe::hard_impact);
@@ -162,8 +171,10 @@ bool is_at(Moment moment, const control::Outputs& out) {
 
 }  // namespace
 
-Trial run_trial(const model::Model& model, const sim::Scenario& scenario, std::uint64_t seed, Rig rig) {
-  return on_rig(rig, model, scenario, seed, [&](auto& board, const control::Config& config) {
+Trial run_trial(const model::Model& model, const sim::Scenario& scenario, std::uint64_t seed, Rig rig,
+                bool blind) {
+  return on_rig(rig, model, scenario, seed, [&](auto& board, control::Config config) {
+    if (blind) config.observer.touchdown_force_n = 1e9f;
     return Judge<std::remove_reference_t<decltype(board)>>(board, config, scenario).run();
   });
 }

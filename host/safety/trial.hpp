@@ -40,6 +40,7 @@ inline constexpr std::uint32_t kUnknownTicks = 50;  ///< running: so long a loos
 /// The switch reports touch-down up to 10 ms late and two readings count; an open one in a stance is found
 /// once the leg is 3 cm short, for 50 ms.
 inline constexpr std::uint32_t kCoilInStanceTicks = 100;
+inline constexpr double kStillMps = 0.05;  ///< of the body: slower, it stands
 
 struct UnsafeInfo {
   Unsafe outcome;
@@ -74,7 +75,12 @@ struct Trial {
   double lowest_m = 1e9, highest_m = 0.0, hardest_mps = 0.0, fastest_toe_mps = 0.0;
   std::uint32_t longest_coil_in_stance_ticks = 0;
   bool caught_at_end = true;
-  std::uint32_t unsafe = 0;  ///< bit n: the outcome of number n
+  // From when it lands without its switch, or, where it does not, from the fault on.
+  bool lands = false;
+  std::uint32_t landing_tick = 0;  ///< since the first fault's instant, where it lands
+  double lowest_after_m = 1e9, hardest_after_mps = 0.0;
+  std::uint32_t moving_ticks = 0;  ///< since the first fault's instant, until it stands still
+  std::uint32_t unsafe = 0;        ///< bit n: the outcome of number n
 
   bool is(Unsafe outcome) const { return (unsafe >> static_cast<unsigned>(outcome) & 1u) != 0; }
   void set(Unsafe outcome) { unsafe |= 1u << static_cast<unsigned>(outcome); }
@@ -82,9 +88,11 @@ struct Trial {
 
 enum class Rig : std::uint8_t { local, on_bus };
 
-/// Runs the scenario with its faults. `on_bus`: drive and encoders behind the simulated CAN bus. The same
-/// arguments give the same result.
-Trial run_trial(const model::Model& model, const sim::Scenario& scenario, std::uint64_t seed, Rig rig);
+/// Runs the scenario with its faults. `on_bus`: drive and encoders behind the simulated CAN bus. `blind`: its
+/// contact observer sees nothing, and it knows of the ground by the switch alone. The same arguments give the
+/// same result.
+Trial run_trial(const model::Model& model, const sim::Scenario& scenario, std::uint64_t seed, Rig rig,
+                bool blind = false);
 
 /// The robot of document 002, chapter 5, whose spring has a clutch.
 model::Model robot();

@@ -259,10 +259,12 @@ control::Config controller_config(const model::Model& model, const Scenario& sce
   config.supervisor.height_min_m = static_cast<float>(0.2 * length_m);
   config.supervisor.leg_angle_min_rad = static_cast<float>(angle_rad - 0.05);
   config.gravity_mps2 = static_cast<float>(std::max(0.1, model.parameter("gravity_mps2")));
-  if (model.kind != Kind::hopper_nonlinear) return config;
   control::ClutchConfig& clutch = config.clutch;
   clutch.spring_npm = static_cast<float>(std::max(1.0, model.parameter("stiffness_npm")));
   clutch.spring_rest_m = static_cast<float>(model.parameter("rest_height_m"));
+  config.observer.leg_damping_nspm =
+      static_cast<float>(model.parameter("damping_stance_nspm") - model.parameter("damping_flight_nspm"));
+  if (model.kind != Kind::hopper_nonlinear) return config;
   clutch.contraction_m = static_cast<float>(scenario.contraction_m);
   clutch.contraction_s = static_cast<float>(0.5 * scenario.contraction_period_s);
   clutch.touchdown_margin_s = static_cast<float>(scenario.catch_before_touchdown_s);

@@ -203,8 +203,8 @@ TEST_CASE("addresses that are none are refused") {
   Bench b;
   Words out(1), two(2);
   CHECK(b.registers.read_input(67, out) == ModbusException::none);
-  CHECK(b.registers.read_input(68, out) == ModbusException::illegal_address);
-  CHECK(b.registers.read_input(67, two) == ModbusException::illegal_address);
+  CHECK(b.registers.read_input(71, out) == ModbusException::illegal_address);
+  CHECK(b.registers.read_input(70, two) == ModbusException::illegal_address);
   CHECK(b.registers.read_input(65535, two) == ModbusException::illegal_address);
   CHECK(b.registers.read_holding(2, two) == ModbusException::illegal_address);
   CHECK(b.registers.read_holding(255, two) == ModbusException::illegal_address);

@@ -29,7 +29,7 @@ TEST_CASE("a snapshot goes through the registers and back to the bit, the more s
 TEST_CASE("the registers have names of their own, and the parameters addresses of their own") {
   std::set<std::string_view> names;
   for (const bus::InputRegister& r : bus::kInputRegisters) CHECK(names.insert(r.name).second);
-  CHECK(bus::kInputWords == 68);
+  CHECK(bus::kInputWords == 71);
   CHECK(bus::kLogBase == 512);
   CHECK(bus::kLogWords == 8 * 4);
   CHECK(bus::address_of(*bus::parameter_named("torque_shape")) == 256);

@@ -233,3 +233,126 @@ TEST_CASE_METHOD(Fixture,
     CHECK(after(seen) == Fault::peer_lost);
   }
 }
+
+namespace {
+
+/// A switch that is wrong for long enough, and what the two other witnesses say. The robot runs.
+struct Quarrel {
+  float height_m;
+  float leg_m;
+  bool reading;   ///< the switch
+  bool observed;  ///< the force
+  Fault alone;    ///< what it is called where these two do not agree against the switch
+};
+constexpr Quarrel kStuckClosed{0.35f, 0.2819f, true, false, Fault::contact_implausible};
+constexpr Quarrel kStuckOpen{0.24f, 0.24f, false, true, Fault::contact_implausible};
+constexpr Quarrel kClosedFolded{0.30f, 0.25f, true, false, Fault::encoder_implausible};
+
+Observation quarrel(const Quarrel& q) {
+  Observation seen = sound(q.height_m);
+  seen.leg_height_m = q.leg_m;
+  seen.leg_angle_rad = std::acos(q.leg_m / 0.3f);
+  seen.contact_reading = q.reading;
+  seen.observed_contact = q.observed;
+  seen.observed_ticks = 100;
+  seen.observer_trusted = seen.runs = true;
+  seen.velocity_mps = -1.0f;
+  return seen;
+}
+
+/// Each is found within 50 ms of the leg's being 3 cm short.
+void until_landing(Fixture& robot, const Quarrel& q) {
+  for (int i = 0; i < 60 && !robot.state.landing; ++i) REQUIRE(robot.after(quarrel(q)) == Fault::none);
+  REQUIRE(robot.state.landing);
+}
+
+}  // namespace
+
+TEST_CASE_METHOD(Fixture,
+                 "a switch that two witnesses contradict brings the robot to land, and then is the fault") {
+  const Quarrel q = GENERATE(kStuckClosed, kStuckOpen, kClosedFolded);
+  until_landing(*this, q);
+  // From then on the observer is the switch.
+  Observation falls = sound(0.32f);
+  falls.runs = true;
+  supervise(config, state, falls, true, kDt);
+  CHECK(state.landing);  // a reset is for faults
+  CHECK(after(falls, 300) == Fault::none);
+  CHECK(state.landing);
+  Observation stands = sound(0.2645f);
+  stands.runs = stands.observed_contact = true;
+  CHECK(after(stands, 100) == Fault::none);
+  CHECK(after(stands, 1) == Fault::contact_switch_lost);
+  CHECK_FALSE(state.landing);
+  CHECK(after(sound(0.35f), 1000) == Fault::contact_switch_lost);
+}
+
+TEST_CASE_METHOD(Fixture, "where only one witness contradicts the switch nobody lands") {
+  const Quarrel q = GENERATE(kStuckClosed, kStuckOpen, kClosedFolded);
+  Observation seen = quarrel(q);
+  SECTION("the force says what the switch says") { seen.observed_contact = !q.observed; }
+  SECTION("the force has not said so for 20 ms") { seen.observed_ticks = 5; }
+  SECTION("the observer has not agreed with the switch before") { seen.observer_trusted = false; }
+  CHECK(after(seen, 60) == q.alone);
+  CHECK_FALSE(state.landing);
+}
+
+TEST_CASE_METHOD(Fixture, "a robot that does not run does not land: it is in the fault at once") {
+  Observation seen = quarrel(kStuckClosed);
+  seen.runs = false;
+  CHECK(after(seen, 60) == Fault::contact_switch_lost);
+}
+
+TEST_CASE_METHOD(Fixture,
+                 "a landing ends with any other fault, with an observer that is wrong, and after 2 s") {
+  until_landing(*this, kStuckClosed);
+  Observation seen = sound(0.32f);
+  seen.runs = true;
+  SECTION("another fault") {
+    seen.missed_samples = 2;
+    CHECK(after(seen) == Fault::peer_lost);
+  }
+  SECTION("the observer says ground, high above it") {
+    seen = sound(0.35f);
+    seen.runs = seen.contact_reading = seen.observed_contact = true;
+    CHECK(after(seen, 30) == Fault::contact_implausible);
+  }
+  SECTION("the observer says air, and the leg is 3 cm short") {
+    seen = sound(0.24f);
+    seen.runs = true;
+    seen.contact_reading = false;
+    CHECK(after(seen, 60) == Fault::contact_implausible);
+  }
+  SECTION("it does not come to rest") {
+    CHECK(after(seen, 1900) == Fault::none);
+    CHECK(after(seen, 100) == Fault::contact_switch_lost);
+  }
+  CHECK_FALSE(state.landing);
+}
+
+TEST_CASE_METHOD(Fixture,
+                 "a leg that bears the body while the switch reads open is found before it is 3 cm short") {
+  // It stands: 1.7 cm short on its spring.
+  Observation seen = quarrel({0.2645f, 0.2645f, false, true, Fault::none});
+  CHECK(after(seen, 50) == Fault::none);
+  CHECK_FALSE(state.landing);
+  seen.runs = false;  // held by somebody, it may be pressed together
+  CHECK(after(seen, 100) == Fault::none);
+  CHECK_FALSE(state.landing);
+  seen.runs = true;
+  after(seen);
+  CHECK(state.landing);
+}
+
+TEST_CASE_METHOD(Fixture,
+                 "a chattering switch in flight is alone 5 cm above the ground, and not 2 cm above it") {
+  const bool high = GENERATE(true, false);
+  Observation seen = quarrel({kTouchdown + (high ? 0.05f : 0.02f), kTouchdown, false, false, Fault::none});
+  Fault fault = Fault::none;
+  for (int i = 0; i < 40 && fault == Fault::none && !state.landing; ++i) {
+    seen.contact_reading = i % 2 == 0;
+    fault = after(seen);
+  }
+  CHECK(state.landing == high);
+  CHECK(fault == (high ? Fault::none : Fault::contact_implausible));
+}

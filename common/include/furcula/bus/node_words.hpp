@@ -55,6 +55,7 @@ enum class Reason : std::uint8_t {
   trial = 10,
   trial_ended = 11,
   desk_silent = 12,
+  landing = 13,
 };
 
 /// Where the parameters come from.
@@ -121,7 +122,7 @@ inline constexpr std::array<Word, 15> kRefusals{{
      "The chip's option BOR_LEV is not at level 3: it would run on through a sag while it erases (adding_a_board.md)."},
 }};
 
-inline constexpr std::array<Word, 13> kReasons{{
+inline constexpr std::array<Word, 14> kReasons{{
     {0, "none", "Nothing holds it: the controller commands a torque."},
     {1, "starting", "It starts: it waits for sensors that answer without a fault."},
     {2, "fault", "A fault holds it in the safe state."},
@@ -136,6 +137,7 @@ inline constexpr std::array<Word, 13> kReasons{{
     {10, "trial", "It is on the clutch's bench, and a trial runs."},
     {11, "trial_ended", "The bench's trial is over and can be read: arm it, then hop, for the next one."},
     {12, "desk_silent", "The desk that had started it fell silent for desk_silent_s: arm it, then hop."},
+    {13, "landing", "The contact switch is lost: it lands without it, and then is in that fault."},
 }};
 
 inline constexpr std::array<Word, 5> kParameterOrigins{{

@@ -54,6 +54,8 @@ struct Snapshot {
   std::uint32_t bus_requests = 0, bus_exceptions = 0, bus_bad_frames = 0;
   std::uint16_t reset_cause = 0, logged_faults = 0;
   std::uint32_t starts = 0, unique_id_0 = 0, unique_id_1 = 0, unique_id_2 = 0;
+  std::uint16_t observed_contact = 0;
+  float ground_force_n = 0.0f;
 };
 
 enum class RegisterType : std::uint8_t { u16, u32, real };
@@ -164,6 +166,9 @@ inline constexpr std::array kInputRegisters{
     table::input<&Snapshot::unique_id_0>(62, "unique_id_0", "", "Of the chip, bits 0 to 31; 0: it has none."),
     table::input<&Snapshot::unique_id_1>(64, "unique_id_1", "", "Bits 32 to 63."),
     table::input<&Snapshot::unique_id_2>(66, "unique_id_2", "", "Bits 64 to 95."),
+    table::input<&Snapshot::observed_contact>(68, "observed_contact", "",
+                                              "Told from the leg, without the switch; 1: on the ground."),
+    table::input<&Snapshot::ground_force_n>(69, "ground_force_n", "N", "On the toe, told from the leg."),
 };
 
 /// Input registers: addresses 0 to this, without a gap.

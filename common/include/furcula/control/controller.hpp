@@ -7,6 +7,7 @@
 #include "furcula/control/bench_trial.hpp"
 #include "furcula/control/clutch_sequencer.hpp"
 #include "furcula/control/coil_drive.hpp"
+#include "furcula/control/contact_observer.hpp"
 #include "furcula/control/debounce.hpp"
 #include "furcula/control/height.hpp"
 #include "furcula/control/leg_position.hpp"
@@ -34,6 +35,7 @@ struct Config {
   CoilConfig coil;
   LegPositionConfig leg;
   BenchConfig bench;
+  ContactObserverConfig observer;
   /// Of whoever lets it run (firmware/app/node.hpp); 0: for ever.
   float desk_silent_s = 2.0f;
 };
@@ -58,6 +60,8 @@ struct State {
   CoilState coil;
   LegPositionState leg;
   BenchState bench;
+  ContactObserverState observer;
+  WitnessState witness;
   Sample last_sample;
   std::uint32_t missed_samples = 1;  ///< running; nothing was ever measured
 };
@@ -68,6 +72,8 @@ struct Outputs {
   PhaseEstimate phase;
   ClutchEstimate clutch;
   TrialEstimate trial;
+  ContactEstimate contact;
+  bool landing = false;  ///< without its switch
   Fault fault = Fault::none;
 };
 
@@ -212,17 +218,39 @@ inline Outputs step(const Config& config, State& state, const Inputs& inputs, fl
   if (config.bench.on_bench != 0) return step_on_bench(config, state, inputs, dt_s);
   Observation seen = take_sample(config, state, inputs);
   const Sample& sample = state.last_sample;
-  const bool reading = sample.contact != 0;
-
   Outputs out;
   out.height =
       estimate_height(config.height, state.height, count_difference(sample.height_count, sample.home_count),
                       sample.home_height_m, dt_s);
-  const bool closed = debounce(config.debounce, state.debounce, reading, dt_s);
   const float leg_m = leg_height_m(config.link_length_m, sample.leg_angle_rad);
+  const float lever_m = leg_lever_m(config.link_length_m, sample.leg_angle_rad);
   const float straight_m = config.phase.touchdown_height_m;
-  out.phase = estimate_phase(config.phase, state.phase, closed, out.height, leg_m, dt_s);
   const std::int32_t cable_count = count_difference(sample.cable_count, sample.cable_home_count);
+  if (config.clutch.fitted != 0)
+    seen.cable_travel_m = static_cast<float>(cable_count) * config.clutch.metres_per_count;
+  const LegView leg{sample.leg_angle_rad,
+                    leg_m,
+                    lever_m,
+                    straight_m,
+                    config.leg.inertia_kgm2,
+                    state.limits.last_nm,
+                    spring_pull_n(config.clutch, leg_m, seen.cable_travel_m),
+                    sample.age_us};
+  // Of a sample that is bridged nothing is new; after a longer silence it begins anew.
+  if (seen.step_ticks > 2) state.observer = {};
+  if (inputs.sample_valid)
+    out.contact =
+        observe_contact(config.observer, state.observer, leg, dt_s * static_cast<float>(seen.step_ticks));
+  else
+    out.contact.contact = state.observer.contact;
+  note_observer(state.witness, out.contact.contact);
+  // Without its switch the robot lands by the observer.
+  const bool lands = state.supervisor.landing;
+  const bool reading = lands ? out.contact.contact : sample.contact != 0;
+  const bool closed = debounce(config.debounce, state.debounce, reading, dt_s) || (lands && reading);
+  if (inputs.run && !lands && state.supervisor.fault == Fault::none)
+    compare_witnesses(state.witness, closed, dt_s);
+  out.phase = estimate_phase(config.phase, state.phase, closed, out.height, leg_m, dt_s);
   if (inputs.reset && state.supervisor.fault != Fault::none)
     restart_clutch(state.clutch, config.clutch, cable_count);
 
@@ -231,18 +259,23 @@ inline Outputs step(const Config& config, State& state, const Inputs& inputs, fl
   seen.leg_angle_rad = sample.leg_angle_rad;
   seen.leg_height_m = leg_m;
   seen.contact_reading = reading;
-  if (config.clutch.fitted != 0)
-    seen.cable_travel_m = static_cast<float>(cable_count) * config.clutch.metres_per_count;
+  seen.observed_contact = state.witness.contact;
+  seen.observed_ticks = state.witness.ticks;
+  seen.observer_trusted = state.witness.agreements >= kAgreementsLeast;
+  seen.runs = inputs.run;
+  seen.velocity_mps = out.height.velocity_mps;
   seen.missed_catches = state.clutch.missed_running;
   out.fault = state.configuration == Status::ok
                   ? supervise(config.supervisor, state.supervisor, seen, inputs.reset, dt_s)
                   : Fault::bad_configuration;
+  out.landing = state.supervisor.landing;
   // The command of the safe state is the default one.
   const bool safe = out.fault != Fault::none || !inputs.run;
   if (safe) {
     state.limits = {};
     abandon(state.clutch);
   } else if (moves_leg_in_flight(config.clutch)) {
+    if (out.landing) state.clutch.tried = true;  // what is let go is caught, and nothing is let go any more
     ClutchView view;
     view.phase = out.phase;
     view.time_left_s = time_to_touchdown_s(config.gravity_mps2, out.height, straight_m, dt_s);
@@ -255,8 +288,8 @@ inline Outputs step(const Config& config, State& state, const Inputs& inputs, fl
     out.command.coil_duty = drive_coil(config.coil, state.coil, out.clutch.coil, dt_s);
     // Where the coil gave up the key falls in: the sequencer finds the cable caught, or not.
   }
-  const float lever_m = leg_lever_m(config.link_length_m, sample.leg_angle_rad);
-  float torque_nm = profile_torque_nm(config.torque, out.phase, out.height.velocity_mps, dt_s);
+  float torque_nm = out.landing ? brake_torque_nm(state.leg, out.phase, sample.leg_angle_rad, dt_s)
+                                : profile_torque_nm(config.torque, out.phase, out.height.velocity_mps, dt_s);
   if (out.clutch.drives_leg) {
     const float fold_m = straight_m - leg_m;
     // Stretched, the leg rests on its stop, and the spring helps.

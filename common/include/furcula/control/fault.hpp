@@ -35,6 +35,7 @@ enum class Fault : std::uint8_t {
   parameters_lost = 20,
   bus_unreliable = 21,
   node_id_taken = 22,
+  contact_switch_lost = 23,
 };
 
 struct FaultInfo {
@@ -44,7 +45,7 @@ struct FaultInfo {
   std::string_view remedy;  ///< what a person should do
 };
 
-inline constexpr std::size_t kFaultCount = 23;
+inline constexpr std::size_t kFaultCount = 24;
 inline constexpr std::array<FaultInfo, kFaultCount> kFaults{{
     {Fault::none, "none", "No fault.", "Nothing."},
     {Fault::bad_configuration, "bad_configuration",
@@ -108,6 +109,9 @@ inline constexpr std::array<FaultInfo, kFaultCount> kFaults{{
     {Fault::node_id_taken, "node_id_taken",
      "Another device on the bus sends with this node's id, or commands its drive.",
      "Give each controller an id of its own, or switch the other one off; then reset."},
+    {Fault::contact_switch_lost, "contact_switch_lost",
+     "The contact switch contradicts both the force on the leg and the height of its toe: the robot has landed without it.",
+     "Check the switch under the toe and its cable: it sticks, chatters, or a wire is broken; then reset."},
 }};
 
 constexpr const FaultInfo& info(Fault fault) { return kFaults[static_cast<std::size_t>(fault)]; }

@@ -43,6 +43,10 @@ struct SupervisorConfig {
   float cable_travel_min_m = -0.003f;
   float cable_travel_max_m = 0.11f;
   std::uint32_t missed_catches_max = 5;  ///< running stances on a spring that was not caught
+
+  /// Without its switch the robot lands. It has landed when it has been slower than this for so long with its
+  /// toe on the ground, or after the longest time; m/s, s.
+  static constexpr float kLanded_mps = 0.08f, kLanded_s = 0.1f, kLongestLanding_s = 2.0f;
 };
 
 /// What the supervisor looks at, gathered by the controller on each tick.
@@ -58,8 +62,14 @@ struct Observation {
   float height_step_m = 0.0f;
   std::uint32_t step_ticks = 1;
   float leg_angle_rad = 0.0f;
-  float leg_height_m = 0.0f;  ///< 2 L cos(leg angle)
-  bool contact_reading = false;
+  float leg_height_m = 0.0f;     ///< 2 L cos(leg angle)
+  bool contact_reading = false;  ///< of the switch; in a landing without it the observer's
+  // Of the contact observer, which knows neither height nor switch (contact_observer.hpp).
+  bool observed_contact = false;
+  std::uint32_t observed_ticks = 0;  ///< since that has changed
+  bool observer_trusted = false;     ///< it has agreed with the switch
+  bool runs = false;                 ///< it may move
+  float velocity_mps = 0.0f;
   float cable_travel_m = 0.0f;       ///< 0 without a clutch
   std::uint32_t missed_catches = 0;  ///< running
 };
@@ -67,10 +77,23 @@ struct Observation {
 struct SupervisorState {
   Fault fault = Fault::none;       ///< latched: the first since the last reset
   std::uint32_t closed_ticks = 0;  ///< running: the switch reads closed
+  std::uint32_t open_ticks = 0;    ///< running: it reads open
   std::uint32_t implausible_contact_ticks = 0;
   float contact_changes = 0.0f;  ///< of late, see SupervisorConfig
   bool last_reading = false;
+  bool landing = false;  ///< without its switch, and not yet landed
+  std::uint32_t landing_ticks = 0, still_ticks = 0;
 };
+
+/// Whether two of three witnesses say that the switch is wrong: the force on the toe, as the leg shows it, and
+/// the toe's height, as height and leg show it. Where these two do not agree, nobody knows who is wrong.
+inline bool switch_is_alone(const SupervisorConfig& config, const Observation& seen, float toe_m,
+                            float dt_s) {
+  if (!seen.observer_trusted || static_cast<float>(seen.observed_ticks) * dt_s < config.implausible_closed_s)
+    return false;
+  return seen.observed_contact ? toe_m <= config.height_mismatch_m && toe_m >= -config.height_mismatch_m
+                               : toe_m > config.contact_margin_m;
+}
 
 /// Of rail, leg and switch: the fault of this tick alone, or none. Counts how long the switch has been
 /// closed, how long implausible, and how often it changes.
@@ -92,8 +115,11 @@ inline Fault find_body_fault(const SupervisorConfig& config, SupervisorState& st
   if (seen.contact_reading && state.closed_ticks != 0xffffffffu) ++state.closed_ticks;
   const bool toe_on_ground = static_cast<float>(state.closed_ticks) * dt_s > config.implausible_closed_s &&
                              leg_flexed_m > config.flexed_leg_m;
-  if (mismatch_m < -config.height_mismatch_m || (toe_on_ground && mismatch_m > config.height_mismatch_m))
-    return Fault::encoder_implausible;
+  if (mismatch_m < -config.height_mismatch_m) return Fault::encoder_implausible;
+  // Whose fault it is that the switch contradicts height and leg.
+  const bool alone = !state.landing && switch_is_alone(config, seen, mismatch_m, dt_s);
+  if (toe_on_ground && mismatch_m > config.height_mismatch_m)
+    return alone && !seen.observed_contact ? Fault::contact_switch_lost : Fault::encoder_implausible;
 
   // A leg that is folded in flight lets the body come lower than at touch-down with the toe in the air.
   const bool implausible = seen.contact_reading ? seen.above_touchdown_m > config.contact_margin_m
@@ -102,12 +128,21 @@ inline Fault find_body_fault(const SupervisorConfig& config, SupervisorState& st
   state.implausible_contact_ticks = implausible ? state.implausible_contact_ticks + 1 : 0;
   if (static_cast<float>(state.implausible_contact_ticks) * dt_s >
       (seen.contact_reading ? config.implausible_closed_s : config.implausible_open_s))
-    return Fault::contact_implausible;
+    return alone && seen.observed_contact != seen.contact_reading ? Fault::contact_switch_lost
+                                                                  : Fault::contact_implausible;
   state.contact_changes -= config.contact_changes_per_s * dt_s;
   if (state.contact_changes < 0.0f) state.contact_changes = 0.0f;
   if (seen.contact_reading != state.last_reading) state.contact_changes += 1.0f;
   state.last_reading = seen.contact_reading;
-  if (state.contact_changes > config.contact_changes_max) return Fault::contact_implausible;
+  if (state.contact_changes > config.contact_changes_max)
+    return alone ? Fault::contact_switch_lost : Fault::contact_implausible;
+  // A leg that bears the body is seen before it is 3 cm short.
+  state.open_ticks = seen.contact_reading ? 0 : state.open_ticks + 1;
+  const std::uint32_t borne_ticks =
+      state.open_ticks < seen.observed_ticks ? state.open_ticks : seen.observed_ticks;
+  if (alone && seen.runs && seen.observed_contact &&
+      static_cast<float>(borne_ticks) * dt_s > config.implausible_open_s)
+    return Fault::contact_switch_lost;
   return Fault::none;
 }
 
@@ -129,12 +164,33 @@ inline Fault find_fault(const SupervisorConfig& config, SupervisorState& state, 
   return Fault::none;
 }
 
-/// One tick. `reset` clears a latched fault; one that is still there latches again at once.
+/// One tick of a landing without the switch. @returns whether it is over.
+inline bool has_landed(const SupervisorConfig& config, SupervisorState& state, const Observation& seen,
+                       float dt_s) {
+  const bool still = seen.observed_contact && seen.velocity_mps < config.kLanded_mps &&
+                     seen.velocity_mps > -config.kLanded_mps;
+  state.still_ticks = still ? state.still_ticks + 1 : 0;
+  ++state.landing_ticks;
+  return !seen.runs || static_cast<float>(state.still_ticks) * dt_s > config.kLanded_s ||
+         static_cast<float>(state.landing_ticks) * dt_s > config.kLongestLanding_s;
+}
+
+/// One tick. A switch that is lost brings a robot that runs to land first (`landing` in the state), and is the
+/// fault when it has; it goes on through a reset. `reset` clears a latched fault; one that is still there latches again at once.
 /// @returns the latched fault.
 inline Fault supervise(const SupervisorConfig& config, SupervisorState& state, const Observation& seen,
                        bool reset, float dt_s) {
-  if (reset) state = {};
-  const Fault found = find_fault(config, state, seen, dt_s);
+  if (reset && !state.landing) state = {};
+  Fault found = find_fault(config, state, seen, dt_s);
+  if (found == Fault::contact_switch_lost) {
+    state.landing = state.fault == Fault::none;
+    state.contact_changes = 0.0f;
+    state.implausible_contact_ticks = 0;
+    found = Fault::none;
+  }
+  if (state.landing && found == Fault::none && has_landed(config, state, seen, dt_s))
+    found = Fault::contact_switch_lost;
+  if (found != Fault::none) state.landing = false;
   if (state.fault == Fault::none) state.fault = found;
   return state.fault;
 }
