@@ -150,7 +150,7 @@ constexpr OtherRow kOtherRows[] = {
      "tests/common/bus/node_test.cpp"},
     {"Linux: link down and up, off the bus and restarted, adapter pulled out",
      "safe state with `bus_off` until a reset, however short it was; the socket goes on by itself",
-     "tests/boards/linux_sbc/board_test.cpp"},
+     "tests/hil/ring"},
     {"configuration that makes no sense",
      "`bad_configuration` from the first tick on; a reset does not clear it", "tests/pil/lock_step_test.cpp"},
     {"stack overflow",
