@@ -135,7 +135,7 @@ constexpr OtherRow kOtherRows[] = {
      "tests/pil/robot_image_test.cpp"},
     {"second device with this node's id on the bus, or one that commands its drive",
      "safe state with `node_id_taken`, on the first such frame (a heartbeat each 100 ms); no reset or arming while it is there",
-     "tests/firmware/app/can_link_test.cpp"},
+     "tests/sil/stop_test.cpp"},
     {"saves for ever: flash wear",
      "ten in a row, then one each ten minutes; none after 16,000; each refusal has its reason, saves are counted in the record",
      "tests/firmware/store/parameter_slots_test.cpp"},
