@@ -1,10 +1,11 @@
 // The link between the bus and the controller: no sequence of frames, events and pauses makes it say anything
-// that is not a number, or count backwards; and no request for registers brings the node behind it out of its
-// bounds.
+// that is not a number, or count backwards; no request for registers brings the node behind it out of its
+// bounds; and no stop leaves it running.
 #include <cmath>
 #include <string_view>
 
 #include "firmware/app/can_link.hpp"
+#include "firmware/app/node_on_can.hpp"
 #include "furcula/control/controller.hpp"
 #include "tests/common/bus/node_board.hpp"
 #include "tests/fuzz/target.hpp"
@@ -50,6 +51,20 @@ bus::Frame register_request_of(Bytes& bytes, std::uint16_t session) {
   return frame;
 }
 
+/// Whether a frame says stop, by hand from docs/bus.md: in its first byte, or as the request of the registers.
+bool says_stop(const bus::Frame& frame) {
+  if (frame.extended || frame.remote) return false;
+  if (frame.id == 0x401) return frame.size >= 1 && frame.data[0] >> 4 == 1;
+  return frame.id == 0x4e1 && frame.size == 8 && frame.data[0] >> 4 == 3 && frame.data[4] == 1 &&
+         frame.data[5] == 0;
+}
+
+/// In the place of a link whose request was taken.
+struct Taken {
+  firmware::CanRequest request;
+  firmware::CanRequest take_request() const { return request; }
+};
+
 /// A tick of the node behind the registers.
 void serve(test::Bench& bench, firmware::CanLink& link) {
   bench.tick();
@@ -82,22 +97,31 @@ bool accepts(std::string_view input) {
   control::Config controller_config;
   control::State controller = control::begin(controller_config);
   std::uint32_t now_us = 0xffff0000u;
-  bool heard = false;
+  bool heard = false, stop_said = false;
   while (!bytes.empty()) {
     const std::uint8_t what = bytes.next();
     const std::uint32_t received = link.statistics().received;
     if (what < 0xc0) {
-      link.receive(frame_of(bytes), now_us);
+      const bus::Frame frame = frame_of(bytes);
+      stop_said = stop_said || says_stop(frame);
+      link.receive(frame, now_us);
       require(link.statistics().received == received + 1, "each frame is counted");
     } else if (what < 0xd0) {
       link.note(static_cast<firmware::BusEvent>(what % 3));
     } else if (what < 0xd8) {
       now_us += bytes.next() << 16;
     } else if (what < 0xf0) {
-      link.receive(register_request_of(bytes, bench.node.session()), now_us);
+      const bus::Frame frame = register_request_of(bytes, bench.node.session());
+      stop_said = stop_said || says_stop(frame);
+      link.receive(frame, now_us);
     }
     if (what % 4 != 0) continue;
     now_us += 1000u + bytes.next();
+    if (link.registers().stop_waits()) bench.node.stop_from_anyone(false);
+    Taken taken{link.take_request()};
+    firmware::obey_stream(taken, bench.node);
+    require(!stop_said || bench.node.state() != bus::NodeState::running, "a stop is obeyed");
+    stop_said = false;
     serve(bench, link);
     const auto sample = link.sample(now_us);
     control::Inputs inputs;
@@ -118,7 +142,7 @@ bool accepts(std::string_view input) {
     require(std::isfinite(out.command.torque_nm) && std::isfinite(out.command.coil_duty), "finite commands");
     for (const bus::Frame& frame : link.command(out.command, out.fault == control::Fault::none))
       require(frame.id == 1 && frame.size == 8, "the drive's frames");
-    const firmware::CanRequest request = link.take_request();
+    const firmware::CanRequest& request = taken.request;
     require(std::isfinite(request.torque_amplitude_nm) && std::isfinite(request.torque_period_s),
             "a request's numbers");
   }

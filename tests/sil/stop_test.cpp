@@ -36,7 +36,12 @@ struct HoppingRobot {
     for (int ms = 0; ms < 200; ++ms) tick();
   }
   void hear(const bus::Frame& frame) { board.link().receive(frame, board.now_us()); }
+  /// Without a fault.
   void tick() {
+    tick_whatever_comes();
+    REQUIRE(node.snapshot().fault == 0);
+  }
+  void tick_whatever_comes() {
     REQUIRE(board.wait_for_tick());
     firmware::obey_stop(board.link(), node);
     board.set_state(node.state());
@@ -45,7 +50,6 @@ struct HoppingRobot {
     board.link().registers().serve([&](std::span<const std::uint8_t> asked, bus::Response& response) {
       bus::handle_pdu(registers, node.bus_counts(), asked, response);
     });
-    REQUIRE(node.snapshot().fault == 0);
   }
   bool drives() { return node.state() == bus::NodeState::running || board.rig().command().torque_nm != 0.0f; }
 };
@@ -83,5 +87,36 @@ TEST_CASE(
     CHECK(attack.beside(offset));
     CHECK(attack.started() == 2);
     CHECK(robot.node.snapshot().last_refusal == 0);
+  }
+}
+
+TEST_CASE(
+    "a second device with the robot's id, or that commands its drive, is found while it hops, on the same tick") {
+  for (const bool heartbeat : {true, false}) {
+    HoppingRobot robot;
+    REQUIRE(robot.node.request(bus::Request::arm) == bus::Refusal::none);
+    REQUIRE(robot.node.request(bus::Request::hop) == bus::Refusal::none);
+    for (int ms = 0; ms < 1000; ++ms) {
+      robot.node.hear_desk();
+      robot.tick();
+    }
+    REQUIRE(robot.drives());
+    bus::Frame frame;  // by hand from docs/bus.md
+    frame.id = heartbeat ? 0x701 : 0x001;
+    frame.size = heartbeat ? 7 : 8;
+    for (int ms = 0; ms < 1000; ++ms) {
+      if (ms % 100 == 0) robot.hear(frame);
+      if (ms % 50 == 25) CHECK(robot.node.request(bus::Request::reset) == bus::Refusal::none);
+      robot.tick_whatever_comes();
+      REQUIRE(robot.node.snapshot().fault == static_cast<std::uint16_t>(control::Fault::node_id_taken));
+      REQUIRE(robot.board.commanded().torque_nm == 0.0f);
+      REQUIRE(robot.node.request(bus::Request::arm) == bus::Refusal::not_in_this_state);
+    }
+    // Alone again: the fault stays until a person resets it.
+    for (int ms = 0; ms < 500; ++ms) robot.tick_whatever_comes();
+    CHECK(robot.node.state() == bus::NodeState::fault);
+    CHECK(robot.node.request(bus::Request::reset) == bus::Refusal::none);
+    for (int ms = 0; ms < 5; ++ms) robot.tick_whatever_comes();
+    CHECK(robot.node.state() == bus::NodeState::idle);
   }
 }

@@ -303,6 +303,9 @@ TEST_CASE("a supply that sags while a sector is erased fails the save, and the o
   chip.erases_until_sag = chip.erases + 1;
   CHECK(store.save(std::vector<std::uint8_t>(8, 2)) == Status::disconnected);
   CHECK(flash.program(0, 900, 0) == Status::disconnected);
+  chip.power.csr.value = 0;
+  chip.erases_until_sag = chip.erases + 1;
+  CHECK(flash.erase(1) == Status::disconnected);
   std::vector<std::uint8_t> seen(8);
   REQUIRE(store.load(seen).reason == firmware::LoadReason::loaded);
   CHECK(seen == std::vector<std::uint8_t>(8, 1));
