@@ -16,7 +16,8 @@ class Drive {
  public:
   explicit Drive(const dynamics::Effects<double>& effects)
       : actuation_(without_skew(effects)),
-        looks_back_s_(std::abs(effects.value_or(dynamics::Effect::actuator_delay, 0.0))) {}
+        looks_back_s_(std::abs(effects.value_or(dynamics::Effect::actuator_delay, 0.0))),
+        looks_back_(actuation_.delays()) {}
 
   /// What the drive's current shows once this command has arrived, which the next step holds.
   double shows(double command, double step_s) {
@@ -53,20 +54,32 @@ class Drive {
     full_ = std::max(kKept, 2 * command_.size());
   }
 
+  struct Sent {
+    double time_s = 0.0, impulse = 0.0, driven_s = 0.0;
+  };
   void send(double command, double step_s) {
-    if (time_s_.empty()) {
-      time_s_.push_back(0.0);
-      impulse_.push_back(0.0);
-      driven_s_.push_back(0.0);
-    } else {
-      impulse_.push_back(impulse_.back() + command_.back() * last_step_s_);
-      driven_s_.push_back(driven_s_.back() + (command_.back() != 0.0 ? last_step_s_ : 0.0));
-      time_s_.push_back(time_s_.back() + last_step_s_);
+    Sent next;
+    if (!command_.empty()) {
+      next.time_s = time_s_.back() + last_step_s_;
+      next.impulse = impulse_.back() + command_.back() * last_step_s_;
+      next.driven_s = driven_s_.back() + (command_.back() != 0.0 ? last_step_s_ : 0.0);
     }
-    command_.push_back(command);
+    const bool first = command_.empty();
+    // Without a delay nothing before the last command matters.
+    if (first || looks_back_) {
+      time_s_.push_back(next.time_s);
+      impulse_.push_back(next.impulse);
+      driven_s_.push_back(next.driven_s);
+      command_.push_back(command);
+    } else {
+      time_s_.back() = next.time_s;
+      impulse_.back() = next.impulse;
+      driven_s_.back() = next.driven_s;
+      command_.back() = command;
+    }
     last_step_s_ = step_s;
-    if (command_.size() == 1) actuation_.reset(commands(), 0);
-    forget();
+    if (first) actuation_.reset(commands(), 0);
+    if (looks_back_) forget();
   }
 
   dynamics::Commands<double> commands() const { return {time_s_, command_, impulse_, driven_s_}; }
@@ -79,6 +92,7 @@ class Drive {
   dynamics::Actuation<double> actuation_;
   std::vector<double> time_s_, command_, impulse_, driven_s_;
   double looks_back_s_;
+  bool looks_back_;
   double last_step_s_ = 0.0;
   std::size_t full_ = kKept;  ///< at so many it forgets
   bool sent_ = false;

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <cstddef>
+#include <iterator>
 #include <utility>
 
 namespace furcula::sim {
@@ -10,19 +11,9 @@ namespace {
 
 using sim_host::SimBoard;
 
-constexpr std::pair<const char*, double (*)(SimBoard&)> kColumns[] = {
-    {"time_s", [](SimBoard& b) { return b.time_s(); }},
-    {"height_m", [](SimBoard& b) { return b.measured_height_m(); }},
-    {"velocity_mps", [](SimBoard& b) { return b.measured_velocity_mps(); }},
-    {"leg_angle_rad", [](SimBoard& b) { return b.measured_leg_angle_rad(); }},
-    {"contact", [](SimBoard& b) { return static_cast<double>(b.sample().contact); }},
-    {"torque_cmd_nm", [](SimBoard& b) { return static_cast<double>(b.command().torque_nm); }},
-    {"torque_nm", [](SimBoard& b) { return b.measured_torque_nm(); }},
-    {"solenoid",
-     [](SimBoard& b) { return b.command().coil_duty > 0.0f || b.coil_switched_on() ? 1.0 : 0.0; }},
-    {"clutch_travel_m", [](SimBoard& b) { return b.measured_cable_travel_m(); }},
-    {"fault", [](SimBoard& b) { return static_cast<double>(b.telemetry().outputs.fault); }},
-};
+constexpr const char* kColumns[] = {"time_s",          "height_m",      "velocity_mps", "leg_angle_rad",
+                                    "contact",         "torque_cmd_nm", "torque_nm",    "solenoid",
+                                    "clutch_travel_m", "fault"};
 
 }  // namespace
 
@@ -31,14 +22,26 @@ HopperRecorder::HopperRecorder(double duration_s) : values_(std::size(kColumns))
 }
 
 void HopperRecorder::add(SimBoard& board) {
-  const bool homed = std::isfinite(board.measured_height_m()) && std::isfinite(board.measured_velocity_mps());
-  if (!homed) return;
-  for (std::size_t i = 0; i < std::size(kColumns); ++i) values_[i].push_back(kColumns[i].second(board));
+  const double height_m = board.measured_height_m(), velocity_mps = board.measured_velocity_mps();
+  if (!std::isfinite(height_m) || !std::isfinite(velocity_mps)) return;
+  const control::Command& command = board.command();
+  const bool coil = command.coil_duty > 0.0f || board.coil_switched_on();
+  const double row[] = {board.time_s(),
+                        height_m,
+                        velocity_mps,
+                        board.measured_leg_angle_rad(),
+                        static_cast<double>(board.sample().contact),
+                        static_cast<double>(command.torque_nm),
+                        board.measured_torque_nm(),
+                        coil ? 1.0 : 0.0,
+                        board.measured_cable_travel_m(),
+                        static_cast<double>(board.telemetry().outputs.fault)};
+  static_assert(std::size(row) == std::size(kColumns));
+  for (std::size_t i = 0; i < std::size(kColumns); ++i) values_[i].push_back(row[i]);
 }
 
 void HopperRecorder::finish(log::Log& log, bool clutch) {
-  for (std::size_t i = 0; i < std::size(kColumns); ++i)
-    log.columns[kColumns[i].first] = std::move(values_[i]);
+  for (std::size_t i = 0; i < std::size(kColumns); ++i) log.columns[kColumns[i]] = std::move(values_[i]);
   if (!clutch) log.columns.erase("clutch_travel_m");
 }
 

@@ -288,6 +288,8 @@ inline Outputs step(const Config& config, State& state, const Inputs& inputs, fl
     out.command.coil_duty = drive_coil(config.coil, state.coil, out.clutch.coil, dt_s);
     // Where the coil gave up the key falls in: the sequencer finds the cable caught, or not.
   }
+  const bool moves_cable_or_leg = config.clutch.fitted != 0 || out.clutch.drives_leg;
+  const float lever_m = moves_cable_or_leg ? leg_lever_m(config.link_length_m, sample.leg_angle_rad) : 0.0f;
   float torque_nm = out.landing ? brake_torque_nm(state.leg, out.phase, sample.leg_angle_rad, dt_s)
                                 : profile_torque_nm(config.torque, out.phase, out.height.velocity_mps, dt_s);
   if (out.clutch.drives_leg) {

@@ -72,6 +72,9 @@ class Actuation {
   /// True if the drive makes exactly what is commanded.
   bool ideal_drive() const { return !delays_ && !lags_ && !limits_; }
 
+  /// True if earlier commands than a row's own act in it, other than by a lag.
+  bool delays() const { return delays_; }
+
   /// How long before an instant the commands matter for it, s.
   V memory_s() const {
     constexpr V kTimeConstants = V(8);

@@ -8,6 +8,7 @@
 #include <cstdint>
 
 #include "furcula/dynamics/hybrid.hpp"
+#include "furcula/dynamics/members.hpp"
 #include "furcula/dynamics/scalar.hpp"
 #include "furcula/dynamics/solenoid.hpp"
 
@@ -66,11 +67,21 @@ class Clutch {
     T key{}, key_speed{};  ///< of the key from its seat, m and m/s
     T current{};           ///< A
     T electrical{}, copper{}, flyback{}, key_damping{}, cable_damping{}, friction{};  ///< J
-    static constexpr std::array<T State::*, 5> kMembers{&State::travel, &State::speed, &State::key,
-                                                        &State::key_speed, &State::current};
-    static constexpr std::array<T State::*, 6> kIntegrals{&State::electrical,    &State::copper,
-                                                          &State::flyback,       &State::key_damping,
-                                                          &State::cable_damping, &State::friction};
+  };
+  /// What moves: the cable; the key, or nothing but the current that the friction of a cable under the key's tips feels.
+  template <bool kKey_, bool kCable_>
+  struct Motion {
+    static constexpr bool kKey = kKey_, kCable = kCable_;
+    template <std::size_t kCount>
+    using Members = std::array<T State::*, kCount>;
+    static constexpr auto kMembers =
+        joined(only_if<kCable>(Members<2>{&State::travel, &State::speed}),
+               only_if<kKey>(Members<3>{&State::key, &State::key_speed, &State::current}));
+    static constexpr auto kIntegrals =
+        joined(only_if < kCable || kKey > (Members<1>{&State::friction}),
+               joined(only_if<kCable>(Members<1>{&State::cable_damping}),
+                      only_if<kKey>(Members<4>{&State::electrical, &State::copper, &State::flyback,
+                                               &State::key_damping})));
   };
 
   /// jammed: a loaded flank holds the key between its ends.
@@ -112,6 +123,15 @@ class Clutch {
   /// matter of milliseconds, the cable between its springs swings some thirty times a second.
   V longest_step() const { return key_ == Key::moving ? V(5e-5) : moves() ? V(2e-4) : V(1); }
   std::uint32_t skipped_teeth() const { return skipped_; }
+  /// f(Motion) of now. What a motion leaves out stays, or keep_coil() tells it.
+  template <class F>
+  void in_motion(const F& f) const {
+    const bool key = key_ == Key::moving || (key_ == Key::on_tips && moves());
+    if (moves())
+      key ? f(Motion<true, true>{}) : f(Motion<false, true>{});
+    else
+      key ? f(Motion<true, false>{}) : f(Motion<false, false>{});
+  }
 
   /// Volts across the coil while it is on; 0 is off (current goes on through the flyback path).
   void set_voltage(const T& volts) { volts_ = volts; }
@@ -127,11 +147,12 @@ class Clutch {
     volts_ = T(V(0));
   }
 
-  State rates(const State& s, const CableDrive<T>& drive) const {
+  template <class Motion>
+  [[gnu::always_inline]] State rates(Motion, const State& s, const CableDrive<T>& drive) const {
     State d;
-    const T net = drive.force - auxiliary(s);
-    const T mass = p_.cable_mass_kg + drive.mass;
-    if (moves()) {
+    if constexpr (Motion::kCable) {
+      const T net = drive.force - auxiliary(s);
+      const T mass = p_.cable_mass_kg + drive.mass;
       const bool forth = cable_ == Cable::forth;
       const T friction = resistance(s);
       d.travel = s.speed;
@@ -139,24 +160,26 @@ class Clutch {
       d.cable_damping = p_.cable_damping_nspm * s.speed * s.speed;
       d.friction = forth ? T(friction * s.speed) : T(-friction * s.speed);
     }
-    if (key_ == Key::moving) {
-      const T rub = rubbing(s, drive);
-      d.key = s.key_speed;
-      d.key_speed =
-          (key_force(s) - p_.key_damping_nspm * s.key_speed + (key_out_ ? T(-rub) : rub)) / p_.key_mass_kg;
-      d.key_damping = p_.key_damping_nspm * s.key_speed * s.key_speed;
-      d.friction += key_out_ ? T(rub * s.key_speed) : T(-rub * s.key_speed);
-    }
-    if (conducts_) {
-      const bool on = value_of(volts_) > V(0);
-      const T volts = on ? volts_ : T(-p_.solenoid.flyback_v);
-      const T key_speed = key_ == Key::moving ? s.key_speed : T(V(0));
-      d.current = p_.solenoid.current_rate(s.current, s.key, key_speed, volts);
-      d.copper = p_.solenoid.resistance_ohm * s.current * s.current;
-      if (on)
-        d.electrical = volts * s.current;
-      else
-        d.flyback = -volts * s.current;
+    if constexpr (Motion::kKey) {
+      if (key_ == Key::moving) {
+        const T rub = rubbing(s, drive);
+        d.key = s.key_speed;
+        d.key_speed =
+            (key_force(s) - p_.key_damping_nspm * s.key_speed + (key_out_ ? T(-rub) : rub)) / p_.key_mass_kg;
+        d.key_damping = p_.key_damping_nspm * s.key_speed * s.key_speed;
+        d.friction += key_out_ ? T(rub * s.key_speed) : T(-rub * s.key_speed);
+      }
+      if (conducts_) {
+        const bool on = value_of(volts_) > V(0);
+        const T volts = on ? volts_ : T(-p_.solenoid.flyback_v);
+        const T key_speed = key_ == Key::moving ? s.key_speed : T(V(0));
+        d.current = p_.solenoid.current_rate(s.current, s.key, key_speed, volts);
+        d.copper = p_.solenoid.resistance_ohm * s.current * s.current;
+        if (on)
+          d.electrical = volts * s.current;
+        else
+          d.flyback = -volts * s.current;
+      }
     }
     return d;
   }
@@ -181,52 +204,50 @@ class Clutch {
       to.flyback = from.flyback - volts * charge;
   }
 
-  /// Everything that the state of now cannot do is left out.
-  static constexpr std::size_t kMostChanges = 12;
-  Changes<Change, kMostChanges> changes() const {
-    Changes<Change, kMostChanges> out;
+  /// f(change) of what can come next: what the state of now cannot do is left out.
+  template <class F>
+  [[gnu::always_inline]] void each_change(const F& f) const {
     switch (key_) {
       case Key::seated:
-        out.add(Change::key_lifts);
+        f(Change::key_lifts);
         break;
       case Key::pulled:
-        out.add(Change::key_leaves_stop);
+        f(Change::key_leaves_stop);
         break;
       case Key::on_tips:
-        out.add(Change::key_clears);
-        if (moves()) out.add(Change::key_falls_in);
+        f(Change::key_clears);
+        if (moves()) f(Change::key_falls_in);
         break;
       case Key::jammed:
-        out.add(Change::key_frees);
+        f(Change::key_frees);
         break;
       case Key::moving:
-        out.add(Change::key_turns);
-        out.add(Change::key_meets_stop);
+        f(Change::key_turns);
+        f(Change::key_meets_stop);
         if (in_teeth_) {
-          out.add(Change::key_seats);
-          out.add(Change::key_clears);
+          f(Change::key_seats);
+          f(Change::key_clears);
         } else {
-          out.add(Change::key_meets_tips);
+          f(Change::key_meets_tips);
         }
         break;
     }
     if (moves()) {
-      out.add(Change::cable_turns);
-      out.add(Change::end_stop);
+      f(Change::cable_turns);
+      f(Change::end_stop);
       if (slips_)
-        out.add(Change::next_tooth);
+        f(Change::next_tooth);
       else if (in_teeth_)
-        out.add(Change::flank);
+        f(Change::flank);
     } else {
-      if (cable_ != Cable::blocked_forth) out.add(Change::cable_starts_forth);
-      if (cable_ != Cable::blocked_back) out.add(Change::cable_starts_back);
-      if (at_flank_) out.add(Change::slips);
+      if (cable_ != Cable::blocked_forth) f(Change::cable_starts_forth);
+      if (cable_ != Cable::blocked_back) f(Change::cable_starts_back);
+      if (at_flank_) f(Change::slips);
     }
-    if (conducts_ && !(value_of(volts_) > V(0))) out.add(Change::current_ends);
-    return out;
+    if (conducts_ && !(value_of(volts_) > V(0))) f(Change::current_ends);
   }
 
-  T margin(Change change, const State& s, const CableDrive<T>& drive) const {
+  [[gnu::always_inline]] T margin(Change change, const State& s, const CableDrive<T>& drive) const {
     const T& height = p_.tooth_height_m;
     const T net = drive.force - auxiliary(s);
     const bool forth = cable_ == Cable::forth;
@@ -425,7 +446,7 @@ class Clutch {
     return p_.flank_friction * flank_load(s, drive);
   }
   /// Of the belt on a flank of the key, >= 0.
-  T flank_load(const State& s, const CableDrive<T>& drive) const {
+  [[gnu::always_inline]] T flank_load(const State& s, const CableDrive<T>& drive) const {
     if (!in_teeth_ || !at_flank_) return T(V(0));
     const T net = drive.force - auxiliary(s);
     const T load = cable_ == Cable::blocked_forth  ? T(net - p_.cable_friction_n)

@@ -57,21 +57,32 @@ class ClutchBenchRig {
 
  private:
   friend Hybrid<ClutchBenchRig, T>;
-  State& state() { return s_; }
-  const State& state() const { return s_; }
   struct Look {
     State state;
   };
-  static Look look(const State& s) { return {s}; }
-  State rates(const Look& look) const { return clutch_.rates(look.state, drive_); }
-  State rates(const State& s, const Look&) const { return clutch_.rates(s, drive_); }
-  Look arrive(const Look& from, const State& s, const T& t) const {
-    Look out{s};
-    clutch_.keep_coil(from.state, out.state, t);
-    return out;
+  Look look() const { return {s_}; }
+  void take(const Look& look) { s_ = look.state; }
+  template <class F>
+  void in_motion(const F& f) const {
+    clutch_.in_motion(f);
+  }
+  template <class Motion>
+  State rates(Motion motion, const Look& look) const {
+    return clutch_.rates(motion, look.state, drive_);
+  }
+  template <class Motion>
+  State rates(Motion motion, const State& s, const Look&) const {
+    return clutch_.rates(motion, s, drive_);
+  }
+  template <class Motion>
+  void arrive(Motion, const Look& from, const T& t, Look& end) const {
+    clutch_.keep_coil(from.state, end.state, t);
   }
   V longest_step() const { return clutch_.longest_step(); }
-  auto changes() const { return clutch_.changes(); }
+  template <class F>
+  void each_change(const F& f) const {
+    clutch_.each_change(f);
+  }
   T margin(Change c, const Look& look) const { return clutch_.margin(c, look.state, drive_); }
   static V tolerance(Change c) { return Clutch<T>::tolerance(c); }
   static bool follows(Change c) { return Clutch<T>::follows(c); }

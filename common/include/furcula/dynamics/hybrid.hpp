@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <type_traits>
+#include <utility>
 
 #include "furcula/dynamics/event_time.hpp"
 #include "furcula/dynamics/members.hpp"
@@ -11,30 +12,19 @@
 
 namespace furcula::dynamics {
 
-/// What can end a mode.
-template <class Change, std::size_t kMost>
-class Changes {
- public:
-  void add(const Change& c) { all_[count_++] = c; }
-  const Change* begin() const { return all_.data(); }
-  const Change* end() const { return all_.data() + count_; }
-
- private:
-  std::array<Change, kMost> all_{};
-  std::size_t count_ = 0;
-};
-
 /// Moves a machine on in its modes. A machine has
-///   State                   with kMembers, pointers to its members, each of the scalar T, and kIntegrals, to
+///   State                   its members each of the scalar T
+///   Look look()             the state of now (its member `state`) and what rates and margins of it share
+///   take(look)              goes there
+///   in_motion(f)            f(motion) with a type for the way in which it moves now; a step is compiled for each.
+///                           Of the type: kMembers, pointers to the members of State that move, and kIntegrals, to
 ///                           those on which no rate depends
-///   state()                 where it is, to read and to set
-///   Look look(state)        a state (its member `state`) and what rates and margins of it share
-///   rates(look)             of every member, in the mode of now
-///   rates(state, near)      the same of a state that is a part of a step from one that was looked at
-///   arrive(from, state, t)  looks at the state, `t` after the look `from`, put on the mode's constraint and
-///                           with what has a closed form
+///   rates(motion, look)     of these members
+///   rates(motion, state, near)  the same of a state that is a part of a step from one that was looked at
+///   arrive(motion, from, t, end)  completes the look `end`, whose state is there, `t` after the look `from`: puts
+///                           it on the mode's constraint, with what has a closed form
 ///   longest_step()          that is accurate enough in the mode of now, s
-///   changes()               what can end the mode: a range of Change
+///   each_change(f)          f(change) of what can end the mode
 ///   margin(change, look)    positive while that does not happen
 ///   tolerance(change)       for a margin that starts at zero: it counts as crossed where it ends below minus
 ///                           that
@@ -56,62 +46,81 @@ class Hybrid {
   static void advance(Machine& machine, V dt_s, V& elapsed) {
     elapsed = V(0);
     int made = 0;
-    Look here = machine.look(machine.state());
+    Look looks[2] = {machine.look(), {}};
+    Look *here = &looks[0], *end = &looks[1];
     for (T left = T(dt_s); value_of(left) > V(0);) {
       const V parts = value_of(left) / machine.longest_step();
       T until = left;
       if (parts > V(1.001)) until = T(value_of(left) / static_cast<V>(static_cast<int>(parts + V(0.999))));
-      Look end = after(machine, here, until);
+      after(machine, *here, until, *end);
       bool changes = false;
+      const auto look_at = [&](Change c) __attribute__((always_inline)) {
+        changes |= is_past(machine, c, *end);
+      };
+      if (made < kMostChanges) machine.each_change(look_at);
       Change change{};
-      if (made < kMostChanges) {
-        for (const Change c : machine.changes()) {
-          if (!(value_of(machine.margin(c, end)) < -machine.tolerance(c))) continue;
-          until = crossing(machine, here, c, until);
-          end = after(machine, here, until);
-          change = c;
-          changes = true;
-        }
-      }
-      machine.state() = end.state;
+      if (changes) change = first_change(machine, *here, until, *end);
       left = left - until;  // where the change's time has a derivative, so has the rest's
       elapsed = dt_s - value_of(left);
-      if (changes) {
-        machine.make(change);
-        ++made;
-        here = machine.look(machine.state());
-      } else {
-        here = end;
-      }
+      std::swap(here, end);
+      if (!changes) continue;
+      machine.take(*here);
+      machine.make(change);
+      ++made;
+      *here = machine.look();
     }
+    machine.take(*here);
   }
 
  private:
-  /// Without its integrals.
-  static State along(const State& s, const State& rate, const T& t) {
-    State out;
-    for_each(State::kMembers, [&](auto m) { out.*m = s.*m + t * (rate.*m); });
-    return out;
+  static void after(const Machine& machine, const Look& here, const T& t, Look& out) {
+    machine.in_motion([&](auto motion) { after(machine, motion, here, t, out); });
   }
-
-  static Look after(const Machine& machine, const Look& here, const T& t) {
+  template <class Motion>
+  static void after(const Machine& machine, Motion motion, const Look& here, const T& t, Look& out) {
     const State& s = here.state;
     const T half = V(0.5) * t, sixth = t / V(6);
-    const State a = machine.rates(here);
-    const State b = machine.rates(along(s, a, half), here);
-    const State c = machine.rates(along(s, b, half), here);
-    const State d = machine.rates(along(s, c, t), here);
-    State out;
-    const auto sum = [&](auto m) { out.*m = s.*m + sixth * (a.*m + V(2) * (b.*m + c.*m) + d.*m); };
-    for_each(State::kMembers, sum);
-    for_each(State::kIntegrals, sum);
-    return machine.arrive(here, out, t);
+    const auto along = [&](const State& rate, const T& by) {  // without its integrals
+      State part = s;
+      for_each<Motion::kMembers>([&](auto m) { part.*m = s.*m + by * (rate.*m); });
+      return part;
+    };
+    const State a = machine.rates(motion, here);
+    const State b = machine.rates(motion, along(a, half), here);
+    const State c = machine.rates(motion, along(b, half), here);
+    const State d = machine.rates(motion, along(c, t), here);
+    out.state = s;
+    const auto sum = [&](auto m) { out.state.*m = s.*m + sixth * (a.*m + V(2) * (b.*m + c.*m) + d.*m); };
+    for_each<Motion::kMembers>(sum);
+    for_each<Motion::kIntegrals>(sum);
+    machine.arrive(motion, here, t, out);
+  }
+
+  [[gnu::always_inline]] static bool is_past(const Machine& machine, Change c, const Look& end) {
+    return value_of(machine.margin(c, end)) < -machine.tolerance(c);
+  }
+  /// Of those that come to pass within `until`, which becomes its time, and `end` that time's look.
+  static Change first_change(const Machine& machine, const Look& here, T& until, Look& end) {
+    Change first{};
+    machine.each_change([&](Change c) { take_earlier(machine, here, c, first, until, end); });
+    return first;
+  }
+  static void take_earlier(const Machine& machine, const Look& here, Change c, Change& first, T& until,
+                           Look& end) {
+    if (!is_past(machine, c, end)) return;
+    until = crossing(machine, here, c, until);
+    after(machine, here, until, end);
+    first = c;
   }
 
   static T crossing(const Machine& machine, const Look& here, Change change, const T& to) {
     if (machine.follows(change) && !(value_of(machine.margin(change, here)) > V(0))) return T(V(0));
     if (!(value_of(to) > V(0))) return T(V(0));
-    const auto margin = [&](const T& t) { return machine.margin(change, after(machine, here, t)); };
+    const auto margin = [&](const T& t) {
+      Look end;
+      after(machine, here, t, end);
+      return machine.margin(change, end);
+    };
     const auto value = [&](V t) { return value_of(margin(T(t))); };
     const V end = value_of(to), time = event_time<V>(V(0), end, value);
     if constexpr (std::is_same_v<T, V>) {

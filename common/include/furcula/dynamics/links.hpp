@@ -36,20 +36,13 @@ struct Links {
 
   /// Of an angle that is `by` rad from that of a pose, without its sine: the first terms of the rotation's
   /// series give what is less than kNear to the rounding of a double.
-  Pose turned(const Pose& from, const T& by) const {
-    using std::cos;
-    using std::sin;
+  [[gnu::always_inline]] Pose turned(const Pose& from, const T& by) const {
     constexpr V kNear = V(0.05);
-    T sine, cosine;
-    if (value_of(by) < kNear && value_of(by) > -kNear) {
-      const T x = by * by;
-      sine = by * (V(1) - x * (V(1.0 / 6) - x * (V(1.0 / 120) - x * V(1.0 / 5040))));
-      cosine = V(1) - x * (V(0.5) - x * (V(1.0 / 24) - x * (V(1.0 / 720) - x * V(1.0 / 40320))));
-    } else {
-      sine = sin(by);
-      cosine = cos(by);
-    }
-    return pose(T(from.sine * cosine + from.cosine * sine), T(from.cosine * cosine - from.sine * sine));
+    if (!(value_of(by) < kNear && value_of(by) > -kNear)) return turned_far(from, by);
+    const T x = by * by;
+    const T sine = by * (V(1) - x * (V(1.0 / 6) - x * (V(1.0 / 120) - x * V(1.0 / 5040))));
+    const T cosine = V(1) - x * (V(0.5) - x * (V(1.0 / 24) - x * (V(1.0 / 720) - x * V(1.0 / 40320))));
+    return turned(from, sine, cosine);
   }
 
   /// B without damping: what turning at `rate` (rad/s) asks of the angle (N m) and of the height (N).
@@ -87,6 +80,14 @@ struct Links {
   }
 
  private:
+  [[gnu::noinline]] Pose turned_far(const Pose& from, const T& by) const {
+    using std::cos;
+    using std::sin;
+    return turned(from, T(sin(by)), T(cos(by)));
+  }
+  [[gnu::always_inline]] Pose turned(const Pose& from, const T& sine, const T& cosine) const {
+    return pose(T(from.sine * cosine + from.cosine * sine), T(from.cosine * cosine - from.sine * sine));
+  }
   Pose pose(const T& sine, const T& cosine) const {
     Pose p;
     p.sine = sine;

@@ -18,12 +18,21 @@ constexpr std::array<T Struct::*, N + M> joined(const std::array<T Base::*, N>& 
   return all;
 }
 
-/// Calls `f` with each of the members, written out one by one: in a loop over more than a compiler unrolls
-/// each would be looked up.
-template <class Member, std::size_t N, class F>
-constexpr void for_each(const std::array<Member, N>& members, const F& f) {
-  [&]<std::size_t... kIndex>(std::index_sequence<kIndex...>) { (f(members[kIndex]), ...); }
-  (std::make_index_sequence<N>{});
+/// A list, or none of it.
+template <bool kAll, class Member, std::size_t N>
+constexpr auto only_if(const std::array<Member, N>& members) {
+  if constexpr (kAll)
+    return members;
+  else
+    return std::array<Member, 0>{};
+}
+
+/// Calls `f` with each of the members of a list, written out one by one: in a loop over more than a compiler
+/// unrolls each would be looked up.
+template <const auto& kMembers, class F>
+constexpr void for_each(const F& f) {
+  [&]<std::size_t... kIndex>(std::index_sequence<kIndex...>) { (f(kMembers[kIndex]), ...); }
+  (std::make_index_sequence<kMembers.size()>{});
 }
 
 }  // namespace furcula::dynamics

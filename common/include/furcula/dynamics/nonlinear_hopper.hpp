@@ -33,9 +33,14 @@ struct EnergyAccount {
 /// The spring's far end on a robot without a clutch: it stays where it is.
 template <class T>
 struct FixedEnd {
-  struct State {
+  struct State {};
+  struct Motion {
     static constexpr std::array<T State::*, 0> kMembers{}, kIntegrals{};
   };
+  template <class F>
+  void in_motion(const F& f) const {
+    f(Motion{});
+  }
 };
 
 /// The plant, with the guide's damping df in both phases and ds - df in the leg, along its length:
@@ -87,7 +92,8 @@ class NonlinearHopper {
     }
     s_.height = height_m;
     s_.velocity = velocity_mps;
-    taut_ = !kClutch || value_of(stretch(s_)) >= V(0);
+    pose_ = links_.pose(s_.angle);
+    taut_ = !kClutch || value_of(stretch(s_, pose_)) >= V(0);
     clutch_impacts_ = {};
   }
 
@@ -127,8 +133,8 @@ class NonlinearHopper {
   const T& velocity_mps() const { return s_.velocity; }
   const T& leg_angle_rad() const { return s_.angle; }
   const T& leg_rate_radps() const { return s_.rate; }
-  T toe_height_m() const { return s_.height - links_.pose(s_.angle).length; }
-  T toe_velocity_mps() const { return s_.velocity + links_.pose(s_.angle).lever * s_.rate; }
+  T toe_height_m() const { return s_.height - pose_.length; }
+  T toe_velocity_mps() const { return s_.velocity + pose_.lever * s_.rate; }
   T touchdown_height_m() const { return straight_.length; }
 
   /// Whether the steps can follow the leg's own swing: not where its links weigh next to nothing.
@@ -146,16 +152,15 @@ class NonlinearHopper {
            damped / inertia * kLongestStep < V(0.2);
   }
   /// Of the ground on the toe, N; zero in flight.
-  T ground_force_n() const { return in_stance() ? accelerations(s_).ground_force : T(V(0)); }
+  T ground_force_n() const { return in_stance() ? accelerations(s_, pose_).ground_force : T(V(0)); }
   /// Touch-downs and lift-offs inside the last advance(), in order; offsets from its start, s.
   std::span<const Event> events() const { return {events_.data(), event_count_}; }
 
   EnergyAccount<T> energy() const {
     EnergyAccount<T> out = account_;
-    const auto p = links_.pose(s_.angle);
-    const T pull = stretch(s_, p);
-    out.kinetic = links_.kinetic_energy(p, s_.rate, s_.velocity);
-    out.gravity = p_.gravity_mps2 * (p_.mass_kg * s_.height - p_.inertia_e_kgm * p.cosine);
+    const T pull = stretch(s_, pose_);
+    out.kinetic = links_.kinetic_energy(pose_, s_.rate, s_.velocity);
+    out.gravity = p_.gravity_mps2 * (p_.mass_kg * s_.height - p_.inertia_e_kgm * pose_.cosine);
     out.spring = taut_ ? T(V(0.5) * p_.stiffness_npm * pull * pull) : T(V(0));
     out.motor = s_.motor;
     out.guide_damping = s_.guide_damping;
@@ -166,20 +171,66 @@ class NonlinearHopper {
  private:
   friend Hybrid<NonlinearHopper, T>;
 
+  using Pose = typename Links<T>::Pose;
   static constexpr bool kClutch = !std::is_same_v<End, FixedEnd<T>>;
 
   struct State : End::State {
     T angle{}, height{}, rate{}, velocity{};
     T motor{}, guide_damping{}, leg_damping{};  ///< energy, J
-    static constexpr auto kMembers =
-        joined(End::State::kMembers,
-               std::array<T State::*, 4>{&State::angle, &State::height, &State::rate, &State::velocity});
-    static constexpr auto kIntegrals =
-        joined(End::State::kIntegrals,
-               std::array<T State::*, 3>{&State::motor, &State::guide_damping, &State::leg_damping});
   };
-  State& state() { return s_; }
-  const State& state() const { return s_; }
+  template <std::size_t kCount>
+  using Members = std::array<T State::*, kCount>;
+  /// What moves in a mode. In stance the toe's rest gives the height; on its stop the leg does not turn.
+  template <Mode kMode>
+  static constexpr auto members_of() {
+    if constexpr (kMode == Mode::swings)
+      return Members<4>{&State::angle, &State::height, &State::rate, &State::velocity};
+    else if constexpr (kMode == Mode::stance)
+      return Members<3>{&State::angle, &State::rate, &State::velocity};
+    else if constexpr (kMode == Mode::on_stop)
+      return Members<2>{&State::height, &State::velocity};
+    else
+      return Members<0>{};
+  }
+  template <Mode kMode>
+  static constexpr auto integrals_of() {
+    if constexpr (kMode == Mode::on_stop)
+      return Members<1>{&State::guide_damping};
+    else if constexpr (kMode == Mode::stands)
+      return Members<0>{};
+    else
+      return Members<3>{&State::motor, &State::guide_damping, &State::leg_damping};
+  }
+  /// A mode, and how the spring's far end moves.
+  template <Mode kMode_, class EndMotion>
+  struct Motion {
+    static constexpr Mode kMode = kMode_;
+    static constexpr bool kTurns = kMode == Mode::swings || kMode == Mode::stance;
+    using OfEnd = EndMotion;
+    static constexpr auto kMembers = joined(EndMotion::kMembers, members_of<kMode>());
+    static constexpr auto kIntegrals = joined(EndMotion::kIntegrals, integrals_of<kMode>());
+  };
+  /// f(Motion) of now.
+  template <class F>
+  void in_motion(const F& f) const {
+    end_.in_motion([&]<class OfEnd>(OfEnd) {
+      in_mode([&]<Mode kMode>(std::integral_constant<Mode, kMode>) { f(Motion<kMode, OfEnd>{}); });
+    });
+  }
+  template <class F>
+  auto in_mode(const F& f) const {
+    switch (mode_) {
+      case Mode::on_stop:
+        return f(std::integral_constant<Mode, Mode::on_stop>{});
+      case Mode::swings:
+        return f(std::integral_constant<Mode, Mode::swings>{});
+      case Mode::stance:
+        return f(std::integral_constant<Mode, Mode::stance>{});
+      case Mode::stands:
+        break;
+    }
+    return f(std::integral_constant<Mode, Mode::stands>{});
+  }
   struct Accelerations {
     T angle{}, height{};
     T ground_force{};  ///< in stance
@@ -187,17 +238,13 @@ class NonlinearHopper {
   };
 
   /// By which the spring is longer than relaxed, m.
-  T stretch(const State& s) const { return stretch(s, links_.pose(s.angle)); }
-  T stretch(const State& s, const typename Links<T>::Pose& p) const {
+  T stretch(const State& s, const Pose& p) const {
     T out = p_.rest_height_m - p.length;
     if constexpr (kClutch) out -= s.travel;
     return out;
   }
-  T spring_force(const State& s, const typename Links<T>::Pose& p) const {
+  T spring_force(const State& s, const Pose& p) const {
     return taut_ ? T(p_.stiffness_npm * stretch(s, p)) : T(V(0));
-  }
-  auto on_cable(const State& s) const {
-    return CableDrive<T>{spring_force(s, links_.pose(s.angle)), T(V(0))};
   }
   V longest_step() const {
     // The body's swing on the spring is slower than the leg's own; on its stop nothing swings.
@@ -207,8 +254,11 @@ class NonlinearHopper {
     return longest;
   }
 
-  Accelerations accelerations(const State& s) const { return accelerations(s, links_.pose(s.angle)); }
-  Accelerations accelerations(const State& s, const typename Links<T>::Pose& p) const {
+  Accelerations accelerations(const State& s, const Pose& p) const {
+    return in_mode([&](auto mode) { return accelerations<mode.value>(s, p); });
+  }
+  template <Mode kMode>
+  [[gnu::always_inline]] Accelerations accelerations(const State& s, const Pose& p) const {
     const auto& m = p.inertia;
     const T shortening = p.lever * s.rate;
     const T push = spring_force(s, p) + leg_damping_ * shortening;
@@ -217,30 +267,23 @@ class NonlinearHopper {
     const T on_height =
         -p_.damping_flight_nspm * s.velocity - links_.turning_force(p, s.rate) - p_.gravity_mps2 * p_.mass_kg;
     Accelerations out;
-    switch (mode_) {
-      case Mode::on_stop:
-        out.height = on_height / m.height;
-        out.stop_torque = m.coupling * out.height - on_angle;
-        break;
-      case Mode::stands:
-        out.ground_force = -on_height;
-        out.stop_torque = p.lever * on_height - on_angle;
-        break;
-      case Mode::swings: {
-        const T determinant = m.angle * m.height - m.coupling * m.coupling;
-        out.angle = (m.height * on_angle - m.coupling * on_height) / determinant;
-        out.height = (m.angle * on_height - m.coupling * on_angle) / determinant;
-        break;
-      }
-      case Mode::stance: {
-        // z'' = -(lever theta'' + l theta'^2), and the ground's force does no work on that motion.
-        const T drop = p.length * s.rate * s.rate;
-        out.angle = (on_angle - p.lever * on_height + (m.coupling - p.lever * m.height) * drop) /
-                    links_.standing_inertia(p);
-        out.height = -(p.lever * out.angle + drop);
-        out.ground_force = m.coupling * out.angle + m.height * out.height - on_height;
-        break;
-      }
+    if constexpr (kMode == Mode::on_stop) {
+      out.height = on_height / m.height;
+      out.stop_torque = m.coupling * out.height - on_angle;
+    } else if constexpr (kMode == Mode::stands) {
+      out.ground_force = -on_height;
+      out.stop_torque = p.lever * on_height - on_angle;
+    } else if constexpr (kMode == Mode::swings) {
+      const T determinant = m.angle * m.height - m.coupling * m.coupling;
+      out.angle = (m.height * on_angle - m.coupling * on_height) / determinant;
+      out.height = (m.angle * on_height - m.coupling * on_angle) / determinant;
+    } else {
+      // z'' = -(lever theta'' + l theta'^2), and the ground's force does no work on that motion.
+      const T drop = p.length * s.rate * s.rate;
+      out.angle = (on_angle - p.lever * on_height + (m.coupling - p.lever * m.height) * drop) /
+                  links_.standing_inertia(p);
+      out.height = -(p.lever * out.angle + drop);
+      out.ground_force = m.coupling * out.angle + m.height * out.height - on_height;
     }
     return out;
   }
@@ -248,23 +291,34 @@ class NonlinearHopper {
   /// A state with what its angle and its mode make of it.
   struct Look {
     State state;
-    typename Links<T>::Pose pose;
+    Pose pose;
     Accelerations accelerations;
   };
-  Look look(const State& s) const {
-    const auto p = links_.pose(s.angle);
-    return {s, p, accelerations(s, p)};
+  Look look() const { return {s_, pose_, accelerations(s_, pose_)}; }
+  void take(const Look& look) {
+    s_ = look.state;
+    pose_ = look.pose;
   }
-  State rates(const Look& look) const { return rates(look.state, look.pose, look.accelerations); }
-  State rates(const State& s, const Look& near) const {
-    const auto p = links_.turned(near.pose, T(s.angle - near.state.angle));
-    return rates(s, p, accelerations(s, p));
+  template <class Motion>
+  [[gnu::always_inline]] State rates(Motion motion, const Look& look) const {
+    return rates(motion, look.state, look.pose, look.accelerations);
   }
-  State rates(const State& s, const typename Links<T>::Pose& p, const Accelerations& a) const {
+  template <class Motion>
+  [[gnu::always_inline]] State rates(Motion motion, const State& s, const Look& near) const {
+    if constexpr (Motion::kTurns) {
+      const Pose p = links_.turned(near.pose, T(s.angle - near.state.angle));
+      return rates(motion, s, p, accelerations<Motion::kMode>(s, p));
+    } else {
+      return rates(motion, s, near.pose, accelerations<Motion::kMode>(s, near.pose));
+    }
+  }
+  template <class Motion>
+  [[gnu::always_inline]] State rates(Motion, const State& s, const Pose& p, const Accelerations& a) const {
     const T shortening = p.lever * s.rate;
     State d;
     if constexpr (kClutch)
-      static_cast<typename End::State&>(d) = end_.rates(s, {spring_force(s, p), T(V(0))});
+      static_cast<typename End::State&>(d) =
+          end_.rates(typename Motion::OfEnd{}, s, {spring_force(s, p), T(V(0))});
     d.angle = s.rate;
     d.height = s.velocity;
     d.rate = a.angle;
@@ -274,14 +328,16 @@ class NonlinearHopper {
     d.leg_damping = leg_damping_ * shortening * shortening;
     return d;
   }
-  Look arrive([[maybe_unused]] const Look& from, State s, [[maybe_unused]] const T& t) const {
+  template <class Motion>
+  void arrive(Motion, const Look& from, [[maybe_unused]] const T& t, Look& end) const {
+    State& s = end.state;
     if constexpr (kClutch) end_.keep_coil(from.state, s, t);
-    const auto p = links_.pose(s.angle);
-    if (mode_ == Mode::stance) {  // the toe rests
-      s.height = ground_ + p.length;
-      s.velocity = -(p.lever * s.rate);
+    end.pose = Motion::kTurns ? links_.pose(s.angle) : from.pose;
+    if constexpr (Motion::kMode == Mode::stance) {  // the toe rests
+      s.height = ground_ + end.pose.length;
+      s.velocity = -(end.pose.lever * s.rate);
     }
-    return {s, p, accelerations(s, p)};
+    end.accelerations = accelerations<Motion::kMode>(s, end.pose);
   }
 
   /// What ends a mode: of the leg, or of the clutch.
@@ -299,7 +355,7 @@ class NonlinearHopper {
   };
   using Leg = typename Change::Leg;
 
-  T margin(const Change& change, const Look& look) const {
+  [[gnu::always_inline]] T margin(const Change& change, const Look& look) const {
     const State& s = look.state;
     switch (change.leg) {
       case Leg::touches_down:
@@ -319,7 +375,7 @@ class NonlinearHopper {
     }
     if constexpr (kClutch)
       return end_.margin(static_cast<typename End::Change>(change.clutch), s,
-                         CableDrive<T>{spring_force(s, look.pose), T(V(0))});
+                         {spring_force(s, look.pose), T(V(0))});
     else
       return T(V(1));
   }
@@ -335,16 +391,26 @@ class NonlinearHopper {
     return change.leg == Leg::leaves_stop || change.leg == Leg::leaves_ground;
   }
 
-  auto changes() const {
-    Changes<Change, 16> out;
-    const bool straight = mode_ == Mode::on_stop || mode_ == Mode::stands;
-    out.add({straight ? Leg::leaves_stop : Leg::meets_stop});
-    out.add({in_stance() ? Leg::leaves_ground : Leg::touches_down});
+  template <class F>
+  [[gnu::always_inline]] void each_change(const F& f) const {
+    if (mode_ == Mode::on_stop || mode_ == Mode::stands)
+      f(Change{Leg::leaves_stop});
+    else
+      f(Change{Leg::meets_stop});
+    if (in_stance())
+      f(Change{Leg::leaves_ground});
+    else
+      f(Change{Leg::touches_down});
     if constexpr (kClutch) {
-      out.add({taut_ ? Leg::spring_slackens : Leg::spring_tautens});
-      for (const auto c : end_.changes()) out.add({Leg::none, static_cast<std::uint8_t>(c)});
+      if (taut_)
+        f(Change{Leg::spring_slackens});
+      else
+        f(Change{Leg::spring_tautens});
+      const auto of_end = [&](typename End::Change c) __attribute__((always_inline)) {
+        f(Change{Leg::none, static_cast<std::uint8_t>(c)});
+      };
+      end_.each_change(of_end);
     }
-    return out;
   }
 
   void make(const Change& change) {
@@ -379,7 +445,7 @@ class NonlinearHopper {
   void change_clutch([[maybe_unused]] const Change& change) {
     if constexpr (kClutch) {
       const T before = energy().held() + clutch_energy().held();
-      end_.make(static_cast<typename End::Change>(change.clutch), s_, on_cable(s_));
+      end_.make(static_cast<typename End::Change>(change.clutch), s_, {spring_force(s_, pose_), T(V(0))});
       end_.settle(s_);
       clutch_impacts_ += before - energy().held() - clutch_energy().held();
     }
@@ -387,19 +453,17 @@ class NonlinearHopper {
 
   /// Of the toe, upwards, m/s^2.
   T toe_acceleration() const {
-    const auto p = links_.pose(s_.angle);
-    const Accelerations a = accelerations(s_, p);
-    return a.height + p.lever * a.angle + p.length * s_.rate * s_.rate;
+    const Accelerations a = accelerations(s_, pose_);
+    return a.height + pose_.lever * a.angle + pose_.length * s_.rate * s_.rate;
   }
 
   void touch_down() {
-    const auto p = links_.pose(s_.angle);
     const T before = energy().held(), fell = s_.velocity;
     mode_ = Mode::stance;
     if (value_of(fell) < V(0)) left_ = false;
-    s_.rate = p_.restitution_touchdown * links_.rate_after_touchdown(p, s_.rate, s_.velocity);
-    s_.height = ground_ + p.length;
-    s_.velocity = -(p.lever * s_.rate);
+    s_.rate = p_.restitution_touchdown * links_.rate_after_touchdown(pose_, s_.rate, s_.velocity);
+    s_.height = ground_ + pose_.length;
+    s_.velocity = -(pose_.lever * s_.rate);
     account_.touchdown += before - energy().held();
     record(Event::Kind::touchdown, fell);
   }
@@ -433,9 +497,10 @@ class NonlinearHopper {
     const T before = energy().held(), rose = s_.velocity;
     const V slow = V(1e-3);  // m/s
     s_.angle = p_.touchdown_angle_rad;
+    pose_ = straight_;
     if (stood && value_of(s_.velocity) < slow) {
       mode_ = Mode::stands;
-      const Accelerations a = accelerations(s_);
+      const Accelerations a = accelerations(s_, pose_);
       if (value_of(a.stop_torque) >= V(0) && value_of(a.ground_force) >= V(0)) {
         s_.rate = s_.velocity = T(V(0));
         account_.stop += before - energy().held();
@@ -454,16 +519,16 @@ class NonlinearHopper {
   /// The mode that the forces ask for where the state alone leaves it open: on the stop, and with the toe on
   /// the ground.
   void settle() {
-    if (mode_ == Mode::on_stop && value_of(accelerations(s_).stop_torque) < V(0)) mode_ = Mode::swings;
+    if (mode_ == Mode::on_stop && value_of(accelerations(s_, pose_).stop_torque) < V(0)) mode_ = Mode::swings;
     if (mode_ == Mode::stands) {
-      const Accelerations a = accelerations(s_);
+      const Accelerations a = accelerations(s_, pose_);
       if (value_of(a.stop_torque) < V(0)) mode_ = Mode::stance;
       if (value_of(a.ground_force) < V(0)) mode_ = Mode::on_stop;
     }
     if (mode_ != Mode::stance) return;
     const bool at_stop =
         !(value_of(s_.angle) > value_of(p_.touchdown_angle_rad)) && !(value_of(s_.rate) > V(0));
-    const Accelerations a = accelerations(s_);
+    const Accelerations a = accelerations(s_, pose_);
     if (at_stop && (value_of(s_.rate) < V(0) || value_of(a.angle) < V(0))) return meet_stop();
     if (value_of(a.ground_force) < V(0)) leave_ground();
   }
@@ -480,6 +545,7 @@ class NonlinearHopper {
   typename Links<T>::Pose straight_;
   T torque_{}, ground_{};
   State s_{};
+  Pose pose_ = straight_;  ///< of the state's angle
   Mode mode_ = Mode::on_stop;
   bool left_ = false;  ///< the loss at lift-off of this stance is taken
   bool taut_ = true;   ///< the spring pulls; without a clutch also where it would have to push
