@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "host/identify/quantile.hpp"
+
 namespace furcula::diagnose {
 
 using dynamics::Effect;
@@ -86,7 +88,7 @@ double cross_validate(const identify::Fit& fit, const std::vector<identify::Wind
 
 double chi_square_point(double tries, double freedom) {
   constexpr double kFalseAlarmLevel = 0.005;
-  return 2.0 * std::log(std::max(tries, 1.0) / kFalseAlarmLevel) + 2.5 * (std::max(freedom, 1.0) - 2.0);
+  return identify::chi_square_above(kFalseAlarmLevel / std::max(tries, 1.0), std::max(freedom, 1.0));
 }
 
 namespace {

@@ -50,8 +50,8 @@ double evidence_of(const identify::Fit& smaller, const identify::Fit& larger, co
 double cross_validate(const identify::Fit& fit, const std::vector<identify::Window>& windows,
                       std::size_t recordings);
 
-/// The chi-square point of `freedom` degrees at the level that Bonferroni's price for `tries` leaves, from
-/// above.
+/// What a chi-square of `freedom` degrees (one at least) exceeds at the level that Bonferroni's price for
+/// `tries` leaves of a false alarm in two hundred.
 double chi_square_point(double tries, double freedom);
 
 /// False if an effect's parameters mean nothing: where the effect is not there, against a physical limit, or

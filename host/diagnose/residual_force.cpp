@@ -16,20 +16,35 @@ constexpr double kHalfWidth_s = 0.015;  // of the local parabola that gives the 
 constexpr double kProbe_s = 1e-5;       // the model's acceleration is read off a step this short
 constexpr std::size_t kFewestRows = 7;
 
-/// The model's acceleration at a state.
+/// What a model makes of a recording's measured states, its drive's and its sensors' effects included.
 class Acceleration {
  public:
   Acceleration(const model::Model& m) : kind_(m.kind), setup_(m, {}, nullptr) {}
 
-  double at(double position, double velocity, double input) const {
+  /// What reaches the plant in each row.
+  std::vector<double> inputs(const Recording& r) const {
+    std::vector<double> all;
+    identify::detail::Driven<double> driven(setup_, r, 0);
+    for (std::size_t i = 0; i + 1 < r.rows(); ++i)
+      all.push_back(driven.next(i, r.time_s[i + 1] - r.time_s[i]));
+    all.push_back(all.back());
+    return all;
+  }
+
+  /// The acceleration that would be measured at a measured state of the row.
+  double at(const Recording& r, std::size_t row, double position, double velocity, double input) const {
     double result = 0.0;
     identify::with_plant(kind_, setup_, [&](auto& plant) {
+      const dynamics::Sensing<double> sensing(setup_.effects, identify::detail::reference<double>(plant));
+      const double true_position = sensing.position(position - identify::detail::slipped(setup_, r, row));
+      const double true_velocity = velocity / sensing.gain(true_position);
       if constexpr (requires { plant.reset_loose(position, velocity); })
-        plant.reset_loose(position, velocity);  // a held belt has no acceleration
+        plant.reset_loose(true_position, true_velocity);  // a held belt has no acceleration
       else
-        plant.reset(position, velocity);
+        plant.reset(true_position, true_velocity);
       plant.advance(input, kProbe_s);
-      result = (identify::detail::speed(plant) - velocity) / kProbe_s;
+      const double then = identify::detail::speed(plant) * sensing.gain(identify::detail::height(plant));
+      result = (then - velocity) / kProbe_s;
     });
     return result;
   }
@@ -94,6 +109,7 @@ ResidualForce residual_force(const model::Model& model, const std::vector<dynami
   for (std::size_t of = 0; of < recordings.size(); ++of) {
     const Recording& r = recordings[of];
     const SinceEvents since = since_events(r, touchdown);
+    const std::vector<double> driven = with.inputs(r), driven_without = without.inputs(r);
     for (std::size_t i = 0; i < r.rows(); i += stride) {
       std::size_t first = i, last = i;
       while (first > 0 && r.time_s[first - 1] >= r.time_s[i] - kHalfWidth_s) --first;
@@ -117,17 +133,20 @@ ResidualForce residual_force(const model::Model& model, const std::vector<dynami
         if (*low < touchdown + 0.010 && *high > touchdown - 0.010) continue;
       }
       const auto p = identify::local_polynomial(r.time_s, r.position, first, last, r.time_s[i], 2);
-      double input = 0.0;  // as the parabola sees it: averaged over its rows
-      for (std::size_t k = first; k <= last; ++k) input += r.input[k] / static_cast<double>(last - first + 1);
-      const double lacking = without.at(p.value, p.slope, input);
+      const auto seen = [&](const std::vector<double>& values) {  // by the parabola: averaged over its rows
+        double sum = 0.0;
+        for (std::size_t k = first; k <= last; ++k) sum += values[k] / static_cast<double>(last - first + 1);
+        return sum;
+      };
+      const double lacking = without.at(r, i, p.value, p.slope, seen(driven_without));
       out.time_s.push_back(r.time_s[i] - r.time_s.front());
       out.velocity.push_back(p.slope);
       out.position.push_back(p.value);
       out.force.push_back(mass * (p.curvature - lacking));
-      if (!named.empty()) out.law.push_back(mass * (with.at(p.value, p.slope, input) - lacking));
+      if (!named.empty()) out.law.push_back(mass * (with.at(r, i, p.value, p.slope, seen(driven)) - lacking));
       out.recording.push_back(of);
       out.acceleration.push_back(p.curvature);
-      out.input.push_back(input);
+      out.input.push_back(seen(r.input));
       out.interval_s.push_back(i > 0 ? r.time_s[i] - r.time_s[i - 1] : r.time_s[1] - r.time_s[0]);
       out.since_touchdown_s.push_back(since.touchdown_s[i]);
       out.since_liftoff_s.push_back(since.liftoff_s[i]);

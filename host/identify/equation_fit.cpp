@@ -23,7 +23,7 @@ double spread(const std::vector<double>& values, const Recording& r, const Windo
   return std::max(std::sqrt(squares), 1e-12);
 }
 
-/// Residuals of one window: two a step, against the unknowns (at most 12).
+/// Residuals of one window: two a step, against the unknowns.
 class StepCost final : public ceres::CostFunction {
  public:
   StepCost(const model::Model& model, const std::vector<Unknown>& unknowns, const Recording& recording,
@@ -39,36 +39,42 @@ class StepCost final : public ceres::CostFunction {
   }
 
   bool Evaluate(double const* const* blocks, double* residuals, double** jacobians) const override {
-    if (jacobians == nullptr || jacobians[0] == nullptr) return run<double>(blocks[0], residuals, nullptr);
-    return run<Dual<12>>(blocks[0], residuals, jacobians[0]);
+    if (jacobians == nullptr || jacobians[0] == nullptr) return run<double>(blocks[0], residuals, nullptr, 0);
+    bool finite = true;
+    for (std::size_t from = 0; from < unknowns_.size(); from += kAtOnce)
+      finite = run<Dual<kAtOnce>>(blocks[0], residuals, jacobians[0], from) && finite;
+    return finite;
   }
 
  private:
+  static constexpr int kAtOnce = 12;  ///< unknowns that a run carries the derivatives by
+
+  /// The columns of the Jacobian from unknown `from` on.
   template <class T>
-  bool run(const double* at, double* residuals, double* jacobian) const {
-    const std::size_t count = unknowns_.size();
+  bool run(const double* at, double* residuals, double* jacobian, std::size_t from) const {
+    const std::size_t count = unknowns_.size(), to = std::min<std::size_t>(count, from + kAtOnce);
     std::vector<T> values(count);
     for (std::size_t i = 0; i < count; ++i) {
       values[i] = T(at[i]);
-      if constexpr (!std::is_same_v<T, double>) values[i].set(i, 1.0);
+      if constexpr (!std::is_same_v<T, double>)
+        if (i >= from && i < to) values[i].set(i - from, 1.0);
     }
     bool finite = true;
     const auto put = [&](const T& error, double weight) {
       *residuals = dynamics::value_of(error) * weight;
       finite = finite && std::isfinite(*residuals);
       ++residuals;
-      if constexpr (!std::is_same_v<T, double>)
-        for (std::size_t i = 0; i < count; ++i) *jacobian++ = error.derivative(i) * weight;
+      if constexpr (!std::is_same_v<T, double>) {
+        for (std::size_t i = from; i < to; ++i) jacobian[i] = error.derivative(i - from) * weight;
+        jacobian += count;
+      }
     };
     const Recording& r = recording_;
-    with_plant(r.kind, PlantSetup<T>(model_, unknowns_, values.data()), [&](auto& plant) {
-      for (std::size_t i = window_.first; i < window_.last; ++i) {
-        plant.reset(T(r.position[i]), T(r.velocity_smoothed[i]));
-        plant.advance(T(r.input[i]), r.time_s[i + 1] - r.time_s[i]);
-        put(detail::height(plant) - r.position[i + 1], position_weight_);
-        put(detail::speed(plant) - r.velocity_smoothed[i + 1], velocity_weight_);
-      }
-    });
+    one_step_each(PlantSetup<T>(model_, unknowns_, values.data()), r, window_,
+                  [&](std::size_t row, const T& position, const T& velocity) {
+                    put(position - r.position[row], position_weight_);
+                    put(velocity - r.velocity_smoothed[row], velocity_weight_);
+                  });
     return finite;
   }
 
@@ -83,7 +89,7 @@ class StepCost final : public ceres::CostFunction {
 
 Fit fit_by_equation(const model::Model& model, const std::vector<Unknown>& unknowns,
                     const std::vector<double>& start, const std::vector<Recording>& recordings,
-                    const std::vector<Window>& windows) {
+                    const std::vector<Window>& windows, std::size_t layers) {
   if (windows.empty())
     throw log::DataError("equation error: no stance, flight or interval to fit on; expected at least one");
   Fit fit;
@@ -128,7 +134,8 @@ Fit fit_by_equation(const model::Model& model, const std::vector<Unknown>& unkno
     fit.squares += share.squares;
     fit.shares.push_back(std::move(share));
   }
-  fit.covariance = sandwich_covariance(fit.shares, fit.at_bound);
+  fit.layers = layers;
+  fit.covariance = sandwich_covariance(fit.shares, fit.at_bound, layers);
   return fit;
 }
 

@@ -119,7 +119,7 @@ class Work {
     std::vector<Window> inside;
     for (const Window& w : windows)
       if (w.kind != WindowKind::stride) inside.push_back(w);
-    return fit_by_equation(model_, unknowns_, start, training_, inside);
+    return fit_by_equation(model_, unknowns_, start, training_, inside, fit_windows_.layers);
   }
 
   Estimation estimate(Method method) {

@@ -1,4 +1,4 @@
-// Quantiles of a list.
+// Quantiles: of a list, and of the distributions that tests are made with.
 #pragma once
 
 #include <algorithm>
@@ -22,5 +22,11 @@ inline double median(std::vector<double> values) {
   std::nth_element(values.begin(), middle, values.end());
   return *middle;
 }
+
+/// What a chi-square of `freedom` > 0 degrees exceeds with the probability `level`, 0 < level < 1.
+double chi_square_above(double level, double freedom);
+
+/// Student's t of `freedom` > 0 degrees lies within +- this with the probability `share`, 0 < share < 1.
+double student_t_within(double share, double freedom);
 
 }  // namespace furcula::identify

@@ -94,6 +94,45 @@ void warm_up(dynamics::Actuation<T>& drive, const Recording& r, const dynamics::
   for (; from < first; ++from) drive.drive(commands, from, r.time_s[from + 1] - r.time_s[from]);
 }
 
+/// What reaches the plant: a recording's commands through drive and motor, row by row. Where the input is the
+/// drive's answer, that answer holds what the drive does already.
+template <class T>
+class Driven {
+ public:
+  /// For the rows from `first` on.
+  Driven(const PlantSetup<T>& setup, const Recording& r, std::size_t first)
+      : recording_(r),
+        commands_(r.commands()),
+        actuation_(r.drive_command.empty() ? setup.effects : behind_drive(setup.effects)),
+        ideal_(actuation_.ideal_drive()) {
+    warm_up(actuation_, r, commands_, first);
+  }
+
+  /// What the drive's current would show at a row, before next() is called for it.
+  T shown(std::size_t row, double interval_s) const {
+    return ideal_ ? T(recording_.input[row]) : actuation_.at_row(commands_, row, interval_s);
+  }
+  /// Mean over a row's interval. Call for one row after the other.
+  T next(std::size_t row, double interval_s) {
+    const T drive = ideal_ ? T(recording_.input[row]) : actuation_.drive(commands_, row, interval_s);
+    return actuation_.motor(drive, commands_, row);
+  }
+
+ private:
+  const Recording& recording_;
+  dynamics::Commands<double> commands_;
+  dynamics::Actuation<T> actuation_;
+  bool ideal_;
+};
+
+/// By how much the measured position of a row is off by slips, if the model has them. A slip is an event of
+/// each recording, not of the machine: where the effect is on, the recording's own.
+template <class T>
+double slipped(const PlantSetup<T>& setup, const Recording& r, std::size_t row) {
+  return setup.effects.has(dynamics::Effect::encoder_slip) && !r.slip_offset.empty() ? r.slip_offset[row]
+                                                                                     : 0.0;
+}
+
 /// Where a window finds a hopper's clutch: its coil's past is in the recording, and the travel that a caught
 /// cable has follows from the measured heights at which the key came. False where there is no clutch, or its
 /// coil is never on.
@@ -145,6 +184,30 @@ bool start_clutch(auto& plant, const PlantSetup<T>& setup, const Recording& r, s
     plant.start_clutch(key, held, teeth);
     return true;
   }
+}
+
+/// Puts a plant where a measured state finds it at row `row` of a recording; the leg's angle is looked at up
+/// to row `last`. True if its clutch is to be told of the coil.
+template <class T>
+bool start_plant(auto& plant, const PlantSetup<T>& setup, const dynamics::Sensing<T>& sensing,
+                 const Recording& r, std::size_t row, std::size_t last, const T& position,
+                 const T& velocity) {
+  const T start = sensing.position(T(position - slipped(setup, r, row)));
+  plant.reset(start, T(velocity / sensing.gain(start)));
+  if (setup.effects.has(dynamics::Effect::backlash))
+    if constexpr (requires { plant.press_rotor(0.0); }) {
+      std::size_t pressed = row;
+      while (pressed > 0 && r.input[pressed] == 0.0) --pressed;
+      plant.press_rotor(r.input[pressed]);
+      if constexpr (requires { plant.place_rotor(0.0, 0.0); })
+        if (!r.leg_angle.empty()) {
+          constexpr std::size_t kRows = 10;
+          const auto seen =
+              local_polynomial(r.time_s, r.leg_angle, row, std::min(last, row + kRows), r.time_s[row], 1);
+          plant.place_rotor(seen.value, seen.slope);
+        }
+    }
+  return start_clutch<T>(plant, setup, r, row);
 }
 
 }  // namespace detail
@@ -204,40 +267,19 @@ void with_plant(dynamics::Kind kind, const PlantSetup<T>& setup, const Use& use)
 template <class T, class Visit>
 void simulate(const PlantSetup<T>& setup, const Recording& r, const Window& w, const T& position,
               const T& velocity, const Visit& visit) {
-  const dynamics::Commands<double> commands = r.commands(), told = r.drive_commands();
-  // Where the input is the drive's answer, that answer holds what the drive does already.
+  const dynamics::Commands<double> told = r.drive_commands();
   const bool answered = !r.drive_command.empty();
-  dynamics::Actuation<T> actuation(answered ? detail::behind_drive(setup.effects) : setup.effects);
+  detail::Driven<T> driven(setup, r, w.first);
   // What the drive reports stands on its own clock, whatever the positions' is.
   const bool own_clock = !answered && !r.drive.empty() && setup.effects.has(dynamics::Effect::time_skew);
   dynamics::Actuation<T> drive(answered    ? detail::of_drive(setup.effects)
                                : own_clock ? detail::unskewed(setup.effects)
                                            : dynamics::Effects<T>{});
+  detail::warm_up(drive, r, told, w.first);
   with_plant(r.kind, setup, [&](auto& plant) {
     const dynamics::Sensing<T> sensing(setup.effects, detail::reference<T>(plant));
-    // A slip is an event of each recording, not of the machine: where the effect is on, the recording's own.
-    const double* slipped = setup.effects.has(dynamics::Effect::encoder_slip) && !r.slip_offset.empty()
-                                ? r.slip_offset.data()
-                                : nullptr;
-    const T start = sensing.position(slipped != nullptr ? T(position - slipped[w.first]) : position);
-    plant.reset(start, T(velocity / sensing.gain(start)));
-    if (setup.effects.has(dynamics::Effect::backlash))
-      if constexpr (requires { plant.press_rotor(0.0); }) {
-        std::size_t last = w.first;
-        while (last > 0 && r.input[last] == 0.0) --last;
-        plant.press_rotor(r.input[last]);
-        if constexpr (requires { plant.place_rotor(0.0, 0.0); })
-          if (!r.leg_angle.empty()) {
-            constexpr std::size_t kRows = 10;
-            const auto seen = local_polynomial(r.time_s, r.leg_angle, w.first,
-                                               std::min(w.last, w.first + kRows), r.time_s[w.first], 1);
-            plant.place_rotor(seen.value, seen.slope);
-          }
-      }
-    [[maybe_unused]] const bool clutched = detail::start_clutch<T>(plant, setup, r, w.first);
-    const bool ideal = actuation.ideal_drive();
-    detail::warm_up(actuation, r, commands, w.first);
-    detail::warm_up(drive, r, told, w.first);
+    [[maybe_unused]] const bool clutched =
+        detail::start_plant<T>(plant, setup, sensing, r, w.first, w.last, position, velocity);
     T x = position, v = velocity;
     // A skew is the height's alone: the run is at the instants of the heights, so what the angle's own clock
     // is ahead of them is taken from the measured angle.
@@ -253,22 +295,39 @@ void simulate(const PlantSetup<T>& setup, const Recording& r, const Window& w, c
     };
     for (std::size_t i = w.first; i < w.last; ++i) {
       const double interval_s = r.time_s[i + 1] - r.time_s[i];
-      visit(i, x, v,
-            answered || own_clock ? drive.at_row(told, i, interval_s)
-            : ideal               ? T(r.input[i])
-                                  : actuation.at_row(commands, i, interval_s),
+      visit(i, x, v, answered || own_clock ? drive.at_row(told, i, interval_s) : driven.shown(i, interval_s),
             leg_angle);
       if (answered || own_clock) drive.drive(told, i, interval_s);
-      const T input = ideal ? T(r.input[i]) : actuation.drive(commands, i, interval_s);
+      const T input = driven.next(i, interval_s);
       if constexpr (requires { plant.energise(true); })
         if (clutched) plant.energise(r.solenoid[i] != 0.0);
-      plant.advance(actuation.motor(input, commands, i), interval_s);
+      plant.advance(input, interval_s);
       x = sensing.measured(detail::height(plant));
-      if (slipped != nullptr) x += slipped[i + 1];
+      if (const double off = detail::slipped(setup, r, i + 1); off != 0.0) x += off;
       v = detail::speed(plant) * sensing.gain(detail::height(plant));
       row = i + 1;
     }
     visit(w.last, x, v, T(r.input[w.last]), leg_angle);
+  });
+}
+
+/// From the measured state of each row of the window a step to the next row: visits visit(row, position,
+/// velocity) with what would be measured there, for the rows after the first.
+template <class T, class Visit>
+void one_step_each(const PlantSetup<T>& setup, const Recording& r, const Window& w, const Visit& visit) {
+  detail::Driven<T> driven(setup, r, w.first);
+  with_plant(r.kind, setup, [&](auto& plant) {
+    const dynamics::Sensing<T> sensing(setup.effects, detail::reference<T>(plant));
+    for (std::size_t i = w.first; i < w.last; ++i) {
+      const double interval_s = r.time_s[i + 1] - r.time_s[i];
+      [[maybe_unused]] const bool clutched = detail::start_plant<T>(
+          plant, setup, sensing, r, i, w.last, T(r.position[i]), T(r.velocity_smoothed[i]));
+      if constexpr (requires { plant.energise(true); })
+        if (clutched) plant.energise(r.solenoid[i] != 0.0);
+      plant.advance(driven.next(i, interval_s), interval_s);
+      visit(i + 1, T(sensing.measured(detail::height(plant)) + detail::slipped(setup, r, i + 1)),
+            T(detail::speed(plant) * sensing.gain(detail::height(plant))));
+    }
   });
 }
 
@@ -285,8 +344,7 @@ T report_lag(const PlantSetup<T>& setup, const Recording& r, const Window& w, do
   const double velocity = w.touchdown_velocity;
   if (velocity < 0.0) {
     if (!sensing.ideal()) lag += (sensing.measured(T(touchdown_height_m)) - touchdown_height_m) / velocity;
-    if (setup.effects.has(Effect::encoder_slip) && !r.slip_offset.empty())
-      lag += r.slip_offset[w.touchdown] / velocity;
+    lag += detail::slipped(setup, r, w.touchdown) / velocity;
   }
   return lag;
 }

@@ -63,21 +63,6 @@ class WindowCost final : public ceres::CostFunction {
   WindowRun run_;
 };
 
-/// How many independent numbers these residuals are worth: their count over the integrated autocorrelation,
-/// summed up to where it first falls below 0.05.
-double effective_count(const Eigen::Ref<const Eigen::VectorXd>& residual) {
-  const auto rows = residual.size();
-  const double variance = residual.squaredNorm();
-  if (!(variance > 0.0)) return static_cast<double>(rows);
-  double time = 1.0;
-  for (Eigen::Index lag = 1; lag < rows / 2; ++lag) {
-    const double correlation = residual.head(rows - lag).dot(residual.tail(rows - lag)) / variance;
-    if (correlation < 0.05) break;
-    time += 2.0 * correlation;
-  }
-  return static_cast<double>(rows) / time;
-}
-
 /// The window's share at these values, its start state moved to its own optimum: by so many Gauss-Newton
 /// rounds, and from there by a linear step.
 WindowShare share_of(const WindowCost& cost, const std::vector<double>& values, double* start, int rounds) {
@@ -180,44 +165,6 @@ Fit in_law_parameters(Fit fit, const std::vector<Unknown>& unknowns, const model
   return fit;
 }
 
-Eigen::MatrixXd sandwich_covariance(const std::vector<WindowShare>& shares, const std::vector<bool>& at_bound,
-                                    std::size_t layers) {
-  const auto count = static_cast<Eigen::Index>(at_bound.size());
-  std::vector<Eigen::Index> moving;
-  for (Eigen::Index i = 0; i < count; ++i)
-    if (!at_bound[static_cast<std::size_t>(i)]) moving.push_back(i);
-  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(count, count);
-  const auto free = static_cast<Eigen::Index>(moving.size());
-  if (free == 0 || shares.empty()) return covariance;
-  Eigen::MatrixXd information = Eigen::MatrixXd::Zero(free, free);
-  Eigen::MatrixXd scatter = Eigen::MatrixXd::Zero(free, free);
-  for (const WindowShare& s : shares) {
-    Eigen::VectorXd g(free);
-    for (Eigen::Index i = 0; i < free; ++i) {
-      g(i) = s.gradient(moving[static_cast<std::size_t>(i)]);
-      for (Eigen::Index k = 0; k < free; ++k)
-        information(i, k) +=
-            s.information(moving[static_cast<std::size_t>(i)], moving[static_cast<std::size_t>(k)]);
-    }
-    scatter += g * g.transpose();
-  }
-  // Scaled to a unit diagonal: the unknowns have different units.
-  Eigen::VectorXd scale(free);
-  for (Eigen::Index i = 0; i < free; ++i)
-    scale(i) = information(i, i) > 0.0 ? 1.0 / std::sqrt(information(i, i)) : 0.0;
-  const Eigen::MatrixXd scaled = scale.asDiagonal() * information * scale.asDiagonal();
-  const Eigen::MatrixXd inverse =
-      scale.asDiagonal() * scaled.completeOrthogonalDecomposition().pseudoInverse() * scale.asDiagonal();
-  const auto windows = static_cast<double>(shares.size()) / static_cast<double>(layers);
-  const double correction =
-      windows > static_cast<double>(free) ? windows / (windows - static_cast<double>(free)) : windows;
-  const Eigen::MatrixXd small = inverse * scatter * inverse * (correction * static_cast<double>(layers));
-  for (Eigen::Index i = 0; i < free; ++i)
-    for (Eigen::Index k = 0; k < free; ++k)
-      covariance(moving[static_cast<std::size_t>(i)], moving[static_cast<std::size_t>(k)]) = small(i, k);
-  return covariance;
-}
-
 namespace {
 
 /// The windows' costs and start states.
@@ -228,6 +175,7 @@ struct Costs {
   Costs(const model::Model& model, const std::vector<Unknown>& unknowns,
         const std::vector<Recording>& recordings, const std::vector<Window>& windows, Weighting weighting)
       : starts(windows.size() * kStartSize) {
+    require_room(unknowns);
     for (std::size_t i = 0; i < windows.size(); ++i) {
       const Recording& r = recordings[windows[i].recording];
       costs.emplace_back(model, unknowns, r, windows[i], weights_of(r, windows[i], weighting));

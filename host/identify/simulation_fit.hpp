@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "host/identify/simulate.hpp"
+#include "host/identify/statistics.hpp"
 
 namespace furcula::identify {
 
@@ -15,29 +16,6 @@ enum class Weighting {
   noise,  ///< positions over their noise
   nmse,   ///< positions and velocities over the window's spread: each window adds NMSE(z) + NMSE(z') (002
           ///< eq. 4.4)
-};
-
-/// What residuals are of: the body's motion, when the contact switch reports, what the drive reports, the
-/// angle of the leg about its mean over the window (where its encoder's zero is, no model says). With
-/// Weighting::nmse of the motion alone.
-enum class Channel { motion, contact, drive, leg };
-inline constexpr std::size_t kChannels = 4;
-
-/// Residuals of one channel.
-struct ChannelShare {
-  double squares = 0.0;         ///< of the weighted residuals
-  double rows = 0.0;            ///< residuals
-  double effective_rows = 0.0;  ///< independent residuals that say as much: rows over the correlation time
-};
-
-/// A window's part in a fit, its start state eliminated.
-struct WindowShare {
-  std::array<ChannelShare, kChannels> channels;
-  double squares = 0.0;         ///< of all channels
-  Eigen::VectorXd gradient;     ///< half the derivative of `squares` by the unknowns
-  Eigen::MatrixXd information;  ///< Gauss-Newton half Hessian
-
-  const ChannelShare& operator[](Channel c) const { return channels[static_cast<std::size_t>(c)]; }
 };
 
 struct Fit {
@@ -80,9 +58,5 @@ void require_finite(bool finite, const std::vector<Recording>& recordings,
 
 /// Which values lie on a bound of their unknown.
 std::vector<bool> at_bounds(const std::vector<double>& values, const std::vector<Unknown>& unknowns);
-
-/// Covariance from the shares of a fit; entries of unknowns at a bound are zero.
-Eigen::MatrixXd sandwich_covariance(const std::vector<WindowShare>& shares, const std::vector<bool>& at_bound,
-                                    std::size_t layers = 1);
 
 }  // namespace furcula::identify

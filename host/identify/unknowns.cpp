@@ -1,6 +1,9 @@
 #include "host/identify/unknowns.hpp"
 
 #include <cmath>
+#include <string>
+
+#include "host/log/error.hpp"
 
 namespace furcula::identify {
 
@@ -71,6 +74,13 @@ std::optional<Jumps> jumps(const Unknown& unknown, dynamics::Kind kind) {
       unknown.parameter == dynamics::parameter_index(kind, "tooth_pitch_m"))
     return Jumps{unknown.lower, unknown.upper, true};
   return std::nullopt;
+}
+
+void require_room(const std::vector<Unknown>& unknowns) {
+  if (unknowns.size() > kMostUnknowns)
+    throw log::DataError("the fit: " + std::to_string(unknowns.size()) +
+                         " free parameters, those of effects included; expected at most " +
+                         std::to_string(kMostUnknowns));
 }
 
 std::vector<double> values_in(const model::Model& model, const std::vector<Unknown>& unknowns) {

@@ -72,10 +72,25 @@ std::vector<double> values_in(const model::Model& model, const std::vector<Unkno
 model::Model with_values(model::Model model, const std::vector<Unknown>& unknowns,
                          const std::vector<double>& values);
 
+/// The most that a kind's table has.
+inline constexpr std::size_t kMostParameters = [] {
+  std::size_t most = 0;
+  for (const dynamics::KindInfo& kind : dynamics::kKinds) most = std::max(most, kind.parameters.size());
+  return most;
+}();
+
+/// The most that a fit can move: its numbers carry derivatives by as many, and by a start state's two.
+inline constexpr std::size_t kMostUnknowns = 30;
+/// All of a kind's parameters, and four effects (a diagnosis tries one more for a moment).
+static_assert(kMostParameters + 5 * dynamics::kMaxEffectParameters <= kMostUnknowns);
+
+/// @throws log::DataError where there are more.
+void require_room(const std::vector<Unknown>& unknowns);
+
 /// A plant's parameters and effects, with the unknowns at `values` (unknowns.size() of them) in the scalar T.
 template <class T>
 struct PlantSetup {
-  std::array<T, 16> parameters{};
+  std::array<T, kMostParameters> parameters{};
   dynamics::HopperClutchParameters<T> clutch{};  ///< of a hopper that has one
   dynamics::Effects<T> effects;
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/identify/quantile.hpp"
+
 namespace furcula::identify {
 namespace {
 
@@ -17,16 +19,6 @@ constexpr double kNumerics = 1.5e-3;
 constexpr double kNotExcited = 1.0;  ///< half width of the interval over the value
 
 }  // namespace
-
-double student_t95(double freedom) {
-  // Cornish-Fisher expansion about the normal point; below 3 degrees of freedom the table.
-  if (freedom < 1.5) return 12.706;
-  if (freedom < 2.5) return 4.303;
-  const double z = 1.959963985, n = freedom;
-  const double z3 = z * z * z, z5 = z3 * z * z, z7 = z5 * z * z;
-  return z + (z3 + z) / (4.0 * n) + (5.0 * z5 + 16.0 * z3 + 3.0 * z) / (96.0 * n * n) +
-         (3.0 * z7 + 19.0 * z5 + 17.0 * z3 - 15.0 * z) / (384.0 * n * n * n);
-}
 
 std::vector<ParameterVerdict> parameter_verdicts(const Fit& fit, const std::vector<Unknown>& unknowns) {
   const std::size_t count = unknowns.size();
@@ -49,8 +41,8 @@ std::vector<ParameterVerdict> parameter_verdicts(const Fit& fit, const std::vect
   const Eigen::MatrixXd inverse =
       free > 0 ? Eigen::MatrixXd((scaled + kSingular * Eigen::MatrixXd::Identity(free, free)).inverse())
                : Eigen::MatrixXd();
-  const double t =
-      student_t95(std::max(1.0, static_cast<double>(fit.shares.size()) - static_cast<double>(count)));
+  const double windows = independent_windows(fit.shares.size(), fit.layers);
+  const double t = student_t_within(0.95, std::max(1.0, windows - static_cast<double>(count)));
   for (std::size_t i = 0; i < count; ++i) {
     ParameterVerdict& v = all[i];
     v.value = fit.values[i];

@@ -21,7 +21,4 @@ struct ParameterVerdict {
 /// itself.
 std::vector<ParameterVerdict> parameter_verdicts(const Fit& fit, const std::vector<Unknown>& unknowns);
 
-/// Two-sided 95 % point of Student's t with `freedom` >= 1 degrees of freedom.
-double student_t95(double freedom);
-
 }  // namespace furcula::identify

@@ -245,6 +245,26 @@ double mean_nmse(const model::Model& m, const model::Model& reference, const Dat
   return sum;
 }
 
+/// The same with the start of each run fitted to it ...
+double nmse_with_fitted_starts(const model::Model& m, const Data& d) {
+  return identify::fit_by_simulation(m, {}, {}, d.recordings, d.windows, identify::Weighting::nmse).squares /
+         static_cast<double>(d.windows.size());
+}
+
+/// ... and with the measured state as the start.
+double nmse_with_measured_starts(const model::Model& m, const Data& d) {
+  double sum = 0.0;
+  for (const Window& w : d.windows) {
+    const Recording& r = d.recordings[w.recording];
+    StartState start;
+    start.position = r.position[w.first];
+    start.velocity = r.velocity_smoothed[w.first];
+    const TrajectoryErrors e = errors_of(r, w, identify::predict(m, r, w, start));
+    sum += (e.nmse_height + e.nmse_velocity) / static_cast<double>(d.windows.size());
+  }
+  return sum;
+}
+
 PlainStudy plain_study(const std::string& phase, const model::Model& m, const Data& d, std::size_t folds) {
   const std::vector<Unknown> unknowns = identify::free_unknowns(m);
   const std::vector<double> start = identify::values_in(m, unknowns);
@@ -270,8 +290,13 @@ PlainStudy plain_study(const std::string& phase, const model::Model& m, const Da
         const model::Model fitted = identify::with_values(m, unknowns, values);
         return predicted(fitted, fitted, d, d.windows[i]);
       });
-  s.plain_nmse = mean_nmse(identify::with_values(m, unknowns, s.estimates.values), ours, d);
+  const model::Model plain = identify::with_values(m, unknowns, s.estimates.values);
+  s.plain_nmse = mean_nmse(plain, ours, d);
   s.ours_nmse = mean_nmse(ours, ours, d);
+  s.plain_nmse_fitted = nmse_with_fitted_starts(plain, d);
+  s.ours_nmse_fitted = nmse_with_fitted_starts(ours, d);
+  s.plain_nmse_measured = nmse_with_measured_starts(plain, d);
+  s.ours_nmse_measured = nmse_with_measured_starts(ours, d);
   return s;
 }
 

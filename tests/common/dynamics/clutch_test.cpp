@@ -171,6 +171,42 @@ TEST_CASE("Seated teeth hold up to their share of the pressing force, and beyond
   }
 }
 
+TEST_CASE("A belt that the auxiliary spring pulls back slips upwards as it does downwards, tooth by tooth") {
+  // The weight is above what the teeth hold, and falls far beyond where the spring carries it: caught down there, the spring's pull less
+  // the weight is above what they hold too.
+  auto setup = release_catch_bench<double>();
+  setup.clutch.auxiliary_stiffness_npm = 1500.0;
+  setup.clutch.cable_damping_nspm = 0.0;
+  setup.clutch.travel_m = 0.2;
+  const double holding = setup.clutch.holding_ratio * setup.clutch.pressing_force_n;
+  const double resisting = holding + setup.clutch.cable_friction_n;
+  setup.load_mass_kg = 2.5 * resisting / setup.gravity_mps2;
+  Rig rig(setup);
+  // Released until it turns, the key comes while it goes up.
+  int n = 0;
+  for (; n < 6000 && (rig.travel_m() < 0.01 || rig.speed_mps() >= 0.0); ++n) rig.advance(kSupply_v, 1e-4);
+  REQUIRE(n < 6000);
+  const double lowest_m = rig.travel_m();
+  double friction_j = 0.0, from_m = 0.0;
+  std::uint32_t skipped = rig.clutch().skipped_teeth();
+  int upwards = 0;
+  for (int i = 0; i < 20000; ++i) {
+    rig.advance(0.0, 1e-5);
+    if (rig.clutch().skipped_teeth() == skipped) continue;
+    skipped = rig.clutch().skipped_teeth();
+    if (rig.speed_mps() >= 0.0) break;
+    // From one skipped tooth to the next: what the teeth and the pulleys turn into heat over the way.
+    if (upwards++ > 0)
+      CHECK((rig.energy().friction - friction_j) / (from_m - rig.travel_m()) ==
+            Approx(resisting).epsilon(1e-6));
+    friction_j = rig.energy().friction;
+    from_m = rig.travel_m();
+  }
+  CHECK(upwards >= 3);
+  CHECK(rig.travel_m() < lowest_m - 2.0 * setup.clutch.tooth_pitch_m);
+  CHECK(std::abs(imbalance(rig)) < 1e-9 * std::max(1.0, rig.energy().lost()));
+}
+
 namespace {
 
 HopperNonlinearParameters<double> robot() {

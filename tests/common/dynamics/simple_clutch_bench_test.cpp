@@ -147,6 +147,68 @@ TEST_CASE("A clutch that slips takes its holding force times the pitch at each t
   CHECK(lost_j == Approx((holding_n - 9.81) * (at_m[1] - at_m[0])).epsilon(1e-4));
 }
 
+TEST_CASE(
+    "A clutch that slips upwards takes its holding force times the pitch from what the spring gives back") {
+  // The auxiliary spring throws the weight back up; the key comes on the way. Up to a tooth the energy is that of weight and spring from
+  // rest at the top, and each tooth that is skipped takes the holding force times the pitch of it.
+  auto p = bench();
+  p.auxiliary_stiffness_npm = 3000.0;
+  p.tooth_pitch_m = 1e-3;
+  const auto free_j = [&](double down_m) { return 9.81 * down_m - 0.5 * 3000.0 * down_m * down_m; };
+  for (const double holding_n : {9.0, 11.0, 14.0}) {
+    CAPTURE(holding_n);
+    Effects<double> slips;
+    slips.set(Effect::clutch_slip, 0, holding_n);
+    SimpleClutchBench<double> b(p, slips);
+    b.reset(0.0);
+    for (int i = 0; i < 66; ++i) b.advance(1.0, 1e-3);
+    double lowest_m = 0.0;
+    std::uint32_t teeth = 0;
+    std::vector<double> at_m, energy_j;  // where each skip began, and the kinetic energy then
+    for (int i = 0; i < 200000 && !b.held(); ++i) {
+      const double before = b.position() * kRadius_m;
+      b.advance(0.0, 1e-6);
+      lowest_m = std::max(lowest_m, b.position() * kRadius_m);
+      if (b.skipped_teeth() == teeth) continue;
+      teeth = b.skipped_teeth();
+      at_m.push_back(1e-3 * std::round(before / 1e-3));
+      energy_j.push_back(0.5 * inertia(p) * b.velocity() * b.velocity());
+      CHECK(b.velocity() < 0.0);
+    }
+    REQUIRE(teeth >= 1);
+    CHECK(b.held());
+    CHECK(at_m.front() < lowest_m);
+    const double upward_n = 3000.0 * (at_m.back() - 1.5e-3) - 9.81,
+                 left_j = free_j(at_m.back() - 1e-3) - holding_n * 1e-3 * teeth;
+    CHECK(b.position() * kRadius_m == Approx(at_m.back() - 1e-3).margin(1e-9));  // one tooth further up
+    CHECK(holding_n >= upward_n + left_j / 1e-3);
+    for (std::size_t i = 0; i < at_m.size(); ++i) {
+      const double taken_j = holding_n * 1e-3 * static_cast<double>(i);
+      CHECK(energy_j[i] == Approx(free_j(at_m[i]) - taken_j).margin(2e-5));
+      // It could not have been held there: pull in the middle of the way up, and the energy over the pitch.
+      const double pull_n = 3000.0 * (at_m[i] - 0.5e-3) - 9.81;
+      CHECK(holding_n < pull_n + (free_j(at_m[i]) - taken_j) / 1e-3);
+    }
+  }
+}
+
+TEST_CASE("A bench that is reset counts its teeth anew") {
+  const auto p = bench();
+  Effects<double> slips;
+  slips.set(Effect::clutch_slip, 0, 9.0);
+  SimpleClutchBench<double> used(p, slips), fresh(p, slips);
+  used.reset(0.0);
+  for (int i = 0; i < 300; ++i) used.advance(0.0, 1e-3);
+  used.reset(0.0);
+  fresh.reset(0.0);
+  for (int i = 0; i < 300; ++i) {
+    used.advance(0.0, 1e-3);
+    fresh.advance(0.0, 1e-3);
+  }
+  CHECK(used.position() == fresh.position());
+  CHECK(used.skipped_teeth() == fresh.skipped_teeth());
+}
+
 TEST_CASE("A clutch that holds less than the weight slips from the start, and one that holds more does not") {
   const auto p = bench();
   for (double holding_n : {9.0, 10.0}) {

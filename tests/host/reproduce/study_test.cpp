@@ -109,3 +109,21 @@ TEST_CASE("The plain way finds the parameters of ideal recordings, of both model
     CHECK(fit.evaluations > 5);
   }
 }
+
+TEST_CASE(
+    "The engine and the plain way each fit best by their own cost: starts fitted, and starts as measured") {
+  StudyOptions o = small(1);
+  o.plain = true;
+  const IdentificationStudy s = run_identification_study(o);
+  REQUIRE(s.plain.size() == 3);
+  const PlainStudy& stance = s.plain.front();
+  CHECK(stance.ours_nmse_fitted < stance.plain_nmse_fitted);
+  CHECK(stance.plain_nmse_measured < stance.ours_nmse_measured);
+  // A start that may move never leaves more.
+  for (const PlainStudy& p : s.plain) {
+    CAPTURE(p.estimates.phase);
+    CHECK(p.ours_nmse_fitted < p.ours_nmse_measured);
+    CHECK(p.plain_nmse_fitted < p.plain_nmse_measured);
+    CHECK(p.ours_nmse_fitted <= p.plain_nmse_fitted * (1.0 + 1e-4));
+  }
+}

@@ -47,6 +47,7 @@ class SimpleClutchBench {
     origin_ = angle_ = angle_rad;
     speed_ = T(V(0));
     belt_ = Belt::held;
+    tooth_ = V(0);
     skipped_ = 0;
     key_.reset();
   }

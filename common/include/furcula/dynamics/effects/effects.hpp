@@ -33,6 +33,7 @@ class Effects {
   constexpr T value_or(Effect e, const T& otherwise) const { return has(e) ? value(e) : otherwise; }
 
  private:
+  static_assert(kEffectCount <= 64, "one bit an effect");
   static constexpr std::uint64_t mask(Effect e) { return std::uint64_t{1} << static_cast<unsigned>(e); }
   std::uint64_t active_ = 0;
   std::array<Values, kEffectCount> values_{};

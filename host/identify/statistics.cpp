@@ -1,0 +1,62 @@
+#include "host/identify/statistics.hpp"
+
+#include <cmath>
+
+namespace furcula::identify {
+
+double effective_count(const Eigen::Ref<const Eigen::VectorXd>& residual) {
+  const auto rows = residual.size();
+  const double variance = residual.squaredNorm();
+  if (!(variance > 0.0)) return static_cast<double>(rows);
+  double time = 1.0;
+  for (Eigen::Index lag = 1; lag < rows / 2; ++lag) {
+    const double correlation = residual.head(rows - lag).dot(residual.tail(rows - lag)) / variance;
+    if (correlation < 0.05) break;
+    time += 2.0 * correlation;
+  }
+  return static_cast<double>(rows) / time;
+}
+
+double independent_windows(std::size_t windows, std::size_t layers) {
+  return static_cast<double>(windows) / static_cast<double>(layers);
+}
+
+Eigen::MatrixXd sandwich_covariance(const std::vector<WindowShare>& shares, const std::vector<bool>& at_bound,
+                                    std::size_t layers) {
+  const auto count = static_cast<Eigen::Index>(at_bound.size());
+  std::vector<Eigen::Index> moving;
+  for (Eigen::Index i = 0; i < count; ++i)
+    if (!at_bound[static_cast<std::size_t>(i)]) moving.push_back(i);
+  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(count, count);
+  const auto free = static_cast<Eigen::Index>(moving.size());
+  if (free == 0 || shares.empty()) return covariance;
+  Eigen::MatrixXd information = Eigen::MatrixXd::Zero(free, free);
+  Eigen::MatrixXd scatter = Eigen::MatrixXd::Zero(free, free);
+  Eigen::VectorXd sum = Eigen::VectorXd::Zero(free), before = Eigen::VectorXd::Zero(free);
+  for (std::size_t w = 0; w < shares.size(); ++w) {
+    sum += shares[w].gradient(moving);
+    information += shares[w].information(moving, moving);
+    if ((w + 1) % layers != 0 && w + 1 != shares.size()) continue;
+    scatter += sum * sum.transpose();
+    if (layers > 1) scatter += 0.5 * (sum * before.transpose() + before * sum.transpose());
+    before = sum;
+    sum.setZero();
+  }
+  // Scaled to a unit diagonal: the unknowns have different units.
+  Eigen::VectorXd scale(free);
+  for (Eigen::Index i = 0; i < free; ++i)
+    scale(i) = information(i, i) > 0.0 ? 1.0 / std::sqrt(information(i, i)) : 0.0;
+  const Eigen::MatrixXd scaled = scale.asDiagonal() * information * scale.asDiagonal();
+  const Eigen::MatrixXd inverse =
+      scale.asDiagonal() * scaled.completeOrthogonalDecomposition().pseudoInverse() * scale.asDiagonal();
+  const double windows = independent_windows(shares.size(), layers);
+  const double correction =
+      windows > static_cast<double>(free) ? windows / (windows - static_cast<double>(free)) : windows;
+  const Eigen::MatrixXd small = inverse * scatter * inverse * correction;
+  for (Eigen::Index i = 0; i < free; ++i)
+    for (Eigen::Index k = 0; k < free; ++k)
+      covariance(moving[static_cast<std::size_t>(i)], moving[static_cast<std::size_t>(k)]) = small(i, k);
+  return covariance;
+}
+
+}  // namespace furcula::identify
