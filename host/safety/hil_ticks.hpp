@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <string_view>
 
 #include "boards/sim_host/faults.hpp"
 
@@ -38,11 +39,17 @@ inline constexpr HilTicks kHilTicks[] = {
     {sim_host::RigFault::drive_off, 187},
 };
 
-/// Absent: borne.
+/// Absent: borne, or not_on_hil().
 inline std::optional<std::uint32_t> hil_ticks(sim_host::RigFault fault) {
   for (const HilTicks& row : kHilTicks)
     if (row.breaks == fault) return row.ticks;
   return std::nullopt;
+}
+
+/// Why a fault is not tried there; empty: it is.
+constexpr std::string_view not_on_hil(sim_host::RigFault fault) {
+  // The counters' home stands in furculad's file: after a new start it is idle, without a fault.
+  return fault == sim_host::RigFault::brown_out ? "see board_killed in docs/hil.md" : std::string_view{};
 }
 
 }  // namespace furcula::safety
