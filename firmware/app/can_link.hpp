@@ -154,8 +154,8 @@ struct LastHeard {
   }
 };
 
-/// What the error code of a CubeMars drive's reply means (its manual, section 4.4.2); the rest is
-/// drive_fault.
+/// What the error code of a CubeMars drive's reply means ("AK Series Actuator Driver Manual", the
+/// table of error codes); the rest is drive_fault.
 inline constexpr std::uint8_t kErrorMotorHot = 1, kErrorSupplyHigh = 3, kErrorInverterHot = 6;
 
 /// What the drive's replies say over many of them: whose they are, and whether its torque and its velocity
@@ -173,6 +173,7 @@ class DriveWatch {
   /// One tick.
   void tick() {
     if (strangers_ > 0) --strangers_;
+    if (ratio_ticks_ > 0 && --ratio_ticks_ == 0) ratio_ = 1.0f;
   }
   bool doubled() const { return strangers_ > 2 * kTicksPerStranger; }
   float mean_off_nm() const { return mean_off_nm_; }
@@ -189,10 +190,12 @@ class DriveWatch {
   /// Position counts are 0.4 mrad: slower than 5 rad/s they say little in 1 ms.
   static constexpr float kLeastTurnRad = 0.005f;
   static constexpr float kTurnsRad = 2.0f;
+  /// What was found stands so long, for the supervisor to latch it; then a reset may clear it.
+  static constexpr std::uint32_t kRatioTicks = 500;
 
   float position_rad_ = 0.0f, mean_off_nm_ = 0.0f;
   float turned_rad_ = 0.0f, reported_rad_ = 0.0f, ratio_ = 1.0f, velocity_radps_ = 0.0f;
-  std::uint32_t strangers_ = 0;
+  std::uint32_t strangers_ = 0, ratio_ticks_ = 0;
 };
 
 /// An encoder at the other end of the bus.
@@ -260,6 +263,7 @@ inline void DriveWatch::hear(const bus::MotorReply& reply, float off_nm, bool an
   reported_rad_ += mean_radps * static_cast<float>(since_last_us) * 1e-6f;
   if (turned_rad_ < kTurnsRad) return;
   ratio_ = reported_rad_ / turned_rad_;
+  ratio_ticks_ = kRatioTicks;
   turned_rad_ = reported_rad_ = 0.0f;
 }
 
@@ -362,7 +366,7 @@ class CanLink {
       heard = listen(cable_, now_us, sample, fault) && heard;
       if (!cable_.homed() && fault == control::Fault::none) fault = control::Fault::cable_implausible;
     }
-    if (fault == control::Fault::none && !on_bench_) fault = supply_fault(now_us);
+    if (config_.supply_node != 0 && !on_bench_) heard = watch_supply(now_us, fault) && heard;
     if (unreliable && fault == control::Fault::none) fault = control::Fault::bus_unreliable;
     sample.reported_fault = static_cast<std::uint32_t>(fault);
     // Silence of what was heard before is told by its fault, and so by its name.
@@ -503,11 +507,16 @@ class CanLink {
       supply_v_ = bus::get(frame, bus::signal(kSupply, "Voltage")).value();
   }
 
-  /// Who has said something once must go on.
-  control::Fault supply_fault(std::uint32_t now_us) {
-    const bool was_heard = supply_heard_.heard;
-    if (was_heard && supply_heard_.age_us(now_us) > config_.silent_us) return control::Fault::peer_lost;
-    return supply_v_ > config_.supply_max_v ? control::Fault::supply_too_high : control::Fault::none;
+  /// @returns whether the supply's node was ever heard.
+  bool watch_supply(std::uint32_t now_us, control::Fault& fault) {
+    const std::uint32_t silence_us = supply_heard_.age_us(now_us);
+    if (fault == control::Fault::none && supply_heard_.heard) {
+      if (silence_us > config_.silent_us)
+        fault = control::Fault::peer_lost;
+      else if (supply_v_ > config_.supply_max_v)
+        fault = control::Fault::supply_too_high;
+    }
+    return supply_heard_.heard;
   }
 
   /// One tick's. @returns whether there were too many of late.

@@ -28,9 +28,9 @@ void Devices::begin_tick(const sim_host::SimBoard& rig, bool faults) {
   if (!broken(RigFault::peer_lost)) {
     to_board_.send(height_.sample(s.height_count, s.age_us, std::isfinite(s.home_height_m)), tick_, bus_);
     if (has_cable_) to_board_.send(cable_.sample(s.cable_count, s.age_us, true), tick_, bus_);
+    const double volts = broken(RigFault::supply_high) ? sim_host::kSupplyHighV : sim_host::kSupplyV;
+    to_board_.send(supply_.sample(static_cast<float>(volts)), tick_, bus_);
   }
-  const double volts = broken(RigFault::supply_high) ? sim_host::kSupplyHighV : sim_host::kSupplyV;
-  to_board_.send(supply_.sample(static_cast<float>(volts)), tick_, bus_);
   deliver();
 }
 

@@ -141,7 +141,8 @@ inline Status check(const Config& c) {
       c.supervisor.height_min_m,      c.supervisor.height_max_m,          c.supervisor.leg_angle_min_rad,
       c.supervisor.leg_angle_max_rad, c.supervisor.height_mismatch_m,     c.supervisor.flexed_leg_m,
       c.supervisor.contact_margin_m,  c.supervisor.implausible_closed_s,  c.supervisor.implausible_open_s,
-      c.supervisor.step_margin_m,     c.supervisor.closed_fades};
+      c.supervisor.step_margin_m,     c.supervisor.closed_fades,          c.supervisor.fall_share,
+      c.supervisor.fall_margin_mps};
   for (const float x : positive)
     if (!is_finite(x) || x <= 0.0f) return Status::invalid;
   for (const float x : any_sign)
