@@ -4,7 +4,6 @@
 
 #include <cstdint>
 #include <optional>
-#include <string_view>
 
 #include "boards/sim_host/faults.hpp"
 
@@ -39,17 +38,20 @@ inline constexpr HilTicks kHilTicks[] = {
     {sim_host::RigFault::drive_off, 187},
 };
 
-/// Absent: borne, or not_on_hil().
+/// Absent: borne, or not measured.
 inline std::optional<std::uint32_t> hil_ticks(sim_host::RigFault fault) {
   for (const HilTicks& row : kHilTicks)
     if (row.breaks == fault) return row.ticks;
   return std::nullopt;
 }
 
-/// Why a fault is not tried there; empty: it is.
-constexpr std::string_view not_on_hil(sim_host::RigFault fault) {
-  // The counters' home stands in furculad's file: after a new start it is idle, without a fault.
-  return fault == sim_host::RigFault::brown_out ? "see board_killed in docs/hil.md" : std::string_view{};
+/// Whether `scripts/hil faults` tries it: not a brown-out, after which furculad, whose file has the counters'
+/// home, is idle without a fault (tests/hil/scenarios/board_killed.toml).
+constexpr bool tried_on_hil(sim_host::RigFault fault) { return fault != sim_host::RigFault::brown_out; }
+
+/// Whether it was measured: those after drive_off were not yet.
+constexpr bool measured_on_hil(sim_host::RigFault fault) {
+  return tried_on_hil(fault) && fault <= sim_host::RigFault::drive_off;
 }
 
 }  // namespace furcula::safety
