@@ -17,20 +17,20 @@ constexpr RigRow kRigRows[] = {
     {RigFault::encoder_frozen, kForGood, {Fault::stale_input}, 2, "safe state"},
     {RigFault::encoder_stuck,
      kForGood,
-     {Fault::encoder_implausible, Fault::contact_implausible},
+     {Fault::encoder_implausible, Fault::contact_implausible, Fault::parameters_implausible},
      400,
-     "safe state, once the leg on the ground contradicts the height by 3.5 cm"},
+     "safe state, once the leg on the ground contradicts the height by 3.5 cm, or a flight is none"},
     {RigFault::encoder_jumping, kForGood, {Fault::encoder_jump}, 0, "safe state"},
     {RigFault::encoder_reversed,
      kForGood,
-     {Fault::encoder_implausible, Fault::contact_implausible},
+     {Fault::encoder_implausible, Fault::contact_implausible, Fault::parameters_implausible},
      400,
-     "safe state, once the leg on the ground contradicts the height by 3.5 cm"},
+     "safe state, once the leg on the ground contradicts the height by 3.5 cm, or a flight is none"},
     {RigFault::encoder_backwards,
      kForGood,
-     {Fault::encoder_implausible, Fault::contact_implausible},
+     {Fault::encoder_implausible, Fault::contact_implausible, Fault::parameters_implausible},
      400,
-     "safe state, once the leg on the ground contradicts the height by 3.5 cm"},
+     "safe state, once the leg on the ground contradicts the height by 3.5 cm, or a flight is none"},
     {RigFault::height_nan, kForGood, {Fault::non_finite_input}, 0, "safe state"},
     {RigFault::switch_stuck_open,
      kForGood,
@@ -261,7 +261,7 @@ std::vector<Tried> try_row(const RigRow& row, Rig rig, unsigned seeds, bool blin
       const double at_s = instant_of(moment, seed, rig);
       sim::Scenario scenario = hopping(at_s + 1e-3 * row.found_within_ticks + 1.0);
       scenario.faults = {{at_s, row.breaks, row.duration_s}};
-      all.push_back({moment, seed, run_trial(robot(), scenario, seed, rig, Use::hopping, blind)});
+      all.push_back({moment, seed, run_trial(robot(), scenario, seed, rig, {}, Use::hopping, blind)});
     }
   return all;
 }
@@ -272,7 +272,7 @@ std::vector<Tried> try_at_rest(const RigRow& row, Rig rig, unsigned seeds) {
     sim::Scenario scenario = hopping(kRestsS + 1e-3 * row.found_within_ticks + 1.0);
     scenario.start_position = 0.29;
     scenario.faults = {{kRestsS, row.breaks, row.duration_s}};
-    all.push_back({{}, seed, run_trial(robot(), scenario, seed, rig, Use::resting)});
+    all.push_back({{}, seed, run_trial(robot(), scenario, seed, rig, {}, Use::resting)});
   }
   return all;
 }

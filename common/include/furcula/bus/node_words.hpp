@@ -39,6 +39,7 @@ enum class Refusal : std::uint8_t {
   store_worn = 12,
   supply_low = 13,
   brown_out_off = 14,
+  beyond_envelope = 15,
 };
 
 enum class Reason : std::uint8_t {
@@ -97,7 +98,7 @@ inline constexpr std::array<Word, 8> kRequests{{
     {7, "load_defaults", "The parameters as built in; not saved. Not taken when armed or running."},
 }};
 
-inline constexpr std::array<Word, 15> kRefusals{{
+inline constexpr std::array<Word, 16> kRefusals{{
     {0, "none", "Nothing was refused."},
     {1, "unknown_request", "There is no request of that number."},
     {2, "wrong_key", "The key was not the one of the table: a stray write."},
@@ -120,6 +121,9 @@ inline constexpr std::array<Word, 15> kRefusals{{
      "The chip's supply is below 2.9 V: an erase of its flash memory could not be relied on."},
     {14, "brown_out_off",
      "The chip's option BOR_LEV is not at level 3: it would run on through a sag while it erases (adding_a_board.md)."},
+    {15, "beyond_envelope",
+     "The torque's amplitude, or its limit if that is less, would take the robot higher or faster than it may: "
+     "write a smaller one, or torque_shape 0 first."},
 }};
 
 inline constexpr std::array<Word, 14> kReasons{{

@@ -42,6 +42,8 @@ enum class Fault : std::uint8_t {
   drive_mismatch = 27,
   leg_astray = 28,
   spring_loose = 29,
+  beyond_envelope = 30,
+  parameters_implausible = 31,
 };
 
 struct FaultInfo {
@@ -51,7 +53,7 @@ struct FaultInfo {
   std::string_view remedy;  ///< what a person should do
 };
 
-inline constexpr std::size_t kFaultCount = 30;
+inline constexpr std::size_t kFaultCount = 32;
 inline constexpr std::array<FaultInfo, kFaultCount> kFaults{{
     {Fault::none, "none", "No fault.", "Nothing."},
     {Fault::bad_configuration, "bad_configuration",
@@ -132,6 +134,14 @@ inline constexpr std::array<FaultInfo, kFaultCount> kFaults{{
     {Fault::spring_loose, "spring_loose",
      "The robot stands, the coil is to be off, and the spring does not bear.",
      "Measure the coil's output: it may be shorted to its supply; look at the clutch's key; then reset."},
+    {Fault::beyond_envelope, "beyond_envelope",
+     "The robot is or will be higher than it may, or will land faster, though the torque was held back.",
+     "Look at what gives it energy: the drive's torque, a person's hand, the height encoder's scale; then reset."},
+    {Fault::parameters_implausible, "parameters_implausible",
+     "What is measured contradicts the parameters: a flight does not fall as gravity has it, the leg is longer "
+     "than at touch-down, or a stance's spring is not the one of the parameters.",
+     "Correct the parameters that describe the robot (height_metres_per_count, link_length_m, touchdown_height_m, "
+     "spring_npm, spring_rest_m), or look at the height encoder and the leg angle's reference; then reset."},
 }};
 
 constexpr const FaultInfo& info(Fault fault) { return kFaults[static_cast<std::size_t>(fault)]; }

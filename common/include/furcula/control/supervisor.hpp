@@ -82,8 +82,9 @@ struct Observation {
   float height_step_m = 0.0f;
   std::uint32_t step_ticks = 1;
   float leg_angle_rad = 0.0f;
-  float leg_height_m = 0.0f;     ///< 2 L cos(leg angle)
-  bool contact_reading = false;  ///< of the switch; in a landing without it the observer's
+  float leg_angle_ceiling_rad = 1e9f;  ///< below which leg_angle_max_rad counts
+  float leg_height_m = 0.0f;           ///< 2 L cos(leg angle)
+  bool contact_reading = false;        ///< of the switch; in a landing without it the observer's
   // Of the contact observer, which knows neither height nor switch (contact_observer.hpp).
   bool observed_contact = false;
   std::uint32_t observed_ticks = 0;  ///< since that has changed
@@ -97,8 +98,9 @@ struct Observation {
   bool pushes = false;               ///< in stance the motor was told to push the leg straight
   float leg_rate_mps = 0.0f;         ///< of the leg's length
   float gravity_mps2 = 9.81f;
-  bool rests = false;          ///< it has a clutch, and is not told to run: its coil is to be off
-  float tooth_pitch_m = 0.0f;  ///< of that clutch
+  bool rests = false;            ///< it has a clutch, and is not told to run: its coil is to be off
+  float tooth_pitch_m = 0.0f;    ///< of that clutch
+  Fault envelope = Fault::none;  ///< what watch_envelope() found
 };
 
 struct SupervisorState {
@@ -152,7 +154,8 @@ inline Fault find_body_fault(const SupervisorConfig& config, SupervisorState& st
   if (!is_finite(seen.height_m) || !is_finite(seen.leg_angle_rad)) return Fault::non_finite_input;
   if (seen.height_m < config.height_min_m || seen.height_m > config.height_max_m)
     return Fault::height_out_of_range;
-  if (seen.leg_angle_rad < config.leg_angle_min_rad || seen.leg_angle_rad > config.leg_angle_max_rad)
+  if (seen.leg_angle_rad < config.leg_angle_min_rad || seen.leg_angle_rad > config.leg_angle_max_rad ||
+      seen.leg_angle_rad > seen.leg_angle_ceiling_rad)
     return Fault::leg_angle_out_of_range;
   const float step_max_m =
       config.speed_max_mps * dt_s * static_cast<float>(seen.step_ticks) + config.step_margin_m;
@@ -226,6 +229,7 @@ inline Fault find_fault(const SupervisorConfig& config, SupervisorState& state, 
   if (seen.cable_travel_m < config.cable_travel_min_m || seen.cable_travel_m > config.cable_travel_max_m)
     return Fault::cable_implausible;
   if (seen.missed_catches >= config.missed_catches_max) return Fault::clutch_not_caught;
+  if (seen.envelope != Fault::none) return seen.envelope;
   return Fault::none;
 }
 
