@@ -52,7 +52,7 @@ TEST_CASE("a robot at rest with nothing broken raises no fault") {
   for (const Rig rig : {Rig::on_bus, Rig::local}) {
     sim::Scenario scenario = hopping(20.0);
     scenario.start_position = 0.33;
-    const Trial trial = run_trial(robot(), scenario, 3, rig, Use::resting);
+    const Trial trial = run_trial(robot(), scenario, 3, rig, {}, Use::resting);
     CHECK(trial.fault == control::Fault::none);
     CHECK(trial.unsafe == 0);
   }
@@ -83,7 +83,7 @@ TEST_CASE("the tests that show the other rows are there") {
 TEST_CASE("the tests that show what the signals do not tell are there") {
   for (const UntoldRow& row : untold_rows()) {
     INFO(row.what);
-    CHECK(std::filesystem::exists(std::string(FURCULA_SOURCE_DIR "/") + std::string(row.shown_by)));
+    CHECK(std::filesystem::exists(test::source(std::string(row.shown_by))));
   }
 }
 
