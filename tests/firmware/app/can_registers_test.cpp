@@ -125,7 +125,7 @@ TEST_CASE("registers over CAN are read as over Modbus, a frame for two of them")
 TEST_CASE("what Modbus refuses is refused over CAN with the same number, and counted with it") {
   Desk desk;
   using enum RegisterOperation;
-  CHECK(desk.status_of(read_input, 60, 9) == ModbusException::illegal_address);
+  CHECK(desk.status_of(read_input, 63, 9) == ModbusException::illegal_address);
   CHECK(desk.status_of(read_input, 0, 0) == ModbusException::illegal_value);
   CHECK(desk.status_of(read_input, 0, 126) == ModbusException::illegal_value);
   CHECK(desk.status_of(read_input, 0, 0x10001) == ModbusException::illegal_value);
