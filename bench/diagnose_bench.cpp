@@ -40,6 +40,7 @@ std::vector<log::Log> recordings(model::Model truth, int count, int hops) {
 
 /// Mass and damping from 60 stance phases, 10 folds, by both estimators.
 void identify_60_stances(benchmark::State& state) {
+  state.SetLabel("mass and damping from 60 stances, 10 folds, both estimators");
   model::Model model = example();
   model.free[*dynamics::parameter_index(model.kind, "mass_kg")] = {1.0, 2.0};
   const std::vector<log::Log> logs = recordings(model, 10, 6);
@@ -59,6 +60,7 @@ BENCHMARK(identify_60_stances)
 
 /// 12 logs of 8 hops with dry friction, two of them held out.
 void diagnose_12_logs(benchmark::State& state) {
+  state.SetLabel("a diagnosis of 12 logs of 8 hops");
   const model::Model model = example();
   model::Model truth = model;
   truth.effects[dynamics::Effect::coulomb_friction] = {1.5};

@@ -37,7 +37,13 @@ std::string written_file(int digits) {
   return path;
 }
 
+void label(benchmark::State& state, const char* what) {
+  state.SetLabel(std::string(what) + " 100,000 rows, numbers of " + std::to_string(state.range(0)) +
+                 " digits");
+}
+
 void check_log(benchmark::State& state) {
+  label(state, "check");
   const int digits = static_cast<int>(state.range(0));
   const std::string path = written_file(digits);
   for (auto _ : state) benchmark::DoNotOptimize(log::check_log(path, "hopper").rows);
@@ -47,6 +53,7 @@ void check_log(benchmark::State& state) {
 BENCHMARK(check_log)->Arg(4)->Arg(17)->Unit(benchmark::kMillisecond);
 
 void parse_log(benchmark::State& state) {
+  label(state, "read");
   const std::string text = rows(static_cast<int>(state.range(0)));
   for (auto _ : state) benchmark::DoNotOptimize(log::parse_log(text, "bench", "hopper").rows());
   state.SetBytesProcessed(state.iterations() * static_cast<std::int64_t>(text.size()));
@@ -54,6 +61,7 @@ void parse_log(benchmark::State& state) {
 BENCHMARK(parse_log)->Arg(4)->Arg(17)->Unit(benchmark::kMillisecond);
 
 void format_log(benchmark::State& state) {
+  label(state, "write");
   const std::string text = rows(static_cast<int>(state.range(0)));
   const log::Log log = log::parse_log(text, "bench", "hopper");
   for (auto _ : state) benchmark::DoNotOptimize(log::format_log(log).size());

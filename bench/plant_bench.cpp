@@ -29,7 +29,8 @@ HopperLinearParameters<T> example() {
 }
 
 template <class T>
-void hop(benchmark::State& state, Hopper<T> hopper) {
+void hop(benchmark::State& state, Hopper<T> hopper, const char* what) {
+  state.SetLabel(what);
   hopper.reset(T(0.35), T(0.0));
   for (auto _ : state) {
     const bool rises = value_of(hopper.velocity_mps()) > 0.0;
@@ -38,32 +39,34 @@ void hop(benchmark::State& state, Hopper<T> hopper) {
   }
 }
 
-void hopper_step(benchmark::State& state) { hop(state, Hopper<double>(example<double>())); }
+void hopper_step(benchmark::State& state) {
+  hop(state, Hopper<double>(example<double>()), "1 ms of the linear hopper");
+}
 BENCHMARK(hopper_step);
 
 void hopper_step_with_friction(benchmark::State& state) {
   Effects<double> effects;
   effects.set(Effect::stribeck_friction, {0.3, 0.6, 0.1});
-  hop(state, Hopper<double>(example<double>(), effects));
+  hop(state, Hopper<double>(example<double>(), effects), "1 ms of it with dry friction in the guide");
 }
 BENCHMARK(hopper_step_with_friction);
 
 /// As a fit runs it: six derivatives beside each value.
 template <class T>
-void hop_with_derivatives(benchmark::State& state) {
+void hop_with_derivatives(benchmark::State& state, const char* what) {
   auto p = example<T>();
   int index = 0;
   for (T* free : {&p.mass_kg, &p.stiffness_npm, &p.damping_stance_nspm, &p.damping_flight_nspm})
     *free = T(value_of(*free), index++);
-  hop(state, Hopper<T>(p));
+  hop(state, Hopper<T>(p), what);
 }
 void hopper_step_with_derivatives(benchmark::State& state) {
-  hop_with_derivatives<furcula::identify::Dual<6>>(state);
+  hop_with_derivatives<furcula::identify::Dual<6>>(state, "1 ms of it with six derivatives, as fits run it");
 }
 BENCHMARK(hopper_step_with_derivatives);
 /// The peer: Ceres' own numbers.
 void hopper_step_with_ceres_jets(benchmark::State& state) {
-  hop_with_derivatives<ceres::Jet<double, 6>>(state);
+  hop_with_derivatives<ceres::Jet<double, 6>>(state, "the same by ceres::Jet");
 }
 BENCHMARK(hopper_step_with_ceres_jets);
 
@@ -72,6 +75,7 @@ HopperNonlinearParameters<double> robot() {
   return {{1.6, 600.0, 0.289, 5.0, 1.0, 1.0, 1.0, 0.15, 0.35, 9.81}, 42e-4, 75e-4, 38e-3};
 }
 void nonlinear_hopper_step(benchmark::State& state) {
+  state.SetLabel("1 ms of the hopper whose links have inertia");
   NonlinearHopper<double> hopper(robot());
   hopper.reset(0.35, 0.0);
   for (auto _ : state) {
@@ -84,6 +88,7 @@ BENCHMARK(nonlinear_hopper_step);
 
 /// Released, folded and caught in each flight.
 void clutched_hopper_step(benchmark::State& state) {
+  state.SetLabel("1 ms of it with the clutch, released in each flight");
   ClutchedHopper<double> hopper(robot(), Clutch<double>(modular_clutch<double>()));
   hopper.reset(0.35, 0.0);
   int flight = 0;
@@ -99,6 +104,7 @@ void clutched_hopper_step(benchmark::State& state) {
 BENCHMARK(clutched_hopper_step);
 
 void motor_axis_step(benchmark::State& state) {
+  state.SetLabel("1 ms of the motor axis, with dry friction");
   Effects<double> effects;
   effects.set(Effect::coulomb_friction, {20.0});
   MotorAxis<double> axis({95.0, 200.0}, effects);
@@ -111,6 +117,7 @@ void motor_axis_step(benchmark::State& state) {
 BENCHMARK(motor_axis_step);
 
 void rotary_joint_step(benchmark::State& state) {
+  state.SetLabel("1 ms of the rotary joint");
   RotaryJoint<double> joint({0.05, 2.0, 0.01});
   joint.reset(1.0, 0.0);
   for (auto _ : state) {

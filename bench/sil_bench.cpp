@@ -37,6 +37,7 @@ void controller_step(benchmark::State& state) {
     app.tick();
     inputs.push_back({.sample = board.sample(), .sample_valid = true, .tick_interval_us = 1000});
   }
+  state.SetLabel("one step of the controller, on samples of a hopping robot");
   control::State controller = control::begin(config);
   std::size_t i = 0;
   for (auto _ : state) {
@@ -49,6 +50,8 @@ BENCHMARK(controller_step);
 /// Ten seconds of application, controller, sensors and plant, and of the log. Counter: seconds simulated in
 /// one.
 void sil(benchmark::State& state) {
+  state.SetLabel(state.range(0) != 0 ? "10 s of hopping in SIL; encoder and switch with their errors"
+                                     : "10 s of hopping in SIL; ideal sensors");
   const sim::Scenario scenario = hopping(10.0, state.range(0) != 0);
   for (auto _ : state) benchmark::DoNotOptimize(sim::simulate(example(), scenario, 1));
   state.counters["times_real_time"] =
@@ -70,6 +73,8 @@ model::Model robot_with_clutch() {
 /// sensors, steps of 3 cm in the ground, a coil that sticks, is dead or short of voltage every ten seconds.
 void sil_clutch(benchmark::State& state) {
   constexpr double kDuration_s = 60.0;
+  state.SetLabel(
+      "60 s in SIL: clutch released in each flight, leg folds, rough sensors and ground, coil fails");
   sim::Scenario scenario = hopping(kDuration_s, true);
   scenario.amplitude = 3.0;
   scenario.release_in_flight = true;
@@ -86,6 +91,6 @@ void sil_clutch(benchmark::State& state) {
   state.counters["times_real_time"] =
       benchmark::Counter(kDuration_s * static_cast<double>(state.iterations()), benchmark::Counter::kIsRate);
 }
-BENCHMARK(sil_clutch)->Unit(benchmark::kMillisecond);
+BENCHMARK(sil_clutch)->Name("sil/clutch")->Unit(benchmark::kMillisecond);
 
 }  // namespace
