@@ -54,7 +54,7 @@ struct EnvelopeState {
   std::uint8_t untold = 0;        ///< flights running that could have and did not
   std::uint8_t beyond_ticks = 0;  ///< running: outside
   float reference_m = 0.0f;       ///< height of the last apex
-  float work_j = 0.0f;            ///< of the motor since, not below 0
+  float work_j = 0.0f;            ///< of the motor since; negative: taken out
   float flight_work_j = 0.0f;     ///< of the motor since the switch opened
   float landed_m = 0.0f;          ///< apex that height and velocity said when the switch closed
   float stance_work_j = 0.0f;     ///< of the motor since then
@@ -199,6 +199,7 @@ inline Fault watch_bench(EnvelopeState& s, const Sample& sample) {
 inline Fault watch_envelope(const EnvelopeConfig& c, EnvelopeState& s, const EnvelopeView& view, float dt_s) {
   constexpr float kTurnedMps = 0.05f;  // beyond the velocity's noise
   constexpr std::uint32_t kFlying = 5;
+  constexpr float kTakenOutJ = 4.0f;  // the most that counts, as of a landing that the motor carries
   constexpr std::uint8_t kTicks = 3;
   if (!s.running) {
     s = {};
@@ -210,7 +211,7 @@ inline Fault watch_envelope(const EnvelopeConfig& c, EnvelopeState& s, const Env
   s.last_angle_rad = view.leg_angle_rad;
   s.rate_radps = turned_rad / dt_s;
   const float work_j = s.torque_nm * turned_rad;
-  s.work_j = s.work_j + work_j > 0.0f ? s.work_j + work_j : 0.0f;
+  s.work_j = s.work_j + work_j > -kTakenOutJ ? s.work_j + work_j : -kTakenOutJ;
   s.flight_work_j = view.contact_reading ? 0.0f : s.flight_work_j + work_j;
   if (view.contact_reading && s.open_ticks > 0) {
     // A leg that lands bent has a spring that is bent.
