@@ -113,6 +113,14 @@ void take_parameters(const toml::table& table, const std::string& name, control:
                     (p.unit.empty() ? "" : " " + std::string(p.unit)));
     p.put(config, value);
   }
+  if (!control::fits(config.envelope, config.torque, config.limits.torque_nm))
+    log::fail(name, table.source(),
+              "[parameters] torque_amplitude_nm = " +
+                  log::rounded(static_cast<double>(config.torque.amplitude_nm)) +
+                  " takes the robot higher or faster than it may; expected at most " +
+                  log::rounded(
+                      static_cast<double>(control::amplitude_max_nm(config.envelope, config.torque.shape))) +
+                  " N m with this torque_shape, or such a torque_limit_nm");
   if (control::check(config) != Status::ok)
     log::fail(name, table.source(),
               "[parameters] make no sense together (as a clutch whose tooth_play_m is more than its "

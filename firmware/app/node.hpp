@@ -109,6 +109,8 @@ class Node {
   /// it comes in (bus::allows()). Refused while armed or running, and where the configuration makes no sense.
   bus::Refusal configure(const control::Config& config) {
     if (!may_configure()) return note(bus::Refusal::not_in_this_state);
+    if (!control::fits(config.envelope, config.torque, config.limits.torque_nm))
+      return note(bus::Refusal::beyond_envelope);
     if (control::check(config) != Status::ok) return note(bus::Refusal::makes_no_sense);
     app_.configure(config);
     origin_ = bus::ParameterOrigin::changed;

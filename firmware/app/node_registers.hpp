@@ -101,6 +101,7 @@ class NodeRegisters {
       case bus::Refusal::unknown_request:
       case bus::Refusal::value_not_allowed:
       case bus::Refusal::makes_no_sense:
+      case bus::Refusal::beyond_envelope:
         return bus::ModbusException::illegal_value;
       default:
         return bus::ModbusException::device_failure;

@@ -31,8 +31,7 @@ struct Options {
 
 void inject_one(std::uint64_t seed, std::uint64_t number) {
   const safety::Injection injection = safety::draw_injection(seed, number);
-  const safety::Trial trial =
-      safety::run_trial(safety::robot(), injection.scenario, injection.seed, injection.rig);
+  const safety::Trial trial = safety::run(safety::robot(), injection);
   std::cout << safety::format_run(injection, trial);
   if (trial.unsafe != 0 || trial.false_alarm)
     throw Refusal("experiment " + std::to_string(number) + " was unsafe or a false alarm");

@@ -21,6 +21,8 @@ std::size_t pick(Random& random, std::size_t count) {
   return std::min(n, count - 1);
 }
 
+bool chance(Random& random, double share) { return random.uniform(0.0, 1.0) < share; }
+
 sim_host::PlannedFault draw_fault(Random& random, Rig rig, double latest_s) {
   sim_host::PlannedFault fault;
   do {
@@ -35,15 +37,75 @@ sim_host::PlannedFault draw_fault(Random& random, Rig rig, double latest_s) {
   return fault;
 }
 
-bool chance(Random& random, double share) { return random.uniform(0.0, 1.0) < share; }
+constexpr std::size_t kTorqueToSupervisor = 25;
+static_assert(bus::kParameters[kTorqueToSupervisor - 1].name == "missed_catches_max");
+
+/// Over all that the table allows; where that is orders of magnitude, each alike, and now and then a bound.
+float draw_value(Random& random, const bus::Parameter& p) {
+  const double least = static_cast<double>(p.least), most = static_cast<double>(p.most);
+  const double where = random.uniform(0.0, 1.0), at = random.uniform(0.0, 1.0);
+  if (where < 0.05) return p.least;
+  if (where < 0.1) return p.most;
+  if (p.whole) return static_cast<float>(std::floor(random.uniform(least, most + 1.0)));
+  const bool wide = least > 0.0 && most > 20.0 * least;
+  const double value = wide && where < 0.7 ? least * std::pow(most / least, at) : least + (most - least) * at;
+  return std::clamp(static_cast<float>(value), p.least, p.most);
+}
+
+std::vector<DrawnParameter> draw_parameters(Random& random) {
+  constexpr std::size_t kAll = bus::kParameters.size();
+  const double share = random.uniform(0.0, 1.0);
+  const std::size_t count = share < 0.25 ? 0 : share < 0.6 ? 1 : share < 0.85 ? 2 + pick(random, 3) : kAll;
+  std::array<bool, kAll> chosen{};
+  if (count == kAll)
+    chosen.fill(true);
+  else
+    for (std::size_t left = count; left > 0;) {
+      bool& one = chosen[pick(random, kAll)];
+      if (!one) --left;
+      one = true;
+    }
+  // All of them: every second time close to the robot's own, as of another robot of the kind; a bench is none.
+  const control::Config own;
+  const bool like_own = count == kAll && chance(random, 0.5);
+  std::vector<DrawnParameter> drawn;
+  for (std::size_t i = 0; i < kAll; ++i) {
+    if (!chosen[i]) continue;
+    const bus::Parameter& p = bus::kParameters[i];
+    float value = draw_value(random, p);
+    const float near = p.get(own) * static_cast<float>(random.uniform(0.75, 1.3));
+    if (like_own && !p.whole) value = std::clamp(near, p.least, p.most);
+    if (count == kAll && p.name == "on_bench" && chance(random, 0.8)) value = 0.0f;
+    drawn.push_back({&p, value});
+  }
+  return drawn;
+}
 
 void add(Tally& tally, const Injection& injection, std::uint64_t number, const Trial& trial) {
   ++tally.runs;
+  Tally::Parameters nothing;
+  Tally::Parameters& among = tally.by_drawn[static_cast<std::size_t>(drawn(injection))];
+  Tally::Parameters& alone = drawn(injection) == Drawn::one
+                                 ? tally.by_parameter[injection.parameters.front().parameter->number - 1u]
+                                 : nothing;
+  for (Tally::Parameters* p : {&among, &alone}) {
+    ++p->runs;
+    if (trial.refused) ++p->refused;
+    if (trial.early) ++p->early;
+    if (trial.unsafe != 0) ++p->unsafe;
+  }
+  if (trial.refused) {
+    ++tally.refused;
+    return;
+  }
+  if (trial.early && !trial.false_alarm) ++tally.early;
   const bool found = trial.fault != control::Fault::none;
   ++(found ? tally.found : tally.borne);
   if (trial.false_alarm) ++tally.false_alarms;
   ++tally.by_fault[static_cast<std::size_t>(trial.fault)];
-  Tally::Kind& kind = tally.kinds[static_cast<std::size_t>(injection.scenario.faults.front().kind)];
+  Tally::Kind none;
+  const auto& faults = injection.scenario.faults;
+  Tally::Kind& kind = faults.empty() ? none : tally.kinds[static_cast<std::size_t>(faults.front().kind)];
   ++kind.runs;
   if (found) ++kind.found;
   tally.longest_coil_in_stance_ticks =
@@ -78,7 +140,26 @@ Injection draw_injection(std::uint64_t seed, std::uint64_t number) {
   s.sensors = {chance(random, 0.7), chance(random, 0.7), chance(random, 0.7), chance(random, 0.7)};
   const std::size_t count = 1 + pick(random, 3);
   for (std::size_t i = 0; i < count; ++i) s.faults.push_back(draw_fault(random, injection.rig, s.duration_s));
+  // Of a stream of their own: what else is drawn does not depend on them.
+  Random for_parameters(seed, (std::uint64_t{1} << 40) + number);
+  injection.parameters = draw_parameters(for_parameters);
+  if (injection.parameters.empty()) return injection;
+  // Wrong parameters show in what the robot does for long; nothing else is broken in a third.
+  s.duration_s += for_parameters.uniform(0.0, 5.0);
+  if (chance(for_parameters, 0.33)) s.faults.clear();
   return injection;
+}
+
+Drawn drawn(const Injection& injection) {
+  const std::size_t count = injection.parameters.size();
+  return count == 0                        ? Drawn::none
+         : count == 1                      ? Drawn::one
+         : count < bus::kParameters.size() ? Drawn::few
+                                           : Drawn::all;
+}
+
+Trial run(const model::Model& model, const Injection& injection) {
+  return run_trial(model, injection.scenario, injection.seed, injection.rig, injection.parameters);
 }
 
 Tally inject(std::uint64_t seed, std::uint64_t count, unsigned threads) {
@@ -87,7 +168,7 @@ Tally inject(std::uint64_t seed, std::uint64_t count, unsigned threads) {
   const model::Model model = robot();
   identify::parallel_for(count, threads, [&](std::size_t number) {
     const Injection injection = draw_injection(seed, number);
-    const Trial trial = run_trial(model, injection.scenario, injection.seed, injection.rig);
+    const Trial trial = run(model, injection);
     const std::lock_guard lock(guard);
     add(tally, injection, number, trial);
   });
@@ -110,8 +191,14 @@ std::string format_run(const Injection& injection, const Trial& trial) {
   for (const sim_host::PlannedFault& f : s.faults)
     put("%s at %.3f s, for %.3f s\n", std::string(sim_host::info(f.kind).name).c_str(), f.time_s,
         f.duration_s);
+  for (const DrawnParameter& d : injection.parameters)
+    put("%s = %g %s\n", std::string(d.parameter->name).c_str(), static_cast<double>(d.value),
+        std::string(d.parameter->unit).c_str());
+  if (trial.refused) return text + "refused\n";
   text += "found: " + std::string(control::info(trial.fault).name);
-  if (trial.false_alarm)
+  if (trial.early && !trial.false_alarm)
+    text += ", before anything was broken";
+  else if (trial.false_alarm)
     text += ", before anything was broken: a false alarm";
   else if (trial.fault != control::Fault::none)
     put(", %u ms after the first", trial.found_tick);
@@ -129,8 +216,18 @@ std::string format_tally(const Tally& t) {
     text += line;
   };
   const auto n = [](std::uint64_t count) { return static_cast<unsigned long long>(count); };
-  put("%llu runs: a fault found in %llu, borne in %llu; %llu false alarms; %zu unsafe\n", n(t.runs),
-      n(t.found), n(t.borne), n(t.false_alarms), t.unsafe.size());
+  const auto unsafe = static_cast<std::uint64_t>(std::count_if(
+      t.unsafe.begin(), t.unsafe.end(), [](const UnsafeRun& r) { return r.trial.unsafe != 0; }));
+  put("%llu runs: %llu refused, a fault found in %llu, borne in %llu; %llu false alarms; %llu unsafe\n",
+      n(t.runs), n(t.refused), n(t.found), n(t.borne), n(t.false_alarms), n(unsafe));
+  put("\n%-24s%10s%10s%10s%10s\n", "parameters drawn", "runs", "refused", "early", "unsafe");
+  const auto put_parameters = [&](std::string_view name, const Tally::Parameters& p) {
+    put("%-24s%10llu%10llu%10llu%10llu\n", std::string(name).c_str(), n(p.runs), n(p.refused), n(p.early),
+        n(p.unsafe));
+  };
+  for (std::size_t i = 0; i < kDrawn.size(); ++i) put_parameters(kDrawn[i], t.by_drawn[i]);
+  put("\n%-24s%10s%10s%10s%10s\n", "drawn alone", "runs", "refused", "early", "unsafe");
+  for (const bus::Parameter& p : bus::kParameters) put_parameters(p.name, t.by_parameter[p.number - 1u]);
   put("\n%-22s%10s%10s%10s\n", "broken first", "runs", "found", "unsafe");
   for (const auto& kind : sim_host::kRigFaults) {
     const Tally::Kind& k = t.kinds[static_cast<std::size_t>(kind.fault)];

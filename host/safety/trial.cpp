@@ -31,8 +31,15 @@ bool silences_bus(RigFault kind) {
 template <class Board>
 class Judge {
  public:
-  Judge(Board& board, const control::Config& config, const sim::Scenario& scenario)
-      : board_(board), rig_(rig_of(board)), config_(config), app_(board, config) {
+  /// `config` is the robot's, `given` what the controller is told.
+  Judge(Board& board, const control::Config& config, const control::Config& given, bool is_own,
+        const sim::Scenario& scenario)
+      : board_(board),
+        rig_(rig_of(board)),
+        config_(config),
+        given_(given),
+        is_own_(is_own),
+        app_(board, given) {
     onset_tick_ = 0xffffffffu;
     for (const auto& f : scenario.faults) {
       onset_tick_ = std::min(onset_tick_, tick_of(f.time_s));
@@ -65,7 +72,8 @@ class Judge {
     if (trial_.fault == control::Fault::none && out.fault != control::Fault::none) {
       trial_.fault = out.fault;
       found_ = tick;
-      trial_.false_alarm = tick < onset_tick_;
+      trial_.early = tick < onset_tick_;
+      trial_.false_alarm = trial_.early && is_own_;
       trial_.found_tick = tick < onset_tick_ ? 0 : tick - onset_tick_;
     }
     const bool faulty = trial_.fault != control::Fault::none;
@@ -79,7 +87,7 @@ class Judge {
     coil_in_stance_ = coil && plant.in_stance() ? coil_in_stance_ + 1 : 0;
     trial_.longest_coil_in_stance_ticks = std::max(trial_.longest_coil_in_stance_ticks, coil_in_stance_);
     if (coil_in_stance_ > kCoilInStanceTicks) trial_.set(Unsafe::coil_in_stance);
-    if (wanted_nm > static_cast<double>(config_.limits.torque_nm)) trial_.set(Unsafe::torque_beyond_limit);
+    if (wanted_nm > static_cast<double>(given_.limits.torque_nm)) trial_.set(Unsafe::torque_beyond_limit);
 
     trial_.highest_m = std::max(trial_.highest_m, plant.height_m());
     trial_.lowest_m = std::min(trial_.lowest_m, plant.height_m());
@@ -121,7 +129,8 @@ class Judge {
 
   Board& board_;
   SimBoard& rig_;
-  control::Config config_;
+  control::Config config_, given_;
+  bool is_own_;
   firmware::App<Board> app_;
   Trial trial_;
   std::uint32_t onset_tick_, found_ = 0, last_torque_tick_ = 0, coil_in_stance_ = 0, unknown_ticks_ = 0;
@@ -162,9 +171,19 @@ bool is_at(Moment moment, const control::Outputs& out) {
 
 }  // namespace
 
-Trial run_trial(const model::Model& model, const sim::Scenario& scenario, std::uint64_t seed, Rig rig) {
+Trial run_trial(const model::Model& model, const sim::Scenario& scenario, std::uint64_t seed, Rig rig,
+                std::span<const DrawnParameter> parameters) {
   return on_rig(rig, model, scenario, seed, [&](auto& board, const control::Config& config) {
-    return Judge<std::remove_reference_t<decltype(board)>>(board, config, scenario).run();
+    control::Config given = config;
+    Trial refused;
+    refused.refused = true;
+    for (const DrawnParameter& drawn : parameters) {
+      if (!bus::allows(*drawn.parameter, drawn.value)) return refused;
+      drawn.parameter->put(given, drawn.value);
+    }
+    if (control::check(given) != Status::ok) return refused;
+    return Judge<std::remove_reference_t<decltype(board)>>(board, config, given, parameters.empty(), scenario)
+        .run();
   });
 }
 

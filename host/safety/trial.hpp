@@ -3,8 +3,10 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <string_view>
 
+#include "furcula/bus/parameters.hpp"
 #include "furcula/control/fault.hpp"
 #include "host/model/model.hpp"
 #include "host/sim/scenario.hpp"
@@ -71,7 +73,9 @@ struct Trial {
   control::Fault fault = control::Fault::none;  ///< the first that the controller found
   std::uint32_t found_tick = 0;                 ///< where one was found
   std::uint32_t torque_off_ticks = 0;           ///< from then until the motor's torque was zero, for good
-  bool false_alarm = false;                     ///< found before anything was broken
+  bool early = false;                           ///< found before anything was broken
+  bool false_alarm = false;                     ///< found early, with the robot's own parameters
+  bool refused = false;                         ///< the configuration was, and nothing ran
   std::uint32_t hops = 0;                       ///< touch-downs, of the plant
   double lowest_m = 1e9, highest_m = 0.0, hardest_mps = 0.0, fastest_toe_mps = 0.0;
   std::uint32_t longest_coil_in_stance_ticks = 0;
@@ -84,9 +88,16 @@ struct Trial {
 
 enum class Rig : std::uint8_t { local, on_bus };
 
-/// Runs the scenario with its faults. `on_bus`: drive and encoders behind the simulated CAN bus. The same
-/// arguments give the same result.
-Trial run_trial(const model::Model& model, const sim::Scenario& scenario, std::uint64_t seed, Rig rig);
+/// A parameter of the table and the value that it is given instead of the robot's own.
+struct DrawnParameter {
+  const bus::Parameter* parameter;
+  float value;
+};
+
+/// Runs the scenario with its faults, and with these parameters in the controller, if the node would take them.
+/// `on_bus`: drive and encoders behind the simulated CAN bus. The same arguments give the same result.
+Trial run_trial(const model::Model& model, const sim::Scenario& scenario, std::uint64_t seed, Rig rig,
+                std::span<const DrawnParameter> parameters = {});
 
 /// The robot of document 002, chapter 5, whose spring has a clutch.
 model::Model robot();

@@ -79,6 +79,12 @@ void simulate_hopper(const model::Model& model, Board& seam, const control::Conf
 void simulate_hopper(const model::Model& model, const Scenario& scenario, std::uint64_t seed, log::Log& log) {
   const sim_host::RigConfig rig = rig_config(model, scenario, seed);
   control::Config config = controller_config(model, scenario);
+  if (!control::fits(config.envelope, config.torque, config.limits.torque_nm))
+    throw log::DataError(
+        "the scenario: [torque] amplitude_nm = " + log::shortest(scenario.amplitude) +
+        " takes this robot higher or faster than its controller lets it; expected at most " +
+        log::rounded(static_cast<double>(control::amplitude_max_nm(config.envelope, config.torque.shape))) +
+        " N m");
   if (needs_bus(scenario)) {
     sim_host::CanBoard board(rig);
     sim_host::CanBoard::adapt(config);
@@ -244,6 +250,21 @@ sim_host::RigConfig rig_config(const model::Model& model, const Scenario& scenar
   return rig;
 }
 
+/// As the image of such a robot would have it: the rail is as long as ten links.
+control::EnvelopeConfig envelope_of(const model::Model& model) {
+  const control::EnvelopeConfig own;
+  const double length_m = model.parameter("link_length_m"),
+               angle_rad = model.parameter("touchdown_angle_rad");
+  const float size = static_cast<float>(length_m / 0.15);
+  control::EnvelopeConfig envelope;
+  envelope.mass_kg = static_cast<float>(model.parameter("mass_kg"));
+  envelope.straight_leg_rad = static_cast<float>(angle_rad);
+  envelope.gravity_mps2 = static_cast<float>(std::max(0.1, model.parameter("gravity_mps2")));
+  envelope.apex_max_m = size * own.apex_max_m;
+  envelope.apex_fault_m = size * own.apex_fault_m;
+  return envelope;
+}
+
 control::Config controller_config(const model::Model& model, const Scenario& scenario) {
   const double length_m = model.parameter("link_length_m");
   const double angle_rad = model.parameter("touchdown_angle_rad");
@@ -259,6 +280,7 @@ control::Config controller_config(const model::Model& model, const Scenario& sce
   config.supervisor.height_min_m = static_cast<float>(0.2 * length_m);
   config.supervisor.leg_angle_min_rad = static_cast<float>(angle_rad - 0.05);
   config.gravity_mps2 = static_cast<float>(std::max(0.1, model.parameter("gravity_mps2")));
+  config.envelope = envelope_of(model);
   if (model.kind != Kind::hopper_nonlinear) return config;
   control::ClutchConfig& clutch = config.clutch;
   clutch.spring_npm = static_cast<float>(std::max(1.0, model.parameter("stiffness_npm")));

@@ -10,22 +10,27 @@ using namespace furcula::safety;
 TEST_CASE("of 2,000 random injections none is unsafe and none raises a false alarm") {
   const Tally tally = inject(20261122, 2000, 2);
   std::printf("%s", format_tally(tally).c_str());
-  for (const UnsafeRun& run : tally.unsafe) {
-    CAPTURE(run.number, run.trial.unsafe, run.trial.false_alarm);
+  for (const UnsafeRun& one : tally.unsafe) {
+    CAPTURE(one.number, one.trial.unsafe, one.trial.false_alarm);
     CHECK(false);
   }
   CHECK(tally.runs == 2000);
   CHECK(tally.false_alarms == 0);
-  CHECK(tally.found + tally.borne == 2000);
+  CHECK(tally.found + tally.borne + tally.refused == 2000);
   CHECK(tally.found > 1000);
   CHECK(tally.borne > 200);
+  // Every parameter was drawn alone, and most configurations ran.
+  CHECK(tally.refused < 400);
+  for (const Tally::Parameters& p : tally.by_drawn) CHECK(p.runs - p.refused > 100);
+  for (const Tally::Parameters& p : tally.by_parameter) CHECK(p.runs > 2);
   for (const auto& kind : tally.kinds) CHECK(kind.runs > 20);
 }
 
 TEST_CASE("a switch that reports a fast toe early, on raised ground, raises no false alarm") {
   // The two things that break come later: the first touch-down is that of a stretching leg, on 2.5 cm.
-  const Injection injection = draw_injection(1, 59588);
-  const Trial trial = run_trial(robot(), injection.scenario, injection.seed, injection.rig);
+  Injection injection = draw_injection(1, 59588);
+  injection.parameters.clear();
+  const Trial trial = run(robot(), injection);
   INFO(format_run(injection, trial));
   CHECK_FALSE(trial.false_alarm);
   CHECK(trial.unsafe == 0);
@@ -35,4 +40,17 @@ TEST_CASE("the same seed gives the same tally on one thread and on two, another 
   const std::string one = format_tally(inject(3, 60, 1));
   CHECK(format_tally(inject(3, 60, 2)) == one);
   CHECK(format_tally(inject(4, 60, 2)) != one);
+}
+
+TEST_CASE("parameters are drawn within the table's bounds, none, one, a few or all of them") {
+  std::array<int, kDrawn.size()> count{};
+  for (std::uint64_t number = 0; number < 400; ++number) {
+    const Injection injection = draw_injection(7, number);
+    ++count[static_cast<std::size_t>(drawn(injection))];
+    for (const DrawnParameter& d : injection.parameters) {
+      CAPTURE(number, d.parameter->name, d.value);
+      CHECK(bus::allows(*d.parameter, d.value));
+    }
+  }
+  for (const int n : count) CHECK(n > 30);
 }

@@ -34,6 +34,7 @@ enum class Refusal : std::uint8_t {
   makes_no_sense = 7,
   store_failed = 8,
   no_edge = 9,
+  beyond_envelope = 10,
 };
 
 enum class Reason : std::uint8_t {
@@ -85,7 +86,7 @@ inline constexpr std::array<Word, 8> kRequests{{
     {7, "load_defaults", "The parameters as built in; not saved. Not taken when armed or running."},
 }};
 
-inline constexpr std::array<Word, 10> kRefusals{{
+inline constexpr std::array<Word, 11> kRefusals{{
     {0, "none", "Nothing was refused."},
     {1, "unknown_request", "There is no request of that number."},
     {2, "wrong_key", "The key was not the one of the table: a stray write."},
@@ -100,6 +101,9 @@ inline constexpr std::array<Word, 10> kRefusals{{
     {7, "makes_no_sense", "With these values together the controller's configuration makes no sense."},
     {8, "store_failed", "The parameters could not be saved."},
     {9, "no_edge", "A stream starts the robot only when its request changes to hop, while it is fresh."},
+    {10, "beyond_envelope",
+     "The torque's amplitude, or its limit if that is less, would take the robot higher or faster than it may: "
+     "write a smaller one, or torque_shape 0 first."},
 }};
 
 inline constexpr std::array<Word, 13> kReasons{{

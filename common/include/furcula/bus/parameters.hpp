@@ -88,10 +88,10 @@ inline constexpr std::array kAll{
                                                        "Of the harmonic torque."),
     parameter<kLimits, &LimitsConfig::torque_nm>(4, "torque_limit_nm", "N m", 0.1f, 40.0f,
                                                  "Magnitude that no command exceeds."),
-    parameter<kLimits, &LimitsConfig::torque_rate_nmps>(5, "torque_rate_limit_nmps", "N m/s", 10.0f, 20000.0f,
-                                                        "Change of the torque in a second, at most."),
+    parameter<kLimits, &LimitsConfig::torque_rate_nmps>(
+        5, "torque_rate_limit_nmps", "N m/s", 200.0f, 20000.0f, "Change of the torque in a second, at most."),
     parameter<&Config::link_length_m>(6, "link_length_m", "m", 0.05f, 0.5f, "Of each of the four links."),
-    parameter<&Config::gravity_mps2>(7, "gravity_mps2", "m/s^2", 1.0f, 20.0f, "Along the rail."),
+    parameter<&Config::gravity_mps2>(7, "gravity_mps2", "m/s^2", 9.5f, 10.0f, "Along the rail."),
     parameter<kHeight, &HeightConfig::metres_per_count>(8, "height_metres_per_count", "m", 1e-8f, 0.001f,
                                                         "Of the rail's encoder."),
     parameter<kDebounce, &DebounceConfig::rule>(9, "debounce_rule", "", 0.0f, 1.0f,
@@ -109,10 +109,10 @@ inline constexpr std::array kAll{
     parameter<kPhase, &PhaseConfig::shortest_stance_s>(15, "shortest_stance_s", "s", 0.0f, 0.1f,
                                                        "An open switch before that is touch-down's bounce."),
     parameter<kSupervisor, &SupervisorConfig::tick_interval_max_us>(
-        16, "tick_interval_max_us", "us", 1050.0f, 5000.0f,
+        16, "tick_interval_max_us", "us", 1050.0f, 3000.0f,
         "Between two ticks; more is the fault late_tick."),
     parameter<kSupervisor, &SupervisorConfig::sample_age_max_us>(
-        17, "sample_age_max_us", "us", 500.0f, 5000.0f, "Of the sensors' sample; more is stale_input."),
+        17, "sample_age_max_us", "us", 500.0f, 3000.0f, "Of the sensors' sample; more is stale_input."),
     parameter<kSupervisor, &SupervisorConfig::height_min_m>(18, "height_min_m", "m", 0.0f, 1.0f,
                                                             "The rail's lower end."),
     parameter<kSupervisor, &SupervisorConfig::height_max_m>(19, "height_max_m", "m", 0.1f, 5.0f,
@@ -122,15 +122,15 @@ inline constexpr std::array kAll{
     parameter<kSupervisor, &SupervisorConfig::leg_angle_max_rad>(21, "leg_angle_max_rad", "rad", 0.1f, 1.57f,
                                                                  "The folded leg's stop."),
     parameter<kSupervisor, &SupervisorConfig::height_mismatch_m>(
-        22, "height_mismatch_m", "m", 0.005f, 0.2f,
+        22, "height_mismatch_m", "m", 0.005f, 0.06f,
         "By which encoder and leg may differ; more is encoder_implausible."),
     parameter<kSupervisor, &SupervisorConfig::contact_margin_m>(
-        23, "contact_margin_m", "m", 0.005f, 0.2f,
+        23, "contact_margin_m", "m", 0.005f, 0.06f,
         "So far off the touch-down height the switch is to agree; else contact_implausible."),
     parameter<kSupervisor, &SupervisorConfig::cable_travel_max_m>(
         24, "cable_travel_max_m", "m", 0.01f, 0.5f, "Of the clutch's cable; more is cable_implausible."),
     parameter<kSupervisor, &SupervisorConfig::missed_catches_max>(
-        25, "missed_catches_max", "", 1.0f, 100.0f,
+        25, "missed_catches_max", "", 1.0f, 20.0f,
         "Stances running on a spring that is not caught; then clutch_not_caught."),
     parameter<kClutch, &ClutchConfig::fitted>(26, "clutch_fitted", "", 0.0f, 1.0f,
                                               "1: the robot has a clutch."),
@@ -162,11 +162,11 @@ inline constexpr std::array kAll{
     parameter<kCoil, &CoilConfig::heat_max>(
         39, "coil_heat_max", "", 0.01f, 1.0f,
         "Mean square of the duty that the coil stands for ever; 1: full supply."),
-    parameter<kLeg, &LegPositionConfig::stiffness_nmprad>(40, "leg_stiffness_nmprad", "N m/rad", 1.0f, 500.0f,
+    parameter<kLeg, &LegPositionConfig::stiffness_nmprad>(40, "leg_stiffness_nmprad", "N m/rad", 1.0f, 200.0f,
                                                           "Of the leg that is moved in flight."),
-    parameter<kLeg, &LegPositionConfig::damping_nmsprad>(41, "leg_damping_nmsprad", "N m s/rad", 0.01f, 20.0f,
+    parameter<kLeg, &LegPositionConfig::damping_nmsprad>(41, "leg_damping_nmsprad", "N m s/rad", 0.01f, 2.0f,
                                                          "Of the leg that is moved in flight."),
-    parameter<kLeg, &LegPositionConfig::inertia_kgm2>(42, "leg_inertia_kgm2", "kg m^2", 0.0f, 0.1f,
+    parameter<kLeg, &LegPositionConfig::inertia_kgm2>(42, "leg_inertia_kgm2", "kg m^2", 0.0f, 0.02f,
                                                       "Of the leg about the hip, toe in the air."),
     parameter<kBench, &BenchConfig::on_bench>(
         43, "on_bench", "", 0.0f, 1.0f,

@@ -8,6 +8,7 @@
 #include "furcula/control/clutch_sequencer.hpp"
 #include "furcula/control/coil_drive.hpp"
 #include "furcula/control/debounce.hpp"
+#include "furcula/control/envelope.hpp"
 #include "furcula/control/height.hpp"
 #include "furcula/control/leg_position.hpp"
 #include "furcula/control/limits.hpp"
@@ -30,6 +31,7 @@ struct Config {
   TorqueProfileConfig torque;
   LimitsConfig limits;
   SupervisorConfig supervisor;
+  EnvelopeConfig envelope;
   ClutchConfig clutch;
   CoilConfig coil;
   LegPositionConfig leg;
@@ -54,6 +56,8 @@ struct State {
   PhaseState phase;
   LimitsState limits;
   SupervisorState supervisor;
+  EnvelopeState envelope;
+  std::uint32_t longer_leg_ticks = 0;  ///< running
   ClutchState clutch;
   CoilState coil;
   LegPositionState leg;
@@ -113,7 +117,8 @@ inline Status check(const ClutchConfig& c, const CoilConfig& coil, const LegPosi
   return sound ? Status::ok : Status::invalid;
 }
 
-/// Whether every number of the configuration makes sense: finite, and positive where it must be.
+/// Whether every number of the configuration makes sense: finite, and positive where it must be; and whether the
+/// torque fits() the envelope.
 inline Status check(const Config& c) {
   const float positive[] = {c.link_length_m,
                             c.height.metres_per_count,
@@ -152,7 +157,7 @@ inline Status check(const Config& c) {
   // Shorter than ten ticks it is no profile.
   if (!is_finite(c.torque.period_s) || c.torque.period_s < 0.01f) return Status::invalid;
   if (!is_finite(c.desk_silent_s)) return Status::invalid;
-  return Status::ok;
+  return fits(c.envelope, c.torque, c.limits.torque_nm) ? Status::ok : Status::invalid;
 }
 
 /// The state before the first tick.
@@ -188,6 +193,25 @@ inline Observation take_sample(const Config& config, State& state, const Inputs&
   return seen;
 }
 
+/// What the envelope sees of a tick.
+inline EnvelopeView look_at(const Config& config, const HeightEstimate& height, const Sample& sample,
+                            float leg_m, float cable_travel_m) {
+  EnvelopeView view;
+  view.height_m = height.height_m;
+  view.velocity_mps = height.velocity_mps;
+  view.leg_angle_rad = sample.leg_angle_rad;
+  view.leg_m = leg_m;
+  view.lever_m = leg_lever_m(config.link_length_m, sample.leg_angle_rad);
+  view.touchdown_height_m = config.phase.touchdown_height_m;
+  view.contact_reading = sample.contact != 0;
+  // The spring of a robot that does not move its leg in flight is not known.
+  if (moves_leg_in_flight(config.clutch) && cable_travel_m < config.clutch.tooth_pitch_m) {
+    view.spring_npm = config.clutch.spring_npm;
+    view.spring_rest_m = config.clutch.spring_rest_m;
+  }
+  return view;
+}
+
 /// The tick of a board on the clutch's bench: to run is to make one trial.
 inline Outputs step_on_bench(const Config& config, State& state, const Inputs& inputs, float dt_s) {
   Observation seen = take_sample(config, state, inputs);
@@ -195,13 +219,15 @@ inline Outputs step_on_bench(const Config& config, State& state, const Inputs& i
   seen.has_body = false;
   seen.cable_travel_m = static_cast<float>(count_difference(sample.cable_count, sample.cable_home_count)) *
                         config.clutch.metres_per_count;
+  if (inputs.run && state.missed_samples == 0) seen.envelope = watch_bench(state.envelope, sample);
   Outputs out;
   out.fault = state.configuration == Status::ok
                   ? supervise(config.supervisor, state.supervisor, seen, inputs.reset, dt_s)
                   : Fault::bad_configuration;
-  if (out.fault != Fault::none || !inputs.run)
+  if (out.fault != Fault::none || !inputs.run) {
     state.bench = {};
-  else
+    state.envelope = {};
+  } else
     out.trial = run_trial(config.bench, state.bench);
   out.command.coil_duty = drive_coil(config.coil, state.coil, out.trial.coil, dt_s);
   return out;
@@ -229,11 +255,18 @@ inline Outputs step(const Config& config, State& state, const Inputs& inputs, fl
   seen.height_m = out.height.height_m;
   seen.above_touchdown_m = out.height.height_m - config.phase.touchdown_height_m;
   seen.leg_angle_rad = sample.leg_angle_rad;
+  seen.leg_angle_ceiling_rad = config.envelope.leg_angle_max_rad;
   seen.leg_height_m = leg_m;
   seen.contact_reading = reading;
   if (config.clutch.fitted != 0)
     seen.cable_travel_m = static_cast<float>(cable_count) * config.clutch.metres_per_count;
   seen.missed_catches = state.clutch.missed_running;
+  const EnvelopeView view_of_envelope = look_at(config, out.height, sample, leg_m, seen.cable_travel_m);
+  seen.envelope = watch_leg(config.envelope, state.longer_leg_ticks, view_of_envelope);
+  if (inputs.run) {
+    const Fault found = watch_envelope(config.envelope, state.envelope, view_of_envelope, dt_s);
+    if (found != Fault::none) seen.envelope = found;
+  }
   out.fault = state.configuration == Status::ok
                   ? supervise(config.supervisor, state.supervisor, seen, inputs.reset, dt_s)
                   : Fault::bad_configuration;
@@ -241,6 +274,7 @@ inline Outputs step(const Config& config, State& state, const Inputs& inputs, fl
   const bool safe = out.fault != Fault::none || !inputs.run;
   if (safe) {
     state.limits = {};
+    state.envelope = {};
     abandon(state.clutch);
   } else if (moves_leg_in_flight(config.clutch)) {
     ClutchView view;
@@ -255,7 +289,7 @@ inline Outputs step(const Config& config, State& state, const Inputs& inputs, fl
     out.command.coil_duty = drive_coil(config.coil, state.coil, out.clutch.coil, dt_s);
     // Where the coil gave up the key falls in: the sequencer finds the cable caught, or not.
   }
-  const float lever_m = leg_lever_m(config.link_length_m, sample.leg_angle_rad);
+  const float lever_m = view_of_envelope.lever_m;
   float torque_nm = profile_torque_nm(config.torque, out.phase, out.height.velocity_mps, dt_s);
   if (out.clutch.drives_leg) {
     const float fold_m = straight_m - leg_m;
@@ -268,7 +302,12 @@ inline Outputs step(const Config& config, State& state, const Inputs& inputs, fl
     torque_nm -= lever_m * lost_push_n(config.clutch, leg_m, out.clutch.travel_m);
   }
   note_angle(state.leg, sample.leg_angle_rad);
-  if (!safe) out.command.torque_nm = limit_torque(config.limits, state.limits, torque_nm, dt_s);
+  if (!safe) {
+    out.command.torque_nm =
+        hold_back(config.envelope, state.envelope, view_of_envelope, out.clutch.drives_leg,
+                  limit_torque(config.limits, state.limits, torque_nm, dt_s));
+    state.limits.last_nm = out.command.torque_nm;
+  }
   return out;
 }
 

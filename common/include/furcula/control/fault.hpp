@@ -34,6 +34,8 @@ enum class Fault : std::uint8_t {
   processor_fault = 19,
   parameters_lost = 20,
   bus_unreliable = 21,
+  beyond_envelope = 22,
+  parameters_implausible = 23,
 };
 
 struct FaultInfo {
@@ -43,7 +45,7 @@ struct FaultInfo {
   std::string_view remedy;  ///< what a person should do
 };
 
-inline constexpr std::size_t kFaultCount = 22;
+inline constexpr std::size_t kFaultCount = 24;
 inline constexpr std::array<FaultInfo, kFaultCount> kFaults{{
     {Fault::none, "none", "No fault.", "Nothing."},
     {Fault::bad_configuration, "bad_configuration",
@@ -103,6 +105,14 @@ inline constexpr std::array<FaultInfo, kFaultCount> kFaults{{
     {Fault::bus_unreliable, "bus_unreliable",
      "Too many of the bus's frames were lost, unanswered or out of order in a short time.",
      "Look at the bus's load, its cable and its terminating resistors; then reset."},
+    {Fault::beyond_envelope, "beyond_envelope",
+     "The robot is or will be higher than it may, or will land faster, though the torque was held back.",
+     "Look at what gives it energy: the drive's torque, a person's hand, the height encoder's scale; then reset."},
+    {Fault::parameters_implausible, "parameters_implausible",
+     "What is measured contradicts the parameters: a flight does not fall as gravity has it, the leg is longer "
+     "than at touch-down, or a stance's spring is not the one of the parameters.",
+     "Correct the parameters that describe the robot (height_metres_per_count, link_length_m, touchdown_height_m, "
+     "spring_npm, spring_rest_m), or look at the height encoder and the leg angle's reference; then reset."},
 }};
 
 constexpr const FaultInfo& info(Fault fault) { return kFaults[static_cast<std::size_t>(fault)]; }

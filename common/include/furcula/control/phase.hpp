@@ -63,7 +63,9 @@ inline PhaseEstimate estimate_phase(const PhaseConfig& config, PhaseState& state
   if (state.phase == Phase::flight) {
     if (height_m > state.highest_m) state.highest_m = height_m;
     if (!contact_closed) state.seen_open = true;
-    estimate.touchdown = contact_closed && state.seen_open &&
+    // A body this far below has its leg bent on the ground, also where a lift-off was seen that was none.
+    const bool stands = height_m < config.touchdown_height_m - config.touchdown_margin_m;
+    estimate.touchdown = contact_closed && (state.seen_open || stands) &&
                          height.velocity_mps <= config.touchdown_velocity_max_mps &&
                          height_m <= config.touchdown_height_m + config.touchdown_margin_m;
   } else {

@@ -58,10 +58,12 @@ struct Observation {
   float height_step_m = 0.0f;
   std::uint32_t step_ticks = 1;
   float leg_angle_rad = 0.0f;
-  float leg_height_m = 0.0f;  ///< 2 L cos(leg angle)
+  float leg_angle_ceiling_rad = 1e9f;  ///< below which leg_angle_max_rad counts
+  float leg_height_m = 0.0f;           ///< 2 L cos(leg angle)
   bool contact_reading = false;
   float cable_travel_m = 0.0f;       ///< 0 without a clutch
   std::uint32_t missed_catches = 0;  ///< running
+  Fault envelope = Fault::none;      ///< what watch_envelope() found
 };
 
 struct SupervisorState {
@@ -79,7 +81,8 @@ inline Fault find_body_fault(const SupervisorConfig& config, SupervisorState& st
   if (!is_finite(seen.height_m) || !is_finite(seen.leg_angle_rad)) return Fault::non_finite_input;
   if (seen.height_m < config.height_min_m || seen.height_m > config.height_max_m)
     return Fault::height_out_of_range;
-  if (seen.leg_angle_rad < config.leg_angle_min_rad || seen.leg_angle_rad > config.leg_angle_max_rad)
+  if (seen.leg_angle_rad < config.leg_angle_min_rad || seen.leg_angle_rad > config.leg_angle_max_rad ||
+      seen.leg_angle_rad > seen.leg_angle_ceiling_rad)
     return Fault::leg_angle_out_of_range;
   const float step_max_m =
       config.speed_max_mps * dt_s * static_cast<float>(seen.step_ticks) + config.step_margin_m;
@@ -125,6 +128,7 @@ inline Fault find_fault(const SupervisorConfig& config, SupervisorState& state, 
   if (seen.cable_travel_m < config.cable_travel_min_m || seen.cable_travel_m > config.cable_travel_max_m)
     return Fault::cable_implausible;
   if (seen.missed_catches >= config.missed_catches_max) return Fault::clutch_not_caught;
+  if (seen.envelope != Fault::none) return seen.envelope;
   return Fault::none;
 }
 
