@@ -136,7 +136,10 @@ Configuration parse_configuration(std::string_view text, const std::string& name
   node("drive_node", bus::kFirstNode, c.link.drive_node);
   node("height_encoder_node", bus::kFirstNode, c.link.height_node);
   node("cable_encoder_node", 0, c.link.cable_node);
+  node("supply_node", 0, c.link.supply_node);
   node("own_node", bus::kFirstNode, c.link.self_node);
+  can.real("supply_max_v", 1.0, 600.0, "V", c.link.supply_max_v);
+  can.real("temperature_max_c", 1.0, 127.0, "degC", c.link.temperature_max_c);
   can.any("motor", [&](const toml::node& n, const std::string& key) {
     const std::string wanted = log::text(n, name, key);
     std::vector<std::string_view> motors;

@@ -13,7 +13,7 @@ namespace furcula::pil {
 inline constexpr char kToBoard[] = "to_board";
 inline constexpr char kFromBoard[] = "from_board";
 
-inline constexpr std::uint32_t kBegin = 0x46423034;  // "FB04": first message, and its version
+inline constexpr std::uint32_t kBegin = 0x46423035;  // "FB05": first message, and its version
 inline constexpr std::uint32_t kTick = 1;
 inline constexpr std::uint32_t kEnd = 2;
 
@@ -57,7 +57,7 @@ struct Farewell {
       0;  ///< what 100 instructions measure: 100, if the emulator counts as it should
 };
 
-static_assert(std::is_trivially_copyable_v<Begin> && sizeof(Begin) == 308);
+static_assert(std::is_trivially_copyable_v<Begin> && sizeof(Begin) == 344);
 static_assert(std::is_trivially_copyable_v<Tick> && sizeof(Tick) == 52);
 static_assert(std::is_trivially_copyable_v<Reply> && sizeof(Outputs) == 48 && sizeof(Reply) == 52);
 static_assert(std::has_unique_object_representations_v<Farewell>);

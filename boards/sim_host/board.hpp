@@ -14,6 +14,7 @@
 #include "boards/sim_host/random.hpp"
 #include "boards/sim_host/sensors.hpp"
 #include "firmware/app/app.hpp"
+#include "furcula/bus/motors.hpp"
 #include "furcula/core/count.hpp"
 #include "furcula/dynamics/sensing.hpp"
 
@@ -39,6 +40,11 @@ struct RigConfig {
   double cable_loose_m = 0.0;   ///< that its cable hangs loose, along the leg: so much more is paid out
   double ground_steps_m = 0.0;  ///< in each flight the ground moves to a height within this, either way
   std::uint64_t seed = 0;
+  /// Of faults that have a size: encoder_drifting, torque_offset and torque_offset_hidden, and
+  /// drive_of_other_motor.
+  double drift_mps = -kDriftMps;
+  double torque_offset_nm = kTorqueOffsetNm;
+  bus::Motor other_motor = bus::Motor::ak80_6;
 };
 
 /// Metres a count that the controller must be configured with.
@@ -73,8 +79,13 @@ class SimBoard {
     if (started_) {
       pass_millisecond();
       for (const PlannedFault& fault : config_.faults)
-        if (delays_tick(fault.kind) && starts_now(fault))
+        if (delays_tick(fault.kind) && starts_now(fault)) {
+          const bool brown_out = fault.kind == RigFault::brown_out;
+          // A coil's driver without its logic's supply is off; the motor's drive has a supply of its own.
+          if (brown_out) command_.coil_duty = 0.0f;
           for (double late_s = 0.0; late_s < fault.duration_s - 1e-9; late_s += kPeriodS) pass_millisecond();
+          if (brown_out) restarted_ = homeless_ = true;
+        }
     }
     started_ = true;
     if (tick_ >= ticks_) return false;
@@ -109,6 +120,7 @@ class SimBoard {
 
   double time_s() const { return static_cast<double>(tick_) * kPeriodS; }
   const Plant& plant() const { return plant_; }
+  const RigConfig& config() const { return config_; }
   /// Of a clutch of two delays, at this tick.
   bool coil_switched_on() const {
     bool on = false;
@@ -135,6 +147,13 @@ class SimBoard {
   /// What the drive's current says of its torque, once the command of this tick has arrived.
   double measured_torque_nm() { return drive_.shows(static_cast<double>(command_.torque_nm), kPeriodS); }
   void request_reset() { reset_requested_ = true; }
+  /// Whether the board has started anew since the last call: its program is to begin with nothing known. The
+  /// counters' reference is lost.
+  bool take_restart() {
+    const bool restarted = restarted_;
+    restarted_ = false;
+    return restarted;
+  }
   /// One more, from the next tick on or later.
   void plant(const PlannedFault& fault) {
     config_.faults.push_back(fault);
@@ -149,10 +168,18 @@ class SimBoard {
     if (plant_.clutched() != nullptr) plant_.set_voltage(coil_volts());
     if (!config_.coil_switches.empty()) plant_.energise(coil_switched_on());
     if (config_.ground_steps_m > 0.0) move_ground();
-    plant_.advance(drive_.step(static_cast<double>(command_.torque_nm), kPeriodS), kPeriodS);
+    plant_.advance(motor_torque_nm(), kPeriodS);
     switch_.follow(plant_, time_s());
     ++tick_;
     note_faults();
+  }
+
+  /// What acts on the leg: of a motor that is off, nothing.
+  double motor_torque_nm() {
+    const double torque_nm = drive_.step(static_cast<double>(command_.torque_nm), kPeriodS);
+    if (config_.faults.empty() || command_.torque_nm == 0.0f) return torque_nm;
+    return (active(RigFault::drive_reversed) ? -torque_nm : torque_nm) +
+           (active(RigFault::torque_offset_hidden) ? config_.torque_offset_nm : 0.0);
   }
 
   void note_faults() {
@@ -213,13 +240,18 @@ class SimBoard {
           kHomeCount + static_cast<std::uint32_t>(std::llround(paid_out_m / config_.cable_count_m));
     }
     if (!faults) return;
-    if (active(RigFault::height_nan)) {
+    if (active(RigFault::height_nan) || homeless_) {
       sample_.home_height_m = std::numeric_limits<float>::quiet_NaN();
       height_m_ = std::numeric_limits<double>::quiet_NaN();
     }
     if (active(RigFault::switch_stuck_open)) sample_.contact = 0;
     if (active(RigFault::switch_stuck_closed)) sample_.contact = 1;
     if (active(RigFault::switch_chattering)) sample_.contact = tick_ % 2;
+    if (active(RigFault::switch_vibrating) && flies_released() && tick_ % 10 < 3) sample_.contact = 1;
+  }
+
+  bool flies_released() const {
+    return plant_.clutched() != nullptr && !plant_.clutched()->caught() && !plant_.in_stance();
   }
 
   /// What the encoder's faults have added to its count so far; it stays when they have gone.
@@ -228,6 +260,7 @@ class SimBoard {
     counted_m_ = height_m;
     const bool backwards = active(RigFault::encoder_backwards) && moved_m > 0.0;
     if (active(RigFault::encoder_reversed) || backwards) miscount_m_ -= 2.0 * moved_m;
+    if (active(RigFault::encoder_drifting)) miscount_m_ += config_.drift_mps * kPeriodS;
     const bool jumped = active(RigFault::encoder_jumping) && tick_ / 10 % 2 == jump_phase_;
     if (!active(RigFault::encoder_jumping)) jump_phase_ = (tick_ + 1) / 10 % 2;
     return miscount_m_ + (jumped ? kJumpM : 0.0);
@@ -258,6 +291,7 @@ class SimBoard {
   std::uint32_t jump_phase_ = 0;
   double kicked_s_ = 0.0;
   bool reset_requested_ = false;
+  bool restarted_ = false, homeless_ = false;
 };
 
 static_assert(firmware::Board<SimBoard>);

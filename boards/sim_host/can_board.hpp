@@ -28,7 +28,7 @@ class CanBoard {
   bool wait_for_tick() {
     if (!rig_.wait_for_tick()) return false;
     look_at_bus();
-    drive_.tick(tick(), drive_state());
+    look_at_drive();
     if (!awake_) {  // before the first tick the drive is asked for its angle
       exchange(link_.command({}, false));
       awake_ = true;
@@ -72,12 +72,18 @@ class CanBoard {
   SimBoard& rig() { return rig_; }
   /// What the controller wants; the rig's command is what the drive makes of it.
   const control::Command& commanded() const { return commanded_; }
+  /// The board has started anew: what its program knew is gone.
+  void restart() {
+    link_ = firmware::CanLink(link_config(has_cable_));
+    awake_ = runs_ = false;
+  }
   const firmware::CanStatistics& statistics() const { return link_.statistics(); }
 
  private:
-  static constexpr std::uint8_t kDriveNode = 1, kRailNode = 1, kPulleyNode = 2;
+  static constexpr std::uint8_t kDriveNode = 1, kRailNode = 1, kPulleyNode = 2, kSupplyNode = 3;
   static constexpr std::uint32_t kReplyUs = 300;
   static constexpr float kLegZeroRad = 0.9f, kLegSign = -1.0f;  ///< as a motor may be mounted
+  static constexpr double kSecondShaftRad = 1.0;                ///< where another robot's leg stands
   /// A CAN controller's error counter: 8 for each frame that failed, off at 256 (ISO 11898-1).
   static constexpr std::uint32_t kErrorStep = 8, kErrorOff = 256;
 
@@ -86,6 +92,7 @@ class CanBoard {
     config.drive_node = kDriveNode;
     config.height_node = kRailNode;
     config.cable_node = has_cable ? kPulleyNode : std::uint8_t{0};
+    config.supply_node = kSupplyNode;
     config.leg_zero_rad = kLegZeroRad;
     config.leg_sign = kLegSign;
     return config;
@@ -97,6 +104,22 @@ class CanBoard {
     if (rig_.active(RigFault::drive_silent)) return CanDrive::State::dead;
     if (rig_.active(RigFault::drive_error)) return CanDrive::State::error;
     return rig_.active(RigFault::drive_off) ? CanDrive::State::off : CanDrive::State::sound;
+  }
+
+  double shaft_rad() const {
+    return (rig_.plant().leg_angle_rad() - static_cast<double>(kLegZeroRad)) * static_cast<double>(kLegSign);
+  }
+
+  void look_at_drive() {
+    drive_.set_motor(rig_.active(RigFault::drive_of_other_motor) ? rig_.config().other_motor
+                                                                 : bus::Motor::ak80_9);
+    CanDrive::Flaws flaws;
+    if (rig_.active(RigFault::drive_hot)) flaws.temperature_c = kHotMotorC;
+    if (rig_.active(RigFault::torque_offset)) flaws.offset_nm = rig_.config().torque_offset_nm;
+    drive_.set_flaws(flaws);
+    drive_.tick(tick(), drive_state(), shaft_rad());
+    const bool doubled = rig_.active(RigFault::drive_doubled);
+    second_drive_.tick(tick(), doubled ? CanDrive::State::sound : CanDrive::State::dead, kSecondShaftRad);
   }
 
   void look_at_bus() {
@@ -121,6 +144,12 @@ class CanBoard {
     const bool homed = truth.home_height_m - truth.home_height_m == 0.0f;
     send_encoder(kRailNode, truth.height_count, homed ? 0u : 1u);
     if (has_cable_) send_encoder(kPulleyNode, truth.cable_count, 0);
+    bus::Frame supply = bus::empty_frame(bus::message::kSupply, kSupplyNode);
+    static_cast<void>(bus::put_stamp(supply, {bus::kProtocolVersion, sequence_, 0.0f}));
+    const double volts = rig_.active(RigFault::supply_high) ? kSupplyHighV : kSupplyV;
+    static_cast<void>(
+        bus::put(supply, bus::signal(bus::message::kSupply, "Voltage"), static_cast<float>(volts)));
+    to_robot_.send(supply, tick(), bus_);
     ++sequence_;
   }
 
@@ -137,10 +166,11 @@ class CanBoard {
   /// Frames to the drive, its answers, and what it makes of them.
   void exchange(const firmware::FrameBatch& batch) {
     for (const bus::Frame& frame : batch) to_drive_.send(frame, tick(), bus_);
-    const double angle_rad =
-        (rig_.plant().leg_angle_rad() - static_cast<double>(kLegZeroRad)) * static_cast<double>(kLegSign);
-    for (const bus::Frame& frame : to_drive_.receive(tick()))
-      if (const auto reply = drive_.receive(frame, angle_rad)) replies_.send(*reply, tick(), bus_);
+    for (const bus::Frame& frame : to_drive_.receive(tick())) {
+      if (const auto reply = drive_.receive(frame, shaft_rad())) replies_.send(*reply, tick(), bus_);
+      if (const auto reply = second_drive_.receive(frame, kSecondShaftRad))
+        replies_.send(*reply, tick(), bus_);
+    }
     static_cast<void>(rig_.actuate({kLegSign * drive_.torque_nm(), commanded_.coil_duty}));
   }
 
@@ -148,6 +178,7 @@ class CanBoard {
   bool has_cable_;
   firmware::CanLink link_;
   CanDrive drive_{bus::Motor::ak80_9, kDriveNode};
+  CanDrive second_drive_{bus::Motor::ak80_9, kDriveNode};  ///< dead but for drive_doubled
   CanWay to_robot_, to_drive_, replies_;
   CanWay::Faults bus_;
   control::Command commanded_;

@@ -16,9 +16,22 @@ class CanDrive {
   static constexpr std::uint32_t kTimeoutTicks = 5;
   enum class State : std::uint8_t { sound, dead, error, off };
 
+  /// What is wrong with a drive that works.
+  struct Flaws {
+    double temperature_c = 40.0;
+    double offset_nm = 0.0;  ///< added to what it is told, and shown by its current
+  };
+
   CanDrive(bus::Motor motor, std::uint8_t node) : motor_(motor), node_(node) {}
 
-  void tick(std::uint32_t tick, State state) {
+  void set_motor(bus::Motor motor) { motor_ = motor; }
+  void set_flaws(const Flaws& flaws) { flaws_ = flaws; }
+
+  /// `angle_rad` is that of its shaft now.
+  void tick(std::uint32_t tick, State state, double angle_rad) {
+    velocity_radps_ = 1e3 * (angle_rad - last_angle_rad_);
+    if (tick_ == 0) velocity_radps_ = 0.0;
+    last_angle_rad_ = angle_rad;
     state_ = state;
     tick_ = tick;
     if (state_ != State::sound || tick_ - heard_ > kTimeoutTicks) switch_off();
@@ -27,7 +40,7 @@ class CanDrive {
   /// A frame for it, and what it answers. `angle_rad` is that of its shaft.
   std::optional<bus::Frame> receive(const bus::Frame& frame, double angle_rad) {
     if (state_ == State::dead) return std::nullopt;
-    const float before_nm = torque_nm_;
+    const float before_nm = torque_nm();
     if (bus::is(frame, bus::message::kMotorEnter, node_)) {
       on_ = state_ == State::sound;
     } else if (bus::is(frame, bus::message::kMotorExit, node_)) {
@@ -43,7 +56,7 @@ class CanDrive {
     return reply(angle_rad, before_nm);
   }
 
-  float torque_nm() const { return torque_nm_; }
+  float torque_nm() const { return on_ ? torque_nm_ + static_cast<float>(flaws_.offset_nm) : 0.0f; }
 
  private:
   void switch_off() {
@@ -59,9 +72,9 @@ class CanDrive {
     };
     using bus::message::kMotorReply;
     put(bus::signal(kMotorReply, "Position"), angle_rad);
-    put(bus::signal(kMotorReply, "Velocity"), 0.0);
+    put(bus::signal(kMotorReply, "Velocity"), velocity_radps_);
     put(bus::signal(kMotorReply, "Torque"), static_cast<double>(torque_nm));
-    put(bus::signal(kMotorReply, "Temperature"), 40.0);
+    put(bus::signal(kMotorReply, "Temperature"), flaws_.temperature_c);
     put(bus::signal(kMotorReply, "Error"), state_ == State::error ? kError : 0.0);
     return frame;
   }
@@ -74,6 +87,8 @@ class CanDrive {
   std::uint32_t tick_ = 0, heard_ = 0;
   bool on_ = false;
   float torque_nm_ = 0.0f;
+  Flaws flaws_;
+  double last_angle_rad_ = 0.0, velocity_radps_ = 0.0;
 };
 
 }  // namespace furcula::sim_host

@@ -37,6 +37,16 @@ enum class RigFault : std::uint8_t {
   drive_silent,
   drive_error,
   drive_off,
+  encoder_drifting,
+  switch_vibrating,
+  brown_out,
+  drive_doubled,
+  drive_hot,
+  drive_reversed,
+  drive_of_other_motor,
+  torque_offset,
+  torque_offset_hidden,
+  supply_high,
 };
 
 /// What a rig must have so that it can break.
@@ -49,7 +59,7 @@ struct RigFaultInfo {
   std::string_view meaning;
 };
 
-inline constexpr std::array<RigFaultInfo, 27> kRigFaults{{
+inline constexpr std::array<RigFaultInfo, 37> kRigFaults{{
     {RigFault::encoder_frozen, "encoder_frozen", RigPart::any,
      "the device answers with the same old sample, whose age grows"},
     {RigFault::encoder_stuck, "encoder_stuck", RigPart::any,
@@ -92,6 +102,25 @@ inline constexpr std::array<RigFaultInfo, 27> kRigFaults{{
      "the motor's drive reports an error and gives no torque"},
     {RigFault::drive_off, "drive_off", RigPart::bus,
      "the motor's drive answers, reports no error, and gives no torque"},
+    {RigFault::encoder_drifting, "encoder_drifting", RigPart::any,
+     "the height's counter loses 1 cm in each second"},
+    {RigFault::switch_vibrating, "switch_vibrating", RigPart::clutch,
+     "the contact switch closes for 3 ms in every 10 while the leg flies with its spring released"},
+    {RigFault::brown_out, "brown_out", RigPart::any,
+     "the board's supply fails for the fault's duration; then the board starts anew"},
+    {RigFault::drive_doubled, "drive_doubled", RigPart::bus,
+     "a second drive on the bus has the node id of the motor's drive"},
+    {RigFault::drive_hot, "drive_hot", RigPart::bus, "the motor's drive reports 110 degrees"},
+    {RigFault::drive_reversed, "drive_reversed", RigPart::any,
+     "the motor's torque has the other sign, and the drive does not know"},
+    {RigFault::drive_of_other_motor, "drive_of_other_motor", RigPart::bus,
+     "an AK80-6's drive is on the bus in place of an AK80-9's"},
+    {RigFault::torque_offset, "torque_offset", RigPart::bus,
+     "the motor gives 1.2 N m more than it is told, and its current shows it"},
+    {RigFault::torque_offset_hidden, "torque_offset_hidden", RigPart::any,
+     "the motor gives 1.2 N m more than it is told, and its current does not show it"},
+    {RigFault::supply_high, "supply_high", RigPart::bus,
+     "the drive's supply has 60 V, as when the motor feeds back into one that takes nothing"},
 }};
 
 constexpr const RigFaultInfo& info(RigFault fault) { return kRigFaults[static_cast<std::size_t>(fault)]; }
@@ -106,8 +135,21 @@ static_assert(
 
 /// Whether a fault is one of the clock: its duration is the time by which a tick is late.
 constexpr bool delays_tick(RigFault fault) {
-  return fault == RigFault::late_tick || fault == RigFault::task_stuck;
+  return fault == RigFault::late_tick || fault == RigFault::task_stuck || fault == RigFault::brown_out;
 }
+
+/// Whether commands may not reach the drive while such a fault lasts.
+constexpr bool silences_bus(RigFault fault) {
+  return fault == RigFault::frame_lost || fault == RigFault::frame_late ||
+         fault == RigFault::frame_reordered || fault == RigFault::frame_corrupted ||
+         fault == RigFault::bus_off;
+}
+
+inline constexpr double kDriftMps = 0.01;       ///< of encoder_drifting, downwards
+inline constexpr double kTorqueOffsetNm = 1.2;  ///< of torque_offset and torque_offset_hidden
+inline constexpr double kHotMotorC = 110.0;     ///< of drive_hot
+inline constexpr double kSupplyV = 48.0;        ///< as it should be
+inline constexpr double kSupplyHighV = 60.0;    ///< of supply_high
 
 constexpr std::optional<RigFault> rig_fault_named(std::string_view name) {
   for (const RigFaultInfo& f : kRigFaults)
@@ -118,7 +160,7 @@ constexpr std::optional<RigFault> rig_fault_named(std::string_view name) {
 struct PlannedFault {
   double time_s = 0.0;
   RigFault kind = RigFault::peer_lost;
-  double duration_s = 0.0;  ///< of late_tick and task_stuck: by how much
+  double duration_s = 0.0;  ///< of late_tick, task_stuck and brown_out: by how much
 };
 
 }  // namespace furcula::sim_host

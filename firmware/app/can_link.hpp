@@ -43,6 +43,13 @@ struct CanLinkConfig {
   float torque_tolerance_nm = 1.5f;
   float torque_tolerance = 0.2f;  ///< and this share of the command
   std::uint32_t disobeys_us = 50000;
+  /// By which its mean may be off over kMeanReplies, which no lag, ripple or pulse is: an offset.
+  float torque_offset_nm = 0.5f;
+  std::uint8_t supply_node = 0;     ///< measures the drive's supply; 0: none
+  float supply_max_v = 52.0f;       ///< above: the motor feeds back into a supply that takes nothing
+  float temperature_max_c = 90.0f;  ///< of the drive's replies
+  /// By which the velocity that the drive reports may be off that of its position: another motor's range.
+  float velocity_tolerance = 0.25f;
   /// Of command frames, as bus/stream.hpp has them.
   bus::StreamLimits requests{0.020f, 0.100f};
   /// So many frames lost, unanswered or out of order, less one in ten ticks, are a bus that cannot be relied
@@ -55,11 +62,14 @@ inline Status check(const CanLinkConfig& c) {
   const auto is_node = [](std::uint8_t n) { return n >= bus::kFirstNode && n <= bus::kLastNode; };
   const bool nodes = is_node(c.drive_node) && is_node(c.self_node) &&
                      (c.height_node == 0 || is_node(c.height_node)) &&
-                     (c.cable_node == 0 || (is_node(c.cable_node) && c.cable_node != c.height_node));
+                     (c.cable_node == 0 || (is_node(c.cable_node) && c.cable_node != c.height_node)) &&
+                     (c.supply_node == 0 || is_node(c.supply_node));
   const bool numbers = is_finite(c.leg_zero_rad) && (c.leg_sign == 1.0f || c.leg_sign == -1.0f) &&
                        is_finite(c.gear) && c.gear > 0.0f && is_finite(c.torque_tolerance_nm) &&
                        c.torque_tolerance_nm > 0.0f && is_finite(c.torque_tolerance) &&
-                       c.torque_tolerance >= 0.0f;
+                       c.torque_tolerance >= 0.0f && is_finite(c.torque_offset_nm) &&
+                       c.torque_offset_nm > 0.0f && is_finite(c.supply_max_v) && c.supply_max_v > 0.0f &&
+                       is_finite(c.temperature_max_c) && c.velocity_tolerance > 0.0f;
   const bool motor = static_cast<std::size_t>(c.motor) < bus::kMotors.size();
   return nodes && numbers && motor && c.silent_us > 0 ? Status::ok : Status::invalid;
 }
@@ -73,10 +83,11 @@ class HeardIds {
     add(bus::message::kRegisterRequest, c.self_node);
     for (const std::uint8_t node : {c.height_node, c.cable_node})
       if (node != 0) add(bus::message::kEncoderSample, node);
+    if (c.supply_node != 0) add(bus::message::kSupply, c.supply_node);
   }
   constexpr const std::uint32_t* begin() const { return ids_.data(); }
   constexpr const std::uint32_t* end() const { return ids_.data() + size_; }
-  static constexpr std::size_t kMost = 5;
+  static constexpr std::size_t kMost = 6;
 
  private:
   constexpr void add(const bus::Message& message, std::uint8_t node) {
@@ -143,6 +154,50 @@ struct LastHeard {
   }
 };
 
+/// What the error code of a CubeMars drive's reply means ("AK Series Actuator Driver Manual", the
+/// table of error codes); the rest is drive_fault.
+inline constexpr std::uint8_t kErrorMotorHot = 1, kErrorSupplyHigh = 3, kErrorInverterHot = 6;
+
+/// What the drive's replies say over many of them: whose they are, and whether its torque and its velocity
+/// are what its commands and its position make of them.
+class DriveWatch {
+ public:
+  /// One reply, `told_nm` before it. `answers`: to a command that was not answered yet.
+  void hear(const bus::MotorReply& reply, float off_nm, bool answers, std::uint32_t since_last_us);
+  /// Whether it is another drive's: a second answer from another place.
+  bool is_stranger(float position_rad) const {
+    const float away_rad = position_rad - position_rad_;
+    return away_rad > kOtherShaftRad || away_rad < -kOtherShaftRad;
+  }
+  void note_stranger() { strangers_ += kTicksPerStranger; }
+  /// One tick.
+  void tick() {
+    if (strangers_ > 0) --strangers_;
+    if (ratio_ticks_ > 0 && --ratio_ticks_ == 0) ratio_ = 1.0f;
+  }
+  bool doubled() const { return strangers_ > 2 * kTicksPerStranger; }
+  float mean_off_nm() const { return mean_off_nm_; }
+  /// From 1 - tolerance to 1 + tolerance, over the last turns that were counted.
+  bool is_other_motor(float tolerance) const {
+    return ratio_ < 1.0f - tolerance || ratio_ > 1.0f + tolerance;
+  }
+
+ private:
+  /// A shaft turns by no more between two replies to one command.
+  static constexpr float kOtherShaftRad = 0.1f;
+  static constexpr std::uint32_t kTicksPerStranger = 10;
+  static constexpr float kMeanReplies = 512.0f;
+  /// Position counts are 0.4 mrad: slower than 5 rad/s they say little in 1 ms.
+  static constexpr float kLeastTurnRad = 0.005f;
+  static constexpr float kTurnsRad = 2.0f;
+  /// What was found stands so long, for the supervisor to latch it; then a reset may clear it.
+  static constexpr std::uint32_t kRatioTicks = 500;
+
+  float position_rad_ = 0.0f, mean_off_nm_ = 0.0f;
+  float turned_rad_ = 0.0f, reported_rad_ = 0.0f, ratio_ = 1.0f, velocity_radps_ = 0.0f;
+  std::uint32_t strangers_ = 0, ratio_ticks_ = 0;
+};
+
 /// An encoder at the other end of the bus.
 class CanEncoder {
  public:
@@ -192,6 +247,24 @@ inline Result<bus::Stamp> judge(bus::Stream& stream, const bus::StreamLimits& li
       break;
   }
   return Status::invalid;
+}
+
+inline void DriveWatch::hear(const bus::MotorReply& reply, float off_nm, bool answers,
+                             std::uint32_t since_last_us) {
+  const auto size = [](float x) { return x < 0.0f ? -x : x; };
+  const float turned_rad = size(reply.position_rad - position_rad_);
+  const float mean_radps = size(0.5f * (reply.velocity_radps + velocity_radps_));
+  position_rad_ = reply.position_rad;
+  velocity_radps_ = reply.velocity_radps;
+  mean_off_nm_ += (off_nm - mean_off_nm_) * (1.0f / kMeanReplies);
+  // Of two replies that came together the time between says nothing.
+  if (!answers || since_last_us < 500 || since_last_us > 1500 || turned_rad < kLeastTurnRad) return;
+  turned_rad_ += turned_rad;
+  reported_rad_ += mean_radps * static_cast<float>(since_last_us) * 1e-6f;
+  if (turned_rad_ < kTurnsRad) return;
+  ratio_ = reported_rad_ / turned_rad_;
+  ratio_ticks_ = kRatioTicks;
+  turned_rad_ = reported_rad_ = 0.0f;
 }
 
 inline void CanEncoder::receive(const bus::Frame& frame, std::uint32_t now_us, CanStatistics& statistics) {
@@ -249,6 +322,8 @@ class CanLink {
         ++statistics_.malformed;
       else
         (of(kEncoderSample, config_.height_node) ? height_ : cable_).receive(frame, now_us, statistics_);
+    } else if (of(kSupply, config_.supply_node)) {
+      hear_supply(frame, now_us);
     } else if (of(kCommand, config_.self_node)) {
       hear_desk(frame, now_us);
     } else if (of(kRegisterRequest, config_.self_node)) {
@@ -291,6 +366,7 @@ class CanLink {
       heard = listen(cable_, now_us, sample, fault) && heard;
       if (!cable_.homed() && fault == control::Fault::none) fault = control::Fault::cable_implausible;
     }
+    if (config_.supply_node != 0 && !on_bench_) heard = watch_supply(now_us, fault) && heard;
     if (unreliable && fault == control::Fault::none) fault = control::Fault::bus_unreliable;
     sample.reported_fault = static_cast<std::uint32_t>(fault);
     // Silence of what was heard before is told by its fault, and so by its name.
@@ -362,17 +438,25 @@ class CanLink {
       ++(others ? statistics_.foreign : statistics_.malformed);
       return;
     }
-    if (awaited_ == 0)
-      ++statistics_.repeated;
-    else
-      --awaited_;
     const bus::MotorReply& r = reply.value();
+    const bool answers = awaited_ != 0;
+    if (answers) {
+      --awaited_;
+    } else {
+      ++statistics_.repeated;
+      if (drive_heard_.heard && watch_.is_stranger(r.position_rad)) {
+        watch_.note_stranger();
+        return;
+      }
+    }
     drive_.leg_angle_rad = config_.leg_zero_rad + config_.leg_sign * r.position_rad / config_.gear;
     drive_.leg_velocity_radps = config_.leg_sign * r.velocity_radps / config_.gear;
     drive_.torque_nm = config_.leg_sign * r.torque_nm * config_.gear;
     drive_.temperature = r.temperature;
     drive_.error = r.error;
     if (r.error != 0) ++statistics_.drive_errors;
+    const float told_nm = commanded_[(next_commanded_ + kCommandsKept - 1u) % kCommandsKept];
+    watch_.hear(r, drive_.torque_nm - told_nm, answers, drive_heard_.age_us(now_us));
     drive_heard_.note(now_us);
     const bool obeys = torque_as_commanded();
     if (obeys || !disobeys_) disobeys_since_us_ = now_us;
@@ -394,13 +478,50 @@ class CanLink {
   control::Fault drive_fault(std::uint32_t now_us) {
     const bool was_heard = drive_heard_.heard;
     if (was_heard && drive_heard_.age_us(now_us) > config_.silent_us) return control::Fault::drive_silent;
-    if (drive_.error != 0) return control::Fault::drive_fault;
+    if (watch_.doubled()) return control::Fault::drive_doubled;
+    if (drive_.error != 0) return fault_of(drive_.error);
+    // A byte from 128 on is a temperature below zero.
+    if (drive_.temperature < 128 && static_cast<float>(drive_.temperature) > config_.temperature_max_c)
+      return control::Fault::drive_hot;
     if (disobeys_ && now_us - disobeys_since_us_ > config_.disobeys_us) return control::Fault::drive_disobeys;
+    if (watch_.mean_off_nm() > config_.torque_offset_nm || watch_.mean_off_nm() < -config_.torque_offset_nm)
+      return control::Fault::drive_disobeys;
+    if (watch_.is_other_motor(config_.velocity_tolerance)) return control::Fault::drive_mismatch;
     return control::Fault::none;
+  }
+
+  static control::Fault fault_of(std::uint8_t error) {
+    if (error == kErrorMotorHot || error == kErrorInverterHot) return control::Fault::drive_hot;
+    return error == kErrorSupplyHigh ? control::Fault::supply_too_high : control::Fault::drive_fault;
+  }
+
+  void hear_supply(const bus::Frame& frame, std::uint32_t now_us) {
+    using bus::message::kSupply;
+    if (frame.size != kSupply.size) {
+      ++statistics_.malformed;
+      return;
+    }
+    const std::uint32_t since_us = supply_heard_.age_us(now_us);
+    supply_heard_.note(now_us);
+    if (judge(supply_stream_, bus::StreamLimits{}, frame, since_us, statistics_).ok())
+      supply_v_ = bus::get(frame, bus::signal(kSupply, "Voltage")).value();
+  }
+
+  /// @returns whether the supply's node was ever heard.
+  bool watch_supply(std::uint32_t now_us, control::Fault& fault) {
+    const std::uint32_t silence_us = supply_heard_.age_us(now_us);
+    if (fault == control::Fault::none && supply_heard_.heard) {
+      if (silence_us > config_.silent_us)
+        fault = control::Fault::peer_lost;
+      else if (supply_v_ > config_.supply_max_v)
+        fault = control::Fault::supply_too_high;
+    }
+    return supply_heard_.heard;
   }
 
   /// One tick's. @returns whether there were too many of late.
   bool note_troubles() {
+    watch_.tick();
     const std::uint32_t all = statistics_.lost + statistics_.out_of_order + statistics_.unanswered;
     std::uint32_t added = all - troubles_before_;
     troubles_before_ = all;
@@ -450,7 +571,10 @@ class CanLink {
   std::uint32_t home_count_ = 0, cable_home_count_ = 0;
   float home_height_m_ = kNotHomed;
   DriveReading drive_;
-  LastHeard drive_heard_, requested_;
+  DriveWatch watch_;
+  LastHeard drive_heard_, requested_, supply_heard_;
+  bus::Stream supply_stream_;
+  float supply_v_ = 0.0f;
   std::array<float, kCommandsKept> commanded_{};  ///< N m, of the last ticks: the drive lags by one or two
   std::uint32_t next_commanded_ = 0, entered_ = 0, awaited_ = 0, disobeys_since_us_ = 0;
   std::uint32_t troubles_before_ = 0, trouble_tenths_ = 0;

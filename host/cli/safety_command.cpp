@@ -94,6 +94,7 @@ void try_on_board(HilOptions& options) {
     if (!options.only.empty() &&
         std::find(options.only.begin(), options.only.end(), name) == options.only.end())
       continue;
+    if (!safety::tried_on_hil(row.breaks)) continue;
     const std::vector<rig::FaultTrial> trials = rig::try_on_board(row, options.rig);
     table << describe(row, trials) << std::flush;
     for (const rig::FaultTrial& trial : trials)

@@ -11,7 +11,7 @@
 
 namespace furcula::rig {
 
-/// Drive and encoder nodes. Frames that are lost, late, repeated or reordered are so between the board and
+/// Drive, encoder nodes and that of the supply. Frames that are lost, late, repeated or reordered are so between the board and
 /// them, either way; the desk's are not. What a CAN controller would tell of it the board gets as the
 /// kernel's error frames.
 class Devices {
@@ -33,7 +33,7 @@ class Devices {
 
   const Drive& drive() const { return drive_; }
   /// What the drive gives.
-  float torque_nm() const { return drive_.torque_nm(); }
+  float torque_nm() const { return drive_.on() ? drive_.torque_nm() + offset_nm_ : 0.0f; }
   /// What its current says that it gives, from now on.
   void show_torque(float torque_nm) { shown_torque_nm_ = torque_nm; }
 
@@ -45,13 +45,15 @@ class Devices {
   Send send_;
   SendError send_error_;
   bool has_cable_;
-  Drive drive_;
+  Drive drive_, second_drive_;  ///< the second has the node id of the first, where that is broken
   EncoderNode height_{kHeightNode}, cable_{kCableNode};
+  SupplyNode supply_;
   sim_host::CanWay to_board_, to_drive_, replies_;
   sim_host::CanWay::Faults bus_;
-  bool off_ = false, drive_sound_ = true, drive_dead_ = false, drive_error_ = false;
+  bool off_ = false, drive_sound_ = true, drive_dead_ = false, drive_error_ = false, doubled_ = false;
+  static constexpr float kSecondShaftRad = 1.0f;  ///< where another robot's leg stands
   std::uint32_t tick_ = 0, heard_ = 0, errors_ = 0;
-  float leg_angle_rad_ = 0.0f, shown_torque_nm_ = 0.0f;
+  float leg_angle_rad_ = 0.0f, offset_nm_ = 0.0f, shown_torque_nm_ = 0.0f;
 };
 
 }  // namespace furcula::rig

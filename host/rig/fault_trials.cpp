@@ -40,12 +40,6 @@ std::function<bool(const SimBoard&)> at(Moment moment) {
   };
 }
 
-/// Whether the drive may not hear that it is to be off.
-bool deafens_drive(RigFault fault) {
-  return sim_host::info(fault).part == sim_host::RigPart::bus && fault != RigFault::drive_silent &&
-         fault != RigFault::drive_error && fault != RigFault::drive_off;
-}
-
 std::string judge(const safety::RigRow& row, const RigResult& result, std::optional<std::uint32_t> ticks) {
   const auto fault = static_cast<control::Fault>(result.fault);
   const std::string name = std::string(
@@ -59,12 +53,12 @@ std::string judge(const safety::RigRow& row, const RigResult& result, std::optio
     if (ticks || fault != control::Fault::none) return "found " + name + ", which should be borne";
     return result.landings >= 2 ? "" : "it does not hop on";
   }
-  if (!ticks) return "not found";
+  if (!ticks) return row.may_come_to_rest ? "" : "not found";
   if (!row.may_find(fault)) return "found as " + name;
   if (*ticks > row.found_within_ticks + kSeenLaterTicks)
     return "found after " + std::to_string(*ticks) + " ticks";
   const std::uint32_t off_ticks =
-      deafens_drive(row.breaks) ? safety::kDeafDriveTicks : safety::kTorqueOffTicks;
+      sim_host::silences_bus(row.breaks) ? safety::kDeafDriveTicks : safety::kTorqueOffTicks;
   if (result.last_torque_s > result.told_off_s + 1e-3 * off_ticks + 1e-9)
     return "torque " + std::to_string(std::lround(1e3 * (result.last_torque_s - result.told_off_s))) +
            " ms after the drive was told to be off";

@@ -20,8 +20,8 @@ void set_code(bus::Frame& frame, const bus::Signal& signal, std::uint32_t raw) {
   static_cast<void>(bus::put_raw(frame, signal, raw));
 }
 
-float motor_value(const bus::Frame& frame, std::size_t signal) {
-  return bus::get(frame, bus::with_range(bus::table::kMotorCommand[signal], bus::info(kMotor))).value();
+float motor_value(const bus::Frame& frame, std::size_t signal, bus::Motor motor) {
+  return bus::get(frame, bus::with_range(bus::table::kMotorCommand[signal], bus::info(motor))).value();
 }
 
 }  // namespace
@@ -41,18 +41,18 @@ std::optional<bus::Frame> Drive::receive(const bus::Frame& frame, float angle_ra
     on_ = false;
     torque_nm_ = 0.0f;
   } else if (bus::is(frame, kMotorCommand, kDriveNode)) {
-    torque_nm_ = motor_value(frame, 4);
-    if (motor_value(frame, 2) != 0.0f || motor_value(frame, 3) != 0.0f)
+    torque_nm_ = motor_value(frame, 4, motor_);
+    if (motor_value(frame, 2, motor_) != 0.0f || motor_value(frame, 3, motor_) != 0.0f)
       complaint_ = "the drive was told a stiffness or a damping; expected torques alone";
   } else {
     return std::nullopt;
   }
   bus::Frame reply = bus::empty_frame(kMotorReply, kDriveNode);
-  reply.size = bus::info(kMotor).reply_bytes;
-  const float measured[] = {angle_rad, 0.0f, torque_nm};
+  reply.size = bus::info(motor_).reply_bytes;
+  const float measured[] = {angle_rad, velocity_radps_, torque_nm};
   for (std::size_t i = 0; i < 3; ++i)
-    set(reply, bus::with_range(bus::table::kMotorReply[i + 1], bus::info(kMotor)), measured[i]);
-  if (reply.size > 6) reply.data[6] = 25;  // degrees
+    set(reply, bus::with_range(bus::table::kMotorReply[i + 1], bus::info(motor_)), measured[i]);
+  if (reply.size > 6) reply.data[6] = temperature_c_;
   return reply;
 }
 
@@ -62,6 +62,13 @@ bus::Frame EncoderNode::sample(std::uint32_t count, std::uint32_t age_us, bool h
       bus::put_stamp(frame, {bus::kProtocolVersion, sequence_++, static_cast<float>(age_us) * 1e-6f}));
   set_code(frame, bus::signal(kEncoderSample, "Status"), homed ? 0 : 1);
   set_code(frame, bus::signal(kEncoderSample, "Count"), count);
+  return frame;
+}
+
+bus::Frame SupplyNode::sample(float volts) {
+  bus::Frame frame = bus::empty_frame(kSupply, kSupplyNode);
+  static_cast<void>(bus::put_stamp(frame, {bus::kProtocolVersion, sequence_++, 0.0f}));
+  set(frame, bus::signal(kSupply, "Voltage"), volts);
   return frame;
 }
 

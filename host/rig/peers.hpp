@@ -12,7 +12,8 @@
 namespace furcula::rig {
 
 inline constexpr bus::Motor kMotor = bus::Motor::ak80_9;
-inline constexpr std::uint8_t kDriveNode = 1, kHeightNode = 1, kCableNode = 2, kBoardNode = 1;
+inline constexpr std::uint8_t kDriveNode = 1, kHeightNode = 1, kCableNode = 2, kSupplyNode = 3,
+                              kBoardNode = 1;
 
 /// Whether the drive answers such a frame.
 bool is_for_drive(const bus::Frame& frame);
@@ -25,6 +26,13 @@ class Drive {
   /// `torque_nm` are what it measures.
   std::optional<bus::Frame> receive(const bus::Frame& frame, float angle_rad, float torque_nm);
 
+  /// What its replies say besides; and of which motor it is.
+  void show(float velocity_radps, std::uint8_t temperature_c) {
+    velocity_radps_ = velocity_radps;
+    temperature_c_ = temperature_c;
+  }
+  void set_motor(bus::Motor motor) { motor_ = motor; }
+
   bool on() const { return on_; }
   void switch_off() { on_ = false; }
   /// 0 while it is off.
@@ -33,8 +41,10 @@ class Drive {
   const std::string& complaint() const { return complaint_; }
 
  private:
+  bus::Motor motor_ = kMotor;
   bool on_ = false;
-  float torque_nm_ = 0.0f;
+  float torque_nm_ = 0.0f, velocity_radps_ = 0.0f;
+  std::uint8_t temperature_c_ = 25;
   std::string complaint_;
 };
 
@@ -47,6 +57,15 @@ class EncoderNode {
 
  private:
   std::uint8_t node_;
+  std::uint8_t sequence_ = 0;
+};
+
+/// Measures the drive's supply.
+class SupplyNode {
+ public:
+  bus::Frame sample(float volts);
+
+ private:
   std::uint8_t sequence_ = 0;
 };
 

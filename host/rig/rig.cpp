@@ -291,6 +291,7 @@ std::string board_configuration(const RigOptions& options, const control::Config
                      std::string(bus::info(kMotor).name) + "\"\ndrive_node = " + std::to_string(kDriveNode) +
                      "\nheight_encoder_node = " + std::to_string(kHeightNode) +
                      "\ncable_encoder_node = " + std::to_string(clutch ? kCableNode : 0) +
+                     "\nsupply_node = " + std::to_string(kSupplyNode) +
                      "\nown_node = " + std::to_string(kBoardNode) +
                      "\n\n[height]\nhome_count = " + std::to_string(home_count) +
                      "\nhome_m = " + number(static_cast<double>(home_height_m)) + "\n";

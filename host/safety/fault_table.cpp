@@ -104,9 +104,43 @@ constexpr RigRow kRigRows[] = {
     {RigFault::drive_error, kForGood, {Fault::drive_fault}, 1, "safe state"},
     {RigFault::drive_off,
      kForGood,
-     {Fault::drive_disobeys},
+     {Fault::drive_disobeys, Fault::leg_astray},
      600,
-     "safe state, once torque is wanted and none comes for 50 ms"},
+     "safe state, once torque is wanted and none comes for 50 ms, or the leg is not moved in flight"},
+    {RigFault::encoder_drifting,
+     kForGood,
+     {Fault::encoder_implausible, Fault::contact_implausible},
+     4200,
+     "as on ground that sinks or rises; safe state once it comes to 3.5 cm"},
+    {RigFault::switch_vibrating,
+     kForGood,
+     {Fault::contact_implausible},
+     600,
+     "no touch-down from a closed switch high above the ground; safe state after 20 ms of it in all"},
+    {RigFault::brown_out,
+     0.05,
+     {Fault::non_finite_input, Fault::peer_lost},
+     60,
+     "coil off at once, the drive stops after its own time-out of 5 ms; the board comes up idle, not homed"},
+    {RigFault::drive_doubled, kForGood, {Fault::drive_doubled}, 5, "safe state"},
+    {RigFault::drive_hot, kForGood, {Fault::drive_hot}, 1, "safe state"},
+    {RigFault::drive_reversed,
+     kForGood,
+     {Fault::leg_astray},
+     400,
+     "safe state once the leg is moved in flight; in a stance the torque brakes, and the hops come down to 2 cm",
+     true},
+    {RigFault::drive_of_other_motor, kForGood, {Fault::drive_mismatch}, 1200, "safe state"},
+    {RigFault::torque_offset, kForGood, {Fault::drive_disobeys}, 400, "safe state"},
+    {RigFault::torque_offset_hidden, kForGood, {}, 0, "hops on"},
+    {RigFault::supply_high, kForGood, {Fault::supply_too_high}, 1, "safe state"},
+};
+
+constexpr RigRow kRestRows[] = {
+    {RigFault::coil_stuck_on, kForGood, {Fault::spring_loose}, 400, "safe state"},
+    {RigFault::drive_doubled, kForGood, {Fault::drive_doubled}, 5, "safe state"},
+    {RigFault::drive_hot, kForGood, {Fault::drive_hot}, 1, "safe state"},
+    {RigFault::supply_high, kForGood, {Fault::supply_too_high}, 1, "safe state"},
 };
 
 constexpr OtherRow kOtherRows[] = {
@@ -129,10 +163,57 @@ constexpr OtherRow kOtherRows[] = {
      "tests/firmware/app/can_link_test.cpp"},
     {"configuration that makes no sense",
      "`bad_configuration` from the first tick on; a reset does not clear it", "tests/pil/lock_step_test.cpp"},
+    {"brown-out and new start, while the desk's stream still says hop",
+     "idle, coil off, drive off; no request of before the start counts, and no home",
+     "tests/sil/brown_out_test.cpp"},
     {"stack overflow",
      "the stack lies at the bottom of the RAM: a bus fault, the exception's handler (coil off, a line in the "
      "log) and a new start, idle, with `processor_fault`; nothing else in the RAM is touched",
      "tests/pil/robot_image_test.cpp"},
+};
+
+constexpr char kUntoldTest[] = "tests/sil/untold_faults_test.cpp";
+
+constexpr UntoldRow kUntoldRows[] = {
+    {"the height's encoder drifts by less than 3.5 cm in all",
+     "the height less the leg's length is the ground's height plus the drift, in every stance: a drift of 2 mm/s "
+     "is ground that rises by 1 mm in a stride",
+     "the robot hops as on ground that is so much higher or lower; `encoder_implausible` at 3.5 cm, after 17 s "
+     "at 2 mm/s. An encoder that drifts towards a folded leg is found in flight too: the leg's own, on its stop, "
+     "by 5 mm (`leg_angle_out_of_range`)",
+     kUntoldTest},
+    {"the motor gives up to 1.4 N m more or less than it is told, and its current does not show it",
+     "a constant torque on the leg does no work over a stance, which ends with the leg where it began; the "
+     "motor's own control makes good for it in flight",
+     "hops of the same height within 2 cm; what the current shows is `drive_disobeys` from 0.5 N m on",
+     kUntoldTest},
+    {"the motor turns the wrong way, and the leg is not moved in flight",
+     "a torque that pumps with the wrong sign brakes, as friction would",
+     "the hops come down to 2 cm. A leg that is pushed and folds faster than it could fall is `leg_astray`",
+     kUntoldTest},
+    {"the drive of an AK10-9 or AK70-10 in place of an AK80-9's",
+     "the three have one range of velocity, and each unpacks and reports the torque in its own range: the "
+     "frames are the same, the torque is 3.6 or 1.4 times the one that was told",
+     "the AK70-10 hops to 0.41 m in place of 0.37 m. Of the AK10-9 the leg overshoots in its first flight "
+     "(`leg_astray` or `drive_mismatch`), from 0.53 m",
+     kUntoldTest},
+    {"the drive of an AK80-64 in place of an AK80-9's, in its first flight",
+     "its torque is 8 times the one that was told, and 2 rad of motion are needed to tell it",
+     "`drive_mismatch` within 0.1 s of the first motion; the toe has then met the ground at 4.9 m/s, which the "
+     "table below calls unsafe: try a motor that was changed with the robot held up",
+     kUntoldTest},
+    {"two drives with one node id that answer in the same bit",
+     "their frames destroy each other: nothing arrives but error frames",
+     "`drive_silent`, as in the row `frame_corrupted`", "tests/host/safety/fault_table_test.cpp"},
+    {"the coil's output was shorted to its supply before the robot was homed",
+     "the robot lies on its folded leg and is homed so: the cable has not moved since",
+     "the cable comes home in the first flight, 3 mm beyond what was called home: `cable_implausible`",
+     "tests/common/control/supervisor_test.cpp"},
+    {"the drive's supply has too high a voltage, without a node that sends `Supply`",
+     "replies of the mini-cheetah's packing have no voltage",
+     "the drive's own limit: its error code 3 is `supply_too_high` as well, and a motor that is off feeds "
+     "nothing back",
+     "tests/firmware/app/can_link_test.cpp"},
 };
 
 }  // namespace
@@ -142,7 +223,9 @@ bool RigRow::may_find(control::Fault fault) const {
 }
 
 std::span<const RigRow> rig_rows() { return kRigRows; }
+std::span<const RigRow> rest_rows() { return kRestRows; }
 std::span<const OtherRow> other_rows() { return kOtherRows; }
+std::span<const UntoldRow> untold_rows() { return kUntoldRows; }
 
 std::vector<Tried> try_row(const RigRow& row, Rig rig, unsigned seeds) {
   std::vector<Tried> all;
@@ -157,13 +240,24 @@ std::vector<Tried> try_row(const RigRow& row, Rig rig, unsigned seeds) {
   return all;
 }
 
+std::vector<Tried> try_at_rest(const RigRow& row, Rig rig, unsigned seeds) {
+  std::vector<Tried> all;
+  for (unsigned seed = 1; seed <= seeds; ++seed) {
+    sim::Scenario scenario = hopping(kRestsS + 1e-3 * row.found_within_ticks + 1.0);
+    scenario.start_position = 0.29;
+    scenario.faults = {{kRestsS, row.breaks, row.duration_s}};
+    all.push_back({{}, seed, run_trial(robot(), scenario, seed, rig, Use::resting)});
+  }
+  return all;
+}
+
 std::string_view broken_limit(const RigRow& row, const Trial& trial) {
   if (trial.false_alarm) return "a fault was found before anything broke";
   if (trial.unsafe != 0)
     for (const UnsafeInfo& u : kUnsafe)
       if (trial.is(u.outcome)) return u.name;
   if (row.is_borne()) return trial.fault == Fault::none ? "" : "a fault was found that should be borne";
-  if (trial.fault == Fault::none) return "not found";
+  if (trial.fault == Fault::none) return row.may_come_to_rest ? "" : "not found";
   if (!row.may_find(trial.fault)) return "found by another name";
   return trial.found_tick <= row.found_within_ticks ? "" : "found too late";
 }

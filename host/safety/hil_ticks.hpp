@@ -38,11 +38,20 @@ inline constexpr HilTicks kHilTicks[] = {
     {sim_host::RigFault::drive_off, 187},
 };
 
-/// Absent: borne.
+/// Absent: borne, or not measured.
 inline std::optional<std::uint32_t> hil_ticks(sim_host::RigFault fault) {
   for (const HilTicks& row : kHilTicks)
     if (row.breaks == fault) return row.ticks;
   return std::nullopt;
+}
+
+/// Whether `scripts/hil faults` tries it: not a brown-out, after which furculad, whose file has the counters'
+/// home, is idle without a fault (tests/hil/scenarios/board_killed.toml).
+constexpr bool tried_on_hil(sim_host::RigFault fault) { return fault != sim_host::RigFault::brown_out; }
+
+/// Whether it was measured: those after drive_off were not yet.
+constexpr bool measured_on_hil(sim_host::RigFault fault) {
+  return tried_on_hil(fault) && fault <= sim_host::RigFault::drive_off;
 }
 
 }  // namespace furcula::safety

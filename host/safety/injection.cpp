@@ -31,6 +31,10 @@ sim_host::PlannedFault draw_fault(Random& random, Rig rig, double latest_s) {
   // From one tick to longer than the run, every order of magnitude alike.
   fault.duration_s = 1e-3 * std::ceil(std::pow(10.0, random.uniform(0.0, 3.3)));
   if (fault.kind == RigFault::late_tick) fault.duration_s = 1e-3 * std::ceil(random.uniform(0.0, 20.0));
+  // Nobody swaps a motor's wires, or a drive, while the robot hops.
+  if (fault.kind == RigFault::drive_reversed || fault.kind == RigFault::drive_of_other_motor)
+    fault.time_s = 1e-3, fault.duration_s = 1e3;
+  if (fault.kind == RigFault::brown_out) fault.duration_s = 1e-3 * std::ceil(random.uniform(10.0, 500.0));
   if (fault.kind == RigFault::task_stuck) fault.duration_s = 1e-3 * std::ceil(random.uniform(6.0, 200.0));
   return fault;
 }

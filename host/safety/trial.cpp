@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <utility>
 
 #include "boards/sim_host/can_board.hpp"
 #include "firmware/app/app.hpp"
@@ -22,27 +24,23 @@ std::uint32_t tick_of(double time_s) {
   return static_cast<std::uint32_t>(std::max(0l, std::lround(time_s * 1e3)));
 }
 
-/// Whether commands may not reach the drive while such a fault lasts.
-bool silences_bus(RigFault kind) {
-  return kind == RigFault::frame_lost || kind == RigFault::frame_late || kind == RigFault::frame_reordered ||
-         kind == RigFault::frame_corrupted || kind == RigFault::bus_off;
-}
-
 template <class Board>
 class Judge {
  public:
-  Judge(Board& board, const control::Config& config, const sim::Scenario& scenario)
-      : board_(board), rig_(rig_of(board)), config_(config), app_(board, config) {
+  Judge(Board& board, const control::Config& config, const sim::Scenario& scenario, Use use)
+      : board_(board), rig_(rig_of(board)), config_(config), app_(std::in_place, board, config) {
+    app_->set_run(use == Use::hopping);
     onset_tick_ = 0xffffffffu;
     for (const auto& f : scenario.faults) {
       onset_tick_ = std::min(onset_tick_, tick_of(f.time_s));
-      deaf_ = deaf_ || silences_bus(f.kind);
+      deaf_ = deaf_ || sim_host::silences_bus(f.kind);
     }
   }
 
   Trial run() {
     while (board_.wait_for_tick()) {
-      app_.tick();
+      if (rig_.take_restart()) start_anew();
+      app_->tick();
       look();
     }
     if (trial_.fault != control::Fault::none) {
@@ -54,6 +52,13 @@ class Judge {
   }
 
  private:
+  /// As a board does after its supply failed: idle, and nobody tells it to run.
+  void start_anew() {
+    if constexpr (requires { board_.restart(); }) board_.restart();
+    app_.emplace(board_, config_);
+    app_->set_run(false);
+  }
+
   void look() {
     const auto& out = rig_.telemetry().outputs;
     const auto& plant = rig_.plant();
@@ -122,7 +127,7 @@ class Judge {
   Board& board_;
   SimBoard& rig_;
   control::Config config_;
-  firmware::App<Board> app_;
+  std::optional<firmware::App<Board>> app_;
   Trial trial_;
   std::uint32_t onset_tick_, found_ = 0, last_torque_tick_ = 0, coil_in_stance_ = 0, unknown_ticks_ = 0;
   bool deaf_ = false, stood_ = false;
@@ -162,9 +167,10 @@ bool is_at(Moment moment, const control::Outputs& out) {
 
 }  // namespace
 
-Trial run_trial(const model::Model& model, const sim::Scenario& scenario, std::uint64_t seed, Rig rig) {
+Trial run_trial(const model::Model& model, const sim::Scenario& scenario, std::uint64_t seed, Rig rig,
+                Use use) {
   return on_rig(rig, model, scenario, seed, [&](auto& board, const control::Config& config) {
-    return Judge<std::remove_reference_t<decltype(board)>>(board, config, scenario).run();
+    return Judge<std::remove_reference_t<decltype(board)>>(board, config, scenario, use).run();
   });
 }
 

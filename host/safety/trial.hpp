@@ -84,15 +84,22 @@ struct Trial {
 
 enum class Rig : std::uint8_t { local, on_bus };
 
+/// `hopping`: told to run from the first tick on. `resting`: never told, the robot comes to rest.
+enum class Use : std::uint8_t { hopping, resting };
+
 /// Runs the scenario with its faults. `on_bus`: drive and encoders behind the simulated CAN bus. The same
 /// arguments give the same result.
-Trial run_trial(const model::Model& model, const sim::Scenario& scenario, std::uint64_t seed, Rig rig);
+Trial run_trial(const model::Model& model, const sim::Scenario& scenario, std::uint64_t seed, Rig rig,
+                Use use = Use::hopping);
 
 /// The robot of document 002, chapter 5, whose spring has a clutch.
 model::Model robot();
 
 /// It hops by 7 cm, lets its spring go in each flight and folds its leg by 5 cm; all sensors as they are.
 sim::Scenario hopping(double duration_s);
+
+/// By then a robot that was never told to run stands still: its swing falls to a tenth in 1.4 s.
+inline constexpr double kRestsS = 4.0;
 
 /// Where in its stride the robot is when something breaks.
 enum class Moment : std::uint8_t { flight, stance, released, catching };

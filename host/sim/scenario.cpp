@@ -245,9 +245,9 @@ class Reader {
       required(t, "[[fault]]", "time_s", "a number of seconds");
       sim_host::PlannedFault fault;
       fault.kind = *found;
-      fault.duration_s = *found == sim_host::RigFault::late_tick    ? 0.005
-                         : *found == sim_host::RigFault::task_stuck ? 0.05
-                                                                    : 3600.0;
+      fault.duration_s = *found == sim_host::RigFault::late_tick ? 0.005
+                         : sim_host::delays_tick(*found)         ? 0.05
+                                                                 : 3600.0;
       number(t, "time_s", 0.0, 3600.0, "s", fault.time_s);
       number(t, "duration_s", 0.001, 3600.0, "s", fault.duration_s);
       scenario_.faults.push_back(fault);

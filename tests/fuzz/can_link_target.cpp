@@ -74,6 +74,7 @@ bool accepts(std::string_view input) {
   Bytes bytes(input);
   firmware::CanLinkConfig config;
   config.cable_node = 2;
+  config.supply_node = 3;
   config.leg_sign = (bytes.next() & 1) != 0 ? 1.0f : -1.0f;
   firmware::CanLink link(config);
   link.set_home(0, 0.25f, 0);

@@ -255,7 +255,8 @@ TEST_CASE(
   std::size_t n = 0;
   for (const safety::RigRow& row : safety::rig_rows()) {
     const auto& what = sim_host::info(row.breaks);
-    if (what.part == sim_host::RigPart::bus) continue;
+    // The protocol of this ring knows no new start.
+    if (what.part == sim_host::RigPart::bus || row.breaks == sim_host::RigFault::brown_out) continue;
     // Rows take turns with the moments of the stride; the host alone has tried them all.
     const auto moment = static_cast<safety::Moment>(n++ % safety::kMoments.size());
     const double at_s = safety::instant_of(moment, 1, safety::Rig::local);
@@ -266,7 +267,7 @@ TEST_CASE(
     INFO(what.name << ": " << run.first_difference);
     CHECK(run.differing_ticks == 0);
     CHECK(run.worst_instructions <= read_budget()["worst_tick"]);
-    if (row.is_borne()) {
+    if (row.is_borne() || (row.may_come_to_rest && trial.fault == control::Fault::none)) {
       CHECK(run.ticks_with_fault.size() == 1);
       continue;
     }

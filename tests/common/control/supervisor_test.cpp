@@ -233,3 +233,114 @@ TEST_CASE_METHOD(Fixture,
     CHECK(after(seen) == Fault::peer_lost);
   }
 }
+
+TEST_CASE_METHOD(
+    Fixture, "a switch that closes now and then with the toe high in the air is found after 20 ms in all") {
+  // The leg is folded by 5 cm, 7 cm above the touch-down height: the toe is 12 cm above the ground.
+  auto seen = sound(kTouchdown + 0.07f);
+  seen.leg_height_m = kTouchdown - 0.05f;
+  int closed = 0;
+  Fault found = Fault::none;
+  for (int tick = 0; tick < 200 && found == Fault::none; ++tick) {
+    seen.contact_reading = tick % 10 < 3;
+    if (seen.contact_reading) ++closed;
+    found = after(seen);
+  }
+  CHECK(found == Fault::contact_implausible);
+  // A fiftieth of the time fades: 3 ms in 10 add up to 2.86.
+  CHECK(closed == Approx(21).margin(1));
+}
+
+TEST_CASE_METHOD(Fixture,
+                 "a toe above ground that is 3 cm high, reported 10 ms early, is no switch in the air") {
+  auto seen = sound(kTouchdown + 0.02f);
+  seen.leg_height_m = kTouchdown - 0.015f;
+  seen.contact_reading = true;
+  CHECK(after(seen, 20) == Fault::none);
+}
+
+TEST_CASE_METHOD(Fixture, "a leg that stays straight though the motor folds it is astray after 8 ms") {
+  auto seen = sound(0.35f);
+  seen.leg_fold_m = 0.001f;
+  seen.leg_path_m = 0.006f;
+  CHECK(after(seen, 8) == Fault::none);
+  CHECK(after(seen) == Fault::leg_astray);
+}
+
+TEST_CASE_METHOD(Fixture, "a leg that is 4 cm beyond its path is astray, one that lags by 3 cm is not") {
+  auto seen = sound(0.35f);
+  seen.leg_fold_m = 0.02f;
+  seen.leg_path_m = 0.05f;
+  CHECK(after(seen, 100) == Fault::none);
+  seen.leg_fold_m = 0.055f;
+  seen.leg_path_m = 0.01f;
+  CHECK(after(seen, 9) == Fault::leg_astray);
+}
+
+TEST_CASE_METHOD(Fixture, "a leg that is pushed straight and folds faster than it could fall is astray") {
+  auto seen = sound(0.25f);
+  seen.pushes = true;
+  SECTION("at 40 m/s^2, after three spans of 5 ms") {
+    int ticks = 0;
+    for (Fault found = Fault::none; found == Fault::none && ticks < 100; ++ticks) {
+      seen.leg_rate_mps = -0.040f * static_cast<float>(ticks);
+      found = after(seen);
+    }
+    CHECK(state.fault == Fault::leg_astray);
+    CHECK(ticks == 16);
+  }
+  SECTION("a body that falls freely does not") {
+    for (int tick = 0; tick < 300; ++tick) {
+      seen.leg_rate_mps = -0.00981f * static_cast<float>(tick);
+      REQUIRE(after(seen) == Fault::none);
+    }
+  }
+  SECTION("nor one whose toe meets the ground again at 1.2 m/s") {
+    for (int tick = 0; tick < 100; ++tick) {
+      seen.leg_rate_mps = tick < 33 ? 0.0f : tick < 36 ? -0.6f : -1.2f;
+      REQUIRE(after(seen) == Fault::none);
+    }
+  }
+  SECTION("nor one that the motor pulls down as it was told") {
+    seen.pushes = false;
+    for (int tick = 0; tick < 100; ++tick) {
+      seen.leg_rate_mps = -0.040f * static_cast<float>(tick);
+      REQUIRE(after(seen) == Fault::none);
+    }
+  }
+}
+
+TEST_CASE_METHOD(
+    Fixture,
+    "a spring that gives way by a tooth while the robot rests is found, one that has its play is not") {
+  auto seen = sound(0.26f);
+  seen.rests = true;
+  seen.tooth_pitch_m = 0.0043f;
+  seen.cable_travel_m = 0.0086f;  // caught at its second tooth
+  CHECK(after(seen, 200) == Fault::none);
+  seen.cable_travel_m = 0.0060f;
+  CHECK(after(seen, 10) == Fault::none);
+  seen.cable_travel_m = 0.0102f;
+  CHECK(after(seen, 10) == Fault::none);
+  seen.cable_travel_m = 0.0104f;
+  CHECK(after(seen) == Fault::spring_loose);
+}
+
+TEST_CASE_METHOD(Fixture, "a key that falls in within 0.1 s of a landing without a run is no loose spring") {
+  auto seen = sound(0.26f);
+  seen.rests = true;
+  seen.tooth_pitch_m = 0.0043f;
+  for (int tick = 0; tick < 100; ++tick) {
+    seen.cable_travel_m = 0.0005f * static_cast<float>(tick < 60 ? tick : 60);
+    REQUIRE(after(seen) == Fault::none);
+  }
+  CHECK(after(seen, 200) == Fault::none);
+}
+
+TEST_CASE_METHOD(Fixture, "a cable that comes home beyond its home was not at home when it was homed") {
+  auto seen = sound(0.35f);
+  seen.cable_travel_m = -0.002f;
+  CHECK(after(seen) == Fault::none);
+  seen.cable_travel_m = -0.004f;
+  CHECK(after(seen) == Fault::cable_implausible);
+}

@@ -23,7 +23,9 @@ CanLinkConfig config() {
 }
 
 /// By hand from the manual's table, not through the codec: position 16 bits, velocity 12, torque 12.
-bus::Frame reply(double position_rad, double torque_nm, std::uint8_t error = 0) {
+bus::Frame reply(double position_rad, double torque_nm, std::uint8_t error = 0, double velocity_radps = 0.0,
+                 std::uint8_t temperature = 41) {
+  const auto v = static_cast<std::uint32_t>(std::lround((velocity_radps + 50.0) / 100.0 * 4095));
   const auto p = static_cast<std::uint32_t>(std::lround((position_rad + 12.5) / 25.0 * 65535));
   const auto t = static_cast<std::uint32_t>(std::lround((torque_nm + 18.0) / 36.0 * 4095));
   bus::Frame f;
@@ -32,10 +34,10 @@ bus::Frame reply(double position_rad, double torque_nm, std::uint8_t error = 0) 
   f.data = {kDrive,
             static_cast<std::uint8_t>(p >> 8),
             static_cast<std::uint8_t>(p),
-            0x7f,
-            static_cast<std::uint8_t>(0xf0 | t >> 8),
+            static_cast<std::uint8_t>(v >> 4),
+            static_cast<std::uint8_t>((v & 0xf) << 4 | t >> 8),
             static_cast<std::uint8_t>(t),
-            41,
+            temperature,
             error};
   return f;
 }
@@ -63,6 +65,16 @@ bus::Frame request(std::uint8_t kind, std::uint8_t sequence, std::uint8_t age_10
   f.size = 8;
   // 3 N m is 3000 = 0x0BB8, 0.3 s is 3000 as well; the clutch's bit is set.
   f.data = {static_cast<std::uint8_t>(1 | kind << 4), sequence, age_100us, 0xb8, 0x0b, 0xb8, 0x0b, 1};
+  return f;
+}
+
+/// By hand from docs/bus.md: node 7, 0.01 V a step.
+bus::Frame supply(double volts, std::uint8_t sequence) {
+  const auto v = static_cast<std::uint32_t>(std::lround(100.0 * volts));
+  bus::Frame f;
+  f.id = 0x520u + 7;
+  f.size = 7;
+  f.data = {1, sequence, 0, static_cast<std::uint8_t>(v), static_cast<std::uint8_t>(v >> 8), 0, 0};
   return f;
 }
 
@@ -229,6 +241,152 @@ TEST_CASE("a drive that reports an error or does not obey is a fault by its own 
   }
 }
 
+TEST_CASE("a drive that is too hot says so by its temperature or by its error code") {
+  Bus b;
+  for (int i = 0; i < 5; ++i) b.tick();
+  const auto says = [&](std::uint8_t temperature, std::uint8_t error) {
+    b.link.command({}, true);
+    b.link.receive(reply(0.8, 0.0, error, 0.0, temperature), b.now_us);
+    return b.fault();
+  };
+  CHECK(says(90, 0) == Fault::none);
+  CHECK(says(91, 0) == Fault::drive_hot);
+  CHECK(says(40, 0) == Fault::none);    // the supervisor is who remembers
+  CHECK(says(0xf6, 0) == Fault::none);  // -10 degrees
+  // CubeMars, "AK Series Actuator Driver Manual": 1 motor too hot, 2 current, 3 voltage too high, 4 too low,
+  // 5 encoder, 6 inverter too hot, 7 stalled.
+  CHECK(says(40, 1) == Fault::drive_hot);
+  CHECK(says(40, 2) == Fault::drive_fault);
+  CHECK(says(40, 3) == Fault::supply_too_high);
+  CHECK(says(40, 4) == Fault::drive_fault);
+  CHECK(says(40, 6) == Fault::drive_hot);
+}
+
+TEST_CASE("a supply above 52 V is a fault, and a node of the supply that is silent a lost peer") {
+  CanLinkConfig c = config();
+  c.supply_node = 7;
+  Bus b;
+  b.link = CanLink(c);
+  b.link.set_home(100, 0.25f, 200);
+  for (int i = 0; i < 5; ++i) b.tick();
+  CHECK(b.link.sample(b.now_us).status() == Status::disconnected);  // it has never spoken
+  b.link.receive(supply(51.9, 1), b.now_us);
+  CHECK(b.fault() == Fault::none);
+  b.link.receive(supply(52.1, 1), b.now_us);  // the same once more
+  CHECK(b.fault() == Fault::none);
+  b.link.receive(supply(52.1, 2), b.now_us);
+  CHECK(b.fault() == Fault::supply_too_high);
+  b.link.receive(supply(48.0, 3), b.now_us);
+  CHECK(b.fault() == Fault::none);
+  for (int i = 0; i < 2; ++i) b.tick();
+  CHECK(b.fault() == Fault::none);
+  b.tick();
+  CHECK(b.fault() == Fault::peer_lost);
+  for (int i = 0; i < 2000; ++i) b.tick();
+  CHECK(b.link.sample(b.now_us).status() == Status::disconnected);
+  b.link.receive(supply(48.0, 4), b.now_us);
+  CHECK(b.fault() == Fault::none);
+  bus::Frame cut = supply(48.0, 5);
+  cut.size = 6;
+  const std::uint32_t before = b.link.statistics().malformed;
+  b.link.receive(cut, b.now_us);
+  CHECK(b.link.statistics().malformed == before + 1);
+  // Without such a node its frames are nobody's.
+  Bus other;
+  other.link.receive(supply(60.0, 1), other.now_us);
+  CHECK(other.link.statistics().foreign == 1);
+}
+
+TEST_CASE("two drives with one id are told by second answers from another place, and the first one is used") {
+  Bus b;
+  for (int i = 0; i < 5; ++i) b.tick();
+  SECTION("another shaft") {
+    int ticks = 0;
+    for (; b.fault() == Fault::none && ticks < 20; ++ticks) {
+      b.tick();
+      b.link.receive(reply(-3.0, 0.0), b.now_us);
+      CHECK(b.link.drive().leg_angle_rad == Approx(0.8).margin(25.0 / 65535));
+    }
+    CHECK(b.fault() == Fault::drive_doubled);
+    CHECK(ticks == 3);
+  }
+  SECTION("the same reply twice is a repeated frame") {
+    for (int i = 0; i < 1000; ++i) {
+      b.tick();
+      b.link.receive(reply(0.8, 0.0), b.now_us);
+      REQUIRE(b.fault() == Fault::none);
+    }
+  }
+  SECTION("as is a reply that comes a tick late with the leg at 30 rad/s") {
+    for (int i = 0; i < 1000; ++i) {
+      b.tick();
+      b.link.receive(reply(0.77, 0.0), b.now_us);
+      REQUIRE(b.fault() == Fault::none);
+    }
+  }
+}
+
+TEST_CASE("an offset of the torque shows in the mean of many replies, a lag or a wave does not") {
+  Bus b;
+  for (int i = 0; i < 5; ++i) b.tick();
+  SECTION("1 N m, within what one reply may be off") {
+    int ticks = 0;
+    while (b.fault() == Fault::none && ticks < 2000) {
+      b.tick(true, true, 1.0);
+      ++ticks;
+    }
+    CHECK(b.fault() == Fault::drive_disobeys);
+    // 0.512 s ln(1 / (1 - 0.5)) = 355 ms
+    CHECK(ticks == Approx(355).margin(5));
+  }
+  SECTION("0.4 N m") {
+    for (int i = 0; i < 5000; ++i) {
+      b.tick(true, true, 0.4);
+      REQUIRE(b.fault() == Fault::none);
+    }
+  }
+  SECTION("a wave of 1.4 N m at 4 Hz") {
+    for (int i = 0; i < 5000; ++i) {
+      b.tick(true, true, 1.4 * std::sin(0.025 * i));
+      REQUIRE(b.fault() == Fault::none);
+    }
+  }
+}
+
+TEST_CASE("a drive whose velocity is not that of its position is another motor's") {
+  const double share = GENERATE(0.66, 0.78, 0.9, 1.0, 1.2, 1.3, 6.25);
+  Bus b;
+  Fault found = Fault::none;
+  double turned_rad = 0.0;
+  // A leg that swings by 0.4 rad at 3 Hz; by hand its velocity.
+  for (int i = 0; i < 3000 && found == Fault::none; ++i) {
+    const double angle = 0.019 * i;
+    b.link.command({}, true);
+    b.now_us += 1000;
+    b.link.receive(reply(0.8 + 0.4 * std::sin(angle), 0.0, 0, share * 0.4 * 19.0 * std::cos(angle)),
+                   b.now_us);
+    b.link.receive(encoder(kRail, b.sequence, 1234), b.now_us);
+    b.link.receive(encoder(kPulley, b.sequence++, -7), b.now_us);
+    turned_rad += 0.4 * 0.019 * std::abs(std::cos(angle));
+    found = b.fault();
+  }
+  INFO("reports " << share << " of its velocity; turned by " << turned_rad);
+  CHECK(found == (share < 0.75 || share > 1.25 ? Fault::drive_mismatch : Fault::none));
+  // Of the way 70 % is faster than 5 rad/s and counts: 2 rad of 2.8.
+  if (found == Fault::none) return;
+  CHECK(turned_rad < 3.5);
+  // At rest it stands for half a second; a reset may then clear it.
+  for (int i = 0; i < 400; ++i) {
+    b.tick();
+    REQUIRE(b.fault() == Fault::drive_mismatch);
+  }
+  for (int i = 0; i < 200; ++i) {
+    b.tick();
+    found = b.fault();
+  }
+  CHECK(found == Fault::none);
+}
+
 TEST_CASE("repeated, reordered, stale and foreign frames and other versions are counted and not used") {
   Bus b;
   for (int i = 0; i < 5; ++i) b.tick();
@@ -322,6 +480,8 @@ TEST_CASE("a configuration that makes no sense neither hears nor speaks") {
   SECTION("no gear") { c.gear = 0.0f; }
   SECTION("a sign that is none") { c.leg_sign = 0.5f; }
   SECTION("a zero that is no number") { c.leg_zero_rad = NAN; }
+  SECTION("a supply without a limit") { c.supply_max_v = NAN; }
+  SECTION("a node of the supply that cannot be") { c.supply_node = 32; }
   CHECK(check(c) == Status::invalid);
   CanLink link(c);
   link.receive(reply(0.8, 0.0), 0);
@@ -348,10 +508,11 @@ TEST_CASE("on the clutch's bench the cable's encoder alone is asked for, and not
 TEST_CASE("the filters of a board's receiver let through what is heard, and nothing else") {
   CanLinkConfig c = config();
   c.cable_node = 9;
-  // By hand from docs/bus.md: a reply of a drive, samples of two encoders, a command, a request for
+  c.supply_node = 10;
+  // By hand from docs/bus.md: a reply of a drive, samples of two encoders, the supply, a command, a request for
   // registers.
-  const std::set<std::uint32_t> expected{0x000, 0x460u + c.height_node, 0x469, 0x400u + kSelf,
-                                         0x4e0u + kSelf};
+  const std::set<std::uint32_t> expected{0x000, 0x460u + c.height_node, 0x469,
+                                         0x52a, 0x400u + kSelf,         0x4e0u + kSelf};
   const HeardIds ids(c);
   CHECK(std::set<std::uint32_t>(ids.begin(), ids.end()) == expected);
   for (std::uint32_t id = 0; id < 0x800; ++id) {
@@ -364,7 +525,7 @@ TEST_CASE("the filters of a board's receiver let through what is heard, and noth
     CAPTURE(id);
     REQUIRE((link.statistics().foreign == 0) == (expected.count(id) != 0));
   }
-  c.height_node = c.cable_node = 0;
+  c.height_node = c.cable_node = c.supply_node = 0;
   const HeardIds fewer(c);
   CHECK(std::set<std::uint32_t>(fewer.begin(), fewer.end()) ==
         std::set<std::uint32_t>{0x000, 0x400u + kSelf, 0x4e0u + kSelf});

@@ -23,8 +23,9 @@ TEST_CASE("of 2,000 random injections none is unsafe and none raises a false ala
 }
 
 TEST_CASE("a switch that reports a fast toe early, on raised ground, raises no false alarm") {
-  // The two things that break come later: the first touch-down is that of a stretching leg, on 2.5 cm.
-  const Injection injection = draw_injection(1, 59588);
+  // The first touch-down is that of a stretching leg, on 2.5 cm. Nothing is broken: any fault is a false alarm.
+  Injection injection = draw_injection(1, 59588);
+  injection.scenario.faults.clear();
   const Trial trial = run_trial(robot(), injection.scenario, injection.seed, injection.rig);
   INFO(format_run(injection, trial));
   CHECK_FALSE(trial.false_alarm);

@@ -173,6 +173,15 @@ inline constexpr std::array<Signal, 5> kEncoderSample{{
     age(),
     {"Count", "", 32, 32, ByteOrder::little, Encoding::signed_integer, "Of the encoder; it wraps."},
 }};
+/// Of a node that measures the supply of the motor's drive, for drives whose replies do not have it.
+inline constexpr std::array<Signal, 5> kSupply{{
+    version(),
+    sequence(),
+    age(),
+    fixed_point("Voltage", "V", 24, 16, Encoding::unsigned_integer, 100.0f, "Of the drive's supply."),
+    fixed_point("Current", "A", 40, 16, Encoding::signed_integer, 100.0f,
+                "Into the drive; negative where the motor feeds back."),
+}};
 
 /// What does not change while it runs, and so has neither sequence number nor age.
 inline constexpr std::array<Signal, 4> kIdentity{{
@@ -440,6 +449,15 @@ inline constexpr Message kEncoderSample{"Sample",
                                         "One reading, every millisecond.",
                                         table::kEncoderSample,
                                         8};
+inline constexpr Message kSupply{"Supply",
+                                 Protocol::encoder,
+                                 IdRule::plus_node,
+                                 0x520,
+                                 7,
+                                 Sender::node,
+                                 "The drive's supply, every millisecond.",
+                                 table::kSupply,
+                                 7};
 inline constexpr Message kEncoderHeartbeat{"Heartbeat",
                                            Protocol::encoder,
                                            IdRule::plus_node,
@@ -453,7 +471,7 @@ inline constexpr Message kEncoderHeartbeat{"Heartbeat",
 }  // namespace message
 
 /// Those with a marker stand before what has the same id without one.
-inline constexpr std::array<const Message*, 30> kMessages{&message::kMotorEnter,
+inline constexpr std::array<const Message*, 31> kMessages{&message::kMotorEnter,
                                                           &message::kMotorExit,
                                                           &message::kMotorZero,
                                                           &message::kMotorCommand,
@@ -482,6 +500,7 @@ inline constexpr std::array<const Message*, 30> kMessages{&message::kMotorEnter,
                                                           &message::kRegisterRequest,
                                                           &message::kRegisterAnswer,
                                                           &message::kEncoderSample,
+                                                          &message::kSupply,
                                                           &message::kEncoderHeartbeat};
 
 /// For signals that are known when the program is compiled; a name that the message does not have does not

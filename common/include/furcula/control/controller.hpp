@@ -57,6 +57,7 @@ struct State {
   ClutchState clutch;
   CoilState coil;
   LegPositionState leg;
+  float leg_fold_m = 0.0f, leg_path_m = 0.0f;  ///< of the last tick, where the motor moved it in flight
   BenchState bench;
   Sample last_sample;
   std::uint32_t missed_samples = 1;  ///< running; nothing was ever measured
@@ -70,6 +71,9 @@ struct Outputs {
   TrialEstimate trial;
   Fault fault = Fault::none;
 };
+
+/// A torque of the motor that stretches the leg, and no rounding of zero.
+inline constexpr float kPushNm = 0.1f;
 
 /// Height of the hip with the toe on the ground, 2 L cos(leg angle); cos as a sine a quarter turn on.
 inline float leg_height_m(float link_length_m, float leg_angle_rad) {
@@ -125,14 +129,20 @@ inline Status check(const Config& c) {
                             c.gravity_mps2,
                             c.supervisor.speed_max_mps,
                             c.supervisor.contact_changes_max,
-                            c.supervisor.contact_changes_per_s};
+                            c.supervisor.contact_changes_per_s,
+                            c.supervisor.toe_clear_m,
+                            c.supervisor.leg_error_m,
+                            c.supervisor.leg_way_m,
+                            c.supervisor.leg_astray_s,
+                            c.supervisor.spring_rests_s};
   const float any_sign[] = {
       c.phase.touchdown_margin_m,     c.phase.touchdown_velocity_max_mps, c.phase.liftoff_margin_m,
       c.phase.latest_report_s,        c.phase.shortest_stance_s,          c.torque.amplitude_nm,
       c.supervisor.height_min_m,      c.supervisor.height_max_m,          c.supervisor.leg_angle_min_rad,
       c.supervisor.leg_angle_max_rad, c.supervisor.height_mismatch_m,     c.supervisor.flexed_leg_m,
       c.supervisor.contact_margin_m,  c.supervisor.implausible_closed_s,  c.supervisor.implausible_open_s,
-      c.supervisor.step_margin_m};
+      c.supervisor.step_margin_m,     c.supervisor.closed_fades,          c.supervisor.fall_share,
+      c.supervisor.fall_margin_mps};
   for (const float x : positive)
     if (!is_finite(x) || x <= 0.0f) return Status::invalid;
   for (const float x : any_sign)
@@ -234,6 +244,15 @@ inline Outputs step(const Config& config, State& state, const Inputs& inputs, fl
   if (config.clutch.fitted != 0)
     seen.cable_travel_m = static_cast<float>(cable_count) * config.clutch.metres_per_count;
   seen.missed_catches = state.clutch.missed_running;
+  seen.leg_fold_m = state.leg_fold_m;
+  seen.leg_path_m = state.leg_path_m;
+  state.leg_fold_m = state.leg_path_m = 0.0f;
+  const float lever_m = leg_lever_m(config.link_length_m, sample.leg_angle_rad);
+  seen.pushes = state.limits.last_nm < -kPushNm && out.phase.phase == Phase::stance;
+  seen.leg_rate_mps = lever_m * (state.leg.angle_before_rad - sample.leg_angle_rad) / (2.0f * dt_s);
+  seen.gravity_mps2 = config.gravity_mps2;
+  seen.rests = config.clutch.fitted != 0 && !inputs.run;
+  seen.tooth_pitch_m = config.clutch.tooth_pitch_m;
   out.fault = state.configuration == Status::ok
                   ? supervise(config.supervisor, state.supervisor, seen, inputs.reset, dt_s)
                   : Fault::bad_configuration;
@@ -255,13 +274,16 @@ inline Outputs step(const Config& config, State& state, const Inputs& inputs, fl
     out.command.coil_duty = drive_coil(config.coil, state.coil, out.clutch.coil, dt_s);
     // Where the coil gave up the key falls in: the sequencer finds the cable caught, or not.
   }
-  const float lever_m = leg_lever_m(config.link_length_m, sample.leg_angle_rad);
   float torque_nm = profile_torque_nm(config.torque, out.phase, out.height.velocity_mps, dt_s);
   if (out.clutch.drives_leg) {
     const float fold_m = straight_m - leg_m;
     // Stretched, the leg rests on its stop, and the spring helps.
     const float pull_n =
         out.clutch.path.fold_m > 0.0f ? spring_pull_n(config.clutch, leg_m, out.clutch.travel_m) : 0.0f;
+    if (!safe && out.phase.phase == Phase::flight) {
+      state.leg_fold_m = fold_m;
+      state.leg_path_m = out.clutch.path.fold_m;
+    }
     torque_nm = follow_path(config.leg, state.leg, out.clutch.path, fold_m, sample.leg_angle_rad, lever_m,
                             pull_n, dt_s);
   } else if (config.clutch.fitted != 0 && out.phase.phase == Phase::stance) {

@@ -34,6 +34,12 @@ enum class Fault : std::uint8_t {
   processor_fault = 19,
   parameters_lost = 20,
   bus_unreliable = 21,
+  drive_hot = 22,
+  supply_too_high = 23,
+  drive_doubled = 24,
+  drive_mismatch = 25,
+  leg_astray = 26,
+  spring_loose = 27,
 };
 
 struct FaultInfo {
@@ -43,7 +49,7 @@ struct FaultInfo {
   std::string_view remedy;  ///< what a person should do
 };
 
-inline constexpr std::size_t kFaultCount = 22;
+inline constexpr std::size_t kFaultCount = 28;
 inline constexpr std::array<FaultInfo, kFaultCount> kFaults{{
     {Fault::none, "none", "No fault.", "Nothing."},
     {Fault::bad_configuration, "bad_configuration",
@@ -103,6 +109,20 @@ inline constexpr std::array<FaultInfo, kFaultCount> kFaults{{
     {Fault::bus_unreliable, "bus_unreliable",
      "Too many of the bus's frames were lost, unanswered or out of order in a short time.",
      "Look at the bus's load, its cable and its terminating resistors; then reset."},
+    {Fault::drive_hot, "drive_hot", "The motor or its drive is too hot, as the drive reports.",
+     "Let it cool; look for a leg that is blocked and a torque that is too large; then reset."},
+    {Fault::supply_too_high, "supply_too_high", "The voltage of the drive's supply is too high.",
+     "Look at the supply: it must take what the motor feeds back, or have a brake resistor; then reset."},
+    {Fault::drive_doubled, "drive_doubled", "Two drives answer to the node id of the motor's drive.",
+     "Give each drive on the bus a node id of its own; then reset."},
+    {Fault::drive_mismatch, "drive_mismatch",
+     "The velocity that the drive reports is not that of its position: it is not the configured motor's.",
+     "Set the motor's type in the configuration to that of the motor, or fit the right one; then reset."},
+    {Fault::leg_astray, "leg_astray", "The leg does not go where the motor moves it in flight.",
+     "Check that the motor turns the way that it is configured to, its coupling and the leg; then reset."},
+    {Fault::spring_loose, "spring_loose",
+     "The robot stands, the coil is to be off, and the spring does not bear.",
+     "Measure the coil's output: it may be shorted to its supply; look at the clutch's key; then reset."},
 }};
 
 constexpr const FaultInfo& info(Fault fault) { return kFaults[static_cast<std::size_t>(fault)]; }

@@ -43,6 +43,26 @@ struct SupervisorConfig {
   float cable_travel_min_m = -0.003f;
   float cable_travel_max_m = 0.11f;
   std::uint32_t missed_catches_max = 5;  ///< running stances on a spring that was not caught
+  /// A toe this far above flat ground touches nothing: the ground is within 3 cm, and the switch reports a
+  /// toe that comes down up to 10 ms early. The time that the switch is closed there adds up to
+  /// implausible_closed_s, and fades; m, share of the time.
+  float toe_clear_m = 0.06f;
+  float closed_fades = 0.02f;
+  /// In flight the leg is where the motor moves it: within 3 cm of it but for 4 ms, with a drive on a bus and
+  /// a toe on ground that the switch has not reported yet, and beyond a third of its way but for 5 ms. A motor
+  /// that turns the wrong way leaves it straight or folds it; m, m, s.
+  float leg_error_m = 0.04f;
+  float leg_way_m = 0.005f;
+  float leg_astray_s = 0.008f;
+  /// In stance a leg that the motor pushes straight cannot fold faster and faster than a body falls: the
+  /// ground does not pull at the toe. It may for one or two spans of 5 ms, where the toe meets the ground
+  /// again. Share of gravity, m/s, spans.
+  float fall_share = 1.5f;
+  float fall_margin_mps = 0.03f;
+  std::uint32_t falls_max = 3;
+  /// A robot that is not told to run stands on its spring, wherever that is caught, once its switch has been
+  /// closed for so long: the key has fallen in by then; s.
+  float spring_rests_s = 0.1f;
 };
 
 /// What the supervisor looks at, gathered by the controller on each tick.
@@ -62,6 +82,13 @@ struct Observation {
   bool contact_reading = false;
   float cable_travel_m = 0.0f;       ///< 0 without a clutch
   std::uint32_t missed_catches = 0;  ///< running
+  float leg_fold_m = 0.0f;           ///< in flight, on the last tick; and where the motor was to move it
+  float leg_path_m = 0.0f;           ///< both 0 where it moves it nowhere
+  bool pushes = false;               ///< in stance the motor was told to push the leg straight
+  float leg_rate_mps = 0.0f;         ///< of the leg's length
+  float gravity_mps2 = 9.81f;
+  bool rests = false;          ///< it has a clutch, and is not told to run: its coil is to be off
+  float tooth_pitch_m = 0.0f;  ///< of that clutch
 };
 
 struct SupervisorState {
@@ -70,7 +97,30 @@ struct SupervisorState {
   std::uint32_t implausible_contact_ticks = 0;
   float contact_changes = 0.0f;  ///< of late, see SupervisorConfig
   bool last_reading = false;
+  float closed_in_air_s = 0.0f;                ///< see SupervisorConfig::toe_clear_m
+  std::uint32_t astray_ticks = 0;              ///< running
+  std::uint32_t pushing_ticks = 0, falls = 0;  ///< running; spans of too fast a fold
+  float pushed_from_mps = 0.0f;                ///< at the beginning of the span
+  float least_travel_m = 0.0f;                 ///< of the cable, since the robot rests
 };
+
+/// Whether the leg folds for falls_max spans as it does only where the motor folds it, who is to push.
+inline bool is_pushed_wrong_way(const SupervisorConfig& config, SupervisorState& state,
+                                const Observation& seen, float dt_s) {
+  constexpr std::uint32_t kSpanTicks = 5;
+  if (!seen.pushes) {
+    state.pushing_ticks = state.falls = 0;
+    return false;
+  }
+  if (state.pushing_ticks % kSpanTicks == 0) {
+    const float least_mps = state.pushed_from_mps - config.fall_margin_mps -
+                            config.fall_share * seen.gravity_mps2 * dt_s * static_cast<float>(kSpanTicks);
+    state.falls = state.pushing_ticks != 0 && seen.leg_rate_mps < least_mps ? state.falls + 1 : 0;
+    state.pushed_from_mps = seen.leg_rate_mps;
+  }
+  ++state.pushing_ticks;
+  return state.falls >= config.falls_max;
+}
 
 /// Of rail, leg and switch: the fault of this tick alone, or none. Counts how long the switch has been
 /// closed, how long implausible, and how often it changes.
@@ -102,11 +152,25 @@ inline Fault find_body_fault(const SupervisorConfig& config, SupervisorState& st
   if (static_cast<float>(state.implausible_contact_ticks) * dt_s >
       (seen.contact_reading ? config.implausible_closed_s : config.implausible_open_s))
     return Fault::contact_implausible;
+  const bool in_air = mismatch_m > config.toe_clear_m && leg_flexed_m > config.flexed_leg_m;
+  state.closed_in_air_s += seen.contact_reading && in_air ? dt_s : -config.closed_fades * dt_s;
+  if (state.closed_in_air_s < 0.0f) state.closed_in_air_s = 0.0f;
+  if (state.closed_in_air_s > config.implausible_closed_s) return Fault::contact_implausible;
   state.contact_changes -= config.contact_changes_per_s * dt_s;
   if (state.contact_changes < 0.0f) state.contact_changes = 0.0f;
   if (seen.contact_reading != state.last_reading) state.contact_changes += 1.0f;
   state.last_reading = seen.contact_reading;
   if (state.contact_changes > config.contact_changes_max) return Fault::contact_implausible;
+  const float off_path_m = seen.leg_fold_m - seen.leg_path_m;
+  const bool stays = seen.leg_path_m > config.leg_way_m && 3.0f * seen.leg_fold_m < seen.leg_path_m;
+  const bool astray = stays || off_path_m > config.leg_error_m || off_path_m < -config.leg_error_m;
+  state.astray_ticks = astray ? state.astray_ticks + 1 : 0;
+  if (static_cast<float>(state.astray_ticks) * dt_s > config.leg_astray_s) return Fault::leg_astray;
+  if (is_pushed_wrong_way(config, state, seen, dt_s)) return Fault::leg_astray;
+  // Within a tooth's pitch a caught cable has its play.
+  const bool rests = seen.rests && static_cast<float>(state.closed_ticks) * dt_s > config.spring_rests_s;
+  if (!rests || seen.cable_travel_m < state.least_travel_m) state.least_travel_m = seen.cable_travel_m;
+  if (seen.cable_travel_m > state.least_travel_m + seen.tooth_pitch_m && rests) return Fault::spring_loose;
   return Fault::none;
 }
 
