@@ -178,7 +178,7 @@ another robot needs its own.
 
 ## What counts as unsafe
 
-`furcula safety inject --runs N` draws experiments (torque, contraction, ground, sensors) and breaks one to three things in each, of any kind, at any instant, for a tick or for good, and counts what of it was unsafe. In three of four it draws parameters too, one, two to four, or all of the table, over the whole of their bounds
+`furcula safety inject --runs N` draws experiments (torque, contraction, ground, sensors) and breaks one to three things in each, of any kind, at any instant, for a tick or for good, and counts what of it was unsafe. A robot that was put together wrongly (a motor reversed, another motor's drive) is that alone. In three of four it draws parameters too, one, two to four, or all of the table, over the whole of their bounds
 (all: every second time within a quarter of the robot's own); a configuration that a node refuses is counted as refused. Early is a fault that such parameters raise before anything is broken; with the robot's own parameters it is a false alarm. It ends with
 status 4 where anything was unsafe or a false alarm.
 

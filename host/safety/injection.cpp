@@ -23,6 +23,11 @@ std::size_t pick(Random& random, std::size_t count) {
 
 bool chance(Random& random, double share) { return random.uniform(0.0, 1.0) < share; }
 
+/// Nobody swaps a motor's wires, or a drive, while the robot hops.
+bool is_of_mounting(const sim_host::PlannedFault& fault) {
+  return fault.kind == RigFault::drive_reversed || fault.kind == RigFault::drive_of_other_motor;
+}
+
 sim_host::PlannedFault draw_fault(Random& random, Rig rig, double latest_s) {
   sim_host::PlannedFault fault;
   do {
@@ -33,9 +38,7 @@ sim_host::PlannedFault draw_fault(Random& random, Rig rig, double latest_s) {
   // From one tick to longer than the run, every order of magnitude alike.
   fault.duration_s = 1e-3 * std::ceil(std::pow(10.0, random.uniform(0.0, 3.3)));
   if (fault.kind == RigFault::late_tick) fault.duration_s = 1e-3 * std::ceil(random.uniform(0.0, 20.0));
-  // Nobody swaps a motor's wires, or a drive, while the robot hops.
-  if (fault.kind == RigFault::drive_reversed || fault.kind == RigFault::drive_of_other_motor)
-    fault.time_s = 1e-3, fault.duration_s = 1e3;
+  if (is_of_mounting(fault)) fault.time_s = 1e-3, fault.duration_s = 1e3;
   if (fault.kind == RigFault::brown_out) fault.duration_s = 1e-3 * std::ceil(random.uniform(10.0, 500.0));
   if (fault.kind == RigFault::task_stuck) fault.duration_s = 1e-3 * std::ceil(random.uniform(6.0, 200.0));
   return fault;
@@ -144,6 +147,9 @@ Injection draw_injection(std::uint64_t seed, std::uint64_t number) {
   s.sensors = {chance(random, 0.7), chance(random, 0.7), chance(random, 0.7), chance(random, 0.7)};
   const std::size_t count = 1 + pick(random, 3);
   for (std::size_t i = 0; i < count; ++i) s.faults.push_back(draw_fault(random, injection.rig, s.duration_s));
+  // A robot that was put together wrongly is that alone: it is tried before anything else can break.
+  const auto wrong = std::find_if(s.faults.begin(), s.faults.end(), is_of_mounting);
+  if (wrong != s.faults.end()) s.faults = {*wrong};
   // Of a stream of their own: what else is drawn does not depend on them.
   Random for_parameters(seed, (std::uint64_t{1} << 40) + number);
   injection.parameters = draw_parameters(for_parameters);

@@ -175,7 +175,8 @@ TEST_CASE("Modbus on more than the loopback is warned about, by --check too") {
   }
   const Folder folder;
   std::ofstream(folder.path / "f.toml") << kLeast << "[modbus]\naddress = \"0.0.0.0\"\n";
-  const test::Ran ran = test::run_program(FURCULAD, {"--check", (folder.path / "f.toml").string()});
+  const test::Ran ran =
+      test::run_program(test::program("furculad"), {"--check", (folder.path / "f.toml").string()});
   CHECK(ran.status == 0);
   CHECK_THAT(ran.err, Contains("furculad: warning: Modbus listens on 0.0.0.0"));
 }
@@ -186,7 +187,8 @@ TEST_CASE(
   std::string text = kLeast;
   for (int i = 0; i < 50'000; ++i) text += "a.";
   std::ofstream(folder.path / "f.toml") << text << "a = 1\n";
-  const test::Ran ran = test::run_program(FURCULAD, {"--check", (folder.path / "f.toml").string()});
+  const test::Ran ran =
+      test::run_program(test::program("furculad"), {"--check", (folder.path / "f.toml").string()});
   CHECK(ran.status == 3);
   CHECK_THAT(ran.err, Contains("f.toml:8: more than 16 names joined by dots"));
 }

@@ -170,6 +170,12 @@ inline Status check(const Config& c) {
   const bool on_bench = c.bench.on_bench != 0;
   if ((moves_leg_in_flight(c.clutch) || on_bench) && check(c.clutch, c.coil, c.leg) != Status::ok)
     return Status::invalid;
+  // The spring of a straight leg is nearly relaxed: one that is far from it is another robot's, and would be pushed
+  // against with all that the motor has.
+  constexpr float kMostStretchShare = 0.15f;
+  const float stretch_m = c.clutch.spring_rest_m - c.phase.touchdown_height_m;
+  const float most_m = kMostStretchShare * c.phase.touchdown_height_m;
+  if (moves_leg_in_flight(c.clutch) && !(stretch_m >= -most_m && stretch_m <= most_m)) return Status::invalid;
   // Shorter than ten ticks it is no profile.
   if (!is_finite(c.torque.period_s) || c.torque.period_s < 0.01f) return Status::invalid;
   if (!is_finite(c.desk_silent_s)) return Status::invalid;
