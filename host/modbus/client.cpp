@@ -91,11 +91,18 @@ void Client::write(const bus::Parameter& parameter, float value) {
 }
 
 void Client::request(bus::Request request) {
-  bus::Snapshot before;
-  if (request != bus::Request::stop) before = snapshot();
-  const Answer answer = link_->request(before.session, request);
+  std::uint16_t session = 0;
+  std::uint32_t refused = 0;
+  if (request == bus::Request::save) {
+    const bus::Snapshot before = snapshot();
+    session = before.session;
+    refused = before.requests_refused;
+  } else if (request != bus::Request::stop) {
+    read_input(5, {&session, 1});
+  }
+  const Answer answer = link_->request(session, request);
   if (request == bus::Request::save && answer.exception == bus::ModbusException::acknowledge)
-    wait_for_save(before.requests_refused);
+    wait_for_save(refused);
   else
     check(answer, std::string(bus::info(request).name));
 }

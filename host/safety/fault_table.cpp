@@ -128,13 +128,18 @@ constexpr RigRow kRigRows[] = {
     {RigFault::drive_hot, kForGood, {Fault::drive_hot}, 1, "safe state"},
     {RigFault::drive_reversed,
      kForGood,
-     {Fault::leg_astray},
+     {Fault::leg_astray, Fault::parameters_implausible},
      400,
      "safe state once the leg is moved in flight; in a stance the torque brakes, and the hops come down to 2 cm",
      true},
     {RigFault::drive_of_other_motor, kForGood, {Fault::drive_mismatch}, 1200, "safe state"},
     {RigFault::torque_offset, kForGood, {Fault::drive_disobeys}, 400, "safe state"},
-    {RigFault::torque_offset_hidden, kForGood, {}, 0, "hops on"},
+    {RigFault::torque_offset_hidden,
+     kForGood,
+     {Fault::contact_switch_lost},
+     1500,
+     "hops on, or lands: the contact observer takes the offset for a force on the toe",
+     true},
     {RigFault::supply_high, kForGood, {Fault::supply_too_high}, 1, "safe state"},
 };
 
@@ -220,8 +225,8 @@ constexpr UntoldRow kUntoldRows[] = {
     {"the drive of an AK10-9 or AK70-10 in place of an AK80-9's",
      "the three have one range of velocity, and each unpacks and reports the torque in its own range: the "
      "frames are the same, the torque is 3.6 or 1.4 times the one that was told",
-     "the AK70-10 hops to 0.41 m in place of 0.37 m. Of the AK10-9 the leg overshoots in its first flight "
-     "(`leg_astray` or `drive_mismatch`), from 0.53 m",
+     "the AK70-10 hops to 0.41 m in place of 0.37 m. With the AK10-9 the envelope holds the hops below 0.6 m and 2.4 m/s; the toe meets the ground "
+     "at 4.1 m/s, which the table below calls unsafe: try a motor that was changed with the robot held up",
      kUntoldTest},
     {"the drive of an AK80-64 in place of an AK80-9's, in its first flight",
      "its torque is 8 times the one that was told, and 2 rad of motion are needed to tell it",

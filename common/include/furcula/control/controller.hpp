@@ -354,7 +354,7 @@ inline Outputs step(const Config& config, State& state, const Inputs& inputs, fl
     // Stretched, the leg rests on its stop, and the spring helps.
     const float pull_n =
         out.clutch.path.fold_m > 0.0f ? spring_pull_n(config.clutch, leg_m, out.clutch.travel_m) : 0.0f;
-    if (!safe && out.phase.phase == Phase::flight) {
+    if (!safe && !out.landing && out.phase.phase == Phase::flight) {
       state.leg_fold_m = fold_m;
       state.leg_path_m = out.clutch.path.fold_m;
     }
@@ -365,9 +365,11 @@ inline Outputs step(const Config& config, State& state, const Inputs& inputs, fl
   }
   note_angle(state.leg, sample.leg_angle_rad);
   if (!safe) {
+    const float limited_nm = limit_torque(config.limits, state.limits, torque_nm, dt_s);
     out.command.torque_nm =
-        hold_back(config.envelope, state.envelope, view_of_envelope, out.clutch.drives_leg,
-                  limit_torque(config.limits, state.limits, torque_nm, dt_s));
+        hold_back(config.envelope, state.envelope, view_of_envelope, out.clutch.drives_leg, limited_nm);
+    // A leg whose motor is held back need not be where it is moved.
+    if (out.command.torque_nm != limited_nm) state.leg_fold_m = state.leg_path_m = 0.0f;
     state.limits.last_nm = out.command.torque_nm;
   }
   return out;
