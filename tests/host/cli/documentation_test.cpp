@@ -44,7 +44,8 @@ TEST_CASE("the example model and scenario of the documentation run, and the faul
   INFO(ran.err);
   REQUIRE(ran.status == 0);
   // Whichever comes first (docs/safety.md, encoder_stuck).
-  CHECK_THAT(ran.err, Contains("encoder_implausible") || Contains("contact_implausible") || Contains("parameters_implausible"));
+  CHECK_THAT(ran.err, Contains("encoder_implausible") || Contains("contact_implausible") ||
+                          Contains("parameters_implausible"));
   CHECK(log::read_log(out, "hopper").rows() == 4000);
   CHECK(test::run_furcula({"check", out}).status == 0);
 }
