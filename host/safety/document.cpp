@@ -161,7 +161,7 @@ std::string to_markdown() {
   page += R"(
 ## Parameters
 
-No parameter within its bounds makes the robot unsafe. What holds whatever they are is the envelope (`control/envelope.hpp`): its figures are the image's, and no parameter moves them. The robot's mass and the angle of its straight leg are among them: an image for
+No parameter within its bounds is meant to make the robot unsafe, and none of those that were drawn did in the last 2,000 injections. What holds whatever they are is the envelope (`control/envelope.hpp`): its figures are the image's, and no parameter moves them. The robot's mass and the angle of its straight leg are among them: an image for
 another robot needs its own.
 
 - **The torque is held back** so that the apex stays below 0.70 m and the body lands with at most 2.6 m/s. The predicted apex is the last one and the motor's work since then (torque times the leg's turning) over the weight, with nothing lost, or what height and velocity say, whichever is higher: what the spring holds is
