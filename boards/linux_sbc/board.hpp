@@ -27,8 +27,8 @@ struct LoopFigures {
   std::atomic<CanState> can_state{CanState::on};
 };
 
-/// `Bus` and `Lines` are CanSocket and Gpio, or what a test puts in their place.
-template <class Bus, class Lines>
+/// `Bus`, `Lines` and `Ticks` are CanSocket, Gpio and Timer, or what a test puts in their place.
+template <class Bus, class Lines, class Ticks = Timer>
 class LinuxBoard {
  public:
   LinuxBoard(const Configuration& configuration, Bus& bus, Lines& lines, const std::atomic<bool>& stop,
@@ -50,7 +50,7 @@ class LinuxBoard {
       timer_.start();
       started_ = true;
     } else {
-      figures_.work.add(monotonic_ns() - timer_.woke_ns());
+      figures_.work.add(Ticks::now_ns() - timer_.woke_ns());
     }
     figures_.lateness.add(timer_.wait());
     figures_.overruns.store(timer_.overruns(), std::memory_order_relaxed);
@@ -150,7 +150,7 @@ class LinuxBoard {
   Lines& lines_;
   const std::atomic<bool>& stop_;
   LoopFigures& figures_;
-  Timer timer_{kPeriodNs};
+  Ticks timer_{kPeriodNs};
   control::Sample sample_;
   bool started_ = false, run_ = false;
   bus::NodeState state_ = bus::NodeState::starting;

@@ -39,6 +39,7 @@ class Timer {
     return late_ns;
   }
 
+  static std::int64_t now_ns() { return monotonic_ns(); }
   std::int64_t woke_ns() const { return woke_ns_; }
   /// Ticks that never were, because the loop was still busy or was not woken.
   std::uint64_t overruns() const { return overruns_; }

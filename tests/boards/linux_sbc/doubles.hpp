@@ -54,7 +54,24 @@ class QuietLines {
   std::size_t on_ticks = 0;
 };
 
-using QuietBoard = linux_sbc::LinuxBoard<QuietBus, QuietLines>;
+/// Time that goes on by a tick when one is waited for: no load of the machine makes a sample old.
+class QuietTicks {
+ public:
+  explicit QuietTicks(std::int64_t period_ns) : period_ns_(period_ns) {}
+  void start() {}
+  std::int64_t wait() {
+    woke_ns_ += period_ns_;
+    return 0;
+  }
+  static std::int64_t now_ns() { return 0; }
+  std::int64_t woke_ns() const { return woke_ns_; }
+  std::uint64_t overruns() const { return 0; }
+
+ private:
+  std::int64_t period_ns_, woke_ns_ = 1'000'000'000;
+};
+
+using QuietBoard = linux_sbc::LinuxBoard<QuietBus, QuietLines, QuietTicks>;
 static_assert(firmware::Board<QuietBoard>);
 
 }  // namespace furcula::test
