@@ -72,6 +72,8 @@ class QuietTicks {
 };
 
 using QuietBoard = linux_sbc::LinuxBoard<QuietBus, QuietLines, QuietTicks>;
+/// For tests with threads of their own, which go on in the meantime.
+using QuietBoardInTime = linux_sbc::LinuxBoard<QuietBus, QuietLines>;
 static_assert(firmware::Board<QuietBoard>);
 
 }  // namespace furcula::test

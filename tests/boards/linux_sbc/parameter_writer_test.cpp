@@ -54,7 +54,7 @@ class SlowFile {
 using Writer = linux_sbc::ParameterWriter<SlowFile>;
 static_assert(firmware::SavesAside<Writer>);
 static_assert(!firmware::SavesAside<log::ParameterFile>);
-using Node = firmware::Node<QuietBoard, Writer>;
+using Node = firmware::Node<QuietBoardInTime, Writer>;
 
 /// furculad's loop on doubles, tick by tick.
 struct Robot {
@@ -108,7 +108,7 @@ struct Robot {
   linux_sbc::LoopFigures figures;
   rig::Drive drive;
   rig::EncoderNode encoder{1};
-  QuietBoard board{configuration, can, lines, stop, figures};
+  QuietBoardInTime board{configuration, can, lines, stop, figures};
   Writer writer{""};
   std::thread thread;
   firmware::FaultLog faults{};
