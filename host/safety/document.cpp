@@ -34,7 +34,7 @@ Cortex-M4F without a bus, bit-equal with the host, which is where its ticks were
 `scripts/hil faults` last measured it ([hil.md](hil.md)): from the same instant until the board tells its drive to be off, which is on the tick after it found the fault, and its ticks are not in step with the rig's; two more than
 allowed are therefore allowed there. *Motor off* is, in SIL, from when the fault is found until the motor's torque is zero for good; "1" and more are a drive that hears nothing. `-`: not on that rig, or nothing to be found.
 A motor does not change its way of turning, nor a drive its type, while it runs: `drive_reversed` and `drive_of_other_motor` are there for what tells them. `brown_out` has no run in PIL, whose protocol knows no new start, nor in HIL: after one `furculad`, whose file has
-the counters' home, is idle without a fault, as after the end of `tests/hil/scenarios/board_killed.toml`. The rows from `encoder_drifting` on have not been measured in HIL yet.
+the counters' home, is idle without a fault, as after the end of `tests/hil/scenarios/board_killed.toml`. In HIL `torque_offset_hidden` was borne at all four moments.
 
 | what breaks | what it is | what the robot does | found as | allowed | SIL | PIL | HIL | motor off |
 | --- | --- | --- | --- | --- | --- | --- | --- | --- |

@@ -68,7 +68,9 @@ TEST_CASE("each fault that is to be found was found on furculad, within two tick
   for (const RigRow& row : rig_rows()) {
     const auto ticks = hil_ticks(row.breaks);
     INFO(sim_host::info(row.breaks).name);
-    CHECK(ticks.has_value() == (!row.is_borne() && measured_on_hil(row.breaks)));
+    // One that may be borne as well need not have been found.
+    if (ticks || !row.may_come_to_rest)
+      CHECK(ticks.has_value() == (!row.is_borne() && tried_on_hil(row.breaks)));
     CHECK(ticks.value_or(0) <= row.found_within_ticks + 2);
   }
 }
