@@ -4,43 +4,14 @@
 
 #include <cstdint>
 
-#include "furcula/control/bench_trial.hpp"
-#include "furcula/control/clutch_sequencer.hpp"
-#include "furcula/control/coil_drive.hpp"
-#include "furcula/control/contact_observer.hpp"
-#include "furcula/control/debounce.hpp"
-#include "furcula/control/envelope.hpp"
-#include "furcula/control/height.hpp"
-#include "furcula/control/leg_position.hpp"
-#include "furcula/control/limits.hpp"
-#include "furcula/control/phase.hpp"
+#include "furcula/control/check.hpp"
+#include "furcula/control/config.hpp"
 #include "furcula/control/sample.hpp"
-#include "furcula/control/supervisor.hpp"
-#include "furcula/control/torque_profile.hpp"
 #include "furcula/core/count.hpp"
 #include "furcula/core/sine.hpp"
 #include "furcula/core/status.hpp"
 
 namespace furcula::control {
-
-struct Config {
-  float link_length_m = 0.15f;  ///< of each of the four links
-  float gravity_mps2 = 9.81f;
-  HeightConfig height;
-  DebounceConfig debounce;
-  PhaseConfig phase;
-  TorqueProfileConfig torque;
-  LimitsConfig limits;
-  SupervisorConfig supervisor;
-  EnvelopeConfig envelope;
-  ClutchConfig clutch;
-  CoilConfig coil;
-  LegPositionConfig leg;
-  BenchConfig bench;
-  ContactObserverConfig observer;
-  /// Of whoever lets it run (firmware/app/node.hpp); 0: for ever.
-  float desk_silent_s = 2.0f;
-};
 
 struct Inputs {
   Sample sample;
@@ -88,98 +59,6 @@ inline constexpr float kPushNm = 0.1f;
 /// Height of the hip with the toe on the ground, 2 L cos(leg angle); cos as a sine a quarter turn on.
 inline float leg_height_m(float link_length_m, float leg_angle_rad) {
   return 2.0f * link_length_m * sine_of_turns(leg_angle_rad * 0.159154943f + 0.25f);
-}
-
-/// The same for a robot with a clutch.
-inline Status check(const ClutchConfig& c, const CoilConfig& coil, const LegPositionConfig& leg) {
-  const float positive[] = {c.metres_per_count,
-                            c.tooth_pitch_m,
-                            c.spring_npm,
-                            c.spring_rest_m,
-                            c.contraction_s,
-                            c.shortest_contraction_s,
-                            c.most_acceleration_mps2,
-                            c.longest_delay_s,
-                            c.moved_m,
-                            c.hesitation_m,
-                            c.still_mps,
-                            c.homing_s,
-                            c.test_pull_m,
-                            c.test_s,
-                            c.straight_m,
-                            c.onset_m,
-                            c.resolution_s,
-                            coil.peak_s,
-                            coil.longest_s,
-                            coil.heat_max,
-                            coil.heat_time_constant_s,
-                            leg.stiffness_nmprad,
-                            leg.damping_nmsprad};
-  const float not_negative[] = {
-      c.tooth_play_m, c.contraction_m, c.liftoff_confirmed_s, c.touchdown_margin_s, c.release_delay_s,
-      c.catch_wait_s, c.creep_s,       coil.hold_duty,        leg.inertia_kgm2};
-  for (const float x : positive)
-    if (!is_finite(x) || x <= 0.0f) return Status::invalid;
-  for (const float x : not_negative)
-    if (!is_finite(x) || x < 0.0f) return Status::invalid;
-  const bool sound = coil.hold_duty <= 1.0f && c.tooth_play_m < c.tooth_pitch_m && c.tooth_pitch_m > 1e-4f &&
-                     c.release_delay_s <= c.longest_delay_s && c.catch_wait_s <= c.longest_delay_s;
-  return sound ? Status::ok : Status::invalid;
-}
-
-/// Whether every number of the configuration makes sense: finite, and positive where it must be; and whether the
-/// torque fits() the envelope.
-inline Status check(const Config& c) {
-  const float positive[] = {c.link_length_m,
-                            c.height.metres_per_count,
-                            c.debounce.close_settle_s,
-                            c.debounce.open_settle_s,
-                            c.phase.touchdown_height_m,
-                            c.limits.torque_nm,
-                            c.limits.torque_rate_nmps,
-                            c.gravity_mps2,
-                            c.supervisor.speed_max_mps,
-                            c.supervisor.contact_changes_max,
-                            c.supervisor.contact_changes_per_s,
-                            c.supervisor.toe_clear_m,
-                            c.supervisor.leg_error_m,
-                            c.supervisor.leg_way_m,
-                            c.supervisor.leg_astray_s,
-                            c.supervisor.spring_rests_s};
-  const float any_sign[] = {
-      c.phase.touchdown_margin_m,     c.phase.touchdown_velocity_max_mps, c.phase.liftoff_margin_m,
-      c.phase.latest_report_s,        c.phase.shortest_stance_s,          c.torque.amplitude_nm,
-      c.supervisor.height_min_m,      c.supervisor.height_max_m,          c.supervisor.leg_angle_min_rad,
-      c.supervisor.leg_angle_max_rad, c.supervisor.height_mismatch_m,     c.supervisor.flexed_leg_m,
-      c.supervisor.contact_margin_m,  c.supervisor.implausible_closed_s,  c.supervisor.implausible_open_s,
-      c.supervisor.step_margin_m,     c.supervisor.closed_fades,          c.supervisor.fall_share,
-      c.supervisor.fall_margin_mps};
-  for (const float x : positive)
-    if (!is_finite(x) || x <= 0.0f) return Status::invalid;
-  for (const float x : any_sign)
-    if (!is_finite(x)) return Status::invalid;
-  const SupervisorConfig& s = c.supervisor;
-  if (!is_finite(s.cable_travel_min_m) || !is_finite(s.cable_travel_max_m) || s.missed_catches_max == 0)
-    return Status::invalid;
-  // A leg that is moved must not be straight: there it has no lever.
-  if (moves_leg_in_flight(c.clutch) && !(s.leg_angle_min_rad > 0.0f)) return Status::invalid;
-  constexpr std::uint32_t kMostTicks = 100000;
-  if (c.bench.rest_ticks > kMostTicks || c.bench.window_ticks > kMostTicks ||
-      c.bench.watch_ticks > kMostTicks)
-    return Status::invalid;
-  const bool on_bench = c.bench.on_bench != 0;
-  if ((moves_leg_in_flight(c.clutch) || on_bench) && check(c.clutch, c.coil, c.leg) != Status::ok)
-    return Status::invalid;
-  // The spring of a straight leg is nearly relaxed: one that is far from it is another robot's, and would be pushed
-  // against with all that the motor has.
-  constexpr float kMostStretchShare = 0.15f;
-  const float stretch_m = c.clutch.spring_rest_m - c.phase.touchdown_height_m;
-  const float most_m = kMostStretchShare * c.phase.touchdown_height_m;
-  if (moves_leg_in_flight(c.clutch) && !(stretch_m >= -most_m && stretch_m <= most_m)) return Status::invalid;
-  // Shorter than ten ticks it is no profile.
-  if (!is_finite(c.torque.period_s) || c.torque.period_s < 0.01f) return Status::invalid;
-  if (!is_finite(c.desk_silent_s)) return Status::invalid;
-  return fits(c.envelope, c.torque, c.limits.torque_nm) ? Status::ok : Status::invalid;
 }
 
 /// The state before the first tick.
