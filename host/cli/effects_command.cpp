@@ -106,7 +106,10 @@ void print_markdown(const std::vector<const EffectInfo*>& effects, std::optional
          "The catalogue of causes that the simulator can switch on and a diagnosis can name. This page is what\n"
          "`furcula effects --markdown` prints; the table itself is "
          "`common/include/furcula/dynamics/effects/catalogue.hpp`.\n"
-         "`v` is the velocity of the axis. Forces are positive in the direction of growing position (up, for heights).\n";
+         "`v` is the velocity of the axis. Forces are positive in the direction of growing position (up, for heights).\n\n"
+         "- **stage**: the part of the machine in which the law acts.\n"
+         "- **phase on a hopper**: when the law acts there.\n"
+         "- **without the effect**: the parameter's value while the effect is off. *any*: it does not matter then.\n";
   for (const EffectInfo* e : effects) {
     std::cout << "\n## " << e->name << "\n\n"
               << e->explanation << "\n\n"
