@@ -59,7 +59,7 @@ struct Farewell {
       0;  ///< what 100 instructions measure: 100, if the emulator counts as it should
 };
 
-static_assert(std::is_trivially_copyable_v<Begin> && sizeof(Begin) == 424);
+static_assert(std::is_trivially_copyable_v<Begin> && sizeof(Begin) == 432);
 static_assert(std::is_trivially_copyable_v<Tick> && sizeof(Tick) == 52);
 static_assert(std::is_trivially_copyable_v<Reply> && sizeof(Outputs) == 56 && sizeof(Reply) == 60);
 static_assert(std::has_unique_object_representations_v<Farewell>);

@@ -105,7 +105,7 @@ class Judge {
     trial_.highest_m = std::max(trial_.highest_m, plant.height_m());
     trial_.lowest_m = std::min(trial_.lowest_m, plant.height_m());
     if (trial_.highest_m > kHighestM) trial_.set(Unsafe::off_the_rail);
-    if (!faulty && plant.height_m() < kFallenM) trial_.set(Unsafe::fall_unnoticed);
+    if (!faulty && hip_above_ground_m() < kFallenM) trial_.set(Unsafe::fall_unnoticed);
     if (plant.in_stance() && !stood_) {
       ++trial_.hops;
       trial_.hardest_mps = std::max(trial_.hardest_mps, -body_mps_);
@@ -136,6 +136,9 @@ class Judge {
     if (unknown_ticks_ > kUnknownTicks) trial_.set(Unsafe::spring_unknown);
   }
 
+  double hip_above_ground_m() const {
+    return rig_.plant().touchdown_height_m() - leg_fold_m() + rig_.plant().toe_height_m();
+  }
   double leg_fold_m() const {
     const double length_m = static_cast<double>(config_.link_length_m);
     return rig_.plant().touchdown_height_m() - 2.0 * length_m * std::cos(rig_.plant().leg_angle_rad());

@@ -36,7 +36,8 @@ inline constexpr double kHardestMps =
     3.0;  ///< of the body: a fall from that height, with the guide's damping
 /// Of the toe, whose links weigh a tenth of the body, when a leg that is still stretching meets the ground.
 inline constexpr double kFastestToeMps = 4.0;
-inline constexpr double kFallenM = 0.10;            ///< of the hip; the spring alone holds a landing above it
+inline constexpr double kFallenM =
+    0.10;  ///< of the hip above the ground; the spring alone holds a landing above it
 inline constexpr double kSpringCaughtS = 0.3;       ///< after detection: the key falls in within 50 ms
 inline constexpr std::uint32_t kUnknownTicks = 50;  ///< running: so long a loose spring may be unseen
 /// The switch reports touch-down up to 10 ms late and two readings count; an open one in a stance is found
@@ -61,7 +62,8 @@ inline constexpr std::array<UnsafeInfo, 9> kUnsafe{{
     {Unsafe::hard_impact, "hard_impact",
      "the body comes down at more than 3 m/s, or the toe alone at more than 4 m/s"},
     {Unsafe::not_finite, "not_finite", "a command or the body's height is not a number"},
-    {Unsafe::fall_unnoticed, "fall_unnoticed", "the hip comes below 10 cm before a fault is found"},
+    {Unsafe::fall_unnoticed, "fall_unnoticed",
+     "the hip comes closer to the ground than 10 cm before a fault is found"},
     {Unsafe::spring_unknown, "spring_unknown",
      "0.3 s after a fault the robot stands on a bent leg whose spring is neither caught nor seen to be loose by the "
      "cable's encoder"},

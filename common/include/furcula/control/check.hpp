@@ -60,7 +60,10 @@ inline Status check(const Config& c) {
   constexpr float kMostStretchShare = 0.15f;
   const float stretch_m = c.clutch.spring_rest_m - c.phase.touchdown_height_m;
   const float most_m = kMostStretchShare * c.phase.touchdown_height_m;
-  if (moves_leg_in_flight(c.clutch) && !(stretch_m >= -most_m && stretch_m <= most_m)) return Status::invalid;
+  const float weight_n = c.envelope.mass_kg * c.envelope.gravity_mps2;
+  if (moves_leg_in_flight(c.clutch) && (!(stretch_m >= -most_m && stretch_m <= most_m) ||
+                                        c.clutch.spring_npm * c.envelope.least_sag_m > weight_n))
+    return Status::invalid;
   // Shorter than ten ticks it is no profile.
   if (c.torque.period_s < 0.01f) return Status::invalid;
   return fits(c.envelope, c.torque, c.limits.torque_nm) ? Status::ok : Status::invalid;

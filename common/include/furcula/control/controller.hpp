@@ -178,7 +178,7 @@ inline Outputs step(const Config& config, State& state, const Inputs& inputs, fl
   seen.height_m = out.height.height_m;
   seen.above_touchdown_m = out.height.height_m - config.phase.touchdown_height_m;
   seen.leg_angle_rad = sample.leg_angle_rad;
-  seen.leg_angle_ceiling_rad = config.envelope.leg_angle_max_rad;
+  seen.leg_angle_ceiling_rad = config.envelope.leg_angle_max_rad - config.envelope.late_angle_rad;
   seen.leg_height_m = leg_m;
   seen.contact_reading = reading;
   seen.observed_contact = state.witness.contact;
@@ -230,9 +230,11 @@ inline Outputs step(const Config& config, State& state, const Inputs& inputs, fl
                                 : profile_torque_nm(config.torque, out.phase, out.height.velocity_mps, dt_s);
   if (out.clutch.drives_leg) {
     const float fold_m = straight_m - leg_m;
-    // Stretched, the leg rests on its stop, and the spring helps.
+    // Stretched, the leg rests on its stop, and the spring helps. What it pulls with follows from where the leg is to
+    // be, not from where it is: of a rate that is wrong by more than the leg's own stiffness that would make a runaway.
+    const float path_m = straight_m - out.clutch.path.fold_m;
     const float pull_n =
-        out.clutch.path.fold_m > 0.0f ? spring_pull_n(config.clutch, leg_m, out.clutch.travel_m) : 0.0f;
+        out.clutch.path.fold_m > 0.0f ? spring_pull_n(config.clutch, path_m, out.clutch.travel_m) : 0.0f;
     if (!safe && !out.landing && out.phase.phase == Phase::flight) {
       state.leg_fold_m = fold_m;
       state.leg_path_m = out.clutch.path.fold_m;

@@ -41,8 +41,13 @@ struct EnvelopeConfig {
   /// A spring that is bent by no more than that holds 0.3 J beyond the straight leg's, rad.
   float nearly_straight_rad = 0.25f;
   float straight_tolerance_m = 0.02f;  ///< of the leg on its stop against the touch-down height
-  float spring_factor =
-      2.0f;  ///< by which the spring of a stance may be stiffer or softer than its parameter
+  /// By which the spring of a stance may be stiffer or softer than its parameter.
+  float spring_factor = 2.0f;
+  /// The weight bends the robot's spring by more. One that is taken to be stiffer is pushed against with all that the
+  /// motor has, before a stance can tell.
+  float least_sag_m = 0.005f;
+  /// By which a leg folds on while its angle is on the way: two ticks of a fall.
+  float late_angle_rad = 0.02f;
 };
 
 struct EnvelopeState {
@@ -62,7 +67,7 @@ struct EnvelopeState {
   float torque_nm = 0.0f;         ///< of the last tick
   float last_angle_rad = 0.0f, rate_radps = 0.0f;
   std::uint32_t open_ticks = 0;              ///< of the switch
-  float first_mps = 0.0f, last_mps[3] = {};  ///< in this flight; the last ones every ten ticks
+  float first_mps = 0.0f, last_mps[4] = {};  ///< in this flight; the last ones every ten ticks
 };
 
 /// What one tick of it sees. Lengths and heights are as the parameters have them.
@@ -114,10 +119,11 @@ inline bool fits(const EnvelopeConfig& c, const TorqueProfileConfig& torque, flo
 
 namespace envelope_parts {
 
-/// A flight from 15 ms after the switch opened until 20 ms or more before it closed: how much slower did its body
-/// get? That it went on being low says that the switch is wrong, and nothing of the scale.
+/// A flight from 25 ms after the switch opened until 30 ms or more before it closed: how much slower did its body get?
+/// The switch may be 10 ms early or late, and bounce; a hop of less than 3 cm is mostly that. A body that went on being
+/// low says that the switch is wrong, and nothing of the scale.
 inline Fault judge_flight(const EnvelopeConfig& c, EnvelopeState& s, const EnvelopeView& view, float dt_s) {
-  constexpr std::uint32_t kSettled = 15, kEvery = 10, kShortest = 100;
+  constexpr std::uint32_t kSettled = 25, kEvery = 10, kShortest = 125;
   constexpr float kGroundM = 0.035f;  // that is lower than it was
   constexpr std::uint8_t kUntoldMax = 5;
   if (!view.contact_reading) {
@@ -125,6 +131,7 @@ inline Fault judge_flight(const EnvelopeConfig& c, EnvelopeState& s, const Envel
     if (view.height_m < view.touchdown_height_m - kGroundM) s.above = false;
     if (s.open_ticks == kSettled) s.first_mps = view.velocity_mps;
     if (s.open_ticks % kEvery == 0) {
+      s.last_mps[3] = s.last_mps[2];
       s.last_mps[2] = s.last_mps[1];
       s.last_mps[1] = s.last_mps[0];
       s.last_mps[0] = view.velocity_mps;
@@ -138,9 +145,9 @@ inline Fault judge_flight(const EnvelopeConfig& c, EnvelopeState& s, const Envel
   if (!stood || ticks < kSettled + kShortest) return Fault::none;
   if (!above && s.proven) return Fault::none;
   if (!above) return ++s.untold < kUntoldMax ? Fault::none : Fault::parameters_implausible;
-  const std::uint32_t until = ticks / kEvery * kEvery - 2 * kEvery;
+  const std::uint32_t until = ticks / kEvery * kEvery - 3 * kEvery;
   const float expected_mps = c.gravity_mps2 * static_cast<float>(until - kSettled) * dt_s;
-  const float differs_mps = s.first_mps - s.last_mps[2] - expected_mps;
+  const float differs_mps = s.first_mps - s.last_mps[3] - expected_mps;
   const float most_mps = c.flight_tolerance * expected_mps + c.flight_noise_mps;
   s.untold = 0;
   s.proven = true;
