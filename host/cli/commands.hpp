@@ -7,12 +7,19 @@
 
 namespace furcula::cli {
 
+/// Those of the program that main() is linked into (program.cpp, demo_program.cpp).
+void add_commands(CLI::App& app);
+
+/// Those for models and logs.
+void add_data_commands(CLI::App& app);
 void add_sim_command(CLI::App& app);
 void add_identify_command(CLI::App& app);
 void add_diagnose_command(CLI::App& app);
 void add_demo_command(CLI::App& app);
 void add_effects_command(CLI::App& app);
 void add_check_command(CLI::App& app);
+
+// Those for robots, boards and stands.
 void add_bench_command(CLI::App& app);
 void add_bus_command(CLI::App& app);
 void add_flash_command(CLI::App& app);

@@ -43,23 +43,7 @@ void run(int argc, char** argv) {
   CLI::App app("Finds what a simulation gets wrong about a legged robot, and why.", "furcula");
   app.set_version_flag("--version", "furcula " FURCULA_VERSION);
   app.require_subcommand(1);
-  furcula::cli::add_sim_command(app);
-  furcula::cli::add_identify_command(app);
-  furcula::cli::add_diagnose_command(app);
-  furcula::cli::add_demo_command(app);
-  furcula::cli::add_effects_command(app);
-  furcula::cli::add_check_command(app);
-  furcula::cli::add_bench_command(app);
-  furcula::cli::add_bus_command(app);
-  furcula::cli::add_flash_command(app);
-  furcula::cli::add_energy_command(app);
-  furcula::cli::add_reproduce_command(app);
-  furcula::cli::add_monitor_command(app);
-  furcula::cli::add_param_command(app);
-  furcula::cli::add_request_command(app);
-  furcula::cli::add_serve_command(app);
-  furcula::cli::add_safety_command(app);
-  furcula::cli::add_rig_command(app);
+  furcula::cli::add_commands(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {

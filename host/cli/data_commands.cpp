@@ -1,0 +1,15 @@
+// The commands for models and logs, which both programs have.
+#include "host/cli/commands.hpp"
+
+namespace furcula::cli {
+
+void add_data_commands(CLI::App& app) {
+  add_sim_command(app);
+  add_identify_command(app);
+  add_diagnose_command(app);
+  add_demo_command(app);
+  add_effects_command(app);
+  add_check_command(app);
+}
+
+}  // namespace furcula::cli

@@ -1,0 +1,17 @@
+// `furcula`: all commands.
+#include "host/cli/commands.hpp"
+
+void furcula::cli::add_commands(CLI::App& app) {
+  add_data_commands(app);
+  add_bench_command(app);
+  add_bus_command(app);
+  add_flash_command(app);
+  add_energy_command(app);
+  add_reproduce_command(app);
+  add_monitor_command(app);
+  add_param_command(app);
+  add_request_command(app);
+  add_serve_command(app);
+  add_safety_command(app);
+  add_rig_command(app);
+}
