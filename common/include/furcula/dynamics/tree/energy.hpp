@@ -14,8 +14,7 @@ template <class M>
 std::array<Frame<typename M::Scalar>, M::kCapacity> link_frames(const M& model, const typename M::Joints& q) {
   using T = typename M::Scalar;
   std::array<Frame<T>, M::kCapacity> out;
-  model.shape().outwards([&](auto joint) {
-    const std::size_t i = joint;
+  model.shape().outwards([&](std::size_t i) {
     out[i] = model.frame(i, q[i]);
     if (model.shape().parent(i) >= 0)
       out[i] = within(out[static_cast<std::size_t>(model.shape().parent(i))], out[i]);
@@ -35,8 +34,7 @@ std::array<Motion<typename M::Scalar>, M::kCapacity> body_velocities(const M& mo
   const T zero = T(V(0));
   std::array<Motion<T>, M::kCapacity> out;
   const auto& shape = model.shape();
-  shape.outwards([&](auto joint) {
-    const std::size_t i = joint;
+  shape.outwards([&](std::size_t i) {
     out[i] = {{zero, zero, zero}, {zero, zero, zero}};
     if (shape.parent(i) >= 0)
       out[i] = model.frame(i, q[i]).motion(out[static_cast<std::size_t>(shape.parent(i))]);

@@ -84,8 +84,7 @@ void forward_dynamics(const M& model, const typename M::Joints& q, const typenam
   const auto& shape = model.shape();
   const T zero = T(V(0));
 
-  shape.outwards([&](auto joint) __attribute__((always_inline)) {
-    const std::size_t i = joint;
+  shape.outwards([&](std::size_t i) __attribute__((always_inline)) {
     const bool slides = shape.kind(i) == JointKind::prismatic;
     x[i] = model.frame(i, q[i]);
     Motion<T> v{{zero, zero, zero}, {zero, zero, zero}};
@@ -107,8 +106,7 @@ void forward_dynamics(const M& model, const typename M::Joints& q, const typenam
                cross(v, b.times(v))};
   });
 
-  shape.inwards([&](auto joint) __attribute__((always_inline)) {
-    const std::size_t i = joint;
+  shape.inwards([&](std::size_t i) __attribute__((always_inline)) {
     const bool slides = shape.kind(i) == JointKind::prismatic;
     detail::Articulated<T>& a = body[i];
     column[i] = slides ? Force<T>{{a.h.x.z, a.h.y.z, a.h.z.z}, {a.m.xz, a.m.yz, a.m.zz}}
@@ -117,9 +115,9 @@ void forward_dynamics(const M& model, const typename M::Joints& q, const typenam
     free_torque[i] =
         tau_nm[i] - passive_torque(model.laws[i], q[i], qd[i]) - (slides ? a.bias.f.z : a.bias.n.z);
     const T inertia = (slides ? u.f.z : u.n.z) + joint_armature(model.laws[i]);
+    inverse[i] = held[i] ? zero : T(T(V(1)) / inertia);
+    if (shape.parent(i) < 0) return;
     if (!held[i]) {
-      inverse[i] = T(V(1)) / inertia;
-      if (shape.parent(i) < 0) return;
       const Vec3<T> n = u.n * inverse[i], f = u.f * inverse[i];
       a.i = less_outer(a.i, u.n, inverse[i]);
       a.h = detail::less_outer(a.h, n, u.f);
@@ -131,13 +129,12 @@ void forward_dynamics(const M& model, const typename M::Joints& q, const typenam
     if (shape.parent(i) >= 0) detail::add_to_parent(x[i], a, body[static_cast<std::size_t>(shape.parent(i))]);
   });
 
-  shape.outwards([&](auto joint) __attribute__((always_inline)) {
-    const std::size_t i = joint;
+  shape.outwards([&](std::size_t i) __attribute__((always_inline)) {
     Motion<T> a = shape.parent(i) >= 0 ? x[i].motion(velocity[static_cast<std::size_t>(shape.parent(i))])
                                        : Motion<T>{{zero, zero, zero}, x[i].turn * -model.gravity_mps2};
     a = a + drift[i];
     const T missing = free_torque[i] - dot(a, column[i]);
-    out.joint_radps2[i] = held[i] ? zero : T(missing * inverse[i]);
+    out.joint_radps2[i] = missing * inverse[i];
     out.holding_nm[i] = held[i] ? T(-missing) : zero;
     (shape.kind(i) == JointKind::prismatic ? a.v.z : a.w.z) += out.joint_radps2[i];
     velocity[i] = a;

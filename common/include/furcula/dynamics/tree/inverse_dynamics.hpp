@@ -25,8 +25,7 @@ typename M::Joints body_torques(const M& model, const typename M::Joints& q, con
   const auto& shape = model.shape();
   const T zero = T(V(0));
 
-  shape.outwards([&](auto joint) {
-    const std::size_t i = joint;
+  shape.outwards([&](std::size_t i) {
     const bool slides = shape.kind(i) == JointKind::prismatic;
     x[i] = model.frame(i, q[i]);
     Motion<T> v{{zero, zero, zero}, {zero, zero, zero}};
@@ -48,8 +47,7 @@ typename M::Joints body_torques(const M& model, const typename M::Joints& q, con
     const Inertia<T>& b = model.aligned_inertia(i);
     force[i] = b.times(a) + cross(v, b.times(v));
   });
-  shape.inwards([&](auto joint) {
-    const std::size_t i = joint;
+  shape.inwards([&](std::size_t i) {
     tau[i] = shape.kind(i) == JointKind::prismatic ? force[i].f.z : force[i].n.z;
     if (shape.parent(i) >= 0) force[static_cast<std::size_t>(shape.parent(i))] += x[i].force_back(force[i]);
   });
@@ -90,13 +88,11 @@ MassMatrix<M> mass_matrix(const M& model, const typename M::Joints& q) {
   const auto along = [&](const Force<T>& f, std::size_t i) {
     return shape.kind(i) == JointKind::prismatic ? f.f.z : f.n.z;
   };
-  shape.outwards([&](auto joint) {
-    const std::size_t i = joint;
+  shape.outwards([&](std::size_t i) {
     x[i] = model.frame(i, q[i]);
     composite[i] = model.aligned_inertia(i);
   });
-  shape.inwards([&](auto joint) {
-    const std::size_t i = joint;
+  shape.inwards([&](std::size_t i) {
     Motion<T> axis{{zero, zero, zero}, {zero, zero, zero}};
     (shape.kind(i) == JointKind::prismatic ? axis.v.z : axis.w.z) = T(V(1));
     Force<T> f = composite[i].times(axis);
