@@ -63,7 +63,8 @@ urdf::ModelInterfaceSharedPtr parsed(std::string_view text, const std::string& n
   } catch (const std::exception& e) {
     thrown = log::printable(e.what());
   }
-  if (!robot) {
+  // It takes some numbers that it could not read as zero, and says so.
+  if (!robot || !said.text().empty()) {
     const std::string why = said.text().empty() ? thrown : said.text();
     fail(name, "not a robot (URDF): " + (why.empty() ? "expected <robot> with links and joints" : why));
   }
