@@ -94,8 +94,7 @@ class Reader {
     }
     if (out_.links.size() != robot_->links_.size())
       for (const auto& [name, link] : robot_->links_)
-        if (std::none_of(out_.links.begin(), out_.links.end(),
-                         [&](const UrdfLink& l) { return l.name == name; }))
+        if (!index_.contains(name))
           fail(out_.file, "link " + quoted(name) + " is in a loop of joints, expected a tree");
     check_mimics();
     return std::move(out_);
@@ -268,13 +267,15 @@ class TreeBuilder {
 
  private:
   const UrdfJoint& joint(const std::string& name) const {
+    constexpr std::size_t kMostNamed = 24;
     std::vector<std::string_view> names;
     for (const UrdfJoint& j : robot_.joints) {
       if (j.name == name) return j;
       names.emplace_back(j.name);
     }
-    fail(robot_.file, "no joint " + quoted(name) + log::printable(log::did_you_mean(name, names)) +
-                          "; expected one of " + log::printable(log::listed(names)));
+    std::string message = "no joint " + quoted(name) + log::did_you_mean(name, names);
+    if (names.size() <= kMostNamed) message += "; expected one of " + log::listed(names);
+    fail(robot_.file, log::printable(message));
   }
   void choose(const std::vector<std::string>& wanted) {
     for (const std::string& name : wanted) {

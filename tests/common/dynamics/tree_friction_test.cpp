@@ -250,3 +250,38 @@ TEST_CASE("Both of two equal blocks that stop at once stop") {
   CHECK(plant.positions()[1] == Approx(0.005).epsilon(1e-12));
   CHECK((plant.held(0) && plant.held(1)));
 }
+
+TEST_CASE("In float a block stops, stays and sets out as in double") {
+  const Model<float, Shape> m(blocks(2.0, 1.0, 6.0, 50.0));
+  Plant<float, Shape> plant(m, 2e-3F);
+  plant.reset({}, {0.9F, 0.0F});
+  for (int n = 0; n < 500; ++n) plant.advance({}, 1e-3F);
+  const float stopped = plant.positions()[0];
+  CHECK(stopped == Approx(0.9 * 0.9 / 4.0).epsilon(1e-5));
+  for (int n = 0; n < 500; ++n) plant.advance({5.9F, 0.0F}, 1e-3F);
+  CHECK(plant.positions()[0] == stopped);
+  for (int n = 0; n < 500; ++n) plant.advance({9.0F, 0.0F}, 1e-3F);
+  CHECK(plant.positions()[0] - stopped == Approx(0.5 * 1.0 * 0.25).epsilon(1e-4));
+}
+
+TEST_CASE("A joint behind an elastic drive is held while the spring winds up to its friction") {
+  // Torque ramps the rotor against the spring; the body of 0.5 kg m^2 is held by 2 N m.
+  Tree m;
+  m.gravity_mps2 = {0.0, 0.0, 0.0};
+  add(m, -1, JointKind::revolute, at(0, 0, 0), {0, 0, 1},
+      inertia_of(1.0, Vec3<double>{0.0, 0.0, 0.0}, {0.5, 0, 0, 0.5, 0, 0.5}));
+  m.laws[0] = {.armature_kgm2 = 0.01, .friction_nm = 2.0, .elastic = true, .drive_stiffness_nmprad = 100.0};
+  Plant<double, Shape> plant(m);
+  plant.reset({0.0}, {0.0});
+  // Under 0.9 N m the rotor swings about 9 mrad up to 18 mrad, 1.8 N m: never enough.
+  for (int n = 0; n < 300; ++n) plant.advance({0.9}, 1e-3);
+  CHECK(plant.held(0));
+  CHECK(plant.positions()[0] == 0.0);
+  // From relaxed, under 1.5 N m, it reaches 20 mrad after (1 - cos(w t)) 15 mrad = 20 mrad, w = 100 rad/s.
+  plant.reset({0.0}, {0.0});
+  const double free_at = std::acos(1.0 - 20.0 / 15.0) / 100.0;
+  plant.advance({1.5}, free_at - 1e-6);
+  CHECK(plant.held(0));
+  plant.advance({1.5}, 2e-6);
+  CHECK_FALSE(plant.held(0));
+}

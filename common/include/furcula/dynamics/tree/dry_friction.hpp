@@ -45,6 +45,22 @@ void forward_in_mode(const M& model, const typename M::Joints& q, const typename
   forward_dynamics(model, q, qd, tau, mode.held, out);
 }
 
+/// By the velocities alone: what has dry friction and velocity exactly zero is held. Returns how many are.
+template <class M>
+std::size_t mode_of_motion(const M& model, const typename M::Joints& qd, FrictionMode<M::kCapacity>& mode) {
+  using V = typename M::V;
+  std::size_t at_rest = 0;
+  mode = {};
+  for (std::size_t i = 0; i < model.count(); ++i) {
+    if (!is_dry(model.laws[i])) continue;
+    const V v = value_of(qd[i]);
+    mode.held[i] = v == V(0);
+    mode.direction[i] = static_cast<std::int8_t>(v > V(0) ? 1 : v < V(0) ? -1 : 0);
+    at_rest += mode.held[i] ? 1 : 0;
+  }
+  return at_rest;
+}
+
 /// Finds the mode at this state, where joints with dry friction and velocity exactly zero may be held, and
 /// its accelerations. Starts with all of them held; a round lets the joint go that is furthest beyond its
 /// bound, or holds one that would set out against its own friction's sense. From round 2 count() on the first
@@ -58,13 +74,7 @@ int settle_friction(const M& model, const typename M::Joints& q, const typename 
                     Accelerations<M>& out) {
   using V = typename M::V;
   const std::size_t n = model.count();
-  mode = {};
-  for (std::size_t i = 0; i < n; ++i) {
-    if (!is_dry(model.laws[i])) continue;
-    const V v = value_of(qd[i]);
-    mode.held[i] = v == V(0);
-    mode.direction[i] = static_cast<std::int8_t>(v > V(0) ? 1 : v < V(0) ? -1 : 0);
-  }
+  mode_of_motion(model, qd, mode);
   for (int round = 1; round <= kMostSettlingRounds; ++round) {
     forward_in_mode(model, q, qd, tau_nm, mode, out);
     const bool first_one = round > 2 * static_cast<int>(n);

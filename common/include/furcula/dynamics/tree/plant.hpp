@@ -36,6 +36,8 @@ class Plant {
     state_ = {q_rad, qd_radps, q_rad, qd_radps};
     mode_ = {};
     changes_ = 0;
+    dry_ = false;
+    for (std::size_t i = 0; i < count(); ++i) dry_ |= is_dry(model_.laws[i]);
     step_ = stable_step();
   }
   /// After reset(): where a start finds the rotor of an elastic drive.
@@ -55,11 +57,15 @@ class Plant {
       if (parts > V(1.001)) until = T(value_of(left) / static_cast<V>(static_cast<int>(parts + V(0.999))));
       State<T> end = after(model_, state_, torque_nm, until);
       std::size_t change = count();
-      for (std::size_t i = 0; i < count() && changes_ < kMostChanges; ++i) {
-        if (!is_past(i, end, plain_torque)) continue;
-        until = crossing(i, torque_nm, plain_torque, until);
-        end = after(model_, state_, torque_nm, until);
-        change = i;
+      if (dry_ && changes_ < kMostChanges) {
+        Of<V> margins = margins_at(plain(end), plain_torque);
+        for (std::size_t i = 0; i < count(); ++i) {
+          if (!(margins[i] < V(0))) continue;
+          until = crossing(i, torque_nm, plain_torque, until);
+          end = after(model_, state_, torque_nm, until);
+          margins = margins_at(plain(end), plain_torque);
+          change = i;
+        }
       }
       left = left - until;  // where the change's time has a derivative, so has the rest's
       state_ = end;
@@ -166,26 +172,33 @@ class Plant {
     return sum;
   }
 
-  /// Positive while the joint's mode lasts: its velocity, or what its static friction has left.
+  /// Of each joint, positive while its mode lasts: its velocity in its direction, or what its static friction
+  /// has left; zero without dry friction.
   template <class S>
-  S margin(const Model<S, P>& m, std::size_t i, const State<S>& s, const Of<S>& torque) const {
-    if (!mode_.held[i]) return s.velocity[i] * static_cast<V>(mode_.direction[i]);
+  Of<S> margins(const Model<S, P>& m, const State<S>& s, const Of<S>& torque) const {
+    Of<S> out{};
     Accelerations<Model<S, P>> joints;
-    forward_in_mode(m, s.position, s.velocity, at_joints(m, s, torque), mode_, joints);
-    const S& holding = joints.holding_nm[i];
-    const S bound = break_away_torque(m.laws[i]) * (V(1) + kBeyond);
-    return value_of(holding) < V(0) ? S(bound + holding) : S(bound - holding);
+    bool any_held = false;
+    for (std::size_t i = 0; i < m.count(); ++i) any_held |= mode_.held[i];
+    if (any_held) forward_in_mode(m, s.position, s.velocity, at_joints(m, s, torque), mode_, joints);
+    for (std::size_t i = 0; i < m.count(); ++i) {
+      if (!mode_.held[i]) {
+        out[i] = s.velocity[i] * static_cast<V>(mode_.direction[i]);
+        continue;
+      }
+      const S& holding = joints.holding_nm[i];
+      const S bound = break_away_torque(m.laws[i]) * (V(1) + kBeyond);
+      out[i] = value_of(holding) < V(0) ? S(bound + holding) : S(bound - holding);
+    }
+    return out;
   }
-  bool is_past(std::size_t i, const State<T>& end, const Of<V>& torque) const {
-    if (mode_.direction[i] != 0) return value_of(end.velocity[i]) * static_cast<V>(mode_.direction[i]) < V(0);
-    return mode_.held[i] && margin(plain_model(), i, plain(end), torque) < V(0);
-  }
+  Of<V> margins_at(const State<V>& s, const Of<V>& torque) const { return margins(plain_model(), s, torque); }
 
   /// When joint i's mode ends, before `to`, at which it has ended.
   T crossing(std::size_t i, const Of<T>& torque, const Of<V>& plain_torque, const T& to) const {
     const State<V> here = plain(state_);
     const auto value = [&](V t) {
-      return margin(plain_model(), i, after(plain_model(), here, plain_torque, t), plain_torque);
+      return margins_at(after(plain_model(), here, plain_torque, t), plain_torque)[i];
     };
     const V end = value_of(to);
     // One that has just set out starts at a margin of zero: it ends after it has been positive.
@@ -202,13 +215,15 @@ class Plant {
       const V probe = V(1e-2) * end;
       const V rate = (value(time + probe) - value(time - probe)) / (V(2) * probe);
       if (rate == V(0)) return T(time);
-      const T there = margin(model_, i, after(model_, state_, torque, T(time)), torque);
+      const T there = margins(model_, after(model_, state_, torque, T(time)), torque)[i];
       return T(time) - (there - value_of(there)) / rate;
     }
   }
 
   void settle(const Of<V>& torque) {
+    if (!dry_) return;
     const State<V> s = plain(state_);
+    if (mode_of_motion(plain_model(), s.velocity, mode_) == 0) return;
     Accelerations<Model<V, P>> joints;
     settle_friction(plain_model(), s.position, s.velocity, at_joints(plain_model(), s, torque), mode_,
                     joints);
@@ -248,6 +263,7 @@ class Plant {
   V step_ = longest_step_;
   State<T> state_{};
   FrictionMode<P::kCapacity> mode_;
+  bool dry_ = false;  ///< any joint
   int changes_ = 0;
 };
 
