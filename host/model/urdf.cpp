@@ -71,20 +71,51 @@ urdf::ModelInterfaceSharedPtr parsed(std::string_view text, const std::string& n
   return robot;
 }
 
+/// Before urdfdom sees them: of two parents it keeps one, and what hangs in a loop it never frees.
+void refuse_loops(const std::vector<XmlElement>& elements, const std::string& name) {
+  struct Joint {
+    std::size_t line = 0;
+    std::string_view name, parent, child;
+  };
+  std::vector<Joint> joints;
+  bool in_joint = false;
+  for (const XmlElement& e : elements) {
+    if (e.depth == 1) {
+      in_joint = e.tag == "joint";
+      if (in_joint) joints.push_back({e.line, e.attribute("name"), {}, {}});
+    } else if (e.depth == 2 && in_joint) {
+      if (e.tag == "parent") joints.back().parent = e.attribute("link");
+      if (e.tag == "child") joints.back().child = e.attribute("link");
+    }
+  }
+  const auto refuse = [&](const Joint& j, const std::string& message) {
+    throw log::DataError(name + ":" + std::to_string(j.line) + ": " + message);
+  };
+  std::map<std::string_view, const Joint*> above;  // of links
+  for (const Joint& j : joints) {
+    if (j.child.empty()) continue;  // urdfdom says what it lacks
+    const auto [other, is_first] = above.emplace(j.child, &j);
+    if (!is_first)
+      refuse(j, "link " + quoted(j.child) + " is the child of joint " + quoted(other->second->name) +
+                    " and of joint " + quoted(j.name) + ", expected one parent (a tree)");
+  }
+  std::set<std::string_view> rooted;
+  for (const Joint& j : joints) {
+    std::set<std::string_view> way;
+    for (auto up = above.find(j.child); up != above.end() && !rooted.contains(up->first);
+         up = above.find(up->second->parent))
+      if (!way.insert(up->first).second)
+        refuse(*up->second, "link " + quoted(up->first) + " is in a loop of joints, expected a tree");
+    rooted.merge(way);
+  }
+}
+
 class Reader {
  public:
   Reader(std::string_view text, const std::string& name) : robot_(parsed(text, name)) { out_.file = name; }
 
   Urdf read() {
     out_.name = robot_->getName();
-    std::map<std::string, std::string> parent_of;
-    for (const auto& [name, joint] : robot_->joints_) {
-      const auto [other, is_first] = parent_of.emplace(joint->child_link_name, name);
-      if (!is_first)
-        fail(out_.file, "link " + quoted(joint->child_link_name) + " is the child of joint " +
-                            quoted(other->second) + " and of joint " + quoted(name) +
-                            ", expected one parent (a tree)");
-    }
     if (!robot_->getRoot()) fail(out_.file, "no root link, expected a tree of links");
     add(*robot_->getRoot());
     while (!ahead_.empty()) {
@@ -124,7 +155,8 @@ class Reader {
 
   /// The link; its joints are to come, the first by name next.
   void add(const urdf::Link& link) {
-    index_.emplace(link.name, out_.links.size());
+    if (!index_.emplace(link.name, out_.links.size()).second)
+      fail(out_.file, "link " + quoted(link.name) + " is the child of two joints, expected a tree");
     out_.links.push_back({link.name, inertia(link)});
     ahead_.insert(ahead_.end(), link.child_joints.rbegin(), link.child_joints.rend());
   }
@@ -351,7 +383,7 @@ class TreeBuilder {
 }  // namespace
 
 Urdf parse_urdf(std::string_view text, const std::string& name) {
-  check_xml(text, name);
+  refuse_loops(check_xml(text, name), name);
   return Reader(text, name).read();
 }
 

@@ -15,27 +15,35 @@ class Scanner {
  public:
   Scanner(std::string_view text, const std::string& name) : text_(text), name_(name) {}
 
-  void run() {
+  std::vector<XmlElement> run() {
     if (text_.starts_with("\xef\xbb\xbf")) at_ = 3;
     while (at_ < text_.size()) {
       const std::size_t open = text_.find('<', at_);
       const std::string_view between = text_.substr(at_, std::min(open, text_.size()) - at_);
       if (open_.empty() && between.find_first_not_of(" \t\r\n") != between.npos)
         fail(at_ + between.find_first_not_of(" \t\r\n"),
-             (roots_ == 0 ? "not XML" : "text after the root element") + std::string(": ") +
+             (elements_.empty() ? "not XML" : "text after the root element") + std::string(": ") +
                  log::quoted(between) + ", expected an XML document (URDF)");
       if (open == text_.npos) break;
       at_ = open;
       markup();
     }
     if (!open_.empty()) fail(text_.size(), "<" + log::printable(open_.back()) + "> is not closed");
-    if (roots_ == 0) fail(text_.size(), "no element, expected <robot>");
+    if (elements_.empty()) fail(text_.size(), "no element, expected <robot>");
+    return std::move(elements_);
   }
 
  private:
   [[noreturn]] void fail(std::size_t at, const std::string& message) const {
-    const auto lines = std::count(text_.begin(), text_.begin() + static_cast<std::ptrdiff_t>(at), '\n');
-    throw log::DataError(name_ + ":" + std::to_string(lines + 1) + ": " + message);
+    throw log::DataError(name_ + ":" + std::to_string(line(at)) + ": " + message);
+  }
+  /// Of a place, counted on from the last one asked for that was before it.
+  std::size_t line(std::size_t at) const {
+    if (at < counted_to_) counted_to_ = 0, line_ = 1;
+    line_ += static_cast<std::size_t>(std::count(text_.begin() + static_cast<std::ptrdiff_t>(counted_to_),
+                                                 text_.begin() + static_cast<std::ptrdiff_t>(at), '\n'));
+    counted_to_ = at;
+    return line_;
   }
   bool here(std::string_view what) const { return text_.substr(at_, what.size()) == what; }
   void skip_past(std::string_view end, const char* what) {
@@ -68,8 +76,9 @@ class Scanner {
     ++at_;
     const std::size_t from = at_;
     const std::string_view tag = word();
-    if (open_.empty() && ++roots_ > 1)
+    if (open_.empty() && !elements_.empty())
       fail(from, "a second root element <" + log::printable(tag) + ">, expected one");
+    elements_.push_back({line(from), open_.size(), tag, {}});
     for (;;) {
       const std::size_t before = at_;
       skip_space();
@@ -92,7 +101,8 @@ class Scanner {
       fail(from, "elements nest deeper than " + std::to_string(kXmlDepthMax) + ", expected a URDF (5)");
   }
   void attribute(std::string_view tag) {
-    const std::string in = "in <" + log::printable(tag) + ">: attribute '" + log::printable(word()) + "'";
+    const std::string_view name = word();
+    const std::string in = "in <" + log::printable(tag) + ">: attribute '" + log::printable(name) + "'";
     skip_space();
     if (!here("=")) fail(at_, in + " has no value, expected =\"...\"");
     ++at_;
@@ -102,6 +112,7 @@ class Scanner {
     const std::size_t end = text_.find(quote, at_);
     if (end == text_.npos) fail(at_, in + " has no closing quote");
     if (text_.substr(at_, end - at_).find('<') != text_.npos) fail(at_, in + " has '<' in it, expected &lt;");
+    elements_.back().attributes.emplace_back(name, text_.substr(at_, end - at_));
     at_ = end + 1;
   }
   void close() {
@@ -120,12 +131,15 @@ class Scanner {
   std::string_view text_;
   const std::string& name_;
   std::size_t at_ = 0;
-  std::size_t roots_ = 0;
+  mutable std::size_t counted_to_ = 0, line_ = 1;
+  std::vector<XmlElement> elements_;
   std::vector<std::string_view> open_;
 };
 
 }  // namespace
 
-void check_xml(std::string_view text, const std::string& name) { Scanner(text, name).run(); }
+std::vector<XmlElement> check_xml(std::string_view text, const std::string& name) {
+  return Scanner(text, name).run();
+}
 
 }  // namespace furcula::model
