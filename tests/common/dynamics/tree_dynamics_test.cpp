@@ -96,7 +96,7 @@ TEST_CASE("Forward and inverse dynamics, mass matrix, bias and energy agree on r
   Random r(3);
   double worst = 0.0;
   for (int n = 0; n < 200; ++n) {
-    const auto m = random_tree<10>(r, static_cast<std::size_t>(1 + r.below(10)));
+    const auto m = random_tree<10>(r, r.up_to(10));
     const Joints q = random_joints(r, m, 3), w = random_joints(r, m, 5), tau = random_joints(r, m, 10);
     const Joints a = accelerations(m, q, w, tau);
     worst = std::max(worst, apart(m, inverse_dynamics(m, q, w, a), tau));

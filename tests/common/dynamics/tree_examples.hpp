@@ -31,6 +31,7 @@ class Random {
     return std::uniform_real_distribution<double>(lower, upper)(engine_);
   }
   int below(int n) { return std::uniform_int_distribution<int>(0, n - 1)(engine_); }
+  std::size_t up_to(std::size_t most) { return std::uniform_int_distribution<std::size_t>(1, most)(engine_); }
   Vec3<double> vector(double most) { return {within(-most, most), within(-most, most), within(-most, most)}; }
   Mat3<double> turn() {
     double w = within(-1, 1), x = within(-1, 1), y = within(-1, 1), z = within(-1, 1);

@@ -35,7 +35,7 @@ TEST_CASE("What settles keeps the conditions of dry friction on random trees") {
   Random r(21);
   int most_rounds = 0, held = 0, moving = 0;
   for (int n = 0; n < 3000; ++n) {
-    auto m = random_tree<8>(r, static_cast<std::size_t>(1 + r.below(8)));
+    auto m = random_tree<8>(r, r.up_to(8));
     const bool more_at_rest = n % 2 == 0;
     Joints q = random_joints(r, m, 3), w = random_joints(r, m, 2);
     for (std::size_t i = 0; i < m.count(); ++i) {
