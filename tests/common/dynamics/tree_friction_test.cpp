@@ -93,6 +93,20 @@ TEST_CASE("A joint that is held stays where it is, to the bit") {
   CHECK(plant.positions()[1] != 0.4);
 }
 
+TEST_CASE("Static friction holds what the friction of motion would not, until it is exceeded") {
+  auto m = blocks(2.0, 1.0, 5.0, 50.0);
+  m.laws[0].static_friction_nm = 6.0;
+  Plant<double, Shape> plant(m);
+  plant.reset({}, {});
+  plant.advance({5.9, 0.0}, 0.1);
+  CHECK(plant.held(0));
+  CHECK(plant.positions()[0] == 0.0);
+  plant.advance({6.1, 0.0}, 0.1);  // then it is 5 N that slows 3 kg
+  CHECK(plant.velocities()[0] == Approx((6.1 - 5.0) / 3.0 * 0.1).epsilon(1e-12));
+  plant.advance({5.5, 0.0}, 0.1);  // in motion it goes on
+  CHECK(plant.velocities()[0] == Approx((1.1 + 0.5) / 3.0 * 0.1).epsilon(1e-12));
+}
+
 TEST_CASE("A sliding block stops after v^2 / 2a and stays there") {
   auto m = blocks(2.0, 1.0, 6.0, 50.0);
   Plant<double, Shape> plant(m);

@@ -1,6 +1,8 @@
 // The dynamics of trees against MuJoCo's: from the URDF as MuJoCo reads it, and from the MJCF written here.
 #include <catch2/catch.hpp>
 #include <cstdio>
+#include <cstdlib>
+#include <filesystem>
 #include <random>
 #include <regex>
 

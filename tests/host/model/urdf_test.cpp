@@ -4,7 +4,10 @@
 #include <unistd.h>
 
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <cstdio>
+#include <filesystem>
+#include <fstream>
 
 #include "furcula/dynamics/tree/energy.hpp"
 #include "furcula/dynamics/tree/inverse_dynamics.hpp"
