@@ -24,9 +24,10 @@ class Plant {
   using V = typename M::V;
   using Joints = typename M::Joints;
   static constexpr int kMostChanges = 64;  ///< in one advance(); the rest passes in the mode of then
+  static constexpr V kShortest = V(1e-3);
 
   /// Steps are not longer than `longest_step_s`, nor than what the springs and dampers of joints and drives
-  /// allow in the posture of reset().
+  /// allow in the posture of reset(); but not shorter than kShortest of it.
   explicit Plant(const M& model, V longest_step_s = V(1e-3)) : model_(model), longest_step_(longest_step_s) {
     if constexpr (!kPlain) plain_ = Model<V, P>(model);
   }
@@ -54,16 +55,16 @@ class Plant {
     for (T left = T(dt_s); value_of(left) > V(0);) {
       const V parts = value_of(left) / step_;
       T until = left;
-      if (parts > V(1.001)) until = T(value_of(left) / static_cast<V>(static_cast<int>(parts + V(0.999))));
+      if (parts > V(1.001)) until = T(value_of(left) / std::ceil(parts - V(0.001)));
       State<T> end = after(model_, state_, torque_nm, until);
       std::size_t change = count();
       if (dry_ && changes_ < kMostChanges) {
-        Of<V> margins = margins_at(plain(end), plain_torque);
+        Of<V> at_end = margins(plain_model(), plain(end), plain_torque);
         for (std::size_t i = 0; i < count(); ++i) {
-          if (!(margins[i] < V(0))) continue;
+          if (!(at_end[i] < V(0))) continue;
           until = crossing(i, torque_nm, plain_torque, until);
           end = after(model_, state_, torque_nm, until);
-          margins = margins_at(plain(end), plain_torque);
+          at_end = margins(plain_model(), plain(end), plain_torque);
           change = i;
         }
       }
@@ -192,13 +193,12 @@ class Plant {
     }
     return out;
   }
-  Of<V> margins_at(const State<V>& s, const Of<V>& torque) const { return margins(plain_model(), s, torque); }
 
   /// When joint i's mode ends, before `to`, at which it has ended.
   T crossing(std::size_t i, const Of<T>& torque, const Of<V>& plain_torque, const T& to) const {
     const State<V> here = plain(state_);
     const auto value = [&](V t) {
-      return margins_at(after(plain_model(), here, plain_torque, t), plain_torque)[i];
+      return margins(plain_model(), after(plain_model(), here, plain_torque, t), plain_torque)[i];
     };
     const V end = value_of(to);
     // One that has just set out starts at a margin of zero: it ends after it has been positive.
@@ -253,7 +253,7 @@ class Plant {
       rate = larger(rate + damping * mobility, std::sqrt(larger(stiffness * mobility, V(0))));
       if (rate * step > V(0.25)) step = V(0.25) / rate;
     }
-    return step;
+    return larger(step, kShortest * longest_step_);
   }
 
   struct None {};
