@@ -175,6 +175,38 @@ TEST_CASE(
         0.0);  // dragged after the pole's centre of mass, at positive angles to the right
 }
 
+TEST_CASE(
+    "Without torque the energy of random trees in friction only falls, and changes of mode do not pile up") {
+  Random r(22);
+  int changes = 0, most = 0, at_rest = 0, joints = 0;
+  for (int n = 0; n < 40; ++n) {
+    auto m = random_tree<8>(r, r.up_to(6));
+    for (std::size_t i = 0; i < m.count(); ++i) {
+      m.laws[i].friction_nm = r.within(0.0, 3.0);
+      m.laws[i].static_friction_nm = n % 2 == 0 ? 0.0 : 1.2 * m.laws[i].friction_nm;
+    }
+    Plant<double, Shape> plant(m, 1e-3);
+    plant.reset(random_joints(r, m, 2), random_joints(r, m, 2));
+    double energy = plant.energy_j(), gained = 0.0;
+    for (int k = 0; k < 2000; ++k) {
+      plant.advance({}, 1e-3);
+      gained = std::max(gained, plant.energy_j() - energy);
+      energy = plant.energy_j();
+      changes += plant.changes();
+      most = std::max(most, plant.changes());
+    }
+    CAPTURE(n, m.count());
+    CHECK(gained < 1e-7);
+    CHECK(std::isfinite(energy));
+    for (std::size_t i = 0; i < m.count(); ++i, ++joints) at_rest += plant.held(i) ? 1 : 0;
+  }
+  std::printf(
+      "tree: 40 trees in friction for 2 s: %d changes of mode, at most %d in 1 ms; %d of %d joints at rest at the end\n",
+      changes, most, at_rest, joints);
+  CHECK(changes > 100);
+  CHECK(most < 10);
+}
+
 TEST_CASE("Friction takes what energy is lost, and nothing else does") {
   auto m = DoublePendulum<double>{}.model<Shape>();
   m.laws[0].friction_nm = 0.05;
