@@ -184,6 +184,10 @@ Dual<N> exp(const Dual<N>& x) {
   return detail::chain(value, value, x);
 }
 template <int N>
+Dual<N> log(const Dual<N>& x) {
+  return detail::chain(std::log(x.a), 1.0 / x.a, x);
+}
+template <int N>
 Dual<N> sin(const Dual<N>& x) {
   return detail::chain(std::sin(x.a), std::cos(x.a), x);
 }

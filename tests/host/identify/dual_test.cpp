@@ -63,6 +63,7 @@ TEST_CASE("Functions carry their derivatives") {
   expect_same([](auto x, auto y) { return abs(x * y); });
   expect_same([](auto x, auto y) { return acos(x) * y; });
   expect_same([](auto x, auto y) { return sqrt(x) / sqrt(y); }, true);
+  expect_same([](auto x, auto y) { return log(x) * log(y); }, true);
 }
 
 TEST_CASE("Dual numbers compare as their values do") {

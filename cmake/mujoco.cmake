@@ -1,0 +1,12 @@
+# MuJoCo, a peer for tests and benchmarks: furcula_mujoco has it, and FURCULA_MUJOCO defined, where it is installed; else nothing.
+# (The package configuration of Debian's 2.2.2 names a folder that does not exist.)
+find_library(FURCULA_MUJOCO_LIBRARY mujoco)
+find_path(FURCULA_MUJOCO_HEADERS mujoco/mujoco.h)
+if(NOT TARGET furcula_mujoco)
+  add_library(furcula_mujoco INTERFACE)
+  if(FURCULA_MUJOCO_LIBRARY AND FURCULA_MUJOCO_HEADERS)
+    target_compile_definitions(furcula_mujoco INTERFACE FURCULA_MUJOCO)
+    target_include_directories(furcula_mujoco SYSTEM INTERFACE ${FURCULA_MUJOCO_HEADERS})
+    target_link_libraries(furcula_mujoco INTERFACE ${FURCULA_MUJOCO_LIBRARY})
+  endif()
+endif()

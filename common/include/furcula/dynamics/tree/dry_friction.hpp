@@ -1,0 +1,107 @@
+// Dry friction at several joints at once: which of those at rest are held, and which set out.
+//
+// A joint at rest that is held needs some torque to stay so; it may need no more than its static friction. One
+// that sets out meets the friction of motion, against the acceleration with which it sets out. With equal
+// frictions at rest and in motion this is a linear complementarity problem with bounds and the positive
+// definite matrix of the joints' inverse inertia, which has one solution.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "furcula/dynamics/tree/forward_dynamics.hpp"
+
+namespace furcula::dynamics::tree {
+
+/// Of each joint.
+template <std::size_t kJoints>
+struct FrictionMode {
+  std::array<bool, kJoints> held{};
+  std::array<std::int8_t, kJoints> direction{};  ///< of motion, -1 or 1; 0: held, or no dry friction
+};
+
+template <class T>
+[[gnu::always_inline]] inline bool is_dry(const JointLaw<T>& law) {
+  return value_of(law.friction_nm) > ValueOf<T>(0) || value_of(law.static_friction_nm) > ValueOf<T>(0);
+}
+/// The largest torque that holds the joint.
+template <class T>
+[[gnu::always_inline]] inline T break_away_torque(const JointLaw<T>& law) {
+  return value_of(law.static_friction_nm) > value_of(law.friction_nm) ? law.static_friction_nm
+                                                                      : law.friction_nm;
+}
+
+/// forward_dynamics in this mode: held joints at rest, the others against the friction of their motion.
+template <class M>
+void forward_in_mode(const M& model, const typename M::Joints& q, const typename M::Joints& qd,
+                     const typename M::Joints& tau_nm, const FrictionMode<M::kCapacity>& mode,
+                     Accelerations<M>& out) {
+  typename M::Joints tau = tau_nm;
+  for (std::size_t i = 0; i < model.count(); ++i) {
+    if (mode.direction[i] > 0) tau[i] -= model.laws[i].friction_nm;
+    if (mode.direction[i] < 0) tau[i] += model.laws[i].friction_nm;
+  }
+  forward_dynamics(model, q, qd, tau, mode.held, out);
+}
+
+/// By the velocities alone: what has dry friction and velocity exactly zero is held. Returns how many are.
+template <class M>
+std::size_t mode_of_motion(const M& model, const typename M::Joints& qd, FrictionMode<M::kCapacity>& mode) {
+  using V = typename M::V;
+  std::size_t at_rest = 0;
+  mode = {};
+  for (std::size_t i = 0; i < model.count(); ++i) {
+    if (!is_dry(model.laws[i])) continue;
+    const V v = value_of(qd[i]);
+    mode.held[i] = v == V(0);
+    mode.direction[i] = static_cast<std::int8_t>(v > V(0) ? 1 : v < V(0) ? -1 : 0);
+    at_rest += mode.held[i] ? 1 : 0;
+  }
+  return at_rest;
+}
+
+/// Finds the mode at this state, where joints with dry friction and velocity exactly zero may be held, and
+/// its accelerations. Starts with all of them held; a round lets the joint go that is furthest beyond its
+/// bound, or holds one that would set out against its own friction's sense. From round 2 count() on the first
+/// joint changes that asks for it, which ends for every such problem (Murty 1974 by the least index; with
+/// bounds: Judice and Pires, Computers & Operations Research 21, 1994). Returns the rounds that it took, or 0 where it
+/// did not settle in kMostSettlingRounds; then `mode` is the last one.
+inline constexpr int kMostSettlingRounds = 500;
+template <class M>
+int settle_friction(const M& model, const typename M::Joints& q, const typename M::Joints& qd,
+                    const typename M::Joints& tau_nm, FrictionMode<M::kCapacity>& mode,
+                    Accelerations<M>& out) {
+  using V = typename M::V;
+  const std::size_t n = model.count();
+  mode_of_motion(model, qd, mode);
+  for (int round = 1; round <= kMostSettlingRounds; ++round) {
+    forward_in_mode(model, q, qd, tau_nm, mode, out);
+    const bool first_one = round > 2 * static_cast<int>(n);
+    std::size_t change = n;
+    V worst = V(0);
+    for (std::size_t i = 0; i < n && !(first_one && change < n); ++i) {
+      if (!is_dry(model.laws[i]) || value_of(qd[i]) != V(0)) continue;
+      V beyond;
+      if (mode.held[i]) {
+        const V torque = value_of(out.holding_nm[i]), bound = value_of(break_away_torque(model.laws[i]));
+        beyond = ((torque < V(0) ? -torque : torque) - bound) / bound;
+      } else {
+        // Back to rest before anything else is let go: it had lent its motion to the rest.
+        beyond = static_cast<V>(mode.direction[i]) * value_of(out.joint_radps2[i]) < V(0) ? V(1e30) : V(0);
+      }
+      if (beyond > worst) {
+        worst = beyond;
+        change = i;
+      }
+    }
+    if (change == n) return round;
+    mode.direction[change] = static_cast<std::int8_t>(!mode.held[change]                        ? 0
+                                                      : value_of(out.holding_nm[change]) > V(0) ? -1
+                                                                                                : 1);
+    mode.held[change] = !mode.held[change];
+  }
+  return 0;
+}
+
+}  // namespace furcula::dynamics::tree

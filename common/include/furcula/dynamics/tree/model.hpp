@@ -1,0 +1,172 @@
+// A tree of rigid bodies on joints: geometry, inertias, and what acts in each joint.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <type_traits>
+
+#include "furcula/core/status.hpp"
+#include "furcula/dynamics/scalar.hpp"
+#include "furcula/dynamics/tree/spatial.hpp"
+#include "furcula/dynamics/tree/topology.hpp"
+
+namespace furcula::dynamics::tree {
+
+/// What acts in a joint besides the bodies' inertia. Units for a revolute joint; of a prismatic one N for
+/// N m, m for rad, kg for kg m^2. The torque that is applied is
+///   tau - damping qd - stiffness (q - rest) - dry friction
+template <class T>
+struct JointLaw {
+  T armature_kgm2{};           ///< the rotor's inertia times the square of its gear ratio
+  T damping_nmspr{};           ///< viscous
+  T stiffness_nmprad{};        ///< of a spring between body and parent
+  T rest_rad{};                ///< where that spring is relaxed
+  T friction_nm{};             ///< Coulomb friction in motion
+  T static_friction_nm{};      ///< what it takes to set out; counts as friction_nm where it is less
+  bool elastic = false;        ///< the drive's rotor is behind a spring: it turns by itself
+  T drive_stiffness_nmprad{};  ///< of that spring
+  T drive_damping_nmspr{};     ///< beside that spring
+  T rotor_damping_nmspr{};     ///< of an elastic drive's rotor against the body that it sits on
+};
+
+/// Geometry is in plain numbers: it is measured, not fitted. Everything else is of the scalar T.
+///
+/// A body's own frame ("link frame", as in a URDF) is fixed in the body with its origin on the joint's axis; at
+/// joint position zero it is where `placement` says. Inside, each body is kept in a frame turned so that the joint's axis
+/// is z: then every joint is the same joint, and no product with an axis is left.
+///
+/// The base stands still. A floating base would end the inward pass of forward_dynamics with its own 6 x 6
+/// system instead of the base's acceleration -gravity, and nothing else there changes; until then three
+/// prismatic and three revolute joints with bodies of no mass between them are one (away from the middle
+/// angle's +-90 degrees), and the tests use them as such.
+template <class T, Topology P>
+class Model {
+ public:
+  using Scalar = T;
+  using V = ValueOf<T>;
+  using Shape = P;
+  static constexpr std::size_t kCapacity = P::kCapacity;
+  using Joints = std::array<T, kCapacity>;  ///< a number a joint
+  using Flags = std::array<bool, kCapacity>;
+
+  /// Acceleration of free fall, world axes, m/s^2.
+  Vec3<T> gravity_mps2{T(V(0)), T(V(0)), T(V(-9.81))};
+  std::array<JointLaw<T>, kCapacity> laws{};
+
+  Model() = default;
+  /// The same tree on another scalar: doubles as numbers with derivatives, these as their values, as floats.
+  template <class U>
+  requires(!std::is_same_v<U, T>) explicit Model(const Model<U, P>& m)
+      : gravity_mps2(vec<T>(m.gravity_mps2)), shape_(m.shape()), placed_(m.count()) {
+    for (std::size_t i = 0; i < m.count(); ++i) {
+      const JointLaw<U>& l = m.laws[i];
+      laws[i] = {.armature_kgm2 = as<T>(l.armature_kgm2),
+                 .damping_nmspr = as<T>(l.damping_nmspr),
+                 .stiffness_nmprad = as<T>(l.stiffness_nmprad),
+                 .rest_rad = as<T>(l.rest_rad),
+                 .friction_nm = as<T>(l.friction_nm),
+                 .static_friction_nm = as<T>(l.static_friction_nm),
+                 .elastic = l.elastic,
+                 .drive_stiffness_nmprad = as<T>(l.drive_stiffness_nmprad),
+                 .drive_damping_nmspr = as<T>(l.drive_damping_nmspr),
+                 .rotor_damping_nmspr = as<T>(l.rotor_damping_nmspr)};
+      aligned_[i] = plain(m.aligned(i));
+      tree_[i] = plain(m.tree(i));
+      const Inertia<U>& b = m.aligned_inertia(i);
+      const Sym3<U>& s = b.inertia_kgm2;
+      bodies_[i] = {as<T>(b.mass_kg),
+                    vec<T>(b.moment_kgm),
+                    {as<T>(s.xx), as<T>(s.xy), as<T>(s.xz), as<T>(s.yy), as<T>(s.yz), as<T>(s.zz)}};
+    }
+  }
+
+  const P& shape() const { return shape_; }
+  std::size_t count() const { return shape_.count(); }
+
+  /// Adds the next joint: link frame in the parent's link frame (of the base: the world) at position zero, and
+  /// the axis in the link frame, of any length but zero. Invalid: no room, no such parent yet, an axis of no
+  /// length or not a number; for a topology known when compiled, another parent or kind than there.
+  Status add(JointPlace place, const Frame<V>& placement, const Vec3<V>& axis, const Inertia<T>& body) {
+    const V length = std::sqrt(dot(axis, axis));
+    if (!(length > V(0)) || !std::isfinite(length)) return Status::invalid;
+    if constexpr (requires { shape_.add(place); }) {
+      if (!shape_.add(place)) return Status::invalid;
+    } else {
+      if (placed_ >= count() || shape_.parent(placed_) != place.parent || shape_.kind(placed_) != place.kind)
+        return Status::invalid;
+    }
+    const std::size_t i = placed_++;
+    aligned_[i] = {z_along(axis * (V(1) / length)), {V(0), V(0), V(0)}};
+    const Frame<V> in_parent = within(placement, aligned_[i]);
+    tree_[i] = in_parent;
+    if (place.parent >= 0) {
+      const Mat3<V>& a = aligned_[static_cast<std::size_t>(place.parent)].turn;
+      tree_[i] = {in_parent.turn * transposed(a), a * in_parent.at};
+    }
+    set_body(i, body);
+    return Status::ok;
+  }
+
+  /// The inertia of body i, about its link frame's origin, in link axes.
+  void set_body(std::size_t i, const Inertia<T>& body) {
+    bodies_[i] = inertia_back(Frame<V>{transposed(aligned_[i].turn), {V(0), V(0), V(0)}}, body);
+  }
+  Inertia<T> body(std::size_t i) const {
+    return inertia_back(Frame<V>{aligned_[i].turn, {V(0), V(0), V(0)}}, bodies_[i]);
+  }
+
+  /// Inside: the aligned frame in the link frame; at joint position zero in the parent's aligned frame; the
+  /// inertia in it.
+  const Frame<V>& aligned(std::size_t i) const { return aligned_[i]; }
+  const Frame<V>& tree(std::size_t i) const { return tree_[i]; }
+  const Inertia<T>& aligned_inertia(std::size_t i) const { return bodies_[i]; }
+
+  /// The aligned frame of joint i at position q in its parent's.
+  [[gnu::always_inline]] Frame<T> frame(std::size_t i, const T& q) const {
+    using std::cos;
+    using std::sin;
+    const Mat3<V>& e = tree_[i].turn;
+    const Vec3<V>& r = tree_[i].at;
+    if (shape_.kind(i) == JointKind::prismatic)
+      return {{vec<T>(e.x), vec<T>(e.y), vec<T>(e.z)}, {r.x + e.z.x * q, r.y + e.z.y * q, r.z + e.z.z * q}};
+    const T s = sin(q), c = cos(q);
+    return {{{e.x.x * c + e.y.x * s, e.x.y * c + e.y.y * s, e.x.z * c + e.y.z * s},
+             {e.y.x * c - e.x.x * s, e.y.y * c - e.x.y * s, e.y.z * c - e.x.z * s},
+             vec<T>(e.z)},
+            vec<T>(r)};
+  }
+
+ private:
+  template <class To, class From>
+  static constexpr To as(const From& x) {
+    if constexpr (std::is_arithmetic_v<To>)
+      return static_cast<To>(value_of(x));
+    else
+      return To(x);
+  }
+  template <class To, class From>
+  static constexpr Vec3<To> vec(const Vec3<From>& v) {
+    return {as<To>(v.x), as<To>(v.y), as<To>(v.z)};
+  }
+  template <class From>
+  static Frame<V> plain(const Frame<From>& f) {
+    return {{vec<V>(f.turn.x), vec<V>(f.turn.y), vec<V>(f.turn.z)}, vec<V>(f.at)};
+  }
+  /// The shortest turn to axes whose z is `a`, of length 1; the identity for z itself.
+  static Mat3<V> z_along(const Vec3<V>& a) {
+    if (a.z < V(0)) {
+      const Mat3<V> m = z_along(Vec3<V>{a.x, -a.y, -a.z});
+      return {{m.x.x, -m.x.y, -m.x.z}, {m.y.x, -m.y.y, -m.y.z}, {m.z.x, -m.z.y, -m.z.z}};
+    }
+    const V k = V(1) / (V(1) + a.z);
+    return {{V(1) - a.x * a.x * k, -a.x * a.y * k, -a.x}, {-a.x * a.y * k, V(1) - a.y * a.y * k, -a.y}, a};
+  }
+
+  P shape_{};
+  std::size_t placed_ = 0;
+  std::array<Frame<V>, kCapacity> aligned_{}, tree_{};
+  std::array<Inertia<T>, kCapacity> bodies_{};
+};
+
+}  // namespace furcula::dynamics::tree

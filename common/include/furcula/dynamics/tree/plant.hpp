@@ -1,0 +1,270 @@
+// A tree in motion: Runge-Kutta steps that end where a joint comes to rest or sets out.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <type_traits>
+
+#include "furcula/dynamics/event_time.hpp"
+#include "furcula/dynamics/tree/dry_friction.hpp"
+#include "furcula/dynamics/tree/energy.hpp"
+
+namespace furcula::dynamics::tree {
+
+/// Joints in motion, with dry friction and elastic drives. The torque is held over an advance(). Between
+/// changes of the friction's mode the steps are classic Runge-Kutta ones (error of fourth order); a joint that
+/// comes to rest, and the break-away of one that is held, are located inside the step and carry their
+/// derivatives (docs/decisions/0005). A joint that is held does not move, not by a bit. Dry friction acts
+/// between a body and its parent; an elastic drive's rotor has none of its own.
+template <class T, Topology P>
+class Plant {
+ public:
+  using M = Model<T, P>;
+  using V = typename M::V;
+  using Joints = typename M::Joints;
+  static constexpr int kMostChanges = 64;  ///< in one advance(); the rest passes in the mode of then
+  static constexpr V kShortest = V(1e-3);
+
+  /// Steps are not longer than `longest_step_s`, nor than what the springs and dampers of joints and drives
+  /// allow in the posture of reset(); but not shorter than kShortest of it.
+  explicit Plant(const M& model, V longest_step_s = V(1e-3)) : model_(model), longest_step_(longest_step_s) {
+    if constexpr (!kPlain) plain_ = Model<V, P>(model);
+  }
+
+  /// Starts there; the rotors of elastic drives with their springs relaxed, and with their joints' velocity.
+  void reset(const Joints& q_rad, const Joints& qd_radps) {
+    state_ = {q_rad, qd_radps, q_rad, qd_radps};
+    mode_ = {};
+    changes_ = 0;
+    dry_ = false;
+    for (std::size_t i = 0; i < count(); ++i) dry_ |= is_dry(model_.laws[i]);
+    step_ = stable_step();
+  }
+  /// After reset(): where a start finds the rotor of an elastic drive.
+  void place_rotor(std::size_t joint, const T& angle_rad, const T& rate_radps) {
+    state_.rotor[joint] = angle_rad;
+    state_.rotor_rate[joint] = rate_radps;
+  }
+
+  /// Moves on by `dt_s` >= 0 under the drives' torques (N m; of a prismatic joint N).
+  void advance(const Joints& torque_nm, V dt_s) {
+    changes_ = 0;
+    const Of<V> plain_torque = plain(torque_nm);
+    settle(plain_torque);
+    for (T left = T(dt_s); value_of(left) > V(0);) {
+      const V parts = value_of(left) / step_;
+      T until = left;
+      if (parts > V(1.001)) until = T(value_of(left) / std::ceil(parts - V(0.001)));
+      State<T> end = after(model_, state_, torque_nm, until);
+      std::size_t change = count();
+      if (dry_ && changes_ < kMostChanges) {
+        Of<V> at_end = margins(plain_model(), plain(end), plain_torque);
+        for (std::size_t i = 0; i < count(); ++i) {
+          if (!(at_end[i] < V(0))) continue;
+          until = crossing(i, torque_nm, plain_torque, until);
+          end = after(model_, state_, torque_nm, until);
+          at_end = margins(plain_model(), plain(end), plain_torque);
+          change = i;
+        }
+      }
+      left = left - until;  // where the change's time has a derivative, so has the rest's
+      state_ = end;
+      if (change == count()) continue;
+      if (!mode_.held[change]) state_.velocity[change] = T(V(0));
+      ++changes_;
+      settle(plain_torque);
+    }
+  }
+
+  std::size_t count() const { return model_.count(); }
+  const M& model() const { return model_; }
+  const Joints& positions() const { return state_.position; }
+  const Joints& velocities() const { return state_.velocity; }
+  /// Of an elastic drive's rotor.
+  const T& rotor_angle(std::size_t joint) const { return state_.rotor[joint]; }
+  const T& rotor_rate(std::size_t joint) const { return state_.rotor_rate[joint]; }
+  /// Whether dry friction holds the joint, as of the last change.
+  bool held(std::size_t joint) const { return mode_.held[joint]; }
+  /// How often joints came to rest or broke free inside the last advance().
+  int changes() const { return changes_; }
+
+  /// Of bodies, springs, and of rotors and springs of elastic drives, J.
+  T energy_j() const {
+    T out = kinetic_energy_j(model_, state_.position, state_.velocity) +
+            potential_energy_j(model_, state_.position);
+    for (std::size_t i = 0; i < count(); ++i) {
+      const JointLaw<T>& law = model_.laws[i];
+      if (!law.elastic) continue;
+      const T stretch = state_.rotor[i] - state_.position[i], rate = state_.rotor_rate[i];
+      out += (law.armature_kgm2 * rate * rate + law.drive_stiffness_nmprad * stretch * stretch) * V(0.5);
+    }
+    return out;
+  }
+
+ private:
+  static constexpr bool kPlain = std::is_same_v<T, V>;
+  // How far beyond its bound a joint is let go: enough that it then moves, whatever the rounding.
+  static constexpr V kBeyond = sizeof(V) == 4 ? V(1e-5) : V(1e-9);
+
+  template <class S>
+  using Of = std::array<S, P::kCapacity>;
+  template <class S>
+  struct State {
+    Of<S> position{}, velocity{}, rotor{}, rotor_rate{};
+  };
+
+  const Model<V, P>& plain_model() const {
+    if constexpr (kPlain)
+      return model_;
+    else
+      return plain_;
+  }
+  Of<V> plain(const Of<T>& x) const {
+    Of<V> out{};
+    for (std::size_t i = 0; i < count(); ++i) out[i] = value_of(x[i]);
+    return out;
+  }
+  State<V> plain(const State<T>& s) const {
+    if constexpr (kPlain)
+      return s;
+    else
+      return {plain(s.position), plain(s.velocity), plain(s.rotor), plain(s.rotor_rate)};
+  }
+
+  /// The drives' torques as they reach the joints.
+  template <class S>
+  static Of<S> at_joints(const Model<S, P>& m, const State<S>& s, const Of<S>& torque) {
+    Of<S> out = torque;
+    for (std::size_t i = 0; i < m.count(); ++i)
+      if (m.laws[i].elastic)
+        out[i] = m.laws[i].drive_stiffness_nmprad * (s.rotor[i] - s.position[i]) +
+                 m.laws[i].drive_damping_nmspr * (s.rotor_rate[i] - s.velocity[i]);
+    return out;
+  }
+
+  /// One Runge-Kutta step over t.
+  template <class S>
+  State<S> after(const Model<S, P>& m, const State<S>& s, const Of<S>& torque, const S& t) const {
+    State<S> sum = s, stage = s;
+    Accelerations<Model<S, P>> joints;
+    const V weight[4] = {V(1) / V(6), V(1) / V(3), V(1) / V(3), V(1) / V(6)};
+    const V ahead[4] = {V(0.5), V(0.5), V(1), V(0)};
+    for (std::size_t k = 0; k < 4; ++k) {
+      const Of<S> tau = at_joints(m, stage, torque);
+      forward_in_mode(m, stage.position, stage.velocity, tau, mode_, joints);
+      const S share = t * weight[k], on = t * ahead[k];
+      for (std::size_t i = 0; i < m.count(); ++i) {
+        const JointLaw<S>& law = m.laws[i];
+        const S velocity = stage.velocity[i];
+        sum.position[i] += share * velocity;
+        sum.velocity[i] += share * joints.joint_radps2[i];
+        stage.position[i] = s.position[i] + on * velocity;
+        stage.velocity[i] = s.velocity[i] + on * joints.joint_radps2[i];
+        if (!law.elastic) continue;
+        const S rate = stage.rotor_rate[i];
+        const S acceleration = (torque[i] - law.rotor_damping_nmspr * rate - tau[i]) / law.armature_kgm2;
+        sum.rotor[i] += share * rate;
+        sum.rotor_rate[i] += share * acceleration;
+        stage.rotor[i] = s.rotor[i] + on * rate;
+        stage.rotor_rate[i] = s.rotor_rate[i] + on * acceleration;
+      }
+    }
+    return sum;
+  }
+
+  /// Of each joint, positive while its mode lasts: its velocity in its direction, or what its static friction
+  /// has left; zero without dry friction.
+  template <class S>
+  Of<S> margins(const Model<S, P>& m, const State<S>& s, const Of<S>& torque) const {
+    Of<S> out{};
+    Accelerations<Model<S, P>> joints;
+    bool any_held = false;
+    for (std::size_t i = 0; i < m.count(); ++i) any_held |= mode_.held[i];
+    if (any_held) forward_in_mode(m, s.position, s.velocity, at_joints(m, s, torque), mode_, joints);
+    for (std::size_t i = 0; i < m.count(); ++i) {
+      if (!mode_.held[i]) {
+        out[i] = s.velocity[i] * static_cast<V>(mode_.direction[i]);
+        continue;
+      }
+      const S& holding = joints.holding_nm[i];
+      const S bound = break_away_torque(m.laws[i]) * (V(1) + kBeyond);
+      out[i] = value_of(holding) < V(0) ? S(bound + holding) : S(bound - holding);
+    }
+    return out;
+  }
+
+  /// When joint i's mode ends, before `to`, at which it has ended.
+  T crossing(std::size_t i, const Of<T>& torque, const Of<V>& plain_torque, const T& to) const {
+    const State<V> here = plain(state_);
+    const auto value = [&](V t) {
+      return margins(plain_model(), after(plain_model(), here, plain_torque, t), plain_torque)[i];
+    };
+    const V end = value_of(to);
+    // One that has just set out starts at a margin of zero: it ends after it has been positive.
+    V from = V(0);
+    if (!(value(V(0)) > V(0))) {
+      from = end;
+      for (int halvings = 0; halvings < 20 && !(value(from) > V(0)); ++halvings) from *= V(0.5);
+      if (!(value(from) > V(0))) return T(V(0));
+    }
+    const V time = event_time<V>(from, end, value);
+    if constexpr (kPlain) {
+      return time;
+    } else {
+      const V probe = V(1e-2) * end;
+      const V rate = (value(time + probe) - value(time - probe)) / (V(2) * probe);
+      if (rate == V(0)) return T(time);
+      const T there = margins(model_, after(model_, state_, torque, T(time)), torque)[i];
+      return T(time) - (there - value_of(there)) / rate;
+    }
+  }
+
+  void settle(const Of<V>& torque) {
+    if (!dry_) return;
+    const State<V> s = plain(state_);
+    if (mode_of_motion(plain_model(), s.velocity, mode_) == 0) return;
+    Accelerations<Model<V, P>> joints;
+    settle_friction(plain_model(), s.position, s.velocity, at_joints(plain_model(), s, torque), mode_,
+                    joints);
+  }
+
+  /// A quarter of a radian of the fastest oscillation (a period then loses 1e-4 of its energy), and of the time
+  /// of the fastest damping, joint by joint.
+  V stable_step() const {
+    const Model<V, P>& m = plain_model();
+    const State<V> s = plain(state_);
+    const auto larger = [](V a, V b) { return a > b ? a : b; };
+    V step = longest_step_;
+    Of<V> still{}, torque{};
+    const Of<V> without = accelerations(m, s.position, still, torque);
+    for (std::size_t i = 0; i < count(); ++i) {
+      const JointLaw<V>& law = m.laws[i];
+      V stiffness = law.stiffness_nmprad, damping = law.damping_nmspr, mobility = V(0), rate = V(0);
+      if (law.elastic) {
+        mobility = V(1) / law.armature_kgm2;
+        rate = law.rotor_damping_nmspr * mobility;
+        stiffness += law.drive_stiffness_nmprad;
+        damping += law.drive_damping_nmspr;
+      }
+      torque[i] = V(1);
+      mobility += accelerations(m, s.position, still, torque)[i] - without[i];
+      torque[i] = V(0);
+      rate = larger(rate + damping * mobility, std::sqrt(larger(stiffness * mobility, V(0))));
+      if (rate * step > V(0.25)) step = V(0.25) / rate;
+    }
+    return larger(step, kShortest * longest_step_);
+  }
+
+  struct None {};
+  M model_;
+  [[no_unique_address]] std::conditional_t<kPlain, None, Model<V, P>> plain_{};
+  V longest_step_;
+  V step_ = longest_step_;
+  State<T> state_{};
+  FrictionMode<P::kCapacity> mode_;
+  bool dry_ = false;  ///< any joint
+  int changes_ = 0;
+};
+
+}  // namespace furcula::dynamics::tree

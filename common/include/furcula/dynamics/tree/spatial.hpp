@@ -1,0 +1,229 @@
+// Vectors, rotations and inertias of rigid bodies in space.
+//
+// Written out by components: a compiler then keeps them in registers for every scalar, and there is no loop to
+// unroll. Spatial vectors are pairs of such vectors, angular first (Featherstone, Rigid Body Dynamics
+// Algorithms, 2008, chapter 2).
+#pragma once
+
+#include <utility>
+
+namespace furcula::dynamics::tree {
+
+template <class A, class B>
+using Product = decltype(std::declval<A>() * std::declval<B>());
+
+template <class T>
+struct Vec3 {
+  T x, y, z;
+};
+
+template <class A, class B>
+constexpr Vec3<Product<A, B>> operator+(const Vec3<A>& a, const Vec3<B>& b) {
+  return {a.x + b.x, a.y + b.y, a.z + b.z};
+}
+template <class A, class B>
+constexpr Vec3<Product<A, B>> operator-(const Vec3<A>& a, const Vec3<B>& b) {
+  return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
+template <class T>
+constexpr Vec3<T> operator-(const Vec3<T>& a) {
+  return {-a.x, -a.y, -a.z};
+}
+template <class A, class B>
+constexpr Vec3<Product<A, B>> operator*(const Vec3<A>& a, const B& b) {
+  return {a.x * b, a.y * b, a.z * b};
+}
+template <class T>
+constexpr Vec3<T>& operator+=(Vec3<T>& a, const Vec3<T>& b) {
+  return a = a + b;
+}
+template <class A, class B>
+constexpr Product<A, B> dot(const Vec3<A>& a, const Vec3<B>& b) {
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+template <class A, class B>
+constexpr Vec3<Product<A, B>> cross(const Vec3<A>& a, const Vec3<B>& b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+
+/// By rows.
+template <class T>
+struct Mat3 {
+  Vec3<T> x, y, z;
+};
+
+template <class T>
+constexpr Mat3<T> identity() {
+  return {{T(1), T(0), T(0)}, {T(0), T(1), T(0)}, {T(0), T(0), T(1)}};
+}
+template <class T>
+constexpr Mat3<T> transposed(const Mat3<T>& m) {
+  return {{m.x.x, m.y.x, m.z.x}, {m.x.y, m.y.y, m.z.y}, {m.x.z, m.y.z, m.z.z}};
+}
+template <class A, class B>
+constexpr Vec3<Product<A, B>> operator*(const Mat3<A>& m, const Vec3<B>& v) {
+  return {dot(m.x, v), dot(m.y, v), dot(m.z, v)};
+}
+/// m' v
+template <class A, class B>
+constexpr Vec3<Product<A, B>> transposed_times(const Mat3<A>& m, const Vec3<B>& v) {
+  return {m.x.x * v.x + m.y.x * v.y + m.z.x * v.z, m.x.y * v.x + m.y.y * v.y + m.z.y * v.z,
+          m.x.z * v.x + m.y.z * v.y + m.z.z * v.z};
+}
+template <class A, class B>
+constexpr Mat3<Product<A, B>> operator*(const Mat3<A>& a, const Mat3<B>& b) {
+  return {transposed_times(b, a.x), transposed_times(b, a.y), transposed_times(b, a.z)};
+}
+
+/// Symmetric, six numbers.
+template <class T>
+struct Sym3 {
+  T xx, xy, xz, yy, yz, zz;
+};
+
+template <class A, class B>
+constexpr Sym3<Product<A, B>> operator+(const Sym3<A>& a, const Sym3<B>& b) {
+  return {a.xx + b.xx, a.xy + b.xy, a.xz + b.xz, a.yy + b.yy, a.yz + b.yz, a.zz + b.zz};
+}
+template <class A, class B>
+constexpr Vec3<Product<A, B>> operator*(const Sym3<A>& s, const Vec3<B>& v) {
+  return {s.xx * v.x + s.xy * v.y + s.xz * v.z, s.xy * v.x + s.yy * v.y + s.yz * v.z,
+          s.xz * v.x + s.yz * v.y + s.zz * v.z};
+}
+/// s - u u' d
+template <class T>
+constexpr Sym3<T> less_outer(const Sym3<T>& s, const Vec3<T>& u, const T& d) {
+  const Vec3<T> k = u * d;
+  return {s.xx - k.x * u.x, s.xy - k.x * u.y, s.xz - k.x * u.z,
+          s.yy - k.y * u.y, s.yz - k.y * u.z, s.zz - k.z * u.z};
+}
+/// m' s m
+template <class A, class B>
+constexpr Sym3<Product<A, B>> turned_back(const Mat3<A>& m, const Sym3<B>& s) {
+  using P = Product<A, B>;
+  const Vec3<A> cx{m.x.x, m.y.x, m.z.x}, cy{m.x.y, m.y.y, m.z.y}, cz{m.x.z, m.y.z, m.z.z};
+  const Vec3<P> sx = s * cx, sy = s * cy, sz = s * cz;
+  return {dot(cx, sx), dot(cx, sy), dot(cx, sz), dot(cy, sy), dot(cy, sz), dot(cz, sz)};
+}
+/// -[a]x [a]x
+template <class T>
+constexpr Sym3<T> minus_squared_cross(const Vec3<T>& a) {
+  return {a.y * a.y + a.z * a.z, -(a.x * a.y), -(a.x * a.z),
+          a.x * a.x + a.z * a.z, -(a.y * a.z), a.x * a.x + a.y * a.y};
+}
+
+/// Spatial motion (angular and linear velocity, or acceleration) and spatial force (moment and force), both at
+/// a frame's origin, in its axes.
+template <class T>
+struct Motion {
+  Vec3<T> w, v;
+};
+template <class T>
+struct Force {
+  Vec3<T> n, f;
+};
+
+template <class T>
+constexpr Motion<T> operator+(const Motion<T>& a, const Motion<T>& b) {
+  return {a.w + b.w, a.v + b.v};
+}
+template <class T>
+constexpr Force<T> operator+(const Force<T>& a, const Force<T>& b) {
+  return {a.n + b.n, a.f + b.f};
+}
+template <class T>
+constexpr Force<T>& operator+=(Force<T>& a, const Force<T>& b) {
+  return a = a + b;
+}
+template <class A, class B>
+constexpr Product<A, B> dot(const Motion<A>& m, const Force<B>& f) {
+  return dot(m.w, f.n) + dot(m.v, f.f);
+}
+/// Rate of a force that moves along with `m` (Featherstone's crf).
+template <class A, class B>
+constexpr Force<Product<A, B>> cross(const Motion<A>& m, const Force<B>& f) {
+  return {cross(m.w, f.n) + cross(m.v, f.f), cross(m.w, f.f)};
+}
+
+/// Where a frame is in another, the parent's: `turn` takes the parent's coordinates to the frame's, `at` is the
+/// frame's origin in the parent's coordinates. Together the Pluecker transform, in 12 numbers.
+template <class T>
+struct Frame {
+  Mat3<T> turn;
+  Vec3<T> at;
+
+  /// A motion of the parent, as seen in the frame.
+  template <class B>
+  constexpr Motion<Product<T, B>> motion(const Motion<B>& m) const {
+    return {turn * m.w, turn * (m.v + cross(m.w, at))};
+  }
+  /// A force in the frame, as seen in the parent.
+  template <class B>
+  constexpr Force<Product<T, B>> force_back(const Force<B>& f) const {
+    const auto force = transposed_times(turn, f.f);
+    return {transposed_times(turn, f.n) + cross(at, force), force};
+  }
+  template <class B>
+  constexpr Vec3<Product<T, B>> point_back(const Vec3<B>& p) const {
+    return transposed_times(turn, p) + at;
+  }
+};
+
+/// A frame in a frame in a parent: the inner one in the parent.
+template <class A, class B>
+constexpr Frame<Product<A, B>> within(const Frame<A>& outer, const Frame<B>& inner) {
+  return {inner.turn * outer.turn, outer.point_back(inner.at)};
+}
+
+/// Of a rigid body, about a frame's origin: ten numbers on which the equations of motion depend linearly.
+template <class T>
+struct Inertia {
+  T mass_kg;
+  Vec3<T> moment_kgm;    ///< mass times position of the centre of mass
+  Sym3<T> inertia_kgm2;  ///< about the origin
+
+  constexpr Force<T> times(const Motion<T>& m) const {
+    return {inertia_kgm2 * m.w + cross(moment_kgm, m.v), m.v * mass_kg - cross(moment_kgm, m.w)};
+  }
+};
+
+template <class A, class B>
+constexpr Inertia<Product<A, B>> operator+(const Inertia<A>& a, const Inertia<B>& b) {
+  return {a.mass_kg + b.mass_kg, a.moment_kgm + b.moment_kgm, a.inertia_kgm2 + b.inertia_kgm2};
+}
+
+/// From the inertia about the centre of mass, which is at `centre_m`; the axes are the frame's.
+template <class T>
+constexpr Inertia<T> inertia_of(const T& mass_kg, const Vec3<T>& centre_m, const Sym3<T>& about_centre_kgm2) {
+  const Sym3<T> s = minus_squared_cross(centre_m);
+  return {mass_kg, centre_m * mass_kg,
+          about_centre_kgm2 + Sym3<T>{s.xx * mass_kg, s.xy * mass_kg, s.xz * mass_kg, s.yy * mass_kg,
+                                      s.yz * mass_kg, s.zz * mass_kg}};
+}
+
+/// The inertia of a body that is given in `frame`, in that frame's parent.
+template <class A, class B>
+constexpr Inertia<Product<A, B>> inertia_back(const Frame<A>& frame, const Inertia<B>& b) {
+  const auto h = transposed_times(frame.turn, b.moment_kgm);
+  const auto i = turned_back(frame.turn, b.inertia_kgm2);
+  // Steiner twice, by the first moment: I - [r]x[h]x - [h]x[r]x - m [r]x[r]x
+  const auto& r = frame.at;
+  const auto s = minus_squared_cross(r);
+  const auto two = dot(r, h) + dot(r, h);
+  return {
+      b.mass_kg * A(1),
+      h + r * b.mass_kg,
+      {i.xx + s.xx * b.mass_kg + (two - (r.x * h.x + h.x * r.x)),
+       i.xy + s.xy * b.mass_kg - (r.x * h.y + h.x * r.y), i.xz + s.xz * b.mass_kg - (r.x * h.z + h.x * r.z),
+       i.yy + s.yy * b.mass_kg + (two - (r.y * h.y + h.y * r.y)),
+       i.yz + s.yz * b.mass_kg - (r.y * h.z + h.y * r.z),
+       i.zz + s.zz * b.mass_kg + (two - (r.z * h.z + h.z * r.z))}};
+}
+
+/// Turns about the z axis.
+template <class T>
+constexpr Mat3<T> turn_about_z(const T& cosine, const T& sine) {
+  return {{cosine, sine, T(0)}, {-sine, cosine, T(0)}, {T(0), T(0), T(1)}};
+}
+
+}  // namespace furcula::dynamics::tree

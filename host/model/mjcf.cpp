@@ -1,0 +1,159 @@
+// Writing MJCF, see mjcf.hpp.
+#include "host/model/mjcf.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "host/log/message.hpp"
+
+namespace furcula::model {
+namespace {
+
+using dynamics::tree::Inertia;
+using dynamics::tree::Mat3;
+using log::shortest;
+
+std::string escaped(const std::string& text) {
+  std::string out;
+  for (const char c : log::printable(text)) switch (c) {
+      case '&':
+        out += "&amp;";
+        break;
+      case '<':
+        out += "&lt;";
+        break;
+      case '>':
+        out += "&gt;";
+        break;
+      case '"':
+        out += "&quot;";
+        break;
+      default:
+        out += c;
+    }
+  return out;
+}
+std::string attribute(const char* name, const std::string& value) {
+  return std::string(" ") + name + "=\"" + value + "\"";
+}
+std::string attribute(const char* name, double value) { return attribute(name, shortest(value)); }
+std::string attribute(const char* name, const Vec3<double>& v) {
+  return attribute(name, shortest(v.x) + " " + shortest(v.y) + " " + shortest(v.z));
+}
+
+/// Position, and the quaternion (w x y z) that takes the frame's coordinates to the parent's.
+std::string place(const Frame<double>& f) {
+  const Mat3<double>& e = f.turn;  // parent's to frame's: the transposed
+  // The largest part first: the others are divided by it.
+  const double squares[4] = {1 + e.x.x + e.y.y + e.z.z, 1 + e.x.x - e.y.y - e.z.z, 1 - e.x.x + e.y.y - e.z.z,
+                             1 - e.x.x - e.y.y + e.z.z};
+  const auto largest = std::max_element(squares, squares + 4) - squares;
+  const double wx = e.y.z - e.z.y, wy = e.z.x - e.x.z, wz = e.x.y - e.y.x;
+  const double xy = e.x.y + e.y.x, xz = e.x.z + e.z.x, yz = e.y.z + e.z.y;
+  const double rows[4][4] = {
+      {squares[0], wx, wy, wz}, {wx, squares[1], xy, xz}, {wy, xy, squares[2], yz}, {wz, xz, yz, squares[3]}};
+  const double scale = 0.5 / std::sqrt(squares[largest]);
+  std::string quaternion;
+  for (const double part : rows[largest])
+    quaternion += (quaternion.empty() ? "" : " ") + shortest(part * scale);
+  return attribute("pos", f.at) + attribute("quat", quaternion);
+}
+
+std::string inertial(const Inertia<double>& b) {
+  const Vec3<double> c = b.moment_kgm * (1.0 / b.mass_kg);
+  const Sym3<double>& o = b.inertia_kgm2;
+  const Sym3<double> s = dynamics::tree::minus_squared_cross(c);
+  const double full[6] = {o.xx - s.xx * b.mass_kg, o.yy - s.yy * b.mass_kg, o.zz - s.zz * b.mass_kg,
+                          o.xy - s.xy * b.mass_kg, o.xz - s.xz * b.mass_kg, o.yz - s.yz * b.mass_kg};
+  std::string text;
+  for (const double part : full) text += (text.empty() ? "" : " ") + shortest(part);
+  return "<inertial" + attribute("pos", c) + attribute("mass", b.mass_kg) + attribute("fullinertia", text) +
+         "/>\n";
+}
+
+class Writer {
+ public:
+  Writer(const RobotTree& robot, const std::vector<PositionGains>& gains) : robot_(robot), gains_(gains) {}
+
+  std::string write() {
+    out_ = "<mujoco" + attribute("model", escaped(robot_.name)) + ">\n";
+    note_what_is_left_out();
+    out_ += "  <compiler angle=\"radian\"/>\n  <option" + attribute("gravity", robot_.model.gravity_mps2) +
+            "/>\n  <worldbody>\n";
+    sites(-1, "    ");
+    for (std::size_t i = 0; i < robot_.joints.size(); ++i)
+      if (robot_.model.shape().parent(i) < 0) body(i, "    ");
+    out_ += "  </worldbody>\n  <actuator>\n";
+    for (const RobotTree::Joint& j : robot_.joints) actuator(j);
+    return out_ + "  </actuator>\n</mujoco>\n";
+  }
+
+ private:
+  void note_what_is_left_out() {
+    for (std::size_t i = 0; i < robot_.joints.size(); ++i) {
+      const auto& law = robot_.model.laws[i];
+      std::string name = log::printable(robot_.joints[i].name);
+      std::replace(name.begin(), name.end(), '-', '_');  // a comment holds no two hyphens
+      if (law.static_friction_nm > law.friction_nm)
+        out_ += "  <!-- " + name + ": static friction " + shortest(law.static_friction_nm) +
+                " is more than MJCF holds -->\n";
+      if (law.elastic)
+        out_ += "  <!-- " + name + ": the drive's stiffness " + shortest(law.drive_stiffness_nmprad) +
+                " is left out; its rotor counts as the joint's -->\n";
+    }
+  }
+  void sites(int joint, const std::string& indent) {
+    for (const RobotTree::Link& link : robot_.links)
+      if (link.joint == joint &&
+          (joint < 0 || link.name != robot_.joints[static_cast<std::size_t>(joint)].link))
+        out_ += indent + "<site" + attribute("name", escaped(link.name)) + place(link.frame) + "/>\n";
+  }
+  // The depth of bodies within each other is at most kMostJoints.
+  void body(std::size_t i, const std::string& indent) {  // NOLINT(misc-no-recursion)
+    const RobotTree::Joint& j = robot_.joints[i];
+    const auto& law = robot_.model.laws[i];
+    const std::string in = indent + "  ";
+    const bool slides = j.kind == UrdfJoint::Kind::prismatic;
+    out_ += indent + "<body" + attribute("name", escaped(j.link)) + place(j.placement) + ">\n";
+    out_ += in + inertial(robot_.model.body(i));
+    out_ += in + "<joint" + attribute("name", escaped(j.name)) +
+            attribute("type", slides ? "slide" : "hinge") + attribute("axis", j.axis) +
+            attribute("armature", law.armature_kgm2) + attribute("damping", law.damping_nmspr) +
+            attribute("frictionloss", law.friction_nm);
+    if (law.stiffness_nmprad != 0.0)
+      out_ += attribute("stiffness", law.stiffness_nmprad) + attribute("springref", law.rest_rad);
+    if (j.limits && j.limits->lower < j.limits->upper && j.kind != UrdfJoint::Kind::continuous)
+      out_ += attribute("limited", "true") +
+              attribute("range", shortest(j.limits->lower) + " " + shortest(j.limits->upper));
+    out_ += "/>\n";
+    sites(static_cast<int>(i), in);
+    for (std::size_t k = i + 1; k < robot_.joints.size(); ++k)
+      if (robot_.model.shape().parent(k) == static_cast<int>(i)) body(k, in);
+    out_ += indent + "</body>\n";
+  }
+  void actuator(const RobotTree::Joint& j) {
+    const auto gains =
+        std::find_if(gains_.begin(), gains_.end(), [&](const PositionGains& g) { return g.joint == j.name; });
+    const std::string names = attribute("name", escaped(j.name)) + attribute("joint", escaped(j.name));
+    if (gains == gains_.end()) {
+      out_ += "    <motor" + names + "/>\n";
+      return;
+    }
+    out_ += "    <general" + names + attribute("biastype", "affine") +
+            attribute("gainprm", gains->kp_nmprad) +
+            attribute("biasprm", "0 " + shortest(-gains->kp_nmprad) + " " + shortest(-gains->kd_nmsprad)) +
+            "/>\n";
+  }
+
+  const RobotTree& robot_;
+  const std::vector<PositionGains>& gains_;
+  std::string out_;
+};
+
+}  // namespace
+
+std::string format_mjcf(const RobotTree& robot, const std::vector<PositionGains>& gains) {
+  return Writer(robot, gains).write();
+}
+
+}  // namespace furcula::model
