@@ -5,7 +5,6 @@
 #include <cmath>
 #include <optional>
 #include <span>
-#include <utility>
 #include <vector>
 
 #include "furcula/dynamics/axis.hpp"
@@ -140,12 +139,11 @@ void with_stages(const PlantSetup<T>& setup, const Recording& r, const Use& use)
         std::span<const T>(setup.parameters.data(), Parameters::kMembers.size()));
   };
   const auto run = [&]<class Plant, class Parameters>() {
-    Plant plant(parameters.template operator()<Parameters>(), setup.effects);
-    if constexpr (requires { plant.fit_clutch(setup.clutch); })
-      if (dynamics::value_of(setup.clutch.tooth_pitch_m) > 0.0) plant.fit_clutch(setup.clutch);
     dynamics::Stages<Plant, T> stages(
-        std::move(plant), setup.effects, dynamics::Clock::encoder,
+        parameters.template operator()<Parameters>(), setup.effects, dynamics::Clock::encoder,
         r.drive_command.empty() ? dynamics::Input::command : dynamics::Input::drive_torque);
+    if constexpr (requires { stages.plant().fit_clutch(setup.clutch); })
+      if (dynamics::value_of(setup.clutch.tooth_pitch_m) > 0.0) stages.plant().fit_clutch(setup.clutch);
     use(stages);
   };
   using namespace dynamics;

@@ -111,8 +111,7 @@ double drive(const Scenario& scenario, double time_s) {
 /// The plant of a kind without a board of its own, between its drive and its encoder.
 template <class Plant, class Parameters>
 dynamics::Stages<Plant, double> stages_of(const model::Model& model) {
-  const dynamics::Effects<double> effects = effects_of(model);
-  return {Plant(parameters_of<Parameters>(model), effects), effects};
+  return {parameters_of<Parameters>(model), effects_of(model)};
 }
 
 std::size_t rows_of(const Scenario& scenario) {

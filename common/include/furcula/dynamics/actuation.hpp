@@ -68,7 +68,7 @@ class Drive {
       : Drive(EffectsOf<T, Stage::actuation>(effects), behind_s) {}
 
   /// True if it makes exactly what is commanded.
-  bool ideal() const { return !delays_ && !lags_ && !limits_; }
+  bool ideal() const { return ideal_; }
 
   /// True if earlier commands than a row's own act in it, other than by a lag; and from how long before, s.
   bool delays() const { return delays_; }
@@ -93,6 +93,27 @@ class Drive {
   /// What its current would show at the instant of the row that torque() is called for next, once its command
   /// has arrived. A delay is smoothed over a step.
   T shown(const Commands<V>& commands, std::size_t row, V dt_s) const {
+    return ideal_ ? T(commands.command[row]) : sampled(commands, row, dt_s);
+  }
+
+  /// Mean from row `row` on over `dt_s` seconds. Call for one row after the other.
+  T torque(const Commands<V>& commands, std::size_t row, V dt_s) {
+    return ideal_ ? T(commands.command[row]) : follow(commands, row, dt_s);
+  }
+
+ private:
+  Drive(const EffectsOf<T, Stage::actuation>& e, const std::optional<T>& behind_s)
+      : delays_(e.has(Effect::actuator_delay) || behind_s.has_value()),
+        lags_(e.has(Effect::actuator_lag)),
+        limits_(e.has(Effect::torque_saturation)),
+        ideal_(!delays_ && !lags_ && !limits_),
+        delay_(e.value_or(Effect::actuator_delay, T(V(0)))),
+        time_constant_(e.value(Effect::actuator_lag)),
+        limit_(e.value(Effect::torque_saturation)) {
+    if (behind_s) delay_ += *behind_s;
+  }
+
+  T sampled(const Commands<V>& commands, std::size_t row, V dt_s) const {
     if (lags_) return lagging_;
     if (!delays_) return target(commands, row, dt_s);
     // Sampled at an instant: the mean over up to a step about it, so that it has a derivative.
@@ -106,8 +127,7 @@ class Drive {
     return limits_ ? limited(now) : now;
   }
 
-  /// Mean from row `row` on over `dt_s` seconds. Call for one row after the other.
-  T torque(const Commands<V>& commands, std::size_t row, V dt_s) {
+  T follow(const Commands<V>& commands, std::size_t row, V dt_s) {
     const T wanted = target(commands, row, dt_s);
     if (!lags_) return wanted;
     using std::exp;
@@ -122,17 +142,6 @@ class Drive {
       lagging_ = wanted;
     }
     return mean;
-  }
-
- private:
-  Drive(const EffectsOf<T, Stage::actuation>& e, const std::optional<T>& behind_s)
-      : delays_(e.has(Effect::actuator_delay) || behind_s.has_value()),
-        lags_(e.has(Effect::actuator_lag)),
-        limits_(e.has(Effect::torque_saturation)),
-        delay_(e.value_or(Effect::actuator_delay, T(V(0)))),
-        time_constant_(e.value(Effect::actuator_lag)),
-        limit_(e.value(Effect::torque_saturation)) {
-    if (behind_s) delay_ += *behind_s;
   }
 
   /// Mean over the row's step of the command, delayed and limited.
@@ -152,7 +161,7 @@ class Drive {
                                                   : torque;
   }
 
-  bool delays_, lags_, limits_;
+  bool delays_, lags_, limits_, ideal_;
   T delay_, time_constant_, limit_;
   T lagging_{};
 };

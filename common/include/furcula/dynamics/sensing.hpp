@@ -26,16 +26,7 @@ class Sensing {
   /// True if each position is measured as it is, at whatever instant.
   bool ideal() const { return ideal_; }
 
-  T measured(const T& position) const {
-    if (ideal_) return position;
-    T z = position;
-    if (e_.has(Effect::height_scale_error))
-      z = reference_ + e_.value(Effect::height_scale_error) * (z - reference_);
-    if (e_.has(Effect::height_eccentricity))
-      z += e_.value(Effect::height_eccentricity, 0) * swing(position, false);
-    if (e_.has(Effect::encoder_offset)) z += e_.value(Effect::encoder_offset);
-    return z;
-  }
+  T measured(const T& position) const { return ideal_ ? position : distorted(position); }
 
   /// Measured velocity over true velocity at a position.
   T gain(const T& position) const {
@@ -97,6 +88,16 @@ class Sensing {
 
  private:
   static constexpr double kTwoPi = 6.283185307179586;
+
+  T distorted(const T& position) const {
+    T z = position;
+    if (e_.has(Effect::height_scale_error))
+      z = reference_ + e_.value(Effect::height_scale_error) * (z - reference_);
+    if (e_.has(Effect::height_eccentricity))
+      z += e_.value(Effect::height_eccentricity, 0) * swing(position, false);
+    if (e_.has(Effect::encoder_offset)) z += e_.value(Effect::encoder_offset);
+    return z;
+  }
 
   T swing(const T& z, bool slope) const {
     using std::cos;

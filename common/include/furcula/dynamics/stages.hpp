@@ -2,10 +2,10 @@
 // of identification and the residual force of a diagnosis run a machine through these four stages.
 #pragma once
 
+#include <concepts>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
-#include <utility>
 
 #include "furcula/dynamics/actuation.hpp"
 #include "furcula/dynamics/sensing.hpp"
@@ -52,13 +52,20 @@ class Stages {
  public:
   using V = ValueOf<T>;
 
-  /// A plant with the effects that it was made with.
-  Stages(Plant plant, const Effects<T>& effects, Clock clock = Clock::commands, Input input = Input::command)
-      : plant_(std::move(plant)),
+  /// Of the plant's parameters.
+  template <class Parameters>
+  requires std::constructible_from < Plant, const Parameters&, const Effects<T>
+  & > Stages(const Parameters& parameters, const Effects<T>& effects, Clock clock = Clock::commands,
+             Input input = Input::command)
+      : plant_(parameters, effects),
+  sensing_(effects, reference_of<T>(plant_)), actuation_(actuation_of(effects, clock, input)) {}
+
+  /// Of a plant with the effects that it was made with.
+  Stages(const Plant& plant, const Effects<T>& effects, Clock clock = Clock::commands,
+         Input input = Input::command)
+      : plant_(plant),
         sensing_(effects, reference_of<T>(plant_)),
-        actuation_{
-            drive_of(effects, input, clock == Clock::encoder ? sensing_.skew_s() : std::optional<T>()),
-            Motor<T>(effects)} {}
+        actuation_(actuation_of(effects, clock, input)) {}
 
   Actuation<T>& actuation() { return actuation_; }
   Plant& plant() { return plant_; }
@@ -72,13 +79,17 @@ class Stages {
 
   /// As they are measured.
   T position() const { return sensing_.measured(position_of(plant_)); }
-  T velocity() const { return velocity_of(plant_) * sensing_.gain(position_of(plant_)); }
+  T velocity() const {
+    if (sensing_.ideal()) return velocity_of(plant_);
+    return velocity_of(plant_) * sensing_.gain(position_of(plant_));
+  }
 
   /// The plant's state where these are measured.
   struct State {
     T position, velocity;
   };
   State behind(const T& position, const T& velocity) const {
+    if (sensing_.ideal()) return {position, velocity};
     const T at = sensing_.position(position);
     return {at, T(velocity / sensing_.gain(at))};
   }
@@ -89,8 +100,11 @@ class Stages {
   }
 
  private:
-  static Drive<T> drive_of(const Effects<T>& effects, Input input, const std::optional<T>& behind_s) {
-    return input == Input::command ? Drive<T>(effects, behind_s) : Drive<T>(Effects<T>{}, behind_s);
+  Actuation<T> actuation_of(const Effects<T>& effects, Clock clock, Input input) const {
+    std::optional<T> behind_s;
+    if (clock == Clock::encoder) behind_s = sensing_.skew_s();
+    return {input == Input::command ? Drive<T>(effects, behind_s) : Drive<T>(Effects<T>{}, behind_s),
+            Motor<T>(effects)};
   }
 
   Plant plant_;
