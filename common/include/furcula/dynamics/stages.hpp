@@ -2,7 +2,6 @@
 // of identification and the residual force of a diagnosis run a machine through these four stages.
 #pragma once
 
-#include <concepts>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -54,11 +53,11 @@ class Stages {
 
   /// Of the plant's parameters.
   template <class Parameters>
-  requires std::constructible_from < Plant, const Parameters&, const Effects<T>
-  & > Stages(const Parameters& parameters, const Effects<T>& effects, Clock clock = Clock::commands,
-             Input input = Input::command)
+  Stages(const Parameters& parameters, const Effects<T>& effects, Clock clock = Clock::commands,
+         Input input = Input::command)
       : plant_(parameters, effects),
-  sensing_(effects, reference_of<T>(plant_)), actuation_(actuation_of(effects, clock, input)) {}
+        sensing_(effects, reference_of<T>(plant_)),
+        actuation_(actuation_of(effects, clock, input)) {}
 
   /// Of a plant with the effects that it was made with.
   Stages(const Plant& plant, const Effects<T>& effects, Clock clock = Clock::commands,
