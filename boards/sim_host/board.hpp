@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "boards/sim_host/contact_switch.hpp"
-#include "boards/sim_host/drive.hpp"
 #include "boards/sim_host/faults.hpp"
+#include "boards/sim_host/live_commands.hpp"
 #include "boards/sim_host/plant.hpp"
 #include "boards/sim_host/random.hpp"
 #include "boards/sim_host/sensors.hpp"
@@ -17,7 +17,7 @@
 #include "firmware/app/start_fault.hpp"
 #include "furcula/bus/motors.hpp"
 #include "furcula/core/count.hpp"
-#include "furcula/dynamics/sensing.hpp"
+#include "furcula/dynamics/stages.hpp"
 
 namespace furcula::sim_host {
 
@@ -62,16 +62,15 @@ class SimBoard {
 
   explicit SimBoard(const RigConfig& config)
       : config_(config),
-        plant_(config.plant),
-        drive_(config.effects),
-        sensing_(config.effects, plant_.touchdown_height_m()),
+        stages_(config.plant, config.effects),
         encoder_(config.sensors, kHeightCountM, config.seed),
-        switch_(config.sensors, config.effects.value_or(dynamics::Effect::contact_delay, 0.0), config.seed),
+        switch_(config.sensors, stages_.sensing().contact_delay_s(), config.seed),
         ground_(config.seed, 4),
         ticks_(static_cast<std::uint32_t>(std::lround(config.duration_s / kPeriodS))) {
-    plant_.reset(config.start_height_m, config.start_velocity_mps);
+    stages_.plant().reset(config.start_height_m, config.start_velocity_mps);
     note_faults();
-    home_ = std::llround(sensing_.measured(config.start_height_m) / metres_per_count(config.sensors));
+    home_ =
+        std::llround(stages_.sensing().measured(config.start_height_m) / metres_per_count(config.sensors));
   }
 
   // The board's seam.
@@ -123,7 +122,7 @@ class SimBoard {
   // What a simulation sees.
 
   double time_s() const { return static_cast<double>(tick_) * kPeriodS; }
-  const Plant& plant() const { return plant_; }
+  const Plant& plant() const { return stages_.plant(); }
   const RigConfig& config() const { return config_; }
   /// Of a clutch of two delays, at this tick.
   bool coil_switched_on() const {
@@ -145,11 +144,12 @@ class SimBoard {
   /// As the rig derives it from counts; with ideal sensors the plant's own.
   double measured_velocity_mps() const {
     const bool ideal = !config_.sensors.quantisation && !config_.sensors.noise;
-    return ideal ? plant_.velocity_mps() * sensing_.gain(plant_.height_m())
-                 : static_cast<double>(telemetry_.outputs.height.velocity_mps);
+    return ideal ? stages_.velocity() : static_cast<double>(telemetry_.outputs.height.velocity_mps);
   }
   /// What the drive's current says of its torque, once the command of this tick has arrived.
-  double measured_torque_nm() { return drive_.shows(static_cast<double>(command_.torque_nm), kPeriodS); }
+  double measured_torque_nm() {
+    return commands_.shown(stages_.actuation(), static_cast<double>(command_.torque_nm), kPeriodS);
+  }
   void request_reset() { reset_requested_ = true; }
   /// Before the first tick: what the start found.
   void report_start_fault(control::Fault fault) { start_fault_ = fault; }
@@ -171,18 +171,19 @@ class SimBoard {
  private:
   void pass_millisecond() {
     if (time_s() - kicked_s_ > kWatchdogS) command_ = {};
-    if (plant_.clutched() != nullptr) plant_.set_voltage(coil_volts());
-    if (!config_.coil_switches.empty()) plant_.energise(coil_switched_on());
+    if (stages_.plant().clutched() != nullptr) stages_.plant().set_voltage(coil_volts());
+    if (!config_.coil_switches.empty()) stages_.plant().energise(coil_switched_on());
     if (config_.ground_steps_m > 0.0) move_ground();
-    plant_.advance(motor_torque_nm(), kPeriodS);
-    switch_.follow(plant_, time_s());
+    stages_.plant().advance(motor_torque_nm(), kPeriodS);
+    switch_.follow(stages_.plant(), time_s());
     ++tick_;
     note_faults();
   }
 
   /// What acts on the leg: of a motor that is off, nothing.
   double motor_torque_nm() {
-    const double torque_nm = drive_.step(static_cast<double>(command_.torque_nm), kPeriodS);
+    const double torque_nm =
+        commands_.torque(stages_.actuation(), static_cast<double>(command_.torque_nm), kPeriodS);
     if (config_.faults.empty() || command_.torque_nm == 0.0f) return torque_nm;
     return (active(RigFault::drive_reversed) ? -torque_nm : torque_nm) +
            (active(RigFault::torque_offset_hidden) ? config_.torque_offset_nm : 0.0);
@@ -200,7 +201,7 @@ class SimBoard {
     if (config_.faults.empty()) return supply_v * static_cast<double>(command_.coil_duty);
     // A key that sticks is one that the coil does not pull, or one that the coil holds.
     if (active(RigFault::coil_open) || active(RigFault::coil_shorted)) return 0.0;
-    const bool caught = plant_.clutched() == nullptr || plant_.clutched()->caught();
+    const bool caught = stages_.plant().clutched() == nullptr || stages_.plant().clutched()->caught();
     if (active(RigFault::key_stuck_caught) && caught) return 0.0;
     const bool held = active(RigFault::key_stuck_released) && !caught;
     return supply_v *
@@ -209,8 +210,9 @@ class SimBoard {
 
   /// At the apex, under the toe.
   void move_ground() {
-    const bool falls = plant_.velocity_mps() < 0.0 && !plant_.in_stance();
-    if (falls && !fell_) plant_.set_ground(ground_.uniform(-config_.ground_steps_m, config_.ground_steps_m));
+    const bool falls = stages_.plant().velocity_mps() < 0.0 && !stages_.plant().in_stance();
+    if (falls && !fell_)
+      stages_.plant().set_ground(ground_.uniform(-config_.ground_steps_m, config_.ground_steps_m));
     fell_ = falls;
   }
 
@@ -220,8 +222,8 @@ class SimBoard {
 
   void measure() {
     const bool faults = !config_.faults.empty();
-    const bool reading = switch_.read(plant_, static_cast<double>(command_.torque_nm), time_s());
-    double height_m = encoder_.measure(sensing_.measured(plant_.height_m()));
+    const bool reading = switch_.read(stages_.plant(), static_cast<double>(command_.torque_nm), time_s());
+    double height_m = encoder_.measure(stages_.position());
     if (faults) height_m += miscounted_m(height_m);
     if (faults && active(RigFault::encoder_frozen)) {
       sample_.age_us += 1000;
@@ -232,7 +234,7 @@ class SimBoard {
       const std::int64_t count = std::llround(height_m / metres_per_count(config_.sensors)) - home_;
       sample_.height_count = kHomeCount + static_cast<std::uint32_t>(count);
     }
-    leg_angle_rad_ = plant_.leg_angle_rad();
+    leg_angle_rad_ = stages_.plant().leg_angle_rad();
     sample_.home_count = kHomeCount;
     sample_.home_height_m =
         static_cast<float>(static_cast<double>(home_) * metres_per_count(config_.sensors));
@@ -241,7 +243,7 @@ class SimBoard {
     sample_.contact = reading ? 1 : 0;
     if (config_.cable_count_m > 0.0) {
       sample_.cable_home_count = kHomeCount;
-      const double paid_out_m = plant_.cable_travel_m() + config_.cable_loose_m;
+      const double paid_out_m = stages_.plant().cable_travel_m() + config_.cable_loose_m;
       sample_.cable_count =
           kHomeCount + static_cast<std::uint32_t>(std::llround(paid_out_m / config_.cable_count_m));
     }
@@ -257,7 +259,8 @@ class SimBoard {
   }
 
   bool flies_released() const {
-    return plant_.clutched() != nullptr && !plant_.clutched()->caught() && !plant_.in_stance();
+    return stages_.plant().clutched() != nullptr && !stages_.plant().clutched()->caught() &&
+           !stages_.plant().in_stance();
   }
 
   /// What the encoder's faults have added to its count so far; it stays when they have gone.
@@ -276,9 +279,8 @@ class SimBoard {
   static constexpr std::uint32_t kHomeCount = 0xfffffff0u;
 
   RigConfig config_;
-  Plant plant_;
-  Drive drive_;
-  dynamics::Sensing<double> sensing_;
+  dynamics::Stages<Plant, double> stages_;
+  LiveCommands commands_;
   Encoder encoder_;
   ContactSwitch switch_;
   Random ground_;

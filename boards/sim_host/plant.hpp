@@ -116,15 +116,10 @@ class Plant {
 
   /// Whether a law is on that sits in the mechanism, in a contact, or between the motor and the leg.
   static bool changes_motion(const dynamics::Effects<double>& effects) {
-    using dynamics::Effect;
+    using dynamics::EffectsOf;
     using dynamics::Stage;
-    for (const auto& e : dynamics::kCatalogue) {
-      if (!effects.has(e.effect)) continue;
-      if (e.stage == Stage::mechanism || e.stage == Stage::contact || e.effect == Effect::torque_ripple ||
-          e.effect == Effect::backlash)
-        return true;
-    }
-    return false;
+    return EffectsOf<double, Stage::mechanism>(effects).any() ||
+           EffectsOf<double, Stage::contact>(effects).any() || !dynamics::Rotor<double>(effects).ideal();
   }
 
  private:

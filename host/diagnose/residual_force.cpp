@@ -19,14 +19,17 @@ constexpr std::size_t kFewestRows = 7;
 /// What a model makes of a recording's measured states, its drive's and its sensors' effects included.
 class Acceleration {
  public:
-  Acceleration(const model::Model& m) : kind_(m.kind), setup_(m, {}, nullptr) {}
+  explicit Acceleration(const model::Model& m) : setup_(m, {}, nullptr) {}
 
   /// What reaches the plant in each row.
   std::vector<double> inputs(const Recording& r) const {
     std::vector<double> all;
-    identify::detail::Driven<double> driven(setup_, r, 0);
-    for (std::size_t i = 0; i + 1 < r.rows(); ++i)
-      all.push_back(driven.next(i, r.time_s[i + 1] - r.time_s[i]));
+    const dynamics::Commands<double> commands = r.commands();
+    identify::with_stages(setup_, r, [&](auto& stages) {
+      stages.actuation().drive.start(commands, 0);
+      for (std::size_t i = 0; i + 1 < r.rows(); ++i)
+        all.push_back(stages.actuation().torque(commands, i, r.time_s[i + 1] - r.time_s[i]));
+    });
     all.push_back(all.back());
     return all;
   }
@@ -34,23 +37,20 @@ class Acceleration {
   /// The acceleration that would be measured at a measured state of the row.
   double at(const Recording& r, std::size_t row, double position, double velocity, double input) const {
     double result = 0.0;
-    identify::with_plant(kind_, setup_, [&](auto& plant) {
-      const dynamics::Sensing<double> sensing(setup_.effects, identify::detail::reference<double>(plant));
-      const double true_position = sensing.position(position - identify::detail::slipped(setup_, r, row));
-      const double true_velocity = velocity / sensing.gain(true_position);
-      if constexpr (requires { plant.reset_loose(position, velocity); })
-        plant.reset_loose(true_position, true_velocity);  // a held belt has no acceleration
+    identify::with_stages(setup_, r, [&](auto& stages) {
+      const auto start =
+          stages.behind(position - identify::detail::slipped(stages.sensing(), r, row), velocity);
+      if constexpr (requires { stages.plant().reset_loose(position, velocity); })
+        stages.plant().reset_loose(start.position, start.velocity);  // a held belt has no acceleration
       else
-        plant.reset(true_position, true_velocity);
-      plant.advance(input, kProbe_s);
-      const double then = identify::detail::speed(plant) * sensing.gain(identify::detail::height(plant));
-      result = (then - velocity) / kProbe_s;
+        stages.plant().reset(start.position, start.velocity);
+      stages.plant().advance(input, kProbe_s);
+      result = (stages.velocity() - velocity) / kProbe_s;
     });
     return result;
   }
 
  private:
-  Kind kind_;
   identify::PlantSetup<double> setup_;
 };
 

@@ -110,7 +110,7 @@ struct PlantSetup {
     constexpr auto kLinks = dynamics::Effect::leg_inertia;
     if (std::any_of(unknowns.begin(), unknowns.end(),
                     [](const Unknown& u) { return u.of_effect && u.effect == kLinks; })) {
-      std::array<T, 3> links{effects.value(kLinks, 0), effects.value(kLinks, 1), effects.value(kLinks, 2)};
+      auto links = dynamics::EffectsOf<T, dynamics::Stage::mechanism>(effects).values(kLinks);
       links_to_law(links, model.parameter("link_length_m"));
       effects.set(kLinks, links);
     }

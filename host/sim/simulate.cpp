@@ -13,6 +13,7 @@
 #include "firmware/app/app.hpp"
 #include "furcula/dynamics/axis.hpp"
 #include "furcula/dynamics/simple_clutch_bench.hpp"
+#include "furcula/dynamics/stages.hpp"
 #include "host/log/error.hpp"
 #include "host/log/message.hpp"
 #include "host/sim/recorder.hpp"
@@ -107,39 +108,47 @@ double drive(const Scenario& scenario, double time_s) {
   return 0.0;
 }
 
+/// The plant of a kind without a board of its own, between its drive and its encoder.
+template <class Plant, class Parameters>
+dynamics::Stages<Plant, double> stages_of(const model::Model& model) {
+  return {parameters_of<Parameters>(model), effects_of(model)};
+}
+
+std::size_t rows_of(const Scenario& scenario) {
+  return static_cast<std::size_t>(std::llround(scenario.duration_s / SimBoard::kPeriodS));
+}
+
 template <class Parameters>
 void simulate_axis(const model::Model& model, const Scenario& scenario, std::uint64_t seed, log::Log& log,
                    const char* position_column, const char* drive_column, double count) {
-  dynamics::Axis<Parameters, double> plant(parameters_of<Parameters>(model), effects_of(model));
-  plant.reset(scenario.start_position, scenario.start_velocity);
+  auto stages = stages_of<dynamics::Axis<Parameters, double>, Parameters>(model);
+  stages.plant().reset(scenario.start_position, scenario.start_velocity);
   sim_host::Encoder encoder(scenario.sensors, count, seed);
-  sim_host::Drive drive_of_axis(effects_of(model));
-  const dynamics::Sensing<double> sensing(effects_of(model), 0.0);
+  sim_host::LiveCommands commands;
   auto& time_s = log.columns["time_s"];
   auto& position = log.columns[position_column];
   auto& input = log.columns[drive_column];
-  const auto rows = static_cast<std::size_t>(std::llround(scenario.duration_s / SimBoard::kPeriodS));
-  for (std::size_t row = 0; row < rows; ++row) {
+  for (std::size_t row = 0; row < rows_of(scenario); ++row) {
     time_s.push_back(static_cast<double>(row) * SimBoard::kPeriodS);
-    position.push_back(encoder.measure(sensing.measured(plant.position())));
+    position.push_back(encoder.measure(stages.position()));
     input.push_back(drive(scenario, time_s.back()));
-    plant.advance(drive_of_axis.step(input.back(), SimBoard::kPeriodS), SimBoard::kPeriodS);
+    stages.plant().advance(commands.torque(stages.actuation(), input.back(), SimBoard::kPeriodS),
+                           SimBoard::kPeriodS);
   }
 }
 
 void simulate_carriage(const model::Model& model, const Scenario& scenario, std::uint64_t seed,
                        log::Log& log) {
-  dynamics::RailCarriage<double> plant(parameters_of<dynamics::RailCarriageParameters<double>>(model),
-                                       effects_of(model));
+  auto stages = stages_of<dynamics::RailCarriage<double>, dynamics::RailCarriageParameters<double>>(model);
+  auto& plant = stages.plant();
   plant.reset(scenario.start_position, scenario.start_velocity);
   sim_host::Encoder encoder(scenario.sensors, sim_host::kHeightCountM, seed);
-  const dynamics::Sensing<double> sensing(effects_of(model), 0.0);
-  const auto rows = static_cast<std::size_t>(std::llround(scenario.duration_s / SimBoard::kPeriodS));
   bool fallen = false;
-  for (std::size_t row = 0; row < rows; ++row) {
+  for (std::size_t row = 0; row < rows_of(scenario); ++row) {
     fallen = fallen || plant.position() < 0.0 || (plant.position() == 0.0 && plant.velocity() <= 0.0);
+    if (fallen) plant.reset(0.0, 0.0);  // on its stop
     log.columns["time_s"].push_back(static_cast<double>(row) * SimBoard::kPeriodS);
-    log.columns["height_m"].push_back(encoder.measure(sensing.measured(fallen ? 0.0 : plant.position())));
+    log.columns["height_m"].push_back(encoder.measure(stages.position()));
     log.columns["contact"].push_back(fallen ? 1.0 : 0.0);
     if (!fallen) plant.advance(0.0, SimBoard::kPeriodS);
   }
@@ -155,32 +164,29 @@ bool coil_on(const Scenario& scenario, double time_s) {
 
 void simulate_clutch_bench(const model::Model& model, const Scenario& scenario, std::uint64_t seed,
                            log::Log& log) {
-  dynamics::SimpleClutchBench<double> plant(parameters_of<dynamics::ClutchBenchParameters<double>>(model),
-                                            effects_of(model));
-  plant.reset(scenario.start_position);
+  auto stages =
+      stages_of<dynamics::SimpleClutchBench<double>, dynamics::ClutchBenchParameters<double>>(model);
+  stages.plant().reset(scenario.start_position);
   sim_host::Encoder encoder(scenario.sensors, sim_host::kPulleyCountRad, seed);
-  const auto rows = static_cast<std::size_t>(std::llround(scenario.duration_s / SimBoard::kPeriodS));
-  for (std::size_t row = 0; row < rows; ++row) {
+  for (std::size_t row = 0; row < rows_of(scenario); ++row) {
     const double time_s = static_cast<double>(row) * SimBoard::kPeriodS;
     const double on = coil_on(scenario, time_s) ? 1.0 : 0.0;
     log.columns["time_s"].push_back(time_s);
-    log.columns["pulley_angle_rad"].push_back(encoder.measure(plant.position()));
+    log.columns["pulley_angle_rad"].push_back(encoder.measure(stages.position()));
     log.columns["solenoid"].push_back(on);
-    plant.advance(on, SimBoard::kPeriodS);
+    stages.plant().advance(on, SimBoard::kPeriodS);
   }
 }
 
-/// measured(t) = true(t - skew), for the columns of the position's clock; between rows in a straight line,
-/// held at the ends.
-void skew_columns(const model::Model& model, log::Log& log) {
-  const auto skew = model.effects.find(dynamics::Effect::time_skew);
-  if (skew == model.effects.end()) return;
+/// As the log of an encoder with a clock of its own has the columns that it measures: between rows in a
+/// straight line, held at the ends.
+void skew_columns(double skew_s, log::Log& log) {
   const std::vector<double>& time_s = log.time_s();
   for (const char* name : {"height_m", "velocity_mps", "position_m", "angle_rad"}) {
     if (!log.has(name)) continue;
     const std::vector<double> original = log.at(name);
     for (std::size_t i = 0; i < time_s.size(); ++i) {
-      const double at_s = std::clamp(time_s[i] - skew->second[0], time_s.front(), time_s.back());
+      const double at_s = std::clamp(time_s[i] - skew_s, time_s.front(), time_s.back());
       const auto after = std::upper_bound(time_s.begin() + 1, time_s.end() - 1, at_s);
       const auto k = static_cast<std::size_t>(after - time_s.begin());
       const double share = (at_s - time_s[k - 1]) / (time_s[k] - time_s[k - 1]);
@@ -190,14 +196,12 @@ void skew_columns(const model::Model& model, log::Log& log) {
 }
 
 /// The position's jump; the velocity is not derived from it.
-void slip_columns(const model::Model& model, log::Log& log) {
-  const auto slip = model.effects.find(dynamics::Effect::encoder_slip);
-  if (slip == model.effects.end()) return;
+void slip_columns(const dynamics::Sensing<double>& sensing, log::Log& log) {
   const std::vector<double>& time_s = log.time_s();
   for (const char* name : {"height_m", "position_m", "angle_rad", "pulley_angle_rad"})
     if (log.has(name))
       for (std::size_t i = 0; i < time_s.size(); ++i)
-        if (time_s[i] >= slip->second[1]) log.columns[name][i] += slip->second[0];
+        if (const double step = sensing.slip(time_s[i]); step != 0.0) log.columns[name][i] += step;
 }
 
 }  // namespace
@@ -361,8 +365,10 @@ log::Log simulate(const model::Model& model, const Scenario& scenario, std::uint
       simulate_clutch_bench(model, scenario, seed, log);
       break;
   }
-  if (log.rows() > 1) skew_columns(model, log);
-  slip_columns(model, log);
+  // What an encoder does to the log rather than to a reading.
+  const dynamics::Sensing<double> sensing(effects_of(model), 0.0);
+  if (sensing.skew_s() && log.rows() > 1) skew_columns(*sensing.skew_s(), log);
+  if (sensing.slips()) slip_columns(sensing, log);
   return log;
 }
 

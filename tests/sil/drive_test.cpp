@@ -1,21 +1,34 @@
 // The simulated drive against closed forms, one command after the other, and over long runs, in which it forgets.
-#include "boards/sim_host/drive.hpp"
-
 #include <malloc.h>
 
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "boards/sim_host/live_commands.hpp"
 #include "host/sim/live_rig.hpp"
 
 namespace {
 
 using furcula::dynamics::Effect;
 using furcula::dynamics::Effects;
-using furcula::sim_host::Drive;
+using furcula::sim_host::LiveCommands;
 
 constexpr double kStep_s = 0.001;
+
+/// An actuation that is told its commands one after the other.
+class Drive {
+ public:
+  explicit Drive(const Effects<double>& effects)
+      : actuation_{furcula::dynamics::Drive<double>(effects), furcula::dynamics::Motor<double>(effects)} {}
+  double shows(double command, double step_s) { return commands_.shown(actuation_, command, step_s); }
+  double step(double command, double step_s) { return commands_.torque(actuation_, command, step_s); }
+  std::size_t kept() const { return commands_.kept(); }
+
+ private:
+  furcula::dynamics::Actuation<double> actuation_;
+  LiveCommands commands_;
+};
 
 Drive drive_with(Effect effect, double first, double second = 0.0) {
   Effects<double> effects;

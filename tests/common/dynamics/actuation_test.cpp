@@ -49,12 +49,11 @@ Recorded step_of(double value, int before, int after) {
 /// Torque at the leg, row by row; and its integral with the time as weight, a number that all of them move.
 template <class T>
 std::vector<T> delivered(const Recorded& r, const Effects<T>& effects) {
-  Actuation<T> actuation(effects);
+  Actuation<T> actuation{Drive<T>(effects), Motor<T>(effects)};
   const auto commands = r.view();
-  actuation.reset(commands, 0);
+  actuation.drive.start(commands, 0);
   std::vector<T> out;
-  for (std::size_t i = 0; i + 1 < r.rows(); ++i)
-    out.push_back(actuation.motor(actuation.drive(commands, i, r.interval(i)), commands, i));
+  for (std::size_t i = 0; i + 1 < r.rows(); ++i) out.push_back(actuation.torque(commands, i, r.interval(i)));
   return out;
 }
 
@@ -104,11 +103,11 @@ TEST_CASE("A lag answers a step as one less an exponential, exactly in the mean 
     const double mean = 3.0 * (1.0 - (std::exp(-from / tau) - std::exp(-to / tau)) * tau / 1e-3);
     CHECK(torque[5 + n] == Approx(mean).epsilon(1e-12));
   }
-  Actuation<double> actuation(effects);
-  actuation.reset(r.view(), 0);
-  for (std::size_t i = 0; i < 25; ++i) actuation.drive(r.view(), i, 1e-3);
-  CHECK(actuation.at_row(r.view(), 25, 1e-3) == Approx(3.0 * -std::expm1(-20e-3 / tau)).epsilon(1e-12));
-  CHECK(std::exp(-actuation.memory_s() / tau) < 1e-3);
+  Drive<double> drive(effects);
+  drive.start(r.view(), 0);
+  for (std::size_t i = 0; i < 25; ++i) drive.torque(r.view(), i, 1e-3);
+  CHECK(drive.shown(r.view(), 25, 1e-3) == Approx(3.0 * -std::expm1(-20e-3 / tau)).epsilon(1e-12));
+  CHECK(std::exp(-drive.memory_s() / tau) < 1e-3);
 }
 
 TEST_CASE("A lag without a time constant is none, and its derivative there is that of a very small one") {
@@ -156,13 +155,13 @@ TEST_CASE("Gain, heat and offset change what the motor makes, in that order, and
   effects.set(Effect::torque_gain_error, 0, 0.9);
   effects.set(Effect::thermal_derating, {0.6, 0.25, 0.0});
   effects.set(Effect::torque_offset, 0, -0.1);
-  Actuation<double> actuation(effects);
-  CHECK(actuation.ideal_drive());
+  const Drive<double> drive(effects);
+  CHECK(drive.ideal());
   const auto torque = delivered(r, effects);
   CHECK(torque[0] == Approx(0.9 * 2.0 - 0.1));
   CHECK(torque[5] == Approx(-0.1));
   CHECK(torque[500] == Approx(0.9 * 2.0 * (0.6 + 0.4 * std::exp(-0.2 / 0.25)) - 0.1).epsilon(1e-9));
-  CHECK(actuation.at_row(r.view(), 500, 1e-3) == 2.0);
+  CHECK(drive.shown(r.view(), 500, 1e-3) == 2.0);
 }
 
 TEST_CASE("What the drive and the motor make has the derivatives that finite differences give") {
@@ -180,7 +179,6 @@ TEST_CASE("What the drive and the motor make has the derivatives that finite dif
   };
   const std::vector<Case> cases{
       {{Effect::actuator_delay}, {{4.37e-3}}},
-      {{Effect::time_skew}, {{-2.61e-3}}},
       {{Effect::actuator_lag}, {{9e-3}}},
       {{Effect::torque_saturation}, {{1.3}}},
       {{Effect::torque_gain_error}, {{1.1}}},
@@ -192,18 +190,23 @@ TEST_CASE("What the drive and the motor make has the derivatives that finite dif
     CAPTURE(std::string(info(c.effects[0]).name), c.effects.size());
     Effects<Jet> jets;
     Effects<double> values;
-    std::vector<std::pair<Effect, std::size_t>> unknowns;
+    struct Unknown {
+      Effect effect;
+      std::size_t parameter;
+      double at;
+    };
+    std::vector<Unknown> unknowns;
     for (std::size_t k = 0; k < c.effects.size(); ++k)
       for (std::size_t i = 0; i < c.at[k].size(); ++i) {
         jets.set(c.effects[k], i, Jet(c.at[k][i], static_cast<int>(unknowns.size())));
         values.set(c.effects[k], i, c.at[k][i]);
-        unknowns.emplace_back(c.effects[k], i);
+        unknowns.push_back({c.effects[k], i, c.at[k][i]});
       }
     const Jet out = weighed(jets);
     CHECK(out.a == Approx(weighed(values)).epsilon(1e-14));
     for (std::size_t u = 0; u < unknowns.size(); ++u) {
-      const auto [effect, i] = unknowns[u];
-      const double at = values.value(effect, i), step = 1e-6 * std::abs(at);
+      const auto [effect, i, at] = unknowns[u];
+      const double step = 1e-6 * std::abs(at);
       Effects<double> up = values, down = values;
       up.set(effect, i, at + step);
       down.set(effect, i, at - step);

@@ -66,9 +66,10 @@ TEST_CASE("A model keeps the inertias of its links through the vector of unknown
   for (std::size_t k = 0; k < 3; ++k)
     CHECK(back.effects.at(Effect::leg_inertia)[k] == Approx(model.effects.at(Effect::leg_inertia)[k]));
   const identify::PlantSetup<double> setup(model, unknowns, values.data());
-  CHECK(setup.effects.value(Effect::leg_inertia, 0) == Approx(42e-4));
-  CHECK(setup.effects.value(Effect::leg_inertia, 1) == Approx(75e-4));
-  CHECK(setup.effects.value(Effect::leg_inertia, 2) == Approx(38e-3));
+  const dynamics::EffectsOf<double, dynamics::Stage::mechanism> effects(setup.effects);
+  CHECK(effects.value(Effect::leg_inertia, 0) == Approx(42e-4));
+  CHECK(effects.value(Effect::leg_inertia, 1) == Approx(75e-4));
+  CHECK(effects.value(Effect::leg_inertia, 2) == Approx(38e-3));
 }
 
 TEST_CASE("A fit's values, covariance and information are told of the law's parameters") {

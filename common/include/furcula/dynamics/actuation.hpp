@@ -1,10 +1,13 @@
-// From the commands that are sent to the torque (or force) that acts: what the drive makes of them (delay,
-// limit, lag: that is what its current shows), and what becomes of that in the motor (gain, offset, heat).
+// The stage of actuation: from the commands that are sent to the torque (or force) that acts. What the drive
+// makes of them (delay, limit, lag: that is what its current shows), and what becomes of that in the motor
+// (gain, heat, offset). What turns with the leg is stepped with it: rotor.hpp.
 #pragma once
 
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
+#include <optional>
 #include <span>
 
 #include "furcula/dynamics/effects/effects.hpp"
@@ -53,41 +56,65 @@ struct Commands {
 inline constexpr Effect kDriveEffects[] = {Effect::actuator_delay, Effect::actuator_lag,
                                            Effect::torque_saturation};
 
-/// The drive and the motor, step by step along the commands.
+/// The drive, step by step along the commands. All that it gives is in N m (N on a linear axis).
 template <class T>
-class Actuation {
+class Drive {
  public:
   using V = ValueOf<T>;
 
-  explicit Actuation(const Effects<T>& effects)
-      : e_(effects),
-        delays_(e_.has(Effect::actuator_delay) || e_.has(Effect::time_skew)),
-        lags_(e_.has(Effect::actuator_lag)),
-        limits_(e_.has(Effect::torque_saturation)),
-        delay_(T(V(0))) {
-    if (e_.has(Effect::actuator_delay)) delay_ += e_.value(Effect::actuator_delay);
-    if (e_.has(Effect::time_skew)) delay_ += e_.value(Effect::time_skew);
-  }
+  /// `behind_s`: by how much the clock that tells the rows' instants is behind the commands' own (with
+  /// derivatives; nothing where it is the same clock).
+  explicit Drive(const Effects<T>& effects, const std::optional<T>& behind_s = {})
+      : Drive(EffectsOf<T, Stage::actuation>(effects), behind_s) {}
 
-  /// True if the drive makes exactly what is commanded.
-  bool ideal_drive() const { return !delays_ && !lags_ && !limits_; }
+  /// True if it makes exactly what is commanded.
+  bool ideal() const { return ideal_; }
 
-  /// True if earlier commands than a row's own act in it, other than by a lag.
+  /// True if earlier commands than a row's own act in it, other than by a lag; and from how long before, s.
   bool delays() const { return delays_; }
+  V delay_s() const { return value_of(delay_); }
 
-  /// How long before an instant the commands matter for it, s.
+  /// How long before an instant the commands matter for its lag, s.
   V memory_s() const {
     constexpr V kTimeConstants = V(8);
-    return lags_ ? kTimeConstants * value_of(e_.value(Effect::actuator_lag)) : V(0);
+    return lags_ ? kTimeConstants * value_of(time_constant_) : V(0);
   }
 
-  /// Starts at rest with the command of row `row`: a lag has caught up with it.
-  void reset(const Commands<V>& commands, std::size_t row) { drive_ = T(commands.command[row]); }
+  /// Brings it to where it is at row `row`, from as far back as it remembers: there the lag has caught up.
+  void start(const Commands<V>& commands, std::size_t row) {
+    if (ideal()) return;
+    std::size_t from = row;
+    const V since = commands.time_s[row] - memory_s();
+    while (from > 0 && commands.time_s[from] > since) --from;
+    lagging_ = T(commands.command[from]);
+    for (; from < row; ++from) torque(commands, from, commands.time_s[from + 1] - commands.time_s[from]);
+  }
 
-  /// What the drive's current would show at the instant of the row that drive() is called for next, once its
-  /// command has arrived. A delay is smoothed over a step.
-  T at_row(const Commands<V>& commands, std::size_t row, V dt_s) const {
-    if (lags_) return drive_;
+  /// What its current would show at the instant of the row that torque() is called for next, once its command
+  /// has arrived. A delay is smoothed over a step.
+  T shown(const Commands<V>& commands, std::size_t row, V dt_s) const {
+    return ideal_ ? T(commands.command[row]) : sampled(commands, row, dt_s);
+  }
+
+  /// Mean from row `row` on over `dt_s` seconds. Call for one row after the other.
+  T torque(const Commands<V>& commands, std::size_t row, V dt_s) {
+    return ideal_ ? T(commands.command[row]) : follow(commands, row, dt_s);
+  }
+
+ private:
+  Drive(const EffectsOf<T, Stage::actuation>& e, const std::optional<T>& behind_s)
+      : delays_(e.has(Effect::actuator_delay) || behind_s.has_value()),
+        lags_(e.has(Effect::actuator_lag)),
+        limits_(e.has(Effect::torque_saturation)),
+        ideal_(!delays_ && !lags_ && !limits_),
+        delay_(e.value_or(Effect::actuator_delay, T(V(0)))),
+        time_constant_(e.value(Effect::actuator_lag)),
+        limit_(e.value(Effect::torque_saturation)) {
+    if (behind_s) delay_ += *behind_s;
+  }
+
+  T sampled(const Commands<V>& commands, std::size_t row, V dt_s) const {
+    if (lags_) return lagging_;
     if (!delays_) return target(commands, row, dt_s);
     // Sampled at an instant: the mean over up to a step about it, so that it has a derivative.
     const V width = std::min(dt_s, V(2) * std::abs(value_of(delay_)));
@@ -97,65 +124,85 @@ class Actuation {
       const V half = V(0.5) * width;
       now = (commands.impulse_until(T(centre + half)) - commands.impulse_until(T(centre - half))) / width;
     }
-    return limits_ ? limited(now, e_.value(Effect::torque_saturation)) : now;
+    return limits_ ? limited(now) : now;
   }
 
-  /// Mean of what the drive makes from row `row` on over `dt_s` seconds. Call for one row after the other.
-  T drive(const Commands<V>& commands, std::size_t row, V dt_s) {
-    T mean = target(commands, row, dt_s);
-    if (lags_) {
-      using std::exp;
-      const T& tau = e_.value(Effect::actuator_lag);
-      if (value_of(tau) > V(1e-6)) {
-        const T decay = exp(-(dt_s / tau));
-        const T target = mean;
-        mean = target + (drive_ - target) * (V(1) - decay) * tau / dt_s;
-        drive_ = target + (drive_ - target) * decay;
-      } else {  // to first order in a vanishing time constant
-        const T target = mean;
-        mean = target + (drive_ - target) * tau / dt_s;
-        drive_ = target;
-      }
+  T follow(const Commands<V>& commands, std::size_t row, V dt_s) {
+    const T wanted = target(commands, row, dt_s);
+    if (!lags_) return wanted;
+    using std::exp;
+    const T& tau = time_constant_;
+    T mean;
+    if (value_of(tau) > V(1e-6)) {
+      const T decay = exp(-(dt_s / tau));
+      mean = wanted + (lagging_ - wanted) * (V(1) - decay) * tau / dt_s;
+      lagging_ = wanted + (lagging_ - wanted) * decay;
+    } else {  // to first order in a vanishing time constant
+      mean = wanted + (lagging_ - wanted) * tau / dt_s;
+      lagging_ = wanted;
     }
     return mean;
   }
 
-  /// What the motor makes of the drive's torque at row `row`.
-  T motor(const T& drive, const Commands<V>& commands, std::size_t row) const {
+  /// Mean over the row's step of the command, delayed and limited.
+  T target(const Commands<V>& commands, std::size_t row, V dt_s) const {
+    if (!delays_) {
+      const T now = T(commands.command[row]);
+      return limits_ ? limited(now) : now;
+    }
+    const T from = commands.time_s[row] - delay_, to = from + dt_s;
+    if (limits_) return commands.limited_impulse(from, to, limit_) / dt_s;
+    return (commands.impulse_until(to) - commands.impulse_until(from)) / dt_s;
+  }
+
+  T limited(const T& torque) const {
+    return value_of(torque) > value_of(limit_)    ? limit_
+           : value_of(torque) < -value_of(limit_) ? T(-limit_)
+                                                  : torque;
+  }
+
+  bool delays_, lags_, limits_, ideal_;
+  T delay_, time_constant_, limit_;
+  T lagging_{};
+};
+
+/// The motor behind the drive: gain, heat, offset.
+template <class T>
+class Motor {
+ public:
+  using V = ValueOf<T>;
+
+  explicit Motor(const Effects<T>& effects) : e_(effects) {}
+
+  /// What it makes of the drive's torque after `driven_s` seconds in which there was a command.
+  T torque(const T& drive, V driven_s) const {
     T torque = drive;
     if (e_.has(Effect::torque_gain_error)) torque *= e_.value(Effect::torque_gain_error);
     if (e_.has(Effect::thermal_derating)) {
       using std::exp;
       const T& final_gain = e_.value(Effect::thermal_derating, 0);
-      torque *= final_gain +
-                (V(1) - final_gain) * exp(-(commands.driven_s[row] / e_.value(Effect::thermal_derating, 1)));
+      torque *= final_gain + (V(1) - final_gain) * exp(-(driven_s / e_.value(Effect::thermal_derating, 1)));
     }
     if (e_.has(Effect::torque_offset)) torque += e_.value(Effect::torque_offset);
     return torque;
   }
 
  private:
-  /// Mean over the row's step of the command, delayed and limited.
-  T target(const Commands<V>& commands, std::size_t row, V dt_s) const {
-    if (!delays_) {
-      const T now = T(commands.command[row]);
-      return limits_ ? limited(now, e_.value(Effect::torque_saturation)) : now;
-    }
-    const T from = commands.time_s[row] - delay_, to = from + dt_s;
-    if (limits_) return commands.limited_impulse(from, to, e_.value(Effect::torque_saturation)) / dt_s;
-    return (commands.impulse_until(to) - commands.impulse_until(from)) / dt_s;
-  }
+  EffectsOf<T, Stage::actuation> e_;
+};
 
-  static T limited(const T& torque, const T& limit) {
-    return value_of(torque) > value_of(limit)    ? limit
-           : value_of(torque) < -value_of(limit) ? T(-limit)
-                                                 : torque;
-  }
+/// Drive and motor.
+template <class T>
+struct Actuation {
+  using V = ValueOf<T>;
 
-  Effects<T> e_;
-  bool delays_, lags_, limits_;
-  T delay_;
-  T drive_{};
+  Drive<T> drive;
+  Motor<T> motor;
+
+  /// Mean torque behind the motor from row `row` on over `dt_s` seconds. Call for one row after the other.
+  T torque(const Commands<V>& commands, std::size_t row, V dt_s) {
+    return motor.torque(drive.torque(commands, row, dt_s), commands.driven_s[row]);
+  }
 };
 
 }  // namespace furcula::dynamics

@@ -55,6 +55,7 @@ class Axis {
   /// Where a start finds the rotor in the backlash: held against an end by the last torque before it that was
   /// not zero (its sign counts). After reset(), which puts it to the end of positive torque.
   void press_rotor(V torque) { rotor_.press(torque); }
+  bool has_backlash() const { return rotor_.loose(); }
   /// Of a rotary joint: the motor's angle, which leads the joint's by where the rotor is in the backlash.
   T motor_angle_rad() const { return x_ + rotor_.angle(); }
 
@@ -96,8 +97,8 @@ class Axis {
       const T midpoint = full ? T(x_ + v_ * (V(0.5) * h) + start * (V(0.125) * h * h))
                               : T(x_ + (v_ + start * (V(0.25) * left)) * (V(0.5) * left));
       force -= p_.gravity_torque_nm * sin(midpoint);
-      if (e_.has(Effect::torque_ripple)) {
-        const T ripple = torque_ripple(e_, rotor_.loose() ? T(midpoint + rotor_.angle()) : midpoint);
+      if (rotor_.ripples()) {
+        const T ripple = rotor_.ripple(midpoint);
         motor += ripple;
         if (!rotor_.crosses()) force += ripple;
       }
@@ -159,8 +160,7 @@ class Axis {
       const V held = value_of(T(resistance(e_, up, v_, binding(e_, x_, x_)) * inverse_mass_));
       acceleration = (acceleration + held > V(0)) == up ? acceleration + held : V(0);
     }
-    const T motor =
-        e_.has(Effect::torque_ripple) ? T(input + torque_ripple(e_, T(x_ + rotor_.angle()))) : input;
+    const T motor = rotor_.torque(input, x_);
     // The joint stays behind by the rotor's share of an angle that takes no time.
     x_ -= rotor_.let_go(motor, acceleration) * (Rotor<T>::kInertia * inverse_mass_);
   }
@@ -188,7 +188,7 @@ class Axis {
   }
 
   Parameters p_;
-  Effects<T> e_;
+  MechanismEffects<T> e_;
   Rotor<T> rotor_;
   bool dry_;
   T inverse_mass_{}, delta_{}, constant_force_{};

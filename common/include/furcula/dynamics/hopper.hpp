@@ -47,11 +47,12 @@ class Hopper {
   Hopper(const HopperLinearParameters<T>& p, const Effects<T>& effects = {})
       : p_(p),
         e_(effects),
+        contact_(effects),
         rotor_(effects),
         stiffness_(e_.value_or(Effect::stiffness_error, p.stiffness_npm)),
         rest_height_(e_.value_or(Effect::rest_height_error, p.rest_height_m)),
-        restitution_touchdown_(e_.value_or(Effect::touchdown_loss, p.restitution_touchdown)),
-        restitution_liftoff_(e_.value_or(Effect::liftoff_loss, p.restitution_liftoff)),
+        restitution_touchdown_(contact_.value_or(Effect::touchdown_loss, p.restitution_touchdown)),
+        restitution_liftoff_(contact_.value_or(Effect::liftoff_loss, p.restitution_liftoff)),
         mass_(e_.value_or(Effect::mass_error, p.mass_kg)),
         inverse_mass_(T(V(1)) / mass_),
         kappa_stance_(stiffness_ * inverse_mass_) {
@@ -69,9 +70,8 @@ class Hopper {
     leg_force_at_zero_ = stiffness_ * rest_height_;
     if (e_.has(Effect::spring_preload)) leg_force_at_zero_ += e_.value(Effect::spring_preload);
     leg_is_more_ = e_.has(Effect::spring_hysteresis) || e_.has(Effect::leg_inertia);
-    more_ = leg_is_more_ || e_.has(Effect::toe_sticking) || e_.has(Effect::ground_compliance) ||
-            e_.has(Effect::torque_ripple) || e_.has(Effect::spring_hardening) || e_.has(Effect::bump_stop) ||
-            rotor_.loose();
+    more_ = leg_is_more_ || contact_.has(Effect::toe_sticking) || contact_.has(Effect::ground_compliance) ||
+            e_.has(Effect::spring_hardening) || e_.has(Effect::bump_stop) || !rotor_.ideal();
     stretched_stiffness_ = stiffness_ + V(kStopStiffness);
     kappa_stretched_ = stretched_stiffness_ * inverse_mass_;
     if (e_.has(Effect::bump_stop)) {
@@ -79,9 +79,9 @@ class Hopper {
       stopped_stiffness_ = stiffness_ + e_.value(Effect::bump_stop, 1);
       kappa_stopped_ = stopped_stiffness_ * inverse_mass_;
     }
-    if (e_.has(Effect::ground_compliance)) {
-      kappa_straight_ = e_.value(Effect::ground_compliance, 0) * inverse_mass_;
-      delta_straight_ = delta_flight_ + e_.value(Effect::ground_compliance, 1) * inverse_mass_;
+    if (contact_.has(Effect::ground_compliance)) {
+      kappa_straight_ = contact_.value(Effect::ground_compliance, 0) * inverse_mass_;
+      delta_straight_ = delta_flight_ + contact_.value(Effect::ground_compliance, 1) * inverse_mass_;
     }
     if (e_.has(Effect::guide_tilt))
       links_gravity_ = p.gravity_mps2 * cos(e_.value(Effect::guide_tilt));
@@ -116,6 +116,8 @@ class Hopper {
     hold_cable(T(V(0)));
   }
   bool has_clutch() const { return clutched_; }
+  /// After reset() with its coil off for long.
+  const KeyTiming<T>& key() const { return key_; }
   /// Whether the coil is on from now on.
   void energise(bool on) { key_.energise(on); }
   /// After reset(): where a start finds the clutch. A held cable's travel is so many teeth.
@@ -153,6 +155,7 @@ class Hopper {
   /// Where a start finds the rotor in the backlash: held against an end by the last torque before it that was
   /// not zero (its sign counts). After reset(), which puts it to the end of positive torque.
   void press_rotor(V torque) { rotor_.press(torque); }
+  bool has_backlash() const { return rotor_.loose(); }
 
   /// The same in flight, by what an encoder on the motor's side says of the leg's angle, rad, and its rate,
   /// rad/s.
@@ -337,11 +340,11 @@ class Hopper {
   const T& leg_stiffness() const {
     return leg_.state == Leg::State::stretched  ? stretched_stiffness_
            : leg_.state == Leg::State::stopped  ? stopped_stiffness_
-           : leg_.state == Leg::State::straight ? e_.value(Effect::ground_compliance, 0)
+           : leg_.state == Leg::State::straight ? contact_.value(Effect::ground_compliance, 0)
                                                 : stiffness_;
   }
   const T& leg_damping() const {
-    return leg_.state == Leg::State::straight ? e_.value(Effect::ground_compliance, 1) : leg_damping_;
+    return leg_.state == Leg::State::straight ? contact_.value(Effect::ground_compliance, 1) : leg_damping_;
   }
 
   /// Moves until `left` is used up (returns true) or to the next event (takes it and shortens `left`).
@@ -350,10 +353,10 @@ class Hopper {
   bool move(const T& torque, T& left, bool full) {
     const V h = value_of(left);
     const T midpoint = !stance_ ? z_ : full ? T(z_ + v_ * (V(0.5) * h)) : T(z_ + v_ * (V(0.5) * left));
-    const bool sticks = kMore && stance_ && e_.has(Effect::toe_sticking);
-    const bool soft = kMore && stance_ && e_.has(Effect::ground_compliance);
+    const bool sticks = kMore && stance_ && contact_.has(Effect::toe_sticking);
+    const bool soft = kMore && stance_ && contact_.has(Effect::ground_compliance);
     const bool links = kMore && stance_ && e_.has(Effect::leg_inertia);
-    const V most_pull = sticks ? value_of(e_.value(Effect::toe_sticking)) : V(0);
+    const V most_pull = sticks ? value_of(contact_.value(Effect::toe_sticking)) : V(0);
     const bool rises = value_of(v_) > V(0);
     if (kMore && full && rotor_.loose()) let_rotor_go(torque);
 
@@ -446,7 +449,7 @@ class Hopper {
         bool by_height = reaches;
         if (unloads) {
           ToeForce f = kMore && leg_is_more_ ? toe_force_ : force_on_toe(rises);
-          if (sticks) f.constant += e_.value(Effect::toe_sticking);
+          if (sticks) f.constant += contact_.value(Effect::toe_sticking);
           const T t_unload = segment.crossing_time(f.per_height, f.per_speed, f.constant, V(0), to);
           if (!reaches || value_of(t_unload) < value_of(t)) {
             t = t_unload;
@@ -488,7 +491,7 @@ class Hopper {
   enum class Change : std::uint8_t { none, rotor, straightens, flexes, stop, tooth };
   Change cut_short(const Segment<T>& segment, const T& torque, bool up, T& t_end, T& z_end, T& v_end,
                    bool& turns) {
-    const bool soft = stance_ && e_.has(Effect::ground_compliance);
+    const bool soft = stance_ && contact_.has(Effect::ground_compliance);
     Change change = Change::none;
     const auto end_at = [&](const T& t, Change what) {
       const Flow<T> f = segment.over(t);
@@ -533,7 +536,7 @@ class Hopper {
     const Flow<T> f = segment.over(t);
     z_ = segment.position_after(f);
     v_ = segment.velocity_after(f);
-    if (kMore && stance_ && e_.has(Effect::ground_compliance)) toe_ = toe_after(t, z_, true);
+    if (kMore && stance_ && contact_.has(Effect::ground_compliance)) toe_ = toe_after(t, z_, true);
     if (kMore && rotor_.crosses()) rotor_.follow(t, leg_angle(T(z_ - toe_)), leg_speed(z_, v_));
     left = left - t;
     elapsed_ += value_of(t);
@@ -581,7 +584,7 @@ class Hopper {
       return;
     }
     const T& top = touchdown_height_;
-    if (e_.has(Effect::ground_compliance)) {
+    if (contact_.has(Effect::ground_compliance)) {
       stand_on_soft_ground(torque, midpoint, h);
       return;
     }
@@ -592,7 +595,7 @@ class Hopper {
       leg_.constant += e_.value(Effect::bump_stop, 1) * stop_length_;
     }
     // A toe that sticks holds the leg beyond its full length, where its stop is a stiff spring.
-    if (e_.has(Effect::toe_sticking) &&
+    if (contact_.has(Effect::toe_sticking) &&
         (value_of(z_) > value_of(top) || (value_of(z_) == value_of(top) && value_of(v_) > V(0)))) {
       leg_.state = Leg::State::stretched;
       leg_.constant += top * V(kStopStiffness);
@@ -617,15 +620,12 @@ class Hopper {
   /// ground that gives with its bump stop, which on hard ground is a state of the leg.
   T push_at(const T& torque, const T& length) const {
     T push = leg_force_at_zero_;
-    if (e_.has(Effect::torque_ripple) && !rotor_.crosses())
-      push += motor_torque(torque, length) * force_per_torque(length);
-    else if (!rotor_.crosses())
-      push += torque * force_per_torque(length);
+    if (!rotor_.crosses()) push += motor_torque(torque, length) * force_per_torque(length);
     if (e_.has(Effect::spring_hardening)) {
       const T stretch = length - rest_height_;
       push -= e_.value(Effect::spring_hardening) * stretch * stretch * stretch;
     }
-    if (e_.has(Effect::ground_compliance)) push += bump_stop_at(length);
+    if (contact_.has(Effect::ground_compliance)) push += bump_stop_at(length);
     return push;
   }
 
@@ -642,9 +642,7 @@ class Hopper {
                                                                         : zero_;
   }
   T motor_torque(const T& torque, const T& length) const {
-    if (!e_.has(Effect::torque_ripple)) return torque;
-    const T angle = leg_angle(length);
-    return torque + torque_ripple(e_, rotor_.loose() ? T(angle + rotor_.angle()) : angle);
+    return rotor_.ripples() ? T(torque + rotor_.ripple(leg_angle(length))) : torque;
   }
 
   /// Size of the spring's force at a length, preload and hardening included.
@@ -664,8 +662,8 @@ class Hopper {
   /// the toe along until the ground pushes more than the leg.
   void stand_on_soft_ground(const T& torque, const T& midpoint, const T& h) {
     using std::exp;
-    const T& ground_stiffness = e_.value(Effect::ground_compliance, 0);
-    const T& ground_damping = e_.value(Effect::ground_compliance, 1);
+    const T& ground_stiffness = contact_.value(Effect::ground_compliance, 0);
+    const T& ground_damping = contact_.value(Effect::ground_compliance, 1);
     const auto opposed = [&](const T& length) {  // the motion's direction is the body's
       if (!e_.has(Effect::spring_hysteresis) || value_of(v_) == V(0)) return zero_;
       const T size = e_.value(Effect::spring_hysteresis) * spring_force_size(length);
@@ -752,7 +750,7 @@ class Hopper {
       const V per_torque = value_of(force_per_torque(T(z_ - toe_)));
       const bool up = v > V(0);
       const V push = value_of(push_at(zero_, T(z_ - toe_)));
-      const V stop = e_.has(Effect::ground_compliance) ? V(0) : value_of(bump_stop_at(z_));
+      const V stop = contact_.has(Effect::ground_compliance) ? V(0) : value_of(bump_stop_at(z_));
       const V leg = push + stop - value_of(stiffness_) * (z - value_of(toe_)) - value_of(leg_damping_) * v;
       V a = (value_of(constant_force_) + (leg > V(0) ? leg : V(0))) * m - value_of(delta_flight_) * v;
       if (v != V(0)) a += value_of(resistance(e_, up, v_, binding(e_, z_, z_))) * m;
@@ -832,7 +830,8 @@ class Hopper {
   }
 
   HopperLinearParameters<T> p_;
-  Effects<T> e_;
+  MechanismEffects<T> e_;
+  EffectsOf<T, Stage::contact> contact_;
   Rotor<T> rotor_;
   T zero_ = T(V(0));
   T stiffness_, rest_height_, restitution_touchdown_, restitution_liftoff_, mass_, inverse_mass_,

@@ -1,6 +1,8 @@
-// The motor's rotor in the backlash between motor and leg (docs/contracts.md, `backlash`).
+// The end of the actuation, which turns with the leg and is stepped with it: the motor's rotor, whose torque has
+// a ripple over its angle, in the backlash between motor and leg (docs/contracts.md, `torque_ripple`, `backlash`).
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <cstdint>
 
@@ -20,10 +22,19 @@ class Rotor {
   using V = ValueOf<T>;
   static constexpr V kInertia = V(4e-4);  ///< kg m^2 (docs/contracts.md)
 
-  explicit Rotor(const Effects<T>& effects)
-      : loose_(effects.has(Effect::backlash)),
-        half_gap_(loose_ ? T(V(0.5) * effects.value(Effect::backlash)) : T(V(0))) {
-    press(V(1));
+  explicit Rotor(const Effects<T>& effects) : Rotor(EffectsOf<T, Stage::actuation>(effects)) {}
+
+  /// True if it is one with the leg and gives it the torque as it comes.
+  bool ideal() const { return !loose_ && !ripples_; }
+  bool ripples() const { return ripples_; }
+  /// A sin(n theta + phi), theta the rotor's own angle with a leg at this one; only where it ripples.
+  T ripple(const T& leg_angle) const {
+    using std::sin;
+    return ripple_[0] * sin(ripple_[1] * (loose_ ? T(leg_angle + angle_) : leg_angle) + ripple_[2]);
+  }
+  /// Of the torque that the motor makes, with the ripple.
+  T torque(const T& motor, const T& leg_angle) const {
+    return ripples_ ? T(motor + ripple(leg_angle)) : motor;
   }
 
   bool loose() const { return loose_; }
@@ -103,10 +114,19 @@ class Rotor {
   }
 
  private:
+  explicit Rotor(const EffectsOf<T, Stage::actuation>& e)
+      : loose_(e.has(Effect::backlash)),
+        ripples_(e.has(Effect::torque_ripple)),
+        half_gap_(loose_ ? T(V(0.5) * e.value(Effect::backlash)) : T(V(0))),
+        ripple_(e.values(Effect::torque_ripple)) {
+    press(V(1));
+  }
+
   static constexpr V kSmallest = V(1e-7);  // rad
-  bool loose_;
+  bool loose_, ripples_;
   T half_gap_;
-  std::int8_t end_ = 1;  // -1 or 1: the end it rests on; 0 while it crosses
+  std::array<T, kMaxEffectParameters> ripple_;  ///< amplitude, cycles a revolution, phase
+  std::int8_t end_ = 1;                         // -1 or 1: the end it rests on; 0 while it crosses
   T angle_{}, speed_{};
   T from_{}, from_speed_{}, acceleration_{};
 };

@@ -202,7 +202,7 @@ class SimpleClutchBench {
 
   static constexpr V kJust = V(1e-9);  ///< of a pitch
 
-  Effects<T> e_;
+  MechanismEffects<T> e_;
   KeyTiming<T> key_;
   T radius_, pitch_;
   T inverse_inertia_{}, weight_{}, damping_{}, stiffness_{}, holding_{};

@@ -1,5 +1,5 @@
-// The laws of the effects: one function a law, in the words of the catalogue. Forces are positive in the
-// direction of growing position, SI units; on a rotary axis read torque, rad/s and rad.
+// The mechanism's laws that act on any axis: one function a law, in the words of the catalogue. Forces are
+// positive in the direction of growing position, SI units; on a rotary axis read torque, rad/s and rad.
 #pragma once
 
 #include <cmath>
@@ -8,6 +8,9 @@
 #include "furcula/dynamics/scalar.hpp"
 
 namespace furcula::dynamics {
+
+template <class T>
+using MechanismEffects = EffectsOf<T, Stage::mechanism>;
 
 /// Stribeck curve: the size of the friction at a speed >= 0.
 template <class T>
@@ -21,7 +24,7 @@ T stribeck(const T& coulomb, const T& static_force, const T& stribeck_velocity, 
 /// the direction of the motion (or of the motion that would begin), `speed` >= 0. The force is -size upwards,
 /// +size downwards.
 template <class T>
-T dry_friction(const Effects<T>& e, bool up, const T& speed) {
+T dry_friction(const MechanismEffects<T>& e, bool up, const T& speed) {
   T size = T(ValueOf<T>(0));
   if (e.has(Effect::coulomb_friction)) size += e.value(Effect::coulomb_friction);
   if (e.has(Effect::stribeck_friction))
@@ -33,7 +36,7 @@ T dry_friction(const Effects<T>& e, bool up, const T& speed) {
 
 /// True if something can hold the axis at rest.
 template <class T>
-bool has_dry_friction(const Effects<T>& e) {
+bool has_dry_friction(const MechanismEffects<T>& e) {
   return e.has(Effect::coulomb_friction) || e.has(Effect::stribeck_friction) ||
          e.has(Effect::asymmetric_friction) || e.has(Effect::binding_spot) ||
          e.has(Effect::spring_hysteresis);
@@ -60,18 +63,10 @@ T share_within(const T& centre, const T& width, const T& from, const T& to) {
 
 /// The extra dry friction of a binding spot on the way from one position to another, >= 0.
 template <class T>
-T binding(const Effects<T>& e, const T& from, const T& to) {
+T binding(const MechanismEffects<T>& e, const T& from, const T& to) {
   if (!e.has(Effect::binding_spot)) return T(ValueOf<T>(0));
   return e.value(Effect::binding_spot, 0) *
          share_within(e.value(Effect::binding_spot, 1), e.value(Effect::binding_spot, 2), from, to);
-}
-
-/// A sin(n theta + phi): torque at the motor's angle theta, rad.
-template <class T>
-T torque_ripple(const Effects<T>& e, const T& angle) {
-  using std::sin;
-  return e.value(Effect::torque_ripple, 0) *
-         sin(e.value(Effect::torque_ripple, 1) * angle + e.value(Effect::torque_ripple, 2));
 }
 
 /// -c v |v|, force.
@@ -84,7 +79,7 @@ T quadratic_drag(const T& drag, const T& velocity) {
 /// with `extra` that depends on the place, and drag. At rest (`velocity` zero) it is what friction can hold
 /// against a motion that would begin in that direction.
 template <class T>
-T resistance(const Effects<T>& e, bool up, const T& velocity, const T& extra) {
+T resistance(const MechanismEffects<T>& e, bool up, const T& velocity, const T& extra) {
   const T size = dry_friction(e, up, up ? velocity : T(-velocity)) + extra;
   T force = up ? T(-size) : size;
   if (e.has(Effect::quadratic_drag)) force += quadratic_drag(e.value(Effect::quadratic_drag), velocity);
@@ -99,8 +94,9 @@ struct Resisted {
   bool held;
 };
 template <class T, class Step>  // of the step: T where an event moves its length, else plain
-Resisted<T> resisted(const Effects<T>& e, bool up, bool at_rest, const T& velocity, const T& acceleration,
-                     const T& delta, const T& inverse_mass, const T& extra, const Step& step) {
+Resisted<T> resisted(const MechanismEffects<T>& e, bool up, bool at_rest, const T& velocity,
+                     const T& acceleration, const T& delta, const T& inverse_mass, const T& extra,
+                     const Step& step) {
   using V = ValueOf<T>;
   const T zero = T(V(0));
   const T at_start = resistance(e, up, at_rest ? zero : velocity, extra) * inverse_mass;

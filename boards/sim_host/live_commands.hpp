@@ -1,4 +1,4 @@
-// The simulated drive and motor: what they make of the commands, one after the other.
+// The commands of a run that goes on: what an actuation makes of them, one after the other.
 #pragma once
 
 #include <algorithm>
@@ -10,30 +10,23 @@
 
 namespace furcula::sim_host {
 
-/// dynamics::Actuation with the commands that it looks back on, and no older ones: a rig may run for weeks. A
-/// skew of the position's clock is none of its business: see sim::skew_columns.
-class Drive {
+/// Keeps those that the actuation looks back on, and no older ones: a rig may run for weeks. One actuation
+/// for all of a run.
+class LiveCommands {
  public:
-  explicit Drive(const dynamics::Effects<double>& effects)
-      : actuation_(without_skew(effects)),
-        looks_back_s_(std::abs(effects.value_or(dynamics::Effect::actuator_delay, 0.0))),
-        looks_back_(actuation_.delays()) {}
-
   /// What the drive's current shows once this command has arrived, which the next step holds.
-  double shows(double command, double step_s) {
-    send(command, step_s);
-    const double shown = actuation_.at_row(commands(), command_.size() - 1, step_s);
+  double shown(dynamics::Actuation<double>& actuation, double command, double step_s) {
+    send(actuation, command, step_s);
     sent_ = true;
-    return shown;
+    return actuation.drive.shown(commands(), command_.size() - 1, step_s);
   }
 
-  /// The mean torque on the leg (force or torque on an axis) over the next `step_s`, the command held.
-  double step(double command, double step_s) {
-    if (!sent_) send(command, step_s);
+  /// The mean torque behind the motor (force on a linear axis) over the next `step_s`, the command held.
+  double torque(dynamics::Actuation<double>& actuation, double command, double step_s) {
+    if (!sent_) send(actuation, command, step_s);
     sent_ = false;
-    const std::size_t row = command_.size() - 1;
     command_.back() = command;
-    return actuation_.motor(actuation_.drive(commands(), row, step_s), commands(), row);
+    return actuation.torque(commands(), command_.size() - 1, step_s);
   }
 
   /// How many commands it holds.
@@ -43,10 +36,10 @@ class Drive {
   /// So many at least: forgetting moves what is left, and shall be rare.
   static constexpr std::size_t kKept = 1024;
 
-  /// What neither a delay nor the smoothing over a step (Actuation::at_row) reaches back to.
-  void forget() {
+  /// What neither a delay nor the smoothing over a step (Drive::shown) reaches back to.
+  void forget(double delay_s) {
     if (command_.size() < full_) return;
-    const double oldest_s = time_s_.back() - looks_back_s_ - 2.0 * last_step_s_;
+    const double oldest_s = time_s_.back() - std::abs(delay_s) - 2.0 * last_step_s_;
     const auto first = std::upper_bound(time_s_.begin(), time_s_.end(), oldest_s) - time_s_.begin();
     // The command of before then holds until then.
     for (auto* column : {&time_s_, &command_, &impulse_, &driven_s_})
@@ -57,7 +50,7 @@ class Drive {
   struct Sent {
     double time_s = 0.0, impulse = 0.0, driven_s = 0.0;
   };
-  void send(double command, double step_s) {
+  void send(dynamics::Actuation<double>& actuation, double command, double step_s) {
     Sent next;
     if (!command_.empty()) {
       next.time_s = time_s_.back() + last_step_s_;
@@ -66,7 +59,7 @@ class Drive {
     }
     const bool first = command_.empty();
     // Without a delay nothing before the last command matters.
-    if (first || looks_back_) {
+    if (first || actuation.drive.delays()) {
       time_s_.push_back(next.time_s);
       impulse_.push_back(next.impulse);
       driven_s_.push_back(next.driven_s);
@@ -78,21 +71,13 @@ class Drive {
       command_.back() = command;
     }
     last_step_s_ = step_s;
-    if (first) actuation_.reset(commands(), 0);
-    if (looks_back_) forget();
+    if (first) actuation.drive.start(commands(), 0);
+    if (actuation.drive.delays()) forget(actuation.drive.delay_s());
   }
 
   dynamics::Commands<double> commands() const { return {time_s_, command_, impulse_, driven_s_}; }
 
-  static dynamics::Effects<double> without_skew(dynamics::Effects<double> effects) {
-    effects.clear(dynamics::Effect::time_skew);
-    return effects;
-  }
-
-  dynamics::Actuation<double> actuation_;
   std::vector<double> time_s_, command_, impulse_, driven_s_;
-  double looks_back_s_;
-  bool looks_back_;
   double last_step_s_ = 0.0;
   std::size_t full_ = kKept;  ///< at so many it forgets
   bool sent_ = false;
