@@ -127,6 +127,21 @@ TEST_CASE("a configuration that makes no sense is a fault that no reset clears")
   }
 }
 
+TEST_CASE("no parameter may be no number, or have a sign that its bounds have not") {
+  for (const Parameter& p : kParameters) {
+    if (p.whole) continue;
+    CAPTURE(p.name);
+    Config config;
+    REQUIRE(check(config) == Status::ok);
+    p.put(config, std::numeric_limits<float>::quiet_NaN());
+    CHECK(check(config) == Status::invalid);
+    p.put(config, -1e-3f);
+    CHECK((check(config) == Status::invalid) == (p.least >= 0.0f));
+    p.put(config, 0.0f);
+    if (p.least > 0.0f) CHECK(check(config) == Status::invalid);
+  }
+}
+
 TEST_CASE("a state that was not begun is in the safe state") {
   const Config config = constant_torque();
   State state;
@@ -189,4 +204,7 @@ TEST_CASE("a clutch's configuration with a number that makes no sense is refused
   CHECK(refused(&ClutchConfig::resolution_s, 0.0f));
   CHECK(refused(&ClutchConfig::release_delay_s, 0.2f));
   CHECK(refused(&ClutchConfig::contraction_m, nan));
+  // 1.5 kg bend 2,943 N/m by 5 mm.
+  CHECK_FALSE(refused(&ClutchConfig::spring_npm, 2900.0f));
+  CHECK(refused(&ClutchConfig::spring_npm, 3000.0f));
 }

@@ -57,6 +57,19 @@ TEST_CASE("the most torque that is taken hops below the limits of rail and leg, 
   CHECK(trial.unsafe == 0);
 }
 
+TEST_CASE("a spring rate that is far too large makes no runaway of a folding leg, or is refused") {
+  // Computed from where the leg was, the pull of 2,100 N/m drove the toe to 4.0 m/s and more; of 8,000 N/m to 4.8 m/s.
+  for (const float npm : {900.0f, 1500.0f, 2100.0f, 2900.0f})
+    for (const float fitted : {0.0f, 1.0f}) {
+      CAPTURE(npm, fitted);
+      const Trial trial =
+          hop_with({{"spring_npm", npm}, {"clutch_fitted", fitted}, {"contraction_m", 0.08f}}, 5.0);
+      CHECK(trial.unsafe == 0);
+      CHECK(trial.fastest_toe_mps < 3.0);
+    }
+  for (const float npm : {3000.0f, 8000.0f, 20000.0f}) CHECK(hop_with({{"spring_npm", npm}}).refused);
+}
+
 TEST_CASE("the supervisor's limits, as wide as they may be, do not let the robot higher") {
   const Trial trial = hop_with({{"torque_shape", kConstant},
                                 {"torque_amplitude_nm", 5.8f},

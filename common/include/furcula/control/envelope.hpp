@@ -46,8 +46,8 @@ struct EnvelopeConfig {
   /// The weight bends the robot's spring by more. One that is taken to be stiffer is pushed against with all that the
   /// motor has, before a stance can tell.
   float least_sag_m = 0.005f;
-  /// By which a leg folds on while its angle is on the way: two ticks of a fall.
-  float late_angle_rad = 0.02f;
+  /// By which a leg folds on while its angle is on the way: some ticks of a fall.
+  float late_angle_rad = 0.05f;
 };
 
 struct EnvelopeState {
@@ -120,10 +120,10 @@ inline bool fits(const EnvelopeConfig& c, const TorqueProfileConfig& torque, flo
 namespace envelope_parts {
 
 /// A flight from 25 ms after the switch opened until 30 ms or more before it closed: how much slower did its body get?
-/// The switch may be 10 ms early or late, and bounce; a hop of less than 3 cm is mostly that. A body that went on being
+/// The switch may be 10 ms early or late, and bounce; a hop of less than 4 cm is mostly that. A body that went on being
 /// low says that the switch is wrong, and nothing of the scale.
 inline Fault judge_flight(const EnvelopeConfig& c, EnvelopeState& s, const EnvelopeView& view, float dt_s) {
-  constexpr std::uint32_t kSettled = 25, kEvery = 10, kShortest = 125;
+  constexpr std::uint32_t kSettled = 25, kEvery = 10, kShortest = 150;
   constexpr float kGroundM = 0.035f;  // that is lower than it was
   constexpr std::uint8_t kUntoldMax = 5;
   if (!view.contact_reading) {
