@@ -29,7 +29,7 @@ TEST_CASE("A window finds the travel that its cable was caught with in the recor
   const model::Model truth = test::clutched_model();
   const auto recordings = identify::make_recordings(test::clutched_hops(truth, 4, 3), truth.kind);
   const auto windows = identify::prediction_windows(recordings, truth, 0.5);
-  REQUIRE(windows.size() >= 8);
+  REQUIRE(windows.size() >= 6);
   const auto starts = identify::start_states(recordings, windows, truth);
   CHECK(identify::prediction_errors(truth, recordings, windows, starts).at("height").rmse < 2e-3);
 }

@@ -35,9 +35,10 @@ inline bool makes_sense(const PhaseConfig& p, const SupervisorConfig& s) {
   return true;
 }
 
-/// Of a parameter's value the sign that its bounds have. The bounds themselves are a person's (bus::set()): a stand or a
-/// study may go beyond them.
+/// Of a parameter's value the sign that its bounds have; a count may be 0. The bounds themselves are a person's
+/// (bus::set()): a stand or a study may go beyond them.
 inline bool makes_sense(const Parameter& p, float value) {
+  if (p.whole) return true;
   return is_finite(value) && (p.least > 0.0f ? value > 0.0f : p.least < 0.0f || value >= 0.0f);
 }
 
@@ -65,7 +66,7 @@ inline Status check(const Config& c) {
                                         c.clutch.spring_npm * c.envelope.least_sag_m > weight_n))
     return Status::invalid;
   // Shorter than ten ticks it is no profile.
-  if (c.torque.period_s < 0.01f) return Status::invalid;
+  if (c.torque.period_s < 0.01f || c.supervisor.missed_catches_max == 0) return Status::invalid;
   return fits(c.envelope, c.torque, c.limits.torque_nm) ? Status::ok : Status::invalid;
 }
 
