@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/log/markup.hpp"
 #include "host/log/message.hpp"
 
 namespace furcula::model {
@@ -13,26 +14,7 @@ using dynamics::tree::Inertia;
 using dynamics::tree::Mat3;
 using log::shortest;
 
-std::string escaped(const std::string& text) {
-  std::string out;
-  for (const char c : log::printable(text)) switch (c) {
-      case '&':
-        out += "&amp;";
-        break;
-      case '<':
-        out += "&lt;";
-        break;
-      case '>':
-        out += "&gt;";
-        break;
-      case '"':
-        out += "&quot;";
-        break;
-      default:
-        out += c;
-    }
-  return out;
-}
+std::string escaped(const std::string& text) { return log::escape(log::printable(text)); }
 std::string attribute(const char* name, const std::string& value) {
   return std::string(" ") + name + "=\"" + value + "\"";
 }

@@ -5,11 +5,11 @@
 #include <string_view>
 #include <vector>
 
+#include "host/log/markup.hpp"
+
 namespace furcula::report {
 
-/// Text for an element's content or a quoted attribute: & < > " ' are escaped, control characters are
-/// replaced by U+FFFD.
-std::string escape(std::string_view text);
+using log::escape;
 
 /// JSON text for the inside of a <script> element: no '<', '>' or '&' remains, so it cannot end the element.
 std::string inside_script(std::string_view json);

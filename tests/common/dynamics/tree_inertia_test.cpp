@@ -11,9 +11,15 @@ using namespace furcula::test;
 
 namespace {
 
-std::array<double, 10> numbers(const Inertia<double>& b) {
+template <class T>
+std::array<T, 10> numbers(const Inertia<T>& b) {
   const auto& s = b.inertia_kgm2;
   return {b.mass_kg, b.moment_kgm.x, b.moment_kgm.y, b.moment_kgm.z, s.xx, s.xy, s.xz, s.yy, s.yz, s.zz};
+}
+template <class T>
+std::array<T, 10> numbers(const InertiaCoordinates<T>& c) {
+  return {c.log_scale, c.log_stretch.x, c.log_stretch.y, c.log_stretch.z, c.shear12,
+          c.shear23,   c.shear13,       c.centre_m.x,    c.centre_m.y,    c.centre_m.z};
 }
 template <class T>
 InertiaCoordinates<T> coordinates(const std::array<T, 10>& x) {
@@ -44,10 +50,7 @@ TEST_CASE("Ten numbers drawn at random are a body, and come back") {
     CHECK(solver.eigenvalues()(0) > -1e-12 * solver.eigenvalues()(3));
     const auto back = coordinates_of(body);
     REQUIRE(back.ok());
-    const auto& c = back.value();
-    const std::array<double, 10> y{c.log_scale,  c.log_stretch.x, c.log_stretch.y, c.log_stretch.z,
-                                   c.shear12,    c.shear23,       c.shear13,       c.centre_m.x,
-                                   c.centre_m.y, c.centre_m.z};
+    const std::array<double, 10> y = numbers(back.value());
     for (std::size_t i = 0; i < 10; ++i) CHECK(y[i] == Approx(x[i]).epsilon(1e-7).margin(1e-7));
   }
 }
@@ -92,10 +95,7 @@ TEST_CASE("Both ways have derivatives, and one undoes the other") {
   std::array<Dual, 10> d;
   for (std::size_t i = 0; i < 10; ++i) d[i] = Dual(x[i], static_cast<int>(i));
   const Inertia<Dual> body = inertia_of(coordinates(d));
-  const auto& s = body.inertia_kgm2;
-  const std::array<Dual, 10> out{
-      body.mass_kg, body.moment_kgm.x, body.moment_kgm.y, body.moment_kgm.z, s.xx, s.xy, s.xz, s.yy, s.yz,
-      s.zz};
+  const std::array<Dual, 10> out = numbers(body);
   for (std::size_t i = 0; i < 10; ++i) {
     auto up = x, down = x;
     up[i] += 1e-6;
@@ -106,10 +106,7 @@ TEST_CASE("Both ways have derivatives, and one undoes the other") {
   }
   const auto back = coordinates_of(body);
   REQUIRE(back.ok());
-  const auto& c = back.value();
-  const std::array<Dual, 10> again{c.log_scale,  c.log_stretch.x, c.log_stretch.y, c.log_stretch.z,
-                                   c.shear12,    c.shear23,       c.shear13,       c.centre_m.x,
-                                   c.centre_m.y, c.centre_m.z};
+  const std::array<Dual, 10> again = numbers(back.value());
   for (std::size_t k = 0; k < 10; ++k)
     for (std::size_t i = 0; i < 10; ++i)
       CHECK(again[k].derivative(i) == Approx(k == i ? 1.0 : 0.0).margin(1e-9));
