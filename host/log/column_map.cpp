@@ -53,6 +53,9 @@ ColumnMap parse_column_map(std::string_view text_of_file, const std::string& nam
 
   std::vector<std::string_view> known{"rig"};
   for (const ColumnInfo& c : rig->columns) known.push_back(c.name);
+  for (const auto& [key, node] : file)
+    if (!rig->patterns.empty() && rig->column(key.str()) != nullptr) known.push_back(key.str());
+  for (const ColumnPattern& p : rig->patterns) known.push_back(p.info.name);
   refuse_unknown_keys(file, name, "the map of rig " + map.rig, known);
   for (const auto& [key, node] : file)
     if (key.str() != "rig") {

@@ -142,6 +142,23 @@ void refuse_wrong_units(const Layout& layout, const RigInfo& rig, const RecordSt
                         std::string(theirs.unit) + "'; expected '" + std::string(ours.name) +
                         "' (convert it, or give a --map file with a scale)");
     }
+    // angle_knee_deg where angle_knee_rad is meant. What none of our quantities begins like stays unknown.
+    const std::string_view quantity = theirs.quantity;
+    std::string_view meant;
+    for (const ColumnPattern& p : rig.patterns) {
+      if (!quantity.starts_with(p.prefix) || quantity.size() == p.prefix.size()) continue;
+      const std::string ours = std::string(quantity) + "_" + std::string(p.unit);
+      const auto& columns = layout.file_columns;
+      if (std::find(columns.begin(), columns.end(), ours) != columns.end()) {
+        meant = {};
+        break;
+      }
+      if (meant.empty()) meant = p.unit;
+    }
+    if (!meant.empty())
+      throw DataError(at(records) + "column " + quoted(name) + " has the unit '" + std::string(theirs.unit) +
+                      "'; expected '" + std::string(quantity) + "_" + std::string(meant) +
+                      "' (convert it, or give a --map file with a scale)");
   }
 }
 

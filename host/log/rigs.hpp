@@ -69,23 +69,59 @@ inline constexpr std::array<ColumnInfo, 6> kClutchBenchColumns{{
     {"voltage_v", false, ColumnKind::quantity, "voltage of the solenoid"},
 }};
 
+/// Columns of a rig with named joints: "angle_<joint>_rad" is prefix "angle_" and unit "rad".
+struct ColumnPattern {
+  std::string_view prefix, unit;
+  ColumnInfo info;  ///< its name as in the documentation
+
+  /// The joint's name, or nothing.
+  constexpr std::string_view joint_in(std::string_view column) const {
+    const std::size_t around = prefix.size() + unit.size() + 1;
+    if (column.size() <= around || !column.starts_with(prefix) || !column.ends_with(unit)) return {};
+    if (column[column.size() - unit.size() - 1] != '_') return {};
+    return column.substr(prefix.size(), column.size() - around);
+  }
+};
+
+/// The longer prefix first: torque_cmd_ before torque_.
+inline constexpr std::array<ColumnPattern, 10> kTreeColumns{{
+    {"angle_cmd_", "rad", {"angle_cmd_<joint>_rad", false, ColumnKind::quantity, "set point of the drive's position law"}},
+    {"angle_", "rad", {"angle_<joint>_rad", false, ColumnKind::quantity, "angle of the joint"}},
+    {"velocity_", "radps", {"velocity_<joint>_radps", false, ColumnKind::quantity, "angular velocity as the rig derived it"}},
+    {"torque_cmd_", "nm", {"torque_cmd_<joint>_nm", false, ColumnKind::quantity, "torque commanded to the drive"}},
+    {"torque_", "nm", {"torque_<joint>_nm", false, ColumnKind::quantity, "torque that the drive reports"}},
+    {"position_cmd_", "m", {"position_cmd_<joint>_m", false, ColumnKind::quantity, "set point of a prismatic joint"}},
+    {"position_", "m", {"position_<joint>_m", false, ColumnKind::quantity, "position of a prismatic joint"}},
+    {"velocity_", "mps", {"velocity_<joint>_mps", false, ColumnKind::quantity, "velocity of a prismatic joint"}},
+    {"force_cmd_", "n", {"force_cmd_<joint>_n", false, ColumnKind::quantity, "force commanded to a prismatic joint's drive"}},
+    {"force_", "n", {"force_<joint>_n", false, ColumnKind::quantity, "force that a prismatic joint's drive reports"}},
+}};
+
+inline constexpr std::array<ColumnInfo, 1> kTreeFixedColumns{{
+    {"time_s", true, ColumnKind::time, "time since any instant, increasing"},
+}};
+
 struct RigInfo {
   std::string_view name;
   std::span<const ColumnInfo> columns;  ///< in the order of the contract, in which logs are written
+  std::span<const ColumnPattern> patterns = {};
 
   constexpr const ColumnInfo* column(std::string_view column_name) const {
     for (const ColumnInfo& c : columns)
       if (c.name == column_name) return &c;
+    for (const ColumnPattern& p : patterns)
+      if (!p.joint_in(column_name).empty()) return &p.info;
     return nullptr;
   }
 };
 
-inline constexpr std::array<RigInfo, 5> kRigs{{
+inline constexpr std::array<RigInfo, 6> kRigs{{
     {"hopper", kHopperColumns},
     {"rail_carriage", kRailCarriageColumns},
     {"motor_axis", kMotorAxisColumns},
     {"rotary_joint", kRotaryJointColumns},
     {"clutch_bench", kClutchBenchColumns},
+    {"tree", kTreeFixedColumns, kTreeColumns},
 }};
 
 constexpr const RigInfo* rig_named(std::string_view name) {

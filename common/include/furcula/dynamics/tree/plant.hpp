@@ -47,6 +47,13 @@ class Plant {
     state_.rotor_rate[joint] = rate_radps;
   }
 
+  /// Where the joint's spring is relaxed from now on: the set point of a position drive whose gains are the
+  /// joint's stiffness and damping.
+  void set_rest(std::size_t joint, const T& rest_rad) {
+    model_.laws[joint].rest_rad = rest_rad;
+    if constexpr (!kPlain) plain_.laws[joint].rest_rad = value_of(rest_rad);
+  }
+
   /// Moves on by `dt_s` >= 0 under the drives' torques (N m; of a prismatic joint N).
   void advance(const Joints& torque_nm, V dt_s) {
     changes_ = 0;

@@ -1,0 +1,299 @@
+// Model files of trees, see model.hpp.
+#include "host/trees/model.hpp"
+
+#include <toml++/toml.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <limits>
+#include <set>
+
+#include "host/log/message.hpp"
+#include "host/log/strict_toml.hpp"
+
+namespace furcula::trees {
+namespace {
+
+using log::fail;
+using log::quoted;
+using log::shortest;
+
+constexpr double kMost = 1e9;
+
+class Reader {
+ public:
+  Reader(std::string_view text, const std::string& path) : name_(path), file_(log::parse_toml(text, path)) {
+    model_.file = path;
+  }
+
+  TreeModel read() {
+    static constexpr std::array<std::string_view, 5> kSections{"model", "hold", "drive", "free", "effect"};
+    log::refuse_unknown_keys(file_, name_, "the model file of a tree", kSections);
+    read_robot();
+    read_drives();
+    if (const toml::node* free = file_.get("free")) read_free(log::table(*free, name_, "[free]"));
+    if (const toml::node* effects = file_.get("effect")) read_effects(log::table(*effects, name_, "[effect]"));
+    return std::move(model_);
+  }
+
+ private:
+  void read_robot() {
+    static constexpr std::array<std::string_view, 6> kKeys{"kind", "schema", "urdf", "base", "joints", "gravity_mps2"};
+    const toml::node* section = file_.get("model");
+    if (section == nullptr) fail(name_, file_.source(), "no section [model]; expected one");
+    const toml::table& table = log::table(*section, name_, "[model]");
+    log::refuse_unknown_keys(table, name_, "[model] of a tree", kKeys);
+    const toml::node* schema = table.get("schema");
+    if (schema == nullptr) fail(name_, table.source(), "no key 'schema' in [model]; expected schema = 1");
+    if (!schema->is_integer() || schema->value<std::int64_t>() != 1)
+      fail(name_, schema->source(), "schema = " + log::value_text(*schema) + "; expected 1");
+    if (const toml::node* base = table.get("base"))
+      if (const std::string which = log::text(*base, name_, "base"); which != "fixed")
+        fail(name_, base->source(),
+             "base = " + quoted(which) + "; expected \"fixed\" (this version has no floating base)");
+    const toml::node* urdf = table.get("urdf");
+    if (urdf == nullptr) fail(name_, table.source(), "no key 'urdf' in [model]; expected the URDF's file name");
+    model_.urdf_path = log::text(*urdf, name_, "urdf");
+    if (const toml::node* joints = table.get("joints")) {
+      const toml::array* list = joints->as_array();
+      if (list == nullptr || list->empty())
+        fail(name_, joints->source(), "joints = " + log::value_text(*joints) + "; expected names of joints that move");
+      for (const toml::node& joint : *list) model_.moving.push_back(log::text(joint, name_, "joints"));
+    }
+    if (const toml::node* gravity = table.get("gravity_mps2")) {
+      const toml::array* list = gravity->as_array();
+      if (list == nullptr || list->size() != 3)
+        fail(name_, gravity->source(), "gravity_mps2 = " + log::value_text(*gravity) + "; expected three numbers, x y z");
+      const auto part = [&](std::size_t i) { return log::number((*list)[i], name_, "gravity_mps2", -100.0, 100.0, "m/s^2"); };
+      model_.gravity_mps2 = {part(0), part(1), part(2)};
+    }
+    if (const toml::node* hold = file_.get("hold"))
+      for (const auto& [joint, node] : log::table(*hold, name_, "[hold]"))
+        model_.hold[std::string(joint.str())] =
+            log::number(node, name_, "[hold] " + std::string(joint.str()), -1e3, 1e3, "rad or m");
+
+    const auto beside = std::filesystem::path(name_).parent_path() / model_.urdf_path;
+    model_.urdf = model::read_urdf(beside.string());
+    model_.robot = model::tree_of(model_.urdf, model_.moving, model_.hold);
+    model_.robot.model.gravity_mps2 = model_.gravity_mps2;
+  }
+
+  std::size_t joint_named(const std::string& joint, const toml::source_region& where, const std::string& who) const {
+    std::vector<std::string_view> names;
+    for (std::size_t i = 0; i < model_.joints(); ++i) {
+      if (model_.robot.joints[i].name == joint) return i;
+      names.emplace_back(model_.robot.joints[i].name);
+    }
+    fail(name_, where,
+         who + ": no joint " + quoted(joint) + " that moves; expected one of " + log::listed(names) +
+             log::did_you_mean(joint, names));
+  }
+
+  void read_drives() {
+    model_.drives.resize(model_.joints());
+    for (std::size_t i = 0; i < model_.joints(); ++i)
+      model_.drives[i].damping_nmspr = model_.robot.model.laws[i].damping_nmspr;
+    const toml::node* section = file_.get("drive");
+    if (section == nullptr) return;
+    const toml::table& table = log::table(*section, name_, "[drive]");
+    for (Drive& drive : model_.drives) read_drive(table, "[drive]", drive);
+    for (const auto& [key, node] : table) {
+      const std::string joint(key.str());
+      if (!node.is_table()) continue;
+      const std::string where = "[drive." + joint + "]";
+      read_drive(log::table(node, name_, where), where, model_.drives[joint_named(joint, key.source(), where)]);
+    }
+    for (std::size_t i = 0; i < model_.joints(); ++i)
+      if (model_.drives[i].law == DriveLaw::position && model_.drives[i].kp_nmprad == 0.0)
+        fail(name_, table.source(), "the drive of joint " + quoted(model_.robot.joints[i].name) +
+                                        " has law \"position\" and no kp_nmprad; expected one above 0");
+  }
+  void read_drive(const toml::table& table, const std::string& where, Drive& drive) {
+    std::vector<std::string_view> known{"law"};
+    known.insert(known.end(), kDriveParameters.begin(), kDriveParameters.end());
+    for (const auto& [key, node] : table) {
+      if (node.is_table() && where == "[drive]") continue;
+      if (std::find(known.begin(), known.end(), key.str()) == known.end())
+        fail(name_, key.source(), "unknown key " + quoted(key.str()) + " in " + where + "; expected one of " +
+                                      log::listed(known) + ", or a joint's table" + log::did_you_mean(key.str(), known));
+      if (key.str() == "law") {
+        const std::string law = log::text(node, name_, "law");
+        if (law != "torque" && law != "position")
+          fail(name_, node.source(), "law = " + quoted(law) + "; expected \"torque\" or \"position\"");
+        drive.law = law == "torque" ? DriveLaw::torque : DriveLaw::position;
+        continue;
+      }
+      const auto which = static_cast<std::size_t>(std::find(kDriveParameters.begin(), kDriveParameters.end(), key.str()) -
+                                                  kDriveParameters.begin());
+      drive.*kDriveMembers[which] = log::number(node, name_, where + " " + std::string(key.str()), 0.0, kMost);
+    }
+  }
+
+  void read_free(const toml::table& table) {
+    for (const auto& [key, node] : table) {
+      const std::string whole(key.str());
+      const auto dot = whole.find('.');
+      const std::string who = "[free] " + whole;
+      const auto which = std::find(kDriveParameters.begin(), kDriveParameters.end(), whole.substr(0, dot));
+      if (dot == std::string::npos || which == kDriveParameters.end())
+        fail(name_, key.source(), "unknown key " + quoted(whole) + " in [free]; expected \"NAME.JOINT\" with NAME one of " +
+                                      log::listed(kDriveParameters));
+      FreeParameter f{static_cast<std::size_t>(which - kDriveParameters.begin()),
+                      joint_named(whole.substr(dot + 1), key.source(), who), 0.0, 0.0};
+      const toml::array* pair = node.as_array();
+      if (pair == nullptr || pair->size() != 2)
+        fail(name_, node.source(), who + " is " + log::value_text(node) + "; expected two numbers, [lower, upper]");
+      f.lower = log::number((*pair)[0], name_, who + " lower bound", 0.0, kMost);
+      f.upper = log::number((*pair)[1], name_, who + " upper bound", 0.0, kMost);
+      const double value = model_.drives[f.joint].*kDriveMembers[f.parameter];
+      if (!(f.lower < f.upper) || value < f.lower || value > f.upper)
+        fail(name_, node.source(), who + " = [" + shortest(f.lower) + ", " + shortest(f.upper) +
+                                       "]; expected lower < upper around the model's value " + shortest(value));
+      model_.free.push_back(f);
+    }
+  }
+
+  void read_effects(const toml::table& table) {
+    std::vector<std::string_view> all;
+    for (const EffectInfo& e : catalogue()) all.push_back(e.name);
+    for (const auto& [key, node] : table) {
+      const auto effect = effect_named(key.str());
+      if (!effect)
+        fail(name_, key.source(), "unknown effect " + quoted(key.str()) + " of a tree; expected one of " +
+                                      log::listed(all) + log::did_you_mean(key.str(), all));
+      const std::string where = "[effect." + std::string(key.str()) + "]";
+      for (const auto& [site, values] : log::table(node, name_, where))
+        read_effect(*effect, std::string(site.str()), values, site.source());
+    }
+  }
+  void read_effect(Effect effect, const std::string& site, const toml::node& node, const toml::source_region& source) {
+    const EffectInfo& e = info(effect);
+    const std::string where = "[effect." + std::string(e.name) + "." + site + "]";
+    std::vector<std::string> names;
+    std::optional<std::size_t> at;
+    for (const std::size_t i : sites(model_, e.seat)) {
+      names.push_back(site_name(model_, e.seat, i));
+      if (names.back() == site) at = i;
+    }
+    const std::vector<std::string_view> views(names.begin(), names.end());
+    if (!at)
+      fail(name_, source, where + ": no " + std::string(name(e.seat)) + " " + quoted(site) + "; expected one of " +
+                              log::listed(views) + log::did_you_mean(site, views));
+    const bool linear = is_linear(model_, e.seat, *at);
+    const toml::table& table = log::table(node, name_, where);
+    std::vector<std::string_view> known;
+    for (const Parameter& p : e.parameters()) known.push_back(name_on(p, linear));
+    log::refuse_unknown_keys(table, name_, where, known);
+    Cause cause{effect, {*at}, {}};
+    for (std::size_t k = 0; k < known.size(); ++k) {
+      const Parameter& p = e.parameters()[k];
+      const toml::node* value = table.get(known[k]);
+      if (value == nullptr)
+        fail(name_, table.source(), "no key '" + std::string(known[k]) + "' in " + where + "; expected a number from " +
+                                        shortest(p.lower) + " to " + shortest(p.upper) + " " +
+                                        std::string(unit_on(p, linear)));
+      cause.values[k] = log::number(*value, name_, where + " " + std::string(known[k]), p.lower, p.upper, unit_on(p, linear));
+    }
+    if (effect == Effect::position_gain_error && model_.drives[*at].law != DriveLaw::position)
+      fail(name_, source, where + ": its drive has law \"torque\"; expected one of law \"position\"");
+    model_.causes.push_back(cause);
+  }
+
+  const std::string name_;
+  toml::table file_;
+  TreeModel model_;
+};
+
+std::string table_of(const std::string& heading, const Drive& drive) {
+  std::string out = heading + "\nlaw = \"" + (drive.law == DriveLaw::torque ? "torque" : "position") + "\"\n";
+  for (std::size_t k = 0; k < kDriveParameters.size(); ++k)
+    if (k >= 2 || drive.law == DriveLaw::position)
+      out += std::string(kDriveParameters[k]) + " = " + log::toml_float(drive.*kDriveMembers[k]) + "\n";
+  return out;
+}
+
+std::string text_of(const std::string& text) {
+  std::string out = "\"";
+  for (const char c : text) out += c == '"' || c == '\\' ? std::string("\\") + c : std::string(1, c);
+  return out + "\"";
+}
+/// A TOML key: bare where it can be.
+std::string key_of(const std::string& name) {
+  constexpr std::string_view kBare = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-";
+  return !name.empty() && name.find_first_not_of(kBare) == std::string::npos ? name : text_of(name);
+}
+
+}  // namespace
+
+bool is_tree(std::string_view text) {
+  try {
+    const toml::table file = log::parse_toml(text, "");
+    return file["model"]["kind"].value<std::string_view>() == "tree";
+  } catch (const log::DataError&) {
+    return false;
+  }
+}
+
+TreeModel parse_tree_model(std::string_view text, const std::string& path) { return Reader(text, path).read(); }
+
+TreeModel read_tree_model(const std::string& path) {
+  return parse_tree_model(log::read_small_file(path, "a model file (TOML)"), path);
+}
+
+std::string format_tree_model(const TreeModel& m, const std::string& urdf) {
+  std::string out = "[model]\nkind = \"tree\"\nschema = 1\nurdf = " + text_of(urdf) + "\nbase = \"fixed\"\n";
+  if (!m.moving.empty()) {
+    out += "joints = [";
+    for (std::size_t i = 0; i < m.moving.size(); ++i) out += (i > 0 ? ", " : "") + text_of(m.moving[i]);
+    out += "]\n";
+  }
+  out += "gravity_mps2 = [" + log::toml_float(m.gravity_mps2.x) + ", " + log::toml_float(m.gravity_mps2.y) + ", " +
+         log::toml_float(m.gravity_mps2.z) + "]\n";
+  if (!m.hold.empty()) out += "\n[hold]\n";
+  for (const auto& [joint, position] : m.hold) out += key_of(joint) + " = " + log::toml_float(position) + "\n";
+  for (std::size_t i = 0; i < m.joints(); ++i)
+    out += "\n" + table_of("[drive." + key_of(m.robot.joints[i].name) + "]", m.drives[i]);
+  if (!m.free.empty()) out += "\n[free]\n";
+  for (const FreeParameter& f : m.free)
+    out += text_of(std::string(kDriveParameters[f.parameter]) + "." + m.robot.joints[f.joint].name) + " = [" +
+           log::toml_float(f.lower) + ", " + log::toml_float(f.upper) + "]\n";
+  for (const Cause& c : m.causes)
+    for (const std::size_t site : c.sites) {
+      const EffectInfo& e = info(c.effect);
+      out += "\n[effect." + std::string(e.name) + "." + key_of(site_name(m, e.seat, site)) + "]\n";
+      for (std::size_t k = 0; k < e.parameter_count; ++k)
+        out += std::string(name_on(e.parameters()[k], is_linear(m, e.seat, site))) + " = " + log::toml_float(c.values[k]) + "\n";
+    }
+  return out;
+}
+
+std::vector<std::size_t> sites(const TreeModel& model, Seat seat) {
+  std::vector<std::size_t> out;
+  if (seat == Seat::base) return {0};
+  if (seat == Seat::link) {
+    for (std::size_t i = 0; i < model.robot.links.size(); ++i)
+      if (model.robot.links[i].joint >= 0 && model.urdf.links[i].inertia && model.urdf.links[i].inertia->mass_kg > 0.0)
+        out.push_back(i);
+    return out;
+  }
+  for (std::size_t i = 0; i < model.joints(); ++i) out.push_back(i);
+  return out;
+}
+
+std::string site_name(const TreeModel& model, Seat seat, std::size_t site) {
+  if (seat == Seat::base) return "base";
+  return seat == Seat::link ? model.robot.links[site].name : model.robot.joints[site].name;
+}
+
+std::string cause_name(const TreeModel& model, const Cause& cause) {
+  std::string out(info(cause.effect).name);
+  for (std::size_t i = 0; i < cause.sites.size(); ++i)
+    out += (i == 0 ? "@" : ",") + site_name(model, info(cause.effect).seat, cause.sites[i]);
+  return out;
+}
+
+bool is_linear(const TreeModel& model, Seat seat, std::size_t site) {
+  return seat != Seat::link && seat != Seat::base && model.prismatic(site);
+}
+
+}  // namespace furcula::trees

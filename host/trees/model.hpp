@@ -1,0 +1,82 @@
+// A robot of several joints as a model file has it: `kind = "tree"` (docs/trees.md, the model file).
+#pragma once
+
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "host/model/urdf.hpp"
+#include "host/trees/effects.hpp"
+
+namespace furcula::trees {
+
+enum class DriveLaw { torque, position };
+
+/// Of one joint. Units of a revolute joint; of a prismatic one N for N m and m for rad.
+struct Drive {
+  DriveLaw law = DriveLaw::torque;
+  double kp_nmprad = 0.0, kd_nmsprad = 0.0;  ///< of the position law: kp (set point - q) - kd v
+  double rotor_inertia_kgm2 = 0.0;           ///< reflected to the joint
+  double damping_nmspr = 0.0;                ///< viscous, in the joint
+};
+
+/// The parameters of a drive that [free] may name, as "name.joint".
+inline constexpr std::array<std::string_view, 4> kDriveParameters{"kp_nmprad", "kd_nmsprad", "rotor_inertia_kgm2",
+                                                                  "damping_nmspr"};
+inline constexpr std::array<double Drive::*, 4> kDriveMembers{&Drive::kp_nmprad, &Drive::kd_nmsprad,
+                                                              &Drive::rotor_inertia_kgm2, &Drive::damping_nmspr};
+
+/// An effect at one site, or at several with one value.
+struct Cause {
+  Effect effect;
+  std::vector<std::size_t> sites;  ///< joints or links (of RobotTree); {0} for the base
+  std::array<double, kMostParameters> values{};
+
+  friend bool operator==(const Cause&, const Cause&) = default;
+};
+
+struct FreeParameter {
+  std::size_t parameter;  ///< in kDriveParameters
+  std::size_t joint;
+  double lower, upper;
+};
+
+struct TreeModel {
+  std::string file;       ///< for messages
+  std::string urdf_path;  ///< as in the model file
+  model::Urdf urdf;
+  model::RobotTree robot;
+  std::vector<std::string> moving;     ///< as in the model file; empty: all
+  std::map<std::string, double> hold;  ///< of joints that do not move, rad or m
+  dynamics::tree::Vec3<double> gravity_mps2{0.0, 0.0, -9.81};
+  std::vector<Drive> drives;  ///< of each joint of the tree
+  std::vector<FreeParameter> free;
+  std::vector<Cause> causes;  ///< that are switched on, each at one site
+
+  std::size_t joints() const { return robot.joints.size(); }
+  bool prismatic(std::size_t joint) const {
+    return robot.joints[joint].kind == model::UrdfJoint::Kind::prismatic;
+  }
+};
+
+/// Whether the text says kind = "tree" in [model]; false where it is no TOML at all.
+bool is_tree(std::string_view text);
+
+/// @throws log::DataError naming file, line and what was expected; and what read_urdf and tree_of throw. The URDF
+/// lies beside the model file.
+TreeModel read_tree_model(const std::string& path);
+TreeModel parse_tree_model(std::string_view text, const std::string& path);
+
+/// As a file that reads back the same; `urdf` stands for the URDF's name in it. A cause at several sites becomes one a site.
+std::string format_tree_model(const TreeModel& model, const std::string& urdf);
+
+/// The names of all sites of a seat, and of one; links are those that move and have mass.
+std::vector<std::size_t> sites(const TreeModel& model, Seat seat);
+std::string site_name(const TreeModel& model, Seat seat, std::size_t site);
+/// "coulomb_friction@elbow", "coulomb_friction@shoulder,elbow"
+std::string cause_name(const TreeModel& model, const Cause& cause);
+/// Whether the site's parameters have the names and units of a prismatic joint.
+bool is_linear(const TreeModel& model, Seat seat, std::size_t site);
+
+}  // namespace furcula::trees

@@ -1,0 +1,145 @@
+// Logs of trees, see recording.hpp.
+#include "host/trees/recording.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "host/log/error.hpp"
+#include "host/log/message.hpp"
+#include "host/log/rigs.hpp"
+
+namespace furcula::trees {
+namespace {
+
+using log::quoted;
+using log::shortest;
+
+double median(std::vector<double> values) {
+  if (values.empty()) return 0.0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// Standard deviation of a sample's noise, from third differences (a smooth motion has hardly any); at least that of
+/// the smallest step between two readings.
+double noise_of(const std::vector<double>& x) {
+  std::vector<double> differences, steps;
+  for (std::size_t i = 3; i < x.size(); ++i)
+    differences.push_back(std::abs(x[i] - 3.0 * x[i - 1] + 3.0 * x[i - 2] - x[i - 3]));
+  for (std::size_t i = 1; i < x.size(); ++i)
+    if (x[i] != x[i - 1]) steps.push_back(std::abs(x[i] - x[i - 1]));
+  // Median of |normal| is 0.6745 of its deviation; third differences of white noise have sqrt(20) of it.
+  const double white = median(std::move(differences)) / 0.6745 / std::sqrt(20.0);
+  double step = 0.0;
+  if (!steps.empty()) step = *std::min_element(steps.begin(), steps.end());
+  return std::max({white, step / std::sqrt(12.0), 1e-7});
+}
+
+[[noreturn]] void missing(const log::Log& log, const TreeModel& m, std::size_t joint, const std::string& columns) {
+  throw log::DataError(log.path + ": joint " + quoted(m.robot.joints[joint].name) + " has no column " + columns +
+                       "; expected one of each joint that moves (joints = [...] in " + m.file + " says which do)");
+}
+
+void refuse_degrees(const log::Log& log, const TreeModel& m, std::size_t joint, const std::vector<double>& angle) {
+  const auto& j = m.robot.joints[joint];
+  if (m.prismatic(joint) || !j.limits || !(j.limits->lower < j.limits->upper)) return;
+  const double reach = std::max(std::abs(j.limits->lower), std::abs(j.limits->upper));
+  double largest = 0.0;
+  for (const double a : angle) largest = std::max(largest, std::abs(a));
+  const double as_degrees = largest * std::numbers::pi / 180.0;
+  if (largest > 4.0 * reach && as_degrees < 1.2 * reach)
+    throw log::DataError(log.path + ": " + column_of(m, joint, "angle") + " reaches " + log::rounded(largest) +
+                         ", and the URDF's limit is " + log::rounded(reach) +
+                         " rad: these are degrees; expected radians (a --map file with scale = 0.0174533 makes them)");
+}
+
+}  // namespace
+
+std::string column_of(const TreeModel& m, std::size_t joint, const std::string& quantity) {
+  std::string prefix = quantity, unit = "rad";
+  if (quantity.starts_with("torque")) unit = "nm";
+  if (quantity == "velocity") unit = "radps";
+  if (m.prismatic(joint)) {
+    if (quantity.starts_with("torque")) {
+      prefix = "force" + quantity.substr(6);
+      unit = "n";
+    } else if (quantity.starts_with("angle")) {
+      prefix = "position" + quantity.substr(5);
+      unit = "m";
+    } else {
+      unit = "mps";
+    }
+  }
+  return prefix + "_" + m.robot.joints[joint].name + "_" + unit;
+}
+
+Recording recording_of(const TreeModel& m, const log::Log& log) {
+  constexpr std::size_t kFewest = 50;
+  if (log.rows() < kFewest)
+    throw log::DataError(log.path + ": " + std::to_string(log.rows()) + " rows; expected at least " +
+                         std::to_string(kFewest));
+  Recording r;
+  r.path = log.path;
+  r.time_s = log.time_s();
+  std::vector<double> intervals;
+  for (std::size_t i = 1; i < r.rows(); ++i) intervals.push_back(r.time_s[i] - r.time_s[i - 1]);
+  r.interval_s = median(intervals);
+  for (std::size_t j = 0; j < m.joints(); ++j) {
+    const std::string angle = column_of(m, j, "angle");
+    if (!log.has(angle)) missing(log, m, j, "'" + angle + "'");
+    r.angle_rad.push_back(log.at(angle));
+    refuse_degrees(log, m, j, r.angle_rad.back());
+    const bool position = m.drives[j].law == DriveLaw::position;
+    const std::string measured = column_of(m, j, position ? "angle_cmd" : "torque");
+    const std::string commanded = column_of(m, j, position ? "angle_cmd" : "torque_cmd");
+    if (!log.has(measured) && !log.has(commanded))
+      missing(log, m, j, position ? "'" + measured + "'" : "'" + measured + "' or '" + commanded + "'");
+    r.input_measured.push_back(!position && log.has(measured));
+    r.input.push_back(log.at(log.has(measured) ? measured : commanded));
+    r.angle_noise_rad.push_back(noise_of(r.angle_rad.back()));
+  }
+  return r;
+}
+
+LocalState local_state(const Recording& r, std::size_t joint, std::size_t row, double half_s) {
+  constexpr std::size_t kLeast = 3;  // rows on each side, where there are
+  const double t0 = r.time_s[row];
+  std::size_t first = row, last = row;
+  while (first > 0 && (t0 - r.time_s[first - 1] <= half_s || row - first < kLeast)) --first;
+  while (last + 1 < r.rows() && (r.time_s[last + 1] - t0 <= half_s || last - row < kLeast)) ++last;
+  const auto& x = r.angle_rad[joint];
+  Eigen::Matrix4d normal = Eigen::Matrix4d::Zero();
+  Eigen::Vector4d right = Eigen::Vector4d::Zero();
+  const double unit = std::max(r.time_s[last] - t0, t0 - r.time_s[first]);
+  for (std::size_t i = first; i <= last; ++i) {
+    const double s = (r.time_s[i] - t0) / unit;
+    const Eigen::Vector4d row_of(1.0, s, s * s, s * s * s);
+    normal += row_of * row_of.transpose();
+    right += row_of * (x[i] - x[row]);
+  }
+  // At an end of the recording a cubic has too much freedom: the last column is damped there.
+  const Eigen::Matrix4d inverse = (normal + Eigen::Matrix4d(Eigen::Vector4d(0, 0, 1e-9, 1e-6).asDiagonal())).inverse();
+  const Eigen::Vector4d c = inverse * right;
+  const double sd = r.angle_noise_rad[joint];
+  return {x[row] + c(0), c(1) / unit, 2.0 * c(2) / (unit * unit), sd * std::sqrt(inverse(0, 0)),
+          sd * std::sqrt(inverse(1, 1)) / unit};
+}
+
+std::vector<std::string> foreign_joints(const TreeModel& m, const log::Log& log) {
+  std::vector<std::string> out;
+  for (const auto& [column, values] : log.columns)
+    for (const log::ColumnPattern& p : log::kTreeColumns) {
+      const std::string joint(p.joint_in(column));
+      if (joint.empty()) continue;
+      const bool known = std::any_of(m.urdf.joints.begin(), m.urdf.joints.end(),
+                                     [&](const model::UrdfJoint& j) { return j.name == joint; });
+      if (!known && std::find(out.begin(), out.end(), joint) == out.end()) out.push_back(joint);
+      break;
+    }
+  return out;
+}
+
+}  // namespace furcula::trees

@@ -1,0 +1,44 @@
+// A log of a tree as the fits want it: what each joint did, and what its drive was given.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "host/log/log.hpp"
+#include "host/trees/model.hpp"
+
+namespace furcula::trees {
+
+/// Columns over joints of the tree. Units of a revolute joint; of a prismatic one m and N.
+struct Recording {
+  std::string path;
+  std::vector<double> time_s;
+  std::vector<std::vector<double>> angle_rad;
+  /// Torque law: the torque that the drive reports, else the one commanded, N m. Position law: the set point, rad.
+  std::vector<std::vector<double>> input;
+  std::vector<double> angle_noise_rad;  ///< of one sample, standard deviation
+  std::vector<bool> input_measured;     ///< the torque is the drive's report
+  double interval_s = 0.0;              ///< median
+
+  std::size_t rows() const { return time_s.size(); }
+};
+
+/// "angle_elbow_rad", "torque_cmd_elbow_nm", ...: `quantity` is angle, velocity, torque, torque_cmd or angle_cmd.
+std::string column_of(const TreeModel& model, std::size_t joint, const std::string& quantity);
+
+/// @throws log::DataError naming file, joint and what was expected: a joint without its columns, angles that are degrees by the
+/// URDF's limits, fewer than 50 rows.
+Recording recording_of(const TreeModel& model, const log::Log& log);
+
+/// A joint's state about a row, from its measured angles alone: a cubic through those within `half_s` of it.
+struct LocalState {
+  double angle_rad, velocity_radps, acceleration_radps2;
+  double angle_sd_rad, velocity_sd_radps;  ///< for the recording's noise
+};
+LocalState local_state(const Recording& r, std::size_t joint, std::size_t row, double half_s);
+
+/// Columns of the log that name joints the tree does not have.
+std::vector<std::string> foreign_joints(const TreeModel& model, const log::Log& log);
+
+}  // namespace furcula::trees

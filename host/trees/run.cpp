@@ -1,0 +1,332 @@
+// Trees in motion, see run.hpp.
+#include "host/trees/run.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace furcula::trees {
+namespace {
+
+using dynamics::tree::Frame;
+using dynamics::tree::Inertia;
+using dynamics::tree::Mat3;
+using dynamics::tree::Sym3;
+using dynamics::tree::Vec3;
+
+Vec3<double> tilted(const Vec3<double>& g, double roll, double pitch) {
+  const double cr = std::cos(roll), sr = std::sin(roll), cp = std::cos(pitch), sp = std::sin(pitch);
+  const Vec3<double> a{g.x, cr * g.y - sr * g.z, sr * g.y + cr * g.z};
+  return {cp * a.x + sp * a.z, a.y, -sp * a.x + cp * a.z};
+}
+
+/// Dry friction as effects add up to it.
+struct Friction {
+  double forth, back, more_at_rest = 0.0;
+};
+
+}  // namespace
+
+SetupMaker::SetupMaker(const TreeModel& model) : tree_(model) {
+  for (std::size_t i = 0; i < model.robot.links.size(); ++i) {
+    const auto& at = model.robot.links[i];
+    if (at.joint < 0 || !model.urdf.links[i].inertia) continue;
+    const model::UrdfInertia& inertia = *model.urdf.links[i].inertia;
+    const Frame<double> centre = within(at.frame, inertia.frame);
+    bodies_.push_back({i, inertia.mass_kg, centre.at, turned_back(centre.turn, inertia.about_centre_kgm2)});
+  }
+}
+
+double neutral_value(const TreeModel& model, Effect effect, std::size_t parameter, std::size_t site) {
+  constexpr double kAny = std::numeric_limits<double>::quiet_NaN();
+  switch (effect) {
+    case Effect::damping_error:
+      return model.drives[site].damping_nmspr;
+    case Effect::rotor_inertia_error:
+      return model.drives[site].rotor_inertia_kgm2;
+    case Effect::position_gain_error:
+      return parameter == 0 ? model.drives[site].kp_nmprad : model.drives[site].kd_nmsprad;
+    case Effect::mass_error:
+      return model.urdf.links[site].inertia->mass_kg;
+    case Effect::inertia_error:
+    case Effect::torque_gain_error:
+      return 1.0;
+    case Effect::stribeck_friction:
+      return parameter == 2 ? kAny : 0.0;
+    case Effect::binding_spot:
+    case Effect::torque_ripple:
+    case Effect::payload:
+      return parameter > 0 ? kAny : 0.0;
+    case Effect::torque_saturation:
+    case Effect::joint_elasticity:
+      return kAny;
+    default:
+      return 0.0;
+  }
+}
+
+Setup SetupMaker::make(std::span<const Drive> drives, std::span<const Cause> causes) const {
+  Setup out{tree_.robot.model, std::vector<Setup::Joint>(tree_.joints())};
+  std::vector<Friction> friction;
+  std::vector<double> kd(tree_.joints());
+  for (std::size_t i = 0; i < tree_.joints(); ++i) {
+    auto& law = out.model.laws[i];
+    const Drive& d = drives[i];
+    friction.push_back({law.friction_nm, law.friction_nm});
+    law.armature_kgm2 = d.rotor_inertia_kgm2;
+    law.damping_nmspr = d.damping_nmspr;
+    Setup::Joint& j = out.joints[i];
+    j.law = d.law;
+    j.kp_nmprad = d.kp_nmprad;
+    j.kd_nmsprad = d.kd_nmsprad;
+  }
+  std::vector<Body> bodies;
+  const auto body_of = [&](std::size_t link) -> Body& {
+    if (bodies.empty()) bodies = bodies_;
+    return *std::find_if(bodies.begin(), bodies.end(), [&](const Body& b) { return b.link == link; });
+  };
+  std::vector<std::pair<std::size_t, Inertia<double>>> loads;
+  for (const Cause& cause : causes)
+    for (const std::size_t site : cause.sites) {
+      const auto& v = cause.values;
+      // Sites of links and of the base are no joints; their effects do not touch these.
+      const std::size_t joint = info(cause.effect).seat == Seat::link || info(cause.effect).seat == Seat::base ? 0 : site;
+      auto& law = out.model.laws[joint];
+      Setup::Joint& drive = out.joints[joint];
+      switch (cause.effect) {
+        case Effect::coulomb_friction:
+          friction[joint].forth += v[0];
+          friction[joint].back += v[0];
+          break;
+        case Effect::stribeck_friction:
+          friction[joint].forth += v[0];
+          friction[joint].back += v[0];
+          friction[joint].more_at_rest += std::max(0.0, v[1] - v[0]);
+          law.stribeck_velocity_radps = v[2];
+          break;
+        case Effect::asymmetric_friction:
+          friction[joint].forth += v[0];
+          friction[joint].back += v[1];
+          break;
+        case Effect::quadratic_drag:
+          law.drag_nms2prad2 += v[0];
+          break;
+        case Effect::binding_spot:
+          law.binding_friction_nm = v[0];
+          law.binding_centre_rad = v[1];
+          law.binding_width_rad = v[2];
+          break;
+        case Effect::damping_error:
+          law.damping_nmspr = v[0];
+          break;
+        case Effect::load_friction:
+          law.load_friction_ratio = v[0];
+          drive.stepwise |= drive.law == DriveLaw::position && v[0] != 0.0;
+          break;
+        case Effect::force_offset:
+          drive.offset_nm += v[0];
+          break;
+        case Effect::mass_error: {
+          Body& b = body_of(site);
+          const double ratio = v[0] / b.mass_kg;
+          b.mass_kg = v[0];
+          const Sym3<double>& s = b.about_centre_kgm2;
+          b.about_centre_kgm2 = {s.xx * ratio, s.xy * ratio, s.xz * ratio, s.yy * ratio, s.yz * ratio, s.zz * ratio};
+          break;
+        }
+        case Effect::com_error: {
+          Body& b = body_of(site);
+          b.centre_m += transposed_times(tree_.robot.links[site].frame.turn, Vec3<double>{v[0], v[1], v[2]});
+          break;
+        }
+        case Effect::inertia_error: {
+          Sym3<double>& s = body_of(site).about_centre_kgm2;
+          s = {s.xx * v[0], s.xy * v[0], s.xz * v[0], s.yy * v[0], s.yz * v[0], s.zz * v[0]};
+          break;
+        }
+        case Effect::payload:
+          body_of(site);
+          loads.emplace_back(static_cast<std::size_t>(tree_.robot.links[site].joint),
+                             dynamics::tree::inertia_of(v[0], tree_.robot.links[site].frame.point_back(Vec3<double>{v[1], v[2], v[3]}),
+                                                        Sym3<double>{}));
+          break;
+        case Effect::base_tilt:
+          out.model.gravity_mps2 = tilted(out.model.gravity_mps2, v[0], v[1]);
+          break;
+        case Effect::rotor_inertia_error:
+          law.armature_kgm2 = v[0];
+          break;
+        case Effect::torque_gain_error:
+          drive.gain *= v[0];
+          break;
+        case Effect::position_gain_error:
+          drive.kp_nmprad = v[0];
+          drive.kd_nmsprad = v[1];
+          break;
+        case Effect::actuator_delay:
+          drive.delay_s += v[0];
+          break;
+        case Effect::actuator_lag:
+          drive.lag_s = v[0];
+          break;
+        case Effect::torque_saturation:
+          drive.limit_nm = v[0];
+          drive.stepwise |= drive.law == DriveLaw::position;
+          break;
+        case Effect::torque_ripple:
+          drive.ripple_nm = v[0];
+          drive.ripple_cycles = v[1];
+          drive.ripple_phase_rad = v[2];
+          drive.stepwise |= v[0] != 0.0;
+          break;
+        case Effect::joint_elasticity:
+          // A rotor without inertia is a spring in series, which has no state here.
+          if (law.armature_kgm2 <= 0.0) break;
+          law.elastic = true;
+          law.drive_stiffness_nmprad = v[0];
+          drive.stepwise |= drive.law == DriveLaw::position;
+          break;
+        case Effect::encoder_offset:
+          drive.encoder_offset_rad += v[0];
+          break;
+      }
+    }
+  for (std::size_t i = 0; i < tree_.joints(); ++i) {
+    auto& law = out.model.laws[i];
+    law.friction_nm = friction[i].forth;
+    law.asymmetric = friction[i].forth != friction[i].back;
+    law.friction_back_nm = friction[i].back;
+    law.static_friction_nm = friction[i].more_at_rest > 0.0 ? std::max(friction[i].forth, friction[i].back) + friction[i].more_at_rest : 0.0;
+    Setup::Joint& j = out.joints[i];
+    if (j.law != DriveLaw::position || j.stepwise) continue;
+    // The drive's position law is a spring to the set point and a damper; between rows both act as they are.
+    law.stiffness_nmprad += j.gain * j.kp_nmprad;
+    law.damping_nmspr += j.gain * j.kd_nmsprad;
+  }
+  if (!bodies.empty()) {
+    std::vector<Inertia<double>> sum(tree_.joints());
+    for (const Body& b : bodies) {
+      Inertia<double>& s = sum[static_cast<std::size_t>(tree_.robot.links[b.link].joint)];
+      s = s + dynamics::tree::inertia_of(b.mass_kg, b.centre_m, b.about_centre_kgm2);
+    }
+    for (const auto& [joint, load] : loads) sum[joint] = sum[joint] + load;
+    for (std::size_t i = 0; i < sum.size(); ++i) out.model.set_body(i, sum[i]);
+  }
+  return out;
+}
+
+Runner::Runner(const Setup& setup)
+    : setup_(setup),
+      plant_(setup.model, setup.longest_step_s),
+      lagged_(setup.joints.size()),
+      disturbance_(setup.joints.size()),
+      torque_(setup.joints.size()) {
+  for (const Setup::Joint& j : setup.joints) stepwise_ |= j.stepwise;
+}
+
+void Runner::reset(std::span<const double> angle_rad, std::span<const double> velocity_radps) {
+  Plant::Joints q{}, v{};
+  for (std::size_t i = 0; i < setup_.joints.size(); ++i) {
+    q[i] = angle_rad[i] - setup_.joints[i].encoder_offset_rad;
+    v[i] = velocity_radps[i];
+  }
+  plant_.reset(q, v);
+}
+
+void Runner::pass_input(std::size_t joint, double input, double dt_s) {
+  const double lag = setup_.joints[joint].lag_s;
+  lagged_[joint] = lag > 0.0 ? input + (lagged_[joint] - input) * std::exp(-dt_s / lag) : input;
+}
+
+/// The drive's torque on what a lag leaves of the input, at the state `ahead_s` from here.
+double Runner::drive_torque(std::size_t i, double input, double ahead_s) const {
+  const Setup::Joint& j = setup_.joints[i];
+  double torque = input;
+  const double v = plant_.velocities()[i], q = measured(i) + v * ahead_s;
+  if (j.law == DriveLaw::position) torque = j.kp_nmprad * (input - q) - j.kd_nmsprad * v;
+  torque *= j.gain;
+  if (j.limit_nm > 0.0) torque = std::clamp(torque, -j.limit_nm, j.limit_nm);
+  if (j.ripple_nm != 0.0) torque += j.ripple_nm * std::sin(j.ripple_cycles * q + j.ripple_phase_rad);
+  return torque;
+}
+
+void Runner::advance(std::span<const double> input, double dt_s) {
+  constexpr double kStepwise = 1e-3;
+  const int parts = stepwise_ ? std::max(1, static_cast<int>(std::ceil(dt_s / kStepwise - 1e-9))) : 1;
+  const double dt = dt_s / parts;
+  std::fill(torque_.begin(), torque_.end(), 0.0);
+  for (int part = 0; part < parts; ++part) {
+    Plant::Joints tau{};
+    for (std::size_t i = 0; i < setup_.joints.size(); ++i) {
+      const Setup::Joint& j = setup_.joints[i];
+      double in = input[i];
+      if (j.lag_s > 0.0) {
+        // The mean of the lagged input over the step.
+        const double fade = -std::expm1(-dt / j.lag_s) * j.lag_s / dt, before = lagged_[i];
+        pass_input(i, input[i], dt);
+        in = input[i] + (before - input[i]) * fade;
+      }
+      double drive = 0.0;
+      if (j.law == DriveLaw::position && !j.stepwise) {
+        plant_.set_rest(i, in - j.encoder_offset_rad);
+        drive = j.gain * (j.kp_nmprad * (in - measured(i)) - j.kd_nmsprad * plant_.velocities()[i]);
+        tau[i] = 0.0;
+      } else {
+        drive = drive_torque(i, in, 0.5 * dt);
+        tau[i] = drive;
+      }
+      tau[i] += j.offset_nm + disturbance_[i];
+      torque_[i] += drive / parts;
+    }
+    plant_.advance(tau, dt);
+  }
+}
+
+void run(const Setup& setup, const Recording& r, std::size_t first, std::size_t last,
+         std::span<const double> angle_rad, std::span<const double> velocity_radps, std::span<double> out) {
+  const std::size_t n = setup.joints.size();
+  Runner runner(setup);
+  runner.reset(angle_rad, velocity_radps);
+  std::vector<std::size_t> row(n);  // whose input is in force
+  std::vector<double> input(n);
+  bool delayed = false;
+  for (std::size_t i = 0; i < n; ++i) {
+    const Setup::Joint& j = setup.joints[i];
+    delayed |= j.delay_s > 0.0;
+    // The row in force at the start, and the lag's state from those before.
+    std::size_t k = first;
+    while (k > 0 && r.time_s[k] + j.delay_s > r.time_s[first]) --k;
+    row[i] = k;
+    if (j.lag_s <= 0.0) continue;
+    std::size_t from = k;
+    while (from > 0 && r.time_s[k] - r.time_s[from] < 6.0 * j.lag_s) --from;
+    runner.settle_input(i, r.input[i][from]);
+    for (std::size_t b = from; b < k; ++b) runner.pass_input(i, r.input[i][b], r.time_s[b + 1] - r.time_s[b]);
+    runner.pass_input(i, r.input[i][k], std::max(0.0, r.time_s[first] - r.time_s[k] - j.delay_s));
+  }
+  for (std::size_t i = 0; i < n; ++i) out[i] = runner.measured(i);
+  for (std::size_t k = first; k < last; ++k) {
+    double now = r.time_s[k];
+    const double end = r.time_s[k + 1];
+    while (now < end) {
+      double until = end;
+      for (std::size_t i = 0; i < n; ++i) {
+        if (!delayed) {
+          row[i] = k;
+        } else {
+          const double delay = setup.joints[i].delay_s;
+          while (row[i] + 1 < r.rows() && r.time_s[row[i] + 1] + delay <= now + 1e-12) ++row[i];
+          if (row[i] + 1 < r.rows()) until = std::min(until, r.time_s[row[i] + 1] + delay);
+        }
+        input[i] = r.input[i][row[i]];
+      }
+      if (end - until < 1e-9) until = end;
+      runner.advance(input, until - now);
+      now = until;
+    }
+    for (std::size_t i = 0; i < n; ++i) out[(k + 1 - first) * n + i] = runner.measured(i);
+  }
+}
+
+}  // namespace furcula::trees

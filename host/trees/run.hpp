@@ -1,0 +1,91 @@
+// A tree in motion as fits and simulations run it: drives, bodies and joints, encoders.
+//
+// The stages are those of the machines of one joint: the drive makes a torque of its input, the tree moves, the
+// encoder reads. A cause changes one of them.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "furcula/dynamics/tree/plant.hpp"
+#include "host/trees/model.hpp"
+#include "host/trees/recording.hpp"
+
+namespace furcula::trees {
+
+/// A tree with all its causes applied: plain numbers, cheap to make.
+struct Setup {
+  struct Joint {
+    DriveLaw law = DriveLaw::torque;
+    double kp_nmprad = 0.0, kd_nmsprad = 0.0;
+    double gain = 1.0, delay_s = 0.0, lag_s = 0.0;
+    double limit_nm = 0.0;  ///< 0: none
+    double ripple_nm = 0.0, ripple_cycles = 0.0, ripple_phase_rad = 0.0;
+    double offset_nm = 0.0;           ///< on the joint
+    double encoder_offset_rad = 0.0;  ///< measured less true
+    /// The torque depends on the state in a way that the joint's law has no words for: it is computed step by step.
+    bool stepwise = false;
+  };
+  model::RobotModel model;
+  std::vector<Joint> joints;
+  double longest_step_s = 4e-3;
+};
+
+/// What does not change from one set of causes to the next is computed once.
+class SetupMaker {
+ public:
+  explicit SetupMaker(const TreeModel& model);
+  /// The tree with these drives and causes.
+  Setup make(std::span<const Drive> drives, std::span<const Cause> causes) const;
+
+ private:
+  struct Body {  ///< of a link, in the link frame of the joint that moves it
+    std::size_t link;
+    double mass_kg;
+    dynamics::tree::Vec3<double> centre_m;
+    dynamics::tree::Sym3<double> about_centre_kgm2;
+  };
+  const TreeModel& tree_;
+  std::vector<Body> bodies_;
+};
+
+/// The value with which an effect is not there: the model's own, 0, 1, or without end (NaN: any).
+double neutral_value(const TreeModel& model, Effect effect, std::size_t parameter, std::size_t site);
+
+/// Runs the tree from the states at `first`, true positions and velocities, on the recording's inputs to `last`;
+/// `measured[row - first][joint]` is what the encoders read. Inputs from before `first` are in the drives' delays and lags.
+void run(const Setup& setup, const Recording& recording, std::size_t first, std::size_t last,
+         std::span<const double> angle_rad, std::span<const double> velocity_radps, std::span<double> measured);
+
+/// What a plant with the drives of `setup` does between two rows, for simulations that make their inputs as they go.
+class Runner {
+ public:
+  using Plant = dynamics::tree::Plant<double, model::RobotShape>;
+
+  explicit Runner(const Setup& setup);
+  /// `angle_rad` as the encoders read them.
+  void reset(std::span<const double> angle_rad, std::span<const double> velocity_radps);
+  /// The drive's lag as it is after this input has been there for ever.
+  void settle_input(std::size_t joint, double input) { lagged_[joint] = input; }
+  void pass_input(std::size_t joint, double input, double dt_s);
+  /// Moves on with the inputs of this interval.
+  void advance(std::span<const double> input, double dt_s);
+  double measured(std::size_t joint) const {
+    return plant_.positions()[joint] + setup_.joints[joint].encoder_offset_rad;
+  }
+  double velocity(std::size_t joint) const { return plant_.velocities()[joint]; }
+  /// Of the last interval, mean: as a sensor between drive and joint has it.
+  double torque(std::size_t joint) const { return torque_[joint]; }
+  /// An additional torque on the joint, from outside.
+  void disturb(std::size_t joint, double torque_nm) { disturbance_[joint] = torque_nm; }
+
+ private:
+  double drive_torque(std::size_t joint, double input, double ahead_s) const;
+
+  const Setup& setup_;
+  Plant plant_;
+  bool stepwise_ = false;
+  std::vector<double> lagged_, disturbance_, torque_;
+};
+
+}  // namespace furcula::trees
