@@ -7,6 +7,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 
@@ -23,13 +24,57 @@ struct FrictionMode {
 
 template <class T>
 [[gnu::always_inline]] inline bool is_dry(const JointLaw<T>& law) {
-  return value_of(law.friction_nm) > ValueOf<T>(0) || value_of(law.static_friction_nm) > ValueOf<T>(0);
+  using V = ValueOf<T>;
+  return value_of(law.friction_nm) > V(0) || value_of(law.static_friction_nm) > V(0) ||
+         (law.asymmetric && value_of(law.friction_back_nm) > V(0)) ||
+         value_of(law.load_friction_ratio) > V(0) || value_of(law.binding_friction_nm) > V(0);
 }
-/// The largest torque that holds the joint.
+
+/// Coulomb's part of the friction of motion forth (`direction` 1) or back (-1), N m.
 template <class T>
-[[gnu::always_inline]] inline T break_away_torque(const JointLaw<T>& law) {
-  return value_of(law.static_friction_nm) > value_of(law.friction_nm) ? law.static_friction_nm
-                                                                      : law.friction_nm;
+[[gnu::always_inline]] inline const T& coulomb_friction(const JointLaw<T>& law, int direction) {
+  return law.asymmetric && direction < 0 ? law.friction_back_nm : law.friction_nm;
+}
+/// `level` with the friction of the load, the drive's torque `drive_nm` at the joint, and of the binding spot, N m.
+template <class T>
+[[gnu::always_inline]] inline T with_load_and_binding(const JointLaw<T>& law, T level, const T& q,
+                                                      const T& drive_nm) {
+  using V = ValueOf<T>;
+  if (value_of(law.load_friction_ratio) > V(0)) {
+    const T load = law.load_friction_ratio * drive_nm;
+    level = value_of(load) < V(0) ? T(level - load) : T(level + load);
+  }
+  if (value_of(law.binding_friction_nm) > V(0)) {
+    const V away = value_of(q) - value_of(law.binding_centre_rad);
+    if ((away < V(0) ? -away : away) <= V(0.5) * value_of(law.binding_width_rad))
+      level = level + law.binding_friction_nm;
+  }
+  return level;
+}
+/// The dry friction against motion in this direction, 1 or -1, N m, >= 0: the torque is -direction times it. `qd`
+/// may be of the other sign (a step that has gone too far).
+template <class T>
+[[gnu::always_inline]] inline T friction_in_motion(const JointLaw<T>& law, const T& q, const T& qd,
+                                                   const T& drive_nm, int direction) {
+  using std::exp;
+  const T& coulomb = coulomb_friction(law, direction);
+  T level = coulomb;
+  if (value_of(law.stribeck_velocity_radps) > ValueOf<T>(0) &&
+      value_of(law.static_friction_nm) > value_of(coulomb)) {
+    const T ratio = qd / law.stribeck_velocity_radps;
+    level = coulomb + (law.static_friction_nm - coulomb) * exp(-(ratio * ratio));
+  }
+  return with_load_and_binding(law, level, q, drive_nm);
+}
+/// The dry friction that a joint at rest must overcome to set out in this direction, 1 or -1, N m, >= 0. What
+/// holds it lies between minus that of 1 and that of -1.
+template <class T>
+[[gnu::always_inline]] inline T break_away_torque(const JointLaw<T>& law, const T& q, const T& drive_nm,
+                                                  int direction) {
+  const T& coulomb = coulomb_friction(law, direction);
+  return with_load_and_binding(
+      law, value_of(law.static_friction_nm) > value_of(coulomb) ? law.static_friction_nm : coulomb, q,
+      drive_nm);
 }
 
 /// forward_dynamics in this mode: held joints at rest, the others against the friction of their motion.
@@ -39,8 +84,8 @@ void forward_in_mode(const M& model, const typename M::Joints& q, const typename
                      Accelerations<M>& out) {
   typename M::Joints tau = tau_nm;
   for (std::size_t i = 0; i < model.count(); ++i) {
-    if (mode.direction[i] > 0) tau[i] -= model.laws[i].friction_nm;
-    if (mode.direction[i] < 0) tau[i] += model.laws[i].friction_nm;
+    if (mode.direction[i] > 0) tau[i] -= friction_in_motion(model.laws[i], q[i], qd[i], tau_nm[i], 1);
+    if (mode.direction[i] < 0) tau[i] += friction_in_motion(model.laws[i], q[i], qd[i], tau_nm[i], -1);
   }
   forward_dynamics(model, q, qd, tau, mode.held, out);
 }
@@ -84,8 +129,10 @@ int settle_friction(const M& model, const typename M::Joints& q, const typename 
       if (!is_dry(model.laws[i]) || value_of(qd[i]) != V(0)) continue;
       V beyond;
       if (mode.held[i]) {
-        const V torque = value_of(out.holding_nm[i]), bound = value_of(break_away_torque(model.laws[i]));
-        beyond = ((torque < V(0) ? -torque : torque) - bound) / bound;
+        const V torque = value_of(out.holding_nm[i]), size = torque < V(0) ? -torque : torque;
+        const V bound = value_of(break_away_torque(model.laws[i], q[i], tau_nm[i], torque < V(0) ? 1 : -1));
+        // A bound of zero (the load is gone, the spot is elsewhere) goes first.
+        beyond = bound > V(0) ? (size - bound) / bound : size > V(0) ? V(1e29) : V(0);
       } else {
         // Back to rest before anything else is let go: it had lent its motion to the rest.
         beyond = static_cast<V>(mode.direction[i]) * value_of(out.joint_radps2[i]) < V(0) ? V(1e30) : V(0);

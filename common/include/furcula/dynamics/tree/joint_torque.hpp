@@ -1,4 +1,4 @@
-// The torque that a joint gives its body: the drive's, less damping and spring.
+// The torque that a joint gives its body: the drive's, less damping, spring and drag.
 #pragma once
 
 #include <cstddef>
@@ -7,10 +7,15 @@
 
 namespace furcula::dynamics::tree {
 
-/// What acts against the motion of a joint, dry friction aside: damping qd + stiffness (q - rest).
+/// What acts against the motion of a joint, dry friction aside: damping qd + stiffness (q - rest) + drag qd |qd|,
+/// N m.
 template <class T>
 [[gnu::always_inline]] inline T passive_torque(const JointLaw<T>& law, const T& q, const T& qd) {
-  return law.damping_nmspr * qd + law.stiffness_nmprad * (q - law.rest_rad);
+  using V = ValueOf<T>;
+  const T out = law.damping_nmspr * qd + law.stiffness_nmprad * (q - law.rest_rad);
+  if (value_of(law.drag_nms2prad2) == V(0)) return out;
+  const T drag = law.drag_nms2prad2 * qd * qd;
+  return value_of(qd) < V(0) ? T(out - drag) : T(out + drag);
 }
 
 /// Of the rotor that counts as the joint's: none where an elastic drive parts them.

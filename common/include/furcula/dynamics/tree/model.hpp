@@ -15,7 +15,9 @@ namespace furcula::dynamics::tree {
 
 /// What acts in a joint besides the bodies' inertia. Units for a revolute joint; of a prismatic one N for
 /// N m, m for rad, kg for kg m^2. The torque that is applied is
-///   tau - damping qd - stiffness (q - rest) - dry friction
+///   tau - damping qd - stiffness (q - rest) - drag qd |qd| - dry friction
+/// Dry friction (dry_friction.hpp) is the sum of Coulomb's, that of the load and that of the binding spot. What is
+/// zero is not there; none may be negative.
 template <class T>
 struct JointLaw {
   T armature_kgm2{};           ///< the rotor's inertia times the square of its gear ratio
@@ -28,6 +30,16 @@ struct JointLaw {
   T drive_stiffness_nmprad{};  ///< of that spring
   T drive_damping_nmspr{};     ///< beside that spring
   T rotor_damping_nmspr{};     ///< of an elastic drive's rotor against the body that it sits on
+  T friction_back_nm{};        ///< where asymmetric: Coulomb friction in backward motion
+  bool asymmetric = false;     ///< friction_nm is that of forward motion alone
+  /// Where above zero, friction in motion falls from static_friction_nm, Fs, to friction_nm, Fc, as
+  /// Fc + (Fs - Fc) exp(-(qd / this)^2): the Stribeck curve, `stribeck_friction` of docs/contracts.md.
+  T stribeck_velocity_radps{};
+  T load_friction_ratio{};  ///< dry friction over the size of the drive's torque at the joint, moving or not
+  T binding_friction_nm{};  ///< more Coulomb friction, moving or not, where |q - centre| <= width / 2
+  T binding_centre_rad{};
+  T binding_width_rad{};
+  T drag_nms2prad2{};  ///< quadratic drag
 };
 
 /// Geometry is in plain numbers: it is measured, not fitted. Everything else is of the scalar T.
@@ -70,7 +82,15 @@ class Model {
                  .elastic = l.elastic,
                  .drive_stiffness_nmprad = as<T>(l.drive_stiffness_nmprad),
                  .drive_damping_nmspr = as<T>(l.drive_damping_nmspr),
-                 .rotor_damping_nmspr = as<T>(l.rotor_damping_nmspr)};
+                 .rotor_damping_nmspr = as<T>(l.rotor_damping_nmspr),
+                 .friction_back_nm = as<T>(l.friction_back_nm),
+                 .asymmetric = l.asymmetric,
+                 .stribeck_velocity_radps = as<T>(l.stribeck_velocity_radps),
+                 .load_friction_ratio = as<T>(l.load_friction_ratio),
+                 .binding_friction_nm = as<T>(l.binding_friction_nm),
+                 .binding_centre_rad = as<T>(l.binding_centre_rad),
+                 .binding_width_rad = as<T>(l.binding_width_rad),
+                 .drag_nms2prad2 = as<T>(l.drag_nms2prad2)};
       aligned_[i] = plain(m.aligned(i));
       tree_[i] = plain(m.tree(i));
       const Inertia<U>& b = m.aligned_inertia(i);

@@ -188,15 +188,20 @@ class Plant {
     Accelerations<Model<S, P>> joints;
     bool any_held = false;
     for (std::size_t i = 0; i < m.count(); ++i) any_held |= mode_.held[i];
-    if (any_held) forward_in_mode(m, s.position, s.velocity, at_joints(m, s, torque), mode_, joints);
+    Of<S> tau;
+    if (any_held) {
+      tau = at_joints(m, s, torque);
+      forward_in_mode(m, s.position, s.velocity, tau, mode_, joints);
+    }
     for (std::size_t i = 0; i < m.count(); ++i) {
       if (!mode_.held[i]) {
         out[i] = s.velocity[i] * static_cast<V>(mode_.direction[i]);
         continue;
       }
       const S& holding = joints.holding_nm[i];
-      const S bound = break_away_torque(m.laws[i]) * (V(1) + kBeyond);
-      out[i] = value_of(holding) < V(0) ? S(bound + holding) : S(bound - holding);
+      const bool forth = value_of(holding) < V(0);
+      const S bound = break_away_torque(m.laws[i], s.position[i], tau[i], forth ? 1 : -1) * (V(1) + kBeyond);
+      out[i] = forth ? S(bound + holding) : S(bound - holding);
     }
     return out;
   }
