@@ -13,7 +13,6 @@
 namespace furcula::trees {
 namespace {
 
-using log::quoted;
 using log::shortest;
 
 double median(std::vector<double> values) {
@@ -39,7 +38,7 @@ double noise_of(const std::vector<double>& x) {
 }
 
 [[noreturn]] void missing(const log::Log& log, const TreeModel& m, std::size_t joint, const std::string& columns) {
-  throw log::DataError(log.path + ": joint " + quoted(m.robot.joints[joint].name) + " has no column " + columns +
+  throw log::DataError(log.path + ": joint " + log::quoted(m.robot.joints[joint].name) + " has no column " + columns +
                        "; expected one of each joint that moves (joints = [...] in " + m.file + " says which do)");
 }
 

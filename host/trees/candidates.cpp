@@ -1,0 +1,213 @@
+// What a search tries, see candidates.hpp.
+#include "host/trees/candidates.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+
+namespace furcula::trees {
+namespace {
+
+class Lister {
+ public:
+  Lister(const Problem& problem, const Hypothesis& h, const std::vector<std::vector<double>>& ripple)
+      : problem_(problem), model_(problem.model()), scales_(problem.scales()), h_(h), ripple_(ripple) {}
+
+  std::vector<Candidate> list() {
+    for (std::size_t j = 0; j < model_.joints(); ++j) at_joint(j);
+    for (const std::size_t link : sites(model_, Seat::link)) at_link(link);
+    if (dot(model_.gravity_mps2, model_.gravity_mps2) > 0.0)
+      add(Effect::base_tilt, {0}, {{0.02, 0.0, 0.0, 0.0}, {0.0, 0.02, 0.0, 0.0}}, false);
+    for (const auto& group : groups()) at_group(group);
+    return std::move(out_);
+  }
+
+ private:
+  using Values = std::array<double, kMostParameters>;
+
+  bool has(Effect e, const std::vector<std::size_t>& at) const {
+    return std::any_of(h_.causes.begin(), h_.causes.end(), [&](const Cause& c) {
+      if (c.effect != e) return false;
+      return std::any_of(at.begin(), at.end(), [&](std::size_t s) { return std::find(c.sites.begin(), c.sites.end(), s) != c.sites.end(); });
+    });
+  }
+  bool is_free(std::size_t joint, std::size_t parameter) const {
+    return std::any_of(model_.free.begin(), model_.free.end(),
+                       [&](const FreeParameter& f) { return f.joint == joint && f.parameter == parameter; });
+  }
+  void add(Effect e, const std::vector<std::size_t>& at, const std::vector<Values>& columns, bool only_forward = true,
+           std::ptrdiff_t replaces = -1) {
+    if (has(e, at)) return;
+    Candidate c{e, at, {}, only_forward, replaces};
+    for (const Values& v : columns) c.columns.push_back({e, at, v});
+    out_.push_back(std::move(c));
+  }
+  std::ptrdiff_t cause_at(Effect e, std::size_t joint) const {
+    for (std::size_t i = 0; i < h_.causes.size(); ++i)
+      if (h_.causes[i].effect == e && h_.causes[i].sites == std::vector<std::size_t>{joint}) return static_cast<std::ptrdiff_t>(i);
+    return -1;
+  }
+
+  void at_joint(std::size_t j) {
+    const double torque = 0.05 * scales_.torque_nm[j], speed = scales_.velocity_radps[j], acceleration = scales_.acceleration_radps2[j];
+    const double low = scales_.lowest_rad[j], range = scales_.highest_rad[j] - low;
+    const Drive& d = model_.drives[j];
+    const std::vector<std::size_t> at{j};
+    const std::ptrdiff_t dry = cause_at(Effect::coulomb_friction, j);
+    const bool full = has(Effect::stribeck_friction, at) || has(Effect::asymmetric_friction, at);
+    if (!full) {
+      add(Effect::coulomb_friction, at, {{torque, 0, 0, 0}});
+      for (const double part : {0.05, 0.2, 0.6}) {
+        const double v = part * speed;
+        if (dry >= 0) {
+          const double f = h_.causes[static_cast<std::size_t>(dry)].values[0];
+          add(Effect::stribeck_friction, at, {{f, f + torque, v, 0}}, true, dry);
+        } else {
+          add(Effect::stribeck_friction, at, {{torque, torque, v, 0}, {0, torque, v, 0}});
+        }
+      }
+      if (dry >= 0) {
+        const double f = h_.causes[static_cast<std::size_t>(dry)].values[0];
+        add(Effect::asymmetric_friction, at, {{f + 0.3 * torque, f - 0.3 * torque, 0, 0}}, false, dry);
+      } else {
+        add(Effect::asymmetric_friction, at, {{torque, 0, 0, 0}, {0, torque, 0, 0}});
+      }
+    }
+    add(Effect::quadratic_drag, at, {{torque / (speed * speed), 0, 0, 0}});
+    if (range > 0.1)
+      for (int k = 1; k <= 7; ++k)
+        for (const double width : {0.08, 0.25})
+          add(Effect::binding_spot, at, {{torque, low + range * k / 8.0, width * range, 0}});
+    if (!is_free(j, 3)) add(Effect::damping_error, at, {{d.damping_nmspr + torque / speed, 0, 0, 0}}, d.damping_nmspr == 0.0);
+    add(Effect::load_friction, at, {{0.05, 0, 0, 0}});
+    add(Effect::force_offset, at, {{torque, 0, 0, 0}}, false);
+    if (!is_free(j, 2))
+      add(Effect::rotor_inertia_error, at, {{d.rotor_inertia_kgm2 + torque / acceleration, 0, 0, 0}}, d.rotor_inertia_kgm2 == 0.0);
+    add(Effect::torque_gain_error, at, {{1.05, 0, 0, 0}}, false);
+    if (d.law == DriveLaw::position && !is_free(j, 0) && !is_free(j, 1))
+      add(Effect::position_gain_error, at, {{1.05 * d.kp_nmprad, d.kd_nmsprad, 0, 0}, {d.kp_nmprad, 1.05 * d.kd_nmsprad + 1e-3 * d.kp_nmprad, 0, 0}}, false);
+    for (const double delay : {3e-3, 10e-3, 25e-3}) add(Effect::actuator_delay, at, {{delay, 0, 0, 0}});
+    for (const double lag : {3e-3, 10e-3, 30e-3}) add(Effect::actuator_lag, at, {{lag, 0, 0, 0}});
+    for (const double limit : {2.0, 1.4, 1.0}) add(Effect::torque_saturation, at, {{limit * scales_.torque_nm[j], 0, 0, 0}});
+    if (j < ripple_.size())
+      for (const double n : ripple_[j])
+        add(Effect::torque_ripple, at, {{torque, n, 0, 0}, {torque, n, 0.5 * std::numbers::pi, 0}}, false);
+    if (d.rotor_inertia_kgm2 > 0.0 || has(Effect::rotor_inertia_error, at))
+      for (const double twist : {0.003, 0.02}) add(Effect::joint_elasticity, at, {{scales_.torque_nm[j] / twist, 0, 0, 0}});
+    add(Effect::encoder_offset, at, {{0.02, 0, 0, 0}}, false);
+  }
+
+  void at_link(std::size_t link) {
+    const model::UrdfInertia& i = *model_.urdf.links[link].inertia;
+    const std::vector<std::size_t> at{link};
+    add(Effect::mass_error, at, {{1.05 * i.mass_kg, 0, 0, 0}}, false);
+    add(Effect::com_error, at, {{0.01, 0, 0, 0}, {0, 0.01, 0, 0}, {0, 0, 0.01, 0}}, false);
+    add(Effect::inertia_error, at, {{1.2, 0, 0, 0}}, false);
+    const auto& c = i.frame.at;
+    for (const double out : {1.0, 2.0})
+      add(Effect::payload, at, {{0.05 * i.mass_kg, out * c.x, out * c.y, out * c.z}});
+  }
+
+  /// Joints that are likely to have one value: all of a kind and a drive law, and those of one name on several legs or sides.
+  std::vector<std::vector<std::size_t>> groups() const {
+    std::map<std::string, std::vector<std::size_t>> of;
+    for (std::size_t j = 0; j < model_.joints(); ++j) {
+      const std::string sort = std::string(model_.prismatic(j) ? "slides" : "turns") +
+                               (model_.drives[j].law == DriveLaw::position ? " position" : " torque");
+      of[sort].push_back(j);
+      const std::string& name = model_.robot.joints[j].name;
+      const auto cut = name.find('_');
+      if (cut != std::string::npos) of[sort + " " + name.substr(cut)].push_back(j);
+    }
+    std::vector<std::vector<std::size_t>> out;
+    for (const auto& [sort, joints] : of)
+      if (joints.size() > 1 && std::find(out.begin(), out.end(), joints) == out.end()) out.push_back(joints);
+    return out;
+  }
+  void at_group(const std::vector<std::size_t>& at) {
+    double torque = 0.0, speed = 0.0, acceleration = 0.0, damping = 0.0, rotor = 0.0;
+    bool same_damping = true, same_rotor = true, any_free_damping = false, any_free_rotor = false;
+    const double share = 1.0 / static_cast<double>(at.size());
+    for (const std::size_t j : at) {
+      torque += 0.05 * scales_.torque_nm[j] * share;
+      speed += scales_.velocity_radps[j] * share;
+      acceleration += scales_.acceleration_radps2[j] * share;
+      damping = model_.drives[j].damping_nmspr;
+      rotor = model_.drives[j].rotor_inertia_kgm2;
+      same_damping &= damping == model_.drives[at.front()].damping_nmspr;
+      same_rotor &= rotor == model_.drives[at.front()].rotor_inertia_kgm2;
+      any_free_damping |= is_free(j, 3);
+      any_free_rotor |= is_free(j, 2);
+    }
+    add(Effect::coulomb_friction, at, {{torque, 0, 0, 0}});
+    if (same_damping && !any_free_damping) add(Effect::damping_error, at, {{damping + torque / speed, 0, 0, 0}}, damping == 0.0);
+    if (same_rotor && !any_free_rotor) add(Effect::rotor_inertia_error, at, {{rotor + torque / acceleration, 0, 0, 0}}, rotor == 0.0);
+    add(Effect::load_friction, at, {{0.05, 0, 0, 0}});
+    add(Effect::torque_gain_error, at, {{1.05, 0, 0, 0}}, false);
+    for (const double delay : {3e-3, 10e-3, 25e-3}) add(Effect::actuator_delay, at, {{delay, 0, 0, 0}});
+    for (const double lag : {3e-3, 10e-3, 30e-3}) add(Effect::actuator_lag, at, {{lag, 0, 0, 0}});
+  }
+
+  const Problem& problem_;
+  const TreeModel& model_;
+  const Scales& scales_;
+  const Hypothesis& h_;
+  const std::vector<std::vector<double>>& ripple_;
+  std::vector<Candidate> out_;
+};
+
+Hypothesis base_of(const Hypothesis& h, const Candidate& c) {
+  return c.replaces >= 0 ? without(h, static_cast<std::size_t>(c.replaces)) : h;
+}
+
+}  // namespace
+
+std::vector<Candidate> candidates(const Problem& problem, const Hypothesis& h, const std::vector<std::vector<double>>& ripple_cycles) {
+  return Lister(problem, h, ripple_cycles).list();
+}
+
+Hypothesis without(const Hypothesis& h, std::size_t cause) {
+  Hypothesis out = h;
+  out.causes.erase(out.causes.begin() + static_cast<std::ptrdiff_t>(cause));
+  return out;
+}
+
+Hypothesis with_column(const Hypothesis& h, const Candidate& c, std::size_t column) {
+  Hypothesis out = base_of(h, c);
+  out.causes.push_back(c.columns[column]);
+  return out;
+}
+
+Hypothesis with_candidate(const TreeModel& model, const Hypothesis& h, const Candidate& c, std::span<const double> coefficients) {
+  Cause cause = c.columns.front();
+  const std::size_t count = info(c.effect).parameter_count;
+  switch (c.effect) {
+    case Effect::torque_saturation:
+      break;
+    case Effect::joint_elasticity:
+      // What a spring changes goes with its compliance.
+      cause.values[0] /= std::clamp(coefficients[0], 0.05, 20.0);
+      break;
+    case Effect::torque_ripple:
+      cause.values[0] *= std::hypot(coefficients[0], coefficients[1]);
+      cause.values[2] = std::atan2(coefficients[1], coefficients[0]);
+      break;
+    default:
+      for (std::size_t k = 0; k < count; ++k) {
+        double neutral = neutral_value(model, c.effect, k, c.sites.front());
+        if (c.replaces >= 0 && k < 2) neutral = h.causes[static_cast<std::size_t>(c.replaces)].values[0];
+        if (std::isnan(neutral)) continue;
+        double value = neutral;
+        for (std::size_t i = 0; i < c.columns.size(); ++i) value += coefficients[i] * (c.columns[i].values[k] - neutral);
+        cause.values[k] = value;
+      }
+  }
+  const EffectInfo& e = info(c.effect);
+  for (std::size_t k = 0; k < count; ++k) cause.values[k] = std::clamp(cause.values[k], e.parameters()[k].lower, e.parameters()[k].upper);
+  Hypothesis out = base_of(h, c);
+  out.causes.push_back(cause);
+  return out;
+}
+
+}  // namespace furcula::trees

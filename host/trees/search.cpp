@@ -1,0 +1,398 @@
+// The search for causes on a tree, see search.hpp.
+#include "host/trees/search.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+namespace furcula::trees {
+namespace {
+
+using Index = Eigen::Index;
+using Indices = std::vector<Index>;
+
+/// A candidate must be so many times its own scatter from window to window, squared: by its number of columns. Some
+/// hundred are tried, and the windows of a log are not quite independent.
+constexpr double kSure[] = {0.0, 16.0, 21.0, 25.0, 28.0};
+/// Of the residuals that there are, what is less is not worth a name.
+constexpr double kWorth = 0.004;
+/// Of the gain on all recordings, so much must be there on those that the fit has not seen.
+constexpr double kKept = 0.4;
+
+Eigen::MatrixXd part(const Eigen::MatrixXd& m, const Indices& rows, const Indices& columns) {
+  Eigen::MatrixXd out(static_cast<Index>(rows.size()), static_cast<Index>(columns.size()));
+  for (std::size_t a = 0; a < rows.size(); ++a)
+    for (std::size_t b = 0; b < columns.size(); ++b) out(static_cast<Index>(a), static_cast<Index>(b)) = m(rows[a], columns[b]);
+  return out;
+}
+
+/// Coefficients of `columns` for the target column `of`, with a ridge far below rounding's reach of the data.
+Eigen::VectorXd solve(const Eigen::MatrixXd& m, const Indices& columns, Index of = 0) {
+  const Eigen::MatrixXd normal = part(m, columns, columns);
+  const Eigen::VectorXd unit = normal.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+  const Eigen::MatrixXd scaled = unit.asDiagonal() * normal * unit.asDiagonal() +
+                                 1e-7 * Eigen::MatrixXd::Identity(normal.rows(), normal.cols());
+  return unit.asDiagonal() * scaled.ldlt().solve(Eigen::VectorXd(unit.asDiagonal() * part(m, columns, {of})));
+}
+
+double loss_with(const Eigen::MatrixXd& m, const Indices& columns, const Eigen::VectorXd& x) {
+  if (columns.empty()) return m(0, 0);
+  const Eigen::VectorXd right = part(m, columns, {0});
+  return m(0, 0) - 2.0 * x.dot(right) + x.dot(Eigen::VectorXd(part(m, columns, columns) * x));
+}
+
+/// The linear problem at a hypothesis.
+class Linear {
+ public:
+  Linear(const Problem& problem, const Hypothesis& h, const std::vector<Unknown>& unknowns, std::vector<Candidate> candidates)
+      : candidates_(std::move(candidates)) {
+    std::vector<Hypothesis> probes;
+    for (const Candidate& c : candidates_) {
+      first_.push_back(static_cast<Index>(1 + unknowns.size() + probes.size()));
+      for (std::size_t k = 0; k < c.columns.size(); ++k) probes.push_back(with_column(h, c, k));
+    }
+    products_ = problem.products(h, unknowns, probes);
+    for (std::size_t k = 0; k < unknowns.size(); ++k) fitted_.push_back(static_cast<Index>(1 + k));
+  }
+
+  struct Score {
+    std::size_t candidate = 0;
+    double gain = 0.0;   ///< of the loss
+    double worth = 0.0;  ///< gain less what a cause without effect would gain
+    Eigen::VectorXd coefficients;
+  };
+
+  const std::vector<Candidate>& candidates() const { return candidates_; }
+  double loss() const { return products_.all(0, 0); }
+  Indices columns_of(std::size_t candidate) const {
+    Indices out;
+    for (std::size_t k = 0; k < candidates_[candidate].columns.size(); ++k) out.push_back(first_[candidate] + static_cast<Index>(k));
+    return out;
+  }
+  const Indices& fitted() const { return fitted_; }
+
+  /// What each candidate would gain on top of `base`, best first; only those that hold on windows and recordings.
+  std::vector<Score> scores(const Indices& base, std::size_t most) const {
+    const Eigen::MatrixXd& m = products_.all;
+    const double before = loss_with(m, base, base.empty() ? Eigen::VectorXd() : solve(m, base));
+    // Everything less what `base` explains.
+    Indices all;
+    for (Index k = 0; k < m.cols(); ++k) all.push_back(k);
+    Eigen::MatrixXd left = m;
+    if (!base.empty()) {
+      const Eigen::MatrixXd normal = part(m, base, base);
+      const Eigen::VectorXd unit = normal.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+      const Eigen::MatrixXd scaled = unit.asDiagonal() * normal * unit.asDiagonal() + 1e-7 * Eigen::MatrixXd::Identity(normal.rows(), normal.cols());
+      const Eigen::MatrixXd cross = unit.asDiagonal() * part(m, base, all);
+      left -= cross.transpose() * scaled.ldlt().solve(cross);
+    }
+    std::vector<Score> out;
+    for (std::size_t c = 0; c < candidates_.size(); ++c) {
+      const Indices columns = columns_of(c);
+      // A column that hardly sticks out of what is fitted already says nothing.
+      bool new_enough = true;
+      for (const Index k : columns) new_enough &= left(k, k) > 1e-4 * m(k, k) && m(k, k) > 1e-6 * before;
+      if (!new_enough) continue;
+      const Eigen::VectorXd x = solve(left, columns);
+      if (candidates_[c].only_forward && x.minCoeff() < 0.0 && (x.size() == 1 || x(0) < 0.0)) continue;
+      const double gain = x.dot(Eigen::VectorXd(part(left, columns, {0})));
+      if (gain > kWorth * before) out.push_back({c, gain, gain, x});
+    }
+    std::sort(out.begin(), out.end(), [](const Score& a, const Score& b) { return a.gain != b.gain ? a.gain > b.gain : a.candidate < b.candidate; });
+    std::vector<Score> kept;
+    for (Score& s : out) {
+      if (kept.size() == most) break;
+      const double scatter = sure(base, s);
+      if (scatter < 0.0 || !holds(base, s)) continue;
+      s.worth = s.gain - scatter * static_cast<double>(s.coefficients.size()) * 4.0;
+      kept.push_back(std::move(s));
+    }
+    std::stable_sort(kept.begin(), kept.end(), [](const Score& a, const Score& b) { return a.worth > b.worth; });
+    return kept;
+  }
+
+ private:
+  /// What a column without effect gains on average; below zero where the candidate's own gain may be chance.
+  double sure(const Indices& base, const Score& s) const {
+    const Indices columns = columns_of(s.candidate);
+    const Eigen::MatrixXd& m = products_.all;
+    Indices both = columns;
+    both.insert(both.end(), base.begin(), base.end());
+    const Eigen::VectorXd b0 = base.empty() ? Eigen::VectorXd() : solve(m, base);
+    Eigen::MatrixXd b(static_cast<Index>(base.size()), static_cast<Index>(columns.size()));
+    for (std::size_t k = 0; k < columns.size() && !base.empty(); ++k) b.col(static_cast<Index>(k)) = solve(m, base, columns[k]);
+    const auto p = static_cast<Index>(columns.size());
+    Eigen::MatrixXd scatter = Eigen::MatrixXd::Zero(p, p);
+    Eigen::VectorXd sum = Eigen::VectorXd::Zero(p);
+    for (const Eigen::MatrixXf& w : products_.window) {
+      Eigen::VectorXd g(p);
+      for (Index k = 0; k < p; ++k) g(k) = static_cast<double>(w(columns[static_cast<std::size_t>(k)], 0));
+      if (!base.empty()) {
+        Eigen::VectorXd right(static_cast<Index>(base.size()));
+        for (std::size_t a = 0; a < base.size(); ++a) right(static_cast<Index>(a)) = static_cast<double>(w(base[a], 0));
+        Eigen::MatrixXd cross(p, right.size()), inner(right.size(), right.size());
+        for (std::size_t a = 0; a < base.size(); ++a) {
+          for (Index k = 0; k < p; ++k) cross(k, static_cast<Index>(a)) = static_cast<double>(w(columns[static_cast<std::size_t>(k)], base[a]));
+          for (std::size_t c = 0; c < base.size(); ++c) inner(static_cast<Index>(a), static_cast<Index>(c)) = static_cast<double>(w(base[a], base[c]));
+        }
+        g += -cross * b0 - b.transpose() * right + b.transpose() * (inner * b0);
+      }
+      scatter += g * g.transpose();
+      sum += g;
+    }
+    const Eigen::VectorXd unit = scatter.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+    const Eigen::MatrixXd scaled = unit.asDiagonal() * scatter * unit.asDiagonal() + 1e-6 * Eigen::MatrixXd::Identity(p, p);
+    const Eigen::VectorXd u = unit.asDiagonal() * sum;
+    const double statistic = u.dot(scaled.ldlt().solve(u));
+    if (statistic < kSure[std::min<Index>(p, 4)]) return -1.0;
+    return s.gain / std::max(statistic, 1.0);
+  }
+
+  /// Fitted without each fold in turn, it must help there.
+  bool holds(const Indices& base, const Score& s) const {
+    Indices with = base;
+    for (const Index k : columns_of(s.candidate)) with.push_back(k);
+    double gain = 0.0;
+    int better = 0, folds = 0;
+    for (const Eigen::MatrixXd& fold : products_.fold) {
+      if (fold(0, 0) <= 0.0) continue;
+      const Eigen::MatrixXd rest = products_.all - fold;
+      const double without_it = loss_with(fold, base, base.empty() ? Eigen::VectorXd() : solve(rest, base));
+      const double with_it = loss_with(fold, with, solve(rest, with));
+      gain += without_it - with_it;
+      better += with_it < without_it ? 1 : 0;
+      ++folds;
+    }
+    return gain > kKept * s.gain && 5 * better >= 3 * folds;
+  }
+
+  std::vector<Candidate> candidates_;
+  std::vector<Index> first_;
+  Indices fitted_;
+  Products products_;
+};
+
+double sum_of(const std::vector<double>& x) {
+  double out = 0.0;
+  for (const double v : x) out += v;
+  return out;
+}
+
+class Search {
+ public:
+  Search(Problem& problem, const SearchOptions& options) : problem_(problem), options_(options) {}
+
+  Found run() {
+    Found found;
+    Hypothesis h{problem_.model().drives, problem_.model().causes};
+    say(0.02, "fitting the free parameters");
+    problem_.weigh(h);
+    found.refitted = problem_.fit(h, {options_.threads, 8});
+    problem_.weigh(found.refitted.at);
+    Fit fit = problem_.fit(found.refitted.at, {options_.threads, 4});
+    found.refitted = fit;
+    constexpr int kRounds = 7;
+    for (int round = 0; round < kRounds; ++round) {
+      say(0.08 + 0.09 * round, "testing causes at sites");
+      const Linear linear(problem_, fit.at, fit.unknowns, candidates(problem_, fit.at, {}));
+      found.tried = std::max(found.tried, linear.candidates().size());
+      const std::vector<Linear::Score> picks = pick(linear, round == 0 ? &found : nullptr);
+      if (picks.empty()) break;
+      const std::size_t before = fit.at.causes.size();
+      Hypothesis next = fit.at;
+      std::vector<std::ptrdiff_t> replaced;
+      for (const auto& s : picks) {
+        Candidate c = linear.candidates()[s.candidate];
+        if (c.replaces >= 0) {
+          // Those before it in the list have moved up.
+          std::ptrdiff_t shift = 0;
+          for (const std::ptrdiff_t r : replaced) shift += r < c.replaces ? 1 : 0;
+          replaced.push_back(c.replaces);
+          c.replaces -= shift;
+        }
+        next = with_candidate(problem_.model(), next, c, std::span<const double>(s.coefficients.data(), static_cast<std::size_t>(s.coefficients.size())));
+      }
+      say(0.12 + 0.09 * round, "fitting " + std::to_string(next.causes.size()) + (next.causes.size() == 1 ? " cause" : " causes"));
+      Fit with = prune(problem_.fit(next, {options_.threads, 6}));
+      if (with.loss > fit.loss * (1.0 - kWorth) && with.at.causes.size() >= before) break;
+      fit = std::move(with);
+      problem_.weigh(fit.at);
+      fit = problem_.fit(fit.at, {options_.threads, 3});
+    }
+    fit = prune(merge(std::move(fit)));
+    judge(found, std::move(fit));
+    return found;
+  }
+
+ private:
+  void say(double fraction, const std::string& doing) const {
+    if (options_.progress) options_.progress(std::min(fraction, 0.99), doing);
+  }
+
+  /// The candidates to take in this round, by a greedy solution of the linear problem.
+  std::vector<Linear::Score> pick(const Linear& linear, Found* table) const {
+    std::vector<Linear::Score> out;
+    Indices base = linear.fitted();
+    std::set<std::pair<Seat, std::size_t>> taken;
+    for (std::size_t k = 0; k < problem_.joints() + 1; ++k) {
+      const auto scores = linear.scores(base, 40);
+      const Linear::Score* best = nullptr;
+      for (const auto& s : scores) {
+        const Candidate& c = linear.candidates()[s.candidate];
+        const bool free = std::none_of(c.sites.begin(), c.sites.end(), [&](std::size_t site) { return taken.contains({seat_of(c), site}); });
+        if (free) {
+          best = &s;
+          break;
+        }
+      }
+      if (table != nullptr && k == 0)
+        for (const auto& s : scores)
+          table->table.push_back({cause_name(problem_.model(), linear.candidates()[s.candidate].columns.front()), s.gain / linear.loss(), false});
+      // The linear test is about the wrong model yet: what is small beside the best waits for the next round.
+      if (best == nullptr || (!out.empty() && best->gain < 0.2 * out.front().gain)) break;
+      out.push_back(*best);
+      const Candidate& c = linear.candidates()[best->candidate];
+      for (const std::size_t site : c.sites) taken.insert({seat_of(c), site});
+      for (const Index column : linear.columns_of(best->candidate)) base.push_back(column);
+    }
+    return out;
+  }
+  static Seat seat_of(const Candidate& c) {
+    const Seat s = info(c.effect).seat;
+    return s == Seat::drive || s == Seat::encoder ? Seat::joint : s;
+  }
+
+  /// How far the cause's parameters are from having no effect, in their own scatter, squared.
+  double distance(const Fit& fit, std::size_t cause) const {
+    double most = 0.0;
+    const Cause& c = fit.at.causes[cause];
+    for (std::size_t k = 0; k < fit.unknowns.size(); ++k) {
+      const Unknown& u = fit.unknowns[k];
+      if (!u.of_cause || u.cause != cause) continue;
+      const double neutral = neutral_value(problem_.model(), c.effect, u.parameter, c.sites.front());
+      if (std::isnan(neutral)) continue;
+      const double variance = fit.covariance(static_cast<Index>(k), static_cast<Index>(k));
+      const double away = value_of(fit.at, u) - neutral;
+      if (variance > 0.0) most = std::max(most, away * away / variance);
+      if (fit.at_bound[k] && std::abs(away) > 0.5 * u.scale) most = std::max(most, 50.0);
+    }
+    if (c.effect == Effect::torque_saturation || c.effect == Effect::joint_elasticity) most = std::max(most, 50.0);
+    return most;
+  }
+
+  /// Drops causes that do not hold, the weakest first.
+  Fit prune(Fit fit) const {
+    for (;;) {
+      std::size_t weakest = fit.at.causes.size();
+      double least = 12.0;
+      for (std::size_t c = problem_.model().causes.size(); c < fit.at.causes.size(); ++c)
+        if (const double d = distance(fit, c); d < least) {
+          least = d;
+          weakest = c;
+        }
+      if (weakest == fit.at.causes.size()) return fit;
+      fit = problem_.fit(without(fit.at, weakest), {options_.threads, 4});
+    }
+  }
+
+  /// One effect with about one value at several sites is one cause.
+  Fit merge(Fit fit) const {
+    for (;;) {
+      bool merged = false;
+      for (std::size_t a = problem_.model().causes.size(); a < fit.at.causes.size() && !merged; ++a)
+        for (std::size_t b = a + 1; b < fit.at.causes.size() && !merged; ++b) {
+          const Cause &x = fit.at.causes[a], &y = fit.at.causes[b];
+          const EffectInfo& e = info(x.effect);
+          if (x.effect != y.effect || e.parameter_count != 1 || e.seat == Seat::link || x.effect == Effect::force_offset || x.effect == Effect::encoder_offset) continue;
+          double vx = 0.0, vy = 0.0, both = 0.0;
+          for (std::size_t k = 0; k < fit.unknowns.size(); ++k)
+            for (std::size_t l = 0; l < fit.unknowns.size(); ++l) {
+              const Unknown &u = fit.unknowns[k], &w = fit.unknowns[l];
+              if (!u.of_cause || !w.of_cause) continue;
+              const double c = fit.covariance(static_cast<Index>(k), static_cast<Index>(l));
+              if (u.cause == a && w.cause == a) vx = c;
+              if (u.cause == b && w.cause == b) vy = c;
+              if (u.cause == a && w.cause == b) both = c;
+            }
+          const double apart = x.values[0] - y.values[0], neutral = neutral_value(problem_.model(), x.effect, 0, x.sites.front());
+          const double size = std::abs(0.5 * (x.values[0] + y.values[0]) - neutral);
+          const double variance = vx + vy - 2.0 * both;
+          if (!(variance > 0.0) || apart * apart > 4.0 * variance || std::abs(apart) > 0.25 * size) continue;
+          Hypothesis h = without(fit.at, b);
+          h.causes[a].sites.insert(h.causes[a].sites.end(), y.sites.begin(), y.sites.end());
+          std::sort(h.causes[a].sites.begin(), h.causes[a].sites.end());
+          h.causes[a].values[0] = 0.5 * (x.values[0] + y.values[0]);
+          fit = problem_.fit(h, {options_.threads, 4});
+          merged = true;
+        }
+      if (!merged) return fit;
+    }
+  }
+
+  /// Each cause against none in its place, and against the others.
+  void judge(Found& found, Fit fit) {
+    problem_.weigh(fit.at);
+    fit = problem_.fit(fit.at, {options_.threads, 4});
+    const std::size_t given = problem_.model().causes.size();
+    for (int swaps = 0; swaps < 4; ++swaps) {
+      found.gain.clear();
+      found.z.clear();
+      found.rivals.clear();
+      bool swapped = false;
+      for (std::size_t c = given; c < fit.at.causes.size() && !swapped; ++c) {
+        say(0.75 + 0.2 * static_cast<double>(c - given) / static_cast<double>(fit.at.causes.size()), "comparing " + cause_name(problem_.model(), fit.at.causes[c]) + " with the others");
+        const Fit off = problem_.fit(without(fit.at, c), {options_.threads, 4});
+        found.gain.push_back((off.loss - fit.loss) / fit.loss);
+        found.z.push_back(against(fit, off));
+        std::vector<Rival> rivals;
+        std::vector<Candidate> others = candidates(problem_, off.at, {});
+        const Linear linear(problem_, off.at, off.unknowns, others);
+        std::vector<Linear::Score> scores = linear.scores(linear.fitted(), 60);
+        std::stable_sort(scores.begin(), scores.end(), [](const auto& a, const auto& b) { return a.gain > b.gain; });
+        std::set<std::string> seen{cause_name(problem_.model(), fit.at.causes[c])};
+        std::size_t fitted = 0;
+        for (const auto& s : scores) {
+          const Candidate& candidate = linear.candidates()[s.candidate];
+          const std::string name = cause_name(problem_.model(), candidate.columns.front());
+          if (candidate.replaces >= 0 || !seen.insert(name).second) continue;
+          if (fitted == 4 || s.gain < 0.3 * (off.loss - fit.loss)) break;
+          ++fitted;
+          const Hypothesis h = with_candidate(problem_.model(), off.at, candidate, std::span<const double>(s.coefficients.data(), static_cast<std::size_t>(s.coefficients.size())));
+          const Fit other = problem_.fit(h, {options_.threads, 5});
+          // The same law in another dress has the name that it had before.
+          Rival r{{other.at.causes.back()}, other.loss - fit.loss, against(fit, other)};
+          if (r.loss_more < -0.003 * fit.loss && parameters(other) <= parameters(fit)) {
+            fit = other;
+            swapped = true;
+            break;
+          }
+          rivals.push_back(r);
+        }
+        found.rivals.push_back(std::move(rivals));
+      }
+      if (!swapped) break;
+    }
+    found.fit = std::move(fit);
+  }
+  static std::size_t parameters(const Fit& f) { return f.unknowns.size(); }
+
+  /// By how much `fit` is better than `other`, in the scatter of the difference from window to window.
+  static double against(const Fit& fit, const Fit& other) {
+    const std::size_t n = fit.window_loss.size();
+    std::vector<double> d(n);
+    for (std::size_t i = 0; i < n; ++i) d[i] = other.window_loss[i] - fit.window_loss[i];
+    const double mean = sum_of(d) / static_cast<double>(n);
+    double squares = 0.0;
+    for (const double x : d) squares += (x - mean) * (x - mean);
+    return mean * static_cast<double>(n) / std::sqrt(std::max(squares, 1e-300));
+  }
+
+  Problem& problem_;
+  const SearchOptions& options_;
+};
+
+}  // namespace
+
+Found search(Problem& problem, const SearchOptions& options) { return Search(problem, options).run(); }
+
+}  // namespace furcula::trees

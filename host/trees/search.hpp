@@ -1,0 +1,48 @@
+// The search for causes on a tree: a linear score test over all effects and sites proposes, fits by simulation decide.
+//
+// 1. At the present hypothesis every candidate is probed by simulation. What the probes leave of the residuals, with everything that is
+//    fitted already and the windows' starts eliminated, is a linear problem: it is solved greedily, one candidate at a time, and again
+//    without each recording in turn.
+// 2. What was picked is fitted together by simulation, and what does not hold is dropped.
+// 3. At the end each cause is left out once, and the others in its place are fitted: what does as well cannot be told from it.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "host/trees/candidates.hpp"
+
+namespace furcula::trees {
+
+/// Another cause in the place of a finding.
+struct Rival {
+  std::vector<Cause> causes;
+  double loss_more = 0.0;  ///< than the finding's, of the training windows
+  double z = 0.0;          ///< that difference over its scatter from window to window
+};
+
+struct Found {
+  Fit fit;                                  ///< of the hypothesis with all causes
+  Fit refitted;                             ///< free parameters alone
+  std::vector<double> gain;                 ///< of each cause: loss without it, all else fitted again, less that with it, over the latter
+  std::vector<double> z;                    ///< of each cause: the same over its scatter
+  std::vector<std::vector<Rival>> rivals;   ///< of each cause
+  std::size_t tried = 0;                    ///< candidates
+  struct Tried {
+    std::string name;
+    double gain;  ///< share of the residuals that it would remove, by the linear test at the model re-fitted
+    bool chosen;
+  };
+  std::vector<Tried> table;  ///< the best of the first round
+};
+
+struct SearchOptions {
+  unsigned threads = 2;
+  std::function<void(double, std::string_view)> progress;
+};
+
+Found search(Problem& problem, const SearchOptions& options);
+
+}  // namespace furcula::trees
