@@ -56,23 +56,12 @@ class Lister {
     const std::vector<std::size_t> at{j};
     const std::ptrdiff_t dry = cause_at(Effect::coulomb_friction, j);
     const bool full = has(Effect::stribeck_friction, at) || has(Effect::asymmetric_friction, at);
-    if (!full) {
-      add(Effect::coulomb_friction, at, {{torque, 0, 0, 0}});
-      for (const double part : {0.05, 0.2, 0.6}) {
-        const double v = part * speed;
-        if (dry >= 0) {
-          const double f = h_.causes[static_cast<std::size_t>(dry)].values[0];
-          add(Effect::stribeck_friction, at, {{f, f + torque, v, 0}}, true, dry);
-        } else {
-          add(Effect::stribeck_friction, at, {{torque, torque, v, 0}, {0, torque, v, 0}});
-        }
-      }
-      if (dry >= 0) {
-        const double f = h_.causes[static_cast<std::size_t>(dry)].values[0];
-        add(Effect::asymmetric_friction, at, {{f + 0.3 * torque, f - 0.3 * torque, 0, 0}}, false, dry);
-      } else {
-        add(Effect::asymmetric_friction, at, {{torque, 0, 0, 0}, {0, torque, 0, 0}});
-      }
+    if (!full) add(Effect::coulomb_friction, at, {{torque, 0, 0, 0}});
+    // The fuller laws of dry friction have it in them: they are asked about once it is there.
+    if (!full && dry >= 0) {
+      const double f = h_.causes[static_cast<std::size_t>(dry)].values[0];
+      for (const double part : {0.05, 0.2, 0.6}) add(Effect::stribeck_friction, at, {{f, f + torque, part * speed, 0}}, true, dry);
+      add(Effect::asymmetric_friction, at, {{f + 0.3 * torque, f - 0.3 * torque, 0, 0}}, false, dry);
     }
     add(Effect::quadratic_drag, at, {{torque / (speed * speed), 0, 0, 0}});
     if (range > 0.1)

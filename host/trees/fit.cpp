@@ -24,6 +24,29 @@ double root_mean_square(const std::vector<double>& x) {
 
 }  // namespace
 
+double steadiness(std::span<const double> value, std::span<const double> information) {
+  double total = 0.0;
+  for (const double i : information) total += i;
+  if (!(total > 0.0)) return 0.0;
+  double mean = 0.0, squared_weights = 0.0;
+  for (std::size_t k = 0; k < value.size(); ++k) {
+    mean += information[k] / total * value[k];
+    squared_weights += information[k] * information[k] / (total * total);
+  }
+  double variance = 0.0;
+  for (std::size_t k = 0; k < value.size(); ++k) {
+    const double w = information[k] / total;
+    variance += w * w * (value[k] - mean) * (value[k] - mean);
+  }
+  // Where one recording has nearly all of the information, the others cannot contradict it.
+  const double freedom = 1.0 / squared_weights - 1.0;
+  if (freedom < 0.3) return 2.0;
+  variance /= std::max(0.1, 1.0 - squared_weights);
+  // About Student's distribution at 2 %, no less than 3.5 for the many causes that are tried.
+  const double limit = 3.2 * (1.0 + 2.2 / std::pow(freedom, 1.3));
+  return std::abs(mean) / std::sqrt(std::max(variance, 1e-300)) / limit;
+}
+
 double value_of(const Hypothesis& h, const Unknown& u) {
   return u.of_cause ? h.causes[u.cause].values[u.parameter] : h.drives[u.joint].*kDriveMembers[u.parameter];
 }
@@ -364,7 +387,8 @@ Products Problem::products(const Hypothesis& h, const std::vector<Unknown>& unkn
 }
 
 Fit Problem::fit(Hypothesis from, const FitOptions& options) const {
-  Fit out{std::move(from), {}, 0.0, {}, {}, {}};
+  Fit out;
+  out.at = std::move(from);
   out.unknowns = unknowns(out.at);
   const auto count = static_cast<Eigen::Index>(out.unknowns.size());
   for (const Unknown& u : out.unknowns) set_value(out.at, u, std::clamp(value_of(out.at, u), u.lower, u.upper));
@@ -425,7 +449,8 @@ Fit Problem::fit(Hypothesis from, const FitOptions& options) const {
     const Unknown& u = out.unknowns[static_cast<std::size_t>(k)];
     const double value = value_of(out.at, u), near = 1e-6 * std::max(std::abs(u.upper), u.scale);
     out.at_bound[static_cast<std::size_t>(k)] = value <= u.lower + 1e-9 * u.scale || value >= u.upper - std::min(near, 1e-3 * u.scale);
-    if (!out.at_bound[static_cast<std::size_t>(k)]) inside.push_back(k + 1);
+    // What nothing depends on has no scatter either.
+    if (!out.at_bound[static_cast<std::size_t>(k)] && p.all(k + 1, k + 1) * u.scale * u.scale > 1e-9 * out.loss) inside.push_back(k + 1);
   }
   const auto m = static_cast<Eigen::Index>(inside.size());
   out.covariance = Eigen::MatrixXd::Zero(count, count);
@@ -447,6 +472,27 @@ Fit Problem::fit(Hypothesis from, const FitOptions& options) const {
     for (Eigen::Index a = 0; a < m; ++a)
       for (Eigen::Index b = 0; b < m; ++b)
         out.covariance(inside[static_cast<std::size_t>(a)] - 1, inside[static_cast<std::size_t>(b)] - 1) = c(a, b);
+  }
+  out.fold_value.assign(out.unknowns.size(), {});
+  out.fold_information.assign(out.unknowns.size(), {});
+  for (const Eigen::MatrixXd& fold : p.fold) {
+    Eigen::MatrixXd normal(m, m);
+    Eigen::VectorXd right(m);
+    for (Eigen::Index a = 0; a < m; ++a) {
+      right(a) = fold(0, inside[static_cast<std::size_t>(a)]);
+      for (Eigen::Index b = 0; b < m; ++b)
+        normal(a, b) = fold(inside[static_cast<std::size_t>(a)], inside[static_cast<std::size_t>(b)]);
+    }
+    if (m == 0) continue;
+    const Eigen::VectorXd unit = normal.diagonal().cwiseMax(1e-12 * normal.diagonal().maxCoeff() + 1e-300).cwiseSqrt().cwiseInverse();
+    const Eigen::MatrixXd scaled = unit.asDiagonal() * normal * unit.asDiagonal() + 1e-7 * Eigen::MatrixXd::Identity(m, m);
+    const Eigen::MatrixXd inverse = unit.asDiagonal() * scaled.inverse() * unit.asDiagonal();
+    const Eigen::VectorXd step = inverse * right;
+    for (Eigen::Index a = 0; a < m; ++a) {
+      const auto k = static_cast<std::size_t>(inside[static_cast<std::size_t>(a)] - 1);
+      out.fold_value[k].push_back(value_of(out.at, out.unknowns[k]) + step(a));
+      out.fold_information[k].push_back(1.0 / inverse(a, a));
+    }
   }
   out.window_loss.resize(p.window.size());
   for (std::size_t i = 0; i < p.window.size(); ++i) out.window_loss[i] = static_cast<double>(p.window[i](0, 0));

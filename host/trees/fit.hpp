@@ -66,7 +66,13 @@ struct Fit {
   Eigen::MatrixXd covariance;           ///< of the unknowns, from the scatter of the windows' gradients; 0 at a bound
   std::vector<bool> at_bound;
   std::vector<double> window_loss;      ///< of each window
+  /// Of each unknown, fitted on each fold alone (by the linear problem): its value, and its information there.
+  std::vector<std::vector<double>> fold_value, fold_information;
 };
+
+/// Estimates of one number from several recordings, weighed by their information: their mean over what their scatter says of
+/// its error, over what chance alone may reach. Above 1 the recordings agree that it is not zero.
+double steadiness(std::span<const double> value, std::span<const double> information);
 
 /// Products of columns over all windows, folds and one by one. Column 0 is the residual (measured less simulated),
 /// then one for each unknown (its derivative of the simulation), then one for each probe (simulation with it less that without).

@@ -154,8 +154,10 @@ class Linear {
     for (const Index k : columns_of(s.candidate)) with.push_back(k);
     double gain = 0.0;
     int better = 0, folds = 0;
+    std::vector<double> size, information;
     for (const Eigen::MatrixXd& fold : products_.fold) {
       if (fold(0, 0) <= 0.0) continue;
+      one_size(fold, base, s, size, information);
       const Eigen::MatrixXd rest = products_.all - fold;
       const double without_it = loss_with(fold, base, base.empty() ? Eigen::VectorXd() : solve(rest, base));
       const double with_it = loss_with(fold, with, solve(rest, with));
@@ -163,7 +165,28 @@ class Linear {
       better += with_it < without_it ? 1 : 0;
       ++folds;
     }
-    return gain > kKept * s.gain && 5 * better >= 3 * folds;
+    return gain > kKept * s.gain && 5 * better >= 3 * folds && steadiness(size, information) > 1.0;
+  }
+  /// The candidate at its coefficients' proportions as one column: its size in a fold, 1 where it is as in all.
+  void one_size(const Eigen::MatrixXd& fold, const Indices& base, const Score& s, std::vector<double>& size, std::vector<double>& information) const {
+    const Indices columns = columns_of(s.candidate);
+    const auto n = static_cast<Index>(base.size());
+    Eigen::MatrixXd m = Eigen::MatrixXd::Zero(n + 2, n + 2);  // residual, base, the candidate
+    Indices rows{0};
+    rows.insert(rows.end(), base.begin(), base.end());
+    m.topLeftCorner(n + 1, n + 1) = part(fold, rows, rows);
+    m.col(n + 1).head(n + 1) = part(fold, rows, columns) * s.coefficients;
+    m.row(n + 1) = m.col(n + 1).transpose();
+    m(n + 1, n + 1) = s.coefficients.dot(Eigen::VectorXd(part(fold, columns, columns) * s.coefficients));
+    Indices all;
+    for (Index k = 1; k < n + 2; ++k) all.push_back(k);
+    const Eigen::MatrixXd normal = part(m, all, all);
+    if (!(normal(n, n) > 0.0)) return;
+    const Eigen::VectorXd unit = normal.diagonal().cwiseMax(1e-12 * normal.diagonal().maxCoeff()).cwiseSqrt().cwiseInverse();
+    const Eigen::MatrixXd scaled = unit.asDiagonal() * normal * unit.asDiagonal() + 1e-7 * Eigen::MatrixXd::Identity(n + 1, n + 1);
+    const Eigen::MatrixXd inverse = unit.asDiagonal() * scaled.inverse() * unit.asDiagonal();
+    size.push_back((inverse * part(m, all, {0}))(n, 0));
+    information.push_back(1.0 / inverse(n, n));
   }
 
   std::vector<Candidate> candidates_;
@@ -213,13 +236,13 @@ class Search {
         next = with_candidate(problem_.model(), next, c, std::span<const double>(s.coefficients.data(), static_cast<std::size_t>(s.coefficients.size())));
       }
       say(0.12 + 0.09 * round, "fitting " + std::to_string(next.causes.size()) + (next.causes.size() == 1 ? " cause" : " causes"));
-      Fit with = prune(problem_.fit(next, {options_.threads, 6}));
+      Fit with = prune(problem_.fit(next, {options_.threads, 6}), false);
       if (with.loss > fit.loss * (1.0 - kWorth) && with.at.causes.size() >= before) break;
       fit = std::move(with);
       problem_.weigh(fit.at);
       fit = problem_.fit(fit.at, {options_.threads, 3});
     }
-    fit = prune(merge(std::move(fit)));
+    fit = prune(merge(std::move(fit)), true);
     judge(found, std::move(fit));
     return found;
   }
@@ -263,7 +286,7 @@ class Search {
   }
 
   /// How far the cause's parameters are from having no effect, in their own scatter, squared.
-  double distance(const Fit& fit, std::size_t cause) const {
+  double distance(const Fit& fit, std::size_t cause, bool strict) const {
     double most = 0.0;
     const Cause& c = fit.at.causes[cause];
     for (std::size_t k = 0; k < fit.unknowns.size(); ++k) {
@@ -273,7 +296,9 @@ class Search {
       if (std::isnan(neutral)) continue;
       const double variance = fit.covariance(static_cast<Index>(k), static_cast<Index>(k));
       const double away = value_of(fit.at, u) - neutral;
-      if (variance > 0.0) most = std::max(most, away * away / variance);
+      std::vector<double> apart = fit.fold_value[k];
+      for (double& x : apart) x -= neutral;
+      if (variance > 0.0 && (!strict || steadiness(apart, fit.fold_information[k]) > 0.7)) most = std::max(most, away * away / variance);
       if (fit.at_bound[k] && std::abs(away) > 0.5 * u.scale) most = std::max(most, 50.0);
     }
     if (c.effect == Effect::torque_saturation || c.effect == Effect::joint_elasticity) most = std::max(most, 50.0);
@@ -281,12 +306,12 @@ class Search {
   }
 
   /// Drops causes that do not hold, the weakest first.
-  Fit prune(Fit fit) const {
+  Fit prune(Fit fit, bool strict) const {
     for (;;) {
       std::size_t weakest = fit.at.causes.size();
       double least = 12.0;
       for (std::size_t c = problem_.model().causes.size(); c < fit.at.causes.size(); ++c)
-        if (const double d = distance(fit, c); d < least) {
+        if (const double d = distance(fit, c, strict); d < least) {
           least = d;
           weakest = c;
         }
