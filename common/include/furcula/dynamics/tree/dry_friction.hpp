@@ -1,7 +1,8 @@
 // Dry friction at several joints at once: which of those at rest are held, and which set out.
 //
-// A joint at rest that is held needs some torque to stay so; it may need no more than its static friction. One
-// that sets out meets the friction of motion, against the acceleration with which it sets out. With equal
+// A joint at rest that is held needs some torque to stay so; it may need no more than its friction at rest in
+// the direction in which it would set out. One that sets out meets the friction of motion, against the acceleration
+// with which it sets out. Friction depends on the state and the drive's torque, not on accelerations: with equal
 // frictions at rest and in motion this is a linear complementarity problem with bounds and the positive
 // definite matrix of the joints' inverse inertia, which has one solution.
 #pragma once
@@ -23,7 +24,7 @@ template <std::size_t kJoints>
 struct FrictionMode {
   std::array<bool, kJoints> held{};
   std::array<std::int8_t, kJoints> direction{};  ///< of motion, -1 or 1; 0: held, or no dry friction
-  std::array<Spot, kJoints> spot{};
+  std::array<Spot, kJoints> spot{};              ///< binding friction acts `within`
 };
 
 template <class V>
@@ -81,6 +82,7 @@ template <class T>
       spot);
 }
 
+/// Where position q (rad) is; `none` without binding friction. The edges are within.
 template <class T>
 Spot spot_at(const JointLaw<T>& law, const T& q) {
   using V = ValueOf<T>;
@@ -109,7 +111,7 @@ void forward_in_mode(const M& model, const typename M::Joints& q, const typename
   for (std::size_t i = 0; i < model.count(); ++i) {
     if (mode.direction[i] == 0) continue;
     const auto& law = model.laws[i];
-    // Most joints have Coulomb friction alone. The sum is one question for three: none is negative.
+    // Most joints have Coulomb friction alone. The sum is one question for two: none is negative.
     const bool more = law.asymmetric || mode.spot[i] == Spot::within ||
                       value_of(law.stribeck_velocity_radps) + value_of(law.load_friction_ratio) > V(0);
     if (more)
@@ -146,9 +148,9 @@ std::size_t mode_of_motion(const M& model, const typename M::Joints& qd, Frictio
   return at_rest;
 }
 
-/// From mode_of_motion(), finds the mode at this state, where joints with dry friction and velocity exactly zero may be held, and
-/// its accelerations. Starts with all of them held; a round lets the joint go that is furthest beyond its
-/// bound, or holds one that would set out against its own friction's sense. From round 2 count() on the first
+/// From mode_of_motion(), with `spot` as it is, finds the mode at this state, where joints with dry friction and
+/// velocity exactly zero may be held, and its accelerations. Starts with all of them held; a round lets the joint
+/// go that is furthest beyond its bound, or holds one that would set out against its own friction's sense. From round 2 count() on the first
 /// joint changes that asks for it, which ends for every such problem (Murty 1974 by the least index; with
 /// bounds: Judice and Pires, Computers & Operations Research 21, 1994). Returns the rounds that it took, or 0 where it
 /// did not settle in kMostSettlingRounds; then `mode` is the last one. A joint at rest that nothing holds (the load
@@ -200,7 +202,7 @@ int settle_in_spots(const M& model, const typename M::Joints& q, const typename 
   return 0;
 }
 
-/// The same from the state alone.
+/// The same from the state alone: the spots are those of the positions.
 template <class M>
 int settle_friction(const M& model, const typename M::Joints& q, const typename M::Joints& qd,
                     const typename M::Joints& tau_nm, FrictionMode<M::kCapacity>& mode,

@@ -14,9 +14,10 @@ namespace furcula::dynamics::tree {
 
 /// Joints in motion, with dry friction and elastic drives. The torque is held over an advance(). Between
 /// changes of the friction's mode the steps are classic Runge-Kutta ones (error of fourth order); a joint that
-/// comes to rest, and the break-away of one that is held, are located inside the step and carry their
-/// derivatives (docs/decisions/0005), and so are the edges of binding spots. A joint that is held does not move, not by a bit. Dry friction acts
-/// between a body and its parent; an elastic drive's rotor has none of its own.
+/// comes to rest, the break-away of one that is held, and the edges of binding spots are located inside the step
+/// and carry their derivatives (docs/decisions/0005). A joint that is held does not move, not by a bit. Dry friction
+/// acts between a body and its parent; an elastic drive's rotor has none of its own. Friction of the load has a
+/// kink where the torque of an elastic drive's spring passes zero: the step over it is of second order.
 template <class T, Topology P>
 class Plant {
  public:
