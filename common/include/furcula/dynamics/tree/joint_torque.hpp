@@ -13,12 +13,14 @@ namespace furcula::dynamics::tree {
 /// N m.
 template <class T>
 [[gnu::always_inline]] inline T passive_torque(const JointLaw<T>& law, const T& q, const T& qd) {
-  T damping = law.damping_nmspr;
-  if constexpr (std::is_arithmetic_v<T>)
-    damping += law.drag_nms2prad2 * std::abs(qd);  // quicker than to ask whether there is drag
-  else if (value_of(law.drag_nms2prad2) > ValueOf<T>(0))
-    damping += law.drag_nms2prad2 * (value_of(qd) < ValueOf<T>(0) ? T(-qd) : qd);
-  return damping * qd + law.stiffness_nmprad * (q - law.rest_rad);
+  const T spring = law.stiffness_nmprad * (q - law.rest_rad);
+  if constexpr (std::is_arithmetic_v<T>) {  // quicker than to ask whether there is drag
+    return (law.damping_nmspr + law.drag_nms2prad2 * std::abs(qd)) * qd + spring;
+  } else {
+    if (!(value_of(law.drag_nms2prad2) > ValueOf<T>(0))) return law.damping_nmspr * qd + spring;
+    const T size = value_of(qd) < ValueOf<T>(0) ? T(-qd) : qd;
+    return (law.damping_nmspr + law.drag_nms2prad2 * size) * qd + spring;
+  }
 }
 
 /// Of the rotor that counts as the joint's: none where an elastic drive parts them.
