@@ -82,10 +82,14 @@ void tree_forward_with_derivatives(benchmark::State& state) {
 }
 BENCHMARK(tree_forward_with_derivatives)->Arg(2)->Arg(6);
 
-void tree_step(benchmark::State& state) {
-  state.SetLabel("1 ms of six joints in dry friction");
+void step(benchmark::State& state, const JointLaw<double>& friction) {
   auto m = chain<Model<double, DynamicTopology<12>>>(6);
-  for (auto& law : m.laws) law.friction_nm = 0.1;
+  for (auto& law : m.laws) {
+    const double armature = law.armature_kgm2, damping = law.damping_nmspr;
+    law = friction;
+    law.armature_kgm2 = armature;
+    law.damping_nmspr = damping;
+  }
   Plant<double, DynamicTopology<12>> plant(m);
   plant.reset({0.3, 0.5, 0.7, 0.9, 1.1, 1.3}, {});
   double sign = 1.0;
@@ -95,7 +99,25 @@ void tree_step(benchmark::State& state) {
     benchmark::DoNotOptimize(plant.positions());
   }
 }
+void tree_step(benchmark::State& state) {
+  state.SetLabel("1 ms of six joints in dry friction");
+  step(state, {.friction_nm = 0.1});
+}
 BENCHMARK(tree_step);
+void tree_step_with_all_laws(benchmark::State& state) {
+  state.SetLabel("the same with every law of friction, and drag");
+  step(state, {.friction_nm = 0.08,
+               .static_friction_nm = 0.12,
+               .friction_back_nm = 0.1,
+               .asymmetric = true,
+               .stribeck_velocity_radps = 0.3,
+               .load_friction_ratio = 0.05,
+               .binding_friction_nm = 0.05,
+               .binding_centre_rad = 0.5,
+               .binding_width_rad = 0.2,
+               .drag_nms2prad2 = 0.01});
+}
+BENCHMARK(tree_step_with_all_laws);
 
 #ifdef FURCULA_MUJOCO
 /// The same chain as MJCF: child frames parallel to their parents', as placed above.

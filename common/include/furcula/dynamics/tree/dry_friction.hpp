@@ -1,7 +1,8 @@
 // Dry friction at several joints at once: which of those at rest are held, and which set out.
 //
-// A joint at rest that is held needs some torque to stay so; it may need no more than its static friction. One
-// that sets out meets the friction of motion, against the acceleration with which it sets out. With equal
+// A joint at rest that is held needs some torque to stay so; it may need no more than its friction at rest in
+// the direction in which it would set out. One that sets out meets the friction of motion, against the acceleration
+// with which it sets out. Friction depends on the state and the drive's torque, not on accelerations: with equal
 // frictions at rest and in motion this is a linear complementarity problem with bounds and the positive
 // definite matrix of the joints' inverse inertia, which has one solution.
 #pragma once
@@ -15,13 +16,23 @@
 
 namespace furcula::dynamics::tree {
 
+/// Where a joint is in relation to its binding spot.
+enum class Spot : std::uint8_t { none, before, within, beyond };
+
 /// Of each joint.
 template <std::size_t kJoints>
 struct FrictionMode {
   std::array<bool, kJoints> held{};
   std::array<std::int8_t, kJoints> direction{};  ///< of motion, -1 or 1; 0: held, or no dry friction
+  std::array<Spot, kJoints> spot{};              ///< binding friction acts `within`
 };
 
+template <class V>
+constexpr std::int8_t sign_of(V x) {
+  return static_cast<std::int8_t>(x > V(0) ? 1 : x < V(0) ? -1 : 0);
+}
+
+/// Whether dry friction may act in the joint, somewhere and under some load.
 template <class T>
 [[gnu::always_inline]] inline bool is_dry(const JointLaw<T>& law) {
   using V = ValueOf<T>;
@@ -37,44 +48,57 @@ template <class T>
 }
 /// `level` with the friction of the load, the drive's torque `drive_nm` at the joint, and of the binding spot, N m.
 template <class T>
-[[gnu::always_inline]] inline T with_load_and_binding(const JointLaw<T>& law, T level, const T& q,
-                                                      const T& drive_nm) {
+[[gnu::always_inline]] inline T with_load_and_binding(const JointLaw<T>& law, T level, const T& drive_nm,
+                                                      Spot spot) {
   using V = ValueOf<T>;
   if (value_of(law.load_friction_ratio) > V(0)) {
     const T load = law.load_friction_ratio * drive_nm;
     level = value_of(load) < V(0) ? T(level - load) : T(level + load);
   }
-  if (value_of(law.binding_friction_nm) > V(0)) {
-    const V away = value_of(q) - value_of(law.binding_centre_rad);
-    if ((away < V(0) ? -away : away) <= V(0.5) * value_of(law.binding_width_rad))
-      level = level + law.binding_friction_nm;
-  }
-  return level;
+  return spot == Spot::within ? T(level + law.binding_friction_nm) : level;
 }
 /// The dry friction against motion in this direction, 1 or -1, N m, >= 0: the torque is -direction times it. `qd`
 /// may be of the other sign (a step that has gone too far).
 template <class T>
-[[gnu::always_inline]] inline T friction_in_motion(const JointLaw<T>& law, const T& q, const T& qd,
-                                                   const T& drive_nm, int direction) {
+[[gnu::noinline]] T friction_in_motion(const JointLaw<T>& law, const T& qd, const T& drive_nm, int direction,
+                                       Spot spot) {
   using std::exp;
-  const T& coulomb = coulomb_friction(law, direction);
-  T level = coulomb;
+  T level = coulomb_friction(law, direction);
   if (value_of(law.stribeck_velocity_radps) > ValueOf<T>(0) &&
-      value_of(law.static_friction_nm) > value_of(coulomb)) {
+      value_of(law.static_friction_nm) > value_of(level)) {
     const T ratio = qd / law.stribeck_velocity_radps;
-    level = coulomb + (law.static_friction_nm - coulomb) * exp(-(ratio * ratio));
+    level = level + (law.static_friction_nm - level) * exp(-(ratio * ratio));
   }
-  return with_load_and_binding(law, level, q, drive_nm);
+  return with_load_and_binding(law, level, drive_nm, spot);
 }
-/// The dry friction that a joint at rest must overcome to set out in this direction, 1 or -1, N m, >= 0. What
-/// holds it lies between minus that of 1 and that of -1.
+/// The dry friction that a joint at rest must overcome to set out in this direction, 1 or -1, N m, >= 0. The torque
+/// that holds it lies between minus that of 1 and that of -1.
 template <class T>
-[[gnu::always_inline]] inline T break_away_torque(const JointLaw<T>& law, const T& q, const T& drive_nm,
-                                                  int direction) {
+[[gnu::always_inline]] inline T break_away_torque(const JointLaw<T>& law, const T& drive_nm, int direction,
+                                                  Spot spot) {
   const T& coulomb = coulomb_friction(law, direction);
   return with_load_and_binding(
-      law, value_of(law.static_friction_nm) > value_of(coulomb) ? law.static_friction_nm : coulomb, q,
-      drive_nm);
+      law, value_of(law.static_friction_nm) > value_of(coulomb) ? law.static_friction_nm : coulomb, drive_nm,
+      spot);
+}
+
+/// Where position q (rad) is; `none` without binding friction. The edges are within.
+template <class T>
+Spot spot_at(const JointLaw<T>& law, const T& q) {
+  using V = ValueOf<T>;
+  if (!(value_of(law.binding_friction_nm) > V(0))) return Spot::none;
+  const V from_centre = value_of(q) - value_of(law.binding_centre_rad);
+  const V half = V(0.5) * value_of(law.binding_width_rad);
+  return from_centre < -half ? Spot::before : from_centre > half ? Spot::beyond : Spot::within;
+}
+/// How far the joint is from leaving `spot`, rad: below zero once it has left it.
+template <class T>
+T way_to_edge(const JointLaw<T>& law, const T& q, Spot spot) {
+  using V = ValueOf<T>;
+  const T from_centre = q - law.binding_centre_rad, half = law.binding_width_rad * V(0.5);
+  if (spot == Spot::before) return -half - from_centre;
+  if (spot == Spot::beyond) return from_centre - half;
+  return value_of(from_centre) < V(0) ? T(half + from_centre) : T(half - from_centre);
 }
 
 /// forward_dynamics in this mode: held joints at rest, the others against the friction of their motion.
@@ -82,44 +106,67 @@ template <class M>
 void forward_in_mode(const M& model, const typename M::Joints& q, const typename M::Joints& qd,
                      const typename M::Joints& tau_nm, const FrictionMode<M::kCapacity>& mode,
                      Accelerations<M>& out) {
+  using V = typename M::V;
   typename M::Joints tau = tau_nm;
   for (std::size_t i = 0; i < model.count(); ++i) {
-    if (mode.direction[i] > 0) tau[i] -= friction_in_motion(model.laws[i], q[i], qd[i], tau_nm[i], 1);
-    if (mode.direction[i] < 0) tau[i] += friction_in_motion(model.laws[i], q[i], qd[i], tau_nm[i], -1);
+    if (mode.direction[i] == 0) continue;
+    const auto& law = model.laws[i];
+    // Most joints have Coulomb friction alone. The sum is one question for two: none is negative.
+    const bool more = law.asymmetric || mode.spot[i] == Spot::within ||
+                      value_of(law.stribeck_velocity_radps) + value_of(law.load_friction_ratio) > V(0);
+    if (more)
+      tau[i] -= friction_in_motion(law, qd[i], tau_nm[i], mode.direction[i], mode.spot[i]) *
+                static_cast<V>(mode.direction[i]);
+    else if (mode.direction[i] > 0)
+      tau[i] -= law.friction_nm;
+    else
+      tau[i] += law.friction_nm;
   }
   forward_dynamics(model, q, qd, tau, mode.held, out);
 }
 
-/// By the velocities alone: what has dry friction and velocity exactly zero is held. Returns how many are.
+/// Finds where each joint is in relation to its binding spot.
+template <class M>
+void place_in_spots(const M& model, const typename M::Joints& q, FrictionMode<M::kCapacity>& mode) {
+  for (std::size_t i = 0; i < model.count(); ++i) mode.spot[i] = spot_at(model.laws[i], q[i]);
+}
+
+/// By the velocities alone: what has dry friction and velocity exactly zero is held. Returns how many are. `spot`
+/// stays.
 template <class M>
 std::size_t mode_of_motion(const M& model, const typename M::Joints& qd, FrictionMode<M::kCapacity>& mode) {
   using V = typename M::V;
   std::size_t at_rest = 0;
-  mode = {};
+  mode.held = {};
+  mode.direction = {};
   for (std::size_t i = 0; i < model.count(); ++i) {
     if (!is_dry(model.laws[i])) continue;
-    const V v = value_of(qd[i]);
-    mode.held[i] = v == V(0);
-    mode.direction[i] = static_cast<std::int8_t>(v > V(0) ? 1 : v < V(0) ? -1 : 0);
+    mode.held[i] = value_of(qd[i]) == V(0);
+    mode.direction[i] = sign_of(value_of(qd[i]));
     at_rest += mode.held[i] ? 1 : 0;
   }
   return at_rest;
 }
 
-/// Finds the mode at this state, where joints with dry friction and velocity exactly zero may be held, and
-/// its accelerations. Starts with all of them held; a round lets the joint go that is furthest beyond its
-/// bound, or holds one that would set out against its own friction's sense. From round 2 count() on the first
+/// From mode_of_motion(), with `spot` as it is, finds the mode at this state, where joints with dry friction and
+/// velocity exactly zero may be held, and its accelerations. Starts with all of them held; a round lets the joint
+/// go that is furthest beyond its bound, or holds one that would set out against its own friction's sense. From round 2 count() on the first
 /// joint changes that asks for it, which ends for every such problem (Murty 1974 by the least index; with
 /// bounds: Judice and Pires, Computers & Operations Research 21, 1994). Returns the rounds that it took, or 0 where it
-/// did not settle in kMostSettlingRounds; then `mode` is the last one.
+/// did not settle in kMostSettlingRounds; then `mode` is the last one. A joint at rest that nothing holds (the load
+/// is gone, the spot is elsewhere) is free, with the direction of its acceleration.
 inline constexpr int kMostSettlingRounds = 500;
 template <class M>
-int settle_friction(const M& model, const typename M::Joints& q, const typename M::Joints& qd,
+int settle_in_spots(const M& model, const typename M::Joints& q, const typename M::Joints& qd,
                     const typename M::Joints& tau_nm, FrictionMode<M::kCapacity>& mode,
                     Accelerations<M>& out) {
   using V = typename M::V;
   const std::size_t n = model.count();
-  mode_of_motion(model, qd, mode);
+  const auto bound_at = [&](std::size_t i, int direction) {
+    return value_of(break_away_torque(model.laws[i], tau_nm[i], direction, mode.spot[i]));
+  };
+  for (std::size_t i = 0; i < n; ++i)
+    if (mode.held[i]) mode.held[i] = bound_at(i, 1) > V(0) || bound_at(i, -1) > V(0);
   for (int round = 1; round <= kMostSettlingRounds; ++round) {
     forward_in_mode(model, q, qd, tau_nm, mode, out);
     const bool first_one = round > 2 * static_cast<int>(n);
@@ -130,8 +177,7 @@ int settle_friction(const M& model, const typename M::Joints& q, const typename 
       V beyond;
       if (mode.held[i]) {
         const V torque = value_of(out.holding_nm[i]), size = torque < V(0) ? -torque : torque;
-        const V bound = value_of(break_away_torque(model.laws[i], q[i], tau_nm[i], torque < V(0) ? 1 : -1));
-        // A bound of zero (the load is gone, the spot is elsewhere) goes first.
+        const V bound = bound_at(i, torque < V(0) ? 1 : -1);
         beyond = bound > V(0) ? (size - bound) / bound : size > V(0) ? V(1e29) : V(0);
       } else {
         // Back to rest before anything else is let go: it had lent its motion to the rest.
@@ -142,13 +188,28 @@ int settle_friction(const M& model, const typename M::Joints& q, const typename 
         change = i;
       }
     }
-    if (change == n) return round;
+    if (change == n) {
+      for (std::size_t i = 0; i < n; ++i)
+        if (!mode.held[i] && mode.direction[i] == 0 && is_dry(model.laws[i]))
+          mode.direction[i] = sign_of(value_of(out.joint_radps2[i]));
+      return round;
+    }
     mode.direction[change] = static_cast<std::int8_t>(!mode.held[change]                        ? 0
                                                       : value_of(out.holding_nm[change]) > V(0) ? -1
                                                                                                 : 1);
     mode.held[change] = !mode.held[change];
   }
   return 0;
+}
+
+/// The same from the state alone: the spots are those of the positions.
+template <class M>
+int settle_friction(const M& model, const typename M::Joints& q, const typename M::Joints& qd,
+                    const typename M::Joints& tau_nm, FrictionMode<M::kCapacity>& mode,
+                    Accelerations<M>& out) {
+  place_in_spots(model, q, mode);
+  mode_of_motion(model, qd, mode);
+  return settle_in_spots(model, q, qd, tau_nm, mode, out);
 }
 
 }  // namespace furcula::dynamics::tree

@@ -1,7 +1,9 @@
 // The torque that a joint gives its body: the drive's, less damping, spring and drag.
 #pragma once
 
+#include <cmath>
 #include <cstddef>
+#include <type_traits>
 
 #include "furcula/dynamics/tree/model.hpp"
 
@@ -11,11 +13,14 @@ namespace furcula::dynamics::tree {
 /// N m.
 template <class T>
 [[gnu::always_inline]] inline T passive_torque(const JointLaw<T>& law, const T& q, const T& qd) {
-  using V = ValueOf<T>;
-  const T out = law.damping_nmspr * qd + law.stiffness_nmprad * (q - law.rest_rad);
-  if (value_of(law.drag_nms2prad2) == V(0)) return out;
-  const T drag = law.drag_nms2prad2 * qd * qd;
-  return value_of(qd) < V(0) ? T(out - drag) : T(out + drag);
+  const T spring = law.stiffness_nmprad * (q - law.rest_rad);
+  if constexpr (std::is_arithmetic_v<T>) {  // quicker than to ask whether there is drag
+    return (law.damping_nmspr + law.drag_nms2prad2 * std::abs(qd)) * qd + spring;
+  } else {
+    if (!(value_of(law.drag_nms2prad2) > ValueOf<T>(0))) return law.damping_nmspr * qd + spring;
+    const T size = value_of(qd) < ValueOf<T>(0) ? T(-qd) : qd;
+    return (law.damping_nmspr + law.drag_nms2prad2 * size) * qd + spring;
+  }
 }
 
 /// Of the rotor that counts as the joint's: none where an elastic drive parts them.

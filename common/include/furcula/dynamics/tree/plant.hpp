@@ -14,9 +14,10 @@ namespace furcula::dynamics::tree {
 
 /// Joints in motion, with dry friction and elastic drives. The torque is held over an advance(). Between
 /// changes of the friction's mode the steps are classic Runge-Kutta ones (error of fourth order); a joint that
-/// comes to rest, and the break-away of one that is held, are located inside the step and carry their
-/// derivatives (docs/decisions/0005). A joint that is held does not move, not by a bit. Dry friction acts
-/// between a body and its parent; an elastic drive's rotor has none of its own.
+/// comes to rest, the break-away of one that is held, and the edges of binding spots are located inside the step
+/// and carry their derivatives (docs/decisions/0005). A joint that is held does not move, not by a bit. Dry friction
+/// acts between a body and its parent; an elastic drive's rotor has none of its own. Friction of the load has a
+/// kink where the torque of an elastic drive's spring passes zero: the step over it is of second order.
 template <class T, Topology P>
 class Plant {
  public:
@@ -58,6 +59,7 @@ class Plant {
   void advance(const Joints& torque_nm, V dt_s) {
     changes_ = 0;
     const Of<V> plain_torque = plain(torque_nm);
+    if (dry_) place_in_spots(model_, state_.position, mode_);
     settle(plain_torque);
     for (T left = T(dt_s); value_of(left) > V(0);) {
       const V parts = value_of(left) / step_;
@@ -77,8 +79,14 @@ class Plant {
       }
       left = left - until;  // where the change's time has a derivative, so has the rest's
       state_ = end;
-      if (change == count()) continue;
-      if (!mode_.held[change]) state_.velocity[change] = T(V(0));
+      if (change == count()) {
+        if (dry_) set_out();
+        continue;
+      }
+      if (at_edge(change))
+        cross_edge(change);
+      else if (!mode_.held[change])
+        state_.velocity[change] = T(V(0));
       ++changes_;
       settle(plain_torque);
     }
@@ -93,7 +101,7 @@ class Plant {
   const T& rotor_rate(std::size_t joint) const { return state_.rotor_rate[joint]; }
   /// Whether dry friction holds the joint, as of the last change.
   bool held(std::size_t joint) const { return mode_.held[joint]; }
-  /// How often joints came to rest or broke free inside the last advance().
+  /// How often joints came to rest, broke free or came to an edge of a binding spot inside the last advance().
   int changes() const { return changes_; }
 
   /// Of bodies, springs, and of rotors and springs of elastic drives, J.
@@ -180,8 +188,8 @@ class Plant {
     return sum;
   }
 
-  /// Of each joint, positive while its mode lasts: its velocity in its direction, or what its static friction
-  /// has left; zero without dry friction.
+  /// Of each joint, positive while its mode lasts: its velocity in its direction or its way to the binding spot's
+  /// next edge, whichever is less, or what its static friction has left; zero without dry friction.
   template <class S>
   Of<S> margins(const Model<S, P>& m, const State<S>& s, const Of<S>& torque) const {
     Of<S> out{};
@@ -196,11 +204,14 @@ class Plant {
     for (std::size_t i = 0; i < m.count(); ++i) {
       if (!mode_.held[i]) {
         out[i] = s.velocity[i] * static_cast<V>(mode_.direction[i]);
+        if (mode_.spot[i] == Spot::none) continue;
+        const S way = way_to_edge(m.laws[i], s.position[i], mode_.spot[i]);
+        if (mode_.direction[i] == 0 || value_of(way) < value_of(out[i])) out[i] = way;
         continue;
       }
       const S& holding = joints.holding_nm[i];
       const bool forth = value_of(holding) < V(0);
-      const S bound = break_away_torque(m.laws[i], s.position[i], tau[i], forth ? 1 : -1) * (V(1) + kBeyond);
+      const S bound = break_away_torque(m.laws[i], tau[i], forth ? 1 : -1, mode_.spot[i]) * (V(1) + kBeyond);
       out[i] = forth ? S(bound + holding) : S(bound - holding);
     }
     return out;
@@ -237,12 +248,34 @@ class Plant {
     const State<V> s = plain(state_);
     if (mode_of_motion(plain_model(), s.velocity, mode_) == 0) return;
     Accelerations<Model<V, P>> joints;
-    settle_friction(plain_model(), s.position, s.velocity, at_joints(plain_model(), s, torque), mode_,
+    settle_in_spots(plain_model(), s.position, s.velocity, at_joints(plain_model(), s, torque), mode_,
                     joints);
+  }
+  /// Joints at rest that nothing held nor moved have a direction once they move.
+  void set_out() {
+    for (std::size_t i = 0; i < count(); ++i)
+      if (mode_.direction[i] == 0 && !mode_.held[i] && is_dry(model_.laws[i]))
+        mode_.direction[i] = sign_of(value_of(state_.velocity[i]));
+  }
+
+  /// Whether it is the binding spot's edge at which joint i's mode has ended.
+  bool at_edge(std::size_t i) const {
+    if (mode_.held[i] || mode_.spot[i] == Spot::none) return false;
+    const V way = value_of(way_to_edge(model_.laws[i], state_.position[i], mode_.spot[i]));
+    return mode_.direction[i] == 0 || way < value_of(state_.velocity[i]) * static_cast<V>(mode_.direction[i]);
+  }
+  void cross_edge(std::size_t i) {
+    if (mode_.spot[i] != Spot::within)
+      mode_.spot[i] = Spot::within;
+    else
+      mode_.spot[i] = value_of(state_.position[i]) < value_of(model_.laws[i].binding_centre_rad)
+                          ? Spot::before
+                          : Spot::beyond;
   }
 
   /// A quarter of a radian of the fastest oscillation (a period then loses 1e-4 of its energy), and of the time
-  /// of the fastest damping, joint by joint.
+  /// of the fastest damping, joint by joint; drag counts at the velocity of the start, the Stribeck curve where it
+  /// is steepest.
   V stable_step() const {
     const Model<V, P>& m = plain_model();
     const State<V> s = plain(state_);
@@ -258,6 +291,14 @@ class Plant {
         rate = law.rotor_damping_nmspr * mobility;
         stiffness += law.drive_stiffness_nmprad;
         damping += law.drive_damping_nmspr;
+      }
+      const V speed = s.velocity[i] < V(0) ? -s.velocity[i] : s.velocity[i];
+      damping += V(2) * law.drag_nms2prad2 * speed;
+      if (law.stribeck_velocity_radps > V(0)) {
+        // The slope of exp(-x^2) is at most sqrt(2 / e) = 0.86.
+        const V less = larger(law.static_friction_nm - law.friction_nm,
+                              law.asymmetric ? V(law.static_friction_nm - law.friction_back_nm) : V(0));
+        damping = larger(damping, V(0.86) * less / law.stribeck_velocity_radps);
       }
       torque[i] = V(1);
       mobility += accelerations(m, s.position, still, torque)[i] - without[i];
