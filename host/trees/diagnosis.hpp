@@ -1,0 +1,107 @@
+// What a diagnosis of a tree says: the figures, the findings and the traces that JSON, report and files are made from.
+#pragma once
+
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "host/trees/fit.hpp"
+#include "host/trees/model.hpp"
+#include "host/trees/recording.hpp"
+
+namespace furcula::trees {
+
+enum class Verdict { adequate, explained, partly_explained, unexplained, not_identifiable };
+
+constexpr std::string_view name(Verdict v) {
+  constexpr std::string_view kNames[] = {"adequate", "explained", "partly_explained", "unexplained", "not_identifiable"};
+  return kNames[static_cast<std::size_t>(v)];
+}
+
+/// A fitted number with its 95 % interval.
+struct Estimate {
+  std::string name, unit;
+  double value = 0.0, lower = 0.0, upper = 0.0;
+};
+
+/// Of one joint over all held-out windows: measured less predicted.
+struct ChannelError {
+  double nmse = 0.0, mae = 0.0, rmse = 0.0;  ///< rad, or m of a prismatic joint
+};
+
+struct RivalText {
+  std::vector<std::string> causes;  ///< "effect@site"
+  std::string why;
+  std::vector<Estimate> parameters;
+};
+
+struct Finding {
+  Cause cause;
+  std::vector<std::string> at;  ///< names of the sites
+  std::vector<Estimate> parameters;
+  double explainable_removed = 0.0;      ///< of the training windows' loss that could be explained, what this cause alone is worth
+  std::vector<ChannelError> without;     ///< held out, of each joint, without it, all else fitted again
+  double confidence = 0.0;
+  std::vector<RivalText> alternatives, indistinguishable_from;
+  std::string explanation, where_to_look, next_experiment;
+};
+
+/// The torque that a model lacks at one joint, over its recordings: what inverse dynamics asks for less what drive and friction give.
+struct MissingTorque {
+  std::vector<std::size_t> recording;
+  std::vector<double> time_s, angle_rad, velocity_radps;
+  std::vector<double> before_nm, after_nm;  ///< with the model re-fitted, and extended
+  double rms_before_nm = 0.0, rms_after_nm = 0.0, rms_torque_nm = 0.0;
+  double predictable_before = 0.0, predictable_after = 0.0;  ///< share of its square that a flexible law of the state foretells, on recordings it was not fitted on
+  std::string goes_along_with;                               ///< what it follows most, after; empty: nothing
+};
+
+struct Trace {
+  std::string log, joint, unit;
+  std::vector<double> time_s, measured, as_given, refitted, extended;
+};
+
+/// For the picture: the robot's pose over one held-out recording.
+struct Motion {
+  std::string log;
+  std::vector<double> time_s;
+  std::vector<std::vector<double>> measured, simulated;  ///< [joint][row]
+};
+
+struct Diagnosis {
+  TreeModel model;                      ///< as given
+  Hypothesis refitted, extended;
+  Verdict verdict = Verdict::adequate;
+  std::string summary;
+  std::size_t logs = 0, held_out_logs = 0, samples = 0, windows = 0;
+  double window_s = 0.3;
+  std::vector<std::string> training_files, held_out_files, notes;
+  std::vector<ChannelError> as_given_error, refitted_error, extended_error;  ///< held out, of each joint
+  std::vector<double> noise_floor;      ///< nmse of each joint
+  std::vector<Finding> findings;
+  std::vector<MissingTorque> missing;   ///< of each joint
+  struct ParameterRow {
+    std::string name, unit;
+    double given = 0.0;
+    Estimate refitted, extended;
+    std::string verdict;
+  };
+  std::vector<ParameterRow> parameters; ///< free ones
+  struct Tried {
+    std::string cause;
+    double gain;
+    bool chosen;
+  };
+  std::vector<Tried> tried;
+  double unexplained_share = 0.0;
+  std::string next_experiment;
+  std::vector<Trace> traces;
+  std::vector<Motion> motions;
+};
+
+/// "angle_elbow" and "rad" of a joint.
+std::string channel_name(const TreeModel& model, std::size_t joint);
+std::string_view channel_unit(const TreeModel& model, std::size_t joint);
+
+}  // namespace furcula::trees
