@@ -14,6 +14,8 @@
 #include "host/log/message.hpp"
 #include "host/model/writer.hpp"
 #include "host/report/diagnosis_report.hpp"
+#include "host/trees/diagnose.hpp"
+#include "host/trees/diagnosis_json.hpp"
 
 namespace furcula::cli {
 
@@ -24,7 +26,7 @@ diagnose::Diagnosis run_diagnose(const RecordingOptions& o) {
   {
     Progress progress("diagnosing");
     diagnose::Options options;
-    options.window_s = o.window_s;
+    options.window_s = o.window(false);
     options.threads = o.thread_count();
     options.progress = [&](double fraction, std::string_view doing) { progress.update(fraction, doing); };
     d = diagnose::diagnose(r.model, r.training, r.held_out, options);
@@ -48,11 +50,58 @@ diagnose::Diagnosis run_diagnose(const RecordingOptions& o) {
   return d;
 }
 
+namespace {
+
+void run_on_tree(const RecordingOptions& o, const trees::TreeModel& model) {
+  const Logs logs = read_logs(o, "tree");
+  const OutFolder folder(o.out);
+  trees::Diagnosis d;
+  {
+    Progress progress("diagnosing");
+    trees::Options options;
+    options.window_s = o.window(true);
+    options.threads = o.thread_count();
+    options.progress = [&](double fraction, std::string_view doing) { progress.update(fraction, doing); };
+    d = trees::diagnose(model, logs.training, logs.held_out, options);
+  }
+  trees::TreeModel extended = model;
+  extended.drives = d.extended.drives;
+  extended.causes = d.extended.causes;
+  log::write_files_together(std::vector<log::NewFile>{
+      {o.out + "/diagnosis.json", trees::to_json_text(d)},
+      {o.out + "/extended_model.toml",
+       trees::format_tree_model(extended, trees::urdf_seen_from(model, o.out))}});
+  std::cout << "fitted on " << logs.training.size() << ", held out " << logs.held_out.size() << " recordings\n"
+            << trees::name(d.verdict) << ": " << log::printable_lines(d.summary) << "\n";
+  for (const trees::Finding& f : d.findings) {
+    std::cout << "  " << log::printable(trees::cause_name(model, f.cause));
+    for (const trees::Estimate& e : f.parameters)
+      std::cout << "  " << e.name << " = " << log::rounded(e.value) << " " << e.unit << " (95 % " << log::rounded(e.lower) << " to "
+                << log::rounded(e.upper) << ")";
+    std::cout << "  confidence " << log::rounded(f.confidence, 2) << "\n";
+    for (const trees::RivalText& r : f.indistinguishable_from)
+      std::cout << "    cannot be told from " << log::printable(r.causes.front()) << "\n";
+  }
+  std::cout << "held-out error, RMS, as given and extended:";
+  for (std::size_t j = 0; j < model.joints(); ++j)
+    std::cout << (j == 0 ? " " : ", ") << log::printable(model.robot.joints[j].name) << " " << log::rounded(d.as_given_error[j].rmse, 3) << " to "
+              << log::rounded(d.extended_error[j].rmse, 3) << " " << trees::channel_unit(model, j);
+  std::cout << "\n";
+  for (const std::string& note : d.notes) std::cout << log::printable(note) << "\n";
+}
+
+}  // namespace
+
 void add_diagnose_command(CLI::App& app) {
   auto options = std::make_shared<RecordingOptions>();
   CLI::App* command = app.add_subcommand("diagnose", "Name what a model gets wrong about measured logs");
   options->add_to(*command);
-  command->callback([options] { run_diagnose(*options); });
+  command->callback([options] {
+    if (const auto tree = tree_model(options->model))
+      run_on_tree(*options, *tree);
+    else
+      run_diagnose(*options);
+  });
 }
 
 }  // namespace furcula::cli

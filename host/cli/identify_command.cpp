@@ -37,7 +37,7 @@ void run(const IdentifyOptions& o) {
     options.by_equation = o.method != "simulation";
     options.by_simulation = o.method != "equation";
     options.folds = o.folds;
-    options.window_s = o.window_s;
+    options.window_s = o.window(false);
     options.threads = o.thread_count();
     options.progress = [&](double fraction, std::string_view doing) { progress.update(fraction, doing); };
     found = identify::identify(r.model, r.training, r.held_out, options);

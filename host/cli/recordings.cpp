@@ -11,6 +11,7 @@
 #include "host/identify/split.hpp"
 #include "host/log/message.hpp"
 #include "host/log/reader.hpp"
+#include "host/log/strict_toml.hpp"
 #include "host/model/reader.hpp"
 
 namespace furcula::cli {
@@ -21,8 +22,8 @@ void RecordingOptions::add_to(CLI::App& command) {
   command.add_option("--hold-out", held_out,
                      "Logs that no fit sees (put another option or -- after them); without it a seeded "
                      "fifth, of one log its last quarter");
-  command.add_option("--window-s", window_s, "Length of a prediction on motor_axis and rotary_joint, s")
-      ->capture_default_str();
+  command.add_option("--window-s", window_s,
+                     "Length of a prediction on motor_axis and rotary_joint (0.5 if not given), and on a tree (0.3), s");
   command.add_option("--out", out, "Folder for the results")->required();
   command.add_option("--threads", threads, "Threads; the result is the same for any number");
   command.add_option("--seed", seed, "Seed of the choice of held-out logs")->capture_default_str();
@@ -33,7 +34,7 @@ unsigned RecordingOptions::thread_count() const {
   return threads > 0 ? threads : std::max(1u, std::thread::hardware_concurrency());
 }
 
-std::string RecordingOptions::command_line(const std::string& command) const {
+std::string RecordingOptions::command_line(const std::string& command, bool tree) const {
   std::string line = "furcula " + command;
   const auto add = [&line](const std::string& word) {
     constexpr std::string_view kPlain =
@@ -52,7 +53,7 @@ std::string RecordingOptions::command_line(const std::string& command) const {
   };
   option("--model", model);
   if (!map.empty()) option("--map", map);
-  option("--window-s", log::shortest(window_s));
+  option("--window-s", log::shortest(window(tree)));
   option("--seed", std::to_string(seed));
   for (const std::string& path : logs) add(path);
   if (!held_out.empty()) add("--hold-out");
@@ -60,8 +61,8 @@ std::string RecordingOptions::command_line(const std::string& command) const {
   return line;
 }
 
-Recordings read_recordings(const RecordingOptions& options) {
-  if (!(options.window_s > 0.0 && options.window_s <= 60.0))
+Logs read_logs(const RecordingOptions& options, const std::string& rig) {
+  if (!(options.window_s >= 0.0 && options.window_s <= 60.0))
     throw UsageError("--window-s " + std::to_string(options.window_s) +
                      " is not a window; expected a number of seconds above 0 and up to 60");
   if (options.logs.empty())
@@ -77,9 +78,7 @@ Recordings read_recordings(const RecordingOptions& options) {
       if (!seen.insert(error ? path : canonical.string()).second)
         throw UsageError(path + " is given twice; expected each log once, to fit or to hold out");
     }
-  Recordings r;
-  r.model = model::read_model(options.model);
-  const std::string rig(dynamics::info(r.model.kind).rig);
+  Logs r;
   std::optional<log::ColumnMap> map;
   if (!options.map.empty()) map = log::read_column_map(options.map);
   const auto read = [&](const std::vector<std::string>& paths) {
@@ -92,6 +91,19 @@ Recordings read_recordings(const RecordingOptions& options) {
   if (options.held_out.empty())
     std::tie(r.training, r.held_out) = identify::split(std::move(r.training), options.seed);
   return r;
+}
+
+Recordings read_recordings(const RecordingOptions& options) {
+  Recordings r;
+  r.model = model::read_model(options.model);
+  static_cast<Logs&>(r) = read_logs(options, std::string(dynamics::info(r.model.kind).rig));
+  return r;
+}
+
+std::optional<trees::TreeModel> tree_model(const std::string& path) {
+  const std::string text = log::read_small_file(path, "a model file (TOML)");
+  if (!trees::is_tree(text)) return std::nullopt;
+  return trees::parse_tree_model(text, path);
 }
 
 OutFolder::OutFolder(const std::string& path) {

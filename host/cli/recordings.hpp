@@ -4,11 +4,13 @@
 #include <CLI/CLI.hpp>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "host/log/log.hpp"
 #include "host/model/model.hpp"
+#include "host/trees/model.hpp"
 
 namespace furcula::cli {
 
@@ -18,27 +20,38 @@ struct RecordingOptions {
   std::string out;
   std::vector<std::string> logs;
   std::vector<std::string> held_out;
-  double window_s = 0.5;
+  double window_s = 0.0;  ///< 0: 0.5 s, on a tree 0.3 s
   unsigned threads = 0;  ///< 0: as many as the machine has
   std::uint64_t seed = 1;
 
   void add_to(CLI::App& command);
   /// `threads`, or what the machine has.
   unsigned thread_count() const;
+  /// `window_s`, or what is usual: on a tree shorter, since errors grow along a chain of joints.
+  double window(bool tree) const { return window_s > 0.0 ? window_s : tree ? 0.3 : 0.5; }
   /// The command line that gives the same results again: what does not change them (--out, --threads) left
   /// out.
-  std::string command_line(const std::string& command) const;
+  std::string command_line(const std::string& command, bool tree = false) const;
 };
 
-struct Recordings {
-  model::Model model;
+struct Logs {
   std::vector<log::Log> training;
   std::vector<log::Log> held_out;
 };
 
-/// Reads the model and the logs, and splits them where no held-out logs are named.
+/// Reads the logs of a rig, and splits them where no held-out logs are named.
 /// @throws UsageError (no log to fit, a log named twice, a bad window), log::DataError
+Logs read_logs(const RecordingOptions& options, const std::string& rig);
+
+struct Recordings : Logs {
+  model::Model model;
+};
+
+/// Reads the model and the logs. @throws UsageError, log::DataError
 Recordings read_recordings(const RecordingOptions& options);
+
+/// The model, where the file is one of a tree. @throws log::DataError
+std::optional<trees::TreeModel> tree_model(const std::string& path);
 
 /// The folder of the results, there from construction on. Where nothing has been written into it by the end
 /// of its life, the folders that it has made are gone again: a run that fails leaves nothing behind.

@@ -267,6 +267,15 @@ std::string format_tree_model(const TreeModel& m, const std::string& urdf) {
   return out;
 }
 
+std::string urdf_seen_from(const TreeModel& model, const std::string& folder) {
+  namespace fs = std::filesystem;
+  std::error_code error;
+  const fs::path urdf = fs::weakly_canonical(fs::path(model.file).parent_path() / model.urdf_path, error);
+  const fs::path from = fs::weakly_canonical(folder, error);
+  const fs::path relative = urdf.lexically_relative(from);
+  return relative.empty() ? urdf.string() : relative.string();
+}
+
 std::vector<std::size_t> sites(const TreeModel& model, Seat seat) {
   std::vector<std::size_t> out;
   if (seat == Seat::base) return {0};

@@ -71,6 +71,9 @@ TreeModel parse_tree_model(std::string_view text, const std::string& path);
 /// As a file that reads back the same; `urdf` stands for the URDF's name in it. A cause at several sites becomes one a site.
 std::string format_tree_model(const TreeModel& model, const std::string& urdf);
 
+/// The URDF as a model file in `folder` has to name it: its path from there.
+std::string urdf_seen_from(const TreeModel& model, const std::string& folder);
+
 /// The names of all sites of a seat, and of one; links are those that move and have mass.
 std::vector<std::size_t> sites(const TreeModel& model, Seat seat);
 std::string site_name(const TreeModel& model, Seat seat, std::size_t site);

@@ -1,0 +1,354 @@
+// The diagnosis of a tree, see diagnose.hpp.
+#include "host/trees/diagnose.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <set>
+
+#include "furcula/dynamics/tree/inverse_dynamics.hpp"
+#include "host/log/error.hpp"
+#include "host/log/message.hpp"
+#include "host/trees/missing_torque.hpp"
+#include "host/trees/search.hpp"
+
+namespace furcula::trees {
+namespace {
+
+/// A rival whose loss is less than so many times its own scatter behind cannot be told apart.
+constexpr double kApart = 2.0;
+/// A flexible law must foretell so much of the missing torque, and that be so much of the joint's torque, to be called structure.
+constexpr double kForetold = 0.2, kOfTorque = 0.008;
+constexpr std::size_t kMostSearchWindows = 240;
+
+std::string percent(double share) { return log::rounded(100.0 * share, 2) + " %"; }
+
+std::string joined(const std::vector<std::string>& all) {
+  std::string out;
+  for (std::size_t i = 0; i < all.size(); ++i) out += (i == 0 ? "" : i + 1 == all.size() ? " and " : ", ") + all[i];
+  return out;
+}
+
+class Diagnoser {
+ public:
+  Diagnoser(const TreeModel& model, const std::vector<log::Log>& training, const std::vector<log::Log>& held_out, const Options& options)
+      : model_(model), options_(options) {
+    for (const log::Log& log : training) {
+      training_.push_back(recording_of(model, log));
+      d_.training_files.push_back(log.path);
+      d_.samples += log.rows();
+    }
+    for (const log::Log& log : held_out) {
+      held_out_.push_back(recording_of(model, log));
+      d_.held_out_files.push_back(log.path);
+      d_.samples += log.rows();
+    }
+    std::set<std::string> foreign;
+    for (const auto* logs : {&training, &held_out})
+      for (const log::Log& log : *logs)
+        for (const std::string& joint : foreign_joints(model, log)) foreign.insert(joint);
+    if (!foreign.empty())
+      d_.notes.push_back("The logs have columns of joints that " + model.urdf.file + " does not have: " +
+                         joined({foreign.begin(), foreign.end()}) + ". They are not used.");
+    d_.model = model;
+    d_.logs = training.size() + held_out.size();
+    d_.held_out_logs = held_out.size();
+    d_.window_s = options.window_s;
+  }
+
+  Diagnosis run() {
+    std::vector<Window> windows = windows_of(model_, training_, options_.window_s, kMostSearchWindows);
+    if (windows.empty())
+      throw log::DataError("no training log has " + log::shortest(options_.window_s) + " s without a gap; expected longer logs, or a smaller --window-s");
+    d_.windows = windows.size();
+    Problem problem(model_, training_, std::move(windows), options_.threads);
+    const Found found = search(problem, {options_.threads, options_.progress});
+    d_.refitted = found.refitted.at;
+    d_.extended = found.fit.at;
+    for (const auto& t : found.table) {
+      const bool chosen = std::any_of(d_.extended.causes.begin(), d_.extended.causes.end(), [&](const Cause& c) { return cause_name(model_, c) == t.name; });
+      const bool again = std::any_of(d_.tried.begin(), d_.tried.end(), [&](const auto& o) { return o.cause == t.name; });
+      if (!again) d_.tried.push_back({t.name, t.gain, chosen});
+    }
+    say(0.95, "predicting the held-out logs");
+    errors();
+    torques(problem);
+    findings(problem, found);
+    parameters(problem, found);
+    known_inertias();
+    verdict(found);
+    motions();
+    return std::move(d_);
+  }
+
+ private:
+  void say(double fraction, std::string_view doing) const {
+    if (options_.progress) options_.progress(fraction, doing);
+  }
+
+  void errors() {
+    const Hypothesis given{model_.drives, model_.causes};
+    const auto of = [&](const Hypothesis& h, std::vector<double> Trace::* into) {
+      return predict(model_, held_out_, options_.window_s, h, d_.refitted, &d_.traces, into);
+    };
+    const Predictions as_given = of(given, &Trace::as_given);
+    d_.as_given_error = as_given.errors;
+    d_.noise_floor = as_given.floor;
+    d_.refitted_error = of(d_.refitted, &Trace::refitted).errors;
+    d_.extended_error = of(d_.extended, &Trace::extended).errors;
+  }
+
+  void torques(const Problem& problem) {
+    const std::vector<TorqueSamples> before = missing_torque(problem, training_, d_.refitted), after = missing_torque(problem, training_, d_.extended);
+    for (std::size_t j = 0; j < model_.joints(); ++j) {
+      MissingTorque m;
+      m.recording = after[j].recording;
+      m.time_s = after[j].time_s;
+      m.angle_rad = after[j].angle_rad;
+      m.velocity_radps = after[j].velocity_radps;
+      m.after_nm = after[j].missing_nm;
+      m.before_nm = before[j].missing_nm;
+      m.before_nm.resize(m.after_nm.size());
+      const auto mean_square = [](const std::vector<double>& x) {
+        double sum = 0.0;
+        for (const double v : x) sum += v * v / static_cast<double>(x.size());
+        return std::sqrt(sum);
+      };
+      m.rms_before_nm = mean_square(m.before_nm);
+      m.rms_after_nm = mean_square(m.after_nm);
+      m.rms_torque_nm = problem.scales().torque_nm[j];
+      m.predictable_before = std::clamp(predictable_share(before[j], j, training_.size()), 0.0, 1.0);
+      m.predictable_after = std::clamp(predictable_share(after[j], j, training_.size()), 0.0, 1.0);
+      if (structured(m)) m.goes_along_with = goes_along_with(after[j], j, training_.size(), model_);
+      d_.missing.push_back(std::move(m));
+    }
+  }
+  static double foretold(double share, double rms) { return std::sqrt(std::max(0.0, share)) * rms; }
+  static bool structured(const MissingTorque& m) {
+    return m.predictable_after > kForetold && foretold(m.predictable_after, m.rms_after_nm) > kOfTorque * m.rms_torque_nm;
+  }
+
+  std::vector<Estimate> estimates(const Fit& fit, std::size_t cause) const {
+    std::vector<Estimate> out;
+    const Cause& c = fit.at.causes[cause];
+    const EffectInfo& e = info(c.effect);
+    const bool linear = is_linear(model_, e.seat, c.sites.front());
+    for (std::size_t k = 0; k < fit.unknowns.size(); ++k) {
+      const Unknown& u = fit.unknowns[k];
+      if (!u.of_cause || u.cause != cause) continue;
+      const Parameter& p = e.parameters()[u.parameter];
+      out.push_back(interval(std::string(name_on(p, linear)), std::string(unit_on(p, linear)), fit, k));
+    }
+    return out;
+  }
+  static Estimate interval(const std::string& name, const std::string& unit, const Fit& fit, std::size_t k) {
+    const Unknown& u = fit.unknowns[k];
+    const auto i = static_cast<Eigen::Index>(k);
+    const double value = value_of(fit.at, u);
+    double variance = fit.covariance(i, i);
+    // The recordings' own estimates scatter too: where by more than the windows say, they are right.
+    const auto& values = fit.fold_value[k];
+    const auto& information = fit.fold_information[k];
+    double total = 0.0, mean = 0.0, squared = 0.0, scatter = 0.0;
+    for (const double w : information) total += w;
+    for (std::size_t f = 0; f < values.size(); ++f) mean += information[f] / std::max(total, 1e-300) * values[f];
+    for (std::size_t f = 0; f < values.size(); ++f) {
+      const double w = information[f] / std::max(total, 1e-300);
+      squared += w * w;
+      scatter += w * w * (values[f] - mean) * (values[f] - mean);
+    }
+    if (values.size() >= 3 && squared < 0.8) variance = std::max(variance, scatter / (1.0 - squared));
+    const double half = 1.96 * std::sqrt(variance);
+    return {name, unit, value, value - half, value + half};
+  }
+
+  void findings(Problem& problem, const Found& found) {
+    const std::size_t given = model_.causes.size();
+    double explainable = 0.0;
+    for (const double g : found.gain) explainable += g;
+    for (std::size_t c = given; c < found.fit.at.causes.size(); ++c) {
+      const Cause& cause = found.fit.at.causes[c];
+      const EffectInfo& e = info(cause.effect);
+      Finding f;
+      f.cause = cause;
+      for (const std::size_t site : cause.sites) f.at.push_back(site_name(model_, e.seat, site));
+      f.parameters = estimates(found.fit, c);
+      f.explainable_removed = explainable > 0.0 ? found.gain[c - given] / explainable : 0.0;
+      const Fit off = problem.fit(without(found.fit.at, c), {options_.threads, 4});
+      f.without = predict(model_, held_out_, options_.window_s, off.at, d_.refitted).errors;
+      double nearest = 6.0;
+      for (const Rival& r : found.rivals[c - given]) {
+        RivalText text{{cause_name(model_, r.causes.front())}, {}, {}};
+        const EffectInfo& other = info(r.causes.front().effect);
+        for (std::size_t k = 0; k < other.parameter_count; ++k) {
+          const bool linear = is_linear(model_, other.seat, r.causes.front().sites.front());
+          text.parameters.push_back({std::string(name_on(other.parameters()[k], linear)), std::string(unit_on(other.parameters()[k], linear)),
+                                     r.causes.front().values[k], NAN, NAN});
+        }
+        nearest = std::min(nearest, r.z);
+        if (r.z < kApart) {
+          text.why = "in its place and fitted, the windows are predicted as well: the difference is " + log::rounded(r.z, 2) +
+                     " times its own scatter from window to window";
+          f.indistinguishable_from.push_back(text);
+        } else {
+          text.why = "in its place and fitted, the windows' loss is " + log::rounded(100.0 * r.loss_more / found.fit.loss, 2) + " % more, " +
+                     log::rounded(r.z, 2) + " times its own scatter from window to window";
+          f.alternatives.push_back(text);
+        }
+      }
+      f.confidence = std::clamp(0.5 * (1.0 + std::erf(std::max(nearest, 0.0) / std::sqrt(2.0))), 0.5, 0.99);
+      if (!f.indistinguishable_from.empty()) f.confidence = std::min(f.confidence, 0.6);
+      if (total(f.without) < total(d_.extended_error)) f.confidence = std::min(f.confidence, 0.4);
+      f.explanation = std::string(e.explanation);
+      f.where_to_look = std::string(e.where_to_look);
+      f.next_experiment = std::string(e.experiment);
+      d_.findings.push_back(std::move(f));
+    }
+    std::stable_sort(d_.findings.begin(), d_.findings.end(), [&](const Finding& a, const Finding& b) { return total(a.without) > total(b.without); });
+  }
+  /// Over joints, each by its own motion.
+  static double total(const std::vector<ChannelError>& e) {
+    double sum = 0.0;
+    for (const ChannelError& c : e) sum += c.nmse;
+    return sum;
+  }
+
+  void parameters(const Problem& problem, const Found& found) {
+    for (std::size_t k = 0; k < found.fit.unknowns.size(); ++k) {
+      const Unknown& u = found.fit.unknowns[k];
+      if (u.of_cause) continue;
+      const std::string name = std::string(kDriveParameters[u.parameter]) + "." + model_.robot.joints[u.joint].name;
+      constexpr std::array<std::string_view, 4> kUnits{"N m/rad", "N m s/rad", "kg m^2", "N m s/rad"};
+      constexpr std::array<std::string_view, 4> kLinear{"N/m", "N s/m", "kg", "N s/m"};
+      const std::string unit((model_.prismatic(u.joint) ? kLinear : kUnits)[u.parameter]);
+      Diagnosis::ParameterRow row{name, unit, value_of(Hypothesis{model_.drives, {}}, u), {}, interval(name, unit, found.fit, k), {}};
+      row.refitted = row.extended;
+      for (std::size_t i = 0; i < found.refitted.unknowns.size(); ++i) {
+        const Unknown& v = found.refitted.unknowns[i];
+        if (!v.of_cause && v.joint == u.joint && v.parameter == u.parameter) row.refitted = interval(name, unit, found.refitted, i);
+      }
+      const double width = row.extended.upper - row.extended.lower;
+      row.verdict = found.fit.at_bound[k] ? "at_bound" : width > 0.5 * (u.upper - u.lower) ? "not_excited" : "identified";
+      d_.parameters.push_back(row);
+    }
+    static_cast<void>(problem);
+  }
+
+  /// How many combinations of the bodies' inertial parameters show in the torques of these recordings.
+  void known_inertias() {
+    const std::size_t n = model_.joints();
+    const std::size_t rows = std::min<std::size_t>(400, 40 * n);
+    Eigen::MatrixXd regressor = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(rows * n), static_cast<Eigen::Index>(10 * n));
+    std::size_t all = 0;
+    for (const Recording& r : training_) all += r.rows();
+    std::size_t taken = 0;
+    for (const Recording& r : training_) {
+      const std::size_t step = std::max<std::size_t>(1, all / rows);
+      for (std::size_t k = step / 2; k < r.rows() && taken < rows; k += step, ++taken) {
+        model::RobotModel::Joints q{}, v{}, a{};
+        for (std::size_t j = 0; j < n; ++j) {
+          const LocalState s = local_state(r, j, k, 0.02);
+          q[j] = s.angle_rad;
+          v[j] = s.velocity_radps;
+          a[j] = s.acceleration_radps2;
+        }
+        auto tree = model_.robot.model;
+        for (std::size_t b = 0; b < n; ++b) tree.set_body(b, {});
+        for (std::size_t b = 0; b < n; ++b)
+          for (std::size_t p = 0; p < 10; ++p) {
+            // Lengths about the size of an arm, so that the ten are of one size.
+            constexpr double kArm_m = 0.2;
+            dynamics::tree::Inertia<double> unit{};
+            double* const parts[10] = {&unit.mass_kg, &unit.moment_kgm.x, &unit.moment_kgm.y, &unit.moment_kgm.z, &unit.inertia_kgm2.xx,
+                                       &unit.inertia_kgm2.xy, &unit.inertia_kgm2.xz, &unit.inertia_kgm2.yy, &unit.inertia_kgm2.yz, &unit.inertia_kgm2.zz};
+            *parts[p] = p == 0 ? 1.0 : p < 4 ? kArm_m : kArm_m * kArm_m;
+            tree.set_body(b, unit);
+            const auto torque = dynamics::tree::body_torques(tree, q, v, a);
+            tree.set_body(b, {});
+            for (std::size_t j = 0; j < n; ++j) regressor(static_cast<Eigen::Index>(taken * n + j), static_cast<Eigen::Index>(10 * b + p)) = torque[j];
+          }
+      }
+    }
+    const Eigen::VectorXd s = regressor.jacobiSvd().singularValues();
+    int structural = 0, shown = 0;
+    for (Eigen::Index i = 0; i < s.size(); ++i) {
+      structural += s(i) > 1e-9 * s(0) ? 1 : 0;
+      shown += s(i) > 1e-2 * s(0) ? 1 : 0;
+    }
+    d_.notes.push_back("Of the bodies' " + std::to_string(10 * n) + " inertial parameters the joints' torques depend on " + std::to_string(structural) +
+                       " combinations; " + std::to_string(shown) + " of them make more than a hundredth of the largest one's torque in these recordings. No mass or centre is named that only the others know.");
+  }
+
+  void verdict(const Found&) {
+    double before = 0.0, after = 0.0;
+    std::vector<std::string> where;
+    for (std::size_t j = 0; j < model_.joints(); ++j) {
+      const MissingTorque& m = d_.missing[j];
+      const double unit = m.rms_torque_nm * m.rms_torque_nm;
+      before += m.predictable_before * m.rms_before_nm * m.rms_before_nm / unit;
+      after += m.predictable_after * m.rms_after_nm * m.rms_after_nm / unit;
+      if (structured(m)) where.push_back(model_.robot.joints[j].name);
+    }
+    d_.unexplained_share = before > 0.0 && !d_.findings.empty() ? std::clamp(after / before, 0.0, 1.0) : where.empty() ? 0.0 : 1.0;
+    const bool left = !where.empty() && (d_.findings.empty() || d_.unexplained_share > 0.1);
+    for (Finding& f : d_.findings) {
+      if (left) f.confidence = std::min(f.confidence, std::max(0.3, 1.0 - d_.unexplained_share));
+    }
+    const bool undecided = std::any_of(d_.findings.begin(), d_.findings.end(), [](const Finding& f) { return !f.indistinguishable_from.empty(); });
+    std::vector<std::string> names;
+    for (const Finding& f : d_.findings) names.push_back(std::string(info(f.cause.effect).label) + " at " + joined(f.at));
+    if (d_.findings.empty()) {
+      d_.verdict = left ? Verdict::unexplained : Verdict::adequate;
+      d_.summary = left ? "The model lacks torque at " + joined(where) + ", and no cause of the catalogue accounts for it."
+                        : "The model is adequate: nothing is missing that the state, the torque or the time would foretell.";
+    } else {
+      d_.verdict = undecided ? Verdict::not_identifiable : left ? Verdict::partly_explained : Verdict::explained;
+      d_.summary = "The model lacks " + joined(names) + ".";
+      if (undecided) d_.summary += " The recordings cannot tell all of that from other causes.";
+      if (left) d_.summary += " " + percent(d_.unexplained_share) + " of the torque that could be foretold is still missing, at " + joined(where) + ".";
+    }
+    for (const Finding& f : d_.findings)
+      if (!f.indistinguishable_from.empty() && d_.next_experiment.empty()) d_.next_experiment = f.next_experiment;
+    if (d_.next_experiment.empty() && !d_.findings.empty()) d_.next_experiment = d_.findings.front().next_experiment;
+  }
+
+  /// One held-out recording for the picture: measured, and simulated window by window.
+  void motions() {
+    for (const Recording& r : held_out_) {
+      Motion m;
+      m.log = r.path;
+      const std::size_t step = std::max<std::size_t>(1, static_cast<std::size_t>(0.02 / std::max(r.interval_s, 1e-6)));
+      m.measured.resize(model_.joints());
+      m.simulated.resize(model_.joints());
+      for (std::size_t j = 0; j < model_.joints(); ++j)
+        for (const Trace& t : d_.traces) {
+          if (t.log != r.path || t.joint != model_.robot.joints[j].name) continue;
+          for (std::size_t k = 0; k < t.time_s.size(); k += step) {
+            if (j == 0) m.time_s.push_back(t.time_s[k] - t.time_s.front());
+            m.measured[j].push_back(t.measured[k]);
+            m.simulated[j].push_back(t.extended[k]);
+          }
+        }
+      d_.motions.push_back(std::move(m));
+      if (d_.motions.size() == 3) break;
+    }
+  }
+
+  const TreeModel& model_;
+  const Options& options_;
+  std::vector<Recording> training_, held_out_;
+  Diagnosis d_;
+};
+
+}  // namespace
+
+std::string channel_name(const TreeModel& model, std::size_t joint) {
+  return (model.prismatic(joint) ? "position_" : "angle_") + model.robot.joints[joint].name;
+}
+std::string_view channel_unit(const TreeModel& model, std::size_t joint) { return model.prismatic(joint) ? "m" : "rad"; }
+
+Diagnosis diagnose(const TreeModel& model, const std::vector<log::Log>& training, const std::vector<log::Log>& held_out, const Options& options) {
+  return Diagnoser(model, training, held_out, options).run();
+}
+
+}  // namespace furcula::trees

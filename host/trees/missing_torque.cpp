@@ -1,0 +1,291 @@
+// The torque that a model lacks, see missing_torque.hpp.
+#include "host/trees/missing_torque.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+
+#include "furcula/dynamics/tree/inverse_dynamics.hpp"
+
+namespace furcula::trees {
+namespace {
+
+constexpr double kHalf_s = 0.02;
+
+/// The drive's input about a row, weighed as a cubic's second derivative weighs accelerations.
+double smoothed_input(const Recording& r, std::size_t joint, double t0, double half_s, std::size_t near) {
+  double sum = 0.0, weights = 0.0;
+  const auto take = [&](std::size_t k) {
+    const double end = k + 1 < r.rows() ? r.time_s[k + 1] : r.time_s[k] + r.interval_s;
+    const double s = (0.5 * (r.time_s[k] + end) - t0) / half_s;
+    if (std::abs(s) >= 1.0) return false;
+    const double w = (1.0 - s * s) * (1.0 - s * s) * (end - r.time_s[k]);
+    sum += w * r.input[joint][k];
+    weights += w;
+    return true;
+  };
+  for (std::size_t k = near; k < r.rows(); ++k)
+    if (!take(k) && r.time_s[k] > t0) break;
+  for (std::size_t k = near; k-- > 0;)
+    if (!take(k) && r.time_s[k] < t0 - half_s - r.interval_s) break;
+  return weights > 0.0 ? sum / weights : r.input[joint][near];
+}
+
+double friction_torque(const dynamics::tree::JointLaw<double>& law, double q, double v, double drive) {
+  const int direction = v > 0.0 ? 1 : -1;
+  return direction * dynamics::tree::friction_in_motion(law, v, drive, direction, dynamics::tree::spot_at(law, q));
+}
+
+}  // namespace
+
+std::vector<TorqueSamples> missing_torque(const Problem& problem, const std::vector<Recording>& recordings, const Hypothesis& h, std::size_t most) {
+  const std::size_t n = problem.joints();
+  const SetupMaker maker(problem.model());
+  const Setup setup = maker.make(h.drives, h.causes);
+  std::vector<TorqueSamples> out(n);
+  for (TorqueSamples& s : out) {
+    s.other_angle_rad.resize(n);
+    s.other_velocity_radps.resize(n);
+    s.other_acceleration_radps2.resize(n);
+    s.other_drive_nm.resize(n);
+  }
+  std::size_t rows = 0;
+  for (const Recording& r : recordings) rows += r.rows();
+  const std::size_t step = std::max<std::size_t>(1, rows / most);
+  for (std::size_t i = 0; i < recordings.size(); ++i) {
+    const Recording& r = recordings[i];
+    const double half = std::max(kHalf_s, 3.5 * r.interval_s);
+    for (std::size_t k = 4; k + 4 < r.rows(); k += step) {
+      if (r.time_s[k + 4] - r.time_s[k - 4] > 16.0 * r.interval_s + 1e-3) continue;  // about a gap
+      model::RobotModel::Joints q{}, v{}, a{}, drive{}, rate{};
+      auto tree = setup.model;
+      for (std::size_t j = 0; j < n; ++j) {
+        const LocalState s = local_state(r, j, k, half);
+        const Setup::Joint& d = setup.joints[j];
+        q[j] = s.angle_rad - d.encoder_offset_rad;
+        v[j] = s.velocity_radps;
+        a[j] = s.acceleration_radps2;
+        const double late = d.delay_s + d.lag_s;
+        std::size_t near = k;
+        while (near > 0 && r.time_s[near] > r.time_s[k] - late) --near;
+        double input = smoothed_input(r, j, r.time_s[k] - late, half, near);
+        const double dt = 0.5 * half, later = smoothed_input(r, j, r.time_s[k] - late + dt, half, near);
+        if (d.law == DriveLaw::position) {
+          const double set_point = input;
+          input = d.gain * (d.kp_nmprad * (set_point - s.angle_rad) - d.kd_nmsprad * v[j]);
+          rate[j] = d.gain * d.kp_nmprad * ((later - set_point) / dt - v[j]);
+          if (!d.stepwise) {  // the law has it as a spring and a damper
+            tree.laws[j].stiffness_nmprad -= d.gain * d.kp_nmprad;
+            tree.laws[j].damping_nmspr -= d.gain * d.kd_nmsprad;
+          }
+        } else {
+          rate[j] = d.gain * (later - input) / dt;
+          input *= d.gain;
+        }
+        if (d.limit_nm > 0.0) input = std::clamp(input, -d.limit_nm, d.limit_nm);
+        if (d.ripple_nm != 0.0) input += d.ripple_nm * std::sin(d.ripple_cycles * s.angle_rad + d.ripple_phase_rad);
+        drive[j] = input;
+      }
+      const auto needed = dynamics::tree::inverse_dynamics(tree, q, v, a);
+      for (std::size_t j = 0; j < n; ++j) {
+        // Dry friction has any value about a reversal.
+        if (std::abs(v[j]) < std::max(0.05 * problem.scales().velocity_radps[j], std::abs(a[j]) * half)) continue;
+        TorqueSamples& s = out[j];
+        s.recording.push_back(i);
+        s.time_s.push_back(r.time_s[k] - r.time_s.front());
+        s.angle_rad.push_back(q[j]);
+        s.velocity_radps.push_back(v[j]);
+        s.acceleration_radps2.push_back(a[j]);
+        s.drive_nm.push_back(drive[j]);
+        s.drive_rate_nmps.push_back(rate[j]);
+        s.missing_nm.push_back(needed[j] - drive[j] - setup.joints[j].offset_nm + friction_torque(tree.laws[j], q[j], v[j], drive[j]));
+        for (std::size_t o = 0; o < n; ++o) {
+          s.other_angle_rad[o].push_back(q[o]);
+          s.other_velocity_radps[o].push_back(v[o]);
+          s.other_acceleration_radps2[o].push_back(a[o]);
+          s.other_drive_nm[o].push_back(drive[o]);
+        }
+      }
+    }
+  }
+  return out;
+}
+
+namespace {
+
+using Columns = std::vector<Eigen::VectorXd>;
+
+double rms(const std::vector<double>& x) {
+  double sum = 0.0;
+  for (const double v : x) sum += v * v;
+  return x.empty() ? 1.0 : std::max(1e-12, std::sqrt(sum / static_cast<double>(x.size())));
+}
+
+class Basis {
+ public:
+  Basis(const TorqueSamples& s, std::size_t joint) : s_(s), joint_(joint) {}
+
+  template <class F>
+  void add(Columns& to, const F& f) const {
+    Eigen::VectorXd c(static_cast<Eigen::Index>(s_.missing_nm.size()));
+    for (Eigen::Index i = 0; i < c.size(); ++i) c(i) = f(static_cast<std::size_t>(i));
+    to.push_back(std::move(c));
+  }
+  static double sign(double x) { return x > 0.0 ? 1.0 : -1.0; }
+
+  Columns friction() const {
+    Columns out;
+    const double v0 = rms(s_.velocity_radps);
+    const auto& v = s_.velocity_radps;
+    add(out, [&](std::size_t i) { return sign(v[i]); });
+    add(out, [&](std::size_t i) { return v[i] / v0; });
+    add(out, [&](std::size_t i) { return v[i] * std::abs(v[i]) / (v0 * v0); });
+    for (const double width : {0.2, 0.6}) add(out, [&](std::size_t i) { return sign(v[i]) * std::exp(-std::pow(v[i] / (width * v0), 2)); });
+    return out;
+  }
+  Columns position() const {
+    Columns out;
+    add(out, [](std::size_t) { return 1.0; });
+    const auto [low, high] = std::minmax_element(s_.angle_rad.begin(), s_.angle_rad.end());
+    constexpr int kHats = 8;
+    const double width = (*high - *low) / kHats + 1e-9;
+    for (int k = 0; k < kHats; ++k) {
+      const double centre = *low + (k + 0.5) * width;
+      add(out, [&](std::size_t i) { return std::exp(-std::pow((s_.angle_rad[i] - centre) / width, 2)); });
+    }
+    return out;
+  }
+  Columns friction_by_position() const {
+    Columns out;
+    for (const Eigen::VectorXd& c : position()) {
+      Eigen::VectorXd x = c;
+      for (Eigen::Index i = 0; i < x.size(); ++i) x(i) *= sign(s_.velocity_radps[static_cast<std::size_t>(i)]);
+      out.push_back(x);
+    }
+    return out;
+  }
+  Columns drive() const {
+    Columns out;
+    const double u = rms(s_.drive_nm), du = rms(s_.drive_rate_nmps);
+    add(out, [&](std::size_t i) { return s_.drive_nm[i] / u; });
+    add(out, [&](std::size_t i) { return std::abs(s_.drive_nm[i]) * sign(s_.velocity_radps[i]) / u; });
+    add(out, [&](std::size_t i) { return s_.drive_rate_nmps[i] / du; });
+    return out;
+  }
+  Columns acceleration() const {
+    Columns out;
+    const double a0 = rms(s_.acceleration_radps2);
+    add(out, [&](std::size_t i) { return s_.acceleration_radps2[i] / a0; });
+    return out;
+  }
+  Columns time() const {
+    Columns out;
+    const double end = s_.time_s.empty() ? 1.0 : std::max(1e-9, *std::max_element(s_.time_s.begin(), s_.time_s.end()));
+    add(out, [&](std::size_t i) { return s_.time_s[i] / end; });
+    add(out, [&](std::size_t i) { return sign(s_.velocity_radps[i]) * s_.time_s[i] / end; });
+    return out;
+  }
+  Columns other(std::size_t o) const {
+    Columns out;
+    if (o == joint_) return out;
+    const double v0 = rms(s_.other_velocity_radps[o]), a0 = rms(s_.other_acceleration_radps2[o]), u0 = rms(s_.other_drive_nm[o]);
+    add(out, [&](std::size_t i) { return s_.other_velocity_radps[o][i] / v0; });
+    add(out, [&](std::size_t i) { return s_.other_acceleration_radps2[o][i] / a0; });
+    add(out, [&](std::size_t i) { return s_.other_drive_nm[o][i] / u0; });
+    add(out, [&](std::size_t i) { return std::sin(s_.other_angle_rad[o][i]); });
+    add(out, [&](std::size_t i) { return std::cos(s_.other_angle_rad[o][i]); });
+    add(out, [&](std::size_t i) { return sign(s_.velocity_radps[i]) * std::sin(s_.other_angle_rad[o][i]); });
+    add(out, [&](std::size_t i) { return sign(s_.velocity_radps[i]) * std::cos(s_.other_angle_rad[o][i]); });
+    return out;
+  }
+
+ private:
+  const TorqueSamples& s_;
+  std::size_t joint_;
+};
+
+double cross_validated(const TorqueSamples& s, const Columns& columns, std::size_t recordings) {
+  const auto rows = static_cast<Eigen::Index>(s.missing_nm.size());
+  const auto p = static_cast<Eigen::Index>(columns.size());
+  if (rows < 20 * p || p == 0) return 0.0;
+  const std::size_t folds = recordings >= 3 ? recordings : 4;
+  std::vector<Eigen::MatrixXd> normal(folds, Eigen::MatrixXd::Zero(p, p));
+  std::vector<Eigen::VectorXd> right(folds, Eigen::VectorXd::Zero(p));
+  std::vector<double> squares(folds, 0.0);
+  Eigen::MatrixXd x(rows, p);
+  for (Eigen::Index k = 0; k < p; ++k) x.col(k) = columns[static_cast<std::size_t>(k)];
+  const Eigen::Map<const Eigen::VectorXd> y(s.missing_nm.data(), rows);
+  for (std::size_t f = 0; f < folds; ++f) {
+    std::vector<Eigen::Index> mine;
+    for (Eigen::Index i = 0; i < rows; ++i) {
+      const std::size_t fold = recordings >= 3 ? s.recording[static_cast<std::size_t>(i)] : static_cast<std::size_t>(i) * folds / static_cast<std::size_t>(rows);
+      if (fold == f) mine.push_back(i);
+    }
+    const Eigen::MatrixXd xf = x(mine, Eigen::all);
+    const Eigen::VectorXd yf = y(mine);
+    normal[f] = xf.transpose() * xf;
+    right[f] = xf.transpose() * yf;
+    squares[f] = yf.squaredNorm();
+  }
+  Eigen::MatrixXd all = Eigen::MatrixXd::Zero(p, p);
+  Eigen::VectorXd all_right = Eigen::VectorXd::Zero(p);
+  double total = 0.0;
+  for (std::size_t f = 0; f < folds; ++f) {
+    all += normal[f];
+    all_right += right[f];
+    total += squares[f];
+  }
+  double best = -1.0;
+  for (const double ridge : {1e-4, 1e-2, 1e-1, 1.0}) {
+    double left = 0.0;
+    for (std::size_t f = 0; f < folds; ++f) {
+      Eigen::MatrixXd m = all - normal[f];
+      m.diagonal().array() += ridge * static_cast<double>(rows) * 0.1;
+      const Eigen::VectorXd c = m.ldlt().solve(all_right - right[f]);
+      left += squares[f] - 2.0 * c.dot(right[f]) + c.dot(Eigen::VectorXd(normal[f] * c));
+    }
+    best = std::max(best, 1.0 - left / std::max(total, 1e-300));
+  }
+  return best;
+}
+
+void append(Columns& to, Columns from) {
+  for (Eigen::VectorXd& c : from) to.push_back(std::move(c));
+}
+
+}  // namespace
+
+double predictable_share(const TorqueSamples& s, std::size_t joint, std::size_t recordings) {
+  if (s.missing_nm.size() < 50) return 0.0;
+  const Basis b(s, joint);
+  Columns own;
+  append(own, b.friction());
+  append(own, b.position());
+  append(own, b.friction_by_position());
+  append(own, b.drive());
+  append(own, b.acceleration());
+  append(own, b.time());
+  const double alone = cross_validated(s, own, recordings);
+  for (std::size_t o = 0; o < s.other_angle_rad.size(); ++o) append(own, b.other(o));
+  return std::max(alone, cross_validated(s, own, recordings));
+}
+
+std::string goes_along_with(const TorqueSamples& s, std::size_t joint, std::size_t recordings, const TreeModel& model) {
+  if (s.missing_nm.size() < 50) return {};
+  const Basis b(s, joint);
+  std::vector<std::pair<double, std::string>> all;
+  const auto test = [&](const Columns& c, const std::string& what) { all.emplace_back(cross_validated(s, c, recordings), what); };
+  const std::string own = model.robot.joints[joint].name;
+  test(b.friction(), "the velocity of " + own);
+  test(b.position(), "the position of " + own);
+  test(b.friction_by_position(), "the position and the direction of motion of " + own);
+  test(b.drive(), "the drive's torque at " + own + " and its rate");
+  test(b.acceleration(), "the acceleration of " + own);
+  test(b.time(), "the time");
+  for (std::size_t o = 0; o < s.other_angle_rad.size(); ++o)
+    if (o != joint) test(b.other(o), "what " + model.robot.joints[o].name + " does");
+  const auto best = std::max_element(all.begin(), all.end());
+  return best->first > 0.1 ? best->second : std::string();
+}
+
+}  // namespace furcula::trees
