@@ -18,7 +18,7 @@ namespace {
 /// A rival whose loss is less than so many times its own scatter behind cannot be told apart.
 constexpr double kApart = 2.0;
 /// A flexible law must foretell so much of the missing torque, and that be so much of the joint's torque, to be called structure.
-constexpr double kForetold = 0.2, kOfTorque = 0.008;
+constexpr double kForetold = 0.03, kOfTorque = 0.01;
 constexpr std::size_t kMostSearchWindows = 240;
 
 std::string percent(double share) { return log::rounded(100.0 * share, 2) + " %"; }
@@ -99,13 +99,13 @@ class Diagnoser {
   }
 
   void torques(const Problem& problem) {
-    const std::vector<TorqueSamples> before = missing_torque(problem, training_, d_.refitted), after = missing_torque(problem, training_, d_.extended);
+    const std::vector<TorqueSamples> before = missing_torque(problem, training_, d_.refitted, options_.window_s), after = missing_torque(problem, training_, d_.extended, options_.window_s);
     for (std::size_t j = 0; j < model_.joints(); ++j) {
       MissingTorque m;
       m.recording = after[j].recording;
       m.time_s = after[j].time_s;
-      m.angle_rad = after[j].angle_rad;
-      m.velocity_radps = after[j].velocity_radps;
+      m.angle_rad = after[j].own().angle_rad;
+      m.velocity_radps = after[j].own().velocity_radps;
       m.after_nm = after[j].missing_nm;
       m.before_nm = before[j].missing_nm;
       m.before_nm.resize(m.after_nm.size());

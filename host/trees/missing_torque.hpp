@@ -11,14 +11,22 @@ namespace furcula::trees {
 
 /// Samples of one joint over all recordings; rows about a reversal are left out, where dry friction has any value.
 struct TorqueSamples {
+  struct Joint {
+    std::vector<double> angle_rad, velocity_radps, acceleration_radps2, drive_nm;
+  };
+  std::size_t joint = 0;
   std::vector<std::size_t> recording;
-  std::vector<double> time_s, angle_rad, velocity_radps, acceleration_radps2, drive_nm, drive_rate_nmps;
-  std::vector<double> missing_nm;      ///< what would have to be added to the drive's torque
-  std::vector<std::vector<double>> other_angle_rad, other_velocity_radps, other_acceleration_radps2, other_drive_nm;  ///< of all joints
+  std::vector<double> time_s;           ///< from the recording's start
+  std::vector<double> missing_nm;       ///< what would have to be added to the drive's torque
+  std::vector<double> drive_rate_nmps;
+  std::vector<Joint> others;            ///< what all joints did, this one among them
+
+  const Joint& own() const { return others[joint]; }
 };
 
-/// About `most` samples a joint, evenly over the recordings.
-std::vector<TorqueSamples> missing_torque(const Problem& problem, const std::vector<Recording>& recordings, const Hypothesis& h,
+/// About `most` samples a joint, evenly over the recordings. Accelerations come from angles that are smoothed, torques too; what that
+/// makes of a motion is taken off by doing the same to the model's own motion, from window to window.
+std::vector<TorqueSamples> missing_torque(const Problem& problem, const std::vector<Recording>& recordings, const Hypothesis& h, double window_s,
                                           std::size_t most = 6000);
 
 /// Share of the missing torque's square that is foretold, on recordings left out of the fit (of fewer than three, on

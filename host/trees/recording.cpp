@@ -127,6 +127,21 @@ LocalState local_state(const Recording& r, std::size_t joint, std::size_t row, d
           sd * std::sqrt(inverse(1, 1)) / unit};
 }
 
+Recording part_of(const Recording& r, std::size_t first, std::size_t last) {
+  const auto cut = [&](const std::vector<double>& x) {
+    return std::vector<double>(x.begin() + static_cast<std::ptrdiff_t>(first), x.begin() + static_cast<std::ptrdiff_t>(last + 1));
+  };
+  Recording out;
+  out.path = r.path;
+  out.time_s = cut(r.time_s);
+  for (const auto& x : r.angle_rad) out.angle_rad.push_back(cut(x));
+  for (const auto& x : r.input) out.input.push_back(cut(x));
+  out.angle_noise_rad = r.angle_noise_rad;
+  out.input_measured = r.input_measured;
+  out.interval_s = r.interval_s;
+  return out;
+}
+
 std::vector<std::string> foreign_joints(const TreeModel& m, const log::Log& log) {
   std::vector<std::string> out;
   for (const auto& [column, values] : log.columns)

@@ -38,6 +38,9 @@ struct LocalState {
 };
 LocalState local_state(const Recording& r, std::size_t joint, std::size_t row, double half_s);
 
+/// Rows `first` to `last`.
+Recording part_of(const Recording& r, std::size_t first, std::size_t last);
+
 /// Columns of the log that name joints the tree does not have.
 std::vector<std::string> foreign_joints(const TreeModel& model, const log::Log& log);
 
