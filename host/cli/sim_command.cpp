@@ -8,12 +8,14 @@
 #include "furcula/control/fault.hpp"
 #include "host/cli/commands.hpp"
 #include "host/cli/errors.hpp"
+#include "host/cli/recordings.hpp"
 #include "host/log/error.hpp"
 #include "host/log/message.hpp"
 #include "host/log/writer.hpp"
 #include "host/model/reader.hpp"
 #include "host/sim/expectation.hpp"
 #include "host/sim/simulate.hpp"
+#include "host/trees/simulate.hpp"
 
 namespace furcula::cli {
 namespace {
@@ -48,6 +50,13 @@ void check_expectation(const std::string& path, const model::Model& model, const
 }
 
 void run(const SimOptions& options) {
+  if (const auto tree = tree_model(options.model)) {
+    if (options.check) throw UsageError("--check needs a --scenario for a hopper");
+    const trees::Scenario scenario =
+        options.scenario.empty() ? trees::default_scenario(*tree) : trees::read_scenario(options.scenario, *tree);
+    log::write_log(trees::simulate(*tree, scenario, options.seed), options.out);
+    return;
+  }
   const model::Model model = model::read_model(options.model);
   if (options.check && (options.scenario.empty() || !dynamics::is_hopper(model.kind)))
     throw UsageError("--check needs a --scenario for a hopper");

@@ -91,7 +91,7 @@ constexpr EffectInfo kAll[] = {
      "base_tilt",
      "a tilt of the base",
      Seat::base,
-     "gravity turned in the base, first about x, then about y",
+     "the base is turned by roll about x, then by pitch about y",
      {{{"roll_rad", "rad", "roll_rad", "rad", -3.2, 3.2}, {"pitch_rad", "rad", "pitch_rad", "rad", -3.2, 3.2}}},
      2,
      "The base does not stand level: gravity pulls another way than the model says.",

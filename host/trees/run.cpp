@@ -15,10 +15,11 @@ using dynamics::tree::Mat3;
 using dynamics::tree::Sym3;
 using dynamics::tree::Vec3;
 
+/// Gravity in a base that is turned by `roll` about x and then by `pitch` about y: R' g with R = Ry Rx.
 Vec3<double> tilted(const Vec3<double>& g, double roll, double pitch) {
   const double cr = std::cos(roll), sr = std::sin(roll), cp = std::cos(pitch), sp = std::sin(pitch);
-  const Vec3<double> a{g.x, cr * g.y - sr * g.z, sr * g.y + cr * g.z};
-  return {cp * a.x + sp * a.z, a.y, -sp * a.x + cp * a.z};
+  const Vec3<double> a{cp * g.x - sp * g.z, g.y, sp * g.x + cp * g.z};
+  return {a.x, cr * a.y + sr * a.z, -sr * a.y + cr * a.z};
 }
 
 /// Dry friction as effects add up to it.
@@ -184,6 +185,8 @@ Setup SetupMaker::make(std::span<const Drive> drives, std::span<const Cause> cau
           // A rotor without inertia is a spring in series, which has no state here.
           if (law.armature_kgm2 <= 0.0) break;
           law.elastic = true;
+          law.rotor_damping_nmspr = law.damping_nmspr;  // bearings and seals of the drive are on the rotor's side
+          law.damping_nmspr = 0.0;
           law.drive_stiffness_nmprad = v[0];
           drive.stepwise |= drive.law == DriveLaw::position;
           break;

@@ -1,0 +1,118 @@
+// Identification of a tree, see identify.hpp.
+#include "host/trees/identify.hpp"
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "host/log/error.hpp"
+
+namespace furcula::trees {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+Json held_out(const TreeModel& m, const std::vector<ChannelError>& errors) {
+  Json out = Json::object();
+  for (std::size_t j = 0; j < errors.size(); ++j) {
+    const std::string channel = channel_name(m, j), unit(channel_unit(m, j));
+    out["nmse_" + channel] = number(errors[j].nmse);
+    out["mae_" + channel + "_" + unit] = number(errors[j].mae);
+    out["rmse_" + channel + "_" + unit] = number(errors[j].rmse);
+  }
+  return out;
+}
+
+}  // namespace
+
+Identification identify(const TreeModel& model, const std::vector<log::Log>& training, const std::vector<log::Log>& held_out_logs,
+                        const Options& options) {
+  if (model.free.empty())
+    throw log::DataError(model.file + ": no parameter in [free], so there is nothing to identify; expected at least one, as in [free] \"damping_nmspr." +
+                         model.robot.joints.front().name + "\" = [lower, upper]");
+  std::vector<Recording> fit_on, judge_on;
+  for (const log::Log& log : training) fit_on.push_back(recording_of(model, log));
+  for (const log::Log& log : held_out_logs) judge_on.push_back(recording_of(model, log));
+  Identification out;
+  out.model = model;
+  out.logs = training.size() + held_out_logs.size();
+  out.held_out_logs = held_out_logs.size();
+  std::vector<Window> windows = windows_of(model, fit_on, options.window_s);
+  out.windows = windows.size();
+  Problem problem(model, fit_on, std::move(windows), options.threads);
+  const Hypothesis given{model.drives, model.causes};
+  if (options.progress) options.progress(0.1, "fitting");
+  problem.weigh(given);
+  Fit fit = problem.fit(given, {options.threads, 10});
+  // The weights are of residuals: of those at the model given first, then of those that are left.
+  for (int round = 0; round < 2; ++round) {
+    if (options.progress) options.progress(0.4 + 0.25 * round, "fitting again");
+    problem.weigh(fit.at);
+    fit = problem.fit(fit.at, {options.threads, 6});
+  }
+  for (std::size_t k = 0; k < fit.unknowns.size(); ++k) {
+    const Unknown& u = fit.unknowns[k];
+    if (u.of_cause) continue;
+    const auto i = static_cast<Eigen::Index>(k);
+    Identification::Row row;
+    row.name = std::string(kDriveParameters[u.parameter]) + "." + model.robot.joints[u.joint].name;
+    const bool slides = model.prismatic(u.joint);
+    constexpr const char* kUnits[] = {"N m/rad", "N m s/rad", "kg m^2", "N m s/rad"};
+    constexpr const char* kLinear[] = {"N/m", "N s/m", "kg", "N s/m"};
+    row.unit = slides ? kLinear[u.parameter] : kUnits[u.parameter];
+    row.given = value_of(given, u);
+    row.value = value_of(fit.at, u);
+    const double half = 1.96 * std::sqrt(fit.covariance(i, i));
+    row.lower = row.value - half;
+    row.upper = row.value + half;
+    row.folds = fit.fold_value[k];
+    row.verdict = "identified";
+    double most = 0.0;
+    for (std::size_t o = 0; o < fit.unknowns.size(); ++o) {
+      const auto j = static_cast<Eigen::Index>(o);
+      if (o == k || fit.unknowns[o].of_cause || !(fit.covariance(i, i) * fit.covariance(j, j) > 0.0)) continue;
+      const double c = std::abs(fit.covariance(i, j)) / std::sqrt(fit.covariance(i, i) * fit.covariance(j, j));
+      if (c > most) {
+        most = c;
+        row.with = std::string(kDriveParameters[fit.unknowns[o].parameter]) + "." + model.robot.joints[fit.unknowns[o].joint].name;
+      }
+    }
+    if (most > 0.95)
+      row.verdict = "correlated";
+    else
+      row.with.clear();
+    if (2.0 * half > 0.5 * (u.upper - u.lower)) row.verdict = "not_excited";
+    if (fit.at_bound[k]) {
+      row.verdict = "at_bound";
+      row.with = row.value - u.lower < u.upper - row.value ? "lower" : "upper";
+    }
+    out.parameters.push_back(std::move(row));
+  }
+  if (options.progress) options.progress(0.95, "predicting the held-out logs");
+  out.as_given_error = predict(model, judge_on, options.window_s, given, fit.at).errors;
+  out.identified_error = predict(model, judge_on, options.window_s, fit.at, fit.at).errors;
+  out.model.drives = fit.at.drives;
+  return out;
+}
+
+std::string to_json_text(const Identification& found) {
+  Json parameters = Json::object();
+  for (const auto& p : found.parameters) {
+    Json folds = Json::array();
+    for (const double f : p.folds) folds.push_back(number(f));
+    parameters[p.name] = {{"value", number(p.value)}, {"ci95", {number(p.lower), number(p.upper)}}, {"folds", folds}, {"verdict", p.verdict}};
+    if (!p.with.empty()) parameters[p.name]["with"] = p.with;
+    parameters[p.name]["unit"] = p.unit;
+  }
+  const Json out = {{"schema", "furcula-identification/1"},
+                    {"method", "simulation"},
+                    {"kind", "tree"},
+                    {"data", {{"logs", found.logs}, {"held_out_logs", found.held_out_logs}, {"windows", found.windows}}},
+                    {"parameters", parameters},
+                    {"as_given", {{"held_out", held_out(found.model, found.as_given_error)}}},
+                    {"held_out", held_out(found.model, found.identified_error)}};
+  return out.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace furcula::trees

@@ -1,0 +1,223 @@
+// Simulated logs of a tree, see simulate.hpp.
+#include "host/trees/simulate.hpp"
+
+#include <toml++/toml.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include "furcula/dynamics/tree/inverse_dynamics.hpp"
+#include "host/log/error.hpp"
+#include "host/log/message.hpp"
+#include "host/log/strict_toml.hpp"
+#include "host/trees/recording.hpp"
+#include "host/trees/run.hpp"
+
+namespace furcula::trees {
+namespace {
+
+constexpr double kTurn = 2.0 * std::numbers::pi;
+
+/// Position, velocity and acceleration of a path; it starts from rest within its first half second.
+struct Point {
+  double q, v, a;
+};
+Point at(const Path& p, double t) {
+  if (p.profile == Path::Profile::hold) return {p.centre_rad, 0.0, 0.0};
+  const double w = kTurn / p.period_s, s = std::sin(w * t + p.phase_rad), c = std::cos(w * t + p.phase_rad);
+  if (p.profile == Path::Profile::steps) return {p.centre_rad + (s >= 0.0 ? 1.0 : -1.0) * p.amplitude_rad, 0.0, 0.0};
+  // A smooth step from 0 to 1, and its derivatives.
+  constexpr double kRise_s = 0.5;
+  const double x = std::min(1.0, t / kRise_s);
+  const double u = x * x * x * (10.0 - 15.0 * x + 6.0 * x * x), du = 30.0 * x * x * (1.0 - x) * (1.0 - x) / kRise_s,
+               ddu = 60.0 * x * (1.0 - x) * (1.0 - 2.0 * x) / (kRise_s * kRise_s);
+  return {p.centre_rad + p.amplitude_rad * u * s, p.amplitude_rad * (du * s + u * w * c),
+          p.amplitude_rad * (ddu * s + 2.0 * du * w * c - u * w * w * s)};
+}
+
+double chosen(const toml::table& table, std::string_view key, const std::string& name, const std::string& where, double otherwise, double lower,
+              double upper, std::string_view unit) {
+  const toml::node* node = table.get(key);
+  return node == nullptr ? otherwise : log::number(*node, name, where + " " + std::string(key), lower, upper, unit);
+}
+
+}  // namespace
+
+Scenario default_scenario(const TreeModel& model) {
+  Scenario s;
+  for (std::size_t j = 0; j < model.joints(); ++j) {
+    const auto& limits = model.robot.joints[j].limits;
+    Path p;
+    const bool limited = limits && limits->lower < limits->upper;
+    const double most = model.prismatic(j) ? 0.1 : 0.6;
+    if (limited) p.centre_rad = std::clamp(0.0, limits->lower + 0.3 * (limits->upper - limits->lower), limits->upper - 0.3 * (limits->upper - limits->lower));
+    p.amplitude_rad = limited ? std::min(most, 0.2 * (limits->upper - limits->lower)) : most;
+    p.period_s = 1.3 + 0.37 * static_cast<double>(j);
+    p.phase_rad = 0.9 * static_cast<double>(j);
+    s.paths.push_back(p);
+  }
+  return s;
+}
+
+Scenario parse_scenario(std::string_view text, const std::string& name, const TreeModel& model) {
+  const toml::table file = log::parse_toml(text, name);
+  static constexpr std::array<std::string_view, 4> kSections{"run", "path", "disturbance", "sensors"};
+  log::refuse_unknown_keys(file, name, "the scenario of a tree", kSections);
+  Scenario s = default_scenario(model);
+  if (const toml::node* node = file.get("run")) {
+    const toml::table& run = log::table(*node, name, "[run]");
+    static constexpr std::array<std::string_view, 2> kKeys{"duration_s", "sample_rate_hz"};
+    log::refuse_unknown_keys(run, name, "[run]", kKeys);
+    s.duration_s = chosen(run, "duration_s", name, "[run]", s.duration_s, 0.5, 3600.0, "s");
+    s.sample_rate_hz = chosen(run, "sample_rate_hz", name, "[run]", s.sample_rate_hz, 20.0, 10000.0, "Hz");
+  }
+  if (const toml::node* node = file.get("path")) {
+    std::vector<std::string_view> joints;
+    for (const auto& j : model.robot.joints) joints.emplace_back(j.name);
+    const toml::table& paths = log::table(*node, name, "[path]");
+    log::refuse_unknown_keys(paths, name, "[path]", joints);
+    // Joints that the file does not name stand still.
+    for (Path& p : s.paths) p.profile = Path::Profile::hold;
+    for (std::size_t j = 0; j < model.joints(); ++j) {
+      const toml::node* entry = paths.get(joints[j]);
+      if (entry == nullptr) continue;
+      const std::string where = "[path." + model.robot.joints[j].name + "]";
+      const toml::table& table = log::table(*entry, name, where);
+      const bool slides = model.prismatic(j);
+      const std::string unit = slides ? "m" : "rad", centre = "centre_" + unit, amplitude = "amplitude_" + unit;
+      const std::array<std::string_view, 5> keys{"profile", centre, amplitude, "period_s", "phase_rad"};
+      log::refuse_unknown_keys(table, name, where, keys);
+      Path& p = s.paths[j];
+      p.profile = Path::Profile::sine;
+      if (const toml::node* profile = table.get("profile")) {
+        const std::string which = log::text(*profile, name, where + " profile");
+        if (which != "sine" && which != "steps" && which != "hold")
+          log::fail(name, profile->source(), where + " profile = " + log::quoted(which) + "; expected sine, steps or hold");
+        p.profile = which == "sine" ? Path::Profile::sine : which == "steps" ? Path::Profile::steps : Path::Profile::hold;
+      }
+      p.centre_rad = chosen(table, centre, name, where, p.centre_rad, -1e3, 1e3, unit);
+      p.amplitude_rad = chosen(table, amplitude, name, where, p.amplitude_rad, 0.0, 1e3, unit);
+      p.period_s = chosen(table, "period_s", name, where, p.period_s, 0.02, 1e4, "s");
+      p.phase_rad = chosen(table, "phase_rad", name, where, p.phase_rad, -100.0, 100.0, "rad");
+    }
+  }
+  if (const toml::node* node = file.get("disturbance")) {
+    const toml::table& table = log::table(*node, name, "[disturbance]");
+    static constexpr std::array<std::string_view, 2> kKeys{"share", "time_s"};
+    log::refuse_unknown_keys(table, name, "[disturbance]", kKeys);
+    s.disturbance_share = chosen(table, "share", name, "[disturbance]", s.disturbance_share, 0.0, 1.0, "");
+    s.disturbance_time_s = chosen(table, "time_s", name, "[disturbance]", s.disturbance_time_s, 1e-4, 100.0, "s");
+  }
+  if (const toml::node* node = file.get("sensors")) {
+    const toml::table& table = log::table(*node, name, "[sensors]");
+    static constexpr std::array<std::string_view, 2> kKeys{"angle_noise_rad", "torque_noise_share"};
+    log::refuse_unknown_keys(table, name, "[sensors]", kKeys);
+    s.angle_noise_rad = chosen(table, "angle_noise_rad", name, "[sensors]", s.angle_noise_rad, 0.0, 1.0, "rad");
+    s.torque_noise_share = chosen(table, "torque_noise_share", name, "[sensors]", s.torque_noise_share, 0.0, 1.0, "");
+  }
+  return s;
+}
+
+Scenario read_scenario(const std::string& path, const TreeModel& model) {
+  return parse_scenario(log::read_small_file(path, "a scenario (TOML)"), path, model);
+}
+
+log::Log simulate(const TreeModel& model, const Scenario& scenario, std::uint64_t seed) {
+  const std::size_t n = model.joints();
+  const SetupMaker maker(model);
+  const Setup true_one = maker.make(model.drives, model.causes), believed = maker.make(model.drives, {});
+  std::mt19937_64 random(seed);
+  std::normal_distribution<double> normal;
+  log::Log out;
+  out.rig = "tree";
+  out.metadata["robot"] = model.robot.name;
+  auto column = [&](std::size_t j, const std::string& what) -> std::vector<double>& { return out.columns[column_of(model, j, what)]; };
+
+  std::vector<double> q(n), v(n), input(n), disturbance(n, 0.0), torque_rms(n, 0.0), smallest_inertia(n);
+  for (std::size_t j = 0; j < n; ++j) {
+    const Point p = at(scenario.paths[j], 0.0);
+    q[j] = p.q + true_one.joints[j].encoder_offset_rad;
+    v[j] = p.v;
+  }
+  // What a drive gives on such a path, for the sizes of noise and disturbance; and how hard a joint is to turn.
+  const auto steps = static_cast<std::size_t>(scenario.duration_s * scenario.sample_rate_hz + 0.5);
+  const auto on_path = [&](double t) {
+    model::RobotModel::Joints pq{}, pv{}, pa{};
+    for (std::size_t j = 0; j < n; ++j) {
+      const Point p = at(scenario.paths[j], t);
+      pq[j] = p.q;
+      pv[j] = p.v;
+      pa[j] = p.a;
+    }
+    auto tree = believed.model;
+    for (std::size_t j = 0; j < n; ++j)
+      if (model.drives[j].law == DriveLaw::position) {
+        tree.laws[j].stiffness_nmprad -= model.drives[j].kp_nmprad;
+        tree.laws[j].damping_nmspr -= model.drives[j].kd_nmsprad;
+      }
+    return dynamics::tree::inverse_dynamics(tree, pq, pv, pa);
+  };
+  constexpr std::size_t kLooks = 400;
+  for (std::size_t k = 0; k < kLooks; ++k) {
+    const auto tau = on_path(scenario.duration_s * static_cast<double>(k) / kLooks);
+    for (std::size_t j = 0; j < n; ++j) torque_rms[j] += tau[j] * tau[j] / kLooks;
+  }
+  for (double& t : torque_rms) t = std::sqrt(t);
+  model::RobotModel::Joints start{};
+  for (std::size_t j = 0; j < n; ++j) start[j] = q[j];
+  const auto mass = dynamics::tree::mass_matrix(believed.model, start);
+  for (std::size_t j = 0; j < n; ++j) smallest_inertia[j] = mass[j][j];
+
+  Runner runner(true_one);
+  runner.reset(q, v);
+  std::vector<std::vector<double>> late(n);  // inputs on their way to a drive with a delay
+  const double dt = 1.0 / scenario.sample_rate_hz;
+  for (std::size_t k = 0; k <= steps; ++k) {
+    const double t = static_cast<double>(k) * dt;
+    const auto feed_forward = on_path(t);
+    out.columns["time_s"].push_back(t);
+    for (std::size_t j = 0; j < n; ++j) {
+      const Point p = at(scenario.paths[j], t);
+      const double measured = runner.measured(j) + scenario.angle_noise_rad * normal(random);
+      column(j, "angle").push_back(measured);
+      if (model.drives[j].law == DriveLaw::position) {
+        input[j] = p.q;
+        column(j, "angle_cmd").push_back(p.q);
+      } else {
+        constexpr double kFollows_radps = 10.0;
+        const double inertia = smallest_inertia[j];
+        input[j] = feed_forward[j] + inertia * (kFollows_radps * kFollows_radps * (p.q - measured) + 2.0 * kFollows_radps * (p.v - runner.velocity(j)));
+        column(j, "torque_cmd").push_back(input[j]);
+      }
+      const double keep = std::exp(-dt / scenario.disturbance_time_s);
+      disturbance[j] = keep * disturbance[j] + std::sqrt(1.0 - keep * keep) * scenario.disturbance_share * torque_rms[j] * normal(random);
+      runner.disturb(j, disturbance[j]);
+      late[j].push_back(input[j]);
+    }
+    // Delays are taken to the next twentieth of a sample.
+    constexpr int kParts = 20;
+    std::vector<double> now(n);
+    bool delayed = false;
+    for (std::size_t j = 0; j < n; ++j) delayed |= true_one.joints[j].delay_s > 0.0;
+    const int loops = delayed ? kParts : 1;
+    for (int part = 0; part < loops; ++part) {
+      for (std::size_t j = 0; j < n; ++j) {
+        const double from = (static_cast<double>(k) + (part + 0.5) / loops) - true_one.joints[j].delay_s / dt;
+        now[j] = late[j][from <= 0.0 ? 0 : std::min(k, static_cast<std::size_t>(from))];
+      }
+      runner.advance(now, dt / loops);
+    }
+    for (std::size_t j = 0; j < n; ++j) {
+      if (!std::isfinite(runner.measured(j)))
+        throw log::DataError("the motion is not finite any more at " + log::shortest(t) + " s; expected slower paths or stronger drives");
+      if (model.drives[j].law == DriveLaw::torque)
+        column(j, "torque").push_back(input[j] + scenario.torque_noise_share * torque_rms[j] * normal(random));
+    }
+  }
+  return out;
+}
+
+}  // namespace furcula::trees

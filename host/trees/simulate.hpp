@@ -1,0 +1,41 @@
+// Simulated logs of a tree: paths that its drives are made to follow, a process that is disturbed, encoders that are not ideal.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "host/log/log.hpp"
+#include "host/trees/model.hpp"
+
+namespace furcula::trees {
+
+/// What one joint is made to do: centre + amplitude sin(2 pi t / period + phase); of `steps` its sign alone.
+struct Path {
+  enum class Profile { hold, sine, steps } profile = Profile::sine;
+  double centre_rad = 0.0, amplitude_rad = 0.0, period_s = 2.0, phase_rad = 0.0;
+};
+
+struct Scenario {
+  double duration_s = 10.0, sample_rate_hz = 250.0;
+  std::vector<Path> paths;  ///< of each joint
+  /// A torque at each joint that nobody commands: random, with this root mean square as a share of the drive's, and this
+  /// correlation time.
+  double disturbance_share = 0.01, disturbance_time_s = 0.02;
+  double angle_noise_rad = 2e-4, torque_noise_share = 0.01;
+};
+
+/// Sines about the middle of the limits (of joints without, about 0), a fifth of the range at most, each joint its own period.
+Scenario default_scenario(const TreeModel& model);
+
+/// @throws log::DataError naming file, line and what was expected.
+Scenario parse_scenario(std::string_view text, const std::string& name, const TreeModel& model);
+Scenario read_scenario(const std::string& path, const TreeModel& model);
+
+/// Under the torque law a computer makes the joints follow their paths: inverse dynamics of the model without its causes, and a
+/// spring and damper to the path. Under the position law the path is the set point. The same seed gives the same log.
+/// @throws log::DataError: the motion is not finite (a drive that is too weak or a step that is too large).
+log::Log simulate(const TreeModel& model, const Scenario& scenario, std::uint64_t seed);
+
+}  // namespace furcula::trees
