@@ -81,16 +81,19 @@ bool same_physics(const std::vector<Cause>& planted, const std::vector<Cause>& f
     if (!of_found.contains(label(c.effect, c.at))) p.push_back(c);
   for (const Cause& c : found)
     if (!of_planted.contains(label(c.effect, c.at))) f.push_back(c);
-  const auto are = [](const std::vector<Cause>& a, std::set<std::string> effects) {
+  const auto are = [](const std::vector<Cause>& a, const std::set<std::string>& effects) {
     std::set<std::string> have;
     for (const Cause& c : a) have.insert(c.effect);
     return have == effects && a.size() == effects.size() &&
            std::all_of(a.begin(), a.end(), [&](const Cause& c) { return c.at == a.front().at; });
   };
-  if (p.empty() || f.empty() || p.front().at != f.front().at) return false;
+  if (p.empty() || f.empty()) return false;
   const auto either = [&](const std::set<std::string>& a, const std::set<std::string>& b) {
     return (are(p, a) && are(f, b)) || (are(p, b) && are(f, a));
   };
+  // A pendulum that hangs on a tilted base, or whose first angle is read from another zero.
+  if (either({"base_tilt"}, {"encoder_offset"})) return true;
+  if (p.front().at != f.front().at) return false;
   return either({"asymmetric_friction"}, {"coulomb_friction", "force_offset"}) ||
          either({"mass_error"}, {"payload"});
 }
