@@ -638,7 +638,7 @@ Case draw_case(const Question& question) {
     auto stage = draw_stage(question, random);
     if (!stage) continue;
     const auto [least, most] = shares(question.tier);
-    const bool must_show = question.tier != Tier::small;
+    const double must_show = question.tier == Tier::small ? 0.5 : 2.0;
     // Other seats and larger shares, until each cause shows.
     double boost = 1.0;
     for (int tries = 0; tries < 6; ++tries) {
@@ -655,8 +655,7 @@ Case draw_case(const Question& question) {
       Case& c = stage->c;
       c.shows = shown(c);
       boost *= 1.6;
-      if (must_show && std::any_of(c.shows.begin(), c.shows.end(), [](double x) { return x < 2.0; }))
-        continue;
+      if (std::any_of(c.shows.begin(), c.shows.end(), [&](double x) { return x < must_show; })) continue;
       set_limits(c);
       c.model = c.drives;
       if (c.free_damping)

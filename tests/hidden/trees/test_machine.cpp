@@ -96,6 +96,43 @@ TEST_CASE("Robots of all forms keep their energy where nothing takes any", "[tre
   }
 }
 
+TEST_CASE("Torques of motion are those of Lagrange's equations on the kinetic energy", "[trees]") {
+  // d/dt (M v) - d/dq (v' M v / 2) at qdd = 0 by central differences. The energies are sums over bodies, not M.
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    Random random(seed);
+    const Robot robot = draw_robot(random, 0);
+    const std::size_t n = robot.size();
+    const Dynamics d(robot, {});
+    Values q{}, v{};
+    for (std::size_t j = 0; j < n; ++j) {
+      q[j] = random.uniform(-1, 1);
+      v[j] = random.uniform(-2, 2);
+    }
+    constexpr double kBy = 1e-4;
+    const auto momentum = [&](const Values& at, std::size_t j) {
+      Values more = v, less = v;
+      more[j] += 1.0;
+      less[j] -= 1.0;
+      return (d.energy_j(at, more) - d.energy_j(at, less)) / 2;
+    };
+    Values ahead = q, behind = q;
+    for (std::size_t j = 0; j < n; ++j) {
+      ahead[j] += kBy * v[j];
+      behind[j] -= kBy * v[j];
+    }
+    const Values torque = d.torque(q, v, {});
+    for (std::size_t j = 0; j < n; ++j) {
+      Values more = q, less = q;
+      more[j] += kBy;
+      less[j] -= kBy;
+      const double expected = (momentum(ahead, j) - momentum(behind, j)) / (2 * kBy) -
+                              (d.energy_j(more, v) - d.energy_j(less, v)) / (2 * kBy);
+      INFO("seed " << seed << ", " << robot.form << ", joint " << j);
+      CHECK(torque[j] == Approx(expected).epsilon(1e-6).margin(1e-6));
+    }
+  }
+}
+
 TEST_CASE("The torque that holds a robot is the slope of its potential energy", "[trees]") {
   Random random(5);
   const Robot robot = draw_robot(random, 6);
@@ -151,6 +188,15 @@ TEST_CASE("Dry friction stops a rotor where its energy is used up, and holds it 
   CHECK(s.q[0] == rest);
   s = run(m, s, 0.1, {0.6});
   CHECK(s.v[0] == Approx(0.1 / 0.02 * 0.1).epsilon(1e-6));
+}
+
+TEST_CASE("Each half swing in dry friction is shorter by twice friction over stiffness", "[trees]") {
+  const double inertia = 0.05, spring = 20.0, friction = 0.2;
+  const Machine m = rotor(inertia, {.kp_nmprad = spring, .friction_nm = friction}, {}, true);
+  State s;
+  s.q[0] = 0.3;
+  s = run(m, s, 5 * std::numbers::pi * std::sqrt(inertia / spring), {});
+  CHECK(s.q[0] == Approx(-(0.3 - 5 * 2 * friction / spring)).epsilon(1e-7));
 }
 
 TEST_CASE("Dry friction holds a double pendulum as long as each joint's torque is below it", "[trees]") {
@@ -220,6 +266,32 @@ TEST_CASE("Laws of a joint give the accelerations that their formulas say", "[tr
   CHECK(accelerates(
             {"torque_ripple", {"j1"}, {{"amplitude_nm", 0.3}, {"cycles_per_rev", 6}, {"phase_rad", 0.4}}},
             0.7, v, 0) == Approx(damped + 0.3 * std::sin(6 * 0.7 + 0.4)));
+}
+
+TEST_CASE("Causes outside of the catalogue give the accelerations that their formulas say", "[trees]") {
+  Robot robot;
+  add_bar(robot, 1.0, 0.4, 0.01);
+  add_bar(robot, 0.5, 0.3, 0.004);
+  // Torque on the first joint, from the accelerations with the cause and without.
+  const auto adds = [&](const Cause& cause, double t, const Values& input) {
+    State s;
+    s.q = {0.3, 0.5};
+    s.v = {1.0, -1.0};
+    const std::vector<DriveData> drives(2);
+    const Machine with(robot, drives, false, {cause}), without(robot, drives, false, {});
+    const Values a = with.acceleration(s, t, input, {}), b = without.acceleration(s, t, input, {});
+    const Values ta = with.dynamics().torque(s.q, s.v, a), tb = with.dynamics().torque(s.q, s.v, b);
+    CHECK(ta[1] == Approx(tb[1]).margin(1e-12));
+    return ta[0] - tb[0];
+  };
+  CHECK(adds({"cable_spring", {"j1"}, {{"stiffness_nmprad3", 4}, {"centre_rad", 0.1}}}, 0, {}) ==
+        Approx(-4 * 0.008));
+  CHECK(adds({"growing_friction", {"j1"}, {{"growth_nmps", 0.1}}}, 3.0, {}) == Approx(-0.3));
+  CHECK(adds({"coupled_friction", {"j1"}, {{"torque_nm", 0.2}, {"other", 1}}}, 0, {}) ==
+        Approx(-0.2 * (1 + std::sin(1.5))));
+  CHECK(adds({"torque_crosstalk", {"j1"}, {{"share", 0.3}, {"talker", 1}}}, 0, {0, 2}) == Approx(0.6));
+  CHECK(adds({"periodic_torque", {"j1"}, {{"torque_nm", 0.5}, {"frequency_hz", 2}}}, 1.0 / 8, {}) ==
+        Approx(0.5));
 }
 
 TEST_CASE("A lag follows a step exponentially", "[trees]") {

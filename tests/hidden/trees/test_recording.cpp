@@ -90,6 +90,22 @@ TEST_CASE("Without disturbance the true robot, restarted, does what it did", "[t
   }
 }
 
+TEST_CASE("The computer, and a restart, go by what the encoder reads", "[trees]") {
+  const Machine truth(bar(), {{}}, false, {{"encoder_offset", {"j1"}, {{"offset_rad", 0.05}}}});
+  Experiment e;
+  e.duration_s = 6;
+  e.paths.emplace_back();
+  const Recording r = record(truth, truth.dynamics(), lab_of(1), e, false, Random(3));
+  CHECK(r.state.back().q[0] == Approx(-0.05).margin(1e-3));
+  // A model without the offset starts from the angle that was read.
+  Recording still = r;
+  for (State& s : still.state) s = {};
+  for (Values& u : still.input) u = {};
+  const Machine plain(bar(), {{}}, false, {});
+  CHECK(restarted(plain, truth, still, 10, 20).back()[0] == Approx(0.05));
+  CHECK(restarted(truth, plain, still, 10, 20).back()[0] == Approx(0.0).margin(1e-12));
+}
+
 TEST_CASE("The disturbance has the size that the laboratory says", "[trees]") {
   // A mass with damping d, held by nothing: v' = (w - d v) / J with w of size s and correlation T has the variance
   // s^2 T / (d (d T + J)).
