@@ -242,6 +242,15 @@ class Planter {
     std::size_t count = 1;
     if (tied) count = r_.chance(0.5) ? joints.size() : 2;
     joints.resize(count);
+    // One value for all would be far too much for the weakest of joints that differ.
+    const auto [weak, strong] = std::minmax_element(joints.begin(), joints.end(), [&](auto a, auto b) {
+      return base_.rms_torque[a] / base_.rms_v[a] < base_.rms_torque[b] / base_.rms_v[b];
+    });
+    const double spread =
+        (base_.rms_torque[*strong] / base_.rms_v[*strong]) / (base_.rms_torque[*weak] / base_.rms_v[*weak]);
+    const bool by_size =
+        effect == "coulomb_friction" || effect == "damping_error" || effect == "quadratic_drag";
+    if (by_size && spread > 4) return std::nullopt;
     std::sort(joints.begin(), joints.end());
     for (std::size_t j : joints) cause.at.push_back(c_.robot.joints[j].name);
     if (effect == "encoder_offset") {
@@ -484,7 +493,7 @@ std::vector<double> shown(const Case& c) {
     const Values changed = rms_difference(restarts.of(c.with(others)), full);
     double most = 0.0;
     for (std::size_t j = 0; j < c.visible(); ++j)
-      if (noise[j] > 0) most = std::max(most, changed[j] / noise[j]);
+      most = std::max(most, changed[j] / std::max(noise[j], c.lab.resolution[j]));
     out.push_back(most);
   }
   return out;

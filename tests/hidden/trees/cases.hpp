@@ -41,8 +41,8 @@ struct Case {
   std::vector<Cause> planted;
   std::vector<Recording> logs;  ///< the last `held_out` are
   std::size_t held_out = 0;
-  /// Of each cause: what it changes in a restart of 0.3 s, over what the disturbance does there, at the joint
-  /// where that is most.
+  /// Of each cause: what it changes in a restart of 0.3 s, over what the disturbance does there, or a step of
+  /// the encoder if that is more, at the joint where that is most.
   std::vector<double> shows;
 
   Machine truth() const { return {robot, drives, lab.position_law, planted}; }
