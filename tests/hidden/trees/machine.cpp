@@ -284,6 +284,10 @@ Machine::Modes Machine::modes(const State& s, double t, const Values& input,
     if (out[j] == Mode::forth) rhs[j] -= level(j, s, t, torque[j], 1);
     if (out[j] == Mode::back) rhs[j] += level(j, s, t, torque[j], -1);
   }
+  // Beside a binding spot there may be none at all: such a joint is free to go either way.
+  std::erase_if(resting, [&](std::size_t j) {
+    return level(j, s, t, torque[j], 1) <= 0.0 && level(j, s, t, torque[j], -1) <= 0.0;
+  });
   const Matrix factor = cholesky(mass, size());
   Values a = solved(factor, rhs, size());
   Matrix response{};

@@ -224,6 +224,28 @@ TEST_CASE("Dry friction holds a double pendulum as long as each joint's torque i
   CHECK(first.v[0] < -0.01);
 }
 
+TEST_CASE("Beside its binding spot a joint at rest is free both ways, and a passage takes torque times width",
+          "[trees]") {
+  const double inertia = 0.05, torque = 0.4, width = 0.2;
+  const Machine m =
+      rotor(inertia, {},
+            {{"binding_spot", {"j1"}, {{"torque_nm", torque}, {"centre_rad", 1}, {"width_rad", width}}}});
+  for (const double input : {-0.2, 0.2}) {
+    const State s = run(m, {}, 0.1, {input});
+    CHECK(s.v[0] == Approx(input / inertia * 0.1).epsilon(1e-9));
+    CHECK(s.q[0] == Approx(input / inertia * 0.005).epsilon(1e-9));
+  }
+  State s;
+  s.v[0] = 4.0;
+  s = run(m, s, 0.5, {});
+  REQUIRE(s.q[0] > 1 + width / 2);
+  // The spot's edges are met to a step: 1 mrad of travel each.
+  CHECK(inertia / 2 * (16.0 - s.v[0] * s.v[0]) == Approx(torque * width).margin(torque * 0.001));
+  s = {};
+  s.q[0] = 1.0;
+  CHECK(run(m, s, 0.1, {-0.39}).q[0] == 1.0);
+}
+
 TEST_CASE("Stribeck friction breaks free at its static torque and falls to that of motion", "[trees]") {
   const Machine m = rotor(0.01, {},
                           {{"stribeck_friction",
