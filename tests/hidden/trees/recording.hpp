@@ -1,0 +1,81 @@
+// A laboratory's recordings of a robot: reference paths, the computer that follows them, sensors, and what
+// disturbs the robot. Time stamps are those at which inputs change and sensors are read.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "tests/hidden/trees/machine.hpp"
+
+namespace furcula::hidden::trees {
+
+inline constexpr double kStep_s = 0.25e-3;  ///< of the integration
+
+struct Lab {
+  bool position_law = false;
+  Values kp{}, kd{};      ///< torque law: the computer's gains
+  Values feed_forward{};  ///< share of the model's gravity torque that the computer adds
+  Values effort{};        ///< the computer's limit of the torque
+  double rate_hz = 250;
+  bool jitter = false;  ///< rows up to 30 % of a period early or late
+  Values resolution{};  ///< of the encoder, rad or m
+  Values noise{};       ///< of the encoder, standard deviation
+  bool velocity_column = false;
+  double velocity_resolution = 0.005;
+  bool torque_column = false, command_column = true;  ///< torque law
+  double torque_noise = 0.01;                         ///< of the joint's rms torque
+  Values rms_nm{};                                    ///< drive torque of the robot as the model has it
+  Values disturbance_nm{};                            ///< standard deviation of an Ornstein-Uhlenbeck torque
+  Values disturbance_s{};                             ///< its correlation time
+};
+
+/// What really happened, at the rows.
+struct Recording {
+  std::vector<double> time_s;
+  std::vector<Values> input;  ///< torque command or set point, from the row on
+  std::vector<State> state;
+  std::vector<Values> torque_nm;  ///< of the drives, before gain and ripple
+};
+
+/// The reference of one joint.
+struct Path {
+  struct Sine {
+    double amplitude, radps, phase;
+  };
+  struct Move {
+    double begin_s, duration_s, from, to;
+  };
+  double centre = 0.0;
+  std::vector<Sine> sines;
+  std::vector<Move> moves;  ///< in the order of time; smooth steps of fifth order
+  double at(double t) const;
+  double rate(double t) const;
+};
+
+struct Experiment {
+  double duration_s = 5.0;
+  std::vector<Path> paths;
+};
+
+/// Multi-sines, quick steps or moves from point to point, of `size` (1: the joints' whole range).
+Experiment draw_experiment(Random& random, const Robot& robot, double duration_s, double size);
+
+/// Runs an experiment. `model` is what the computer takes the robot for. Without `disturbed` there is no
+/// disturbance; the computer reads noise all the same.
+Recording record(const Machine& machine, const Dynamics& model, const Lab& lab, const Experiment& experiment,
+                 bool disturbed, Random random);
+
+/// True if all numbers are finite, joints stay within `beyond` of the paths' ranges and below 40 rad/s.
+bool sound(const Recording& recording, const Robot& robot, std::size_t visible, double beyond);
+
+/// Measured angles that a machine predicts for the rows begin+1 .. end from the true state at row `begin`,
+/// without disturbance. The true machine `truth` says which measured angle the true one shows as.
+std::vector<Values> restarted(const Machine& machine, const Machine& truth, const Recording& recording,
+                              std::size_t begin, std::size_t end);
+
+/// A log in the contract's form, as the sensors see it.
+std::string log_of(const Machine& truth, const Lab& lab, const Recording& recording, std::size_t visible,
+                   Random random);
+
+}  // namespace furcula::hidden::trees

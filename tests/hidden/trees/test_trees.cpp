@@ -1,0 +1,51 @@
+// The fixed part of the blind suite for robots: six small cases that `furcula diagnose` must answer rightly.
+#include <catch2/catch.hpp>
+#include <filesystem>
+
+#include "tests/hidden/trees/cases.hpp"
+#include "tests/hidden/trees/judge.hpp"
+#include "tests/hidden/trees/program.hpp"
+#include "tests/paths.hpp"
+
+namespace furcula::hidden::trees {
+namespace {
+
+void ask(std::uint64_t seed, Tier tier, std::size_t joints, const std::vector<std::string>& effects) {
+  const Case c = draw_case({.seed = seed, .tier = tier, .joints = joints, .effects = effects, .brief = true});
+  const std::string folder = (std::filesystem::temp_directory_path() /
+                              ("furcula-trees-" + std::string(name(tier)) + "-" + std::to_string(seed)))
+                                 .string();
+  const auto logs = write_case(c, folder);
+  const std::string refused = diagnosed(test::program("furcula"), folder, logs, c.held_out, 280);
+  INFO("planted " << label(c.planted) << "; kept in " << folder << "; " << refused);
+  REQUIRE(refused.empty());
+  const Diagnosis d = read_diagnosis(folder + "/diagnosis/diagnosis.json");
+  std::vector<Cause> found;
+  for (const Finding& f : d.findings) found.push_back(f.cause);
+  const Judgement j = judge(c, d);
+  INFO("verdict " << d.verdict << "; found " << label(found) << ": " << j.how);
+  REQUIRE(j.right);
+  std::filesystem::remove_all(folder);
+}
+
+}  // namespace
+
+TEST_CASE("A robot that is as its model says is adequate", "[trees]") { ask(11, Tier::clean, 3, {}); }
+
+TEST_CASE("Dry friction at one joint of a robot is named", "[trees]") {
+  ask(12, Tier::large, 2, {"coulomb_friction"});
+}
+
+TEST_CASE("A late drive of a robot is named", "[trees]") { ask(13, Tier::large, 2, {"actuator_delay"}); }
+
+TEST_CASE("A mass at a link of a robot is named", "[trees]") { ask(14, Tier::large, 3, {"payload"}); }
+
+TEST_CASE("A constant torque and a weak drive are named beside each other", "[trees]") {
+  ask(15, Tier::pairs, 3, {"force_offset", "torque_gain_error"});
+}
+
+TEST_CASE("A periodic torque at a robot gets no sure name", "[trees]") {
+  ask(16, Tier::outside, 2, {"periodic_torque"});
+}
+
+}  // namespace furcula::hidden::trees
