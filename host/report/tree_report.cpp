@@ -355,8 +355,8 @@ std::string missing_torque(const Diagnosis& d) {
                                                    slides ? "m/s" : "rad/s", slides ? "m" : "rad"},
                                                   points);
     if (plots.empty()) continue;
-    out += "<div class=\"joint\"><h3>" + escape(joint_name(d, i)) + " <small>RMS " + number(m.rms_before_nm) + kArrow +
-           number(m.rms_after_nm) + " " + unit + ", of " + number(m.rms_torque_nm) + " " + unit +
+    out += "<div class=\"joint\"><h3>" + escape(joint_name(d, i)) + " <small>RMS " + number(m.rms_before_nm, 2) + kArrow +
+           number(m.rms_after_nm, 2) + " " + unit + ", of " + number(m.rms_torque_nm, 2) + " " + unit +
            " that the joint takes</small></h3>\n" + plots + "<p class=\"hint\">A flexible law of the state foretells " +
            escape(percent(m.predictable_before)) + " of its square before, " + escape(percent(m.predictable_after)) + " after." +
            (m.goes_along_with.empty() ? "" : " What is left goes along with " + escape(m.goes_along_with) + ".") + "</p></div>\n";
@@ -364,7 +364,7 @@ std::string missing_torque(const Diagnosis& d) {
   if (out.empty()) return "";
   return "<p>What inverse dynamics of the measured motion asks for, less what drive and friction give: a model that is right lacks "
          "noise alone.</p>\n<div class=\"legend\"><span class=\"key before-key\">model re-fitted</span>"
-         "<span class=\"key after-key\">extended</span><span class=\"key\">dots: samples; lines: means, with one standard deviation "
+         "<span class=\"key after-key\">extended</span><span>dots: samples; lines: means, with one standard deviation "
          "to both sides</span></div>\n" +
          out;
 }

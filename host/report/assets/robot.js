@@ -8,7 +8,7 @@
   var GUILTY = {line: '#d55e00', face: '213,94,0'}, LOAD = '#8e44ad';
   var HOME = {turn: -0.7, tilt: 0.35, zoom: 1};
   var view = {turn: HOME.turn, tilt: HOME.tilt, zoom: HOME.zoom};
-  var motion = null, time = 0, playing = false, last = 0, waiting = false;
+  var motion = null, time = 0, playing = false, last = null, waiting = false;
 
   // Rotations are nine numbers by rows: coordinates of the inner frame to those of the outer one.
   function times(a, b) {
@@ -88,13 +88,13 @@
   }
 
   // What a pose is made of: lines along the links, boxes of the inertias, rings about the joints' axes.
-  function parts(frames, look, side, list, marks) {
-    var base = {turn: WORLD.turn, at: side};
+  function parts(frames, look, side, list, all) {
+    var marks = [], first = list.length, base = {turn: WORLD.turn, at: side};
     var at = function (joint) { return joint < 0 ? base : {turn: frames[joint].turn, at: plus(frames[joint].at, side)}; };
     data.bones.forEach(function (b) {
       var frame = at(b.joint);
       list.push({kind: 'line', points: [point(frame, b.from), point(frame, b.to)], width: b.guilty ? 9 : 7,
-                 colour: b.guilty ? GUILTY.line : look.line});
+                 colour: b.guilty ? GUILTY.line : b.joint < 0 ? '#9aa5b1' : look.line});
     });
     data.boxes.forEach(function (b) {
       var frame = within(at(b.joint), b), colour = b.guilty ? GUILTY : look;
@@ -124,6 +124,7 @@
       list.push({kind: 'ball', points: [frame.at], radius: j.guilty ? 6 : 4, colour: colour});
       if (j.guilty || element('robot-names').checked) marks.push({at: frame.at, text: j.guilty || j.name, plain: !j.guilty});
     });
+    if (all) all.push({marks: marks, parts: list.slice(first)});
   }
 
   function draw() {
@@ -138,11 +139,11 @@
     paper.clearRect(0, 0, width, height);
 
     var mode = motion ? element('robot-mode').value : 'simulated', list = [], marks = [];
-    var gap = mode === 'beside' ? 0.65 * data.size : 0;
+    var gap = mode === 'beside' ? 0.5 * data.size : 0;
     var st = Math.sin(view.turn), ct = Math.cos(view.turn), si = Math.sin(view.tilt), co = Math.cos(view.tilt);
     var sideways = function (k) { return [ct * k, st * k, 0]; };  // across the view, so that neither hides the other
-    var away = 3.2 * data.size, reach = Math.min(width / (mode === 'beside' ? 1.55 : 1), height * 1.25);
-    var focal = view.zoom * reach * 0.72 / data.size * away;
+    var away = 3.2 * data.size;
+    var focal = view.zoom * Math.min(width * (gap ? 0.48 : 0.9), height * 1.05) / data.size * away;
     var project = function (p) {
       var x = p[0] - data.centre[0], y = p[1] - data.centre[1], z = p[2] - data.centre[2];
       var right = ct * x + st * y, into = -st * x + ct * y, up = co * z + si * into, depth = co * into - si * z;
@@ -164,7 +165,7 @@
             paper.stroke();
           });
 
-    if (mode !== 'simulated') parts(pose(positions(motion.measured)), MEASURED, sideways(-gap), list, mode === 'measured' || gap ? marks : []);
+    if (mode !== 'simulated') parts(pose(positions(motion.measured)), MEASURED, sideways(-gap), list, mode === 'measured' || gap ? marks : null);
     if (mode !== 'measured') parts(pose(positions(motion ? motion.simulated : [])), SIMULATED, sideways(gap), list, marks);
 
     list.forEach(function (p) {
@@ -195,18 +196,24 @@
     tell();
   }
 
-  // Names beside what they mean, moved down where they would lie over each other.
-  function label(marks, project, width, height) {
-    var taken = [];
+  // Names to the right of the robot, moved down where they would lie over each other.
+  function label(poses, project, width, height) {
+    var taken = [], all = [];
     paper.font = '600 13px system-ui, sans-serif';
     paper.textBaseline = 'middle';
-    marks.forEach(function (m) { m.drawn = project(m.at); });
-    marks.sort(function (a, b) { return a.drawn[1] - b.drawn[1]; });
-    marks.forEach(function (m) {
+    poses.forEach(function (pose) {
+      var right = 0;
+      pose.parts.forEach(function (p) { p.drawn.forEach(function (q) { right = Math.max(right, q[0]); }); });
+      pose.marks.forEach(function (m) {
+        m.drawn = project(m.at);
+        m.beside = right + 22;
+        all.push(m);
+      });
+    });
+    all.sort(function (a, b) { return a.drawn[1] - b.drawn[1]; });
+    all.forEach(function (m) {
       var text = m.text.length > 60 ? m.text.slice(0, 59) + '…' : m.text;
-      var w = paper.measureText(text).width, x = m.drawn[0] + 18, y = m.drawn[1];
-      if (x + w > width - 6) x = Math.max(6, m.drawn[0] - 18 - w);
-      if (x + w > width - 6) x = Math.max(6, width - 6 - w);
+      var w = paper.measureText(text).width, x = Math.max(6, Math.min(m.beside, width - 6 - w)), y = m.drawn[1];
       for (var k = 0; k < 40 && taken.some(function (t) { return Math.abs(t.y - y) < 19 && x < t.right && t.x < x + w; }); ++k) y += 4;
       y = Math.min(Math.max(y, 12), height - 12);
       taken.push({x: x, right: x + w, y: y});
@@ -259,7 +266,7 @@
   }
   function tick(now) {
     if (!playing) return;
-    time += Math.min(now - last, 200) / 1000 * Number(element('robot-speed').value);
+    if (last !== null) time += Math.min(now - last, 200) / 1000 * Number(element('robot-speed').value);
     last = now;
     var end = motion.time[motion.time.length - 1];
     if (time >= end) {
@@ -275,7 +282,7 @@
     element('robot-play').textContent = on ? 'Pause' : 'Play';
     if (!on) return;
     if (time >= motion.time[motion.time.length - 1]) time = motion.time[0];
-    last = performance.now();
+    last = null;
     requestAnimationFrame(tick);
   }
   function choose(i) {
@@ -364,6 +371,7 @@
     };
     choose(0);
   }
+  window.furculaRobot = {pose: pose};  // for tests
   window.addEventListener('resize', soon);
   window.addEventListener('beforeprint', draw);
   draw();
