@@ -209,8 +209,7 @@ std::string panel(const Samples& s, const std::vector<double>& x, Interval y, co
   const Axes axes{not_empty(*low, *high, 0.02), y};
   std::string out = "<svg viewBox=\"0 0 460 300\" role=\"img\" aria-label=\"" +
                     escape(y_title + " over " + x_title) + "\">" + frame(axes, x_title, y_title) +
-                    "<path class=\"cloud\" d=\"" +
-                    cloud_of(axes, x, s.force, most_points) + "\"/>";
+                    "<path class=\"cloud\" d=\"" + cloud_of(axes, x, s.force, most_points) + "\"/>";
   const double mean_width = axes.x.width() / bins.mean, law_width = axes.x.width() / bins.law;
   out += mean_and_band(axes, binned(x, s.force, mean_width), mean_width);
   if (!s.law.empty()) out += law_line(axes, binned(x, s.law, law_width), law_width);
@@ -283,7 +282,8 @@ std::string two_clouds(const std::vector<double>& x, const std::vector<double>& 
 std::string missing_force_plots(const MissingForce& m, std::size_t most_points) {
   std::vector<double> time_s, velocity, position, before, after, both;
   const std::size_t n = m.before.size();
-  if (m.time_s.size() != n || m.velocity.size() != n || m.position.size() != n || m.after.size() != n) return "";
+  if (m.time_s.size() != n || m.velocity.size() != n || m.position.size() != n || m.after.size() != n)
+    return "";
   for (std::size_t i = 0; i < n; ++i) {
     if (!std::isfinite(m.time_s[i] + m.velocity[i] + m.position[i] + m.before[i] + m.after[i])) continue;
     time_s.push_back(m.time_s[i]);

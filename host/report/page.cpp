@@ -52,7 +52,8 @@ std::string render(const Page& page) {
     out += "</script>\n";
   }
   if (!page.robot_json.empty()) {
-    out += "<script type=\"application/json\" id=\"robot-data\">" + inside_script(page.robot_json) + "</script>\n<script>\n";
+    out += "<script type=\"application/json\" id=\"robot-data\">" + inside_script(page.robot_json) +
+           "</script>\n<script>\n";
     out += assets::robot_script;
     out += "</script>\n";
   }

@@ -40,7 +40,8 @@ bool acts_on(const Cause& cause, std::size_t site) {
   return std::find(cause.sites.begin(), cause.sites.end(), site) != cause.sites.end();
 }
 bool is_of_body(Effect e) {
-  return e == Effect::mass_error || e == Effect::com_error || e == Effect::inertia_error || e == Effect::payload;
+  return e == Effect::mass_error || e == Effect::com_error || e == Effect::inertia_error ||
+         e == Effect::payload;
 }
 
 /// "coulomb_friction@elbow: a finding, confidence 0.98"
@@ -59,8 +60,8 @@ std::string values(const TreeModel& model, const Cause& cause) {
   std::string out;
   for (std::size_t k = 0; k < e.parameter_count; ++k) {
     const std::string unit(unit_on(e.parameters()[k], linear));
-    out += (k > 0 ? ", " : "") + std::string(name_on(e.parameters()[k], linear)) + " " + log::rounded(cause.values[k], 6) +
-           (unit.empty() ? "" : " " + unit);
+    out += (k > 0 ? ", " : "") + std::string(name_on(e.parameters()[k], linear)) + " " +
+           log::rounded(cause.values[k], 6) + (unit.empty() ? "" : " " + unit);
   }
   return out;
 }
@@ -101,7 +102,8 @@ std::string left_out(const Cause& cause, bool mjcf, bool position_law) {
       if (mjcf && position_law) return "";
       return "not in the file: the torque is this many times the commanded one";
     case Effect::joint_elasticity:
-      return mjcf ? "the spring is not in the file; the rotor's inertia counts as the joint's" : "not in the file";
+      return mjcf ? "the spring is not in the file; the rotor's inertia counts as the joint's"
+                  : "not in the file";
     default:
       return "not in the file";
   }
@@ -111,7 +113,8 @@ std::vector<std::string> what_is_left_out(const Diagnosis& d, bool mjcf) {
   std::vector<std::string> out;
   for (const Cause& c : d.extended.causes) {
     const Seat seat = info(c.effect).seat;
-    const bool position_law = seat == Seat::drive && d.extended.drives[c.sites.at(0)].law == DriveLaw::position;
+    const bool position_law =
+        seat == Seat::drive && d.extended.drives[c.sites.at(0)].law == DriveLaw::position;
     if (const std::string what = left_out(c, mjcf, position_law); !what.empty())
       out.push_back(cause_name(d.model, c) + " (" + values(d.model, c) + "): " + what);
   }
@@ -122,9 +125,13 @@ std::vector<std::string> what_is_left_out(const Diagnosis& d, bool mjcf) {
 class Edits {
  public:
   explicit Edits(std::string_view text) : text_(text) {}
-  void replace(std::string_view piece, const std::string& by) { list_.push_back({place(piece), piece.size(), by}); }
+  void replace(std::string_view piece, const std::string& by) {
+    list_.push_back({place(piece), piece.size(), by});
+  }
   void insert(std::size_t at, const std::string& what) { list_.push_back({at, 0, what}); }
-  std::size_t place(std::string_view piece) const { return static_cast<std::size_t>(piece.data() - text_.data()); }
+  std::size_t place(std::string_view piece) const {
+    return static_cast<std::size_t>(piece.data() - text_.data());
+  }
 
   /// Sets an attribute, which is added after the tag's name where there is none.
   void set(const XmlElement& e, std::string_view attribute, const std::string& value) {
@@ -183,9 +190,11 @@ std::string resolved(std::string_view raw) {
       const bool hex = raw.substr(2).starts_with("x");
       const std::string_view digits = raw.substr(hex ? 3 : 2);
       unsigned code = 0;
-      const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), code, hex ? 16 : 10);
+      const auto [end, error] =
+          std::from_chars(digits.data(), digits.data() + digits.size(), code, hex ? 16 : 10);
       constexpr unsigned kMostUnicode = 0x10FFFF;
-      if (error == std::errc{} && end < digits.data() + digits.size() && *end == ';' && code > 0 && code <= kMostUnicode) {
+      if (error == std::errc{} && end < digits.data() + digits.size() && *end == ';' && code > 0 &&
+          code <= kMostUnicode) {
         length = static_cast<std::size_t>(end + 1 - raw.data());
         character = utf8(code);
       }
@@ -196,7 +205,9 @@ std::string resolved(std::string_view raw) {
   return out;
 }
 
-std::string text_of(const Vec3<double>& v) { return shortest(v.x) + " " + shortest(v.y) + " " + shortest(v.z); }
+std::string text_of(const Vec3<double>& v) {
+  return shortest(v.x) + " " + shortest(v.y) + " " + shortest(v.z);
+}
 
 /// A link's <inertial>: the centre of mass in the link's axes, the inertia in those of <inertial><origin>.
 struct Body {
@@ -229,7 +240,9 @@ class UrdfWriter {
   /// The element of the robot with this tag and name.
   std::size_t named(std::string_view tag, const std::string& name) const {
     for (std::size_t i = 0; i < elements_.size(); ++i)
-      if (elements_[i].depth == 1 && elements_[i].tag == tag && resolved(elements_[i].attribute("name")) == name) return i;
+      if (elements_[i].depth == 1 && elements_[i].tag == tag &&
+          resolved(elements_[i].attribute("name")) == name)
+        return i;
     throw log::DataError(file_ + ": no " + std::string(tag) + " " + log::quoted(name) +
                          ", expected the file that was diagnosed");
   }
@@ -264,18 +277,20 @@ class UrdfWriter {
       if (damps) edits_.set(*dynamics, "damping", shortest(damping));
       if (rubs) edits_.set(*dynamics, "friction", shortest(friction));
     } else {
-      edits_.add_before(needed(at, "child"),
-                        "<dynamics damping=\"" + shortest(damping) + "\" friction=\"" + shortest(friction) + "\"/>");
+      edits_.add_before(needed(at, "child"), "<dynamics damping=\"" + shortest(damping) + "\" friction=\"" +
+                                                 shortest(friction) + "\"/>");
     }
     if (damps) {
       constexpr Effect kDamping[] = {Effect::damping_error};
       std::string why = reasons(kDamping, i);
       if (why.empty())
-        why = damping == d_.model.drives[i].damping_nmspr ? "[drive] of the model file" : "a free parameter, fitted";
+        why = damping == d_.model.drives[i].damping_nmspr ? "[drive] of the model file"
+                                                          : "a free parameter, fitted";
       changed("joint " + name + ", damping: " + shortest(given.damping_nmspr) + " -> " + shortest(damping) +
               (linear ? " N s/m: " : " N m s/rad: ") + why);
     }
-    constexpr Effect kFriction[] = {Effect::coulomb_friction, Effect::stribeck_friction, Effect::asymmetric_friction};
+    constexpr Effect kFriction[] = {Effect::coulomb_friction, Effect::stribeck_friction,
+                                    Effect::asymmetric_friction};
     if (rubs)
       changed("joint " + name + ", friction: " + shortest(given.friction_nm) + " -> " + shortest(friction) +
               (linear ? " N: " : " N m: ") + reasons(kFriction, i));
@@ -288,7 +303,8 @@ class UrdfWriter {
       if (!is_of_body(c.effect) || !acts_on(c, i)) continue;
       const auto& v = c.values;
       if ((c.effect == Effect::mass_error || c.effect == Effect::inertia_error) && !(v[0] > 0.0)) {
-        left_out_.push_back(cause_name(d_.model, c) + " (" + values(d_.model, c) + "): a link that moves has both above 0");
+        left_out_.push_back(cause_name(d_.model, c) + " (" + values(d_.model, c) +
+                            "): a link that moves has both above 0");
         continue;
       }
       if (c.effect == Effect::mass_error) {
@@ -326,9 +342,12 @@ class UrdfWriter {
     if (why.empty()) return;
     const Body b = extended_body(i, given);
     const std::string& name = d_.model.urdf.links[i].name;
-    const std::size_t inertial = static_cast<std::size_t>(&needed(named("link", name), "inertial") - elements_.data());
-    const auto say = [&](const char* what, const std::string& before, const std::string& after, const char* unit) {
-      if (before != after) changed("link " + name + ", " + what + ": " + before + " -> " + after + " " + unit + ": " + why);
+    const std::size_t inertial =
+        static_cast<std::size_t>(&needed(named("link", name), "inertial") - elements_.data());
+    const auto say = [&](const char* what, const std::string& before, const std::string& after,
+                         const char* unit) {
+      if (before != after)
+        changed("link " + name + ", " + what + ": " + before + " -> " + after + " " + unit + ": " + why);
     };
     if (moved) {
       if (const XmlElement* origin = child(inertial, "origin"))
@@ -367,10 +386,12 @@ class UrdfWriter {
       const std::string of = "[drive] of " + d_.model.robot.joints[i].name + ": ";
       const bool linear = d_.model.prismatic(i);
       if (drive.rotor_inertia_kgm2 != 0.0)
-        left_out_.push_back(of + "rotor inertia " + shortest(drive.rotor_inertia_kgm2) + (linear ? " kg" : " kg m^2"));
+        left_out_.push_back(of + "rotor inertia " + shortest(drive.rotor_inertia_kgm2) +
+                            (linear ? " kg" : " kg m^2"));
       if (drive.law == DriveLaw::position)
-        left_out_.push_back(of + "kp " + shortest(drive.kp_nmprad) + (linear ? " N/m, kd " : " N m/rad, kd ") +
-                            shortest(drive.kd_nmsprad) + (linear ? " N s/m" : " N m s/rad"));
+        left_out_.push_back(of + "kp " + shortest(drive.kp_nmprad) +
+                            (linear ? " N/m, kd " : " N m/rad, kd ") + shortest(drive.kd_nmsprad) +
+                            (linear ? " N s/m" : " N m s/rad"));
     }
     if (!left_out_.empty()) lines.emplace_back("What a URDF cannot hold:");
     for (const std::string& line : left_out_) lines.push_back("  " + line);

@@ -103,7 +103,8 @@ constexpr const char* kProbe = R"(<script>
 })();
 </script>)";
 
-nlohmann::json look_at(const test::Browser& browser, const trees::Diagnosis& d, const std::string& probe, int width = 1400) {
+nlohmann::json look_at(const test::Browser& browser, const trees::Diagnosis& d, const std::string& probe,
+                       int width = 1400) {
   std::string page = report::render_tree_report(d);
   page.insert(page.find("<meta name=\"viewport\""), kFrames);
   return test::look_at(browser, page, probe, width);
@@ -171,7 +172,8 @@ TEST_CASE("the page's joints put each link where the tree has it") {
     // The page has the turn back, by rows.
     const double turn[9] = {f.turn.x.x, f.turn.y.x, f.turn.z.x, f.turn.x.y, f.turn.y.y,
                             f.turn.z.y, f.turn.x.z, f.turn.y.z, f.turn.z.z};
-    for (std::size_t k = 0; k < 9; ++k) CHECK(seen["pose"][i]["turn"][k].get<double>() == Approx(turn[k]).margin(1e-9));
+    for (std::size_t k = 0; k < 9; ++k)
+      CHECK(seen["pose"][i]["turn"][k].get<double>() == Approx(turn[k]).margin(1e-9));
     CHECK(seen["pose"][i]["at"][0].get<double>() == Approx(f.at.x).margin(1e-9));
     CHECK(seen["pose"][i]["at"][1].get<double>() == Approx(f.at.y).margin(1e-9));
     CHECK(seen["pose"][i]["at"][2].get<double>() == Approx(f.at.z).margin(1e-9));

@@ -111,6 +111,7 @@
       var where = point(at(l.joint), l.at);
       list.push({kind: 'ball', points: [where], radius: 9, colour: LOAD});
     });
+    if (data.base) marks.push({at: side, text: data.base});
     data.joints.forEach(function (j, i) {
       var frame = at(i), across = Math.abs(j.axis[2]) < 0.9 ? [0, 0, 1] : [1, 0, 0], ring = [], r = 0.03 * data.size;
       var u = [j.axis[1] * across[2] - j.axis[2] * across[1], j.axis[2] * across[0] - j.axis[0] * across[2],

@@ -28,10 +28,12 @@ nlohmann::json robot_of(const std::string& page) {
 }
 
 TEST_CASE("the page of a tree has its parts in their order") {
-  const std::string page = report::render_tree_report(test::sample_tree_diagnosis(), "furcula diagnose arm.toml");
+  const std::string page =
+      report::render_tree_report(test::sample_tree_diagnosis(), "furcula diagnose arm.toml");
   std::size_t last = page.find("<h1>The model lacks dry friction at elbow and a payload on forearm</h1>");
   REQUIRE(last != std::string::npos);
-  for (const char* id : {"robot", "findings", "next", "missing", "joints", "traces", "tried", "parameters", "data", "reading"}) {
+  for (const char* id : {"robot", "findings", "next", "missing", "joints", "traces", "tried", "parameters",
+                         "data", "reading"}) {
     INFO(id);
     const std::size_t at = page.find("<section id=\"" + std::string(id) + "\">");
     REQUIRE(at != std::string::npos);
@@ -40,12 +42,15 @@ TEST_CASE("the page of a tree has its parts in their order") {
   }
   CHECK_THAT(page, Contains("<span class=\"badge good\">Explained</span>"));
   CHECK_THAT(page, Contains("<code>furcula diagnose arm.toml</code>"));
-  CHECK_THAT(page, Contains("<code>coulomb_friction@elbow</code>") && Contains("<code>payload@forearm</code>"));
+  CHECK_THAT(page,
+             Contains("<code>coulomb_friction@elbow</code>") && Contains("<code>payload@forearm</code>"));
   CHECK_THAT(page, Contains("Coulomb friction, joint elbow") && Contains("Payload, link forearm"));
   CHECK_THAT(page, Contains("0.310 <small>(0.295 to 0.325)</small>") && Contains(">N m<"));
   // Of the joint that suffers most without the finding: 49 mrad against 3.4.
-  CHECK_THAT(page, Contains("the error of elbow on the held-out recordings (RMSE) is 49 mrad; with it 3.4 mrad."));
-  CHECK_THAT(page, Contains("These recordings cannot tell it from") && Contains("<code>mass_error@forearm</code> + <code>com_error@forearm</code>"));
+  CHECK_THAT(page,
+             Contains("the error of elbow on the held-out recordings (RMSE) is 49 mrad; with it 3.4 mrad."));
+  CHECK_THAT(page, Contains("These recordings cannot tell it from") &&
+                       Contains("<code>mass_error@forearm</code> + <code>com_error@forearm</code>"));
   CHECK_THAT(page, Contains("Slow strokes of elbow alone."));
   CHECK_THAT(page, Contains("8 recordings, 2 of them held out; 16000 samples; 240 windows of 0.300 s."));
 }
@@ -59,7 +64,8 @@ TEST_CASE("a joint's name is text wherever it stands") {
   d.findings[0].cause.sites = {0};
   d.findings[0].at = {test::kHostileJoint};
   const std::string page = report::render_tree_report(d, "furcula <b>");
-  CHECK(count(page.substr(0, page.find("id=\"trace-data\"")), "<b>") == 0);  // after it the library has its own
+  CHECK(count(page.substr(0, page.find("id=\"trace-data\"")), "<b>") ==
+        0);  // after it the library has its own
   CHECK(count(page, "alert(1)</script>") == 0);
   // Three of data, and four of code: no name opened another or closed one.
   CHECK(count(page, "</script>") == count(page, "<script"));
@@ -102,6 +108,17 @@ TEST_CASE("the robot is on the page as its URDF has it") {
   REQUIRE(robot["loads"].size() == 1);
   CHECK(robot["loads"][0]["at"][0].get<double>() == Approx(0.22));
   CHECK(robot["loads"][0]["joint"] == 1);
+}
+
+TEST_CASE("causes of a drive and of the base have their place in the picture") {
+  trees::Diagnosis d = test::sample_tree_diagnosis();
+  d.findings[0].cause = {trees::Effect::actuator_delay, {0}, {0.01}};
+  d.findings[1].cause = {trees::Effect::base_tilt, {0}, {0.1, 0.0}};
+  const nlohmann::json robot = robot_of(report::render_tree_report(d));
+  CHECK(robot["joints"][0]["guilty"] == "<b>&\"x: 1 Actuator delay");
+  CHECK(robot["joints"][1]["guilty"] == "");
+  CHECK(robot["base"] == "base: 2 Base tilt");
+  CHECK(robot["boxes"][0]["guilty"] == "");
 }
 
 TEST_CASE("long motions and clouds are thinned, and the page stays small") {

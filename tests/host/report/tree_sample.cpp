@@ -46,7 +46,8 @@ trees::Diagnosis sample_tree_diagnosis() {
   d.refitted.drives = d.extended.drives = d.model.drives;
   std::size_t forearm = 0;
   while (d.model.robot.links[forearm].name != "forearm") ++forearm;
-  d.extended.causes = {{Effect::coulomb_friction, {1}, {kFriction_nm}}, {Effect::payload, {forearm}, {0.2, 0.22, 0.0, 0.03}}};
+  d.extended.causes = {{Effect::coulomb_friction, {1}, {kFriction_nm}},
+                       {Effect::payload, {forearm}, {0.2, 0.22, 0.0, 0.03}}};
   d.verdict = trees::Verdict::explained;
   d.summary = "The model lacks dry friction at elbow and a payload on forearm";
   d.logs = 8;
@@ -67,23 +68,35 @@ trees::Diagnosis sample_tree_diagnosis() {
   friction.explainable_removed = 0.72;
   friction.without = {{0.001, 0.001, 0.002}, {0.44, 0.03, 0.049}};
   friction.confidence = 0.98;
-  friction.alternatives = {{{"damping_error@elbow"}, "leaves 31 % of the error", {{"damping_nmspr", "N m s/rad", 0.2, 0.15, 0.25}}}};
+  friction.alternatives = {{{"damping_error@elbow"},
+                            "leaves 31 % of the error",
+                            {{"damping_nmspr", "N m s/rad", 0.2, 0.15, 0.25}}}};
   friction.next_experiment = "Slow strokes of elbow alone.";
   trees::Finding payload;
   payload.cause = d.extended.causes[1];
   payload.at = {"forearm"};
-  payload.parameters = {{"mass_kg", "kg", 0.2, 0.19, 0.21}, {"x_m", "m", 0.22, 0.2, 0.24}, {"y_m", "m", 0.0, -0.01, 0.01},
+  payload.parameters = {{"mass_kg", "kg", 0.2, 0.19, 0.21},
+                        {"x_m", "m", 0.22, 0.2, 0.24},
+                        {"y_m", "m", 0.0, -0.01, 0.01},
                         {"z_m", "m", 0.03, 0.01, 0.05}};
   payload.explainable_removed = 0.24;
   payload.without = {{0.09, 0.01, 0.02}, {0.2, 0.02, 0.033}};
   payload.confidence = 0.93;
-  payload.indistinguishable_from = {{{"mass_error@forearm", "com_error@forearm"}, "the same first moment on these recordings", {}}};
+  payload.indistinguishable_from = {
+      {{"mass_error@forearm", "com_error@forearm"}, "the same first moment on these recordings", {}}};
   d.findings = {friction, payload};
   d.next_experiment = "Hold the arm in postures all around: gravity tells the payload's place.";
   d.unexplained_share = 0.013;
-  d.tried = {{"coulomb_friction@elbow", 812.0, true}, {"payload@forearm", 240.0, true}, {"damping_error@elbow", 530.0, false},
+  d.tried = {{"coulomb_friction@elbow", 812.0, true},
+             {"payload@forearm", 240.0, true},
+             {"damping_error@elbow", 530.0, false},
              {std::string("torque_ripple@") + kHostileJoint, 3.0, false}};
-  d.parameters = {{"rotor_inertia_kgm2.elbow", "kg m^2", 0.01, {"", "", 0.019, 0.015, 0.022}, {"", "", 0.0121, 0.0119, 0.0124}, "free"}};
+  d.parameters = {{"rotor_inertia_kgm2.elbow",
+                   "kg m^2",
+                   0.01,
+                   {"", "", 0.019, 0.015, 0.022},
+                   {"", "", 0.0121, 0.0119, 0.0124},
+                   "free"}};
 
   std::mt19937 random(3);
   std::normal_distribution<double> noise(0.0, 0.02);
@@ -100,7 +113,8 @@ trees::Diagnosis sample_tree_diagnosis() {
       const double t = 0.004 * k;
       motion.time_s.push_back(t);
       for (std::size_t j = 0; j < 2; ++j) {
-        const double q = angle(j, t + static_cast<double>(log)), before = angle(j, t + static_cast<double>(log) - 1e-3);
+        const double q = angle(j, t + static_cast<double>(log)),
+                     before = angle(j, t + static_cast<double>(log) - 1e-3);
         const double v = (q - before) / 1e-3;
         motion.measured[j].push_back(q);
         motion.simulated[j].push_back(q + 0.02 * std::sin(7.0 * t));
@@ -115,7 +129,13 @@ trees::Diagnosis sample_tree_diagnosis() {
       }
     }
     for (std::size_t j = 0; j < 2; ++j) {
-      trees::Trace trace{motion.log, "angle_" + d.model.robot.joints[j].name, "rad", motion.time_s, motion.measured[j], {}, {},
+      trees::Trace trace{motion.log,
+                         "angle_" + d.model.robot.joints[j].name,
+                         "rad",
+                         motion.time_s,
+                         motion.measured[j],
+                         {},
+                         {},
                          motion.simulated[j]};
       for (std::size_t k = 0; k < trace.measured.size(); ++k) {
         trace.as_given.push_back(trace.measured[k] + 0.07 * std::sin(5.0 * trace.time_s[k]));

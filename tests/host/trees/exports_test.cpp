@@ -51,7 +51,8 @@ class Folder {
 };
 
 /// A diagnosis of this robot with nothing found yet. `settings` are the model file's sections, those of [model] first.
-trees::Diagnosis diagnosis_of(const Folder& folder, const std::string& urdf, const std::string& settings = "") {
+trees::Diagnosis diagnosis_of(const Folder& folder, const std::string& urdf,
+                              const std::string& settings = "") {
   folder.write("robot.urdf", urdf);
   folder.write("model.toml", "[model]\nkind = \"tree\"\nschema = 1\nurdf = \"robot.urdf\"\n" + settings);
   trees::Diagnosis d;
@@ -102,7 +103,8 @@ void check_same(const dynamics::tree::Inertia<double>& a, const dynamics::tree::
 /// Whether the URDF that is written reads back as the tree that runs with these causes.
 void check_reads_back(const trees::Diagnosis& d) {
   const std::string text = trees::extended_urdf(d);
-  const model::RobotTree back = model::tree_of(model::parse_urdf(text, "extended"), d.model.moving, d.model.hold);
+  const model::RobotTree back =
+      model::tree_of(model::parse_urdf(text, "extended"), d.model.moving, d.model.hold);
   const trees::Setup setup = trees::SetupMaker(d.model).make(d.extended.drives, d.extended.causes);
   REQUIRE(back.joints.size() == d.model.joints());
   for (std::size_t i = 0; i < back.joints.size(); ++i) {
@@ -209,7 +211,10 @@ TEST_CASE("The URDF says what was changed and why, and what it cannot hold") {
   f.confidence = 0.98;
   d.findings.push_back(f);
   const std::string text = trees::extended_urdf(d);
-  CHECK_THAT(text, Contains("joint elbow, friction: 0.05 -> 0.3 N m: coulomb_friction@elbow, a finding of confidence 0.98"));
+  CHECK_THAT(
+      text,
+      Contains(
+          "joint elbow, friction: 0.05 -> 0.3 N m: coulomb_friction@elbow, a finding of confidence 0.98"));
   CHECK_THAT(text, Contains("joint elbow, damping: 0 -> 0.5 N m s/rad: [drive] of the model file"));
   CHECK_THAT(text, Contains("link rod, mass: 0.4 -> 0.5 kg: mass_error@rod, an effect of the model file"));
   CHECK_THAT(text, Contains("joint <b>- -\", friction: 0 -> 0.1 N m: stribeck_friction"));
@@ -243,23 +248,35 @@ TEST_CASE("A robot whose file has changed since is refused by name") {
 TEST_CASE("The URDF with causes at random reads back as the tree that runs with them") {
   const Folder folder;
   std::mt19937 random(11);
-  const auto within = [&](double low, double high) { return std::uniform_real_distribution<double>(low, high)(random); };
+  const auto within = [&](double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(random);
+  };
   for (const char* name : {"double_pendulum", "arm", "branched"})
     for (int n = 0; n < 30; ++n) {
       const bool holds = n % 3 == 0 && std::string(name) == "branched";
-      trees::Diagnosis d = diagnosis_of(folder, robot(name),
-                                        holds ? "joints = [\"waist\", \"left_elbow\"]\n[hold]\nleft_shoulder = 0.4\n" : "");
+      trees::Diagnosis d =
+          diagnosis_of(folder, robot(name),
+                       holds ? "joints = [\"waist\", \"left_elbow\"]\n[hold]\nleft_shoulder = 0.4\n" : "");
       for (trees::Drive& drive : d.extended.drives) drive.damping_nmspr = within(0.0, 1.0);
-      const auto joint = [&] { return static_cast<std::size_t>(within(0.0, static_cast<double>(d.model.joints()) - 1e-9)); };
+      const auto joint = [&] {
+        return static_cast<std::size_t>(within(0.0, static_cast<double>(d.model.joints()) - 1e-9));
+      };
       const std::vector<std::size_t> links = trees::sites(d.model, trees::Seat::link);
-      const auto body = [&] { return links[static_cast<std::size_t>(within(0.0, static_cast<double>(links.size()) - 1e-9))]; };
-      d.extended.causes = {{Effect::payload, {body()}, {within(0.0, 1.0), within(-0.3, 0.3), within(-0.3, 0.3), within(-0.3, 0.3)}},
-                           {Effect::coulomb_friction, {joint()}, {within(0.0, 1.0)}},
-                           {Effect::damping_error, {joint()}, {within(0.0, 1.0)}},
-                           {Effect::mass_error, {body()}, {within(0.1, 3.0)}},
-                           {Effect::com_error, {body()}, {within(-0.1, 0.1), within(-0.1, 0.1), within(-0.1, 0.1)}},
-                           {Effect::inertia_error, {body()}, {within(0.5, 2.0)}},
-                           {Effect::payload, {body()}, {within(0.0, 1.0), within(-0.3, 0.3), within(-0.3, 0.3), within(-0.3, 0.3)}}};
+      const auto body = [&] {
+        return links[static_cast<std::size_t>(within(0.0, static_cast<double>(links.size()) - 1e-9))];
+      };
+      d.extended.causes = {
+          {Effect::payload,
+           {body()},
+           {within(0.0, 1.0), within(-0.3, 0.3), within(-0.3, 0.3), within(-0.3, 0.3)}},
+          {Effect::coulomb_friction, {joint()}, {within(0.0, 1.0)}},
+          {Effect::damping_error, {joint()}, {within(0.0, 1.0)}},
+          {Effect::mass_error, {body()}, {within(0.1, 3.0)}},
+          {Effect::com_error, {body()}, {within(-0.1, 0.1), within(-0.1, 0.1), within(-0.1, 0.1)}},
+          {Effect::inertia_error, {body()}, {within(0.5, 2.0)}},
+          {Effect::payload,
+           {body()},
+           {within(0.0, 1.0), within(-0.3, 0.3), within(-0.3, 0.3), within(-0.3, 0.3)}}};
       INFO(name << ", " << n);
       check_reads_back(d);
     }
@@ -287,14 +304,17 @@ TEST_CASE("The MJCF has the drives' gains as actuators, and a comment for what i
 }
 
 #ifndef FURCULA_MUJOCO
-TEST_CASE("MuJoCo reads the MJCF with causes, and moves as the tree") { test::skip("libmujoco-dev is not installed"); }
+TEST_CASE("MuJoCo reads the MJCF with causes, and moves as the tree") {
+  test::skip("libmujoco-dev is not installed");
+}
 #else
 TEST_CASE("MuJoCo reads the MJCF with causes, and moves as the tree") {
   const Folder folder;
   for (const char* law : {"torque", "position"}) {
-    trees::Diagnosis d = diagnosis_of(folder, robot("branched"),
-                                      std::string("[drive]\nlaw = \"") + law +
-                                          "\"\nkp_nmprad = 30.0\nkd_nmsprad = 2.0\nrotor_inertia_kgm2 = 0.02\n");
+    trees::Diagnosis d =
+        diagnosis_of(folder, robot("branched"),
+                     std::string("[drive]\nlaw = \"") + law +
+                         "\"\nkp_nmprad = 30.0\nkd_nmsprad = 2.0\nrotor_inertia_kgm2 = 0.02\n");
     d.extended.causes = {{Effect::base_tilt, {0}, {0.1, -0.2}},
                          {Effect::payload, {link(d.model, "left_hand")}, {0.5, 0.1, 0.0, 0.05}},
                          {Effect::com_error, {link(d.model, "trunk")}, {0.02, 0.0, 0.05}},
@@ -302,12 +322,15 @@ TEST_CASE("MuJoCo reads the MJCF with causes, and moves as the tree") {
                          {Effect::rotor_inertia_error, {2}, {0.05}},
                          {Effect::damping_error, {1}, {0.7}},
                          {Effect::coulomb_friction, {4}, {0.3}}};
-    if (law == std::string("position")) d.extended.causes.push_back({Effect::position_gain_error, {5}, {50.0, 1.0}});
+    if (law == std::string("position"))
+      d.extended.causes.push_back({Effect::position_gain_error, {5}, {50.0, 1.0}});
     const trees::Setup setup = trees::SetupMaker(d.model).make(d.extended.drives, d.extended.causes);
     const test::MujocoPeer peer(trees::extended_mjcf(d));
     REQUIRE(peer.model().nv == static_cast<int>(d.model.joints()));
     std::mt19937 random(7);
-    const auto within = [&](double most) { return std::uniform_real_distribution<double>(-most, most)(random); };
+    const auto within = [&](double most) {
+      return std::uniform_real_distribution<double>(-most, most)(random);
+    };
     double worst = 0.0, most = 0.0;
     for (int n = 0; n < 100; ++n) {
       model::RobotModel tree = setup.model;
@@ -317,7 +340,8 @@ TEST_CASE("MuJoCo reads the MJCF with causes, and moves as the tree") {
         q[i] = peer.data().qpos[k] = within(1.0);
         v[i] = peer.data().qvel[k] = within(3.0);
         const double input = within(1.0);
-        peer.data().ctrl[mj_name2id(&peer.model(), mjOBJ_ACTUATOR, d.model.robot.joints[i].name.c_str())] = input;
+        peer.data().ctrl[mj_name2id(&peer.model(), mjOBJ_ACTUATOR, d.model.robot.joints[i].name.c_str())] =
+            input;
         // The law of a position drive is a spring to the set point in the tree that runs.
         if (setup.joints[i].law == trees::DriveLaw::position)
           tree.laws[i].rest_rad = input;
