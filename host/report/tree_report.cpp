@@ -157,7 +157,7 @@ json box_of(const Diagnosis& d, std::size_t link) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(m);
   Eigen::Matrix3d axes = solver.eigenvectors();
   if (axes.determinant() < 0.0) axes.col(2) *= -1.0;
-  const Eigen::Vector3d i = solver.eigenvalues();
+  const Eigen::Vector3d& i = solver.eigenvalues();
   json half = json::array();
   // I1 = m (b^2 + c^2) / 12 with the edges a, b, c, and so on.
   for (int k = 0; k < 3; ++k)

@@ -18,7 +18,8 @@
     return out;
   }
   function turned(r, v) {
-    return [r[0] * v[0] + r[1] * v[1] + r[2] * v[2], r[3] * v[0] + r[4] * v[1] + r[5] * v[2], r[6] * v[0] + r[7] * v[1] + r[8] * v[2]];
+    return [r[0] * v[0] + r[1] * v[1] + r[2] * v[2], r[3] * v[0] + r[4] * v[1] + r[5] * v[2],
+            r[6] * v[0] + r[7] * v[1] + r[8] * v[2]];
   }
   function plus(a, b) { return [a[0] + b[0], a[1] + b[1], a[2] + b[2]]; }
   function scaled(a, k) { return [a[0] * k, a[1] * k, a[2] * k]; }
@@ -156,7 +157,8 @@
     var step = data.grid, n = 5;
     paper.lineWidth = 1;
     for (var i = -n; i <= n; ++i)
-      [[[i * step, -n * step, data.floor], [i * step, n * step, data.floor]], [[-n * step, i * step, data.floor], [n * step, i * step, data.floor]]]
+      [[[i * step, -n * step, data.floor], [i * step, n * step, data.floor]],
+       [[-n * step, i * step, data.floor], [n * step, i * step, data.floor]]]
           .forEach(function (pair) {
             var a = project(pair[0]), b = project(pair[1]);
             paper.strokeStyle = i ? '#e8edf1' : '#cfd8df';
@@ -166,7 +168,10 @@
             paper.stroke();
           });
 
-    if (mode !== 'simulated') parts(pose(positions(motion.measured)), MEASURED, sideways(-gap), list, mode === 'measured' || gap ? marks : null);
+    if (mode !== 'simulated') {
+      // Names once where both poses are at one place.
+      parts(pose(positions(motion.measured)), MEASURED, sideways(-gap), list, mode === 'measured' || gap ? marks : null);
+    }
     if (mode !== 'measured') parts(pose(positions(motion ? motion.simulated : [])), SIMULATED, sideways(gap), list, marks);
 
     list.forEach(function (p) {
@@ -215,7 +220,8 @@
     all.forEach(function (m) {
       var text = m.text.length > 60 ? m.text.slice(0, 59) + '…' : m.text;
       var w = paper.measureText(text).width, x = Math.max(6, Math.min(m.beside, width - 6 - w)), y = m.drawn[1];
-      for (var k = 0; k < 40 && taken.some(function (t) { return Math.abs(t.y - y) < 19 && x < t.right && t.x < x + w; }); ++k) y += 4;
+      var covers = function (t) { return Math.abs(t.y - y) < 19 && x < t.right && t.x < x + w; };
+      for (var k = 0; k < 40 && taken.some(covers); ++k) y += 4;
       y = Math.min(Math.max(y, 12), height - 12);
       taken.push({x: x, right: x + w, y: y});
       paper.strokeStyle = m.plain ? '#8d99a5' : GUILTY.line;

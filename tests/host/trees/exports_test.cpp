@@ -21,7 +21,6 @@
 
 using namespace furcula;
 using Catch::Matchers::Contains;
-using trees::Cause;
 using trees::Effect;
 
 namespace {
