@@ -14,8 +14,10 @@
 #include "host/log/message.hpp"
 #include "host/model/writer.hpp"
 #include "host/report/diagnosis_report.hpp"
+#include "host/report/tree_report.hpp"
 #include "host/trees/diagnose.hpp"
 #include "host/trees/diagnosis_json.hpp"
+#include "host/trees/exports.hpp"
 
 namespace furcula::cli {
 
@@ -70,7 +72,10 @@ void run_on_tree(const RecordingOptions& o, const trees::TreeModel& model) {
   log::write_files_together(std::vector<log::NewFile>{
       {o.out + "/diagnosis.json", trees::to_json_text(d)},
       {o.out + "/extended_model.toml",
-       trees::format_tree_model(extended, trees::urdf_seen_from(model, o.out))}});
+       trees::format_tree_model(extended, trees::urdf_seen_from(model, o.out))},
+      {o.out + "/extended.urdf", trees::extended_urdf(d)},
+      {o.out + "/extended.mjcf.xml", trees::extended_mjcf(d)},
+      {o.out + "/report.html", report::render_tree_report(d, o.command_line("diagnose", true))}});
   std::cout << "fitted on " << logs.training.size() << ", held out " << logs.held_out.size() << " recordings\n"
             << trees::name(d.verdict) << ": " << log::printable_lines(d.summary) << "\n";
   for (const trees::Finding& f : d.findings) {
@@ -88,6 +93,7 @@ void run_on_tree(const RecordingOptions& o, const trees::TreeModel& model) {
               << log::rounded(d.extended_error[j].rmse, 3) << " " << trees::channel_unit(model, j);
   std::cout << "\n";
   for (const std::string& note : d.notes) std::cout << log::printable(note) << "\n";
+  std::cout << "report: " << log::printable(o.out) << "/report.html\n";
 }
 
 }  // namespace

@@ -10,5 +10,6 @@ extern const std::string_view dygraphs_style;    ///< dygraph.min.css
 extern const std::string_view dygraphs_licence;  ///< the notice that must go with it
 extern const std::string_view page_style;        ///< assets/report.css
 extern const std::string_view page_script;       ///< assets/report.js
+extern const std::string_view robot_script;      ///< assets/robot.js
 
 }  // namespace furcula::report::assets

@@ -188,24 +188,28 @@ Samples usable(const diagnose::ResidualForce& r) {
   return out;
 }
 
+/// One path for the whole cloud: each point a stroke of no length with a round end. The step is
+/// incommensurate with any period in the data.
+std::string cloud_of(const Axes& axes, const std::vector<double>& x, const std::vector<double>& y,
+                     std::size_t most_points) {
+  std::string cloud;
+  const double step = std::max(1.0, static_cast<double>(x.size()) / static_cast<double>(most_points));
+  for (double at = 0.0; at < static_cast<double>(x.size()); at += step) {
+    const auto i = static_cast<std::size_t>(at);
+    if (!axes.y.holds(y[i])) continue;
+    cloud += format("M%.1f %.1fh0", axes.px(x[i]), axes.py(y[i]));
+  }
+  return cloud;
+}
+
 std::string panel(const Samples& s, const std::vector<double>& x, Interval y, const std::string& x_title,
                   const std::string& y_title, Bins bins, std::size_t most_points) {
   if (x.empty()) return "";
   const auto [low, high] = std::minmax_element(x.begin(), x.end());
   const Axes axes{not_empty(*low, *high, 0.02), y};
-
-  // One path for the whole cloud: each point a stroke of no length with a round end. The step is
-  // incommensurate with any period in the data.
-  std::string cloud;
-  const double step = std::max(1.0, static_cast<double>(x.size()) / static_cast<double>(most_points));
-  for (double at = 0.0; at < static_cast<double>(x.size()); at += step) {
-    const auto i = static_cast<std::size_t>(at);
-    if (!axes.y.holds(s.force[i])) continue;
-    cloud += format("M%.1f %.1fh0", axes.px(x[i]), axes.py(s.force[i]));
-  }
   std::string out = "<svg viewBox=\"0 0 460 300\" role=\"img\" aria-label=\"" +
                     escape(y_title + " over " + x_title) + "\">" + frame(axes, x_title, y_title) +
-                    "<path class=\"cloud\" d=\"" + cloud + "\"/>";
+                    "<path class=\"cloud\" d=\"" + cloud_of(axes, x, s.force, most_points) + "\"/>";
   const double mean_width = axes.x.width() / bins.mean, law_width = axes.x.width() / bins.law;
   out += mean_and_band(axes, binned(x, s.force, mean_width), mean_width);
   if (!s.law.empty()) out += law_line(axes, binned(x, s.law, law_width), law_width);
@@ -254,6 +258,54 @@ std::string force_plots(const diagnose::ResidualForce& residual, std::size_t mos
         "Where free parameters have stood in for the cause, the samples lie off the line by what these took up.";
   if (!note.empty()) out += "<p class=\"hint\">" + note + "</p>\n";
   return out;
+}
+
+namespace {
+
+std::string two_clouds(const std::vector<double>& x, const std::vector<double>& before,
+                       const std::vector<double>& after, Interval y, const std::string& x_title,
+                       const std::string& y_title, double bins, std::size_t most_points) {
+  const auto [low, high] = std::minmax_element(x.begin(), x.end());
+  const Axes axes{not_empty(*low, *high, 0.02), y};
+  const double width = axes.x.width() / bins;
+  std::string out = "<svg viewBox=\"0 0 460 300\" role=\"img\" aria-label=\"" +
+                    escape(y_title + " over " + x_title) + "\">" + frame(axes, x_title, y_title);
+  out += "<path class=\"cloud before\" d=\"" + cloud_of(axes, x, before, most_points) + "\"/>";
+  out += "<path class=\"cloud after\" d=\"" + cloud_of(axes, x, after, most_points) + "\"/>";
+  out += "<g class=\"before\">" + mean_and_band(axes, binned(x, before, width), width) + "</g>";
+  out += "<g class=\"after\">" + mean_and_band(axes, binned(x, after, width), width) + "</g>";
+  return out + "</svg>\n";
+}
+
+}  // namespace
+
+std::string missing_force_plots(const MissingForce& m, std::size_t most_points) {
+  std::vector<double> time_s, velocity, position, before, after, both;
+  const std::size_t n = m.before.size();
+  if (m.time_s.size() != n || m.velocity.size() != n || m.position.size() != n || m.after.size() != n)
+    return "";
+  for (std::size_t i = 0; i < n; ++i) {
+    if (!std::isfinite(m.time_s[i] + m.velocity[i] + m.position[i] + m.before[i] + m.after[i])) continue;
+    time_s.push_back(m.time_s[i]);
+    velocity.push_back(m.velocity[i]);
+    position.push_back(m.position[i]);
+    before.push_back(m.before[i]);
+    after.push_back(m.after[i]);
+  }
+  if (before.empty()) return "";
+  both = before;
+  both.insert(both.end(), after.begin(), after.end());
+  const Interval y = not_empty(quantile(both, 0.005), quantile(both, 0.995), 0.08);
+  const std::string y_title =
+      in_unit(m.unit == "N m" ? "missing torque" : "missing force", std::string(m.unit));
+  const auto panel_over = [&](const std::vector<double>& x, const std::string& x_title, Bins bins) {
+    return two_clouds(x, before, after, y, x_title, y_title, bins.mean, most_points);
+  };
+  std::string out = "<div class=\"panels\">\n";
+  out += panel_over(velocity, in_unit("velocity", std::string(m.velocity_unit)), kOverVelocity);
+  out += panel_over(position, in_unit("position", std::string(m.position_unit)), kOverPosition);
+  out += panel_over(time_s, "time since the recording's start (s)", kOverTime);
+  return out + "</div>\n";
 }
 
 }  // namespace furcula::report

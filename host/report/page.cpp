@@ -51,6 +51,12 @@ std::string render(const Page& page) {
     out += assets::page_script;
     out += "</script>\n";
   }
+  if (!page.robot_json.empty()) {
+    out += "<script type=\"application/json\" id=\"robot-data\">" + inside_script(page.robot_json) +
+           "</script>\n<script>\n";
+    out += assets::robot_script;
+    out += "</script>\n";
+  }
   return out + "</body>\n</html>\n";
 }
 

@@ -14,6 +14,8 @@ struct Page {
   /// What page_script draws (trace_plot.hpp); empty: no plot, and no script in the page.
   std::string data_json;
   std::string command = {};  ///< that writes the same page again, for the foot; empty: none
+  /// What robot_script draws (tree_report.cpp); empty: no robot, and not its script.
+  std::string robot_json = {};
 };
 
 /// The whole HTML file: style, script and data embedded; its content policy forbids any request.

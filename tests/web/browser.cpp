@@ -3,6 +3,9 @@
 
 #include <cstdio>
 #include <cstdlib>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <regex>
 #include <sstream>
 #include <stdexcept>
 
@@ -57,6 +60,32 @@ std::string Browser::dom(const fs::path& page, int width) const {
 
 void Browser::print(const fs::path& page, const fs::path& pdf) const {
   run("--no-pdf-header-footer --print-to-pdf='" + pdf.string() + "'", page);
+}
+
+namespace {
+
+/// Collects what goes wrong from the page's first moment on.
+constexpr const char* kWatch = R"(<script>
+window.problems = [];
+addEventListener('error', e => problems.push(String(e.message)), true);
+addEventListener('securitypolicyviolation', e => problems.push('blocked ' + e.blockedURI));
+</script>)";
+
+}  // namespace
+
+nlohmann::json look_at(const Browser& browser, std::string page, const std::string& probe, int width) {
+  const TemporaryFolder folder;
+  page.insert(page.find("<meta name=\"viewport\""), kWatch);
+  page.insert(page.rfind("</body>"), probe);
+  std::ofstream(folder.path() / "report.html", std::ios::binary) << page;
+  const std::string dom = browser.dom(folder.path() / "report.html", width);
+  const std::string open = "<pre id=\"seen\">";
+  const std::size_t at = dom.find(open);
+  if (at == std::string::npos) throw std::runtime_error("the probe left nothing on the page");
+  std::string text = dom.substr(at + open.size(), dom.find("</pre>", at) - at - open.size());
+  text = std::regex_replace(text, std::regex("&lt;"), "<");
+  text = std::regex_replace(text, std::regex("&gt;"), ">");
+  return nlohmann::json::parse(std::regex_replace(text, std::regex("&amp;"), "&"));
 }
 
 }  // namespace furcula::test

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 
@@ -35,5 +36,10 @@ class TemporaryFolder {
  private:
   std::filesystem::path path_;
 };
+
+/// What a probe saw on this page: a <script> at its end that leaves JSON in <pre id="seen">, within 4 s of the page's time.
+/// The page has `problems` from its first moment on: errors, and requests that its policy refused.
+/// @throws std::runtime_error: nothing was left.
+nlohmann::json look_at(const Browser& browser, std::string page, const std::string& probe, int width = 1400);
 
 }  // namespace furcula::test

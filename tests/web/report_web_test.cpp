@@ -26,13 +26,6 @@ std::string read(const fs::path& path) {
   return out.str();
 }
 
-/// Collects what goes wrong from the page's first moment on.
-constexpr const char* kWatch = R"(<script>
-window.problems = [];
-addEventListener('error', e => problems.push(String(e.message)), true);
-addEventListener('securitypolicyviolation', e => problems.push('blocked ' + e.blockedURI));
-</script>)";
-
 /// Looks at the page when it has drawn, uses its controls, and leaves what it saw in <pre id="seen">.
 constexpr const char* kProbe = R"(<script>
 setTimeout(function () {
@@ -92,20 +85,8 @@ setTimeout(function () {
 }, 500);
 </script>)";
 
-/// What the probe saw on this page.
-nlohmann::json look_at(const test::Browser& browser, std::string page, int width = 1400) {
-  const test::TemporaryFolder folder;
-  page.insert(page.find("<meta name=\"viewport\""), kWatch);
-  page.insert(page.rfind("</body>"), kProbe);
-  write(folder.path() / "report.html", page);
-  const std::string dom = browser.dom(folder.path() / "report.html", width);
-  const std::string open = "<pre id=\"seen\">";
-  const std::size_t at = dom.find(open);
-  REQUIRE(at != std::string::npos);
-  std::string text = dom.substr(at + open.size(), dom.find("</pre>", at) - at - open.size());
-  text = std::regex_replace(text, std::regex("&lt;"), "<");
-  text = std::regex_replace(text, std::regex("&gt;"), ">");
-  return nlohmann::json::parse(std::regex_replace(text, std::regex("&amp;"), "&"));
+nlohmann::json look_at(const test::Browser& browser, const std::string& page, int width = 1400) {
+  return test::look_at(browser, page, kProbe, width);
 }
 
 TEST_CASE("the report's plots have data, follow their controls, and need no network") {

@@ -1,0 +1,445 @@
+// Edits of a URDF's text in place, and MJCF, see exports.hpp.
+#include "host/trees/exports.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <filesystem>
+#include <optional>
+
+#include "host/log/error.hpp"
+#include "host/log/message.hpp"
+#include "host/log/strict_toml.hpp"
+#include "host/model/mjcf.hpp"
+#include "host/model/xml_check.hpp"
+#include "host/trees/run.hpp"
+
+namespace furcula::trees {
+namespace {
+
+using dynamics::tree::Sym3;
+using dynamics::tree::Vec3;
+using log::shortest;
+using model::XmlElement;
+
+/// For the inside of a comment, which holds no two hyphens.
+std::string commented(const std::string& text) {
+  std::string out;
+  for (const char c : log::printable(text)) {
+    if (c == '-' && !out.empty() && out.back() == '-') out += ' ';
+    out += c;
+  }
+  return out;
+}
+std::string comment(const std::vector<std::string>& lines) {
+  std::string out = "<!--\n";
+  for (const std::string& line : lines) out += "  " + commented(line) + "\n";
+  return out + "-->\n";
+}
+
+bool acts_on(const Cause& cause, std::size_t site) {
+  return std::find(cause.sites.begin(), cause.sites.end(), site) != cause.sites.end();
+}
+bool is_of_body(Effect e) {
+  return e == Effect::mass_error || e == Effect::com_error || e == Effect::inertia_error ||
+         e == Effect::payload;
+}
+
+/// "coulomb_friction@elbow: a finding, confidence 0.98"
+std::string reason(const Diagnosis& d, const Cause& cause) {
+  const std::string name = cause_name(d.model, cause);
+  for (const Finding& f : d.findings)
+    if (f.cause.effect == cause.effect && f.cause.sites == cause.sites)
+      return name + ", a finding of confidence " + log::rounded(f.confidence, 2);
+  return name + ", an effect of the model file";
+}
+
+/// "torque_nm 0.31 N m, static_torque_nm 0.4 N m"
+std::string values(const TreeModel& model, const Cause& cause) {
+  const EffectInfo& e = info(cause.effect);
+  const bool linear = is_linear(model, e.seat, cause.sites.at(0));
+  std::string out;
+  for (std::size_t k = 0; k < e.parameter_count; ++k) {
+    const std::string unit(unit_on(e.parameters()[k], linear));
+    out += (k > 0 ? ", " : "") + std::string(name_on(e.parameters()[k], linear)) + " " +
+           log::rounded(cause.values[k], 6) + (unit.empty() ? "" : " " + unit);
+  }
+  return out;
+}
+
+/// Viscous, in the joint: without the damping of a position law.
+double joint_damping(const Hypothesis& h, std::size_t joint) {
+  double out = h.drives[joint].damping_nmspr;
+  for (const Cause& c : h.causes)
+    if (c.effect == Effect::damping_error && acts_on(c, joint)) out = c.values[0];
+  return out;
+}
+/// Coulomb friction in motion; of one that differs forth and back the mean, which takes the same energy.
+double joint_friction(const dynamics::tree::JointLaw<double>& law) {
+  return law.asymmetric ? 0.5 * (law.friction_nm + law.friction_back_nm) : law.friction_nm;
+}
+
+/// What of a cause a file does not hold; empty: nothing. `mjcf` holds more than URDF.
+std::string left_out(const Cause& cause, bool mjcf, bool position_law) {
+  switch (cause.effect) {
+    case Effect::coulomb_friction:
+    case Effect::damping_error:
+    case Effect::mass_error:
+    case Effect::com_error:
+    case Effect::inertia_error:
+    case Effect::payload:
+      return "";
+    case Effect::stribeck_friction:
+      return "the friction in motion is in the file, its rise towards rest is not";
+    case Effect::asymmetric_friction:
+      return "the mean of both directions is in the file";
+    case Effect::base_tilt:
+      return mjcf ? "" : "gravity is not in the file";
+    case Effect::rotor_inertia_error:
+      return mjcf ? "" : "the rotor's inertia is not in the file";
+    case Effect::position_gain_error:
+      return mjcf ? "" : "the drive's gains are not in the file";
+    case Effect::torque_gain_error:
+      if (mjcf && position_law) return "";
+      return "not in the file: the torque is this many times the commanded one";
+    case Effect::joint_elasticity:
+      return mjcf ? "the spring is not in the file; the rotor's inertia counts as the joint's"
+                  : "not in the file";
+    default:
+      return "not in the file";
+  }
+}
+
+std::vector<std::string> what_is_left_out(const Diagnosis& d, bool mjcf) {
+  std::vector<std::string> out;
+  for (const Cause& c : d.extended.causes) {
+    const Seat seat = info(c.effect).seat;
+    const bool position_law =
+        seat == Seat::drive && d.extended.drives[c.sites.at(0)].law == DriveLaw::position;
+    if (const std::string what = left_out(c, mjcf, position_law); !what.empty())
+      out.push_back(cause_name(d.model, c) + " (" + values(d.model, c) + "): " + what);
+  }
+  return out;
+}
+
+/// A text with pieces replaced; places are those of the text as it was.
+class Edits {
+ public:
+  explicit Edits(std::string_view text) : text_(text) {}
+  void replace(std::string_view piece, const std::string& by) {
+    list_.push_back({place(piece), piece.size(), by});
+  }
+  void insert(std::size_t at, const std::string& what) { list_.push_back({at, 0, what}); }
+  std::size_t place(std::string_view piece) const {
+    return static_cast<std::size_t>(piece.data() - text_.data());
+  }
+
+  /// Sets an attribute, which is added after the tag's name where there is none.
+  void set(const XmlElement& e, std::string_view attribute, const std::string& value) {
+    for (const auto& [name, old] : e.attributes)
+      if (name == attribute) return replace(old, value);
+    insert(place(e.tag) + e.tag.size(), " " + std::string(attribute) + "=\"" + value + "\"");
+  }
+  /// A new element before another, on a line of its own where that one is.
+  void add_before(const XmlElement& next, const std::string& element) {
+    const std::size_t at = place(next.tag) - 1, line = text_.rfind('\n', at);
+    const std::string_view indent = line == text_.npos ? "" : text_.substr(line + 1, at - line - 1);
+    const bool alone = line != text_.npos && indent.find_first_not_of(" \t") == indent.npos;
+    const bool carriage = alone && line > 0 && text_[line - 1] == '\r';
+    insert(at, element + (alone ? (carriage ? "\r\n" : "\n") + std::string(indent) : ""));
+  }
+  std::string text() {
+    std::stable_sort(list_.begin(), list_.end(), [](const Edit& a, const Edit& b) { return a.at < b.at; });
+    std::string out;
+    std::size_t from = 0;
+    for (const Edit& e : list_) {
+      out.append(text_.substr(from, e.at - from)).append(e.by);
+      from = e.at + e.length;
+    }
+    return out.append(text_.substr(from));
+  }
+
+ private:
+  struct Edit {
+    std::size_t at, length;
+    std::string by;
+  };
+  std::string_view text_;
+  std::vector<Edit> list_;
+};
+
+std::string utf8(unsigned code) {
+  const auto byte = [](unsigned value) { return static_cast<char>(static_cast<unsigned char>(value)); };
+  const auto more = [&](unsigned shift) { return byte(0x80U | ((code >> shift) & 0x3FU)); };
+  if (code < 0x80U) return {byte(code)};
+  if (code < 0x800U) return {byte(0xC0U | (code >> 6U)), more(0)};
+  if (code < 0x10000U) return {byte(0xE0U | (code >> 12U)), more(6), more(0)};
+  return {byte(0xF0U | (code >> 18U)), more(12), more(6), more(0)};
+}
+
+/// An attribute's value with its entities resolved, as an XML reader hands it out.
+std::string resolved(std::string_view raw) {
+  constexpr std::pair<std::string_view, char> kNamed[] = {
+      {"&amp;", '&'}, {"&lt;", '<'}, {"&gt;", '>'}, {"&quot;", '"'}, {"&apos;", '\''}};
+  std::string out;
+  while (!raw.empty()) {
+    const auto* const found = std::find_if(std::begin(kNamed), std::end(kNamed),
+                                           [&](const auto& entity) { return raw.starts_with(entity.first); });
+    std::size_t length = found != std::end(kNamed) ? found->first.size() : 1;
+    std::string character(1, found != std::end(kNamed) ? found->second : raw.front());
+    if (raw.starts_with("&#")) {
+      const bool hex = raw.substr(2).starts_with("x");
+      const std::string_view digits = raw.substr(hex ? 3 : 2);
+      unsigned code = 0;
+      const auto [end, error] =
+          std::from_chars(digits.data(), digits.data() + digits.size(), code, hex ? 16 : 10);
+      constexpr unsigned kMostUnicode = 0x10FFFF;
+      if (error == std::errc{} && end < digits.data() + digits.size() && *end == ';' && code > 0 &&
+          code <= kMostUnicode) {
+        length = static_cast<std::size_t>(end + 1 - raw.data());
+        character = utf8(code);
+      }
+    }
+    out += character;
+    raw.remove_prefix(length);
+  }
+  return out;
+}
+
+std::string text_of(const Vec3<double>& v) {
+  return shortest(v.x) + " " + shortest(v.y) + " " + shortest(v.z);
+}
+
+/// A link's <inertial>: the centre of mass in the link's axes, the inertia in those of <inertial><origin>.
+struct Body {
+  double mass_kg;
+  Vec3<double> centre_m;
+  Sym3<double> about_centre_kgm2;
+};
+Sym3<double> scaled(const Sym3<double>& s, double by) {
+  return {s.xx * by, s.xy * by, s.xz * by, s.yy * by, s.yz * by, s.zz * by};
+}
+
+class UrdfWriter {
+ public:
+  explicit UrdfWriter(const Diagnosis& d)
+      : d_(d),
+        file_((std::filesystem::path(d.model.file).parent_path() / d.model.urdf_path).string()),
+        text_(log::read_small_file(file_, "a robot (URDF)")),
+        elements_(model::check_xml(text_, file_)),
+        edits_(text_),
+        setup_(SetupMaker(d.model).make(d.extended.drives, d.extended.causes)) {}
+
+  std::string write() {
+    for (std::size_t i = 0; i < d_.model.joints(); ++i) joint(i);
+    for (const std::size_t i : sites(d_.model, Seat::link)) link(i);
+    describe();
+    return edits_.text();
+  }
+
+ private:
+  /// The element of the robot with this tag and name.
+  std::size_t named(std::string_view tag, const std::string& name) const {
+    for (std::size_t i = 0; i < elements_.size(); ++i)
+      if (elements_[i].depth == 1 && elements_[i].tag == tag &&
+          resolved(elements_[i].attribute("name")) == name)
+        return i;
+    throw log::DataError(file_ + ": no " + std::string(tag) + " " + log::quoted(name) +
+                         ", expected the file that was diagnosed");
+  }
+  /// The first child of that tag; none where there is none.
+  const XmlElement* child(std::size_t of, std::string_view tag) const {
+    for (std::size_t i = of + 1; i < elements_.size() && elements_[i].depth > elements_[of].depth; ++i)
+      if (elements_[i].depth == elements_[of].depth + 1 && elements_[i].tag == tag) return &elements_[i];
+    return nullptr;
+  }
+  const XmlElement& needed(std::size_t of, std::string_view tag) const {
+    if (const XmlElement* e = child(of, tag)) return *e;
+    throw log::DataError(file_ + ":" + std::to_string(elements_[of].line) + ": no <" + std::string(tag) +
+                         ">, expected the file that was diagnosed");
+  }
+  std::string reasons(std::span<const Effect> effects, std::size_t site) const {
+    std::string out;
+    for (const Cause& c : d_.extended.causes)
+      if (std::find(effects.begin(), effects.end(), c.effect) != effects.end() && acts_on(c, site))
+        out += (out.empty() ? "" : "; ") + reason(d_, c);
+    return out;
+  }
+
+  void joint(std::size_t i) {
+    const std::string& name = d_.model.robot.joints[i].name;
+    const auto& given = d_.model.robot.model.laws[i];  // as the file has it
+    const double damping = joint_damping(d_.extended, i), friction = joint_friction(setup_.model.laws[i]);
+    const bool damps = damping != given.damping_nmspr, rubs = friction != given.friction_nm;
+    if (!damps && !rubs) return;
+    const bool linear = d_.model.prismatic(i);
+    const std::size_t at = named("joint", name);
+    if (const XmlElement* dynamics = child(at, "dynamics")) {
+      if (damps) edits_.set(*dynamics, "damping", shortest(damping));
+      if (rubs) edits_.set(*dynamics, "friction", shortest(friction));
+    } else {
+      edits_.add_before(needed(at, "child"), "<dynamics damping=\"" + shortest(damping) + "\" friction=\"" +
+                                                 shortest(friction) + "\"/>");
+    }
+    if (damps) {
+      constexpr Effect kDamping[] = {Effect::damping_error};
+      std::string why = reasons(kDamping, i);
+      if (why.empty())
+        why = damping == d_.model.drives[i].damping_nmspr ? "[drive] of the model file"
+                                                          : "a free parameter, fitted";
+      changed("joint " + name + ", damping: " + shortest(given.damping_nmspr) + " -> " + shortest(damping) +
+              (linear ? " N s/m: " : " N m s/rad: ") + why);
+    }
+    constexpr Effect kFriction[] = {Effect::coulomb_friction, Effect::stribeck_friction,
+                                    Effect::asymmetric_friction};
+    if (rubs)
+      changed("joint " + name + ", friction: " + shortest(given.friction_nm) + " -> " + shortest(friction) +
+              (linear ? " N: " : " N m: ") + reasons(kFriction, i));
+  }
+
+  /// The link's inertial with its causes, a payload last, as SetupMaker applies them.
+  Body extended_body(std::size_t i, const model::UrdfInertia& given) {
+    Body b{given.mass_kg, given.frame.at, given.about_centre_kgm2};
+    for (const Cause& c : d_.extended.causes) {
+      if (!is_of_body(c.effect) || !acts_on(c, i)) continue;
+      const auto& v = c.values;
+      if ((c.effect == Effect::mass_error || c.effect == Effect::inertia_error) && !(v[0] > 0.0)) {
+        left_out_.push_back(cause_name(d_.model, c) + " (" + values(d_.model, c) +
+                            "): a link that moves has both above 0");
+        continue;
+      }
+      if (c.effect == Effect::mass_error) {
+        b.about_centre_kgm2 = scaled(b.about_centre_kgm2, v[0] / b.mass_kg);
+        b.mass_kg = v[0];
+      }
+      if (c.effect == Effect::com_error) b.centre_m += Vec3<double>{v[0], v[1], v[2]};
+      if (c.effect == Effect::inertia_error) b.about_centre_kgm2 = scaled(b.about_centre_kgm2, v[0]);
+    }
+    for (const Cause& c : d_.extended.causes) {
+      if (c.effect != Effect::payload || !acts_on(c, i) || !(c.values[0] > 0.0)) continue;
+      const double load_kg = c.values[0], sum_kg = b.mass_kg + load_kg;
+      const Vec3<double> at{c.values[1], c.values[2], c.values[3]};
+      const Vec3<double> centre = (b.centre_m * b.mass_kg + at * load_kg) * (1.0 / sum_kg);
+      const auto about = [&](const Vec3<double>& point, double mass) {
+        return scaled(dynamics::tree::minus_squared_cross(given.frame.turn * (point - centre)), mass);
+      };
+      b = {sum_kg, centre, b.about_centre_kgm2 + about(b.centre_m, b.mass_kg) + about(at, load_kg)};
+    }
+    return b;
+  }
+
+  void link(std::size_t i) {
+    const model::UrdfInertia& given = *d_.model.urdf.links[i].inertia;
+    std::string why;
+    bool moved = false, heavier = false, fuller = false;
+    for (const Cause& c : d_.extended.causes) {
+      if (!is_of_body(c.effect) || !acts_on(c, i)) continue;
+      why += (why.empty() ? "" : "; ") + reason(d_, c);
+      const bool load = c.effect == Effect::payload;
+      moved |= load || c.effect == Effect::com_error;
+      heavier |= load || c.effect == Effect::mass_error;
+      fuller |= load || c.effect != Effect::com_error;
+    }
+    if (why.empty()) return;
+    const Body b = extended_body(i, given);
+    const std::string& name = d_.model.urdf.links[i].name;
+    const std::size_t inertial =
+        static_cast<std::size_t>(&needed(named("link", name), "inertial") - elements_.data());
+    const auto say = [&](const char* what, const std::string& before, const std::string& after,
+                         const char* unit) {
+      if (before != after)
+        changed("link " + name + ", " + what + ": " + before + " -> " + after + " " + unit + ": " + why);
+    };
+    if (moved) {
+      if (const XmlElement* origin = child(inertial, "origin"))
+        edits_.set(*origin, "xyz", text_of(b.centre_m));
+      else
+        edits_.add_before(needed(inertial, "mass"), "<origin xyz=\"" + text_of(b.centre_m) + "\"/>");
+      say("centre of mass", text_of(given.frame.at), text_of(b.centre_m), "m");
+    }
+    if (heavier) {
+      edits_.set(needed(inertial, "mass"), "value", shortest(b.mass_kg));
+      say("mass", shortest(given.mass_kg), shortest(b.mass_kg), "kg");
+    }
+    if (!fuller) return;
+    const XmlElement& inertia = needed(inertial, "inertia");
+    std::string before, after;
+    constexpr std::pair<const char*, double Sym3<double>::*> kMoments[] = {
+        {"ixx", &Sym3<double>::xx}, {"ixy", &Sym3<double>::xy}, {"ixz", &Sym3<double>::xz},
+        {"iyy", &Sym3<double>::yy}, {"iyz", &Sym3<double>::yz}, {"izz", &Sym3<double>::zz}};
+    for (const auto& [moment, member] : kMoments) {
+      edits_.set(inertia, moment, shortest(b.about_centre_kgm2.*member));
+      before += (before.empty() ? "" : " ") + shortest(given.about_centre_kgm2.*member);
+      after += (after.empty() ? "" : " ") + shortest(b.about_centre_kgm2.*member);
+    }
+    say("inertia xx xy xz yy yz zz", before, after, "kg m^2");
+  }
+
+  void changed(const std::string& line) { changed_.push_back(line); }
+
+  void describe() {
+    std::vector<std::string> lines{"The robot with what a diagnosis found."};
+    lines.emplace_back(changed_.empty() ? "Nothing is changed." : "Changed, before -> after:");
+    for (const std::string& line : changed_) lines.push_back("  " + line);
+    for (const std::string& line : what_is_left_out(d_, false)) left_out_.push_back(line);
+    for (std::size_t i = 0; i < d_.model.joints(); ++i) {
+      const Drive& drive = d_.extended.drives[i];
+      const std::string of = "[drive] of " + d_.model.robot.joints[i].name + ": ";
+      const bool linear = d_.model.prismatic(i);
+      if (drive.rotor_inertia_kgm2 != 0.0)
+        left_out_.push_back(of + "rotor inertia " + shortest(drive.rotor_inertia_kgm2) +
+                            (linear ? " kg" : " kg m^2"));
+      if (drive.law == DriveLaw::position)
+        left_out_.push_back(of + "kp " + shortest(drive.kp_nmprad) +
+                            (linear ? " N/m, kd " : " N m/rad, kd ") + shortest(drive.kd_nmsprad) +
+                            (linear ? " N s/m" : " N m s/rad"));
+    }
+    if (!left_out_.empty()) lines.emplace_back("What a URDF cannot hold:");
+    for (const std::string& line : left_out_) lines.push_back("  " + line);
+    // An XML declaration stands before all else.
+    std::size_t at = text_.starts_with("\xef\xbb\xbf") ? 3 : 0;
+    if (text_.compare(at, 5, "<?xml") == 0) {
+      at = text_.find("?>", at) + 2;
+      at = std::min(text_.find_first_not_of(" \t\r", at), text_.size());
+      if (text_[at] == '\n') ++at;
+    }
+    edits_.insert(at, comment(lines));
+  }
+
+  const Diagnosis& d_;
+  const std::string file_, text_;
+  const std::vector<XmlElement> elements_;
+  Edits edits_;
+  const Setup setup_;
+  std::vector<std::string> changed_, left_out_;
+};
+
+}  // namespace
+
+std::string extended_urdf(const Diagnosis& d) { return UrdfWriter(d).write(); }
+
+std::string extended_mjcf(const Diagnosis& d) {
+  const Setup setup = SetupMaker(d.model).make(d.extended.drives, d.extended.causes);
+  model::RobotTree robot = d.model.robot;
+  robot.model = setup.model;
+  std::vector<model::PositionGains> gains;
+  for (std::size_t i = 0; i < robot.joints.size(); ++i) {
+    auto& law = robot.model.laws[i];
+    const Setup::Joint& drive = setup.joints[i];
+    // The drive's position law is the actuator's, and what is left out is named here.
+    law.damping_nmspr = joint_damping(d.extended, i);
+    law.stiffness_nmprad = d.model.robot.model.laws[i].stiffness_nmprad;
+    law.friction_nm = joint_friction(law);
+    law.static_friction_nm = 0.0;
+    law.elastic = false;
+    if (drive.law == DriveLaw::position)
+      gains.push_back({robot.joints[i].name, drive.gain * drive.kp_nmprad, drive.gain * drive.kd_nmsprad});
+  }
+  std::vector<std::string> lines{"The robot with what a diagnosis found."};
+  for (const Cause& c : d.extended.causes) lines.push_back("  " + reason(d, c) + ": " + values(d.model, c));
+  const std::vector<std::string> missing = what_is_left_out(d, true);
+  if (!missing.empty()) lines.emplace_back("What this file does not hold:");
+  for (const std::string& line : missing) lines.push_back("  " + line);
+  return comment(lines) + model::format_mjcf(robot, gains);
+}
+
+}  // namespace furcula::trees
