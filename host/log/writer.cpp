@@ -65,7 +65,8 @@ std::string format_log(const Log& log) {
     if (const auto found = log.columns.find(std::string(c.name)); found != log.columns.end())
       add(found->first, found->second);
   for (const auto& [name, values] : log.columns)
-    if (rig->column(name) == nullptr) add(name, values);
+    // Those of named joints stand in the rig's table as patterns.
+    if (const ColumnInfo* c = rig->column(name); c == nullptr || c->name != name) add(name, values);
   out += '\n';
 
   char number[32];

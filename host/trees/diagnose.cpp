@@ -21,7 +21,10 @@ constexpr double kApart = 2.0;
 constexpr double kForetold = 0.03, kOfTorque = 0.01;
 constexpr std::size_t kMostSearchWindows = 240;
 
-std::string percent(double share) { return log::rounded(100.0 * share, 2) + " %"; }
+std::string percent(double share) {
+  const double p = 100.0 * share;
+  return (std::abs(p) >= 10.0 ? std::to_string(static_cast<long>(std::lround(p))) : log::rounded(p, 2)) + " %";
+}
 
 std::string joined(const std::vector<std::string>& all) {
   std::string out;
@@ -191,7 +194,7 @@ class Diagnoser {
                      " times its own scatter from window to window";
           f.indistinguishable_from.push_back(text);
         } else {
-          text.why = "in its place and fitted, the windows' loss is " + log::rounded(100.0 * r.loss_more / found.fit.loss, 2) + " % more, " +
+          text.why = "in its place and fitted, the windows' loss is " + percent(r.loss_more / found.fit.loss) + " more, " +
                      log::rounded(r.z, 2) + " times its own scatter from window to window";
           f.alternatives.push_back(text);
         }
