@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <optional>
 #include <set>
 
 #include "furcula/dynamics/tree/inverse_dynamics.hpp"
@@ -65,7 +66,10 @@ class Diagnoser {
       throw log::DataError("no training log has " + log::shortest(options_.window_s) + " s without a gap; expected longer logs, or a smaller --window-s");
     d_.windows = windows.size();
     Problem problem(model_, training_, std::move(windows), options_.threads);
-    const Found found = search(problem, {options_.threads, options_.progress});
+    std::vector<Window> short_windows = windows_of(model_, training_, options_.window_s / 3.0, kMostSearchWindows);
+    std::optional<Problem> coarse;
+    if (!short_windows.empty()) coarse.emplace(model_, training_, std::move(short_windows), options_.threads);
+    const Found found = search(problem, coarse ? &*coarse : nullptr, {options_.threads, options_.progress});
     d_.refitted = found.refitted.at;
     d_.extended = found.fit.at;
     for (const auto& t : found.table) {
@@ -200,7 +204,7 @@ class Diagnoser {
         }
       }
       f.confidence = std::clamp(0.5 * (1.0 + std::erf(std::max(nearest, 0.0) / std::sqrt(2.0))), 0.5, 0.99);
-      if (!f.indistinguishable_from.empty()) f.confidence = std::min(f.confidence, 0.6);
+      if (!f.indistinguishable_from.empty()) f.confidence = std::min(f.confidence, 0.5);
       if (total(f.without) < total(d_.extended_error)) f.confidence = std::min(f.confidence, 0.4);
       f.explanation = std::string(e.explanation);
       f.where_to_look = std::string(e.where_to_look);

@@ -7,6 +7,7 @@
 #include "furcula/dynamics/tree/inverse_dynamics.hpp"
 #include "host/identify/parallel.hpp"
 #include "host/log/error.hpp"
+#include "host/trees/missing_torque.hpp"
 
 namespace furcula::trees {
 namespace {
@@ -91,7 +92,7 @@ std::vector<Window> windows_of(const TreeModel& model, std::span<const Recording
              r.time_s[last + 1] - r.time_s[last] < 5.0 * r.interval_s + 1e-3)
         ++last;
       const bool gap = last + 1 < r.rows() && r.time_s[last + 1] - r.time_s[last] >= 5.0 * r.interval_s + 1e-3;
-      if (r.time_s[last] - r.time_s[first] > 0.8 * window_s && last - first >= 8) out.push_back({i, first, last, {}, {}, {}, {}, {}});
+      if (r.time_s[last] - r.time_s[first] > 0.8 * window_s && last - first >= 8) out.push_back({i, first, last, window_s, {}, {}, {}, {}, {}});
       first = gap || last == first ? last + 1 : last;
     }
   }
@@ -336,7 +337,65 @@ void Problem::weigh(const Hypothesis& h) {
   std::vector<double> sorted = loss;
   std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2), sorted.end());
   const double typical = sorted[sorted.size() / 2];
-  for (std::size_t i = 0; i < windows_.size(); ++i) window_weight_[i] = std::min(1.0, 4.0 * typical / std::max(loss[i], 1e-300));
+  for (std::size_t i = 0; i < windows_.size(); ++i) window_weight_[i] = std::min(1.0, 25.0 * typical / std::max(loss[i], 1e-300));
+}
+
+double Problem::misfit(const Hypothesis& h) const {
+  const std::size_t n = joints();
+  const Setup setup = make(h);
+  std::vector<std::vector<double>> off(windows_.size()), motion(windows_.size());
+  identify::parallel_for(windows_.size(), threads_, [&](std::size_t i) {
+    const Window& w = windows_[i];
+    const Eigen::VectorXd r = w.measured - simulated(setup, w);
+    for (std::size_t j = 0; j < n; ++j) {
+      const auto of_joint = [&](const Eigen::VectorXd& x) {
+        return Eigen::VectorXd(Eigen::Map<const Eigen::VectorXd, 0, Eigen::InnerStride<>>(x.data() + j, static_cast<Eigen::Index>(bins_), Eigen::InnerStride<>(static_cast<Eigen::Index>(n))));
+      };
+      const Eigen::VectorXd y = of_joint(w.measured);
+      off[i].push_back(of_joint(r).squaredNorm());
+      motion[i].push_back((y.array() - y.mean()).matrix().squaredNorm());
+    }
+  });
+  double most = 0.0;
+  for (std::size_t j = 0; j < n; ++j) {
+    double squares = 0.0, about_mean = 1e-12;
+    for (std::size_t i = 0; i < windows_.size(); ++i) {
+      squares += off[i][j];
+      about_mean += motion[i][j];
+    }
+    most = std::max(most, squares / about_mean);
+  }
+  return most;
+}
+
+std::vector<std::vector<double>> Problem::ripple_cycles(const Hypothesis& h) const {
+  constexpr int kMostCycles = 48;
+  constexpr double kSwings = 0.05;  // of the missing torque's square
+  std::vector<std::vector<double>> out;
+  for (const TorqueSamples& s : missing_torque(*this, recordings_, h, windows_.front().span_s, 3000)) {
+    const auto& q = s.own().angle_rad;
+    const auto& y = s.missing_nm;
+    std::vector<std::pair<double, double>> best;
+    const double range = scales_.highest_rad[s.joint] - scales_.lowest_rad[s.joint];
+    for (int cycles = 2; cycles <= kMostCycles && y.size() > 100; ++cycles) {
+      if (cycles * range < 9.0) continue;  // one and a half cycles of travel
+      Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
+      Eigen::Vector3d right = Eigen::Vector3d::Zero();
+      double squares = 0.0;
+      for (std::size_t i = 0; i < y.size(); ++i) {
+        const Eigen::Vector3d row(1.0, std::sin(cycles * q[i]), std::cos(cycles * q[i]));
+        normal += row * row.transpose();
+        right += row * y[i];
+        squares += y[i] * y[i];
+      }
+      const double constant = right(0) * right(0) / normal(0, 0);
+      best.emplace_back((right.dot(Eigen::Vector3d(normal.ldlt().solve(right))) - constant) / std::max(squares, 1e-300), cycles);
+    }
+    std::sort(best.rbegin(), best.rend());
+    out.emplace_back();
+    for (std::size_t k = 0; k < best.size() && k < 2 && best[k].first > kSwings; ++k) out.back().push_back(best[k].second);
+  }
+  return out;
 }
 
 std::vector<double> Problem::losses(const Hypothesis& h) const {

@@ -44,6 +44,7 @@ Scales scales_of(const TreeModel& model, std::span<const Recording> recordings);
 
 struct Window {
   std::size_t recording, first, last;
+  double span_s;                                  ///< asked for
   std::vector<double> angle_rad, velocity_radps;  ///< start, as measured around it
   Eigen::VectorXd start_precision;                ///< of angles, then velocities: one over the variance
   Eigen::VectorXd measured;                       ///< bin by bin, joint by joint
@@ -101,6 +102,10 @@ class Problem {
   Fit fit(Hypothesis from, const FitOptions& options) const;
   /// Loss of each window.
   std::vector<double> losses(const Hypothesis& h) const;
+  /// Squares of what the windows' runs are off over those of the motion about its mean, of the joint where they are most.
+  double misfit(const Hypothesis& h) const;
+  /// Of each joint, the cycles a turn with which the missing torque swings most: at most two, none where nothing swings.
+  std::vector<std::vector<double>> ripple_cycles(const Hypothesis& h) const;
   Products products(const Hypothesis& h, const std::vector<Unknown>& unknowns, const std::vector<Hypothesis>& probes) const;
 
  private:

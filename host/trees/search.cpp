@@ -14,8 +14,12 @@ using Indices = std::vector<Index>;
 /// A candidate must be so many times its own scatter from window to window, squared: by its number of columns. Some
 /// hundred are tried, and the windows of a log are not quite independent.
 constexpr double kSure[] = {0.0, 16.0, 21.0, 25.0, 28.0};
+/// A window's residuals over its motion, squared, from which on nothing is linear any more.
+constexpr double kGrosslyWrong = 0.02;
 /// Of the residuals that there are, what is less is not worth a name.
 constexpr double kWorth = 0.004;
+/// Of the residuals, so much is not chance.
+constexpr double kMuch = 0.2;
 /// Of the gain on all recordings, so much must be there on those that the fit has not seen.
 constexpr double kKept = 0.4;
 
@@ -88,14 +92,21 @@ class Linear {
     }
     std::vector<Score> out;
     for (std::size_t c = 0; c < candidates_.size(); ++c) {
-      const Indices columns = columns_of(c);
       // A column that hardly sticks out of what is fitted already says nothing.
-      bool new_enough = true;
-      for (const Index k : columns) new_enough &= left(k, k) > 1e-4 * m(k, k) && m(k, k) > 1e-6 * before;
-      if (!new_enough) continue;
-      const Eigen::VectorXd x = solve(left, columns);
+      Indices columns;
+      std::vector<Index> kept;
+      const Indices own = columns_of(c);
+      for (std::size_t k = 0; k < own.size(); ++k) {
+        if (!(left(own[k], own[k]) > 1e-4 * m(own[k], own[k]) && m(own[k], own[k]) > 1e-6 * before)) continue;
+        columns.push_back(own[k]);
+        kept.push_back(static_cast<Index>(k));
+      }
+      if (columns.empty() || (kept.front() != 0 && candidates_[c].only_forward)) continue;
+      const Eigen::VectorXd of_kept = solve(left, columns);
+      Eigen::VectorXd x = Eigen::VectorXd::Zero(static_cast<Index>(own.size()));
+      for (std::size_t k = 0; k < kept.size(); ++k) x(kept[k]) = of_kept(static_cast<Index>(k));
       if (candidates_[c].only_forward && x.minCoeff() < 0.0 && (x.size() == 1 || x(0) < 0.0)) continue;
-      const double gain = x.dot(Eigen::VectorXd(part(left, columns, {0})));
+      const double gain = of_kept.dot(Eigen::VectorXd(part(left, columns, {0})));
       if (gain > kWorth * before) out.push_back({c, gain, gain, x});
     }
     std::sort(out.begin(), out.end(), [](const Score& a, const Score& b) { return a.gain != b.gain ? a.gain > b.gain : a.candidate < b.candidate; });
@@ -144,7 +155,9 @@ class Linear {
     const Eigen::MatrixXd scaled = unit.asDiagonal() * scatter * unit.asDiagonal() + 1e-6 * Eigen::MatrixXd::Identity(p, p);
     const Eigen::VectorXd u = unit.asDiagonal() * sum;
     const double statistic = u.dot(scaled.ldlt().solve(u));
-    if (statistic < kSure[std::min<Index>(p, 4)]) return -1.0;
+    // What is there in a few windows only is much there; the scatter then says little.
+    const double limit = kSure[std::min<Index>(p, 4)];
+    if (statistic < (s.gain > kMuch * m(0, 0) ? 0.3 : 1.0) * limit) return -1.0;
     return s.gain / std::max(statistic, 1.0);
   }
 
@@ -205,21 +218,44 @@ class Search {
  public:
   Search(Problem& problem, const SearchOptions& options) : problem_(problem), options_(options) {}
 
-  Found run() {
+  Found run(Problem* coarse) {
     Found found;
     Hypothesis h{problem_.model().drives, problem_.model().causes};
     say(0.02, "fitting the free parameters");
     problem_.weigh(h);
     found.refitted = problem_.fit(h, {options_.threads, 8});
     problem_.weigh(found.refitted.at);
-    Fit fit = problem_.fit(found.refitted.at, {options_.threads, 4});
-    found.refitted = fit;
-    constexpr int kRounds = 7;
-    for (int round = 0; round < kRounds; ++round) {
+    found.refitted = problem_.fit(found.refitted.at, {options_.threads, 4});
+    Fit fit = found.refitted;
+    if (coarse != nullptr && problem_.misfit(fit.at) > kGrosslyWrong) {
+      // Where the model flies apart within a window, nothing is linear: the large causes are found on short windows.
+      Search on_short(*coarse, options_);
+      coarse->weigh(fit.at);
+      Fit short_fit = on_short.rounds(coarse->fit(fit.at, {options_.threads, 4}), 4, nullptr);
+      problem_.weigh(short_fit.at);
+      fit = problem_.fit(short_fit.at, {options_.threads, 6});
+      problem_.weigh(fit.at);
+      fit = problem_.fit(fit.at, {options_.threads, 4});
+    }
+    for (int again = 0; again < 3; ++again) {
+      fit = rounds(std::move(fit), again == 0 ? 7 : 3, again == 0 ? &found : nullptr);
+      const std::size_t before = fit.at.causes.size();
+      fit = prune(merge(std::move(fit)), true);
+      if (fit.at.causes.size() == before || dropped_.empty()) break;
+      problem_.weigh(fit.at);
+      fit = problem_.fit(fit.at, {options_.threads, 4});
+    }
+    judge(found, std::move(fit));
+    return found;
+  }
+
+  /// Adds causes until none is worth it.
+  Fit rounds(Fit fit, int most, Found* found) {
+    for (int round = 0; round < most; ++round) {
       say(0.08 + 0.09 * round, "testing causes at sites");
-      const Linear linear(problem_, fit.at, fit.unknowns, candidates(problem_, fit.at, {}));
-      found.tried = std::max(found.tried, linear.candidates().size());
-      const std::vector<Linear::Score> picks = pick(linear, round == 0 ? &found : nullptr);
+      const Linear linear(problem_, fit.at, fit.unknowns, tried(fit.at));
+      if (found != nullptr) found->tried = std::max(found->tried, linear.candidates().size());
+      const std::vector<Linear::Score> picks = pick(linear, round == 0 ? found : nullptr);
       if (picks.empty()) break;
       const std::size_t before = fit.at.causes.size();
       Hypothesis next = fit.at;
@@ -233,7 +269,7 @@ class Search {
           replaced.push_back(c.replaces);
           c.replaces -= shift;
         }
-        next = with_candidate(problem_.model(), next, c, std::span<const double>(s.coefficients.data(), static_cast<std::size_t>(s.coefficients.size())));
+        next = with_candidate(problem_.model(), next, c, coefficients(s));
       }
       say(0.12 + 0.09 * round, "fitting " + std::to_string(next.causes.size()) + (next.causes.size() == 1 ? " cause" : " causes"));
       Fit with = prune(problem_.fit(next, {options_.threads, 6}), false);
@@ -242,14 +278,22 @@ class Search {
       problem_.weigh(fit.at);
       fit = problem_.fit(fit.at, {options_.threads, 3});
     }
-    fit = prune(merge(std::move(fit)), true);
-    judge(found, std::move(fit));
-    return found;
+    return fit;
   }
 
  private:
   void say(double fraction, const std::string& doing) const {
     if (options_.progress) options_.progress(std::min(fraction, 0.99), doing);
+  }
+
+  static std::span<const double> coefficients(const Linear::Score& s) {
+    return {s.coefficients.data(), static_cast<std::size_t>(s.coefficients.size())};
+  }
+  /// All candidates but those that the recordings did not agree on.
+  std::vector<Candidate> tried(const Hypothesis& h) const {
+    std::vector<Candidate> out = candidates(problem_, h, problem_.ripple_cycles(h));
+    std::erase_if(out, [&](const Candidate& c) { return dropped_.contains(cause_name(problem_.model(), c.columns.front())); });
+    return out;
   }
 
   /// The candidates to take in this round, by a greedy solution of the linear problem.
@@ -306,7 +350,7 @@ class Search {
   }
 
   /// Drops causes that do not hold, the weakest first.
-  Fit prune(Fit fit, bool strict) const {
+  Fit prune(Fit fit, bool strict) {
     for (;;) {
       std::size_t weakest = fit.at.causes.size();
       double least = 12.0;
@@ -316,6 +360,7 @@ class Search {
           weakest = c;
         }
       if (weakest == fit.at.causes.size()) return fit;
+      if (strict) dropped_.insert(cause_name(problem_.model(), fit.at.causes[weakest]));
       fit = problem_.fit(without(fit.at, weakest), {options_.threads, 4});
     }
   }
@@ -370,8 +415,7 @@ class Search {
         found.gain.push_back((off.loss - fit.loss) / fit.loss);
         found.z.push_back(against(fit, off));
         std::vector<Rival> rivals;
-        std::vector<Candidate> others = candidates(problem_, off.at, {});
-        const Linear linear(problem_, off.at, off.unknowns, others);
+        const Linear linear(problem_, off.at, off.unknowns, candidates(problem_, off.at, problem_.ripple_cycles(off.at)));
         std::vector<Linear::Score> scores = linear.scores(linear.fitted(), 60);
         std::stable_sort(scores.begin(), scores.end(), [](const auto& a, const auto& b) { return a.gain > b.gain; });
         std::set<std::string> seen{cause_name(problem_.model(), fit.at.causes[c])};
@@ -382,7 +426,7 @@ class Search {
           if (candidate.replaces >= 0 || !seen.insert(name).second) continue;
           if (fitted == 4 || s.gain < 0.3 * (off.loss - fit.loss)) break;
           ++fitted;
-          const Hypothesis h = with_candidate(problem_.model(), off.at, candidate, std::span<const double>(s.coefficients.data(), static_cast<std::size_t>(s.coefficients.size())));
+          const Hypothesis h = with_candidate(problem_.model(), off.at, candidate, coefficients(s));
           const Fit other = problem_.fit(h, {options_.threads, 5});
           // The same law in another dress has the name that it had before.
           Rival r{{other.at.causes.back()}, other.loss - fit.loss, against(fit, other)};
@@ -414,10 +458,11 @@ class Search {
 
   Problem& problem_;
   const SearchOptions& options_;
+  std::set<std::string> dropped_;  ///< causes that did not hold at the end of a search
 };
 
 }  // namespace
 
-Found search(Problem& problem, const SearchOptions& options) { return Search(problem, options).run(); }
+Found search(Problem& problem, Problem* coarse, const SearchOptions& options) { return Search(problem, options).run(coarse); }
 
 }  // namespace furcula::trees

@@ -43,6 +43,7 @@ struct SearchOptions {
   std::function<void(double, std::string_view)> progress;
 };
 
-Found search(Problem& problem, const SearchOptions& options);
+/// `coarse`, the same recordings in short windows, is used where the model as given is grossly wrong; it may be null.
+Found search(Problem& problem, Problem* coarse, const SearchOptions& options);
 
 }  // namespace furcula::trees
