@@ -144,7 +144,7 @@
     var gap = mode === 'beside' ? 0.5 * data.size : 0;
     var st = Math.sin(view.turn), ct = Math.cos(view.turn), si = Math.sin(view.tilt), co = Math.cos(view.tilt);
     var sideways = function (k) { return [ct * k, st * k, 0]; };  // across the view, so that neither hides the other
-    var away = 3.2 * data.size;
+    var away = (gap ? 8 : 3.2) * data.size;  // from afar both are seen from one side
     var focal = view.zoom * Math.min(width * (gap ? 0.48 : 0.9), height * 1.05) / data.size * away;
     var project = function (p) {
       var x = p[0] - data.centre[0], y = p[1] - data.centre[1], z = p[2] - data.centre[2];
@@ -197,29 +197,38 @@
         paper.globalAlpha = 1;
       }
     });
-    label(marks, project, width, height);
+    if (!gap || width >= 700) label(marks, project, width, height);  // two robots and their names need room
     arrows(height);
     tell();
   }
 
-  // Names to the right of the robot, moved down where they would lie over each other.
+  // Names beside the robot, on the side where they belong, moved down where they would lie over each other.
   function label(poses, project, width, height) {
     var taken = [], all = [];
     paper.font = '600 13px system-ui, sans-serif';
     paper.textBaseline = 'middle';
     poses.forEach(function (pose) {
-      var right = 0;
-      pose.parts.forEach(function (p) { p.drawn.forEach(function (q) { right = Math.max(right, q[0]); }); });
+      var left = width, right = 0;
+      pose.parts.forEach(function (p) {
+        p.drawn.forEach(function (q) {
+          left = Math.min(left, q[0]);
+          right = Math.max(right, q[0]);
+        });
+      });
       pose.marks.forEach(function (m) {
         m.drawn = project(m.at);
-        m.beside = right + 22;
+        m.left = left - 22;
+        m.right = right + 22;
+        m.isLeft = m.drawn[0] < 0.5 * (left + right) - 0.05 * (right - left);
         all.push(m);
       });
     });
     all.sort(function (a, b) { return a.drawn[1] - b.drawn[1]; });
     all.forEach(function (m) {
       var text = m.text.length > 60 ? m.text.slice(0, 59) + '…' : m.text;
-      var w = paper.measureText(text).width, x = Math.max(6, Math.min(m.beside, width - 6 - w)), y = m.drawn[1];
+      var w = paper.measureText(text).width, y = m.drawn[1];
+      var isLeft = m.isLeft && m.left - w >= 6 || m.right + w > width - 6 && m.left - w >= 6;
+      var x = isLeft ? m.left - w : Math.max(6, Math.min(m.right, width - 6 - w));
       var covers = function (t) { return Math.abs(t.y - y) < 19 && x < t.right && t.x < x + w; };
       for (var k = 0; k < 40 && taken.some(covers); ++k) y += 4;
       y = Math.min(Math.max(y, 12), height - 12);
@@ -228,7 +237,7 @@
       paper.lineWidth = 1;
       paper.beginPath();
       paper.moveTo(m.drawn[0], m.drawn[1]);
-      paper.lineTo(x > m.drawn[0] ? x - 3 : Math.min(x + w + 3, m.drawn[0]), y);
+      paper.lineTo(isLeft ? x + w + 3 : x - 3, y);
       paper.stroke();
       paper.lineWidth = 4;
       paper.strokeStyle = 'rgba(251,252,253,.92)';
