@@ -14,6 +14,8 @@ using Indices = std::vector<Index>;
 /// A candidate must be so many times its own scatter from window to window, squared: by its number of columns. Some
 /// hundred are tried, and the windows of a log are not quite independent.
 constexpr double kSure[] = {0.0, 16.0, 21.0, 25.0, 28.0};
+/// So many are fitted before one is taken.
+constexpr std::size_t kLeaders = 5;
 /// A window's residuals over its motion, squared, from which on nothing is linear any more.
 constexpr double kGrosslyWrong = 0.02;
 /// Of the residuals that there are, what is less is not worth a name.
@@ -251,11 +253,12 @@ class Search {
 
   /// Adds causes until none is worth it.
   Fit rounds(Fit fit, int most, Found* found) {
+    std::set<std::string> refused;  // proposed, and gone in the fit
     for (int round = 0; round < most; ++round) {
       say(0.08 + 0.09 * round, "testing causes at sites");
       const Linear linear(problem_, fit.at, fit.unknowns, tried(fit.at));
       if (found != nullptr) found->tried = std::max(found->tried, linear.candidates().size());
-      const std::vector<Linear::Score> picks = pick(linear, round == 0 ? found : nullptr);
+      const std::vector<Linear::Score> picks = pick(linear, fit, refused, round == 0 ? found : nullptr);
       if (picks.empty()) break;
       const std::size_t before = fit.at.causes.size();
       Hypothesis next = fit.at;
@@ -273,7 +276,10 @@ class Search {
       }
       say(0.12 + 0.09 * round, "fitting " + std::to_string(next.causes.size()) + (next.causes.size() == 1 ? " cause" : " causes"));
       Fit with = prune(problem_.fit(next, {options_.threads, 6}), false);
-      if (with.loss > fit.loss * (1.0 - kWorth) && with.at.causes.size() >= before) break;
+      if (with.loss > fit.loss * (1.0 - kWorth) && with.at.causes.size() >= before) {
+        refused.insert(cause_name(problem_.model(), linear.candidates()[picks.front().candidate].columns.front()));
+        continue;
+      }
       fit = std::move(with);
       problem_.weigh(fit.at);
       fit = problem_.fit(fit.at, {options_.threads, 3});
@@ -297,24 +303,28 @@ class Search {
   }
 
   /// The candidates to take in this round, by a greedy solution of the linear problem.
-  std::vector<Linear::Score> pick(const Linear& linear, Found* table) const {
+  std::vector<Linear::Score> pick(const Linear& linear, const Fit& fit, const std::set<std::string>& refused, Found* table) const {
     std::vector<Linear::Score> out;
     Indices base = linear.fitted();
     std::set<std::pair<Seat, std::size_t>> taken;
     for (std::size_t k = 0; k < problem_.joints() + 1; ++k) {
       const auto scores = linear.scores(base, 40);
       const Linear::Score* best = nullptr;
+      std::vector<const Linear::Score*> leaders;
+      std::set<std::string> seen;
       for (const auto& s : scores) {
+        if (!seen.insert(cause_name(problem_.model(), linear.candidates()[s.candidate].columns.front())).second) continue;
         const Candidate& c = linear.candidates()[s.candidate];
         const bool free = std::none_of(c.sites.begin(), c.sites.end(), [&](std::size_t site) { return taken.contains({seat_of(c), site}); });
-        if (free) {
-          best = &s;
-          break;
-        }
+        if (!free || refused.contains(cause_name(problem_.model(), c.columns.front()))) continue;
+        if (best == nullptr) best = &s;
+        leaders.push_back(&s);
+        if (k > 0 || leaders.size() == kLeaders) break;
       }
       if (table != nullptr && k == 0)
         for (const auto& s : scores)
           table->table.push_back({cause_name(problem_.model(), linear.candidates()[s.candidate].columns.front()), s.gain / linear.loss(), false});
+      if (leaders.size() > 1) best = best_fitted(linear, fit, leaders);
       // The linear test is about the wrong model yet: what is small beside the best waits for the next round.
       if (best == nullptr || (!out.empty() && best->gain < 0.2 * out.front().gain)) break;
       out.push_back(*best);
@@ -323,6 +333,23 @@ class Search {
       for (const Index column : linear.columns_of(best->candidate)) base.push_back(column);
     }
     return out;
+  }
+  /// Of the first few by the linear test, the one that is best when it is fitted.
+  const Linear::Score* best_fitted(const Linear& linear, const Fit& fit, const std::vector<const Linear::Score*>& leaders) const {
+    const Linear::Score* best = leaders.front();
+    double least = 1e300;
+    for (const Linear::Score* s : leaders) {
+      if (s->gain < 0.5 * leaders.front()->gain) continue;
+      const Hypothesis h = with_candidate(problem_.model(), fit.at, linear.candidates()[s->candidate], coefficients(*s));
+      const Fit with = problem_.fit(h, {options_.threads, 4});
+      // A parameter more must be worth a hundredth of the residuals.
+      const double loss = with.loss * (1.0 + 0.01 * static_cast<double>(with.unknowns.size()));
+      if (loss < least) {
+        least = loss;
+        best = s;
+      }
+    }
+    return best;
   }
   static Seat seat_of(const Candidate& c) {
     const Seat s = info(c.effect).seat;
