@@ -76,20 +76,22 @@ void run_on_tree(const RecordingOptions& o, const trees::TreeModel& model) {
       {o.out + "/extended.urdf", trees::extended_urdf(d)},
       {o.out + "/extended.mjcf.xml", trees::extended_mjcf(d)},
       {o.out + "/report.html", report::render_tree_report(d, o.command_line("diagnose", true))}});
-  std::cout << "fitted on " << logs.training.size() << ", held out " << logs.held_out.size() << " recordings\n"
+  std::cout << "fitted on " << logs.training.size() << ", held out " << logs.held_out.size()
+            << " recordings\n"
             << trees::name(d.verdict) << ": " << log::printable_lines(d.summary) << "\n";
   for (const trees::Finding& f : d.findings) {
     std::cout << "  " << log::printable(trees::cause_name(model, f.cause));
     for (const trees::Estimate& e : f.parameters)
-      std::cout << "  " << e.name << " = " << log::rounded(e.value) << " " << e.unit << " (95 % " << log::rounded(e.lower) << " to "
-                << log::rounded(e.upper) << ")";
+      std::cout << "  " << e.name << " = " << log::rounded(e.value) << " " << e.unit << " (95 % "
+                << log::rounded(e.lower) << " to " << log::rounded(e.upper) << ")";
     std::cout << "  confidence " << log::rounded(f.confidence, 2) << "\n";
     for (const trees::RivalText& r : f.indistinguishable_from)
       std::cout << "    cannot be told from " << log::printable(r.causes.front()) << "\n";
   }
   std::cout << "held-out error, RMS, as given and extended:";
   for (std::size_t j = 0; j < model.joints(); ++j)
-    std::cout << (j == 0 ? " " : ", ") << log::printable(model.robot.joints[j].name) << " " << log::rounded(d.as_given_error[j].rmse, 3) << " to "
+    std::cout << (j == 0 ? " " : ", ") << log::printable(model.robot.joints[j].name) << " "
+              << log::rounded(d.as_given_error[j].rmse, 3) << " to "
               << log::rounded(d.extended_error[j].rmse, 3) << " " << trees::channel_unit(model, j);
   std::cout << "\n";
   for (const std::string& note : d.notes) std::cout << log::printable(note) << "\n";

@@ -39,20 +39,24 @@ void run_on_tree(const IdentifyOptions& o, const trees::TreeModel& model) {
   }
   log::write_files_together(std::vector<log::NewFile>{
       {o.out + "/identification.json", trees::to_json_text(found)},
-      {o.out + "/identified_model.toml", trees::format_tree_model(found.model, trees::urdf_seen_from(model, o.out))}});
+      {o.out + "/identified_model.toml",
+       trees::format_tree_model(found.model, trees::urdf_seen_from(model, o.out))}});
   for (const auto& p : found.parameters)
-    std::printf("  %-32s %12.6g %-9s 95 %% %.6g to %.6g  %s%s\n", log::printable(p.name).c_str(), p.value, p.unit.c_str(), p.lower, p.upper,
-                p.verdict.c_str(), p.with.empty() ? "" : (" (" + log::printable(p.with) + ")").c_str());
+    std::printf("  %-32s %12.6g %-9s 95 %% %.6g to %.6g  %s%s\n", log::printable(p.name).c_str(), p.value,
+                p.unit.c_str(), p.lower, p.upper, p.verdict.c_str(),
+                p.with.empty() ? "" : (" (" + log::printable(p.with) + ")").c_str());
   std::printf("held-out error, RMS, as given and identified:");
   for (std::size_t j = 0; j < model.joints(); ++j)
-    std::printf("%s %s %.3g to %.3g %s", j == 0 ? "" : ",", log::printable(model.robot.joints[j].name).c_str(), found.as_given_error[j].rmse,
+    std::printf("%s %s %.3g to %.3g %s", j == 0 ? "" : ",",
+                log::printable(model.robot.joints[j].name).c_str(), found.as_given_error[j].rmse,
                 found.identified_error[j].rmse, std::string(trees::channel_unit(model, j)).c_str());
   std::printf("\n");
 }
 
 void run(const IdentifyOptions& o) {
   if (const auto tree = tree_model(o.model)) {
-    if (o.method != "simulation") throw UsageError("--method " + o.method + ": a tree is identified by simulation");
+    if (o.method != "simulation")
+      throw UsageError("--method " + o.method + ": a tree is identified by simulation");
     return run_on_tree(o, *tree);
   }
   const Recordings r = read_recordings(o);

@@ -22,8 +22,9 @@ void RecordingOptions::add_to(CLI::App& command) {
   command.add_option("--hold-out", held_out,
                      "Logs that no fit sees (put another option or -- after them); without it a seeded "
                      "fifth, of one log its last quarter");
-  command.add_option("--window-s", window_s,
-                     "Length of a prediction on motor_axis and rotary_joint (0.5 if not given), and on a tree (0.3), s");
+  command.add_option(
+      "--window-s", window_s,
+      "Length of a prediction on motor_axis and rotary_joint (0.5 if not given), and on a tree (0.3), s");
   command.add_option("--out", out, "Folder for the results")->required();
   command.add_option("--threads", threads, "Threads; the result is the same for any number");
   command.add_option("--seed", seed, "Seed of the choice of held-out logs")->capture_default_str();

@@ -21,7 +21,7 @@ struct RecordingOptions {
   std::vector<std::string> logs;
   std::vector<std::string> held_out;
   double window_s = 0.0;  ///< 0: 0.5 s, on a tree 0.3 s
-  unsigned threads = 0;  ///< 0: as many as the machine has
+  unsigned threads = 0;   ///< 0: as many as the machine has
   std::uint64_t seed = 1;
 
   void add_to(CLI::App& command);

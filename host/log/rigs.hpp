@@ -85,16 +85,30 @@ struct ColumnPattern {
 
 /// The longer prefix first: torque_cmd_ before torque_.
 inline constexpr std::array<ColumnPattern, 10> kTreeColumns{{
-    {"angle_cmd_", "rad", {"angle_cmd_<joint>_rad", false, ColumnKind::quantity, "set point of the drive's position law"}},
+    {"angle_cmd_",
+     "rad",
+     {"angle_cmd_<joint>_rad", false, ColumnKind::quantity, "set point of the drive's position law"}},
     {"angle_", "rad", {"angle_<joint>_rad", false, ColumnKind::quantity, "angle of the joint"}},
-    {"velocity_", "radps", {"velocity_<joint>_radps", false, ColumnKind::quantity, "angular velocity as the rig derived it"}},
-    {"torque_cmd_", "nm", {"torque_cmd_<joint>_nm", false, ColumnKind::quantity, "torque commanded to the drive"}},
+    {"velocity_",
+     "radps",
+     {"velocity_<joint>_radps", false, ColumnKind::quantity, "angular velocity as the rig derived it"}},
+    {"torque_cmd_",
+     "nm",
+     {"torque_cmd_<joint>_nm", false, ColumnKind::quantity, "torque commanded to the drive"}},
     {"torque_", "nm", {"torque_<joint>_nm", false, ColumnKind::quantity, "torque that the drive reports"}},
-    {"position_cmd_", "m", {"position_cmd_<joint>_m", false, ColumnKind::quantity, "set point of a prismatic joint"}},
+    {"position_cmd_",
+     "m",
+     {"position_cmd_<joint>_m", false, ColumnKind::quantity, "set point of a prismatic joint"}},
     {"position_", "m", {"position_<joint>_m", false, ColumnKind::quantity, "position of a prismatic joint"}},
-    {"velocity_", "mps", {"velocity_<joint>_mps", false, ColumnKind::quantity, "velocity of a prismatic joint"}},
-    {"force_cmd_", "n", {"force_cmd_<joint>_n", false, ColumnKind::quantity, "force commanded to a prismatic joint's drive"}},
-    {"force_", "n", {"force_<joint>_n", false, ColumnKind::quantity, "force that a prismatic joint's drive reports"}},
+    {"velocity_",
+     "mps",
+     {"velocity_<joint>_mps", false, ColumnKind::quantity, "velocity of a prismatic joint"}},
+    {"force_cmd_",
+     "n",
+     {"force_cmd_<joint>_n", false, ColumnKind::quantity, "force commanded to a prismatic joint's drive"}},
+    {"force_",
+     "n",
+     {"force_<joint>_n", false, ColumnKind::quantity, "force that a prismatic joint's drive reports"}},
 }};
 
 inline constexpr std::array<ColumnInfo, 1> kTreeFixedColumns{{

@@ -29,15 +29,17 @@ class Lister {
   bool has(Effect e, const std::vector<std::size_t>& at) const {
     return std::any_of(h_.causes.begin(), h_.causes.end(), [&](const Cause& c) {
       if (c.effect != e) return false;
-      return std::any_of(at.begin(), at.end(), [&](std::size_t s) { return std::find(c.sites.begin(), c.sites.end(), s) != c.sites.end(); });
+      return std::any_of(at.begin(), at.end(), [&](std::size_t s) {
+        return std::find(c.sites.begin(), c.sites.end(), s) != c.sites.end();
+      });
     });
   }
   bool is_free(std::size_t joint, std::size_t parameter) const {
     return std::any_of(model_.free.begin(), model_.free.end(),
                        [&](const FreeParameter& f) { return f.joint == joint && f.parameter == parameter; });
   }
-  void add(Effect e, const std::vector<std::size_t>& at, const std::vector<Values>& columns, bool only_forward = true,
-           std::ptrdiff_t replaces = -1) {
+  void add(Effect e, const std::vector<std::size_t>& at, const std::vector<Values>& columns,
+           bool only_forward = true, std::ptrdiff_t replaces = -1) {
     if (has(e, at)) return;
     Candidate c{e, at, {}, only_forward, replaces};
     for (const Values& v : columns) c.columns.push_back({e, at, v});
@@ -45,12 +47,14 @@ class Lister {
   }
   std::ptrdiff_t cause_at(Effect e, std::size_t joint) const {
     for (std::size_t i = 0; i < h_.causes.size(); ++i)
-      if (h_.causes[i].effect == e && h_.causes[i].sites == std::vector<std::size_t>{joint}) return static_cast<std::ptrdiff_t>(i);
+      if (h_.causes[i].effect == e && h_.causes[i].sites == std::vector<std::size_t>{joint})
+        return static_cast<std::ptrdiff_t>(i);
     return -1;
   }
 
   void at_joint(std::size_t j) {
-    const double torque = 0.05 * scales_.torque_nm[j], speed = scales_.velocity_radps[j], acceleration = scales_.acceleration_radps2[j];
+    const double torque = 0.05 * scales_.torque_nm[j], speed = scales_.velocity_radps[j],
+                 acceleration = scales_.acceleration_radps2[j];
     const double low = scales_.lowest_rad[j], range = scales_.highest_rad[j] - low;
     const Drive& d = model_.drives[j];
     const std::vector<std::size_t> at{j};
@@ -60,7 +64,8 @@ class Lister {
     // The fuller laws of dry friction have it in them: they are asked about once it is there.
     if (!full && dry >= 0) {
       const double f = h_.causes[static_cast<std::size_t>(dry)].values[0];
-      for (const double part : {0.05, 0.2, 0.6}) add(Effect::stribeck_friction, at, {{f, f + torque, part * speed, 0}}, true, dry);
+      for (const double part : {0.05, 0.2, 0.6})
+        add(Effect::stribeck_friction, at, {{f, f + torque, part * speed, 0}}, true, dry);
       add(Effect::asymmetric_friction, at, {{f + 0.3 * torque, f - 0.3 * torque, 0, 0}}, false, dry);
     }
     add(Effect::quadratic_drag, at, {{torque / (speed * speed), 0, 0, 0}});
@@ -68,22 +73,29 @@ class Lister {
       for (int k = 1; k <= 7; ++k)
         for (const double width : {0.08, 0.25})
           add(Effect::binding_spot, at, {{torque, low + range * k / 8.0, width * range, 0}});
-    if (!is_free(j, 3)) add(Effect::damping_error, at, {{d.damping_nmspr + torque / speed, 0, 0, 0}}, d.damping_nmspr == 0.0);
+    if (!is_free(j, 3))
+      add(Effect::damping_error, at, {{d.damping_nmspr + torque / speed, 0, 0, 0}}, d.damping_nmspr == 0.0);
     add(Effect::load_friction, at, {{0.05, 0, 0, 0}});
     add(Effect::force_offset, at, {{torque, 0, 0, 0}}, false);
     if (!is_free(j, 2))
-      add(Effect::rotor_inertia_error, at, {{d.rotor_inertia_kgm2 + torque / acceleration, 0, 0, 0}}, d.rotor_inertia_kgm2 == 0.0);
+      add(Effect::rotor_inertia_error, at, {{d.rotor_inertia_kgm2 + torque / acceleration, 0, 0, 0}},
+          d.rotor_inertia_kgm2 == 0.0);
     add(Effect::torque_gain_error, at, {{1.05, 0, 0, 0}}, false);
     if (d.law == DriveLaw::position && !is_free(j, 0) && !is_free(j, 1))
-      add(Effect::position_gain_error, at, {{1.05 * d.kp_nmprad, d.kd_nmsprad, 0, 0}, {d.kp_nmprad, 1.05 * d.kd_nmsprad + 1e-3 * d.kp_nmprad, 0, 0}}, false);
+      add(Effect::position_gain_error, at,
+          {{1.05 * d.kp_nmprad, d.kd_nmsprad, 0, 0},
+           {d.kp_nmprad, 1.05 * d.kd_nmsprad + 1e-3 * d.kp_nmprad, 0, 0}},
+          false);
     for (const double delay : {3e-3, 10e-3, 25e-3}) add(Effect::actuator_delay, at, {{delay, 0, 0, 0}});
     for (const double lag : {3e-3, 10e-3, 30e-3}) add(Effect::actuator_lag, at, {{lag, 0, 0, 0}});
-    for (const double limit : {2.0, 1.4, 1.0}) add(Effect::torque_saturation, at, {{limit * scales_.torque_nm[j], 0, 0, 0}});
+    for (const double limit : {2.0, 1.4, 1.0})
+      add(Effect::torque_saturation, at, {{limit * scales_.torque_nm[j], 0, 0, 0}});
     if (j < ripple_.size())
       for (const double n : ripple_[j])
         add(Effect::torque_ripple, at, {{torque, n, 0, 0}, {torque, n, 0.5 * std::numbers::pi, 0}}, false);
     if (d.rotor_inertia_kgm2 > 0.0 || has(Effect::rotor_inertia_error, at))
-      for (const double twist : {0.003, 0.02}) add(Effect::joint_elasticity, at, {{scales_.torque_nm[j] / twist, 0, 0, 0}});
+      for (const double twist : {0.003, 0.02})
+        add(Effect::joint_elasticity, at, {{scales_.torque_nm[j] / twist, 0, 0, 0}});
     add(Effect::encoder_offset, at, {{0.02, 0, 0, 0}}, false);
   }
 
@@ -130,8 +142,10 @@ class Lister {
       any_free_rotor |= is_free(j, 2);
     }
     add(Effect::coulomb_friction, at, {{torque, 0, 0, 0}});
-    if (same_damping && !any_free_damping) add(Effect::damping_error, at, {{damping + torque / speed, 0, 0, 0}}, damping == 0.0);
-    if (same_rotor && !any_free_rotor) add(Effect::rotor_inertia_error, at, {{rotor + torque / acceleration, 0, 0, 0}}, rotor == 0.0);
+    if (same_damping && !any_free_damping)
+      add(Effect::damping_error, at, {{damping + torque / speed, 0, 0, 0}}, damping == 0.0);
+    if (same_rotor && !any_free_rotor)
+      add(Effect::rotor_inertia_error, at, {{rotor + torque / acceleration, 0, 0, 0}}, rotor == 0.0);
     add(Effect::load_friction, at, {{0.05, 0, 0, 0}});
     add(Effect::torque_gain_error, at, {{1.05, 0, 0, 0}}, false);
     for (const double delay : {3e-3, 10e-3, 25e-3}) add(Effect::actuator_delay, at, {{delay, 0, 0, 0}});
@@ -152,7 +166,8 @@ Hypothesis base_of(const Hypothesis& h, const Candidate& c) {
 
 }  // namespace
 
-std::vector<Candidate> candidates(const Problem& problem, const Hypothesis& h, const std::vector<std::vector<double>>& ripple_cycles) {
+std::vector<Candidate> candidates(const Problem& problem, const Hypothesis& h,
+                                  const std::vector<std::vector<double>>& ripple_cycles) {
   return Lister(problem, h, ripple_cycles).list();
 }
 
@@ -168,7 +183,8 @@ Hypothesis with_column(const Hypothesis& h, const Candidate& c, std::size_t colu
   return out;
 }
 
-Hypothesis with_candidate(const TreeModel& model, const Hypothesis& h, const Candidate& c, std::span<const double> coefficients) {
+Hypothesis with_candidate(const TreeModel& model, const Hypothesis& h, const Candidate& c,
+                          std::span<const double> coefficients) {
   Cause cause = c.columns.front();
   const std::size_t count = info(c.effect).parameter_count;
   switch (c.effect) {
@@ -188,12 +204,14 @@ Hypothesis with_candidate(const TreeModel& model, const Hypothesis& h, const Can
         if (c.replaces >= 0 && k < 2) neutral = h.causes[static_cast<std::size_t>(c.replaces)].values[0];
         if (std::isnan(neutral)) continue;
         double value = neutral;
-        for (std::size_t i = 0; i < c.columns.size(); ++i) value += coefficients[i] * (c.columns[i].values[k] - neutral);
+        for (std::size_t i = 0; i < c.columns.size(); ++i)
+          value += coefficients[i] * (c.columns[i].values[k] - neutral);
         cause.values[k] = value;
       }
   }
   const EffectInfo& e = info(c.effect);
-  for (std::size_t k = 0; k < count; ++k) cause.values[k] = std::clamp(cause.values[k], e.parameters()[k].lower, e.parameters()[k].upper);
+  for (std::size_t k = 0; k < count; ++k)
+    cause.values[k] = std::clamp(cause.values[k], e.parameters()[k].lower, e.parameters()[k].upper);
   Hypothesis out = base_of(h, c);
   out.causes.push_back(cause);
   return out;

@@ -14,8 +14,9 @@ struct Candidate {
   Effect effect;
   std::vector<std::size_t> sites;
   std::vector<Cause> columns;
-  bool only_forward = true;     ///< coefficients below zero make no sense
-  std::ptrdiff_t replaces = -1; ///< a cause of the hypothesis that it contains (dry friction by a fuller law of it)
+  bool only_forward = true;  ///< coefficients below zero make no sense
+  std::ptrdiff_t replaces =
+      -1;  ///< a cause of the hypothesis that it contains (dry friction by a fuller law of it)
 };
 
 /// All that the hypothesis does not have yet. `ripple_cycles[joint]` are what the torque may ripple with.
@@ -26,7 +27,8 @@ std::vector<Candidate> candidates(const Problem& problem, const Hypothesis& h,
 Hypothesis with_column(const Hypothesis& h, const Candidate& c, std::size_t column);
 
 /// The hypothesis with the candidate at the size that the coefficients of its columns say.
-Hypothesis with_candidate(const TreeModel& model, const Hypothesis& h, const Candidate& c, std::span<const double> coefficients);
+Hypothesis with_candidate(const TreeModel& model, const Hypothesis& h, const Candidate& c,
+                          std::span<const double> coefficients);
 
 Hypothesis without(const Hypothesis& h, std::size_t cause);
 

@@ -24,18 +24,21 @@ constexpr std::size_t kMostSearchWindows = 240;
 
 std::string percent(double share) {
   const double p = 100.0 * share;
-  return (std::abs(p) >= 10.0 ? std::to_string(static_cast<long>(std::lround(p))) : log::rounded(p, 2)) + " %";
+  return (std::abs(p) >= 10.0 ? std::to_string(static_cast<long>(std::lround(p))) : log::rounded(p, 2)) +
+         " %";
 }
 
 std::string joined(const std::vector<std::string>& all) {
   std::string out;
-  for (std::size_t i = 0; i < all.size(); ++i) out += (i == 0 ? "" : i + 1 == all.size() ? " and " : ", ") + all[i];
+  for (std::size_t i = 0; i < all.size(); ++i)
+    out += (i == 0 ? "" : i + 1 == all.size() ? " and " : ", ") + all[i];
   return out;
 }
 
 class Diagnoser {
  public:
-  Diagnoser(const TreeModel& model, const std::vector<log::Log>& training, const std::vector<log::Log>& held_out, const Options& options)
+  Diagnoser(const TreeModel& model, const std::vector<log::Log>& training,
+            const std::vector<log::Log>& held_out, const Options& options)
       : model_(model), options_(options) {
     for (const log::Log& log : training) {
       training_.push_back(recording_of(model, log));
@@ -63,18 +66,22 @@ class Diagnoser {
   Diagnosis run() {
     std::vector<Window> windows = windows_of(model_, training_, options_.window_s, kMostSearchWindows);
     if (windows.empty())
-      throw log::DataError("no training log has " + log::shortest(options_.window_s) + " s without a gap; expected longer logs, or a smaller --window-s");
+      throw log::DataError("no training log has " + log::shortest(options_.window_s) +
+                           " s without a gap; expected longer logs, or a smaller --window-s");
     d_.windows = windows.size();
     Problem problem(model_, training_, std::move(windows), options_.threads);
-    std::vector<Window> short_windows = windows_of(model_, training_, options_.window_s / 3.0, kMostSearchWindows);
+    std::vector<Window> short_windows =
+        windows_of(model_, training_, options_.window_s / 3.0, kMostSearchWindows);
     std::optional<Problem> coarse;
     if (!short_windows.empty()) coarse.emplace(model_, training_, std::move(short_windows), options_.threads);
     const Found found = search(problem, coarse ? &*coarse : nullptr, {options_.threads, options_.progress});
     d_.refitted = found.refitted.at;
     d_.extended = found.fit.at;
     for (const auto& t : found.table) {
-      const bool chosen = std::any_of(d_.extended.causes.begin(), d_.extended.causes.end(), [&](const Cause& c) { return cause_name(model_, c) == t.name; });
-      const bool again = std::any_of(d_.tried.begin(), d_.tried.end(), [&](const auto& o) { return o.cause == t.name; });
+      const bool chosen = std::any_of(d_.extended.causes.begin(), d_.extended.causes.end(),
+                                      [&](const Cause& c) { return cause_name(model_, c) == t.name; });
+      const bool again =
+          std::any_of(d_.tried.begin(), d_.tried.end(), [&](const auto& o) { return o.cause == t.name; });
       if (!again) d_.tried.push_back({t.name, t.gain, chosen});
     }
     say(0.95, "predicting the held-out logs");
@@ -95,7 +102,7 @@ class Diagnoser {
 
   void errors() {
     const Hypothesis given{model_.drives, model_.causes};
-    const auto of = [&](const Hypothesis& h, std::vector<double> Trace::* into) {
+    const auto of = [&](const Hypothesis& h, std::vector<double> Trace::*into) {
       return predict(model_, held_out_, options_.window_s, h, d_.refitted, &d_.traces, into);
     };
     const Predictions as_given = of(given, &Trace::as_given);
@@ -106,7 +113,10 @@ class Diagnoser {
   }
 
   void torques(const Problem& problem) {
-    const std::vector<TorqueSamples> before = missing_torque(problem, training_, d_.refitted, options_.window_s), after = missing_torque(problem, training_, d_.extended, options_.window_s);
+    const std::vector<TorqueSamples> before =
+                                         missing_torque(problem, training_, d_.refitted, options_.window_s),
+                                     after =
+                                         missing_torque(problem, training_, d_.extended, options_.window_s);
     for (std::size_t j = 0; j < model_.joints(); ++j) {
       MissingTorque m;
       m.recording = after[j].recording;
@@ -132,7 +142,8 @@ class Diagnoser {
   }
   static double foretold(double share, double rms) { return std::sqrt(std::max(0.0, share)) * rms; }
   static bool structured(const MissingTorque& m) {
-    return m.predictable_after > kForetold && foretold(m.predictable_after, m.rms_after_nm) > kOfTorque * m.rms_torque_nm;
+    return m.predictable_after > kForetold &&
+           foretold(m.predictable_after, m.rms_after_nm) > kOfTorque * m.rms_torque_nm;
   }
 
   std::vector<Estimate> estimates(const Fit& fit, std::size_t cause) const {
@@ -158,7 +169,8 @@ class Diagnoser {
     const auto& information = fit.fold_information[k];
     double total = 0.0, mean = 0.0, squared = 0.0, scatter = 0.0;
     for (const double w : information) total += w;
-    for (std::size_t f = 0; f < values.size(); ++f) mean += information[f] / std::max(total, 1e-300) * values[f];
+    for (std::size_t f = 0; f < values.size(); ++f)
+      mean += information[f] / std::max(total, 1e-300) * values[f];
     for (std::size_t f = 0; f < values.size(); ++f) {
       const double w = information[f] / std::max(total, 1e-300);
       squared += w * w;
@@ -189,17 +201,19 @@ class Diagnoser {
         const EffectInfo& other = info(r.causes.front().effect);
         for (std::size_t k = 0; k < other.parameter_count; ++k) {
           const bool linear = is_linear(model_, other.seat, r.causes.front().sites.front());
-          text.parameters.push_back({std::string(name_on(other.parameters()[k], linear)), std::string(unit_on(other.parameters()[k], linear)),
+          text.parameters.push_back({std::string(name_on(other.parameters()[k], linear)),
+                                     std::string(unit_on(other.parameters()[k], linear)),
                                      r.causes.front().values[k], NAN, NAN});
         }
         nearest = std::min(nearest, r.z);
         if (r.z < kApart) {
-          text.why = "in its place and fitted, the windows are predicted as well: the difference is " + log::rounded(r.z, 2) +
-                     " times its own scatter from window to window";
+          text.why = "in its place and fitted, the windows are predicted as well: the difference is " +
+                     log::rounded(r.z, 2) + " times its own scatter from window to window";
           f.indistinguishable_from.push_back(text);
         } else {
-          text.why = "in its place and fitted, the windows' loss is " + percent(r.loss_more / found.fit.loss) + " more, " +
-                     log::rounded(r.z, 2) + " times its own scatter from window to window";
+          text.why = "in its place and fitted, the windows' loss is " +
+                     percent(r.loss_more / found.fit.loss) + " more, " + log::rounded(r.z, 2) +
+                     " times its own scatter from window to window";
           f.alternatives.push_back(text);
         }
       }
@@ -211,7 +225,8 @@ class Diagnoser {
       f.next_experiment = std::string(e.experiment);
       d_.findings.push_back(std::move(f));
     }
-    std::stable_sort(d_.findings.begin(), d_.findings.end(), [&](const Finding& a, const Finding& b) { return total(a.without) > total(b.without); });
+    std::stable_sort(d_.findings.begin(), d_.findings.end(),
+                     [&](const Finding& a, const Finding& b) { return total(a.without) > total(b.without); });
   }
   /// Over joints, each by its own motion.
   static double total(const std::vector<ChannelError>& e) {
@@ -224,18 +239,23 @@ class Diagnoser {
     for (std::size_t k = 0; k < found.fit.unknowns.size(); ++k) {
       const Unknown& u = found.fit.unknowns[k];
       if (u.of_cause) continue;
-      const std::string name = std::string(kDriveParameters[u.parameter]) + "." + model_.robot.joints[u.joint].name;
+      const std::string name =
+          std::string(kDriveParameters[u.parameter]) + "." + model_.robot.joints[u.joint].name;
       constexpr std::array<std::string_view, 4> kUnits{"N m/rad", "N m s/rad", "kg m^2", "N m s/rad"};
       constexpr std::array<std::string_view, 4> kLinear{"N/m", "N s/m", "kg", "N s/m"};
       const std::string unit((model_.prismatic(u.joint) ? kLinear : kUnits)[u.parameter]);
-      Diagnosis::ParameterRow row{name, unit, value_of(Hypothesis{model_.drives, {}}, u), {}, interval(name, unit, found.fit, k), {}};
+      Diagnosis::ParameterRow row{
+          name, unit, value_of(Hypothesis{model_.drives, {}}, u), {}, interval(name, unit, found.fit, k), {}};
       row.refitted = row.extended;
       for (std::size_t i = 0; i < found.refitted.unknowns.size(); ++i) {
         const Unknown& v = found.refitted.unknowns[i];
-        if (!v.of_cause && v.joint == u.joint && v.parameter == u.parameter) row.refitted = interval(name, unit, found.refitted, i);
+        if (!v.of_cause && v.joint == u.joint && v.parameter == u.parameter)
+          row.refitted = interval(name, unit, found.refitted, i);
       }
       const double width = row.extended.upper - row.extended.lower;
-      row.verdict = found.fit.at_bound[k] ? "at_bound" : width > 0.5 * (u.upper - u.lower) ? "not_excited" : "identified";
+      row.verdict = found.fit.at_bound[k]               ? "at_bound"
+                    : width > 0.5 * (u.upper - u.lower) ? "not_excited"
+                                                        : "identified";
       d_.parameters.push_back(row);
     }
     static_cast<void>(problem);
@@ -245,7 +265,8 @@ class Diagnoser {
   void known_inertias() {
     const std::size_t n = model_.joints();
     const std::size_t rows = std::min<std::size_t>(400, 40 * n);
-    Eigen::MatrixXd regressor = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(rows * n), static_cast<Eigen::Index>(10 * n));
+    Eigen::MatrixXd regressor =
+        Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(rows * n), static_cast<Eigen::Index>(10 * n));
     std::size_t all = 0;
     for (const Recording& r : training_) all += r.rows();
     std::size_t taken = 0;
@@ -266,13 +287,17 @@ class Diagnoser {
             // Lengths about the size of an arm, so that the ten are of one size.
             constexpr double kArm_m = 0.2;
             dynamics::tree::Inertia<double> unit{};
-            double* const parts[10] = {&unit.mass_kg, &unit.moment_kgm.x, &unit.moment_kgm.y, &unit.moment_kgm.z, &unit.inertia_kgm2.xx,
-                                       &unit.inertia_kgm2.xy, &unit.inertia_kgm2.xz, &unit.inertia_kgm2.yy, &unit.inertia_kgm2.yz, &unit.inertia_kgm2.zz};
+            double* const parts[10] = {&unit.mass_kg,         &unit.moment_kgm.x,    &unit.moment_kgm.y,
+                                       &unit.moment_kgm.z,    &unit.inertia_kgm2.xx, &unit.inertia_kgm2.xy,
+                                       &unit.inertia_kgm2.xz, &unit.inertia_kgm2.yy, &unit.inertia_kgm2.yz,
+                                       &unit.inertia_kgm2.zz};
             *parts[p] = p == 0 ? 1.0 : p < 4 ? kArm_m : kArm_m * kArm_m;
             tree.set_body(b, unit);
             const auto torque = dynamics::tree::body_torques(tree, q, v, a);
             tree.set_body(b, {});
-            for (std::size_t j = 0; j < n; ++j) regressor(static_cast<Eigen::Index>(taken * n + j), static_cast<Eigen::Index>(10 * b + p)) = torque[j];
+            for (std::size_t j = 0; j < n; ++j)
+              regressor(static_cast<Eigen::Index>(taken * n + j), static_cast<Eigen::Index>(10 * b + p)) =
+                  torque[j];
           }
       }
     }
@@ -282,8 +307,10 @@ class Diagnoser {
       structural += s(i) > 1e-9 * s(0) ? 1 : 0;
       shown += s(i) > 1e-2 * s(0) ? 1 : 0;
     }
-    d_.notes.push_back("Of the bodies' " + std::to_string(10 * n) + " inertial parameters the joints' torques depend on " + std::to_string(structural) +
-                       " combinations; " + std::to_string(shown) + " of them make more than a hundredth of the largest one's torque in these recordings. No mass or centre is named that only the others know.");
+    d_.notes.push_back(
+        "Of the bodies' " + std::to_string(10 * n) + " inertial parameters the joints' torques depend on " +
+        std::to_string(structural) + " combinations; " + std::to_string(shown) +
+        " of them make more than a hundredth of the largest one's torque in these recordings. No mass or centre is named that only the others know.");
   }
 
   void verdict(const Found&) {
@@ -296,27 +323,40 @@ class Diagnoser {
       after += m.predictable_after * m.rms_after_nm * m.rms_after_nm / unit;
       if (structured(m)) where.push_back(model_.robot.joints[j].name);
     }
-    d_.unexplained_share = before > 0.0 && !d_.findings.empty() ? std::clamp(after / before, 0.0, 1.0) : where.empty() ? 0.0 : 1.0;
+    d_.unexplained_share = before > 0.0 && !d_.findings.empty() ? std::clamp(after / before, 0.0, 1.0)
+                           : where.empty()                      ? 0.0
+                                                                : 1.0;
     const bool left = !where.empty() && (d_.findings.empty() || d_.unexplained_share > 0.1);
     for (Finding& f : d_.findings) {
       if (left) f.confidence = std::min(f.confidence, std::max(0.3, 1.0 - d_.unexplained_share));
     }
-    const bool undecided = std::any_of(d_.findings.begin(), d_.findings.end(), [](const Finding& f) { return !f.indistinguishable_from.empty(); });
+    const bool undecided = std::any_of(d_.findings.begin(), d_.findings.end(),
+                                       [](const Finding& f) { return !f.indistinguishable_from.empty(); });
     std::vector<std::string> names;
-    for (const Finding& f : d_.findings) names.push_back(std::string(info(f.cause.effect).label) + " at " + joined(f.at));
+    for (const Finding& f : d_.findings)
+      names.push_back(std::string(info(f.cause.effect).label) + " at " + joined(f.at));
     if (d_.findings.empty()) {
       d_.verdict = left ? Verdict::unexplained : Verdict::adequate;
-      d_.summary = left ? "The model lacks torque at " + joined(where) + ", and no cause of the catalogue accounts for it."
-                        : "The model is adequate: nothing is missing that the state, the torque or the time would foretell.";
+      d_.summary =
+          left
+              ? "The model lacks torque at " + joined(where) +
+                    ", and no cause of the catalogue accounts for it."
+              : "The model is adequate: nothing is missing that the state, the torque or the time would foretell.";
     } else {
-      d_.verdict = undecided ? Verdict::not_identifiable : left ? Verdict::partly_explained : Verdict::explained;
+      d_.verdict = undecided ? Verdict::not_identifiable
+                   : left    ? Verdict::partly_explained
+                             : Verdict::explained;
       d_.summary = "The model lacks " + joined(names) + ".";
       if (undecided) d_.summary += " The recordings cannot tell all of that from other causes.";
-      if (left) d_.summary += " " + percent(d_.unexplained_share) + " of the torque that could be foretold is still missing, at " + joined(where) + ".";
+      if (left)
+        d_.summary += " " + percent(d_.unexplained_share) +
+                      " of the torque that could be foretold is still missing, at " + joined(where) + ".";
     }
     for (const Finding& f : d_.findings)
-      if (!f.indistinguishable_from.empty() && d_.next_experiment.empty()) d_.next_experiment = f.next_experiment;
-    if (d_.next_experiment.empty() && !d_.findings.empty()) d_.next_experiment = d_.findings.front().next_experiment;
+      if (!f.indistinguishable_from.empty() && d_.next_experiment.empty())
+        d_.next_experiment = f.next_experiment;
+    if (d_.next_experiment.empty() && !d_.findings.empty())
+      d_.next_experiment = d_.findings.front().next_experiment;
   }
 
   /// One held-out recording for the picture: measured, and simulated window by window.
@@ -324,7 +364,8 @@ class Diagnoser {
     for (const Recording& r : held_out_) {
       Motion m;
       m.log = r.path;
-      const std::size_t step = std::max<std::size_t>(1, static_cast<std::size_t>(0.02 / std::max(r.interval_s, 1e-6)));
+      const std::size_t step =
+          std::max<std::size_t>(1, static_cast<std::size_t>(0.02 / std::max(r.interval_s, 1e-6)));
       m.measured.resize(model_.joints());
       m.simulated.resize(model_.joints());
       for (std::size_t j = 0; j < model_.joints(); ++j)
@@ -352,9 +393,12 @@ class Diagnoser {
 std::string channel_name(const TreeModel& model, std::size_t joint) {
   return (model.prismatic(joint) ? "position_" : "angle_") + model.robot.joints[joint].name;
 }
-std::string_view channel_unit(const TreeModel& model, std::size_t joint) { return model.prismatic(joint) ? "m" : "rad"; }
+std::string_view channel_unit(const TreeModel& model, std::size_t joint) {
+  return model.prismatic(joint) ? "m" : "rad";
+}
 
-Diagnosis diagnose(const TreeModel& model, const std::vector<log::Log>& training, const std::vector<log::Log>& held_out, const Options& options) {
+Diagnosis diagnose(const TreeModel& model, const std::vector<log::Log>& training,
+                   const std::vector<log::Log>& held_out, const Options& options) {
   return Diagnoser(model, training, held_out, options).run();
 }
 

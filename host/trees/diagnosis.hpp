@@ -15,7 +15,8 @@ namespace furcula::trees {
 enum class Verdict { adequate, explained, partly_explained, unexplained, not_identifiable };
 
 constexpr std::string_view name(Verdict v) {
-  constexpr std::string_view kNames[] = {"adequate", "explained", "partly_explained", "unexplained", "not_identifiable"};
+  constexpr std::string_view kNames[] = {"adequate", "explained", "partly_explained", "unexplained",
+                                         "not_identifiable"};
   return kNames[static_cast<std::size_t>(v)];
 }
 
@@ -40,8 +41,9 @@ struct Finding {
   Cause cause;
   std::vector<std::string> at;  ///< names of the sites
   std::vector<Estimate> parameters;
-  double explainable_removed = 0.0;      ///< of the training windows' loss that could be explained, what this cause alone is worth
-  std::vector<ChannelError> without;     ///< held out, of each joint, without it, all else fitted again
+  double explainable_removed =
+      0.0;  ///< of the training windows' loss that could be explained, what this cause alone is worth
+  std::vector<ChannelError> without;  ///< held out, of each joint, without it, all else fitted again
   double confidence = 0.0;
   std::vector<RivalText> alternatives, indistinguishable_from;
   std::string explanation, where_to_look, next_experiment;
@@ -53,8 +55,11 @@ struct MissingTorque {
   std::vector<double> time_s, angle_rad, velocity_radps;
   std::vector<double> before_nm, after_nm;  ///< with the model re-fitted, and extended
   double rms_before_nm = 0.0, rms_after_nm = 0.0, rms_torque_nm = 0.0;
-  double predictable_before = 0.0, predictable_after = 0.0;  ///< share of its square that a flexible law of the state foretells, on recordings it was not fitted on
-  std::string goes_along_with;                               ///< what it follows most, after; empty: nothing
+  double
+      predictable_before = 0.0,
+      predictable_after =
+          0.0;  ///< share of its square that a flexible law of the state foretells, on recordings it was not fitted on
+  std::string goes_along_with;  ///< what it follows most, after; empty: nothing
 };
 
 struct Trace {
@@ -70,7 +75,7 @@ struct Motion {
 };
 
 struct Diagnosis {
-  TreeModel model;                      ///< as given
+  TreeModel model;  ///< as given
   Hypothesis refitted, extended;
   Verdict verdict = Verdict::adequate;
   std::string summary;
@@ -78,16 +83,16 @@ struct Diagnosis {
   double window_s = 0.3;
   std::vector<std::string> training_files, held_out_files, notes;
   std::vector<ChannelError> as_given_error, refitted_error, extended_error;  ///< held out, of each joint
-  std::vector<double> noise_floor;      ///< nmse of each joint
+  std::vector<double> noise_floor;                                           ///< nmse of each joint
   std::vector<Finding> findings;
-  std::vector<MissingTorque> missing;   ///< of each joint
+  std::vector<MissingTorque> missing;  ///< of each joint
   struct ParameterRow {
     std::string name, unit;
     double given = 0.0;
     Estimate refitted, extended;
     std::string verdict;
   };
-  std::vector<ParameterRow> parameters; ///< free ones
+  std::vector<ParameterRow> parameters;  ///< free ones
   struct Tried {
     std::string cause;
     double gain;

@@ -21,21 +21,25 @@ Json parameters_of(const std::vector<Estimate>& all) {
 Json held_out(const TreeModel& m, const std::vector<ChannelError>& errors) {
   Json out = Json::object();
   for (std::size_t j = 0; j < errors.size(); ++j) out["nmse_" + channel_name(m, j)] = number(errors[j].nmse);
-  for (std::size_t j = 0; j < errors.size(); ++j) out["mae_" + channel_name(m, j) + "_" + std::string(channel_unit(m, j))] = number(errors[j].mae);
-  for (std::size_t j = 0; j < errors.size(); ++j) out["rmse_" + channel_name(m, j) + "_" + std::string(channel_unit(m, j))] = number(errors[j].rmse);
+  for (std::size_t j = 0; j < errors.size(); ++j)
+    out["mae_" + channel_name(m, j) + "_" + std::string(channel_unit(m, j))] = number(errors[j].mae);
+  for (std::size_t j = 0; j < errors.size(); ++j)
+    out["rmse_" + channel_name(m, j) + "_" + std::string(channel_unit(m, j))] = number(errors[j].rmse);
   return {{"held_out", out}};
 }
 
 Json rivals(const std::vector<RivalText>& all, const char* reason) {
   Json out = Json::array();
-  for (const RivalText& r : all) out.push_back({{"effects", r.causes}, {reason, r.why}, {"parameters", parameters_of(r.parameters)}});
+  for (const RivalText& r : all)
+    out.push_back({{"effects", r.causes}, {reason, r.why}, {"parameters", parameters_of(r.parameters)}});
   return out;
 }
 
 Json finding(const Finding& f, const Diagnosis& d) {
   Json gain = {{"explainable_nmse_removed", number(f.explainable_removed)}};
   for (std::size_t j = 0; j < f.without.size(); ++j)
-    gain["held_out_mae_" + channel_name(d.model, j) + "_" + std::string(channel_unit(d.model, j))] = pair(f.without[j].mae, d.extended_error[j].mae);
+    gain["held_out_mae_" + channel_name(d.model, j) + "_" + std::string(channel_unit(d.model, j))] =
+        pair(f.without[j].mae, d.extended_error[j].mae);
   return {{"effect", info(f.cause.effect).name},
           {"at", f.at},
           {"seat", name(info(f.cause.effect).seat)},
@@ -51,22 +55,29 @@ Json finding(const Finding& f, const Diagnosis& d) {
 }  // namespace
 
 std::string to_json_text(const Diagnosis& d) {
-  Json findings = Json::array(), missing = Json::object(), tried = Json::array(), floor = Json::object(), along = Json::array(), parameters = Json::object();
+  Json findings = Json::array(), missing = Json::object(), tried = Json::array(), floor = Json::object(),
+       along = Json::array(), parameters = Json::object();
   for (const Finding& f : d.findings) findings.push_back(finding(f, d));
   bool white = true;
   for (std::size_t j = 0; j < d.missing.size(); ++j) {
     const MissingTorque& m = d.missing[j];
     const std::string& joint = d.model.robot.joints[j].name;
     const std::string unit = d.model.prismatic(j) ? "n" : "nm";
-    missing[joint] = {{"rms_before_" + unit, number(m.rms_before_nm)}, {"rms_after_" + unit, number(m.rms_after_nm)},
-                      {"rms_of_drive_" + unit, number(m.rms_torque_nm)}, {"foretold_before", number(m.predictable_before)},
+    missing[joint] = {{"rms_before_" + unit, number(m.rms_before_nm)},
+                      {"rms_after_" + unit, number(m.rms_after_nm)},
+                      {"rms_of_drive_" + unit, number(m.rms_torque_nm)},
+                      {"foretold_before", number(m.predictable_before)},
                       {"foretold_after", number(m.predictable_after)}};
     if (m.goes_along_with.empty()) continue;
     white = false;
-    along.push_back({{"signal", channel_name(d.model, j)}, {"strength", number(m.predictable_after)}, {"how", "the torque missing at " + joint + " goes along with " + m.goes_along_with}});
+    along.push_back({{"signal", channel_name(d.model, j)},
+                     {"strength", number(m.predictable_after)},
+                     {"how", "the torque missing at " + joint + " goes along with " + m.goes_along_with}});
   }
-  for (std::size_t j = 0; j < d.noise_floor.size(); ++j) floor["nmse_" + channel_name(d.model, j)] = number(d.noise_floor[j]);
-  for (const auto& t : d.tried) tried.push_back({{"effects", {t.cause}}, {"training_gain", number(t.gain)}, {"chosen", t.chosen}});
+  for (std::size_t j = 0; j < d.noise_floor.size(); ++j)
+    floor["nmse_" + channel_name(d.model, j)] = number(d.noise_floor[j]);
+  for (const auto& t : d.tried)
+    tried.push_back({{"effects", {t.cause}}, {"training_gain", number(t.gain)}, {"chosen", t.chosen}});
   for (const auto& p : d.parameters)
     parameters[p.name] = {{"unit", p.unit},
                           {"given", number(p.given)},
@@ -78,7 +89,12 @@ std::string to_json_text(const Diagnosis& d) {
   const Json out = {
       {"schema", "furcula-diagnosis/1"},
       {"kind", "tree"},
-      {"data", {{"logs", d.logs}, {"samples", d.samples}, {"windows", d.windows}, {"window_s", d.window_s}, {"held_out_logs", d.held_out_logs}}},
+      {"data",
+       {{"logs", d.logs},
+        {"samples", d.samples},
+        {"windows", d.windows},
+        {"window_s", d.window_s},
+        {"held_out_logs", d.held_out_logs}}},
       {"verdict", name(d.verdict)},
       {"summary", d.summary},
       {"baseline", held_out(d.model, d.as_given_error)},
@@ -86,7 +102,8 @@ std::string to_json_text(const Diagnosis& d) {
       {"extended", held_out(d.model, d.extended_error)},
       {"noise_floor", floor},
       {"findings", findings},
-      {"unexplained", {{"fraction_of_nmse", number(d.unexplained_share)}, {"white", white}, {"goes_along_with", along}}},
+      {"unexplained",
+       {{"fraction_of_nmse", number(d.unexplained_share)}, {"white", white}, {"goes_along_with", along}}},
       {"missing_torque", missing},
       {"next_experiment", d.next_experiment},
       {"parameters", parameters},

@@ -14,7 +14,8 @@ constexpr double kMostTorque = 1e4;
 constexpr EffectInfo shared(Effect effect, dynamics::Effect one_joint, Seat seat,
                             std::array<Parameter, kMostParameters> parameters, std::size_t count) {
   const dynamics::EffectInfo& i = dynamics::kCatalogue[static_cast<std::size_t>(one_joint)];
-  return {effect, i.name, i.title, seat, i.law, parameters, count, i.explanation, i.where_to_look, i.best_experiment};
+  return {effect,        i.name,          i.title,          seat, i.law, parameters, count,
+          i.explanation, i.where_to_look, i.best_experiment};
 }
 using One = dynamics::Effect;
 
@@ -51,7 +52,8 @@ constexpr EffectInfo kAll[] = {
      "The same slow strokes with and without a load at the end of the arm: the loss grows with the load."},
     shared(Effect::force_offset, One::force_offset, Seat::joint,
            {{{"torque_nm", "N m", "force_n", "N", -kMostTorque, kMostTorque}}}, 1),
-    shared(Effect::mass_error, One::mass_error, Seat::link, {{{"mass_kg", "kg", "mass_kg", "kg", 0.0, 1e5}}}, 1),
+    shared(Effect::mass_error, One::mass_error, Seat::link, {{{"mass_kg", "kg", "mass_kg", "kg", 0.0, 1e5}}},
+           1),
     {Effect::com_error,
      "com_error",
      "the model's centre of mass",
@@ -92,7 +94,8 @@ constexpr EffectInfo kAll[] = {
      "a tilt of the base",
      Seat::base,
      "the base is turned by roll about x, then by pitch about y",
-     {{{"roll_rad", "rad", "roll_rad", "rad", -3.2, 3.2}, {"pitch_rad", "rad", "pitch_rad", "rad", -3.2, 3.2}}},
+     {{{"roll_rad", "rad", "roll_rad", "rad", -3.2, 3.2},
+       {"pitch_rad", "rad", "pitch_rad", "rad", -3.2, 3.2}}},
      2,
      "The base does not stand level: gravity pulls another way than the model says.",
      "The table, the bolts of the base; the axes of gravity in the model.",
@@ -107,18 +110,21 @@ constexpr EffectInfo kAll[] = {
      "The drive's rotor takes torque to speed up, by its inertia times the square of the gear ratio.",
      "The motor's data sheet and the gear ratio: is the inertia there, and multiplied by the ratio squared?",
      "Fast strokes of one joint, the others still, in postures of small and of large inertia of the arm."},
-    shared(Effect::torque_gain_error, One::torque_gain_error, Seat::drive, {{{"gain", "", "gain", "", 0.0, 10.0}}}, 1),
+    shared(Effect::torque_gain_error, One::torque_gain_error, Seat::drive,
+           {{{"gain", "", "gain", "", 0.0, 10.0}}}, 1),
     {Effect::position_gain_error,
      "position_gain_error",
      "the gains of the drive's position law",
      Seat::drive,
      "torque = kp (set point - q) - kd v with other gains",
-     {{{"kp_nmprad", "N m/rad", "kp_npm", "N/m", 0.0, 1e6}, {"kd_nmsprad", "N m s/rad", "kd_nspm", "N s/m", 0.0, 1e6}}},
+     {{{"kp_nmprad", "N m/rad", "kp_npm", "N/m", 0.0, 1e6},
+       {"kd_nmsprad", "N m s/rad", "kd_nspm", "N s/m", 0.0, 1e6}}},
      2,
      "The drive's stiffness or damping is not what the model says.",
      "The gains that the drive has in force, their units, and the torque constant that turns them to current.",
      "Steps of the set point of several sizes, and the sag of a joint that holds a weight."},
-    shared(Effect::actuator_delay, One::actuator_delay, Seat::drive, {{{"delay_s", "s", "delay_s", "s", 0.0, 0.2}}}, 1),
+    shared(Effect::actuator_delay, One::actuator_delay, Seat::drive,
+           {{{"delay_s", "s", "delay_s", "s", 0.0, 0.2}}}, 1),
     shared(Effect::actuator_lag, One::actuator_lag, Seat::drive,
            {{{"time_constant_s", "s", "time_constant_s", "s", 0.0, 1.0}}}, 1),
     shared(Effect::torque_saturation, One::torque_saturation, Seat::drive,

@@ -52,7 +52,8 @@ double value_of(const Hypothesis& h, const Unknown& u) {
   return u.of_cause ? h.causes[u.cause].values[u.parameter] : h.drives[u.joint].*kDriveMembers[u.parameter];
 }
 void set_value(Hypothesis& h, const Unknown& u, double value) {
-  (u.of_cause ? h.causes[u.cause].values[u.parameter] : h.drives[u.joint].*kDriveMembers[u.parameter]) = value;
+  (u.of_cause ? h.causes[u.cause].values[u.parameter] : h.drives[u.joint].*kDriveMembers[u.parameter]) =
+      value;
 }
 
 Scales scales_of(const TreeModel& model, std::span<const Recording> recordings) {
@@ -61,14 +62,16 @@ Scales scales_of(const TreeModel& model, std::span<const Recording> recordings) 
     std::vector<double> torque, velocity, acceleration;
     double low = 1e300, high = -1e300;
     for (const Recording& r : recordings) {
-      const std::size_t step = std::max<std::size_t>(1, static_cast<std::size_t>(0.02 / std::max(r.interval_s, 1e-6)));
+      const std::size_t step =
+          std::max<std::size_t>(1, static_cast<std::size_t>(0.02 / std::max(r.interval_s, 1e-6)));
       for (std::size_t k = 0; k < r.rows(); k += step) {
         const LocalState s = local_state(r, j, k, kSmoothing_s);
         velocity.push_back(s.velocity_radps);
         acceleration.push_back(s.acceleration_radps2);
         const Drive& d = model.drives[j];
-        torque.push_back(d.law == DriveLaw::torque ? r.input[j][k]
-                                                   : d.kp_nmprad * (r.input[j][k] - s.angle_rad) - d.kd_nmsprad * s.velocity_radps);
+        torque.push_back(d.law == DriveLaw::torque
+                             ? r.input[j][k]
+                             : d.kp_nmprad * (r.input[j][k] - s.angle_rad) - d.kd_nmsprad * s.velocity_radps);
         low = std::min(low, s.angle_rad);
         high = std::max(high, s.angle_rad);
       }
@@ -82,7 +85,8 @@ Scales scales_of(const TreeModel& model, std::span<const Recording> recordings) 
   return out;
 }
 
-std::vector<Window> windows_of(const TreeModel& model, std::span<const Recording> recordings, double window_s, std::size_t most) {
+std::vector<Window> windows_of(const TreeModel& model, std::span<const Recording> recordings, double window_s,
+                               std::size_t most) {
   std::vector<Window> out;
   for (std::size_t i = 0; i < recordings.size(); ++i) {
     const Recording& r = recordings[i];
@@ -91,8 +95,10 @@ std::vector<Window> windows_of(const TreeModel& model, std::span<const Recording
       while (last + 1 < r.rows() && r.time_s[last + 1] - r.time_s[first] <= window_s * (1.0 + 1e-9) &&
              r.time_s[last + 1] - r.time_s[last] < 5.0 * r.interval_s + 1e-3)
         ++last;
-      const bool gap = last + 1 < r.rows() && r.time_s[last + 1] - r.time_s[last] >= 5.0 * r.interval_s + 1e-3;
-      if (r.time_s[last] - r.time_s[first] > 0.8 * window_s && last - first >= 8) out.push_back({i, first, last, window_s, {}, {}, {}, {}, {}});
+      const bool gap =
+          last + 1 < r.rows() && r.time_s[last + 1] - r.time_s[last] >= 5.0 * r.interval_s + 1e-3;
+      if (r.time_s[last] - r.time_s[first] > 0.8 * window_s && last - first >= 8)
+        out.push_back({i, first, last, window_s, {}, {}, {}, {}, {}});
       first = gap || last == first ? last + 1 : last;
     }
   }
@@ -119,27 +125,34 @@ std::vector<Window> windows_of(const TreeModel& model, std::span<const Recording
     const double t0 = r.time_s[w.first], span = r.time_s[w.last] - t0;
     std::vector<double> count(fewest, 0.0);
     for (std::size_t k = w.first; k <= w.last; ++k) {
-      const auto bin = std::min(fewest - 1, static_cast<std::size_t>((r.time_s[k] - t0) / span * static_cast<double>(fewest)));
+      const auto bin = std::min(
+          fewest - 1, static_cast<std::size_t>((r.time_s[k] - t0) / span * static_cast<double>(fewest)));
       w.bin.push_back(bin);
       count[bin] += 1.0;
-      for (std::size_t j = 0; j < n; ++j) w.measured(static_cast<Eigen::Index>(bin * n + j)) += r.angle_rad[j][k];
+      for (std::size_t j = 0; j < n; ++j)
+        w.measured(static_cast<Eigen::Index>(bin * n + j)) += r.angle_rad[j][k];
     }
     for (std::size_t b = 0; b < fewest; ++b)
-      if (count[b] > 0.0) w.measured.segment(static_cast<Eigen::Index>(b * n), static_cast<Eigen::Index>(n)) /= count[b];
+      if (count[b] > 0.0)
+        w.measured.segment(static_cast<Eigen::Index>(b * n), static_cast<Eigen::Index>(n)) /= count[b];
   }
   return out;
 }
 
-Problem::Problem(const TreeModel& model, const std::vector<Recording>& recordings, std::vector<Window> windows, unsigned threads)
+Problem::Problem(const TreeModel& model, const std::vector<Recording>& recordings,
+                 std::vector<Window> windows, unsigned threads)
     : model_(model),
       recordings_(recordings),
       windows_(std::move(windows)),
       threads_(threads),
       maker_(model),
       scales_(scales_of(model, recordings)),
-      bins_(windows_.empty() ? 0 : static_cast<std::size_t>(windows_.front().measured.size()) / model.joints()),
+      bins_(windows_.empty() ? 0
+                             : static_cast<std::size_t>(windows_.front().measured.size()) / model.joints()),
       folds_(recordings.size() >= 3 ? recordings.size() : 4) {
-  if (windows_.empty()) throw log::DataError("no recording is long enough for a window; expected some tenths of a second without gaps");
+  if (windows_.empty())
+    throw log::DataError(
+        "no recording is long enough for a window; expected some tenths of a second without gaps");
   window_weight_.assign(windows_.size(), 1.0);
 }
 
@@ -163,15 +176,19 @@ std::vector<Unknown> Problem::unknowns(const Hypothesis& h) const {
                         (c.effect == Effect::position_gain_error && f.parameter < 2);
       return same && std::find(c.sites.begin(), c.sites.end(), f.joint) != c.sites.end();
     });
-    if (!replaced) out.push_back({false, 0, f.joint, f.parameter, f.lower, f.upper, torque_scale(f.parameter, f.joint)});
+    if (!replaced)
+      out.push_back({false, 0, f.joint, f.parameter, f.lower, f.upper, torque_scale(f.parameter, f.joint)});
   }
   for (std::size_t c = 0; c < h.causes.size(); ++c) {
     const Cause& cause = h.causes[c];
     const EffectInfo& e = info(cause.effect);
     const std::size_t site = cause.sites.front();
     const bool link = e.seat == Seat::link;
-    const std::size_t j = e.seat == Seat::base ? 0 : link ? static_cast<std::size_t>(model_.robot.links[site].joint) : site;
-    const double torque = scales_.torque_nm[j], speed = scales_.velocity_radps[j], range = scales_.highest_rad[j] - scales_.lowest_rad[j];
+    const std::size_t j = e.seat == Seat::base ? 0
+                          : link               ? static_cast<std::size_t>(model_.robot.links[site].joint)
+                                               : site;
+    const double torque = scales_.torque_nm[j], speed = scales_.velocity_radps[j],
+                 range = scales_.highest_rad[j] - scales_.lowest_rad[j];
     for (std::size_t k = 0; k < e.parameter_count; ++k) {
       Unknown u{true, c, j, k, e.parameters()[k].lower, e.parameters()[k].upper, 1.0};
       switch (cause.effect) {
@@ -262,7 +279,8 @@ Eigen::VectorXd Problem::simulated(const Setup& setup, const Window& w) const {
     for (std::size_t j = 0; j < n; ++j) mean(static_cast<Eigen::Index>(w.bin[k] * n + j)) += out[k * n + j];
   }
   for (std::size_t b = 0; b < bins_; ++b)
-    if (count[b] > 0.0) mean.segment(static_cast<Eigen::Index>(b * n), static_cast<Eigen::Index>(n)) /= count[b];
+    if (count[b] > 0.0)
+      mean.segment(static_cast<Eigen::Index>(b * n), static_cast<Eigen::Index>(n)) /= count[b];
   // A run that has flown apart says no more than that it is far off.
   return mean.unaryExpr([](double x) { return std::isfinite(x) ? std::clamp(x, -1e6, 1e6) : 1e6; });
 }
@@ -274,7 +292,8 @@ Eigen::VectorXd Problem::residual(const Setup& setup, std::size_t window) const 
 Eigen::MatrixXd Problem::product(std::size_t window, const Eigen::MatrixXd& columns) const {
   const Start& s = starts_[window];
   const Eigen::MatrixXd with_start = s.columns.transpose() * columns;
-  return window_weight_[window] * (columns.transpose() * columns - with_start.transpose() * (s.inverse * with_start));
+  return window_weight_[window] *
+         (columns.transpose() * columns - with_start.transpose() * (s.inverse * with_start));
 }
 
 void Problem::weigh(const Hypothesis& h) {
@@ -315,7 +334,8 @@ void Problem::weigh(const Hypothesis& h) {
         // Of this bin and its neighbours, the mean without the largest tenth.
         std::vector<double> all;
         for (std::size_t k = b > 2 ? b - 2 : 0; k < std::min(bins_, b + 3); ++k)
-          for (Eigen::Index i = 0; i < squares.cols(); ++i) all.push_back(squares(static_cast<Eigen::Index>(k * n + j), i));
+          for (Eigen::Index i = 0; i < squares.cols(); ++i)
+            all.push_back(squares(static_cast<Eigen::Index>(k * n + j), i));
         std::sort(all.begin(), all.end());
         all.resize(all.size() - all.size() / 10);
         double mean = 0.0;
@@ -333,11 +353,14 @@ void Problem::weigh(const Hypothesis& h) {
   }
   window_weight_.assign(windows_.size(), 1.0);
   std::vector<double> loss;
-  for (std::size_t i = 0; i < windows_.size(); ++i) loss.push_back(product(i, weight_.cwiseProduct(left[i]))(0, 0));
+  for (std::size_t i = 0; i < windows_.size(); ++i)
+    loss.push_back(product(i, weight_.cwiseProduct(left[i]))(0, 0));
   std::vector<double> sorted = loss;
-  std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2), sorted.end());
+  std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2),
+                   sorted.end());
   const double typical = sorted[sorted.size() / 2];
-  for (std::size_t i = 0; i < windows_.size(); ++i) window_weight_[i] = std::min(1.0, 25.0 * typical / std::max(loss[i], 1e-300));
+  for (std::size_t i = 0; i < windows_.size(); ++i)
+    window_weight_[i] = std::min(1.0, 25.0 * typical / std::max(loss[i], 1e-300));
 }
 
 double Problem::misfit(const Hypothesis& h) const {
@@ -349,7 +372,9 @@ double Problem::misfit(const Hypothesis& h) const {
     const Eigen::VectorXd r = w.measured - simulated(setup, w);
     for (std::size_t j = 0; j < n; ++j) {
       const auto of_joint = [&](const Eigen::VectorXd& x) {
-        return Eigen::VectorXd(Eigen::Map<const Eigen::VectorXd, 0, Eigen::InnerStride<>>(x.data() + j, static_cast<Eigen::Index>(bins_), Eigen::InnerStride<>(static_cast<Eigen::Index>(n))));
+        return Eigen::VectorXd(Eigen::Map<const Eigen::VectorXd, 0, Eigen::InnerStride<>>(
+            x.data() + j, static_cast<Eigen::Index>(bins_),
+            Eigen::InnerStride<>(static_cast<Eigen::Index>(n))));
       };
       const Eigen::VectorXd y = of_joint(w.measured);
       off[i].push_back(of_joint(r).squaredNorm());
@@ -389,11 +414,14 @@ std::vector<std::vector<double>> Problem::ripple_cycles(const Hypothesis& h) con
         squares += y[i] * y[i];
       }
       const double constant = right(0) * right(0) / normal(0, 0);
-      best.emplace_back((right.dot(Eigen::Vector3d(normal.ldlt().solve(right))) - constant) / std::max(squares, 1e-300), cycles);
+      best.emplace_back(
+          (right.dot(Eigen::Vector3d(normal.ldlt().solve(right))) - constant) / std::max(squares, 1e-300),
+          cycles);
     }
     std::sort(best.rbegin(), best.rend());
     out.emplace_back();
-    for (std::size_t k = 0; k < best.size() && k < 2 && best[k].first > kSwings; ++k) out.back().push_back(best[k].second);
+    for (std::size_t k = 0; k < best.size() && k < 2 && best[k].first > kSwings; ++k)
+      out.back().push_back(best[k].second);
   }
   return out;
 }
@@ -401,11 +429,13 @@ std::vector<std::vector<double>> Problem::ripple_cycles(const Hypothesis& h) con
 std::vector<double> Problem::losses(const Hypothesis& h) const {
   const Setup setup = make(h);
   std::vector<double> out(windows_.size());
-  identify::parallel_for(windows_.size(), threads_, [&](std::size_t i) { out[i] = product(i, residual(setup, i))(0, 0); });
+  identify::parallel_for(windows_.size(), threads_,
+                         [&](std::size_t i) { out[i] = product(i, residual(setup, i))(0, 0); });
   return out;
 }
 
-Products Problem::products(const Hypothesis& h, const std::vector<Unknown>& unknowns, const std::vector<Hypothesis>& probes) const {
+Products Problem::products(const Hypothesis& h, const std::vector<Unknown>& unknowns,
+                           const std::vector<Hypothesis>& probes) const {
   const auto size = static_cast<Eigen::Index>(bins_ * joints());
   const auto columns = static_cast<Eigen::Index>(1 + unknowns.size() + probes.size());
   std::vector<Setup> setups{make(h)};
@@ -450,7 +480,8 @@ Fit Problem::fit(Hypothesis from, const FitOptions& options) const {
   out.at = std::move(from);
   out.unknowns = unknowns(out.at);
   const auto count = static_cast<Eigen::Index>(out.unknowns.size());
-  for (const Unknown& u : out.unknowns) set_value(out.at, u, std::clamp(value_of(out.at, u), u.lower, u.upper));
+  for (const Unknown& u : out.unknowns)
+    set_value(out.at, u, std::clamp(value_of(out.at, u), u.lower, u.upper));
   double damping = 1e-3;
   Products p = products(out.at, out.unknowns, {});
   out.loss = p.all(0, 0);
@@ -472,8 +503,9 @@ Fit Problem::fit(Hypothesis from, const FitOptions& options) const {
         const double sa = out.unknowns[static_cast<std::size_t>(moving[static_cast<std::size_t>(a)])].scale;
         right(a) = sa * p.all(0, moving[static_cast<std::size_t>(a)] + 1);
         for (Eigen::Index b = 0; b < m; ++b)
-          normal(a, b) = sa * out.unknowns[static_cast<std::size_t>(moving[static_cast<std::size_t>(b)])].scale *
-                         p.all(moving[static_cast<std::size_t>(a)] + 1, moving[static_cast<std::size_t>(b)] + 1);
+          normal(a, b) =
+              sa * out.unknowns[static_cast<std::size_t>(moving[static_cast<std::size_t>(b)])].scale *
+              p.all(moving[static_cast<std::size_t>(a)] + 1, moving[static_cast<std::size_t>(b)] + 1);
       }
       normal.diagonal() *= 1.0 + damping;
       normal.diagonal().array() += 1e-9 * std::max(1e-12, normal.diagonal().maxCoeff());
@@ -507,9 +539,12 @@ Fit Problem::fit(Hypothesis from, const FitOptions& options) const {
   for (Eigen::Index k = 0; k < count; ++k) {
     const Unknown& u = out.unknowns[static_cast<std::size_t>(k)];
     const double value = value_of(out.at, u), near = 1e-6 * std::max(std::abs(u.upper), u.scale);
-    out.at_bound[static_cast<std::size_t>(k)] = value <= u.lower + 1e-9 * u.scale || value >= u.upper - std::min(near, 1e-3 * u.scale);
+    out.at_bound[static_cast<std::size_t>(k)] =
+        value <= u.lower + 1e-9 * u.scale || value >= u.upper - std::min(near, 1e-3 * u.scale);
     // What nothing depends on has no scatter either.
-    if (!out.at_bound[static_cast<std::size_t>(k)] && p.all(k + 1, k + 1) * u.scale * u.scale > 1e-9 * out.loss) inside.push_back(k + 1);
+    if (!out.at_bound[static_cast<std::size_t>(k)] &&
+        p.all(k + 1, k + 1) * u.scale * u.scale > 1e-9 * out.loss)
+      inside.push_back(k + 1);
   }
   const auto m = static_cast<Eigen::Index>(inside.size());
   out.covariance = Eigen::MatrixXd::Zero(count, count);
@@ -520,17 +555,21 @@ Fit Problem::fit(Hypothesis from, const FitOptions& options) const {
         information(a, b) = p.all(inside[static_cast<std::size_t>(a)], inside[static_cast<std::size_t>(b)]);
     for (const Eigen::MatrixXf& w : p.window) {
       Eigen::VectorXd g(m);
-      for (Eigen::Index a = 0; a < m; ++a) g(a) = static_cast<double>(w(0, inside[static_cast<std::size_t>(a)]));
+      for (Eigen::Index a = 0; a < m; ++a)
+        g(a) = static_cast<double>(w(0, inside[static_cast<std::size_t>(a)]));
       scatter += g * g.transpose();
     }
     const double windows = static_cast<double>(p.window.size());
     const Eigen::VectorXd unit = information.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
     const Eigen::MatrixXd scaled = unit.asDiagonal() * information * unit.asDiagonal();
-    const Eigen::MatrixXd inverse = unit.asDiagonal() * (scaled + 1e-10 * Eigen::MatrixXd::Identity(m, m)).inverse() * unit.asDiagonal();
-    const Eigen::MatrixXd c = inverse * scatter * inverse * (windows / std::max(1.0, windows - static_cast<double>(m)));
+    const Eigen::MatrixXd inverse =
+        unit.asDiagonal() * (scaled + 1e-10 * Eigen::MatrixXd::Identity(m, m)).inverse() * unit.asDiagonal();
+    const Eigen::MatrixXd c =
+        inverse * scatter * inverse * (windows / std::max(1.0, windows - static_cast<double>(m)));
     for (Eigen::Index a = 0; a < m; ++a)
       for (Eigen::Index b = 0; b < m; ++b)
-        out.covariance(inside[static_cast<std::size_t>(a)] - 1, inside[static_cast<std::size_t>(b)] - 1) = c(a, b);
+        out.covariance(inside[static_cast<std::size_t>(a)] - 1, inside[static_cast<std::size_t>(b)] - 1) =
+            c(a, b);
   }
   out.fold_value.assign(out.unknowns.size(), {});
   out.fold_information.assign(out.unknowns.size(), {});
@@ -543,8 +582,10 @@ Fit Problem::fit(Hypothesis from, const FitOptions& options) const {
         normal(a, b) = fold(inside[static_cast<std::size_t>(a)], inside[static_cast<std::size_t>(b)]);
     }
     if (m == 0) continue;
-    const Eigen::VectorXd unit = normal.diagonal().cwiseMax(1e-12 * normal.diagonal().maxCoeff() + 1e-300).cwiseSqrt().cwiseInverse();
-    const Eigen::MatrixXd scaled = unit.asDiagonal() * normal * unit.asDiagonal() + 1e-7 * Eigen::MatrixXd::Identity(m, m);
+    const Eigen::VectorXd unit =
+        normal.diagonal().cwiseMax(1e-12 * normal.diagonal().maxCoeff() + 1e-300).cwiseSqrt().cwiseInverse();
+    const Eigen::MatrixXd scaled =
+        unit.asDiagonal() * normal * unit.asDiagonal() + 1e-7 * Eigen::MatrixXd::Identity(m, m);
     const Eigen::MatrixXd inverse = unit.asDiagonal() * scaled.inverse() * unit.asDiagonal();
     const Eigen::VectorXd step = inverse * right;
     for (Eigen::Index a = 0; a < m; ++a) {
@@ -554,7 +595,8 @@ Fit Problem::fit(Hypothesis from, const FitOptions& options) const {
     }
   }
   out.window_loss.resize(p.window.size());
-  for (std::size_t i = 0; i < p.window.size(); ++i) out.window_loss[i] = static_cast<double>(p.window[i](0, 0));
+  for (std::size_t i = 0; i < p.window.size(); ++i)
+    out.window_loss[i] = static_cast<double>(p.window[i](0, 0));
   return out;
 }
 

@@ -64,9 +64,9 @@ struct Fit {
   Hypothesis at;
   std::vector<Unknown> unknowns;
   double loss = 0.0;
-  Eigen::MatrixXd covariance;           ///< of the unknowns, from the scatter of the windows' gradients; 0 at a bound
+  Eigen::MatrixXd covariance;  ///< of the unknowns, from the scatter of the windows' gradients; 0 at a bound
   std::vector<bool> at_bound;
-  std::vector<double> window_loss;      ///< of each window
+  std::vector<double> window_loss;  ///< of each window
   /// Of each unknown, fitted on each fold alone (by the linear problem): its value, and its information there.
   std::vector<std::vector<double>> fold_value, fold_information;
 };
@@ -85,11 +85,13 @@ struct Products {
 
 class Problem {
  public:
-  Problem(const TreeModel& model, const std::vector<Recording>& recordings, std::vector<Window> windows, unsigned threads);
+  Problem(const TreeModel& model, const std::vector<Recording>& recordings, std::vector<Window> windows,
+          unsigned threads);
 
   const TreeModel& model() const { return model_; }
   const Scales& scales() const { return scales_; }
   const std::vector<Window>& windows() const { return windows_; }
+  double interval_s() const { return recordings_.front().interval_s; }  ///< of the rows
   std::size_t folds() const { return folds_; }
   std::size_t joints() const { return model_.joints(); }
 
@@ -106,7 +108,8 @@ class Problem {
   double misfit(const Hypothesis& h) const;
   /// Of each joint, the cycles a turn with which the missing torque swings most: at most two, none where nothing swings.
   std::vector<std::vector<double>> ripple_cycles(const Hypothesis& h) const;
-  Products products(const Hypothesis& h, const std::vector<Unknown>& unknowns, const std::vector<Hypothesis>& probes) const;
+  Products products(const Hypothesis& h, const std::vector<Unknown>& unknowns,
+                    const std::vector<Hypothesis>& probes) const;
 
  private:
   Eigen::VectorXd simulated(const Setup& setup, const Window& w) const;
@@ -127,8 +130,8 @@ class Problem {
   SetupMaker maker_;
   Scales scales_;
   std::size_t bins_, folds_;
-  Eigen::VectorXd weight_;               ///< of each bin and joint: one over a standard deviation
-  std::vector<double> window_weight_;    ///< less than 1 of a window that nothing explains
+  Eigen::VectorXd weight_;             ///< of each bin and joint: one over a standard deviation
+  std::vector<double> window_weight_;  ///< less than 1 of a window that nothing explains
   std::vector<Start> starts_;
 };
 

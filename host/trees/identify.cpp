@@ -26,11 +26,13 @@ Json held_out(const TreeModel& m, const std::vector<ChannelError>& errors) {
 
 }  // namespace
 
-Identification identify(const TreeModel& model, const std::vector<log::Log>& training, const std::vector<log::Log>& held_out_logs,
-                        const Options& options) {
+Identification identify(const TreeModel& model, const std::vector<log::Log>& training,
+                        const std::vector<log::Log>& held_out_logs, const Options& options) {
   if (model.free.empty())
-    throw log::DataError(model.file + ": no parameter in [free], so there is nothing to identify; expected at least one, as in [free] \"damping_nmspr." +
-                         model.robot.joints.front().name + "\" = [lower, upper]");
+    throw log::DataError(
+        model.file +
+        ": no parameter in [free], so there is nothing to identify; expected at least one, as in [free] \"damping_nmspr." +
+        model.robot.joints.front().name + "\" = [lower, upper]");
   std::vector<Recording> fit_on, judge_on;
   for (const log::Log& log : training) fit_on.push_back(recording_of(model, log));
   for (const log::Log& log : held_out_logs) judge_on.push_back(recording_of(model, log));
@@ -71,11 +73,14 @@ Identification identify(const TreeModel& model, const std::vector<log::Log>& tra
     double most = 0.0;
     for (std::size_t o = 0; o < fit.unknowns.size(); ++o) {
       const auto j = static_cast<Eigen::Index>(o);
-      if (o == k || fit.unknowns[o].of_cause || !(fit.covariance(i, i) * fit.covariance(j, j) > 0.0)) continue;
-      const double c = std::abs(fit.covariance(i, j)) / std::sqrt(fit.covariance(i, i) * fit.covariance(j, j));
+      if (o == k || fit.unknowns[o].of_cause || !(fit.covariance(i, i) * fit.covariance(j, j) > 0.0))
+        continue;
+      const double c =
+          std::abs(fit.covariance(i, j)) / std::sqrt(fit.covariance(i, i) * fit.covariance(j, j));
       if (c > most) {
         most = c;
-        row.with = std::string(kDriveParameters[fit.unknowns[o].parameter]) + "." + model.robot.joints[fit.unknowns[o].joint].name;
+        row.with = std::string(kDriveParameters[fit.unknowns[o].parameter]) + "." +
+                   model.robot.joints[fit.unknowns[o].joint].name;
       }
     }
     if (most > 0.95)
@@ -101,17 +106,21 @@ std::string to_json_text(const Identification& found) {
   for (const auto& p : found.parameters) {
     Json folds = Json::array();
     for (const double f : p.folds) folds.push_back(number(f));
-    parameters[p.name] = {{"value", number(p.value)}, {"ci95", {number(p.lower), number(p.upper)}}, {"folds", folds}, {"verdict", p.verdict}};
+    parameters[p.name] = {{"value", number(p.value)},
+                          {"ci95", {number(p.lower), number(p.upper)}},
+                          {"folds", folds},
+                          {"verdict", p.verdict}};
     if (!p.with.empty()) parameters[p.name]["with"] = p.with;
     parameters[p.name]["unit"] = p.unit;
   }
-  const Json out = {{"schema", "furcula-identification/1"},
-                    {"method", "simulation"},
-                    {"kind", "tree"},
-                    {"data", {{"logs", found.logs}, {"held_out_logs", found.held_out_logs}, {"windows", found.windows}}},
-                    {"parameters", parameters},
-                    {"as_given", {{"held_out", held_out(found.model, found.as_given_error)}}},
-                    {"held_out", held_out(found.model, found.identified_error)}};
+  const Json out = {
+      {"schema", "furcula-identification/1"},
+      {"method", "simulation"},
+      {"kind", "tree"},
+      {"data", {{"logs", found.logs}, {"held_out_logs", found.held_out_logs}, {"windows", found.windows}}},
+      {"parameters", parameters},
+      {"as_given", {{"held_out", held_out(found.model, found.as_given_error)}}},
+      {"held_out", held_out(found.model, found.identified_error)}};
   return out.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

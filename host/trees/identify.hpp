@@ -25,8 +25,8 @@ struct Identification {
 };
 
 /// @throws log::DataError: no free parameter, and what diagnose() throws.
-Identification identify(const TreeModel& model, const std::vector<log::Log>& training, const std::vector<log::Log>& held_out,
-                        const Options& options = {});
+Identification identify(const TreeModel& model, const std::vector<log::Log>& training,
+                        const std::vector<log::Log>& held_out, const Options& options = {});
 
 /// `furcula-identification/1`.
 std::string to_json_text(const Identification& found);

@@ -33,7 +33,8 @@ double smoothed_input(const Recording& r, std::size_t joint, double t0, double h
 
 double friction_torque(const dynamics::tree::JointLaw<double>& law, double q, double v, double drive) {
   const int direction = v > 0.0 ? 1 : -1;
-  return direction * dynamics::tree::friction_in_motion(law, v, drive, direction, dynamics::tree::spot_at(law, q));
+  return direction *
+         dynamics::tree::friction_in_motion(law, v, drive, direction, dynamics::tree::spot_at(law, q));
 }
 
 /// All joints at one row.
@@ -43,7 +44,8 @@ struct Row {
 
 Row at_row(const Setup& setup, const Recording& r, std::size_t k, double half_s) {
   const std::size_t n = setup.joints.size();
-  Row out{std::vector<double>(n), std::vector<double>(n), std::vector<double>(n), std::vector<double>(n), std::vector<double>(n), std::vector<double>(n)};
+  Row out{std::vector<double>(n), std::vector<double>(n), std::vector<double>(n),
+          std::vector<double>(n), std::vector<double>(n), std::vector<double>(n)};
   model::RobotModel::Joints q{}, v{}, a{};
   auto tree = setup.model;
   for (std::size_t j = 0; j < n; ++j) {
@@ -56,7 +58,8 @@ Row at_row(const Setup& setup, const Recording& r, std::size_t k, double half_s)
     std::size_t near = k;
     while (near > 0 && r.time_s[near] > r.time_s[k] - late) --near;
     double input = smoothed_input(r, j, r.time_s[k] - late, half_s, near);
-    const double dt = 0.5 * half_s, rate = (smoothed_input(r, j, r.time_s[k] - late + dt, half_s, near) - input) / dt;
+    const double dt = 0.5 * half_s,
+                 rate = (smoothed_input(r, j, r.time_s[k] - late + dt, half_s, near) - input) / dt;
     out.drive_rate[j] = d.gain * rate;
     if (d.law == DriveLaw::position) {
       input = d.kp_nmprad * (input - s.angle_rad) - d.kd_nmsprad * v[j];
@@ -68,7 +71,8 @@ Row at_row(const Setup& setup, const Recording& r, std::size_t k, double half_s)
     }
     input *= d.gain;
     if (d.limit_nm > 0.0) input = std::clamp(input, -d.limit_nm, d.limit_nm);
-    if (d.ripple_nm != 0.0) input += d.ripple_nm * std::sin(d.ripple_cycles * s.angle_rad + d.ripple_phase_rad);
+    if (d.ripple_nm != 0.0)
+      input += d.ripple_nm * std::sin(d.ripple_cycles * s.angle_rad + d.ripple_phase_rad);
     out.drive[j] = input;
     out.angle[j] = q[j];
     out.velocity[j] = v[j];
@@ -76,14 +80,15 @@ Row at_row(const Setup& setup, const Recording& r, std::size_t k, double half_s)
   }
   const auto needed = dynamics::tree::inverse_dynamics(tree, q, v, a);
   for (std::size_t j = 0; j < n; ++j)
-    out.missing[j] = needed[j] - out.drive[j] - setup.joints[j].offset_nm + friction_torque(tree.laws[j], q[j], v[j], out.drive[j]);
+    out.missing[j] = needed[j] - out.drive[j] - setup.joints[j].offset_nm +
+                     friction_torque(tree.laws[j], q[j], v[j], out.drive[j]);
   return out;
 }
 
 }  // namespace
 
-std::vector<TorqueSamples> missing_torque(const Problem& problem, const std::vector<Recording>& recordings, const Hypothesis& h, double window_s,
-                                          std::size_t most) {
+std::vector<TorqueSamples> missing_torque(const Problem& problem, const std::vector<Recording>& recordings,
+                                          const Hypothesis& h, double window_s, std::size_t most) {
   const std::size_t n = problem.joints();
   const Setup setup = SetupMaker(problem.model()).make(h.drives, h.causes);
   std::vector<TorqueSamples> out(n);
@@ -102,12 +107,17 @@ std::vector<TorqueSamples> missing_torque(const Problem& problem, const std::vec
     for (std::size_t k = 0; k < simulated.rows(); ++k)
       for (std::size_t j = 0; j < n; ++j) simulated.angle_rad[j][k] = run_of[k * n + j];
     for (std::size_t k = step / 2; k < measured.rows(); k += step) {
-      if (measured.time_s[k] - measured.time_s.front() < half || measured.time_s.back() - measured.time_s[k] < half) continue;
+      if (measured.time_s[k] - measured.time_s.front() < half ||
+          measured.time_s.back() - measured.time_s[k] < half)
+        continue;
       const Row m = at_row(setup, measured, k, half), s = at_row(setup, simulated, k, half);
       for (std::size_t j = 0; j < n; ++j) {
         // Dry friction has any value about a reversal.
-        const double slow = std::max(0.05 * problem.scales().velocity_radps[j], std::abs(m.acceleration[j]) * half);
-        if (std::abs(m.velocity[j]) < slow || m.velocity[j] * s.velocity[j] <= 0.0 || !std::isfinite(s.missing[j])) continue;
+        const double slow =
+            std::max(0.05 * problem.scales().velocity_radps[j], std::abs(m.acceleration[j]) * half);
+        if (std::abs(m.velocity[j]) < slow || m.velocity[j] * s.velocity[j] <= 0.0 ||
+            !std::isfinite(s.missing[j]))
+          continue;
         TorqueSamples& to = out[j];
         to.recording.push_back(w.recording);
         to.time_s.push_back(measured.time_s[k] - r.time_s.front());
@@ -157,7 +167,8 @@ class Basis {
     add(out, [&](std::size_t i) { return sign(v[i]); });
     add(out, [&](std::size_t i) { return v[i] / v0; });
     add(out, [&](std::size_t i) { return v[i] * std::abs(v[i]) / (v0 * v0); });
-    for (const double width : {0.2, 0.6}) add(out, [&](std::size_t i) { return sign(v[i]) * std::exp(-std::pow(v[i] / (width * v0), 2)); });
+    for (const double width : {0.2, 0.6})
+      add(out, [&](std::size_t i) { return sign(v[i]) * std::exp(-std::pow(v[i] / (width * v0), 2)); });
     return out;
   }
   Columns position() const {
@@ -176,7 +187,8 @@ class Basis {
     Columns out;
     for (const Eigen::VectorXd& c : position()) {
       Eigen::VectorXd x = c;
-      for (Eigen::Index i = 0; i < x.size(); ++i) x(i) *= sign(own().velocity_radps[static_cast<std::size_t>(i)]);
+      for (Eigen::Index i = 0; i < x.size(); ++i)
+        x(i) *= sign(own().velocity_radps[static_cast<std::size_t>(i)]);
       out.push_back(x);
     }
     return out;
@@ -197,7 +209,8 @@ class Basis {
   }
   Columns time() const {
     Columns out;
-    const double end = s_.time_s.empty() ? 1.0 : std::max(1e-9, *std::max_element(s_.time_s.begin(), s_.time_s.end()));
+    const double end =
+        s_.time_s.empty() ? 1.0 : std::max(1e-9, *std::max_element(s_.time_s.begin(), s_.time_s.end()));
     add(out, [&](std::size_t i) { return s_.time_s[i] / end; });
     add(out, [&](std::size_t i) { return sign(own().velocity_radps[i]) * s_.time_s[i] / end; });
     return out;
@@ -205,14 +218,17 @@ class Basis {
   Columns other(std::size_t o) const {
     Columns out;
     if (o == joint_) return out;
-    const double v0 = rms(s_.others[o].velocity_radps), a0 = rms(s_.others[o].acceleration_radps2), u0 = rms(s_.others[o].drive_nm);
+    const double v0 = rms(s_.others[o].velocity_radps), a0 = rms(s_.others[o].acceleration_radps2),
+                 u0 = rms(s_.others[o].drive_nm);
     add(out, [&](std::size_t i) { return s_.others[o].velocity_radps[i] / v0; });
     add(out, [&](std::size_t i) { return s_.others[o].acceleration_radps2[i] / a0; });
     add(out, [&](std::size_t i) { return s_.others[o].drive_nm[i] / u0; });
     add(out, [&](std::size_t i) { return std::sin(s_.others[o].angle_rad[i]); });
     add(out, [&](std::size_t i) { return std::cos(s_.others[o].angle_rad[i]); });
-    add(out, [&](std::size_t i) { return sign(own().velocity_radps[i]) * std::sin(s_.others[o].angle_rad[i]); });
-    add(out, [&](std::size_t i) { return sign(own().velocity_radps[i]) * std::cos(s_.others[o].angle_rad[i]); });
+    add(out,
+        [&](std::size_t i) { return sign(own().velocity_radps[i]) * std::sin(s_.others[o].angle_rad[i]); });
+    add(out,
+        [&](std::size_t i) { return sign(own().velocity_radps[i]) * std::cos(s_.others[o].angle_rad[i]); });
     return out;
   }
 
@@ -236,7 +252,9 @@ double cross_validated(const TorqueSamples& s, const Columns& columns, std::size
   for (std::size_t f = 0; f < folds; ++f) {
     std::vector<Eigen::Index> mine;
     for (Eigen::Index i = 0; i < rows; ++i) {
-      const std::size_t fold = recordings >= 3 ? s.recording[static_cast<std::size_t>(i)] : static_cast<std::size_t>(i) * folds / static_cast<std::size_t>(rows);
+      const std::size_t fold = recordings >= 3
+                                   ? s.recording[static_cast<std::size_t>(i)]
+                                   : static_cast<std::size_t>(i) * folds / static_cast<std::size_t>(rows);
       if (fold == f) mine.push_back(i);
     }
     const Eigen::MatrixXd xf = x(mine, Eigen::all);
@@ -291,11 +309,14 @@ double predictable_share(const TorqueSamples& s, std::size_t joint, std::size_t 
   return std::max(alone, cross_validated(s, own, recordings));
 }
 
-std::string goes_along_with(const TorqueSamples& s, std::size_t joint, std::size_t recordings, const TreeModel& model) {
+std::string goes_along_with(const TorqueSamples& s, std::size_t joint, std::size_t recordings,
+                            const TreeModel& model) {
   if (s.missing_nm.size() < 50) return {};
   const Basis b(s, joint);
   std::vector<std::pair<double, std::string>> all;
-  const auto test = [&](const Columns& c, const std::string& what) { all.emplace_back(cross_validated(s, c, recordings), what); };
+  const auto test = [&](const Columns& c, const std::string& what) {
+    all.emplace_back(cross_validated(s, c, recordings), what);
+  };
   const std::string own = model.robot.joints[joint].name;
   test(b.friction(), "the velocity of " + own);
   test(b.position(), "the position of " + own);

@@ -16,24 +16,25 @@ struct TorqueSamples {
   };
   std::size_t joint = 0;
   std::vector<std::size_t> recording;
-  std::vector<double> time_s;           ///< from the recording's start
-  std::vector<double> missing_nm;       ///< what would have to be added to the drive's torque
+  std::vector<double> time_s;      ///< from the recording's start
+  std::vector<double> missing_nm;  ///< what would have to be added to the drive's torque
   std::vector<double> drive_rate_nmps;
-  std::vector<Joint> others;            ///< what all joints did, this one among them
+  std::vector<Joint> others;  ///< what all joints did, this one among them
 
   const Joint& own() const { return others[joint]; }
 };
 
 /// About `most` samples a joint, evenly over the recordings. Accelerations come from angles that are smoothed, torques too; what that
 /// makes of a motion is taken off by doing the same to the model's own motion, from window to window.
-std::vector<TorqueSamples> missing_torque(const Problem& problem, const std::vector<Recording>& recordings, const Hypothesis& h, double window_s,
-                                          std::size_t most = 6000);
+std::vector<TorqueSamples> missing_torque(const Problem& problem, const std::vector<Recording>& recordings,
+                                          const Hypothesis& h, double window_s, std::size_t most = 6000);
 
 /// Share of the missing torque's square that is foretold, on recordings left out of the fit (of fewer than three, on
 /// quarters of them): by functions of the joint's own and the other joints' state, torque and time. Below 0: worse than nothing.
 double predictable_share(const TorqueSamples& samples, std::size_t joint, std::size_t recordings);
 
 /// The one signal that it goes along with most, in words, or nothing.
-std::string goes_along_with(const TorqueSamples& samples, std::size_t joint, std::size_t recordings, const TreeModel& model);
+std::string goes_along_with(const TorqueSamples& samples, std::size_t joint, std::size_t recordings,
+                            const TreeModel& model);
 
 }  // namespace furcula::trees

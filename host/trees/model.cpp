@@ -32,13 +32,15 @@ class Reader {
     read_robot();
     read_drives();
     if (const toml::node* free = file_.get("free")) read_free(log::table(*free, name_, "[free]"));
-    if (const toml::node* effects = file_.get("effect")) read_effects(log::table(*effects, name_, "[effect]"));
+    if (const toml::node* effects = file_.get("effect"))
+      read_effects(log::table(*effects, name_, "[effect]"));
     return std::move(model_);
   }
 
  private:
   void read_robot() {
-    static constexpr std::array<std::string_view, 6> kKeys{"kind", "schema", "urdf", "base", "joints", "gravity_mps2"};
+    static constexpr std::array<std::string_view, 6> kKeys{"kind", "schema", "urdf",
+                                                           "base", "joints", "gravity_mps2"};
     const toml::node* section = file_.get("model");
     if (section == nullptr) fail(name_, file_.source(), "no section [model]; expected one");
     const toml::table& table = log::table(*section, name_, "[model]");
@@ -52,19 +54,24 @@ class Reader {
         fail(name_, base->source(),
              "base = " + log::quoted(which) + "; expected \"fixed\" (this version has no floating base)");
     const toml::node* urdf = table.get("urdf");
-    if (urdf == nullptr) fail(name_, table.source(), "no key 'urdf' in [model]; expected the URDF's file name");
+    if (urdf == nullptr)
+      fail(name_, table.source(), "no key 'urdf' in [model]; expected the URDF's file name");
     model_.urdf_path = log::text(*urdf, name_, "urdf");
     if (const toml::node* joints = table.get("joints")) {
       const toml::array* list = joints->as_array();
       if (list == nullptr || list->empty())
-        fail(name_, joints->source(), "joints = " + log::value_text(*joints) + "; expected names of joints that move");
+        fail(name_, joints->source(),
+             "joints = " + log::value_text(*joints) + "; expected names of joints that move");
       for (const toml::node& joint : *list) model_.moving.push_back(log::text(joint, name_, "joints"));
     }
     if (const toml::node* gravity = table.get("gravity_mps2")) {
       const toml::array* list = gravity->as_array();
       if (list == nullptr || list->size() != 3)
-        fail(name_, gravity->source(), "gravity_mps2 = " + log::value_text(*gravity) + "; expected three numbers, x y z");
-      const auto part = [&](std::size_t i) { return log::number((*list)[i], name_, "gravity_mps2", -100.0, 100.0, "m/s^2"); };
+        fail(name_, gravity->source(),
+             "gravity_mps2 = " + log::value_text(*gravity) + "; expected three numbers, x y z");
+      const auto part = [&](std::size_t i) {
+        return log::number((*list)[i], name_, "gravity_mps2", -100.0, 100.0, "m/s^2");
+      };
       model_.gravity_mps2 = {part(0), part(1), part(2)};
     }
     if (const toml::node* hold = file_.get("hold"))
@@ -78,7 +85,8 @@ class Reader {
     model_.robot.model.gravity_mps2 = model_.gravity_mps2;
   }
 
-  std::size_t joint_named(const std::string& joint, const toml::source_region& where, const std::string& who) const {
+  std::size_t joint_named(const std::string& joint, const toml::source_region& where,
+                          const std::string& who) const {
     std::vector<std::string_view> names;
     for (std::size_t i = 0; i < model_.joints(); ++i) {
       if (model_.robot.joints[i].name == joint) return i;
@@ -101,12 +109,14 @@ class Reader {
       const std::string joint(key.str());
       if (!node.is_table()) continue;
       const std::string where = "[drive." + joint + "]";
-      read_drive(log::table(node, name_, where), where, model_.drives[joint_named(joint, key.source(), where)]);
+      read_drive(log::table(node, name_, where), where,
+                 model_.drives[joint_named(joint, key.source(), where)]);
     }
     for (std::size_t i = 0; i < model_.joints(); ++i)
       if (model_.drives[i].law == DriveLaw::position && model_.drives[i].kp_nmprad == 0.0)
-        fail(name_, table.source(), "the drive of joint " + log::quoted(model_.robot.joints[i].name) +
-                                        " has law \"position\" and no kp_nmprad; expected one above 0");
+        fail(name_, table.source(),
+             "the drive of joint " + log::quoted(model_.robot.joints[i].name) +
+                 " has law \"position\" and no kp_nmprad; expected one above 0");
   }
   void read_drive(const toml::table& table, const std::string& where, Drive& drive) {
     std::vector<std::string_view> known{"law"};
@@ -114,8 +124,9 @@ class Reader {
     for (const auto& [key, node] : table) {
       if (node.is_table() && where == "[drive]") continue;
       if (std::find(known.begin(), known.end(), key.str()) == known.end())
-        fail(name_, key.source(), "unknown key " + log::quoted(key.str()) + " in " + where + "; expected one of " +
-                                      log::listed(known) + ", or a joint's table" + log::did_you_mean(key.str(), known));
+        fail(name_, key.source(),
+             "unknown key " + log::quoted(key.str()) + " in " + where + "; expected one of " +
+                 log::listed(known) + ", or a joint's table" + log::did_you_mean(key.str(), known));
       if (key.str() == "law") {
         const std::string law = log::text(node, name_, "law");
         if (law != "torque" && law != "position")
@@ -123,9 +134,10 @@ class Reader {
         drive.law = law == "torque" ? DriveLaw::torque : DriveLaw::position;
         continue;
       }
-      const auto which = static_cast<std::size_t>(std::find(kDriveParameters.begin(), kDriveParameters.end(), key.str()) -
-                                                  kDriveParameters.begin());
-      drive.*kDriveMembers[which] = log::number(node, name_, where + " " + std::string(key.str()), 0.0, kMost);
+      const auto which = static_cast<std::size_t>(
+          std::find(kDriveParameters.begin(), kDriveParameters.end(), key.str()) - kDriveParameters.begin());
+      drive.*kDriveMembers[which] =
+          log::number(node, name_, where + " " + std::string(key.str()), 0.0, kMost);
     }
   }
 
@@ -136,19 +148,22 @@ class Reader {
       const std::string who = "[free] " + whole;
       const auto which = std::find(kDriveParameters.begin(), kDriveParameters.end(), whole.substr(0, dot));
       if (dot == std::string::npos || which == kDriveParameters.end())
-        fail(name_, key.source(), "unknown key " + log::quoted(whole) + " in [free]; expected \"NAME.JOINT\" with NAME one of " +
-                                      log::listed(kDriveParameters));
+        fail(name_, key.source(),
+             "unknown key " + log::quoted(whole) + " in [free]; expected \"NAME.JOINT\" with NAME one of " +
+                 log::listed(kDriveParameters));
       FreeParameter f{static_cast<std::size_t>(which - kDriveParameters.begin()),
                       joint_named(whole.substr(dot + 1), key.source(), who), 0.0, 0.0};
       const toml::array* pair = node.as_array();
       if (pair == nullptr || pair->size() != 2)
-        fail(name_, node.source(), who + " is " + log::value_text(node) + "; expected two numbers, [lower, upper]");
+        fail(name_, node.source(),
+             who + " is " + log::value_text(node) + "; expected two numbers, [lower, upper]");
       f.lower = log::number((*pair)[0], name_, who + " lower bound", 0.0, kMost);
       f.upper = log::number((*pair)[1], name_, who + " upper bound", 0.0, kMost);
       const double value = model_.drives[f.joint].*kDriveMembers[f.parameter];
       if (!(f.lower < f.upper) || value < f.lower || value > f.upper)
-        fail(name_, node.source(), who + " = [" + shortest(f.lower) + ", " + shortest(f.upper) +
-                                       "]; expected lower < upper around the model's value " + shortest(value));
+        fail(name_, node.source(),
+             who + " = [" + shortest(f.lower) + ", " + shortest(f.upper) +
+                 "]; expected lower < upper around the model's value " + shortest(value));
       model_.free.push_back(f);
     }
   }
@@ -159,14 +174,16 @@ class Reader {
     for (const auto& [key, node] : table) {
       const auto effect = effect_named(key.str());
       if (!effect)
-        fail(name_, key.source(), "unknown effect " + log::quoted(key.str()) + " of a tree; expected one of " +
-                                      log::listed(all) + log::did_you_mean(key.str(), all));
+        fail(name_, key.source(),
+             "unknown effect " + log::quoted(key.str()) + " of a tree; expected one of " + log::listed(all) +
+                 log::did_you_mean(key.str(), all));
       const std::string where = "[effect." + std::string(key.str()) + "]";
       for (const auto& [site, values] : log::table(node, name_, where))
         read_effect(*effect, std::string(site.str()), values, site.source());
     }
   }
-  void read_effect(Effect effect, const std::string& site, const toml::node& node, const toml::source_region& source) {
+  void read_effect(Effect effect, const std::string& site, const toml::node& node,
+                   const toml::source_region& source) {
     const EffectInfo& e = info(effect);
     const std::string where = "[effect." + std::string(e.name) + "." + site + "]";
     std::vector<std::string> names;
@@ -177,8 +194,9 @@ class Reader {
     }
     const std::vector<std::string_view> views(names.begin(), names.end());
     if (!at)
-      fail(name_, source, where + ": no " + std::string(name(e.seat)) + " " + log::quoted(site) + "; expected one of " +
-                              log::listed(views) + log::did_you_mean(site, views));
+      fail(name_, source,
+           where + ": no " + std::string(name(e.seat)) + " " + log::quoted(site) + "; expected one of " +
+               log::listed(views) + log::did_you_mean(site, views));
     const bool linear = is_linear(model_, e.seat, *at);
     const toml::table& table = log::table(node, name_, where);
     std::vector<std::string_view> known;
@@ -189,10 +207,11 @@ class Reader {
       const Parameter& p = e.parameters()[k];
       const toml::node* value = table.get(known[k]);
       if (value == nullptr)
-        fail(name_, table.source(), "no key '" + std::string(known[k]) + "' in " + where + "; expected a number from " +
-                                        shortest(p.lower) + " to " + shortest(p.upper) + " " +
-                                        std::string(unit_on(p, linear)));
-      cause.values[k] = log::number(*value, name_, where + " " + std::string(known[k]), p.lower, p.upper, unit_on(p, linear));
+        fail(name_, table.source(),
+             "no key '" + std::string(known[k]) + "' in " + where + "; expected a number from " +
+                 shortest(p.lower) + " to " + shortest(p.upper) + " " + std::string(unit_on(p, linear)));
+      cause.values[k] = log::number(*value, name_, where + " " + std::string(known[k]), p.lower, p.upper,
+                                    unit_on(p, linear));
     }
     if (effect == Effect::position_gain_error && model_.drives[*at].law != DriveLaw::position)
       fail(name_, source, where + ": its drive has law \"torque\"; expected one of law \"position\"");
@@ -234,7 +253,9 @@ bool is_tree(std::string_view text) {
   }
 }
 
-TreeModel parse_tree_model(std::string_view text, const std::string& path) { return Reader(text, path).read(); }
+TreeModel parse_tree_model(std::string_view text, const std::string& path) {
+  return Reader(text, path).read();
+}
 
 TreeModel read_tree_model(const std::string& path) {
   return parse_tree_model(log::read_small_file(path, "a model file (TOML)"), path);
@@ -247,10 +268,11 @@ std::string format_tree_model(const TreeModel& m, const std::string& urdf) {
     for (std::size_t i = 0; i < m.moving.size(); ++i) out += (i > 0 ? ", " : "") + text_of(m.moving[i]);
     out += "]\n";
   }
-  out += "gravity_mps2 = [" + log::toml_float(m.gravity_mps2.x) + ", " + log::toml_float(m.gravity_mps2.y) + ", " +
-         log::toml_float(m.gravity_mps2.z) + "]\n";
+  out += "gravity_mps2 = [" + log::toml_float(m.gravity_mps2.x) + ", " + log::toml_float(m.gravity_mps2.y) +
+         ", " + log::toml_float(m.gravity_mps2.z) + "]\n";
   if (!m.hold.empty()) out += "\n[hold]\n";
-  for (const auto& [joint, position] : m.hold) out += key_of(joint) + " = " + log::toml_float(position) + "\n";
+  for (const auto& [joint, position] : m.hold)
+    out += key_of(joint) + " = " + log::toml_float(position) + "\n";
   for (std::size_t i = 0; i < m.joints(); ++i)
     out += "\n" + table_of("[drive." + key_of(m.robot.joints[i].name) + "]", m.drives[i]);
   if (!m.free.empty()) out += "\n[free]\n";
@@ -262,7 +284,8 @@ std::string format_tree_model(const TreeModel& m, const std::string& urdf) {
       const EffectInfo& e = info(c.effect);
       out += "\n[effect." + std::string(e.name) + "." + key_of(site_name(m, e.seat, site)) + "]\n";
       for (std::size_t k = 0; k < e.parameter_count; ++k)
-        out += std::string(name_on(e.parameters()[k], is_linear(m, e.seat, site))) + " = " + log::toml_float(c.values[k]) + "\n";
+        out += std::string(name_on(e.parameters()[k], is_linear(m, e.seat, site))) + " = " +
+               log::toml_float(c.values[k]) + "\n";
     }
   return out;
 }
@@ -281,7 +304,8 @@ std::vector<std::size_t> sites(const TreeModel& model, Seat seat) {
   if (seat == Seat::base) return {0};
   if (seat == Seat::link) {
     for (std::size_t i = 0; i < model.robot.links.size(); ++i)
-      if (model.robot.links[i].joint >= 0 && model.urdf.links[i].inertia && model.urdf.links[i].inertia->mass_kg > 0.0)
+      if (model.robot.links[i].joint >= 0 && model.urdf.links[i].inertia &&
+          model.urdf.links[i].inertia->mass_kg > 0.0)
         out.push_back(i);
     return out;
   }

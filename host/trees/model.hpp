@@ -22,10 +22,10 @@ struct Drive {
 };
 
 /// The parameters of a drive that [free] may name, as "name.joint".
-inline constexpr std::array<std::string_view, 4> kDriveParameters{"kp_nmprad", "kd_nmsprad", "rotor_inertia_kgm2",
-                                                                  "damping_nmspr"};
-inline constexpr std::array<double Drive::*, 4> kDriveMembers{&Drive::kp_nmprad, &Drive::kd_nmsprad,
-                                                              &Drive::rotor_inertia_kgm2, &Drive::damping_nmspr};
+inline constexpr std::array<std::string_view, 4> kDriveParameters{"kp_nmprad", "kd_nmsprad",
+                                                                  "rotor_inertia_kgm2", "damping_nmspr"};
+inline constexpr std::array<double Drive::*, 4> kDriveMembers{
+    &Drive::kp_nmprad, &Drive::kd_nmsprad, &Drive::rotor_inertia_kgm2, &Drive::damping_nmspr};
 
 /// An effect at one site, or at several with one value.
 struct Cause {

@@ -36,7 +36,8 @@ Start start_of(const Recording& r, const Window& w, const Setup& setup) {
   for (std::size_t k = w.first; k <= end; ++k) t.push_back(r.time_s[k] - r.time_s[w.first]);
   Start s{std::vector<double>(n), std::vector<double>(n)};
   for (std::size_t j = 0; j < n; ++j) {
-    const std::vector<double> y(r.angle_rad[j].begin() + static_cast<std::ptrdiff_t>(w.first), r.angle_rad[j].begin() + static_cast<std::ptrdiff_t>(end + 1));
+    const std::vector<double> y(r.angle_rad[j].begin() + static_cast<std::ptrdiff_t>(w.first),
+                                r.angle_rad[j].begin() + static_cast<std::ptrdiff_t>(end + 1));
     const Line l = through(t, y, 2);
     s.angle_rad[j] = l.value;
     s.velocity_radps[j] = l.slope;
@@ -60,11 +61,13 @@ Start start_of(const Recording& r, const Window& w, const Setup& setup) {
 
 }  // namespace
 
-Predictions predict(const TreeModel& model, const std::vector<Recording>& recordings, double window_s, const Hypothesis& h,
-                    const Hypothesis& starts_from, std::vector<Trace>* traces, std::vector<double> Trace::* into) {
+Predictions predict(const TreeModel& model, const std::vector<Recording>& recordings, double window_s,
+                    const Hypothesis& h, const Hypothesis& starts_from, std::vector<Trace>* traces,
+                    std::vector<double> Trace::*into) {
   const std::size_t n = model.joints();
   const SetupMaker maker(model);
-  const Setup setup = maker.make(h.drives, h.causes), starter = maker.make(starts_from.drives, starts_from.causes);
+  const Setup setup = maker.make(h.drives, h.causes),
+              starter = maker.make(starts_from.drives, starts_from.causes);
   const std::vector<Window> windows = windows_of(model, recordings, window_s);
   Predictions out{std::vector<ChannelError>(n), std::vector<double>(n)};
   std::vector<double> squares(n), absolute(n), about_mean(n), noise(n);
@@ -78,7 +81,8 @@ Predictions predict(const TreeModel& model, const std::vector<Recording>& record
     rows += static_cast<double>(count);
     for (std::size_t j = 0; j < n; ++j) {
       double mean = 0.0;
-      for (std::size_t k = 0; k < count; ++k) mean += r.angle_rad[j][w.first + k] / static_cast<double>(count);
+      for (std::size_t k = 0; k < count; ++k)
+        mean += r.angle_rad[j][w.first + k] / static_cast<double>(count);
       for (std::size_t k = 0; k < count; ++k) {
         const double error = std::min(1e3, std::abs(predicted[k * n + j] - r.angle_rad[j][w.first + k]));
         squares[j] += std::isfinite(error) ? error * error : 1e6;
@@ -89,8 +93,18 @@ Predictions predict(const TreeModel& model, const std::vector<Recording>& record
     }
     if (traces == nullptr) continue;
     for (std::size_t j = 0; j < n; ++j) {
-      const auto found = std::find_if(traces->begin(), traces->end(), [&](const Trace& t) { return t.log == r.path && t.joint == model.robot.joints[j].name; });
-      Trace& t = found != traces->end() ? *found : traces->emplace_back(Trace{r.path, model.robot.joints[j].name, std::string(channel_unit(model, j)), {}, {}, {}, {}, {}});
+      const auto found = std::find_if(traces->begin(), traces->end(), [&](const Trace& t) {
+        return t.log == r.path && t.joint == model.robot.joints[j].name;
+      });
+      Trace& t = found != traces->end() ? *found
+                                        : traces->emplace_back(Trace{r.path,
+                                                                     model.robot.joints[j].name,
+                                                                     std::string(channel_unit(model, j)),
+                                                                     {},
+                                                                     {},
+                                                                     {},
+                                                                     {},
+                                                                     {}});
       for (std::size_t k = 0; k < count; ++k) {
         if (into == &Trace::as_given) {
           t.time_s.push_back(r.time_s[w.first + k]);
@@ -101,7 +115,8 @@ Predictions predict(const TreeModel& model, const std::vector<Recording>& record
     }
   }
   for (std::size_t j = 0; j < n && rows > 0.0; ++j) {
-    out.errors[j] = {squares[j] / std::max(about_mean[j], 1e-300), absolute[j] / rows, std::sqrt(squares[j] / rows)};
+    out.errors[j] = {squares[j] / std::max(about_mean[j], 1e-300), absolute[j] / rows,
+                     std::sqrt(squares[j] / rows)};
     out.floor[j] = noise[j] / std::max(about_mean[j], 1e-300);
   }
   return out;

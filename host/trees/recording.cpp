@@ -37,12 +37,15 @@ double noise_of(const std::vector<double>& x) {
   return std::max({white, step / std::sqrt(12.0), 1e-7});
 }
 
-[[noreturn]] void missing(const log::Log& log, const TreeModel& m, std::size_t joint, const std::string& columns) {
-  throw log::DataError(log.path + ": joint " + log::quoted(m.robot.joints[joint].name) + " has no column " + columns +
-                       "; expected one of each joint that moves (joints = [...] in " + m.file + " says which do)");
+[[noreturn]] void missing(const log::Log& log, const TreeModel& m, std::size_t joint,
+                          const std::string& columns) {
+  throw log::DataError(log.path + ": joint " + log::quoted(m.robot.joints[joint].name) + " has no column " +
+                       columns + "; expected one of each joint that moves (joints = [...] in " + m.file +
+                       " says which do)");
 }
 
-void refuse_degrees(const log::Log& log, const TreeModel& m, std::size_t joint, const std::vector<double>& angle) {
+void refuse_degrees(const log::Log& log, const TreeModel& m, std::size_t joint,
+                    const std::vector<double>& angle) {
   const auto& j = m.robot.joints[joint];
   if (m.prismatic(joint) || !j.limits || !(j.limits->lower < j.limits->upper)) return;
   const double reach = std::max(std::abs(j.limits->lower), std::abs(j.limits->upper));
@@ -50,9 +53,10 @@ void refuse_degrees(const log::Log& log, const TreeModel& m, std::size_t joint, 
   for (const double a : angle) largest = std::max(largest, std::abs(a));
   const double as_degrees = largest * std::numbers::pi / 180.0;
   if (largest > 4.0 * reach && as_degrees < 1.2 * reach)
-    throw log::DataError(log.path + ": " + column_of(m, joint, "angle") + " reaches " + log::rounded(largest) +
-                         ", and the URDF's limit is " + log::rounded(reach) +
-                         " rad: these are degrees; expected radians (a --map file with scale = 0.0174533 makes them)");
+    throw log::DataError(
+        log.path + ": " + column_of(m, joint, "angle") + " reaches " + log::rounded(largest) +
+        ", and the URDF's limit is " + log::rounded(reach) +
+        " rad: these are degrees; expected radians (a --map file with scale = 0.0174533 makes them)");
 }
 
 }  // namespace
@@ -120,7 +124,8 @@ LocalState local_state(const Recording& r, std::size_t joint, std::size_t row, d
     right += row_of * (x[i] - x[row]);
   }
   // At an end of the recording a cubic has too much freedom: the last column is damped there.
-  const Eigen::Matrix4d inverse = (normal + Eigen::Matrix4d(Eigen::Vector4d(0, 0, 1e-9, 1e-6).asDiagonal())).inverse();
+  const Eigen::Matrix4d inverse =
+      (normal + Eigen::Matrix4d(Eigen::Vector4d(0, 0, 1e-9, 1e-6).asDiagonal())).inverse();
   const Eigen::Vector4d c = inverse * right;
   const double sd = r.angle_noise_rad[joint];
   return {x[row] + c(0), c(1) / unit, 2.0 * c(2) / (unit * unit), sd * std::sqrt(inverse(0, 0)),
@@ -129,7 +134,8 @@ LocalState local_state(const Recording& r, std::size_t joint, std::size_t row, d
 
 Recording part_of(const Recording& r, std::size_t first, std::size_t last) {
   const auto cut = [&](const std::vector<double>& x) {
-    return std::vector<double>(x.begin() + static_cast<std::ptrdiff_t>(first), x.begin() + static_cast<std::ptrdiff_t>(last + 1));
+    return std::vector<double>(x.begin() + static_cast<std::ptrdiff_t>(first),
+                               x.begin() + static_cast<std::ptrdiff_t>(last + 1));
   };
   Recording out;
   out.path = r.path;

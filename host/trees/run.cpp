@@ -92,7 +92,8 @@ Setup SetupMaker::make(std::span<const Drive> drives, std::span<const Cause> cau
     for (const std::size_t site : cause.sites) {
       const auto& v = cause.values;
       // Sites of links and of the base are no joints; their effects do not touch these.
-      const std::size_t joint = info(cause.effect).seat == Seat::link || info(cause.effect).seat == Seat::base ? 0 : site;
+      const std::size_t joint =
+          info(cause.effect).seat == Seat::link || info(cause.effect).seat == Seat::base ? 0 : site;
       auto& law = out.model.laws[joint];
       Setup::Joint& drive = out.joints[joint];
       switch (cause.effect) {
@@ -133,7 +134,8 @@ Setup SetupMaker::make(std::span<const Drive> drives, std::span<const Cause> cau
           const double ratio = v[0] / b.mass_kg;
           b.mass_kg = v[0];
           const Sym3<double>& s = b.about_centre_kgm2;
-          b.about_centre_kgm2 = {s.xx * ratio, s.xy * ratio, s.xz * ratio, s.yy * ratio, s.yz * ratio, s.zz * ratio};
+          b.about_centre_kgm2 = {s.xx * ratio, s.xy * ratio, s.xz * ratio,
+                                 s.yy * ratio, s.yz * ratio, s.zz * ratio};
           break;
         }
         case Effect::com_error: {
@@ -148,9 +150,11 @@ Setup SetupMaker::make(std::span<const Drive> drives, std::span<const Cause> cau
         }
         case Effect::payload:
           body_of(site);
-          loads.emplace_back(static_cast<std::size_t>(tree_.robot.links[site].joint),
-                             dynamics::tree::inertia_of(v[0], tree_.robot.links[site].frame.point_back(Vec3<double>{v[1], v[2], v[3]}),
-                                                        Sym3<double>{}));
+          loads.emplace_back(
+              static_cast<std::size_t>(tree_.robot.links[site].joint),
+              dynamics::tree::inertia_of(
+                  v[0], tree_.robot.links[site].frame.point_back(Vec3<double>{v[1], v[2], v[3]}),
+                  Sym3<double>{}));
           break;
         case Effect::base_tilt:
           out.model.gravity_mps2 = tilted(out.model.gravity_mps2, v[0], v[1]);
@@ -170,6 +174,7 @@ Setup SetupMaker::make(std::span<const Drive> drives, std::span<const Cause> cau
           break;
         case Effect::actuator_lag:
           drive.lag_s = v[0];
+          drive.stepwise |= drive.law == DriveLaw::position && v[0] > 0.0;
           break;
         case Effect::torque_saturation:
           drive.limit_nm = v[0];
@@ -185,7 +190,8 @@ Setup SetupMaker::make(std::span<const Drive> drives, std::span<const Cause> cau
           // A rotor without inertia is a spring in series, which has no state here.
           if (law.armature_kgm2 <= 0.0) break;
           law.elastic = true;
-          law.rotor_damping_nmspr = law.damping_nmspr;  // bearings and seals of the drive are on the rotor's side
+          law.rotor_damping_nmspr =
+              law.damping_nmspr;  // bearings and seals of the drive are on the rotor's side
           law.damping_nmspr = 0.0;
           law.drive_stiffness_nmprad = v[0];
           drive.stepwise |= drive.law == DriveLaw::position;
@@ -200,7 +206,9 @@ Setup SetupMaker::make(std::span<const Drive> drives, std::span<const Cause> cau
     law.friction_nm = friction[i].forth;
     law.asymmetric = friction[i].forth != friction[i].back;
     law.friction_back_nm = friction[i].back;
-    law.static_friction_nm = friction[i].more_at_rest > 0.0 ? std::max(friction[i].forth, friction[i].back) + friction[i].more_at_rest : 0.0;
+    law.static_friction_nm = friction[i].more_at_rest > 0.0
+                                 ? std::max(friction[i].forth, friction[i].back) + friction[i].more_at_rest
+                                 : 0.0;
     Setup::Joint& j = out.joints[i];
     if (j.law != DriveLaw::position || j.stepwise) continue;
     // The drive's position law is a spring to the set point and a damper; between rows both act as they are.
@@ -242,15 +250,22 @@ void Runner::pass_input(std::size_t joint, double input, double dt_s) {
   lagged_[joint] = lag > 0.0 ? input + (lagged_[joint] - input) * std::exp(-dt_s / lag) : input;
 }
 
-/// The drive's torque on what a lag leaves of the input, at the state `ahead_s` from here.
-double Runner::drive_torque(std::size_t i, double input, double ahead_s) const {
+/// The torque that the drive's law asks for, at the state `ahead_s` from here.
+double Runner::asked_torque(std::size_t i, double input, double ahead_s) const {
   const Setup::Joint& j = setup_.joints[i];
-  double torque = input;
-  const double v = plant_.velocities()[i], q = measured(i) + v * ahead_s;
-  if (j.law == DriveLaw::position) torque = j.kp_nmprad * (input - q) - j.kd_nmsprad * v;
-  torque *= j.gain;
+  if (j.law == DriveLaw::torque) return input;
+  const double v = plant_.velocities()[i];
+  return j.kp_nmprad * (input - measured(i) - v * ahead_s) - j.kd_nmsprad * v;
+}
+
+/// What the drive makes of it.
+double Runner::made_torque(std::size_t i, double asked, double ahead_s) const {
+  const Setup::Joint& j = setup_.joints[i];
+  double torque = j.gain * asked;
   if (j.limit_nm > 0.0) torque = std::clamp(torque, -j.limit_nm, j.limit_nm);
-  if (j.ripple_nm != 0.0) torque += j.ripple_nm * std::sin(j.ripple_cycles * q + j.ripple_phase_rad);
+  if (j.ripple_nm != 0.0)
+    torque += j.ripple_nm * std::sin(j.ripple_cycles * (measured(i) + plant_.velocities()[i] * ahead_s) +
+                                     j.ripple_phase_rad);
   return torque;
 }
 
@@ -263,20 +278,20 @@ void Runner::advance(std::span<const double> input, double dt_s) {
     Plant::Joints tau{};
     for (std::size_t i = 0; i < setup_.joints.size(); ++i) {
       const Setup::Joint& j = setup_.joints[i];
-      double in = input[i];
-      if (j.lag_s > 0.0) {
-        // The mean of the lagged input over the step.
-        const double fade = -std::expm1(-dt / j.lag_s) * j.lag_s / dt, before = lagged_[i];
-        pass_input(i, input[i], dt);
-        in = input[i] + (before - input[i]) * fade;
-      }
       double drive = 0.0;
       if (j.law == DriveLaw::position && !j.stepwise) {
-        plant_.set_rest(i, in - j.encoder_offset_rad);
-        drive = j.gain * (j.kp_nmprad * (in - measured(i)) - j.kd_nmsprad * plant_.velocities()[i]);
-        tau[i] = 0.0;
+        // The joint's own spring and damper are the law.
+        plant_.set_rest(i, input[i] - j.encoder_offset_rad);
+        drive = j.gain * asked_torque(i, input[i], 0.0);
       } else {
-        drive = drive_torque(i, in, 0.5 * dt);
+        double asked = asked_torque(i, input[i], 0.5 * dt);
+        if (j.lag_s > 0.0) {
+          // The mean over the step of what follows with a lag.
+          const double fade = -std::expm1(-dt / j.lag_s) * j.lag_s / dt, before = lagged_[i];
+          pass_input(i, asked, dt);
+          asked += (before - asked) * fade;
+        }
+        drive = made_torque(i, asked, 0.5 * dt);
         tau[i] = drive;
       }
       tau[i] += j.offset_nm + disturbance_[i];
@@ -304,9 +319,16 @@ void run(const Setup& setup, const Recording& r, std::size_t first, std::size_t 
     if (j.lag_s <= 0.0) continue;
     std::size_t from = k;
     while (from > 0 && r.time_s[k] - r.time_s[from] < 6.0 * j.lag_s) --from;
-    runner.settle_input(i, r.input[i][from]);
-    for (std::size_t b = from; b < k; ++b) runner.pass_input(i, r.input[i][b], r.time_s[b + 1] - r.time_s[b]);
-    runner.pass_input(i, r.input[i][k], std::max(0.0, r.time_s[first] - r.time_s[k] - j.delay_s));
+    // What the drive's law asked for then: of a position law, at the measured angles.
+    const auto asked = [&](std::size_t b) {
+      if (j.law == DriveLaw::torque) return r.input[i][b];
+      const std::size_t next = std::min(b + 1, r.rows() - 1), before = b > 0 ? b - 1 : 0;
+      const double v = (r.angle_rad[i][next] - r.angle_rad[i][before]) / (r.time_s[next] - r.time_s[before]);
+      return j.kp_nmprad * (r.input[i][b] - r.angle_rad[i][b]) - j.kd_nmsprad * v;
+    };
+    runner.settle_input(i, asked(from));
+    for (std::size_t b = from; b < k; ++b) runner.pass_input(i, asked(b), r.time_s[b + 1] - r.time_s[b]);
+    runner.pass_input(i, asked(k), std::max(0.0, r.time_s[first] - r.time_s[k] - j.delay_s));
   }
   for (std::size_t i = 0; i < n; ++i) out[i] = runner.measured(i);
   for (std::size_t k = first; k < last; ++k) {

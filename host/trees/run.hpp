@@ -55,7 +55,8 @@ double neutral_value(const TreeModel& model, Effect effect, std::size_t paramete
 /// Runs the tree from the states at `first`, true positions and velocities, on the recording's inputs to `last`;
 /// `measured[row - first][joint]` is what the encoders read. Inputs from before `first` are in the drives' delays and lags.
 void run(const Setup& setup, const Recording& recording, std::size_t first, std::size_t last,
-         std::span<const double> angle_rad, std::span<const double> velocity_radps, std::span<double> measured);
+         std::span<const double> angle_rad, std::span<const double> velocity_radps,
+         std::span<double> measured);
 
 /// What a plant with the drives of `setup` does between two rows, for simulations that make their inputs as they go.
 class Runner {
@@ -65,7 +66,7 @@ class Runner {
   explicit Runner(const Setup& setup);
   /// `angle_rad` as the encoders read them.
   void reset(std::span<const double> angle_rad, std::span<const double> velocity_radps);
-  /// The drive's lag as it is after this input has been there for ever.
+  /// The drive's lag as it is after its law has asked for this torque for ever; after it has asked for it so long.
   void settle_input(std::size_t joint, double input) { lagged_[joint] = input; }
   void pass_input(std::size_t joint, double input, double dt_s);
   /// Moves on with the inputs of this interval.
@@ -80,7 +81,8 @@ class Runner {
   void disturb(std::size_t joint, double torque_nm) { disturbance_[joint] = torque_nm; }
 
  private:
-  double drive_torque(std::size_t joint, double input, double ahead_s) const;
+  double asked_torque(std::size_t joint, double input, double ahead_s) const;
+  double made_torque(std::size_t joint, double asked, double ahead_s) const;
 
   const Setup& setup_;
   Plant plant_;

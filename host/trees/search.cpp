@@ -28,7 +28,8 @@ constexpr double kKept = 0.4;
 Eigen::MatrixXd part(const Eigen::MatrixXd& m, const Indices& rows, const Indices& columns) {
   Eigen::MatrixXd out(static_cast<Index>(rows.size()), static_cast<Index>(columns.size()));
   for (std::size_t a = 0; a < rows.size(); ++a)
-    for (std::size_t b = 0; b < columns.size(); ++b) out(static_cast<Index>(a), static_cast<Index>(b)) = m(rows[a], columns[b]);
+    for (std::size_t b = 0; b < columns.size(); ++b)
+      out(static_cast<Index>(a), static_cast<Index>(b)) = m(rows[a], columns[b]);
   return out;
 }
 
@@ -50,7 +51,8 @@ double loss_with(const Eigen::MatrixXd& m, const Indices& columns, const Eigen::
 /// The linear problem at a hypothesis.
 class Linear {
  public:
-  Linear(const Problem& problem, const Hypothesis& h, const std::vector<Unknown>& unknowns, std::vector<Candidate> candidates)
+  Linear(const Problem& problem, const Hypothesis& h, const std::vector<Unknown>& unknowns,
+         std::vector<Candidate> candidates)
       : candidates_(std::move(candidates)) {
     std::vector<Hypothesis> probes;
     for (const Candidate& c : candidates_) {
@@ -72,7 +74,8 @@ class Linear {
   double loss() const { return products_.all(0, 0); }
   Indices columns_of(std::size_t candidate) const {
     Indices out;
-    for (std::size_t k = 0; k < candidates_[candidate].columns.size(); ++k) out.push_back(first_[candidate] + static_cast<Index>(k));
+    for (std::size_t k = 0; k < candidates_[candidate].columns.size(); ++k)
+      out.push_back(first_[candidate] + static_cast<Index>(k));
     return out;
   }
   const Indices& fitted() const { return fitted_; }
@@ -88,7 +91,8 @@ class Linear {
     if (!base.empty()) {
       const Eigen::MatrixXd normal = part(m, base, base);
       const Eigen::VectorXd unit = normal.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-      const Eigen::MatrixXd scaled = unit.asDiagonal() * normal * unit.asDiagonal() + 1e-7 * Eigen::MatrixXd::Identity(normal.rows(), normal.cols());
+      const Eigen::MatrixXd scaled = unit.asDiagonal() * normal * unit.asDiagonal() +
+                                     1e-7 * Eigen::MatrixXd::Identity(normal.rows(), normal.cols());
       const Eigen::MatrixXd cross = unit.asDiagonal() * part(m, base, all);
       left -= cross.transpose() * scaled.ldlt().solve(cross);
     }
@@ -111,7 +115,9 @@ class Linear {
       const double gain = of_kept.dot(Eigen::VectorXd(part(left, columns, {0})));
       if (gain > kWorth * before) out.push_back({c, gain, gain, x});
     }
-    std::sort(out.begin(), out.end(), [](const Score& a, const Score& b) { return a.gain != b.gain ? a.gain > b.gain : a.candidate < b.candidate; });
+    std::sort(out.begin(), out.end(), [](const Score& a, const Score& b) {
+      return a.gain != b.gain ? a.gain > b.gain : a.candidate < b.candidate;
+    });
     std::vector<Score> kept;
     for (Score& s : out) {
       if (kept.size() == most) break;
@@ -120,7 +126,8 @@ class Linear {
       s.worth = s.gain - scatter * static_cast<double>(s.coefficients.size()) * 4.0;
       kept.push_back(std::move(s));
     }
-    std::stable_sort(kept.begin(), kept.end(), [](const Score& a, const Score& b) { return a.worth > b.worth; });
+    std::stable_sort(kept.begin(), kept.end(),
+                     [](const Score& a, const Score& b) { return a.worth > b.worth; });
     return kept;
   }
 
@@ -133,7 +140,8 @@ class Linear {
     both.insert(both.end(), base.begin(), base.end());
     const Eigen::VectorXd b0 = base.empty() ? Eigen::VectorXd() : solve(m, base);
     Eigen::MatrixXd b(static_cast<Index>(base.size()), static_cast<Index>(columns.size()));
-    for (std::size_t k = 0; k < columns.size() && !base.empty(); ++k) b.col(static_cast<Index>(k)) = solve(m, base, columns[k]);
+    for (std::size_t k = 0; k < columns.size() && !base.empty(); ++k)
+      b.col(static_cast<Index>(k)) = solve(m, base, columns[k]);
     const auto p = static_cast<Index>(columns.size());
     Eigen::MatrixXd scatter = Eigen::MatrixXd::Zero(p, p);
     Eigen::VectorXd sum = Eigen::VectorXd::Zero(p);
@@ -142,11 +150,15 @@ class Linear {
       for (Index k = 0; k < p; ++k) g(k) = static_cast<double>(w(columns[static_cast<std::size_t>(k)], 0));
       if (!base.empty()) {
         Eigen::VectorXd right(static_cast<Index>(base.size()));
-        for (std::size_t a = 0; a < base.size(); ++a) right(static_cast<Index>(a)) = static_cast<double>(w(base[a], 0));
+        for (std::size_t a = 0; a < base.size(); ++a)
+          right(static_cast<Index>(a)) = static_cast<double>(w(base[a], 0));
         Eigen::MatrixXd cross(p, right.size()), inner(right.size(), right.size());
         for (std::size_t a = 0; a < base.size(); ++a) {
-          for (Index k = 0; k < p; ++k) cross(k, static_cast<Index>(a)) = static_cast<double>(w(columns[static_cast<std::size_t>(k)], base[a]));
-          for (std::size_t c = 0; c < base.size(); ++c) inner(static_cast<Index>(a), static_cast<Index>(c)) = static_cast<double>(w(base[a], base[c]));
+          for (Index k = 0; k < p; ++k)
+            cross(k, static_cast<Index>(a)) =
+                static_cast<double>(w(columns[static_cast<std::size_t>(k)], base[a]));
+          for (std::size_t c = 0; c < base.size(); ++c)
+            inner(static_cast<Index>(a), static_cast<Index>(c)) = static_cast<double>(w(base[a], base[c]));
         }
         g += -cross * b0 - b.transpose() * right + b.transpose() * (inner * b0);
       }
@@ -154,7 +166,8 @@ class Linear {
       sum += g;
     }
     const Eigen::VectorXd unit = scatter.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-    const Eigen::MatrixXd scaled = unit.asDiagonal() * scatter * unit.asDiagonal() + 1e-6 * Eigen::MatrixXd::Identity(p, p);
+    const Eigen::MatrixXd scaled =
+        unit.asDiagonal() * scatter * unit.asDiagonal() + 1e-6 * Eigen::MatrixXd::Identity(p, p);
     const Eigen::VectorXd u = unit.asDiagonal() * sum;
     const double statistic = u.dot(scaled.ldlt().solve(u));
     // What is there in a few windows only is much there; the scatter then says little.
@@ -183,7 +196,8 @@ class Linear {
     return gain > kKept * s.gain && 5 * better >= 3 * folds && steadiness(size, information) > 1.0;
   }
   /// The candidate at its coefficients' proportions as one column: its size in a fold, 1 where it is as in all.
-  void one_size(const Eigen::MatrixXd& fold, const Indices& base, const Score& s, std::vector<double>& size, std::vector<double>& information) const {
+  void one_size(const Eigen::MatrixXd& fold, const Indices& base, const Score& s, std::vector<double>& size,
+                std::vector<double>& information) const {
     const Indices columns = columns_of(s.candidate);
     const auto n = static_cast<Index>(base.size());
     Eigen::MatrixXd m = Eigen::MatrixXd::Zero(n + 2, n + 2);  // residual, base, the candidate
@@ -197,8 +211,10 @@ class Linear {
     for (Index k = 1; k < n + 2; ++k) all.push_back(k);
     const Eigen::MatrixXd normal = part(m, all, all);
     if (!(normal(n, n) > 0.0)) return;
-    const Eigen::VectorXd unit = normal.diagonal().cwiseMax(1e-12 * normal.diagonal().maxCoeff()).cwiseSqrt().cwiseInverse();
-    const Eigen::MatrixXd scaled = unit.asDiagonal() * normal * unit.asDiagonal() + 1e-7 * Eigen::MatrixXd::Identity(n + 1, n + 1);
+    const Eigen::VectorXd unit =
+        normal.diagonal().cwiseMax(1e-12 * normal.diagonal().maxCoeff()).cwiseSqrt().cwiseInverse();
+    const Eigen::MatrixXd scaled =
+        unit.asDiagonal() * normal * unit.asDiagonal() + 1e-7 * Eigen::MatrixXd::Identity(n + 1, n + 1);
     const Eigen::MatrixXd inverse = unit.asDiagonal() * scaled.inverse() * unit.asDiagonal();
     size.push_back((inverse * part(m, all, {0}))(n, 0));
     information.push_back(1.0 / inverse(n, n));
@@ -274,10 +290,12 @@ class Search {
         }
         next = with_candidate(problem_.model(), next, c, coefficients(s));
       }
-      say(0.12 + 0.09 * round, "fitting " + std::to_string(next.causes.size()) + (next.causes.size() == 1 ? " cause" : " causes"));
+      say(0.12 + 0.09 * round,
+          "fitting " + std::to_string(next.causes.size()) + (next.causes.size() == 1 ? " cause" : " causes"));
       Fit with = prune(problem_.fit(next, {options_.threads, 6}), false);
       if (with.loss > fit.loss * (1.0 - kWorth) && with.at.causes.size() >= before) {
-        refused.insert(cause_name(problem_.model(), linear.candidates()[picks.front().candidate].columns.front()));
+        refused.insert(
+            cause_name(problem_.model(), linear.candidates()[picks.front().candidate].columns.front()));
         continue;
       }
       fit = std::move(with);
@@ -298,12 +316,15 @@ class Search {
   /// All candidates but those that the recordings did not agree on.
   std::vector<Candidate> tried(const Hypothesis& h) const {
     std::vector<Candidate> out = candidates(problem_, h, problem_.ripple_cycles(h));
-    std::erase_if(out, [&](const Candidate& c) { return dropped_.contains(cause_name(problem_.model(), c.columns.front())); });
+    std::erase_if(out, [&](const Candidate& c) {
+      return dropped_.contains(cause_name(problem_.model(), c.columns.front()));
+    });
     return out;
   }
 
   /// The candidates to take in this round, by a greedy solution of the linear problem.
-  std::vector<Linear::Score> pick(const Linear& linear, const Fit& fit, const std::set<std::string>& refused, Found* table) const {
+  std::vector<Linear::Score> pick(const Linear& linear, const Fit& fit, const std::set<std::string>& refused,
+                                  Found* table) const {
     std::vector<Linear::Score> out;
     Indices base = linear.fitted();
     std::set<std::pair<Seat, std::size_t>> taken;
@@ -313,9 +334,13 @@ class Search {
       std::vector<const Linear::Score*> leaders;
       std::set<std::string> seen;
       for (const auto& s : scores) {
-        if (!seen.insert(cause_name(problem_.model(), linear.candidates()[s.candidate].columns.front())).second) continue;
+        if (!seen.insert(cause_name(problem_.model(), linear.candidates()[s.candidate].columns.front()))
+                 .second)
+          continue;
         const Candidate& c = linear.candidates()[s.candidate];
-        const bool free = std::none_of(c.sites.begin(), c.sites.end(), [&](std::size_t site) { return taken.contains({seat_of(c), site}); });
+        const bool free = std::none_of(c.sites.begin(), c.sites.end(), [&](std::size_t site) {
+          return taken.contains({seat_of(c), site});
+        });
         if (!free || refused.contains(cause_name(problem_.model(), c.columns.front()))) continue;
         if (best == nullptr) best = &s;
         leaders.push_back(&s);
@@ -323,7 +348,9 @@ class Search {
       }
       if (table != nullptr && k == 0)
         for (const auto& s : scores)
-          table->table.push_back({cause_name(problem_.model(), linear.candidates()[s.candidate].columns.front()), s.gain / linear.loss(), false});
+          table->table.push_back(
+              {cause_name(problem_.model(), linear.candidates()[s.candidate].columns.front()),
+               s.gain / linear.loss(), false});
       if (leaders.size() > 1) best = best_fitted(linear, fit, leaders);
       // The linear test is about the wrong model yet: what is small beside the best waits for the next round.
       if (best == nullptr || (!out.empty() && best->gain < 0.2 * out.front().gain)) break;
@@ -335,12 +362,14 @@ class Search {
     return out;
   }
   /// Of the first few by the linear test, the one that is best when it is fitted.
-  const Linear::Score* best_fitted(const Linear& linear, const Fit& fit, const std::vector<const Linear::Score*>& leaders) const {
+  const Linear::Score* best_fitted(const Linear& linear, const Fit& fit,
+                                   const std::vector<const Linear::Score*>& leaders) const {
     const Linear::Score* best = leaders.front();
     double least = 1e300;
     for (const Linear::Score* s : leaders) {
       if (s->gain < 0.5 * leaders.front()->gain) continue;
-      const Hypothesis h = with_candidate(problem_.model(), fit.at, linear.candidates()[s->candidate], coefficients(*s));
+      const Hypothesis h =
+          with_candidate(problem_.model(), fit.at, linear.candidates()[s->candidate], coefficients(*s));
       const Fit with = problem_.fit(h, {options_.threads, 4});
       // A parameter more must be worth a hundredth of the residuals.
       const double loss = with.loss * (1.0 + 0.01 * static_cast<double>(with.unknowns.size()));
@@ -360,6 +389,10 @@ class Search {
   double distance(const Fit& fit, std::size_t cause, bool strict) const {
     double most = 0.0;
     const Cause& c = fit.at.causes[cause];
+    // Between two rows nobody knows when a command came.
+    if ((c.effect == Effect::actuator_delay || c.effect == Effect::actuator_lag) &&
+        c.values[0] < 0.25 * problem_.interval_s())
+      return 0.0;
     for (std::size_t k = 0; k < fit.unknowns.size(); ++k) {
       const Unknown& u = fit.unknowns[k];
       if (!u.of_cause || u.cause != cause) continue;
@@ -369,10 +402,12 @@ class Search {
       const double away = value_of(fit.at, u) - neutral;
       std::vector<double> apart = fit.fold_value[k];
       for (double& x : apart) x -= neutral;
-      if (variance > 0.0 && (!strict || steadiness(apart, fit.fold_information[k]) > 0.7)) most = std::max(most, away * away / variance);
+      if (variance > 0.0 && (!strict || steadiness(apart, fit.fold_information[k]) > 0.7))
+        most = std::max(most, away * away / variance);
       if (fit.at_bound[k] && std::abs(away) > 0.5 * u.scale) most = std::max(most, 50.0);
     }
-    if (c.effect == Effect::torque_saturation || c.effect == Effect::joint_elasticity) most = std::max(most, 50.0);
+    if (c.effect == Effect::torque_saturation || c.effect == Effect::joint_elasticity)
+      most = std::max(most, 50.0);
     return most;
   }
 
@@ -400,7 +435,9 @@ class Search {
         for (std::size_t b = a + 1; b < fit.at.causes.size() && !merged; ++b) {
           const Cause &x = fit.at.causes[a], &y = fit.at.causes[b];
           const EffectInfo& e = info(x.effect);
-          if (x.effect != y.effect || e.parameter_count != 1 || e.seat == Seat::link || x.effect == Effect::force_offset || x.effect == Effect::encoder_offset) continue;
+          if (x.effect != y.effect || e.parameter_count != 1 || e.seat == Seat::link ||
+              x.effect == Effect::force_offset || x.effect == Effect::encoder_offset)
+            continue;
           double vx = 0.0, vy = 0.0, both = 0.0;
           for (std::size_t k = 0; k < fit.unknowns.size(); ++k)
             for (std::size_t l = 0; l < fit.unknowns.size(); ++l) {
@@ -411,7 +448,8 @@ class Search {
               if (u.cause == b && w.cause == b) vy = c;
               if (u.cause == a && w.cause == b) both = c;
             }
-          const double apart = x.values[0] - y.values[0], neutral = neutral_value(problem_.model(), x.effect, 0, x.sites.front());
+          const double apart = x.values[0] - y.values[0],
+                       neutral = neutral_value(problem_.model(), x.effect, 0, x.sites.front());
           const double size = std::abs(0.5 * (x.values[0] + y.values[0]) - neutral);
           const double variance = vx + vy - 2.0 * both;
           if (!(variance > 0.0) || apart * apart > 4.0 * variance || std::abs(apart) > 0.25 * size) continue;
@@ -437,14 +475,17 @@ class Search {
       found.rivals.clear();
       bool swapped = false;
       for (std::size_t c = given; c < fit.at.causes.size() && !swapped; ++c) {
-        say(0.75 + 0.2 * static_cast<double>(c - given) / static_cast<double>(fit.at.causes.size()), "comparing " + cause_name(problem_.model(), fit.at.causes[c]) + " with the others");
+        say(0.75 + 0.2 * static_cast<double>(c - given) / static_cast<double>(fit.at.causes.size()),
+            "comparing " + cause_name(problem_.model(), fit.at.causes[c]) + " with the others");
         const Fit off = problem_.fit(without(fit.at, c), {options_.threads, 4});
         found.gain.push_back((off.loss - fit.loss) / fit.loss);
         found.z.push_back(against(fit, off));
         std::vector<Rival> rivals;
-        const Linear linear(problem_, off.at, off.unknowns, candidates(problem_, off.at, problem_.ripple_cycles(off.at)));
+        const Linear linear(problem_, off.at, off.unknowns,
+                            candidates(problem_, off.at, problem_.ripple_cycles(off.at)));
         std::vector<Linear::Score> scores = linear.scores(linear.fitted(), 60);
-        std::stable_sort(scores.begin(), scores.end(), [](const auto& a, const auto& b) { return a.gain > b.gain; });
+        std::stable_sort(scores.begin(), scores.end(),
+                         [](const auto& a, const auto& b) { return a.gain > b.gain; });
         std::set<std::string> seen{cause_name(problem_.model(), fit.at.causes[c])};
         std::size_t fitted = 0;
         for (const auto& s : scores) {
@@ -490,6 +531,8 @@ class Search {
 
 }  // namespace
 
-Found search(Problem& problem, Problem* coarse, const SearchOptions& options) { return Search(problem, options).run(coarse); }
+Found search(Problem& problem, Problem* coarse, const SearchOptions& options) {
+  return Search(problem, options).run(coarse);
+}
 
 }  // namespace furcula::trees

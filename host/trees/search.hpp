@@ -24,12 +24,13 @@ struct Rival {
 };
 
 struct Found {
-  Fit fit;                                  ///< of the hypothesis with all causes
-  Fit refitted;                             ///< free parameters alone
-  std::vector<double> gain;                 ///< of each cause: loss without it, all else fitted again, less that with it, over the latter
-  std::vector<double> z;                    ///< of each cause: the same over its scatter
-  std::vector<std::vector<Rival>> rivals;   ///< of each cause
-  std::size_t tried = 0;                    ///< candidates
+  Fit fit;       ///< of the hypothesis with all causes
+  Fit refitted;  ///< free parameters alone
+  std::vector<double>
+      gain;  ///< of each cause: loss without it, all else fitted again, less that with it, over the latter
+  std::vector<double> z;                   ///< of each cause: the same over its scatter
+  std::vector<std::vector<Rival>> rivals;  ///< of each cause
+  std::size_t tried = 0;                   ///< candidates
   struct Tried {
     std::string name;
     double gain;  ///< share of the residuals that it would remove, by the linear test at the model re-fitted

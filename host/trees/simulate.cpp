@@ -28,20 +28,23 @@ struct Point {
 Point at(const Path& p, double t) {
   if (p.profile == Path::Profile::hold) return {p.centre_rad, 0.0, 0.0};
   const double w = kTurn / p.period_s, s = std::sin(w * t + p.phase_rad), c = std::cos(w * t + p.phase_rad);
-  if (p.profile == Path::Profile::steps) return {p.centre_rad + (s >= 0.0 ? 1.0 : -1.0) * p.amplitude_rad, 0.0, 0.0};
+  if (p.profile == Path::Profile::steps)
+    return {p.centre_rad + (s >= 0.0 ? 1.0 : -1.0) * p.amplitude_rad, 0.0, 0.0};
   // A smooth step from 0 to 1, and its derivatives.
   constexpr double kRise_s = 0.5;
   const double x = std::min(1.0, t / kRise_s);
-  const double u = x * x * x * (10.0 - 15.0 * x + 6.0 * x * x), du = 30.0 * x * x * (1.0 - x) * (1.0 - x) / kRise_s,
+  const double u = x * x * x * (10.0 - 15.0 * x + 6.0 * x * x),
+               du = 30.0 * x * x * (1.0 - x) * (1.0 - x) / kRise_s,
                ddu = 60.0 * x * (1.0 - x) * (1.0 - 2.0 * x) / (kRise_s * kRise_s);
   return {p.centre_rad + p.amplitude_rad * u * s, p.amplitude_rad * (du * s + u * w * c),
           p.amplitude_rad * (ddu * s + 2.0 * du * w * c - u * w * w * s)};
 }
 
-double chosen(const toml::table& table, std::string_view key, const std::string& name, const std::string& where, double otherwise, double lower,
-              double upper, std::string_view unit) {
+double chosen(const toml::table& table, std::string_view key, const std::string& name,
+              const std::string& where, double otherwise, double lower, double upper, std::string_view unit) {
   const toml::node* node = table.get(key);
-  return node == nullptr ? otherwise : log::number(*node, name, where + " " + std::string(key), lower, upper, unit);
+  return node == nullptr ? otherwise
+                         : log::number(*node, name, where + " " + std::string(key), lower, upper, unit);
 }
 
 }  // namespace
@@ -53,7 +56,9 @@ Scenario default_scenario(const TreeModel& model) {
     Path p;
     const bool limited = limits && limits->lower < limits->upper;
     const double most = model.prismatic(j) ? 0.1 : 0.6;
-    if (limited) p.centre_rad = std::clamp(0.0, limits->lower + 0.3 * (limits->upper - limits->lower), limits->upper - 0.3 * (limits->upper - limits->lower));
+    if (limited)
+      p.centre_rad = std::clamp(0.0, limits->lower + 0.3 * (limits->upper - limits->lower),
+                                limits->upper - 0.3 * (limits->upper - limits->lower));
     p.amplitude_rad = limited ? std::min(most, 0.2 * (limits->upper - limits->lower)) : most;
     p.period_s = 1.3 + 0.37 * static_cast<double>(j);
     p.phase_rad = 0.9 * static_cast<double>(j);
@@ -87,7 +92,8 @@ Scenario parse_scenario(std::string_view text, const std::string& name, const Tr
       const std::string where = "[path." + model.robot.joints[j].name + "]";
       const toml::table& table = log::table(*entry, name, where);
       const bool slides = model.prismatic(j);
-      const std::string unit = slides ? "m" : "rad", centre = "centre_" + unit, amplitude = "amplitude_" + unit;
+      const std::string unit = slides ? "m" : "rad", centre = "centre_" + unit,
+                        amplitude = "amplitude_" + unit;
       const std::array<std::string_view, 5> keys{"profile", centre, amplitude, "period_s", "phase_rad"};
       log::refuse_unknown_keys(table, name, where, keys);
       Path& p = s.paths[j];
@@ -95,8 +101,11 @@ Scenario parse_scenario(std::string_view text, const std::string& name, const Tr
       if (const toml::node* profile = table.get("profile")) {
         const std::string which = log::text(*profile, name, where + " profile");
         if (which != "sine" && which != "steps" && which != "hold")
-          log::fail(name, profile->source(), where + " profile = " + log::quoted(which) + "; expected sine, steps or hold");
-        p.profile = which == "sine" ? Path::Profile::sine : which == "steps" ? Path::Profile::steps : Path::Profile::hold;
+          log::fail(name, profile->source(),
+                    where + " profile = " + log::quoted(which) + "; expected sine, steps or hold");
+        p.profile = which == "sine"    ? Path::Profile::sine
+                    : which == "steps" ? Path::Profile::steps
+                                       : Path::Profile::hold;
       }
       p.centre_rad = chosen(table, centre, name, where, p.centre_rad, -1e3, 1e3, unit);
       p.amplitude_rad = chosen(table, amplitude, name, where, p.amplitude_rad, 0.0, 1e3, unit);
@@ -109,14 +118,17 @@ Scenario parse_scenario(std::string_view text, const std::string& name, const Tr
     static constexpr std::array<std::string_view, 2> kKeys{"share", "time_s"};
     log::refuse_unknown_keys(table, name, "[disturbance]", kKeys);
     s.disturbance_share = chosen(table, "share", name, "[disturbance]", s.disturbance_share, 0.0, 1.0, "");
-    s.disturbance_time_s = chosen(table, "time_s", name, "[disturbance]", s.disturbance_time_s, 1e-4, 100.0, "s");
+    s.disturbance_time_s =
+        chosen(table, "time_s", name, "[disturbance]", s.disturbance_time_s, 1e-4, 100.0, "s");
   }
   if (const toml::node* node = file.get("sensors")) {
     const toml::table& table = log::table(*node, name, "[sensors]");
     static constexpr std::array<std::string_view, 2> kKeys{"angle_noise_rad", "torque_noise_share"};
     log::refuse_unknown_keys(table, name, "[sensors]", kKeys);
-    s.angle_noise_rad = chosen(table, "angle_noise_rad", name, "[sensors]", s.angle_noise_rad, 0.0, 1.0, "rad");
-    s.torque_noise_share = chosen(table, "torque_noise_share", name, "[sensors]", s.torque_noise_share, 0.0, 1.0, "");
+    s.angle_noise_rad =
+        chosen(table, "angle_noise_rad", name, "[sensors]", s.angle_noise_rad, 0.0, 1.0, "rad");
+    s.torque_noise_share =
+        chosen(table, "torque_noise_share", name, "[sensors]", s.torque_noise_share, 0.0, 1.0, "");
   }
   return s;
 }
@@ -134,7 +146,9 @@ log::Log simulate(const TreeModel& model, const Scenario& scenario, std::uint64_
   log::Log out;
   out.rig = "tree";
   out.metadata["robot"] = model.robot.name;
-  auto column = [&](std::size_t j, const std::string& what) -> std::vector<double>& { return out.columns[column_of(model, j, what)]; };
+  auto column = [&](std::size_t j, const std::string& what) -> std::vector<double>& {
+    return out.columns[column_of(model, j, what)];
+  };
 
   std::vector<double> q(n), v(n), input(n), disturbance(n, 0.0), torque_rms(n, 0.0), smallest_inertia(n);
   for (std::size_t j = 0; j < n; ++j) {
@@ -189,11 +203,13 @@ log::Log simulate(const TreeModel& model, const Scenario& scenario, std::uint64_
       } else {
         constexpr double kFollows_radps = 10.0;
         const double inertia = smallest_inertia[j];
-        input[j] = feed_forward[j] + inertia * (kFollows_radps * kFollows_radps * (p.q - measured) + 2.0 * kFollows_radps * (p.v - runner.velocity(j)));
+        input[j] = feed_forward[j] + inertia * (kFollows_radps * kFollows_radps * (p.q - measured) +
+                                                2.0 * kFollows_radps * (p.v - runner.velocity(j)));
         column(j, "torque_cmd").push_back(input[j]);
       }
       const double keep = std::exp(-dt / scenario.disturbance_time_s);
-      disturbance[j] = keep * disturbance[j] + std::sqrt(1.0 - keep * keep) * scenario.disturbance_share * torque_rms[j] * normal(random);
+      disturbance[j] = keep * disturbance[j] + std::sqrt(1.0 - keep * keep) * scenario.disturbance_share *
+                                                   torque_rms[j] * normal(random);
       runner.disturb(j, disturbance[j]);
       late[j].push_back(input[j]);
     }
@@ -212,9 +228,11 @@ log::Log simulate(const TreeModel& model, const Scenario& scenario, std::uint64_
     }
     for (std::size_t j = 0; j < n; ++j) {
       if (!std::isfinite(runner.measured(j)))
-        throw log::DataError("the motion is not finite any more at " + log::shortest(t) + " s; expected slower paths or stronger drives");
+        throw log::DataError("the motion is not finite any more at " + log::shortest(t) +
+                             " s; expected slower paths or stronger drives");
       if (model.drives[j].law == DriveLaw::torque)
-        column(j, "torque").push_back(input[j] + scenario.torque_noise_share * torque_rms[j] * normal(random));
+        column(j, "torque")
+            .push_back(input[j] + scenario.torque_noise_share * torque_rms[j] * normal(random));
     }
   }
   return out;
