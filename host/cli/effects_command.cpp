@@ -13,6 +13,7 @@
 #include "host/cli/errors.hpp"
 #include "host/log/message.hpp"
 #include "host/model/reader.hpp"
+#include "host/trees/effects.hpp"
 
 namespace furcula::cli {
 namespace {
@@ -152,8 +153,47 @@ nlohmann::ordered_json to_json(const EffectInfo& e, std::optional<Kind> kind) {
   return out;
 }
 
+/// What a robot of several joints can have: effects on seats (host/trees/effects.hpp).
+void run_on_trees(const EffectsOptions& options) {
+  if (options.markdown)
+    throw UsageError("--markdown writes docs/effects.md: expected no --kind tree with it");
+  std::vector<std::string_view> names;
+  nlohmann::ordered_json out{{"schema", "furcula-effects/1"}, {"effects", nlohmann::ordered_json::array()}};
+  std::string text;
+  for (const trees::EffectInfo& e : trees::catalogue()) {
+    names.push_back(e.name);
+    if (!options.name.empty() && options.name != e.name) continue;
+    nlohmann::ordered_json of{{"effect", e.name}, {"law", e.law}, {"seat", trees::name(e.seat)}};
+    text += (text.empty() ? "" : "\n") + std::string(e.name) + "\n  law         " + std::string(e.law) +
+            "\n  seat        " + std::string(trees::name(e.seat)) + "\n";
+    for (const trees::Parameter& p : e.parameters()) {
+      of["parameters"].push_back({{"name", p.name},
+                                  {"unit", p.unit},
+                                  {"linear_name", p.linear_name},
+                                  {"linear_unit", p.linear_unit},
+                                  {"lower", p.lower},
+                                  {"upper", p.upper}});
+      text += "  parameter   " + std::string(p.name) +
+              (p.name == p.linear_name ? "" : " (" + std::string(p.linear_name) + " on a prismatic joint)") +
+              ", in " + (p.unit.empty() ? "1" : std::string(p.unit)) + ", from " + shortest(p.lower) +
+              " to " + shortest(p.upper) + "\n";
+    }
+    of["explanation"] = e.explanation;
+    of["where_to_look"] = e.where_to_look;
+    of["best_experiment"] = e.experiment;
+    text += "  what        " + std::string(e.explanation) + "\n  look at     " +
+            std::string(e.where_to_look) + "\n  experiment  " + std::string(e.experiment) + "\n";
+    out["effects"].push_back(std::move(of));
+  }
+  if (text.empty())
+    throw UsageError("no effect " + log::quoted(options.name) + " on tree; expected one of " +
+                     log::listed(names) + log::did_you_mean(options.name, names));
+  std::cout << (options.json ? out.dump(2) + "\n" : text);
+}
+
 void run(const EffectsOptions& options) {
   if (options.json && options.markdown) throw UsageError("--json and --markdown: expected one of them");
+  if (options.kind == "tree") return run_on_trees(options);
   std::optional<Kind> kind;
   if (!options.kind.empty()) {
     kind = dynamics::kind_named(options.kind);

@@ -204,6 +204,10 @@ class Reader {
 std::string no_such_kind(std::string_view name) {
   std::vector<std::string_view> kinds;
   for (const auto& k : dynamics::kKinds) kinds.push_back(k.name);
+  if (name == "tree")
+    return "kind 'tree', a robot from a URDF, is taken by sim, identify, diagnose and effects alone; expected one of " +
+           log::listed(kinds);
+  kinds.emplace_back("tree");
   const std::string expected = "; expected one of " + log::listed(kinds);
   return "unknown kind " + quoted(name) + expected + log::did_you_mean(name, kinds);
 }

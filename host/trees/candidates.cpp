@@ -12,7 +12,7 @@ namespace {
 class Lister {
  public:
   Lister(const Problem& problem, const Hypothesis& h, const std::vector<std::vector<double>>& ripple)
-      : problem_(problem), model_(problem.model()), scales_(problem.scales()), h_(h), ripple_(ripple) {}
+      : model_(problem.model()), scales_(problem.scales()), h_(h), ripple_(ripple) {}
 
   std::vector<Candidate> list() {
     for (std::size_t j = 0; j < model_.joints(); ++j) at_joint(j);
@@ -152,7 +152,6 @@ class Lister {
     for (const double lag : {3e-3, 10e-3, 30e-3}) add(Effect::actuator_lag, at, {{lag, 0, 0, 0}});
   }
 
-  const Problem& problem_;
   const TreeModel& model_;
   const Scales& scales_;
   const Hypothesis& h_;

@@ -201,11 +201,16 @@ class Reader {
     const toml::table& table = log::table(node, name_, where);
     std::vector<std::string_view> known;
     for (const Parameter& p : e.parameters()) known.push_back(name_on(p, linear));
+    // On a prismatic joint the names of revolute ones will do, too: the keys of [drive] are the same on both.
+    if (linear)
+      for (const Parameter& p : e.parameters())
+        if (p.name != p.linear_name) known.push_back(p.name);
     log::refuse_unknown_keys(table, name_, where, known);
     Cause cause{effect, {*at}, {}};
-    for (std::size_t k = 0; k < known.size(); ++k) {
+    for (std::size_t k = 0; k < e.parameter_count; ++k) {
       const Parameter& p = e.parameters()[k];
       const toml::node* value = table.get(known[k]);
+      if (value == nullptr) value = table.get(p.name);
       if (value == nullptr)
         fail(name_, table.source(),
              "no key '" + std::string(known[k]) + "' in " + where + "; expected a number from " +
