@@ -18,6 +18,7 @@
 #include "host/trees/diagnose.hpp"
 #include "host/trees/diagnosis_json.hpp"
 #include "host/trees/exports.hpp"
+#include "host/trees/next_experiment.hpp"
 
 namespace furcula::cli {
 
@@ -69,13 +70,21 @@ void run_on_tree(const RecordingOptions& o, const trees::TreeModel& model) {
   trees::TreeModel extended = model;
   extended.drives = d.extended.drives;
   extended.causes = d.extended.causes;
-  log::write_files_together(std::vector<log::NewFile>{
+  std::vector<log::NewFile> files{
       {o.out + "/diagnosis.json", trees::to_json_text(d)},
       {o.out + "/extended_model.toml",
        trees::format_tree_model(extended, trees::urdf_seen_from(model, o.out))},
       {o.out + "/extended.urdf", trees::extended_urdf(d)},
       {o.out + "/extended.mjcf.xml", trees::extended_mjcf(d)},
-      {o.out + "/report.html", report::render_tree_report(d, o.command_line("diagnose", true))}});
+      {o.out + "/report.html", report::render_tree_report(d, o.command_line("diagnose", true))}};
+  const std::string scenario = o.out + "/next_experiment.toml";
+  std::vector<std::string> obsolete;
+  if (d.experiments.empty())
+    obsolete.push_back(scenario);
+  else
+    files.push_back({scenario, "# " + d.experiments.front().what + "\n\n" +
+                                   trees::scenario_of(model, d.experiments.front())});
+  log::write_files_together(files, obsolete);
   std::cout << "fitted on " << logs.training.size() << ", held out " << logs.held_out.size()
             << " recordings\n"
             << trees::name(d.verdict) << ": " << log::printable_lines(d.summary) << "\n";
@@ -95,6 +104,7 @@ void run_on_tree(const RecordingOptions& o, const trees::TreeModel& model) {
               << log::rounded(d.extended_error[j].rmse, 3) << " " << trees::channel_unit(model, j);
   std::cout << "\n";
   for (const std::string& note : d.notes) std::cout << log::printable(note) << "\n";
+  if (!d.experiments.empty()) std::cout << "next: " << log::printable(d.next_experiment) << "\n";
   std::cout << "report: " << log::printable(o.out) << "/report.html\n";
 }
 

@@ -71,8 +71,7 @@ class Lister {
     add(Effect::quadratic_drag, at, {{torque / (speed * speed), 0, 0, 0}});
     if (range > 0.1)
       for (int k = 1; k <= 7; ++k)
-        for (const double width : {0.08, 0.25})
-          add(Effect::binding_spot, at, {{torque, low + range * k / 8.0, width * range, 0}});
+        add(Effect::binding_spot, at, {{torque, low + range * k / 8.0, 0.15 * range, 0}});
     if (!is_free(j, 3))
       add(Effect::damping_error, at, {{d.damping_nmspr + torque / speed, 0, 0, 0}}, d.damping_nmspr == 0.0);
     add(Effect::load_friction, at, {{0.05, 0, 0, 0}});
@@ -86,8 +85,8 @@ class Lister {
           {{1.05 * d.kp_nmprad, d.kd_nmsprad, 0, 0},
            {d.kp_nmprad, 1.05 * d.kd_nmsprad + 1e-3 * d.kp_nmprad, 0, 0}},
           false);
-    for (const double delay : {3e-3, 10e-3, 25e-3}) add(Effect::actuator_delay, at, {{delay, 0, 0, 0}});
-    for (const double lag : {3e-3, 10e-3, 30e-3}) add(Effect::actuator_lag, at, {{lag, 0, 0, 0}});
+    for (const double delay : {4e-3, 18e-3}) add(Effect::actuator_delay, at, {{delay, 0, 0, 0}});
+    for (const double lag : {4e-3, 18e-3}) add(Effect::actuator_lag, at, {{lag, 0, 0, 0}});
     for (const double limit : {2.0, 1.4, 1.0})
       add(Effect::torque_saturation, at, {{limit * scales_.torque_nm[j], 0, 0, 0}});
     if (j < ripple_.size())
@@ -148,8 +147,8 @@ class Lister {
       add(Effect::rotor_inertia_error, at, {{rotor + torque / acceleration, 0, 0, 0}}, rotor == 0.0);
     add(Effect::load_friction, at, {{0.05, 0, 0, 0}});
     add(Effect::torque_gain_error, at, {{1.05, 0, 0, 0}}, false);
-    for (const double delay : {3e-3, 10e-3, 25e-3}) add(Effect::actuator_delay, at, {{delay, 0, 0, 0}});
-    for (const double lag : {3e-3, 10e-3, 30e-3}) add(Effect::actuator_lag, at, {{lag, 0, 0, 0}});
+    for (const double delay : {4e-3, 18e-3}) add(Effect::actuator_delay, at, {{delay, 0, 0, 0}});
+    for (const double lag : {4e-3, 18e-3}) add(Effect::actuator_lag, at, {{lag, 0, 0, 0}});
   }
 
   const TreeModel& model_;

@@ -11,6 +11,7 @@
 #include "host/log/error.hpp"
 #include "host/log/message.hpp"
 #include "host/trees/missing_torque.hpp"
+#include "host/trees/next_experiment.hpp"
 #include "host/trees/search.hpp"
 
 namespace furcula::trees {
@@ -20,7 +21,7 @@ namespace {
 constexpr double kApart = 2.0;
 /// A flexible law must foretell so much of the missing torque, and that be so much of the joint's torque, to be called structure.
 constexpr double kForetold = 0.03, kOfTorque = 0.01;
-constexpr std::size_t kMostSearchWindows = 240;
+constexpr std::size_t kMostSearchWindows = 160;
 
 std::string percent(double share) {
   const double p = 100.0 * share;
@@ -207,6 +208,7 @@ class Diagnoser {
         }
         nearest = std::min(nearest, r.z);
         if (r.z < kApart) {
+          undecided_.push_back(r.at);
           text.why = "in its place and fitted, the windows are predicted as well: the difference is " +
                      log::rounded(r.z, 2) + " times its own scatter from window to window";
           f.indistinguishable_from.push_back(text);
@@ -352,9 +354,15 @@ class Diagnoser {
         d_.summary += " " + percent(d_.unexplained_share) +
                       " of the torque that could be foretold is still missing, at " + joined(where) + ".";
     }
-    for (const Finding& f : d_.findings)
-      if (!f.indistinguishable_from.empty() && d_.next_experiment.empty())
-        d_.next_experiment = f.next_experiment;
+    if (!undecided_.empty()) {
+      d_.experiments = next_experiments(model_, training_, d_.extended, undecided_, options_.window_s);
+      if (!d_.experiments.empty())
+        d_.next_experiment =
+            d_.experiments.front().what +
+            ": the predictions of the causes that these recordings cannot tell apart then differ by " +
+            log::rounded(1e3 * d_.experiments.front().apart_rad, 3) + " mrad at least, RMS over " +
+            log::shortest(options_.window_s) + " s.";
+    }
     if (d_.next_experiment.empty() && !d_.findings.empty())
       d_.next_experiment = d_.findings.front().next_experiment;
   }
@@ -385,6 +393,7 @@ class Diagnoser {
   const TreeModel& model_;
   const Options& options_;
   std::vector<Recording> training_, held_out_;
+  std::vector<Hypothesis> undecided_;  ///< rivals that cannot be told from a finding
   Diagnosis d_;
 };
 

@@ -8,6 +8,7 @@
 
 #include "host/trees/fit.hpp"
 #include "host/trees/model.hpp"
+#include "host/trees/path.hpp"
 #include "host/trees/recording.hpp"
 
 namespace furcula::trees {
@@ -74,6 +75,13 @@ struct Motion {
   std::vector<std::vector<double>> measured, simulated;  ///< [joint][row]
 };
 
+/// A motion that would tell causes apart, and by how much their predictions then differ, RMS, of those two that differ least.
+struct Experiment {
+  std::string what;
+  std::vector<Path> paths;  ///< of each joint
+  double apart_rad = 0.0;
+};
+
 struct Diagnosis {
   TreeModel model;  ///< as given
   Hypothesis refitted, extended;
@@ -101,6 +109,7 @@ struct Diagnosis {
   std::vector<Tried> tried;
   double unexplained_share = 0.0;
   std::string next_experiment;
+  std::vector<Experiment> experiments;  ///< where causes cannot be told apart, the most telling first
   std::vector<Trace> traces;
   std::vector<Motion> motions;
 };

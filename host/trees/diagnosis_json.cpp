@@ -4,6 +4,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "host/trees/next_experiment.hpp"
+
 namespace furcula::trees {
 namespace {
 
@@ -86,6 +88,10 @@ std::string to_json_text(const Diagnosis& d) {
                           {"extended", number(p.extended.value)},
                           {"extended_ci95", pair(p.extended.lower, p.extended.upper)},
                           {"verdict", p.verdict}};
+  Json experiments = Json::array();
+  for (const Experiment& e : d.experiments)
+    experiments.push_back(
+        {{"what", e.what}, {"apart_rad", number(e.apart_rad)}, {"scenario", scenario_of(d.model, e)}});
   const Json out = {
       {"schema", "furcula-diagnosis/1"},
       {"kind", "tree"},

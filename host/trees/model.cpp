@@ -241,13 +241,13 @@ std::string text_of(const std::string& text) {
   for (const char c : text) out += c == '"' || c == '\\' ? std::string("\\") + c : std::string(1, c);
   return out + "\"";
 }
-/// A TOML key: bare where it can be.
-std::string key_of(const std::string& name) {
+
+}  // namespace
+
+std::string toml_key(const std::string& name) {
   constexpr std::string_view kBare = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-";
   return !name.empty() && name.find_first_not_of(kBare) == std::string::npos ? name : text_of(name);
 }
-
-}  // namespace
 
 bool is_tree(std::string_view text) {
   try {
@@ -277,9 +277,9 @@ std::string format_tree_model(const TreeModel& m, const std::string& urdf) {
          ", " + log::toml_float(m.gravity_mps2.z) + "]\n";
   if (!m.hold.empty()) out += "\n[hold]\n";
   for (const auto& [joint, position] : m.hold)
-    out += key_of(joint) + " = " + log::toml_float(position) + "\n";
+    out += toml_key(joint) + " = " + log::toml_float(position) + "\n";
   for (std::size_t i = 0; i < m.joints(); ++i)
-    out += "\n" + table_of("[drive." + key_of(m.robot.joints[i].name) + "]", m.drives[i]);
+    out += "\n" + table_of("[drive." + toml_key(m.robot.joints[i].name) + "]", m.drives[i]);
   if (!m.free.empty()) out += "\n[free]\n";
   for (const FreeParameter& f : m.free)
     out += text_of(std::string(kDriveParameters[f.parameter]) + "." + m.robot.joints[f.joint].name) + " = [" +
@@ -287,7 +287,7 @@ std::string format_tree_model(const TreeModel& m, const std::string& urdf) {
   for (const Cause& c : m.causes)
     for (const std::size_t site : c.sites) {
       const EffectInfo& e = info(c.effect);
-      out += "\n[effect." + std::string(e.name) + "." + key_of(site_name(m, e.seat, site)) + "]\n";
+      out += "\n[effect." + std::string(e.name) + "." + toml_key(site_name(m, e.seat, site)) + "]\n";
       for (std::size_t k = 0; k < e.parameter_count; ++k)
         out += std::string(name_on(e.parameters()[k], is_linear(m, e.seat, site))) + " = " +
                log::toml_float(c.values[k]) + "\n";

@@ -74,6 +74,9 @@ std::string format_tree_model(const TreeModel& model, const std::string& urdf);
 /// The URDF as a model file in `folder` has to name it: its path from there.
 std::string urdf_seen_from(const TreeModel& model, const std::string& folder);
 
+/// A name as a TOML key: bare where it can be.
+std::string toml_key(const std::string& name);
+
 /// The names of all sites of a seat, and of one; links are those that move and have mass.
 std::vector<std::size_t> sites(const TreeModel& model, Seat seat);
 std::string site_name(const TreeModel& model, Seat seat, std::size_t site);

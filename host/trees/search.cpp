@@ -22,6 +22,8 @@ constexpr double kGrosslyWrong = 0.02;
 constexpr double kWorth = 0.004;
 /// Of the residuals, so much is not chance.
 constexpr double kMuch = 0.2;
+/// How well the recordings must agree on a cause (steadiness) by the number of its parameters: each is another way to suit a few of them.
+double agreement(std::size_t parameters) { return 1.0 + 0.5 * (static_cast<double>(parameters) - 1.0); }
 /// Of the gain on all recordings, so much must be there on those that the fit has not seen.
 constexpr double kKept = 0.4;
 
@@ -52,13 +54,15 @@ double loss_with(const Eigen::MatrixXd& m, const Indices& columns, const Eigen::
 class Linear {
  public:
   Linear(const Problem& problem, const Hypothesis& h, const std::vector<Unknown>& unknowns,
-         std::vector<Candidate> candidates)
+         std::vector<Candidate> candidates, const std::vector<Hypothesis>& added = {})
       : candidates_(std::move(candidates)) {
     std::vector<Hypothesis> probes;
     for (const Candidate& c : candidates_) {
       first_.push_back(static_cast<Index>(1 + unknowns.size() + probes.size()));
       for (std::size_t k = 0; k < c.columns.size(); ++k) probes.push_back(with_column(h, c, k));
     }
+    added_ = static_cast<Index>(1 + unknowns.size() + probes.size());
+    probes.insert(probes.end(), added.begin(), added.end());
     products_ = problem.products(h, unknowns, probes);
     for (std::size_t k = 0; k < unknowns.size(); ++k) fitted_.push_back(static_cast<Index>(1 + k));
   }
@@ -69,6 +73,22 @@ class Linear {
     double worth = 0.0;  ///< gain less what a cause without effect would gain
     Eigen::VectorXd coefficients;
   };
+
+  /// The same problem with the residuals that there are where one more hypothesis is true of the model: `probe` counts the hypotheses
+  /// that were added after the candidates' columns.
+  Linear seen_from(std::size_t probe) const {
+    Linear out = *this;
+    const Index k = added_ + static_cast<Index>(probe);
+    const auto turn = [k](auto& m) {
+      // The residual there is that here less the simulation's change.
+      m.row(0) -= m.row(k).eval();
+      m.col(0) -= m.col(k).eval();
+    };
+    turn(out.products_.all);
+    for (auto& m : out.products_.fold) turn(m);
+    for (auto& m : out.products_.window) turn(m);
+    return out;
+  }
 
   const std::vector<Candidate>& candidates() const { return candidates_; }
   double loss() const { return products_.all(0, 0); }
@@ -193,7 +213,9 @@ class Linear {
       better += with_it < without_it ? 1 : 0;
       ++folds;
     }
-    return gain > kKept * s.gain && 5 * better >= 3 * folds && steadiness(size, information) > 1.0;
+    return gain > kKept * s.gain && 5 * better >= 3 * folds &&
+           steadiness(size, information) >
+               agreement(static_cast<std::size_t>((s.coefficients.array() != 0.0).count()));
   }
   /// The candidate at its coefficients' proportions as one column: its size in a fold, 1 where it is as in all.
   void one_size(const Eigen::MatrixXd& fold, const Indices& base, const Score& s, std::vector<double>& size,
@@ -222,6 +244,7 @@ class Linear {
 
   std::vector<Candidate> candidates_;
   std::vector<Index> first_;
+  Index added_ = 0;
   Indices fitted_;
   Products products_;
 };
@@ -393,6 +416,11 @@ class Search {
     if ((c.effect == Effect::actuator_delay || c.effect == Effect::actuator_lag) &&
         c.values[0] < 0.25 * problem_.interval_s())
       return 0.0;
+    std::size_t moving = 0;
+    for (std::size_t k = 0; k < fit.unknowns.size(); ++k)
+      if (fit.unknowns[k].of_cause && fit.unknowns[k].cause == cause &&
+          fit.covariance(static_cast<Index>(k), static_cast<Index>(k)) > 0.0)
+        ++moving;
     for (std::size_t k = 0; k < fit.unknowns.size(); ++k) {
       const Unknown& u = fit.unknowns[k];
       if (!u.of_cause || u.cause != cause) continue;
@@ -402,7 +430,7 @@ class Search {
       const double away = value_of(fit.at, u) - neutral;
       std::vector<double> apart = fit.fold_value[k];
       for (double& x : apart) x -= neutral;
-      if (variance > 0.0 && (!strict || steadiness(apart, fit.fold_information[k]) > 0.7))
+      if (variance > 0.0 && (!strict || steadiness(apart, fit.fold_information[k]) > 0.7 * agreement(moving)))
         most = std::max(most, away * away / variance);
       if (fit.at_bound[k] && std::abs(away) > 0.5 * u.scale) most = std::max(most, 50.0);
     }
@@ -474,6 +502,13 @@ class Search {
       found.z.clear();
       found.rivals.clear();
       bool swapped = false;
+      // All in one linear problem, at the whole hypothesis: each cause taken out of it, and what stands in for it.
+      std::vector<Hypothesis> outs;
+      for (std::size_t c = given; c < fit.at.causes.size(); ++c) outs.push_back(without(fit.at, c));
+      if (outs.empty()) break;
+      say(0.72, "comparing the causes with the others");
+      const Linear all(problem_, fit.at, fit.unknowns,
+                       candidates(problem_, fit.at, problem_.ripple_cycles(fit.at)), outs);
       for (std::size_t c = given; c < fit.at.causes.size() && !swapped; ++c) {
         say(0.75 + 0.2 * static_cast<double>(c - given) / static_cast<double>(fit.at.causes.size()),
             "comparing " + cause_name(problem_.model(), fit.at.causes[c]) + " with the others");
@@ -481,9 +516,12 @@ class Search {
         found.gain.push_back((off.loss - fit.loss) / fit.loss);
         found.z.push_back(against(fit, off));
         std::vector<Rival> rivals;
-        const Linear linear(problem_, off.at, off.unknowns,
-                            candidates(problem_, off.at, problem_.ripple_cycles(off.at)));
-        std::vector<Linear::Score> scores = linear.scores(linear.fitted(), 60);
+        const Linear linear = all.seen_from(c - given);
+        Indices others_fitted;
+        for (std::size_t k = 0; k < fit.unknowns.size(); ++k)
+          if (!fit.unknowns[k].of_cause || fit.unknowns[k].cause != c)
+            others_fitted.push_back(linear.fitted()[k]);
+        std::vector<Linear::Score> scores = linear.scores(others_fitted, 60);
         std::stable_sort(scores.begin(), scores.end(),
                          [](const auto& a, const auto& b) { return a.gain > b.gain; });
         std::set<std::string> seen{cause_name(problem_.model(), fit.at.causes[c])};
@@ -497,7 +535,7 @@ class Search {
           const Hypothesis h = with_candidate(problem_.model(), off.at, candidate, coefficients(s));
           const Fit other = problem_.fit(h, {options_.threads, 5});
           // The same law in another dress has the name that it had before.
-          Rival r{{other.at.causes.back()}, other.loss - fit.loss, against(fit, other)};
+          Rival r{{other.at.causes.back()}, other.at, other.loss - fit.loss, against(fit, other)};
           if (r.loss_more < -0.003 * fit.loss && parameters(other) <= parameters(fit)) {
             fit = other;
             swapped = true;

@@ -19,6 +19,7 @@ namespace furcula::trees {
 /// Another cause in the place of a finding.
 struct Rival {
   std::vector<Cause> causes;
+  Hypothesis at;           ///< with it, all else fitted again
   double loss_more = 0.0;  ///< than the finding's, of the training windows
   double z = 0.0;          ///< that difference over its scatter from window to window
 };

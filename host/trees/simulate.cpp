@@ -21,25 +21,6 @@ namespace {
 
 constexpr double kTurn = 2.0 * std::numbers::pi;
 
-/// Position, velocity and acceleration of a path; it starts from rest within its first half second.
-struct Point {
-  double q, v, a;
-};
-Point at(const Path& p, double t) {
-  if (p.profile == Path::Profile::hold) return {p.centre_rad, 0.0, 0.0};
-  const double w = kTurn / p.period_s, s = std::sin(w * t + p.phase_rad), c = std::cos(w * t + p.phase_rad);
-  if (p.profile == Path::Profile::steps)
-    return {p.centre_rad + (s >= 0.0 ? 1.0 : -1.0) * p.amplitude_rad, 0.0, 0.0};
-  // A smooth step from 0 to 1, and its derivatives.
-  constexpr double kRise_s = 0.5;
-  const double x = std::min(1.0, t / kRise_s);
-  const double u = x * x * x * (10.0 - 15.0 * x + 6.0 * x * x),
-               du = 30.0 * x * x * (1.0 - x) * (1.0 - x) / kRise_s,
-               ddu = 60.0 * x * (1.0 - x) * (1.0 - 2.0 * x) / (kRise_s * kRise_s);
-  return {p.centre_rad + p.amplitude_rad * u * s, p.amplitude_rad * (du * s + u * w * c),
-          p.amplitude_rad * (ddu * s + 2.0 * du * w * c - u * w * w * s)};
-}
-
 double chosen(const toml::table& table, std::string_view key, const std::string& name,
               const std::string& where, double otherwise, double lower, double upper, std::string_view unit) {
   const toml::node* node = table.get(key);
@@ -48,6 +29,20 @@ double chosen(const toml::table& table, std::string_view key, const std::string&
 }
 
 }  // namespace
+
+Path::Point Path::at(double t) const {
+  if (profile == Profile::hold) return {centre_rad, 0.0, 0.0};
+  const double w = kTurn / period_s, s = std::sin(w * t + phase_rad), c = std::cos(w * t + phase_rad);
+  if (profile == Profile::steps) return {centre_rad + (s >= 0.0 ? 1.0 : -1.0) * amplitude_rad, 0.0, 0.0};
+  // A smooth step from 0 to 1, and its derivatives.
+  constexpr double kRise_s = 0.5;
+  const double x = std::min(1.0, t / kRise_s);
+  const double u = x * x * x * (10.0 - 15.0 * x + 6.0 * x * x),
+               du = 30.0 * x * x * (1.0 - x) * (1.0 - x) / kRise_s,
+               ddu = 60.0 * x * (1.0 - x) * (1.0 - 2.0 * x) / (kRise_s * kRise_s);
+  return {centre_rad + amplitude_rad * u * s, amplitude_rad * (du * s + u * w * c),
+          amplitude_rad * (ddu * s + 2.0 * du * w * c - u * w * w * s)};
+}
 
 Scenario default_scenario(const TreeModel& model) {
   Scenario s;
@@ -152,7 +147,7 @@ log::Log simulate(const TreeModel& model, const Scenario& scenario, std::uint64_
 
   std::vector<double> q(n), v(n), input(n), disturbance(n, 0.0), torque_rms(n, 0.0), smallest_inertia(n);
   for (std::size_t j = 0; j < n; ++j) {
-    const Point p = at(scenario.paths[j], 0.0);
+    const Path::Point p = scenario.paths[j].at(0.0);
     q[j] = p.q + true_one.joints[j].encoder_offset_rad;
     v[j] = p.v;
   }
@@ -161,7 +156,7 @@ log::Log simulate(const TreeModel& model, const Scenario& scenario, std::uint64_
   const auto on_path = [&](double t) {
     model::RobotModel::Joints pq{}, pv{}, pa{};
     for (std::size_t j = 0; j < n; ++j) {
-      const Point p = at(scenario.paths[j], t);
+      const Path::Point p = scenario.paths[j].at(t);
       pq[j] = p.q;
       pv[j] = p.v;
       pa[j] = p.a;
@@ -194,7 +189,7 @@ log::Log simulate(const TreeModel& model, const Scenario& scenario, std::uint64_
     const auto feed_forward = on_path(t);
     out.columns["time_s"].push_back(t);
     for (std::size_t j = 0; j < n; ++j) {
-      const Point p = at(scenario.paths[j], t);
+      const Path::Point p = scenario.paths[j].at(t);
       const double measured = runner.measured(j) + scenario.angle_noise_rad * normal(random);
       column(j, "angle").push_back(measured);
       if (model.drives[j].law == DriveLaw::position) {

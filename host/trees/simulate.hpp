@@ -8,14 +8,9 @@
 
 #include "host/log/log.hpp"
 #include "host/trees/model.hpp"
+#include "host/trees/path.hpp"
 
 namespace furcula::trees {
-
-/// What one joint is made to do: centre + amplitude sin(2 pi t / period + phase); of `steps` its sign alone.
-struct Path {
-  enum class Profile { hold, sine, steps } profile = Profile::sine;
-  double centre_rad = 0.0, amplitude_rad = 0.0, period_s = 2.0, phase_rad = 0.0;
-};
 
 struct Scenario {
   double duration_s = 10.0, sample_rate_hz = 250.0;
