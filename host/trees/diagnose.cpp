@@ -231,10 +231,9 @@ class Diagnoser {
         if (!v.of_cause && v.joint == u.joint && v.parameter == u.parameter) row.refitted = interval(name, unit, found.refitted, i);
       }
       const double width = row.extended.upper - row.extended.lower;
-      row.verdict = found.fit.at_bound[k] ? "at_bound" : width > 0.5 * (u.upper - u.lower) ? "not_excited" : "identified";
+      row.verdict = found.fit.at_bound[k] ? "at_bound" : width > 0.5 * (u.upper - u.lower) || problem.scales().still[u.joint] ? "not_excited" : "identified";
       d_.parameters.push_back(row);
     }
-    static_cast<void>(problem);
   }
 
   /// How many combinations of the bodies' inertial parameters show in the torques of these recordings.

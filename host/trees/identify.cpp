@@ -82,7 +82,7 @@ Identification identify(const TreeModel& model, const std::vector<log::Log>& tra
       row.verdict = "correlated";
     else
       row.with.clear();
-    if (2.0 * half > 0.5 * (u.upper - u.lower)) row.verdict = "not_excited";
+    if (2.0 * half > 0.5 * (u.upper - u.lower) || problem.scales().still[u.joint]) row.verdict = "not_excited";
     if (fit.at_bound[k]) {
       row.verdict = "at_bound";
       row.with = row.value - u.lower < u.upper - row.value ? "lower" : "upper";

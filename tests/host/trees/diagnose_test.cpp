@@ -32,7 +32,8 @@ TEST_CASE("A cause at one joint of an arm is found there, within its interval") 
     std::string at;
     double value;
   };
-  for (const Case& c : {Case{Effect::coulomb_friction, "elbow", 0.3}, Case{Effect::force_offset, "shoulder", -0.4}}) {
+  for (const Case& c :
+       {Case{Effect::coulomb_friction, "elbow", 0.3}, Case{Effect::force_offset, "shoulder", -0.4}}) {
     trees::TreeModel truth = test::arm3();
     truth.causes = {{c.effect, {test::joint(truth, c.at)}, {c.value, 0, 0, 0}}};
     const Logs logs = logs_of(truth, 40);
@@ -65,7 +66,8 @@ TEST_CASE("Logs of an arm as it is modelled are adequate, with the same bytes on
   CHECK(d.logs == 4);
   CHECK(d.held_out_logs == 1);
   options.threads = 2;
-  CHECK(trees::to_json_text(trees::diagnose(model, logs.training, logs.held_out, options)) == trees::to_json_text(d));
+  CHECK(trees::to_json_text(trees::diagnose(model, logs.training, logs.held_out, options)) ==
+        trees::to_json_text(d));
 }
 
 TEST_CASE("Identification finds what shows and says what does not") {
@@ -89,13 +91,15 @@ TEST_CASE("Identification finds what shows and says what does not") {
   }
   CHECK(found.model.drives[2].damping_nmspr == Approx(0.25).epsilon(0.1));
   CHECK(found.identified_error[2].rmse < found.as_given_error[2].rmse);
-  CHECK_THAT(trees::to_json_text(found), Contains("\"furcula-identification/1\"") && Contains("damping_nmspr.elbow"));
+  CHECK_THAT(trees::to_json_text(found),
+             Contains("\"furcula-identification/1\"") && Contains("damping_nmspr.elbow"));
   CHECK_THAT(test::error_message([&] { trees::identify(test::arm3(), logs.training, logs.held_out); }),
              Contains("no parameter in [free]") && Contains("damping_nmspr.yaw"));
 }
 
 TEST_CASE("What a joint that stands still would tell is not excited") {
-  const trees::TreeModel model = test::arm3("[free]\n\"damping_nmspr.yaw\" = [0.0, 0.5]\n\"damping_nmspr.elbow\" = [0.0, 0.5]\n");
+  const trees::TreeModel model =
+      test::arm3("[free]\n\"damping_nmspr.yaw\" = [0.0, 0.5]\n\"damping_nmspr.elbow\" = [0.0, 0.5]\n");
   std::vector<log::Log> logs;
   for (unsigned seed = 0; seed < 4; ++seed) {
     trees::Scenario s = trees::default_scenario(model);

@@ -58,7 +58,8 @@ TEST_CASE("A tree's columns in other units are refused, with the name that was m
   CHECK_THAT(refused_log("time_s,torque_cmd_knee_mnm\n0,1\n"), Contains("expected 'torque_cmd_knee_nm'"));
   CHECK_THAT(refused_log("time_s,angle_cmd_knee_deg\n0,1\n"), Contains("expected 'angle_cmd_knee_rad'"));
   CHECK_THAT(refused_log("time_s,position_lift_mm\n0,1\n"), Contains("expected 'position_lift_m'"));
-  CHECK_THAT(refused_log("time_ms,angle_knee_rad\n0,1\n"), Contains("'time_ms'") && Contains("expected 'time_s'"));
+  CHECK_THAT(refused_log("time_ms,angle_knee_rad\n0,1\n"),
+             Contains("'time_ms'") && Contains("expected 'time_s'"));
   // Both are there: the other one is the rig's own business.
   CHECK(refused_log("time_s,angle_knee_deg,angle_knee_rad\n0,1,1\n").empty());
 }
@@ -68,10 +69,12 @@ TEST_CASE("Torn and foreign tree logs are refused with file and line") {
   CHECK_THAT(refused_log("time_s,angle_knee_rad\n"), Contains("a.csv"));
   CHECK_THAT(refused_log("angle_knee_rad\n0\n"), Contains("no column 'time_s'"));
   CHECK_THAT(refused_log("time_s,angle_knee_rad\n0,1\n0.1\n"), Contains("a.csv:3"));
-  CHECK_THAT(refused_log("time_s,angle_knee_rad\n0,nan\n"), Contains("a.csv:2") && Contains("angle_knee_rad"));
+  CHECK_THAT(refused_log("time_s,angle_knee_rad\n0,nan\n"),
+             Contains("a.csv:2") && Contains("angle_knee_rad"));
   CHECK_THAT(refused_log("time_s,angle_knee_rad\n0,inf\n"), Contains("a.csv:2"));
   CHECK_THAT(refused_log("time_s,angle_knee_rad\n0,1\n0,1\n"), Contains("a.csv:3"));
-  CHECK_THAT(refused_log("# rig: hopper\ntime_s,angle_knee_rad\n0,1\n"), Contains("rig is 'hopper'; expected tree"));
+  CHECK_THAT(refused_log("# rig: hopper\ntime_s,angle_knee_rad\n0,1\n"),
+             Contains("rig is 'hopper'; expected tree"));
   CHECK_THAT(refused_log("time_s,angle_knee_rad,angle_knee_rad\n0,1,1\n"), Contains("stands twice"));
 }
 
@@ -128,11 +131,13 @@ TEST_CASE("A recording has each joint's angle and what its drive was given") {
 TEST_CASE("A recording that lacks a joint, is too short or in degrees is refused") {
   log::Log log = pendulum_log();
   log.columns.erase("angle_elbow_rad");
-  CHECK_THAT(refused(log), Contains("swing.csv: joint 'elbow' has no column 'angle_elbow_rad'") && Contains("joints = [...]"));
+  CHECK_THAT(refused(log), Contains("swing.csv: joint 'elbow' has no column 'angle_elbow_rad'") &&
+                               Contains("joints = [...]"));
   CHECK(refused(log, "joints = [\"shoulder\"]\n").empty());
   log = pendulum_log();
   log.columns.erase("torque_shoulder_nm");
-  CHECK_THAT(refused(log), Contains("joint 'shoulder' has no column 'torque_shoulder_nm' or 'torque_cmd_shoulder_nm'"));
+  CHECK_THAT(refused(log),
+             Contains("joint 'shoulder' has no column 'torque_shoulder_nm' or 'torque_cmd_shoulder_nm'"));
 
   log = pendulum_log();
   for (auto& [name, values] : log.columns) values.resize(49);
@@ -144,7 +149,8 @@ TEST_CASE("A recording that lacks a joint, is too short or in degrees is refused
   // The limits are 3 rad; 170 degrees fit in there, and 20 rad is only a continuous joint's.
   log = pendulum_log();
   for (double& a : log.columns["angle_shoulder_rad"]) a *= 170.0 / 0.5;
-  CHECK_THAT(refused(log), Contains("angle_shoulder_rad reaches") && Contains("these are degrees; expected radians"));
+  CHECK_THAT(refused(log),
+             Contains("angle_shoulder_rad reaches") && Contains("these are degrees; expected radians"));
 }
 
 TEST_CASE("A joint's state about a row is that of a cubic") {
@@ -167,7 +173,9 @@ TEST_CASE("The noise of an encoder is that of its samples, or of its steps") {
   log::Log log;
   log.rig = "tree";
   unsigned state = 1;
-  const auto uniform = [&] { return static_cast<double>(state = state * 1664525u + 1013904223u) / 4294967296.0; };
+  const auto uniform = [&] {
+    return static_cast<double>(state = state * 1664525u + 1013904223u) / 4294967296.0;
+  };
   for (int k = 0; k < 5000; ++k) {
     log.columns["time_s"].push_back(0.002 * k);
     double normal = -6.0;

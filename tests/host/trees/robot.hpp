@@ -71,7 +71,8 @@ inline std::size_t joint(const trees::TreeModel& m, const std::string& name) {
 }
 
 /// Logs of the robot on sines of different sizes and speeds.
-inline std::vector<log::Log> logs(const trees::TreeModel& model, std::size_t count, double duration_s, unsigned seed) {
+inline std::vector<log::Log> logs(const trees::TreeModel& model, std::size_t count, double duration_s,
+                                  unsigned seed) {
   std::vector<log::Log> out;
   for (std::size_t i = 0; i < count; ++i) {
     trees::Scenario s = trees::default_scenario(model);

@@ -15,8 +15,9 @@ constexpr double kWheel_kgm2 = 0.5;
 constexpr double kGravity_mps2 = 9.81;
 
 /// What the first joint's encoder reads over the recording, from that reading and velocity.
-std::vector<double> readings(const trees::TreeModel& m, const trees::Recording& r, const std::vector<Cause>& causes,
-                             std::vector<double> angle_rad, std::vector<double> velocity_radps) {
+std::vector<double> readings(const trees::TreeModel& m, const trees::Recording& r,
+                             const std::vector<Cause>& causes, std::vector<double> angle_rad,
+                             std::vector<double> velocity_radps) {
   const trees::Setup setup = trees::SetupMaker(m).make(m.drives, causes);
   std::vector<double> out(r.rows() * m.joints());
   trees::run(setup, r, 0, r.rows() - 1, angle_rad, velocity_radps, out);
@@ -26,9 +27,11 @@ Cause cause(Effect effect, double a, double b = 0.0, double c = 0.0, double d = 
   return {effect, {0}, {a, b, c, d}};
 }
 /// Largest difference from a motion in closed form.
-double apart(const trees::Recording& r, const std::vector<double>& angle_rad, const std::function<double(double)>& closed) {
+double apart(const trees::Recording& r, const std::vector<double>& angle_rad,
+             const std::function<double(double)>& closed) {
   double worst = 0.0;
-  for (std::size_t k = 0; k < r.rows(); ++k) worst = std::max(worst, std::abs(angle_rad[k] - closed(r.time_s[k])));
+  for (std::size_t k = 0; k < r.rows(); ++k)
+    worst = std::max(worst, std::abs(angle_rad[k] - closed(r.time_s[k])));
   return worst;
 }
 
@@ -45,19 +48,28 @@ double oscillator(double t, double kp, double kd, double c, double q0, double v0
 TEST_CASE("Under the torque law a wheel speeds up evenly") {
   const trees::TreeModel m = test::wheel();
   const trees::Recording r = test::inputs(m, 1.0, 0.003, [](std::size_t, double) { return 1.5; });
-  CHECK(apart(r, readings(m, r, {}, {0.2}, {-0.4}), [](double t) { return 0.2 - 0.4 * t + 1.5 * t * t; }) < 1e-12);
+  CHECK(apart(r, readings(m, r, {}, {0.2}, {-0.4}), [](double t) { return 0.2 - 0.4 * t + 1.5 * t * t; }) <
+        1e-12);
   // The rotor's inertia is added, the gain multiplied, an offset and dry friction added.
   const trees::TreeModel geared = test::wheel("[drive]\nrotor_inertia_kgm2 = 0.25\n");
   CHECK(apart(r, readings(geared, r, {}, {0.0}, {0.0}), [](double t) { return t * t; }) < 1e-12);
-  CHECK(apart(r, readings(m, r, {cause(Effect::rotor_inertia_error, 0.25)}, {0.0}, {0.0}), [](double t) { return t * t; }) < 1e-12);
-  CHECK(apart(r, readings(m, r, {cause(Effect::torque_gain_error, 0.8)}, {0.0}, {0.0}), [](double t) { return 1.2 * t * t; }) < 1e-12);
-  CHECK(apart(r, readings(m, r, {cause(Effect::force_offset, -0.5)}, {0.0}, {0.0}), [](double t) { return t * t; }) < 1e-12);
-  CHECK(apart(r, readings(m, r, {cause(Effect::coulomb_friction, 0.5)}, {0.0}, {0.0}), [](double t) { return t * t; }) < 1e-9);
-  CHECK(apart(r, readings(m, r, {cause(Effect::load_friction, 1.0 / 3.0)}, {0.0}, {0.0}), [](double t) { return t * t; }) < 1e-9);
-  CHECK(apart(r, readings(m, r, {cause(Effect::torque_saturation, 1.0)}, {0.0}, {0.0}), [](double t) { return t * t; }) < 1e-12);
-  CHECK(apart(r, readings(m, r, {cause(Effect::torque_saturation, 2.0)}, {0.0}, {0.0}), [](double t) { return 1.5 * t * t; }) < 1e-12);
+  CHECK(apart(r, readings(m, r, {cause(Effect::rotor_inertia_error, 0.25)}, {0.0}, {0.0}),
+              [](double t) { return t * t; }) < 1e-12);
+  CHECK(apart(r, readings(m, r, {cause(Effect::torque_gain_error, 0.8)}, {0.0}, {0.0}),
+              [](double t) { return 1.2 * t * t; }) < 1e-12);
+  CHECK(apart(r, readings(m, r, {cause(Effect::force_offset, -0.5)}, {0.0}, {0.0}),
+              [](double t) { return t * t; }) < 1e-12);
+  CHECK(apart(r, readings(m, r, {cause(Effect::coulomb_friction, 0.5)}, {0.0}, {0.0}),
+              [](double t) { return t * t; }) < 1e-9);
+  CHECK(apart(r, readings(m, r, {cause(Effect::load_friction, 1.0 / 3.0)}, {0.0}, {0.0}),
+              [](double t) { return t * t; }) < 1e-9);
+  CHECK(apart(r, readings(m, r, {cause(Effect::torque_saturation, 1.0)}, {0.0}, {0.0}),
+              [](double t) { return t * t; }) < 1e-12);
+  CHECK(apart(r, readings(m, r, {cause(Effect::torque_saturation, 2.0)}, {0.0}, {0.0}),
+              [](double t) { return 1.5 * t * t; }) < 1e-12);
   // Friction of 2 N m holds the wheel where it is.
-  CHECK(apart(r, readings(m, r, {cause(Effect::coulomb_friction, 2.0)}, {0.1}, {0.0}), [](double) { return 0.1; }) == 0.0);
+  CHECK(apart(r, readings(m, r, {cause(Effect::coulomb_friction, 2.0)}, {0.1}, {0.0}),
+              [](double) { return 0.1; }) == 0.0);
 }
 
 TEST_CASE("Damping and drag slow a wheel down as their laws say") {
@@ -77,7 +89,8 @@ TEST_CASE("Damping and drag slow a wheel down as their laws say") {
 
 TEST_CASE("A delay puts the input off by itself, also where it falls between two rows") {
   const trees::TreeModel m = test::wheel();
-  const trees::Recording r = test::inputs(m, 1.0, 0.004, [](std::size_t, double t) { return t >= 0.1 - 1e-9 ? 1.5 : 0.0; });
+  const trees::Recording r =
+      test::inputs(m, 1.0, 0.004, [](std::size_t, double t) { return t >= 0.1 - 1e-9 ? 1.5 : 0.0; });
   for (const double delay_s : {0.0, 0.004, 0.0137, 0.05, 0.15}) {
     INFO(delay_s);
     const auto late = [&](double t) {
@@ -90,8 +103,8 @@ TEST_CASE("A delay puts the input off by itself, also where it falls between two
 
 TEST_CASE("A run that starts in the middle has what was given before in its delay and lag") {
   const trees::TreeModel m = test::wheel();
-  const trees::Recording r =
-      test::inputs(m, 1.0, 0.004, [](std::size_t, double t) { return std::sin(9.0 * t) + (t > 0.45 ? 1.0 : 0.0); });
+  const trees::Recording r = test::inputs(
+      m, 1.0, 0.004, [](std::size_t, double t) { return std::sin(9.0 * t) + (t > 0.45 ? 1.0 : 0.0); });
   const std::vector<Cause> late{cause(Effect::actuator_delay, 0.0217), cause(Effect::actuator_lag, 0.03)};
   const std::vector<double> all = readings(m, r, late, {0.0}, {0.0});
   // State at row 125 (0.5 s): the velocity by central differences of the run itself at a step of 1 ms.
@@ -111,7 +124,8 @@ TEST_CASE("A run that starts in the middle has what was given before in its dela
 
 TEST_CASE("A lag lets a step through as a filter of first order does") {
   const trees::TreeModel m = test::wheel();
-  const trees::Recording r = test::inputs(m, 0.5, 0.001, [](std::size_t, double t) { return t >= 0.1 - 1e-9 ? 1.5 : 0.0; });
+  const trees::Recording r =
+      test::inputs(m, 0.5, 0.001, [](std::size_t, double t) { return t >= 0.1 - 1e-9 ? 1.5 : 0.0; });
   constexpr double kLag_s = 0.03;
   const auto closed = [](double t) {
     const double on = std::max(0.0, t - 0.1);
@@ -124,7 +138,8 @@ TEST_CASE("A lag lets a step through as a filter of first order does") {
 TEST_CASE("Under the position law a wheel swings to the set point as a damped oscillator") {
   const trees::TreeModel m = test::wheel(kPosition);
   const trees::Recording r = test::inputs(m, 1.5, 0.005, [](std::size_t, double) { return 0.7; });
-  CHECK(apart(r, readings(m, r, {}, {0.2}, {1.0}), [](double t) { return oscillator(t, 20.0, 1.5, 0.7, 0.2, 1.0); }) < 1e-7);
+  CHECK(apart(r, readings(m, r, {}, {0.2}, {1.0}),
+              [](double t) { return oscillator(t, 20.0, 1.5, 0.7, 0.2, 1.0); }) < 1e-7);
   CHECK(apart(r, readings(m, r, {cause(Effect::position_gain_error, 30.0, 0.5)}, {0.2}, {1.0}),
               [](double t) { return oscillator(t, 30.0, 0.5, 0.7, 0.2, 1.0); }) < 1e-7);
   CHECK(apart(r, readings(m, r, {cause(Effect::torque_gain_error, 0.5)}, {0.2}, {1.0}),
@@ -132,7 +147,8 @@ TEST_CASE("Under the position law a wheel swings to the set point as a damped os
   CHECK(apart(r, readings(m, r, {cause(Effect::force_offset, 2.0)}, {0.2}, {1.0}),
               [](double t) { return oscillator(t, 20.0, 1.5, 0.8, 0.2, 1.0); }) < 1e-7);
   // A delay holds the first set point; a later one arrives late.
-  const trees::Recording step = test::inputs(m, 1.5, 0.005, [](std::size_t, double t) { return t >= 0.2 - 1e-9 ? 0.7 : 0.1; });
+  const trees::Recording step =
+      test::inputs(m, 1.5, 0.005, [](std::size_t, double t) { return t >= 0.2 - 1e-9 ? 0.7 : 0.1; });
   CHECK(apart(step, readings(m, step, {cause(Effect::actuator_delay, 0.0123)}, {0.1}, {0.0}), [](double t) {
           return t < 0.2123 ? 0.1 : oscillator(t - 0.2123, 20.0, 1.5, 0.7, 0.1, 0.0);
         }) < 1e-7);
@@ -142,7 +158,8 @@ TEST_CASE("A position drive gives no more than its limit") {
   const trees::TreeModel m = test::wheel(kPosition);
   const trees::Recording r = test::inputs(m, 0.4, 0.005, [](std::size_t, double) { return 5.0; });
   // 20 (5 - q) - 1.5 v stays above 2 N m: 2 / 0.5 rad/s^2.
-  CHECK(apart(r, readings(m, r, {cause(Effect::torque_saturation, 2.0)}, {0.0}, {0.0}), [](double t) { return 2.0 * t * t; }) < 1e-12);
+  CHECK(apart(r, readings(m, r, {cause(Effect::torque_saturation, 2.0)}, {0.0}, {0.0}),
+              [](double t) { return 2.0 * t * t; }) < 1e-12);
   // A limit that is never reached changes nothing but the steps (1 ms, the middle's torque): second order.
   CHECK(apart(r, readings(m, r, {cause(Effect::torque_saturation, 1e3)}, {0.0}, {0.0}),
               [](double t) { return oscillator(t, 20.0, 1.5, 5.0, 0.0, 0.0); }) < 2e-2);
@@ -152,7 +169,8 @@ TEST_CASE("An encoder's offset is in what is read, and in what a position drive 
   const trees::TreeModel free = test::pendulum();
   const trees::Recording still = test::inputs(free, 1.0, 0.004, [](std::size_t, double) { return 0.0; });
   // It hangs down where 0.1 is read.
-  CHECK(apart(still, readings(free, still, {cause(Effect::encoder_offset, 0.1)}, {0.1}, {0.0}), [](double) { return 0.1; }) < 1e-12);
+  CHECK(apart(still, readings(free, still, {cause(Effect::encoder_offset, 0.1)}, {0.1}, {0.0}),
+              [](double) { return 0.1; }) < 1e-12);
   const trees::TreeModel m = test::wheel(kPosition);
   const trees::Recording r = test::inputs(m, 1.0, 0.004, [](std::size_t, double) { return 0.7; });
   CHECK(apart(r, readings(m, r, {cause(Effect::encoder_offset, 0.1)}, {0.2}, {1.0}),
@@ -163,9 +181,12 @@ TEST_CASE("On a base that is tilted a pendulum hangs down still") {
   const trees::TreeModel m = test::pendulum();
   const trees::Recording r = test::inputs(m, 1.0, 0.004, [](std::size_t, double) { return 0.0; });
   // The axis is y: a base that is pitched by p leaves the rod -p from the base's own down.
-  CHECK(apart(r, readings(m, r, {cause(Effect::base_tilt, 0.0, 0.2)}, {-0.2}, {0.0}), [](double) { return -0.2; }) < 1e-12);
-  CHECK(apart(r, readings(m, r, {cause(Effect::base_tilt, 0.3, 0.2)}, {-0.2}, {0.0}), [](double) { return -0.2; }) > 1e-3);
-  CHECK(apart(r, readings(m, r, {cause(Effect::base_tilt, 0.3, 0.0)}, {0.0}, {0.0}), [](double) { return 0.0; }) < 1e-12);
+  CHECK(apart(r, readings(m, r, {cause(Effect::base_tilt, 0.0, 0.2)}, {-0.2}, {0.0}),
+              [](double) { return -0.2; }) < 1e-12);
+  CHECK(apart(r, readings(m, r, {cause(Effect::base_tilt, 0.3, 0.2)}, {-0.2}, {0.0}),
+              [](double) { return -0.2; }) > 1e-3);
+  CHECK(apart(r, readings(m, r, {cause(Effect::base_tilt, 0.3, 0.0)}, {0.0}, {0.0}),
+              [](double) { return 0.0; }) < 1e-12);
   // R = Ry(pitch) Rx(roll): the third row of R is the vertical in the base's axes.
   const trees::Setup s = trees::SetupMaker(m).make(m.drives, std::vector{cause(Effect::base_tilt, 0.3, 0.2)});
   CHECK(s.model.gravity_mps2.x == Approx(kGravity_mps2 * std::sin(0.2)));
@@ -213,14 +234,18 @@ TEST_CASE("A fixed link's causes are in its own axes") {
   };
   const trees::SetupMaker maker(m);
   const auto given = maker.make(m.drives, {}).model.body(elbow);
-  const auto loaded = maker.make(m.drives, std::vector{Cause{Effect::payload, {weight}, {0.3, 0.05, -0.04, 0.02}}}).model.body(elbow);
+  const auto loaded =
+      maker.make(m.drives, std::vector{Cause{Effect::payload, {weight}, {0.3, 0.05, -0.04, 0.02}}})
+          .model.body(elbow);
   const auto at = out(0.05, -0.04, 0.02);
   CHECK(loaded.mass_kg - given.mass_kg == Approx(0.3));
   CHECK(loaded.moment_kgm.x - given.moment_kgm.x == Approx(0.3 * at[0]));
   CHECK(loaded.moment_kgm.y - given.moment_kgm.y == Approx(0.3 * at[1]));
   CHECK(loaded.moment_kgm.z - given.moment_kgm.z == Approx(0.3 * at[2]));
   CHECK(loaded.inertia_kgm2.yy - given.inertia_kgm2.yy == Approx(0.3 * (at[0] * at[0] + at[2] * at[2])));
-  const auto shifted = maker.make(m.drives, std::vector{Cause{Effect::com_error, {weight}, {0.05, -0.04, 0.02, 0.0}}}).model.body(elbow);
+  const auto shifted =
+      maker.make(m.drives, std::vector{Cause{Effect::com_error, {weight}, {0.05, -0.04, 0.02, 0.0}}})
+          .model.body(elbow);
   CHECK(shifted.mass_kg == Approx(given.mass_kg));
   CHECK(shifted.moment_kgm.x - given.moment_kgm.x == Approx(0.25 * at[0]));
   CHECK(shifted.moment_kgm.z - given.moment_kgm.z == Approx(0.25 * (at[2] + 0.38)));
@@ -231,8 +256,9 @@ TEST_CASE("A cause at its neutral value changes nothing") {
        {"[drive]\nrotor_inertia_kgm2 = 0.02\n",
         "[drive]\nlaw = \"position\"\nkp_nmprad = 15.0\nkd_nmsprad = 0.8\nrotor_inertia_kgm2 = 0.02\n"}) {
     const trees::TreeModel m = test::double_pendulum(settings);
-    const trees::Recording r =
-        test::inputs(m, 1.0, 0.004, [](std::size_t j, double t) { return 0.8 * std::sin((4.0 + static_cast<double>(j)) * t); });
+    const trees::Recording r = test::inputs(m, 1.0, 0.004, [](std::size_t j, double t) {
+      return 0.8 * std::sin((4.0 + static_cast<double>(j)) * t);
+    });
     const std::vector<double> plain = readings(m, r, {}, {0.3, -0.4}, {0.5, 0.2});
     std::size_t tried = 0;
     for (const trees::EffectInfo& e : trees::catalogue()) {
@@ -259,7 +285,8 @@ TEST_CASE("A cause at its neutral value changes nothing") {
 
 TEST_CASE("A limit far above the torque and a spring that is very stiff change next to nothing") {
   const trees::TreeModel m = test::wheel("[drive]\nrotor_inertia_kgm2 = 0.1\n");
-  const trees::Recording r = test::inputs(m, 0.6, 0.004, [](std::size_t, double t) { return std::sin(5.0 * t); });
+  const trees::Recording r =
+      test::inputs(m, 0.6, 0.004, [](std::size_t, double t) { return std::sin(5.0 * t); });
   const std::vector<double> plain = readings(m, r, {}, {0.0}, {0.0});
   for (const Cause& c : {cause(Effect::torque_saturation, 50.0), cause(Effect::joint_elasticity, 1e5)}) {
     const std::vector<double> with = readings(m, r, {c}, {0.0}, {0.0});
@@ -271,9 +298,14 @@ TEST_CASE("The torque ripple goes with the joint's angle as it is read") {
   // On a wheel that is turned evenly at 2 rad/s a ripple of a few mN m: q'' = A sin(n w t + p) / J.
   const trees::TreeModel m = test::wheel();
   const trees::Recording r = test::inputs(m, 1.0, 0.004, [](std::size_t, double) { return 0.0; });
-  constexpr double kAmplitude_nm = 1e-3, kCycles = 6.0, kPhase_rad = 0.4, kSpeed_radps = 2.0, kRate = kCycles * kSpeed_radps;
-  CHECK(apart(r, readings(m, r, {cause(Effect::torque_ripple, kAmplitude_nm, kCycles, kPhase_rad)}, {0.0}, {kSpeed_radps}), [&](double t) {
-          const double s = std::sin(kPhase_rad), c = std::cos(kPhase_rad), a = kAmplitude_nm / kWheel_kgm2 / kRate;
-          return kSpeed_radps * t + a * (c * t - (std::sin(kRate * t + kPhase_rad) - s) / kRate);
-        }) < 1e-6);
+  constexpr double kAmplitude_nm = 1e-3, kCycles = 6.0, kPhase_rad = 0.4, kSpeed_radps = 2.0,
+                   kRate = kCycles * kSpeed_radps;
+  CHECK(apart(r,
+              readings(m, r, {cause(Effect::torque_ripple, kAmplitude_nm, kCycles, kPhase_rad)}, {0.0},
+                       {kSpeed_radps}),
+              [&](double t) {
+                const double s = std::sin(kPhase_rad), c = std::cos(kPhase_rad),
+                             a = kAmplitude_nm / kWheel_kgm2 / kRate;
+                return kSpeed_radps * t + a * (c * t - (std::sin(kRate * t + kPhase_rad) - s) / kRate);
+              }) < 1e-6);
 }
