@@ -63,6 +63,8 @@ class Diagnoser {
     std::vector<Window> windows = windows_of(model_, training_, options_.window_s, kMostSearchWindows);
     if (windows.empty())
       throw log::DataError("no training log has " + log::shortest(options_.window_s) + " s without a gap; expected longer logs, or a smaller --window-s");
+    if (windows_of(model_, held_out_, options_.window_s, 1).empty())
+      throw log::DataError("no held-out log has " + log::shortest(options_.window_s) + " s without a gap; expected longer logs, or a smaller --window-s");
     d_.windows = windows.size();
     Problem problem(model_, training_, std::move(windows), options_.threads);
     const Found found = search(problem, {options_.threads, options_.progress});

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/log/error.hpp"
+#include "host/log/message.hpp"
 
 namespace furcula::trees {
 namespace {
@@ -40,6 +41,8 @@ Identification identify(const TreeModel& model, const std::vector<log::Log>& tra
   out.held_out_logs = held_out_logs.size();
   std::vector<Window> windows = windows_of(model, fit_on, options.window_s);
   out.windows = windows.size();
+  if (windows_of(model, judge_on, options.window_s, 1).empty())
+    throw log::DataError("no held-out log has " + log::shortest(options.window_s) + " s without a gap; expected longer logs, or a smaller --window-s");
   Problem problem(model, fit_on, std::move(windows), options.threads);
   const Hypothesis given{model.drives, model.causes};
   if (options.progress) options.progress(0.1, "fitting");
