@@ -81,7 +81,7 @@ class Diagnoser {
     findings(problem, found);
     parameters(problem, found);
     known_inertias();
-    verdict(found);
+    verdict(problem);
     motions();
     return std::move(d_);
   }
@@ -283,7 +283,7 @@ class Diagnoser {
                        " combinations; " + std::to_string(shown) + " of them make more than a hundredth of the largest one's torque in these recordings. No mass or centre is named that only the others know.");
   }
 
-  void verdict(const Found&) {
+  void verdict(const Problem& problem) {
     double before = 0.0, after = 0.0;
     std::vector<std::string> where;
     for (std::size_t j = 0; j < model_.joints(); ++j) {
@@ -291,7 +291,9 @@ class Diagnoser {
       const double unit = m.rms_torque_nm * m.rms_torque_nm;
       before += m.predictable_before * m.rms_before_nm * m.rms_before_nm / unit;
       after += m.predictable_after * m.rms_after_nm * m.rms_after_nm / unit;
-      if (structured(m)) where.push_back(model_.robot.joints[j].name);
+      // Runs so far off that hardly a sample can be compared have no structure, and are no good either.
+      const bool lost = m.after_nm.size() < 50 && d_.extended_error[j].nmse > 1.0 && !problem.scales().still[j];
+      if (structured(m) || lost) where.push_back(model_.robot.joints[j].name);
     }
     d_.unexplained_share = before > 0.0 && !d_.findings.empty() ? std::clamp(after / before, 0.0, 1.0) : where.empty() ? 0.0 : 1.0;
     const bool left = !where.empty() && (d_.findings.empty() || d_.unexplained_share > 0.1);

@@ -196,3 +196,11 @@ TEST_CASE("Joints of another robot are named, those that are held are not foreig
   const trees::TreeModel m = test::double_pendulum("joints = [\"shoulder\"]\n");
   CHECK(trees::foreign_joints(m, log) == std::vector<std::string>{"wrist"});
 }
+
+TEST_CASE("A joint whose name begins like a quantity's end is not foreign") {
+  trees::TreeModel m = test::pendulum();
+  m.urdf.joints[0].name = m.robot.joints[0].name = "cmd_y";
+  log::Log log;
+  for (const char* column : {"time_s", "angle_cmd_y_rad", "torque_cmd_y_nm"}) log.columns[column].assign(50, 0.0);
+  CHECK(trees::foreign_joints(m, log).empty());
+}
