@@ -69,6 +69,9 @@ class Diagnoser {
     if (windows.empty())
       throw log::DataError("no training log has " + log::shortest(options_.window_s) +
                            " s without a gap; expected longer logs, or a smaller --window-s");
+    if (windows_of(model_, held_out_, options_.window_s, 1).empty())
+      throw log::DataError("no held-out log has " + log::shortest(options_.window_s) +
+                           " s without a gap; expected longer logs, or a smaller --window-s");
     d_.windows = windows.size();
     Problem problem(model_, training_, std::move(windows), options_.threads);
     std::vector<Window> short_windows =
@@ -91,7 +94,7 @@ class Diagnoser {
     findings(problem, found);
     parameters(problem, found);
     known_inertias();
-    verdict(found);
+    verdict(problem);
     motions();
     return std::move(d_);
   }
@@ -255,12 +258,11 @@ class Diagnoser {
           row.refitted = interval(name, unit, found.refitted, i);
       }
       const double width = row.extended.upper - row.extended.lower;
-      row.verdict = found.fit.at_bound[k]               ? "at_bound"
-                    : width > 0.5 * (u.upper - u.lower) ? "not_excited"
-                                                        : "identified";
+      row.verdict = found.fit.at_bound[k]                                                  ? "at_bound"
+                    : width > 0.5 * (u.upper - u.lower) || problem.scales().still[u.joint] ? "not_excited"
+                                                                                           : "identified";
       d_.parameters.push_back(row);
     }
-    static_cast<void>(problem);
   }
 
   /// How many combinations of the bodies' inertial parameters show in the torques of these recordings.
@@ -315,7 +317,7 @@ class Diagnoser {
         " of them make more than a hundredth of the largest one's torque in these recordings. No mass or centre is named that only the others know.");
   }
 
-  void verdict(const Found&) {
+  void verdict(const Problem& problem) {
     double before = 0.0, after = 0.0;
     std::vector<std::string> where;
     for (std::size_t j = 0; j < model_.joints(); ++j) {
@@ -323,7 +325,10 @@ class Diagnoser {
       const double unit = m.rms_torque_nm * m.rms_torque_nm;
       before += m.predictable_before * m.rms_before_nm * m.rms_before_nm / unit;
       after += m.predictable_after * m.rms_after_nm * m.rms_after_nm / unit;
-      if (structured(m)) where.push_back(model_.robot.joints[j].name);
+      // Runs so far off that hardly a sample can be compared have no structure, and are no good either.
+      const bool lost =
+          m.after_nm.size() < 50 && d_.extended_error[j].nmse > 1.0 && !problem.scales().still[j];
+      if (structured(m) || lost) where.push_back(model_.robot.joints[j].name);
     }
     d_.unexplained_share = before > 0.0 && !d_.findings.empty() ? std::clamp(after / before, 0.0, 1.0)
                            : where.empty()                      ? 0.0

@@ -16,6 +16,8 @@ constexpr std::size_t kBins = 24;
 /// A start is known from the angles around it no better than so many times what their noise says: they bend, too.
 constexpr double kStartDoubt = 2.0;
 constexpr double kSmoothing_s = 0.02;
+/// A motion of no more than so many times the noise, from end to end, is that of a joint at rest.
+constexpr double kStill = 10.0;
 
 double root_mean_square(const std::vector<double>& x) {
   double sum = 0.0;
@@ -60,10 +62,11 @@ Scales scales_of(const TreeModel& model, std::span<const Recording> recordings) 
   Scales out;
   for (std::size_t j = 0; j < model.joints(); ++j) {
     std::vector<double> torque, velocity, acceleration;
-    double low = 1e300, high = -1e300;
+    double low = 1e300, high = -1e300, noise = 0.0;
     for (const Recording& r : recordings) {
       const std::size_t step =
           std::max<std::size_t>(1, static_cast<std::size_t>(0.02 / std::max(r.interval_s, 1e-6)));
+      noise = std::max(noise, r.angle_noise_rad[j]);
       for (std::size_t k = 0; k < r.rows(); k += step) {
         const LocalState s = local_state(r, j, k, kSmoothing_s);
         velocity.push_back(s.velocity_radps);
@@ -81,6 +84,7 @@ Scales scales_of(const TreeModel& model, std::span<const Recording> recordings) 
     out.acceleration_radps2.push_back(std::max(root_mean_square(acceleration), 1e-2));
     out.lowest_rad.push_back(low);
     out.highest_rad.push_back(high);
+    out.still.push_back(high - low <= kStill * noise);
   }
   return out;
 }

@@ -39,6 +39,7 @@ void set_value(Hypothesis& h, const Unknown& u, double value);
 struct Scales {
   std::vector<double> torque_nm, velocity_radps, acceleration_radps2;  ///< of each joint
   std::vector<double> lowest_rad, highest_rad;
+  std::vector<bool> still;  ///< what it moves is lost in the encoder's noise: its parameters cannot show
 };
 Scales scales_of(const TreeModel& model, std::span<const Recording> recordings);
 

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/log/error.hpp"
+#include "host/log/message.hpp"
 
 namespace furcula::trees {
 namespace {
@@ -42,6 +43,9 @@ Identification identify(const TreeModel& model, const std::vector<log::Log>& tra
   out.held_out_logs = held_out_logs.size();
   std::vector<Window> windows = windows_of(model, fit_on, options.window_s);
   out.windows = windows.size();
+  if (windows_of(model, judge_on, options.window_s, 1).empty())
+    throw log::DataError("no held-out log has " + log::shortest(options.window_s) +
+                         " s without a gap; expected longer logs, or a smaller --window-s");
   Problem problem(model, fit_on, std::move(windows), options.threads);
   const Hypothesis given{model.drives, model.causes};
   if (options.progress) options.progress(0.1, "fitting");
@@ -87,7 +91,8 @@ Identification identify(const TreeModel& model, const std::vector<log::Log>& tra
       row.verdict = "correlated";
     else
       row.with.clear();
-    if (2.0 * half > 0.5 * (u.upper - u.lower)) row.verdict = "not_excited";
+    if (2.0 * half > 0.5 * (u.upper - u.lower) || problem.scales().still[u.joint])
+      row.verdict = "not_excited";
     if (fit.at_bound[k]) {
       row.verdict = "at_bound";
       row.with = row.value - u.lower < u.upper - row.value ? "lower" : "upper";

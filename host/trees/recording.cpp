@@ -150,15 +150,23 @@ Recording part_of(const Recording& r, std::size_t first, std::size_t last) {
 
 std::vector<std::string> foreign_joints(const TreeModel& m, const log::Log& log) {
   std::vector<std::string> out;
-  for (const auto& [column, values] : log.columns)
+  const auto known = [&](std::string_view joint) {
+    return std::any_of(m.urdf.joints.begin(), m.urdf.joints.end(),
+                       [&](const model::UrdfJoint& j) { return j.name == joint; });
+  };
+  for (const auto& [column, values] : log.columns) {
+    // angle_cmd_y_rad is the angle of a joint cmd_y where there is one.
+    std::string first;
+    bool ours = false;
     for (const log::ColumnPattern& p : log::kTreeColumns) {
-      const std::string joint(p.joint_in(column));
+      const std::string_view joint = p.joint_in(column);
       if (joint.empty()) continue;
-      const bool known = std::any_of(m.urdf.joints.begin(), m.urdf.joints.end(),
-                                     [&](const model::UrdfJoint& j) { return j.name == joint; });
-      if (!known && std::find(out.begin(), out.end(), joint) == out.end()) out.push_back(joint);
-      break;
+      ours |= known(joint);
+      if (first.empty()) first = joint;
     }
+    if (!ours && !first.empty() && std::find(out.begin(), out.end(), first) == out.end())
+      out.push_back(first);
+  }
   return out;
 }
 

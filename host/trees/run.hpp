@@ -52,7 +52,7 @@ class SetupMaker {
 /// The value with which an effect is not there: the model's own, 0, 1, or without end (NaN: any).
 double neutral_value(const TreeModel& model, Effect effect, std::size_t parameter, std::size_t site);
 
-/// Runs the tree from the states at `first`, true positions and velocities, on the recording's inputs to `last`;
+/// Runs the tree from the states at `first`, positions as the encoders read them and velocities, on the recording's inputs to `last`;
 /// `measured[row - first][joint]` is what the encoders read. Inputs from before `first` are in the drives' delays and lags.
 void run(const Setup& setup, const Recording& recording, std::size_t first, std::size_t last,
          std::span<const double> angle_rad, std::span<const double> velocity_radps,

@@ -145,13 +145,13 @@ log::Log simulate(const TreeModel& model, const Scenario& scenario, std::uint64_
     return out.columns[column_of(model, j, what)];
   };
 
-  std::vector<double> q(n), v(n), input(n), disturbance(n, 0.0), torque_rms(n, 0.0), smallest_inertia(n);
+  std::vector<double> q(n), v(n), input(n), disturbance(n, 0.0), torque_rms(n, 0.0), wanted(n);
   for (std::size_t j = 0; j < n; ++j) {
     const Path::Point p = scenario.paths[j].at(0.0);
     q[j] = p.q + true_one.joints[j].encoder_offset_rad;
     v[j] = p.v;
   }
-  // What a drive gives on such a path, for the sizes of noise and disturbance; and how hard a joint is to turn.
+  // What a drive gives on such a path, for the sizes of noise and disturbance.
   const auto steps = static_cast<std::size_t>(scenario.duration_s * scenario.sample_rate_hz + 0.5);
   const auto on_path = [&](double t) {
     model::RobotModel::Joints pq{}, pv{}, pa{};
@@ -175,11 +175,6 @@ log::Log simulate(const TreeModel& model, const Scenario& scenario, std::uint64_
     for (std::size_t j = 0; j < n; ++j) torque_rms[j] += tau[j] * tau[j] / kLooks;
   }
   for (double& t : torque_rms) t = std::sqrt(t);
-  model::RobotModel::Joints start{};
-  for (std::size_t j = 0; j < n; ++j) start[j] = q[j];
-  const auto mass = dynamics::tree::mass_matrix(believed.model, start);
-  for (std::size_t j = 0; j < n; ++j) smallest_inertia[j] = mass[j][j];
-
   Runner runner(true_one);
   runner.reset(q, v);
   std::vector<std::vector<double>> late(n);  // inputs on their way to a drive with a delay
@@ -187,25 +182,34 @@ log::Log simulate(const TreeModel& model, const Scenario& scenario, std::uint64_
   for (std::size_t k = 0; k <= steps; ++k) {
     const double t = static_cast<double>(k) * dt;
     const auto feed_forward = on_path(t);
+    model::RobotModel::Joints posture{};
     out.columns["time_s"].push_back(t);
     for (std::size_t j = 0; j < n; ++j) {
       const Path::Point p = scenario.paths[j].at(t);
       const double measured = runner.measured(j) + scenario.angle_noise_rad * normal(random);
       column(j, "angle").push_back(measured);
+      constexpr double kFollows_radps = 10.0;
+      wanted[j] = kFollows_radps * kFollows_radps * (p.q - measured) +
+                  2.0 * kFollows_radps * (p.v - runner.velocity(j));
+      posture[j] = p.q;
       if (model.drives[j].law == DriveLaw::position) {
         input[j] = p.q;
         column(j, "angle_cmd").push_back(p.q);
-      } else {
-        constexpr double kFollows_radps = 10.0;
-        const double inertia = smallest_inertia[j];
-        input[j] = feed_forward[j] + inertia * (kFollows_radps * kFollows_radps * (p.q - measured) +
-                                                2.0 * kFollows_radps * (p.v - runner.velocity(j)));
-        column(j, "torque_cmd").push_back(input[j]);
+        wanted[j] = 0.0;
       }
       const double keep = std::exp(-dt / scenario.disturbance_time_s);
       disturbance[j] = keep * disturbance[j] + std::sqrt(1.0 - keep * keep) * scenario.disturbance_share *
                                                    torque_rms[j] * normal(random);
       runner.disturb(j, disturbance[j]);
+    }
+    // Through the mass matrix each joint's error is corrected on its own, however many links it carries.
+    const auto mass = dynamics::tree::mass_matrix(believed.model, posture);
+    for (std::size_t j = 0; j < n; ++j) {
+      if (model.drives[j].law == DriveLaw::torque) {
+        input[j] = feed_forward[j];
+        for (std::size_t o = 0; o < n; ++o) input[j] += mass[j][o] * wanted[o];
+        column(j, "torque_cmd").push_back(input[j]);
+      }
       late[j].push_back(input[j]);
     }
     // Delays are taken to the next twentieth of a sample.

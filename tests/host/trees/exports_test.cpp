@@ -1,8 +1,6 @@
 // URDF and MJCF with the causes of a diagnosis: what changes, what stays, and that it reads back as the tree that was fitted.
 #include "host/trees/exports.hpp"
 
-#include <unistd.h>
-
 #include <catch2/catch.hpp>
 #include <cstdlib>
 #include <filesystem>
@@ -16,6 +14,7 @@
 #include "host/model/xml_check.hpp"
 #include "host/trees/run.hpp"
 #include "tests/host/model/mujoco_peer.hpp"
+#include "tests/host/trees/folder.hpp"
 #include "tests/paths.hpp"
 #include "tests/skip.hpp"
 
@@ -25,29 +24,7 @@ using trees::Effect;
 
 namespace {
 
-namespace fs = std::filesystem;
-
-class Folder {
- public:
-  Folder() {
-    std::string pattern = (fs::temp_directory_path() / "furcula-exports-XXXXXX").string();
-    if (mkdtemp(pattern.data()) == nullptr) throw std::runtime_error("no temporary folder: " + pattern);
-    path_ = pattern;
-  }
-  ~Folder() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  Folder(const Folder&) = delete;
-  Folder& operator=(const Folder&) = delete;
-  void write(const std::string& name, const std::string& text) const {
-    std::ofstream(path_ / name, std::ios::binary) << text;
-  }
-  std::string file(const std::string& name) const { return (path_ / name).string(); }
-
- private:
-  fs::path path_;
-};
+using test::Folder;
 
 /// A diagnosis of this robot with nothing found yet. `settings` are the model file's sections, those of [model] first.
 trees::Diagnosis diagnosis_of(const Folder& folder, const std::string& urdf,

@@ -1,0 +1,119 @@
+// Diagnoses and identifications of an arm of three joints, on logs of an arm with a known cause.
+#include "host/trees/diagnose.hpp"
+
+#include "host/trees/diagnosis_json.hpp"
+#include "host/trees/identify.hpp"
+#include "tests/host/error_message.hpp"
+#include "tests/host/trees/robot.hpp"
+
+using namespace furcula;
+using Catch::Matchers::Contains;
+using trees::Cause;
+using trees::Effect;
+using trees::Verdict;
+
+namespace {
+
+struct Logs {
+  std::vector<log::Log> training, held_out;
+};
+Logs logs_of(const trees::TreeModel& truth, unsigned seed) {
+  Logs out;
+  out.training = test::logs(truth, 3, 5.0, seed);
+  out.held_out = test::logs(truth, 1, 5.0, seed + 50);
+  return out;
+}
+
+}  // namespace
+
+TEST_CASE("A cause at one joint of an arm is found there, within its interval") {
+  struct Case {
+    Effect effect;
+    std::string at;
+    double value;
+  };
+  for (const Case& c :
+       {Case{Effect::coulomb_friction, "elbow", 0.3}, Case{Effect::force_offset, "shoulder", -0.4}}) {
+    trees::TreeModel truth = test::arm3();
+    truth.causes = {{c.effect, {test::joint(truth, c.at)}, {c.value, 0, 0, 0}}};
+    const Logs logs = logs_of(truth, 40);
+    const trees::Diagnosis d = trees::diagnose(test::arm3(), logs.training, logs.held_out);
+    INFO(trees::to_json_text(d).substr(0, 4000));
+    CHECK((d.verdict == Verdict::explained || d.verdict == Verdict::not_identifiable));
+    REQUIRE_FALSE(d.findings.empty());
+    const trees::Finding& f = d.findings.front();
+    CHECK(f.cause.effect == c.effect);
+    CHECK(f.at == std::vector<std::string>{c.at});
+    REQUIRE(f.parameters.size() == 1);
+    CHECK(f.parameters[0].value == Approx(c.value).epsilon(0.1));
+    CHECK(f.parameters[0].lower < c.value);
+    CHECK(f.parameters[0].upper > c.value);
+    CHECK(d.findings.size() == 1);
+    const std::size_t j = test::joint(truth, c.at);
+    CHECK(d.extended_error[j].rmse < 0.6 * d.refitted_error[j].rmse);
+  }
+}
+
+TEST_CASE("Logs of an arm as it is modelled are adequate, with the same bytes on one thread and on two") {
+  const trees::TreeModel model = test::arm3();
+  const Logs logs = logs_of(model, 70);
+  trees::Options options;
+  options.threads = 1;
+  const trees::Diagnosis d = trees::diagnose(model, logs.training, logs.held_out, options);
+  INFO(d.summary);
+  CHECK(d.verdict == Verdict::adequate);
+  CHECK(d.findings.empty());
+  CHECK(d.logs == 4);
+  CHECK(d.held_out_logs == 1);
+  options.threads = 2;
+  CHECK(trees::to_json_text(trees::diagnose(model, logs.training, logs.held_out, options)) ==
+        trees::to_json_text(d));
+}
+
+TEST_CASE("Identification finds what shows and says what does not") {
+  const trees::TreeModel truth = test::arm3("[drive.elbow]\ndamping_nmspr = 0.25\n");
+  const Logs logs = logs_of(truth, 90);
+  const trees::TreeModel model = test::arm3(
+      "[free]\n\"damping_nmspr.elbow\" = [0.0, 2.0]\n\"damping_nmspr.yaw\" = [0.0, 2.0]\n\"rotor_inertia_kgm2.elbow\" = [0.0, 0.1]\n");
+  const trees::Identification found = trees::identify(model, logs.training, logs.held_out);
+  REQUIRE(found.parameters.size() == 3);
+  for (const auto& p : found.parameters) {
+    INFO(p.name << " " << p.value << " [" << p.lower << ", " << p.upper << "] " << p.verdict);
+    if (p.name == "damping_nmspr.elbow") {
+      CHECK(p.verdict == "identified");
+      CHECK(p.unit == "N m s/rad");
+      CHECK(p.given == 0.1);
+      CHECK(p.value == Approx(0.25).epsilon(0.1));
+    }
+    if (p.name == "damping_nmspr.yaw") CHECK(p.value == Approx(0.1).epsilon(0.2));
+    // There is none, and it cannot be less.
+    if (p.name == "rotor_inertia_kgm2.elbow") CHECK(p.value < 0.002);
+  }
+  CHECK(found.model.drives[2].damping_nmspr == Approx(0.25).epsilon(0.1));
+  CHECK(found.identified_error[2].rmse < found.as_given_error[2].rmse);
+  CHECK_THAT(trees::to_json_text(found),
+             Contains("\"furcula-identification/1\"") && Contains("damping_nmspr.elbow"));
+  CHECK_THAT(test::error_message([&] { trees::identify(test::arm3(), logs.training, logs.held_out); }),
+             Contains("no parameter in [free]") && Contains("damping_nmspr.yaw"));
+}
+
+TEST_CASE("What a joint that stands still would tell is not excited") {
+  const trees::TreeModel model =
+      test::arm3("[free]\n\"damping_nmspr.yaw\" = [0.0, 0.5]\n\"damping_nmspr.elbow\" = [0.0, 0.5]\n");
+  std::vector<log::Log> logs;
+  for (unsigned seed = 0; seed < 4; ++seed) {
+    trees::Scenario s = trees::default_scenario(model);
+    s.duration_s = 4.0;
+    s.paths[0].profile = trees::Path::Profile::hold;
+    s.paths[2].phase_rad = seed;
+    s.disturbance_share = 0.0;
+    logs.push_back(trees::simulate(model, s, seed));
+    logs.back().path = "still.csv";
+  }
+  const trees::Identification found = trees::identify(model, {logs[0], logs[1], logs[2]}, {logs[3]});
+  for (const auto& p : found.parameters) {
+    INFO(p.name << " " << p.value << " [" << p.lower << ", " << p.upper << "] " << p.verdict);
+    if (p.name == "damping_nmspr.yaw") CHECK(p.verdict != "identified");
+    if (p.name == "damping_nmspr.elbow") CHECK(p.verdict == "identified");
+  }
+}

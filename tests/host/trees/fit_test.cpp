@@ -1,0 +1,161 @@
+// Fits of a tree by simulation, and the torque that a model lacks.
+#include "host/trees/fit.hpp"
+
+#include <cmath>
+#include <random>
+
+#include "host/trees/missing_torque.hpp"
+#include "tests/host/error_message.hpp"
+#include "tests/host/trees/robot.hpp"
+
+using namespace furcula;
+using Catch::Matchers::Contains;
+using trees::Cause;
+using trees::Effect;
+
+namespace {
+
+std::vector<trees::Recording> recordings(const trees::TreeModel& m, const std::vector<log::Log>& logs) {
+  std::vector<trees::Recording> out;
+  for (const log::Log& log : logs) out.push_back(trees::recording_of(m, log));
+  return out;
+}
+
+}  // namespace
+
+TEST_CASE("Steadiness is large where recordings agree, small where they do not") {
+  const std::vector<double> even(6, 1.0);
+  CHECK(trees::steadiness(std::vector{0.30, 0.31, 0.29, 0.30, 0.32, 0.28}, even) > 3.0);
+  CHECK(trees::steadiness(std::vector{0.3, -0.3, 0.2, -0.2, 0.25, -0.25}, even) < 0.1);
+  // It does not depend on the unit, nor on the sign.
+  const std::vector<double> some{0.3, 0.1, 0.25, 0.05, 0.2, 0.15};
+  std::vector<double> scaled;
+  for (const double x : some) scaled.push_back(-1e3 * x);
+  CHECK(trees::steadiness(some, even) == Approx(trees::steadiness(scaled, even)));
+  CHECK(trees::steadiness(some, even) == Approx(trees::steadiness(some, std::vector<double>(6, 50.0))));
+  // A recording without information has no say.
+  CHECK(trees::steadiness(std::vector{0.3, 0.1, 0.25, 0.05, 0.2, 0.15, -99.0},
+                          std::vector{1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1e-12}) ==
+        Approx(trees::steadiness(some, even)).epsilon(1e-3));
+  // None at all says nothing, one alone cannot be contradicted.
+  CHECK(trees::steadiness({}, {}) == 0.0);
+  CHECK(trees::steadiness(std::vector{0.3, 0.2}, std::vector{0.0, 0.0}) == 0.0);
+  CHECK(trees::steadiness(std::vector{0.3}, std::vector{5.0}) > 1.0);
+}
+
+TEST_CASE("Steadiness finds agreement in pure noise hardly ever") {
+  std::mt19937_64 random(3);
+  std::normal_distribution<double> normal;
+  for (const std::size_t count : {3u, 5u, 10u}) {
+    int found = 0;
+    for (int trial = 0; trial < 2000; ++trial) {
+      std::vector<double> x;
+      for (std::size_t k = 0; k < count; ++k) x.push_back(normal(random));
+      found += trees::steadiness(x, std::vector<double>(count, 1.0)) > 1.0 ? 1 : 0;
+    }
+    INFO(count);
+    CHECK(found < 80);  // 4 %
+  }
+}
+
+TEST_CASE("Windows lie side by side, none over a gap") {
+  const trees::TreeModel m = test::wheel();
+  std::vector<trees::Recording> r{test::inputs(m, 3.0, 0.004, [](std::size_t, double) { return 0.0; })};
+  const auto whole = trees::windows_of(m, r, 0.3);
+  CHECK(whole.size() == 10);
+  for (std::size_t i = 1; i < whole.size(); ++i) CHECK(whole[i].first == whole[i - 1].last);
+  for (const trees::Window& w : whole)
+    CHECK(r[0].time_s[w.last] - r[0].time_s[w.first] == Approx(0.3).epsilon(0.02));
+  CHECK(trees::windows_of(m, r, 0.3, 4).size() == 4);
+  // A second is missing after 1 s.
+  for (std::size_t k = 0; k < r[0].rows(); ++k)
+    if (r[0].time_s[k] > 1.0) r[0].time_s[k] += 1.0;
+  for (const trees::Window& w : trees::windows_of(m, r, 0.3))
+    CHECK(r[0].time_s[w.last] - r[0].time_s[w.first] < 0.31);
+  CHECK(trees::windows_of(m, r, 10.0).empty());
+  const std::vector<trees::Recording> none;
+  CHECK_THAT(test::error_message([&] { trees::Problem(m, none, {}, 1); }),
+             Contains("long enough for a window"));
+}
+
+TEST_CASE("A fit finds the damping that logs were made with, within its interval") {
+  trees::TreeModel truth = test::double_pendulum("[drive.elbow]\ndamping_nmspr = 0.08\n");
+  const trees::TreeModel model = test::double_pendulum(
+      "[free]\n\"damping_nmspr.elbow\" = [0.0, 1.0]\n\"damping_nmspr.shoulder\" = [0.0, 1.0]\n");
+  for (const unsigned seed : {10u, 20u, 30u}) {
+    const auto all = recordings(model, test::logs(truth, 3, 6.0, seed));
+    trees::Problem problem(model, all, trees::windows_of(model, all, 0.3, 60), 2);
+    const trees::Hypothesis given{model.drives, {}};
+    problem.weigh(given);
+    trees::Fit fit = problem.fit(given, {2, 6});
+    problem.weigh(fit.at);
+    fit = problem.fit(fit.at, {2, 6});
+    REQUIRE(fit.unknowns.size() == 2);
+    for (std::size_t k = 0; k < 2; ++k) {
+      const double right = truth.drives[fit.unknowns[k].joint].damping_nmspr,
+                   found = trees::value_of(fit.at, fit.unknowns[k]);
+      const double sd = std::sqrt(fit.covariance(static_cast<Eigen::Index>(k), static_cast<Eigen::Index>(k)));
+      INFO(seed << " " << model.robot.joints[fit.unknowns[k].joint].name << " " << found << " +- " << sd);
+      CHECK(std::abs(found - right) < 3.0 * sd + 1e-4);
+      CHECK(sd < 0.01);
+      CHECK(fit.fold_value[k].size() == 3);
+    }
+    // A right model leaves what chance leaves: about one per residual.
+    const double residuals = static_cast<double>(problem.windows().size()) *
+                             static_cast<double>(problem.windows().front().measured.size());
+    CHECK(fit.loss < 1.5 * residuals);
+    CHECK(fit.loss > 0.5 * residuals);
+  }
+}
+
+TEST_CASE("A fit is the same on one thread and on two") {
+  const trees::TreeModel model = test::double_pendulum("[free]\n\"damping_nmspr.elbow\" = [0.0, 1.0]\n");
+  const auto all = recordings(model, test::logs(model, 2, 3.0, 1));
+  std::vector<double> loss, value;
+  for (const unsigned threads : {1u, 2u}) {
+    trees::Problem problem(model, all, trees::windows_of(model, all, 0.3), threads);
+    const trees::Hypothesis given{model.drives, {{Effect::coulomb_friction, {1}, {0.01, 0, 0, 0}}}};
+    problem.weigh(given);
+    const trees::Fit fit = problem.fit(given, {threads, 4});
+    loss.push_back(fit.loss);
+    value.push_back(fit.at.causes[0].values[0]);
+  }
+  CHECK(loss[0] == loss[1]);
+  CHECK(value[0] == value[1]);
+}
+
+TEST_CASE("What the model lacks of a constant torque is that torque") {
+  trees::TreeModel truth = test::double_pendulum();
+  truth.causes = {{Effect::force_offset, {1}, {0.12, 0, 0, 0}}};
+  const trees::TreeModel model = test::double_pendulum();
+  const auto all = recordings(model, test::logs(truth, 3, 6.0, 5));
+  trees::Problem problem(model, all, trees::windows_of(model, all, 0.3, 60), 2);
+  const auto mean = [](const std::vector<double>& x) {
+    double sum = 0.0;
+    for (const double v : x) sum += v / static_cast<double>(x.size());
+    return sum;
+  };
+  const auto lacking = trees::missing_torque(problem, all, {model.drives, {}}, 0.3);
+  REQUIRE(lacking.size() == 2);
+  REQUIRE(lacking[1].missing_nm.size() > 300);
+  CHECK(mean(lacking[1].missing_nm) == Approx(0.12).margin(0.012));
+  CHECK(std::abs(mean(lacking[0].missing_nm)) < 0.03);
+  // A constant alone foretells its own square's share of the mean square; the rest is noise.
+  double square = 0.0;
+  for (const double x : lacking[1].missing_nm)
+    square += x * x / static_cast<double>(lacking[1].missing_nm.size());
+  CHECK(trees::predictable_share(lacking[1], 1, all.size()) == Approx(0.12 * 0.12 / square).epsilon(0.15));
+  const auto with = trees::missing_torque(problem, all, {model.drives, truth.causes}, 0.3);
+  CHECK(std::abs(mean(with[1].missing_nm)) < 0.012);
+  CHECK(trees::predictable_share(with[1], 1, all.size()) < 0.1);
+}
+
+TEST_CASE("A torque that goes with the velocity is named so") {
+  trees::TreeModel truth = test::double_pendulum();
+  truth.causes = {{Effect::damping_error, {1}, {0.2, 0, 0, 0}}};
+  const trees::TreeModel model = test::double_pendulum();
+  const auto all = recordings(model, test::logs(truth, 3, 6.0, 8));
+  trees::Problem problem(model, all, trees::windows_of(model, all, 0.3, 60), 2);
+  const auto lacking = trees::missing_torque(problem, all, {model.drives, {}}, 0.3);
+  CHECK_THAT(trees::goes_along_with(lacking[1], 1, all.size(), model), Contains("velocity of elbow"));
+}

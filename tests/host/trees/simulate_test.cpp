@@ -1,0 +1,72 @@
+// Simulated logs of robots of several joints, and the scenarios that say what they do.
+#include "host/trees/simulate.hpp"
+
+#include <cmath>
+#include <numbers>
+
+#include "tests/host/error_message.hpp"
+#include "tests/host/trees/robot.hpp"
+
+using namespace furcula;
+using Catch::Matchers::Contains;
+using trees::Path;
+
+namespace {
+
+trees::Scenario scenario(const std::string& text) { return trees::parse_scenario(text, "s.toml", test::arm3()); }
+std::string refused(const std::string& text) {
+  return test::error_message([&] { scenario(text); });
+}
+
+}  // namespace
+
+TEST_CASE("A scenario says duration, paths, disturbance and noise; joints without a path stand still") {
+  const trees::Scenario s = scenario(
+      "[run]\nduration_s = 3.0\nsample_rate_hz = 500.0\n[path.elbow]\nprofile = \"steps\"\ncentre_rad = 0.2\namplitude_rad = 0.1\n"
+      "period_s = 1.5\nphase_rad = 0.3\n[disturbance]\nshare = 0.05\ntime_s = 0.1\n[sensors]\nangle_noise_rad = 1e-3\ntorque_noise_share = 0.02\n");
+  CHECK(s.duration_s == 3.0);
+  CHECK(s.sample_rate_hz == 500.0);
+  REQUIRE(s.paths.size() == 3);
+  CHECK(s.paths[0].profile == Path::Profile::hold);
+  CHECK(s.paths[2].profile == Path::Profile::steps);
+  CHECK(s.paths[2].centre_rad == 0.2);
+  CHECK(s.paths[2].period_s == 1.5);
+  CHECK(s.disturbance_share == 0.05);
+  CHECK(s.angle_noise_rad == 1e-3);
+  CHECK(s.torque_noise_share == 0.02);
+  CHECK(scenario("[run]\n").paths[0].profile == Path::Profile::sine);
+}
+
+TEST_CASE("A wrong scenario of a tree is refused") {
+  CHECK_THAT(refused("[runs]\n"), Contains("s.toml:1: unknown key 'runs'") && Contains("did you mean 'run'?"));
+  CHECK_THAT(refused("[path.elbo]\n"), Contains("unknown key 'elbo'") && Contains("did you mean 'elbow'?"));
+  CHECK_THAT(refused("[path.elbow]\nprofile = \"triangle\"\n"), Contains("s.toml:2") && Contains("expected sine, steps or hold"));
+  CHECK_THAT(refused("[path.elbow]\namplitude_m = 0.1\n"), Contains("unknown key 'amplitude_m'"));
+  CHECK_THAT(refused("[run]\nduration_s = -1\n"), Contains("[run] duration_s"));
+  CHECK_THAT(refused("[run]\nsample_rate_hz = nan\n"), Contains("[run] sample_rate_hz"));
+}
+
+TEST_CASE("The same seed gives the same log, another one another") {
+  const trees::TreeModel m = test::arm3();
+  trees::Scenario s = trees::default_scenario(m);
+  s.duration_s = 1.0;
+  CHECK(trees::simulate(m, s, 3).columns == trees::simulate(m, s, 3).columns);
+  CHECK(trees::simulate(m, s, 3).columns != trees::simulate(m, s, 4).columns);
+}
+
+TEST_CASE("Without disturbance and noise the joints follow their paths, and the torque is the pendulum's") {
+  const trees::TreeModel m = test::pendulum();
+  trees::Scenario s = trees::default_scenario(m);
+  s.duration_s = 6.0;
+  s.disturbance_share = s.angle_noise_rad = s.torque_noise_share = 0.0;
+  s.paths[0] = {Path::Profile::sine, 0.3, 0.4, 2.0, 0.0};
+  const log::Log log = trees::simulate(m, s, 1);
+  REQUIRE(log.rows() == 1501);
+  const double w = 2.0 * std::numbers::pi / 2.0, inertia = 0.025 + 0.8 * 0.09;
+  for (std::size_t k = 300; k < log.rows(); ++k) {
+    const double t = log.time_s()[k], q = 0.3 + 0.4 * std::sin(w * t);
+    CHECK(std::abs(log.at("angle_hinge_rad")[k] - q) < 0.01);
+    const double torque = -inertia * 0.4 * w * w * std::sin(w * t) + 0.02 * 0.4 * w * std::cos(w * t) + 0.8 * 9.81 * 0.3 * std::sin(q);
+    CHECK(std::abs(log.at("torque_hinge_nm")[k] - torque) < 0.05);
+  }
+}
