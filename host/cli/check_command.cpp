@@ -8,10 +8,12 @@
 
 #include "host/cli/commands.hpp"
 #include "host/cli/errors.hpp"
+#include "host/cli/recordings.hpp"
 #include "host/log/message.hpp"
 #include "host/log/reader.hpp"
 #include "host/log/rigs.hpp"
 #include "host/model/reader.hpp"
+#include "host/trees/recording.hpp"
 
 namespace furcula::cli {
 namespace {
@@ -26,6 +28,7 @@ struct CheckOptions {
 /// What the options say, or the map; empty: each log must tell its own.
 std::string rig_of(const CheckOptions& options, const log::ColumnMap* map) {
   if (!options.model.empty()) {
+    if (tree_model(options.model)) return "tree";
     const model::Model m = model::read_model(options.model);
     return std::string(dynamics::info(m.kind).rig);
   }
@@ -58,6 +61,7 @@ void run(const CheckOptions& options) {
   std::optional<log::ColumnMap> map;
   if (!options.map.empty()) map = log::read_column_map(options.map);
   const std::string rig = rig_of(options, map ? &*map : nullptr);
+  const auto tree = options.model.empty() ? std::nullopt : tree_model(options.model);
   std::string errors;
   for (const std::string& path : options.logs) {
     try {
@@ -66,6 +70,8 @@ void run(const CheckOptions& options) {
         throw log::DataError(
             path + ":1: no line '# rig: ...' tells the rig; expected one, or --rig, --model or --map");
       print(path, log::check_log(path, own, map ? &*map : nullptr));
+      // Which columns a robot's log must have, its joints say.
+      if (tree) trees::recording_of(*tree, log::read_log(path, own, map ? &*map : nullptr));
     } catch (const log::DataError& e) {
       // One line for each bad log; the good ones after it are checked all the same.
       errors += (errors.empty() ? "" : "\nfurcula: ") + std::string(e.what());

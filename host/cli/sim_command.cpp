@@ -51,7 +51,8 @@ void check_expectation(const std::string& path, const model::Model& model, const
 
 void run(const SimOptions& options) {
   if (const auto tree = tree_model(options.model)) {
-    if (options.check) throw UsageError("--check needs a --scenario for a hopper");
+    if (options.check)
+      throw UsageError("--check: a scenario of a tree has no [expect]; expected none with kind tree");
     const trees::Scenario scenario = options.scenario.empty() ? trees::default_scenario(*tree)
                                                               : trees::read_scenario(options.scenario, *tree);
     log::write_log(trees::simulate(*tree, scenario, options.seed), options.out);

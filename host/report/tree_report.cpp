@@ -118,7 +118,8 @@ std::string figures(const Diagnosis& d) {
     list.push_back({"Error of " + joint_name(d, worst) + " (RMSE)", steps(v, scale_for(v, unit_of(d, worst))),
                     "the joint that the re-fitted model gets most wrong; " + models});
   }
-  list.push_back({"Still unexplained", escape(percent(d.unexplained_share)), "of the error above the noise"});
+  list.push_back({"Still unexplained", escape(percent(d.unexplained_share)),
+                  "of the missing torque that a law of the state could foretell"});
   return key_figures(list);
 }
 

@@ -339,9 +339,15 @@ class Diagnoser {
     }
     const bool undecided = std::any_of(d_.findings.begin(), d_.findings.end(),
                                        [](const Finding& f) { return !f.indistinguishable_from.empty(); });
-    std::vector<std::string> names;
-    for (const Finding& f : d_.findings)
-      names.push_back(std::string(info(f.cause.effect).label) + " at " + joined(f.at));
+    // What the model lacks, and what it has wrong.
+    std::vector<std::string> lacks, wrong;
+    for (const Finding& f : d_.findings) {
+      std::string_view label = info(f.cause.effect).label;
+      std::vector<std::string>& list = label.starts_with("the ") ? wrong : lacks;
+      constexpr std::string_view kOwn = "the model's ";
+      if (label.starts_with(kOwn)) label = label.substr(kOwn.size());
+      list.push_back(std::string(label) + " at " + joined(f.at));
+    }
     if (d_.findings.empty()) {
       d_.verdict = left ? Verdict::unexplained : Verdict::adequate;
       d_.summary =
@@ -353,7 +359,9 @@ class Diagnoser {
       d_.verdict = undecided ? Verdict::not_identifiable
                    : left    ? Verdict::partly_explained
                              : Verdict::explained;
-      d_.summary = "The model lacks " + joined(names) + ".";
+      d_.summary = "The model " + (lacks.empty() ? "" : "lacks " + joined(lacks)) +
+                   (lacks.empty() || wrong.empty() ? "" : ", and ") +
+                   (wrong.empty() ? "" : "has wrong values of " + joined(wrong)) + ".";
       if (undecided) d_.summary += " The recordings cannot tell all of that from other causes.";
       if (left)
         d_.summary += " " + percent(d_.unexplained_share) +
