@@ -13,7 +13,6 @@
 namespace furcula::trees {
 namespace {
 
-using log::shortest;
 
 double median(std::vector<double> values) {
   if (values.empty()) return 0.0;
