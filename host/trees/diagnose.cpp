@@ -325,9 +325,9 @@ class Diagnoser {
       const double unit = m.rms_torque_nm * m.rms_torque_nm;
       before += m.predictable_before * m.rms_before_nm * m.rms_before_nm / unit;
       after += m.predictable_after * m.rms_after_nm * m.rms_after_nm / unit;
-      // Runs so far off that hardly a sample can be compared have no structure, and are no good either.
-      const bool lost =
-          m.after_nm.size() < 50 && d_.extended_error[j].nmse > 1.0 && !problem.scales().still[j];
+      // Runs that are further off than the joint moves, and far beyond its encoder's noise: whatever the torques say, it is not adequate.
+      const bool lost = d_.extended_error[j].nmse > 1.0 && !problem.scales().still[j] &&
+                        d_.extended_error[j].rmse > 50.0 * training_.front().angle_noise_rad[j];
       if (structured(m) || lost) where.push_back(model_.robot.joints[j].name);
     }
     d_.unexplained_share = before > 0.0 && !d_.findings.empty() ? std::clamp(after / before, 0.0, 1.0)

@@ -13,8 +13,6 @@
 namespace furcula::trees {
 namespace {
 
-using log::shortest;
-
 double median(std::vector<double> values) {
   if (values.empty()) return 0.0;
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);

@@ -152,7 +152,7 @@ log::Log simulate(const TreeModel& model, const Scenario& scenario, std::uint64_
     v[j] = p.v;
   }
   // What a drive gives on such a path, for the sizes of noise and disturbance.
-  const auto steps = static_cast<std::size_t>(scenario.duration_s * scenario.sample_rate_hz + 0.5);
+  const auto steps = static_cast<std::size_t>(std::lround(scenario.duration_s * scenario.sample_rate_hz));
   const auto on_path = [&](double t) {
     model::RobotModel::Joints pq{}, pv{}, pa{};
     for (std::size_t j = 0; j < n; ++j) {

@@ -65,7 +65,9 @@ std::string brief(const trees::Diagnosis& d) {
 
 #ifdef FURCULA_MUJOCO
 /// Root mean square errors of shoulder and elbow over windows of 0.3 s, by MuJoCo on the MJCF as it is exported
-/// and by our own runs. Both start from the same states and have the same torques.
+/// and by our own runs. Both start from the same states and have the same torques. MuJoCo's friction loss is soft: a
+/// joint that sticks creeps, and one that slows down does not stop all at once. On C1 its errors are 3 to 6 % smaller
+/// than ours, in steps of 0.1 ms as in steps of 1 ms.
 struct Errors {
   std::array<double, 2> mujoco{}, own{}, apart{};
 };

@@ -8,7 +8,6 @@
 
 using namespace furcula;
 using Catch::Matchers::Contains;
-using trees::Cause;
 using trees::Effect;
 using trees::Verdict;
 

@@ -10,7 +10,6 @@
 
 using namespace furcula;
 using Catch::Matchers::Contains;
-using trees::Cause;
 using trees::Effect;
 
 namespace {

@@ -201,6 +201,7 @@ TEST_CASE("A joint whose name begins like a quantity's end is not foreign") {
   trees::TreeModel m = test::pendulum();
   m.urdf.joints[0].name = m.robot.joints[0].name = "cmd_y";
   log::Log log;
-  for (const char* column : {"time_s", "angle_cmd_y_rad", "torque_cmd_y_nm"}) log.columns[column].assign(50, 0.0);
+  for (const char* column : {"time_s", "angle_cmd_y_rad", "torque_cmd_y_nm"})
+    log.columns[column].assign(50, 0.0);
   CHECK(trees::foreign_joints(m, log).empty());
 }

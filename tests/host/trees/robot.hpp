@@ -2,6 +2,7 @@
 #pragma once
 
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <functional>
 #include <string>
 #include <vector>
@@ -45,7 +46,7 @@ inline trees::Recording inputs(const trees::TreeModel& model, double duration_s,
   r.input.resize(n);
   r.angle_noise_rad.assign(n, 1e-4);
   r.input_measured.assign(n, true);
-  const auto rows = static_cast<std::size_t>(duration_s / interval_s + 0.5) + 1;
+  const auto rows = static_cast<std::size_t>(std::lround(duration_s / interval_s)) + 1;
   for (std::size_t k = 0; k < rows; ++k) {
     const double t = interval_s * static_cast<double>(k);
     r.time_s.push_back(t);

@@ -13,7 +13,9 @@ using trees::Path;
 
 namespace {
 
-trees::Scenario scenario(const std::string& text) { return trees::parse_scenario(text, "s.toml", test::arm3()); }
+trees::Scenario scenario(const std::string& text) {
+  return trees::parse_scenario(text, "s.toml", test::arm3());
+}
 std::string refused(const std::string& text) {
   return test::error_message([&] { scenario(text); });
 }
@@ -38,9 +40,11 @@ TEST_CASE("A scenario says duration, paths, disturbance and noise; joints withou
 }
 
 TEST_CASE("A wrong scenario of a tree is refused") {
-  CHECK_THAT(refused("[runs]\n"), Contains("s.toml:1: unknown key 'runs'") && Contains("did you mean 'run'?"));
+  CHECK_THAT(refused("[runs]\n"),
+             Contains("s.toml:1: unknown key 'runs'") && Contains("did you mean 'run'?"));
   CHECK_THAT(refused("[path.elbo]\n"), Contains("unknown key 'elbo'") && Contains("did you mean 'elbow'?"));
-  CHECK_THAT(refused("[path.elbow]\nprofile = \"triangle\"\n"), Contains("s.toml:2") && Contains("expected sine, steps or hold"));
+  CHECK_THAT(refused("[path.elbow]\nprofile = \"triangle\"\n"),
+             Contains("s.toml:2") && Contains("expected sine, steps or hold"));
   CHECK_THAT(refused("[path.elbow]\namplitude_m = 0.1\n"), Contains("unknown key 'amplitude_m'"));
   CHECK_THAT(refused("[run]\nduration_s = -1\n"), Contains("[run] duration_s"));
   CHECK_THAT(refused("[run]\nsample_rate_hz = nan\n"), Contains("[run] sample_rate_hz"));
@@ -66,7 +70,8 @@ TEST_CASE("Without disturbance and noise the joints follow their paths, and the 
   for (std::size_t k = 300; k < log.rows(); ++k) {
     const double t = log.time_s()[k], q = 0.3 + 0.4 * std::sin(w * t);
     CHECK(std::abs(log.at("angle_hinge_rad")[k] - q) < 0.01);
-    const double torque = -inertia * 0.4 * w * w * std::sin(w * t) + 0.02 * 0.4 * w * std::cos(w * t) + 0.8 * 9.81 * 0.3 * std::sin(q);
+    const double torque = -inertia * 0.4 * w * w * std::sin(w * t) + 0.02 * 0.4 * w * std::cos(w * t) +
+                          0.8 * 9.81 * 0.3 * std::sin(q);
     CHECK(std::abs(log.at("torque_hinge_nm")[k] - torque) < 0.05);
   }
 }
