@@ -13,7 +13,6 @@
 namespace furcula::trees {
 namespace {
 
-
 double median(std::vector<double> values) {
   if (values.empty()) return 0.0;
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
