@@ -23,7 +23,10 @@ constexpr double kWorth = 0.004;
 /// Of the residuals, so much is not chance.
 constexpr double kMuch = 0.2;
 /// How well the recordings must agree on a cause (steadiness) by the number of its parameters: each is another way to suit a few of them.
-double agreement(std::size_t parameters) { return 1.0 + 0.5 * (static_cast<double>(parameters) - 1.0); }
+/// Quarters of one recording say less than recordings do.
+double agreement(std::size_t parameters, const Problem& problem) {
+  return (problem.of_recordings() ? 1.0 : 2.0) * (1.0 + 0.5 * (static_cast<double>(parameters) - 1.0));
+}
 /// Of the gain on all recordings, so much must be there on those that the fit has not seen.
 constexpr double kKept = 0.4;
 
@@ -55,7 +58,7 @@ class Linear {
  public:
   Linear(const Problem& problem, const Hypothesis& h, const std::vector<Unknown>& unknowns,
          std::vector<Candidate> candidates, const std::vector<Hypothesis>& added = {})
-      : candidates_(std::move(candidates)) {
+      : problem_(problem), candidates_(std::move(candidates)) {
     std::vector<Hypothesis> probes;
     for (const Candidate& c : candidates_) {
       first_.push_back(static_cast<Index>(1 + unknowns.size() + probes.size()));
@@ -215,7 +218,7 @@ class Linear {
     }
     return gain > kKept * s.gain && 5 * better >= 3 * folds &&
            steadiness(size, information) >
-               agreement(static_cast<std::size_t>((s.coefficients.array() != 0.0).count()));
+               agreement(static_cast<std::size_t>((s.coefficients.array() != 0.0).count()), problem_);
   }
   /// The candidate at its coefficients' proportions as one column: its size in a fold, 1 where it is as in all.
   void one_size(const Eigen::MatrixXd& fold, const Indices& base, const Score& s, std::vector<double>& size,
@@ -242,6 +245,7 @@ class Linear {
     information.push_back(1.0 / inverse(n, n));
   }
 
+  const Problem& problem_;
   std::vector<Candidate> candidates_;
   std::vector<Index> first_;
   Index added_ = 0;
@@ -430,7 +434,8 @@ class Search {
       const double away = value_of(fit.at, u) - neutral;
       std::vector<double> apart = fit.fold_value[k];
       for (double& x : apart) x -= neutral;
-      if (variance > 0.0 && (!strict || steadiness(apart, fit.fold_information[k]) > 0.7 * agreement(moving)))
+      if (variance > 0.0 &&
+          (!strict || steadiness(apart, fit.fold_information[k]) > 0.7 * agreement(moving, problem_)))
         most = std::max(most, away * away / variance);
       if (fit.at_bound[k] && std::abs(away) > 0.5 * u.scale) most = std::max(most, 50.0);
     }

@@ -102,7 +102,7 @@ TEST_CASE("A fit finds the damping that logs were made with, within its interval
     // A right model leaves what chance leaves: about one per residual.
     const double residuals = static_cast<double>(problem.windows().size()) *
                              static_cast<double>(problem.windows().front().measured.size());
-    CHECK(fit.loss < 1.5 * residuals);
+    CHECK(fit.loss < 2.0 * residuals);
     CHECK(fit.loss > 0.5 * residuals);
   }
 }

@@ -228,8 +228,8 @@ TEST_CASE("Wrong causes are refused") {
              Contains("no key 'torque_nm'") && Contains("expected a number from 0 to 10000 N m"));
   CHECK_THAT(refused("[effect.coulomb_friction.left_elbow]\ntorque_nm = -1\n"), Contains("torque_nm = -1"));
   // A prismatic joint has newtons.
-  CHECK_THAT(refused("[effect.coulomb_friction.left_reach]\ntorque_nm = 1\n"),
-             Contains("unknown key 'torque_nm'") && Contains("force_n"));
+  CHECK_THAT(refused("[effect.coulomb_friction.left_reach]\ntorque_n = 1\n"),
+             Contains("unknown key 'torque_n'") && Contains("force_n"));
   CHECK_THAT(refused("[effect.position_gain_error.left_elbow]\nkp_nmprad = 1\nkd_nmsprad = 1\n"),
              Contains("its drive has law \"torque\"; expected one of law \"position\""));
   CHECK_THAT(refused("[effect]\ncoulomb_friction = 3\n"), Contains("[effect.coulomb_friction]"));
