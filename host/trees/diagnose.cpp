@@ -224,6 +224,12 @@ class Diagnoser {
       }
       f.confidence = std::clamp(0.5 * (1.0 + std::erf(std::max(nearest, 0.0) / std::sqrt(2.0))), 0.5, 0.99);
       if (!f.indistinguishable_from.empty()) f.confidence = std::min(f.confidence, 0.5);
+      // A value that a fit wanted beyond what there can be stands for something else.
+      for (std::size_t k = 0; k < found.fit.unknowns.size(); ++k)
+        if (found.fit.unknowns[k].of_cause && found.fit.unknowns[k].cause == c && found.fit.at_bound[k]) {
+          f.confidence = std::min(f.confidence, 0.3);
+          at_bound_ = true;
+        }
       if (total(f.without) < total(d_.extended_error)) f.confidence = std::min(f.confidence, 0.4);
       f.explanation = std::string(e.explanation);
       f.where_to_look = std::string(e.where_to_look);
@@ -356,9 +362,9 @@ class Diagnoser {
                     ", and no cause of the catalogue accounts for it."
               : "The model is adequate: nothing is missing that the state, the torque or the time would foretell.";
     } else {
-      d_.verdict = undecided ? Verdict::not_identifiable
-                   : left    ? Verdict::partly_explained
-                             : Verdict::explained;
+      d_.verdict = undecided           ? Verdict::not_identifiable
+                   : left || at_bound_ ? Verdict::partly_explained
+                                       : Verdict::explained;
       d_.summary = "The model " + (lacks.empty() ? "" : "lacks " + joined(lacks)) +
                    (lacks.empty() || wrong.empty() ? "" : ", and ") +
                    (wrong.empty() ? "" : "has wrong values of " + joined(wrong)) + ".";
@@ -406,6 +412,7 @@ class Diagnoser {
   const TreeModel& model_;
   const Options& options_;
   std::vector<Recording> training_, held_out_;
+  bool at_bound_ = false;               ///< of a finding
   std::vector<Hypothesis> undecided_;  ///< rivals that cannot be told from a finding
   Diagnosis d_;
 };

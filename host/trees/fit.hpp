@@ -93,9 +93,7 @@ class Problem {
   const Scales& scales() const { return scales_; }
   const std::vector<Window>& windows() const { return windows_; }
   double interval_s() const { return recordings_.front().interval_s; }  ///< of the rows
-  bool of_recordings() const {
-    return recordings_.size() >= 3;
-  }  ///< the folds; else quarters of what there is
+  std::size_t recordings() const { return recordings_.size(); }
   std::size_t folds() const { return folds_; }
   std::size_t joints() const { return model_.joints(); }
 

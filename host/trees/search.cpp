@@ -23,9 +23,9 @@ constexpr double kWorth = 0.004;
 /// Of the residuals, so much is not chance.
 constexpr double kMuch = 0.2;
 /// How well the recordings must agree on a cause (steadiness) by the number of its parameters: each is another way to suit a few of them.
-/// Quarters of one recording say less than recordings do.
+/// Quarters of a single recording say less than recordings do.
 double agreement(std::size_t parameters, const Problem& problem) {
-  return (problem.of_recordings() ? 1.0 : 2.0) * (1.0 + 0.5 * (static_cast<double>(parameters) - 1.0));
+  return (problem.recordings() > 1 ? 1.0 : 2.0) * (1.0 + 0.5 * (static_cast<double>(parameters) - 1.0));
 }
 /// Of the gain on all recordings, so much must be there on those that the fit has not seen.
 constexpr double kKept = 0.4;
