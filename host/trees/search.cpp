@@ -204,7 +204,7 @@ class Linear {
     Indices with = base;
     for (const Index k : columns_of(s.candidate)) with.push_back(k);
     double gain = 0.0;
-    int better = 0, folds = 0;
+    int worse = 0, folds = 0;
     std::vector<double> size, information;
     for (const Eigen::MatrixXd& fold : products_.fold) {
       if (fold(0, 0) <= 0.0) continue;
@@ -213,10 +213,11 @@ class Linear {
       const double without_it = loss_with(fold, base, base.empty() ? Eigen::VectorXd() : solve(rest, base));
       const double with_it = loss_with(fold, with, solve(rest, with));
       gain += without_it - with_it;
-      better += with_it < without_it ? 1 : 0;
+      // A recording that does not move what the candidate is about neither speaks for it nor against it.
+      worse += with_it > 1.01 * without_it ? 1 : 0;
       ++folds;
     }
-    return gain > kKept * s.gain && 5 * better >= 3 * folds &&
+    return gain > kKept * s.gain && 5 * worse <= 2 * folds &&
            steadiness(size, information) >
                agreement(static_cast<std::size_t>((s.coefficients.array() != 0.0).count()), problem_);
   }
