@@ -45,8 +45,9 @@ class Lister {
     for (const Values& v : columns) c.columns.push_back({e, at, v});
     out_.push_back(std::move(c));
   }
+  /// Of those that were found; what the model has of its own stays.
   std::ptrdiff_t cause_at(Effect e, std::size_t joint) const {
-    for (std::size_t i = 0; i < h_.causes.size(); ++i)
+    for (std::size_t i = model_.causes.size(); i < h_.causes.size(); ++i)
       if (h_.causes[i].effect == e && h_.causes[i].sites == std::vector<std::size_t>{joint})
         return static_cast<std::ptrdiff_t>(i);
     return -1;
