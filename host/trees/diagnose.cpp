@@ -412,7 +412,7 @@ class Diagnoser {
   const TreeModel& model_;
   const Options& options_;
   std::vector<Recording> training_, held_out_;
-  bool at_bound_ = false;               ///< of a finding
+  bool at_bound_ = false;              ///< of a finding
   std::vector<Hypothesis> undecided_;  ///< rivals that cannot be told from a finding
   Diagnosis d_;
 };
