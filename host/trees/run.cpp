@@ -11,7 +11,6 @@ namespace {
 
 using dynamics::tree::Frame;
 using dynamics::tree::Inertia;
-using dynamics::tree::Mat3;
 using dynamics::tree::Sym3;
 using dynamics::tree::Vec3;
 
