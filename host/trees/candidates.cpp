@@ -93,9 +93,11 @@ class Lister {
     if (j < ripple_.size())
       for (const double n : ripple_[j])
         add(Effect::torque_ripple, at, {{torque, n, 0, 0}, {torque, n, 0.5 * std::numbers::pi, 0}}, false);
-    if (d.rotor_inertia_kgm2 > 0.0 || has(Effect::rotor_inertia_error, at))
+    // A spring that rings faster than the fits may step is no spring to them.
+    if (d.rotor_inertia_kgm2 > 0.0)
       for (const double twist : {0.003, 0.02})
-        add(Effect::joint_elasticity, at, {{scales_.torque_nm[j] / twist, 0, 0, 0}});
+        if (scales_.torque_nm[j] / twist < stiffest_nmprad(d))
+          add(Effect::joint_elasticity, at, {{scales_.torque_nm[j] / twist, 0, 0, 0}});
     add(Effect::encoder_offset, at, {{0.02, 0, 0, 0}}, false);
   }
 

@@ -27,6 +27,11 @@ double root_mean_square(const std::vector<double>& x) {
 
 }  // namespace
 
+double stiffest_nmprad(const Drive& drive) {
+  constexpr double kRings_radps = 800.0;
+  return drive.rotor_inertia_kgm2 * kRings_radps * kRings_radps;
+}
+
 double steadiness(std::span<const double> value, std::span<const double> information) {
   double total = 0.0;
   for (const double i : information) total += i;
@@ -247,8 +252,8 @@ std::vector<Unknown> Problem::unknowns(const Hypothesis& h) const {
           break;
         case Effect::joint_elasticity:
           u.scale = 0.2 * cause.values[0];
-          u.lower = 10.0 * torque;
-          u.upper = 1e5 * torque;
+          u.upper = stiffest_nmprad(model_.drives[j]);
+          u.lower = std::min(10.0 * torque, 0.5 * u.upper);
           break;
         case Effect::actuator_delay:
         case Effect::actuator_lag:

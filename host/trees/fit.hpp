@@ -72,6 +72,9 @@ struct Fit {
   std::vector<std::vector<double>> fold_value, fold_information;
 };
 
+/// The stiffest spring between drive and joint that a fit looks at: the rotor rings on it with 130 Hz.
+double stiffest_nmprad(const Drive& drive);
+
 /// Estimates of one number from several recordings, weighed by their information: their mean over what their scatter says of
 /// its error, over what chance alone may reach. Above 1 the recordings agree that it is not zero.
 double steadiness(std::span<const double> value, std::span<const double> information);
