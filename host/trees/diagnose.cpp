@@ -122,27 +122,42 @@ class Diagnoser {
                                      after =
                                          missing_torque(problem, training_, d_.extended, options_.window_s);
     for (std::size_t j = 0; j < model_.joints(); ++j) {
-      MissingTorque m;
-      m.recording = after[j].recording;
-      m.time_s = after[j].time_s;
-      m.angle_rad = after[j].own().angle_rad;
-      m.velocity_radps = after[j].own().velocity_radps;
-      m.after_nm = after[j].missing_nm;
-      m.before_nm = before[j].missing_nm;
-      m.before_nm.resize(m.after_nm.size());
-      const auto mean_square = [](const std::vector<double>& x) {
-        double sum = 0.0;
-        for (const double v : x) sum += v * v / static_cast<double>(x.size());
-        return std::sqrt(sum);
-      };
-      m.rms_before_nm = mean_square(m.before_nm);
-      m.rms_after_nm = mean_square(m.after_nm);
+      MissingTorque m = side_by_side(before[j], after[j]);
+      m.rms_before_nm = root_mean_square(before[j].missing_nm);
+      m.rms_after_nm = root_mean_square(after[j].missing_nm);
       m.rms_torque_nm = problem.scales().torque_nm[j];
       m.predictable_before = std::clamp(predictable_share(before[j], j, training_.size()), 0.0, 1.0);
       m.predictable_after = std::clamp(predictable_share(after[j], j, training_.size()), 0.0, 1.0);
       if (structured(m)) m.goes_along_with = goes_along_with(after[j], j, training_.size(), model_);
       d_.missing.push_back(std::move(m));
     }
+  }
+  /// The samples that both have: which rows are too near to a reversal depends on the model's own motion.
+  static MissingTorque side_by_side(const TorqueSamples& before, const TorqueSamples& after) {
+    MissingTorque m;
+    const auto place = [](const TorqueSamples& s, std::size_t i) {
+      return std::pair(s.recording[i], s.time_s[i]);
+    };
+    for (std::size_t b = 0, a = 0; b < before.time_s.size() && a < after.time_s.size();) {
+      if (place(before, b) < place(after, a)) {
+        ++b;
+      } else if (place(after, a) < place(before, b)) {
+        ++a;
+      } else {
+        m.recording.push_back(after.recording[a]);
+        m.time_s.push_back(after.time_s[a]);
+        m.angle_rad.push_back(after.own().angle_rad[a]);
+        m.velocity_radps.push_back(after.own().velocity_radps[a]);
+        m.before_nm.push_back(before.missing_nm[b++]);
+        m.after_nm.push_back(after.missing_nm[a++]);
+      }
+    }
+    return m;
+  }
+  static double root_mean_square(const std::vector<double>& x) {
+    double sum = 0.0;
+    for (const double v : x) sum += v * v;
+    return x.empty() ? 0.0 : std::sqrt(sum / static_cast<double>(x.size()));
   }
   static double foretold(double share, double rms) { return std::sqrt(std::max(0.0, share)) * rms; }
   static bool structured(const MissingTorque& m) {
@@ -320,7 +335,7 @@ class Diagnoser {
     d_.notes.push_back(
         "Of the bodies' " + std::to_string(10 * n) + " inertial parameters the joints' torques depend on " +
         std::to_string(structural) + " combinations; " + std::to_string(shown) +
-        " of them make more than a hundredth of the largest one's torque in these recordings. No mass or centre is named that only the others know.");
+        " of them make more than a hundredth of the largest one's torque in these recordings.");
   }
 
   void verdict(const Problem& problem) {

@@ -188,7 +188,8 @@ std::vector<Unknown> Problem::unknowns(const Hypothesis& h) const {
     if (!replaced)
       out.push_back({false, 0, f.joint, f.parameter, f.lower, f.upper, torque_scale(f.parameter, f.joint)});
   }
-  for (std::size_t c = 0; c < h.causes.size(); ++c) {
+  // What the model has of its own is held, as in every model file.
+  for (std::size_t c = model_.causes.size(); c < h.causes.size(); ++c) {
     const Cause& cause = h.causes[c];
     const EffectInfo& e = info(cause.effect);
     const std::size_t site = cause.sites.front();
@@ -309,7 +310,7 @@ void Problem::weigh(const Hypothesis& h) {
   const std::size_t n = joints();
   const auto size = static_cast<Eigen::Index>(bins_ * n);
   const Setup setup = make(h);
-  const Eigen::VectorXd old = std::exchange(weight_, Eigen::VectorXd::Ones(size));
+  weight_ = Eigen::VectorXd::Ones(size);
   std::vector<Eigen::VectorXd> left(windows_.size());
   starts_.assign(windows_.size(), {});
   identify::parallel_for(windows_.size(), threads_, [&](std::size_t i) {

@@ -100,7 +100,7 @@ class Problem {
   std::size_t folds() const { return folds_; }
   std::size_t joints() const { return model_.joints(); }
 
-  /// The model's free parameters, then the parameters of the causes.
+  /// The model's free parameters, then the parameters of the causes that the model does not have of its own.
   std::vector<Unknown> unknowns(const Hypothesis& h) const;
 
   /// How the starts move the residuals, and what each bin's residual weighs, at this hypothesis: the loss of one that is
