@@ -54,3 +54,15 @@ TEST_CASE("docs/effects.md is what the catalogue says (furcula effects --markdow
   page << std::ifstream(test::source("docs/effects.md")).rdbuf();
   CHECK(page.str() == run_furcula({"effects", "--markdown"}).out);
 }
+
+TEST_CASE("a robot of several joints has effects on seats, with names for both sorts of joints") {
+  const test::Ran one = run_furcula({"effects", "coulomb_friction", "--kind", "tree"});
+  CHECK(one.status == 0);
+  CHECK_THAT(one.out, Contains("seat        joint") && Contains("torque_nm (force_n on a prismatic joint)"));
+  const auto all = nlohmann::json::parse(run_furcula({"effects", "--kind", "tree", "--json"}).out);
+  CHECK(all["effects"].size() > 20);
+  const test::Ran wrong = run_furcula({"effects", "colomb_friction", "--kind", "tree"});
+  CHECK(wrong.status == 2);
+  CHECK_THAT(wrong.err, Contains("on tree") && Contains("did you mean 'coulomb_friction'?"));
+  CHECK(run_furcula({"effects", "--kind", "tree", "--markdown"}).status == 2);
+}

@@ -1,6 +1,8 @@
 // Diagnoses and identifications of an arm of three joints, on logs of an arm with a known cause.
 #include "host/trees/diagnose.hpp"
 
+#include <algorithm>
+
 #include "host/trees/diagnosis_json.hpp"
 #include "host/trees/identify.hpp"
 #include "tests/host/error_message.hpp"
@@ -51,6 +53,35 @@ TEST_CASE("A cause at one joint of an arm is found there, within its interval") 
     const std::size_t j = test::joint(truth, c.at);
     CHECK(d.extended_error[j].rmse < 0.6 * d.refitted_error[j].rmse);
   }
+}
+
+TEST_CASE("The torque that is missing before and after is of the same instants") {
+  // The same measured motion is in both, with all its noise: their difference is the friction that was found.
+  trees::TreeModel truth = test::arm3();
+  const std::size_t elbow = test::joint(truth, "elbow");
+  truth.causes = {{Effect::coulomb_friction, {elbow}, {0.3, 0, 0, 0}}};
+  const Logs logs = logs_of(truth, 40);
+  const trees::Diagnosis d = trees::diagnose(test::arm3(), logs.training, logs.held_out);
+  const trees::MissingTorque& m = d.missing[elbow];
+  REQUIRE(m.before_nm.size() == m.after_nm.size());
+  REQUIRE(m.before_nm.size() == m.velocity_radps.size());
+  REQUIRE(m.before_nm.size() > 300);
+  std::vector<double> apart;
+  for (std::size_t i = 0; i < m.before_nm.size(); ++i)
+    apart.push_back(
+        std::abs(m.before_nm[i] - m.after_nm[i] + 0.3 * (m.velocity_radps[i] > 0.0 ? 1.0 : -1.0)));
+  std::sort(apart.begin(), apart.end());
+  CHECK(apart[apart.size() / 2] < 0.02);
+}
+
+TEST_CASE("A model that was extended lacks nothing more, and keeps the values that it has") {
+  trees::TreeModel truth = test::arm3();
+  truth.causes = {{Effect::coulomb_friction, {test::joint(truth, "elbow")}, {0.3, 0, 0, 0}}};
+  const Logs logs = logs_of(truth, 40);
+  const trees::Diagnosis again = trees::diagnose(truth, logs.training, logs.held_out);
+  INFO(again.summary);
+  CHECK(again.verdict == Verdict::adequate);
+  CHECK(again.extended.causes == truth.causes);
 }
 
 TEST_CASE("Logs of an arm as it is modelled are adequate, with the same bytes on one thread and on two") {
