@@ -29,7 +29,7 @@ TEST_CASE(
   const double expected = 0.3 / 0.5 * 0.3 * 0.3 / std::sqrt(20.0);
   for (const trees::Experiment& e : all) CHECK(e.apart_rad == Approx(expected).epsilon(0.03));
   // Of several others, the one that is least apart counts.
-  const auto both = trees::next_experiments(model, recordings, one, {other, one}, 0.3, 1);
+  const auto both = trees::next_experiments(model, recordings, one, {one, other}, 0.3, 1);
   REQUIRE(both.size() == 1);
   CHECK(both[0].apart_rad < 1e-3 * expected);
 }
