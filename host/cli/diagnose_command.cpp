@@ -47,7 +47,7 @@ diagnose::Diagnosis run_diagnose(const RecordingOptions& o) {
                                    sim::format_scenario(d.experiments.front().scenario, d.kind)});
   log::write_files_together(files, obsolete);
   std::cout << "fitted on " << r.training.size() << ", held out " << r.held_out.size() << " recordings\n"
-            << diagnose::name(d.verdict) << ": " << log::printable_lines(d.summary) << "\n"
+            << name(d.verdict) << ": " << log::printable_lines(d.summary) << "\n"
             << (d.experiments.empty() ? "" : "next: " + log::printable_lines(d.next_experiment) + "\n")
             << "report: " << log::printable(o.out) << "/report.html\n";
   return d;
@@ -87,7 +87,7 @@ void run_on_tree(const RecordingOptions& o, const trees::TreeModel& model) {
   log::write_files_together(files, obsolete);
   std::cout << "fitted on " << logs.training.size() << ", held out " << logs.held_out.size()
             << " recordings\n"
-            << trees::name(d.verdict) << ": " << log::printable_lines(d.summary) << "\n";
+            << name(d.verdict) << ": " << log::printable_lines(d.summary) << "\n";
   for (const trees::Finding& f : d.findings) {
     std::cout << "  " << log::printable(trees::cause_name(model, f.cause));
     for (const trees::Estimate& e : f.parameters)

@@ -8,13 +8,14 @@
 #include <vector>
 
 #include "furcula/dynamics/effects/catalogue.hpp"
+#include "host/core/verdict.hpp"
 #include "host/identify/prediction.hpp"
 #include "host/model/model.hpp"
 #include "host/sim/scenario.hpp"
 
 namespace furcula::diagnose {
 
-enum class Verdict { adequate, explained, partly_explained, unexplained, not_identifiable };
+using furcula::Verdict;
 
 using identify::ChannelErrors;
 using identify::Errors;
@@ -155,12 +156,5 @@ struct Diagnosis {
   std::vector<Trace> traces;
   ResidualForce residual;
 };
-
-/// As in the JSON.
-constexpr std::string_view name(Verdict v) {
-  constexpr std::string_view kNames[] = {"adequate", "explained", "partly_explained", "unexplained",
-                                         "not_identifiable"};
-  return kNames[static_cast<std::size_t>(v)];
-}
 
 }  // namespace furcula::diagnose

@@ -11,6 +11,7 @@
 #include "host/report/html.hpp"
 #include "host/report/page.hpp"
 #include "host/report/trace_plot.hpp"
+#include "host/report/verdict_words.hpp"
 
 namespace furcula::report {
 namespace {
@@ -23,38 +24,9 @@ using trees::ChannelError;
 using trees::Diagnosis;
 using trees::Finding;
 using trees::Seat;
-using trees::Verdict;
 
 constexpr const char* kArrow = " <span class=\"arrow\">&#8594;</span> ";
 constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
-
-struct VerdictWords {
-  const char* title;
-  Tone tone;
-  const char* meaning;
-};
-
-VerdictWords words(Verdict v) {
-  switch (v) {
-    case Verdict::adequate:
-      return {"Adequate", Tone::good, "The model describes these recordings as well as their noise allows."};
-    case Verdict::explained:
-      return {"Explained", Tone::good,
-              "What the model got wrong has a cause with a name, and with it little remains."};
-    case Verdict::partly_explained:
-      return {"Partly explained", Tone::notice,
-              "A named cause explains a part of the error; what remains still has structure."};
-    case Verdict::unexplained:
-      return {"Unexplained", Tone::bad,
-              "The error has structure, and no effect of the catalogue removes it."};
-    case Verdict::not_identifiable:
-      return {
-          "Not identifiable", Tone::notice,
-          "Two or more causes would remove the error equally well, or the data are too poor. Another experiment tells "
-          "them apart."};
-  }
-  return {"", Tone::neutral, ""};
-}
 
 std::string unit_of(const Diagnosis& d, std::size_t joint) { return d.model.prismatic(joint) ? "m" : "rad"; }
 const std::string& joint_name(const Diagnosis& d, std::size_t joint) {

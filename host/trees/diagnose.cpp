@@ -10,6 +10,7 @@
 #include "furcula/dynamics/tree/inverse_dynamics.hpp"
 #include "host/log/error.hpp"
 #include "host/log/message.hpp"
+#include "host/trees/linear.hpp"
 #include "host/trees/missing_torque.hpp"
 #include "host/trees/next_experiment.hpp"
 #include "host/trees/search.hpp"
@@ -184,18 +185,8 @@ class Diagnoser {
     const double value = value_of(fit.at, u);
     double variance = fit.covariance(i, i);
     // The recordings' own estimates scatter too: where by more than the windows say, they are right.
-    const auto& values = fit.fold_value[k];
-    const auto& information = fit.fold_information[k];
-    double total = 0.0, mean = 0.0, squared = 0.0, scatter = 0.0;
-    for (const double w : information) total += w;
-    for (std::size_t f = 0; f < values.size(); ++f)
-      mean += information[f] / std::max(total, 1e-300) * values[f];
-    for (std::size_t f = 0; f < values.size(); ++f) {
-      const double w = information[f] / std::max(total, 1e-300);
-      squared += w * w;
-      scatter += w * w * (values[f] - mean) * (values[f] - mean);
-    }
-    if (values.size() >= 3 && squared < 0.8) variance = std::max(variance, scatter / (1.0 - squared));
+    const Mean mean = weighted_mean(fit.fold_value[k], fit.fold_information[k]);
+    if (fit.fold_value[k].size() >= 3 && mean.freedom > 0.25) variance = std::max(variance, mean.variance);
     const double half = 1.96 * std::sqrt(variance);
     return {name, unit, value, value - half, value + half};
   }
@@ -267,9 +258,7 @@ class Diagnoser {
       if (u.of_cause) continue;
       const std::string name =
           std::string(kDriveParameters[u.parameter]) + "." + model_.robot.joints[u.joint].name;
-      constexpr std::array<std::string_view, 4> kUnits{"N m/rad", "N m s/rad", "kg m^2", "N m s/rad"};
-      constexpr std::array<std::string_view, 4> kLinear{"N/m", "N s/m", "kg", "N s/m"};
-      const std::string unit((model_.prismatic(u.joint) ? kLinear : kUnits)[u.parameter]);
+      const std::string unit((model_.prismatic(u.joint) ? kLinearDriveUnits : kDriveUnits)[u.parameter]);
       Diagnosis::ParameterRow row{
           name, unit, value_of(Hypothesis{model_.drives, {}}, u), {}, interval(name, unit, found.fit, k), {}};
       row.refitted = row.extended;

@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "host/core/verdict.hpp"
 #include "host/trees/fit.hpp"
 #include "host/trees/model.hpp"
 #include "host/trees/path.hpp"
@@ -13,13 +14,7 @@
 
 namespace furcula::trees {
 
-enum class Verdict { adequate, explained, partly_explained, unexplained, not_identifiable };
-
-constexpr std::string_view name(Verdict v) {
-  constexpr std::string_view kNames[] = {"adequate", "explained", "partly_explained", "unexplained",
-                                         "not_identifiable"};
-  return kNames[static_cast<std::size_t>(v)];
-}
+using furcula::Verdict;
 
 /// A fitted number with its 95 % interval.
 struct Estimate {

@@ -63,10 +63,7 @@ Identification identify(const TreeModel& model, const std::vector<log::Log>& tra
     const auto i = static_cast<Eigen::Index>(k);
     Identification::Row row;
     row.name = std::string(kDriveParameters[u.parameter]) + "." + model.robot.joints[u.joint].name;
-    const bool slides = model.prismatic(u.joint);
-    constexpr const char* kUnits[] = {"N m/rad", "N m s/rad", "kg m^2", "N m s/rad"};
-    constexpr const char* kLinear[] = {"N/m", "N s/m", "kg", "N s/m"};
-    row.unit = slides ? kLinear[u.parameter] : kUnits[u.parameter];
+    row.unit = (model.prismatic(u.joint) ? kLinearDriveUnits : kDriveUnits)[u.parameter];
     row.given = value_of(given, u);
     row.value = value_of(fit.at, u);
     const double half = 1.96 * std::sqrt(fit.covariance(i, i));

@@ -330,4 +330,38 @@ std::string goes_along_with(const TorqueSamples& s, std::size_t joint, std::size
   return best->first > 0.1 ? best->second : std::string();
 }
 
+std::vector<std::vector<double>> ripple_cycles(const Problem& problem, const Hypothesis& h) {
+  constexpr int kMostCycles = 48;
+  constexpr double kSwings = 0.05;  // of the missing torque's square
+  std::vector<std::vector<double>> out;
+  for (const TorqueSamples& s :
+       missing_torque(problem, problem.recordings(), h, problem.windows().front().span_s, 3000)) {
+    const auto& q = s.own().angle_rad;
+    const auto& y = s.missing_nm;
+    std::vector<std::pair<double, double>> best;
+    const double range = problem.scales().highest_rad[s.joint] - problem.scales().lowest_rad[s.joint];
+    for (int cycles = 2; cycles <= kMostCycles && y.size() > 100; ++cycles) {
+      if (cycles * range < 9.0) continue;  // one and a half cycles of travel
+      Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
+      Eigen::Vector3d right = Eigen::Vector3d::Zero();
+      double squares = 0.0;
+      for (std::size_t i = 0; i < y.size(); ++i) {
+        const Eigen::Vector3d row(1.0, std::sin(cycles * q[i]), std::cos(cycles * q[i]));
+        normal += row * row.transpose();
+        right += row * y[i];
+        squares += y[i] * y[i];
+      }
+      const double constant = right(0) * right(0) / normal(0, 0);
+      best.emplace_back(
+          (right.dot(Eigen::Vector3d(normal.ldlt().solve(right))) - constant) / std::max(squares, 1e-300),
+          cycles);
+    }
+    std::sort(best.rbegin(), best.rend());
+    out.emplace_back();
+    for (std::size_t k = 0; k < best.size() && k < 2 && best[k].first > kSwings; ++k)
+      out.back().push_back(best[k].second);
+  }
+  return out;
+}
+
 }  // namespace furcula::trees

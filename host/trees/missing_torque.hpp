@@ -37,4 +37,7 @@ double predictable_share(const TorqueSamples& samples, std::size_t joint, std::s
 std::string goes_along_with(const TorqueSamples& samples, std::size_t joint, std::size_t recordings,
                             const TreeModel& model);
 
+/// Of each joint, the cycles a turn with which the missing torque swings most: at most two, none where nothing swings.
+std::vector<std::vector<double>> ripple_cycles(const Problem& problem, const Hypothesis& h);
+
 }  // namespace furcula::trees

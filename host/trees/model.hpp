@@ -27,6 +27,10 @@ inline constexpr std::array<std::string_view, 4> kDriveParameters{"kp_nmprad", "
 inline constexpr std::array<double Drive::*, 4> kDriveMembers{
     &Drive::kp_nmprad, &Drive::kd_nmsprad, &Drive::rotor_inertia_kgm2, &Drive::damping_nmspr};
 
+/// Of a revolute joint's and of a prismatic one's.
+inline constexpr std::array<std::string_view, 4> kDriveUnits{"N m/rad", "N m s/rad", "kg m^2", "N m s/rad"};
+inline constexpr std::array<std::string_view, 4> kLinearDriveUnits{"N/m", "N s/m", "kg", "N s/m"};
+
 /// An effect at one site, or at several with one value.
 struct Cause {
   Effect effect;

@@ -5,254 +5,19 @@
 #include <cmath>
 #include <set>
 
+#include "host/trees/linear.hpp"
+#include "host/trees/missing_torque.hpp"
+#include "host/trees/score_test.hpp"
+
 namespace furcula::trees {
 namespace {
 
 using Index = Eigen::Index;
-using Indices = std::vector<Index>;
 
-/// A candidate must be so many times its own scatter from window to window, squared: by its number of columns. Some
-/// hundred are tried, and the windows of a log are not quite independent.
-constexpr double kSure[] = {0.0, 16.0, 21.0, 25.0, 28.0};
 /// So many are fitted before one is taken.
 constexpr std::size_t kLeaders = 5;
 /// A window's residuals over its motion, squared, from which on nothing is linear any more.
 constexpr double kGrosslyWrong = 0.02;
-/// Of the residuals that there are, what is less is not worth a name.
-constexpr double kWorth = 0.004;
-/// Of the residuals, so much is not chance.
-constexpr double kMuch = 0.2;
-/// How well the recordings must agree on a cause (steadiness) by the number of its parameters: each is another way to suit a few of them.
-/// Quarters of a single recording say less than recordings do.
-double agreement(std::size_t parameters, const Problem& problem) {
-  return (problem.recordings() > 1 ? 1.0 : 2.0) * (1.0 + 0.5 * (static_cast<double>(parameters) - 1.0));
-}
-/// Of the gain on all recordings, so much must be there on those that the fit has not seen.
-constexpr double kKept = 0.4;
-
-Eigen::MatrixXd part(const Eigen::MatrixXd& m, const Indices& rows, const Indices& columns) {
-  Eigen::MatrixXd out(static_cast<Index>(rows.size()), static_cast<Index>(columns.size()));
-  for (std::size_t a = 0; a < rows.size(); ++a)
-    for (std::size_t b = 0; b < columns.size(); ++b)
-      out(static_cast<Index>(a), static_cast<Index>(b)) = m(rows[a], columns[b]);
-  return out;
-}
-
-/// Coefficients of `columns` for the target column `of`, with a ridge far below rounding's reach of the data.
-Eigen::VectorXd solve(const Eigen::MatrixXd& m, const Indices& columns, Index of = 0) {
-  const Eigen::MatrixXd normal = part(m, columns, columns);
-  const Eigen::VectorXd unit = normal.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-  const Eigen::MatrixXd scaled = unit.asDiagonal() * normal * unit.asDiagonal() +
-                                 1e-7 * Eigen::MatrixXd::Identity(normal.rows(), normal.cols());
-  return unit.asDiagonal() * scaled.ldlt().solve(Eigen::VectorXd(unit.asDiagonal() * part(m, columns, {of})));
-}
-
-double loss_with(const Eigen::MatrixXd& m, const Indices& columns, const Eigen::VectorXd& x) {
-  if (columns.empty()) return m(0, 0);
-  const Eigen::VectorXd right = part(m, columns, {0});
-  return m(0, 0) - 2.0 * x.dot(right) + x.dot(Eigen::VectorXd(part(m, columns, columns) * x));
-}
-
-/// The linear problem at a hypothesis.
-class Linear {
- public:
-  Linear(const Problem& problem, const Hypothesis& h, const std::vector<Unknown>& unknowns,
-         std::vector<Candidate> candidates, const std::vector<Hypothesis>& added = {})
-      : problem_(problem), candidates_(std::move(candidates)) {
-    std::vector<Hypothesis> probes;
-    for (const Candidate& c : candidates_) {
-      first_.push_back(static_cast<Index>(1 + unknowns.size() + probes.size()));
-      for (std::size_t k = 0; k < c.columns.size(); ++k) probes.push_back(with_column(h, c, k));
-    }
-    added_ = static_cast<Index>(1 + unknowns.size() + probes.size());
-    probes.insert(probes.end(), added.begin(), added.end());
-    products_ = problem.products(h, unknowns, probes);
-    for (std::size_t k = 0; k < unknowns.size(); ++k) fitted_.push_back(static_cast<Index>(1 + k));
-  }
-
-  struct Score {
-    std::size_t candidate = 0;
-    double gain = 0.0;   ///< of the loss
-    double worth = 0.0;  ///< gain less what a cause without effect would gain
-    Eigen::VectorXd coefficients;
-  };
-
-  /// The same problem with the residuals that there are where one more hypothesis is true of the model: `probe` counts the hypotheses
-  /// that were added after the candidates' columns.
-  Linear seen_from(std::size_t probe) const {
-    Linear out = *this;
-    const Index k = added_ + static_cast<Index>(probe);
-    const auto turn = [k](auto& m) {
-      // The residual there is that here less the simulation's change.
-      m.row(0) -= m.row(k).eval();
-      m.col(0) -= m.col(k).eval();
-    };
-    turn(out.products_.all);
-    for (auto& m : out.products_.fold) turn(m);
-    for (auto& m : out.products_.window) turn(m);
-    return out;
-  }
-
-  const std::vector<Candidate>& candidates() const { return candidates_; }
-  double loss() const { return products_.all(0, 0); }
-  Indices columns_of(std::size_t candidate) const {
-    Indices out;
-    for (std::size_t k = 0; k < candidates_[candidate].columns.size(); ++k)
-      out.push_back(first_[candidate] + static_cast<Index>(k));
-    return out;
-  }
-  const Indices& fitted() const { return fitted_; }
-
-  /// What each candidate would gain on top of `base`, best first; only those that hold on windows and recordings.
-  std::vector<Score> scores(const Indices& base, std::size_t most) const {
-    const Eigen::MatrixXd& m = products_.all;
-    const double before = loss_with(m, base, base.empty() ? Eigen::VectorXd() : solve(m, base));
-    // Everything less what `base` explains.
-    Indices all;
-    for (Index k = 0; k < m.cols(); ++k) all.push_back(k);
-    Eigen::MatrixXd left = m;
-    if (!base.empty()) {
-      const Eigen::MatrixXd normal = part(m, base, base);
-      const Eigen::VectorXd unit = normal.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-      const Eigen::MatrixXd scaled = unit.asDiagonal() * normal * unit.asDiagonal() +
-                                     1e-7 * Eigen::MatrixXd::Identity(normal.rows(), normal.cols());
-      const Eigen::MatrixXd cross = unit.asDiagonal() * part(m, base, all);
-      left -= cross.transpose() * scaled.ldlt().solve(cross);
-    }
-    std::vector<Score> out;
-    for (std::size_t c = 0; c < candidates_.size(); ++c) {
-      // A column that hardly sticks out of what is fitted already says nothing.
-      Indices columns;
-      std::vector<Index> kept;
-      const Indices own = columns_of(c);
-      for (std::size_t k = 0; k < own.size(); ++k) {
-        if (!(left(own[k], own[k]) > 1e-4 * m(own[k], own[k]) && m(own[k], own[k]) > 1e-6 * before)) continue;
-        columns.push_back(own[k]);
-        kept.push_back(static_cast<Index>(k));
-      }
-      if (columns.empty() || (kept.front() != 0 && candidates_[c].only_forward)) continue;
-      const Eigen::VectorXd of_kept = solve(left, columns);
-      Eigen::VectorXd x = Eigen::VectorXd::Zero(static_cast<Index>(own.size()));
-      for (std::size_t k = 0; k < kept.size(); ++k) x(kept[k]) = of_kept(static_cast<Index>(k));
-      if (candidates_[c].only_forward && x.minCoeff() < 0.0 && (x.size() == 1 || x(0) < 0.0)) continue;
-      const double gain = of_kept.dot(Eigen::VectorXd(part(left, columns, {0})));
-      if (gain > kWorth * before) out.push_back({c, gain, gain, x});
-    }
-    std::sort(out.begin(), out.end(), [](const Score& a, const Score& b) {
-      return a.gain != b.gain ? a.gain > b.gain : a.candidate < b.candidate;
-    });
-    std::vector<Score> kept;
-    for (Score& s : out) {
-      if (kept.size() == most) break;
-      const double scatter = sure(base, s);
-      if (scatter < 0.0 || !holds(base, s)) continue;
-      s.worth = s.gain - scatter * static_cast<double>(s.coefficients.size()) * 4.0;
-      kept.push_back(std::move(s));
-    }
-    std::stable_sort(kept.begin(), kept.end(),
-                     [](const Score& a, const Score& b) { return a.worth > b.worth; });
-    return kept;
-  }
-
- private:
-  /// What a column without effect gains on average; below zero where the candidate's own gain may be chance.
-  double sure(const Indices& base, const Score& s) const {
-    const Indices columns = columns_of(s.candidate);
-    const Eigen::MatrixXd& m = products_.all;
-    Indices both = columns;
-    both.insert(both.end(), base.begin(), base.end());
-    const Eigen::VectorXd b0 = base.empty() ? Eigen::VectorXd() : solve(m, base);
-    Eigen::MatrixXd b(static_cast<Index>(base.size()), static_cast<Index>(columns.size()));
-    for (std::size_t k = 0; k < columns.size() && !base.empty(); ++k)
-      b.col(static_cast<Index>(k)) = solve(m, base, columns[k]);
-    const auto p = static_cast<Index>(columns.size());
-    Eigen::MatrixXd scatter = Eigen::MatrixXd::Zero(p, p);
-    Eigen::VectorXd sum = Eigen::VectorXd::Zero(p);
-    for (const Eigen::MatrixXf& w : products_.window) {
-      Eigen::VectorXd g(p);
-      for (Index k = 0; k < p; ++k) g(k) = static_cast<double>(w(columns[static_cast<std::size_t>(k)], 0));
-      if (!base.empty()) {
-        Eigen::VectorXd right(static_cast<Index>(base.size()));
-        for (std::size_t a = 0; a < base.size(); ++a)
-          right(static_cast<Index>(a)) = static_cast<double>(w(base[a], 0));
-        Eigen::MatrixXd cross(p, right.size()), inner(right.size(), right.size());
-        for (std::size_t a = 0; a < base.size(); ++a) {
-          for (Index k = 0; k < p; ++k)
-            cross(k, static_cast<Index>(a)) =
-                static_cast<double>(w(columns[static_cast<std::size_t>(k)], base[a]));
-          for (std::size_t c = 0; c < base.size(); ++c)
-            inner(static_cast<Index>(a), static_cast<Index>(c)) = static_cast<double>(w(base[a], base[c]));
-        }
-        g += -cross * b0 - b.transpose() * right + b.transpose() * (inner * b0);
-      }
-      scatter += g * g.transpose();
-      sum += g;
-    }
-    const Eigen::VectorXd unit = scatter.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-    const Eigen::MatrixXd scaled =
-        unit.asDiagonal() * scatter * unit.asDiagonal() + 1e-6 * Eigen::MatrixXd::Identity(p, p);
-    const Eigen::VectorXd u = unit.asDiagonal() * sum;
-    const double statistic = u.dot(scaled.ldlt().solve(u));
-    // What is there in a few windows only is much there; the scatter then says little.
-    const double limit = kSure[std::min<Index>(p, 4)];
-    if (statistic < (s.gain > kMuch * m(0, 0) ? 0.3 : 1.0) * limit) return -1.0;
-    return s.gain / std::max(statistic, 1.0);
-  }
-
-  /// Fitted without each fold in turn, it must help there.
-  bool holds(const Indices& base, const Score& s) const {
-    Indices with = base;
-    for (const Index k : columns_of(s.candidate)) with.push_back(k);
-    double gain = 0.0;
-    int worse = 0, folds = 0;
-    std::vector<double> size, information;
-    for (const Eigen::MatrixXd& fold : products_.fold) {
-      if (fold(0, 0) <= 0.0) continue;
-      one_size(fold, base, s, size, information);
-      const Eigen::MatrixXd rest = products_.all - fold;
-      const double without_it = loss_with(fold, base, base.empty() ? Eigen::VectorXd() : solve(rest, base));
-      const double with_it = loss_with(fold, with, solve(rest, with));
-      gain += without_it - with_it;
-      // A recording that does not move what the candidate is about neither speaks for it nor against it.
-      worse += with_it > 1.01 * without_it ? 1 : 0;
-      ++folds;
-    }
-    return gain > kKept * s.gain && 5 * worse <= 2 * folds &&
-           steadiness(size, information) >
-               agreement(static_cast<std::size_t>((s.coefficients.array() != 0.0).count()), problem_);
-  }
-  /// The candidate at its coefficients' proportions as one column: its size in a fold, 1 where it is as in all.
-  void one_size(const Eigen::MatrixXd& fold, const Indices& base, const Score& s, std::vector<double>& size,
-                std::vector<double>& information) const {
-    const Indices columns = columns_of(s.candidate);
-    const auto n = static_cast<Index>(base.size());
-    Eigen::MatrixXd m = Eigen::MatrixXd::Zero(n + 2, n + 2);  // residual, base, the candidate
-    Indices rows{0};
-    rows.insert(rows.end(), base.begin(), base.end());
-    m.topLeftCorner(n + 1, n + 1) = part(fold, rows, rows);
-    m.col(n + 1).head(n + 1) = part(fold, rows, columns) * s.coefficients;
-    m.row(n + 1) = m.col(n + 1).transpose();
-    m(n + 1, n + 1) = s.coefficients.dot(Eigen::VectorXd(part(fold, columns, columns) * s.coefficients));
-    Indices all;
-    for (Index k = 1; k < n + 2; ++k) all.push_back(k);
-    const Eigen::MatrixXd normal = part(m, all, all);
-    if (!(normal(n, n) > 0.0)) return;
-    const Eigen::VectorXd unit =
-        normal.diagonal().cwiseMax(1e-12 * normal.diagonal().maxCoeff()).cwiseSqrt().cwiseInverse();
-    const Eigen::MatrixXd scaled =
-        unit.asDiagonal() * normal * unit.asDiagonal() + 1e-7 * Eigen::MatrixXd::Identity(n + 1, n + 1);
-    const Eigen::MatrixXd inverse = unit.asDiagonal() * scaled.inverse() * unit.asDiagonal();
-    size.push_back((inverse * part(m, all, {0}))(n, 0));
-    information.push_back(1.0 / inverse(n, n));
-  }
-
-  const Problem& problem_;
-  std::vector<Candidate> candidates_;
-  std::vector<Index> first_;
-  Index added_ = 0;
-  Indices fitted_;
-  Products products_;
-};
 
 double sum_of(const std::vector<double>& x) {
   double out = 0.0;
@@ -300,9 +65,9 @@ class Search {
     std::set<std::string> refused;  // proposed, and gone in the fit
     for (int round = 0; round < most; ++round) {
       say(0.08 + 0.09 * round, "testing causes at sites");
-      const Linear linear(problem_, fit.at, fit.unknowns, tried(fit.at));
+      const ScoreTest linear(problem_, fit.at, fit.unknowns, tried(fit.at));
       if (found != nullptr) found->tried = std::max(found->tried, linear.candidates().size());
-      const std::vector<Linear::Score> picks = pick(linear, fit, refused, round == 0 ? found : nullptr);
+      const std::vector<ScoreTest::Score> picks = pick(linear, fit, refused, round == 0 ? found : nullptr);
       if (picks.empty()) break;
       const std::size_t before = fit.at.causes.size();
       Hypothesis next = fit.at;
@@ -338,12 +103,12 @@ class Search {
     if (options_.progress) options_.progress(std::min(fraction, 0.99), doing);
   }
 
-  static std::span<const double> coefficients(const Linear::Score& s) {
+  static std::span<const double> coefficients(const ScoreTest::Score& s) {
     return {s.coefficients.data(), static_cast<std::size_t>(s.coefficients.size())};
   }
   /// All candidates but those that the recordings did not agree on.
   std::vector<Candidate> tried(const Hypothesis& h) const {
-    std::vector<Candidate> out = candidates(problem_, h, problem_.ripple_cycles(h));
+    std::vector<Candidate> out = candidates(problem_, h, ripple_cycles(problem_, h));
     std::erase_if(out, [&](const Candidate& c) {
       return dropped_.contains(cause_name(problem_.model(), c.columns.front()));
     });
@@ -351,15 +116,15 @@ class Search {
   }
 
   /// The candidates to take in this round, by a greedy solution of the linear problem.
-  std::vector<Linear::Score> pick(const Linear& linear, const Fit& fit, const std::set<std::string>& refused,
-                                  Found* table) const {
-    std::vector<Linear::Score> out;
-    Indices base = linear.fitted();
+  std::vector<ScoreTest::Score> pick(const ScoreTest& linear, const Fit& fit,
+                                     const std::set<std::string>& refused, Found* table) const {
+    std::vector<ScoreTest::Score> out;
+    ScoreTest::Columns base = linear.fitted();
     std::set<std::pair<Seat, std::size_t>> taken;
     for (std::size_t k = 0; k < problem_.joints() + 1; ++k) {
       const auto scores = linear.scores(base, 40);
-      const Linear::Score* best = nullptr;
-      std::vector<const Linear::Score*> leaders;
+      const ScoreTest::Score* best = nullptr;
+      std::vector<const ScoreTest::Score*> leaders;
       std::set<std::string> seen;
       for (const auto& s : scores) {
         if (!seen.insert(cause_name(problem_.model(), linear.candidates()[s.candidate].columns.front()))
@@ -390,11 +155,11 @@ class Search {
     return out;
   }
   /// Of the first few by the linear test, the one that is best when it is fitted.
-  const Linear::Score* best_fitted(const Linear& linear, const Fit& fit,
-                                   const std::vector<const Linear::Score*>& leaders) const {
-    const Linear::Score* best = leaders.front();
+  const ScoreTest::Score* best_fitted(const ScoreTest& linear, const Fit& fit,
+                                      const std::vector<const ScoreTest::Score*>& leaders) const {
+    const ScoreTest::Score* best = leaders.front();
     double least = 1e300;
-    for (const Linear::Score* s : leaders) {
+    for (const ScoreTest::Score* s : leaders) {
       if (s->gain < 0.5 * leaders.front()->gain) continue;
       const Hypothesis h =
           with_candidate(problem_.model(), fit.at, linear.candidates()[s->candidate], coefficients(*s));
@@ -513,8 +278,8 @@ class Search {
       for (std::size_t c = given; c < fit.at.causes.size(); ++c) outs.push_back(without(fit.at, c));
       if (outs.empty()) break;
       say(0.72, "comparing the causes with the others");
-      const Linear all(problem_, fit.at, fit.unknowns,
-                       candidates(problem_, fit.at, problem_.ripple_cycles(fit.at)), outs);
+      const ScoreTest all(problem_, fit.at, fit.unknowns,
+                          candidates(problem_, fit.at, ripple_cycles(problem_, fit.at)), outs);
       for (std::size_t c = given; c < fit.at.causes.size() && !swapped; ++c) {
         say(0.75 + 0.2 * static_cast<double>(c - given) / static_cast<double>(fit.at.causes.size()),
             "comparing " + cause_name(problem_.model(), fit.at.causes[c]) + " with the others");
@@ -522,12 +287,12 @@ class Search {
         found.gain.push_back((off.loss - fit.loss) / fit.loss);
         found.z.push_back(against(fit, off));
         std::vector<Rival> rivals;
-        const Linear linear = all.seen_from(c - given);
-        Indices others_fitted;
+        const ScoreTest linear = all.seen_from(c - given);
+        ScoreTest::Columns others_fitted;
         for (std::size_t k = 0; k < fit.unknowns.size(); ++k)
           if (!fit.unknowns[k].of_cause || fit.unknowns[k].cause != c)
             others_fitted.push_back(linear.fitted()[k]);
-        std::vector<Linear::Score> scores = linear.scores(others_fitted, 60);
+        std::vector<ScoreTest::Score> scores = linear.scores(others_fitted, 60);
         std::stable_sort(scores.begin(), scores.end(),
                          [](const auto& a, const auto& b) { return a.gain > b.gain; });
         std::set<std::string> seen{cause_name(problem_.model(), fit.at.causes[c])};

@@ -44,7 +44,7 @@ bool names(const trees::Diagnosis& d, Effect effect, const std::string& site) {
   return false;
 }
 void print(const char* what, const trees::Diagnosis& d) {
-  std::printf("%s: %s;", what, std::string(trees::name(d.verdict)).c_str());
+  std::printf("%s: %s;", what, std::string(name(d.verdict)).c_str());
   for (const trees::Finding& f : d.findings) std::printf(" %s", trees::cause_name(d.model, f.cause).c_str());
   for (std::size_t j = 0; j < d.model.joints(); ++j)
     std::printf("; %s %.4f -> %.4f rad", d.model.robot.joints[j].name.c_str(), d.refitted_error[j].rmse,

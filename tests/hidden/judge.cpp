@@ -222,7 +222,7 @@ void judge_predictions(Judgement& j, const Case& c, const diagnose::Diagnosis& d
 }
 
 std::string line(const diagnose::Diagnosis& d, double removed) {
-  std::string text(diagnose::name(d.verdict));
+  std::string text(name(d.verdict));
   for (const Finding& f : d.findings) {
     text += "; " + std::string(effect_name(f.effect));
     for (const auto& [parameter, estimate] : f.parameters)

@@ -41,7 +41,7 @@ double goal(Tier tier) {
 }
 
 // A column where nothing stands first.
-std::string unnamed(const Judgement& j) { return "(" + std::string(diagnose::name(j.verdict)) + ")"; }
+std::string unnamed(const Judgement& j) { return "(" + std::string(name(j.verdict)) + ")"; }
 
 std::string planted_label(const Answer& a) {
   std::string label;
@@ -272,8 +272,8 @@ std::string csv_of(const std::vector<Answer>& answers) {
                    std::string(dynamics::info(a.question.kind).name).c_str(), planted_label(a).c_str(),
                    std::string(name(a.question.nominal)).c_str(),
                    a.refused.empty() ? std::string(name(j.outcome)).c_str() : "refused", j.right(),
-                   std::string(diagnose::name(j.verdict)).c_str(), j.first.c_str(), j.first_right,
-                   j.confidence, extra.c_str(), j.removed, j.removed_truly, j.remaining_rms, a.seconds);
+                   std::string(name(j.verdict)).c_str(), j.first.c_str(), j.first_right, j.confidence,
+                   extra.c_str(), j.removed, j.removed_truly, j.remaining_rms, a.seconds);
   }
   return out;
 }

@@ -68,7 +68,7 @@ void expect_both(const Question& question) {
   INFO(j.said);
   CHECK((j.outcome == Outcome::named || (j.outcome == Outcome::not_separated && j.alike)));
   CHECK(listed(j.extra) == "");
-  CHECK(std::string(diagnose::name(j.verdict)) == "explained");
+  CHECK(std::string(name(j.verdict)) == "explained");
 }
 
 void expect_honest(const Question& question, std::string_view goes_along_with) {
@@ -91,7 +91,7 @@ void expect_adequate(Kind kind) {
     INFO(c.description());
     INFO(judge(c, d).said);
     CHECK(d.findings.empty());
-    CHECK(std::string(diagnose::name(d.verdict)) == "adequate");
+    CHECK(std::string(name(d.verdict)) == "adequate");
   }
 }
 
@@ -301,7 +301,7 @@ TEST_CASE("What helps no held-out recording of a clean rotary joint is not named
   INFO(c.description());
   INFO(judge(c, d).said);
   CHECK(d.findings.empty());
-  CHECK(std::string(diagnose::name(d.verdict)) == "adequate");
+  CHECK(std::string(name(d.verdict)) == "adequate");
 }
 
 TEST_CASE("Sticking counts are not called a friction that gives energy") {

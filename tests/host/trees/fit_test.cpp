@@ -4,6 +4,7 @@
 #include <cmath>
 #include <random>
 
+#include "host/trees/linear.hpp"
 #include "host/trees/missing_torque.hpp"
 #include "tests/host/error_message.hpp"
 #include "tests/host/trees/robot.hpp"

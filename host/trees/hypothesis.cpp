@@ -1,0 +1,129 @@
+// Hypotheses and their unknowns, see hypothesis.hpp.
+#include "host/trees/hypothesis.hpp"
+
+#include <algorithm>
+
+namespace furcula::trees {
+
+double value_of(const Hypothesis& h, const Unknown& u) {
+  return u.of_cause ? h.causes[u.cause].values[u.parameter] : h.drives[u.joint].*kDriveMembers[u.parameter];
+}
+void set_value(Hypothesis& h, const Unknown& u, double value) {
+  (u.of_cause ? h.causes[u.cause].values[u.parameter] : h.drives[u.joint].*kDriveMembers[u.parameter]) =
+      value;
+}
+
+double stiffest_nmprad(const Drive& drive) {
+  constexpr double kRings_radps = 800.0;
+  return drive.rotor_inertia_kgm2 * kRings_radps * kRings_radps;
+}
+
+std::vector<Unknown> unknowns_of(const TreeModel& model, const Scales& scales, const Hypothesis& h) {
+  std::vector<Unknown> out;
+  const auto torque_scale = [&](std::size_t parameter, std::size_t j) {
+    const double torque = scales.torque_nm[j];
+    if (parameter == 0) return torque / std::max(1e-3, scales.highest_rad[j] - scales.lowest_rad[j]);
+    if (parameter == 2) return torque / scales.acceleration_radps2[j];
+    return torque / scales.velocity_radps[j];
+  };
+  for (const FreeParameter& f : model.free) {
+    const bool replaced = std::any_of(h.causes.begin(), h.causes.end(), [&](const Cause& c) {
+      const bool same = (c.effect == Effect::damping_error && f.parameter == 3) ||
+                        (c.effect == Effect::rotor_inertia_error && f.parameter == 2) ||
+                        (c.effect == Effect::position_gain_error && f.parameter < 2);
+      return same && std::find(c.sites.begin(), c.sites.end(), f.joint) != c.sites.end();
+    });
+    if (!replaced)
+      out.push_back({false, 0, f.joint, f.parameter, f.lower, f.upper, torque_scale(f.parameter, f.joint)});
+  }
+  // What the model has of its own is held, as in every model file.
+  for (std::size_t c = model.causes.size(); c < h.causes.size(); ++c) {
+    const Cause& cause = h.causes[c];
+    const EffectInfo& e = info(cause.effect);
+    const std::size_t site = cause.sites.front();
+    const bool link = e.seat == Seat::link;
+    const std::size_t j = e.seat == Seat::base ? 0
+                          : link               ? static_cast<std::size_t>(model.robot.links[site].joint)
+                                               : site;
+    const double torque = scales.torque_nm[j], speed = scales.velocity_radps[j],
+                 range = scales.highest_rad[j] - scales.lowest_rad[j];
+    for (std::size_t k = 0; k < e.parameter_count; ++k) {
+      Unknown u{true, c, j, k, e.parameters()[k].lower, e.parameters()[k].upper, 1.0};
+      switch (cause.effect) {
+        case Effect::coulomb_friction:
+        case Effect::asymmetric_friction:
+        case Effect::force_offset:
+          u.scale = 0.1 * torque;
+          u.upper = 5.0 * torque;
+          if (u.lower < 0.0) u.lower = -u.upper;
+          break;
+        case Effect::stribeck_friction:
+          u.scale = k == 2 ? 0.1 * speed : 0.1 * torque;
+          u.upper = k == 2 ? 2.0 * speed : 5.0 * torque;
+          if (k == 2) u.lower = 0.01 * speed;
+          break;
+        case Effect::binding_spot:
+          u.scale = k == 0 ? 0.1 * torque : 0.05 * range;
+          if (k == 0) u.upper = 5.0 * torque;
+          if (k == 1) u.lower = scales.lowest_rad[j], u.upper = scales.highest_rad[j];
+          if (k == 2) u.lower = 0.01 * range, u.upper = 0.6 * range;
+          break;
+        case Effect::quadratic_drag:
+          u.scale = 0.1 * torque / (speed * speed);
+          break;
+        case Effect::damping_error:
+          u.scale = 0.1 * torque / speed;
+          break;
+        case Effect::rotor_inertia_error:
+          u.scale = 0.1 * torque / scales.acceleration_radps2[j];
+          break;
+        case Effect::position_gain_error:
+          u.scale = 0.1 * std::max(1e-3, k == 0 ? model.drives[j].kp_nmprad : model.drives[j].kd_nmsprad);
+          break;
+        case Effect::mass_error:
+          u.scale = 0.1 * model.urdf.links[site].inertia->mass_kg;
+          break;
+        case Effect::payload:
+          u.scale = k == 0 ? 0.1 * model.urdf.links[site].inertia->mass_kg : 0.02;
+          if (k > 0) u.lower = -1.0, u.upper = 1.0;
+          break;
+        case Effect::com_error:
+          u.scale = 0.01;
+          u.lower = -0.5, u.upper = 0.5;
+          break;
+        case Effect::torque_saturation:
+          u.scale = 0.1 * torque;
+          u.lower = 0.1 * torque;
+          u.upper = 10.0 * torque;
+          break;
+        case Effect::torque_ripple:
+          u.scale = k == 0 ? 0.1 * torque : k == 1 ? 0.1 : 0.3;
+          break;
+        case Effect::joint_elasticity:
+          u.scale = 0.2 * cause.values[0];
+          u.upper = stiffest_nmprad(model.drives[j]);
+          u.lower = std::min(10.0 * torque, 0.5 * u.upper);
+          break;
+        case Effect::actuator_delay:
+        case Effect::actuator_lag:
+          u.scale = 5e-3;
+          u.upper = 0.1;
+          break;
+        case Effect::load_friction:
+        case Effect::inertia_error:
+        case Effect::torque_gain_error:
+          u.scale = 0.1;
+          break;
+        case Effect::base_tilt:
+        case Effect::encoder_offset:
+          u.scale = 0.02;
+          u.lower = -0.7, u.upper = 0.7;
+          break;
+      }
+      out.push_back(u);
+    }
+  }
+  return out;
+}
+
+}  // namespace furcula::trees

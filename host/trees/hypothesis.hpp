@@ -1,0 +1,38 @@
+// A set of causes with their sizes, and the numbers in it that a fit moves.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "host/trees/model.hpp"
+#include "host/trees/windows.hpp"
+
+namespace furcula::trees {
+
+/// What may differ from the model as given.
+struct Hypothesis {
+  std::vector<Drive> drives;
+  std::vector<Cause> causes;
+};
+
+/// One number that a fit moves.
+struct Unknown {
+  bool of_cause = false;
+  std::size_t cause = 0;      ///< in Hypothesis::causes
+  std::size_t joint = 0;      ///< where it is a drive's
+  std::size_t parameter = 0;  ///< of the cause, or in kDriveParameters
+  double lower = 0.0, upper = 0.0;
+  double scale = 1.0;  ///< a change that matters
+};
+
+double value_of(const Hypothesis& h, const Unknown& u);
+void set_value(Hypothesis& h, const Unknown& u, double value);
+
+/// The model's free parameters, then the parameters of the causes that the model does not have of its own: each with
+/// the bounds and the change that matters on this machine.
+std::vector<Unknown> unknowns_of(const TreeModel& model, const Scales& scales, const Hypothesis& h);
+
+/// The stiffest spring between drive and joint that a fit looks at: the rotor rings on it with 130 Hz.
+double stiffest_nmprad(const Drive& drive);
+
+}  // namespace furcula::trees

@@ -1,0 +1,213 @@
+// The linear test, see score_test.hpp.
+#include "host/trees/score_test.hpp"
+
+#include <algorithm>
+
+#include "host/trees/linear.hpp"
+
+namespace furcula::trees {
+namespace {
+
+using Index = Eigen::Index;
+using Columns = ScoreTest::Columns;
+
+/// A candidate must be so many times its own scatter from window to window, squared: by its number of columns. Some
+/// hundred are tried, and the windows of a log are not quite independent.
+constexpr double kSure[] = {0.0, 16.0, 21.0, 25.0, 28.0};
+/// Of the residuals, so much is not chance.
+constexpr double kMuch = 0.2;
+/// Of the gain on all recordings, so much must be there on those that the fit has not seen.
+constexpr double kKept = 0.4;
+
+Eigen::MatrixXd part(const Eigen::MatrixXd& m, const Columns& rows, const Columns& columns) {
+  Eigen::MatrixXd out(static_cast<Index>(rows.size()), static_cast<Index>(columns.size()));
+  for (std::size_t a = 0; a < rows.size(); ++a)
+    for (std::size_t b = 0; b < columns.size(); ++b)
+      out(static_cast<Index>(a), static_cast<Index>(b)) = m(rows[a], columns[b]);
+  return out;
+}
+
+/// Coefficients of `columns` for the target column `of`.
+Eigen::VectorXd solve(const Eigen::MatrixXd& m, const Columns& columns, Index of = 0) {
+  return ScaledNormal(part(m, columns, columns), kRidge).solve(part(m, columns, {of}));
+}
+
+double loss_with(const Eigen::MatrixXd& m, const Columns& columns, const Eigen::VectorXd& x) {
+  if (columns.empty()) return m(0, 0);
+  const Eigen::VectorXd right = part(m, columns, {0});
+  return m(0, 0) - 2.0 * x.dot(right) + x.dot(Eigen::VectorXd(part(m, columns, columns) * x));
+}
+
+}  // namespace
+
+/// How well the recordings must agree on a cause (steadiness) by the number of its parameters: each is another way to suit a few of them.
+/// Quarters of a single recording say less than recordings do.
+double agreement(std::size_t parameters, const Problem& problem) {
+  return (problem.recordings().size() > 1 ? 1.0 : 2.0) *
+         (1.0 + 0.5 * (static_cast<double>(parameters) - 1.0));
+}
+
+ScoreTest::ScoreTest(const Problem& problem, const Hypothesis& h, const std::vector<Unknown>& unknowns,
+                     std::vector<Candidate> candidates, const std::vector<Hypothesis>& added)
+    : problem_(problem), candidates_(std::move(candidates)) {
+  std::vector<Hypothesis> probes;
+  for (const Candidate& c : candidates_) {
+    first_.push_back(static_cast<Index>(1 + unknowns.size() + probes.size()));
+    for (std::size_t k = 0; k < c.columns.size(); ++k) probes.push_back(with_column(h, c, k));
+  }
+  added_ = static_cast<Index>(1 + unknowns.size() + probes.size());
+  probes.insert(probes.end(), added.begin(), added.end());
+  products_ = problem.products(h, unknowns, probes);
+  for (std::size_t k = 0; k < unknowns.size(); ++k) fitted_.push_back(static_cast<Index>(1 + k));
+}
+
+ScoreTest ScoreTest::seen_from(std::size_t added) const {
+  ScoreTest out = *this;
+  const Index k = added_ + static_cast<Index>(added);
+  const auto turn = [k](auto& m) {
+    // The residual there is that here less the simulation's change.
+    m.row(0) -= m.row(k).eval();
+    m.col(0) -= m.col(k).eval();
+  };
+  turn(out.products_.all);
+  for (auto& m : out.products_.fold) turn(m);
+  for (auto& m : out.products_.window) turn(m);
+  return out;
+}
+
+ScoreTest::Columns ScoreTest::columns_of(std::size_t candidate) const {
+  Columns out;
+  for (std::size_t k = 0; k < candidates_[candidate].columns.size(); ++k)
+    out.push_back(first_[candidate] + static_cast<Index>(k));
+  return out;
+}
+std::vector<ScoreTest::Score> ScoreTest::scores(const Columns& base, std::size_t most) const {
+  const Eigen::MatrixXd& m = products_.all;
+  const double before = loss_with(m, base, base.empty() ? Eigen::VectorXd() : solve(m, base));
+  // Everything less what `base` explains.
+  Columns all;
+  for (Index k = 0; k < m.cols(); ++k) all.push_back(k);
+  Eigen::MatrixXd left = m;
+  if (!base.empty()) {
+    const Eigen::MatrixXd cross = part(m, base, all);
+    left -= cross.transpose() * ScaledNormal(part(m, base, base), kRidge).solve(cross);
+  }
+  std::vector<Score> out;
+  for (std::size_t c = 0; c < candidates_.size(); ++c) {
+    // A column that hardly sticks out of what is fitted already says nothing.
+    Columns columns;
+    std::vector<Index> kept;
+    const Columns own = columns_of(c);
+    for (std::size_t k = 0; k < own.size(); ++k) {
+      if (!(left(own[k], own[k]) > 1e-4 * m(own[k], own[k]) && m(own[k], own[k]) > 1e-6 * before)) continue;
+      columns.push_back(own[k]);
+      kept.push_back(static_cast<Index>(k));
+    }
+    if (columns.empty() || (kept.front() != 0 && candidates_[c].only_forward)) continue;
+    const Eigen::VectorXd of_kept = solve(left, columns);
+    Eigen::VectorXd x = Eigen::VectorXd::Zero(static_cast<Index>(own.size()));
+    for (std::size_t k = 0; k < kept.size(); ++k) x(kept[k]) = of_kept(static_cast<Index>(k));
+    if (candidates_[c].only_forward && x.minCoeff() < 0.0 && (x.size() == 1 || x(0) < 0.0)) continue;
+    const double gain = of_kept.dot(Eigen::VectorXd(part(left, columns, {0})));
+    if (gain > kWorth * before) out.push_back({c, gain, gain, x});
+  }
+  std::sort(out.begin(), out.end(), [](const Score& a, const Score& b) {
+    return a.gain != b.gain ? a.gain > b.gain : a.candidate < b.candidate;
+  });
+  std::vector<Score> kept;
+  for (Score& s : out) {
+    if (kept.size() == most) break;
+    const double scatter = sure(base, s);
+    if (scatter < 0.0 || !holds(base, s)) continue;
+    s.worth = s.gain - scatter * static_cast<double>(s.coefficients.size()) * 4.0;
+    kept.push_back(std::move(s));
+  }
+  std::stable_sort(kept.begin(), kept.end(),
+                   [](const Score& a, const Score& b) { return a.worth > b.worth; });
+  return kept;
+}
+
+/// What a column without effect gains on average; below zero where the candidate's own gain may be chance.
+double ScoreTest::sure(const Columns& base, const Score& s) const {
+  const Columns columns = columns_of(s.candidate);
+  const Eigen::MatrixXd& m = products_.all;
+  Columns both = columns;
+  both.insert(both.end(), base.begin(), base.end());
+  const Eigen::VectorXd b0 = base.empty() ? Eigen::VectorXd() : solve(m, base);
+  Eigen::MatrixXd b(static_cast<Index>(base.size()), static_cast<Index>(columns.size()));
+  for (std::size_t k = 0; k < columns.size() && !base.empty(); ++k)
+    b.col(static_cast<Index>(k)) = solve(m, base, columns[k]);
+  const auto p = static_cast<Index>(columns.size());
+  Eigen::MatrixXd scatter = Eigen::MatrixXd::Zero(p, p);
+  Eigen::VectorXd sum = Eigen::VectorXd::Zero(p);
+  for (const Eigen::MatrixXf& w : products_.window) {
+    Eigen::VectorXd g(p);
+    for (Index k = 0; k < p; ++k) g(k) = static_cast<double>(w(columns[static_cast<std::size_t>(k)], 0));
+    if (!base.empty()) {
+      Eigen::VectorXd right(static_cast<Index>(base.size()));
+      for (std::size_t a = 0; a < base.size(); ++a)
+        right(static_cast<Index>(a)) = static_cast<double>(w(base[a], 0));
+      Eigen::MatrixXd cross(p, right.size()), inner(right.size(), right.size());
+      for (std::size_t a = 0; a < base.size(); ++a) {
+        for (Index k = 0; k < p; ++k)
+          cross(k, static_cast<Index>(a)) =
+              static_cast<double>(w(columns[static_cast<std::size_t>(k)], base[a]));
+        for (std::size_t c = 0; c < base.size(); ++c)
+          inner(static_cast<Index>(a), static_cast<Index>(c)) = static_cast<double>(w(base[a], base[c]));
+      }
+      g += -cross * b0 - b.transpose() * right + b.transpose() * (inner * b0);
+    }
+    scatter += g * g.transpose();
+    sum += g;
+  }
+  const double statistic = sum.dot(Eigen::VectorXd(ScaledNormal(scatter, 1e-6).solve(sum)));
+  // What is there in a few windows only is much there; the scatter then says little.
+  const double limit = kSure[std::min<Index>(p, 4)];
+  if (statistic < (s.gain > kMuch * m(0, 0) ? 0.3 : 1.0) * limit) return -1.0;
+  return s.gain / std::max(statistic, 1.0);
+}
+
+/// Fitted without each fold in turn, it must help there.
+bool ScoreTest::holds(const Columns& base, const Score& s) const {
+  Columns with = base;
+  for (const Index k : columns_of(s.candidate)) with.push_back(k);
+  double gain = 0.0;
+  int worse = 0, folds = 0;
+  std::vector<double> size, information;
+  for (const Eigen::MatrixXd& fold : products_.fold) {
+    if (fold(0, 0) <= 0.0) continue;
+    one_size(fold, base, s, size, information);
+    const Eigen::MatrixXd rest = products_.all - fold;
+    const double without_it = loss_with(fold, base, base.empty() ? Eigen::VectorXd() : solve(rest, base));
+    const double with_it = loss_with(fold, with, solve(rest, with));
+    gain += without_it - with_it;
+    // A recording that does not move what the candidate is about neither speaks for it nor against it.
+    worse += with_it > 1.01 * without_it ? 1 : 0;
+    ++folds;
+  }
+  return gain > kKept * s.gain && 5 * worse <= 2 * folds &&
+         steadiness(size, information) >
+             agreement(static_cast<std::size_t>((s.coefficients.array() != 0.0).count()), problem_);
+}
+/// The candidate at its coefficients' proportions as one column: its size in a fold, 1 where it is as in all.
+void ScoreTest::one_size(const Eigen::MatrixXd& fold, const Columns& base, const Score& s,
+                         std::vector<double>& size, std::vector<double>& information) const {
+  const Columns columns = columns_of(s.candidate);
+  const auto n = static_cast<Index>(base.size());
+  Eigen::MatrixXd m = Eigen::MatrixXd::Zero(n + 2, n + 2);  // residual, base, the candidate
+  Columns rows{0};
+  rows.insert(rows.end(), base.begin(), base.end());
+  m.topLeftCorner(n + 1, n + 1) = part(fold, rows, rows);
+  m.col(n + 1).head(n + 1) = part(fold, rows, columns) * s.coefficients;
+  m.row(n + 1) = m.col(n + 1).transpose();
+  m(n + 1, n + 1) = s.coefficients.dot(Eigen::VectorXd(part(fold, columns, columns) * s.coefficients));
+  Columns all;
+  for (Index k = 1; k < n + 2; ++k) all.push_back(k);
+  const Eigen::MatrixXd normal = part(m, all, all);
+  if (!(normal(n, n) > 0.0)) return;
+  const Eigen::MatrixXd inverse = ScaledNormal(normal, kRidge, 1e-12).inverse();
+  size.push_back((inverse * part(m, all, {0}))(n, 0));
+  information.push_back(1.0 / inverse(n, n));
+}
+
+}  // namespace furcula::trees

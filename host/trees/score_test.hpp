@@ -1,0 +1,59 @@
+// The linear test of all candidates at once: what each would gain, and whether windows and recordings agree on it.
+#pragma once
+
+#include <Eigen/Dense>
+#include <cstddef>
+#include <vector>
+
+#include "host/trees/candidates.hpp"
+
+namespace furcula::trees {
+
+/// Of the residuals that there are, what is less is not worth a name.
+inline constexpr double kWorth = 0.004;
+
+/// How well the recordings must agree on a cause (steadiness) by the number of its parameters: each is another way to suit a few of them.
+/// Quarters of a single recording say less than recordings do.
+double agreement(std::size_t parameters, const Problem& problem);
+
+/// The linear problem at a hypothesis: a column for each unknown that is fitted already, and for each candidate's probes.
+class ScoreTest {
+ public:
+  using Columns = std::vector<Eigen::Index>;
+
+  /// `added` are hypotheses that residuals can be seen from (seen_from).
+  ScoreTest(const Problem& problem, const Hypothesis& h, const std::vector<Unknown>& unknowns,
+            std::vector<Candidate> candidates, const std::vector<Hypothesis>& added = {});
+
+  /// The same problem with the residuals that there are where one of the added hypotheses is true of the model.
+  ScoreTest seen_from(std::size_t added) const;
+
+  struct Score {
+    std::size_t candidate = 0;
+    double gain = 0.0;   ///< of the loss
+    double worth = 0.0;  ///< gain less what a cause without effect would gain
+    Eigen::VectorXd coefficients;
+  };
+  /// What each candidate would gain on top of the columns `base`, best first; only those that hold on windows and recordings.
+  std::vector<Score> scores(const Columns& base, std::size_t most) const;
+
+  const std::vector<Candidate>& candidates() const { return candidates_; }
+  double loss() const { return products_.all(0, 0); }
+  Columns columns_of(std::size_t candidate) const;
+  const Columns& fitted() const { return fitted_; }  ///< of the unknowns
+
+ private:
+  double sure(const Columns& base, const Score& s) const;
+  bool holds(const Columns& base, const Score& s) const;
+  void one_size(const Eigen::MatrixXd& fold, const Columns& base, const Score& s, std::vector<double>& size,
+                std::vector<double>& information) const;
+
+  const Problem& problem_;
+  std::vector<Candidate> candidates_;
+  std::vector<Eigen::Index> first_;  ///< column of each candidate
+  Eigen::Index added_ = 0;
+  Columns fitted_;
+  Products products_;
+};
+
+}  // namespace furcula::trees

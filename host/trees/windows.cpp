@@ -1,0 +1,110 @@
+// Windows and scales, see windows.hpp.
+#include "host/trees/windows.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace furcula::trees {
+namespace {
+
+constexpr std::size_t kBins = 24;
+/// A start is known from the angles around it no better than so many times what their noise says: they bend, too.
+constexpr double kStartDoubt = 2.0;
+constexpr double kSmoothing_s = 0.02;
+/// A motion of no more than so many times the noise, from end to end, is that of a joint at rest.
+constexpr double kStill = 10.0;
+
+double root_mean_square(const std::vector<double>& x) {
+  double sum = 0.0;
+  for (const double v : x) sum += v * v;
+  return x.empty() ? 0.0 : std::sqrt(sum / static_cast<double>(x.size()));
+}
+
+}  // namespace
+
+Scales scales_of(const TreeModel& model, std::span<const Recording> recordings) {
+  Scales out;
+  for (std::size_t j = 0; j < model.joints(); ++j) {
+    std::vector<double> torque, velocity, acceleration;
+    double low = 1e300, high = -1e300, noise = 0.0;
+    for (const Recording& r : recordings) {
+      const std::size_t step =
+          std::max<std::size_t>(1, static_cast<std::size_t>(0.02 / std::max(r.interval_s, 1e-6)));
+      noise = std::max(noise, r.angle_noise_rad[j]);
+      for (std::size_t k = 0; k < r.rows(); k += step) {
+        const LocalState s = local_state(r, j, k, kSmoothing_s);
+        velocity.push_back(s.velocity_radps);
+        acceleration.push_back(s.acceleration_radps2);
+        const Drive& d = model.drives[j];
+        torque.push_back(d.law == DriveLaw::torque
+                             ? r.input[j][k]
+                             : d.kp_nmprad * (r.input[j][k] - s.angle_rad) - d.kd_nmsprad * s.velocity_radps);
+        low = std::min(low, s.angle_rad);
+        high = std::max(high, s.angle_rad);
+      }
+    }
+    out.torque_nm.push_back(std::max(root_mean_square(torque), 1e-6));
+    out.velocity_radps.push_back(std::max(root_mean_square(velocity), 1e-3));
+    out.acceleration_radps2.push_back(std::max(root_mean_square(acceleration), 1e-2));
+    out.lowest_rad.push_back(low);
+    out.highest_rad.push_back(high);
+    out.still.push_back(high - low <= kStill * noise);
+  }
+  return out;
+}
+
+std::vector<Window> windows_of(const TreeModel& model, std::span<const Recording> recordings, double window_s,
+                               std::size_t most) {
+  std::vector<Window> out;
+  for (std::size_t i = 0; i < recordings.size(); ++i) {
+    const Recording& r = recordings[i];
+    for (std::size_t first = 0; first + 1 < r.rows();) {
+      std::size_t last = first;
+      while (last + 1 < r.rows() && r.time_s[last + 1] - r.time_s[first] <= window_s * (1.0 + 1e-9) &&
+             r.time_s[last + 1] - r.time_s[last] < 5.0 * r.interval_s + 1e-3)
+        ++last;
+      const bool gap =
+          last + 1 < r.rows() && r.time_s[last + 1] - r.time_s[last] >= 5.0 * r.interval_s + 1e-3;
+      if (r.time_s[last] - r.time_s[first] > 0.8 * window_s && last - first >= 8)
+        out.push_back({i, first, last, window_s, {}, {}, {}, {}, {}});
+      first = gap || last == first ? last + 1 : last;
+    }
+  }
+  if (most > 0 && out.size() > most) {
+    std::vector<Window> some;
+    for (std::size_t k = 0; k < most; ++k) some.push_back(std::move(out[k * out.size() / most]));
+    out = std::move(some);
+  }
+  std::size_t fewest = kBins;
+  for (const Window& w : out) fewest = std::min(fewest, w.last - w.first);
+  const std::size_t n = model.joints();
+  for (Window& w : out) {
+    const Recording& r = recordings[w.recording];
+    w.start_precision = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(2 * n));
+    for (std::size_t j = 0; j < n; ++j) {
+      const LocalState s = local_state(r, j, w.first, kSmoothing_s);
+      w.angle_rad.push_back(s.angle_rad);
+      w.velocity_radps.push_back(s.velocity_radps);
+      const double a = kStartDoubt * s.angle_sd_rad, v = kStartDoubt * s.velocity_sd_radps + 1e-4;
+      w.start_precision(static_cast<Eigen::Index>(j)) = 1.0 / (a * a);
+      w.start_precision(static_cast<Eigen::Index>(n + j)) = 1.0 / (v * v);
+    }
+    w.measured = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(fewest * n));
+    const double t0 = r.time_s[w.first], span = r.time_s[w.last] - t0;
+    std::vector<double> count(fewest, 0.0);
+    for (std::size_t k = w.first; k <= w.last; ++k) {
+      const auto bin = std::min(
+          fewest - 1, static_cast<std::size_t>((r.time_s[k] - t0) / span * static_cast<double>(fewest)));
+      w.bin.push_back(bin);
+      count[bin] += 1.0;
+      for (std::size_t j = 0; j < n; ++j)
+        w.measured(static_cast<Eigen::Index>(bin * n + j)) += r.angle_rad[j][k];
+    }
+    for (std::size_t b = 0; b < fewest; ++b)
+      if (count[b] > 0.0)
+        w.measured.segment(static_cast<Eigen::Index>(b * n), static_cast<Eigen::Index>(n)) /= count[b];
+  }
+  return out;
+}
+
+}  // namespace furcula::trees
