@@ -10,6 +10,7 @@
 #include "furcula/dynamics/tree/inverse_dynamics.hpp"
 #include "host/log/error.hpp"
 #include "host/log/message.hpp"
+#include "host/trees/arrangement.hpp"
 #include "host/trees/linear.hpp"
 #include "host/trees/missing_torque.hpp"
 #include "host/trees/next_experiment.hpp"
@@ -75,6 +76,10 @@ class Diagnoser {
                            " s without a gap; expected longer logs, or a smaller --window-s");
     d_.windows = windows.size();
     Problem problem(model_, training_, std::move(windows), options_.threads);
+    if (const auto arranged = other_arrangement(model_, training_, options_.threads)) {
+      misread(problem, *arranged);
+      return std::move(d_);
+    }
     std::vector<Window> short_windows =
         windows_of(model_, training_, options_.window_s / 3.0, kMostSearchWindows);
     std::optional<Problem> coarse;
@@ -98,6 +103,22 @@ class Diagnoser {
     verdict(problem);
     motions();
     return std::move(d_);
+  }
+
+  /// Columns that stand for each other have no causes.
+  void misread(const Problem& problem, const Arrangement& arranged) {
+    d_.refitted = d_.extended = {model_.drives, model_.causes};
+    errors();
+    torques(problem);
+    motions();
+    d_.verdict = Verdict::not_identifiable;
+    d_.unexplained_share = 1.0;
+    d_.summary = "It seems that " + arranged.what + ". So read, runs of the model are off by " +
+                 percent(std::sqrt(arranged.off_arranged)) + " of the motion, as it is by " +
+                 percent(std::sqrt(arranged.off_as_given)) + ". No cause was looked for.";
+    d_.next_experiment =
+        "Move one joint after the other by hand and see which column moves, and to which side: the URDF says which it is to be. Then mend "
+        "the map file (columns, or scale = -1.0).";
   }
 
  private:

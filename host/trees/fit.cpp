@@ -280,14 +280,10 @@ Fit Problem::fit(Hypothesis from, const FitOptions& options) const {
   const auto m = static_cast<Eigen::Index>(inside.size());
   out.covariance = Eigen::MatrixXd::Zero(count, count);
   if (m > 0) {
-    Eigen::MatrixXd information(m, m), scatter = Eigen::MatrixXd::Zero(m, m);
-    for (Eigen::Index a = 0; a < m; ++a)
-      for (Eigen::Index b = 0; b < m; ++b)
-        information(a, b) = p.all(inside[static_cast<std::size_t>(a)], inside[static_cast<std::size_t>(b)]);
+    const Eigen::MatrixXd information = p.all(inside, inside);
+    Eigen::MatrixXd scatter = Eigen::MatrixXd::Zero(m, m);
     for (const Eigen::MatrixXf& w : p.window) {
-      Eigen::VectorXd g(m);
-      for (Eigen::Index a = 0; a < m; ++a)
-        g(a) = static_cast<double>(w(0, inside[static_cast<std::size_t>(a)]));
+      const Eigen::VectorXd g = w(inside, 0).cast<double>();
       scatter += g * g.transpose();
     }
     const double windows = static_cast<double>(p.window.size());
@@ -302,14 +298,12 @@ Fit Problem::fit(Hypothesis from, const FitOptions& options) const {
   out.fold_value.assign(out.unknowns.size(), {});
   out.fold_information.assign(out.unknowns.size(), {});
   for (const Eigen::MatrixXd& fold : p.fold) {
-    Eigen::MatrixXd normal(m, m);
-    Eigen::VectorXd right(m);
-    for (Eigen::Index a = 0; a < m; ++a) {
-      right(a) = fold(0, inside[static_cast<std::size_t>(a)]);
-      for (Eigen::Index b = 0; b < m; ++b)
-        normal(a, b) = fold(inside[static_cast<std::size_t>(a)], inside[static_cast<std::size_t>(b)]);
-    }
+    out.foretold_loss += fold(0, 0);
     if (m == 0) continue;
+    const Eigen::MatrixXd normal = fold(inside, inside), rest = p.all(inside, inside) - normal;
+    const Eigen::VectorXd right = fold(inside, 0);
+    const Eigen::VectorXd without = ScaledNormal(rest, kRidge, 1e-12).solve(p.all(inside, 0) - right);
+    out.foretold_loss += without.dot(normal * without) - 2.0 * without.dot(right);
     const Eigen::MatrixXd inverse = ScaledNormal(normal, kRidge, 1e-12).inverse();
     const Eigen::VectorXd step = inverse * right;
     for (Eigen::Index a = 0; a < m; ++a) {

@@ -29,6 +29,8 @@ struct Fit {
   Eigen::MatrixXd covariance;  ///< of the unknowns, from the scatter of the windows' gradients; 0 at a bound
   std::vector<bool> at_bound;
   std::vector<double> window_loss;  ///< of each window
+  /// Loss of each fold at what the others alone would have made of the unknowns (by the linear problem), summed.
+  double foretold_loss = 0.0;
   /// Of each unknown, fitted on each fold alone (by the linear problem): its value, and its information there.
   std::vector<std::vector<double>> fold_value, fold_information;
 };

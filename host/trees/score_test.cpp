@@ -16,8 +16,10 @@ using Columns = ScoreTest::Columns;
 constexpr double kSure[] = {0.0, 16.0, 21.0, 25.0, 28.0};
 /// Of the residuals, so much is not chance.
 constexpr double kMuch = 0.2;
-/// Of the gain on all recordings, so much must be there on those that the fit has not seen.
-constexpr double kKept = 0.4;
+/// Of the gain on all recordings, so much must be there on those that the fit has not seen; no more than this share of them may lose.
+constexpr double kKept = 0.4, kMostWorse = 0.4;
+/// What a candidate that every recording gains by must gain, of the residuals, and keep.
+constexpr double kNotable = 0.05, kKeptWhole = 0.8;
 
 Eigen::MatrixXd part(const Eigen::MatrixXd& m, const Columns& rows, const Columns& columns) {
   Eigen::MatrixXd out(static_cast<Index>(rows.size()), static_cast<Index>(columns.size()));
@@ -117,9 +119,19 @@ std::vector<ScoreTest::Score> ScoreTest::scores(const Columns& base, std::size_t
   std::vector<Score> kept;
   for (Score& s : out) {
     if (kept.size() == most) break;
-    const double scatter = sure(base, s);
-    if (scatter < 0.0 || !holds(base, s)) continue;
-    s.worth = s.gain - scatter * static_cast<double>(s.coefficients.size()) * 4.0;
+    const double sure = sureness(base, s);
+    const OnFolds f = on_folds(base, s);
+    // What is there in a few windows only is much there: the scatter then says little. What each recording foretells of the others is
+    // worth some scatter, too; the fit decides.
+    const bool everywhere = s.gain > kNotable * before && f.kept > kKeptWhole && f.worse == 0.0;
+    const double limit = kSure[std::min<std::size_t>(static_cast<std::size_t>(s.coefficients.size()), 4)];
+    if (sure < (everywhere || s.gain > kMuch * m(0, 0) ? 0.3 : 1.0) * limit) continue;
+    if (!(f.kept > kKept && f.worse <= kMostWorse)) continue;
+    if (!(f.steady >
+          (everywhere ? 0.7 : 1.0) *
+              agreement(static_cast<std::size_t>((s.coefficients.array() != 0.0).count()), problem_)))
+      continue;
+    s.worth = s.gain - s.gain / std::max(sure, 1.0) * static_cast<double>(s.coefficients.size()) * 4.0;
     kept.push_back(std::move(s));
   }
   std::stable_sort(kept.begin(), kept.end(),
@@ -127,8 +139,8 @@ std::vector<ScoreTest::Score> ScoreTest::scores(const Columns& base, std::size_t
   return kept;
 }
 
-/// What a column without effect gains on average; below zero where the candidate's own gain may be chance.
-double ScoreTest::sure(const Columns& base, const Score& s) const {
+/// The candidate's score over its scatter from window to window, squared.
+double ScoreTest::sureness(const Columns& base, const Score& s) const {
   const Columns columns = columns_of(s.candidate);
   const Eigen::MatrixXd& m = products_.all;
   Columns both = columns;
@@ -161,14 +173,11 @@ double ScoreTest::sure(const Columns& base, const Score& s) const {
     sum += g;
   }
   const double statistic = sum.dot(Eigen::VectorXd(ScaledNormal(scatter, 1e-6).solve(sum)));
-  // What is there in a few windows only is much there; the scatter then says little.
-  const double limit = kSure[std::min<Index>(p, 4)];
-  if (statistic < (s.gain > kMuch * m(0, 0) ? 0.3 : 1.0) * limit) return -1.0;
-  return s.gain / std::max(statistic, 1.0);
+  return statistic;
 }
 
-/// Fitted without each fold in turn, it must help there.
-bool ScoreTest::holds(const Columns& base, const Score& s) const {
+/// What it gains in each fold, fitted without it.
+ScoreTest::OnFolds ScoreTest::on_folds(const Columns& base, const Score& s) const {
   Columns with = base;
   for (const Index k : columns_of(s.candidate)) with.push_back(k);
   double gain = 0.0;
@@ -185,10 +194,9 @@ bool ScoreTest::holds(const Columns& base, const Score& s) const {
     worse += with_it > 1.01 * without_it ? 1 : 0;
     ++folds;
   }
-  return gain > kKept * s.gain && 5 * worse <= 2 * folds &&
-         steadiness(size, information) >
-             agreement(static_cast<std::size_t>((s.coefficients.array() != 0.0).count()), problem_);
+  return {gain / s.gain, static_cast<double>(worse) / std::max(folds, 1), steadiness(size, information)};
 }
+
 /// The candidate at its coefficients' proportions as one column: its size in a fold, 1 where it is as in all.
 void ScoreTest::one_size(const Eigen::MatrixXd& fold, const Columns& base, const Score& s,
                          std::vector<double>& size, std::vector<double>& information) const {

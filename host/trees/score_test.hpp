@@ -43,8 +43,13 @@ class ScoreTest {
   const Columns& fitted() const { return fitted_; }  ///< of the unknowns
 
  private:
-  double sure(const Columns& base, const Score& s) const;
-  bool holds(const Columns& base, const Score& s) const;
+  struct OnFolds {
+    double kept;    ///< of the gain
+    double worse;   ///< share of the folds that lose
+    double steady;  ///< how well they agree on its size (steadiness)
+  };
+  double sureness(const Columns& base, const Score& s) const;
+  OnFolds on_folds(const Columns& base, const Score& s) const;
   void one_size(const Eigen::MatrixXd& fold, const Columns& base, const Score& s, std::vector<double>& size,
                 std::vector<double>& information) const;
 

@@ -18,6 +18,10 @@ using Index = Eigen::Index;
 constexpr std::size_t kLeaders = 5;
 /// A window's residuals over its motion, squared, from which on nothing is linear any more.
 constexpr double kGrosslyWrong = 0.02;
+/// A cause without which the loss is so many times as much stays.
+constexpr double kMissed = 2.0;
+/// What a parameter more must be worth, of the loss.
+constexpr double kOfParameter = 0.01;
 
 double sum_of(const std::vector<double>& x) {
   double out = 0.0;
@@ -41,12 +45,7 @@ class Search {
     if (coarse != nullptr && problem_.misfit(fit.at) > kGrosslyWrong) {
       // Where the model flies apart within a window, nothing is linear: the large causes are found on short windows.
       Search on_short(*coarse, options_);
-      coarse->weigh(fit.at);
-      Fit short_fit = on_short.rounds(coarse->fit(fit.at, {options_.threads, 4}), 4, nullptr);
-      problem_.weigh(short_fit.at);
-      fit = problem_.fit(short_fit.at, {options_.threads, 6});
-      problem_.weigh(fit.at);
-      fit = problem_.fit(fit.at, {options_.threads, 4});
+      fit = fitted_anew(on_short.rounds(on_short.fitted_anew(fit.at), 4, nullptr).at);
     }
     for (int again = 0; again < 3; ++again) {
       fit = rounds(std::move(fit), again == 0 ? 7 : 3, again == 0 ? &found : nullptr);
@@ -58,6 +57,13 @@ class Search {
     }
     judge(found, std::move(fit));
     return found;
+  }
+
+  Fit fitted_anew(const Hypothesis& h) {
+    problem_.weigh(h);
+    const Fit fit = problem_.fit(h, {options_.threads, 6});
+    problem_.weigh(fit.at);
+    return problem_.fit(fit.at, {options_.threads, 4});
   }
 
   /// Adds causes until none is worth it.
@@ -93,7 +99,7 @@ class Search {
       }
       fit = std::move(with);
       problem_.weigh(fit.at);
-      fit = problem_.fit(fit.at, {options_.threads, 3});
+      fit = apart(problem_.fit(fit.at, {options_.threads, 3}));
     }
     return fit;
   }
@@ -106,11 +112,20 @@ class Search {
   static std::span<const double> coefficients(const ScoreTest::Score& s) {
     return {s.coefficients.data(), static_cast<std::size_t>(s.coefficients.size())};
   }
-  /// All candidates but those that the recordings did not agree on.
+  /// All candidates but those that the recordings did not agree on, and those that have a law in them that is found already: a position
+  /// law's kd is a damping.
   std::vector<Candidate> tried(const Hypothesis& h) const {
     std::vector<Candidate> out = candidates(problem_, h, ripple_cycles(problem_, h));
     std::erase_if(out, [&](const Candidate& c) {
-      return dropped_.contains(cause_name(problem_.model(), c.columns.front()));
+      if (dropped_.contains(cause_name(problem_.model(), c.columns.front()))) return true;
+      if (c.effect != Effect::position_gain_error && c.effect != Effect::damping_error) return false;
+      const Effect other =
+          c.effect == Effect::damping_error ? Effect::position_gain_error : Effect::damping_error;
+      return std::any_of(h.causes.begin(), h.causes.end(), [&](const Cause& found) {
+        return found.effect == other && std::any_of(c.sites.begin(), c.sites.end(), [&](std::size_t site) {
+                 return std::find(found.sites.begin(), found.sites.end(), site) != found.sites.end();
+               });
+      });
     });
     return out;
   }
@@ -165,7 +180,7 @@ class Search {
           with_candidate(problem_.model(), fit.at, linear.candidates()[s->candidate], coefficients(*s));
       const Fit with = problem_.fit(h, {options_.threads, 4});
       // A parameter more must be worth a hundredth of the residuals.
-      const double loss = with.loss * (1.0 + 0.01 * static_cast<double>(with.unknowns.size()));
+      const double loss = with.loss * (1.0 + kOfParameter * static_cast<double>(with.unknowns.size()));
       if (loss < least) {
         least = loss;
         best = s;
@@ -221,9 +236,28 @@ class Search {
           weakest = c;
         }
       if (weakest == fit.at.causes.size()) return fit;
+      Fit off = problem_.fit(without(fit.at, weakest), {options_.threads, 4});
+      // Much is there in a few windows only: their scatter then says little.
+      if (!strict && off.loss > kMissed * fit.loss) return fit;
       if (strict) dropped_.insert(cause_name(problem_.model(), fit.at.causes[weakest]));
-      fit = problem_.fit(without(fit.at, weakest), {options_.threads, 4});
+      fit = std::move(off);
     }
+  }
+
+  /// A cause that has one value at several sites may have one of its own at each: where that foretells better.
+  Fit apart(Fit fit) {
+    Hypothesis h{fit.at.drives, {}};
+    for (std::size_t c = 0; c < fit.at.causes.size(); ++c) {
+      const Cause& cause = fit.at.causes[c];
+      for (const std::size_t site : cause.sites) {
+        if (c >= problem_.model().causes.size()) h.causes.push_back({cause.effect, {site}, cause.values});
+      }
+      if (c < problem_.model().causes.size()) h.causes.push_back(cause);
+    }
+    if (h.causes.size() == fit.at.causes.size()) return fit;
+    Fit each = prune(problem_.fit(h, {options_.threads, 4}), false);
+    each = merge(std::move(each));
+    return each.foretold_loss < (1.0 - kWorth) * fit.foretold_loss ? each : fit;
   }
 
   /// One effect with about one value at several sites is one cause.

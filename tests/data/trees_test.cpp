@@ -146,6 +146,34 @@ TEST_CASE("The double pendulum C1 lacks dry friction at both joints and nothing 
 #endif
 }
 
+TEST_CASE("Columns of the double pendulum C1 that stand for each other are said", "[long]") {
+  const std::string folder = test::data_folder();
+  if (folder.empty()) return;
+  const auto said = [&](const std::function<void(log::Log&)>& mistake) {
+    auto training = double_pendulum(folder, "C1", kC1Training),
+         held_out = double_pendulum(folder, "C1", {"143704"});
+    for (auto* logs : {&training, &held_out})
+      for (log::Log& log : *logs) mistake(log);
+    const trees::Diagnosis d =
+        trees::diagnose(machine(folder, "double_pendulum/C1.urdf"), training, held_out);
+    CHECK(d.verdict == trees::Verdict::not_identifiable);
+    CHECK(d.findings.empty());
+    return d.summary;
+  };
+  CHECK_THAT(said([](log::Log& log) {
+               for (double& t : log.columns["torque_elbow_nm"]) t = -t;
+             }),
+             Catch::Contains("the torque of elbow has the other sign"));
+  CHECK_THAT(said([](log::Log& log) {
+               std::swap(log.columns["torque_elbow_nm"], log.columns["torque_shoulder_nm"]);
+             }),
+             Catch::Contains("the torques of shoulder and elbow are swapped"));
+  CHECK_THAT(said([](log::Log& log) {
+               for (double& q : log.columns["angle_elbow_rad"]) q = -q;
+             }),
+             Catch::Contains("the angle of elbow has the other sign"));
+}
+
 TEST_CASE("The double pendulum A0 lacks dry friction and rotor inertia at its elbow", "[long]") {
   const std::string folder = test::data_folder();
   if (folder.empty()) return;
