@@ -22,7 +22,7 @@
 #include "boards/linux_sbc/realtime.hpp"
 #include "firmware/app/node.hpp"
 #include "firmware/app/node_registers.hpp"
-#include "host/log/parameter_file.hpp"
+#include "host/core/parameter_file.hpp"
 #include "host/rig/peers.hpp"
 
 using namespace furcula;
@@ -58,7 +58,7 @@ class PipeLines {
 };
 
 using Board = linux_sbc::LinuxBoard<linux_sbc::CanSocket, PipeLines>;
-using Node = firmware::Node<Board, log::ParameterFile>;
+using Node = firmware::Node<Board, core::ParameterFile>;
 
 struct Stand {
   Stand() {
@@ -90,7 +90,7 @@ void play_devices(Stand& stand, int priority) {
   linux_sbc::CanSocket can(stand.bus[1]);
   rig::Drive drive;
   rig::EncoderNode encoder(rig::kHeightNode);
-  linux_sbc::Timer timer(1'000'000);
+  core::Timer timer(1'000'000);
   timer.start();
   const std::array<char, 2 * 48> bounce{};
   for (int tick = 0; !stand.quiet; ++tick) {
@@ -144,7 +144,7 @@ int main(int argc, char** argv) {
   linux_sbc::CanSocket can(stand.bus[0]);
   PipeLines lines(stand.line[0]);
   Board board(stand.configuration, can, lines, stand.stop, stand.figures);
-  log::ParameterFile store("");
+  core::ParameterFile store("");
   firmware::FaultLog faults{};
   faults.begin();
   Node node(board, store, stand.configuration.controller, {.board = "linux_sbc", .text = ""}, 1, faults);
@@ -162,7 +162,7 @@ int main(int argc, char** argv) {
     static_cast<void>(board.wait_for_tick());
     linux_sbc::run_tick(board, node, registers, stand.hatch);
     // From when it woke, a microsecond at most too much: that is rounded down.
-    const auto now_us = static_cast<std::uint32_t>((linux_sbc::monotonic_ns() + 999) / 1000);
+    const auto now_us = static_cast<std::uint32_t>((core::monotonic_ns() + 999) / 1000);
     if (tick < kSettled) continue;
     took_us[tick - kSettled] = now_us - board.now_us();
     ran += node.state() == bus::NodeState::running ? 1 : 0;

@@ -9,12 +9,12 @@
 #include "boards/linux_sbc/configuration.hpp"
 #include "boards/linux_sbc/gpio.hpp"
 #include "boards/linux_sbc/histogram.hpp"
-#include "boards/linux_sbc/timer.hpp"
 #include "firmware/app/board.hpp"
 #include "firmware/app/can_link.hpp"
 #include "firmware/app/can_telemetry.hpp"
 #include "firmware/app/start_fault.hpp"
 #include "furcula/bus/node_words.hpp"
+#include "host/core/timer.hpp"
 
 namespace furcula::linux_sbc {
 
@@ -28,7 +28,7 @@ struct LoopFigures {
 };
 
 /// `Bus`, `Lines` and `Ticks` are CanSocket, Gpio and Timer, or what a test puts in their place.
-template <class Bus, class Lines, class Ticks = Timer>
+template <class Bus, class Lines, class Ticks = core::Timer>
 class LinuxBoard {
  public:
   LinuxBoard(const Configuration& configuration, Bus& bus, Lines& lines, const std::atomic<bool>& stop,

@@ -22,9 +22,9 @@
 #include "boards/linux_sbc/signals.hpp"
 #include "firmware/app/node.hpp"
 #include "firmware/app/node_registers.hpp"
-#include "host/log/message.hpp"
-#include "host/log/own_build.hpp"
-#include "host/log/parameter_file.hpp"
+#include "host/core/message.hpp"
+#include "host/core/own_build.hpp"
+#include "host/core/parameter_file.hpp"
 #include "host/modbus/tcp_server.hpp"
 
 /// Of this process so far, where a program that counts them is linked (tests/hil/allocations.cpp).
@@ -33,7 +33,7 @@ extern "C" __attribute__((weak)) unsigned long furcula_allocations();
 namespace furcula::linux_sbc {
 namespace {
 
-using Store = ParameterWriter<log::ParameterFile>;
+using Store = ParameterWriter<core::ParameterFile>;
 using Node = firmware::Node<Board, Store>;
 static_assert(firmware::SavesAside<Store>);
 
@@ -46,7 +46,7 @@ struct Daemon {
         store(configuration.store_file),
         identity(own_identity(text)),
         node(board, store, configuration.controller, identity,
-             static_cast<std::uint16_t>(monotonic_ns() / 1000), faults),
+             static_cast<std::uint16_t>(core::monotonic_ns() / 1000), faults),
         registers(node),
         priority(configuration.priority) {
     faults.begin();
@@ -124,7 +124,7 @@ void print_figures(const LoopFigures& figures, const Baseline& begin) {
 }
 
 void warn(const std::string& message) {
-  if (!message.empty()) std::cerr << "furculad: warning: " << log::printable_lines(message) << "\n";
+  if (!message.empty()) std::cerr << "furculad: warning: " << core::printable_lines(message) << "\n";
 }
 
 /// What a person has to know of the bus, once.
@@ -169,8 +169,8 @@ void watch(Daemon& d, const std::string& interface, const ServiceManager& manage
 }  // namespace
 
 bus::Identity own_identity(std::string& text) {
-  const std::uint32_t build_id = log::own_build_id();
-  text = "furculad " FURCULA_VERSION " build " + log::hexadecimal(build_id);
+  const std::uint32_t build_id = core::own_build_id();
+  text = "furculad " FURCULA_VERSION " build " + core::hexadecimal(build_id);
   return {.board = "linux_sbc",
           .text = text,
           .firmware_version =

@@ -11,17 +11,17 @@
 #include "furcula/dynamics/effects/catalogue.hpp"
 #include "host/cli/commands.hpp"
 #include "host/cli/errors.hpp"
-#include "host/log/message.hpp"
+#include "host/core/message.hpp"
 #include "host/model/reader.hpp"
 #include "host/trees/effects.hpp"
 
 namespace furcula::cli {
 namespace {
 
+using core::shortest;
 using dynamics::EffectInfo;
 using dynamics::EffectParameterInfo;
 using dynamics::Kind;
-using log::shortest;
 
 struct EffectsOptions {
   std::string name;
@@ -54,7 +54,7 @@ std::vector<Kind> kinds_of(const EffectInfo& effect) {
 std::string kind_list(const EffectInfo& effect) {
   std::vector<std::string_view> names;
   for (const Kind k : kinds_of(effect)) names.push_back(dynamics::info(k).name);
-  return log::listed(names);
+  return core::listed(names);
 }
 
 // "N" or, where the effect exists on both sorts of axis and differs, "N (N m on a rotary joint)".
@@ -186,8 +186,8 @@ void run_on_trees(const EffectsOptions& options) {
     out["effects"].push_back(std::move(of));
   }
   if (text.empty())
-    throw UsageError("no effect " + log::quoted(options.name) + " on tree; expected one of " +
-                     log::listed(names) + log::did_you_mean(options.name, names));
+    throw UsageError("no effect " + core::quoted(options.name) + " on tree; expected one of " +
+                     core::listed(names) + core::did_you_mean(options.name, names));
   std::cout << (options.json ? out.dump(2) + "\n" : text);
 }
 
@@ -207,8 +207,8 @@ void run(const EffectsOptions& options) {
     if (options.name.empty() || options.name == e.name) effects.push_back(&e);
   }
   if (effects.empty())
-    throw UsageError("no effect " + log::quoted(options.name) + (kind ? " on " + options.kind : "") +
-                     "; expected one of " + log::listed(names) + log::did_you_mean(options.name, names));
+    throw UsageError("no effect " + core::quoted(options.name) + (kind ? " on " + options.kind : "") +
+                     "; expected one of " + core::listed(names) + core::did_you_mean(options.name, names));
 
   if (options.markdown) {
     print_markdown(effects, kind);

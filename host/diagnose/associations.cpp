@@ -6,8 +6,8 @@
 #include <numbers>
 #include <numeric>
 
+#include "host/core/quantile.hpp"
 #include "host/diagnose/wording.hpp"
-#include "host/identify/quantile.hpp"
 #include "host/identify/windows.hpp"
 
 namespace furcula::diagnose {
@@ -175,7 +175,7 @@ class Associations {
     for (std::size_t i = 1; i < r_.time_s.size(); ++i)
       if (r_.recording[i] == r_.recording[i - 1]) spacings.push_back(r_.time_s[i] - r_.time_s[i - 1]);
     if (spacings.empty()) return;
-    const double highest_hz = 0.1 / identify::median(spacings);
+    const double highest_hz = 0.1 / core::median(spacings);
     const double step_hz = 0.25 / longest_s;
     double best = 0.0, best_hz = 0.0;
     for (std::size_t i = 0; i < kMostFrequencies; ++i) {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <set>
 
+#include "host/core/error.hpp"
 #include "host/diagnose/associations.hpp"
 #include "host/diagnose/effect_set.hpp"
 #include "host/diagnose/next_experiment.hpp"
@@ -12,7 +13,6 @@
 #include "host/diagnose/wording.hpp"
 #include "host/identify/plausible.hpp"
 #include "host/identify/verdicts.hpp"
-#include "host/log/error.hpp"
 
 namespace furcula::diagnose {
 namespace {
@@ -169,20 +169,20 @@ class Assembly {
     if (!windows.empty()) return;
     const std::string file = recordings.empty() ? std::string("no log") : recordings.front().name;
     if (is_hopper(model_.kind))
-      throw log::DataError(
+      throw core::DataError(
           file + ": the " + what +
           " recordings hold no stride from apex to apex: expected the height to rise above the touch-down height of " +
           number(identify::touchdown_height_m(model_), 4) + " m at least twice in a recording");
     if (model_.kind == Kind::rail_carriage)
-      throw log::DataError(
+      throw core::DataError(
           file + ": the " + what +
           " recordings hold no free flight: expected at least 30 ms and six rows in a row without contact");
     if (model_.kind == Kind::clutch_bench)
-      throw log::DataError(file + ": the " + what +
-                           " recordings hold no release: expected solenoid = 1 for a while, at least three "
-                           "rows of rest before and 30 ms after it");
-    throw log::DataError(file + ": the " + what + " recordings are shorter than a prediction window of " +
-                         number(options_.window_s) + " s; expected longer ones or a smaller --window-s");
+      throw core::DataError(file + ": the " + what +
+                            " recordings hold no release: expected solenoid = 1 for a while, at least three "
+                            "rows of rest before and 30 ms after it");
+    throw core::DataError(file + ": the " + what + " recordings are shorter than a prediction window of " +
+                          number(options_.window_s) + " s; expected longer ones or a smaller --window-s");
   }
 
   void describe_data() {

@@ -5,9 +5,9 @@
 #include <limits>
 #include <numbers>
 
+#include "host/core/error.hpp"
+#include "host/core/parallel.hpp"
 #include "host/diagnose/wording.hpp"
-#include "host/identify/parallel.hpp"
-#include "host/log/error.hpp"
 #include "host/sim/simulate.hpp"
 
 namespace furcula::diagnose {
@@ -254,7 +254,7 @@ class Planner {
         if (fault != 0.0) return s;
     try {
       s.recordings.push_back(identify::make_recording(log, model_.kind));
-    } catch (const log::DataError&) {
+    } catch (const core::DataError&) {
       return s;
     }
     Recording& r = s.recordings.front();
@@ -370,7 +370,7 @@ std::vector<Experiment> experiments_that_tell(const model::Model& model,
                                               unsigned threads) {
   const Planner planner(model, candidates, recordings, training, window_s);
   std::vector<Experiment> all = library(model, recordings);
-  identify::parallel_for(all.size(), threads, [&](std::size_t i) { planner.evaluate(all[i]); });
+  core::parallel_for(all.size(), threads, [&](std::size_t i) { planner.evaluate(all[i]); });
   std::erase_if(all, [](const Experiment& e) { return !(e.evidence > 0.0); });
   // Of two that tell as well, the shorter: what counts is the evidence a second.
   std::stable_sort(all.begin(), all.end(), [](const Experiment& a, const Experiment& b) {

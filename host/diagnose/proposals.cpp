@@ -5,9 +5,9 @@
 #include <limits>
 #include <numbers>
 
+#include "host/core/error.hpp"
+#include "host/core/quantile.hpp"
 #include "host/diagnose/effect_set.hpp"
-#include "host/identify/quantile.hpp"
-#include "host/log/error.hpp"
 
 namespace furcula::diagnose {
 namespace {
@@ -83,7 +83,7 @@ Proposer::Proposer(const Trainer& trainer)
   for (const auto& r : t_.recordings)
     for (double u : r.input)
       if (u != 0.0) sizes.push_back(std::abs(u));
-  top_input_ = identify::quantile(sizes, 0.99);
+  top_input_ = core::quantile(sizes, 0.99);
   const auto [low, high] = trainer.travel();
   low_ = low;
   high_ = high;
@@ -269,7 +269,7 @@ Hypothesis fit_new(const Trainer& trainer, const EffectSet& larger, const Hypoth
     try {
       Hypothesis other = trainer.fit(larger, &from, {{e, values}});
       if (best.failed || other.fit.squares < best.fit.squares) best = std::move(other);
-    } catch (const log::DataError&) {  // from there the model runs away: no start
+    } catch (const core::DataError&) {  // from there the model runs away: no start
     }
   };
   try_from(on, proposal.values);

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/core/quantile.hpp"
 #include "host/diagnose/effect_set.hpp"
-#include "host/identify/quantile.hpp"
 
 namespace furcula::diagnose {
 namespace {
@@ -145,7 +145,7 @@ Trainer::Travel Trainer::travel() const {
     positions.insert(positions.end(), position.begin() + static_cast<std::ptrdiff_t>(w.first),
                      position.begin() + static_cast<std::ptrdiff_t>(w.last) + 1);
   }
-  return {identify::quantile(positions, 0.01), identify::quantile(positions, 0.99)};
+  return {core::quantile(positions, 0.01), core::quantile(positions, 0.99)};
 }
 
 bool Trainer::beyond_resolution(const Hypothesis& h) const {

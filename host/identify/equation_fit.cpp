@@ -6,8 +6,8 @@
 #include <cmath>
 #include <deque>
 
+#include "host/core/error.hpp"
 #include "host/identify/dual.hpp"
-#include "host/log/error.hpp"
 
 namespace furcula::identify {
 namespace {
@@ -91,7 +91,7 @@ Fit fit_by_equation(const model::Model& model, const std::vector<Unknown>& unkno
                     const std::vector<double>& start, const std::vector<Recording>& recordings,
                     const std::vector<Window>& windows, std::size_t layers) {
   if (windows.empty())
-    throw log::DataError("equation error: no stance, flight or interval to fit on; expected at least one");
+    throw core::DataError("equation error: no stance, flight or interval to fit on; expected at least one");
   Fit fit;
   fit.values = start;
   std::deque<StepCost> costs;

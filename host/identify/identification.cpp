@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/core/error.hpp"
+#include "host/core/parallel.hpp"
 #include "host/identify/equation_fit.hpp"
-#include "host/identify/parallel.hpp"
 #include "host/identify/plausible.hpp"
 #include "host/identify/verdicts.hpp"
-#include "host/log/error.hpp"
 
 namespace furcula::identify {
 namespace {
@@ -46,19 +46,19 @@ class Work {
        const std::vector<log::Log>& held_out, const IdentifyOptions& options)
       : model_(model), options_(options), unknowns_(free_unknowns(model)) {
     if (unknowns_.empty())
-      throw log::DataError(
+      throw core::DataError(
           "the model has no [free] table: nothing to identify; expected at least one parameter with bounds in it");
     training_ = make_recordings(training, model.kind);
     held_out_ = make_recordings(held_out, model.kind);
     require_plausible(training_, held_out_);
     for (const auto* list : {&training_, &held_out_}) require_clutch(*list, model::has_clutch(model));
     if (model.kind == dynamics::Kind::clutch_bench && options.by_equation)
-      throw log::DataError(
+      throw core::DataError(
           "equation error says nothing on clutch_bench, whose belt stands or falls for whole windows; expected "
           "--method simulation");
     fit_windows_ = fit_windows(training_, model, options.window_s);
     if (fit_windows_.windows.empty())
-      throw log::DataError(
+      throw core::DataError(
           training_.front().name + ": no window to fit on; expected " +
           (dynamics::is_hopper(model.kind) ? std::string("a stance or a flight of at least 30 ms")
            : model.kind == dynamics::Kind::rail_carriage
@@ -99,9 +99,9 @@ class Work {
     std::size_t folds = options_.folds;
     if (folds == 0) folds = std::min<std::size_t>(by_recording ? 10 : 5, units);
     if (units < folds || folds < 2)
-      throw log::DataError(training_.front().name + ": " + std::to_string(units) + what +
-                           " cannot be put into " + std::to_string(std::max<std::size_t>(folds, 2)) +
-                           " folds; expected at least as many" + what + " as folds");
+      throw core::DataError(training_.front().name + ": " + std::to_string(units) + what +
+                            " cannot be put into " + std::to_string(std::max<std::size_t>(folds, 2)) +
+                            " folds; expected at least as many" + what + " as folds");
     return folds;
   }
 
@@ -134,7 +134,7 @@ class Work {
     e.model = with_values(model_, unknowns_, whole.values);
     std::vector<std::vector<double>> estimates(folds_);
     e.folds.resize(folds_);
-    parallel_for(folds_, options_.threads, [&](std::size_t fold) {
+    core::parallel_for(folds_, options_.threads, [&](std::size_t fold) {
       tell(static_cast<double>(fold + 1) / static_cast<double>(folds_ + 1),
            "fold " + std::to_string(fold + 1));
       std::vector<Window> seen, unseen;

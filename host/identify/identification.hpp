@@ -76,7 +76,7 @@ struct IdentifyOptions {
 /// Identifies the model's free parameters. On the hopper the windows are stances and flights, each alone (002
 /// section 4.2), and, where a restitution is free, whole strides too; on the rail carriage flights; elsewhere
 /// restart windows of `window_s`.
-/// @throws log::DataError: no free parameter, no usable window, fewer recordings (of a single one: windows)
+/// @throws core::DataError: no free parameter, no usable window, fewer recordings (of a single one: windows)
 /// than folds.
 Identification identify(const model::Model& model, const std::vector<log::Log>& training,
                         const std::vector<log::Log>& held_out, const IdentifyOptions& options = {});

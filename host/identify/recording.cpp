@@ -5,9 +5,9 @@
 #include <cmath>
 #include <span>
 
-#include "host/identify/quantile.hpp"
-#include "host/log/error.hpp"
-#include "host/log/message.hpp"
+#include "host/core/error.hpp"
+#include "host/core/message.hpp"
+#include "host/core/quantile.hpp"
 
 namespace furcula::identify {
 namespace {
@@ -132,7 +132,7 @@ std::vector<Slip> find_slips(const std::vector<double>& time_s, const std::vecto
   if (time_s.size() < 4 * kAround) return found;
   std::vector<double> intervals;
   for (std::size_t i = 1; i < time_s.size(); ++i) intervals.push_back(time_s[i] - time_s[i - 1]);
-  const double usual_s = median(intervals);
+  const double usual_s = core::median(intervals);
   const auto slope = [&](std::size_t i) {
     return (position[i] - position[i - 1]) / (time_s[i] - time_s[i - 1]);
   };
@@ -147,10 +147,10 @@ std::vector<Slip> find_slips(const std::vector<double>& time_s, const std::vecto
       left.push_back(slope(i - k));
       right.push_back(slope(i + k));
     }
-    const double from = median(left), to = median(right);
+    const double from = core::median(left), to = core::median(right);
     for (double v : left) scatter.push_back(std::abs(v - from) * interval_s);
     for (double v : right) scatter.push_back(std::abs(v - to) * interval_s);
-    const double around = std::max(1.4826 * median(scatter), 1.5 * noise);
+    const double around = std::max(1.4826 * core::median(scatter), 1.5 * noise);
     // Between the two slopes the axis may have gone at either.
     const double rest_from = (slope(i) - from) * interval_s, rest_to = (slope(i) - to) * interval_s;
     if (rest_from * rest_to <= 0.0 || std::min(std::abs(rest_from), std::abs(rest_to)) < kFarOut * around)
@@ -182,15 +182,16 @@ void refuse_folded_flight(const Recording& r, const std::vector<double>& contact
   std::vector<double> touchdowns_m;
   for (std::size_t i = 1; i < r.rows(); ++i)
     if (contact[i - 1] == 0.0 && contact[i] != 0.0) touchdowns_m.push_back(r.position[i]);
-  const double flying_m = touchdowns_m.empty() ? 0.0 : median(touchdowns_m) + kAbove_m;
+  const double flying_m = touchdowns_m.empty() ? 0.0 : core::median(touchdowns_m) + kAbove_m;
   std::size_t folded = 0;
   for (std::size_t i = 0; i < r.rows(); ++i) {
     const bool now = contact[i] == 0.0 && r.position[i] > flying_m && r.leg_angle[i] > straight + kFolded_rad;
     folded = now ? folded + 1 : 0;
     if (folded == kRows)
-      throw log::DataError(r.name + ": the leg is folded in flight by " +
-                           log::rounded(r.leg_angle[i] - straight) + " rad at " + log::shortest(r.time_s[i]) +
-                           " s; expected a leg that stays on its stop in flight: this version fits no other");
+      throw core::DataError(
+          r.name + ": the leg is folded in flight by " + core::rounded(r.leg_angle[i] - straight) +
+          " rad at " + core::shortest(r.time_s[i]) +
+          " s; expected a leg that stays on its stop in flight: this version fits no other");
   }
 }
 
@@ -254,9 +255,9 @@ ChannelNames channel_names(dynamics::Kind kind) {
 
 Recording make_recording(const log::Log& log, dynamics::Kind kind) {
   if (log.rows() < kFewestRows)
-    throw log::DataError(log.path + ": " + std::to_string(log.rows()) +
-                         " rows are too few to learn anything from; expected at least " +
-                         std::to_string(kFewestRows));
+    throw core::DataError(log.path + ": " + std::to_string(log.rows()) +
+                          " rows are too few to learn anything from; expected at least " +
+                          std::to_string(kFewestRows));
   Recording r;
   r.name = log.path;
   r.kind = kind;
@@ -346,9 +347,9 @@ void require_clutch(const std::vector<Recording>& recordings, bool has_clutch) {
     if (has_clutch || r.solenoid.empty()) continue;
     const auto first =
         std::find_if(r.solenoid.begin(), r.solenoid.end(), [](double on) { return on != 0.0; });
-    throw log::DataError(
+    throw core::DataError(
         r.name + ": the spring is released from " +
-        log::shortest(r.time_s[static_cast<std::size_t>(first - r.solenoid.begin())]) +
+        core::shortest(r.time_s[static_cast<std::size_t>(first - r.solenoid.begin())]) +
         " s on (solenoid = 1), and the model has no clutch; expected a tooth_pitch_m above 0 in the model, or "
         "recordings with the spring caught");
   }
@@ -367,8 +368,8 @@ std::vector<Recording> make_recordings(const std::vector<log::Log>& logs, dynami
     moves = moves || *high - *low > kMotionOverNoise * r.position_noise;
   }
   if (!moves)
-    throw log::DataError(all.front().name + ": the " + channel_names(kind).position +
-                         " never moves by more than its noise, in any recording; expected motion");
+    throw core::DataError(all.front().name + ": the " + channel_names(kind).position +
+                          " never moves by more than its noise, in any recording; expected motion");
   for (Recording& r : all) r.position_noise = std::max(r.position_noise, kShare * noise);
   return all;
 }

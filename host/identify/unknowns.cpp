@@ -3,7 +3,7 @@
 #include <cmath>
 #include <string>
 
-#include "host/log/error.hpp"
+#include "host/core/error.hpp"
 
 namespace furcula::identify {
 
@@ -78,9 +78,9 @@ std::optional<Jumps> jumps(const Unknown& unknown, dynamics::Kind kind) {
 
 void require_room(const std::vector<Unknown>& unknowns) {
   if (unknowns.size() > kMostUnknowns)
-    throw log::DataError("the fit: " + std::to_string(unknowns.size()) +
-                         " free parameters, those of effects included; expected at most " +
-                         std::to_string(kMostUnknowns));
+    throw core::DataError("the fit: " + std::to_string(unknowns.size()) +
+                          " free parameters, those of effects included; expected at most " +
+                          std::to_string(kMostUnknowns));
 }
 
 std::vector<double> values_in(const model::Model& model, const std::vector<Unknown>& unknowns) {

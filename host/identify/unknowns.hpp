@@ -84,7 +84,7 @@ inline constexpr std::size_t kMostUnknowns = 30;
 /// All of a kind's parameters, and four effects (a diagnosis tries one more for a moment).
 static_assert(kMostParameters + 5 * dynamics::kMaxEffectParameters <= kMostUnknowns);
 
-/// @throws log::DataError where there are more.
+/// @throws core::DataError where there are more.
 void require_room(const std::vector<Unknown>& unknowns);
 
 /// A plant's parameters and effects, with the unknowns at `values` (unknowns.size() of them) in the scalar T.

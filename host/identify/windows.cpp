@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "host/identify/quantile.hpp"
+#include "host/core/quantile.hpp"
 #include "host/identify/simulate.hpp"
 
 namespace furcula::identify {
@@ -148,7 +148,7 @@ std::vector<Window> releases(const Recording& r, std::size_t index) {
   const std::size_t n = r.rows();
   std::vector<double> intervals_s;
   for (std::size_t i = 1; i < n; ++i) intervals_s.push_back(r.time_s[i] - r.time_s[i - 1]);
-  const double usual_s = median(intervals_s);
+  const double usual_s = core::median(intervals_s);
   std::size_t free = 0;  // the first row that no earlier release needs
   for (std::size_t i = 1; i < n; ++i) {
     if (!on(i) || on(i - 1)) continue;
@@ -213,9 +213,9 @@ void attach_reports(std::vector<Window>& windows, const std::vector<Recording>& 
     if (std::abs(best) < kFurthest_s) lags.push_back(w.report_lag_s = best);
   }
   if (lags.empty()) return;
-  const double centre = median(lags);
+  const double centre = core::median(lags);
   for (double& lag : lags) lag = std::abs(lag - centre);
-  const double spread = std::max(1.4826 * median(lags), interval_s / std::sqrt(12.0));
+  const double spread = std::max(1.4826 * core::median(lags), interval_s / std::sqrt(12.0));
   for (Window& w : windows) w.report_spread_s = spread;
 }
 

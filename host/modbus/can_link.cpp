@@ -8,7 +8,7 @@
 #include <deque>
 
 #include "boards/linux_sbc/can_socket.hpp"
-#include "host/log/error.hpp"
+#include "host/core/error.hpp"
 
 namespace furcula::modbus {
 namespace {
@@ -99,9 +99,9 @@ Answer CanLink::ask(bus::RegisterRequest request, const char* doing, Values& val
       if (!frame) break;
       const bus::RegisterAnswer answer = bus::unpack_register_answer(*frame, node_).value();
       if (answer.version != bus::kProtocolVersion)
-        throw log::DataError(name_ + ": node " + std::to_string(node_) + " speaks version " +
-                             std::to_string(answer.version) + " of the protocol; expected " +
-                             std::to_string(bus::kProtocolVersion));
+        throw core::DataError(name_ + ": node " + std::to_string(node_) + " speaks version " +
+                              std::to_string(answer.version) + " of the protocol; expected " +
+                              std::to_string(bus::kProtocolVersion));
       if (answer.status != bus::ModbusException::none) return {answer.status, text_of(answer.status)};
       if (answer.address != next) break;  // one is lost
       next = static_cast<std::uint16_t>(next + 2);
@@ -109,9 +109,9 @@ Answer CanLink::ask(bus::RegisterRequest request, const char* doing, Values& val
       if (complete(values)) return {};
     }
   }
-  throw log::DataError(name_ + ": " + doing +
-                       (taken ? ": node " + std::to_string(node_) + " does not answer"
-                              : ": nothing can be sent; the interface is down, or nobody is on the bus"));
+  throw core::DataError(name_ + ": " + doing +
+                        (taken ? ": node " + std::to_string(node_) + " does not answer"
+                               : ": nothing can be sent; the interface is down, or nobody is on the bus"));
 }
 
 Answer CanLink::read(Table table, std::uint16_t first, std::span<std::uint16_t> out) {
@@ -148,7 +148,7 @@ std::string CanLink::text(std::uint8_t object) {
   const Answer answer = ask({.operation = RegisterOperation::read_text, .value = object}, "asking who it is",
                             values, [](const Values& v) { return has_end(v.back()) || v.size() >= kMost; });
   if (answer.exception != bus::ModbusException::none)
-    throw log::DataError(name_ + ": asking who it is: " + answer.text);
+    throw core::DataError(name_ + ": asking who it is: " + answer.text);
   std::string text;
   for (const std::uint32_t value : values)
     for (int shift = 24; shift >= 0; shift -= 8) text += static_cast<char>(value >> shift & 0xffu);
@@ -162,7 +162,7 @@ std::unique_ptr<Link> open_can(const Port& port) {
                                      static_cast<std::uint8_t>(now / std::chrono::microseconds(1)),
                                      std::make_unique<SocketPort>(port.can_interface, port.can_node));
   } catch (const linux_sbc::CanError& e) {
-    throw log::DataError(port.text + ": " + e.what());
+    throw core::DataError(port.text + ": " + e.what());
   }
 }
 

@@ -12,10 +12,10 @@
 
 #include "furcula/dynamics/hopper.hpp"
 #include "furcula/dynamics/links.hpp"
+#include "host/core/error.hpp"
+#include "host/core/parallel.hpp"
 #include "host/identify/equation_fit.hpp"
-#include "host/identify/parallel.hpp"
 #include "host/identify/prediction.hpp"
-#include "host/log/error.hpp"
 #include "host/reproduce/examples.hpp"
 #include "host/reproduce/plain_fit.hpp"
 
@@ -102,7 +102,7 @@ Data one_window_each(const std::vector<log::Log>& logs, const model::Model& m,
   Data d{identify::make_recordings(logs, m.kind), {}};
   for (std::size_t i = 0; i < d.recordings.size(); ++i) {
     const auto found = find(d.recordings[i], i, m);
-    if (found.size() <= which) throw log::DataError(d.recordings[i].name + ": no whole " + what);
+    if (found.size() <= which) throw core::DataError(d.recordings[i].name + ": no whole " + what);
     d.windows.push_back(found[which]);
   }
   return d;
@@ -122,7 +122,7 @@ Estimates cross_validate(std::string phase, std::string method, const std::vecto
   }
   e.folds.resize(folds);
   e.errors.resize(windows.size());
-  identify::parallel_for(folds + 1, threads, [&](std::size_t fold) {
+  core::parallel_for(folds + 1, threads, [&](std::size_t fold) {
     if (fold == folds) {
       e.values = fit(start, windows);
       return;

@@ -4,13 +4,13 @@
 #include <numbers>
 #include <string>
 
-#include "boards/sim_host/random.hpp"
+#include "host/core/random.hpp"
 #include "host/sim/simulate.hpp"
 
 namespace furcula::reproduce {
 namespace {
 
-using sim_host::Random;
+using core::Random;
 
 void set(model::Model& m, std::string_view name, double value) {
   m.parameters[*dynamics::parameter_index(m.kind, name)] = value;

@@ -17,9 +17,9 @@
 #include "boards/linux_sbc/can_socket.hpp"
 #include "boards/sim_host/board.hpp"
 #include "furcula/bus/parameters.hpp"
-#include "host/log/atomic_file.hpp"
-#include "host/log/message.hpp"
-#include "host/log/strict_toml.hpp"
+#include "host/core/atomic_file.hpp"
+#include "host/core/message.hpp"
+#include "host/core/strict_toml.hpp"
 #include "host/rig/child.hpp"
 #include "host/rig/devices.hpp"
 #include "host/rig/gpio_sim.hpp"
@@ -68,7 +68,7 @@ class Rig {
     }
     static_cast<void>(board_.wait_for_tick());  // the first sample: the body is held where it starts
     const control::Sample& home = board_.sample();
-    log::write_file_atomically(
+    core::write_file_atomically(
         options.configuration_path,
         board_configuration(options, config_, clutch_, home.home_count, home.home_height_m));
   }
@@ -219,7 +219,7 @@ class Rig {
     if (!commanded_) ++result_.silent_ticks;
     if (quiet_ticks_ > kSilentTicks && !killed_ && board_.time_s() > stopped_until_s_)
       throw RigError("the board said nothing to the drive for 1 s, from " +
-                     log::rounded(board_.time_s() - 1.0) + " s on");
+                     core::rounded(board_.time_s() - 1.0) + " s on");
     commanded_ = false;
     firmware::Telemetry telemetry;
     telemetry.outputs.fault = static_cast<control::Fault>(words_.fault);
@@ -286,7 +286,7 @@ class Rig {
 
 std::string board_configuration(const RigOptions& options, const control::Config& config, bool clutch,
                                 std::uint32_t home_count, float home_height_m) {
-  const auto number = [](double value) { return log::toml_float(value); };
+  const auto number = [](double value) { return core::toml_float(value); };
   std::string text = "[can]\ninterface = \"" + options.can_interface + "\"\nmotor = \"" +
                      std::string(bus::info(kMotor).name) + "\"\ndrive_node = " + std::to_string(kDriveNode) +
                      "\nheight_encoder_node = " + std::to_string(kHeightNode) +

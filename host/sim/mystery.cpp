@@ -6,15 +6,15 @@
 #include <numbers>
 #include <string>
 
-#include "boards/sim_host/random.hpp"
+#include "host/core/random.hpp"
 #include "host/sim/simulate.hpp"
 
 namespace furcula::sim {
 namespace {
 
+using core::Random;
 using dynamics::Effect;
 using dynamics::Kind;
-using sim_host::Random;
 
 constexpr int kExperiments = 8;
 constexpr double kExperimentS = 3.0;  // about six hops

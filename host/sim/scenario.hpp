@@ -56,7 +56,7 @@ inline std::optional<double> first_fault_s(const Scenario& scenario) {
 /// 0.5 s; ideal sensors; no faults.
 Scenario default_scenario(const model::Model& model);
 
-/// A scenario file for a model of this kind; an example is in docs/logs_and_models.md. @throws log::DataError
+/// A scenario file for a model of this kind; an example is in docs/logs_and_models.md. @throws core::DataError
 /// naming file, line, key, value and what was expected.
 ///
 /// - `[start]` height_m, velocity_mps (rail_carriage: from 0, its stop, upwards); on motor_axis position_m,

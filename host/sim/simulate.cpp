@@ -14,8 +14,8 @@
 #include "furcula/dynamics/axis.hpp"
 #include "furcula/dynamics/simple_clutch_bench.hpp"
 #include "furcula/dynamics/stages.hpp"
-#include "host/log/error.hpp"
-#include "host/log/message.hpp"
+#include "host/core/error.hpp"
+#include "host/core/message.hpp"
 #include "host/sim/recorder.hpp"
 
 namespace furcula::sim {
@@ -50,13 +50,13 @@ std::map<std::string, std::string> metadata_of(const model::Model& model, const 
                                          {"model", std::string(dynamics::info(model.kind).name)},
                                          {"seed", std::to_string(seed)},
                                          {"profile", kProfiles[static_cast<int>(scenario.profile)]},
-                                         {"amplitude", log::shortest(scenario.amplitude)},
-                                         {"period_s", log::shortest(scenario.period_s)},
+                                         {"amplitude", core::shortest(scenario.amplitude)},
+                                         {"period_s", core::shortest(scenario.period_s)},
                                          {"sensors", sensors.empty() ? "ideal" : sensors}};
   if (model.clutch && model.kind == Kind::hopper_nonlinear)
     all["clutch_in_flight"] = scenario.release_in_flight ? "release" : "hold";
-  if (scenario.contraction_m > 0.0) all["contraction_m"] = log::shortest(scenario.contraction_m);
-  if (scenario.ground_steps_m > 0.0) all["ground_steps_m"] = log::shortest(scenario.ground_steps_m);
+  if (scenario.contraction_m > 0.0) all["contraction_m"] = core::shortest(scenario.contraction_m);
+  if (scenario.ground_steps_m > 0.0) all["ground_steps_m"] = core::shortest(scenario.ground_steps_m);
   if (!scenario.faults.empty()) all["planted_faults"] = std::to_string(scenario.faults.size());
   return all;
 }
@@ -81,10 +81,10 @@ void simulate_hopper(const model::Model& model, const Scenario& scenario, std::u
   const sim_host::RigConfig rig = rig_config(model, scenario, seed);
   control::Config config = controller_config(model, scenario);
   if (!control::fits(config.envelope, config.torque, config.limits.torque_nm))
-    throw log::DataError(
-        "the scenario: [torque] amplitude_nm = " + log::shortest(scenario.amplitude) +
+    throw core::DataError(
+        "the scenario: [torque] amplitude_nm = " + core::shortest(scenario.amplitude) +
         " takes this robot higher or faster than its controller lets it; expected at most " +
-        log::rounded(static_cast<double>(control::amplitude_max_nm(config.envelope, config.torque.shape))) +
+        core::rounded(static_cast<double>(control::amplitude_max_nm(config.envelope, config.torque.shape))) +
         " N m");
   if (needs_bus(scenario)) {
     sim_host::CanBoard board(rig);
@@ -326,13 +326,13 @@ void refuse_what_has_no_free_leg(const model::Model& model, const Scenario& scen
     dynamics::Effects<double> one;
     one.set(effect, values);
     if (sim_host::Plant::changes_motion(one))
-      throw log::DataError(
+      throw core::DataError(
           "the model: [effect." + std::string(dynamics::info(effect).name) + "] with " + what +
           "; expected effects of the drive and the sensors alone: the leg that is free in flight knows no others");
   }
   if (!dynamics::NonlinearHopper<double>::resolves(
           parameters_of<dynamics::HopperNonlinearParameters<double>>(model)))
-    throw log::DataError(
+    throw core::DataError(
         std::string(
             "the model: inertia_a_kgm2, inertia_b_kgm and inertia_e_kgm are too small, or no links', for ") +
         what + "; expected those of links, as a = 42e-4, b = 75e-4, e = 38e-3 of table 3.1 of document 002");

@@ -8,8 +8,8 @@
 #include <set>
 
 #include "furcula/dynamics/tree/inverse_dynamics.hpp"
-#include "host/log/error.hpp"
-#include "host/log/message.hpp"
+#include "host/core/error.hpp"
+#include "host/core/message.hpp"
 #include "host/trees/missing_torque.hpp"
 #include "host/trees/next_experiment.hpp"
 #include "host/trees/search.hpp"

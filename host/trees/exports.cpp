@@ -6,9 +6,9 @@
 #include <filesystem>
 #include <optional>
 
-#include "host/log/error.hpp"
-#include "host/log/message.hpp"
-#include "host/log/strict_toml.hpp"
+#include "host/core/error.hpp"
+#include "host/core/message.hpp"
+#include "host/core/strict_toml.hpp"
 #include "host/model/mjcf.hpp"
 #include "host/model/xml_check.hpp"
 #include "host/trees/run.hpp"

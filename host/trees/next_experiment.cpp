@@ -7,8 +7,9 @@
 
 #include "furcula/dynamics/tree/dry_friction.hpp"
 #include "furcula/dynamics/tree/inverse_dynamics.hpp"
-#include "host/log/message.hpp"
-#include "host/log/strict_toml.hpp"
+#include "host/core/error.hpp"
+#include "host/core/message.hpp"
+#include "host/core/strict_toml.hpp"
 #include "host/trees/fit.hpp"
 #include "host/trees/run.hpp"
 

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "host/log/error.hpp"
-#include "host/log/message.hpp"
+#include "host/core/error.hpp"
+#include "host/core/message.hpp"
 #include "host/log/rigs.hpp"
 
 namespace furcula::trees {

@@ -10,9 +10,9 @@
 #include <random>
 
 #include "furcula/dynamics/tree/inverse_dynamics.hpp"
-#include "host/log/error.hpp"
-#include "host/log/message.hpp"
-#include "host/log/strict_toml.hpp"
+#include "host/core/error.hpp"
+#include "host/core/message.hpp"
+#include "host/core/strict_toml.hpp"
 #include "host/trees/recording.hpp"
 #include "host/trees/run.hpp"
 

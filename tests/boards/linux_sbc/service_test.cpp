@@ -11,7 +11,7 @@
 #include "boards/linux_sbc/can_socket.hpp"
 #include "boards/linux_sbc/gpio.hpp"
 #include "boards/linux_sbc/notify.hpp"
-#include "boards/linux_sbc/timer.hpp"
+#include "host/core/timer.hpp"
 #include "host/rig/gpio_sim.hpp"
 #include "host/rig/rig.hpp"
 
@@ -60,9 +60,9 @@ TEST_CASE("a CAN interface or a GPIO chip that is not there is one error that na
 }
 
 TEST_CASE("the timer keeps to its grid, and counts the ticks that it missed") {
-  linux_sbc::Timer timer(1'000'000);
+  core::Timer timer(1'000'000);
   timer.start();
-  const std::int64_t begin_ns = linux_sbc::monotonic_ns();
+  const std::int64_t begin_ns = core::monotonic_ns();
   for (int i = 0; i < 5; ++i) CHECK(timer.wait() >= 0);
   CHECK(timer.woke_ns() - begin_ns >= 5'000'000 - 50'000);
   const std::uint64_t before = timer.overruns();

@@ -1,5 +1,5 @@
 // Error messages' pieces, see message.hpp.
-#include "host/log/message.hpp"
+#include "host/core/message.hpp"
 
 #include <algorithm>
 #include <array>
@@ -8,7 +8,7 @@
 #include <cstdio>
 #include <numeric>
 
-namespace furcula::log {
+namespace furcula::core {
 
 namespace {
 
@@ -136,4 +136,4 @@ std::string listed(std::span<const std::string_view> names) {
   return out;
 }
 
-}  // namespace furcula::log
+}  // namespace furcula::core

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdint>
 
-namespace furcula::sim_host {
+namespace furcula::core {
 
 /// SplitMix64. Every use has its own stream, so that switching one sensor's error on or off does not change
 /// another's draws.
@@ -43,4 +43,4 @@ class Random {
   std::uint64_t state_;
 };
 
-}  // namespace furcula::sim_host
+}  // namespace furcula::core

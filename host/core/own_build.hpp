@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string>
 
-namespace furcula::log {
+namespace furcula::core {
 
 /// The first eight digits of the hash that the linker put into this program (an ELF note, --build-id), as an
 /// image's build id (firmware/startup/image_header.hpp); 0: it put none there.
@@ -13,4 +13,4 @@ std::uint32_t own_build_id();
 /// Eight digits.
 std::string hexadecimal(std::uint32_t number);
 
-}  // namespace furcula::log
+}  // namespace furcula::core

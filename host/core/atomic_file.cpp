@@ -1,5 +1,5 @@
 // Writing whole files, see atomic_file.hpp.
-#include "host/log/atomic_file.hpp"
+#include "host/core/atomic_file.hpp"
 
 #include <fcntl.h>
 #include <signal.h>
@@ -12,7 +12,7 @@
 #include <filesystem>
 #include <vector>
 
-namespace furcula::log {
+namespace furcula::core {
 namespace {
 
 [[noreturn]] void give_up(const std::string& path, int error) {
@@ -211,4 +211,4 @@ void write_files_together(std::span<const NewFile> files, std::span<const std::s
   if (!staged.empty()) sync_folder_of(staged.front().target);
 }
 
-}  // namespace furcula::log
+}  // namespace furcula::core

@@ -7,13 +7,13 @@
 #include <string>
 #include <string_view>
 
-namespace furcula::log {
+namespace furcula::core {
 
 /// The text of a file of at most 1 MiB. @throws DataError: not readable, a directory, empty, too large.
 std::string read_small_file(const std::string& path, std::string_view what);
 
 /// @throws DataError with file and line where it is not TOML 1.0, or nested deeper than any file of this
-/// project needs to be (host/log/toml_depth.hpp).
+/// project needs to be (host/core/toml_depth.hpp).
 toml::table parse_toml(std::string_view text, const std::string& name);
 
 /// Throws DataError "file:line: message", the line being the node's (or key's).
@@ -39,4 +39,4 @@ std::string text(const toml::node& node, const std::string& name, std::string_vi
 void refuse_unknown_keys(const toml::table& table, const std::string& name, std::string_view where,
                          std::span<const std::string_view> known);
 
-}  // namespace furcula::log
+}  // namespace furcula::core

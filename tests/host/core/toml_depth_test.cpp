@@ -1,9 +1,9 @@
 // TOML that nests too deep is refused before it is parsed, and nothing else is.
-#include "host/log/toml_depth.hpp"
+#include "host/core/toml_depth.hpp"
 
 #include <catch2/catch.hpp>
 
-#include "host/log/strict_toml.hpp"
+#include "host/core/strict_toml.hpp"
 #include "tests/host/error_message.hpp"
 
 using namespace furcula;
@@ -18,7 +18,7 @@ std::string repeated(std::string_view part, int times) {
 }
 
 std::string refused(const std::string& text) {
-  return test::error_message([&] { log::parse_toml(text, "x.toml"); });
+  return test::error_message([&] { core::parse_toml(text, "x.toml"); });
 }
 
 constexpr const char* kNames = "x.toml:2: more than 16 names joined by dots; expected at most 16";
@@ -90,8 +90,8 @@ TEST_CASE("what stands in strings and comments does not count, and ends where TO
 TEST_CASE("a text that is no TOML is the parser's to refuse, with its own line") {
   CHECK_THAT(refused("x = \"no end\n" + repeated("a.", 10) + "a = 1\n"), Contains("x.toml:1: no valid TOML"));
   CHECK_THAT(refused("]]]]\n"), Contains("x.toml:1: no valid TOML"));
-  CHECK_FALSE(log::find_too_deep("\"").has_value());
-  CHECK_FALSE(log::find_too_deep("\"\\").has_value());
-  CHECK_FALSE(log::find_too_deep("\"\"\"").has_value());
-  CHECK_FALSE(log::find_too_deep("'''''''").has_value());
+  CHECK_FALSE(core::find_too_deep("\"").has_value());
+  CHECK_FALSE(core::find_too_deep("\"\\").has_value());
+  CHECK_FALSE(core::find_too_deep("\"\"\"").has_value());
+  CHECK_FALSE(core::find_too_deep("'''''''").has_value());
 }

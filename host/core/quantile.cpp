@@ -1,9 +1,9 @@
-#include "host/identify/quantile.hpp"
+#include "host/core/quantile.hpp"
 
 #include <boost/math/distributions/chi_squared.hpp>
 #include <boost/math/distributions/students_t.hpp>
 
-namespace furcula::identify {
+namespace furcula::core {
 namespace {
 
 // In double: its fifteen digits are ten more than any threshold needs.
@@ -20,4 +20,4 @@ double student_t_within(double share, double freedom) {
       complement(boost::math::students_t_distribution<double, Policy>(freedom), 0.5 * (1.0 - share)));
 }
 
-}  // namespace furcula::identify
+}  // namespace furcula::core

@@ -1,5 +1,5 @@
 // Strict TOML, see strict_toml.hpp.
-#include "host/log/strict_toml.hpp"
+#include "host/core/strict_toml.hpp"
 
 #include <cerrno>
 #include <cmath>
@@ -8,12 +8,12 @@
 #include <sstream>
 #include <vector>
 
-#include "host/log/byte_source.hpp"
-#include "host/log/error.hpp"
-#include "host/log/message.hpp"
-#include "host/log/toml_depth.hpp"
+#include "host/core/byte_source.hpp"
+#include "host/core/error.hpp"
+#include "host/core/message.hpp"
+#include "host/core/toml_depth.hpp"
 
-namespace furcula::log {
+namespace furcula::core {
 
 std::string read_small_file(const std::string& path, std::string_view what) {
   constexpr std::size_t kMost = 1 << 20;
@@ -101,4 +101,4 @@ void refuse_unknown_keys(const toml::table& table, const std::string& name, std:
   }
 }
 
-}  // namespace furcula::log
+}  // namespace furcula::core

@@ -1,5 +1,5 @@
 // Files and pipes as sources of bytes: a pipe that nobody writes to is refused, all others are read.
-#include "host/log/byte_source.hpp"
+#include "host/core/byte_source.hpp"
 
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -19,7 +19,7 @@ using Catch::Matchers::Contains;
 namespace {
 
 std::string read_all(const std::string& path) {
-  log::FileSource source(path, "a log");
+  core::FileSource source(path, "a log");
   std::string all;
   char part[7];
   while (const std::size_t n = source.read(part, sizeof part)) all.append(part, n);

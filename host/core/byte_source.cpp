@@ -1,5 +1,5 @@
 // Files as byte sources, see byte_source.hpp.
-#include "host/log/byte_source.hpp"
+#include "host/core/byte_source.hpp"
 
 #include <fcntl.h>
 #include <poll.h>
@@ -8,9 +8,9 @@
 
 #include <cerrno>
 
-#include "host/log/error.hpp"
+#include "host/core/error.hpp"
 
-namespace furcula::log {
+namespace furcula::core {
 
 // Without O_NONBLOCK opening a FIFO waits for its writer, for ever if need be.
 FileSource::FileSource(const std::string& path, std::string_view what)
@@ -62,4 +62,4 @@ std::size_t FileSource::read(char* to, std::size_t size) {
   }
 }
 
-}  // namespace furcula::log
+}  // namespace furcula::core

@@ -1,7 +1,7 @@
 // Text in XML and HTML, see markup.hpp.
-#include "host/log/markup.hpp"
+#include "host/core/markup.hpp"
 
-namespace furcula::log {
+namespace furcula::core {
 
 std::string escape(std::string_view text) {
   std::string out;
@@ -35,4 +35,4 @@ std::string escape(std::string_view text) {
   return out;
 }
 
-}  // namespace furcula::log
+}  // namespace furcula::core

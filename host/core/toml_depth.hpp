@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-namespace furcula::log {
+namespace furcula::core {
 
 /// Of brackets and braces within each other, and of names that dots join. The files of this project need 3.
 inline constexpr std::size_t kTomlDepthMax = 16;
@@ -21,4 +21,4 @@ struct TooDeep {
 /// does not count. Of a text that is no TOML it says nothing else: the parser does.
 std::optional<TooDeep> find_too_deep(std::string_view text);
 
-}  // namespace furcula::log
+}  // namespace furcula::core

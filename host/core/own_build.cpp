@@ -1,4 +1,4 @@
-#include "host/log/own_build.hpp"
+#include "host/core/own_build.hpp"
 
 #include <elf.h>
 #include <link.h>
@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <cstring>
 
-namespace furcula::log {
+namespace furcula::core {
 namespace {
 
 /// Of the notes between `at` and `end`, as the loader has them in memory.
@@ -53,4 +53,4 @@ std::string hexadecimal(std::uint32_t number) {
   return text;
 }
 
-}  // namespace furcula::log
+}  // namespace furcula::core

@@ -3,11 +3,16 @@
 
 #include <stdexcept>
 
-namespace furcula::log {
+namespace furcula::core {
 
 /// Ends a command with exit status 3.
 struct DataError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+}  // namespace furcula::core
+
+// host/trees still says log::DataError and the like.
+namespace furcula::log {
+using namespace core;
 }  // namespace furcula::log

@@ -1,4 +1,4 @@
-#include "host/log/parameter_file.hpp"
+#include "host/core/parameter_file.hpp"
 
 #include <fcntl.h>
 #include <unistd.h>
@@ -8,9 +8,9 @@
 #include <exception>
 
 #include "furcula/core/crc32.hpp"
-#include "host/log/atomic_file.hpp"
+#include "host/core/atomic_file.hpp"
 
-namespace furcula::log {
+namespace furcula::core {
 namespace {
 
 constexpr std::string_view kTitle = "furcula-parameters/1\n";
@@ -66,4 +66,4 @@ Status ParameterFile::save(std::span<const std::uint8_t> image) const {
   }
 }
 
-}  // namespace furcula::log
+}  // namespace furcula::core

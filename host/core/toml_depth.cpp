@@ -1,9 +1,9 @@
 // The depth of a TOML text, see toml_depth.hpp.
-#include "host/log/toml_depth.hpp"
+#include "host/core/toml_depth.hpp"
 
 #include <algorithm>
 
-namespace furcula::log {
+namespace furcula::core {
 namespace {
 
 /// Where the string that begins at `at` (a quote) ends: the index behind its last quote. One that is not
@@ -81,4 +81,4 @@ std::optional<TooDeep> find_too_deep(std::string_view text) {
   return std::nullopt;
 }
 
-}  // namespace furcula::log
+}  // namespace furcula::core

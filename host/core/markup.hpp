@@ -4,10 +4,10 @@
 #include <string>
 #include <string_view>
 
-namespace furcula::log {
+namespace furcula::core {
 
 /// Text for an element's content or a quoted attribute: & < > " ' are escaped, control characters are
 /// replaced by U+FFFD.
 std::string escape(std::string_view text);
 
-}  // namespace furcula::log
+}  // namespace furcula::core

@@ -1,5 +1,5 @@
 // Files are written whole or not at all.
-#include "host/log/atomic_file.hpp"
+#include "host/core/atomic_file.hpp"
 
 #include <signal.h>
 #include <sys/resource.h>
@@ -25,7 +25,7 @@ std::string content(const std::string& path) {
 TEST_CASE("a file is replaced as a whole, and nothing else is left in the folder") {
   test::TemporaryFolder folder;
   const std::string path = folder.file("out.json", "the old one, longer than the new one");
-  log::write_file_atomically(path, "new");
+  core::write_file_atomically(path, "new");
   CHECK(content(path) == "new");
   CHECK(folder.names() == std::vector<std::string>{"out.json"});
 }
@@ -33,7 +33,7 @@ TEST_CASE("a file is replaced as a whole, and nothing else is left in the folder
 TEST_CASE("a new file may be read by those whom the user's mask lets") {
   test::TemporaryFolder folder;
   const mode_t before = ::umask(027);
-  log::write_file_atomically(folder.path() + "/a", "x");
+  core::write_file_atomically(folder.path() + "/a", "x");
   ::umask(before);
   struct stat status {};
   REQUIRE(::stat((folder.path() + "/a").c_str(), &status) == 0);
@@ -45,17 +45,17 @@ TEST_CASE("a link stays a link: the file that it names is replaced") {
   const std::string file = folder.file("file", "old");
   const std::string link = folder.path() + "/link";
   std::filesystem::create_symlink(file, link);
-  log::write_file_atomically(link, "new");
+  core::write_file_atomically(link, "new");
   CHECK(std::filesystem::is_symlink(link));
   CHECK(content(file) == "new");
 }
 
 TEST_CASE("a place that cannot be written to is told, and left as it was") {
   test::TemporaryFolder folder;
-  CHECK_THROWS_AS(log::write_file_atomically(folder.path(), "x"), log::OutputError);
-  CHECK_THROWS_AS(log::write_file_atomically(folder.path() + "/none/out", "x"), log::OutputError);
-  CHECK_THROWS_AS(log::write_file_atomically("/dev/full", "x"), log::OutputError);
-  CHECK_NOTHROW(log::write_file_atomically("/dev/null", "x"));
+  CHECK_THROWS_AS(core::write_file_atomically(folder.path(), "x"), core::OutputError);
+  CHECK_THROWS_AS(core::write_file_atomically(folder.path() + "/none/out", "x"), core::OutputError);
+  CHECK_THROWS_AS(core::write_file_atomically("/dev/full", "x"), core::OutputError);
+  CHECK_NOTHROW(core::write_file_atomically("/dev/null", "x"));
   CHECK(std::filesystem::is_character_file("/dev/null"));
   CHECK(folder.names().empty());
 }
@@ -68,7 +68,7 @@ struct OldSet {
     for (const char* name : {"a.json", "b.toml", "c.html"}) folder.file(name, std::string("old ") + name);
   }
   std::string path(const std::string& name) const { return folder.path() + "/" + name; }
-  std::vector<log::NewFile> next() const {
+  std::vector<core::NewFile> next() const {
     return {{path("a.json"), "new a"}, {path("b.toml"), "new b"}, {path("c.html"), std::string(20'000, 'c')}};
   }
   bool is_whole() const {
@@ -84,15 +84,15 @@ TEST_CASE("files of one result appear together, and what is obsolete goes with t
   const OldSet set;
   set.folder.file("old.toml", "x");
   const std::vector<std::string> obsolete{set.path("old.toml"), set.path("never.toml")};
-  log::write_files_together(set.next(), obsolete);
+  core::write_files_together(set.next(), obsolete);
   CHECK(content(set.path("a.json")) == "new a");
   CHECK(content(set.path("b.toml")) == "new b");
   CHECK(content(set.path("c.html")) == std::string(20'000, 'c'));
   CHECK(set.folder.names() == std::vector<std::string>{"a.json", "b.toml", "c.html"});
   // Where nothing was before.
   const test::TemporaryFolder empty;
-  log::write_files_together(
-      std::vector<log::NewFile>{{empty.path() + "/x", "1"}, {empty.path() + "/y", "2"}});
+  core::write_files_together(
+      std::vector<core::NewFile>{{empty.path() + "/x", "1"}, {empty.path() + "/y", "2"}});
   CHECK(content(empty.path() + "/x") + content(empty.path() + "/y") == "12");
   CHECK(empty.names().size() == 2);
 }
@@ -102,9 +102,9 @@ TEST_CASE("a folder in the way of one file leaves the old set whole, and nothing
     const OldSet set;
     auto next = set.next();
     std::filesystem::create_directories(set.path("in the way"));
-    for (log::NewFile& file : next)
+    for (core::NewFile& file : next)
       if (file.path == set.path(name)) file.path = set.path("in the way");
-    CHECK_THROWS_WITH(log::write_files_together(next),
+    CHECK_THROWS_WITH(core::write_files_together(next),
                       Catch::Contains("in the way: cannot be written: Is a dir"));
     CHECK(set.is_whole());
     CHECK(set.folder.names() == std::vector<std::string>{"a.json", "b.toml", "c.html", "in the way"});
@@ -119,7 +119,7 @@ TEST_CASE("a disk that is full for one file leaves the old set whole") {
   REQUIRE(::getrlimit(RLIMIT_FSIZE, &before) == 0);
   const rlimit small{8192, before.rlim_max};
   REQUIRE(::setrlimit(RLIMIT_FSIZE, &small) == 0);
-  CHECK_THROWS_AS(log::write_files_together(set.next()), log::OutputError);
+  CHECK_THROWS_AS(core::write_files_together(set.next()), core::OutputError);
   ::setrlimit(RLIMIT_FSIZE, &before);
   ::signal(SIGXFSZ, SIG_DFL);
   CHECK(set.is_whole());
@@ -134,7 +134,7 @@ TEST_CASE("what fails after the first file has its new name puts the old ones ba
       for (const char* name : {"a.json", "b.toml", "c.html"}) std::filesystem::remove(set.path(name));
     std::filesystem::create_directories(set.path("obsolete"));
     const std::vector<std::string> obsolete{set.path("obsolete")};
-    CHECK_THROWS_WITH(log::write_files_together(set.next(), obsolete), Catch::Contains("obsolete: cannot"));
+    CHECK_THROWS_WITH(core::write_files_together(set.next(), obsolete), Catch::Contains("obsolete: cannot"));
     CHECK(set.is_whole() == were_there);
     CHECK(set.folder.names().size() == (were_there ? 4 : 1));
   }
@@ -144,6 +144,6 @@ TEST_CASE("a pipe that no program reads from is told, not waited for") {
   const test::TemporaryFolder folder;
   const std::string fifo = folder.path() + "/fifo";
   REQUIRE(::mkfifo(fifo.c_str(), 0600) == 0);
-  CHECK_THROWS_WITH(log::write_file_atomically(fifo, "x"),
+  CHECK_THROWS_WITH(core::write_file_atomically(fifo, "x"),
                     Catch::Contains("no program reads from this pipe"));
 }

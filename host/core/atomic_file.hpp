@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-namespace furcula::log {
+namespace furcula::core {
 
 /// A result could not be written where it was asked for. Ends a command with exit status 2.
 struct OutputError : std::runtime_error {
@@ -29,4 +29,4 @@ struct NewFile {
 /// microseconds can leave some files old and some new, each of them whole. @throws OutputError.
 void write_files_together(std::span<const NewFile> files, std::span<const std::string> obsolete = {});
 
-}  // namespace furcula::log
+}  // namespace furcula::core

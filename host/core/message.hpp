@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-namespace furcula::log {
+namespace furcula::core {
 
 /// Text from a file, a device or an argument as a terminal may get it: UTF-8 stays; control characters, those
 /// that change the direction of writing, line separators and bytes that are no UTF-8 are shown as \xNN.
@@ -31,4 +31,4 @@ std::string did_you_mean(std::string_view name, std::span<const std::string_view
 /// "a, b, c"
 std::string listed(std::span<const std::string_view> names);
 
-}  // namespace furcula::log
+}  // namespace furcula::core

@@ -10,7 +10,7 @@
 #include <thread>
 #include <vector>
 
-namespace furcula::identify {
+namespace furcula::core {
 
 /// Runs job(0) ... job(count - 1) on up to `threads` threads. The first exception is thrown again here.
 template <class Job>
@@ -34,4 +34,4 @@ void parallel_for(std::size_t count, unsigned threads, const Job& job) {
   if (failure) std::rethrow_exception(failure);
 }
 
-}  // namespace furcula::identify
+}  // namespace furcula::core

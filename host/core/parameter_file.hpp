@@ -9,7 +9,7 @@
 
 #include "furcula/core/status.hpp"
 
-namespace furcula::log {
+namespace furcula::core {
 
 /// The image (furcula/bus/parameter_image.hpp) behind a line that says what it is, and its CRC-32. Written
 /// whole or not at all.
@@ -30,4 +30,4 @@ class ParameterFile {
   std::string path_;
 };
 
-}  // namespace furcula::log
+}  // namespace furcula::core

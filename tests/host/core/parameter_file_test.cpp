@@ -1,5 +1,5 @@
 // The file of parameters on a computer: what is damaged in it is not believed.
-#include "host/log/parameter_file.hpp"
+#include "host/core/parameter_file.hpp"
 
 #include <sys/stat.h>
 
@@ -17,7 +17,7 @@ using namespace furcula;
 TEST_CASE("what a store saves it loads, and nothing that was cut or changed at any byte") {
   const test::TemporaryFolder folder;
   const std::string path = folder.path() + "/parameters";
-  log::ParameterFile store(path);
+  core::ParameterFile store(path);
   std::array<std::uint8_t, 64> into{};
   CHECK(store.load(into).value() == 0);  // never saved
   const std::array<std::uint8_t, 10> image{1, 2, 3, 0, 255, 10, 13, 7, 8, 9};
@@ -46,18 +46,18 @@ TEST_CASE("what a store saves it loads, and nothing that was cut or changed at a
 
 TEST_CASE("a store that cannot be written says so and leaves no part") {
   const test::TemporaryFolder folder;
-  log::ParameterFile store(folder.path() + "/no/such/folder");
+  core::ParameterFile store(folder.path() + "/no/such/folder");
   const std::array<std::uint8_t, 4> image{};
   CHECK(store.save(image) == Status::disconnected);
   CHECK(std::filesystem::is_empty(folder.path()));
-  log::ParameterFile none("");
+  core::ParameterFile none("");
   CHECK(none.save(image) == Status::disconnected);
 }
 
 TEST_CASE("only a file that is not there was never saved") {
   const test::TemporaryFolder folder;
   std::array<std::uint8_t, 64> into{};
-  const auto load = [&](const std::string& path) { return log::ParameterFile(path).load(into); };
+  const auto load = [&](const std::string& path) { return core::ParameterFile(path).load(into); };
   CHECK(load(folder.path() + "/none").value() == 0);
   CHECK(load(folder.path() + "/none").ok());
   // Of all others the reason cannot be that nobody saved: a file in the place of a folder, a folder, links
@@ -74,6 +74,6 @@ TEST_CASE("only a file that is not there was never saved") {
   CHECK(load(folder.file("empty", "")).status() == Status::invalid);
   // Nor can a folder be saved to, or what is below a file: that is told.
   const std::array<std::uint8_t, 4> image{};
-  CHECK(log::ParameterFile(folder.path()).save(image) == Status::disconnected);
-  CHECK(log::ParameterFile(file + "/x").save(image) == Status::disconnected);
+  CHECK(core::ParameterFile(folder.path()).save(image) == Status::disconnected);
+  CHECK(core::ParameterFile(file + "/x").save(image) == Status::disconnected);
 }

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <ctime>
 
-namespace furcula::linux_sbc {
+namespace furcula::core {
 
 inline std::int64_t monotonic_ns() {
   timespec now{};
@@ -50,4 +50,4 @@ class Timer {
   std::uint64_t overruns_ = 0;
 };
 
-}  // namespace furcula::linux_sbc
+}  // namespace furcula::core

@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-namespace furcula::log {
+namespace furcula::core {
 
 class ByteSource {
  public:
@@ -53,4 +53,4 @@ class TextSource final : public ByteSource {
   std::string_view text_;
 };
 
-}  // namespace furcula::log
+}  // namespace furcula::core

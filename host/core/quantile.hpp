@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <vector>
 
-namespace furcula::identify {
+namespace furcula::core {
 
 /// The value that `share` (0 to 1) of the values lie below; 0 of none.
 inline double quantile(std::vector<double> values, double share) {
@@ -29,4 +29,4 @@ double chi_square_above(double level, double freedom);
 /// Student's t of `freedom` > 0 degrees lies within +- this with the probability `share`, 0 < share < 1.
 double student_t_within(double share, double freedom);
 
-}  // namespace furcula::identify
+}  // namespace furcula::core
