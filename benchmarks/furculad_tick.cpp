@@ -57,7 +57,7 @@ class PipeLines {
   linux_sbc::SwitchReading reading_{.closed = true};
 };
 
-using Board = linux_sbc::LinuxBoard<linux_sbc::CanSocket, PipeLines>;
+using Board = linux_sbc::LinuxBoard<socketcan::CanSocket, PipeLines>;
 using Node = firmware::Node<Board, core::ParameterFile>;
 
 struct Stand {
@@ -87,7 +87,7 @@ struct Stand {
 /// Drive and encoder of a robot that stands: they answer each tick. Every 50 ms the switch bounces.
 void play_devices(Stand& stand, int priority) {
   static_cast<void>(linux_sbc::run_first_in_first_out(priority));
-  linux_sbc::CanSocket can(stand.bus[1]);
+  socketcan::CanSocket can(stand.bus[1]);
   rig::Drive drive;
   rig::EncoderNode encoder(rig::kHeightNode);
   core::Timer timer(1'000'000);
@@ -97,7 +97,7 @@ void play_devices(Stand& stand, int priority) {
     static_cast<void>(timer.wait());
     std::array<bus::Frame, 2> out{encoder.sample(1000, 0, true)};
     std::size_t size = 1;
-    for (const linux_sbc::Received& r : can.receive())
+    for (const socketcan::Received& r : can.receive())
       if (const auto reply = drive.receive(r.frame, 0.35f, drive.torque_nm()); reply && size < out.size())
         out[size++] = *reply;
     static_cast<void>(can.send(std::span<const bus::Frame>(out).first(size)));
@@ -141,7 +141,7 @@ int main(int argc, char** argv) {
     return 2;
   }
   Stand stand;
-  linux_sbc::CanSocket can(stand.bus[0]);
+  socketcan::CanSocket can(stand.bus[0]);
   PipeLines lines(stand.line[0]);
   Board board(stand.configuration, can, lines, stand.stop, stand.figures);
   core::ParameterFile store("");
@@ -176,7 +176,7 @@ int main(int argc, char** argv) {
     return took_us[static_cast<std::size_t>(s * static_cast<double>(ticks - 1))];
   };
   if (!warning.empty()) std::fprintf(stderr, "%s\n", warning.c_str());
-  const linux_sbc::CanCounters& c = can.counters();
+  const socketcan::CanCounters& c = can.counters();
   std::printf("%zu ticks, %zu of them running; %.2f frames in and %.2f out a tick, %.3f edges; requests %u\n",
               ticks, ran, static_cast<double>(c.received) / static_cast<double>(ticks + kSettled),
               static_cast<double>(c.sent) / static_cast<double>(ticks + kSettled),

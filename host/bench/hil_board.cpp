@@ -13,13 +13,13 @@
 #include <optional>
 #include <thread>
 
-#include "boards/linux_sbc/can_socket.hpp"
 #include "host/bench/bus_board.hpp"
 #include "host/core/atomic_file.hpp"
 #include "host/core/error.hpp"
 #include "host/core/timer.hpp"
 #include "host/rig/child.hpp"
 #include "host/rig/gpio_sim.hpp"
+#include "host/socketcan/can_socket.hpp"
 
 namespace furcula::bench {
 namespace {
@@ -39,12 +39,12 @@ class KernelWires final : public Wires {
   void send(const bus::Frame& frame) override { static_cast<void>(can_.send({&frame, 1})); }
   std::vector<bus::Frame> receive() override {
     std::vector<bus::Frame> frames;
-    for (const linux_sbc::Received& r : can_.receive()) frames.push_back(r.frame);
+    for (const socketcan::Received& r : can_.receive()) frames.push_back(r.frame);
     return frames;
   }
 
  private:
-  linux_sbc::CanSocket can_;
+  socketcan::CanSocket can_;
   rig::GpioSim gpio_;
 };
 

@@ -7,8 +7,8 @@
 #include <array>
 #include <deque>
 
-#include "boards/linux_sbc/can_socket.hpp"
 #include "host/core/error.hpp"
+#include "host/socketcan/can_socket.hpp"
 
 namespace furcula::modbus {
 namespace {
@@ -55,14 +55,14 @@ class SocketPort final : public FramePort {
       pollfd waited{socket_.fd(), POLLIN, 0};
       if (left.count() <= 0 || ::poll(&waited, 1, static_cast<int>(left.count())) <= 0) return std::nullopt;
       const auto received = socket_.receive();
-      for (const linux_sbc::Received& r : received) come_.push_back(r.frame);
+      for (const socketcan::Received& r : received) come_.push_back(r.frame);
       // An interface that went down makes its socket readable, with nothing to read.
       if ((waited.revents & (POLLERR | POLLHUP)) != 0 && received.empty()) return std::nullopt;
     }
   }
 
  private:
-  linux_sbc::CanSocket socket_;
+  socketcan::CanSocket socket_;
   std::deque<bus::Frame> come_;
 };
 
@@ -161,7 +161,7 @@ std::unique_ptr<Link> open_can(const Port& port) {
     return std::make_unique<CanLink>(port.text, port.can_node,
                                      static_cast<std::uint8_t>(now / std::chrono::microseconds(1)),
                                      std::make_unique<SocketPort>(port.can_interface, port.can_node));
-  } catch (const linux_sbc::CanError& e) {
+  } catch (const socketcan::CanError& e) {
     throw core::DataError(port.text + ": " + e.what());
   }
 }

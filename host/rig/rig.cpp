@@ -14,7 +14,6 @@
 #include <cmath>
 #include <iterator>
 
-#include "boards/linux_sbc/can_socket.hpp"
 #include "boards/sim_host/board.hpp"
 #include "furcula/bus/parameters.hpp"
 #include "host/core/atomic_file.hpp"
@@ -27,6 +26,7 @@
 #include "host/sim/expectation.hpp"
 #include "host/sim/recorder.hpp"
 #include "host/sim/simulate.hpp"
+#include "host/socketcan/can_socket.hpp"
 
 namespace furcula::rig {
 namespace {
@@ -174,7 +174,7 @@ class Rig {
   }
 
   void listen() {
-    for (const linux_sbc::Received& r : can_.receive()) {
+    for (const socketcan::Received& r : can_.receive()) {
       words_.receive(r.frame);
       if (devices_.hear(r.frame)) commanded_ = true;
       if (is_switch_off(r.frame) && board_.time_s() >= onset_s_ && result_.told_off_s == kNever)
@@ -268,7 +268,7 @@ class Rig {
   control::Config config_;
   sim_host::SimBoard board_;
   sim::HopperRecorder recorder_;
-  linux_sbc::CanSocket can_;
+  socketcan::CanSocket can_;
   Devices devices_;
   GpioSim gpio_;
   Desk desk_;

@@ -1,5 +1,5 @@
 // SocketCAN, see can_socket.hpp.
-#include "boards/linux_sbc/can_socket.hpp"
+#include "host/socketcan/can_socket.hpp"
 
 #include <fcntl.h>
 #include <linux/can.h>
@@ -17,7 +17,7 @@
 #include <cstring>
 #include <system_error>
 
-namespace furcula::linux_sbc {
+namespace furcula::socketcan {
 namespace {
 
 std::string last_error() { return std::generic_category().message(errno); }
@@ -174,4 +174,4 @@ bool CanSocket::send(std::span<const bus::Frame> frames) {
   return sent == frames.size();
 }
 
-}  // namespace furcula::linux_sbc
+}  // namespace furcula::socketcan

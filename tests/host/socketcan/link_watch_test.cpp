@@ -1,5 +1,5 @@
 // Whether the interface is on the bus, by what the kernel says; and that the socket passes it on.
-#include "boards/linux_sbc/link_watch.hpp"
+#include "host/socketcan/link_watch.hpp"
 
 #include <linux/can.h>
 #include <sys/socket.h>
@@ -7,11 +7,11 @@
 
 #include <catch2/catch.hpp>
 
-#include "boards/linux_sbc/can_socket.hpp"
+#include "host/socketcan/can_socket.hpp"
 
-using furcula::linux_sbc::CanSocket;
-using furcula::linux_sbc::CanState;
-using furcula::linux_sbc::LinkWatch;
+using furcula::socketcan::CanSocket;
+using furcula::socketcan::CanState;
+using furcula::socketcan::LinkWatch;
 
 TEST_CASE("a link that goes down is off until a frame is taken again, however often it is asked") {
   LinkWatch watch;

@@ -7,7 +7,7 @@
 #include <cerrno>
 #include <cstdint>
 
-namespace furcula::linux_sbc {
+namespace furcula::socketcan {
 
 enum class CanState : std::uint8_t {
   on = 0,
@@ -51,4 +51,4 @@ class LinkWatch {
   std::uint64_t times_off_ = 0;
 };
 
-}  // namespace furcula::linux_sbc
+}  // namespace furcula::socketcan

@@ -7,10 +7,10 @@
 #include <stdexcept>
 #include <string>
 
-#include "boards/linux_sbc/link_watch.hpp"
 #include "furcula/bus/frame.hpp"
+#include "host/socketcan/link_watch.hpp"
 
-namespace furcula::linux_sbc {
+namespace furcula::socketcan {
 
 /// An interface that is not there, or down; the message says which and what to do.
 struct CanError : std::runtime_error {
@@ -77,4 +77,4 @@ class CanSocket {
   Received received_[kBatch];
 };
 
-}  // namespace furcula::linux_sbc
+}  // namespace furcula::socketcan
