@@ -15,7 +15,7 @@ using namespace furcula;
 // The example of 002 section 3.2.1, all dampings free.
 model::Model example() {
   model::Model model;
-  model.kind = dynamics::Kind::hopper_linear;
+  model.kind = dynamics::kKindOf<dynamics::machines::HopperLinear>;
   model.parameters = {1.5, 600.0, 0.28190778623577246, 5.0, 1.0, 1.0, 1.0, 0.15, 0.3490658503988659, 9.81};
   model.free[*dynamics::parameter_index(model.kind, "damping_stance_nspm")] = {0.0, 20.0};
   return model;

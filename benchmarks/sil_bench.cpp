@@ -11,7 +11,7 @@ using namespace furcula;
 // The example of 002 section 3.2.1.
 model::Model example() {
   model::Model model;
-  model.kind = dynamics::Kind::hopper_linear;
+  model.kind = dynamics::kKindOf<dynamics::machines::HopperLinear>;
   model.parameters = {1.5, 600.0, 0.28190778623577246, 5.0, 1.0, 1.0, 1.0, 0.15, 0.3490658503988659, 9.81};
   return model;
 }
@@ -62,7 +62,7 @@ BENCHMARK(sil)->ArgName("real_sensors")->Arg(0)->Arg(1)->Unit(benchmark::kMillis
 /// The robot of 002 chapter 5 (links of table 3.1, modular clutch).
 model::Model robot_with_clutch() {
   model::Model model = example();
-  model.kind = dynamics::Kind::hopper_nonlinear;
+  model.kind = dynamics::kKindOf<dynamics::machines::HopperNonlinear>;
   model.parameters[2] = 0.289;
   for (const double inertia : {42e-4, 75e-4, 38e-3}) model.parameters.push_back(inertia);
   model.clutch = model::Clutch{0.020, 0.020, 20.0, 3e-3 / 0.7};

@@ -46,7 +46,7 @@ std::string_view stage_name(dynamics::Stage stage) {
 
 std::vector<Kind> kinds_of(const EffectInfo& effect) {
   std::vector<Kind> kinds;
-  for (const auto& k : dynamics::kKinds)
+  for (const auto& k : dynamics::kMachines)
     if (dynamics::applies(effect.effect, k.kind)) kinds.push_back(k.kind);
   return kinds;
 }
@@ -70,7 +70,7 @@ std::string with_rotary(std::string_view linear, std::string_view rotary, const 
 
 std::string neutral_text(const EffectParameterInfo& p) {
   if (!std::isnan(p.neutral)) return shortest(p.neutral);
-  for (const auto& k : dynamics::kKinds)
+  for (const auto& k : dynamics::kMachines)
     if (dynamics::parameter_index(k.kind, p.name)) return "the model's";
   return "any";
 }
@@ -81,7 +81,7 @@ std::string unit_text(std::string_view linear, std::string_view rotary, const Ef
 }
 
 /// Stance and flight are the hopper's.
-bool has_phases(std::optional<Kind> kind) { return !kind || is_hopper(*kind); }
+bool has_phases(std::optional<Kind> kind) { return !kind || dynamics::has(*kind, dynamics::Seat::leg); }
 
 void print_text(const EffectInfo& e, std::optional<Kind> kind) {
   std::cout << e.name << "\n  law         " << e.law << "\n  stage       " << stage_name(e.stage)

@@ -8,6 +8,7 @@
 #include "host/core/error.hpp"
 #include "host/core/quantile.hpp"
 #include "host/diagnose/effect_set.hpp"
+#include "host/machines/hopper.hpp"
 
 namespace furcula::diagnose {
 namespace {
@@ -133,7 +134,7 @@ std::vector<Proposer::Values> Proposer::starts(Effect effect) const {
             values[i] = low_ + (place + 0.5) / kPlaces * (high_ - low_);
             break;
           case Measure::depth:
-            values[i] = (place + 0.5) / kPlaces * (identify::touchdown_height_m(t_.model) - low_);
+            values[i] = (place + 0.5) / kPlaces * (machines::touchdown_height_m(t_.model) - low_);
             break;
         }
       all.push_back(values);
@@ -196,9 +197,9 @@ std::vector<Proposer::Values> Proposer::swings(const Hypothesis& on, const std::
   const double pi = std::numbers::pi;
   if (effect == Effect::torque_ripple) {
     double range = high_ - low_;  // rad
-    if (dynamics::is_hopper(t_.model.kind)) {
+    if (dynamics::has(t_.model.kind, dynamics::Seat::leg)) {
       const double length = 2.0 * t_.model.parameter("link_length_m");
-      const double stop = identify::touchdown_height_m(t_.model);
+      const double stop = machines::touchdown_height_m(t_.model);
       range =
           std::acos(std::clamp(low_ / length, -1.0, 1.0)) - std::acos(std::clamp(stop / length, -1.0, 1.0));
     }

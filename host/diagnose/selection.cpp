@@ -123,7 +123,7 @@ class Search {
              (lacking && wider) || p.effect == Effect::encoder_slip ||
              ((most >= kMostFits || lacking) &&
               (p.effect == Effect::coulomb_friction ||
-               (!dynamics::is_hopper(trainer_.model.kind) &&
+               (!dynamics::has(trainer_.model.kind, dynamics::Seat::leg) &&
                 (p.effect == Effect::asymmetric_friction || p.effect == Effect::stribeck_friction))));
     };
     const auto first_other = std::stable_partition(proposals.begin(), proposals.end(), always);

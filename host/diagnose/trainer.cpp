@@ -5,6 +5,7 @@
 
 #include "host/core/quantile.hpp"
 #include "host/diagnose/effect_set.hpp"
+#include "host/machines/rules.hpp"
 
 namespace furcula::diagnose {
 namespace {
@@ -112,7 +113,7 @@ Hypothesis Trainer::fit(const std::vector<Effect>& effects, const Hypothesis* fr
 }
 
 bool Trainer::clutch_works() const {
-  return model.kind == dynamics::Kind::clutch_bench ||
+  return dynamics::has(model.kind, dynamics::Seat::belt) ||
          (model.clutch && std::any_of(recordings.begin(), recordings.end(),
                                       [](const auto& r) { return !r.solenoid.empty(); }));
 }
@@ -128,14 +129,8 @@ Trainer::Scales Trainer::scales() const {
     }
   }
   if (rows == 0.0) return {};
-  if (model.kind == dynamics::Kind::clutch_bench)
-    return {
-        model.parameter("load_mass_kg") * dynamics::kBenchGravity_mps2 * model.parameter("pulley_radius_m"),
-        std::sqrt(squares / rows)};
-  return {dynamics::info(model.kind).rig == "hopper"
-              ? model.parameter("mass_kg") * model.parameter("gravity_mps2")
-              : std::sqrt(inputs / rows),
-          std::sqrt(squares / rows)};
+  const auto weight = machines::rules(model.kind).weight;
+  return {weight != nullptr ? weight(model) : std::sqrt(inputs / rows), std::sqrt(squares / rows)};
 }
 
 Trainer::Travel Trainer::travel() const {

@@ -8,6 +8,7 @@
 #include "host/identify/equation_fit.hpp"
 #include "host/identify/plausible.hpp"
 #include "host/identify/verdicts.hpp"
+#include "host/machines/rules.hpp"
 
 namespace furcula::identify {
 namespace {
@@ -23,7 +24,7 @@ bool restitution_is_free(const model::Model& model) {
 /// The windows that parameters are fitted on.
 TrainingWindows fit_windows(const std::vector<Recording>& recordings, const model::Model& model,
                             double window_s) {
-  if (!dynamics::is_hopper(model.kind)) return training_windows(recordings, model, window_s);
+  if (!dynamics::has(model.kind, dynamics::Seat::leg)) return training_windows(recordings, model, window_s);
   TrainingWindows t;
   const bool whole = restitution_is_free(model);
   for (std::size_t i = 0; i < recordings.size(); ++i) {
@@ -52,20 +53,16 @@ class Work {
     held_out_ = make_recordings(held_out, model.kind);
     require_plausible(training_, held_out_);
     for (const auto* list : {&training_, &held_out_}) require_clutch(*list, model::has_clutch(model));
-    if (model.kind == dynamics::Kind::clutch_bench && options.by_equation)
-      throw core::DataError(
-          "equation error says nothing on clutch_bench, whose belt stands or falls for whole windows; expected "
-          "--method simulation");
+    const machines::Rules& rules = machines::rules(model.kind);
+    if (rules.held && options.by_equation)
+      throw core::DataError("equation error says nothing on " + std::string(dynamics::info(model.kind).name) +
+                            ", whose belt stands or falls for whole windows; expected --method simulation");
     fit_windows_ = fit_windows(training_, model, options.window_s);
     if (fit_windows_.windows.empty())
-      throw core::DataError(
-          training_.front().name + ": no window to fit on; expected " +
-          (dynamics::is_hopper(model.kind) ? std::string("a stance or a flight of at least 30 ms")
-           : model.kind == dynamics::Kind::rail_carriage
-               ? std::string("a flight of at least 30 ms, six rows or more without contact")
-           : model.kind == dynamics::Kind::clutch_bench
-               ? std::string("a release (solenoid = 1) from a rest of three rows, and 30 ms after its end")
-               : "at least " + std::to_string(options.window_s) + " s of recording"));
+      throw core::DataError(training_.front().name + ": no window to fit on; expected " +
+                            (rules.fit_expects.empty()
+                                 ? "at least " + std::to_string(options.window_s) + " s of recording"
+                                 : std::string(rules.fit_expects)));
     held_out_windows_ = prediction_windows(held_out_, model, options.window_s);
     for (const Window& w : fit_windows_.windows) units_.try_emplace(w.recording, units_.size());
     folds_ = fold_count();
@@ -111,10 +108,10 @@ class Work {
   }
 
   Fit fit(Method method, const std::vector<double>& start, const std::vector<Window>& windows) const {
-    const bool hopper = dynamics::is_hopper(model_.kind);
+    const bool leg = dynamics::has(model_.kind, dynamics::Seat::leg);
     if (method == Method::simulation)
       return fit_by_simulation(model_, unknowns_, start, training_, windows,
-                               hopper ? Weighting::nmse : Weighting::noise, fit_windows_.layers);
+                               leg ? Weighting::nmse : Weighting::noise, fit_windows_.layers);
     // One step knows nothing of an impact: strides say nothing here.
     std::vector<Window> inside;
     for (const Window& w : windows)
@@ -159,7 +156,7 @@ class Work {
       p.with = verdicts[i].with;
       e.parameters.push_back(std::move(p));
     }
-    if (dynamics::is_hopper(model_.kind)) {
+    if (dynamics::has(model_.kind, dynamics::Seat::leg)) {
       Derived d{"damped_frequency_radps", "rad/s", damped_frequency(e.model), {}};
       for (const auto& values : estimates)
         d.folds.push_back(damped_frequency(with_values(model_, unknowns_, values)));

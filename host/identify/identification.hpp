@@ -54,7 +54,7 @@ struct FittedTrace {
 };
 
 struct Identification {
-  dynamics::Kind kind = dynamics::Kind::hopper_linear;
+  dynamics::Kind kind{};
   std::vector<Estimation> estimations;  ///< the one that was asked for; of both, simulation first
   std::size_t logs = 0, windows = 0, samples = 0, held_out_logs = 0;
   std::size_t folds = 0;

@@ -6,6 +6,7 @@
 
 #include "host/core/error.hpp"
 #include "host/core/message.hpp"
+#include "host/machines/rules.hpp"
 
 namespace furcula::identify {
 namespace {
@@ -56,7 +57,7 @@ void require_range(const Recording& r) {
   const ChannelNames names = channel_names(r.kind);
   for (const double sign : {1.0, -1.0}) {
     // A carriage is thrown up from its stop.
-    if (sign < 0.0 && r.kind == dynamics::Kind::rail_carriage) continue;
+    if (sign < 0.0 && !machines::rules(r.kind).columns.stop.empty()) continue;
     const double extreme = sign > 0.0 ? *high : *low;
     const double stays_s = clipped_for_s(r, extreme, sign);
     if (stays_s > 0.0)
@@ -110,7 +111,7 @@ void require_plausible(const std::vector<Recording>& training, const std::vector
   for (const auto* list : {&training, &held_out})
     for (const Recording& r : *list) all.push_back(&r);
   // A belt is held where it stands, and may hang through a recording.
-  if (!all.empty() && all.front()->kind == dynamics::Kind::clutch_bench) return;
+  if (!all.empty() && machines::rules(all.front()->kind).held) return;
   for (const Recording* r : all) require_range(*r);
   require_one_unit(all);
 }

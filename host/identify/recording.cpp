@@ -8,6 +8,7 @@
 #include "host/core/error.hpp"
 #include "host/core/message.hpp"
 #include "host/core/quantile.hpp"
+#include "host/machines/rules.hpp"
 
 namespace furcula::identify {
 namespace {
@@ -239,18 +240,8 @@ LocalPolynomial local_polynomial(const std::vector<double>& time_s, const std::v
 }
 
 ChannelNames channel_names(dynamics::Kind kind) {
-  switch (kind) {
-    case dynamics::Kind::hopper_linear:
-    case dynamics::Kind::hopper_nonlinear:
-    case dynamics::Kind::rail_carriage:
-      return {"height", "m", "mps"};
-    case dynamics::Kind::motor_axis:
-      return {"position", "m", "mps"};
-    case dynamics::Kind::rotary_joint:
-    case dynamics::Kind::clutch_bench:
-      return {"angle", "rad", "radps"};
-  }
-  return {};
+  const bool rotary = dynamics::info(kind).rotary;
+  return {std::string(machines::rules(kind).channel), rotary ? "rad" : "m", rotary ? "radps" : "mps"};
 }
 
 Recording make_recording(const log::Log& log, dynamics::Kind kind) {
@@ -262,33 +253,19 @@ Recording make_recording(const log::Log& log, dynamics::Kind kind) {
   r.name = log.path;
   r.kind = kind;
   r.time_s = log.time_s();
-  const char* velocity_column = "velocity_mps";
-  switch (kind) {
-    case dynamics::Kind::hopper_linear:
-    case dynamics::Kind::hopper_nonlinear:
-      r.position = log.at("height_m");
-      r.input = log.at("torque_cmd_nm");
-      break;
-    case dynamics::Kind::motor_axis:
-      r.position = log.at("position_m");
-      r.input = log.at("force_n");
-      break;
-    case dynamics::Kind::rotary_joint:
-      r.position = log.at("angle_rad");
-      r.input = log.at("torque_nm");
-      if (log.has("torque_cmd_nm")) r.drive_command = log.at("torque_cmd_nm");
-      velocity_column = "velocity_radps";
-      break;
-    case dynamics::Kind::rail_carriage:  // nothing drives it: its force_n is the stop's
-      r.position = log.at("height_m");
-      r.input.assign(r.rows(), 0.0);
-      if (log.has("contact")) r.contact = log.at("contact");
-      break;
-    case dynamics::Kind::clutch_bench:
-      r.position = log.at("pulley_angle_rad");
-      r.input = log.at("solenoid");
-      break;
-  }
+  const machines::Rules& rules = machines::rules(kind);
+  const machines::Columns& columns = rules.columns;
+  const auto given = [&](std::string_view column) {
+    return !column.empty() && log.has(std::string(column)) ? log.at(std::string(column))
+                                                           : std::vector<double>{};
+  };
+  r.position = log.at(std::string(columns.position));
+  if (columns.input.empty())
+    r.input.assign(r.rows(), 0.0);
+  else
+    r.input = log.at(std::string(columns.input));
+  r.drive_command = given(columns.command);
+  r.contact = given(columns.stop);
   r.impulse.assign(r.rows(), 0.0);
   r.driven_s.assign(r.rows(), 0.0);
   for (std::size_t i = 1; i < r.rows(); ++i) {
@@ -296,19 +273,19 @@ Recording make_recording(const log::Log& log, dynamics::Kind kind) {
     r.impulse[i] = r.impulse[i - 1] + r.input[i - 1] * interval_s;
     r.driven_s[i] = r.driven_s[i - 1] + (r.input[i - 1] != 0.0 ? interval_s : 0.0);
   }
-  if (dynamics::is_hopper(kind)) {
-    if (log.has("solenoid") && std::any_of(log.at("solenoid").begin(), log.at("solenoid").end(),
-                                           [](double on) { return on != 0.0; }))
-      r.solenoid = log.at("solenoid");
-    if (log.has("contact")) r.touchdown_reports_s = first_closings(r.time_s, log.at("contact"));
-    if (log.has("torque_nm") && log.at("torque_nm") != r.input) r.drive = log.at("torque_nm");
-    if (log.has("leg_angle_rad")) {
-      r.leg_angle = log.at("leg_angle_rad");
-      r.leg_angle_noise = leg_angle_noise(r.time_s, r.leg_angle);
-      const auto [low, high] = std::minmax_element(r.leg_angle.begin(), r.leg_angle.end());
-      if (*high - *low < kLegMovesOverNoise * r.leg_angle_noise) r.leg_angle.clear();
-      refuse_folded_flight(r, log.has("contact") ? log.at("contact") : std::vector<double>{});
-    }
+  r.solenoid = given(columns.coil);
+  if (std::all_of(r.solenoid.begin(), r.solenoid.end(), [](double on) { return on == 0.0; }))
+    r.solenoid.clear();
+  const std::vector<double> touchdown = given(columns.touchdown);
+  if (!touchdown.empty()) r.touchdown_reports_s = first_closings(r.time_s, touchdown);
+  r.drive = given(columns.report);
+  if (r.drive == r.input) r.drive.clear();
+  r.leg_angle = given(columns.leg_angle);
+  if (!r.leg_angle.empty()) {
+    r.leg_angle_noise = leg_angle_noise(r.time_s, r.leg_angle);
+    const auto [low, high] = std::minmax_element(r.leg_angle.begin(), r.leg_angle.end());
+    if (*high - *low < kLegMovesOverNoise * r.leg_angle_noise) r.leg_angle.clear();
+    refuse_folded_flight(r, touchdown);
   }
   if (!r.drive_command.empty()) {
     r.drive = r.input;
@@ -328,10 +305,10 @@ Recording make_recording(const log::Log& log, dynamics::Kind kind) {
     }
   }
   r.velocity_smoothed = smoothed_slope(r.time_s, r.position, r.contact);
-  r.velocity_recorded = log.has(velocity_column);
-  r.velocity = r.velocity_recorded ? log.at(velocity_column) : r.velocity_smoothed;
-  r.position_noise = kind == dynamics::Kind::clutch_bench ? standstill_noise(r)
-                                                          : sample_noise(r.time_s, r.position, r.contact);
+  r.velocity = given(columns.velocity);
+  r.velocity_recorded = !r.velocity.empty();
+  if (!r.velocity_recorded) r.velocity = r.velocity_smoothed;
+  r.position_noise = rules.held ? standstill_noise(r) : sample_noise(r.time_s, r.position, r.contact);
   r.velocity_noise = sample_noise(r.time_s, r.velocity, r.contact);
   r.slips = find_slips(r.time_s, r.position, r.position_noise);
   if (!r.slips.empty()) {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "furcula/dynamics/actuation.hpp"
-#include "furcula/dynamics/kinds.hpp"
+#include "furcula/dynamics/machines.hpp"
 #include "host/log/log.hpp"
 
 namespace furcula::identify {

@@ -360,7 +360,7 @@ Fit fit_by_simulation(const model::Model& model, const std::vector<Unknown>& unk
   Costs problems(model, unknowns, recordings, windows, weighting);
   Jumping jumping(problems, unknowns, model.kind);
   bool usable = true;
-  if (model.kind == dynamics::Kind::clutch_bench && !unknowns.empty()) {
+  if (dynamics::has(model.kind, dynamics::Seat::belt) && !unknowns.empty()) {
     // As long as the coil is on no tooth matters: first how the belt falls, then where it is held.
     std::vector<Window> falls = windows;
     for (Window& w : falls) w.last = w.liftoff;

@@ -64,14 +64,13 @@ std::optional<Jumps> jumps(const Unknown& unknown, dynamics::Kind kind) {
   using dynamics::Effect;
   constexpr double kLongestCatch_s = 0.15;
   const bool late = unknown.of_effect && unknown.effect == Effect::late_catch;
-  const bool of_bench = !unknown.of_effect && kind == dynamics::Kind::clutch_bench &&
-                        unknown.parameter == dynamics::parameter_index(kind, "catch_delay_s");
-  if (late || of_bench)
+  const bool delay =
+      !unknown.of_effect && unknown.parameter == dynamics::parameter_index(kind, "catch_delay_s");
+  if (late || delay)
     return Jumps{unknown.lower, std::max(unknown.lower, std::min(unknown.upper, kLongestCatch_s)), false};
   if (unknown.of_effect && unknown.effect == Effect::clutch_slip)
     return Jumps{std::max(unknown.lower, 1.0), std::min(unknown.upper, 300.0), true};
-  if (!unknown.of_effect && kind == dynamics::Kind::clutch_bench &&
-      unknown.parameter == dynamics::parameter_index(kind, "tooth_pitch_m"))
+  if (!unknown.of_effect && unknown.parameter == dynamics::parameter_index(kind, "tooth_pitch_m"))
     return Jumps{unknown.lower, unknown.upper, true};
   return std::nullopt;
 }

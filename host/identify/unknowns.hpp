@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "furcula/dynamics/effects/effects.hpp"
-#include "furcula/dynamics/parameters.hpp"
+#include "furcula/dynamics/machines.hpp"
 #include "host/model/model.hpp"
 
 namespace furcula::identify {
@@ -75,7 +75,7 @@ model::Model with_values(model::Model model, const std::vector<Unknown>& unknown
 /// The most that a kind's table has.
 inline constexpr std::size_t kMostParameters = [] {
   std::size_t most = 0;
-  for (const dynamics::KindInfo& kind : dynamics::kKinds) most = std::max(most, kind.parameters.size());
+  for (const dynamics::MachineInfo& kind : dynamics::kMachines) most = std::max(most, kind.parameters.size());
   return most;
 }();
 

@@ -18,7 +18,7 @@ using core::shortest;
 using dynamics::Kind;
 
 bool is_clutch_parameter(Kind kind, std::string_view name) {
-  if (!is_hopper(kind)) return false;
+  if (!dynamics::has(kind, dynamics::Seat::leg)) return false;
   for (const auto& p : dynamics::kClutchParameters)
     if (p.name == name) return true;
   return false;
@@ -70,7 +70,7 @@ class Reader {
       fail(name_, schema.source(), "schema = " + core::value_text(schema) + "; expected 1");
 
     std::vector<std::string_view> kinds;
-    for (const auto& k : dynamics::kKinds) kinds.push_back(k.name);
+    for (const auto& k : dynamics::kMachines) kinds.push_back(k.name);
     const toml::node& node = entry(table, "[model]", "kind", "one of " + core::listed(kinds));
     const std::string name = core::text(node, name_, "kind");
     const auto kind = dynamics::kind_named(name);
@@ -82,14 +82,14 @@ class Reader {
     const toml::table& table = section("parameters");
     const auto& kind = dynamics::info(model_.kind);
     std::vector<std::string_view> known = parameter_names(model_.kind);
-    if (is_hopper(model_.kind))
+    if (dynamics::has(model_.kind, dynamics::Seat::leg))
       for (const auto& p : dynamics::kClutchParameters) known.push_back(p.name);
     core::refuse_unknown_keys(table, name_, "[parameters] of " + std::string(kind.name), known);
     for (const auto& p : kind.parameters) {
       const toml::node& node = entry(table, "[parameters]", p.name, expected(p));
       model_.parameters.push_back(core::number(node, name_, p.name, p.lower, p.upper, p.unit));
     }
-    if (is_hopper(model_.kind)) read_clutch(table);
+    if (dynamics::has(model_.kind, dynamics::Seat::leg)) read_clutch(table);
   }
 
   static std::string expected(const dynamics::ParameterInfo& p) {
@@ -203,7 +203,7 @@ class Reader {
 
 std::string no_such_kind(std::string_view name) {
   std::vector<std::string_view> kinds;
-  for (const auto& k : dynamics::kKinds) kinds.push_back(k.name);
+  for (const auto& k : dynamics::kMachines) kinds.push_back(k.name);
   if (name == "tree")
     return "kind 'tree', a robot from a URDF, is taken by sim, identify, diagnose and effects alone; expected one of " +
            core::listed(kinds);

@@ -8,7 +8,7 @@
 
 namespace furcula::model {
 
-/// What is wrong with a name that is none of dynamics::kKinds, and what was expected.
+/// What is wrong with a name that is none of dynamics::kMachines, and what was expected.
 std::string no_such_kind(std::string_view name);
 
 /// @throws core::DataError naming file, line, key, value and what was expected: not readable, not TOML,

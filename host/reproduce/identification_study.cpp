@@ -374,7 +374,7 @@ IdentificationStudy run_identification_study(const StudyOptions& o) {
   const double from_s = now_s();
 
   tell(0.05, "stance");
-  model::Model linear = believed(rig, dynamics::Kind::hopper_linear);
+  model::Model linear = believed(rig, dynamics::kKindOf<dynamics::machines::HopperLinear>);
   const Data stances = one_window_each(rig.stance_logs, linear, identify::stances, 0, "stance");
   model::Model of_stance = linear;
   set_free(of_stance, "mass_kg", 0.5, 3.0);
@@ -487,7 +487,7 @@ IdentificationStudy run_identification_study(const StudyOptions& o) {
   }
 
   tell(0.6, "non-linear model");
-  model::Model nonlinear = believed(rig, dynamics::Kind::hopper_nonlinear);
+  model::Model nonlinear = believed(rig, dynamics::kKindOf<dynamics::machines::HopperNonlinear>);
   set(nonlinear, "damping_flight_nspm", out.flight.value("damping_flight_nspm"));
   set(nonlinear, "inertia_a_kgm2", 42e-4);  // table 3.1
   set(nonlinear, "inertia_b_kgm", 75e-4);

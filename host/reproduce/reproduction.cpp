@@ -135,7 +135,7 @@ model::Model robot_with_clutch() {
   p.stiffness_npm = 605.0;
   p.rest_height_m = 0.289;
   model::Model m;
-  m.kind = dynamics::Kind::hopper_nonlinear;
+  m.kind = dynamics::kKindOf<dynamics::machines::HopperNonlinear>;
   for (const auto member : dynamics::HopperNonlinearParameters<double>::kMembers)
     m.parameters.push_back(p.*member);
   m.clutch = model::Clutch{0.020, 0.020, 20.0, 3e-3 / 0.7};

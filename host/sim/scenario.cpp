@@ -16,31 +16,10 @@ namespace {
 
 using core::fail;
 using core::quoted;
+using dynamics::has;
 using dynamics::Kind;
-
-/// What the keys are called on a kind of machine, and how large their values may be.
-struct Names {
-  std::string_view position, position_unit, velocity, velocity_unit, drive, amplitude, amplitude_unit;
-  double position_most, velocity_most, amplitude_most;
-};
-
-Names names_on(Kind kind) {
-  switch (kind) {
-    case Kind::hopper_linear:
-    case Kind::hopper_nonlinear:
-      // 20 N m is what the controller commands at most.
-      return {"height_m", "m", "velocity_mps", "m/s", "torque", "amplitude_nm", "N m", 10.0, 20.0, 20.0};
-    case Kind::motor_axis:
-      return {"position_m", "m", "velocity_mps", "m/s", "force", "amplitude_n", "N", 1e3, 1e3, 1e6};
-    case Kind::rotary_joint:
-      return {"angle_rad", "rad", "velocity_radps", "rad/s", "torque", "amplitude_nm", "N m", 1e3, 1e3, 1e6};
-    case Kind::rail_carriage:  // nothing drives it
-      return {"height_m", "m", "velocity_mps", "m/s", "", "", "", 100.0, 50.0, 0.0};
-    case Kind::clutch_bench:  // a belt at rest, which its weight drives
-      return {"angle_rad", "rad", "", "", "", "", "", 1e3, 0.0, 0.0};
-  }
-  return {};
-}
+using dynamics::Seat;
+using machines::ClutchAction;
 
 class Reader {
  public:
@@ -49,15 +28,16 @@ class Reader {
         file_(core::parse_toml(text, name)),
         kind_(model.kind),
         clutch_(model::has_clutch(model)),
-        names_(names_on(model.kind)),
+        keys_(machines::rules(model.kind).keys),
         scenario_(default_scenario(model)) {}
 
   Scenario read() {
     std::vector<std::string_view> sections{"start", "run", "sensors"};
-    if (!names_.drive.empty()) sections.insert(sections.begin() + 2, names_.drive);
-    if (is_hopper(kind_)) sections.insert(sections.end(), {"fault", "expect"});  // expectation.hpp reads that
-    const bool free_leg = kind_ == Kind::hopper_nonlinear;
-    const bool timed_clutch = kind_ == Kind::clutch_bench || kind_ == Kind::hopper_linear;
+    if (!keys_.drive.empty()) sections.insert(sections.begin() + 2, keys_.drive);
+    if (has(kind_, Seat::leg))
+      sections.insert(sections.end(), {"fault", "expect"});  // expectation.hpp reads that
+    const bool free_leg = has(kind_, Seat::heavy_links);
+    const bool timed_clutch = has(kind_, Seat::belt | Seat::leg) && !free_leg;
     if (timed_clutch) sections.push_back("clutch");
     if (free_leg) sections.insert(sections.end(), {"clutch", "contraction", "ground"});
     core::refuse_unknown_keys(file_, name_, "a scenario for " + std::string(dynamics::info(kind_).name),
@@ -68,8 +48,8 @@ class Reader {
       core::refuse_unknown_keys(*t, name_, "[run]", kKeys);
       number(*t, "duration_s", 0.001, 3600.0, "s", scenario_.duration_s);
     }
-    if (!names_.drive.empty())
-      if (const toml::table* t = section(names_.drive)) read_drive(*t);
+    if (!keys_.drive.empty())
+      if (const toml::table* t = section(keys_.drive)) read_drive(*t);
     if (const toml::table* t = section("sensors")) read_sensors(*t);
     if (free_leg) {
       if (const toml::table* t = section("clutch")) read_clutch(*t);
@@ -116,21 +96,19 @@ class Reader {
   }
 
   void read_start(const toml::table& t) {
-    const std::array known{names_.position, names_.velocity};
-    core::refuse_unknown_keys(t, name_, "[start]", std::span(known).first(names_.velocity.empty() ? 1 : 2));
-    const double least = is_hopper(kind_)               ? 1e-3
-                         : kind_ == Kind::rail_carriage ? 0.0  // on its stop
-                                                        : -names_.position_most;
-    number(t, names_.position, least, names_.position_most, names_.position_unit, scenario_.start_position);
-    if (!names_.velocity.empty())
-      number(t, names_.velocity, -names_.velocity_most, names_.velocity_most, names_.velocity_unit,
+    const std::array known{keys_.position, keys_.velocity};
+    core::refuse_unknown_keys(t, name_, "[start]", std::span(known).first(keys_.velocity.empty() ? 1 : 2));
+    number(t, keys_.position, keys_.position_least, keys_.position_most, keys_.position_unit,
+           scenario_.start_position);
+    if (!keys_.velocity.empty())
+      number(t, keys_.velocity, -keys_.velocity_most, keys_.velocity_most, keys_.velocity_unit,
              scenario_.start_velocity);
   }
 
   void read_drive(const toml::table& t) {
-    const std::string where = "[" + std::string(names_.drive) + "]";
+    const std::string where = "[" + std::string(keys_.drive) + "]";
     static constexpr std::array<std::string_view, 3> kProfiles{"harmonic", "constant", "zero"};
-    const std::array<std::string_view, 3> known{"profile", names_.amplitude, "period_s"};
+    const std::array<std::string_view, 3> known{"profile", keys_.amplitude, "period_s"};
     core::refuse_unknown_keys(t, name_, where, known);
     const toml::node& node = required(t, where, "profile", "one of " + core::listed(kProfiles));
     const std::string profile = core::text(node, name_, "profile");
@@ -144,11 +122,11 @@ class Reader {
       fail(name_, node.source(),
            "profile = " + quoted(profile) + "; expected one of " + core::listed(kProfiles) +
                core::did_you_mean(profile, kProfiles));
-    const bool amplitude = number(t, names_.amplitude, -names_.amplitude_most, names_.amplitude_most,
-                                  names_.amplitude_unit, scenario_.amplitude);
+    const bool amplitude = number(t, keys_.amplitude, -keys_.amplitude_most, keys_.amplitude_most,
+                                  keys_.amplitude_unit, scenario_.amplitude);
     const bool period = number(t, "period_s", 0.01, 3600.0, "s", scenario_.period_s);
     if (!amplitude && profile != "zero")
-      required(t, where, names_.amplitude, "a number of " + std::string(names_.amplitude_unit));
+      required(t, where, keys_.amplitude, "a number of " + std::string(keys_.amplitude_unit));
     if (!period && profile == "harmonic") required(t, where, "period_s", "a number of seconds");
   }
 
@@ -206,9 +184,9 @@ class Reader {
 
   void read_sensors(const toml::table& t) {
     static constexpr std::array<std::string_view, 4> kKeys{"quantisation", "noise", "bounce", "jitter"};
-    const bool hopper = is_hopper(kind_);
+    const bool leg = has(kind_, Seat::leg);
     // Bounce and jitter are the contact switch's.
-    core::refuse_unknown_keys(t, name_, "[sensors]", std::span(kKeys).first(hopper ? 4 : 2));
+    core::refuse_unknown_keys(t, name_, "[sensors]", std::span(kKeys).first(leg ? 4 : 2));
     const std::array<bool*, 4> switches{&scenario_.sensors.quantisation, &scenario_.sensors.noise,
                                         &scenario_.sensors.bounce, &scenario_.sensors.jitter};
     for (std::size_t i = 0; i < kKeys.size(); ++i) {
@@ -258,32 +236,14 @@ class Reader {
   toml::table file_;
   Kind kind_;
   bool clutch_;
-  Names names_;
+  const machines::Keys& keys_;
   Scenario scenario_;
 };
 
 }  // namespace
 
 Scenario default_scenario(const model::Model& model) {
-  Scenario scenario;
-  if (is_hopper(model.kind)) {
-    scenario.start_position =
-        1.25 * 2.0 * model.parameter("link_length_m") * std::cos(model.parameter("touchdown_angle_rad"));
-    scenario.amplitude = 2.0;
-    scenario.period_s = 0.3;
-  } else if (model.kind == Kind::rail_carriage) {
-    scenario.start_position = 1.0;
-    scenario.duration_s = 1.0;
-    scenario.profile = control::ProfileShape::zero;
-  } else if (model.kind == Kind::clutch_bench) {
-    scenario.duration_s = 0.5;
-    scenario.profile = control::ProfileShape::zero;
-    scenario.clutch = {{0.1, true}, {0.14, false}};
-  } else {
-    scenario.amplitude = 1.0;
-    scenario.period_s = 1.0;
-  }
-  return scenario;
+  return Scenario(machines::rules(model.kind).usual_run(model));
 }
 
 Scenario parse_scenario(std::string_view text, const std::string& name, const model::Model& model) {
@@ -291,25 +251,25 @@ Scenario parse_scenario(std::string_view text, const std::string& name, const mo
 }
 
 std::string format_scenario(const Scenario& s, dynamics::Kind kind) {
-  const Names names = names_on(kind);
+  const machines::Keys& keys = machines::rules(kind).keys;
   const auto key = [](std::string_view name, double value) {
     return std::string(name) + " = " + core::shortest(value) + "\n";
   };
-  std::string text = "[start]\n" + key(names.position, s.start_position) +
-                     (names.velocity.empty() ? "" : key(names.velocity, s.start_velocity)) + "\n[run]\n" +
+  std::string text = "[start]\n" + key(keys.position, s.start_position) +
+                     (keys.velocity.empty() ? "" : key(keys.velocity, s.start_velocity)) + "\n[run]\n" +
                      key("duration_s", s.duration_s);
-  if (!names.drive.empty()) {
+  if (!keys.drive.empty()) {
     static constexpr const char* kProfiles[] = {"zero", "harmonic", "constant"};
-    text += "\n[" + std::string(names.drive) + "]\nprofile = \"" + kProfiles[static_cast<int>(s.profile)] +
-            "\"\n";
+    text +=
+        "\n[" + std::string(keys.drive) + "]\nprofile = \"" + kProfiles[static_cast<int>(s.profile)] + "\"\n";
     if (s.profile != control::ProfileShape::zero)
-      text += key(names.amplitude, s.amplitude) + key("period_s", s.period_s);
+      text += key(keys.amplitude, s.amplitude) + key("period_s", s.period_s);
   }
   const auto flag = [](const char* name, bool on) {
     return std::string(name) + (on ? " = true\n" : " = false\n");
   };
   text += "\n[sensors]\n" + flag("quantisation", s.sensors.quantisation) + flag("noise", s.sensors.noise);
-  if (is_hopper(kind)) text += flag("bounce", s.sensors.bounce) + flag("jitter", s.sensors.jitter);
+  if (has(kind, Seat::leg)) text += flag("bounce", s.sensors.bounce) + flag("jitter", s.sensors.jitter);
   const Scenario standard;
   if (s.release_in_flight || s.catch_before_touchdown_s != standard.catch_before_touchdown_s)
     text += std::string("\n[clutch]\nin_flight = \"") + (s.release_in_flight ? "release" : "hold") + "\"\n" +

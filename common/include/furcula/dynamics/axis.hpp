@@ -6,7 +6,9 @@
 #include <cmath>
 
 #include "furcula/dynamics/effects/laws.hpp"
-#include "furcula/dynamics/parameters.hpp"
+#include "furcula/dynamics/machines/motor_axis.hpp"
+#include "furcula/dynamics/machines/rail_carriage.hpp"
+#include "furcula/dynamics/machines/rotary_joint.hpp"
 #include "furcula/dynamics/rotor.hpp"
 #include "furcula/dynamics/segment.hpp"
 
@@ -20,8 +22,8 @@ template <class Parameters, class T>
 class Axis {
  public:
   using V = ValueOf<T>;
-  static constexpr bool kRotary = Parameters::kKind == Kind::rotary_joint;
-  static constexpr bool kVertical = Parameters::kKind == Kind::rail_carriage;
+  static constexpr bool kRotary = requires(const Parameters& p) { p.inertia_kgm2; };
+  static constexpr bool kVertical = requires(const Parameters& p) { p.gravity_mps2; };
 
   Axis(const Parameters& p, const Effects<T>& effects = {})
       : p_(p), e_(effects), rotor_(effects), dry_(has_dry_friction(e_)) {
