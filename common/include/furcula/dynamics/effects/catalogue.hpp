@@ -519,7 +519,7 @@ inline constexpr EffectInfo kCatalogue[] = {
      "encoder_offset",
      "an offset of the encoder's zero",
      Stage::sensing,
-     Seat::motor,
+     Seat::leg | Seat::gravity_swing,
      "flight+stance",
      "measured = true + offset",
      {{{"offset_m", "offset_rad", "m", "rad", -10.0, 10.0, 0.0}}},
