@@ -11,11 +11,13 @@
 #include "furcula/dynamics/machines/motor_axis.hpp"
 #include "furcula/dynamics/machines/rail_carriage.hpp"
 #include "furcula/dynamics/machines/rotary_joint.hpp"
+#include "furcula/dynamics/machines/torsion_pendulum.hpp"
 
 namespace furcula::dynamics {
 
-using Machines = std::tuple<machines::HopperLinear, machines::HopperNonlinear, machines::MotorAxis,
-                            machines::RotaryJoint, machines::RailCarriage, machines::ClutchBench>;
+using Machines =
+    std::tuple<machines::HopperLinear, machines::HopperNonlinear, machines::MotorAxis, machines::RotaryJoint,
+               machines::RailCarriage, machines::ClutchBench, machines::TorsionPendulum>;
 
 /// Their names, in the same order.
 enum class Kind : std::uint8_t {
@@ -24,7 +26,8 @@ enum class Kind : std::uint8_t {
   motor_axis,
   rotary_joint,
   rail_carriage,
-  clutch_bench
+  clutch_bench,
+  torsion_pendulum
 };
 
 /// What each says of itself, in the order of the list.
