@@ -5,6 +5,7 @@
 
 #include "host/identify/prediction.hpp"
 #include "host/identify/simulation_fit.hpp"
+#include "host/machines/hopper.hpp"
 #include "host/sim/simulate.hpp"
 #include "tests/host/identify/synthetic.hpp"
 

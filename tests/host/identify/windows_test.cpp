@@ -5,6 +5,7 @@
 #include <cmath>
 #include <random>
 
+#include "host/machines/hopper.hpp"
 #include "host/sim/simulate.hpp"
 #include "tests/host/identify/synthetic.hpp"
 
