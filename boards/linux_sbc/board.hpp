@@ -5,16 +5,16 @@
 #include <cstdint>
 #include <span>
 
-#include "boards/linux_sbc/can_socket.hpp"
 #include "boards/linux_sbc/configuration.hpp"
 #include "boards/linux_sbc/gpio.hpp"
 #include "boards/linux_sbc/histogram.hpp"
-#include "boards/linux_sbc/timer.hpp"
 #include "firmware/app/board.hpp"
 #include "firmware/app/can_link.hpp"
 #include "firmware/app/can_telemetry.hpp"
 #include "firmware/app/start_fault.hpp"
 #include "furcula/bus/node_words.hpp"
+#include "host/core/timer.hpp"
+#include "host/socketcan/can_socket.hpp"
 
 namespace furcula::linux_sbc {
 
@@ -24,11 +24,11 @@ struct LoopFigures {
   Histogram work;      ///< from there to the end of the tick
   std::atomic<std::uint64_t> overruns{0}, ticks{0}, edges{0};
   std::atomic<std::uint64_t> can_refused{0}, can_errors{0};
-  std::atomic<CanState> can_state{CanState::on};
+  std::atomic<socketcan::CanState> can_state{socketcan::CanState::on};
 };
 
 /// `Bus`, `Lines` and `Ticks` are CanSocket, Gpio and Timer, or what a test puts in their place.
-template <class Bus, class Lines, class Ticks = Timer>
+template <class Bus, class Lines, class Ticks = core::Timer>
 class LinuxBoard {
  public:
   LinuxBoard(const Configuration& configuration, Bus& bus, Lines& lines, const std::atomic<bool>& stop,
@@ -112,13 +112,13 @@ class LinuxBoard {
   static constexpr std::int64_t kPeriodNs = 1'000'000;
 
   void receive() {
-    for (const Received& r : bus_.receive())
+    for (const socketcan::Received& r : bus_.receive())
       link_.receive(r.frame, now_us_ - static_cast<std::uint32_t>(r.age_ns / 1000));
     // One that was off and is back is told as well: the controller's fault stays until a person resets it.
-    const CanState state = bus_.state();
+    const socketcan::CanState state = bus_.state();
     if (times_off_ != bus_.times_off()) link_.note(firmware::BusEvent::off);
     times_off_ = bus_.times_off();
-    if (state == CanState::on && link_.bus_is_off()) link_.note(firmware::BusEvent::recovered);
+    if (state == socketcan::CanState::on && link_.bus_is_off()) link_.note(firmware::BusEvent::recovered);
     figures_.can_state.store(state, std::memory_order_relaxed);
     const std::uint64_t errors = bus_.counters().error_frames;
     for (; errors_ < errors; ++errors_) link_.note(firmware::BusEvent::error);
@@ -160,7 +160,7 @@ class LinuxBoard {
   float owed_ = 0.0f;
 };
 
-using Board = LinuxBoard<CanSocket, Gpio>;
+using Board = LinuxBoard<socketcan::CanSocket, Gpio>;
 static_assert(firmware::Board<Board>);
 
 }  // namespace furcula::linux_sbc

@@ -10,9 +10,9 @@
 
 #include "furcula/bus/motors.hpp"
 #include "furcula/bus/parameters.hpp"
-#include "host/log/error.hpp"
-#include "host/log/message.hpp"
-#include "host/log/strict_toml.hpp"
+#include "host/core/error.hpp"
+#include "host/core/message.hpp"
+#include "host/core/strict_toml.hpp"
 #include "host/modbus/tcp_server.hpp"
 
 namespace furcula::linux_sbc {
@@ -27,43 +27,43 @@ class Section {
  public:
   Section(const toml::table& file, std::string name, std::string title)
       : table_(file[title].as_table()), name_(std::move(name)), title_(std::move(title)) {
-    if (file.contains(title_)) table_ = &log::table(*file.get(title_), name_, title_);
+    if (file.contains(title_)) table_ = &core::table(*file.get(title_), name_, title_);
   }
 
   bool is_there() const { return table_ != nullptr; }
 
   void whole(const std::string& key, int least, int most, const std::function<void(int)>& put) {
     keys_[key] = [=, this](const toml::node& node, const std::string& k) {
-      const double value = log::number(node, name_, k, least, most);
+      const double value = core::number(node, name_, k, least, most);
       if (value != std::floor(value))
-        log::fail(name_, node.source(), k + " = " + log::value_text(node) + "; expected a whole number");
+        core::fail(name_, node.source(), k + " = " + core::value_text(node) + "; expected a whole number");
       put(static_cast<int>(value));
     };
   }
   void real(const std::string& key, double least, double most, const char* unit, float& out) {
     keys_[key] = [=, this, &out](const toml::node& node, const std::string& k) {
-      out = static_cast<float>(log::number(node, name_, k, least, most, unit));
+      out = static_cast<float>(core::number(node, name_, k, least, most, unit));
     };
   }
   /// Of an encoder: what a 32-bit counter can read, with a sign or without.
   void count(const std::string& key, std::uint32_t& out) {
     keys_[key] = [this, &out](const toml::node& node, const std::string& k) {
-      const double value = log::number(node, name_, k, -2147483648.0, 4294967295.0);
+      const double value = core::number(node, name_, k, -2147483648.0, 4294967295.0);
       if (value != std::floor(value))
-        log::fail(name_, node.source(), k + " = " + log::value_text(node) + "; expected a whole number");
+        core::fail(name_, node.source(), k + " = " + core::value_text(node) + "; expected a whole number");
       out = static_cast<std::uint32_t>(static_cast<std::int64_t>(value));
     };
   }
   void text(const std::string& key, std::string& out) {
     keys_[key] = [this, &out](const toml::node& node, const std::string& k) {
-      out = log::text(node, name_, k);
-      if (out.empty()) log::fail(name_, node.source(), k + " is empty");
+      out = core::text(node, name_, k);
+      if (out.empty()) core::fail(name_, node.source(), k + " is empty");
     };
   }
   void flag(const std::string& key, bool& out) {
     keys_[key] = [this, &out](const toml::node& node, const std::string& k) {
       if (!node.is_boolean())
-        log::fail(name_, node.source(), k + " is " + log::value_text(node) + "; expected true or false");
+        core::fail(name_, node.source(), k + " is " + core::value_text(node) + "; expected true or false");
       out = *node.value<bool>();
     };
   }
@@ -74,10 +74,10 @@ class Section {
     if (table_ == nullptr) return;
     std::vector<std::string_view> known;
     for (const auto& [key, take] : keys_) known.push_back(key);
-    log::refuse_unknown_keys(*table_, name_, "[" + title_ + "]", known);
+    core::refuse_unknown_keys(*table_, name_, "[" + title_ + "]", known);
     for (const char* key : needed)
       if (!table_->contains(key))
-        log::fail(name_, table_->source(), "[" + title_ + "] has no key " + log::quoted(key));
+        core::fail(name_, table_->source(), "[" + title_ + "] has no key " + core::quoted(key));
     for (const auto& [key, take] : keys_)
       if (const toml::node* node = table_->get(key)) take(*node, title_ + "." + key);
   }
@@ -99,31 +99,31 @@ void take_line(Section& section, GpioLine& line) {
 void take_parameters(const toml::table& table, const std::string& name, control::Config& config) {
   std::vector<std::string_view> names;
   for (const bus::Parameter& p : bus::kParameters) names.push_back(p.name);
-  log::refuse_unknown_keys(table, name, "[parameters]", names);
+  core::refuse_unknown_keys(table, name, "[parameters]", names);
   for (const bus::Parameter& p : bus::kParameters) {
     const toml::node* node = table.get(p.name);
     if (node == nullptr) continue;
     const std::string key(p.name);
     // Judged as the float that it becomes: a bound is one too.
-    const auto value = static_cast<float>(log::number(*node, name, key, -1e9, 1e9, p.unit));
+    const auto value = static_cast<float>(core::number(*node, name, key, -1e9, 1e9, p.unit));
     if (!bus::allows(p, value))
-      log::fail(name, node->source(),
-                key + " = " + log::value_text(*node) + "; expected a " + (p.whole ? "whole " : "") +
-                    "number from " + log::rounded(static_cast<double>(p.least)) + " to " +
-                    log::rounded(static_cast<double>(p.most)) +
-                    (p.unit.empty() ? "" : " " + std::string(p.unit)));
+      core::fail(name, node->source(),
+                 key + " = " + core::value_text(*node) + "; expected a " + (p.whole ? "whole " : "") +
+                     "number from " + core::rounded(static_cast<double>(p.least)) + " to " +
+                     core::rounded(static_cast<double>(p.most)) +
+                     (p.unit.empty() ? "" : " " + std::string(p.unit)));
     p.put(config, value);
   }
   if (!control::fits(config.envelope, config.torque, config.limits.torque_nm))
-    log::fail(name, table.source(),
-              "[parameters] torque_amplitude_nm = " +
-                  log::rounded(static_cast<double>(config.torque.amplitude_nm)) +
-                  " takes the robot higher or faster than it may; expected at most " +
-                  log::rounded(
-                      static_cast<double>(control::amplitude_max_nm(config.envelope, config.torque.shape))) +
-                  " N m with this torque_shape, or such a torque_limit_nm");
+    core::fail(name, table.source(),
+               "[parameters] torque_amplitude_nm = " +
+                   core::rounded(static_cast<double>(config.torque.amplitude_nm)) +
+                   " takes the robot higher or faster than it may; expected at most " +
+                   core::rounded(
+                       static_cast<double>(control::amplitude_max_nm(config.envelope, config.torque.shape))) +
+                   " N m with this torque_shape, or such a torque_limit_nm");
   if (control::check(config) != Status::ok)
-    log::fail(
+    core::fail(
         name, table.source(),
         "[parameters] make no sense together (as a clutch whose tooth_play_m is more than its tooth_pitch_m)");
 }
@@ -131,10 +131,10 @@ void take_parameters(const toml::table& table, const std::string& name, control:
 }  // namespace
 
 Configuration parse_configuration(std::string_view text, const std::string& name) {
-  const toml::table file = log::parse_toml(text, name);
+  const toml::table file = core::parse_toml(text, name);
   static constexpr std::string_view kSections[] = {"can",      "leg",    "height", "cable", "contact",
                                                    "solenoid", "modbus", "loop",   "store", "parameters"};
-  log::refuse_unknown_keys(file, name, "the file", kSections);
+  core::refuse_unknown_keys(file, name, "the file", kSections);
   Configuration c;
 
   Section can(file, name, "can");
@@ -150,7 +150,7 @@ Configuration parse_configuration(std::string_view text, const std::string& name
   can.real("supply_max_v", 1.0, 600.0, "V", c.link.supply_max_v);
   can.real("temperature_max_c", 1.0, 127.0, "degC", c.link.temperature_max_c);
   can.any("motor", [&](const toml::node& n, const std::string& key) {
-    const std::string wanted = log::text(n, name, key);
+    const std::string wanted = core::text(n, name, key);
     std::vector<std::string_view> motors;
     for (const bus::MotorInfo& m : bus::kMotors) {
       motors.push_back(m.name);
@@ -159,11 +159,11 @@ Configuration parse_configuration(std::string_view text, const std::string& name
         return;
       }
     }
-    log::fail(name, n.source(),
-              key + " = " + log::quoted(wanted) + "; expected one of " + log::listed(motors) +
-                  log::did_you_mean(wanted, motors));
+    core::fail(name, n.source(),
+               key + " = " + core::quoted(wanted) + "; expected one of " + core::listed(motors) +
+                   core::did_you_mean(wanted, motors));
   });
-  if (!can.is_there()) throw log::DataError(name + ": no section [can]");
+  if (!can.is_there()) throw core::DataError(name + ": no section [can]");
   can.read({"interface", "motor"});
 
   Section leg(file, name, "leg");
@@ -184,7 +184,7 @@ Configuration parse_configuration(std::string_view text, const std::string& name
 
   Section contact(file, name, "contact");
   if (!contact.is_there())
-    throw log::DataError(name + ": no section [contact]; expected chip and line of the switch");
+    throw core::DataError(name + ": no section [contact]; expected chip and line of the switch");
   take_line(contact, c.contact);
   Section solenoid(file, name, "solenoid");
   c.has_solenoid = solenoid.is_there();
@@ -207,10 +207,10 @@ Configuration parse_configuration(std::string_view text, const std::string& name
   // Sensors on a bus are older than those that the board reads itself.
   c.controller.supervisor.sample_age_max_us = firmware::kCanSampleAgeMaxUs;
   if (const toml::node* parameters = file.get("parameters"))
-    take_parameters(log::table(*parameters, name, "parameters"), name, c.controller);
+    take_parameters(core::table(*parameters, name, "parameters"), name, c.controller);
 
   if (firmware::check(c.link) != Status::ok)
-    throw log::DataError(name + ": [can] two encoders with one node id; expected different ones");
+    throw core::DataError(name + ": [can] two encoders with one node id; expected different ones");
   return c;
 }
 
@@ -219,7 +219,7 @@ std::string network_warning(const Configuration& configuration) {
 }
 
 Configuration read_configuration(const std::string& path) {
-  return parse_configuration(log::read_small_file(path, "a configuration file"), path);
+  return parse_configuration(core::read_small_file(path, "a configuration file"), path);
 }
 
 }  // namespace furcula::linux_sbc

@@ -31,7 +31,7 @@ struct Configuration {
   control::Config controller;  ///< the parameters as the file has them, the others at their defaults
 };
 
-/// Reads and checks the file. @throws log::DataError naming file, line, key, value and what was expected.
+/// Reads and checks the file. @throws core::DataError naming file, line, key, value and what was expected.
 Configuration read_configuration(const std::string& path);
 
 /// The same on text; `name` stands for the path in messages.

@@ -22,9 +22,9 @@
 #include "boards/linux_sbc/signals.hpp"
 #include "firmware/app/node.hpp"
 #include "firmware/app/node_registers.hpp"
-#include "host/log/message.hpp"
-#include "host/log/own_build.hpp"
-#include "host/log/parameter_file.hpp"
+#include "host/core/message.hpp"
+#include "host/core/own_build.hpp"
+#include "host/core/parameter_file.hpp"
 #include "host/modbus/tcp_server.hpp"
 
 /// Of this process so far, where a program that counts them is linked (tests/hil/allocations.cpp).
@@ -33,7 +33,7 @@ extern "C" __attribute__((weak)) unsigned long furcula_allocations();
 namespace furcula::linux_sbc {
 namespace {
 
-using Store = ParameterWriter<log::ParameterFile>;
+using Store = ParameterWriter<core::ParameterFile>;
 using Node = firmware::Node<Board, Store>;
 static_assert(firmware::SavesAside<Store>);
 
@@ -41,12 +41,12 @@ constexpr std::uint64_t kSettledTicks =
     100;  ///< until READY=1: the loop runs, and all that it needs is in memory
 
 struct Daemon {
-  Daemon(const Configuration& configuration, CanSocket& can, Gpio& gpio)
+  Daemon(const Configuration& configuration, socketcan::CanSocket& can, Gpio& gpio)
       : board(configuration, can, gpio, stop, figures),
         store(configuration.store_file),
         identity(own_identity(text)),
         node(board, store, configuration.controller, identity,
-             static_cast<std::uint16_t>(monotonic_ns() / 1000), faults),
+             static_cast<std::uint16_t>(core::monotonic_ns() / 1000), faults),
         registers(node),
         priority(configuration.priority) {
     faults.begin();
@@ -124,18 +124,18 @@ void print_figures(const LoopFigures& figures, const Baseline& begin) {
 }
 
 void warn(const std::string& message) {
-  if (!message.empty()) std::cerr << "furculad: warning: " << log::printable_lines(message) << "\n";
+  if (!message.empty()) std::cerr << "furculad: warning: " << core::printable_lines(message) << "\n";
 }
 
 /// What a person has to know of the bus, once.
-void tell_of_bus(CanState state, const std::string& interface) {
+void tell_of_bus(socketcan::CanState state, const std::string& interface) {
   const std::string begin = "furculad: " + interface;
-  if (state == CanState::on) {
+  if (state == socketcan::CanState::on) {
     std::cerr << begin << " is back on the bus; the fault stays until a reset\n";
-  } else if (state == CanState::off) {
+  } else if (state == socketcan::CanState::off) {
     std::cerr << begin << " went off the bus after too many errors: ip link set "
               << interface << " type can restart, or down and up; then reset\n";
-  } else if (state == CanState::down) {
+  } else if (state == socketcan::CanState::down) {
     std::cerr << begin << " is down: ip link set "
               << interface << " up type can bitrate 1000000; then reset\n";
   } else {
@@ -151,12 +151,13 @@ void watch(Daemon& d, const std::string& interface, const ServiceManager& manage
     pause = std::min<std::chrono::nanoseconds>(pause, manager.watchdog_period());
   const timespec wait{0, static_cast<long>(pause.count())};
   std::uint64_t seen = 0;
-  CanState told = CanState::on;
+  socketcan::CanState told = socketcan::CanState::on;
   for (;;) {
     const Signals::Asks asks = signals.wait(wait);
     if (asks == Signals::Asks::end) return;
     if (asks == Signals::Asks::figures) print_figures(d.figures, begin);
-    if (const CanState state = d.figures.can_state.load(std::memory_order_relaxed); state != told) {
+    if (const socketcan::CanState state = d.figures.can_state.load(std::memory_order_relaxed);
+        state != told) {
       tell_of_bus(state, interface);
       told = state;
     }
@@ -169,8 +170,8 @@ void watch(Daemon& d, const std::string& interface, const ServiceManager& manage
 }  // namespace
 
 bus::Identity own_identity(std::string& text) {
-  const std::uint32_t build_id = log::own_build_id();
-  text = "furculad " FURCULA_VERSION " build " + log::hexadecimal(build_id);
+  const std::uint32_t build_id = core::own_build_id();
+  text = "furculad " FURCULA_VERSION " build " + core::hexadecimal(build_id);
   return {.board = "linux_sbc",
           .text = text,
           .firmware_version =
@@ -182,7 +183,7 @@ void run_daemon(const Configuration& configuration) {
   const Signals signals;  // the other threads inherit that
   const firmware::HeardIds ids(configuration.link);
   const ServiceManager manager;
-  CanSocket can(configuration.can_interface, ids);
+  socketcan::CanSocket can(configuration.can_interface, ids);
   Gpio gpio(configuration.contact, configuration.has_solenoid ? &configuration.solenoid : nullptr);
   const auto daemon = std::make_unique<Daemon>(configuration, can, gpio);
   if (configuration.modbus)

@@ -12,7 +12,7 @@ namespace furcula::linux_sbc {
 bus::Identity own_identity(std::string& text);
 
 /// Runs until SIGTERM or SIGINT, then leaves the drive off and the coil without current. Figures of the loop
-/// go to stdout on SIGUSR1 and at the end, warnings to stderr. @throws CanError, GpioError, log::DataError
+/// go to stdout on SIGUSR1 and at the end, warnings to stderr. @throws CanError, GpioError, core::DataError
 /// (Modbus), std::system_error before it has begun.
 void run_daemon(const Configuration& configuration);
 

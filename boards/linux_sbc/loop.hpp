@@ -1,5 +1,5 @@
 // What furculad does between two ticks of its board's timer (daemon.cpp); a benchmark measures it
-// (bench/furculad_tick.cpp).
+// (benchmarks/furculad_tick.cpp).
 #pragma once
 
 #include "boards/linux_sbc/hatch.hpp"

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "boards/linux_sbc/daemon.hpp"
-#include "host/log/message.hpp"
+#include "host/core/message.hpp"
 
 namespace {
 
@@ -16,7 +16,7 @@ constexpr const char* kUsage =
     "Ends with status 0 after SIGTERM, 2 for unusable arguments, 3 for an unusable file, 4 where a board is not there.\n";
 
 int tell(const char* message, int status) {
-  std::cerr << "furculad: " << furcula::log::printable_lines(message) << "\n";
+  std::cerr << "furculad: " << furcula::core::printable_lines(message) << "\n";
   return status;
 }
 
@@ -49,8 +49,8 @@ int main(int argc, char** argv) {
     sound = true;
     if (check) {
       if (const std::string warning = furcula::linux_sbc::network_warning(configuration); !warning.empty())
-        std::cerr << "furculad: warning: " << furcula::log::printable_lines(warning) << "\n";
-      std::cout << "furculad: " << furcula::log::printable(path) << " is sound\n";
+        std::cerr << "furculad: warning: " << furcula::core::printable_lines(warning) << "\n";
+      std::cout << "furculad: " << furcula::core::printable(path) << " is sound\n";
       return 0;
     }
     furcula::linux_sbc::run_daemon(configuration);

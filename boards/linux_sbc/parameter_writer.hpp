@@ -12,11 +12,11 @@
 
 #include "firmware/app/store.hpp"
 #include "furcula/bus/parameter_image.hpp"
-#include "host/log/parameter_file.hpp"
+#include "host/core/parameter_file.hpp"
 
 namespace furcula::linux_sbc {
 
-/// A store (firmware/app/store.hpp) that saves while the loop goes on. `File` is log::ParameterFile, or what
+/// A store (firmware/app/store.hpp) that saves while the loop goes on. `File` is core::ParameterFile, or what
 /// a test puts in its place.
 template <class File>
 class ParameterWriter {

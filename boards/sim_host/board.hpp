@@ -11,13 +11,13 @@
 #include "boards/sim_host/faults.hpp"
 #include "boards/sim_host/live_commands.hpp"
 #include "boards/sim_host/plant.hpp"
-#include "boards/sim_host/random.hpp"
 #include "boards/sim_host/sensors.hpp"
 #include "firmware/app/app.hpp"
 #include "firmware/app/start_fault.hpp"
 #include "furcula/bus/motors.hpp"
 #include "furcula/core/count.hpp"
 #include "furcula/dynamics/stages.hpp"
+#include "host/core/random.hpp"
 
 namespace furcula::sim_host {
 
@@ -283,7 +283,7 @@ class SimBoard {
   LiveCommands commands_;
   Encoder encoder_;
   ContactSwitch switch_;
-  Random ground_;
+  core::Random ground_;
   bool fell_ = true;
   std::uint32_t ticks_;
   std::int64_t home_ = 0;

@@ -5,8 +5,8 @@
 #include <cstdint>
 
 #include "boards/sim_host/plant.hpp"
-#include "boards/sim_host/random.hpp"
 #include "boards/sim_host/sensors.hpp"
+#include "host/core/random.hpp"
 
 namespace furcula::sim_host {
 
@@ -71,7 +71,7 @@ class ContactSwitch {
 
   SensorErrors errors_;
   double delay_s_;
-  Random jitter_, bounce_;
+  core::Random jitter_, bounce_;
   bool closed_ = false;
   bool caught_up_ = true;  ///< the plant has been in the phase that the switch reports since it changed
   double offset_s_;        ///< of the next change

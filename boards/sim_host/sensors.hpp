@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "boards/sim_host/random.hpp"
+#include "host/core/random.hpp"
 
 namespace furcula::sim_host {
 
@@ -38,7 +38,7 @@ class Encoder {
  private:
   bool quantised_, noisy_;
   double count_;
-  Random random_;
+  core::Random random_;
 };
 
 }  // namespace furcula::sim_host

@@ -49,7 +49,7 @@ class Board {
   virtual double tooth_pitch_m() const = 0;
   virtual double travel_m() const = 0;  ///< of the load, to the floor or the belt's end
   /// A trial whose load hangs at rest on the caught belt before it: its rows, a millisecond apart, the first
-  /// at 0. The conditions' window is not looked at. @throws log::DataError where the stand does not play
+  /// at 0. The conditions' window is not looked at. @throws core::DataError where the stand does not play
   /// along.
   virtual std::vector<Reading> run(const Conditions& conditions, const Timing& timing) = 0;
 };

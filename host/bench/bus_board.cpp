@@ -4,8 +4,8 @@
 #include <chrono>
 #include <thread>
 
-#include "host/log/error.hpp"
-#include "host/log/message.hpp"
+#include "host/core/error.hpp"
+#include "host/core/message.hpp"
 #include "host/modbus/monitor.hpp"
 
 namespace furcula::bench {
@@ -27,9 +27,9 @@ BusBoard::BusBoard(std::string name, modbus::Client client, int pulley_teeth,
     : name_(std::move(name)), client_(std::move(client)), hang_(std::move(hang)) {
   const std::vector<float> p = client_.parameters();
   if (value(p, "on_bench") != 1.0f)
-    throw log::DataError(name_ +
-                         ": the board is not on a bench: its parameter on_bench is 0 (furcula param " +
-                         "set on_bench 1 --port " + name_ + ")");
+    throw core::DataError(name_ +
+                          ": the board is not on a bench: its parameter on_bench is 0 (furcula param " +
+                          "set on_bench 1 --port " + name_ + ")");
   metres_per_count_ = static_cast<double>(value(p, "cable_metres_per_count"));
   tooth_pitch_m_ = static_cast<double>(value(p, "tooth_pitch_m"));
   travel_m_ = static_cast<double>(value(p, "cable_travel_max_m"));
@@ -40,9 +40,9 @@ void BusBoard::set_window(std::size_t window_ms) {
   const bus::Parameter& p = *bus::parameter_named("bench_window_ms");
   const auto wanted = static_cast<float>(window_ms);
   if (!bus::allows(p, wanted))
-    throw log::DataError(name_ + ": a window of " + std::to_string(window_ms) + " ms; this board makes " +
-                         log::rounded(static_cast<double>(p.least)) + " to " +
-                         log::rounded(static_cast<double>(p.most)));
+    throw core::DataError(name_ + ": a window of " + std::to_string(window_ms) + " ms; this board makes " +
+                          core::rounded(static_cast<double>(p.least)) + " to " +
+                          core::rounded(static_cast<double>(p.most)));
   client_.write(p, wanted);
 }
 
@@ -53,9 +53,9 @@ void BusBoard::wait_for_end(std::size_t rows) {
     const bus::Snapshot s = client_.snapshot();
     if (s.reason == static_cast<int>(bus::Reason::trial_ended)) return;
     if (s.state != static_cast<int>(bus::NodeState::running))
-      throw log::DataError(name_ + ": the trial did not come to its end: " + modbus::reason_text(s));
+      throw core::DataError(name_ + ": the trial did not come to its end: " + modbus::reason_text(s));
     if (std::chrono::steady_clock::now() > deadline)
-      throw log::DataError(name_ + ": the trial does not come to its end");
+      throw core::DataError(name_ + ": the trial does not come to its end");
     std::this_thread::sleep_for(20ms);
   }
 }
@@ -72,10 +72,10 @@ std::vector<Reading> BusBoard::run(const Conditions& conditions, const Timing& t
     wait_for_end(timing.rows());
     trial = client_.trial();
     if (trial.number != static_cast<std::uint16_t>(before + 1))
-      throw log::DataError(name_ + ": trial " + std::to_string(trial.number) + " was read; expected trial " +
-                           std::to_string(before + 1) + " (does another program talk to the board?)");
+      throw core::DataError(name_ + ": trial " + std::to_string(trial.number) + " was read; expected trial " +
+                            std::to_string(before + 1) + " (does another program talk to the board?)");
   } catch (const modbus::Refused& e) {
-    throw log::DataError(name_ + ": " + e.what() + " " + modbus::reason_text(client_.snapshot()));
+    throw core::DataError(name_ + ": " + e.what() + " " + modbus::reason_text(client_.snapshot()));
   }
   std::vector<Reading> rows;
   rows.reserve(trial.rows.size());

@@ -13,7 +13,7 @@ namespace furcula::bench {
 class BusBoard final : public Board {
  public:
   /// `hang`: called before each trial; it returns when the load hangs at rest at the top of its way.
-  /// @throws log::DataError where nothing answers, or the board is not on a bench.
+  /// @throws core::DataError where nothing answers, or the board is not on a bench.
   BusBoard(const modbus::Port& port, int pulley_teeth, std::function<void(const Conditions&)> hang);
   /// `name` is for messages.
   BusBoard(std::string name, modbus::Client client, int pulley_teeth,

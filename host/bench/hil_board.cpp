@@ -13,13 +13,13 @@
 #include <optional>
 #include <thread>
 
-#include "boards/linux_sbc/can_socket.hpp"
-#include "boards/linux_sbc/timer.hpp"
 #include "host/bench/bus_board.hpp"
-#include "host/log/atomic_file.hpp"
-#include "host/log/error.hpp"
+#include "host/core/atomic_file.hpp"
+#include "host/core/error.hpp"
+#include "host/core/timer.hpp"
 #include "host/rig/child.hpp"
 #include "host/rig/gpio_sim.hpp"
+#include "host/socketcan/can_socket.hpp"
 
 namespace furcula::bench {
 namespace {
@@ -39,12 +39,12 @@ class KernelWires final : public Wires {
   void send(const bus::Frame& frame) override { static_cast<void>(can_.send({&frame, 1})); }
   std::vector<bus::Frame> receive() override {
     std::vector<bus::Frame> frames;
-    for (const linux_sbc::Received& r : can_.receive()) frames.push_back(r.frame);
+    for (const socketcan::Received& r : can_.receive()) frames.push_back(r.frame);
     return frames;
   }
 
  private:
-  linux_sbc::CanSocket can_;
+  socketcan::CanSocket can_;
   rig::GpioSim gpio_;
 };
 
@@ -65,7 +65,7 @@ rig::RigOptions options_or_why(const std::string& program) {
   try {
     return options_here(program);
   } catch (const rig::RigError& e) {
-    throw log::DataError(std::string("hil: ") + e.what());
+    throw core::DataError(std::string("hil: ") + e.what());
   }
 }
 
@@ -73,8 +73,8 @@ rig::RigOptions options_or_why(const std::string& program) {
 struct ConfigurationFile {
   ConfigurationFile(const rig::RigOptions& options, const SimStand& stand)
       : path(options.configuration_path) {
-    log::write_file_atomically(path,
-                               rig::board_configuration(options, stand_config(stand, {}), true, 0, 0.0f));
+    core::write_file_atomically(path,
+                                rig::board_configuration(options, stand_config(stand, {}), true, 0, 0.0f));
   }
   ~ConfigurationFile() {
     std::error_code ignored;
@@ -119,7 +119,7 @@ struct HilBoard::Parts {
     static_cast<void>(::sched_setscheduler(0, SCHED_FIFO, &priority));  // where it may not, the count tells
     // A page that is read from the disk in the middle of a trial makes the stand late.
     static_cast<void>(::mlockall(MCL_CURRENT | MCL_FUTURE));
-    linux_sbc::Timer timer(kTickNs);
+    core::Timer timer(kTickNs);
     timer.start();
     for (;;) {
       const bool late = timer.wait() >= kTickNs;
@@ -158,14 +158,14 @@ struct HilBoard::Parts {
     }
   }
 
-  /// @throws log::DataError where stand or program have ended, which explains whatever else was seen.
+  /// @throws core::DataError where stand or program have ended, which explains whatever else was seen.
   void check() {
     {
       const std::lock_guard lock(mutex);
-      if (!complaint.empty()) throw log::DataError("hil: " + complaint);
+      if (!complaint.empty()) throw core::DataError("hil: " + complaint);
     }
     if (const std::string ending = program.ending(); !ending.empty())
-      throw log::DataError("hil: the board's program " + ending);
+      throw core::DataError("hil: the board's program " + ending);
   }
 
   void wait_until_idle() {
@@ -179,10 +179,10 @@ struct HilBoard::Parts {
       }
       if (words.heard && words.state == static_cast<std::uint32_t>(bus::NodeState::idle)) return;
       if (std::chrono::steady_clock::now() > deadline)
-        throw log::DataError(words.heard ? "hil: the board is not idle within 10 s: its state is " +
-                                               std::to_string(words.state) + ", its fault " +
-                                               std::to_string(words.fault)
-                                         : "hil: the board says nothing for 10 s");
+        throw core::DataError(words.heard ? "hil: the board is not idle within 10 s: its state is " +
+                                                std::to_string(words.state) + ", its fault " +
+                                                std::to_string(words.fault)
+                                          : "hil: the board says nothing for 10 s");
       std::this_thread::sleep_for(5ms);
     }
   }
@@ -210,7 +210,7 @@ HilBoard::HilBoard(const rig::RigOptions& options, std::unique_ptr<Wires> wires)
     if (!wires) wires = std::make_unique<KernelWires>(options);
     parts_ = std::make_unique<Parts>(options, std::move(wires), stand_);
   } catch (const std::runtime_error& e) {
-    throw log::DataError(std::string("hil: ") + e.what());
+    throw core::DataError(std::string("hil: ") + e.what());
   }
   parts_->wait_until_idle();
   parts_->desk.emplace(modbus::parse_port(kModbus), 1,
@@ -228,15 +228,15 @@ std::vector<Reading> HilBoard::run(const Conditions& conditions, const Timing& t
   } else {
     try {
       rows = parts_->desk->run(conditions, timing);
-    } catch (const log::DataError&) {
+    } catch (const core::DataError&) {
       parts_->check();
       throw;
     }
   }
   const std::lock_guard lock(parts_->mutex);
   if (parts_->late_ticks != 0)
-    throw log::DataError("hil: the stand was late on " + std::to_string(parts_->late_ticks) +
-                         " ticks, and what the board saw does not count");
+    throw core::DataError("hil: the stand was late on " + std::to_string(parts_->late_ticks) +
+                          " ticks, and what the board saw does not count");
   return rows;
 }
 

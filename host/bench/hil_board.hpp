@@ -14,7 +14,7 @@ namespace furcula::bench {
 class HilBoard final : public StandBoard {
  public:
   /// On vcan0 and the bank of gpio-sim that scripts/hil sets up. `program`: furculad's path; empty: the one
-  /// beside this program. @throws log::DataError where this kernel has not got them, or the program does not
+  /// beside this program. @throws core::DataError where this kernel has not got them, or the program does not
   /// become idle on its bench within 10 s.
   explicit HilBoard(const std::string& program);
   /// On these wires.
@@ -24,7 +24,7 @@ class HilBoard final : public StandBoard {
 
   std::string name() const override { return "hil"; }
   /// Without a window the program is left idle, and the readings are what the encoder sent. @throws
-  /// log::DataError also where the stand was late by a millisecond or more: what it played then does not
+  /// core::DataError also where the stand was late by a millisecond or more: what it played then does not
   /// count.
   std::vector<Reading> run(const Conditions& conditions, const Timing& timing) override;
 

@@ -3,8 +3,8 @@
 
 #include <array>
 
-#include "host/log/message.hpp"
-#include "host/log/strict_toml.hpp"
+#include "host/core/message.hpp"
+#include "host/core/strict_toml.hpp"
 
 namespace furcula::bench {
 namespace {
@@ -25,26 +25,26 @@ constexpr std::array<Key, 7> kKeys{{{"caught_after_max_s", "s", 10.0, &Limits::c
 }  // namespace
 
 Limits parse_limits(std::string_view text, const std::string& name) {
-  const toml::table file = log::parse_toml(text, name);
+  const toml::table file = core::parse_toml(text, name);
   static constexpr std::array<std::string_view, 1> kSections{"limits"};
-  log::refuse_unknown_keys(file, name, "the limits", kSections);
+  core::refuse_unknown_keys(file, name, "the limits", kSections);
   const toml::node* section = file.get("limits");
-  if (section == nullptr) log::fail(name, file.source(), "no section [limits]; expected one");
-  const toml::table& table = log::table(*section, name, "[limits]");
+  if (section == nullptr) core::fail(name, file.source(), "no section [limits]; expected one");
+  const toml::table& table = core::table(*section, name, "[limits]");
   std::array<std::string_view, kKeys.size()> known;
   for (std::size_t i = 0; i < kKeys.size(); ++i) known[i] = kKeys[i].name;
-  log::refuse_unknown_keys(table, name, "[limits]", known);
+  core::refuse_unknown_keys(table, name, "[limits]", known);
   Limits limits;
   for (const Key& key : kKeys)
     if (const toml::node* node = table.get(key.name))
-      limits.*key.member = log::number(*node, name, key.name, 0.0, key.most, key.unit);
+      limits.*key.member = core::number(*node, name, key.name, 0.0, key.most, key.unit);
   if (table.empty())
-    log::fail(name, section->source(), "no limit in [limits]; expected one of " + log::listed(known));
+    core::fail(name, section->source(), "no limit in [limits]; expected one of " + core::listed(known));
   return limits;
 }
 
 Limits read_limits(const std::string& path) {
-  return parse_limits(log::read_small_file(path, "limits (TOML)"), path);
+  return parse_limits(core::read_small_file(path, "limits (TOML)"), path);
 }
 
 }  // namespace furcula::bench

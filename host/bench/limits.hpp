@@ -19,7 +19,7 @@ struct Limits {
   std::optional<double> holding_min_kg;    ///< at the pressing force of the test
 };
 
-/// A file with the section [limits] and these names as keys. @throws log::DataError naming file, line, key,
+/// A file with the section [limits] and these names as keys. @throws core::DataError naming file, line, key,
 /// value and what was expected.
 Limits read_limits(const std::string& path);
 Limits parse_limits(std::string_view text, const std::string& name);

@@ -3,17 +3,17 @@
 
 #include <chrono>
 
-#include "host/log/error.hpp"
+#include "host/core/error.hpp"
 #include "host/pil/qemu.hpp"
 
 namespace furcula::bench {
 
 PilBoard::PilBoard(const std::string& image) {
-  if (const std::string why = pil::why_not_here(image); !why.empty()) throw log::DataError("pil: " + why);
+  if (const std::string why = pil::why_not_here(image); !why.empty()) throw core::DataError("pil: " + why);
   try {
     qemu_ = std::make_unique<pil::Qemu>(image, stand_config(stand_, {}), std::chrono::seconds(10));
   } catch (const pil::LinkError& e) {
-    throw log::DataError(std::string("pil: ") + e.what());
+    throw core::DataError(std::string("pil: ") + e.what());
   }
 }
 PilBoard::~PilBoard() = default;
@@ -31,13 +31,13 @@ std::vector<Reading> PilBoard::run(const Conditions& conditions, const Timing& t
       tick.sample = stand_.sense().value();
       const pil::Outputs outputs = qemu_->exchange(tick).outputs;
       if (outputs.fault != 0)
-        throw log::DataError("pil: " + std::to_string(rows.size()) +
-                             " ms into the trial the board found fault " + std::to_string(outputs.fault));
+        throw core::DataError("pil: " + std::to_string(rows.size()) +
+                              " ms into the trial the board found fault " + std::to_string(outputs.fault));
       static_cast<void>(stand_.actuate(outputs.command));
       rows.push_back(stand_.reading());
     }
   } catch (const pil::LinkError& e) {
-    throw log::DataError(std::string("pil: ") + e.what());
+    throw core::DataError(std::string("pil: ") + e.what());
   }
   return rows;
 }

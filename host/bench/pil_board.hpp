@@ -14,7 +14,7 @@ namespace furcula::bench {
 
 class PilBoard final : public StandBoard {
  public:
-  /// `image`: of the board qemu_netduinoplus2. @throws log::DataError where QEMU or the image is not there.
+  /// `image`: of the board qemu_netduinoplus2. @throws core::DataError where QEMU or the image is not there.
   explicit PilBoard(const std::string& image);
   ~PilBoard() override;
 

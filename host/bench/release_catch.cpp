@@ -5,9 +5,9 @@
 #include <cmath>
 #include <limits>
 
-#include "boards/sim_host/random.hpp"
-#include "host/log/error.hpp"
-#include "host/log/message.hpp"
+#include "host/core/error.hpp"
+#include "host/core/message.hpp"
+#include "host/core/random.hpp"
 
 namespace furcula::bench {
 namespace {
@@ -59,13 +59,13 @@ Trial run_trial(Board& board, const Conditions& conditions) {
 
 void require_as_told(const std::vector<Reading>& rows, const Timing& timing, const std::string& board) {
   if (rows.size() != timing.rows())
-    throw log::DataError(board + ": the trial has " + std::to_string(rows.size()) + " rows; expected " +
-                         std::to_string(timing.rows()));
+    throw core::DataError(board + ": the trial has " + std::to_string(rows.size()) + " rows; expected " +
+                          std::to_string(timing.rows()));
   for (std::size_t n = 0; n < rows.size(); ++n) {
     const bool wanted = n >= timing.rest && n < timing.rest + timing.window;
     if ((rows[n].coil > 0.0) != wanted)
-      throw log::DataError(board + ": " + std::to_string(n) + " ms into the trial the coil was " +
-                           (wanted ? "off, expected on (has it become too hot?)" : "on, expected off"));
+      throw core::DataError(board + ": " + std::to_string(n) + " ms into the trial the coil was " +
+                            (wanted ? "off, expected on (has it become too hot?)" : "on, expected off"));
   }
 }
 
@@ -75,10 +75,10 @@ log::Log to_log(const Trial& trial, const Board& board, const std::string& path)
   log.rig = "clutch_bench";
   log.metadata = {{"sample_rate_hz", "1000"},
                   {"board", board.name()},
-                  {"load_kg", log::shortest(trial.conditions.load_kg)},
-                  {"window_s", log::shortest(trial.conditions.window_s)},
-                  {"supply_v", log::shortest(trial.conditions.supply_v)},
-                  {"pressing_n", log::shortest(trial.conditions.pressing_n)}};
+                  {"load_kg", core::shortest(trial.conditions.load_kg)},
+                  {"window_s", core::shortest(trial.conditions.window_s)},
+                  {"supply_v", core::shortest(trial.conditions.supply_v)},
+                  {"pressing_n", core::shortest(trial.conditions.pressing_n)}};
   const bool voltage = std::all_of(trial.readings.begin(), trial.readings.end(),
                                    [](const Reading& r) { return std::isfinite(r.voltage_v); });
   const bool current = std::all_of(trial.readings.begin() + 1, trial.readings.end(),
@@ -186,13 +186,13 @@ ReleaseCatch run_release_catch(Board& board, const Options& options, const Limit
   };
   const bool adjusts_all = board.adjusts() == Adjusts::everything;
   if (!adjusts_all && limits.holding_min_kg)
-    throw log::DataError(out.board +
-                         ": holding_min_kg is asked for, and this board cannot set the load: leave it " +
-                         "out of the limits");
+    throw core::DataError(out.board +
+                          ": holding_min_kg is asked for, and this board cannot set the load: leave it " +
+                          "out of the limits");
   tell(0.0, "the trial as given");
   out.standard = run_trial(board, options.conditions);
 
-  sim_host::Random random(options.seed, 1);
+  core::Random random(options.seed, 1);
   for (std::size_t i = 0; i < options.trials; ++i) {
     tell(0.8 * static_cast<double>(i) / static_cast<double>(options.trials), "varied trials");
     Conditions c = options.conditions;

@@ -33,7 +33,7 @@ struct Trial {
 inline constexpr double kRest_s = 0.020, kWatch_s = 0.500;
 Trial run_trial(Board& board, const Conditions& conditions);
 
-/// @throws log::DataError where rows are missing, or the coil was not on just when it was to be.
+/// @throws core::DataError where rows are missing, or the coil was not on just when it was to be.
 void require_as_told(const std::vector<Reading>& rows, const Timing& timing, const std::string& board);
 
 /// As furcula-log/1 of the rig clutch_bench.
@@ -96,7 +96,7 @@ struct ReleaseCatch {
 };
 
 /// The whole test; on a board that adjusts no more than the window, what varies that alone. The same options
-/// give the same result on a board that does. @throws log::DataError as Board::run() does, and where a limit
+/// give the same result on a board that does. @throws core::DataError as Board::run() does, and where a limit
 /// asks for what the board cannot look for.
 ReleaseCatch run_release_catch(Board& board, const Options& options, const Limits& limits);
 

@@ -5,14 +5,14 @@
 #include <cstdio>
 #include <cstring>
 
-#include "host/log/error.hpp"
-#include "host/log/message.hpp"
+#include "host/core/error.hpp"
+#include "host/core/message.hpp"
 
 namespace furcula::bus {
 namespace {
 
-using log::DataError;
-using log::quoted;
+using core::DataError;
+using core::quoted;
 
 // linux/can.h: in a log an error frame has this bit in an id of 8 digits.
 constexpr std::uint32_t kErrorFlag = 0x20000000, kLargestExtended = 0x1fffffff, kLargestStandard = 0x7ff;

@@ -8,7 +8,7 @@
 #include <string_view>
 
 #include "furcula/bus/frame.hpp"
-#include "host/log/byte_source.hpp"
+#include "host/core/byte_source.hpp"
 
 namespace furcula::bus {
 
@@ -21,7 +21,7 @@ struct LogFrame {
   bool operator==(const LogFrame&) const = default;
 };
 
-/// A line without its end. @throws log::DataError: what is wrong with it, without file and line.
+/// A line without its end. @throws core::DataError: what is wrong with it, without file and line.
 LogFrame parse_candump(std::string_view line);
 
 /// The line, with its end.
@@ -30,15 +30,15 @@ std::string format_candump(const LogFrame& frame);
 /// Reads a log of any length in a fixed amount of memory. Empty lines are passed over.
 class CandumpReader {
  public:
-  CandumpReader(log::ByteSource& source, std::string name) : source_(source), name_(std::move(name)) {}
+  CandumpReader(core::ByteSource& source, std::string name) : source_(source), name_(std::move(name)) {}
 
-  /// The next frame, or false at the end. @throws log::DataError with file and line.
+  /// The next frame, or false at the end. @throws core::DataError with file and line.
   bool next(LogFrame& frame);
 
  private:
   bool next_line(std::string_view& line);
 
-  log::ByteSource& source_;
+  core::ByteSource& source_;
   std::string name_;
   std::array<char, 4096> buffer_{};  // the longest line, above all that candump writes
   std::size_t begin_ = 0;

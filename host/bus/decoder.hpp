@@ -16,7 +16,7 @@ inline constexpr std::string_view kDecodedHeader = "time_s,interface,message,sig
 
 class Decoder {
  public:
-  /// @throws log::DataError as check_nodes().
+  /// @throws core::DataError as check_nodes().
   explicit Decoder(std::vector<Node> nodes);
 
   /// Appends the rows of a frame.

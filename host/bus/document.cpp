@@ -5,12 +5,12 @@
 
 #include "host/bus/nodes.hpp"
 #include "host/bus/numbers.hpp"
-#include "host/log/message.hpp"
+#include "host/core/message.hpp"
 
 namespace furcula::bus {
 namespace {
 
-using log::rounded;
+using core::rounded;
 
 constexpr std::string_view kHead = R"(# The CAN bus
 

@@ -3,12 +3,12 @@
 
 #include "furcula/bus/node_words.hpp"
 #include "furcula/bus/registers.hpp"
-#include "host/log/message.hpp"
+#include "host/core/message.hpp"
 
 namespace furcula::bus {
 namespace {
 
-using log::rounded;
+using core::rounded;
 
 constexpr std::string_view kModbusHead = R"(# Modbus
 

@@ -6,8 +6,8 @@
 #include <charconv>
 
 #include "furcula/bus/codec.hpp"
-#include "host/log/error.hpp"
-#include "host/log/message.hpp"
+#include "host/core/error.hpp"
+#include "host/core/message.hpp"
 
 namespace furcula::bus {
 namespace {
@@ -38,28 +38,28 @@ std::vector<Node> usual_nodes() {
 }
 
 Node parse_node(std::string_view text) {
-  const std::string where = "node " + log::quoted(text) + ": ";
+  const std::string where = "node " + core::quoted(text) + ": ";
   std::string_view rest = text;
   const std::string_view name = take(rest, '=');
   if (name.empty() || name.size() > kLongestName || !is_letter(name.front()) ||
       !std::all_of(name.begin(), name.end(), [](char c) { return is_letter(c) || is_digit(c) || c == '_'; }))
-    throw log::DataError(
-        where + "name " + log::quoted(name) +
+    throw core::DataError(
+        where + "name " + core::quoted(name) +
         "; expected NAME=PROTOCOL:ID with a name of a letter and up to 7 more letters, digits, _");
-  if (name == "Desk") throw log::DataError(where + "'Desk' is who sends commands; expected another name");
+  if (name == "Desk") throw core::DataError(where + "'Desk' is who sends commands; expected another name");
   const std::string_view protocol = take(rest, ':');
   const auto* const known = std::find(kProtocols.begin(), kProtocols.end(), protocol);
   if (known == kProtocols.end())
-    throw log::DataError(where + "no protocol " + log::quoted(protocol) + "; expected one of " +
-                         log::listed(kProtocols) + log::did_you_mean(protocol, kProtocols));
+    throw core::DataError(where + "no protocol " + core::quoted(protocol) + "; expected one of " +
+                          core::listed(kProtocols) + core::did_you_mean(protocol, kProtocols));
   Node node{std::string(name), static_cast<Protocol>(known - kProtocols.begin()), 0};
   const std::string_view id = take(rest, ':');
   const char* const end = id.data() + id.size();
   if (const auto read = std::from_chars(id.data(), end, node.id);
       id.empty() || read.ec != std::errc() || read.ptr != end || node.id < kFirstNode || node.id > kLastNode)
-    throw log::DataError(where + "id " + log::quoted(id) + "; expected a whole number from 1 to 31");
+    throw core::DataError(where + "id " + core::quoted(id) + "; expected a whole number from 1 to 31");
   if (node.protocol != Protocol::mini_cheetah) {
-    if (!rest.empty()) throw log::DataError(where + log::quoted(rest) + " after the id; expected nothing");
+    if (!rest.empty()) throw core::DataError(where + core::quoted(rest) + " after the id; expected nothing");
     return node;
   }
   std::vector<std::string_view> names;
@@ -70,8 +70,8 @@ Node parse_node(std::string_view text) {
       return node;
     }
   }
-  throw log::DataError(where + "no motor " + log::quoted(rest) + "; expected one of " + log::listed(names) +
-                       log::did_you_mean(rest, names));
+  throw core::DataError(where + "no motor " + core::quoted(rest) + "; expected one of " +
+                        core::listed(names) + core::did_you_mean(rest, names));
 }
 
 void check_nodes(const std::vector<Node>& nodes) {
@@ -79,11 +79,11 @@ void check_nodes(const std::vector<Node>& nodes) {
     for (std::size_t k = 0; k < i; ++k) {
       const Node &a = nodes[k], &b = nodes[i];
       if (a.name == b.name)
-        throw log::DataError("node " + log::quoted(b.name) + " is there twice; expected names that differ");
+        throw core::DataError("node " + core::quoted(b.name) + " is there twice; expected names that differ");
       if (a.protocol == b.protocol && a.id == b.id)
-        throw log::DataError("nodes " + log::quoted(a.name) + " and " + log::quoted(b.name) + " are both " +
-                             std::string(name_of(b.protocol)) + " " + std::to_string(b.id) +
-                             "; expected ids that differ");
+        throw core::DataError("nodes " + core::quoted(a.name) + " and " + core::quoted(b.name) +
+                              " are both " + std::string(name_of(b.protocol)) + " " + std::to_string(b.id) +
+                              "; expected ids that differ");
     }
 }
 

@@ -32,10 +32,10 @@ std::string_view name_of(Protocol protocol);
 /// The robot of this project with one of each: a board, a motor, an ODrive axis, a height encoder.
 std::vector<Node> usual_nodes();
 
-/// `NAME=PROTOCOL:ID`, for a mini_cheetah drive `NAME=mini_cheetah:ID:MOTOR`. @throws log::DataError
+/// `NAME=PROTOCOL:ID`, for a mini_cheetah drive `NAME=mini_cheetah:ID:MOTOR`. @throws core::DataError
 Node parse_node(std::string_view text);
 
-/// @throws log::DataError: two nodes of one name, or of one protocol and id.
+/// @throws core::DataError: two nodes of one name, or of one protocol and id.
 void check_nodes(const std::vector<Node>& nodes);
 
 /// In the order of the nodes and of the table. The nodes must outlive what is returned.

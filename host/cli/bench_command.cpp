@@ -20,9 +20,9 @@
 #include "host/cli/progress.hpp"
 #include "host/cli/recordings.hpp"
 #include "host/cli/within.hpp"
-#include "host/log/atomic_file.hpp"
-#include "host/log/error.hpp"
-#include "host/log/message.hpp"
+#include "host/core/atomic_file.hpp"
+#include "host/core/error.hpp"
+#include "host/core/message.hpp"
 #include "host/log/writer.hpp"
 #include "host/pil/own_image.hpp"
 
@@ -39,10 +39,10 @@ struct BenchOptions {
 };
 
 std::string milliseconds(double time_s) {
-  return time_s == time_s ? log::shortest(std::round(1e4 * time_s) / 10.0) + " ms" : "never";
+  return time_s == time_s ? core::shortest(std::round(1e4 * time_s) / 10.0) + " ms" : "never";
 }
 std::string millimetres(double length_m) {
-  return length_m == length_m ? log::shortest(std::round(1e4 * length_m) / 10.0) + " mm" : "-";
+  return length_m == length_m ? core::shortest(std::round(1e4 * length_m) / 10.0) + " mm" : "-";
 }
 
 constexpr const char* kBoards =
@@ -68,12 +68,12 @@ std::unique_ptr<bench::Board> open_board(const BenchOptions& o) {
     modbus::Port port;
     try {
       port = modbus::parse_port(text);
-    } catch (const log::DataError& e) {
+    } catch (const core::DataError& e) {
       throw UsageError(std::string("--board: ") + e.what());
     }
     return std::make_unique<bench::BusBoard>(port, o.pulley_teeth, ask_to_hang);
   }
-  throw UsageError("--board: " + log::quoted(text) + "; expected " + kBoards);
+  throw UsageError("--board: " + core::quoted(text) + "; expected " + kBoards);
 }
 
 void run(const BenchOptions& o) {
@@ -93,12 +93,12 @@ void run(const BenchOptions& o) {
     r = bench::run_release_catch(board, options, limits);
   }
   std::string command = "furcula bench release-catch --board " + o.board + " --load-kg " +
-                        log::shortest(o.conditions.load_kg) + " --window-ms " + log::shortest(o.window_ms) +
-                        " --supply-v " + log::shortest(o.conditions.supply_v) + " --pressing-n " +
-                        log::shortest(o.conditions.pressing_n) + " --trials " + std::to_string(o.trials) +
+                        core::shortest(o.conditions.load_kg) + " --window-ms " + core::shortest(o.window_ms) +
+                        " --supply-v " + core::shortest(o.conditions.supply_v) + " --pressing-n " +
+                        core::shortest(o.conditions.pressing_n) + " --trials " + std::to_string(o.trials) +
                         " --seed " + std::to_string(o.seed) +
                         (o.limits.empty() ? "" : " --limits " + o.limits) + " --out " + o.out;
-  std::vector<log::NewFile> files{
+  std::vector<core::NewFile> files{
       {o.out + "/standard.csv", log::format_log(bench::to_log(r.standard, board, "standard.csv"))},
       {o.out + "/release_catch.json", bench::to_json_text(r)},
       {o.out + "/report.html", bench::render_release_catch_report(r, board.metres_per_count(), command)}};
@@ -108,7 +108,7 @@ void run(const BenchOptions& o) {
     obsolete.push_back(worst);
   else
     files.push_back({worst, log::format_log(bench::to_log(r.trials[r.worst], board, "worst.csv"))});
-  log::write_files_together(files, obsolete);
+  core::write_files_together(files, obsolete);
 
   const bench::Summary& s = r.summary;
   const bench::Trial& given = r.standard;
@@ -143,7 +143,7 @@ void run(const BenchOptions& o) {
                 measured, c.at_most ? "at most" : "at least", c.limit, c.unit.empty() ? "" : " ",
                 std::string(c.unit).c_str());
   }
-  std::printf("report: %s/report.html\n", log::printable(o.out).c_str());
+  std::printf("report: %s/report.html\n", core::printable(o.out).c_str());
   std::fflush(stdout);
   if (!r.passed) throw Refusal("the clutch does not meet its limits (" + o.limits + ")");
 }

@@ -11,9 +11,9 @@
 #include "host/bus/modbus_document.hpp"
 #include "host/cli/commands.hpp"
 #include "host/cli/errors.hpp"
-#include "host/log/byte_source.hpp"
-#include "host/log/error.hpp"
-#include "host/log/message.hpp"
+#include "host/core/byte_source.hpp"
+#include "host/core/error.hpp"
+#include "host/core/message.hpp"
 
 namespace furcula::cli {
 namespace {
@@ -31,14 +31,14 @@ std::vector<bus::Node> nodes_of(const BusOptions& options) {
     for (const std::string& text : options.nodes) nodes.push_back(bus::parse_node(text));
     bus::check_nodes(nodes);
     return nodes;
-  } catch (const log::DataError& e) {
+  } catch (const core::DataError& e) {
     throw UsageError(std::string("--node: ") + e.what());
   }
 }
 
 void decode(const BusOptions& options) {
   bus::Decoder decoder(nodes_of(options));
-  log::FileSource source(options.log, "a log of candump -L");
+  core::FileSource source(options.log, "a log of candump -L");
   bus::CandumpReader reader(source, options.log);
   bus::LogFrame frame;
   std::string rows(bus::kDecodedHeader);
@@ -49,9 +49,9 @@ void decode(const BusOptions& options) {
     std::cout << rows;
     rows.clear();
   }
-  if (frames == 0) throw log::DataError(options.log + ": no frame in it; expected a log of candump -L");
+  if (frames == 0) throw core::DataError(options.log + ": no frame in it; expected a log of candump -L");
   std::cout << rows;
-  std::cerr << log::printable(options.log) << ": " << frames << " frames, " << decoder.decoded()
+  std::cerr << core::printable(options.log) << ": " << frames << " frames, " << decoder.decoded()
             << " decoded\n"
             << decoder.remarks();
 }

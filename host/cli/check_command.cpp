@@ -9,7 +9,7 @@
 #include "host/cli/commands.hpp"
 #include "host/cli/errors.hpp"
 #include "host/cli/recordings.hpp"
-#include "host/log/message.hpp"
+#include "host/core/message.hpp"
 #include "host/log/reader.hpp"
 #include "host/log/rigs.hpp"
 #include "host/model/reader.hpp"
@@ -36,20 +36,20 @@ std::string rig_of(const CheckOptions& options, const log::ColumnMap* map) {
   std::vector<std::string_view> rigs;
   for (const auto& r : log::kRigs) rigs.push_back(r.name);
   if (log::rig_named(options.rig) == nullptr)
-    throw UsageError("--rig " + options.rig + ": no such rig; expected one of " + log::listed(rigs) +
-                     log::did_you_mean(options.rig, rigs));
+    throw UsageError("--rig " + options.rig + ": no such rig; expected one of " + core::listed(rigs) +
+                     core::did_you_mean(options.rig, rigs));
   return options.rig;
 }
 
 void print(const std::string& file, const log::LogSummary& s) {
-  const std::string path = log::printable(file);
+  const std::string path = core::printable(file);
   char figures[200];
   std::snprintf(figures, sizeof figures, "%llu rows, %.6g s, interval min %.6g, median %.6g, max %.6g ms",
                 static_cast<unsigned long long>(s.rows), s.duration_s, 1e3 * s.interval_min_s,
                 1e3 * s.interval_median_s, 1e3 * s.interval_max_s);
   std::cout << path << ": " << figures << "\n";
   for (const std::string& column : s.ignored_columns)
-    std::cerr << path << ": note: column " << log::quoted(column)
+    std::cerr << path << ": note: column " << core::quoted(column)
               << " is not of this rig and not numeric: ignored\n";
   if (!s.last_row_ends)
     std::cerr << path << ": note: no line end after the last row: its last number may have been cut\n";
@@ -67,17 +67,17 @@ void run(const CheckOptions& options) {
     try {
       const std::string own = rig.empty() ? log::rig_line(path) : rig;
       if (own.empty())
-        throw log::DataError(
+        throw core::DataError(
             path + ":1: no line '# rig: ...' tells the rig; expected one, or --rig, --model or --map");
       print(path, log::check_log(path, own, map ? &*map : nullptr));
       // Which columns a robot's log must have, its joints say.
       if (tree) trees::recording_of(*tree, log::read_log(path, own, map ? &*map : nullptr));
-    } catch (const log::DataError& e) {
+    } catch (const core::DataError& e) {
       // One line for each bad log; the good ones after it are checked all the same.
       errors += (errors.empty() ? "" : "\nfurcula: ") + std::string(e.what());
     }
   }
-  if (!errors.empty()) throw log::DataError(errors);
+  if (!errors.empty()) throw core::DataError(errors);
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // The subcommands of `furcula`. Each function adds one to the program, with its options and a callback that
-// runs it. A callback throws UsageError, log::DataError, log::OutputError or Refusal; main.cpp makes exit
+// runs it. A callback throws UsageError, core::DataError, core::OutputError or Refusal; main.cpp makes exit
 // statuses of them.
 #pragma once
 

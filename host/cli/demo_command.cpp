@@ -9,7 +9,7 @@
 
 #include "host/cli/commands.hpp"
 #include "host/cli/diagnose_command.hpp"
-#include "host/log/message.hpp"
+#include "host/core/message.hpp"
 #include "host/log/writer.hpp"
 #include "host/model/writer.hpp"
 #include "host/sim/mystery.hpp"
@@ -36,7 +36,7 @@ std::string truth_in_words(const sim::Mystery& mystery) {
   for (std::size_t i = 0; i < effect.parameter_count; ++i)
     values += (i == 0 ? "" : ", ") +
               std::string(dynamics::name_on(effect.parameter_table[i], mystery.model.kind)) + " " +
-              log::rounded(mystery.truth.effects.at(mystery.cause)[i]);
+              core::rounded(mystery.truth.effects.at(mystery.cause)[i]);
   return std::string(effect.name) + " (" + values + ")";
 }
 

@@ -8,10 +8,10 @@
 
 #include "host/cli/commands.hpp"
 #include "host/cli/progress.hpp"
+#include "host/core/atomic_file.hpp"
+#include "host/core/message.hpp"
 #include "host/diagnose/diagnose.hpp"
 #include "host/diagnose/diagnosis_json.hpp"
-#include "host/log/atomic_file.hpp"
-#include "host/log/message.hpp"
 #include "host/model/writer.hpp"
 #include "host/report/diagnosis_report.hpp"
 #include "host/report/tree_report.hpp"
@@ -34,7 +34,7 @@ diagnose::Diagnosis run_diagnose(const RecordingOptions& o) {
     options.progress = [&](double fraction, std::string_view doing) { progress.update(fraction, doing); };
     d = diagnose::diagnose(r.model, r.training, r.held_out, options);
   }
-  std::vector<log::NewFile> files{
+  std::vector<core::NewFile> files{
       {o.out + "/diagnosis.json", diagnose::to_json_text(d)},
       {o.out + "/extended_model.toml", model::format_model(d.extended_model)},
       {o.out + "/report.html", report::render_report(d, o.command_line("diagnose"))}};
@@ -45,11 +45,11 @@ diagnose::Diagnosis run_diagnose(const RecordingOptions& o) {
   else
     files.push_back({scenario, "# " + d.experiments.front().what + "\n\n" +
                                    sim::format_scenario(d.experiments.front().scenario, d.kind)});
-  log::write_files_together(files, obsolete);
+  core::write_files_together(files, obsolete);
   std::cout << "fitted on " << r.training.size() << ", held out " << r.held_out.size() << " recordings\n"
-            << name(d.verdict) << ": " << log::printable_lines(d.summary) << "\n"
-            << (d.experiments.empty() ? "" : "next: " + log::printable_lines(d.next_experiment) + "\n")
-            << "report: " << log::printable(o.out) << "/report.html\n";
+            << name(d.verdict) << ": " << core::printable_lines(d.summary) << "\n"
+            << (d.experiments.empty() ? "" : "next: " + core::printable_lines(d.next_experiment) + "\n")
+            << "report: " << core::printable(o.out) << "/report.html\n";
   return d;
 }
 
@@ -70,7 +70,7 @@ void run_on_tree(const RecordingOptions& o, const trees::TreeModel& model) {
   trees::TreeModel extended = model;
   extended.drives = d.extended.drives;
   extended.causes = d.extended.causes;
-  std::vector<log::NewFile> files{
+  std::vector<core::NewFile> files{
       {o.out + "/diagnosis.json", trees::to_json_text(d)},
       {o.out + "/extended_model.toml",
        trees::format_tree_model(extended, trees::urdf_seen_from(model, o.out))},
@@ -84,28 +84,28 @@ void run_on_tree(const RecordingOptions& o, const trees::TreeModel& model) {
   else
     files.push_back({scenario, "# " + d.experiments.front().what + "\n\n" +
                                    trees::scenario_of(model, d.experiments.front())});
-  log::write_files_together(files, obsolete);
+  core::write_files_together(files, obsolete);
   std::cout << "fitted on " << logs.training.size() << ", held out " << logs.held_out.size()
             << " recordings\n"
-            << name(d.verdict) << ": " << log::printable_lines(d.summary) << "\n";
+            << name(d.verdict) << ": " << core::printable_lines(d.summary) << "\n";
   for (const trees::Finding& f : d.findings) {
-    std::cout << "  " << log::printable(trees::cause_name(model, f.cause));
+    std::cout << "  " << core::printable(trees::cause_name(model, f.cause));
     for (const trees::Estimate& e : f.parameters)
-      std::cout << "  " << e.name << " = " << log::rounded(e.value) << " " << e.unit << " (95 % "
-                << log::rounded(e.lower) << " to " << log::rounded(e.upper) << ")";
-    std::cout << "  confidence " << log::rounded(f.confidence, 2) << "\n";
+      std::cout << "  " << e.name << " = " << core::rounded(e.value) << " " << e.unit << " (95 % "
+                << core::rounded(e.lower) << " to " << core::rounded(e.upper) << ")";
+    std::cout << "  confidence " << core::rounded(f.confidence, 2) << "\n";
     for (const trees::RivalText& r : f.indistinguishable_from)
-      std::cout << "    cannot be told from " << log::printable(r.causes.front()) << "\n";
+      std::cout << "    cannot be told from " << core::printable(r.causes.front()) << "\n";
   }
   std::cout << "held-out error, RMS, as given and extended:";
   for (std::size_t j = 0; j < model.joints(); ++j)
-    std::cout << (j == 0 ? " " : ", ") << log::printable(model.robot.joints[j].name) << " "
-              << log::rounded(d.as_given_error[j].rmse, 3) << " to "
-              << log::rounded(d.extended_error[j].rmse, 3) << " " << trees::channel_unit(model, j);
+    std::cout << (j == 0 ? " " : ", ") << core::printable(model.robot.joints[j].name) << " "
+              << core::rounded(d.as_given_error[j].rmse, 3) << " to "
+              << core::rounded(d.extended_error[j].rmse, 3) << " " << trees::channel_unit(model, j);
   std::cout << "\n";
-  for (const std::string& note : d.notes) std::cout << log::printable(note) << "\n";
-  if (!d.experiments.empty()) std::cout << "next: " << log::printable(d.next_experiment) << "\n";
-  std::cout << "report: " << log::printable(o.out) << "/report.html\n";
+  for (const std::string& note : d.notes) std::cout << core::printable(note) << "\n";
+  if (!d.experiments.empty()) std::cout << "next: " << core::printable(d.next_experiment) << "\n";
+  std::cout << "report: " << core::printable(o.out) << "/report.html\n";
 }
 
 }  // namespace

@@ -7,7 +7,7 @@
 namespace furcula::cli {
 
 /// Reads the recordings, diagnoses them, writes the results into `options.out`; the verdict goes to stdout.
-/// @throws UsageError, log::DataError, log::OutputError
+/// @throws UsageError, core::DataError, core::OutputError
 diagnose::Diagnosis run_diagnose(const RecordingOptions& options);
 
 }  // namespace furcula::cli

@@ -11,17 +11,17 @@
 #include "furcula/dynamics/effects/catalogue.hpp"
 #include "host/cli/commands.hpp"
 #include "host/cli/errors.hpp"
-#include "host/log/message.hpp"
+#include "host/core/message.hpp"
 #include "host/model/reader.hpp"
 #include "host/trees/effects.hpp"
 
 namespace furcula::cli {
 namespace {
 
+using core::shortest;
 using dynamics::EffectInfo;
 using dynamics::EffectParameterInfo;
 using dynamics::Kind;
-using log::shortest;
 
 struct EffectsOptions {
   std::string name;
@@ -46,7 +46,7 @@ std::string_view stage_name(dynamics::Stage stage) {
 
 std::vector<Kind> kinds_of(const EffectInfo& effect) {
   std::vector<Kind> kinds;
-  for (const auto& k : dynamics::kKinds)
+  for (const auto& k : dynamics::kMachines)
     if (dynamics::applies(effect.effect, k.kind)) kinds.push_back(k.kind);
   return kinds;
 }
@@ -54,7 +54,7 @@ std::vector<Kind> kinds_of(const EffectInfo& effect) {
 std::string kind_list(const EffectInfo& effect) {
   std::vector<std::string_view> names;
   for (const Kind k : kinds_of(effect)) names.push_back(dynamics::info(k).name);
-  return log::listed(names);
+  return core::listed(names);
 }
 
 // "N" or, where the effect exists on both sorts of axis and differs, "N (N m on a rotary joint)".
@@ -70,7 +70,7 @@ std::string with_rotary(std::string_view linear, std::string_view rotary, const 
 
 std::string neutral_text(const EffectParameterInfo& p) {
   if (!std::isnan(p.neutral)) return shortest(p.neutral);
-  for (const auto& k : dynamics::kKinds)
+  for (const auto& k : dynamics::kMachines)
     if (dynamics::parameter_index(k.kind, p.name)) return "the model's";
   return "any";
 }
@@ -81,7 +81,7 @@ std::string unit_text(std::string_view linear, std::string_view rotary, const Ef
 }
 
 /// Stance and flight are the hopper's.
-bool has_phases(std::optional<Kind> kind) { return !kind || is_hopper(*kind); }
+bool has_phases(std::optional<Kind> kind) { return !kind || dynamics::has(*kind, dynamics::Seat::leg); }
 
 void print_text(const EffectInfo& e, std::optional<Kind> kind) {
   std::cout << e.name << "\n  law         " << e.law << "\n  stage       " << stage_name(e.stage)
@@ -186,8 +186,8 @@ void run_on_trees(const EffectsOptions& options) {
     out["effects"].push_back(std::move(of));
   }
   if (text.empty())
-    throw UsageError("no effect " + log::quoted(options.name) + " on tree; expected one of " +
-                     log::listed(names) + log::did_you_mean(options.name, names));
+    throw UsageError("no effect " + core::quoted(options.name) + " on tree; expected one of " +
+                     core::listed(names) + core::did_you_mean(options.name, names));
   std::cout << (options.json ? out.dump(2) + "\n" : text);
 }
 
@@ -207,8 +207,8 @@ void run(const EffectsOptions& options) {
     if (options.name.empty() || options.name == e.name) effects.push_back(&e);
   }
   if (effects.empty())
-    throw UsageError("no effect " + log::quoted(options.name) + (kind ? " on " + options.kind : "") +
-                     "; expected one of " + log::listed(names) + log::did_you_mean(options.name, names));
+    throw UsageError("no effect " + core::quoted(options.name) + (kind ? " on " + options.kind : "") +
+                     "; expected one of " + core::listed(names) + core::did_you_mean(options.name, names));
 
   if (options.markdown) {
     print_markdown(effects, kind);

@@ -9,11 +9,11 @@
 #include "host/cli/progress.hpp"
 #include "host/cli/recordings.hpp"
 #include "host/cli/within.hpp"
+#include "host/core/atomic_file.hpp"
+#include "host/core/message.hpp"
 #include "host/energy/study.hpp"
 #include "host/energy/study_json.hpp"
 #include "host/energy/study_report.hpp"
-#include "host/log/atomic_file.hpp"
-#include "host/log/message.hpp"
 #include "host/model/reader.hpp"
 
 namespace furcula::cli {
@@ -42,14 +42,14 @@ void run(const EnergyOptions& o) {
     s = energy::run_study(model, options);
   }
   const std::string command =
-      "furcula energy --model " + o.model + " --apex-m " + log::shortest(o.study.apex_m) +
-      " --clutch-mass-kg " + log::shortest(o.study.clutch_mass_kg) + " --contraction-max-m " +
-      log::shortest(o.study.most_contraction_m) + " --points " + std::to_string(o.study.points) +
-      " --torque-constant-nmpa " + log::shortest(o.study.motor.torque_constant_nmpa) + " --resistance-ohm " +
-      log::shortest(o.study.motor.resistance_ohm) + " --out " + o.out;
-  log::write_files_together(
-      std::vector<log::NewFile>{{o.out + "/energy.json", energy::to_json_text(s)},
-                                {o.out + "/report.html", energy::render_energy_report(s, command)}});
+      "furcula energy --model " + o.model + " --apex-m " + core::shortest(o.study.apex_m) +
+      " --clutch-mass-kg " + core::shortest(o.study.clutch_mass_kg) + " --contraction-max-m " +
+      core::shortest(o.study.most_contraction_m) + " --points " + std::to_string(o.study.points) +
+      " --torque-constant-nmpa " + core::shortest(o.study.motor.torque_constant_nmpa) + " --resistance-ohm " +
+      core::shortest(o.study.motor.resistance_ohm) + " --out " + o.out;
+  core::write_files_together(
+      std::vector<core::NewFile>{{o.out + "/energy.json", energy::to_json_text(s)},
+                                 {o.out + "/report.html", energy::render_energy_report(s, command)}});
 
   std::printf("J a hop (peak N m in flight and in stance) at an apex of %g m\n", o.study.apex_m);
   std::printf("%-11s%32s%32s%32s\ncontraction", "", "caught", "with the clutch", "without a spring");
@@ -83,7 +83,7 @@ void run(const EnergyOptions& o) {
   for (const energy::Variant& v : s.variants)
     std::printf("  %-42s mechanical %s, electrical %s\n", v.what.c_str(), centimetres(v.mechanical_m).c_str(),
                 centimetres(v.electrical_m).c_str());
-  std::printf("report: %s/report.html\n", log::printable(o.out).c_str());
+  std::printf("report: %s/report.html\n", core::printable(o.out).c_str());
 }
 
 }  // namespace

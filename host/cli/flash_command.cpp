@@ -12,12 +12,12 @@
 
 #include "host/cli/commands.hpp"
 #include "host/cli/errors.hpp"
+#include "host/core/byte_source.hpp"
+#include "host/core/error.hpp"
+#include "host/core/message.hpp"
 #include "host/flash/boards.hpp"
 #include "host/flash/image.hpp"
 #include "host/flash/tools.hpp"
-#include "host/log/byte_source.hpp"
-#include "host/log/error.hpp"
-#include "host/log/message.hpp"
 
 namespace furcula::cli {
 namespace {
@@ -33,18 +33,18 @@ const flash::FlashBoard& board_of(const std::string& name) {
     if (board.name == name) return board;
     names.push_back(board.name);
   }
-  throw UsageError("--board: no board " + log::quoted(name) + "; expected one of " + log::listed(names) +
-                   log::did_you_mean(name, names));
+  throw UsageError("--board: no board " + core::quoted(name) + "; expected one of " + core::listed(names) +
+                   core::did_you_mean(name, names));
 }
 
 /// An ELF file of at most 16 MiB, with all its symbols.
 std::string read_file(const std::string& path) {
-  log::FileSource source(path, "an ELF file of a board's image");
+  core::FileSource source(path, "an ELF file of a board's image");
   std::string text;
   std::vector<char> block(1 << 16);
   for (std::size_t n = 0; (n = source.read(block.data(), block.size())) != 0;) {
     text.append(block.data(), n);
-    if (text.size() > 16u << 20) throw log::DataError(path + ": larger than any image");
+    if (text.size() > 16u << 20) throw core::DataError(path + ": larger than any image");
   }
   return text;
 }
@@ -52,8 +52,8 @@ std::string read_file(const std::string& path) {
 flash::Image image_for(const flash::FlashBoard& board, const std::string& path) {
   flash::Image image = flash::read_elf(read_file(path), path);
   if (image.board() != board.name)
-    throw log::DataError(path + ": an image for the board " + log::quoted(image.board()) + "; expected " +
-                         board.name);
+    throw core::DataError(path + ": an image for the board " + core::quoted(image.board()) + "; expected " +
+                          board.name);
   return image;
 }
 
@@ -64,15 +64,15 @@ std::string tool_for(const flash::FlashBoard& board, const FlashOptions& options
     if (flash::suits(tool, board)) able.push_back(tool);
   if (!options.tool.empty()) {
     if (std::find(able.begin(), able.end(), options.tool) == able.end())
-      throw UsageError("--tool: " + log::quoted(options.tool) + " does not flash " + board.name +
-                       "; expected one of " + log::listed(able));
+      throw UsageError("--tool: " + core::quoted(options.tool) + " does not flash " + board.name +
+                       "; expected one of " + core::listed(able));
     able = {options.tool};
   }
   for (const std::string_view tool : able)
     if (!flash::find_in_path(tool).empty()) return std::string(tool);
   if (options.dry_run) return std::string(able.front());
   throw Refusal("no program to flash " + board.name + " with is in PATH; expected one of " +
-                log::listed(able) + " (Debian's packages openocd, stlink-tools and dfu-util have them)");
+                core::listed(able) + " (Debian's packages openocd, stlink-tools and dfu-util have them)");
 }
 
 /// The last lines of what a program said, for a message.
@@ -124,9 +124,9 @@ void flash_board(const FlashOptions& options) {
   const flash::FlashBoard& board = board_of(options.board);
   const std::string elf = options.elf.empty() ? "build/cortex-m4f/bin/" + board.name + ".elf" : options.elf;
   if (options.elf.empty() && !std::filesystem::exists(elf))
-    throw log::DataError(elf +
-                         ": no such image; expected one after cmake --preset cortex-m4f && cmake --build "
-                         "--preset cortex-m4f, or --elf FILE");
+    throw core::DataError(elf +
+                          ": no such image; expected one after cmake --preset cortex-m4f && cmake --build "
+                          "--preset cortex-m4f, or --elf FILE");
   const flash::Image image = image_for(board, elf);
   std::cout << elf << ": " << board.name << ", firmware " << image.version() << ", " << image.bytes.size()
             << " bytes, CRC good\n";

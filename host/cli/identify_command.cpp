@@ -8,10 +8,10 @@
 #include "host/cli/errors.hpp"
 #include "host/cli/progress.hpp"
 #include "host/cli/recordings.hpp"
+#include "host/core/atomic_file.hpp"
+#include "host/core/error.hpp"
+#include "host/core/message.hpp"
 #include "host/identify/identification.hpp"
-#include "host/log/atomic_file.hpp"
-#include "host/log/error.hpp"
-#include "host/log/message.hpp"
 #include "host/model/writer.hpp"
 #include "host/report/identification_json.hpp"
 #include "host/report/identification_report.hpp"
@@ -37,18 +37,18 @@ void run_on_tree(const IdentifyOptions& o, const trees::TreeModel& model) {
     options.progress = [&](double fraction, std::string_view doing) { progress.update(fraction, doing); };
     found = trees::identify(model, logs.training, logs.held_out, options);
   }
-  log::write_files_together(std::vector<log::NewFile>{
+  core::write_files_together(std::vector<core::NewFile>{
       {o.out + "/identification.json", trees::to_json_text(found)},
       {o.out + "/identified_model.toml",
        trees::format_tree_model(found.model, trees::urdf_seen_from(model, o.out))}});
   for (const auto& p : found.parameters)
-    std::printf("  %-32s %12.6g %-9s 95 %% %.6g to %.6g  %s%s\n", log::printable(p.name).c_str(), p.value,
+    std::printf("  %-32s %12.6g %-9s 95 %% %.6g to %.6g  %s%s\n", core::printable(p.name).c_str(), p.value,
                 p.unit.c_str(), p.lower, p.upper, p.verdict.c_str(),
-                p.with.empty() ? "" : (" (" + log::printable(p.with) + ")").c_str());
+                p.with.empty() ? "" : (" (" + core::printable(p.with) + ")").c_str());
   std::printf("held-out error, RMS, as given and identified:");
   for (std::size_t j = 0; j < model.joints(); ++j)
     std::printf("%s %s %.3g to %.3g %s", j == 0 ? "" : ",",
-                log::printable(model.robot.joints[j].name).c_str(), found.as_given_error[j].rmse,
+                core::printable(model.robot.joints[j].name).c_str(), found.as_given_error[j].rmse,
                 found.identified_error[j].rmse, std::string(trees::channel_unit(model, j)).c_str());
   std::printf("\n");
 }
@@ -61,7 +61,7 @@ void run(const IdentifyOptions& o) {
   }
   const Recordings r = read_recordings(o);
   if (r.model.free.empty())
-    throw log::DataError(
+    throw core::DataError(
         o.model + ": no parameter in [free], so there is nothing to identify; expected at least one, as in " +
         "[free] " + std::string(dynamics::info(r.model.kind).parameters.front().name) + " = [lower, upper]");
   const OutFolder folder(o.out);
@@ -79,7 +79,7 @@ void run(const IdentifyOptions& o) {
   }
   const std::string command =
       "identify --method " + o.method + (o.folds == 0 ? "" : " --folds " + std::to_string(o.folds));
-  log::write_files_together(std::vector<log::NewFile>{
+  core::write_files_together(std::vector<core::NewFile>{
       {o.out + "/identification.json", report::to_json_text(found)},
       {o.out + "/identified_model.toml", model::format_model(found.estimations.front().model)},
       {o.out + "/report.html", report::render_identification_report(found, o.command_line(command))}});
@@ -90,7 +90,7 @@ void run(const IdentifyOptions& o) {
       std::printf("  %-24s %12.6g %-8s 95 %% %.6g to %.6g  %s%s\n", p.name.c_str(), p.value, p.unit.c_str(),
                   p.lower, p.upper, p.verdict.c_str(), p.with.empty() ? "" : (" (" + p.with + ")").c_str());
   }
-  std::printf("report: %s/report.html\n", log::printable(o.out).c_str());
+  std::printf("report: %s/report.html\n", core::printable(o.out).c_str());
 }
 
 }  // namespace

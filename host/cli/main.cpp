@@ -8,9 +8,9 @@
 
 #include "host/cli/commands.hpp"
 #include "host/cli/errors.hpp"
-#include "host/log/atomic_file.hpp"
-#include "host/log/error.hpp"
-#include "host/log/message.hpp"
+#include "host/core/atomic_file.hpp"
+#include "host/core/error.hpp"
+#include "host/core/message.hpp"
 
 namespace {
 
@@ -20,8 +20,8 @@ enum ExitStatus { kWritten = 0, kUnusableArguments = 2, kUnusableData = 3, kRefu
 std::string unknown_command(CLI::App& app, const std::string& name) {
   std::vector<std::string_view> names;
   for (const CLI::App* command : app.get_subcommands({})) names.push_back(command->get_name());
-  return "no command " + furcula::log::quoted(name) + "; expected one of " + furcula::log::listed(names) +
-         furcula::log::did_you_mean(name, names);
+  return "no command " + furcula::core::quoted(name) + "; expected one of " + furcula::core::listed(names) +
+         furcula::core::did_you_mean(name, names);
 }
 
 /// The first argument that looks like an option and is none of the command's; empty: there is none.
@@ -33,8 +33,8 @@ std::string unknown_option(CLI::App& command) {
     for (const CLI::Option* o : command.get_options())
       for (const std::string& name : o->get_lnames()) names.push_back("--" + name);
     const std::vector<std::string_view> views(names.begin(), names.end());
-    return "no option " + furcula::log::quoted(option) + " of furcula " + command.get_name() +
-           "; expected one of " + furcula::log::listed(views) + furcula::log::did_you_mean(option, views);
+    return "no option " + furcula::core::quoted(option) + " of furcula " + command.get_name() +
+           "; expected one of " + furcula::core::listed(views) + furcula::core::did_you_mean(option, views);
   }
   return {};
 }
@@ -68,7 +68,7 @@ void run(int argc, char** argv) {
 
 /// File names, columns and what devices say of themselves are in it.
 int tell(const std::string& message, ExitStatus status) {
-  std::cerr << "furcula: " << furcula::log::printable_lines(message) << "\n";
+  std::cerr << "furcula: " << furcula::core::printable_lines(message) << "\n";
   return status;
 }
 
@@ -81,9 +81,9 @@ int main(int argc, char** argv) {
     return std::cout ? kWritten : tell("stdout: cannot be written", kUnusableArguments);
   } catch (const furcula::cli::UsageError& e) {
     return tell(e.what(), kUnusableArguments);
-  } catch (const furcula::log::OutputError& e) {
+  } catch (const furcula::core::OutputError& e) {
     return tell(e.what(), kUnusableArguments);
-  } catch (const furcula::log::DataError& e) {
+  } catch (const furcula::core::DataError& e) {
     return tell(e.what(), kUnusableData);
   } catch (const furcula::cli::Refusal& e) {
     return tell(e.what(), kRefused);

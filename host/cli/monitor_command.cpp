@@ -36,7 +36,7 @@ void follow(const MonitorOptions& options) {
       }
       const modbus::View view{names, robot->snapshot(), robot->faults()};
       shown = options.json ? modbus::to_json(view) + "\n" : modbus::to_text(view);
-    } catch (const log::DataError& e) {
+    } catch (const core::DataError& e) {
       robot.reset();
       if (options.json) throw;
       shown = std::string("no answer  ") + e.what() + "\n";

@@ -10,7 +10,7 @@
 
 #include "host/cli/commands.hpp"
 #include "host/cli/robot.hpp"
-#include "host/log/message.hpp"
+#include "host/core/message.hpp"
 
 namespace furcula::cli {
 namespace {
@@ -25,7 +25,7 @@ const bus::Parameter& parameter(const std::string& name) {
   if (const bus::Parameter* p = bus::parameter_named(name)) return *p;
   std::vector<std::string_view> names;
   for (const bus::Parameter& p : bus::kParameters) names.push_back(p.name);
-  throw UsageError("no parameter " + log::quoted(name) + log::did_you_mean(name, names) +
+  throw UsageError("no parameter " + core::quoted(name) + core::did_you_mean(name, names) +
                    "; furcula param list shows them");
 }
 
@@ -41,7 +41,7 @@ float number(const bus::Parameter& p, const std::string& value) {
   const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), x);
   const bool read = error == std::errc{} && end == value.data() + value.size();
   if (read && bus::allows(p, x)) return x;
-  throw UsageError(std::string(p.name) + " cannot be " + log::quoted(value) + "; expected " +
+  throw UsageError(std::string(p.name) + " cannot be " + core::quoted(value) + "; expected " +
                    (p.whole ? "a whole number" : "a number") + " from " + text(p.least) + " to " +
                    text(p.most) + (p.unit.empty() ? "" : " " + std::string(p.unit)));
 }

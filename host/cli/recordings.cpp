@@ -8,10 +8,10 @@
 #include <thread>
 
 #include "host/cli/errors.hpp"
+#include "host/core/message.hpp"
+#include "host/core/strict_toml.hpp"
 #include "host/identify/split.hpp"
-#include "host/log/message.hpp"
 #include "host/log/reader.hpp"
-#include "host/log/strict_toml.hpp"
 #include "host/model/reader.hpp"
 
 namespace furcula::cli {
@@ -54,7 +54,7 @@ std::string RecordingOptions::command_line(const std::string& command, bool tree
   };
   option("--model", model);
   if (!map.empty()) option("--map", map);
-  option("--window-s", log::shortest(window(tree)));
+  option("--window-s", core::shortest(window(tree)));
   option("--seed", std::to_string(seed));
   for (const std::string& path : logs) add(path);
   if (!held_out.empty()) add("--hold-out");
@@ -102,7 +102,7 @@ Recordings read_recordings(const RecordingOptions& options) {
 }
 
 std::optional<trees::TreeModel> tree_model(const std::string& path) {
-  const std::string text = log::read_small_file(path, "a model file (TOML)");
+  const std::string text = core::read_small_file(path, "a model file (TOML)");
   if (!trees::is_tree(text)) return std::nullopt;
   return trees::parse_tree_model(text, path);
 }

@@ -40,17 +40,17 @@ struct Logs {
 };
 
 /// Reads the logs of a rig, and splits them where no held-out logs are named.
-/// @throws UsageError (no log to fit, a log named twice, a bad window), log::DataError
+/// @throws UsageError (no log to fit, a log named twice, a bad window), core::DataError
 Logs read_logs(const RecordingOptions& options, const std::string& rig);
 
 struct Recordings : Logs {
   model::Model model;
 };
 
-/// Reads the model and the logs. @throws UsageError, log::DataError
+/// Reads the model and the logs. @throws UsageError, core::DataError
 Recordings read_recordings(const RecordingOptions& options);
 
-/// The model, where the file is one of a tree. @throws log::DataError
+/// The model, where the file is one of a tree. @throws core::DataError
 std::optional<trees::TreeModel> tree_model(const std::string& path);
 
 /// The folder of the results, there from construction on. Where nothing has been written into it by the end

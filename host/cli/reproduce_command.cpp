@@ -10,8 +10,8 @@
 #include "host/cli/errors.hpp"
 #include "host/cli/progress.hpp"
 #include "host/cli/recordings.hpp"
-#include "host/log/atomic_file.hpp"
-#include "host/log/message.hpp"
+#include "host/core/atomic_file.hpp"
+#include "host/core/message.hpp"
 #include "host/report/html.hpp"
 #include "host/reproduce/reproduction.hpp"
 #include "host/reproduce/reproduction_json.hpp"
@@ -37,9 +37,9 @@ void run(const ReproduceOptions& o) {
   }
   const std::string command = "furcula reproduce " + o.document + " --seed " + std::to_string(o.study.seed) +
                               " --out '" + o.out + "'";
-  log::write_files_together(
-      std::vector<log::NewFile>{{o.out + "/reproduction.json", reproduce::to_json_text(r)},
-                                {o.out + "/report.html", reproduce::render_reproduction_report(r, command)}});
+  core::write_files_together(std::vector<core::NewFile>{
+      {o.out + "/reproduction.json", reproduce::to_json_text(r)},
+      {o.out + "/report.html", reproduce::render_reproduction_report(r, command)}});
 
   std::printf("%-18s %-82s %-32s %11s %-7s\n", "where", "what", "printed", "here", "unit");
   for (const reproduce::Row& row : r.rows) {
@@ -59,7 +59,7 @@ void run(const ReproduceOptions& o) {
     std::printf("  %-20s %zu fits: %.2f s here, %.2f s the plain way (%zu converged); NMSE %.5f here, %.5f\n",
                 c.estimates.phase.c_str(), c.fits, c.ours_s, c.plain_s, c.converged, c.ours_nmse,
                 c.plain_nmse);
-  std::printf("report: %s/report.html\n", log::printable(o.out).c_str());
+  std::printf("report: %s/report.html\n", core::printable(o.out).c_str());
   if (r.count(Outcome::differs) > 0)
     throw Refusal(std::to_string(r.count(Outcome::differs)) + " printed figures differ without a reason");
 }

@@ -12,7 +12,7 @@
 #include "furcula/bus/node_words.hpp"
 #include "host/cli/commands.hpp"
 #include "host/cli/robot.hpp"
-#include "host/log/message.hpp"
+#include "host/core/message.hpp"
 #include "host/modbus/monitor.hpp"
 
 namespace furcula::cli {
@@ -27,7 +27,7 @@ struct RequestOptions {
 bus::Request request_named(const std::string& name) {
   for (const bus::Word& w : bus::kRequests)
     if (w.name == name) return static_cast<bus::Request>(w.number);
-  throw UsageError("no request " + log::quoted(name));
+  throw UsageError("no request " + core::quoted(name));
 }
 
 volatile std::sig_atomic_t ended = 0;

@@ -23,7 +23,8 @@ struct RigOptions {
 
 void run(RigOptions& options) {
   const model::Model model = model::read_model(options.model);
-  if (!dynamics::is_hopper(model.kind)) throw UsageError("the rig is a hopper; expected a model of one");
+  if (!dynamics::has(model.kind, dynamics::Seat::leg))
+    throw UsageError("the rig is a hopper; expected a model of one");
   const sim::Scenario scenario = sim::read_scenario(options.scenario, model);
   const sim::Expectation expected = sim::read_expectation(options.scenario);
   if (options.rig.configuration_path.empty()) options.rig.configuration_path = options.out + ".furculad.toml";

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "host/cli/errors.hpp"
-#include "host/log/error.hpp"
+#include "host/core/error.hpp"
 #include "host/modbus/client.hpp"
 
 namespace furcula::cli {
@@ -26,12 +26,12 @@ inline void add_robot_options(CLI::App& command, RobotOptions& options) {
       ->capture_default_str();
 }
 
-/// @throws UsageError where the port is not written as one, log::DataError where nothing answers there.
+/// @throws UsageError where the port is not written as one, core::DataError where nothing answers there.
 inline modbus::Client connect(const RobotOptions& options) {
   modbus::Port port;
   try {
     port = modbus::parse_port(options.port);
-  } catch (const log::DataError& e) {
+  } catch (const core::DataError& e) {
     throw UsageError(e.what());
   }
   return modbus::Client(port, options.unit);

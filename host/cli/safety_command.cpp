@@ -14,7 +14,7 @@
 #include "host/cli/commands.hpp"
 #include "host/cli/errors.hpp"
 #include "host/cli/rig_options.hpp"
-#include "host/log/atomic_file.hpp"
+#include "host/core/atomic_file.hpp"
 #include "host/rig/fault_trials.hpp"
 #include "host/safety/document.hpp"
 #include "host/safety/hil_ticks.hpp"
@@ -84,7 +84,7 @@ void try_on_board(HilOptions& options) {
     if (!sim_host::rig_fault_named(name)) throw UsageError("there is no fault '" + name + "'");
   options.rig.configuration_path = options.out + ".furculad.toml";
   std::ofstream table(options.out);
-  if (!table) throw log::OutputError(options.out + ": cannot be written");
+  if (!table) throw core::OutputError(options.out + ": cannot be written");
   table
       << "what breaks          allowed  page           flight           stance  released flight            catch\n";
   unsigned broken = 0;

@@ -14,7 +14,7 @@
 #include "host/bench/live_stand.hpp"
 #include "host/cli/commands.hpp"
 #include "host/cli/errors.hpp"
-#include "host/log/own_build.hpp"
+#include "host/core/own_build.hpp"
 #include "host/modbus/tcp_server.hpp"
 #include "host/model/reader.hpp"
 #include "host/sim/live_rig.hpp"
@@ -42,7 +42,7 @@ void live(const ServeOptions& options, const char* what, const std::function<voi
   std::signal(SIGINT, [](int) { serving_ended = 1; });
   std::signal(SIGTERM, [](int) { serving_ended = 1; });
   std::cout << what << " answers at modbus:" << options.address << ":" << server.port() << ", build "
-            << log::hexadecimal(log::own_build_id()) << "\n"
+            << core::hexadecimal(core::own_build_id()) << "\n"
             << std::flush;
   using Clock = std::chrono::steady_clock;
   const auto begin = Clock::now();
@@ -56,8 +56,8 @@ void live(const ServeOptions& options, const char* what, const std::function<voi
 }
 
 void run(const ServeOptions& options) {
-  const std::uint32_t build_id = log::own_build_id();
-  const std::string text = FURCULA_VERSION " build " + log::hexadecimal(build_id);
+  const std::uint32_t build_id = core::own_build_id();
+  const std::string text = FURCULA_VERSION " build " + core::hexadecimal(build_id);
   const bus::Identity identity{
       .board = "sim_host", .text = text, .firmware_version = FURCULA_VERSION_NUMBER, .build_id = build_id};
   const auto session = static_cast<std::uint16_t>(std::random_device{}());
@@ -69,7 +69,8 @@ void run(const ServeOptions& options) {
     return;
   }
   const model::Model model = options.model.empty() ? sim::example_hopper() : model::read_model(options.model);
-  if (!dynamics::is_hopper(model.kind)) throw UsageError("--model: furcula serve needs a hopper");
+  if (!dynamics::has(model.kind, dynamics::Seat::leg))
+    throw UsageError("--model: furcula serve needs a hopper");
   const sim::Scenario scenario =
       options.scenario.empty() ? sim::default_scenario(model) : sim::read_scenario(options.scenario, model);
   sim::LiveRig rig(model, scenario, options.seed, options.store, identity, session);

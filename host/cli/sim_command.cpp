@@ -9,8 +9,8 @@
 #include "host/cli/commands.hpp"
 #include "host/cli/errors.hpp"
 #include "host/cli/recordings.hpp"
-#include "host/log/error.hpp"
-#include "host/log/message.hpp"
+#include "host/core/error.hpp"
+#include "host/core/message.hpp"
 #include "host/log/writer.hpp"
 #include "host/model/reader.hpp"
 #include "host/sim/expectation.hpp"
@@ -35,7 +35,7 @@ void tell_fault(const log::Log& log) {
     const double number = log.at("fault")[row];
     if (number == 0.0) continue;
     const auto& fault = control::info(static_cast<control::Fault>(static_cast<int>(number)));
-    std::cerr << "furcula: safe state at " << log::shortest(log.time_s()[row]) << " s, fault "
+    std::cerr << "furcula: safe state at " << core::shortest(log.time_s()[row]) << " s, fault "
               << static_cast<int>(number) << " " << fault.name << ": " << fault.meaning << " " << fault.remedy
               << "\n";
     return;
@@ -59,15 +59,15 @@ void run(const SimOptions& options) {
     return;
   }
   const model::Model model = model::read_model(options.model);
-  if (options.check && (options.scenario.empty() || !dynamics::is_hopper(model.kind)))
+  if (options.check && (options.scenario.empty() || !dynamics::has(model.kind, dynamics::Seat::leg)))
     throw UsageError("--check needs a --scenario for a hopper");
   const sim::Scenario scenario =
       options.scenario.empty() ? sim::default_scenario(model) : sim::read_scenario(options.scenario, model);
   log::Log log = sim::simulate(model, scenario, options.seed);
   if (log.rows() == 0)
-    throw log::DataError(options.scenario +
-                         ": the height is not homed from the start, so that the log has no row; " +
-                         "expected a [[fault]] of kind height_nan later than time_s = 0");
+    throw core::DataError(options.scenario +
+                          ": the height is not homed from the start, so that the log has no row; " +
+                          "expected a [[fault]] of kind height_nan later than time_s = 0");
   log::write_log(log, options.out);
   tell_fault(log);
   if (options.check) check_expectation(options.scenario, model, scenario, log);
@@ -75,7 +75,7 @@ void run(const SimOptions& options) {
   if (scenario.release_in_flight && std::find(solenoid.begin(), solenoid.end(), 1.0) == solenoid.end())
     std::cerr
         << "furcula: the spring was never released: no flight was long enough for release, contraction and catch "
-        << log::shortest(scenario.catch_before_touchdown_s) << " s before touch-down\n";
+        << core::shortest(scenario.catch_before_touchdown_s) << " s before touch-down\n";
 }
 
 }  // namespace

@@ -4,12 +4,12 @@
 #include <CLI/CLI.hpp>
 #include <string>
 
-#include "host/log/message.hpp"
+#include "host/core/message.hpp"
 
 namespace furcula::cli {
 
 inline CLI::Validator within(double lower, double upper) {
-  const std::string expected = "a number from " + log::shortest(lower) + " to " + log::shortest(upper);
+  const std::string expected = "a number from " + core::shortest(lower) + " to " + core::shortest(upper);
   return {[=](std::string& text) {
             double value = 0.0;
             const bool good = CLI::detail::lexical_cast(text, value) && value >= lower && value <= upper;

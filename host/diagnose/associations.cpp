@@ -6,28 +6,20 @@
 #include <numbers>
 #include <numeric>
 
+#include "host/core/quantile.hpp"
 #include "host/diagnose/wording.hpp"
-#include "host/identify/quantile.hpp"
 #include "host/identify/windows.hpp"
+#include "host/machines/hopper.hpp"
+#include "host/machines/rules.hpp"
 
 namespace furcula::diagnose {
 namespace {
 
-using dynamics::Kind;
+using dynamics::has;
+using dynamics::Seat;
 
 constexpr std::size_t kBins = 12;
 constexpr double kWeakest = 0.1;
-
-const char* position_column(Kind kind) {
-  return kind == Kind::motor_axis     ? "position_m"
-         : kind == Kind::rotary_joint ? "angle_rad"
-         : kind == Kind::clutch_bench ? "pulley_angle_rad"
-                                      : "height_m";
-}
-
-const char* input_column(Kind kind) {
-  return kind == Kind::motor_axis ? "force_n" : kind == Kind::rotary_joint ? "torque_nm" : "torque_cmd_nm";
-}
 
 double squares_about_mean(const std::vector<double>& values) {
   const double mean = std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
@@ -63,7 +55,8 @@ double explained(double total, double within, std::size_t samples, std::size_t g
 
 class Associations {
  public:
-  Associations(const ResidualForce& r, const model::Model& model) : r_(r), model_(model), rest_(r.force) {
+  Associations(const ResidualForce& r, const model::Model& model)
+      : r_(r), model_(model), columns_(machines::rules(model.kind).columns), rest_(r.force) {
     for (std::size_t i = 0; i < r.law.size(); ++i) rest_[i] -= r.law[i];
     total_ = rest_.empty() ? 0.0 : squares_about_mean(rest_);
   }
@@ -73,16 +66,16 @@ class Associations {
     look(r_.acceleration, "acceleration", "the remaining force changes with the acceleration");
     look_at_position();
     look(r_.time_s, "time_s", "the remaining force changes with the time since the recording began");
-    if (model_.kind != Kind::rail_carriage && model_.kind != Kind::clutch_bench)
-      look(r_.input, input_column(model_.kind), "the remaining force changes with the input");
+    if (has(model_.kind, Seat::drive))
+      look(r_.input, columns_.input, "the remaining force changes with the input");
     look(r_.interval_s, "sample_interval_s", "the remaining force changes with the interval between rows");
-    if (is_hopper(model_.kind)) {
+    if (has(model_.kind, Seat::leg)) {
       look(r_.since_touchdown_s, "time_since_touchdown_s",
            "in stance the remaining force changes with the time since touch-down");
       look(r_.since_liftoff_s, "time_since_liftoff_s",
            "in flight the remaining force changes with the time since lift-off");
       std::vector<double> compression(r_.position);
-      const double touchdown_m = identify::touchdown_height_m(model_);
+      const double touchdown_m = machines::touchdown_height_m(model_);
       for (std::size_t i = 0; i < compression.size(); ++i)
         compression[i] = std::isfinite(r_.since_touchdown_s[i]) ? touchdown_m - compression[i] : std::nan("");
       look(compression, "spring_compression_m",
@@ -95,12 +88,12 @@ class Associations {
   }
 
  private:
-  void add(const char* signal, double share, const std::string& how) {
-    if (share > kWeakest) found_.push_back({signal, std::min(share, 1.0), how});
+  void add(std::string_view signal, double share, const std::string& how) {
+    if (share > kWeakest) found_.push_back({std::string(signal), std::min(share, 1.0), how});
   }
 
   /// Where the signal is finite; the share is of the variance of all samples.
-  void look(const std::vector<double>& signal, const char* name, const std::string& how) {
+  void look(const std::vector<double>& signal, std::string_view name, const std::string& how) {
     std::vector<double> values, force;
     for (std::size_t i = 0; i < signal.size(); ++i)
       if (std::isfinite(signal[i])) {
@@ -131,7 +124,7 @@ class Associations {
     const double of_each = explained(total_, each, rest_.size(), 2 * kBins) -
                            explained(total_, ways, rest_.size(), 2);  // what the way alone does not explain
     const bool differ = of_each > of_both + 0.5 * kWeakest && of_each > 1.25 * of_both;
-    add(position_column(model_.kind), differ ? of_each : of_both,
+    add(columns_.position, differ ? of_each : of_both,
         differ ? "the remaining force changes with the position, and not in the same way on the two ways"
                : "the remaining force changes with the position");
   }
@@ -175,7 +168,7 @@ class Associations {
     for (std::size_t i = 1; i < r_.time_s.size(); ++i)
       if (r_.recording[i] == r_.recording[i - 1]) spacings.push_back(r_.time_s[i] - r_.time_s[i - 1]);
     if (spacings.empty()) return;
-    const double highest_hz = 0.1 / identify::median(spacings);
+    const double highest_hz = 0.1 / core::median(spacings);
     const double step_hz = 0.25 / longest_s;
     double best = 0.0, best_hz = 0.0;
     for (std::size_t i = 0; i < kMostFrequencies; ++i) {
@@ -200,6 +193,7 @@ class Associations {
 
   const ResidualForce& r_;
   const model::Model& model_;
+  const machines::Columns& columns_;
   std::vector<double> rest_;
   double total_ = 0.0;
   std::vector<Association> found_;

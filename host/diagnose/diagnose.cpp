@@ -4,6 +4,7 @@
 #include <cmath>
 #include <set>
 
+#include "host/core/error.hpp"
 #include "host/diagnose/associations.hpp"
 #include "host/diagnose/effect_set.hpp"
 #include "host/diagnose/next_experiment.hpp"
@@ -12,7 +13,7 @@
 #include "host/diagnose/wording.hpp"
 #include "host/identify/plausible.hpp"
 #include "host/identify/verdicts.hpp"
-#include "host/log/error.hpp"
+#include "host/machines/rules.hpp"
 
 namespace furcula::diagnose {
 namespace {
@@ -46,7 +47,7 @@ bool always_same(const model::Model& model, const std::vector<Effect>& a, const 
     const auto index = dynamics::parameter_index(model.kind, name);
     return index && model.free.contains(*index);
   };
-  const bool hopper = is_hopper(model.kind);
+  const bool leg = dynamics::has(model.kind, dynamics::Seat::leg);
   struct Pair {
     Set one, other;
     bool always;
@@ -55,9 +56,9 @@ bool always_same(const model::Model& model, const std::vector<Effect>& a, const 
       {{Effect::asymmetric_friction}, {Effect::coulomb_friction, Effect::force_offset}, true},
       {{Effect::rest_height_error}, {Effect::spring_preload}, true},
       // Each is another rate of the released leg.
-      {{Effect::incomplete_release}, {Effect::auxiliary_spring}, hopper},
+      {{Effect::incomplete_release}, {Effect::auxiliary_spring}, leg},
       // An axis has no third channel whose clock would tell which of the two is late.
-      {{Effect::actuator_delay}, {Effect::time_skew}, !hopper},
+      {{Effect::actuator_delay}, {Effect::time_skew}, !leg},
       // With mass and damping free, a torque gain and a spring rate divided by it are the same equation.
       {{Effect::stiffness_error},
        {Effect::torque_gain_error},
@@ -65,7 +66,8 @@ bool always_same(const model::Model& model, const std::vector<Effect>& a, const 
   };
   // On a vertical rail a tilt is an upward offset. So is a wrong scale in free flight, where the other
   // forces' sizes take it in too (as long as the model holds none).
-  const bool scale_is_offset = model.kind == Kind::rail_carriage && model.effects.empty();
+  const bool scale_is_offset =
+      machines::rules(model.kind).cut == machines::Cut::flights && model.effects.empty();
   const auto laws = [&](const std::vector<Effect>& effects) {
     Set set;
     for (Effect e : effects) {
@@ -168,21 +170,10 @@ class Assembly {
                const char* what) const {
     if (!windows.empty()) return;
     const std::string file = recordings.empty() ? std::string("no log") : recordings.front().name;
-    if (is_hopper(model_.kind))
-      throw log::DataError(
-          file + ": the " + what +
-          " recordings hold no stride from apex to apex: expected the height to rise above the touch-down height of " +
-          number(identify::touchdown_height_m(model_), 4) + " m at least twice in a recording");
-    if (model_.kind == Kind::rail_carriage)
-      throw log::DataError(
-          file + ": the " + what +
-          " recordings hold no free flight: expected at least 30 ms and six rows in a row without contact");
-    if (model_.kind == Kind::clutch_bench)
-      throw log::DataError(file + ": the " + what +
-                           " recordings hold no release: expected solenoid = 1 for a while, at least three "
-                           "rows of rest before and 30 ms after it");
-    throw log::DataError(file + ": the " + what + " recordings are shorter than a prediction window of " +
-                         number(options_.window_s) + " s; expected longer ones or a smaller --window-s");
+    if (const auto expected = machines::rules(model_.kind).window_expected)
+      throw core::DataError(file + ": the " + what + " recordings hold no " + expected(model_));
+    throw core::DataError(file + ": the " + what + " recordings are shorter than a prediction window of " +
+                          number(options_.window_s) + " s; expected longer ones or a smaller --window-s");
   }
 
   void describe_data() {
@@ -191,7 +182,8 @@ class Assembly {
     d_.held_out_logs = held_out_.size();
     for (const auto& r : training_) d_.training_files.push_back(r.name), d_.samples += r.rows();
     for (const auto& r : held_out_) d_.held_out_files.push_back(r.name), d_.samples += r.rows();
-    if (is_hopper(model_.kind)) d_.hops = training_windows_.windows.size() + held_out_windows_.size();
+    if (dynamics::has(model_.kind, dynamics::Seat::leg))
+      d_.hops = training_windows_.windows.size() + held_out_windows_.size();
     const auto names = identify::channel_names(model_.kind);
     d_.main_channel = names.position;
     d_.main_unit = names.position_unit;

@@ -21,7 +21,7 @@ struct Options {
 
 /// Diagnoses a model on training recordings, judged on held-out ones. Both at least one log of the model's
 /// rig.
-/// @throws log::DataError where the logs hold no window to predict over (no stride from apex to apex, too
+/// @throws core::DataError where the logs hold no window to predict over (no stride from apex to apex, too
 /// short).
 Diagnosis diagnose(const model::Model& model, const std::vector<log::Log>& training,
                    const std::vector<log::Log>& held_out, const Options& options = {});

@@ -117,7 +117,7 @@ struct Experiment {
 };
 
 struct Diagnosis {
-  dynamics::Kind kind = dynamics::Kind::hopper_linear;
+  dynamics::Kind kind{};
   std::size_t logs = 0, hops = 0, samples = 0, held_out_logs = 0;
   std::vector<std::string> training_files, held_out_files;
   Verdict verdict = Verdict::adequate;

@@ -3,6 +3,8 @@
 
 #include <cmath>
 
+#include "host/machines/rules.hpp"
+
 namespace furcula::diagnose {
 namespace {
 
@@ -57,7 +59,7 @@ Json finding(const Finding& f, const Diagnosis& d) {
                {mae, pair(f.held_out_mae_before, f.held_out_mae_after)}};
   if (!f.channel.empty()) gain["channel"] = f.channel;
   Json out = {{"effect", effect.name}};
-  if (dynamics::is_hopper(d.kind)) out["phase"] = effect.phase;
+  if (dynamics::has(d.kind, dynamics::Seat::leg)) out["phase"] = effect.phase;
   out["parameters"] = object_of(f.parameters);
   out["gain"] = gain;
   out["confidence"] = number(f.confidence);
@@ -90,15 +92,7 @@ std::string_view channel_suffix(std::string_view channel, dynamics::Kind kind) {
 
 std::string main_channel(const Diagnosis& diagnosis) {
   if (!diagnosis.main_channel.empty()) return diagnosis.main_channel;
-  switch (diagnosis.kind) {
-    case dynamics::Kind::motor_axis:
-      return "position";
-    case dynamics::Kind::rotary_joint:
-    case dynamics::Kind::clutch_bench:
-      return "angle";
-    default:
-      return "height";
-  }
+  return std::string(machines::rules(diagnosis.kind).channel);
 }
 
 nlohmann::ordered_json to_json(const Diagnosis& d) {

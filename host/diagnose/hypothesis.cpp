@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "host/identify/quantile.hpp"
+#include "host/core/quantile.hpp"
 
 namespace furcula::diagnose {
 
@@ -88,7 +88,7 @@ double cross_validate(const identify::Fit& fit, const std::vector<identify::Wind
 
 double chi_square_point(double tries, double freedom) {
   constexpr double kFalseAlarmLevel = 0.005;
-  return identify::chi_square_above(kFalseAlarmLevel / std::max(tries, 1.0), std::max(freedom, 1.0));
+  return core::chi_square_above(kFalseAlarmLevel / std::max(tries, 1.0), std::max(freedom, 1.0));
 }
 
 namespace {

@@ -5,9 +5,10 @@
 #include <limits>
 #include <numbers>
 
+#include "host/core/error.hpp"
+#include "host/core/quantile.hpp"
 #include "host/diagnose/effect_set.hpp"
-#include "host/identify/quantile.hpp"
-#include "host/log/error.hpp"
+#include "host/machines/hopper.hpp"
 
 namespace furcula::diagnose {
 namespace {
@@ -83,7 +84,7 @@ Proposer::Proposer(const Trainer& trainer)
   for (const auto& r : t_.recordings)
     for (double u : r.input)
       if (u != 0.0) sizes.push_back(std::abs(u));
-  top_input_ = identify::quantile(sizes, 0.99);
+  top_input_ = core::quantile(sizes, 0.99);
   const auto [low, high] = trainer.travel();
   low_ = low;
   high_ = high;
@@ -133,7 +134,7 @@ std::vector<Proposer::Values> Proposer::starts(Effect effect) const {
             values[i] = low_ + (place + 0.5) / kPlaces * (high_ - low_);
             break;
           case Measure::depth:
-            values[i] = (place + 0.5) / kPlaces * (identify::touchdown_height_m(t_.model) - low_);
+            values[i] = (place + 0.5) / kPlaces * (machines::touchdown_height_m(t_.model) - low_);
             break;
         }
       all.push_back(values);
@@ -196,9 +197,9 @@ std::vector<Proposer::Values> Proposer::swings(const Hypothesis& on, const std::
   const double pi = std::numbers::pi;
   if (effect == Effect::torque_ripple) {
     double range = high_ - low_;  // rad
-    if (dynamics::is_hopper(t_.model.kind)) {
+    if (dynamics::has(t_.model.kind, dynamics::Seat::leg)) {
       const double length = 2.0 * t_.model.parameter("link_length_m");
-      const double stop = identify::touchdown_height_m(t_.model);
+      const double stop = machines::touchdown_height_m(t_.model);
       range =
           std::acos(std::clamp(low_ / length, -1.0, 1.0)) - std::acos(std::clamp(stop / length, -1.0, 1.0));
     }
@@ -269,7 +270,7 @@ Hypothesis fit_new(const Trainer& trainer, const EffectSet& larger, const Hypoth
     try {
       Hypothesis other = trainer.fit(larger, &from, {{e, values}});
       if (best.failed || other.fit.squares < best.fit.squares) best = std::move(other);
-    } catch (const log::DataError&) {  // from there the model runs away: no start
+    } catch (const core::DataError&) {  // from there the model runs away: no start
     }
   };
   try_from(on, proposal.values);

@@ -5,11 +5,12 @@
 #include <limits>
 
 #include "host/identify/simulate.hpp"
+#include "host/machines/hopper.hpp"
+#include "host/machines/rules.hpp"
 
 namespace furcula::diagnose {
 namespace {
 
-using dynamics::Kind;
 using identify::Recording;
 
 constexpr double kHalfWidth_s = 0.015;  // of the local parabola that gives the acceleration
@@ -72,13 +73,6 @@ SinceEvents since_events(const Recording& r, double touchdown_m) {
   return since;
 }
 
-/// What a force is to the acceleration that it makes; an inertia on a rotary axis.
-double inertia_of(const model::Model& m) {
-  if (m.kind != Kind::clutch_bench) return m.parameters[0];
-  const double radius_m = m.parameter("pulley_radius_m");
-  return m.parameter("load_mass_kg") * radius_m * radius_m + m.parameter("pulley_inertia_kgm2");
-}
-
 /// Whether the coil is on and the belt moves in all of the rows.
 bool falls(const Recording& r, std::size_t first, std::size_t last) {
   for (std::size_t i = first; i <= last; ++i)
@@ -99,9 +93,9 @@ ResidualForce residual_force(const model::Model& model, const std::vector<dynami
   model::Model bare = model;
   for (dynamics::Effect e : named) bare.effects.erase(e);
   const Acceleration with(model), without(bare);
-  const double mass = inertia_of(model);
-  const bool hopper = is_hopper(model.kind);
-  const double touchdown = hopper ? identify::touchdown_height_m(model) : 0.0;
+  const double mass = machines::rules(model.kind).inertia(model);
+  const bool leg = dynamics::has(model.kind, dynamics::Seat::leg);
+  const double touchdown = leg ? machines::touchdown_height_m(model) : 0.0;
 
   std::size_t rows = 0;
   for (const Recording& r : recordings) rows += r.rows();
@@ -120,12 +114,12 @@ ResidualForce residual_force(const model::Model& model, const std::vector<dynami
       }
       if (i - first < 2 || last - i < 2) continue;
       // Of a belt the middle of its fall, clear of where it is let go and of where it is held.
-      if (model.kind == Kind::clutch_bench && !falls(r, first, last)) continue;
+      if (dynamics::has(model.kind, dynamics::Seat::belt) && !falls(r, first, last)) continue;
       if (!r.contact.empty() && std::any_of(r.contact.begin() + static_cast<std::ptrdiff_t>(first),
                                             r.contact.begin() + static_cast<std::ptrdiff_t>(last) + 1,
                                             [](double touches) { return touches != 0.0; }))
         continue;
-      if (hopper) {
+      if (leg) {
         const auto [low, high] =
             std::minmax_element(r.position.begin() + static_cast<std::ptrdiff_t>(first),
                                 r.position.begin() + static_cast<std::ptrdiff_t>(last) + 1);

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <array>
 
+#include "host/core/error.hpp"
+#include "host/core/parallel.hpp"
 #include "host/diagnose/effect_set.hpp"
 #include "host/diagnose/proposals.hpp"
 #include "host/diagnose/wording.hpp"
-#include "host/identify/parallel.hpp"
-#include "host/log/error.hpp"
 
 namespace furcula::diagnose {
 namespace {
@@ -84,7 +84,7 @@ class Search {
                             const Starts& starts = {}) const {
     try {
       return trainer_.fit(effects, &from, starts);
-    } catch (const log::DataError&) {
+    } catch (const core::DataError&) {
       Hypothesis none;
       none.effects = effects;
       none.failed = true;
@@ -96,7 +96,7 @@ class Search {
   std::vector<Proposal> propose(const Hypothesis& on, const EffectSet& effects, double progress_from,
                                 double progress_share) const {
     std::vector<Proposal> proposals(effects.size());
-    identify::parallel_for(effects.size(), trainer_.threads, [&](std::size_t i) {
+    core::parallel_for(effects.size(), trainer_.threads, [&](std::size_t i) {
       const double share = static_cast<double>(i) / static_cast<double>(effects.size());
       tell(progress_from + progress_share * share, dynamics::info(effects[i]).name);
       proposals[i] = proposer_.best(on, extended(on.effects, effects[i]), effects[i]);
@@ -123,7 +123,7 @@ class Search {
              (lacking && wider) || p.effect == Effect::encoder_slip ||
              ((most >= kMostFits || lacking) &&
               (p.effect == Effect::coulomb_friction ||
-               (!dynamics::is_hopper(trainer_.model.kind) &&
+               (!dynamics::has(trainer_.model.kind, dynamics::Seat::leg) &&
                 (p.effect == Effect::asymmetric_friction || p.effect == Effect::stribeck_friction))));
     };
     const auto first_other = std::stable_partition(proposals.begin(), proposals.end(), always);
@@ -148,7 +148,7 @@ class Search {
       std::vector<Proposal> proposals = propose(s_.chosen, left, from, 0.09);
       if (round == 0) first_promises_ = proposals;
       std::vector<Tried> trials(worth_a_fit(proposals, s_.chosen, round == 0 ? kMostFits : kMostFits / 2));
-      identify::parallel_for(trials.size(), trainer_.threads, [&](std::size_t i) {
+      core::parallel_for(trials.size(), trainer_.threads, [&](std::size_t i) {
         const EffectSet larger = extended(s_.chosen.effects, proposals[i].effect);
         tell(from + 0.09, names(larger));
         trials[i] = tried(larger, s_.chosen, proposals[i], round, left.size());
@@ -190,7 +190,7 @@ class Search {
       }
     }
     std::vector<Tried> swaps(sets.size());
-    identify::parallel_for(sets.size(), trainer_.threads, [&](std::size_t i) {
+    core::parallel_for(sets.size(), trainer_.threads, [&](std::size_t i) {
       swaps[i] = {fit_if_it_runs(sets[i].first, *sets[i].second), round, {}};
       if (!swaps[i].hypothesis.failed)
         swaps[i].against_smaller = trainer_.compare(s_.refitted, swaps[i].hypothesis, all_.size());
@@ -278,7 +278,7 @@ class Search {
       if (!known && (wider || (p.gain > 0.0 && singles.size() < kMostFits))) singles.push_back(p);
     }
     std::vector<Tried> trials(singles.size());
-    identify::parallel_for(singles.size(), trainer_.threads, [&](std::size_t i) {
+    core::parallel_for(singles.size(), trainer_.threads, [&](std::size_t i) {
       trials[i] = tried({singles[i].effect}, s_.refitted, singles[i], 0, all_.size());
     });
     drop_failed(trials);
@@ -320,7 +320,7 @@ class Search {
         if (!holds(on.effects, e) && !contains(e, on.effects.front())) left.push_back(e);
       const std::vector<Proposal> proposals = propose(on, left, 0.78, 0.02);
       std::vector<Tried> trials(std::min(proposals.size(), kFewestFits));
-      identify::parallel_for(trials.size(), trainer_.threads, [&](std::size_t i) {
+      core::parallel_for(trials.size(), trainer_.threads, [&](std::size_t i) {
         trials[i] = tried(with(on.effects, proposals[i].effect), on, proposals[i], 1, left.size());
       });
       drop_failed(trials);
@@ -358,7 +358,7 @@ class Search {
       const EffectSet& members = s_.chosen.effects;
       s_.without.assign(members.size(), {});
       s_.against_without.assign(members.size(), {});
-      identify::parallel_for(members.size(), trainer_.threads, [&](std::size_t i) {
+      core::parallel_for(members.size(), trainer_.threads, [&](std::size_t i) {
         const EffectSet rest = without(members, members[i]);
         s_.without[i] = fit_if_it_runs(rest, s_.chosen);
         if (s_.without[i].failed) s_.without[i] = trainer_.fit(rest, &s_.refitted);
@@ -445,7 +445,7 @@ class Search {
     std::vector<Replacement> replacements;
     for (std::size_t m = 0; m < s_.chosen.effects.size(); ++m) add_replacements(m, replacements);
     std::vector<Hypothesis> fitted(replacements.size());
-    identify::parallel_for(replacements.size(), trainer_.threads, [&](std::size_t i) {
+    core::parallel_for(replacements.size(), trainer_.threads, [&](std::size_t i) {
       const Replacement& r = replacements[i];
       tell(0.95, names(r.effects));
       if (r.starts.size() == 1) {

@@ -3,8 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/core/quantile.hpp"
 #include "host/diagnose/effect_set.hpp"
-#include "host/identify/quantile.hpp"
+#include "host/machines/rules.hpp"
 
 namespace furcula::diagnose {
 namespace {
@@ -112,7 +113,7 @@ Hypothesis Trainer::fit(const std::vector<Effect>& effects, const Hypothesis* fr
 }
 
 bool Trainer::clutch_works() const {
-  return model.kind == dynamics::Kind::clutch_bench ||
+  return dynamics::has(model.kind, dynamics::Seat::belt) ||
          (model.clutch && std::any_of(recordings.begin(), recordings.end(),
                                       [](const auto& r) { return !r.solenoid.empty(); }));
 }
@@ -128,14 +129,8 @@ Trainer::Scales Trainer::scales() const {
     }
   }
   if (rows == 0.0) return {};
-  if (model.kind == dynamics::Kind::clutch_bench)
-    return {
-        model.parameter("load_mass_kg") * dynamics::kBenchGravity_mps2 * model.parameter("pulley_radius_m"),
-        std::sqrt(squares / rows)};
-  return {dynamics::info(model.kind).rig == "hopper"
-              ? model.parameter("mass_kg") * model.parameter("gravity_mps2")
-              : std::sqrt(inputs / rows),
-          std::sqrt(squares / rows)};
+  const auto weight = machines::rules(model.kind).weight;
+  return {weight != nullptr ? weight(model) : std::sqrt(inputs / rows), std::sqrt(squares / rows)};
 }
 
 Trainer::Travel Trainer::travel() const {
@@ -145,7 +140,7 @@ Trainer::Travel Trainer::travel() const {
     positions.insert(positions.end(), position.begin() + static_cast<std::ptrdiff_t>(w.first),
                      position.begin() + static_cast<std::ptrdiff_t>(w.last) + 1);
   }
-  return {identify::quantile(positions, 0.01), identify::quantile(positions, 0.99)};
+  return {core::quantile(positions, 0.01), core::quantile(positions, 0.99)};
 }
 
 bool Trainer::beyond_resolution(const Hypothesis& h) const {

@@ -4,7 +4,7 @@
 #include <cctype>
 #include <cmath>
 
-#include "host/log/message.hpp"
+#include "host/core/message.hpp"
 
 namespace furcula::diagnose {
 namespace {
@@ -105,7 +105,7 @@ bool is_wrong_parameter(dynamics::Effect effect) {
   return dynamics::info(effect).title.starts_with("the model's ");
 }
 
-std::string number(double value, int digits) { return log::rounded(value, digits); }
+std::string number(double value, int digits) { return core::rounded(value, digits); }
 
 std::string with_interval(const Estimate& e, const std::string& unit) {
   return number(e.value) + (unit.empty() ? "" : " " + unit) + " (" + number(e.lower) + " to " +

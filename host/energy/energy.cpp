@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "firmware/app/app.hpp"
-#include "host/log/error.hpp"
+#include "host/core/error.hpp"
 
 namespace furcula::energy {
 namespace {
@@ -37,7 +37,7 @@ HopEnergy account_of(const sim_host::Plant& plant) {
   } else if (const auto* bare = plant.nonlinear()) {
     take(bare->energy());
   } else {
-    throw log::DataError(
+    throw core::DataError(
         "energy: expected a hopper_nonlinear without effects of mechanism or contact, and links that weigh something");
   }
   return a;

@@ -44,7 +44,7 @@ struct Robot {
   control::Config config;
 };
 
-/// Of hops that have settled: the mean of `count` after `settle` hops. @throws log::DataError where the plant
+/// Of hops that have settled: the mean of `count` after `settle` hops. @throws core::DataError where the plant
 /// keeps no account: it must be a hopper_nonlinear, without effects of mechanism or contact.
 HopEnergy energy_per_hop(Robot robot, const Motor& motor, int settle = 25, int count = 15);
 

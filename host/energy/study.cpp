@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "host/identify/parallel.hpp"
-#include "host/log/error.hpp"
+#include "host/core/error.hpp"
+#include "host/core/parallel.hpp"
 #include "host/sim/simulate.hpp"
 
 namespace furcula::energy {
@@ -65,7 +65,7 @@ std::vector<Point> sweep(const model::Model& model, const Options& o) {
         o.most_contraction_m *
         (o.points > 1 ? static_cast<double>(i) / static_cast<double>(o.points - 1) : 1.0);
   constexpr std::size_t kRobots = 3;
-  identify::parallel_for(kRobots * o.points, o.threads, [&](std::size_t i) {
+  core::parallel_for(kRobots * o.points, o.threads, [&](std::size_t i) {
     Point& p = points[i / kRobots];
     const double contraction_m = p.contraction_m;
     const auto settled = [&](const Robot& robot) { return energy_at_apex(robot, o.motor, o.apex_m); };
@@ -82,7 +82,7 @@ std::vector<Point> sweep(const model::Model& model, const Options& o) {
 /// The same with a robot with the clutch that is changed; the others stay what they are.
 std::vector<Point> changed(std::vector<Point> points, const model::Model& model, const Options& o,
                            const Change& change) {
-  identify::parallel_for(points.size(), o.threads, [&](std::size_t i) {
+  core::parallel_for(points.size(), o.threads, [&](std::size_t i) {
     points[i].clutched =
         energy_at_apex(clutched_robot(model, o, points[i].contraction_m, change), o.motor, o.apex_m);
   });
@@ -125,16 +125,17 @@ std::optional<double> break_even_m(const std::vector<Point>& points, Measure mea
 }
 
 Study run_study(const model::Model& model, const Options& options) {
-  if (model.kind != dynamics::Kind::hopper_nonlinear || !model.clutch)
-    throw log::DataError("the model has no clutch; expected a hopper_nonlinear with a tooth_pitch_m above 0");
+  if (!dynamics::has(model.kind, dynamics::Seat::heavy_links) || !model.clutch)
+    throw core::DataError(
+        "the model has no clutch; expected a hopper_nonlinear with a tooth_pitch_m above 0");
   if (!model.effects.empty())
-    throw log::DataError("the model: [effect." +
-                         std::string(dynamics::info(model.effects.begin()->first).name) +
-                         "]; expected none: what a drive or a friction costs beside is not told apart");
+    throw core::DataError("the model: [effect." +
+                          std::string(dynamics::info(model.effects.begin()->first).name) +
+                          "]; expected none: what a drive or a friction costs beside is not told apart");
   if (!dynamics::NonlinearHopper<double>::resolves(
           dynamics::from_table<dynamics::HopperNonlinearParameters<double>>(
               std::span<const double>(model.parameters))))
-    throw log::DataError(
+    throw core::DataError(
         "the model: inertia_a_kgm2, inertia_b_kgm and inertia_e_kgm are too small, or no links'; expected those of links");
   const auto tell = [&](double fraction, std::string_view doing) {
     if (options.progress) options.progress(fraction, doing);

@@ -71,7 +71,7 @@ struct Study {
   std::vector<Variant> variants;
 };
 
-/// The model is a hopper_nonlinear with a clutch. The same for any number of threads. @throws log::DataError
+/// The model is a hopper_nonlinear with a clutch. The same for any number of threads. @throws core::DataError
 /// for another.
 Study run_study(const model::Model& model, const Options& options);
 

@@ -2,8 +2,8 @@
 
 #include <array>
 
-#include "host/log/error.hpp"
-#include "host/log/strict_toml.hpp"
+#include "host/core/error.hpp"
+#include "host/core/strict_toml.hpp"
 
 namespace furcula::flash {
 namespace {
@@ -21,25 +21,25 @@ constexpr BoardText kTexts[] = {
 }  // namespace
 
 FlashBoard parse_board(std::string_view text, const std::string& board, const std::string& name) {
-  const toml::table file = log::parse_toml(text, name);
+  const toml::table file = core::parse_toml(text, name);
   constexpr std::array<std::string_view, 4> kKeys{"openocd", "st_flash", "dfu", "hint"};
-  log::refuse_unknown_keys(file, name, "", kKeys);
+  core::refuse_unknown_keys(file, name, "", kKeys);
   FlashBoard result;
   result.name = board;
   if (const toml::node* node = file.get("openocd")) {
     const toml::array* files = node->as_array();
-    if (files == nullptr) log::fail(name, node->source(), "openocd: expected an array of file names");
-    for (const toml::node& f : *files) result.openocd.push_back(log::text(f, name, "openocd"));
+    if (files == nullptr) core::fail(name, node->source(), "openocd: expected an array of file names");
+    for (const toml::node& f : *files) result.openocd.push_back(core::text(f, name, "openocd"));
   }
   if (const toml::node* node = file.get("st_flash")) {
     const auto* value = node->as_boolean();
-    if (value == nullptr) log::fail(name, node->source(), "st_flash: expected true or false");
+    if (value == nullptr) core::fail(name, node->source(), "st_flash: expected true or false");
     result.st_flash = value->get();
   }
-  if (const toml::node* node = file.get("dfu")) result.dfu = log::text(*node, name, "dfu");
-  if (const toml::node* node = file.get("hint")) result.hint = log::text(*node, name, "hint");
+  if (const toml::node* node = file.get("dfu")) result.dfu = core::text(*node, name, "dfu");
+  if (const toml::node* node = file.get("hint")) result.hint = core::text(*node, name, "hint");
   if (result.openocd.empty() && !result.st_flash && result.dfu.empty())
-    throw log::DataError(name + ": no way to flash the board; expected openocd, st_flash or dfu");
+    throw core::DataError(name + ": no way to flash the board; expected openocd, st_flash or dfu");
   return result;
 }
 

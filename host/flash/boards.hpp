@@ -15,7 +15,7 @@ struct FlashBoard {
   std::string hint;                  ///< for a person whose board is not found
 };
 
-/// @throws log::DataError where it is no such file.
+/// @throws core::DataError where it is no such file.
 FlashBoard parse_board(std::string_view text, const std::string& board, const std::string& name);
 
 /// All that were there when the program was built, by name.

@@ -5,8 +5,8 @@
 #include <cstring>
 
 #include "furcula/core/crc32.hpp"
-#include "host/log/error.hpp"
-#include "host/log/message.hpp"
+#include "host/core/error.hpp"
+#include "host/core/message.hpp"
 
 namespace furcula::flash {
 namespace {
@@ -15,7 +15,7 @@ namespace {
 constexpr std::uint32_t kMostBytes = 1u << 20;
 
 [[noreturn]] void fail(const std::string& name, const std::string& message) {
-  throw log::DataError(name + ": " + message);
+  throw core::DataError(name + ": " + message);
 }
 
 std::string hexadecimal(std::uint32_t value) {

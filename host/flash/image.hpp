@@ -20,11 +20,11 @@ struct Image {
 };
 
 /// The segments of an ELF file (32 bits, little-endian, ARM) that lie in flash memory, and their header.
-/// @throws log::DataError, which names the file: no such ELF file, segments elsewhere, no header, a length or
+/// @throws core::DataError, which names the file: no such ELF file, segments elsewhere, no header, a length or
 /// a CRC that is not the image's.
 Image read_elf(std::string_view file, const std::string& name);
 
-/// The image in bytes that were read back from a chip. @throws log::DataError as above.
+/// The image in bytes that were read back from a chip. @throws core::DataError as above.
 Image image_of(std::vector<std::uint8_t> bytes, const std::string& name);
 
 }  // namespace furcula::flash

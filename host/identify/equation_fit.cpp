@@ -6,8 +6,8 @@
 #include <cmath>
 #include <deque>
 
+#include "host/core/error.hpp"
 #include "host/identify/dual.hpp"
-#include "host/log/error.hpp"
 
 namespace furcula::identify {
 namespace {
@@ -15,8 +15,8 @@ namespace {
 /// What a channel's errors are measured by: its spread over the window on the hopper (002 eq. 4.4), over the
 /// recording on an axis, which may rest through a window.
 double spread(const std::vector<double>& values, const Recording& r, const Window& w) {
-  const bool hopper = dynamics::is_hopper(r.kind);
-  const std::size_t first = hopper ? w.first : 0, last = hopper ? w.last : r.rows() - 1;
+  const bool leg = dynamics::has(r.kind, dynamics::Seat::leg);
+  const std::size_t first = leg ? w.first : 0, last = leg ? w.last : r.rows() - 1;
   double mean = 0.0, squares = 0.0;
   for (std::size_t i = first; i <= last; ++i) mean += values[i] / static_cast<double>(last - first + 1);
   for (std::size_t i = first; i <= last; ++i) squares += (values[i] - mean) * (values[i] - mean);
@@ -91,7 +91,7 @@ Fit fit_by_equation(const model::Model& model, const std::vector<Unknown>& unkno
                     const std::vector<double>& start, const std::vector<Recording>& recordings,
                     const std::vector<Window>& windows, std::size_t layers) {
   if (windows.empty())
-    throw log::DataError("equation error: no stance, flight or interval to fit on; expected at least one");
+    throw core::DataError("equation error: no stance, flight or interval to fit on; expected at least one");
   Fit fit;
   fit.values = start;
   std::deque<StepCost> costs;

@@ -3,11 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/core/error.hpp"
+#include "host/core/parallel.hpp"
 #include "host/identify/equation_fit.hpp"
-#include "host/identify/parallel.hpp"
 #include "host/identify/plausible.hpp"
 #include "host/identify/verdicts.hpp"
-#include "host/log/error.hpp"
+#include "host/machines/rules.hpp"
 
 namespace furcula::identify {
 namespace {
@@ -23,7 +24,7 @@ bool restitution_is_free(const model::Model& model) {
 /// The windows that parameters are fitted on.
 TrainingWindows fit_windows(const std::vector<Recording>& recordings, const model::Model& model,
                             double window_s) {
-  if (!dynamics::is_hopper(model.kind)) return training_windows(recordings, model, window_s);
+  if (!dynamics::has(model.kind, dynamics::Seat::leg)) return training_windows(recordings, model, window_s);
   TrainingWindows t;
   const bool whole = restitution_is_free(model);
   for (std::size_t i = 0; i < recordings.size(); ++i) {
@@ -46,26 +47,22 @@ class Work {
        const std::vector<log::Log>& held_out, const IdentifyOptions& options)
       : model_(model), options_(options), unknowns_(free_unknowns(model)) {
     if (unknowns_.empty())
-      throw log::DataError(
+      throw core::DataError(
           "the model has no [free] table: nothing to identify; expected at least one parameter with bounds in it");
     training_ = make_recordings(training, model.kind);
     held_out_ = make_recordings(held_out, model.kind);
     require_plausible(training_, held_out_);
     for (const auto* list : {&training_, &held_out_}) require_clutch(*list, model::has_clutch(model));
-    if (model.kind == dynamics::Kind::clutch_bench && options.by_equation)
-      throw log::DataError(
-          "equation error says nothing on clutch_bench, whose belt stands or falls for whole windows; expected "
-          "--method simulation");
+    const machines::Rules& rules = machines::rules(model.kind);
+    if (rules.held && options.by_equation)
+      throw core::DataError("equation error says nothing on " + std::string(dynamics::info(model.kind).name) +
+                            ", whose belt stands or falls for whole windows; expected --method simulation");
     fit_windows_ = fit_windows(training_, model, options.window_s);
     if (fit_windows_.windows.empty())
-      throw log::DataError(
-          training_.front().name + ": no window to fit on; expected " +
-          (dynamics::is_hopper(model.kind) ? std::string("a stance or a flight of at least 30 ms")
-           : model.kind == dynamics::Kind::rail_carriage
-               ? std::string("a flight of at least 30 ms, six rows or more without contact")
-           : model.kind == dynamics::Kind::clutch_bench
-               ? std::string("a release (solenoid = 1) from a rest of three rows, and 30 ms after its end")
-               : "at least " + std::to_string(options.window_s) + " s of recording"));
+      throw core::DataError(training_.front().name + ": no window to fit on; expected " +
+                            (rules.fit_expects.empty()
+                                 ? "at least " + std::to_string(options.window_s) + " s of recording"
+                                 : std::string(rules.fit_expects)));
     held_out_windows_ = prediction_windows(held_out_, model, options.window_s);
     for (const Window& w : fit_windows_.windows) units_.try_emplace(w.recording, units_.size());
     folds_ = fold_count();
@@ -99,9 +96,9 @@ class Work {
     std::size_t folds = options_.folds;
     if (folds == 0) folds = std::min<std::size_t>(by_recording ? 10 : 5, units);
     if (units < folds || folds < 2)
-      throw log::DataError(training_.front().name + ": " + std::to_string(units) + what +
-                           " cannot be put into " + std::to_string(std::max<std::size_t>(folds, 2)) +
-                           " folds; expected at least as many" + what + " as folds");
+      throw core::DataError(training_.front().name + ": " + std::to_string(units) + what +
+                            " cannot be put into " + std::to_string(std::max<std::size_t>(folds, 2)) +
+                            " folds; expected at least as many" + what + " as folds");
     return folds;
   }
 
@@ -111,10 +108,10 @@ class Work {
   }
 
   Fit fit(Method method, const std::vector<double>& start, const std::vector<Window>& windows) const {
-    const bool hopper = dynamics::is_hopper(model_.kind);
+    const bool leg = dynamics::has(model_.kind, dynamics::Seat::leg);
     if (method == Method::simulation)
       return fit_by_simulation(model_, unknowns_, start, training_, windows,
-                               hopper ? Weighting::nmse : Weighting::noise, fit_windows_.layers);
+                               leg ? Weighting::nmse : Weighting::noise, fit_windows_.layers);
     // One step knows nothing of an impact: strides say nothing here.
     std::vector<Window> inside;
     for (const Window& w : windows)
@@ -134,7 +131,7 @@ class Work {
     e.model = with_values(model_, unknowns_, whole.values);
     std::vector<std::vector<double>> estimates(folds_);
     e.folds.resize(folds_);
-    parallel_for(folds_, options_.threads, [&](std::size_t fold) {
+    core::parallel_for(folds_, options_.threads, [&](std::size_t fold) {
       tell(static_cast<double>(fold + 1) / static_cast<double>(folds_ + 1),
            "fold " + std::to_string(fold + 1));
       std::vector<Window> seen, unseen;
@@ -159,7 +156,7 @@ class Work {
       p.with = verdicts[i].with;
       e.parameters.push_back(std::move(p));
     }
-    if (dynamics::is_hopper(model_.kind)) {
+    if (dynamics::has(model_.kind, dynamics::Seat::leg)) {
       Derived d{"damped_frequency_radps", "rad/s", damped_frequency(e.model), {}};
       for (const auto& values : estimates)
         d.folds.push_back(damped_frequency(with_values(model_, unknowns_, values)));

@@ -54,7 +54,7 @@ struct FittedTrace {
 };
 
 struct Identification {
-  dynamics::Kind kind = dynamics::Kind::hopper_linear;
+  dynamics::Kind kind{};
   std::vector<Estimation> estimations;  ///< the one that was asked for; of both, simulation first
   std::size_t logs = 0, windows = 0, samples = 0, held_out_logs = 0;
   std::size_t folds = 0;
@@ -76,7 +76,7 @@ struct IdentifyOptions {
 /// Identifies the model's free parameters. On the hopper the windows are stances and flights, each alone (002
 /// section 4.2), and, where a restitution is free, whole strides too; on the rail carriage flights; elsewhere
 /// restart windows of `window_s`.
-/// @throws log::DataError: no free parameter, no usable window, fewer recordings (of a single one: windows)
+/// @throws core::DataError: no free parameter, no usable window, fewer recordings (of a single one: windows)
 /// than folds.
 Identification identify(const model::Model& model, const std::vector<log::Log>& training,
                         const std::vector<log::Log>& held_out, const IdentifyOptions& options = {});

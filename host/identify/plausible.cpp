@@ -4,13 +4,14 @@
 #include <cmath>
 #include <string>
 
-#include "host/log/error.hpp"
-#include "host/log/message.hpp"
+#include "host/core/error.hpp"
+#include "host/core/message.hpp"
+#include "host/machines/rules.hpp"
 
 namespace furcula::identify {
 namespace {
 
-using log::rounded;
+using core::rounded;
 
 /// Smallest difference between neighbouring positions that is not zero: a count, or noise.
 double smallest_step(const Recording& r) {
@@ -56,11 +57,11 @@ void require_range(const Recording& r) {
   const ChannelNames names = channel_names(r.kind);
   for (const double sign : {1.0, -1.0}) {
     // A carriage is thrown up from its stop.
-    if (sign < 0.0 && r.kind == dynamics::Kind::rail_carriage) continue;
+    if (sign < 0.0 && !machines::rules(r.kind).columns.stop.empty()) continue;
     const double extreme = sign > 0.0 ? *high : *low;
     const double stays_s = clipped_for_s(r, extreme, sign);
     if (stays_s > 0.0)
-      throw log::DataError(
+      throw core::DataError(
           r.name + ": the " + names.position + " stands at its " + (sign > 0.0 ? "largest" : "smallest") +
           " value, " + rounded(extreme) + " " + names.position_unit + ", for up to " +
           rounded(1e3 * stays_s) +
@@ -96,10 +97,10 @@ void require_one_unit(const std::vector<const Recording*>& recordings) {
       const Motion &fast = motions[i], &slow = motions[k];
       if (!fast.moves || !slow.moves || fast.speed < kClash * slow.speed) continue;
       if (fast.input > kSameInput * slow.input) continue;
-      throw log::DataError(recordings[i]->name + ": moves " + rounded(fast.speed / slow.speed) +
-                           " times as fast as " + recordings[k]->name +
-                           " under about the same input; expected both in the same unit (" +
-                           channel_names(recordings[i]->kind).position_unit + ", s)");
+      throw core::DataError(recordings[i]->name + ": moves " + rounded(fast.speed / slow.speed) +
+                            " times as fast as " + recordings[k]->name +
+                            " under about the same input; expected both in the same unit (" +
+                            channel_names(recordings[i]->kind).position_unit + ", s)");
     }
 }
 
@@ -110,7 +111,7 @@ void require_plausible(const std::vector<Recording>& training, const std::vector
   for (const auto* list : {&training, &held_out})
     for (const Recording& r : *list) all.push_back(&r);
   // A belt is held where it stands, and may hang through a recording.
-  if (!all.empty() && all.front()->kind == dynamics::Kind::clutch_bench) return;
+  if (!all.empty() && machines::rules(all.front()->kind).held) return;
   for (const Recording* r : all) require_range(*r);
   require_one_unit(all);
 }

@@ -7,7 +7,7 @@
 
 namespace furcula::identify {
 
-/// @throws log::DataError naming the recording and what was expected
+/// @throws core::DataError naming the recording and what was expected
 /// - where the position stands at its largest (smallest) value while the body passes: a saturated encoder;
 /// - where one recording moves 30 times as much as another of the same kind under the same input: its unit is
 ///   another.

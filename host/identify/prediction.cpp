@@ -6,6 +6,7 @@
 
 #include "host/identify/dual.hpp"
 #include "host/identify/simulate.hpp"
+#include "host/machines/hopper.hpp"
 
 namespace furcula::identify {
 namespace {
@@ -48,8 +49,8 @@ Errors pool(const std::vector<Recording>& recordings, const std::vector<Window>&
     fill(k, position, velocity);
     const std::string channel = channel_names(r.kind).position;
     sums[channel].add(r.position, w.first, position, 0, w.rows() - 1);
-    const bool hopper = dynamics::is_hopper(r.kind);
-    if (hopper || r.velocity_recorded) sums["velocity"].add(r.velocity, w.first, velocity, 0, w.rows() - 1);
+    if (dynamics::has(r.kind, dynamics::Seat::leg) || r.velocity_recorded)
+      sums["velocity"].add(r.velocity, w.first, velocity, 0, w.rows() - 1);
     if (w.kind == WindowKind::stride) {
       sums["height_stance"].add(r.position, w.first, position, w.touchdown - w.first,
                                 w.liftoff - w.first - 1);
@@ -106,7 +107,7 @@ std::optional<ChannelErrors> contact_errors(const model::Model& model,
   for (const Window& w : windows) {
     if (!std::isfinite(w.report_lag_s)) continue;
     const double error =
-        report_lag(setup, recordings[w.recording], w, touchdown_height_m(model)) - w.report_lag_s;
+        report_lag(setup, recordings[w.recording], w, machines::touchdown_height_m(model)) - w.report_lag_s;
     squares += error * error;
     absolute += std::abs(error);
     count += 1.0;

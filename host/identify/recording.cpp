@@ -5,9 +5,10 @@
 #include <cmath>
 #include <span>
 
-#include "host/identify/quantile.hpp"
-#include "host/log/error.hpp"
-#include "host/log/message.hpp"
+#include "host/core/error.hpp"
+#include "host/core/message.hpp"
+#include "host/core/quantile.hpp"
+#include "host/machines/rules.hpp"
 
 namespace furcula::identify {
 namespace {
@@ -132,7 +133,7 @@ std::vector<Slip> find_slips(const std::vector<double>& time_s, const std::vecto
   if (time_s.size() < 4 * kAround) return found;
   std::vector<double> intervals;
   for (std::size_t i = 1; i < time_s.size(); ++i) intervals.push_back(time_s[i] - time_s[i - 1]);
-  const double usual_s = median(intervals);
+  const double usual_s = core::median(intervals);
   const auto slope = [&](std::size_t i) {
     return (position[i] - position[i - 1]) / (time_s[i] - time_s[i - 1]);
   };
@@ -147,10 +148,10 @@ std::vector<Slip> find_slips(const std::vector<double>& time_s, const std::vecto
       left.push_back(slope(i - k));
       right.push_back(slope(i + k));
     }
-    const double from = median(left), to = median(right);
+    const double from = core::median(left), to = core::median(right);
     for (double v : left) scatter.push_back(std::abs(v - from) * interval_s);
     for (double v : right) scatter.push_back(std::abs(v - to) * interval_s);
-    const double around = std::max(1.4826 * median(scatter), 1.5 * noise);
+    const double around = std::max(1.4826 * core::median(scatter), 1.5 * noise);
     // Between the two slopes the axis may have gone at either.
     const double rest_from = (slope(i) - from) * interval_s, rest_to = (slope(i) - to) * interval_s;
     if (rest_from * rest_to <= 0.0 || std::min(std::abs(rest_from), std::abs(rest_to)) < kFarOut * around)
@@ -182,15 +183,16 @@ void refuse_folded_flight(const Recording& r, const std::vector<double>& contact
   std::vector<double> touchdowns_m;
   for (std::size_t i = 1; i < r.rows(); ++i)
     if (contact[i - 1] == 0.0 && contact[i] != 0.0) touchdowns_m.push_back(r.position[i]);
-  const double flying_m = touchdowns_m.empty() ? 0.0 : median(touchdowns_m) + kAbove_m;
+  const double flying_m = touchdowns_m.empty() ? 0.0 : core::median(touchdowns_m) + kAbove_m;
   std::size_t folded = 0;
   for (std::size_t i = 0; i < r.rows(); ++i) {
     const bool now = contact[i] == 0.0 && r.position[i] > flying_m && r.leg_angle[i] > straight + kFolded_rad;
     folded = now ? folded + 1 : 0;
     if (folded == kRows)
-      throw log::DataError(r.name + ": the leg is folded in flight by " +
-                           log::rounded(r.leg_angle[i] - straight) + " rad at " + log::shortest(r.time_s[i]) +
-                           " s; expected a leg that stays on its stop in flight: this version fits no other");
+      throw core::DataError(
+          r.name + ": the leg is folded in flight by " + core::rounded(r.leg_angle[i] - straight) +
+          " rad at " + core::shortest(r.time_s[i]) +
+          " s; expected a leg that stays on its stop in flight: this version fits no other");
   }
 }
 
@@ -238,56 +240,32 @@ LocalPolynomial local_polynomial(const std::vector<double>& time_s, const std::v
 }
 
 ChannelNames channel_names(dynamics::Kind kind) {
-  switch (kind) {
-    case dynamics::Kind::hopper_linear:
-    case dynamics::Kind::hopper_nonlinear:
-    case dynamics::Kind::rail_carriage:
-      return {"height", "m", "mps"};
-    case dynamics::Kind::motor_axis:
-      return {"position", "m", "mps"};
-    case dynamics::Kind::rotary_joint:
-    case dynamics::Kind::clutch_bench:
-      return {"angle", "rad", "radps"};
-  }
-  return {};
+  const bool rotary = dynamics::info(kind).rotary;
+  return {std::string(machines::rules(kind).channel), rotary ? "rad" : "m", rotary ? "radps" : "mps"};
 }
 
 Recording make_recording(const log::Log& log, dynamics::Kind kind) {
   if (log.rows() < kFewestRows)
-    throw log::DataError(log.path + ": " + std::to_string(log.rows()) +
-                         " rows are too few to learn anything from; expected at least " +
-                         std::to_string(kFewestRows));
+    throw core::DataError(log.path + ": " + std::to_string(log.rows()) +
+                          " rows are too few to learn anything from; expected at least " +
+                          std::to_string(kFewestRows));
   Recording r;
   r.name = log.path;
   r.kind = kind;
   r.time_s = log.time_s();
-  const char* velocity_column = "velocity_mps";
-  switch (kind) {
-    case dynamics::Kind::hopper_linear:
-    case dynamics::Kind::hopper_nonlinear:
-      r.position = log.at("height_m");
-      r.input = log.at("torque_cmd_nm");
-      break;
-    case dynamics::Kind::motor_axis:
-      r.position = log.at("position_m");
-      r.input = log.at("force_n");
-      break;
-    case dynamics::Kind::rotary_joint:
-      r.position = log.at("angle_rad");
-      r.input = log.at("torque_nm");
-      if (log.has("torque_cmd_nm")) r.drive_command = log.at("torque_cmd_nm");
-      velocity_column = "velocity_radps";
-      break;
-    case dynamics::Kind::rail_carriage:  // nothing drives it: its force_n is the stop's
-      r.position = log.at("height_m");
-      r.input.assign(r.rows(), 0.0);
-      if (log.has("contact")) r.contact = log.at("contact");
-      break;
-    case dynamics::Kind::clutch_bench:
-      r.position = log.at("pulley_angle_rad");
-      r.input = log.at("solenoid");
-      break;
-  }
+  const machines::Rules& rules = machines::rules(kind);
+  const machines::Columns& columns = rules.columns;
+  const auto given = [&](std::string_view column) {
+    return !column.empty() && log.has(std::string(column)) ? log.at(std::string(column))
+                                                           : std::vector<double>{};
+  };
+  r.position = log.at(std::string(columns.position));
+  if (columns.input.empty())
+    r.input.assign(r.rows(), 0.0);
+  else
+    r.input = log.at(std::string(columns.input));
+  r.drive_command = given(columns.command);
+  r.contact = given(columns.stop);
   r.impulse.assign(r.rows(), 0.0);
   r.driven_s.assign(r.rows(), 0.0);
   for (std::size_t i = 1; i < r.rows(); ++i) {
@@ -295,19 +273,19 @@ Recording make_recording(const log::Log& log, dynamics::Kind kind) {
     r.impulse[i] = r.impulse[i - 1] + r.input[i - 1] * interval_s;
     r.driven_s[i] = r.driven_s[i - 1] + (r.input[i - 1] != 0.0 ? interval_s : 0.0);
   }
-  if (dynamics::is_hopper(kind)) {
-    if (log.has("solenoid") && std::any_of(log.at("solenoid").begin(), log.at("solenoid").end(),
-                                           [](double on) { return on != 0.0; }))
-      r.solenoid = log.at("solenoid");
-    if (log.has("contact")) r.touchdown_reports_s = first_closings(r.time_s, log.at("contact"));
-    if (log.has("torque_nm") && log.at("torque_nm") != r.input) r.drive = log.at("torque_nm");
-    if (log.has("leg_angle_rad")) {
-      r.leg_angle = log.at("leg_angle_rad");
-      r.leg_angle_noise = leg_angle_noise(r.time_s, r.leg_angle);
-      const auto [low, high] = std::minmax_element(r.leg_angle.begin(), r.leg_angle.end());
-      if (*high - *low < kLegMovesOverNoise * r.leg_angle_noise) r.leg_angle.clear();
-      refuse_folded_flight(r, log.has("contact") ? log.at("contact") : std::vector<double>{});
-    }
+  r.solenoid = given(columns.coil);
+  if (std::all_of(r.solenoid.begin(), r.solenoid.end(), [](double on) { return on == 0.0; }))
+    r.solenoid.clear();
+  const std::vector<double> touchdown = given(columns.touchdown);
+  if (!touchdown.empty()) r.touchdown_reports_s = first_closings(r.time_s, touchdown);
+  r.drive = given(columns.report);
+  if (r.drive == r.input) r.drive.clear();
+  r.leg_angle = given(columns.leg_angle);
+  if (!r.leg_angle.empty()) {
+    r.leg_angle_noise = leg_angle_noise(r.time_s, r.leg_angle);
+    const auto [low, high] = std::minmax_element(r.leg_angle.begin(), r.leg_angle.end());
+    if (*high - *low < kLegMovesOverNoise * r.leg_angle_noise) r.leg_angle.clear();
+    refuse_folded_flight(r, touchdown);
   }
   if (!r.drive_command.empty()) {
     r.drive = r.input;
@@ -327,10 +305,10 @@ Recording make_recording(const log::Log& log, dynamics::Kind kind) {
     }
   }
   r.velocity_smoothed = smoothed_slope(r.time_s, r.position, r.contact);
-  r.velocity_recorded = log.has(velocity_column);
-  r.velocity = r.velocity_recorded ? log.at(velocity_column) : r.velocity_smoothed;
-  r.position_noise = kind == dynamics::Kind::clutch_bench ? standstill_noise(r)
-                                                          : sample_noise(r.time_s, r.position, r.contact);
+  r.velocity = given(columns.velocity);
+  r.velocity_recorded = !r.velocity.empty();
+  if (!r.velocity_recorded) r.velocity = r.velocity_smoothed;
+  r.position_noise = rules.held ? standstill_noise(r) : sample_noise(r.time_s, r.position, r.contact);
   r.velocity_noise = sample_noise(r.time_s, r.velocity, r.contact);
   r.slips = find_slips(r.time_s, r.position, r.position_noise);
   if (!r.slips.empty()) {
@@ -346,9 +324,9 @@ void require_clutch(const std::vector<Recording>& recordings, bool has_clutch) {
     if (has_clutch || r.solenoid.empty()) continue;
     const auto first =
         std::find_if(r.solenoid.begin(), r.solenoid.end(), [](double on) { return on != 0.0; });
-    throw log::DataError(
+    throw core::DataError(
         r.name + ": the spring is released from " +
-        log::shortest(r.time_s[static_cast<std::size_t>(first - r.solenoid.begin())]) +
+        core::shortest(r.time_s[static_cast<std::size_t>(first - r.solenoid.begin())]) +
         " s on (solenoid = 1), and the model has no clutch; expected a tooth_pitch_m above 0 in the model, or "
         "recordings with the spring caught");
   }
@@ -367,8 +345,8 @@ std::vector<Recording> make_recordings(const std::vector<log::Log>& logs, dynami
     moves = moves || *high - *low > kMotionOverNoise * r.position_noise;
   }
   if (!moves)
-    throw log::DataError(all.front().name + ": the " + channel_names(kind).position +
-                         " never moves by more than its noise, in any recording; expected motion");
+    throw core::DataError(all.front().name + ": the " + channel_names(kind).position +
+                          " never moves by more than its noise, in any recording; expected motion");
   for (Recording& r : all) r.position_noise = std::max(r.position_noise, kShare * noise);
   return all;
 }

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "furcula/dynamics/actuation.hpp"
-#include "furcula/dynamics/kinds.hpp"
+#include "furcula/dynamics/machines.hpp"
 #include "host/log/log.hpp"
 
 namespace furcula::identify {
@@ -62,16 +62,16 @@ struct Recording {
   }
 };
 
-/// Reads the axis out of a log of the kind's rig. Throws log::DataError where the log has too few rows to
+/// Reads the axis out of a log of the kind's rig. Throws core::DataError where the log has too few rows to
 /// estimate anything (fewer than 20).
 Recording make_recording(const log::Log& log, dynamics::Kind kind);
 
 /// All recordings of a list. The noise of one is at least a third of the noisiest one's: a recording at rest,
-/// whose sensor does not flicker, would outweigh all others. @throws log::DataError where nothing moves in
+/// whose sensor does not flicker, would outweigh all others. @throws core::DataError where nothing moves in
 /// any of them.
 std::vector<Recording> make_recordings(const std::vector<log::Log>& logs, dynamics::Kind kind);
 
-/// @throws log::DataError where a hopper's spring is released and the model has no clutch.
+/// @throws core::DataError where a hopper's spring is released and the model has no clutch.
 void require_clutch(const std::vector<Recording>& recordings, bool has_clutch);
 
 /// Names of the channels in results: "height" and "velocity" on hopper and rail carriage, "position",

@@ -7,9 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "furcula/dynamics/axis.hpp"
-#include "furcula/dynamics/hopper.hpp"
-#include "furcula/dynamics/simple_clutch_bench.hpp"
+#include "furcula/dynamics/plants.hpp"
 #include "furcula/dynamics/stages.hpp"
 #include "host/identify/recording.hpp"
 #include "host/identify/unknowns.hpp"
@@ -134,33 +132,17 @@ bool start(dynamics::Stages<Plant, T>& stages, const PlantSetup<T>& setup, const
 /// encoder's clock, on what the recording has for an input.
 template <class T, class Use>
 void with_stages(const PlantSetup<T>& setup, const Recording& r, const Use& use) {
-  const auto parameters = [&]<class Parameters>() {
-    return dynamics::from_table<Parameters>(
-        std::span<const T>(setup.parameters.data(), Parameters::kMembers.size()));
-  };
-  const auto run = [&]<class Plant, class Parameters>() {
-    dynamics::Stages<Plant, T> stages(
-        parameters.template operator()<Parameters>(), setup.effects, dynamics::Clock::encoder,
+  dynamics::with_machine(r.kind, [&]<class Machine>() {
+    using Parameters = typename Machine::template Parameters<T>;
+    dynamics::Stages<typename Machine::template Plant<T>, T> stages(
+        dynamics::from_table<Parameters>(
+            std::span<const T>(setup.parameters.data(), Parameters::kMembers.size())),
+        setup.effects, dynamics::Clock::encoder,
         r.drive_command.empty() ? dynamics::Input::command : dynamics::Input::drive_torque);
     if constexpr (requires { stages.plant().fit_clutch(setup.clutch); })
       if (dynamics::value_of(setup.clutch.tooth_pitch_m) > 0.0) stages.plant().fit_clutch(setup.clutch);
     use(stages);
-  };
-  using namespace dynamics;
-  switch (r.kind) {
-    case Kind::rail_carriage:
-      return run.template operator()<RailCarriage<T>, RailCarriageParameters<T>>();
-    case Kind::hopper_linear:
-      return run.template operator()<Hopper<T>, HopperLinearParameters<T>>();
-    case Kind::hopper_nonlinear:
-      return run.template operator()<Hopper<T>, HopperNonlinearParameters<T>>();
-    case Kind::motor_axis:
-      return run.template operator()<MotorAxis<T>, MotorAxisParameters<T>>();
-    case Kind::rotary_joint:
-      return run.template operator()<RotaryJoint<T>, RotaryJointParameters<T>>();
-    case Kind::clutch_bench:
-      return run.template operator()<SimpleClutchBench<T>, ClutchBenchParameters<T>>();
-  }
+  });
 }
 
 /// Starts at the measured (position, velocity) and visits visit(row, position, velocity, drive, leg_angle)

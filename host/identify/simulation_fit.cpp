@@ -8,9 +8,9 @@
 #include <deque>
 #include <limits>
 
+#include "host/core/error.hpp"
 #include "host/identify/dual.hpp"
 #include "host/identify/window_run.hpp"
-#include "host/log/error.hpp"
 
 namespace furcula::identify {
 namespace {
@@ -124,7 +124,7 @@ void take_off_column_means(double* values, std::size_t rows, std::size_t columns
 void require_finite(bool finite, const std::vector<Recording>& recordings,
                     const std::vector<Window>& windows) {
   if (!finite)
-    throw log::DataError(
+    throw core::DataError(
         recordings[windows.front().recording].name +
         ": the model's run does not stay finite on these recordings; expected inputs and units that fit the model");
 }
@@ -360,7 +360,7 @@ Fit fit_by_simulation(const model::Model& model, const std::vector<Unknown>& unk
   Costs problems(model, unknowns, recordings, windows, weighting);
   Jumping jumping(problems, unknowns, model.kind);
   bool usable = true;
-  if (model.kind == dynamics::Kind::clutch_bench && !unknowns.empty()) {
+  if (dynamics::has(model.kind, dynamics::Seat::belt) && !unknowns.empty()) {
     // As long as the coil is on no tooth matters: first how the belt falls, then where it is held.
     std::vector<Window> falls = windows;
     for (Window& w : falls) w.last = w.liftoff;

@@ -32,7 +32,7 @@ struct Fit {
 };
 
 /// `layers`: in how many of the windows each row lies; the covariance takes it into account.
-/// @throws log::DataError where no run of the model stays finite.
+/// @throws core::DataError where no run of the model stays finite.
 /// Fits the unknowns from `start` (values, within bounds) on the windows, each with a start state of its own.
 Fit fit_by_simulation(const model::Model& model, const std::vector<Unknown>& unknowns,
                       const std::vector<double>& start, const std::vector<Recording>& recordings,
@@ -52,7 +52,7 @@ Fit look_by_simulation(const model::Model& model, const std::vector<Unknown>& un
 /// A coordinate that lies on its bound is not thereby known: the covariance is that without the bound.
 Fit in_law_parameters(Fit fit, const std::vector<Unknown>& unknowns, const model::Model& model);
 
-/// @throws log::DataError, naming the first recording, where `finite` is false.
+/// @throws core::DataError, naming the first recording, where `finite` is false.
 void require_finite(bool finite, const std::vector<Recording>& recordings,
                     const std::vector<Window>& windows);
 

@@ -5,7 +5,7 @@
 #include <set>
 #include <string>
 
-#include "host/log/error.hpp"
+#include "host/core/error.hpp"
 
 namespace furcula::identify {
 namespace {
@@ -23,12 +23,12 @@ log::Log part(const log::Log& log, std::size_t first, std::size_t last) {
 
 std::pair<std::vector<log::Log>, std::vector<log::Log>> split(std::vector<log::Log> logs,
                                                               std::uint64_t seed) {
-  if (logs.empty()) throw log::DataError("no log given; expected at least one");
+  if (logs.empty()) throw core::DataError("no log given; expected at least one");
   std::pair<std::vector<log::Log>, std::vector<log::Log>> out;
   if (logs.size() == 1) {
     const std::size_t rows = logs.front().rows(), cut = rows - rows / 4;
     if (rows < 80)
-      throw log::DataError(
+      throw core::DataError(
           logs.front().path + ": " + std::to_string(rows) +
           " rows are too few to hold a quarter of them out; expected at least 80, or --hold-out");
     out.first.push_back(part(logs.front(), 0, cut));

@@ -11,7 +11,7 @@ namespace furcula::identify {
 
 /// Splits logs into training and held-out ones: a seeded fifth, at least one; of a single log its last
 /// quarter.
-/// @throws log::DataError where there is no log, or a single one of fewer than 80 rows.
+/// @throws core::DataError where there is no log, or a single one of fewer than 80 rows.
 std::pair<std::vector<log::Log>, std::vector<log::Log>> split(std::vector<log::Log> logs, std::uint64_t seed);
 
 }  // namespace furcula::identify

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <string>
 
-#include "host/log/error.hpp"
+#include "host/core/error.hpp"
 
 namespace furcula::identify {
 
@@ -64,23 +64,22 @@ std::optional<Jumps> jumps(const Unknown& unknown, dynamics::Kind kind) {
   using dynamics::Effect;
   constexpr double kLongestCatch_s = 0.15;
   const bool late = unknown.of_effect && unknown.effect == Effect::late_catch;
-  const bool of_bench = !unknown.of_effect && kind == dynamics::Kind::clutch_bench &&
-                        unknown.parameter == dynamics::parameter_index(kind, "catch_delay_s");
-  if (late || of_bench)
+  const bool delay =
+      !unknown.of_effect && unknown.parameter == dynamics::parameter_index(kind, "catch_delay_s");
+  if (late || delay)
     return Jumps{unknown.lower, std::max(unknown.lower, std::min(unknown.upper, kLongestCatch_s)), false};
   if (unknown.of_effect && unknown.effect == Effect::clutch_slip)
     return Jumps{std::max(unknown.lower, 1.0), std::min(unknown.upper, 300.0), true};
-  if (!unknown.of_effect && kind == dynamics::Kind::clutch_bench &&
-      unknown.parameter == dynamics::parameter_index(kind, "tooth_pitch_m"))
+  if (!unknown.of_effect && unknown.parameter == dynamics::parameter_index(kind, "tooth_pitch_m"))
     return Jumps{unknown.lower, unknown.upper, true};
   return std::nullopt;
 }
 
 void require_room(const std::vector<Unknown>& unknowns) {
   if (unknowns.size() > kMostUnknowns)
-    throw log::DataError("the fit: " + std::to_string(unknowns.size()) +
-                         " free parameters, those of effects included; expected at most " +
-                         std::to_string(kMostUnknowns));
+    throw core::DataError("the fit: " + std::to_string(unknowns.size()) +
+                          " free parameters, those of effects included; expected at most " +
+                          std::to_string(kMostUnknowns));
 }
 
 std::vector<double> values_in(const model::Model& model, const std::vector<Unknown>& unknowns) {

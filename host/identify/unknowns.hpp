@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "furcula/dynamics/effects/effects.hpp"
-#include "furcula/dynamics/parameters.hpp"
+#include "furcula/dynamics/machines.hpp"
 #include "host/model/model.hpp"
 
 namespace furcula::identify {
@@ -75,7 +75,7 @@ model::Model with_values(model::Model model, const std::vector<Unknown>& unknown
 /// The most that a kind's table has.
 inline constexpr std::size_t kMostParameters = [] {
   std::size_t most = 0;
-  for (const dynamics::KindInfo& kind : dynamics::kKinds) most = std::max(most, kind.parameters.size());
+  for (const dynamics::MachineInfo& kind : dynamics::kMachines) most = std::max(most, kind.parameters.size());
   return most;
 }();
 
@@ -84,7 +84,7 @@ inline constexpr std::size_t kMostUnknowns = 30;
 /// All of a kind's parameters, and four effects (a diagnosis tries one more for a moment).
 static_assert(kMostParameters + 5 * dynamics::kMaxEffectParameters <= kMostUnknowns);
 
-/// @throws log::DataError where there are more.
+/// @throws core::DataError where there are more.
 void require_room(const std::vector<Unknown>& unknowns);
 
 /// A plant's parameters and effects, with the unknowns at `values` (unknowns.size() of them) in the scalar T.

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "host/identify/quantile.hpp"
+#include "host/core/quantile.hpp"
 
 namespace furcula::identify {
 namespace {
@@ -42,7 +42,7 @@ std::vector<ParameterVerdict> parameter_verdicts(const Fit& fit, const std::vect
       free > 0 ? Eigen::MatrixXd((scaled + kSingular * Eigen::MatrixXd::Identity(free, free)).inverse())
                : Eigen::MatrixXd();
   const double windows = independent_windows(fit.shares.size(), fit.layers);
-  const double t = student_t_within(0.95, std::max(1.0, windows - static_cast<double>(count)));
+  const double t = core::student_t_within(0.95, std::max(1.0, windows - static_cast<double>(count)));
   for (std::size_t i = 0; i < count; ++i) {
     ParameterVerdict& v = all[i];
     v.value = fit.values[i];

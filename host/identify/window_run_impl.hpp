@@ -6,6 +6,7 @@
 
 #include "host/identify/simulate.hpp"
 #include "host/identify/window_run.hpp"
+#include "host/machines/hopper.hpp"
 
 namespace furcula::identify {
 
@@ -60,7 +61,8 @@ bool run_window(const WindowRun& run, double const* const* blocks, double* resid
     if (of_start != nullptr) about_mean(of_start, kStartSize);
   }
   if (run.weights.contact > 0.0)
-    put(run.motion_rows(), report_lag(setup, run.recording, run.window, touchdown_height_m(run.model)),
+    put(run.motion_rows(),
+        report_lag(setup, run.recording, run.window, machines::touchdown_height_m(run.model)),
         run.window.report_lag_s, run.weights.contact);
   return finite;
 }

@@ -3,11 +3,15 @@
 #include <algorithm>
 #include <cmath>
 
-#include "host/identify/quantile.hpp"
+#include "host/core/quantile.hpp"
 #include "host/identify/simulate.hpp"
+#include "host/machines/hopper.hpp"
+#include "host/machines/rules.hpp"
 
 namespace furcula::identify {
 namespace {
+
+using machines::Cut;
 
 constexpr double kSmallestHop_m = 3e-3;
 constexpr double kShortestPhase_s = 0.03;
@@ -68,13 +72,9 @@ bool is_apex(const Flight& f) {
 
 }  // namespace
 
-double touchdown_height_m(const model::Model& model) {
-  return 2.0 * model.parameter("link_length_m") * std::cos(model.parameter("touchdown_angle_rad"));
-}
-
 std::vector<Window> strides(const Recording& r, std::size_t index, const model::Model& model) {
   std::vector<Window> found;
-  const std::vector<Flight> all = find_flights(r, touchdown_height_m(model));
+  const std::vector<Flight> all = find_flights(r, machines::touchdown_height_m(model));
   for (std::size_t i = 0; i + 1 < all.size(); ++i) {
     if (!is_apex(all[i]) || !is_apex(all[i + 1])) continue;
     const std::size_t first = all[i].starts_here && all[i].apex < 5 ? 0 : all[i].apex;
@@ -85,7 +85,7 @@ std::vector<Window> strides(const Recording& r, std::size_t index, const model::
 
 std::vector<Window> stances(const Recording& r, std::size_t index, const model::Model& model) {
   std::vector<Window> found;
-  const double touchdown = touchdown_height_m(model);
+  const double touchdown = machines::touchdown_height_m(model);
   const std::size_t n = r.rows();
   for (std::size_t i = 0; i < n;) {
     if (r.position[i] > touchdown) {
@@ -109,7 +109,7 @@ std::vector<Window> stances(const Recording& r, std::size_t index, const model::
 
 std::vector<Window> flights(const Recording& r, std::size_t index, const model::Model& model) {
   std::vector<Window> found;
-  for (const Flight& f : find_flights(r, touchdown_height_m(model))) {
+  for (const Flight& f : find_flights(r, machines::touchdown_height_m(model))) {
     std::size_t first = f.first;
     if (!f.starts_here)
       while (first < f.last && r.time_s[first] < r.time_s[f.first] + kAfterLiftoff_s) ++first;
@@ -148,7 +148,7 @@ std::vector<Window> releases(const Recording& r, std::size_t index) {
   const std::size_t n = r.rows();
   std::vector<double> intervals_s;
   for (std::size_t i = 1; i < n; ++i) intervals_s.push_back(r.time_s[i] - r.time_s[i - 1]);
-  const double usual_s = median(intervals_s);
+  const double usual_s = core::median(intervals_s);
   std::size_t free = 0;  // the first row that no earlier release needs
   for (std::size_t i = 1; i < n; ++i) {
     if (!on(i) || on(i - 1)) continue;
@@ -213,9 +213,9 @@ void attach_reports(std::vector<Window>& windows, const std::vector<Recording>& 
     if (std::abs(best) < kFurthest_s) lags.push_back(w.report_lag_s = best);
   }
   if (lags.empty()) return;
-  const double centre = median(lags);
+  const double centre = core::median(lags);
   for (double& lag : lags) lag = std::abs(lag - centre);
-  const double spread = std::max(1.4826 * median(lags), interval_s / std::sqrt(12.0));
+  const double spread = std::max(1.4826 * core::median(lags), interval_s / std::sqrt(12.0));
   for (Window& w : windows) w.report_spread_s = spread;
 }
 
@@ -223,9 +223,25 @@ void attach_reports(std::vector<Window>& windows, const std::vector<Recording>& 
 bool moves_on_the_ground(const Recording& r, const model::Model& model) {
   constexpr double kSmallestMotion_m = 3e-3;
   const auto [low, high] = std::minmax_element(r.position.begin(), r.position.end());
-  const bool hops = *high > touchdown_height_m(model) + kSmallestHop_m;
+  const bool hops = *high > machines::touchdown_height_m(model) + kSmallestHop_m;
   const double moved_m = *high - *low;
   return !hops && moved_m > kSmallestMotion_m;
+}
+
+/// The windows of one recording.
+std::vector<Window> cut(const Recording& r, std::size_t index, const model::Model& model, double interval_s) {
+  switch (machines::rules(model.kind).cut) {
+    case Cut::strides:
+      if (moves_on_the_ground(r, model)) break;
+      return strides(r, index, model);
+    case Cut::flights:
+      return free_flights(r, index);
+    case Cut::releases:
+      return releases(r, index);
+    case Cut::intervals:
+      break;
+  }
+  return intervals(r, index, interval_s);
 }
 
 }  // namespace
@@ -234,16 +250,11 @@ std::vector<Window> prediction_windows(const std::vector<Recording>& recordings,
                                        double interval_s) {
   std::vector<Window> all;
   for (std::size_t i = 0; i < recordings.size(); ++i) {
-    const bool hopper = dynamics::is_hopper(model.kind);
-    const auto some = hopper && moves_on_the_ground(recordings[i], model)
-                          ? intervals(recordings[i], i, interval_s)
-                      : hopper                                      ? strides(recordings[i], i, model)
-                      : model.kind == dynamics::Kind::rail_carriage ? free_flights(recordings[i], i)
-                      : model.kind == dynamics::Kind::clutch_bench  ? releases(recordings[i], i)
-                                                                    : intervals(recordings[i], i, interval_s);
+    const auto some = cut(recordings[i], i, model, interval_s);
     all.insert(all.end(), some.begin(), some.end());
   }
-  if (dynamics::is_hopper(model.kind)) attach_reports(all, recordings, touchdown_height_m(model));
+  if (machines::rules(model.kind).cut == Cut::strides)
+    attach_reports(all, recordings, machines::touchdown_height_m(model));
   return all;
 }
 
@@ -270,7 +281,7 @@ bool plausible_leg_angle(const Recording& r, const model::Model& model) {
   constexpr double kFolded_rad = 0.03;                   // at the highest reading
   constexpr double kStraight_rad = 0.1;  // at the lowest, where a height that is measured wrongly shows, too
   const double length = 2.0 * model.parameter("link_length_m"), stop = model.parameter("touchdown_angle_rad");
-  const double top = touchdown_height_m(model);
+  const double top = machines::touchdown_height_m(model);
   std::vector<double> by_height(r.rows(), stop);
   double rows = 0.0, height_sum = 0.0, angle_sum = 0.0;
   for (std::size_t i = 0; i < r.rows(); ++i) {
@@ -307,8 +318,7 @@ TrainingWindows training_windows(const std::vector<Recording>& recordings, const
   constexpr std::size_t kMostLayers = 4;
   TrainingWindows t;
   t.windows = prediction_windows(recordings, model, interval_s);
-  const bool by_time = model.kind == dynamics::Kind::motor_axis || model.kind == dynamics::Kind::rotary_joint;
-  if (!by_time || t.windows.empty()) return t;
+  if (machines::rules(model.kind).cut != Cut::intervals || t.windows.empty()) return t;
   t.layers = std::clamp<std::size_t>((kEnough + t.windows.size() - 1) / t.windows.size(), 1, kMostLayers);
   for (std::size_t layer = 1; layer < t.layers; ++layer)
     for (std::size_t i = 0; i < recordings.size(); ++i) {

@@ -74,9 +74,6 @@ TrainingWindows training_windows(const std::vector<Recording>& recordings, const
 /// backlash does to it stays, and a zero that is off.
 void keep_plausible_leg_angles(std::vector<Recording>& recordings, const model::Model& model);
 
-/// 2 L cos(touch-down angle), m.
-double touchdown_height_m(const model::Model& model);
-
 /// A start state estimated from the measured positions of the window's first 50 ms alone (its first tenth
 /// where that is shorter), with its variance per unit of sample variance.
 struct StartState {

@@ -5,7 +5,7 @@
 #include <array>
 #include <map>
 
-#include "host/log/message.hpp"
+#include "host/core/message.hpp"
 
 namespace furcula::log {
 namespace {
@@ -75,15 +75,15 @@ void take_metadata(std::string_view record, const RecordStream& records, const R
   if (key.empty()) return;
   const std::string value(trimmed(record.substr(colon + 1)));
   if (key == "format" && value != "furcula-log/1")
-    throw DataError(at(records) + "format is " + quoted(value) + "; expected furcula-log/1");
+    throw core::DataError(at(records) + "format is " + core::quoted(value) + "; expected furcula-log/1");
   if (key == "rig" && rig != nullptr && value != rig->name)
-    throw DataError(at(records) + "rig is " + quoted(value) + "; expected " + std::string(rig->name) +
-                    ", as the model, the map or --rig says");
+    throw core::DataError(at(records) + "rig is " + core::quoted(value) + "; expected " +
+                          std::string(rig->name) + ", as the model, the map or --rig says");
   if (key == "rig" && rig_named(value) == nullptr) {
     std::vector<std::string_view> rigs;
     for (const RigInfo& r : kRigs) rigs.push_back(r.name);
-    throw DataError(at(records) + "rig is " + quoted(value) + "; expected one of " + listed(rigs) +
-                    did_you_mean(value, rigs));
+    throw core::DataError(at(records) + "rig is " + core::quoted(value) + "; expected one of " +
+                          core::listed(rigs) + core::did_you_mean(value, rigs));
   }
   header.metadata.insert_or_assign(key, value);
 }
@@ -97,19 +97,20 @@ std::string_view header_row(RecordStream& records, const RigInfo* rig, LogHeader
   while (records.next(record)) {
     anything = true;
     if (record.find('\0') != std::string_view::npos)
-      throw DataError(at(records) + "a NUL byte; expected the text of a CSV log");
+      throw core::DataError(at(records) + "a NUL byte; expected the text of a CSV log");
     if (const std::size_t bad = first_not_utf8(record); bad != std::string_view::npos)
-      throw DataError(at(records) + "byte " + std::to_string(bad + 1) + " of the line, " +
-                      quoted(record.substr(bad, 1)) + ", is not UTF-8; expected UTF-8 text");
+      throw core::DataError(at(records) + "byte " + std::to_string(bad + 1) + " of the line, " +
+                            core::quoted(record.substr(bad, 1)) + ", is not UTF-8; expected UTF-8 text");
     if (trimmed(record).empty()) continue;
     if (record.front() != '#') return record;
     metadata_bytes += record.size();
     if (metadata_bytes > kMostMetadata)
-      throw DataError(at(records) + "more than 1 MiB of '#' lines; expected a header row");
+      throw core::DataError(at(records) + "more than 1 MiB of '#' lines; expected a header row");
     take_metadata(record, records, rig, header);
   }
-  throw DataError(records.name() + ":1: " + (anything ? "there is no header row" : "the file is empty") +
-                  "; expected a CSV log with a header row");
+  throw core::DataError(records.name() +
+                        ":1: " + (anything ? "there is no header row" : "the file is empty") +
+                        "; expected a CSV log with a header row");
 }
 
 std::vector<std::string> column_names(std::string_view row, const RecordStream& records) {
@@ -118,13 +119,14 @@ std::vector<std::string> column_names(std::string_view row, const RecordStream& 
   while (more) {
     names.push_back(take_field(row, more));
     if (names.back().empty())
-      throw DataError(at(records) + "column " + std::to_string(names.size()) +
-                      " has no name; expected name_unit");
+      throw core::DataError(at(records) + "column " + std::to_string(names.size()) +
+                            " has no name; expected name_unit");
   }
   std::vector<std::string_view> sorted(names.begin(), names.end());
   std::sort(sorted.begin(), sorted.end());
   if (const auto twice = std::adjacent_find(sorted.begin(), sorted.end()); twice != sorted.end())
-    throw DataError(at(records) + "column " + quoted(*twice) + " stands twice; expected each column once");
+    throw core::DataError(at(records) + "column " + core::quoted(*twice) +
+                          " stands twice; expected each column once");
   return names;
 }
 
@@ -138,9 +140,9 @@ void refuse_wrong_units(const Layout& layout, const RigInfo& rig, const RecordSt
           ours.kind != ColumnKind::flag && parts(ours.name).quantity == theirs.quantity;
       const auto& columns = layout.file_columns;
       if (same_quantity && std::find(columns.begin(), columns.end(), ours.name) == columns.end())
-        throw DataError(at(records) + "column " + quoted(name) + " has the unit '" +
-                        std::string(theirs.unit) + "'; expected '" + std::string(ours.name) +
-                        "' (convert it, or give a --map file with a scale)");
+        throw core::DataError(at(records) + "column " + core::quoted(name) + " has the unit '" +
+                              std::string(theirs.unit) + "'; expected '" + std::string(ours.name) +
+                              "' (convert it, or give a --map file with a scale)");
     }
     // angle_knee_deg where angle_knee_rad is meant. What none of our quantities begins like stays unknown.
     const std::string_view quantity = theirs.quantity;
@@ -156,9 +158,9 @@ void refuse_wrong_units(const Layout& layout, const RigInfo& rig, const RecordSt
       if (meant.empty()) meant = p.unit;
     }
     if (!meant.empty())
-      throw DataError(at(records) + "column " + quoted(name) + " has the unit '" + std::string(theirs.unit) +
-                      "'; expected '" + std::string(quantity) + "_" + std::string(meant) +
-                      "' (convert it, or give a --map file with a scale)");
+      throw core::DataError(at(records) + "column " + core::quoted(name) + " has the unit '" +
+                            std::string(theirs.unit) + "'; expected '" + std::string(quantity) + "_" +
+                            std::string(meant) + "' (convert it, or give a --map file with a scale)");
   }
 }
 
@@ -169,20 +171,20 @@ void refuse_wrong_units(const Layout& layout, const RigInfo& rig, const RecordSt
   const std::vector<std::string_view> names(layout.file_columns.begin(), layout.file_columns.end());
   const std::string first = layout.file_columns.front();
   if (names.size() == 1 && first.find_first_of(";\t") != std::string::npos)
-    throw DataError(message + "; the header row is " + quoted(first) +
-                    ": expected columns separated by commas");
+    throw core::DataError(message + "; the header row is " + core::quoted(first) +
+                          ": expected columns separated by commas");
   constexpr std::size_t kMostListed = 20;
-  message += "; the file has " + listed(std::span(names).first(std::min(names.size(), kMostListed))) +
+  message += "; the file has " + core::listed(std::span(names).first(std::min(names.size(), kMostListed))) +
              (names.size() > kMostListed ? ", ..." : "");
-  throw DataError(message + did_you_mean(column.name, names) + " (names of foreign logs: --map)");
+  throw core::DataError(message + core::did_you_mean(column.name, names) + " (names of foreign logs: --map)");
 }
 
 }  // namespace
 
 Layout read_layout(RecordStream& records, const RigInfo& rig, const ColumnMap* map) {
   if (map != nullptr && map->rig != rig.name)
-    throw DataError(map->path + ": rig is " + quoted(map->rig) + "; expected " + std::string(rig.name) +
-                    ", as the model or --rig says");
+    throw core::DataError(map->path + ": rig is " + core::quoted(map->rig) + "; expected " +
+                          std::string(rig.name) + ", as the model or --rig says");
   Layout layout;
   const std::string_view row = header_row(records, &rig, layout.header);
   layout.file_columns = column_names(row, records);
@@ -203,8 +205,9 @@ Layout read_layout(RecordStream& records, const RigInfo& rig, const ColumnMap* m
       const auto found = std::find(layout.file_columns.begin(), layout.file_columns.end(), mapped.column);
       if (found == layout.file_columns.end()) {
         const std::vector<std::string_view> names(layout.file_columns.begin(), layout.file_columns.end());
-        throw DataError(at(records) + "no column " + quoted(mapped.column) + ", which " + map->path +
-                        " maps to '" + ours + "'" + did_you_mean(mapped.column, names));
+        throw core::DataError(at(records) + "no column " + core::quoted(mapped.column) + ", which " +
+                              map->path + " maps to '" + ours + "'" +
+                              core::did_you_mean(mapped.column, names));
       }
       const auto source = static_cast<std::size_t>(found - layout.file_columns.begin());
       taken[source] = true;

@@ -8,10 +8,10 @@
 #include <limits>
 #include <utility>
 
-#include "host/log/byte_source.hpp"
+#include "host/core/byte_source.hpp"
+#include "host/core/message.hpp"
 #include "host/log/interval_median.hpp"
 #include "host/log/layout.hpp"
-#include "host/log/message.hpp"
 #include "host/log/record_stream.hpp"
 #include "host/log/rigs.hpp"
 
@@ -48,7 +48,7 @@ class RowReader {
       if (channel.mapped) value = value * channel.scale + channel.offset;
       if (channel.kind == ColumnKind::flag && value != 0.0 && value != 1.0)
         fail(channel.source,
-             shortest(value) + (channel.mapped ? " after the map" : "") + "; expected 0 or 1");
+             core::shortest(value) + (channel.mapped ? " after the map" : "") + "; expected 0 or 1");
       if (channel.mapped && !std::isfinite(value))
         fail(channel.source, "not finite after the map; expected a scale and offset that suit it");
       values_[i] = value;
@@ -64,7 +64,7 @@ class RowReader {
   }
 
   [[noreturn]] void fail(std::size_t file_column, const std::string& message) const {
-    std::string who = "column " + quoted(layout_.file_columns[file_column]);
+    std::string who = "column " + core::quoted(layout_.file_columns[file_column]);
     for (const Channel& c : layout_.channels)
       if (c.source == file_column && c.known && c.name != layout_.file_columns[file_column])
         who += " (mapped to '" + c.name + "')";
@@ -72,7 +72,7 @@ class RowReader {
   }
 
   [[noreturn]] void fail_row(const std::string& message) const {
-    throw DataError(records_.name() + ":" + std::to_string(records_.line()) + ": " + message);
+    throw core::DataError(records_.name() + ":" + std::to_string(records_.line()) + ": " + message);
   }
 
  private:
@@ -110,11 +110,11 @@ class RowReader {
     }
     const std::string expected = "; expected a finite decimal number";
     if (!records_.ended() && i + 1 == raw_.size())
-      fail(i, quoted(field) + " is where the file ends: the last row is torn" + expected);
-    if (is_number) fail(i, quoted(field) + " is not finite" + expected);
+      fail(i, core::quoted(field) + " is where the file ends: the last row is torn" + expected);
+    if (is_number) fail(i, core::quoted(field) + " is not finite" + expected);
     if (field.empty()) fail(i, "no value ('')" + expected);
-    fail(i,
-         quoted(field) + " is not a number" + expected + (field.find(',') != field.npos ? " with '.'" : ""));
+    fail(i, core::quoted(field) + " is not a number" + expected +
+                (field.find(',') != field.npos ? " with '.'" : ""));
   }
 
   [[noreturn]] void wrong_field_count(std::string_view record) const {
@@ -123,15 +123,15 @@ class RowReader {
     for (bool more = true; more; ++fields) take_field(rest, more);
     const std::string expected = "; expected " + std::to_string(raw_.size()) + " fields as in the header row";
     if (record.find('\0') != record.npos)
-      fail_row("NUL bytes, " + quoted(record.substr(record.find('\0'), 1)) + expected);
+      fail_row("NUL bytes, " + core::quoted(record.substr(record.find('\0'), 1)) + expected);
     if (record.starts_with('#'))
-      fail_row("a comment " + quoted(record) +
+      fail_row("a comment " + core::quoted(record) +
                " among the rows; expected comments before the header row only");
     const std::string has = std::to_string(fields) + (fields == 1 ? " field" : " fields");
     if (!records_.ended() && fields < raw_.size())
       fail_row("the file ends in the middle of a row: the last row is torn, it has " + has + ", " +
-               quoted(record) + expected);
-    fail_row("the row has " + has + ", " + quoted(record) + expected);
+               core::quoted(record) + expected);
+    fail_row("the row has " + has + ", " + core::quoted(record) + expected);
   }
 
   RecordStream& records_;
@@ -141,10 +141,10 @@ class RowReader {
   std::vector<double> values_;
 };
 
-LogSummary visit(ByteSource& source, const std::string& name, const std::string& rig_name,
+LogSummary visit(core::ByteSource& source, const std::string& name, const std::string& rig_name,
                  const ColumnMap* map, const std::function<RowVisitor(const LogHeader&)>& on_header) {
   const RigInfo* rig = rig_named(rig_name);
-  if (rig == nullptr) throw std::invalid_argument("no rig is called " + quoted(rig_name));
+  if (rig == nullptr) throw std::invalid_argument("no rig is called " + core::quoted(rig_name));
   RecordStream records(source, name);
   const Layout layout = read_layout(records, *rig, map);
   const RowVisitor visitor = on_header(layout.header);
@@ -163,8 +163,8 @@ LogSummary visit(ByteSource& source, const std::string& name, const std::string&
       continue;
     }
     if (blank_line != 0)
-      throw DataError(name + ":" + std::to_string(blank_line) +
-                      ": a blank line among the rows, ''; expected a row");
+      throw core::DataError(name + ":" + std::to_string(blank_line) +
+                            ": a blank line among the rows, ''; expected a row");
     const std::span<const double> values = rows.parse(record);
     const double time_s = values[layout.time_channel];
     if (summary.rows == 0) {
@@ -173,7 +173,7 @@ LogSummary visit(ByteSource& source, const std::string& name, const std::string&
       const double interval_s = time_s - last_s;
       if (!(interval_s > 0.0) || !std::isfinite(interval_s))
         rows.fail(layout.channels[layout.time_channel].source,
-                  shortest(time_s) + " s after " + shortest(last_s) +
+                  core::shortest(time_s) + " s after " + core::shortest(last_s) +
                       " s in the row before; expected time to increase");
       median.add(interval_s);
       summary.interval_min_s = summary.rows == 1 ? interval_s : std::min(summary.interval_min_s, interval_s);
@@ -184,8 +184,8 @@ LogSummary visit(ByteSource& source, const std::string& name, const std::string&
     visitor(values);
   }
   if (summary.rows == 0)
-    throw DataError(name + ":" + std::to_string(records.line()) +
-                    ": no rows after the header row; expected at least one");
+    throw core::DataError(name + ":" + std::to_string(records.line()) +
+                          ": no rows after the header row; expected at least one");
   summary.duration_s = last_s - first_s;
   summary.interval_median_s = median.value();
   summary.ignored_columns = rows.ignored_columns();
@@ -193,7 +193,7 @@ LogSummary visit(ByteSource& source, const std::string& name, const std::string&
   return summary;
 }
 
-Log collect(ByteSource& source, const std::string& name, const std::string& rig, const ColumnMap* map) {
+Log collect(core::ByteSource& source, const std::string& name, const std::string& rig, const ColumnMap* map) {
   std::vector<std::vector<double>> columns;
   LogSummary summary = visit(source, name, rig, map, [&columns](const LogHeader& header) {
     columns.resize(header.columns.size());
@@ -215,12 +215,12 @@ Log collect(ByteSource& source, const std::string& name, const std::string& rig,
 
 LogSummary visit_log(const std::string& path, const std::string& rig, const ColumnMap* map,
                      const std::function<RowVisitor(const LogHeader&)>& on_header) {
-  FileSource source(path, "a log (CSV)");
+  core::FileSource source(path, "a log (CSV)");
   return visit(source, path, rig, map, on_header);
 }
 
 Log read_log(const std::string& path, const std::string& rig, const ColumnMap* map) {
-  FileSource source(path, "a log (CSV)");
+  core::FileSource source(path, "a log (CSV)");
   return collect(source, path, rig, map);
 }
 
@@ -229,13 +229,13 @@ LogSummary check_log(const std::string& path, const std::string& rig, const Colu
 }
 
 std::string rig_line(const std::string& path) {
-  FileSource source(path, "a log (CSV)");
+  core::FileSource source(path, "a log (CSV)");
   RecordStream records(source, path);
   return read_rig_line(records);
 }
 
 Log parse_log(std::string_view text, const std::string& name, const std::string& rig, const ColumnMap* map) {
-  TextSource source(text);
+  core::TextSource source(text);
   return collect(source, name, rig, map);
 }
 

@@ -10,8 +10,8 @@
 #include <string_view>
 #include <vector>
 
+#include "host/core/error.hpp"
 #include "host/log/column_map.hpp"
-#include "host/log/error.hpp"
 #include "host/log/log.hpp"
 
 namespace furcula::log {
@@ -39,7 +39,7 @@ struct LogSummary {
 using RowVisitor = std::function<void(std::span<const double>)>;
 
 /// Reads a log into memory. `rig` is that of the model's kind; the `# rig:` line, if there, must agree.
-/// @throws DataError naming file, line, column, value and what was expected: not readable, empty, no rows,
+/// @throws core::DataError naming file, line, column, value and what was expected: not readable, empty, no rows,
 /// missing required column, wrong unit suffix, duplicate column, ragged or torn row, no number, NaN or
 /// infinity, flag that is not 0 or 1, time that does not increase, line above 1 MiB.
 Log read_log(const std::string& path, const std::string& rig, const ColumnMap* map = nullptr);
@@ -48,7 +48,7 @@ Log read_log(const std::string& path, const std::string& rig, const ColumnMap* m
 LogSummary check_log(const std::string& path, const std::string& rig, const ColumnMap* map = nullptr);
 
 /// The rig that the log's own `# rig:` line names, or nothing where it has none. Reads up to the header row.
-/// @throws DataError naming file and line: not readable, empty, no such rig.
+/// @throws core::DataError naming file and line: not readable, empty, no such rig.
 std::string rig_line(const std::string& path);
 
 /// Goes through a log row by row, in memory that does not grow with the file; what the two above stand on.

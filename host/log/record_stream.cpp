@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <cstring>
 
-#include "host/log/error.hpp"
+#include "host/core/error.hpp"
 
 namespace furcula::log {
 
-RecordStream::RecordStream(ByteSource& source, std::string name)
+RecordStream::RecordStream(core::ByteSource& source, std::string name)
     : source_(source), name_(std::move(name)), buffer_(std::size_t{1} << 16) {
   while (end_ < 3 && fill()) {
   }
@@ -43,16 +43,16 @@ bool RecordStream::next(std::string_view& record) {
       in_quotes ^= (std::count(from, from + stretch, '"') & 1) != 0;
     searched += stretch;
     if (searched > kLongestLine)
-      throw DataError(name_ + ":" + std::to_string(line_) +
-                      (buffer_[begin_] == '\0' ? ": a line of NUL bytes; expected text"
-                       : in_quotes ? ": a quote is not closed within 1 MiB; expected a closing '\"'"
-                                   : ": the line is longer than 1 MiB; expected a row of a CSV log"));
+      throw core::DataError(name_ + ":" + std::to_string(line_) +
+                            (buffer_[begin_] == '\0' ? ": a line of NUL bytes; expected text"
+                             : in_quotes ? ": a quote is not closed within 1 MiB; expected a closing '\"'"
+                                         : ": the line is longer than 1 MiB; expected a row of a CSV log"));
     if (newline == nullptr) {
       if (fill()) continue;
       if (searched == 0) return false;
       if (in_quotes)
-        throw DataError(name_ + ":" + std::to_string(line_) +
-                        ": the file ends within quotes: the last row is torn; expected a closing '\"'");
+        throw core::DataError(name_ + ":" + std::to_string(line_) +
+                              ": the file ends within quotes: the last row is torn; expected a closing '\"'");
       ended_ = false;
       record = {buffer_.data() + begin_, searched};
       begin_ += searched;

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "host/log/byte_source.hpp"
+#include "host/core/byte_source.hpp"
 
 namespace furcula::log {
 
@@ -14,12 +14,12 @@ inline constexpr std::size_t kLongestLine = std::size_t{1} << 20;
 
 class RecordStream {
  public:
-  RecordStream(ByteSource& source, std::string name);
+  RecordStream(core::ByteSource& source, std::string name);
 
   /// The next record without its line end (LF or CRLF), or false at the end of the file. A record that has
   /// quotes may hold line ends, unless it begins with '#'. A byte order mark at the file's start is skipped.
   /// The view lives until the next call.
-  /// @throws DataError: line above kLongestLine, quote that is not closed.
+  /// @throws core::DataError: line above kLongestLine, quote that is not closed.
   bool next(std::string_view& record);
 
   std::uint64_t line() const { return line_; }  ///< at which the last record began, from 1
@@ -29,7 +29,7 @@ class RecordStream {
  private:
   bool fill();  // more bytes behind those not yet used; false at the end of the file
 
-  ByteSource& source_;
+  core::ByteSource& source_;
   std::string name_;
   std::vector<char> buffer_;
   std::size_t begin_ = 0;  // of what is not yet used

@@ -6,8 +6,8 @@
 #include <stdexcept>
 #include <vector>
 
-#include "host/log/atomic_file.hpp"
-#include "host/log/message.hpp"
+#include "host/core/atomic_file.hpp"
+#include "host/core/message.hpp"
 #include "host/log/rigs.hpp"
 
 namespace furcula::log {
@@ -35,7 +35,7 @@ std::string header_field(const std::string& name) {
 void append_metadata(std::string& out, const std::string& key, const std::string& value) {
   if (key.empty() || has_any(key, ":\n") || has_any(value, "\n") || has_outer_space(key) ||
       has_outer_space(value))
-    throw std::invalid_argument("metadata " + quoted(key) + ": " + quoted(value) +
+    throw std::invalid_argument("metadata " + core::quoted(key) + ": " + core::quoted(value) +
                                 " cannot be written as a line");
   out += "# " + key + ": " + value + "\n";
 }
@@ -53,14 +53,14 @@ std::string format_log(const Log& log) {
   std::vector<const std::vector<double>*> columns;
   const auto add = [&](const std::string& name, const std::vector<double>& values) {
     if (name.empty() || values.size() != log.rows())
-      throw std::invalid_argument("column " + quoted(name) +
+      throw std::invalid_argument("column " + core::quoted(name) +
                                   " has no name or not as many rows as the others");
     if (!columns.empty()) out += ',';
     out += header_field(name);
     columns.push_back(&values);
   };
   const RigInfo* rig = rig_named(log.rig);
-  if (rig == nullptr) throw std::invalid_argument("no rig is called " + quoted(log.rig));
+  if (rig == nullptr) throw std::invalid_argument("no rig is called " + core::quoted(log.rig));
   for (const ColumnInfo& c : rig->columns)
     if (const auto found = log.columns.find(std::string(c.name)); found != log.columns.end())
       add(found->first, found->second);
@@ -84,6 +84,8 @@ std::string format_log(const Log& log) {
   return out;
 }
 
-void write_log(const Log& log, const std::string& path) { write_file_atomically(path, format_log(log)); }
+void write_log(const Log& log, const std::string& path) {
+  core::write_file_atomically(path, format_log(log));
+}
 
 }  // namespace furcula::log

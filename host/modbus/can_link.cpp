@@ -7,8 +7,8 @@
 #include <array>
 #include <deque>
 
-#include "boards/linux_sbc/can_socket.hpp"
-#include "host/log/error.hpp"
+#include "host/core/error.hpp"
+#include "host/socketcan/can_socket.hpp"
 
 namespace furcula::modbus {
 namespace {
@@ -55,14 +55,14 @@ class SocketPort final : public FramePort {
       pollfd waited{socket_.fd(), POLLIN, 0};
       if (left.count() <= 0 || ::poll(&waited, 1, static_cast<int>(left.count())) <= 0) return std::nullopt;
       const auto received = socket_.receive();
-      for (const linux_sbc::Received& r : received) come_.push_back(r.frame);
+      for (const socketcan::Received& r : received) come_.push_back(r.frame);
       // An interface that went down makes its socket readable, with nothing to read.
       if ((waited.revents & (POLLERR | POLLHUP)) != 0 && received.empty()) return std::nullopt;
     }
   }
 
  private:
-  linux_sbc::CanSocket socket_;
+  socketcan::CanSocket socket_;
   std::deque<bus::Frame> come_;
 };
 
@@ -99,9 +99,9 @@ Answer CanLink::ask(bus::RegisterRequest request, const char* doing, Values& val
       if (!frame) break;
       const bus::RegisterAnswer answer = bus::unpack_register_answer(*frame, node_).value();
       if (answer.version != bus::kProtocolVersion)
-        throw log::DataError(name_ + ": node " + std::to_string(node_) + " speaks version " +
-                             std::to_string(answer.version) + " of the protocol; expected " +
-                             std::to_string(bus::kProtocolVersion));
+        throw core::DataError(name_ + ": node " + std::to_string(node_) + " speaks version " +
+                              std::to_string(answer.version) + " of the protocol; expected " +
+                              std::to_string(bus::kProtocolVersion));
       if (answer.status != bus::ModbusException::none) return {answer.status, text_of(answer.status)};
       if (answer.address != next) break;  // one is lost
       next = static_cast<std::uint16_t>(next + 2);
@@ -109,9 +109,9 @@ Answer CanLink::ask(bus::RegisterRequest request, const char* doing, Values& val
       if (complete(values)) return {};
     }
   }
-  throw log::DataError(name_ + ": " + doing +
-                       (taken ? ": node " + std::to_string(node_) + " does not answer"
-                              : ": nothing can be sent; the interface is down, or nobody is on the bus"));
+  throw core::DataError(name_ + ": " + doing +
+                        (taken ? ": node " + std::to_string(node_) + " does not answer"
+                               : ": nothing can be sent; the interface is down, or nobody is on the bus"));
 }
 
 Answer CanLink::read(Table table, std::uint16_t first, std::span<std::uint16_t> out) {
@@ -148,7 +148,7 @@ std::string CanLink::text(std::uint8_t object) {
   const Answer answer = ask({.operation = RegisterOperation::read_text, .value = object}, "asking who it is",
                             values, [](const Values& v) { return has_end(v.back()) || v.size() >= kMost; });
   if (answer.exception != bus::ModbusException::none)
-    throw log::DataError(name_ + ": asking who it is: " + answer.text);
+    throw core::DataError(name_ + ": asking who it is: " + answer.text);
   std::string text;
   for (const std::uint32_t value : values)
     for (int shift = 24; shift >= 0; shift -= 8) text += static_cast<char>(value >> shift & 0xffu);
@@ -161,8 +161,8 @@ std::unique_ptr<Link> open_can(const Port& port) {
     return std::make_unique<CanLink>(port.text, port.can_node,
                                      static_cast<std::uint8_t>(now / std::chrono::microseconds(1)),
                                      std::make_unique<SocketPort>(port.can_interface, port.can_node));
-  } catch (const linux_sbc::CanError& e) {
-    throw log::DataError(port.text + ": " + e.what());
+  } catch (const socketcan::CanError& e) {
+    throw core::DataError(port.text + ": " + e.what());
   }
 }
 

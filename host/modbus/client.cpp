@@ -8,7 +8,7 @@
 #include <thread>
 
 #include "furcula/bus/modbus_pdu.hpp"
-#include "host/log/error.hpp"
+#include "host/core/error.hpp"
 #include "host/modbus/link.hpp"
 
 namespace furcula::modbus {
@@ -21,8 +21,8 @@ Client::Client(std::string name, std::unique_ptr<Link> link)
   std::uint16_t version = 0;
   read_input(0, {&version, 1});
   if (version != bus::kRegistersVersion)
-    throw log::DataError(name_ + ": it has version " + std::to_string(version) +
-                         " of the table of registers; expected " + std::to_string(bus::kRegistersVersion));
+    throw core::DataError(name_ + ": it has version " + std::to_string(version) +
+                          " of the table of registers; expected " + std::to_string(bus::kRegistersVersion));
 }
 
 Client::~Client() = default;
@@ -32,7 +32,7 @@ Client& Client::operator=(Client&&) noexcept = default;
 void Client::read_input(std::uint16_t first, std::span<std::uint16_t> out) {
   const Answer answer = link_->read(Link::Table::input, first, out);
   if (answer.exception != bus::ModbusException::none)
-    throw log::DataError(name_ + ": reading its input registers: " + answer.text);
+    throw core::DataError(name_ + ": reading its input registers: " + answer.text);
 }
 
 /// Where the robot refused: its last refusal says why.
@@ -42,7 +42,7 @@ void Client::check(const Answer& answer, const std::string& what) {
   if (answer.exception != ModbusException::illegal_address &&
       answer.exception != ModbusException::illegal_value &&
       answer.exception != ModbusException::device_failure)
-    throw log::DataError(name_ + ": " + what + ": " + answer.text);
+    throw core::DataError(name_ + ": " + what + ": " + answer.text);
   std::uint16_t number = 0;
   read_input(4, {&number, 1});
   const bool known = number != 0 && number < bus::kRefusals.size();
@@ -78,7 +78,7 @@ std::vector<float> Client::parameters() {
   std::array<std::uint16_t, bus::kParameterWords> words{};
   const Answer answer = link_->read(Link::Table::holding, bus::kParameterBase, words);
   if (answer.exception != bus::ModbusException::none)
-    throw log::DataError(name_ + ": reading its parameters: " + answer.text);
+    throw core::DataError(name_ + ": reading its parameters: " + answer.text);
   std::vector<float> values;
   for (std::size_t i = 0; i < words.size(); i += 2)
     values.push_back(std::bit_cast<float>(bus::bits_of(words[i], words[i + 1])));
@@ -113,7 +113,7 @@ void Client::wait_for_save(std::uint32_t refused) {
   bus::Snapshot now = snapshot();
   while (now.parameter_origin == static_cast<std::uint16_t>(bus::ParameterOrigin::being_saved)) {
     if (std::chrono::steady_clock::now() >= limit)
-      throw log::DataError(
+      throw core::DataError(
           name_ + ": save: not done after " + std::to_string(kSaveWait.count()) +
           " s, and still going on; parameter_origin of furcula monitor says when it is done");
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
@@ -136,8 +136,8 @@ Trial Client::trial() {
   std::array<std::uint16_t, 2> head{};
   read_input(bus::kTrialNumberAddress, head);
   if (head[1] > bus::kTrialRowsMost)
-    throw log::DataError(name_ + ": its trial has " + std::to_string(head[1]) + " rows; expected at most " +
-                         std::to_string(bus::kTrialRowsMost));
+    throw core::DataError(name_ + ": its trial has " + std::to_string(head[1]) + " rows; expected at most " +
+                          std::to_string(bus::kTrialRowsMost));
   constexpr std::size_t kMost = bus::modbus::kReadMax;
   const auto read_all = [&](std::uint16_t base) {
     std::vector<std::uint16_t> words(head[1]);

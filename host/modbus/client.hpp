@@ -39,7 +39,7 @@ struct Trial {
   std::vector<Row> rows;
 };
 
-/// Not for several threads. Every function may throw log::DataError (no answer within the time, a broken one,
+/// Not for several threads. Every function may throw core::DataError (no answer within the time, a broken one,
 /// another version of the table), naming the port.
 class Client {
  public:

@@ -19,7 +19,7 @@ struct Answer {
   std::string text;  ///< of the exception
 };
 
-/// Where nothing answers, or something else does, every function throws log::DataError, naming the port.
+/// Where nothing answers, or something else does, every function throws core::DataError, naming the port.
 class Link {
  public:
   virtual ~Link() = default;

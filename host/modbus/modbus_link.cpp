@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "furcula/bus/modbus_rtu.hpp"
-#include "host/log/error.hpp"
+#include "host/core/error.hpp"
 #include "host/modbus/link.hpp"
 
 namespace furcula::modbus {
@@ -64,7 +64,7 @@ class ModbusLink final : public Link {
 
  private:
   [[noreturn]] void fail(const std::string& doing) const {
-    throw log::DataError(port_ + ": " + doing + ": " + modbus_strerror(errno));
+    throw core::DataError(port_ + ": " + doing + ": " + modbus_strerror(errno));
   }
   void require(int result, const char* doing) const {
     if (result < 0) fail(doing);
@@ -105,7 +105,7 @@ std::string ModbusLink::text(std::uint8_t object) {
                     end = frame.size() - std::min<std::size_t>(serial ? 2 : 0, frame.size());
   if (end < begin || (serial && bus::crc16(frame) != 0) || frame[header] != bus::modbus::kEncapsulated ||
       begin + frame[begin - 1] > end)
-    throw log::DataError(port_ + ": asking who it is: no answer, or a broken one");
+    throw core::DataError(port_ + ": asking who it is: no answer, or a broken one");
   const auto at = frame.begin() + static_cast<std::ptrdiff_t>(begin);
   return {at, at + frame[begin - 1]};
 }

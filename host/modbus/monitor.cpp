@@ -8,8 +8,8 @@
 
 #include "furcula/bus/node_words.hpp"
 #include "furcula/control/fault.hpp"
-#include "host/log/message.hpp"
-#include "host/log/own_build.hpp"
+#include "host/core/message.hpp"
+#include "host/core/own_build.hpp"
 
 namespace furcula::modbus {
 namespace {
@@ -39,7 +39,8 @@ std::string fixed(float value, int decimals) {
 
 /// 24 digits, the most significant first.
 std::string unique_id(const bus::Snapshot& s) {
-  return log::hexadecimal(s.unique_id_2) + log::hexadecimal(s.unique_id_1) + log::hexadecimal(s.unique_id_0);
+  return core::hexadecimal(s.unique_id_2) + core::hexadecimal(s.unique_id_1) +
+         core::hexadecimal(s.unique_id_0);
 }
 
 std::string when(const bus::LoggedFault& f) {
@@ -68,7 +69,7 @@ std::string to_text(const View& view) {
     std::snprintf(text, sizeof text, "%-11s", head);
     out += text + rest + "\n";
   };
-  line("robot", log::printable(view.names.board) + ", " + log::printable(view.names.revision) + ", up " +
+  line("robot", core::printable(view.names.board) + ", " + core::printable(view.names.revision) + ", up " +
                     fixed(static_cast<float>(s.uptime_ms) * 0.001f, 1) + " s");
   line("state", name_of(bus::kNodeStates, s.state) + ", fault " + fault_name(s.fault));
   line(moves ? "moves" : "why not", reason_text(s));

@@ -6,8 +6,8 @@
 #include <optional>
 
 #include "furcula/bus/message.hpp"
-#include "host/log/error.hpp"
-#include "host/log/message.hpp"
+#include "host/core/error.hpp"
+#include "host/core/message.hpp"
 
 namespace furcula::modbus {
 namespace {
@@ -17,9 +17,9 @@ constexpr std::array kBauds{1200,   2400,   4800,   9600,   19200,  38400,  5760
                             115200, 230400, 460800, 500000, 576000, 921600, 1000000};
 
 [[noreturn]] void fail(std::string_view text, const std::string& what) {
-  throw log::DataError("port " + log::quoted(text) + ": " + what +
-                       "; expected modbus:/dev/NAME@BAUD, modbus:/dev/NAME@BAUD,8N1, modbus:HOST:PORT, "
-                       "can:INTERFACE or can:INTERFACE@NODE");
+  throw core::DataError("port " + core::quoted(text) + ": " + what +
+                        "; expected modbus:/dev/NAME@BAUD, modbus:/dev/NAME@BAUD,8N1, modbus:HOST:PORT, "
+                        "can:INTERFACE or can:INTERFACE@NODE");
 }
 
 std::optional<int> whole(std::string_view digits) {
@@ -39,7 +39,7 @@ Port serial(std::string_view text, std::string_view rest) {
     const std::string_view format = speed.substr(comma + 1);
     if (format.size() != 3 || format[0] != '8' || std::string_view("ENO").find(format[1]) == format.npos ||
         (format[2] != '1' && format[2] != '2'))
-      fail(text, "no format " + log::quoted(format));
+      fail(text, "no format " + core::quoted(format));
     port.parity = format[1];
     port.stop_bits = format[2] - '0';
     speed = speed.substr(0, comma);
@@ -47,7 +47,7 @@ Port serial(std::string_view text, std::string_view rest) {
   const std::optional<int> baud = whole(speed);
   bool known = false;
   for (const int b : kBauds) known = known || baud == b;
-  if (!known) fail(text, "no speed of a serial line: " + log::quoted(speed));
+  if (!known) fail(text, "no speed of a serial line: " + core::quoted(speed));
   port.baud = *baud;
   return port;
 }
@@ -60,7 +60,7 @@ Port can(std::string_view text, std::string_view rest) {
   if (at == rest.size()) return port;
   const std::optional<int> node = whole(rest.substr(at + 1));
   if (!node || *node < bus::kFirstNode || *node > bus::kLastNode)
-    fail(text, "no node from 1 to 31: " + log::quoted(rest.substr(at + 1)));
+    fail(text, "no node from 1 to 31: " + core::quoted(rest.substr(at + 1)));
   port.can_node = static_cast<std::uint8_t>(*node);
   return port;
 }
@@ -84,7 +84,7 @@ Port parse_port(std::string_view text) {
     port.host = rest.substr(0, colon);
     const std::optional<int> number = whole(rest.substr(colon + 1));
     if (!number || *number < 1 || *number > 65535)
-      fail(text, "no port number from 1 to 65535: " + log::quoted(rest.substr(colon + 1)));
+      fail(text, "no port number from 1 to 65535: " + core::quoted(rest.substr(colon + 1)));
     port.tcp_port = *number;
   }
   port.text = text;

@@ -21,7 +21,7 @@ struct Port {
 
 /// `modbus:/dev/ttyUSB0@115200`, `modbus:/dev/ttyUSB0@115200,8N1`, `modbus:HOST:PORT`, `can:can0` or
 /// `can:can0@NODE`.
-/// @throws log::DataError saying what was expected.
+/// @throws core::DataError saying what was expected.
 Port parse_port(std::string_view text);
 
 }  // namespace furcula::modbus

@@ -13,7 +13,7 @@
 #include <cerrno>
 #include <utility>
 
-#include "host/log/error.hpp"
+#include "host/core/error.hpp"
 
 namespace furcula::modbus {
 namespace {
@@ -44,7 +44,7 @@ TcpServer::TcpServer(const std::string& address, int port, Answer answer) : answ
     if (listener_ >= 0) ::close(listener_);
     if (stop_ >= 0) ::close(stop_);
     if (modbus_ != nullptr) ::modbus_free(modbus_);
-    throw log::DataError("Modbus cannot listen on " + address + ":" + std::to_string(port) + ": " + why);
+    throw core::DataError("Modbus cannot listen on " + address + ":" + std::to_string(port) + ": " + why);
   };
   in_addr known{};
   if (::inet_pton(AF_INET, address.c_str(), &known) != 1) fail("expected an address like 127.0.0.1");

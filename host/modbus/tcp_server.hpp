@@ -28,7 +28,7 @@ class TcpServer {
   /// thread that serves.
   using Answer = std::function<bus::Response(std::span<const std::uint8_t> request)>;
 
-  /// Listens at once, on an IPv4 address; port 0: one that is not used. @throws log::DataError where it
+  /// Listens at once, on an IPv4 address; port 0: one that is not used. @throws core::DataError where it
   /// cannot, naming address, port and reason.
   TcpServer(const std::string& address, int port, Answer answer);
   ~TcpServer();

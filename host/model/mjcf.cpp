@@ -4,17 +4,17 @@
 #include <algorithm>
 #include <cmath>
 
-#include "host/log/markup.hpp"
-#include "host/log/message.hpp"
+#include "host/core/markup.hpp"
+#include "host/core/message.hpp"
 
 namespace furcula::model {
 namespace {
 
+using core::shortest;
 using dynamics::tree::Inertia;
 using dynamics::tree::Mat3;
-using log::shortest;
 
-std::string escaped(const std::string& text) { return log::escape(log::printable(text)); }
+std::string escaped(const std::string& text) { return core::escape(core::printable(text)); }
 std::string attribute(const char* name, const std::string& value) {
   return std::string(" ") + name + "=\"" + value + "\"";
 }
@@ -74,7 +74,7 @@ class Writer {
   void note_what_is_left_out() {
     for (std::size_t i = 0; i < robot_.joints.size(); ++i) {
       const auto& law = robot_.model.laws[i];
-      std::string name = log::printable(robot_.joints[i].name);
+      std::string name = core::printable(robot_.joints[i].name);
       std::replace(name.begin(), name.end(), '-', '_');  // a comment holds no two hyphens
       if (law.static_friction_nm > law.friction_nm)
         out_ += "  <!-- " + name + ": static friction " + shortest(law.static_friction_nm) +

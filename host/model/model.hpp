@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "furcula/dynamics/effects/catalogue.hpp"
-#include "furcula/dynamics/kinds.hpp"
+#include "furcula/dynamics/machines.hpp"
 
 namespace furcula::model {
 
@@ -26,7 +26,7 @@ inline constexpr std::array<double Clutch::*, 4> kClutchMembers{
     &Clutch::tooth_pitch_m};
 
 struct Model {
-  dynamics::Kind kind = dynamics::Kind::hopper_linear;
+  dynamics::Kind kind{};
   std::vector<double> parameters;      ///< in the order of dynamics::info(kind).parameters
   std::optional<Clutch> clutch;        ///< on a hopper that has one
   std::map<std::size_t, Bounds> free;  ///< index of a parameter -> bounds of its fit
@@ -38,7 +38,7 @@ struct Model {
 
 /// Whether it has the parameters of a clutch: in its table, or beside it.
 inline bool has_clutch(const Model& m) {
-  return m.clutch.has_value() || m.kind == dynamics::Kind::clutch_bench;
+  return m.clutch.has_value() || dynamics::has(m.kind, dynamics::Seat::belt);
 }
 
 }  // namespace furcula::model

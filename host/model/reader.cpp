@@ -6,19 +6,19 @@
 #include <array>
 #include <vector>
 
-#include "host/log/message.hpp"
-#include "host/log/strict_toml.hpp"
+#include "host/core/message.hpp"
+#include "host/core/strict_toml.hpp"
 
 namespace furcula::model {
 namespace {
 
+using core::fail;
+using core::quoted;
+using core::shortest;
 using dynamics::Kind;
-using log::fail;
-using log::quoted;
-using log::shortest;
 
 bool is_clutch_parameter(Kind kind, std::string_view name) {
-  if (!is_hopper(kind)) return false;
+  if (!dynamics::has(kind, dynamics::Seat::leg)) return false;
   for (const auto& p : dynamics::kClutchParameters)
     if (p.name == name) return true;
   return false;
@@ -32,16 +32,16 @@ std::vector<std::string_view> parameter_names(Kind kind) {
 
 class Reader {
  public:
-  Reader(std::string_view text, const std::string& name) : name_(name), file_(log::parse_toml(text, name)) {}
+  Reader(std::string_view text, const std::string& name) : name_(name), file_(core::parse_toml(text, name)) {}
 
   Model read() {
     static constexpr std::array<std::string_view, 4> kSections{"model", "parameters", "free", "effect"};
-    log::refuse_unknown_keys(file_, name_, "the model file", kSections);
+    core::refuse_unknown_keys(file_, name_, "the model file", kSections);
     read_kind();
     read_parameters();
-    if (const toml::node* free = file_.get("free")) read_free(log::table(*free, name_, "[free]"));
+    if (const toml::node* free = file_.get("free")) read_free(core::table(*free, name_, "[free]"));
     if (const toml::node* effects = file_.get("effect"))
-      read_effects(log::table(*effects, name_, "[effect]"));
+      read_effects(core::table(*effects, name_, "[effect]"));
     return std::move(model_);
   }
 
@@ -50,7 +50,7 @@ class Reader {
     const std::string header = "[" + std::string(key) + "]";
     const toml::node* node = file_.get(key);
     if (node == nullptr) fail(name_, file_.source(), "no section " + header + "; expected one");
-    return log::table(*node, name_, header);
+    return core::table(*node, name_, header);
   }
 
   const toml::node& entry(const toml::table& table, const std::string& where, std::string_view key,
@@ -64,15 +64,15 @@ class Reader {
   void read_kind() {
     static constexpr std::array<std::string_view, 2> kKeys{"kind", "schema"};
     const toml::table& table = section("model");
-    log::refuse_unknown_keys(table, name_, "[model]", kKeys);
+    core::refuse_unknown_keys(table, name_, "[model]", kKeys);
     const toml::node& schema = entry(table, "[model]", "schema", "schema = 1");
     if (!schema.is_integer() || schema.value<std::int64_t>() != 1)
-      fail(name_, schema.source(), "schema = " + log::value_text(schema) + "; expected 1");
+      fail(name_, schema.source(), "schema = " + core::value_text(schema) + "; expected 1");
 
     std::vector<std::string_view> kinds;
-    for (const auto& k : dynamics::kKinds) kinds.push_back(k.name);
-    const toml::node& node = entry(table, "[model]", "kind", "one of " + log::listed(kinds));
-    const std::string name = log::text(node, name_, "kind");
+    for (const auto& k : dynamics::kMachines) kinds.push_back(k.name);
+    const toml::node& node = entry(table, "[model]", "kind", "one of " + core::listed(kinds));
+    const std::string name = core::text(node, name_, "kind");
     const auto kind = dynamics::kind_named(name);
     if (!kind) fail(name_, node.source(), no_such_kind(name));
     model_.kind = *kind;
@@ -82,14 +82,14 @@ class Reader {
     const toml::table& table = section("parameters");
     const auto& kind = dynamics::info(model_.kind);
     std::vector<std::string_view> known = parameter_names(model_.kind);
-    if (is_hopper(model_.kind))
+    if (dynamics::has(model_.kind, dynamics::Seat::leg))
       for (const auto& p : dynamics::kClutchParameters) known.push_back(p.name);
-    log::refuse_unknown_keys(table, name_, "[parameters] of " + std::string(kind.name), known);
+    core::refuse_unknown_keys(table, name_, "[parameters] of " + std::string(kind.name), known);
     for (const auto& p : kind.parameters) {
       const toml::node& node = entry(table, "[parameters]", p.name, expected(p));
-      model_.parameters.push_back(log::number(node, name_, p.name, p.lower, p.upper, p.unit));
+      model_.parameters.push_back(core::number(node, name_, p.name, p.lower, p.upper, p.unit));
     }
-    if (is_hopper(model_.kind)) read_clutch(table);
+    if (dynamics::has(model_.kind, dynamics::Seat::leg)) read_clutch(table);
   }
 
   static std::string expected(const dynamics::ParameterInfo& p) {
@@ -106,7 +106,7 @@ class Reader {
       const toml::node* node = table.get(p.name);
       if (node == nullptr) continue;
       double& value = clutch.*kClutchMembers[i];
-      value = log::number(*node, name_, p.name, p.lower, p.upper, p.unit);
+      value = core::number(*node, name_, p.name, p.lower, p.upper, p.unit);
       if (value == 0.0) continue;
       given = node;
       which = p.name;
@@ -114,7 +114,7 @@ class Reader {
     if (given == nullptr) return;
     if (clutch.tooth_pitch_m == 0.0)
       fail(name_, given->source(),
-           std::string(which) + " = " + log::value_text(*given) +
+           std::string(which) + " = " + core::value_text(*given) +
                " without a tooth_pitch_m; expected one above 0, or 0 for a robot without a clutch");
     model_.clutch = clutch;
   }
@@ -124,7 +124,7 @@ class Reader {
       if (is_clutch_parameter(model_.kind, key.str()))
         fail(name_, key.source(),
              "'" + std::string(key.str()) + "' in [free]; expected no such key: this version fits no clutch");
-    log::refuse_unknown_keys(table, name_, "[free]", parameter_names(model_.kind));
+    core::refuse_unknown_keys(table, name_, "[free]", parameter_names(model_.kind));
     for (const auto& [key, node] : table) {
       const std::size_t index = *dynamics::parameter_index(model_.kind, key.str());
       const auto& p = dynamics::info(model_.kind).parameters[index];
@@ -133,10 +133,10 @@ class Reader {
       if (pair == nullptr || pair->size() != 2)
         fail(name_, node.source(),
              who + " is " +
-                 (pair == nullptr ? log::value_text(node) : "an array of " + std::to_string(pair->size())) +
+                 (pair == nullptr ? core::value_text(node) : "an array of " + std::to_string(pair->size())) +
                  "; expected two numbers, [lower, upper]");
-      const double lower = log::number((*pair)[0], name_, who + " lower bound", p.lower, p.upper, p.unit);
-      const double upper = log::number((*pair)[1], name_, who + " upper bound", p.lower, p.upper, p.unit);
+      const double lower = core::number((*pair)[0], name_, who + " lower bound", p.lower, p.upper, p.unit);
+      const double upper = core::number((*pair)[1], name_, who + " upper bound", p.lower, p.upper, p.unit);
       const std::string bounds = "[" + shortest(lower) + ", " + shortest(upper) + "]";
       if (!(lower < upper))
         fail(name_, node.source(),
@@ -161,12 +161,12 @@ class Reader {
       const auto effect = dynamics::effect_named(key.str());
       if (!effect)
         fail(name_, key.source(),
-             "unknown effect " + quoted(key.str()) + "; expected one of " + log::listed(here) +
-                 log::did_you_mean(key.str(), all));
+             "unknown effect " + quoted(key.str()) + "; expected one of " + core::listed(here) +
+                 core::did_you_mean(key.str(), all));
       if (!dynamics::applies(*effect, model_.kind))
         fail(name_, key.source(),
              "effect " + quoted(key.str()) + " does not exist on " + std::string(kind) +
-                 "; expected one of " + log::listed(here));
+                 "; expected one of " + core::listed(here));
       if (dynamics::needs_clutch(*effect) && !has_clutch(model_))
         fail(name_, key.source(),
              "effect " + quoted(key.str()) +
@@ -178,10 +178,10 @@ class Reader {
   void read_effect(dynamics::Effect effect, const toml::node& node) {
     const auto& info = dynamics::info(effect);
     const std::string where = "[effect." + std::string(info.name) + "]";
-    const toml::table& table = log::table(node, name_, where);
+    const toml::table& table = core::table(node, name_, where);
     std::vector<std::string_view> known;
     for (const auto& p : info.parameters()) known.push_back(dynamics::name_on(p, model_.kind));
-    log::refuse_unknown_keys(table, name_, where, known);
+    core::refuse_unknown_keys(table, name_, where, known);
     std::array<double, dynamics::kMaxEffectParameters> values{};
     for (std::size_t i = 0; i < known.size(); ++i) {
       const auto& p = info.parameters()[i];
@@ -189,7 +189,7 @@ class Reader {
       const std::string expected = "a number from " + shortest(p.lower) + " to " + shortest(p.upper) +
                                    (unit.empty() ? "" : " " + std::string(unit));
       const toml::node& value = entry(table, where, known[i], expected);
-      values[i] = log::number(value, name_, where + " " + std::string(known[i]), p.lower, p.upper, unit);
+      values[i] = core::number(value, name_, where + " " + std::string(known[i]), p.lower, p.upper, unit);
     }
     model_.effects.emplace(effect, values);
   }
@@ -203,19 +203,19 @@ class Reader {
 
 std::string no_such_kind(std::string_view name) {
   std::vector<std::string_view> kinds;
-  for (const auto& k : dynamics::kKinds) kinds.push_back(k.name);
+  for (const auto& k : dynamics::kMachines) kinds.push_back(k.name);
   if (name == "tree")
     return "kind 'tree', a robot from a URDF, is taken by sim, identify, diagnose and effects alone; expected one of " +
-           log::listed(kinds);
+           core::listed(kinds);
   kinds.emplace_back("tree");
-  const std::string expected = "; expected one of " + log::listed(kinds);
-  return "unknown kind " + quoted(name) + expected + log::did_you_mean(name, kinds);
+  const std::string expected = "; expected one of " + core::listed(kinds);
+  return "unknown kind " + quoted(name) + expected + core::did_you_mean(name, kinds);
 }
 
 Model parse_model(std::string_view text, const std::string& name) { return Reader(text, name).read(); }
 
 Model read_model(const std::string& path) {
-  return parse_model(log::read_small_file(path, "a model file (TOML)"), path);
+  return parse_model(core::read_small_file(path, "a model file (TOML)"), path);
 }
 
 }  // namespace furcula::model

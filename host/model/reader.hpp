@@ -8,10 +8,10 @@
 
 namespace furcula::model {
 
-/// What is wrong with a name that is none of dynamics::kKinds, and what was expected.
+/// What is wrong with a name that is none of dynamics::kMachines, and what was expected.
 std::string no_such_kind(std::string_view name);
 
-/// @throws log::DataError naming file, line, key, value and what was expected: not readable, not TOML,
+/// @throws core::DataError naming file, line, key, value and what was expected: not readable, not TOML,
 /// unknown key, section, kind, effect or parameter, something missing, wrong type, value outside its physical
 /// bounds, bounds of a fit the wrong way round or without the value, effect that this kind does not have,
 /// schema other than 1.

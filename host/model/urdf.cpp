@@ -11,20 +11,20 @@
 #include <mutex>
 #include <set>
 
-#include "host/log/error.hpp"
-#include "host/log/message.hpp"
-#include "host/log/strict_toml.hpp"
+#include "host/core/error.hpp"
+#include "host/core/message.hpp"
+#include "host/core/strict_toml.hpp"
 #include "host/model/xml_check.hpp"
 
 namespace furcula::model {
 namespace {
 
+using core::quoted;
+using core::shortest;
 using dynamics::tree::identity;
 using dynamics::tree::Inertia;
 using dynamics::tree::JointKind;
 using dynamics::tree::Mat3;
-using log::quoted;
-using log::shortest;
 
 /// What urdfdom says of a file, kept instead of printed.
 class Said final : public console_bridge::OutputHandler {
@@ -36,7 +36,7 @@ class Said final : public console_bridge::OutputHandler {
 
   void log(const std::string& text, console_bridge::LogLevel level, const char*, int) override {
     if (level >= console_bridge::CONSOLE_BRIDGE_LOG_ERROR && errors_ < 2)
-      text_ += (errors_++ == 0 ? "" : "; ") + log::printable(text.substr(0, 300));
+      text_ += (errors_++ == 0 ? "" : "; ") + core::printable(text.substr(0, 300));
   }
   const std::string& text() const { return text_; }
 
@@ -51,7 +51,7 @@ class Said final : public console_bridge::OutputHandler {
 };
 
 [[noreturn]] void fail(const std::string& file, const std::string& message) {
-  throw log::DataError(file + ": " + message);
+  throw core::DataError(file + ": " + message);
 }
 
 urdf::ModelInterfaceSharedPtr parsed(std::string_view text, const std::string& name) {
@@ -61,7 +61,7 @@ urdf::ModelInterfaceSharedPtr parsed(std::string_view text, const std::string& n
   try {
     robot = urdf::parseURDF(std::string(text));
   } catch (const std::exception& e) {
-    thrown = log::printable(e.what());
+    thrown = core::printable(e.what());
   }
   // It takes some numbers that it could not read as zero, and says so.
   if (!robot || !said.text().empty()) {
@@ -89,7 +89,7 @@ void refuse_loops(const std::vector<XmlElement>& elements, const std::string& na
     }
   }
   const auto refuse = [&](const Joint& j, const std::string& message) {
-    throw log::DataError(name + ":" + std::to_string(j.line) + ": " + message);
+    throw core::DataError(name + ":" + std::to_string(j.line) + ": " + message);
   };
   std::map<std::string_view, const Joint*> above;  // of links
   for (const Joint& j : joints) {
@@ -248,7 +248,7 @@ Inertia<double> checked_inertia(const Urdf& robot, const UrdfLink& link) {
     fail(robot.file, what + ": its <mass> is " + shortest(i.mass_kg) + ", expected more than 0");
   const auto moments = principal_moments(i.about_centre_kgm2);
   const std::string values =
-      log::rounded(moments[0]) + ", " + log::rounded(moments[1]) + ", " + log::rounded(moments[2]);
+      core::rounded(moments[0]) + ", " + core::rounded(moments[1]) + ", " + core::rounded(moments[2]);
   if (!(moments[0] > 0.0))
     fail(robot.file,
          what + ": its <inertia> has the principal moments " + values + " kg m^2, expected all above 0");
@@ -305,9 +305,9 @@ class TreeBuilder {
       if (j.name == name) return j;
       names.emplace_back(j.name);
     }
-    std::string message = "no joint " + quoted(name) + log::did_you_mean(name, names);
-    if (names.size() <= kMostNamed) message += "; expected one of " + log::listed(names);
-    fail(robot_.file, log::printable(message));
+    std::string message = "no joint " + quoted(name) + core::did_you_mean(name, names);
+    if (names.size() <= kMostNamed) message += "; expected one of " + core::listed(names);
+    fail(robot_.file, core::printable(message));
   }
   void choose(const std::vector<std::string>& wanted) {
     for (const std::string& name : wanted) {
@@ -388,7 +388,7 @@ Urdf parse_urdf(std::string_view text, const std::string& name) {
 }
 
 Urdf read_urdf(const std::string& path) {
-  return parse_urdf(log::read_small_file(path, "a robot (URDF)"), path);
+  return parse_urdf(core::read_small_file(path, "a robot (URDF)"), path);
 }
 
 RobotTree tree_of(const Urdf& robot, const std::vector<std::string>& moving,

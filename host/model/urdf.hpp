@@ -58,7 +58,7 @@ struct Urdf {
   std::vector<UrdfJoint> joints;
 };
 
-/// @throws log::DataError naming file, element and what was expected: not readable, larger than 1 MiB, empty,
+/// @throws core::DataError naming file, element and what was expected: not readable, larger than 1 MiB, empty,
 /// not XML, nested too deep, not a robot, a link with two parents, a loop, a floating or planar joint, an axis
 /// of no length, a number that is missing or not finite, a negative mass, damping or friction, limits the
 /// wrong way round.
@@ -95,7 +95,7 @@ struct RobotTree {
 /// The tree in which the joints `moving` move (their order there does not matter; empty: all that can), and
 /// the others are fixed at the positions in `hold` (0 where they are not in it). Its joints are in the order of
 /// Urdf::joints.
-/// @throws log::DataError: a joint that is not in the robot, that is fixed, or that follows another or is
+/// @throws core::DataError: a joint that is not in the robot, that is fixed, or that follows another or is
 /// followed by one; a moving joint in `hold`; no joint that moves or more than kMostJoints; a
 /// body that moves without an inertia or with one that no body can have, the link and its principal moments named.
 RobotTree tree_of(const Urdf& robot, const std::vector<std::string>& moving = {},

@@ -10,7 +10,7 @@ namespace furcula::model {
 /// The model as TOML; parse_model of it gives the same model, to the bit.
 std::string format_model(const Model& model);
 
-/// Writes format_model(model) whole or not at all. @throws log::OutputError.
+/// Writes format_model(model) whole or not at all. @throws core::OutputError.
 void write_model(const Model& model, const std::string& path);
 
 }  // namespace furcula::model

@@ -5,8 +5,8 @@
 #include <cctype>
 #include <vector>
 
-#include "host/log/error.hpp"
-#include "host/log/message.hpp"
+#include "host/core/error.hpp"
+#include "host/core/message.hpp"
 
 namespace furcula::model {
 namespace {
@@ -23,19 +23,19 @@ class Scanner {
       if (open_.empty() && between.find_first_not_of(" \t\r\n") != between.npos)
         fail(at_ + between.find_first_not_of(" \t\r\n"),
              (elements_.empty() ? "not XML" : "text after the root element") + std::string(": ") +
-                 log::quoted(between) + ", expected an XML document (URDF)");
+                 core::quoted(between) + ", expected an XML document (URDF)");
       if (open == text_.npos) break;
       at_ = open;
       markup();
     }
-    if (!open_.empty()) fail(text_.size(), "<" + log::printable(open_.back()) + "> is not closed");
+    if (!open_.empty()) fail(text_.size(), "<" + core::printable(open_.back()) + "> is not closed");
     if (elements_.empty()) fail(text_.size(), "no element, expected <robot>");
     return std::move(elements_);
   }
 
  private:
   [[noreturn]] void fail(std::size_t at, const std::string& message) const {
-    throw log::DataError(name_ + ":" + std::to_string(line(at)) + ": " + message);
+    throw core::DataError(name_ + ":" + std::to_string(line(at)) + ": " + message);
   }
   /// Of a place, counted on from the last one asked for that was before it.
   std::size_t line(std::size_t at) const {
@@ -61,7 +61,7 @@ class Scanner {
     while (at_ < text_.size() && belongs(text_[at_])) ++at_;
     if (at_ == from || std::isdigit(static_cast<unsigned char>(text_[from])) != 0 || text_[from] == '-' ||
         text_[from] == '.')
-      fail(from, "not XML: " + log::quoted(text_.substr(from, 20)) + ", expected a name");
+      fail(from, "not XML: " + core::quoted(text_.substr(from, 20)) + ", expected a name");
     return text_.substr(from, at_ - from);
   }
 
@@ -77,7 +77,7 @@ class Scanner {
     const std::size_t from = at_;
     const std::string_view tag = word();
     if (open_.empty() && !elements_.empty())
-      fail(from, "a second root element <" + log::printable(tag) + ">, expected one");
+      fail(from, "a second root element <" + core::printable(tag) + ">, expected one");
     elements_.push_back({line(from), open_.size(), tag, {}});
     for (;;) {
       const std::size_t before = at_;
@@ -90,9 +90,9 @@ class Scanner {
         ++at_;
         break;
       }
-      if (at_ == text_.size()) fail(from, "<" + log::printable(tag) + "> has no end, expected '>'");
+      if (at_ == text_.size()) fail(from, "<" + core::printable(tag) + "> has no end, expected '>'");
       if (at_ == before)
-        fail(at_, "in <" + log::printable(tag) + ">: " + log::quoted(text_.substr(at_, 20)) +
+        fail(at_, "in <" + core::printable(tag) + ">: " + core::quoted(text_.substr(at_, 20)) +
                       ", expected a blank");
       attribute(tag);
     }
@@ -102,7 +102,7 @@ class Scanner {
   }
   void attribute(std::string_view tag) {
     const std::string_view name = word();
-    const std::string in = "in <" + log::printable(tag) + ">: attribute '" + log::printable(name) + "'";
+    const std::string in = "in <" + core::printable(tag) + ">: attribute '" + core::printable(name) + "'";
     skip_space();
     if (!here("=")) fail(at_, in + " has no value, expected =\"...\"");
     ++at_;
@@ -120,11 +120,11 @@ class Scanner {
     at_ += 2;
     const std::string_view tag = word();
     skip_space();
-    if (!here(">")) fail(from, "</" + log::printable(tag) + " has no end, expected '>'");
+    if (!here(">")) fail(from, "</" + core::printable(tag) + " has no end, expected '>'");
     ++at_;
     if (open_.empty() || open_.back() != tag)
-      fail(from, "</" + log::printable(tag) + ">, expected " +
-                     (open_.empty() ? "nothing to be closed" : "</" + log::printable(open_.back()) + ">"));
+      fail(from, "</" + core::printable(tag) + ">, expected " +
+                     (open_.empty() ? "nothing to be closed" : "</" + core::printable(open_.back()) + ">"));
     open_.pop_back();
   }
 

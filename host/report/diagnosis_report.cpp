@@ -318,8 +318,10 @@ std::string finding(const diagnose::Finding& f, std::size_t place, const Diagnos
       "<p class=\"plain\">" + escape(f.explanation.empty() ? effect.explanation : f.explanation) + "</p>\n";
   out += "<div class=\"columns\"><div>\n<h4>Where to look on the machine</h4>\n" +
          paragraph(effect.where_to_look);
-  out += "<h4>The law</h4>\n<p><code>" + escape(effect.law) + "</code>" +
-         (dynamics::is_hopper(d.kind) ? " <small>in " + escape(effect.phase) + "</small>" : "") + "</p>\n";
+  out +=
+      "<h4>The law</h4>\n<p><code>" + escape(effect.law) + "</code>" +
+      (dynamics::has(d.kind, dynamics::Seat::leg) ? " <small>in " + escape(effect.phase) + "</small>" : "") +
+      "</p>\n";
   out += estimates(f.parameters, d, effect) + "</div>\n<div>\n";
   out += "<h4>What it explains</h4>\n<p>" +
          (f.explainable_nmse_removed < 0.0
@@ -448,7 +450,7 @@ std::string next_steps(const Diagnosis& d) {
 std::string data(const Diagnosis& d) {
   std::string out = "<p>" + std::to_string(d.logs) + " recordings, " + std::to_string(d.held_out_logs) +
                     " of them held out; ";
-  if (dynamics::is_hopper(d.kind)) out += std::to_string(d.hops) + " hops, ";
+  if (dynamics::has(d.kind, dynamics::Seat::leg)) out += std::to_string(d.hops) + " hops, ";
   out += std::to_string(d.samples) + " samples.</p>\n";
   if (!d.training_files.empty()) out += "<h4>Fitted to</h4>\n" + file_list(d.training_files);
   if (!d.held_out_files.empty()) out += "<h4>Held out</h4>\n" + file_list(d.held_out_files);

@@ -5,11 +5,11 @@
 #include <string_view>
 #include <vector>
 
-#include "host/log/markup.hpp"
+#include "host/core/markup.hpp"
 
 namespace furcula::report {
 
-using log::escape;
+using core::escape;
 
 /// JSON text for the inside of a <script> element: no '<', '>' or '&' remains, so it cannot end the element.
 std::string inside_script(std::string_view json);

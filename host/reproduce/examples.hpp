@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "furcula/dynamics/links.hpp"
-#include "furcula/dynamics/parameters.hpp"
+#include "furcula/dynamics/machines.hpp"
 
 namespace furcula::reproduce {
 

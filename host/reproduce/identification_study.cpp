@@ -12,10 +12,10 @@
 
 #include "furcula/dynamics/hopper.hpp"
 #include "furcula/dynamics/links.hpp"
+#include "host/core/error.hpp"
+#include "host/core/parallel.hpp"
 #include "host/identify/equation_fit.hpp"
-#include "host/identify/parallel.hpp"
 #include "host/identify/prediction.hpp"
-#include "host/log/error.hpp"
 #include "host/reproduce/examples.hpp"
 #include "host/reproduce/plain_fit.hpp"
 
@@ -102,7 +102,7 @@ Data one_window_each(const std::vector<log::Log>& logs, const model::Model& m,
   Data d{identify::make_recordings(logs, m.kind), {}};
   for (std::size_t i = 0; i < d.recordings.size(); ++i) {
     const auto found = find(d.recordings[i], i, m);
-    if (found.size() <= which) throw log::DataError(d.recordings[i].name + ": no whole " + what);
+    if (found.size() <= which) throw core::DataError(d.recordings[i].name + ": no whole " + what);
     d.windows.push_back(found[which]);
   }
   return d;
@@ -122,7 +122,7 @@ Estimates cross_validate(std::string phase, std::string method, const std::vecto
   }
   e.folds.resize(folds);
   e.errors.resize(windows.size());
-  identify::parallel_for(folds + 1, threads, [&](std::size_t fold) {
+  core::parallel_for(folds + 1, threads, [&](std::size_t fold) {
     if (fold == folds) {
       e.values = fit(start, windows);
       return;
@@ -374,7 +374,7 @@ IdentificationStudy run_identification_study(const StudyOptions& o) {
   const double from_s = now_s();
 
   tell(0.05, "stance");
-  model::Model linear = believed(rig, dynamics::Kind::hopper_linear);
+  model::Model linear = believed(rig, dynamics::kKindOf<dynamics::machines::HopperLinear>);
   const Data stances = one_window_each(rig.stance_logs, linear, identify::stances, 0, "stance");
   model::Model of_stance = linear;
   set_free(of_stance, "mass_kg", 0.5, 3.0);
@@ -487,7 +487,7 @@ IdentificationStudy run_identification_study(const StudyOptions& o) {
   }
 
   tell(0.6, "non-linear model");
-  model::Model nonlinear = believed(rig, dynamics::Kind::hopper_nonlinear);
+  model::Model nonlinear = believed(rig, dynamics::kKindOf<dynamics::machines::HopperNonlinear>);
   set(nonlinear, "damping_flight_nspm", out.flight.value("damping_flight_nspm"));
   set(nonlinear, "inertia_a_kgm2", 42e-4);  // table 3.1
   set(nonlinear, "inertia_b_kgm", 75e-4);

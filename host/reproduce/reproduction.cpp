@@ -10,14 +10,14 @@
 #include <utility>
 
 #include "host/bench/sim_board.hpp"
-#include "host/identify/quantile.hpp"
+#include "host/core/quantile.hpp"
 #include "host/report/html.hpp"
 #include "host/sim/simulate.hpp"
 
 namespace furcula::reproduce {
 namespace {
 
-using identify::median;
+using core::median;
 using report::number;
 
 constexpr double kGravity = 9.81;
@@ -51,7 +51,7 @@ double mean_of(const Errors& errors, Member member) {
   return sum / static_cast<double>(errors.size());
 }
 double worst_of(const Errors& errors, Member member) {
-  return identify::quantile(values_of(errors, member), 1.0);
+  return core::quantile(values_of(errors, member), 1.0);
 }
 double median_of(const Errors& errors, Member member) { return median(values_of(errors, member)); }
 /// Mean of NMSE(z) + NMSE(z'), what eq. 4.5 sums.
@@ -66,7 +66,7 @@ std::size_t poorest_of(const Errors& errors) {
 
 /// How many lie more than 1.5 interquartile ranges above the upper quartile, as a box plot draws them.
 double outliers(const std::vector<double>& values) {
-  const double low = identify::quantile(values, 0.25), high = identify::quantile(values, 0.75);
+  const double low = core::quantile(values, 0.25), high = core::quantile(values, 0.75);
   return static_cast<double>(
       std::count_if(values.begin(), values.end(), [&](double v) { return v > high + 1.5 * (high - low); }));
 }
@@ -135,7 +135,7 @@ model::Model robot_with_clutch() {
   p.stiffness_npm = 605.0;
   p.rest_height_m = 0.289;
   model::Model m;
-  m.kind = dynamics::Kind::hopper_nonlinear;
+  m.kind = dynamics::kKindOf<dynamics::machines::HopperNonlinear>;
   for (const auto member : dynamics::HopperNonlinearParameters<double>::kMembers)
     m.parameters.push_back(p.*member);
   m.clutch = model::Clutch{0.020, 0.020, 20.0, 3e-3 / 0.7};
@@ -414,7 +414,7 @@ void flight_and_strides(Reproduction& out) {
   const std::size_t poorest = poorest_of(s.strides.errors);
   std::vector<double> off_s;
   for (const double late_s : s.stride_torque_late_s) off_s.push_back(std::abs(late_s));
-  const Reason late{off_s[poorest] >= identify::quantile(off_s, 0.9),
+  const Reason late{off_s[poorest] >= core::quantile(off_s, 0.9),
                     "In the poorest stride the switch restarted the torque " +
                         number(1e3 * off_s[poorest], 2) +
                         " ms off the touch-down, one of the tenth that is furthest off (median " +

@@ -4,13 +4,13 @@
 #include <numbers>
 #include <string>
 
-#include "boards/sim_host/random.hpp"
+#include "host/core/random.hpp"
 #include "host/sim/simulate.hpp"
 
 namespace furcula::reproduce {
 namespace {
 
-using sim_host::Random;
+using core::Random;
 
 void set(model::Model& m, std::string_view name, double value) {
   m.parameters[*dynamics::parameter_index(m.kind, name)] = value;
@@ -19,7 +19,7 @@ void set(model::Model& m, std::string_view name, double value) {
 /// Around what the document measured and assumed: 1.62 kg, 605 N/m, 0.289 m; links as in section 3.2.2.
 model::Model draw_truth(Random& random) {
   model::Model m;
-  m.kind = dynamics::Kind::hopper_nonlinear;
+  m.kind = dynamics::kKindOf<dynamics::machines::HopperNonlinear>;
   m.parameters.resize(dynamics::info(m.kind).parameters.size());
   constexpr double kLength = 0.15;
   set(m, "mass_kg", 1.62 * random.uniform(0.98, 1.02));

@@ -6,7 +6,7 @@
 #include "furcula/bus/codec.hpp"
 #include "furcula/bus/messages.hpp"
 #include "furcula/bus/stream.hpp"
-#include "host/log/message.hpp"
+#include "host/core/message.hpp"
 
 namespace furcula::rig {
 namespace {

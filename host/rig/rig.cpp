@@ -14,12 +14,11 @@
 #include <cmath>
 #include <iterator>
 
-#include "boards/linux_sbc/can_socket.hpp"
 #include "boards/sim_host/board.hpp"
 #include "furcula/bus/parameters.hpp"
-#include "host/log/atomic_file.hpp"
-#include "host/log/message.hpp"
-#include "host/log/strict_toml.hpp"
+#include "host/core/atomic_file.hpp"
+#include "host/core/message.hpp"
+#include "host/core/strict_toml.hpp"
 #include "host/rig/child.hpp"
 #include "host/rig/devices.hpp"
 #include "host/rig/gpio_sim.hpp"
@@ -27,6 +26,7 @@
 #include "host/sim/expectation.hpp"
 #include "host/sim/recorder.hpp"
 #include "host/sim/simulate.hpp"
+#include "host/socketcan/can_socket.hpp"
 
 namespace furcula::rig {
 namespace {
@@ -68,7 +68,7 @@ class Rig {
     }
     static_cast<void>(board_.wait_for_tick());  // the first sample: the body is held where it starts
     const control::Sample& home = board_.sample();
-    log::write_file_atomically(
+    core::write_file_atomically(
         options.configuration_path,
         board_configuration(options, config_, clutch_, home.home_count, home.home_height_m));
   }
@@ -174,7 +174,7 @@ class Rig {
   }
 
   void listen() {
-    for (const linux_sbc::Received& r : can_.receive()) {
+    for (const socketcan::Received& r : can_.receive()) {
       words_.receive(r.frame);
       if (devices_.hear(r.frame)) commanded_ = true;
       if (is_switch_off(r.frame) && board_.time_s() >= onset_s_ && result_.told_off_s == kNever)
@@ -219,7 +219,7 @@ class Rig {
     if (!commanded_) ++result_.silent_ticks;
     if (quiet_ticks_ > kSilentTicks && !killed_ && board_.time_s() > stopped_until_s_)
       throw RigError("the board said nothing to the drive for 1 s, from " +
-                     log::rounded(board_.time_s() - 1.0) + " s on");
+                     core::rounded(board_.time_s() - 1.0) + " s on");
     commanded_ = false;
     firmware::Telemetry telemetry;
     telemetry.outputs.fault = static_cast<control::Fault>(words_.fault);
@@ -268,7 +268,7 @@ class Rig {
   control::Config config_;
   sim_host::SimBoard board_;
   sim::HopperRecorder recorder_;
-  linux_sbc::CanSocket can_;
+  socketcan::CanSocket can_;
   Devices devices_;
   GpioSim gpio_;
   Desk desk_;
@@ -286,7 +286,7 @@ class Rig {
 
 std::string board_configuration(const RigOptions& options, const control::Config& config, bool clutch,
                                 std::uint32_t home_count, float home_height_m) {
-  const auto number = [](double value) { return log::toml_float(value); };
+  const auto number = [](double value) { return core::toml_float(value); };
   std::string text = "[can]\ninterface = \"" + options.can_interface + "\"\nmotor = \"" +
                      std::string(bus::info(kMotor).name) + "\"\ndrive_node = " + std::to_string(kDriveNode) +
                      "\nheight_encoder_node = " + std::to_string(kHeightNode) +

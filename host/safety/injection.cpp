@@ -6,13 +6,13 @@
 #include <cstdio>
 #include <mutex>
 
-#include "boards/sim_host/random.hpp"
-#include "host/identify/parallel.hpp"
+#include "host/core/parallel.hpp"
+#include "host/core/random.hpp"
 
 namespace furcula::safety {
 namespace {
 
-using sim_host::Random;
+using core::Random;
 using sim_host::RigFault;
 
 /// One of 0 to count - 1.
@@ -176,7 +176,7 @@ Tally inject(std::uint64_t seed, std::uint64_t count, unsigned threads) {
   Tally tally;
   std::mutex guard;
   const model::Model model = robot();
-  identify::parallel_for(count, threads, [&](std::size_t number) {
+  core::parallel_for(count, threads, [&](std::size_t number) {
     const Injection injection = draw_injection(seed, number);
     const Trial trial = run(model, injection);
     const std::lock_guard lock(guard);

@@ -208,7 +208,7 @@ Trial run_trial(const model::Model& model, const sim::Scenario& scenario, std::u
 
 model::Model robot() {
   model::Model model;
-  model.kind = dynamics::Kind::hopper_nonlinear;
+  model.kind = dynamics::kKindOf<dynamics::machines::HopperNonlinear>;
   model.parameters = {1.5,  600.0, 0.289, 5.0,  1.0, 1.0, 1.0, 0.15, 0.3490658503988659,
                       9.81, 42e-4, 75e-4, 38e-3};
   model.clutch = model::Clutch{0.020, 0.020, 20.0, 3e-3 / 0.7};

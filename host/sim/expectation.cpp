@@ -7,13 +7,13 @@
 #include <array>
 #include <cmath>
 
-#include "host/log/message.hpp"
-#include "host/log/strict_toml.hpp"
+#include "host/core/message.hpp"
+#include "host/core/strict_toml.hpp"
 
 namespace furcula::sim {
 namespace {
 
-using log::rounded;
+using core::rounded;
 
 struct Hops {
   std::vector<double> apex_m;  ///< of flights that end in the last third
@@ -49,18 +49,18 @@ Hops hops_of(const log::Log& log, double tooth_pitch_m) {
 }  // namespace
 
 Expectation parse_expectation(std::string_view text, const std::string& name) {
-  const toml::table file = log::parse_toml(text, name);
+  const toml::table file = core::parse_toml(text, name);
   Expectation e;
   const toml::node* section = file.get("expect");
   if (section == nullptr) return e;
-  const toml::table& t = log::table(*section, name, "[expect]");
+  const toml::table& t = core::table(*section, name, "[expect]");
   static constexpr std::array<std::string_view, 7> kKeys{
       "apex_least_m",   "apex_most_m",       "fault", "torque_zero_after_s", "coil_off_after_s",
       "releases_least", "caught_share_least"};
-  log::refuse_unknown_keys(t, name, "[expect]", kKeys);
+  core::refuse_unknown_keys(t, name, "[expect]", kKeys);
   const auto number = [&](std::string_view key, double most, std::string_view unit,
                           std::optional<double>& out) {
-    if (const toml::node* node = t.get(key)) out = log::number(*node, name, key, 0.0, most, unit);
+    if (const toml::node* node = t.get(key)) out = core::number(*node, name, key, 0.0, most, unit);
   };
   number("apex_least_m", 10.0, "m", e.apex_least_m);
   number("apex_most_m", 10.0, "m", e.apex_most_m);
@@ -69,21 +69,21 @@ Expectation parse_expectation(std::string_view text, const std::string& name) {
   number("releases_least", 1e6, "", e.releases_least);
   number("caught_share_least", 1.0, "", e.caught_share_least);
   if (const toml::node* node = t.get("fault")) {
-    const std::string wanted = log::text(*node, name, "fault");
+    const std::string wanted = core::text(*node, name, "fault");
     std::vector<std::string_view> names;
     for (const control::FaultInfo& f : control::kFaults) names.push_back(f.name);
     const auto found = std::find(names.begin(), names.end(), wanted);
     if (found == names.end())
-      log::fail(name, node->source(),
-                "fault = " + log::quoted(wanted) + "; expected one of " + log::listed(names) +
-                    log::did_you_mean(wanted, names));
+      core::fail(name, node->source(),
+                 "fault = " + core::quoted(wanted) + "; expected one of " + core::listed(names) +
+                     core::did_you_mean(wanted, names));
     e.fault = control::kFaults[static_cast<std::size_t>(found - names.begin())].fault;
   }
   return e;
 }
 
 Expectation read_expectation(const std::string& path) {
-  return parse_expectation(log::read_small_file(path, "a scenario (TOML)"), path);
+  return parse_expectation(core::read_small_file(path, "a scenario (TOML)"), path);
 }
 
 std::vector<std::string> violations(const Expectation& expected, const log::Log& log,

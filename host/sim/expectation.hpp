@@ -30,7 +30,7 @@ struct Expectation {
 /// Twice the half step of 4.4 mN m by which a zero is off in the packing of an AK80-9 (docs/bus.md).
 inline constexpr double kNoTorqueNm = 0.01;
 
-/// The section of a scenario file; without one nothing but that no fault is found. @throws log::DataError.
+/// The section of a scenario file; without one nothing but that no fault is found. @throws core::DataError.
 Expectation parse_expectation(std::string_view text, const std::string& name);
 Expectation read_expectation(const std::string& path);
 

@@ -4,7 +4,7 @@
 
 #include "boards/sim_host/board.hpp"
 #include "firmware/app/node_registers.hpp"
-#include "host/log/parameter_file.hpp"
+#include "host/core/parameter_file.hpp"
 #include "host/model/reader.hpp"
 #include "host/sim/simulate.hpp"
 
@@ -58,10 +58,10 @@ struct LiveRig::Parts {
 
   std::mutex mutex;
   sim_host::SimBoard board;
-  log::ParameterFile store;
+  core::ParameterFile store;
   firmware::FaultLog faults{};
-  firmware::Node<sim_host::SimBoard, log::ParameterFile> node;
-  firmware::NodeRegisters<firmware::Node<sim_host::SimBoard, log::ParameterFile>> registers{node};
+  firmware::Node<sim_host::SimBoard, core::ParameterFile> node;
+  firmware::NodeRegisters<firmware::Node<sim_host::SimBoard, core::ParameterFile>> registers{node};
 };
 
 LiveRig::LiveRig(const model::Model& model, const Scenario& scenario, std::uint64_t seed,

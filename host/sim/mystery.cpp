@@ -6,15 +6,16 @@
 #include <numbers>
 #include <string>
 
-#include "boards/sim_host/random.hpp"
+#include "host/core/random.hpp"
 #include "host/sim/simulate.hpp"
 
 namespace furcula::sim {
 namespace {
 
+using core::Random;
 using dynamics::Effect;
-using dynamics::Kind;
-using sim_host::Random;
+
+constexpr dynamics::Kind kKind = dynamics::kKindOf<dynamics::machines::HopperLinear>;
 
 constexpr int kExperiments = 8;
 constexpr double kExperimentS = 3.0;  // about six hops
@@ -28,7 +29,7 @@ void set(model::Model& model, std::string_view name, double value) {
 /// body has been weighed and the spring pulled, the dampings are guesses that identification may move.
 model::Model draw_model(Random& random) {
   model::Model model;
-  model.kind = Kind::hopper_linear;
+  model.kind = kKind;
   model.parameters.resize(dynamics::info(model.kind).parameters.size());
   const double mass_kg = random.uniform(1.4, 1.8);
   set(model, "mass_kg", mass_kg);
@@ -153,7 +154,7 @@ Mystery draw_mystery(std::uint64_t seed) {
     set(m.truth, damping, m.model.parameter(damping) * random.uniform(0.85, 1.15));
   std::vector<Effect> possible;
   for (const dynamics::EffectInfo& e : dynamics::kCatalogue)
-    if (dynamics::applies(e.effect, Kind::hopper_linear) &&
+    if (dynamics::applies(e.effect, kKind) &&
         e.effect != Effect::damping_error &&  // the dampings are free: identification finds it
         e.effect != Effect::backlash &&       // hardly moves the body: shows in the leg angle
         !dynamics::needs_clutch(e.effect))

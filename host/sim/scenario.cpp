@@ -8,81 +8,61 @@
 #include <cmath>
 #include <optional>
 
-#include "host/log/message.hpp"
-#include "host/log/strict_toml.hpp"
+#include "host/core/message.hpp"
+#include "host/core/strict_toml.hpp"
 
 namespace furcula::sim {
 namespace {
 
+using core::fail;
+using core::quoted;
+using dynamics::has;
 using dynamics::Kind;
-using log::fail;
-using log::quoted;
-
-/// What the keys are called on a kind of machine, and how large their values may be.
-struct Names {
-  std::string_view position, position_unit, velocity, velocity_unit, drive, amplitude, amplitude_unit;
-  double position_most, velocity_most, amplitude_most;
-};
-
-Names names_on(Kind kind) {
-  switch (kind) {
-    case Kind::hopper_linear:
-    case Kind::hopper_nonlinear:
-      // 20 N m is what the controller commands at most.
-      return {"height_m", "m", "velocity_mps", "m/s", "torque", "amplitude_nm", "N m", 10.0, 20.0, 20.0};
-    case Kind::motor_axis:
-      return {"position_m", "m", "velocity_mps", "m/s", "force", "amplitude_n", "N", 1e3, 1e3, 1e6};
-    case Kind::rotary_joint:
-      return {"angle_rad", "rad", "velocity_radps", "rad/s", "torque", "amplitude_nm", "N m", 1e3, 1e3, 1e6};
-    case Kind::rail_carriage:  // nothing drives it
-      return {"height_m", "m", "velocity_mps", "m/s", "", "", "", 100.0, 50.0, 0.0};
-    case Kind::clutch_bench:  // a belt at rest, which its weight drives
-      return {"angle_rad", "rad", "", "", "", "", "", 1e3, 0.0, 0.0};
-  }
-  return {};
-}
+using dynamics::Seat;
+using machines::ClutchAction;
 
 class Reader {
  public:
   Reader(std::string_view text, const std::string& name, const model::Model& model)
       : name_(name),
-        file_(log::parse_toml(text, name)),
+        file_(core::parse_toml(text, name)),
         kind_(model.kind),
         clutch_(model::has_clutch(model)),
-        names_(names_on(model.kind)),
+        keys_(machines::rules(model.kind).keys),
         scenario_(default_scenario(model)) {}
 
   Scenario read() {
     std::vector<std::string_view> sections{"start", "run", "sensors"};
-    if (!names_.drive.empty()) sections.insert(sections.begin() + 2, names_.drive);
-    if (is_hopper(kind_)) sections.insert(sections.end(), {"fault", "expect"});  // expectation.hpp reads that
-    const bool free_leg = kind_ == Kind::hopper_nonlinear;
-    const bool timed_clutch = kind_ == Kind::clutch_bench || kind_ == Kind::hopper_linear;
+    if (!keys_.drive.empty()) sections.insert(sections.begin() + 2, keys_.drive);
+    if (has(kind_, Seat::leg))
+      sections.insert(sections.end(), {"fault", "expect"});  // expectation.hpp reads that
+    const bool free_leg = has(kind_, Seat::heavy_links);
+    const bool timed_clutch = has(kind_, Seat::belt | Seat::leg) && !free_leg;
     if (timed_clutch) sections.push_back("clutch");
     if (free_leg) sections.insert(sections.end(), {"clutch", "contraction", "ground"});
-    log::refuse_unknown_keys(file_, name_, "a scenario for " + std::string(dynamics::info(kind_).name),
-                             sections);
+    core::refuse_unknown_keys(file_, name_, "a scenario for " + std::string(dynamics::info(kind_).name),
+                              sections);
     if (const toml::table* t = section("start")) read_start(*t);
     if (const toml::table* t = section("run")) {
       static constexpr std::array<std::string_view, 1> kKeys{"duration_s"};
-      log::refuse_unknown_keys(*t, name_, "[run]", kKeys);
+      core::refuse_unknown_keys(*t, name_, "[run]", kKeys);
       number(*t, "duration_s", 0.001, 3600.0, "s", scenario_.duration_s);
     }
-    if (!names_.drive.empty())
-      if (const toml::table* t = section(names_.drive)) read_drive(*t);
+    if (!keys_.drive.empty())
+      if (const toml::table* t = section(keys_.drive)) read_drive(*t);
     if (const toml::table* t = section("sensors")) read_sensors(*t);
     if (free_leg) {
       if (const toml::table* t = section("clutch")) read_clutch(*t);
       if (const toml::table* t = section("contraction")) {
         static constexpr std::array<std::string_view, 2> kKeys{"amplitude_m", "period_s"};
-        log::refuse_unknown_keys(*t, name_, "[contraction]", kKeys);
+        core::refuse_unknown_keys(*t, name_, "[contraction]", kKeys);
         required(*t, "[contraction]", "amplitude_m", "a number of metres");
         number(*t, "amplitude_m", 0.0, 1.0, "m", scenario_.contraction_m);
         number(*t, "period_s", 0.05, 10.0, "s", scenario_.contraction_period_s);
       }
       if (const toml::table* t = section("ground")) {
         static constexpr std::array<std::string_view, 1> kKeys{"steps_m"};
-        log::refuse_unknown_keys(*t, name_, "[ground]", kKeys);
+        core::refuse_unknown_keys(*t, name_, "[ground]", kKeys);
         required(*t, "[ground]", "steps_m", "a number of metres");
         number(*t, "steps_m", 0.0, 0.03, "m", scenario_.ground_steps_m);  // what the supervisor bears
       }
@@ -96,13 +76,13 @@ class Reader {
  private:
   const toml::table* section(std::string_view key) {
     const toml::node* node = file_.get(key);
-    return node == nullptr ? nullptr : &log::table(*node, name_, "[" + std::string(key) + "]");
+    return node == nullptr ? nullptr : &core::table(*node, name_, "[" + std::string(key) + "]");
   }
 
   bool number(const toml::table& t, std::string_view key, double lower, double upper, std::string_view unit,
               double& value) {
     const toml::node* node = t.get(key);
-    if (node != nullptr) value = log::number(*node, name_, key, lower, upper, unit);
+    if (node != nullptr) value = core::number(*node, name_, key, lower, upper, unit);
     return node != nullptr;
   }
 
@@ -116,24 +96,22 @@ class Reader {
   }
 
   void read_start(const toml::table& t) {
-    const std::array known{names_.position, names_.velocity};
-    log::refuse_unknown_keys(t, name_, "[start]", std::span(known).first(names_.velocity.empty() ? 1 : 2));
-    const double least = is_hopper(kind_)               ? 1e-3
-                         : kind_ == Kind::rail_carriage ? 0.0  // on its stop
-                                                        : -names_.position_most;
-    number(t, names_.position, least, names_.position_most, names_.position_unit, scenario_.start_position);
-    if (!names_.velocity.empty())
-      number(t, names_.velocity, -names_.velocity_most, names_.velocity_most, names_.velocity_unit,
+    const std::array known{keys_.position, keys_.velocity};
+    core::refuse_unknown_keys(t, name_, "[start]", std::span(known).first(keys_.velocity.empty() ? 1 : 2));
+    number(t, keys_.position, keys_.position_least, keys_.position_most, keys_.position_unit,
+           scenario_.start_position);
+    if (!keys_.velocity.empty())
+      number(t, keys_.velocity, -keys_.velocity_most, keys_.velocity_most, keys_.velocity_unit,
              scenario_.start_velocity);
   }
 
   void read_drive(const toml::table& t) {
-    const std::string where = "[" + std::string(names_.drive) + "]";
+    const std::string where = "[" + std::string(keys_.drive) + "]";
     static constexpr std::array<std::string_view, 3> kProfiles{"harmonic", "constant", "zero"};
-    const std::array<std::string_view, 3> known{"profile", names_.amplitude, "period_s"};
-    log::refuse_unknown_keys(t, name_, where, known);
-    const toml::node& node = required(t, where, "profile", "one of " + log::listed(kProfiles));
-    const std::string profile = log::text(node, name_, "profile");
+    const std::array<std::string_view, 3> known{"profile", keys_.amplitude, "period_s"};
+    core::refuse_unknown_keys(t, name_, where, known);
+    const toml::node& node = required(t, where, "profile", "one of " + core::listed(kProfiles));
+    const std::string profile = core::text(node, name_, "profile");
     if (profile == "harmonic")
       scenario_.profile = control::ProfileShape::harmonic;
     else if (profile == "constant")
@@ -142,13 +120,13 @@ class Reader {
       scenario_.profile = control::ProfileShape::zero;
     else
       fail(name_, node.source(),
-           "profile = " + quoted(profile) + "; expected one of " + log::listed(kProfiles) +
-               log::did_you_mean(profile, kProfiles));
-    const bool amplitude = number(t, names_.amplitude, -names_.amplitude_most, names_.amplitude_most,
-                                  names_.amplitude_unit, scenario_.amplitude);
+           "profile = " + quoted(profile) + "; expected one of " + core::listed(kProfiles) +
+               core::did_you_mean(profile, kProfiles));
+    const bool amplitude = number(t, keys_.amplitude, -keys_.amplitude_most, keys_.amplitude_most,
+                                  keys_.amplitude_unit, scenario_.amplitude);
     const bool period = number(t, "period_s", 0.01, 3600.0, "s", scenario_.period_s);
     if (!amplitude && profile != "zero")
-      required(t, where, names_.amplitude, "a number of " + std::string(names_.amplitude_unit));
+      required(t, where, keys_.amplitude, "a number of " + std::string(keys_.amplitude_unit));
     if (!period && profile == "harmonic") required(t, where, "period_s", "a number of seconds");
   }
 
@@ -158,13 +136,13 @@ class Reader {
            "[clutch] for a model without one; expected a tooth_pitch_m above 0 in the model");
     static constexpr std::array<std::string_view, 2> kKeys{"in_flight", "catch_before_touchdown_s"};
     static constexpr std::array<std::string_view, 2> kActions{"release", "hold"};
-    log::refuse_unknown_keys(t, name_, "[clutch]", kKeys);
-    const toml::node& node = required(t, "[clutch]", "in_flight", "one of " + log::listed(kActions));
-    const std::string action = log::text(node, name_, "in_flight");
+    core::refuse_unknown_keys(t, name_, "[clutch]", kKeys);
+    const toml::node& node = required(t, "[clutch]", "in_flight", "one of " + core::listed(kActions));
+    const std::string action = core::text(node, name_, "in_flight");
     if (action != "release" && action != "hold")
       fail(name_, node.source(),
-           "in_flight = " + quoted(action) + "; expected one of " + log::listed(kActions) +
-               log::did_you_mean(action, kActions));
+           "in_flight = " + quoted(action) + "; expected one of " + core::listed(kActions) +
+               core::did_you_mean(action, kActions));
     scenario_.release_in_flight = action == "release";
     number(t, "catch_before_touchdown_s", 0.0, 1.0, "s", scenario_.catch_before_touchdown_s);
   }
@@ -175,22 +153,22 @@ class Reader {
            "[[clutch]] for a model without one; expected a tooth_pitch_m above 0 in the model");
     const toml::array* actions = node.as_array();
     if (actions == nullptr)
-      fail(name_, node.source(), "clutch is " + log::value_text(node) + "; expected sections [[clutch]]");
+      fail(name_, node.source(), "clutch is " + core::value_text(node) + "; expected sections [[clutch]]");
     static constexpr std::array<std::string_view, 2> kKeys{"time_s", "action"};
     static constexpr std::array<std::string_view, 2> kActions{"release", "catch"};
     scenario_.clutch.clear();
     for (const toml::node& item : *actions) {
-      const toml::table& t = log::table(item, name_, "[[clutch]]");
-      log::refuse_unknown_keys(t, name_, "[[clutch]]", kKeys);
+      const toml::table& t = core::table(item, name_, "[[clutch]]");
+      core::refuse_unknown_keys(t, name_, "[[clutch]]", kKeys);
       const toml::node& time = required(t, "[[clutch]]", "time_s", "a number of seconds");
       const toml::node& node_of_action =
-          required(t, "[[clutch]]", "action", "one of " + log::listed(kActions));
-      const std::string action = log::text(node_of_action, name_, "action");
+          required(t, "[[clutch]]", "action", "one of " + core::listed(kActions));
+      const std::string action = core::text(node_of_action, name_, "action");
       if (action != "release" && action != "catch")
         fail(name_, node_of_action.source(),
-             "action = " + quoted(action) + "; expected one of " + log::listed(kActions) +
-                 log::did_you_mean(action, kActions));
-      ClutchAction next{log::number(time, name_, "time_s", 0.0, 3600.0, "s"), action == "release"};
+             "action = " + quoted(action) + "; expected one of " + core::listed(kActions) +
+                 core::did_you_mean(action, kActions));
+      ClutchAction next{core::number(time, name_, "time_s", 0.0, 3600.0, "s"), action == "release"};
       const bool caught = scenario_.clutch.empty() || !scenario_.clutch.back().release;
       if (next.release != caught)
         fail(name_, node_of_action.source(),
@@ -198,7 +176,7 @@ class Reader {
                  "; expected releases and catches in turn, a release first");
       if (!scenario_.clutch.empty() && !(next.time_s > scenario_.clutch.back().time_s))
         fail(name_, time.source(),
-             "time_s = " + log::value_text(time) +
+             "time_s = " + core::value_text(time) +
                  " is not after the action before it; expected growing times");
       scenario_.clutch.push_back(next);
     }
@@ -206,9 +184,9 @@ class Reader {
 
   void read_sensors(const toml::table& t) {
     static constexpr std::array<std::string_view, 4> kKeys{"quantisation", "noise", "bounce", "jitter"};
-    const bool hopper = is_hopper(kind_);
+    const bool leg = has(kind_, Seat::leg);
     // Bounce and jitter are the contact switch's.
-    log::refuse_unknown_keys(t, name_, "[sensors]", std::span(kKeys).first(hopper ? 4 : 2));
+    core::refuse_unknown_keys(t, name_, "[sensors]", std::span(kKeys).first(leg ? 4 : 2));
     const std::array<bool*, 4> switches{&scenario_.sensors.quantisation, &scenario_.sensors.noise,
                                         &scenario_.sensors.bounce, &scenario_.sensors.jitter};
     for (std::size_t i = 0; i < kKeys.size(); ++i) {
@@ -216,7 +194,7 @@ class Reader {
       if (node == nullptr) continue;
       if (!node->is_boolean())
         fail(name_, node->source(),
-             std::string(kKeys[i]) + " is " + log::value_text(*node) + "; expected true or false");
+             std::string(kKeys[i]) + " is " + core::value_text(*node) + "; expected true or false");
       *switches[i] = *node->value<bool>();
     }
   }
@@ -224,20 +202,20 @@ class Reader {
   void read_faults(const toml::node& node) {
     const toml::array* faults = node.as_array();
     if (faults == nullptr)
-      fail(name_, node.source(), "fault is " + log::value_text(node) + "; expected sections [[fault]]");
+      fail(name_, node.source(), "fault is " + core::value_text(node) + "; expected sections [[fault]]");
     static constexpr std::array<std::string_view, 3> kKeys{"time_s", "kind", "duration_s"};
     std::array<std::string_view, sim_host::kRigFaults.size()> kinds;
     for (std::size_t i = 0; i < kinds.size(); ++i) kinds[i] = sim_host::kRigFaults[i].name;
     for (const toml::node& item : *faults) {
-      const toml::table& t = log::table(item, name_, "[[fault]]");
-      log::refuse_unknown_keys(t, name_, "[[fault]]", kKeys);
-      const toml::node& kind_node = required(t, "[[fault]]", "kind", "one of " + log::listed(kinds));
-      const std::string kind = log::text(kind_node, name_, "kind");
+      const toml::table& t = core::table(item, name_, "[[fault]]");
+      core::refuse_unknown_keys(t, name_, "[[fault]]", kKeys);
+      const toml::node& kind_node = required(t, "[[fault]]", "kind", "one of " + core::listed(kinds));
+      const std::string kind = core::text(kind_node, name_, "kind");
       const auto found = sim_host::rig_fault_named(kind);
       if (!found)
         fail(name_, kind_node.source(),
-             "unknown fault " + quoted(kind) + "; expected one of " + log::listed(kinds) +
-                 log::did_you_mean(kind, kinds));
+             "unknown fault " + quoted(kind) + "; expected one of " + core::listed(kinds) +
+                 core::did_you_mean(kind, kinds));
       if (!clutch_ && sim_host::info(*found).part == sim_host::RigPart::clutch)
         fail(name_, kind_node.source(),
              "fault " + quoted(kind) +
@@ -258,32 +236,14 @@ class Reader {
   toml::table file_;
   Kind kind_;
   bool clutch_;
-  Names names_;
+  const machines::Keys& keys_;
   Scenario scenario_;
 };
 
 }  // namespace
 
 Scenario default_scenario(const model::Model& model) {
-  Scenario scenario;
-  if (is_hopper(model.kind)) {
-    scenario.start_position =
-        1.25 * 2.0 * model.parameter("link_length_m") * std::cos(model.parameter("touchdown_angle_rad"));
-    scenario.amplitude = 2.0;
-    scenario.period_s = 0.3;
-  } else if (model.kind == Kind::rail_carriage) {
-    scenario.start_position = 1.0;
-    scenario.duration_s = 1.0;
-    scenario.profile = control::ProfileShape::zero;
-  } else if (model.kind == Kind::clutch_bench) {
-    scenario.duration_s = 0.5;
-    scenario.profile = control::ProfileShape::zero;
-    scenario.clutch = {{0.1, true}, {0.14, false}};
-  } else {
-    scenario.amplitude = 1.0;
-    scenario.period_s = 1.0;
-  }
-  return scenario;
+  return Scenario(machines::rules(model.kind).usual_run(model));
 }
 
 Scenario parse_scenario(std::string_view text, const std::string& name, const model::Model& model) {
@@ -291,25 +251,25 @@ Scenario parse_scenario(std::string_view text, const std::string& name, const mo
 }
 
 std::string format_scenario(const Scenario& s, dynamics::Kind kind) {
-  const Names names = names_on(kind);
+  const machines::Keys& keys = machines::rules(kind).keys;
   const auto key = [](std::string_view name, double value) {
-    return std::string(name) + " = " + log::shortest(value) + "\n";
+    return std::string(name) + " = " + core::shortest(value) + "\n";
   };
-  std::string text = "[start]\n" + key(names.position, s.start_position) +
-                     (names.velocity.empty() ? "" : key(names.velocity, s.start_velocity)) + "\n[run]\n" +
+  std::string text = "[start]\n" + key(keys.position, s.start_position) +
+                     (keys.velocity.empty() ? "" : key(keys.velocity, s.start_velocity)) + "\n[run]\n" +
                      key("duration_s", s.duration_s);
-  if (!names.drive.empty()) {
+  if (!keys.drive.empty()) {
     static constexpr const char* kProfiles[] = {"zero", "harmonic", "constant"};
-    text += "\n[" + std::string(names.drive) + "]\nprofile = \"" + kProfiles[static_cast<int>(s.profile)] +
-            "\"\n";
+    text +=
+        "\n[" + std::string(keys.drive) + "]\nprofile = \"" + kProfiles[static_cast<int>(s.profile)] + "\"\n";
     if (s.profile != control::ProfileShape::zero)
-      text += key(names.amplitude, s.amplitude) + key("period_s", s.period_s);
+      text += key(keys.amplitude, s.amplitude) + key("period_s", s.period_s);
   }
   const auto flag = [](const char* name, bool on) {
     return std::string(name) + (on ? " = true\n" : " = false\n");
   };
   text += "\n[sensors]\n" + flag("quantisation", s.sensors.quantisation) + flag("noise", s.sensors.noise);
-  if (is_hopper(kind)) text += flag("bounce", s.sensors.bounce) + flag("jitter", s.sensors.jitter);
+  if (has(kind, Seat::leg)) text += flag("bounce", s.sensors.bounce) + flag("jitter", s.sensors.jitter);
   const Scenario standard;
   if (s.release_in_flight || s.catch_before_touchdown_s != standard.catch_before_touchdown_s)
     text += std::string("\n[clutch]\nin_flight = \"") + (s.release_in_flight ? "release" : "hold") + "\"\n" +
@@ -331,7 +291,7 @@ std::string format_scenario(const Scenario& s, dynamics::Kind kind) {
 }
 
 Scenario read_scenario(const std::string& path, const model::Model& model) {
-  return parse_scenario(log::read_small_file(path, "a scenario (TOML)"), path, model);
+  return parse_scenario(core::read_small_file(path, "a scenario (TOML)"), path, model);
 }
 
 }  // namespace furcula::sim

@@ -5,30 +5,20 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "boards/sim_host/faults.hpp"
 #include "boards/sim_host/sensors.hpp"
-#include "furcula/control/torque_profile.hpp"
+#include "host/machines/rules.hpp"
 #include "host/model/model.hpp"
 
 namespace furcula::sim {
 
-/// What the coil is told, and when.
-struct ClutchAction {
-  double time_s;
-  bool release;  ///< switched on; else off, and the belt or cable caught
-};
+struct Scenario : machines::Run {
+  Scenario() = default;
+  explicit Scenario(machines::Run run) : Run(std::move(run)) {}
 
-struct Scenario {
-  double start_position = 0.0;  ///< m or rad
-  double start_velocity = 0.0;  ///< m/s or rad/s
-  double duration_s = 5.0;
-  /// On the hopper restarted at each touch-down and zero in flight, positive pumps energy in; on an axis from
-  /// the start on: A sin(2 pi t / P), A, or 0.
-  control::ProfileShape profile = control::ProfileShape::harmonic;
-  double amplitude = 0.0;  ///< N m, on motor_axis N
-  double period_s = 0.3;
   sim_host::SensorErrors sensors;
   std::vector<sim_host::PlannedFault> faults;  ///< on the hopper alone
   // Where the leg is free in flight (hopper_nonlinear):
@@ -36,9 +26,7 @@ struct Scenario {
   double catch_before_touchdown_s = 0.012;  ///< the catch verified
   double contraction_m = 0.0;               ///< by which the leg folds in flight
   double contraction_period_s = 0.4;  ///< folding and stretching take half of it, or what the flight leaves
-  /// clutch_bench, and a hopper with a clutch whose leg is on its stop in flight: in the order of time.
-  std::vector<ClutchAction> clutch;
-  double ground_steps_m = 0.0;  ///< the ground is at another height within this in each flight
+  double ground_steps_m = 0.0;        ///< the ground is at another height within this in each flight
 };
 
 /// When the first fault is planted; absent: none is.
@@ -56,7 +44,7 @@ inline std::optional<double> first_fault_s(const Scenario& scenario) {
 /// 0.5 s; ideal sensors; no faults.
 Scenario default_scenario(const model::Model& model);
 
-/// A scenario file for a model of this kind; an example is in docs/logs_and_models.md. @throws log::DataError
+/// A scenario file for a model of this kind; an example is in docs/logs_and_models.md. @throws core::DataError
 /// naming file, line, key, value and what was expected.
 ///
 /// - `[start]` height_m, velocity_mps (rail_carriage: from 0, its stop, upwards); on motor_axis position_m,

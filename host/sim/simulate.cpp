@@ -11,17 +11,17 @@
 
 #include "boards/sim_host/can_board.hpp"
 #include "firmware/app/app.hpp"
-#include "furcula/dynamics/axis.hpp"
-#include "furcula/dynamics/simple_clutch_bench.hpp"
+#include "furcula/dynamics/plants.hpp"
 #include "furcula/dynamics/stages.hpp"
-#include "host/log/error.hpp"
-#include "host/log/message.hpp"
+#include "host/core/error.hpp"
+#include "host/core/message.hpp"
 #include "host/sim/recorder.hpp"
 
 namespace furcula::sim {
 namespace {
 
-using dynamics::Kind;
+using dynamics::has;
+using dynamics::Seat;
 using sim_host::SimBoard;
 
 dynamics::Effects<double> effects_of(const model::Model& model) {
@@ -50,13 +50,13 @@ std::map<std::string, std::string> metadata_of(const model::Model& model, const 
                                          {"model", std::string(dynamics::info(model.kind).name)},
                                          {"seed", std::to_string(seed)},
                                          {"profile", kProfiles[static_cast<int>(scenario.profile)]},
-                                         {"amplitude", log::shortest(scenario.amplitude)},
-                                         {"period_s", log::shortest(scenario.period_s)},
+                                         {"amplitude", core::shortest(scenario.amplitude)},
+                                         {"period_s", core::shortest(scenario.period_s)},
                                          {"sensors", sensors.empty() ? "ideal" : sensors}};
-  if (model.clutch && model.kind == Kind::hopper_nonlinear)
+  if (model.clutch && has(model.kind, Seat::heavy_links))
     all["clutch_in_flight"] = scenario.release_in_flight ? "release" : "hold";
-  if (scenario.contraction_m > 0.0) all["contraction_m"] = log::shortest(scenario.contraction_m);
-  if (scenario.ground_steps_m > 0.0) all["ground_steps_m"] = log::shortest(scenario.ground_steps_m);
+  if (scenario.contraction_m > 0.0) all["contraction_m"] = core::shortest(scenario.contraction_m);
+  if (scenario.ground_steps_m > 0.0) all["ground_steps_m"] = core::shortest(scenario.ground_steps_m);
   if (!scenario.faults.empty()) all["planted_faults"] = std::to_string(scenario.faults.size());
   return all;
 }
@@ -81,10 +81,10 @@ void simulate_hopper(const model::Model& model, const Scenario& scenario, std::u
   const sim_host::RigConfig rig = rig_config(model, scenario, seed);
   control::Config config = controller_config(model, scenario);
   if (!control::fits(config.envelope, config.torque, config.limits.torque_nm))
-    throw log::DataError(
-        "the scenario: [torque] amplitude_nm = " + log::shortest(scenario.amplitude) +
+    throw core::DataError(
+        "the scenario: [torque] amplitude_nm = " + core::shortest(scenario.amplitude) +
         " takes this robot higher or faster than its controller lets it; expected at most " +
-        log::rounded(static_cast<double>(control::amplitude_max_nm(config.envelope, config.torque.shape))) +
+        core::rounded(static_cast<double>(control::amplitude_max_nm(config.envelope, config.torque.shape))) +
         " N m");
   if (needs_bus(scenario)) {
     sim_host::CanBoard board(rig);
@@ -108,81 +108,59 @@ double drive(const Scenario& scenario, double time_s) {
   return 0.0;
 }
 
-/// The plant of a kind without a board of its own, between its drive and its encoder.
-template <class Plant, class Parameters>
-dynamics::Stages<Plant, double> stages_of(const model::Model& model) {
-  return {parameters_of<Parameters>(model), effects_of(model)};
-}
-
-std::size_t rows_of(const Scenario& scenario) {
-  return static_cast<std::size_t>(std::llround(scenario.duration_s / SimBoard::kPeriodS));
-}
-
-template <class Parameters>
-void simulate_axis(const model::Model& model, const Scenario& scenario, std::uint64_t seed, log::Log& log,
-                   const char* position_column, const char* drive_column, double count) {
-  auto stages = stages_of<dynamics::Axis<Parameters, double>, Parameters>(model);
-  stages.plant().reset(scenario.start_position, scenario.start_velocity);
-  sim_host::Encoder encoder(scenario.sensors, count, seed);
-  sim_host::LiveCommands commands;
-  auto& time_s = log.columns["time_s"];
-  auto& position = log.columns[position_column];
-  auto& input = log.columns[drive_column];
-  for (std::size_t row = 0; row < rows_of(scenario); ++row) {
-    time_s.push_back(static_cast<double>(row) * SimBoard::kPeriodS);
-    position.push_back(encoder.measure(stages.position()));
-    input.push_back(drive(scenario, time_s.back()));
-    stages.plant().advance(commands.torque(stages.actuation(), input.back(), SimBoard::kPeriodS),
-                           SimBoard::kPeriodS);
-  }
-}
-
-void simulate_carriage(const model::Model& model, const Scenario& scenario, std::uint64_t seed,
-                       log::Log& log) {
-  auto stages = stages_of<dynamics::RailCarriage<double>, dynamics::RailCarriageParameters<double>>(model);
-  auto& plant = stages.plant();
-  plant.reset(scenario.start_position, scenario.start_velocity);
-  sim_host::Encoder encoder(scenario.sensors, sim_host::kHeightCountM, seed);
-  bool fallen = false;
-  for (std::size_t row = 0; row < rows_of(scenario); ++row) {
-    fallen = fallen || plant.position() < 0.0 || (plant.position() == 0.0 && plant.velocity() <= 0.0);
-    if (fallen) plant.reset(0.0, 0.0);  // on its stop
-    log.columns["time_s"].push_back(static_cast<double>(row) * SimBoard::kPeriodS);
-    log.columns["height_m"].push_back(encoder.measure(stages.position()));
-    log.columns["contact"].push_back(fallen ? 1.0 : 0.0);
-    if (!fallen) plant.advance(0.0, SimBoard::kPeriodS);
-  }
-}
-
 /// Whether the coil is on at an instant.
 bool coil_on(const Scenario& scenario, double time_s) {
   bool on = false;
-  for (const ClutchAction& a : scenario.clutch)
+  for (const machines::ClutchAction& a : scenario.clutch)
     if (a.time_s <= time_s + 1e-9) on = a.release;
   return on;
 }
 
-void simulate_clutch_bench(const model::Model& model, const Scenario& scenario, std::uint64_t seed,
-                           log::Log& log) {
-  auto stages =
-      stages_of<dynamics::SimpleClutchBench<double>, dynamics::ClutchBenchParameters<double>>(model);
-  stages.plant().reset(scenario.start_position);
-  sim_host::Encoder encoder(scenario.sensors, sim_host::kPulleyCountRad, seed);
-  for (std::size_t row = 0; row < rows_of(scenario); ++row) {
-    const double time_s = static_cast<double>(row) * SimBoard::kPeriodS;
-    const double on = coil_on(scenario, time_s) ? 1.0 : 0.0;
-    log.columns["time_s"].push_back(time_s);
-    log.columns["pulley_angle_rad"].push_back(encoder.measure(stages.position()));
-    log.columns["solenoid"].push_back(on);
-    stages.plant().advance(on, SimBoard::kPeriodS);
+/// A machine without a board of its own, in open loop: its plant between its drive, or its coil, and its encoder.
+template <class Machine>
+void simulate_open_loop(const model::Model& model, const Scenario& scenario, std::uint64_t seed,
+                        log::Log& log) {
+  constexpr bool kDriven = dynamics::any_of(Machine::kInfo.seats, dynamics::Seat::drive);
+  const machines::Rules& rules = machines::rules(model.kind);
+  dynamics::Stages<typename Machine::template Plant<double>, double> stages(
+      parameters_of<typename Machine::template Parameters<double>>(model), effects_of(model));
+  auto& plant = stages.plant();
+  plant.reset(scenario.start_position, scenario.start_velocity);
+  sim_host::Encoder encoder(scenario.sensors, rules.count, seed);
+  sim_host::LiveCommands commands;
+  const auto column = [&](std::string_view name) {
+    return name.empty() ? nullptr : &log.columns[std::string(name)];
+  };
+  auto& time_s = *column("time_s");
+  auto& position = *column(rules.columns.position);
+  auto* input = column(rules.columns.input);
+  auto* stop = column(rules.columns.stop);
+  const auto rows = static_cast<std::size_t>(std::llround(scenario.duration_s / SimBoard::kPeriodS));
+  bool fallen = false;
+  for (std::size_t row = 0; row < rows; ++row) {
+    if (stop != nullptr) {
+      fallen = fallen || plant.position() < 0.0 || (plant.position() == 0.0 && plant.velocity() <= 0.0);
+      if (fallen) plant.reset(0.0, 0.0);
+      stop->push_back(fallen ? 1.0 : 0.0);
+    }
+    time_s.push_back(static_cast<double>(row) * SimBoard::kPeriodS);
+    position.push_back(encoder.measure(stages.position()));
+    double told = 0.0;
+    if (input != nullptr) {
+      told = kDriven ? drive(scenario, time_s.back()) : coil_on(scenario, time_s.back()) ? 1.0 : 0.0;
+      input->push_back(told);
+    }
+    if constexpr (kDriven) told = commands.torque(stages.actuation(), told, SimBoard::kPeriodS);
+    if (!fallen) plant.advance(told, SimBoard::kPeriodS);
   }
 }
 
 /// As the log of an encoder with a clock of its own has the columns that it measures: between rows in a
 /// straight line, held at the ends.
-void skew_columns(double skew_s, log::Log& log) {
+void skew_columns(double skew_s, const machines::Columns& columns, log::Log& log) {
   const std::vector<double>& time_s = log.time_s();
-  for (const char* name : {"height_m", "velocity_mps", "position_m", "angle_rad"}) {
+  for (const std::string_view column : {columns.position, columns.velocity}) {
+    const std::string name(column);
     if (!log.has(name)) continue;
     const std::vector<double> original = log.at(name);
     for (std::size_t i = 0; i < time_s.size(); ++i) {
@@ -196,12 +174,11 @@ void skew_columns(double skew_s, log::Log& log) {
 }
 
 /// The position's jump; the velocity is not derived from it.
-void slip_columns(const dynamics::Sensing<double>& sensing, log::Log& log) {
+void slip_column(const dynamics::Sensing<double>& sensing, std::string_view name, log::Log& log) {
   const std::vector<double>& time_s = log.time_s();
-  for (const char* name : {"height_m", "position_m", "angle_rad", "pulley_angle_rad"})
-    if (log.has(name))
-      for (std::size_t i = 0; i < time_s.size(); ++i)
-        if (const double step = sensing.slip(time_s[i]); step != 0.0) log.columns[name][i] += step;
+  std::vector<double>& position = log.columns.at(std::string(name));
+  for (std::size_t i = 0; i < time_s.size(); ++i)
+    if (const double step = sensing.slip(time_s[i]); step != 0.0) position[i] += step;
 }
 
 }  // namespace
@@ -213,7 +190,7 @@ bool needs_bus(const Scenario& scenario) {
 }
 
 sim_host::Plant plant_of(const model::Model& model, const dynamics::Effects<double>& effects) {
-  if (model.kind != Kind::hopper_nonlinear) {
+  if (!has(model.kind, Seat::heavy_links)) {
     const auto p = parameters_of<dynamics::HopperLinearParameters<double>>(model);
     if (!model.clutch) return sim_host::Plant(p, effects);
     return {p,
@@ -249,7 +226,7 @@ sim_host::RigConfig rig_config(const model::Model& model, const Scenario& scenar
   rig.duration_s = scenario.duration_s;
   rig.sensors = scenario.sensors;
   rig.faults = scenario.faults;
-  for (const ClutchAction& a : scenario.clutch) rig.coil_switches.push_back({a.time_s, a.release});
+  for (const machines::ClutchAction& a : scenario.clutch) rig.coil_switches.push_back({a.time_s, a.release});
   rig.seed = seed;
   return rig;
 }
@@ -290,7 +267,7 @@ control::Config controller_config(const model::Model& model, const Scenario& sce
   clutch.spring_rest_m = static_cast<float>(model.parameter("rest_height_m"));
   config.observer.leg_damping_nspm =
       static_cast<float>(model.parameter("damping_stance_nspm") - model.parameter("damping_flight_nspm"));
-  if (model.kind != Kind::hopper_nonlinear) return config;
+  if (!has(model.kind, Seat::heavy_links)) return config;
   clutch.contraction_m = static_cast<float>(scenario.contraction_m);
   clutch.contraction_s = static_cast<float>(0.5 * scenario.contraction_period_s);
   clutch.touchdown_margin_s = static_cast<float>(scenario.catch_before_touchdown_s);
@@ -321,18 +298,18 @@ void refuse_what_has_no_free_leg(const model::Model& model, const Scenario& scen
                      : scenario.contraction_m > 0.0  ? "[contraction]"
                      : scenario.ground_steps_m > 0.0 ? "[ground]"
                                                      : nullptr;
-  if (what == nullptr || model.kind != Kind::hopper_nonlinear) return;
+  if (what == nullptr || !has(model.kind, Seat::heavy_links)) return;
   for (const auto& [effect, values] : model.effects) {
     dynamics::Effects<double> one;
     one.set(effect, values);
     if (sim_host::Plant::changes_motion(one))
-      throw log::DataError(
+      throw core::DataError(
           "the model: [effect." + std::string(dynamics::info(effect).name) + "] with " + what +
           "; expected effects of the drive and the sensors alone: the leg that is free in flight knows no others");
   }
   if (!dynamics::NonlinearHopper<double>::resolves(
           parameters_of<dynamics::HopperNonlinearParameters<double>>(model)))
-    throw log::DataError(
+    throw core::DataError(
         std::string(
             "the model: inertia_a_kgm2, inertia_b_kgm and inertia_e_kgm are too small, or no links', for ") +
         what + "; expected those of links, as a = 42e-4, b = 75e-4, e = 38e-3 of table 3.1 of document 002");
@@ -343,32 +320,19 @@ log::Log simulate(const model::Model& model, const Scenario& scenario, std::uint
   log::Log log;
   log.rig = std::string(dynamics::info(model.kind).rig);
   log.metadata = metadata_of(model, scenario, seed);
-  switch (model.kind) {
-    case Kind::hopper_linear:
-    case Kind::hopper_nonlinear:
+  if (!has(model.kind, Seat::drive))
+    for (const char* key : {"profile", "amplitude", "period_s"}) log.metadata.erase(key);
+  dynamics::with_machine(model.kind, [&]<class Machine>() {
+    if constexpr (dynamics::any_of(Machine::kInfo.seats, Seat::leg))
       simulate_hopper(model, scenario, seed, log);
-      break;
-    case Kind::motor_axis:
-      simulate_axis<dynamics::MotorAxisParameters<double>>(model, scenario, seed, log, "position_m",
-                                                           "force_n", sim_host::kAxisCountM);
-      break;
-    case Kind::rotary_joint:
-      simulate_axis<dynamics::RotaryJointParameters<double>>(model, scenario, seed, log, "angle_rad",
-                                                             "torque_nm", sim_host::kJointCountRad);
-      break;
-    case Kind::rail_carriage:
-      for (const char* key : {"profile", "amplitude", "period_s"}) log.metadata.erase(key);
-      simulate_carriage(model, scenario, seed, log);
-      break;
-    case Kind::clutch_bench:
-      for (const char* key : {"profile", "amplitude", "period_s"}) log.metadata.erase(key);
-      simulate_clutch_bench(model, scenario, seed, log);
-      break;
-  }
+    else
+      simulate_open_loop<Machine>(model, scenario, seed, log);
+  });
   // What an encoder does to the log rather than to a reading.
   const dynamics::Sensing<double> sensing(effects_of(model), 0.0);
-  if (sensing.skew_s() && log.rows() > 1) skew_columns(*sensing.skew_s(), log);
-  if (sensing.slips()) slip_columns(sensing, log);
+  const machines::Columns& columns = machines::rules(model.kind).columns;
+  if (sensing.skew_s() && log.rows() > 1) skew_columns(*sensing.skew_s(), columns, log);
+  if (sensing.slips()) slip_column(sensing, columns.position, log);
   return log;
 }
 

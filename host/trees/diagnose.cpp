@@ -8,8 +8,8 @@
 #include <set>
 
 #include "furcula/dynamics/tree/inverse_dynamics.hpp"
-#include "host/log/error.hpp"
-#include "host/log/message.hpp"
+#include "host/core/error.hpp"
+#include "host/core/message.hpp"
 #include "host/trees/arrangement.hpp"
 #include "host/trees/linear.hpp"
 #include "host/trees/missing_torque.hpp"
@@ -27,7 +27,7 @@ constexpr std::size_t kMostSearchWindows = 160;
 
 std::string percent(double share) {
   const double p = 100.0 * share;
-  return (std::abs(p) >= 10.0 ? std::to_string(static_cast<long>(std::lround(p))) : log::rounded(p, 2)) +
+  return (std::abs(p) >= 10.0 ? std::to_string(static_cast<long>(std::lround(p))) : core::rounded(p, 2)) +
          " %";
 }
 
@@ -69,10 +69,10 @@ class Diagnoser {
   Diagnosis run() {
     std::vector<Window> windows = windows_of(model_, training_, options_.window_s, kMostSearchWindows);
     if (windows.empty())
-      throw log::DataError("no training log has " + log::shortest(options_.window_s) +
+      throw core::DataError("no training log has " + core::shortest(options_.window_s) +
                            " s without a gap; expected longer logs, or a smaller --window-s");
     if (windows_of(model_, held_out_, options_.window_s, 1).empty())
-      throw log::DataError("no held-out log has " + log::shortest(options_.window_s) +
+      throw core::DataError("no held-out log has " + core::shortest(options_.window_s) +
                            " s without a gap; expected longer logs, or a smaller --window-s");
     d_.windows = windows.size();
     Problem problem(model_, training_, std::move(windows), options_.threads);
@@ -240,11 +240,11 @@ class Diagnoser {
         if (r.z < kApart) {
           undecided_.push_back(r.at);
           text.why = "in its place and fitted, the windows are predicted as well: the difference is " +
-                     log::rounded(r.z, 2) + " times its own scatter from window to window";
+                     core::rounded(r.z, 2) + " times its own scatter from window to window";
           f.indistinguishable_from.push_back(text);
         } else {
           text.why = "in its place and fitted, the windows' loss is " +
-                     percent(r.loss_more / found.fit.loss) + " more, " + log::rounded(r.z, 2) +
+                     percent(r.loss_more / found.fit.loss) + " more, " + core::rounded(r.z, 2) +
                      " times its own scatter from window to window";
           f.alternatives.push_back(text);
         }
@@ -404,8 +404,8 @@ class Diagnoser {
         d_.next_experiment =
             d_.experiments.front().what +
             ": the predictions of the causes that these recordings cannot tell apart then differ by " +
-            log::rounded(1e3 * d_.experiments.front().apart_rad, 3) + " mrad at least, RMS over " +
-            log::shortest(options_.window_s) + " s.";
+            core::rounded(1e3 * d_.experiments.front().apart_rad, 3) + " mrad at least, RMS over " +
+            core::shortest(options_.window_s) + " s.";
     }
     if (d_.next_experiment.empty() && !d_.findings.empty())
       d_.next_experiment = d_.findings.front().next_experiment;

@@ -16,7 +16,7 @@ struct Options {
   std::function<void(double, std::string_view)> progress;
 };
 
-/// @throws log::DataError: what recording_of throws, no window in the training or the held-out logs.
+/// @throws core::DataError: what recording_of throws, no window in the training or the held-out logs.
 Diagnosis diagnose(const TreeModel& model, const std::vector<log::Log>& training,
                    const std::vector<log::Log>& held_out, const Options& options = {});
 

@@ -6,9 +6,9 @@
 #include <filesystem>
 #include <optional>
 
-#include "host/log/error.hpp"
-#include "host/log/message.hpp"
-#include "host/log/strict_toml.hpp"
+#include "host/core/error.hpp"
+#include "host/core/message.hpp"
+#include "host/core/strict_toml.hpp"
 #include "host/model/mjcf.hpp"
 #include "host/model/xml_check.hpp"
 #include "host/trees/run.hpp"
@@ -18,13 +18,13 @@ namespace {
 
 using dynamics::tree::Sym3;
 using dynamics::tree::Vec3;
-using log::shortest;
+using core::shortest;
 using model::XmlElement;
 
 /// For the inside of a comment, which holds no two hyphens.
 std::string commented(const std::string& text) {
   std::string out;
-  for (const char c : log::printable(text)) {
+  for (const char c : core::printable(text)) {
     if (c == '-' && !out.empty() && out.back() == '-') out += ' ';
     out += c;
   }
@@ -49,7 +49,7 @@ std::string reason(const Diagnosis& d, const Cause& cause) {
   const std::string name = cause_name(d.model, cause);
   for (const Finding& f : d.findings)
     if (f.cause.effect == cause.effect && f.cause.sites == cause.sites)
-      return name + ", a finding of confidence " + log::rounded(f.confidence, 2);
+      return name + ", a finding of confidence " + core::rounded(f.confidence, 2);
   return name + ", an effect of the model file";
 }
 
@@ -61,7 +61,7 @@ std::string values(const TreeModel& model, const Cause& cause) {
   for (std::size_t k = 0; k < e.parameter_count; ++k) {
     const std::string unit(unit_on(e.parameters()[k], linear));
     out += (k > 0 ? ", " : "") + std::string(name_on(e.parameters()[k], linear)) + " " +
-           log::rounded(cause.values[k], 6) + (unit.empty() ? "" : " " + unit);
+           core::rounded(cause.values[k], 6) + (unit.empty() ? "" : " " + unit);
   }
   return out;
 }
@@ -243,7 +243,7 @@ class UrdfWriter {
       if (elements_[i].depth == 1 && elements_[i].tag == tag &&
           resolved(elements_[i].attribute("name")) == name)
         return i;
-    throw log::DataError(file_ + ": no " + std::string(tag) + " " + log::quoted(name) +
+    throw core::DataError(file_ + ": no " + std::string(tag) + " " + core::quoted(name) +
                          ", expected the file that was diagnosed");
   }
   /// The first child of that tag; none where there is none.
@@ -254,7 +254,7 @@ class UrdfWriter {
   }
   const XmlElement& needed(std::size_t of, std::string_view tag) const {
     if (const XmlElement* e = child(of, tag)) return *e;
-    throw log::DataError(file_ + ":" + std::to_string(elements_[of].line) + ": no <" + std::string(tag) +
+    throw core::DataError(file_ + ":" + std::to_string(elements_[of].line) + ": no <" + std::string(tag) +
                          ">, expected the file that was diagnosed");
   }
   std::string reasons(std::span<const Effect> effects, std::size_t site) const {

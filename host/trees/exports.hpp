@@ -11,7 +11,7 @@ namespace furcula::trees {
 /// and friction (N m s/rad, N m; N s/m, N) of joints, <mass>, <origin xyz> and <inertia> of links. A payload becomes a part of
 /// its link. All other bytes stay as they are. A comment at the top names each change with its reason, and what a URDF cannot
 /// hold.
-/// @throws log::DataError: the file is not readable, or has no such joint or link any more.
+/// @throws core::DataError: the file is not readable, or has no such joint or link any more.
 std::string extended_urdf(const Diagnosis& diagnosis);
 
 /// The extended model by model::format_mjcf: bodies, armature, damping, frictionloss, gravity, and the gains of position laws

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "host/identify/parallel.hpp"
-#include "host/log/error.hpp"
+#include "host/core/error.hpp"
+#include "host/core/parallel.hpp"
 #include "host/trees/linear.hpp"
 
 namespace furcula::trees {
@@ -22,7 +22,7 @@ Problem::Problem(const TreeModel& model, const std::vector<Recording>& recording
                              : static_cast<std::size_t>(windows_.front().measured.size()) / model.joints()),
       folds_(recordings.size() >= 3 ? recordings.size() : 4) {
   if (windows_.empty())
-    throw log::DataError(
+    throw core::DataError(
         "no recording is long enough for a window; expected some tenths of a second without gaps");
   window_weight_.assign(windows_.size(), 1.0);
 }
@@ -67,7 +67,7 @@ void Problem::weigh(const Hypothesis& h) {
   weight_ = Eigen::VectorXd::Ones(size);
   std::vector<Eigen::VectorXd> left(windows_.size());
   starts_.assign(windows_.size(), {});
-  identify::parallel_for(windows_.size(), threads_, [&](std::size_t i) {
+  core::parallel_for(windows_.size(), threads_, [&](std::size_t i) {
     Window w = windows_[i];
     const Eigen::VectorXd r = residual(setup, i), base = w.measured - r;
     Start& s = starts_[i];
@@ -131,7 +131,7 @@ double Problem::misfit(const Hypothesis& h) const {
   const std::size_t n = joints();
   const Setup setup = make(h);
   std::vector<std::vector<double>> off(windows_.size()), motion(windows_.size());
-  identify::parallel_for(windows_.size(), threads_, [&](std::size_t i) {
+  core::parallel_for(windows_.size(), threads_, [&](std::size_t i) {
     const Window& w = windows_[i];
     const Eigen::VectorXd r = w.measured - simulated(setup, w);
     for (std::size_t j = 0; j < n; ++j) {
@@ -160,8 +160,8 @@ double Problem::misfit(const Hypothesis& h) const {
 std::vector<double> Problem::losses(const Hypothesis& h) const {
   const Setup setup = make(h);
   std::vector<double> out(windows_.size());
-  identify::parallel_for(windows_.size(), threads_,
-                         [&](std::size_t i) { out[i] = product(i, residual(setup, i))(0, 0); });
+  core::parallel_for(windows_.size(), threads_,
+                     [&](std::size_t i) { out[i] = product(i, residual(setup, i))(0, 0); });
   return out;
 }
 
@@ -185,7 +185,7 @@ Products Problem::products(const Hypothesis& h, const std::vector<Unknown>& unkn
   Products out;
   out.window.resize(windows_.size());
   std::vector<Eigen::MatrixXd> of(windows_.size());
-  identify::parallel_for(windows_.size(), threads_, [&](std::size_t i) {
+  core::parallel_for(windows_.size(), threads_, [&](std::size_t i) {
     Eigen::MatrixXd c(size, columns);
     const Eigen::VectorXd base = residual(setups[0], i);
     c.col(0) = base;

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "host/log/error.hpp"
-#include "host/log/message.hpp"
+#include "host/core/error.hpp"
+#include "host/core/message.hpp"
 
 namespace furcula::trees {
 namespace {
@@ -30,7 +30,7 @@ Json held_out(const TreeModel& m, const std::vector<ChannelError>& errors) {
 Identification identify(const TreeModel& model, const std::vector<log::Log>& training,
                         const std::vector<log::Log>& held_out_logs, const Options& options) {
   if (model.free.empty())
-    throw log::DataError(
+    throw core::DataError(
         model.file +
         ": no parameter in [free], so there is nothing to identify; expected at least one, as in [free] \"damping_nmspr." +
         model.robot.joints.front().name + "\" = [lower, upper]");
@@ -44,7 +44,7 @@ Identification identify(const TreeModel& model, const std::vector<log::Log>& tra
   std::vector<Window> windows = windows_of(model, fit_on, options.window_s);
   out.windows = windows.size();
   if (windows_of(model, judge_on, options.window_s, 1).empty())
-    throw log::DataError("no held-out log has " + log::shortest(options.window_s) +
+    throw core::DataError("no held-out log has " + core::shortest(options.window_s) +
                          " s without a gap; expected longer logs, or a smaller --window-s");
   Problem problem(model, fit_on, std::move(windows), options.threads);
   const Hypothesis given{model.drives, model.causes};

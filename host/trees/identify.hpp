@@ -24,7 +24,7 @@ struct Identification {
   std::size_t logs = 0, held_out_logs = 0, windows = 0;
 };
 
-/// @throws log::DataError: no free parameter, and what diagnose() throws.
+/// @throws core::DataError: no free parameter, and what diagnose() throws.
 Identification identify(const TreeModel& model, const std::vector<log::Log>& training,
                         const std::vector<log::Log>& held_out, const Options& options = {});
 

@@ -8,15 +8,15 @@
 #include <limits>
 #include <set>
 
-#include "host/log/error.hpp"
-#include "host/log/message.hpp"
-#include "host/log/strict_toml.hpp"
+#include "host/core/error.hpp"
+#include "host/core/message.hpp"
+#include "host/core/strict_toml.hpp"
 
 namespace furcula::trees {
 namespace {
 
 using log::fail;
-using log::shortest;
+using core::shortest;
 
 constexpr double kMost = 1e9;
 
@@ -52,7 +52,7 @@ class Reader {
     if (const toml::node* base = table.get("base"))
       if (const std::string which = log::text(*base, name_, "base"); which != "fixed")
         fail(name_, base->source(),
-             "base = " + log::quoted(which) + "; expected \"fixed\" (this version has no floating base)");
+             "base = " + core::quoted(which) + "; expected \"fixed\" (this version has no floating base)");
     const toml::node* urdf = table.get("urdf");
     if (urdf == nullptr)
       fail(name_, table.source(), "no key 'urdf' in [model]; expected the URDF's file name");
@@ -93,7 +93,7 @@ class Reader {
       names.emplace_back(model_.robot.joints[i].name);
     }
     fail(name_, where,
-         who + ": no joint " + log::quoted(joint) + " that moves; expected one of " + log::listed(names) +
+         who + ": no joint " + core::quoted(joint) + " that moves; expected one of " + log::listed(names) +
              log::did_you_mean(joint, names));
   }
 
@@ -115,7 +115,7 @@ class Reader {
     for (std::size_t i = 0; i < model_.joints(); ++i)
       if (model_.drives[i].law == DriveLaw::position && model_.drives[i].kp_nmprad == 0.0)
         fail(name_, table.source(),
-             "the drive of joint " + log::quoted(model_.robot.joints[i].name) +
+             "the drive of joint " + core::quoted(model_.robot.joints[i].name) +
                  " has law \"position\" and no kp_nmprad; expected one above 0");
   }
   void read_drive(const toml::table& table, const std::string& where, Drive& drive) {
@@ -125,12 +125,12 @@ class Reader {
       if (node.is_table() && where == "[drive]") continue;
       if (std::find(known.begin(), known.end(), key.str()) == known.end())
         fail(name_, key.source(),
-             "unknown key " + log::quoted(key.str()) + " in " + where + "; expected one of " +
+             "unknown key " + core::quoted(key.str()) + " in " + where + "; expected one of " +
                  log::listed(known) + ", or a joint's table" + log::did_you_mean(key.str(), known));
       if (key.str() == "law") {
         const std::string law = log::text(node, name_, "law");
         if (law != "torque" && law != "position")
-          fail(name_, node.source(), "law = " + log::quoted(law) + "; expected \"torque\" or \"position\"");
+          fail(name_, node.source(), "law = " + core::quoted(law) + "; expected \"torque\" or \"position\"");
         drive.law = law == "torque" ? DriveLaw::torque : DriveLaw::position;
         continue;
       }
@@ -149,7 +149,7 @@ class Reader {
       const auto which = std::find(kDriveParameters.begin(), kDriveParameters.end(), whole.substr(0, dot));
       if (dot == std::string::npos || which == kDriveParameters.end())
         fail(name_, key.source(),
-             "unknown key " + log::quoted(whole) + " in [free]; expected \"NAME.JOINT\" with NAME one of " +
+             "unknown key " + core::quoted(whole) + " in [free]; expected \"NAME.JOINT\" with NAME one of " +
                  log::listed(kDriveParameters));
       FreeParameter f{static_cast<std::size_t>(which - kDriveParameters.begin()),
                       joint_named(whole.substr(dot + 1), key.source(), who), 0.0, 0.0};
@@ -175,7 +175,7 @@ class Reader {
       const auto effect = effect_named(key.str());
       if (!effect)
         fail(name_, key.source(),
-             "unknown effect " + log::quoted(key.str()) + " of a tree; expected one of " + log::listed(all) +
+             "unknown effect " + core::quoted(key.str()) + " of a tree; expected one of " + log::listed(all) +
                  log::did_you_mean(key.str(), all));
       const std::string where = "[effect." + std::string(key.str()) + "]";
       for (const auto& [site, values] : log::table(node, name_, where))
@@ -195,7 +195,7 @@ class Reader {
     const std::vector<std::string_view> views(names.begin(), names.end());
     if (!at)
       fail(name_, source,
-           where + ": no " + std::string(name(e.seat)) + " " + log::quoted(site) + "; expected one of " +
+           where + ": no " + std::string(name(e.seat)) + " " + core::quoted(site) + "; expected one of " +
                log::listed(views) + log::did_you_mean(site, views));
     const bool linear = is_linear(model_, e.seat, *at);
     const toml::table& table = log::table(node, name_, where);
@@ -253,7 +253,7 @@ bool is_tree(std::string_view text) {
   try {
     const toml::table file = log::parse_toml(text, "");
     return file["model"]["kind"].value<std::string_view>() == "tree";
-  } catch (const log::DataError&) {
+  } catch (const core::DataError&) {
     return false;
   }
 }

@@ -67,7 +67,7 @@ struct TreeModel {
 /// Whether the text says kind = "tree" in [model]; false where it is no TOML at all.
 bool is_tree(std::string_view text);
 
-/// @throws log::DataError naming file, line and what was expected; and what read_urdf and tree_of throw. The URDF
+/// @throws core::DataError naming file, line and what was expected; and what read_urdf and tree_of throw. The URDF
 /// lies beside the model file.
 TreeModel read_tree_model(const std::string& path);
 TreeModel parse_tree_model(std::string_view text, const std::string& path);

@@ -7,8 +7,9 @@
 
 #include "furcula/dynamics/tree/dry_friction.hpp"
 #include "furcula/dynamics/tree/inverse_dynamics.hpp"
-#include "host/log/message.hpp"
-#include "host/log/strict_toml.hpp"
+#include "host/core/error.hpp"
+#include "host/core/message.hpp"
+#include "host/core/strict_toml.hpp"
 #include "host/trees/fit.hpp"
 #include "host/trees/run.hpp"
 
@@ -72,14 +73,14 @@ std::string described(const TreeModel& m, const std::vector<Path>& paths) {
     if (paths[j].profile == Path::Profile::hold) continue;
     ++count;
     one = &paths[j];
-    moving = m.robot.joints[j].name + ": a sine of " + log::rounded(paths[j].amplitude_rad, 2) + " " +
-             std::string(channel_unit(m, j)) + " about " + log::rounded(paths[j].centre_rad, 2) + " " +
+    moving = m.robot.joints[j].name + ": a sine of " + core::rounded(paths[j].amplitude_rad, 2) + " " +
+             std::string(channel_unit(m, j)) + " about " + core::rounded(paths[j].centre_rad, 2) + " " +
              std::string(channel_unit(m, j));
   }
   if (count > 1)
     return "Move all joints together, each on a sine, the slowest of " +
-           log::rounded(paths.back().period_s, 2) + " s a period";
-  return "Move " + moving + " with " + log::rounded(one->period_s, 2) + " s a period, and hold the others";
+           core::rounded(paths.back().period_s, 2) + " s a period";
+  return "Move " + moving + " with " + core::rounded(one->period_s, 2) + " s a period, and hold the others";
 }
 
 }  // namespace

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "host/log/error.hpp"
-#include "host/log/message.hpp"
+#include "host/core/error.hpp"
+#include "host/core/message.hpp"
 #include "host/log/rigs.hpp"
 
 namespace furcula::trees {
@@ -37,7 +37,7 @@ double noise_of(const std::vector<double>& x) {
 
 [[noreturn]] void missing(const log::Log& log, const TreeModel& m, std::size_t joint,
                           const std::string& columns) {
-  throw log::DataError(log.path + ": joint " + log::quoted(m.robot.joints[joint].name) + " has no column " +
+  throw core::DataError(log.path + ": joint " + core::quoted(m.robot.joints[joint].name) + " has no column " +
                        columns + "; expected one of each joint that moves (joints = [...] in " + m.file +
                        " says which do)");
 }
@@ -51,9 +51,9 @@ void refuse_degrees(const log::Log& log, const TreeModel& m, std::size_t joint,
   for (const double a : angle) largest = std::max(largest, std::abs(a));
   const double as_degrees = largest * std::numbers::pi / 180.0;
   if (largest > 4.0 * reach && as_degrees < 1.2 * reach)
-    throw log::DataError(
-        log.path + ": " + column_of(m, joint, "angle") + " reaches " + log::rounded(largest) +
-        ", and the URDF's limit is " + log::rounded(reach) +
+    throw core::DataError(
+        log.path + ": " + column_of(m, joint, "angle") + " reaches " + core::rounded(largest) +
+        ", and the URDF's limit is " + core::rounded(reach) +
         " rad: these are degrees; expected radians (a --map file with scale = 0.0174533 makes them)");
 }
 
@@ -80,7 +80,7 @@ std::string column_of(const TreeModel& m, std::size_t joint, const std::string& 
 Recording recording_of(const TreeModel& m, const log::Log& log) {
   constexpr std::size_t kFewest = 50;
   if (log.rows() < kFewest)
-    throw log::DataError(log.path + ": " + std::to_string(log.rows()) + " rows; expected at least " +
+    throw core::DataError(log.path + ": " + std::to_string(log.rows()) + " rows; expected at least " +
                          std::to_string(kFewest));
   Recording r;
   r.path = log.path;

@@ -27,7 +27,7 @@ struct Recording {
 /// "angle_elbow_rad", "torque_cmd_elbow_nm", ...: `quantity` is angle, velocity, torque, torque_cmd or angle_cmd.
 std::string column_of(const TreeModel& model, std::size_t joint, const std::string& quantity);
 
-/// @throws log::DataError naming file, joint and what was expected: a joint without its columns, angles that are degrees by the
+/// @throws core::DataError naming file, joint and what was expected: a joint without its columns, angles that are degrees by the
 /// URDF's limits, fewer than 50 rows.
 Recording recording_of(const TreeModel& model, const log::Log& log);
 

@@ -10,9 +10,9 @@
 #include <random>
 
 #include "furcula/dynamics/tree/inverse_dynamics.hpp"
-#include "host/log/error.hpp"
-#include "host/log/message.hpp"
-#include "host/log/strict_toml.hpp"
+#include "host/core/error.hpp"
+#include "host/core/message.hpp"
+#include "host/core/strict_toml.hpp"
 #include "host/trees/recording.hpp"
 #include "host/trees/run.hpp"
 
@@ -97,7 +97,7 @@ Scenario parse_scenario(std::string_view text, const std::string& name, const Tr
         const std::string which = log::text(*profile, name, where + " profile");
         if (which != "sine" && which != "steps" && which != "hold")
           log::fail(name, profile->source(),
-                    where + " profile = " + log::quoted(which) + "; expected sine, steps or hold");
+                    where + " profile = " + core::quoted(which) + "; expected sine, steps or hold");
         p.profile = which == "sine"    ? Path::Profile::sine
                     : which == "steps" ? Path::Profile::steps
                                        : Path::Profile::hold;
@@ -227,7 +227,7 @@ log::Log simulate(const TreeModel& model, const Scenario& scenario, std::uint64_
     }
     for (std::size_t j = 0; j < n; ++j) {
       if (!std::isfinite(runner.measured(j)))
-        throw log::DataError("the motion is not finite any more at " + log::shortest(t) +
+        throw core::DataError("the motion is not finite any more at " + core::shortest(t) +
                              " s; expected slower paths or stronger drives");
       if (model.drives[j].law == DriveLaw::torque)
         column(j, "torque")

@@ -24,13 +24,13 @@ struct Scenario {
 /// Sines about the middle of the limits (of joints without, about 0), a fifth of the range at most, each joint its own period.
 Scenario default_scenario(const TreeModel& model);
 
-/// @throws log::DataError naming file, line and what was expected.
+/// @throws core::DataError naming file, line and what was expected.
 Scenario parse_scenario(std::string_view text, const std::string& name, const TreeModel& model);
 Scenario read_scenario(const std::string& path, const TreeModel& model);
 
 /// Under the torque law a computer makes the joints follow their paths: inverse dynamics of the model without its causes, and a
 /// spring and damper to the path, through the mass matrix. Under the position law the path is the set point. The same seed gives the same log.
-/// @throws log::DataError: the motion is not finite (a drive that is too weak or a step that is too large).
+/// @throws core::DataError: the motion is not finite (a drive that is too weak or a step that is too large).
 log::Log simulate(const TreeModel& model, const Scenario& scenario, std::uint64_t seed);
 
 }  // namespace furcula::trees

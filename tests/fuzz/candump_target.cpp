@@ -5,7 +5,7 @@
 #include "furcula/bus/codec.hpp"
 #include "host/bus/candump.hpp"
 #include "host/bus/decoder.hpp"
-#include "host/log/error.hpp"
+#include "host/core/error.hpp"
 #include "tests/fuzz/target.hpp"
 
 namespace furcula::fuzz {
@@ -30,7 +30,7 @@ bool accepts(std::string_view input) {
   static const std::vector<bus::Node> nodes = bus::usual_nodes();
   static const std::vector<bus::NodeMessage> messages = bus::messages_of(nodes);
   bus::Decoder decoder(nodes);
-  log::TextSource source(input);
+  core::TextSource source(input);
   bus::CandumpReader reader(source, "input");
   std::string rows;
   try {
@@ -43,7 +43,7 @@ bool accepts(std::string_view input) {
       rows.clear();
       decoder.decode(frame, rows);
     }
-  } catch (const log::DataError&) {
+  } catch (const core::DataError&) {
     return false;
   }
   decoder.remarks();

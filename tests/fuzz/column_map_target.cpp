@@ -1,6 +1,6 @@
 // The reader of map files, and a log read through the map.
+#include "host/core/error.hpp"
 #include "host/log/column_map.hpp"
-#include "host/log/error.hpp"
 #include "host/log/reader.hpp"
 #include "tests/fuzz/target.hpp"
 
@@ -10,13 +10,13 @@ bool accepts(std::string_view input) {
   log::ColumnMap map;
   try {
     map = log::parse_column_map(input, "input");
-  } catch (const log::DataError&) {
+  } catch (const core::DataError&) {
     return false;
   }
   require(!map.columns.empty(), "a map maps something");
   try {
     log::parse_log("time,position,velocity,torque,a\n0,1,2,0,1\n1,2,3,1,0\n", "log", map.rig, &map);
-  } catch (const log::DataError&) {
+  } catch (const core::DataError&) {
   }
   return true;
 }

@@ -1,7 +1,7 @@
 // The reader of furculad's configuration file.
 #include "boards/linux_sbc/configuration.hpp"
 #include "furcula/bus/parameters.hpp"
-#include "host/log/error.hpp"
+#include "host/core/error.hpp"
 #include "tests/fuzz/target.hpp"
 
 namespace furcula::fuzz {
@@ -17,7 +17,7 @@ bool accepts(std::string_view input) {
     require(c.priority >= 0 && c.priority < 100, "a priority");
     require(!c.contact.chip.empty() && !c.contact.line.empty(), "the switch's line");
     return true;
-  } catch (const log::DataError&) {
+  } catch (const core::DataError&) {
     return false;
   }
 }

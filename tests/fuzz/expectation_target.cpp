@@ -1,5 +1,5 @@
 // The reader of a scenario's section [expect].
-#include "host/log/error.hpp"
+#include "host/core/error.hpp"
 #include "host/sim/expectation.hpp"
 #include "tests/fuzz/target.hpp"
 
@@ -13,7 +13,7 @@ bool accepts(std::string_view input) {
       require(!limit || (*limit >= 0.0 && *limit <= 1e6), "a limit within its bounds");
     require(static_cast<std::size_t>(e.fault) < control::kFaultCount, "a fault of the table");
     return true;
-  } catch (const log::DataError&) {
+  } catch (const core::DataError&) {
     return false;
   }
 }

@@ -1,6 +1,6 @@
 // The reader of a board's flash.toml.
+#include "host/core/error.hpp"
 #include "host/flash/boards.hpp"
-#include "host/log/error.hpp"
 #include "tests/fuzz/target.hpp"
 
 namespace furcula::fuzz {
@@ -9,7 +9,7 @@ bool accepts(std::string_view input) {
   try {
     require(flash::parse_board(input, "board", "input").name == "board", "the board's name");
     return true;
-  } catch (const log::DataError&) {
+  } catch (const core::DataError&) {
     return false;
   }
 }

@@ -1,6 +1,6 @@
 // The reader of a bench test's limits.
 #include "host/bench/limits.hpp"
-#include "host/log/error.hpp"
+#include "host/core/error.hpp"
 #include "tests/fuzz/target.hpp"
 
 namespace furcula::fuzz {
@@ -12,7 +12,7 @@ bool accepts(std::string_view input) {
                               l.not_caught_max, l.slips_max, l.holding_min_kg})
       require(!limit || *limit >= 0.0, "a limit is not negative");
     return true;
-  } catch (const log::DataError&) {
+  } catch (const core::DataError&) {
     return false;
   }
 }

@@ -13,7 +13,7 @@ bool accepts(std::string_view input) {
   log::Log log;
   try {
     log = log::parse_log(input, "input", rig);
-  } catch (const log::DataError&) {
+  } catch (const core::DataError&) {
     return false;
   }
   const std::string written = log::format_log(log);

@@ -1,5 +1,5 @@
 // The reader of model files.
-#include "host/log/error.hpp"
+#include "host/core/error.hpp"
 #include "host/model/reader.hpp"
 #include "host/model/writer.hpp"
 #include "tests/fuzz/target.hpp"
@@ -10,7 +10,7 @@ bool accepts(std::string_view input) {
   model::Model model;
   try {
     model = model::parse_model(input, "input");
-  } catch (const log::DataError&) {
+  } catch (const core::DataError&) {
     return false;
   }
   const std::string written = model::format_model(model);

@@ -1,6 +1,6 @@
 // A node of the bus as the command line names it.
 #include "host/bus/nodes.hpp"
-#include "host/log/error.hpp"
+#include "host/core/error.hpp"
 #include "tests/fuzz/target.hpp"
 
 namespace furcula::fuzz {
@@ -13,7 +13,7 @@ bool accepts(std::string_view input) {
             "name and protocol are what was said");
     require(!bus::messages_of({node}).empty(), "and messages of its own");
     return true;
-  } catch (const log::DataError&) {
+  } catch (const core::DataError&) {
     return false;
   }
 }

@@ -4,7 +4,7 @@
 #include <string_view>
 
 #include "furcula/bus/parameter_image.hpp"
-#include "host/log/parameter_file.hpp"
+#include "host/core/parameter_file.hpp"
 #include "tests/fuzz/target.hpp"
 
 namespace furcula::fuzz {
@@ -13,7 +13,7 @@ bool accepts(std::string_view input) {
   constexpr std::uint8_t kUntouched = 0xee;
   std::array<std::uint8_t, bus::kImageBytesMax> bytes;
   bytes.fill(kUntouched);
-  const Result<std::size_t> size = log::ParameterFile::read(input, bytes);
+  const Result<std::size_t> size = core::ParameterFile::read(input, bytes);
   require(!size.ok() || size.value() < input.size(), "an image is shorter than its file");
   for (std::size_t i = size.ok() ? size.value() : 0; i < bytes.size(); ++i)
     require(bytes[i] == kUntouched, "nothing else is touched");

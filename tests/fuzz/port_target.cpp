@@ -1,5 +1,5 @@
 // Where a robot answers, as the command line names it.
-#include "host/log/error.hpp"
+#include "host/core/error.hpp"
 #include "host/modbus/port.hpp"
 #include "tests/fuzz/target.hpp"
 
@@ -25,7 +25,7 @@ bool accepts(std::string_view input) {
       require(port.stop_bits == 1 || port.stop_bits == 2, "and so are stop bits");
     }
     return true;
-  } catch (const log::DataError&) {
+  } catch (const core::DataError&) {
     return false;
   }
 }

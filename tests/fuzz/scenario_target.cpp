@@ -1,5 +1,5 @@
 // The reader of scenarios, for each kind of machine.
-#include "host/log/error.hpp"
+#include "host/core/error.hpp"
 #include "host/model/reader.hpp"
 #include "host/sim/scenario.hpp"
 #include "tests/fuzz/target.hpp"
@@ -46,7 +46,7 @@ bool accepts(std::string_view input) {
       const sim::Scenario scenario = sim::parse_scenario(input, "input", model);
       require(scenario.duration_s > 0.0 && scenario.duration_s < 1e6, "a scenario ends");
       accepted = true;
-    } catch (const log::DataError&) {
+    } catch (const core::DataError&) {
     }
   }
   return accepted;

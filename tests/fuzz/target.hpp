@@ -8,7 +8,7 @@
 
 namespace furcula::fuzz {
 
-/// Whether the reader takes the input. A log::DataError is a refusal; anything else that the reader throws,
+/// Whether the reader takes the input. A core::DataError is a refusal; anything else that the reader throws,
 /// and an input that is taken and does not survive writing and reading again, ends the program.
 bool accepts(std::string_view input);
 

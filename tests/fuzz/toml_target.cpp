@@ -2,9 +2,9 @@
 #include <algorithm>
 #include <cstddef>
 
-#include "host/log/error.hpp"
-#include "host/log/strict_toml.hpp"
-#include "host/log/toml_depth.hpp"
+#include "host/core/error.hpp"
+#include "host/core/strict_toml.hpp"
+#include "host/core/toml_depth.hpp"
 #include "tests/fuzz/target.hpp"
 
 namespace furcula::fuzz {
@@ -24,11 +24,11 @@ std::size_t depth_of(const toml::node& node) {
 bool accepts(std::string_view input) {
   // A header's names (an array and a table each, in [[a.b]]), a key's, and within its value as many brackets, each
   // with a key of as many names.
-  constexpr std::size_t kMost = 3 * log::kTomlDepthMax + log::kTomlDepthMax * (log::kTomlDepthMax + 1) + 2;
+  constexpr std::size_t kMost = 3 * core::kTomlDepthMax + core::kTomlDepthMax * (core::kTomlDepthMax + 1) + 2;
   try {
-    require(depth_of(log::parse_toml(input, "input")) <= kMost, "a depth that is bounded");
+    require(depth_of(core::parse_toml(input, "input")) <= kMost, "a depth that is bounded");
     return true;
-  } catch (const log::DataError&) {
+  } catch (const core::DataError&) {
     return false;
   }
 }

@@ -1,6 +1,6 @@
 // The reader of URDF files, the tree made of a robot, and the MJCF written of it.
 #include "furcula/dynamics/tree/forward_dynamics.hpp"
-#include "host/log/error.hpp"
+#include "host/core/error.hpp"
 #include "host/model/mjcf.hpp"
 #include "host/model/xml_check.hpp"
 #include "tests/fuzz/target.hpp"
@@ -11,7 +11,7 @@ bool accepts(std::string_view input) {
   model::RobotTree tree;
   try {
     tree = model::tree_of(model::parse_urdf(input, "input"));
-  } catch (const log::DataError& e) {
+  } catch (const core::DataError& e) {
     require(std::string_view(e.what()).find_first_of("\n\x1b") == std::string_view::npos,
             "a message is one printable line");
     return false;

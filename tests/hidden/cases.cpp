@@ -449,7 +449,7 @@ Question question_of(Tier tier, std::uint64_t seed, std::uint64_t index, std::st
            (kind_name.empty() || kind_name == dynamics::info(kind).name);
   };
   std::vector<Choice> choices;
-  for (const auto& kind : dynamics::kKinds) {
+  for (const auto& kind : dynamics::kMachines) {
     if (!machine_has(kind.kind)) continue;
     if (tier == Tier::clean) {
       if (kind_name.empty() || kind_name == kind.name) choices.push_back({kind.kind, {}});

@@ -11,7 +11,7 @@
 #include <string_view>
 #include <vector>
 
-#include "furcula/dynamics/kinds.hpp"
+#include "furcula/dynamics/machines.hpp"
 
 namespace furcula::hidden {
 

@@ -14,7 +14,7 @@ constexpr double kG = 9.81, kLength = 0.15, kMass = 1.5, kRate = 600.0, kPi = st
 const double kTouchdown = 2 * kLength * std::cos(20 * kPi / 180);
 const double kRest = kTouchdown + 0.007;
 
-// Order of the parameters as in kinds.hpp.
+// Order of the parameters as in the machine's table.
 Truth hopper(std::vector<Planted> planted, double damping_stance = 0.0, double damping_flight = 0.0) {
   return {.kind = Kind::hopper_linear,
           .parameters = {kMass, kRate, kRest, damping_stance, damping_flight, 1.0, 1.0, kLength,

@@ -13,7 +13,7 @@ namespace {
 constexpr double kGravity = 9.81;
 constexpr double kTouchdownAngle = 20.0 * std::numbers::pi / 180.0;
 
-// 002, section 3.2.1: the example's rig; order of the parameters as in kinds.hpp.
+// 002, section 3.2.1: the example's rig; order of the parameters as in the machine's table.
 Truth example_hopper() {
   const double length = 0.15;
   return {.kind = Kind::hopper_linear,

@@ -163,7 +163,7 @@ TEST_CASE("A seed draws the same case again, and another seed another") {
 }
 
 TEST_CASE("A drawn case's model is near the truth, exact where it is held, and knows of no effect") {
-  for (const auto& kind : dynamics::kKinds)
+  for (const auto& kind : dynamics::kMachines)
     for (std::uint64_t seed = 1; seed <= 5 && can_be_planted("coulomb_friction", kind.kind); ++seed) {
       const Case c = draw_case(seed, kind.kind, "coulomb_friction", Size::medium);
       REQUIRE(c.model.effects.empty());
@@ -339,7 +339,7 @@ TEST_CASE("The suite asks about every law that the catalogue knows, on every kin
     }
     std::size_t outside = 0;
     for (const LawInfo& law : laws())
-      for (const auto& kind : dynamics::kKinds) {
+      for (const auto& kind : dynamics::kMachines) {
         if ((law.acts == Acts::outside_catalogue) != (tier == Tier::outside)) continue;
         if (!can_be_planted(law.name, kind.kind)) continue;
         const std::string wanted = std::string(law.name) + " " + std::string(kind.name);
@@ -353,7 +353,7 @@ TEST_CASE("The suite asks about every law that the catalogue knows, on every kin
 
 TEST_CASE("Every effect of the catalogue can be planted on every kind that has it") {
   for (const auto& effect : dynamics::kCatalogue)
-    for (const auto& kind : dynamics::kKinds)
+    for (const auto& kind : dynamics::kMachines)
       if (machine_has(kind.kind) && dynamics::applies(effect.effect, kind.kind)) {
         INFO(effect.name << " on " << kind.name);
         const LawInfo* law = law_named(effect.name);

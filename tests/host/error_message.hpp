@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "host/log/error.hpp"
+#include "host/core/error.hpp"
 
 namespace furcula::test {
 
@@ -12,7 +12,7 @@ template <typename Call>
 std::string error_message(Call&& call) {
   try {
     call();
-  } catch (const log::DataError& e) {
+  } catch (const core::DataError& e) {
     return e.what();
   }
   return {};

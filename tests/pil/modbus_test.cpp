@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "furcula/bus/modbus_rtu.hpp"
-#include "host/log/error.hpp"
+#include "host/core/error.hpp"
 #include "host/modbus/client.hpp"
 #include "tests/paths.hpp"
 #include "tests/pil/emulator.hpp"
@@ -60,7 +60,7 @@ class Machine {
     const modbus::Port port = modbus::parse_port("modbus:" + pty_ + "@1200");
     for (int attempt = 0;; ++attempt) try {
         return modbus::Client(port);
-      } catch (const log::DataError&) {
+      } catch (const core::DataError&) {
         if (attempt == 20) throw;
       }
   }
@@ -119,7 +119,7 @@ TEST_CASE("libmodbus reads and writes parameters of the emulated board, 200 roun
   const auto again = [&](auto ask) {
     for (;;) try {
         return ask();
-      } catch (const log::DataError&) {
+      } catch (const core::DataError&) {
         if (++repeats > 10) throw;
       }
   };

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <cstdio>
 
-#include "boards/sim_host/random.hpp"
 #include "firmware/app/app.hpp"
+#include "host/core/random.hpp"
 #include "host/sim/simulate.hpp"
 #include "tests/host/error_message.hpp"
 #include "tests/sil/machines.hpp"
@@ -149,7 +149,7 @@ TEST_CASE("of 10,000 hops with rough ground and sensors and a failing coil none 
   auto scenario = clutch_scenario(4320.0);
   scenario.sensors = {true, true, true, true};
   scenario.ground_steps_m = 0.03;
-  sim_host::Random random(20261121, 9);
+  core::Random random(20261121, 9);
   int stuck = 0;
   for (double t = 3.0; t < scenario.duration_s; t += random.uniform(2.0, 20.0)) {
     const double kind = random.uniform(0.0, 4.0);

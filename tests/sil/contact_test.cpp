@@ -7,15 +7,15 @@
 #include <vector>
 
 #include "boards/sim_host/can_board.hpp"
-#include "boards/sim_host/random.hpp"
 #include "firmware/app/app.hpp"
+#include "host/core/random.hpp"
 #include "host/sim/simulate.hpp"
 #include "tests/sil/machines.hpp"
 
 using namespace furcula;
 using namespace furcula::test;
+using core::Random;
 using sim_host::CanBoard;
-using sim_host::Random;
 using sim_host::RigFault;
 using sim_host::SimBoard;
 

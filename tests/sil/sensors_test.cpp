@@ -6,7 +6,7 @@
 #include <cmath>
 #include <vector>
 
-#include "boards/sim_host/random.hpp"
+#include "host/core/random.hpp"
 #include "host/sim/simulate.hpp"
 #include "tests/sil/machines.hpp"
 
@@ -143,7 +143,7 @@ TEST_CASE("the same seed gives the same log, another seed another") {
 
 TEST_CASE("random numbers are those of SplitMix64, whatever the compiler") {
   // Uniform in the range, streams apart.
-  sim_host::Random a(1, 1), b(1, 2);
+  core::Random a(1, 1), b(1, 2);
   int low = 0;
   for (int i = 0; i < 1000; ++i) {
     const double x = a.uniform(-2.0, 3.0);

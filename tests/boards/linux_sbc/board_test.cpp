@@ -10,7 +10,7 @@
 #include "firmware/app/node.hpp"
 #include "furcula/bus/codec.hpp"
 #include "furcula/bus/messages.hpp"
-#include "host/log/parameter_file.hpp"
+#include "host/core/parameter_file.hpp"
 #include "host/rig/peers.hpp"
 #include "tests/boards/linux_sbc/doubles.hpp"
 
@@ -151,7 +151,7 @@ TEST_CASE("off the bus is a fault of the sample, and ends when the controller is
   bench.can.watch.note_error_frame(CAN_ERR_BUSOFF);
   CHECK(fault() == control::Fault::bus_off);
   CHECK(fault() == control::Fault::bus_off);
-  CHECK(bench.figures.can_state.load() == linux_sbc::CanState::off);
+  CHECK(bench.figures.can_state.load() == socketcan::CanState::off);
   bench.can.watch.note_error_frame(CAN_ERR_RESTARTED);
   CHECK(fault() == control::Fault::none);
   // Off and restarted between two ticks: told once, for the controller to keep.
@@ -159,14 +159,14 @@ TEST_CASE("off the bus is a fault of the sample, and ends when the controller is
   bench.can.watch.note_error_frame(CAN_ERR_RESTARTED);
   CHECK(fault() == control::Fault::bus_off);
   CHECK(fault() == control::Fault::none);
-  CHECK(bench.figures.can_state.load() == linux_sbc::CanState::on);
+  CHECK(bench.figures.can_state.load() == socketcan::CanState::on);
 }
 
 TEST_CASE("a robot whose link goes down and up again stays in its safe state until a person resets it") {
   linux_sbc::Configuration configuration = wiring();
   Bench bench(configuration);
   bench.lines.reading.closed = true;
-  log::ParameterFile store("");
+  core::ParameterFile store("");
   firmware::FaultLog faults{};
   faults.begin();
   control::Config config;
@@ -222,7 +222,7 @@ TEST_CASE("a thousand ticks of a node on the board take nothing from the heap") 
   WARN("not counted under a sanitizer");
 #else
   Bench bench;
-  log::ParameterFile store("");
+  core::ParameterFile store("");
   firmware::FaultLog faults{};
   faults.begin();
   firmware::Node node(bench.board, store, control::Config{}, bus::Identity{.board = "linux_sbc", .text = ""},
@@ -244,10 +244,10 @@ TEST_CASE("a thousand ticks of a node on the board take nothing from the heap") 
 
 TEST_CASE("parameters that were saved and cannot be read are a fault from the start until a person's reset") {
   Bench bench;
-  log::ParameterFile store("/");  // a folder
+  core::ParameterFile store("/");  // a folder
   firmware::FaultLog faults{};
   faults.begin();
-  firmware::Node<QuietBoard, log::ParameterFile> node(bench.board, store, {}, {}, 7, faults);
+  firmware::Node<QuietBoard, core::ParameterFile> node(bench.board, store, {}, {}, 7, faults);
   REQUIRE(node.snapshot().parameter_origin == static_cast<int>(bus::ParameterOrigin::store_unusable));
   bench.board.report_start_fault(control::Fault::parameters_lost);
   bench.lines.reading.closed = true;

@@ -12,7 +12,7 @@
 #include <string>
 
 #include "furcula/bus/parameters.hpp"
-#include "host/log/error.hpp"
+#include "host/core/error.hpp"
 #include "host/rig/rig.hpp"
 #include "tests/host/cli/run_program.hpp"
 #include "tests/paths.hpp"
@@ -35,7 +35,7 @@ line = "contact"
 std::string message_of(const std::string& text) {
   try {
     parse_configuration(text, "f.toml");
-  } catch (const log::DataError& e) {
+  } catch (const core::DataError& e) {
     return e.what();
   }
   return "no error";

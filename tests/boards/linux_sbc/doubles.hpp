@@ -12,8 +12,8 @@ namespace furcula::test {
 
 class QuietBus {
  public:
-  std::span<const linux_sbc::Received> receive() {
-    const std::span<const linux_sbc::Received> all(incoming.data(), count);
+  std::span<const socketcan::Received> receive() {
+    const std::span<const socketcan::Received> all(incoming.data(), count);
     count = 0;
     return all;
   }
@@ -21,23 +21,23 @@ class QuietBus {
     for (const bus::Frame& f : frames) sent[next++ % sent.size()] = f;
     return takes;
   }
-  linux_sbc::CanState state() const { return watch.state(); }
+  socketcan::CanState state() const { return watch.state(); }
   std::uint64_t times_off() const { return watch.times_off(); }
-  const linux_sbc::CanCounters& counters() const { return counters_; }
+  const socketcan::CanCounters& counters() const { return counters_; }
 
   void arrive(const bus::Frame& frame, std::int64_t age_ns = 0) { incoming[count++] = {frame, age_ns}; }
   /// The newest.
   const bus::Frame& last() const { return sent[(next + sent.size() - 1) % sent.size()]; }
 
-  std::array<linux_sbc::Received, 8> incoming{};
+  std::array<socketcan::Received, 8> incoming{};
   std::size_t count = 0;
   std::array<bus::Frame, 64> sent{};
   std::size_t next = 0;
   bool takes = true;
-  linux_sbc::LinkWatch watch;
+  socketcan::LinkWatch watch;
 
  private:
-  linux_sbc::CanCounters counters_;
+  socketcan::CanCounters counters_;
 };
 
 class QuietLines {

@@ -9,7 +9,7 @@
 #include "boards/linux_sbc/daemon.hpp"
 #include "firmware/app/node.hpp"
 #include "firmware/app/node_registers.hpp"
-#include "host/log/parameter_file.hpp"
+#include "host/core/parameter_file.hpp"
 #include "tests/boards/linux_sbc/doubles.hpp"
 #include "tests/host/cli/run_program.hpp"
 #include "tests/paths.hpp"
@@ -58,7 +58,7 @@ TEST_CASE("furculad's registers have version and build of the program that it is
   linux_sbc::LoopFigures figures;
   linux_sbc::Configuration configuration;
   test::QuietBoard board(configuration, can, lines, stop, figures);
-  log::ParameterFile store("");
+  core::ParameterFile store("");
   firmware::FaultLog faults{};
   firmware::Node node(board, store, control::Config{}, identity, 1, faults);
   const firmware::NodeRegisters registers(node);

@@ -53,7 +53,7 @@ class SlowFile {
 
 using Writer = linux_sbc::ParameterWriter<SlowFile>;
 static_assert(firmware::SavesAside<Writer>);
-static_assert(!firmware::SavesAside<log::ParameterFile>);
+static_assert(!firmware::SavesAside<core::ParameterFile>);
 using Node = firmware::Node<QuietBoardInTime, Writer>;
 
 /// furculad's loop on doubles, tick by tick.

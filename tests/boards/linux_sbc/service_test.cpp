@@ -8,12 +8,12 @@
 #include <cstring>
 #include <string>
 
-#include "boards/linux_sbc/can_socket.hpp"
 #include "boards/linux_sbc/gpio.hpp"
 #include "boards/linux_sbc/notify.hpp"
-#include "boards/linux_sbc/timer.hpp"
+#include "host/core/timer.hpp"
 #include "host/rig/gpio_sim.hpp"
 #include "host/rig/rig.hpp"
+#include "host/socketcan/can_socket.hpp"
 
 using namespace furcula;
 using Catch::Contains;
@@ -48,10 +48,10 @@ TEST_CASE("the service manager gets datagrams on the socket that it named, an ab
 }
 
 TEST_CASE("a CAN interface or a GPIO chip that is not there is one error that names it") {
-  const auto open_can = [] { linux_sbc::CanSocket("nocan7", {}); };
-  CHECK_THROWS_AS(open_can(), linux_sbc::CanError);
+  const auto open_can = [] { socketcan::CanSocket("nocan7", {}); };
+  CHECK_THROWS_AS(open_can(), socketcan::CanError);
   CHECK_THROWS_WITH(open_can(), Contains("nocan7") || Contains("SocketCAN"));
-  CHECK_THROWS_WITH(linux_sbc::CanSocket("a name that is too long", {}),
+  CHECK_THROWS_WITH(socketcan::CanSocket("a name that is too long", {}),
                     Contains("no name of a CAN interface"));
   const linux_sbc::GpioLine line{"no-such-chip", "contact", false};
   CHECK_THROWS_AS(linux_sbc::Gpio(line, nullptr), linux_sbc::GpioError);
@@ -60,9 +60,9 @@ TEST_CASE("a CAN interface or a GPIO chip that is not there is one error that na
 }
 
 TEST_CASE("the timer keeps to its grid, and counts the ticks that it missed") {
-  linux_sbc::Timer timer(1'000'000);
+  core::Timer timer(1'000'000);
   timer.start();
-  const std::int64_t begin_ns = linux_sbc::monotonic_ns();
+  const std::int64_t begin_ns = core::monotonic_ns();
   for (int i = 0; i < 5; ++i) CHECK(timer.wait() >= 0);
   CHECK(timer.woke_ns() - begin_ns >= 5'000'000 - 50'000);
   const std::uint64_t before = timer.overruns();

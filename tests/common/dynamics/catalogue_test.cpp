@@ -6,7 +6,7 @@
 #include <set>
 #include <string>
 
-#include "furcula/dynamics/kinds.hpp"
+#include "furcula/dynamics/machines.hpp"
 
 using namespace furcula::dynamics;
 
@@ -20,7 +20,7 @@ TEST_CASE("Every effect has a law, parameters with ordered bounds, an explanatio
     CHECK_FALSE(e.explanation.empty());
     CHECK_FALSE(e.where_to_look.empty());
     CHECK_FALSE(e.best_experiment.empty());
-    CHECK(e.kinds != 0);
+    CHECK(e.seats != furcula::dynamics::Seat{});
     REQUIRE(e.parameter_count >= 1);
     for (const auto& p : e.parameters()) {
       CHECK(p.lower < p.upper);

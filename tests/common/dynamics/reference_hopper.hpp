@@ -7,7 +7,7 @@
 #include <array>
 #include <cmath>
 
-#include "furcula/dynamics/parameters.hpp"
+#include "furcula/dynamics/machines.hpp"
 
 namespace furcula::test {
 

@@ -6,7 +6,7 @@
 
 #include "host/bench/release_catch.hpp"
 #include "host/bench/release_catch_json.hpp"
-#include "host/log/error.hpp"
+#include "host/core/error.hpp"
 #include "host/pil/own_image.hpp"
 #include "host/pil/qemu.hpp"
 #include "tests/host/error_message.hpp"

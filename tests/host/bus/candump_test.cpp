@@ -13,7 +13,7 @@ namespace {
 
 std::string message_of(const std::string& text) {
   return test::error_message([&] {
-    log::TextSource source(text);
+    core::TextSource source(text);
     CandumpReader reader(source, "can.log");
     LogFrame frame;
     while (reader.next(frame)) {
@@ -22,7 +22,7 @@ std::string message_of(const std::string& text) {
 }
 
 /// One byte at a time, so that lines end anywhere in what is read.
-class Drops final : public log::ByteSource {
+class Drops final : public core::ByteSource {
  public:
   explicit Drops(std::string_view text) : text_(text) {}
   std::size_t read(char* to, std::size_t size) override {

@@ -3,9 +3,9 @@
 #include <catch2/catch.hpp>
 #include <set>
 
+#include "host/core/error.hpp"
 #include "host/diagnose/diagnose.hpp"
 #include "host/diagnose/diagnosis_json.hpp"
-#include "host/log/error.hpp"
 #include "tests/host/identify/synthetic.hpp"
 
 using namespace furcula;

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <random>
 
+#include "host/core/error.hpp"
 #include "host/diagnose/diagnosis_json.hpp"
-#include "host/log/error.hpp"
 #include "host/log/writer.hpp"
 #include "host/model/reader.hpp"
 #include "host/model/writer.hpp"

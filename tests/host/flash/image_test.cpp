@@ -4,16 +4,16 @@
 #include <catch2/catch.hpp>
 #include <cstdlib>
 
+#include "host/core/error.hpp"
 #include "host/flash/boards.hpp"
 #include "host/flash/tools.hpp"
-#include "host/log/error.hpp"
 #include "tests/host/flash/made_image.hpp"
 
 namespace {
 
 using namespace furcula;
 using Catch::Contains;
-using log::DataError;
+using core::DataError;
 
 std::string refusal(const std::string& elf) {
   try {

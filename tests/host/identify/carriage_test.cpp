@@ -2,8 +2,8 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "host/core/error.hpp"
 #include "host/identify/identification.hpp"
-#include "host/log/error.hpp"
 #include "tests/host/identify/synthetic.hpp"
 
 using namespace furcula;

@@ -2,9 +2,9 @@
 // refuses them.
 #include <catch2/catch.hpp>
 
+#include "host/core/error.hpp"
 #include "host/identify/identification.hpp"
 #include "host/identify/prediction.hpp"
-#include "host/log/error.hpp"
 #include "tests/host/error_message.hpp"
 #include "tests/host/identify/clutched_hops.hpp"
 

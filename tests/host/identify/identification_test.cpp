@@ -4,8 +4,8 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "host/core/error.hpp"
 #include "host/identify/split.hpp"
-#include "host/log/error.hpp"
 #include "host/sim/simulate.hpp"
 #include "tests/host/identify/synthetic.hpp"
 
@@ -56,7 +56,7 @@ TEST_CASE("Too few recordings or windows for the folds are refused with both num
                     Catch::Contains("4 recordings") && Catch::Contains("10 folds"));
   options.folds = 0;
   const std::vector<log::Log> shortest{test::axis_log(95.0, 203.5, 1e-4, 1, 0.3)};
-  CHECK_THROWS_AS(identify::identify(test::axis_model(60.0, 90.0), shortest, {}, options), log::DataError);
+  CHECK_THROWS_AS(identify::identify(test::axis_model(60.0, 90.0), shortest, {}, options), core::DataError);
 }
 
 TEST_CASE("A recording too short for a window is no fold, and a pause ends a window, not the recording") {

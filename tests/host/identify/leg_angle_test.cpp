@@ -5,6 +5,7 @@
 
 #include "host/identify/prediction.hpp"
 #include "host/identify/simulation_fit.hpp"
+#include "host/machines/hopper.hpp"
 #include "host/sim/simulate.hpp"
 #include "tests/host/identify/synthetic.hpp"
 
@@ -91,7 +92,7 @@ TEST_CASE("Without the column there are no errors of the leg angle") {
 
 TEST_CASE("What is wrong with the height alone leaves the leg angle as it is") {
   const auto model = test::hopper_model();
-  const double top = identify::touchdown_height_m(model);
+  const double top = machines::touchdown_height_m(model);
   const Recording truth = stride(model);
   for (const auto& [effect, value] : {std::pair{Effect::height_scale_error, 1.04},
                                       {Effect::encoder_offset, 0.004},

@@ -4,7 +4,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "host/log/error.hpp"
+#include "host/core/error.hpp"
 #include "tests/host/identify/synthetic.hpp"
 
 using namespace furcula;

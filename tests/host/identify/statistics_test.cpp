@@ -5,7 +5,7 @@
 #include <cmath>
 #include <random>
 
-#include "host/identify/quantile.hpp"
+#include "host/core/quantile.hpp"
 #include "host/identify/verdicts.hpp"
 
 using namespace furcula;
@@ -56,31 +56,31 @@ identify::Fit fitted_mean(const Eigen::VectorXd& y, Eigen::Index length, std::si
 
 TEST_CASE("Points of the chi-square are those of the tables, and of the closed form for even degrees") {
   // NIST/SEMATECH e-Handbook 1.3.6.7.4 to three decimals; further digits by 20-digit arithmetic.
-  CHECK(identify::chi_square_above(0.05, 1) == Approx(3.841458821).epsilon(1e-9));
-  CHECK(identify::chi_square_above(0.005, 1) == Approx(7.879438577).epsilon(1e-9));
-  CHECK(identify::chi_square_above(0.005, 3) == Approx(12.83815647).epsilon(1e-9));
-  CHECK(identify::chi_square_above(0.005, 10) == Approx(25.18817957).epsilon(1e-9));
-  CHECK(identify::chi_square_above(0.005, 20) == Approx(39.99684631).epsilon(1e-9));
-  CHECK(identify::chi_square_above(1e-6, 3) == Approx(30.66484971).epsilon(1e-9));
+  CHECK(core::chi_square_above(0.05, 1) == Approx(3.841458821).epsilon(1e-9));
+  CHECK(core::chi_square_above(0.005, 1) == Approx(7.879438577).epsilon(1e-9));
+  CHECK(core::chi_square_above(0.005, 3) == Approx(12.83815647).epsilon(1e-9));
+  CHECK(core::chi_square_above(0.005, 10) == Approx(25.18817957).epsilon(1e-9));
+  CHECK(core::chi_square_above(0.005, 20) == Approx(39.99684631).epsilon(1e-9));
+  CHECK(core::chi_square_above(1e-6, 3) == Approx(30.66484971).epsilon(1e-9));
   for (const double level : {0.5, 1e-2, 1e-5, 1e-9}) {
-    CHECK(identify::chi_square_above(level, 2) == Approx(-2.0 * std::log(level)).epsilon(1e-12));
-    const double half = 0.5 * identify::chi_square_above(level, 6);
+    CHECK(core::chi_square_above(level, 2) == Approx(-2.0 * std::log(level)).epsilon(1e-12));
+    const double half = 0.5 * core::chi_square_above(level, 6);
     CHECK(std::exp(-half) * (1.0 + half + 0.5 * half * half) == Approx(level).epsilon(1e-9));
-    CHECK(std::erfc(std::sqrt(0.5 * identify::chi_square_above(level, 1))) == Approx(level).epsilon(1e-9));
+    CHECK(std::erfc(std::sqrt(0.5 * core::chi_square_above(level, 1))) == Approx(level).epsilon(1e-9));
   }
 }
 
 TEST_CASE("Points of Student's t are those of the tables and of the closed forms") {
   const double pi = std::acos(-1.0);
-  CHECK(identify::student_t_within(0.95, 1) == Approx(std::tan(0.475 * pi)).epsilon(1e-10));
-  CHECK(identify::student_t_within(0.95, 2) ==
+  CHECK(core::student_t_within(0.95, 1) == Approx(std::tan(0.475 * pi)).epsilon(1e-10));
+  CHECK(core::student_t_within(0.95, 2) ==
         Approx(0.95 * std::sqrt(2.0 / (1.0 - 0.95 * 0.95))).epsilon(1e-10));
-  CHECK(identify::student_t_within(0.95, 3) == Approx(3.182446305).epsilon(1e-9));
-  CHECK(identify::student_t_within(0.95, 3.75) == Approx(2.850989284).epsilon(1e-9));  // a beta function
-  CHECK(identify::student_t_within(0.95, 4) == Approx(2.776445105).epsilon(1e-9));
-  CHECK(identify::student_t_within(0.95, 10) == Approx(2.228138852).epsilon(1e-9));
-  CHECK(identify::student_t_within(0.95, 22) == Approx(2.073873068).epsilon(1e-9));
-  CHECK(identify::student_t_within(0.95, 100) == Approx(1.983971519).epsilon(1e-9));
+  CHECK(core::student_t_within(0.95, 3) == Approx(3.182446305).epsilon(1e-9));
+  CHECK(core::student_t_within(0.95, 3.75) == Approx(2.850989284).epsilon(1e-9));  // a beta function
+  CHECK(core::student_t_within(0.95, 4) == Approx(2.776445105).epsilon(1e-9));
+  CHECK(core::student_t_within(0.95, 10) == Approx(2.228138852).epsilon(1e-9));
+  CHECK(core::student_t_within(0.95, 22) == Approx(2.073873068).epsilon(1e-9));
+  CHECK(core::student_t_within(0.95, 100) == Approx(1.983971519).epsilon(1e-9));
 }
 
 TEST_CASE("White noise is worth its rows, and noise with a memory its rows over the correlation time") {
@@ -163,7 +163,7 @@ TEST_CASE("The mean of noise lies in its 95 % interval 95 times of a hundred, ho
       for (unsigned run = 0; run < kRuns; ++run) {
         const auto fit = fitted_mean(autoregression(memory, 480, 1000 + run), 40, layers);
         const double t =
-            identify::student_t_within(0.95, identify::independent_windows(fit.shares.size(), layers) - 1.0);
+            core::student_t_within(0.95, identify::independent_windows(fit.shares.size(), layers) - 1.0);
         held += std::abs(fit.values[0]) <= t * std::sqrt(fit.covariance(0, 0)) ? 1 : 0;
         variance += fit.covariance(0, 0) / kRuns;
         squares += fit.values[0] * fit.values[0] / kRuns;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <random>
 
+#include "host/machines/hopper.hpp"
 #include "host/sim/simulate.hpp"
 #include "tests/host/identify/synthetic.hpp"
 
@@ -18,7 +19,7 @@ namespace {
 log::Log bouncer(int hops) {
   log::Log log;
   log.path = "bouncer.csv";
-  const double touchdown = identify::touchdown_height_m(test::hopper_model());
+  const double touchdown = machines::touchdown_height_m(test::hopper_model());
   for (int n = 0; n < 500 * hops; ++n) {
     const double t = 1e-3 * n, phase = std::fmod(t, 0.5);
     const double z = phase < 0.3 ? touchdown + 4.905 * phase * (0.3 - phase)

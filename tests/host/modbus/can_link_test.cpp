@@ -3,7 +3,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "host/log/error.hpp"
+#include "host/core/error.hpp"
 #include "host/modbus/client.hpp"
 #include "tests/host/modbus/can_bus.hpp"
 #include "tests/host/modbus/robot.hpp"
@@ -137,7 +137,7 @@ TEST_CASE("a node of another version of the protocol is named") {
 }
 
 TEST_CASE("an interface that is not there is named") {
-  CHECK_THROWS_AS(modbus::Client(modbus::parse_port("can:nowhere7")), log::DataError);
+  CHECK_THROWS_AS(modbus::Client(modbus::parse_port("can:nowhere7")), core::DataError);
   CHECK_THROWS_WITH(modbus::Client(modbus::parse_port("can:nowhere7")),
                     Contains("can:nowhere7: ") && (Contains("SocketCAN") || Contains("no CAN interface")));
 }

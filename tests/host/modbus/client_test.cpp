@@ -4,7 +4,7 @@
 #include <catch2/catch.hpp>
 #include <vector>
 
-#include "host/log/error.hpp"
+#include "host/core/error.hpp"
 #include "tests/host/cli/run_program.hpp"
 #include "tests/host/modbus/robot.hpp"
 

@@ -3,7 +3,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "host/log/error.hpp"
+#include "host/core/error.hpp"
 
 using namespace furcula;
 using Catch::Matchers::Contains;

@@ -9,7 +9,7 @@
 #include "furcula/dynamics/tree/forward_dynamics.hpp"
 #include "furcula/dynamics/tree/inverse_dynamics.hpp"
 #include "furcula/dynamics/tree/plant.hpp"
-#include "host/log/strict_toml.hpp"
+#include "host/core/strict_toml.hpp"
 #include "host/model/mjcf.hpp"
 #include "tests/host/model/mujoco_peer.hpp"
 #include "tests/paths.hpp"
@@ -26,13 +26,13 @@ namespace {
 using Joints = model::RobotModel::Joints;
 
 std::string own(const std::string& name) {
-  return log::read_small_file(test::source("tests/host/model/robots/" + name + ".urdf"), "a robot");
+  return core::read_small_file(test::source("tests/host/model/robots/" + name + ".urdf"), "a robot");
 }
 /// Of a robot of the folder of recordings, which is not part of the project; empty where it is not there.
 std::string recorded(const std::string& path) {
   const char* named = std::getenv("FURCULA_DATA");
   const std::string folder = named != nullptr ? named : test::source("../shared/data");
-  return std::filesystem::exists(folder + "/" + path) ? log::read_small_file(folder + "/" + path, "a robot")
+  return std::filesystem::exists(folder + "/" + path) ? core::read_small_file(folder + "/" + path, "a robot")
                                                       : "";
 }
 

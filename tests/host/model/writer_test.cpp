@@ -41,7 +41,7 @@ TEST_CASE("any model of any kind with all its effects reads back to the bit") {
   const auto between = [&](double lower, double upper) {
     return std::uniform_real_distribution<double>(lower, upper)(random);
   };
-  for (const auto& kind : dynamics::kKinds)
+  for (const auto& kind : dynamics::kMachines)
     for (int draw = 0; draw < 50; ++draw) {
       model::Model m;
       m.kind = kind.kind;
@@ -52,7 +52,7 @@ TEST_CASE("any model of any kind with all its effects reads back to the bit") {
         if (draw % 2 == 0) m.free[m.parameters.size()] = {p.lower, p.upper};
         m.parameters.push_back(value);
       }
-      if (dynamics::is_hopper(kind.kind))
+      if (dynamics::has(kind.kind, dynamics::Seat::leg))
         m.clutch = model::Clutch{between(0.0, 1.0), between(0.0, 1.0), between(0.0, 1e4), between(1e-3, 0.1)};
       for (const auto& e : dynamics::kCatalogue)
         if (dynamics::applies(e.effect, kind.kind))

@@ -4,7 +4,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "host/log/error.hpp"
+#include "host/core/error.hpp"
 #include "host/sim/simulate.hpp"
 
 using namespace furcula;
@@ -91,7 +91,7 @@ TEST_CASE("what an expectation cannot mean is said with its line") {
   const auto message = [](const std::string& text) {
     try {
       sim::parse_expectation(text, "s.toml");
-    } catch (const log::DataError& e) {
+    } catch (const core::DataError& e) {
       return std::string(e.what());
     }
     return std::string();

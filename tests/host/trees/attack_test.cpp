@@ -2,7 +2,7 @@
 #include <chrono>
 #include <cmath>
 
-#include "host/log/error.hpp"
+#include "host/core/error.hpp"
 #include "host/log/reader.hpp"
 #include "host/log/writer.hpp"
 #include "host/trees/diagnose.hpp"

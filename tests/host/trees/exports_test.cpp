@@ -9,8 +9,8 @@
 #include <sstream>
 
 #include "furcula/dynamics/tree/forward_dynamics.hpp"
-#include "host/log/error.hpp"
-#include "host/log/strict_toml.hpp"
+#include "host/core/error.hpp"
+#include "host/core/strict_toml.hpp"
 #include "host/model/xml_check.hpp"
 #include "host/trees/run.hpp"
 #include "tests/host/model/mujoco_peer.hpp"

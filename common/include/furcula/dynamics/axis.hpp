@@ -1,27 +1,31 @@
-// An axis without contact: a linear motor axis, a rotary joint under gravity, or a carriage in free flight on
-// a vertical rail. Dry friction, where it is switched on, holds the axis at rest until the applied force
-// exceeds it; turning points are located inside the step.
+// An axis without contact: a linear motor axis, a rotary joint under gravity or on a torsion spring, or a
+// carriage in free flight on a vertical rail. Dry friction, where it is switched on, holds the axis at rest
+// until the applied force exceeds it; turning points are located inside the step.
 #pragma once
 
 #include <cmath>
 
 #include "furcula/dynamics/effects/laws.hpp"
-#include "furcula/dynamics/parameters.hpp"
+#include "furcula/dynamics/machines/motor_axis.hpp"
+#include "furcula/dynamics/machines/rail_carriage.hpp"
+#include "furcula/dynamics/machines/rotary_joint.hpp"
 #include "furcula/dynamics/rotor.hpp"
 #include "furcula/dynamics/segment.hpp"
 
 namespace furcula::dynamics {
 
 /// m x'' = u - d x' - load(x) + effects, with load = 0 (MotorAxisParameters), gravity_torque sin(x)
-/// (RotaryJointParameters; angle 0 hanging down) or m g (RailCarriageParameters; up positive, u = 0). The
-/// input u (N or N m) is held over a step; forces that depend on position or speed are taken at the step's
-/// predicted midpoint.
+/// (RotaryJointParameters; angle 0 hanging down), stiffness x (TorsionPendulumParameters) or m g
+/// (RailCarriageParameters; up positive, u = 0). The input u (N or N m) is held over a step; forces that depend
+/// on position or speed are taken at the step's predicted midpoint, a spring's is in the flow.
 template <class Parameters, class T>
 class Axis {
  public:
   using V = ValueOf<T>;
-  static constexpr bool kRotary = Parameters::kKind == Kind::rotary_joint;
-  static constexpr bool kVertical = Parameters::kKind == Kind::rail_carriage;
+  static constexpr bool kRotary = requires(const Parameters& p) { p.inertia_kgm2; };
+  static constexpr bool kVertical = requires(const Parameters& p) { p.gravity_mps2; };
+  static constexpr bool kHangs = requires(const Parameters& p) { p.gravity_torque_nm; };
+  static constexpr bool kSprung = requires(const Parameters& p) { p.stiffness_nmprad; };
 
   Axis(const Parameters& p, const Effects<T>& effects = {})
       : p_(p), e_(effects), rotor_(effects), dry_(has_dry_friction(e_)) {
@@ -66,7 +70,7 @@ class Axis {
     const V h = parts == 1 ? dt_s : dt_s / static_cast<V>(parts);
     if (h != step_) {
       step_ = h;
-      full_ = flow(T(V(0)), delta_, T(h));
+      full_ = flow(kappa(), delta_, T(h));
     }
     for (int i = 0; i < parts; ++i) {
       T left = T(h);
@@ -84,7 +88,6 @@ class Axis {
   static constexpr int kMaxTurns = 8;
 
   bool move(const T& input, T& left, bool full) {
-    using std::sin;
     const V h = value_of(left);
     if constexpr (kRotary)
       if (full && rotor_.loose()) let_rotor_go(input);
@@ -93,10 +96,10 @@ class Axis {
     if constexpr (kRotary) {
       motor = input;
       // At the midpoint, by the velocity and the acceleration at the start.
-      const T start = (force - p_.gravity_torque_nm * sin(x_)) * inverse_mass_ - delta_ * v_;
+      const T start = (force - load(x_)) * inverse_mass_ - delta_ * v_;
       const T midpoint = full ? T(x_ + v_ * (V(0.5) * h) + start * (V(0.125) * h * h))
                               : T(x_ + (v_ + start * (V(0.25) * left)) * (V(0.5) * left));
-      force -= p_.gravity_torque_nm * sin(midpoint);
+      force -= load(kSprung ? x_ : midpoint);
       if (rotor_.ripples()) {
         const T ripple = rotor_.ripple(midpoint);
         motor += ripple;
@@ -119,7 +122,7 @@ class Axis {
       }
       acceleration = r.acceleration;
     }
-    const Segment<T> segment{x_, v_, acceleration, T(V(0)), delta_};
+    const Segment<T> segment{x_, v_, acceleration, kappa(), delta_};
     const Flow<T> whole = full ? full_ : segment.over(left);
     const T v_end = segment.velocity_after(whole);
     if (dry_ && (up ? value_of(v_end) < V(0) : value_of(v_end) > V(0))) {
@@ -147,11 +150,25 @@ class Axis {
 
   static T zero() { return T(V(0)); }
 
+  /// What gravity or the spring turns a rotary axis back with.
+  T load(const T& angle) const {
+    using std::sin;
+    if constexpr (kHangs)
+      return p_.gravity_torque_nm * sin(angle);
+    else
+      return p_.stiffness_nmprad * angle;
+  }
+  T kappa() const {
+    if constexpr (kSprung)
+      return p_.stiffness_nmprad * inverse_mass_;
+    else
+      return zero();
+  }
+
   /// At a step's start: the rotor leaves its end if torque and joint part.
   void let_rotor_go(const T& input) {
-    using std::sin;
     T force = constant_force_;
-    if constexpr (kRotary) force -= p_.gravity_torque_nm * sin(x_);
+    if constexpr (kRotary) force -= load(x_);
     const V v = value_of(v_);
     if (v != V(0)) force += resistance(e_, v > V(0), v_, binding(e_, x_, x_));
     V acceleration = value_of(T(force * inverse_mass_ - delta_ * v_));

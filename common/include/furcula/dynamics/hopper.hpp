@@ -13,7 +13,7 @@
 #include "furcula/dynamics/effects/laws.hpp"
 #include "furcula/dynamics/key_timing.hpp"
 #include "furcula/dynamics/links.hpp"
-#include "furcula/dynamics/parameters.hpp"
+#include "furcula/dynamics/machines/hopper_nonlinear.hpp"
 #include "furcula/dynamics/rotor.hpp"
 #include "furcula/dynamics/segment.hpp"
 

@@ -13,8 +13,8 @@
 #include "furcula/dynamics/contact_event.hpp"
 #include "furcula/dynamics/hybrid.hpp"
 #include "furcula/dynamics/links.hpp"
+#include "furcula/dynamics/machines/hopper_nonlinear.hpp"
 #include "furcula/dynamics/members.hpp"
-#include "furcula/dynamics/parameters.hpp"
 
 namespace furcula::dynamics {
 

@@ -8,7 +8,7 @@
 
 #include "furcula/dynamics/effects/laws.hpp"
 #include "furcula/dynamics/key_timing.hpp"
-#include "furcula/dynamics/parameters.hpp"
+#include "furcula/dynamics/machines/clutch_bench.hpp"
 #include "furcula/dynamics/segment.hpp"
 
 namespace furcula::dynamics {

@@ -11,7 +11,7 @@
 #include <span>
 #include <string_view>
 
-#include "furcula/dynamics/kinds.hpp"
+#include "furcula/dynamics/machines.hpp"
 
 namespace furcula::dynamics {
 
@@ -127,7 +127,7 @@ struct EffectInfo {
   /// In plain words, as in "the model lacks ..."; "the model's ..." where it is a parameter that is wrong.
   std::string_view title;
   Stage stage;
-  std::uint8_t kinds;      ///< bit per Kind
+  Seat seats;              ///< it exists on every machine that has one of them
   std::string_view phase;  ///< on a hopper: "flight+stance", "stance", "touch-down", ...
   std::string_view law;
   std::array<EffectParameterInfo, kMaxEffectParameters> parameter_table;
@@ -142,13 +142,6 @@ struct EffectInfo {
 };
 
 namespace detail {
-constexpr std::uint8_t bit(Kind k) { return static_cast<std::uint8_t>(1u << static_cast<unsigned>(k)); }
-inline constexpr std::uint8_t kDriven =
-    bit(Kind::hopper_linear) | bit(Kind::hopper_nonlinear) | bit(Kind::motor_axis) | bit(Kind::rotary_joint);
-inline constexpr std::uint8_t kAllKinds = kDriven | bit(Kind::rail_carriage);
-inline constexpr std::uint8_t kHopper = bit(Kind::hopper_linear) | bit(Kind::hopper_nonlinear);
-inline constexpr std::uint8_t kVertical = kHopper | bit(Kind::rail_carriage);
-inline constexpr std::uint8_t kBench = bit(Kind::clutch_bench);
 inline constexpr double kUnset = __builtin_nan("");
 /// Of a law that finds something in anything.
 inline constexpr double kManyShapes = 30.0;
@@ -161,7 +154,7 @@ inline constexpr EffectInfo kCatalogue[] = {
      "coulomb_friction",
      "dry friction",
      Stage::mechanism,
-     detail::kAllKinds | detail::kBench,
+     Seat::axis | Seat::belt,
      "flight+stance",
      "-Fc sgn(v)",
      {{{"force_n", "torque_nm", "N", "N m", 0.0, 1e4, 0.0}}},
@@ -175,7 +168,7 @@ inline constexpr EffectInfo kCatalogue[] = {
      "stribeck_friction",
      "dry friction that rises towards standstill",
      Stage::mechanism,
-     detail::kAllKinds,
+     Seat::axis,
      "flight+stance",
      "-(Fc + (Fs - Fc) exp(-(v/vs)^2)) sgn(v)",
      {{{"force_n", "torque_nm", "N", "N m", 0.0, 1e4, 0.0},
@@ -192,7 +185,7 @@ inline constexpr EffectInfo kCatalogue[] = {
      "asymmetric_friction",
      "dry friction of different size in the two directions",
      Stage::mechanism,
-     detail::kAllKinds,
+     Seat::axis,
      "flight+stance",
      "-Fc+ for v > 0, +Fc- for v < 0",
      {{{"force_up_n", "torque_up_nm", "N", "N m", -1e4, 1e4, 0.0},
@@ -207,7 +200,7 @@ inline constexpr EffectInfo kCatalogue[] = {
      "quadratic_drag",
      "drag that grows with the square of the speed",
      Stage::mechanism,
-     detail::kAllKinds,
+     Seat::axis,
      "flight+stance",
      "-c v |v|",
      {{{"drag_ns2pm2", "drag_nms2prad2", "N s^2/m^2", "N m s^2/rad^2", 0.0, 1e4, 0.0}}},
@@ -219,7 +212,7 @@ inline constexpr EffectInfo kCatalogue[] = {
      "binding_spot",
      "a spot where the guide binds",
      Stage::mechanism,
-     detail::kAllKinds,
+     Seat::axis,
      "flight+stance",
      "extra Coulomb force within a stretch of the travel",
      {{{"force_n", "torque_nm", "N", "N m", 0.0, 1e4, 0.0},
@@ -237,7 +230,7 @@ inline constexpr EffectInfo kCatalogue[] = {
      "damping_error",
      "the model's viscous damping",
      Stage::mechanism,
-     detail::kAllKinds | detail::kBench,
+     Seat::axis | Seat::belt,
      "flight+stance",
      "viscous damping differs from a held value (on a hopper: added to the guide's)",
      {{{"damping_nspm", "damping_nmspr", "N s/m", "N m s/rad", -1e4, 1e6, detail::kUnset}}},
@@ -249,7 +242,7 @@ inline constexpr EffectInfo kCatalogue[] = {
      "force_offset",
      "a constant force",
      Stage::mechanism,
-     detail::kAllKinds,
+     Seat::axis,
      "flight+stance",
      "constant force on the axis",
      {{{"force_n", "torque_nm", "N", "N m", -1e4, 1e4, 0.0}}},
@@ -261,7 +254,7 @@ inline constexpr EffectInfo kCatalogue[] = {
      "guide_tilt",
      "a tilt of the guide",
      Stage::mechanism,
-     detail::kVertical,
+     Seat::rail,
      "flight+stance",
      "gravity scaled by cos(tilt)",
      {{{"tilt_rad", "tilt_rad", "rad", "rad", 0.0, 1.3, 0.0}}},
@@ -275,7 +268,7 @@ inline constexpr EffectInfo kCatalogue[] = {
      "mass_error",
      "the model's mass",
      Stage::mechanism,
-     detail::kAllKinds,
+     Seat::axis,
      "flight+stance",
      "mass differs from the model's",
      {{{"mass_kg", "inertia_kgm2", "kg", "kg m^2", 1e-6, 1e6, detail::kUnset}}},
@@ -287,7 +280,7 @@ inline constexpr EffectInfo kCatalogue[] = {
      "stiffness_error",
      "the model's spring rate",
      Stage::mechanism,
-     detail::kHopper,
+     Seat::leg,
      "stance",
      "the spring's rate differs from the model's",
      {{{"stiffness_npm", "stiffness_npm", "N/m", "N/m", 1.0, 1e6, detail::kUnset}}},
@@ -299,7 +292,7 @@ inline constexpr EffectInfo kCatalogue[] = {
      "rest_height_error",
      "the model's rest height of the spring",
      Stage::mechanism,
-     detail::kHopper,
+     Seat::leg,
      "stance",
      "the spring's rest height differs",
      {{{"rest_height_m", "rest_height_m", "m", "m", 1e-3, 10.0, detail::kUnset}}},
@@ -311,7 +304,7 @@ inline constexpr EffectInfo kCatalogue[] = {
      "spring_preload",
      "preload of the spring",
      Stage::mechanism,
-     detail::kHopper,
+     Seat::leg,
      "stance",
      "constant force while the spring is engaged",
      {{{"force_n", "force_n", "N", "N", -1e4, 1e4, 0.0}}},
@@ -323,7 +316,7 @@ inline constexpr EffectInfo kCatalogue[] = {
      "spring_hardening",
      "a spring that hardens",
      Stage::mechanism,
-     detail::kHopper,
+     Seat::leg,
      "stance",
      "-k3 (z - z0)^3",
      {{{"cubic_npm3", "cubic_npm3", "N/m^3", "N/m^3", -1e9, 1e9, 0.0}}},
@@ -335,7 +328,7 @@ inline constexpr EffectInfo kCatalogue[] = {
      "spring_hysteresis",
      "hysteresis of the spring",
      Stage::mechanism,
-     detail::kHopper,
+     Seat::leg,
      "stance",
      "-h |Fs| sgn(v)",
      {{{"ratio", "ratio", "", "", 0.0, 1.0, 0.0}}},
@@ -348,7 +341,7 @@ inline constexpr EffectInfo kCatalogue[] = {
      "leg_inertia",
      "the inertia of the links",
      Stage::mechanism,
-     detail::bit(Kind::hopper_linear),
+     Seat::light_leg,
      "stance",
      "the links' inertia (a, b, e), which the linear model leaves out",
      {{{"inertia_a_kgm2", "inertia_a_kgm2", "kg m^2", "kg m^2", 0.0, 1.0, 0.0},
@@ -364,7 +357,7 @@ inline constexpr EffectInfo kCatalogue[] = {
      "torque_gain_error",
      "the model's torque gain",
      Stage::actuation,
-     detail::kHopper,
+     Seat::leg,
      "stance",
      "delivered = gain x commanded",
      {{{"gain", "gain", "", "", 0.0, 10.0, 1.0}}},
@@ -377,7 +370,7 @@ inline constexpr EffectInfo kCatalogue[] = {
      "torque_offset",
      "an offset of the motor's torque",
      Stage::actuation,
-     detail::kHopper,
+     Seat::leg,
      "stance",
      "delivered = commanded + offset",
      {{{"torque_nm", "torque_nm", "N m", "N m", -1e3, 1e3, 0.0}}},
@@ -389,7 +382,7 @@ inline constexpr EffectInfo kCatalogue[] = {
      "actuator_delay",
      "a delay of the drive",
      Stage::actuation,
-     detail::kDriven,
+     Seat::drive,
      "stance",
      "pure delay",
      {{{"delay_s", "delay_s", "s", "s", 0.0, 0.2, 0.0}}},
@@ -402,7 +395,7 @@ inline constexpr EffectInfo kCatalogue[] = {
      "actuator_lag",
      "a lag of the drive",
      Stage::actuation,
-     detail::kDriven,
+     Seat::drive,
      "stance",
      "first-order lag",
      {{{"time_constant_s", "time_constant_s", "s", "s", 0.0, 1.0, 0.0}}},
@@ -415,7 +408,7 @@ inline constexpr EffectInfo kCatalogue[] = {
      "torque_saturation",
      "a limit of the drive",
      Stage::actuation,
-     detail::kDriven,
+     Seat::drive,
      "stance",
      "magnitude limited",
      {{{"limit_n", "limit_nm", "N", "N m", 0.0, 1e4, detail::kUnset, true}}},
@@ -431,7 +424,7 @@ inline constexpr EffectInfo kCatalogue[] = {
      "torque_ripple",
      "ripple of the motor's torque",
      Stage::actuation,
-     detail::kHopper | detail::bit(Kind::rotary_joint),
+     Seat::motor,
      "stance",
      "A sin(n theta + phi)",
      {{{"amplitude_nm", "amplitude_nm", "N m", "N m", 0.0, 1e3, 0.0},
@@ -446,7 +439,7 @@ inline constexpr EffectInfo kCatalogue[] = {
      "thermal_derating",
      "a motor that weakens as it warms",
      Stage::actuation,
-     detail::kDriven,
+     Seat::drive,
      "stance",
      "gain falls exponentially with the seconds that torque was commanded",
      {{{"final_gain", "final_gain", "", "", 0.0, 1.0, 1.0},
@@ -460,7 +453,7 @@ inline constexpr EffectInfo kCatalogue[] = {
      "backlash",
      "backlash between motor and leg",
      Stage::actuation,
-     detail::kHopper | detail::bit(Kind::rotary_joint),
+     Seat::motor,
      "stance",
      "dead zone between motor and leg, crossed by the rotor, plastic at its ends",
      {{{"gap_rad", "gap_rad", "rad", "rad", 0.0, 0.5, 0.0}}},
@@ -473,7 +466,7 @@ inline constexpr EffectInfo kCatalogue[] = {
      "touchdown_loss",
      "the loss of speed at touch-down",
      Stage::contact,
-     detail::kHopper,
+     Seat::leg,
      "touch-down",
      "velocity x alpha_td at touch-down",
      {{{"restitution_touchdown", "restitution_touchdown", "", "", 0.0, 1.5, detail::kUnset}}},
@@ -485,7 +478,7 @@ inline constexpr EffectInfo kCatalogue[] = {
      "liftoff_loss",
      "the loss of speed at lift-off",
      Stage::contact,
-     detail::kHopper,
+     Seat::leg,
      "lift-off",
      "velocity x alpha_lo at lift-off",
      {{{"restitution_liftoff", "restitution_liftoff", "", "", 0.0, 1.5, detail::kUnset}}},
@@ -498,7 +491,7 @@ inline constexpr EffectInfo kCatalogue[] = {
      "ground_compliance",
      "a ground that gives",
      Stage::contact,
-     detail::kHopper,
+     Seat::leg,
      "stance",
      "spring and damper under the toe",
      {{{"stiffness_npm", "stiffness_npm", "N/m", "N/m", 100.0, 1e6, detail::kUnset},
@@ -513,7 +506,7 @@ inline constexpr EffectInfo kCatalogue[] = {
      "toe_sticking",
      "a toe that sticks to the ground",
      Stage::contact,
-     detail::kHopper,
+     Seat::leg,
      "lift-off",
      "the toe holds on until the pull exceeds a force",
      {{{"force_n", "force_n", "N", "N", 0.0, 1e3, 0.0}}},
@@ -526,7 +519,7 @@ inline constexpr EffectInfo kCatalogue[] = {
      "encoder_offset",
      "an offset of the encoder's zero",
      Stage::sensing,
-     detail::kHopper | detail::bit(Kind::rotary_joint),
+     Seat::leg | Seat::gravity_swing,
      "flight+stance",
      "measured = true + offset",
      {{{"offset_m", "offset_rad", "m", "rad", -10.0, 10.0, 0.0}}},
@@ -539,7 +532,7 @@ inline constexpr EffectInfo kCatalogue[] = {
      "height_scale_error",
      "a scale error of the height",
      Stage::sensing,
-     detail::kVertical,
+     Seat::rail,
      "flight+stance",
      "measured = scale x true, about the touch-down height (on a rail carriage about zero)",
      {{{"scale", "scale", "", "", 0.5, 2.0, 1.0}}},
@@ -552,7 +545,7 @@ inline constexpr EffectInfo kCatalogue[] = {
      "height_eccentricity",
      "an eccentric encoder",
      Stage::sensing,
-     detail::kVertical,
+     Seat::rail,
      "flight+stance",
      "measured = true + A sin(2 pi z / pitch + phi)",
      {{{"amplitude_m", "amplitude_m", "m", "m", 0.0, 0.1, 0.0},
@@ -567,7 +560,7 @@ inline constexpr EffectInfo kCatalogue[] = {
      "encoder_slip",
      "a slip of the encoder",
      Stage::sensing,
-     detail::kAllKinds | detail::kBench,
+     Seat::axis | Seat::belt,
      "flight+stance",
      "the measured position jumps by a step at an instant and stays there",
      {{{"step_m", "step_rad", "m", "rad", -10.0, 10.0, 0.0},
@@ -580,7 +573,7 @@ inline constexpr EffectInfo kCatalogue[] = {
      "contact_delay",
      "a contact switch that reports late or early",
      Stage::sensing,
-     detail::kHopper,
+     Seat::leg,
      "touch-down",
      "the switch reports late (+) or early (-)",
      {{{"delay_s", "delay_s", "s", "s", -0.1, 0.1, 0.0}}},
@@ -593,7 +586,7 @@ inline constexpr EffectInfo kCatalogue[] = {
      "time_skew",
      "a skew between the clocks of position and torque",
      Stage::sensing,
-     detail::kDriven,
+     Seat::drive,
      "flight+stance",
      "measured(t) = true(t - skew)",
      {{{"skew_s", "skew_s", "s", "s", -0.1, 0.1, 0.0}}},
@@ -606,7 +599,7 @@ inline constexpr EffectInfo kCatalogue[] = {
      "clutch_slip",
      "a clutch that slips over its teeth",
      Stage::mechanism,
-     detail::kBench,
+     Seat::belt,
      "",
      "the key skips a tooth while pull + kinetic energy / pitch > holding force; each tooth turns holding force x "
      "pitch into heat",
@@ -621,7 +614,7 @@ inline constexpr EffectInfo kCatalogue[] = {
      "late_catch",
      "the model's delay of the catch",
      Stage::mechanism,
-     detail::kHopper | detail::kBench,
+     Seat::leg | Seat::belt,
      "",
      "the catch engages delay_s after the coil is switched off, in place of the model's catch_delay_s",
      {{{"delay_s", "delay_s", "s", "s", 0.0, 1.0, detail::kUnset, false, "catch_delay_s"}}},
@@ -634,7 +627,7 @@ inline constexpr EffectInfo kCatalogue[] = {
      "incomplete_release",
      "a release that leaves a part of the spring's force",
      Stage::mechanism,
-     detail::kHopper,
+     Seat::leg,
      "stance",
      "F = F_released + ratio (F_caught - F_released) while released",
      {{{"ratio", "ratio", "", "", 0.0, 1.0, 0.0}}},
@@ -649,7 +642,7 @@ inline constexpr EffectInfo kCatalogue[] = {
      "auxiliary_spring",
      "the model's rate of the auxiliary spring",
      Stage::mechanism,
-     detail::kHopper | detail::kBench,
+     Seat::leg | Seat::belt,
      "stance",
      "when released, the auxiliary spring's force is k_aux x stretch with another k_aux than the model's",
      {{{"stiffness_npm", "stiffness_npm", "N/m", "N/m", 0.0, 1e4, detail::kUnset, false,
@@ -666,7 +659,7 @@ inline constexpr EffectInfo kCatalogue[] = {
      "bump_stop",
      "a bump stop at the end of the leg's travel",
      Stage::mechanism,
-     detail::kHopper,
+     Seat::leg,
      "stance",
      "k (c - c0) upwards while the leg's compression c, from its length at touch-down, is beyond c0",
      {{{"compression_m", "compression_m", "m", "m", 1e-3, 1.0, detail::kUnset},
@@ -684,7 +677,7 @@ inline constexpr std::size_t kEffectCount = std::size(kCatalogue);
 
 constexpr const EffectInfo& info(Effect e) { return kCatalogue[static_cast<std::size_t>(e)]; }
 
-constexpr bool applies(Effect e, Kind k) { return (info(e).kinds & detail::bit(k)) != 0; }
+constexpr bool applies(Effect e, Kind k) { return has(k, info(e).seats); }
 
 /// Laws of a clutch, which a hopper need not have.
 constexpr bool needs_clutch(Effect e) {
@@ -700,10 +693,10 @@ constexpr std::optional<Effect> effect_named(std::string_view name) {
 
 /// The parameter's name on an axis of this kind.
 constexpr std::string_view name_on(const EffectParameterInfo& p, Kind k) {
-  return info(k).rotary || (p.of_motor && is_hopper(k)) ? p.rotary_name : p.name;
+  return info(k).rotary || (p.of_motor && has(k, Seat::leg)) ? p.rotary_name : p.name;
 }
 constexpr std::string_view unit_on(const EffectParameterInfo& p, Kind k) {
-  return info(k).rotary || (p.of_motor && is_hopper(k)) ? p.rotary_unit : p.unit;
+  return info(k).rotary || (p.of_motor && has(k, Seat::leg)) ? p.rotary_unit : p.unit;
 }
 
 static_assert(

@@ -33,7 +33,7 @@ concept Topology = requires(const P& p, std::size_t i) {
 
 /// Known when compiled: `kPlaces` is a std::array of JointPlace. Arrays have the size they need, and where all
 /// joints are of one kind the code has no branch on it. The loops stay loops: unrolled by this number of
-/// bodies they took twice the time (bench/tree_bench.cpp, GCC 12).
+/// bodies they took twice the time (benchmarks/tree_bench.cpp, GCC 12).
 template <auto kPlaces>
 struct StaticTopology {
   static constexpr std::size_t kCapacity = kPlaces.size();

@@ -1,0 +1,56 @@
+// The release/catch bench of 002 section 5.1: a weight on the clutch's belt, an encoder on the pulley.
+#pragma once
+
+#include "furcula/dynamics/machine.hpp"
+
+namespace furcula::dynamics {
+
+template <class T>
+class SimpleClutchBench;  // furcula/dynamics/simple_clutch_bench.hpp
+
+/// The bench's model has no other, m/s^2.
+inline constexpr double kBenchGravity_mps2 = 9.81;
+
+// In the order of the members of ClutchBenchParameters.
+inline constexpr std::array<ParameterInfo, 9> kClutchBenchParameters{{
+    {"load_mass_kg", "kg", 1e-3, 1e3, "weight that hangs on the belt"},
+    {"pulley_radius_m", "m", 1e-4, 1.0, "of the belt on the pulley"},
+    {"pulley_inertia_kgm2", "kg m^2", 0.0, 10.0, "of pulley and encoder"},
+    {"damping_nmspr", "N m s/rad", 0.0, 1e3, "viscous friction, about the pulley"},
+    {"auxiliary_stiffness_npm", "N/m", 0.0, 1e4, "auxiliary spring on the belt, slack at the angle 0"},
+    {"tooth_pitch_m", "m", 1e-4, 0.1, "of the belt"},
+    {"tooth_height_m", "m", 0.0, 0.1, "way of the key; its times are in the delays"},
+    {"release_delay_s", "s", 0.0, 1.0, "from the coil's switching on until the belt is free"},
+    {"catch_delay_s", "s", 0.0, 1.0, "from its switching off until the key presses on the belt"},
+}};
+
+template <class T>
+struct ClutchBenchParameters {
+  T load_mass_kg{}, pulley_radius_m{}, pulley_inertia_kgm2{}, damping_nmspr{}, auxiliary_stiffness_npm{};
+  T tooth_pitch_m{}, tooth_height_m{}, release_delay_s{}, catch_delay_s{};
+
+  using Self = ClutchBenchParameters;
+  static constexpr std::array<T Self::*, 9> kMembers{
+      &Self::load_mass_kg,   &Self::pulley_radius_m,         &Self::pulley_inertia_kgm2,
+      &Self::damping_nmspr,  &Self::auxiliary_stiffness_npm, &Self::tooth_pitch_m,
+      &Self::tooth_height_m, &Self::release_delay_s,         &Self::catch_delay_s};
+  static_assert(kMembers.size() == kClutchBenchParameters.size());
+};
+
+namespace machines {
+
+struct ClutchBench {
+  static constexpr MachineInfo kInfo{.name = "clutch_bench",
+                                     .rig = "clutch_bench",
+                                     .parameters = kClutchBenchParameters,
+                                     .seats = Seat::belt,
+                                     .rotary = true};
+  template <class T>
+  using Parameters = ClutchBenchParameters<T>;
+  template <class T>
+  using Plant = SimpleClutchBench<T>;
+  static const furcula::machines::Rules& rules();  ///< host/machines/clutch_bench.cpp
+};
+
+}  // namespace machines
+}  // namespace furcula::dynamics
