@@ -70,10 +70,10 @@ class Diagnoser {
     std::vector<Window> windows = windows_of(model_, training_, options_.window_s, kMostSearchWindows);
     if (windows.empty())
       throw core::DataError("no training log has " + core::shortest(options_.window_s) +
-                           " s without a gap; expected longer logs, or a smaller --window-s");
+                            " s without a gap; expected longer logs, or a smaller --window-s");
     if (windows_of(model_, held_out_, options_.window_s, 1).empty())
       throw core::DataError("no held-out log has " + core::shortest(options_.window_s) +
-                           " s without a gap; expected longer logs, or a smaller --window-s");
+                            " s without a gap; expected longer logs, or a smaller --window-s");
     d_.windows = windows.size();
     Problem problem(model_, training_, std::move(windows), options_.threads);
     if (const auto arranged = other_arrangement(model_, training_, options_.threads)) {

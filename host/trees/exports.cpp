@@ -16,9 +16,9 @@
 namespace furcula::trees {
 namespace {
 
+using core::shortest;
 using dynamics::tree::Sym3;
 using dynamics::tree::Vec3;
-using core::shortest;
 using model::XmlElement;
 
 /// For the inside of a comment, which holds no two hyphens.
@@ -224,7 +224,7 @@ class UrdfWriter {
   explicit UrdfWriter(const Diagnosis& d)
       : d_(d),
         file_((std::filesystem::path(d.model.file).parent_path() / d.model.urdf_path).string()),
-        text_(log::read_small_file(file_, "a robot (URDF)")),
+        text_(core::read_small_file(file_, "a robot (URDF)")),
         elements_(model::check_xml(text_, file_)),
         edits_(text_),
         setup_(SetupMaker(d.model).make(d.extended.drives, d.extended.causes)) {}
@@ -244,7 +244,7 @@ class UrdfWriter {
           resolved(elements_[i].attribute("name")) == name)
         return i;
     throw core::DataError(file_ + ": no " + std::string(tag) + " " + core::quoted(name) +
-                         ", expected the file that was diagnosed");
+                          ", expected the file that was diagnosed");
   }
   /// The first child of that tag; none where there is none.
   const XmlElement* child(std::size_t of, std::string_view tag) const {
@@ -255,7 +255,7 @@ class UrdfWriter {
   const XmlElement& needed(std::size_t of, std::string_view tag) const {
     if (const XmlElement* e = child(of, tag)) return *e;
     throw core::DataError(file_ + ":" + std::to_string(elements_[of].line) + ": no <" + std::string(tag) +
-                         ">, expected the file that was diagnosed");
+                          ">, expected the file that was diagnosed");
   }
   std::string reasons(std::span<const Effect> effects, std::size_t site) const {
     std::string out;

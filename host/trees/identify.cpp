@@ -45,7 +45,7 @@ Identification identify(const TreeModel& model, const std::vector<log::Log>& tra
   out.windows = windows.size();
   if (windows_of(model, judge_on, options.window_s, 1).empty())
     throw core::DataError("no held-out log has " + core::shortest(options.window_s) +
-                         " s without a gap; expected longer logs, or a smaller --window-s");
+                          " s without a gap; expected longer logs, or a smaller --window-s");
   Problem problem(model, fit_on, std::move(windows), options.threads);
   const Hypothesis given{model.drives, model.causes};
   if (options.progress) options.progress(0.1, "fitting");

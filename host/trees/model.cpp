@@ -15,25 +15,25 @@
 namespace furcula::trees {
 namespace {
 
-using log::fail;
+using core::fail;
 using core::shortest;
 
 constexpr double kMost = 1e9;
 
 class Reader {
  public:
-  Reader(std::string_view text, const std::string& path) : name_(path), file_(log::parse_toml(text, path)) {
+  Reader(std::string_view text, const std::string& path) : name_(path), file_(core::parse_toml(text, path)) {
     model_.file = path;
   }
 
   TreeModel read() {
     static constexpr std::array<std::string_view, 5> kSections{"model", "hold", "drive", "free", "effect"};
-    log::refuse_unknown_keys(file_, name_, "the model file of a tree", kSections);
+    core::refuse_unknown_keys(file_, name_, "the model file of a tree", kSections);
     read_robot();
     read_drives();
-    if (const toml::node* free = file_.get("free")) read_free(log::table(*free, name_, "[free]"));
+    if (const toml::node* free = file_.get("free")) read_free(core::table(*free, name_, "[free]"));
     if (const toml::node* effects = file_.get("effect"))
-      read_effects(log::table(*effects, name_, "[effect]"));
+      read_effects(core::table(*effects, name_, "[effect]"));
     return std::move(model_);
   }
 
@@ -43,41 +43,41 @@ class Reader {
                                                            "base", "joints", "gravity_mps2"};
     const toml::node* section = file_.get("model");
     if (section == nullptr) fail(name_, file_.source(), "no section [model]; expected one");
-    const toml::table& table = log::table(*section, name_, "[model]");
-    log::refuse_unknown_keys(table, name_, "[model] of a tree", kKeys);
+    const toml::table& table = core::table(*section, name_, "[model]");
+    core::refuse_unknown_keys(table, name_, "[model] of a tree", kKeys);
     const toml::node* schema = table.get("schema");
     if (schema == nullptr) fail(name_, table.source(), "no key 'schema' in [model]; expected schema = 1");
     if (!schema->is_integer() || schema->value<std::int64_t>() != 1)
-      fail(name_, schema->source(), "schema = " + log::value_text(*schema) + "; expected 1");
+      fail(name_, schema->source(), "schema = " + core::value_text(*schema) + "; expected 1");
     if (const toml::node* base = table.get("base"))
-      if (const std::string which = log::text(*base, name_, "base"); which != "fixed")
+      if (const std::string which = core::text(*base, name_, "base"); which != "fixed")
         fail(name_, base->source(),
              "base = " + core::quoted(which) + "; expected \"fixed\" (this version has no floating base)");
     const toml::node* urdf = table.get("urdf");
     if (urdf == nullptr)
       fail(name_, table.source(), "no key 'urdf' in [model]; expected the URDF's file name");
-    model_.urdf_path = log::text(*urdf, name_, "urdf");
+    model_.urdf_path = core::text(*urdf, name_, "urdf");
     if (const toml::node* joints = table.get("joints")) {
       const toml::array* list = joints->as_array();
       if (list == nullptr || list->empty())
         fail(name_, joints->source(),
-             "joints = " + log::value_text(*joints) + "; expected names of joints that move");
-      for (const toml::node& joint : *list) model_.moving.push_back(log::text(joint, name_, "joints"));
+             "joints = " + core::value_text(*joints) + "; expected names of joints that move");
+      for (const toml::node& joint : *list) model_.moving.push_back(core::text(joint, name_, "joints"));
     }
     if (const toml::node* gravity = table.get("gravity_mps2")) {
       const toml::array* list = gravity->as_array();
       if (list == nullptr || list->size() != 3)
         fail(name_, gravity->source(),
-             "gravity_mps2 = " + log::value_text(*gravity) + "; expected three numbers, x y z");
+             "gravity_mps2 = " + core::value_text(*gravity) + "; expected three numbers, x y z");
       const auto part = [&](std::size_t i) {
-        return log::number((*list)[i], name_, "gravity_mps2", -100.0, 100.0, "m/s^2");
+        return core::number((*list)[i], name_, "gravity_mps2", -100.0, 100.0, "m/s^2");
       };
       model_.gravity_mps2 = {part(0), part(1), part(2)};
     }
     if (const toml::node* hold = file_.get("hold"))
-      for (const auto& [joint, node] : log::table(*hold, name_, "[hold]"))
+      for (const auto& [joint, node] : core::table(*hold, name_, "[hold]"))
         model_.hold[std::string(joint.str())] =
-            log::number(node, name_, "[hold] " + std::string(joint.str()), -1e3, 1e3, "rad or m");
+            core::number(node, name_, "[hold] " + std::string(joint.str()), -1e3, 1e3, "rad or m");
 
     const auto beside = std::filesystem::path(name_).parent_path() / model_.urdf_path;
     model_.urdf = model::read_urdf(beside.string());
@@ -93,8 +93,8 @@ class Reader {
       names.emplace_back(model_.robot.joints[i].name);
     }
     fail(name_, where,
-         who + ": no joint " + core::quoted(joint) + " that moves; expected one of " + log::listed(names) +
-             log::did_you_mean(joint, names));
+         who + ": no joint " + core::quoted(joint) + " that moves; expected one of " + core::listed(names) +
+             core::did_you_mean(joint, names));
   }
 
   void read_drives() {
@@ -103,13 +103,13 @@ class Reader {
       model_.drives[i].damping_nmspr = model_.robot.model.laws[i].damping_nmspr;
     const toml::node* section = file_.get("drive");
     if (section == nullptr) return;
-    const toml::table& table = log::table(*section, name_, "[drive]");
+    const toml::table& table = core::table(*section, name_, "[drive]");
     for (Drive& drive : model_.drives) read_drive(table, "[drive]", drive);
     for (const auto& [key, node] : table) {
       const std::string joint(key.str());
       if (!node.is_table()) continue;
       const std::string where = "[drive." + joint + "]";
-      read_drive(log::table(node, name_, where), where,
+      read_drive(core::table(node, name_, where), where,
                  model_.drives[joint_named(joint, key.source(), where)]);
     }
     for (std::size_t i = 0; i < model_.joints(); ++i)
@@ -126,9 +126,9 @@ class Reader {
       if (std::find(known.begin(), known.end(), key.str()) == known.end())
         fail(name_, key.source(),
              "unknown key " + core::quoted(key.str()) + " in " + where + "; expected one of " +
-                 log::listed(known) + ", or a joint's table" + log::did_you_mean(key.str(), known));
+                 core::listed(known) + ", or a joint's table" + core::did_you_mean(key.str(), known));
       if (key.str() == "law") {
-        const std::string law = log::text(node, name_, "law");
+        const std::string law = core::text(node, name_, "law");
         if (law != "torque" && law != "position")
           fail(name_, node.source(), "law = " + core::quoted(law) + "; expected \"torque\" or \"position\"");
         drive.law = law == "torque" ? DriveLaw::torque : DriveLaw::position;
@@ -137,7 +137,7 @@ class Reader {
       const auto which = static_cast<std::size_t>(
           std::find(kDriveParameters.begin(), kDriveParameters.end(), key.str()) - kDriveParameters.begin());
       drive.*kDriveMembers[which] =
-          log::number(node, name_, where + " " + std::string(key.str()), 0.0, kMost);
+          core::number(node, name_, where + " " + std::string(key.str()), 0.0, kMost);
     }
   }
 
@@ -150,15 +150,15 @@ class Reader {
       if (dot == std::string::npos || which == kDriveParameters.end())
         fail(name_, key.source(),
              "unknown key " + core::quoted(whole) + " in [free]; expected \"NAME.JOINT\" with NAME one of " +
-                 log::listed(kDriveParameters));
+                 core::listed(kDriveParameters));
       FreeParameter f{static_cast<std::size_t>(which - kDriveParameters.begin()),
                       joint_named(whole.substr(dot + 1), key.source(), who), 0.0, 0.0};
       const toml::array* pair = node.as_array();
       if (pair == nullptr || pair->size() != 2)
         fail(name_, node.source(),
-             who + " is " + log::value_text(node) + "; expected two numbers, [lower, upper]");
-      f.lower = log::number((*pair)[0], name_, who + " lower bound", 0.0, kMost);
-      f.upper = log::number((*pair)[1], name_, who + " upper bound", 0.0, kMost);
+             who + " is " + core::value_text(node) + "; expected two numbers, [lower, upper]");
+      f.lower = core::number((*pair)[0], name_, who + " lower bound", 0.0, kMost);
+      f.upper = core::number((*pair)[1], name_, who + " upper bound", 0.0, kMost);
       const double value = model_.drives[f.joint].*kDriveMembers[f.parameter];
       if (!(f.lower < f.upper) || value < f.lower || value > f.upper)
         fail(name_, node.source(),
@@ -175,10 +175,10 @@ class Reader {
       const auto effect = effect_named(key.str());
       if (!effect)
         fail(name_, key.source(),
-             "unknown effect " + core::quoted(key.str()) + " of a tree; expected one of " + log::listed(all) +
-                 log::did_you_mean(key.str(), all));
+             "unknown effect " + core::quoted(key.str()) + " of a tree; expected one of " +
+                 core::listed(all) + core::did_you_mean(key.str(), all));
       const std::string where = "[effect." + std::string(key.str()) + "]";
-      for (const auto& [site, values] : log::table(node, name_, where))
+      for (const auto& [site, values] : core::table(node, name_, where))
         read_effect(*effect, std::string(site.str()), values, site.source());
     }
   }
@@ -196,16 +196,16 @@ class Reader {
     if (!at)
       fail(name_, source,
            where + ": no " + std::string(name(e.seat)) + " " + core::quoted(site) + "; expected one of " +
-               log::listed(views) + log::did_you_mean(site, views));
+               core::listed(views) + core::did_you_mean(site, views));
     const bool linear = is_linear(model_, e.seat, *at);
-    const toml::table& table = log::table(node, name_, where);
+    const toml::table& table = core::table(node, name_, where);
     std::vector<std::string_view> known;
     for (const Parameter& p : e.parameters()) known.push_back(name_on(p, linear));
     // On a prismatic joint the names of revolute ones will do, too: the keys of [drive] are the same on both.
     if (linear)
       for (const Parameter& p : e.parameters())
         if (p.name != p.linear_name) known.push_back(p.name);
-    log::refuse_unknown_keys(table, name_, where, known);
+    core::refuse_unknown_keys(table, name_, where, known);
     Cause cause{effect, {*at}, {}};
     for (std::size_t k = 0; k < e.parameter_count; ++k) {
       const Parameter& p = e.parameters()[k];
@@ -215,8 +215,8 @@ class Reader {
         fail(name_, table.source(),
              "no key '" + std::string(known[k]) + "' in " + where + "; expected a number from " +
                  shortest(p.lower) + " to " + shortest(p.upper) + " " + std::string(unit_on(p, linear)));
-      cause.values[k] = log::number(*value, name_, where + " " + std::string(known[k]), p.lower, p.upper,
-                                    unit_on(p, linear));
+      cause.values[k] = core::number(*value, name_, where + " " + std::string(known[k]), p.lower, p.upper,
+                                     unit_on(p, linear));
     }
     if (effect == Effect::position_gain_error && model_.drives[*at].law != DriveLaw::position)
       fail(name_, source, where + ": its drive has law \"torque\"; expected one of law \"position\"");
@@ -232,7 +232,7 @@ std::string table_of(const std::string& heading, const Drive& drive) {
   std::string out = heading + "\nlaw = \"" + (drive.law == DriveLaw::torque ? "torque" : "position") + "\"\n";
   for (std::size_t k = 0; k < kDriveParameters.size(); ++k)
     if (k >= 2 || drive.law == DriveLaw::position)
-      out += std::string(kDriveParameters[k]) + " = " + log::toml_float(drive.*kDriveMembers[k]) + "\n";
+      out += std::string(kDriveParameters[k]) + " = " + core::toml_float(drive.*kDriveMembers[k]) + "\n";
   return out;
 }
 
@@ -251,7 +251,7 @@ std::string toml_key(const std::string& name) {
 
 bool is_tree(std::string_view text) {
   try {
-    const toml::table file = log::parse_toml(text, "");
+    const toml::table file = core::parse_toml(text, "");
     return file["model"]["kind"].value<std::string_view>() == "tree";
   } catch (const core::DataError&) {
     return false;
@@ -263,7 +263,7 @@ TreeModel parse_tree_model(std::string_view text, const std::string& path) {
 }
 
 TreeModel read_tree_model(const std::string& path) {
-  return parse_tree_model(log::read_small_file(path, "a model file (TOML)"), path);
+  return parse_tree_model(core::read_small_file(path, "a model file (TOML)"), path);
 }
 
 std::string format_tree_model(const TreeModel& m, const std::string& urdf) {
@@ -273,24 +273,24 @@ std::string format_tree_model(const TreeModel& m, const std::string& urdf) {
     for (std::size_t i = 0; i < m.moving.size(); ++i) out += (i > 0 ? ", " : "") + text_of(m.moving[i]);
     out += "]\n";
   }
-  out += "gravity_mps2 = [" + log::toml_float(m.gravity_mps2.x) + ", " + log::toml_float(m.gravity_mps2.y) +
-         ", " + log::toml_float(m.gravity_mps2.z) + "]\n";
+  out += "gravity_mps2 = [" + core::toml_float(m.gravity_mps2.x) + ", " + core::toml_float(m.gravity_mps2.y) +
+         ", " + core::toml_float(m.gravity_mps2.z) + "]\n";
   if (!m.hold.empty()) out += "\n[hold]\n";
   for (const auto& [joint, position] : m.hold)
-    out += toml_key(joint) + " = " + log::toml_float(position) + "\n";
+    out += toml_key(joint) + " = " + core::toml_float(position) + "\n";
   for (std::size_t i = 0; i < m.joints(); ++i)
     out += "\n" + table_of("[drive." + toml_key(m.robot.joints[i].name) + "]", m.drives[i]);
   if (!m.free.empty()) out += "\n[free]\n";
   for (const FreeParameter& f : m.free)
     out += text_of(std::string(kDriveParameters[f.parameter]) + "." + m.robot.joints[f.joint].name) + " = [" +
-           log::toml_float(f.lower) + ", " + log::toml_float(f.upper) + "]\n";
+           core::toml_float(f.lower) + ", " + core::toml_float(f.upper) + "]\n";
   for (const Cause& c : m.causes)
     for (const std::size_t site : c.sites) {
       const EffectInfo& e = info(c.effect);
       out += "\n[effect." + std::string(e.name) + "." + toml_key(site_name(m, e.seat, site)) + "]\n";
       for (std::size_t k = 0; k < e.parameter_count; ++k)
         out += std::string(name_on(e.parameters()[k], is_linear(m, e.seat, site))) + " = " +
-               log::toml_float(c.values[k]) + "\n";
+               core::toml_float(c.values[k]) + "\n";
     }
   return out;
 }

@@ -168,10 +168,10 @@ std::string scenario_of(const TreeModel& m, const Experiment& e) {
     const std::string unit(channel_unit(m, j));
     out += "\n[path." + toml_key(m.robot.joints[j].name) + "]\nprofile = \"" +
            (p.profile == Path::Profile::hold ? "hold" : "sine") + "\"\ncentre_" + unit + " = " +
-           log::toml_float(p.centre_rad) + "\n";
+           core::toml_float(p.centre_rad) + "\n";
     if (p.profile == Path::Profile::hold) continue;
-    out += "amplitude_" + unit + " = " + log::toml_float(p.amplitude_rad) +
-           "\nperiod_s = " + log::toml_float(p.period_s) + "\nphase_rad = " + log::toml_float(p.phase_rad) +
+    out += "amplitude_" + unit + " = " + core::toml_float(p.amplitude_rad) +
+           "\nperiod_s = " + core::toml_float(p.period_s) + "\nphase_rad = " + core::toml_float(p.phase_rad) +
            "\n";
   }
   return out;

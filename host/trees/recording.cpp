@@ -38,8 +38,8 @@ double noise_of(const std::vector<double>& x) {
 [[noreturn]] void missing(const log::Log& log, const TreeModel& m, std::size_t joint,
                           const std::string& columns) {
   throw core::DataError(log.path + ": joint " + core::quoted(m.robot.joints[joint].name) + " has no column " +
-                       columns + "; expected one of each joint that moves (joints = [...] in " + m.file +
-                       " says which do)");
+                        columns + "; expected one of each joint that moves (joints = [...] in " + m.file +
+                        " says which do)");
 }
 
 void refuse_degrees(const log::Log& log, const TreeModel& m, std::size_t joint,
@@ -81,7 +81,7 @@ Recording recording_of(const TreeModel& m, const log::Log& log) {
   constexpr std::size_t kFewest = 50;
   if (log.rows() < kFewest)
     throw core::DataError(log.path + ": " + std::to_string(log.rows()) + " rows; expected at least " +
-                         std::to_string(kFewest));
+                          std::to_string(kFewest));
   Recording r;
   r.path = log.path;
   r.time_s = log.time_s();

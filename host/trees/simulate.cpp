@@ -25,7 +25,7 @@ double chosen(const toml::table& table, std::string_view key, const std::string&
               const std::string& where, double otherwise, double lower, double upper, std::string_view unit) {
   const toml::node* node = table.get(key);
   return node == nullptr ? otherwise
-                         : log::number(*node, name, where + " " + std::string(key), lower, upper, unit);
+                         : core::number(*node, name, where + " " + std::string(key), lower, upper, unit);
 }
 
 }  // namespace
@@ -63,41 +63,41 @@ Scenario default_scenario(const TreeModel& model) {
 }
 
 Scenario parse_scenario(std::string_view text, const std::string& name, const TreeModel& model) {
-  const toml::table file = log::parse_toml(text, name);
+  const toml::table file = core::parse_toml(text, name);
   static constexpr std::array<std::string_view, 4> kSections{"run", "path", "disturbance", "sensors"};
-  log::refuse_unknown_keys(file, name, "the scenario of a tree", kSections);
+  core::refuse_unknown_keys(file, name, "the scenario of a tree", kSections);
   Scenario s = default_scenario(model);
   if (const toml::node* node = file.get("run")) {
-    const toml::table& run = log::table(*node, name, "[run]");
+    const toml::table& run = core::table(*node, name, "[run]");
     static constexpr std::array<std::string_view, 2> kKeys{"duration_s", "sample_rate_hz"};
-    log::refuse_unknown_keys(run, name, "[run]", kKeys);
+    core::refuse_unknown_keys(run, name, "[run]", kKeys);
     s.duration_s = chosen(run, "duration_s", name, "[run]", s.duration_s, 0.5, 3600.0, "s");
     s.sample_rate_hz = chosen(run, "sample_rate_hz", name, "[run]", s.sample_rate_hz, 20.0, 10000.0, "Hz");
   }
   if (const toml::node* node = file.get("path")) {
     std::vector<std::string_view> joints;
     for (const auto& j : model.robot.joints) joints.emplace_back(j.name);
-    const toml::table& paths = log::table(*node, name, "[path]");
-    log::refuse_unknown_keys(paths, name, "[path]", joints);
+    const toml::table& paths = core::table(*node, name, "[path]");
+    core::refuse_unknown_keys(paths, name, "[path]", joints);
     // Joints that the file does not name stand still.
     for (Path& p : s.paths) p.profile = Path::Profile::hold;
     for (std::size_t j = 0; j < model.joints(); ++j) {
       const toml::node* entry = paths.get(joints[j]);
       if (entry == nullptr) continue;
       const std::string where = "[path." + model.robot.joints[j].name + "]";
-      const toml::table& table = log::table(*entry, name, where);
+      const toml::table& table = core::table(*entry, name, where);
       const bool slides = model.prismatic(j);
       const std::string unit = slides ? "m" : "rad", centre = "centre_" + unit,
                         amplitude = "amplitude_" + unit;
       const std::array<std::string_view, 5> keys{"profile", centre, amplitude, "period_s", "phase_rad"};
-      log::refuse_unknown_keys(table, name, where, keys);
+      core::refuse_unknown_keys(table, name, where, keys);
       Path& p = s.paths[j];
       p.profile = Path::Profile::sine;
       if (const toml::node* profile = table.get("profile")) {
-        const std::string which = log::text(*profile, name, where + " profile");
+        const std::string which = core::text(*profile, name, where + " profile");
         if (which != "sine" && which != "steps" && which != "hold")
-          log::fail(name, profile->source(),
-                    where + " profile = " + core::quoted(which) + "; expected sine, steps or hold");
+          core::fail(name, profile->source(),
+                     where + " profile = " + core::quoted(which) + "; expected sine, steps or hold");
         p.profile = which == "sine"    ? Path::Profile::sine
                     : which == "steps" ? Path::Profile::steps
                                        : Path::Profile::hold;
@@ -109,17 +109,17 @@ Scenario parse_scenario(std::string_view text, const std::string& name, const Tr
     }
   }
   if (const toml::node* node = file.get("disturbance")) {
-    const toml::table& table = log::table(*node, name, "[disturbance]");
+    const toml::table& table = core::table(*node, name, "[disturbance]");
     static constexpr std::array<std::string_view, 2> kKeys{"share", "time_s"};
-    log::refuse_unknown_keys(table, name, "[disturbance]", kKeys);
+    core::refuse_unknown_keys(table, name, "[disturbance]", kKeys);
     s.disturbance_share = chosen(table, "share", name, "[disturbance]", s.disturbance_share, 0.0, 1.0, "");
     s.disturbance_time_s =
         chosen(table, "time_s", name, "[disturbance]", s.disturbance_time_s, 1e-4, 100.0, "s");
   }
   if (const toml::node* node = file.get("sensors")) {
-    const toml::table& table = log::table(*node, name, "[sensors]");
+    const toml::table& table = core::table(*node, name, "[sensors]");
     static constexpr std::array<std::string_view, 2> kKeys{"angle_noise_rad", "torque_noise_share"};
-    log::refuse_unknown_keys(table, name, "[sensors]", kKeys);
+    core::refuse_unknown_keys(table, name, "[sensors]", kKeys);
     s.angle_noise_rad =
         chosen(table, "angle_noise_rad", name, "[sensors]", s.angle_noise_rad, 0.0, 1.0, "rad");
     s.torque_noise_share =
@@ -129,7 +129,7 @@ Scenario parse_scenario(std::string_view text, const std::string& name, const Tr
 }
 
 Scenario read_scenario(const std::string& path, const TreeModel& model) {
-  return parse_scenario(log::read_small_file(path, "a scenario (TOML)"), path, model);
+  return parse_scenario(core::read_small_file(path, "a scenario (TOML)"), path, model);
 }
 
 log::Log simulate(const TreeModel& model, const Scenario& scenario, std::uint64_t seed) {
@@ -228,7 +228,7 @@ log::Log simulate(const TreeModel& model, const Scenario& scenario, std::uint64_
     for (std::size_t j = 0; j < n; ++j) {
       if (!std::isfinite(runner.measured(j)))
         throw core::DataError("the motion is not finite any more at " + core::shortest(t) +
-                             " s; expected slower paths or stronger drives");
+                              " s; expected slower paths or stronger drives");
       if (model.drives[j].law == DriveLaw::torque)
         column(j, "torque")
             .push_back(input[j] + scenario.torque_noise_share * torque_rms[j] * normal(random));
