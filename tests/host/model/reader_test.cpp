@@ -107,10 +107,12 @@ TEST_CASE("an unknown section, key, kind or effect is refused, and the nearest n
                  Contains("(did you mean 'coulomb_friction'?)"));
   CHECK_THAT(refused("force_n", "force"),
              Contains("m.toml:21: unknown key 'force' in [effect.coulomb_friction]"));
-  CHECK_THAT(refused("hopper_linear", "hopper_lineal"),
-             Contains("m.toml:2: unknown kind 'hopper_lineal'; expected one of hopper_linear, "
-                      "hopper_nonlinear, motor_axis, "
-                      "rotary_joint, rail_carriage, clutch_bench, tree (did you mean 'hopper_linear'?)"));
+  CHECK_THAT(
+      refused("hopper_linear", "hopper_lineal"),
+      Contains(
+          "m.toml:2: unknown kind 'hopper_lineal'; expected one of hopper_linear, "
+          "hopper_nonlinear, motor_axis, "
+          "rotary_joint, rail_carriage, clutch_bench, torsion_pendulum, tree (did you mean 'hopper_linear'?)"));
 }
 
 TEST_CASE("a clutch bench has its delays and its pitch in its table, and reads back the same") {
