@@ -1,6 +1,6 @@
 // Gaits of the print's parametrisation (001 section IV): Fourier series as torques in stance, Bezier curves with a
-// PD law in flight; 49 parameters and the state at the apex, optimised by shooting with derivatives through the
-// events.
+// PD law in flight; 49 parameters and the state at the apex, optimised over splines and closed by shooting with
+// derivatives through the events.
 #pragma once
 
 #include <array>
@@ -131,6 +131,7 @@ struct FourierResult {
   std::string status, worst;
   double violation = 0.0;
   int iterations = 0;
+  double closure = 0.0;  ///< largest difference of a state after a stride
   FourierGait gait;
 };
 
@@ -138,11 +139,13 @@ struct FourierResult {
 FourierGait fourier_near(const Machine& machine, const FreeGait& gait);
 
 struct FourierOptions {
-  int iterations = 400;
-  double longest_step_s = 8e-3;
+  std::size_t stance_intervals = 24, flight_intervals = 10;
+  int iterations = 300;
+  double omega_factor = 1.0;  ///< of the series' base frequency to begin with
   std::function<bool(int iteration, double cost, double violation)> progress;
 };
-FourierResult find_fourier_gait(const Machine& machine, const Task& task, const FourierGait& start,
+/// From a gait of free torques of the same task: first over splines, then by shooting until it closes.
+FourierResult find_fourier_gait(const Machine& machine, const Task& task, const FreeGait& start,
                                 const FourierOptions& options);
 
 }  // namespace furcula::gait

@@ -22,6 +22,7 @@ class FreeLaw {
   /// The hip's highest point, as the gait has it. @throws log::DataError: the hip has none in flight
   const Apex<double>& apex() const { return apex_; }
   double stride_s() const;
+  double rise_s() const { return apex_s_; }  ///< from lift-off to the apex
 
   template <class T>
   Joints2<T> motors(LegPhase phase, const T& time, double middle, const Joints2<T>& angle,
