@@ -90,15 +90,15 @@ class LawProgramme : public GaitProgramme {
       p_.linear(rule[joint], {{torque[joint], -0.1}});
     }
     const bool in_stance = k == 0;
-    p_.element(std::array<Sum, 8>{path(k, 0, 0, s, interval), path(k, 1, 0, s, interval),
-                                  path(k, 0, 1, s, interval), path(k, 1, 1, s, interval),
-                                  path(k, 0, 2, s, interval), path(k, 1, 2, s, interval), of(duration_[k]),
-                                  touchdown_knee()},
-               motion, [this, in_stance](const auto& z) {
-                 using T = std::decay_t<decltype(z[0])>;
-                 const Joints2<T> u = motors<T>(needed(z, in_stance).torque, z[1], z[7], in_stance);
-                 return std::array<T, 2>{0.1 * u.hip, 0.1 * u.knee};
-               });
+    p_.element(
+        std::array<Sum, 8>{path(k, 0, 0, s, interval), path(k, 1, 0, s, interval), path(k, 0, 1, s, interval),
+                           path(k, 1, 1, s, interval), path(k, 0, 2, s, interval), path(k, 1, 2, s, interval),
+                           of(duration_[k]), touchdown_knee()},
+        motion, [this, in_stance](const auto& z) {
+          using T = std::decay_t<decltype(z[0])>;
+          const Joints2<T> u = motors<T>(needed(z, in_stance).torque, z[1], z[7], in_stance);
+          return std::array<T, 2>{0.1 * u.hip, 0.1 * u.knee};
+        });
     for (std::size_t joint = 0; joint < 2; ++joint)
       if (in_stance)
         add_series(joint, s, rule[joint]);
@@ -160,7 +160,8 @@ class LawProgramme : public GaitProgramme {
 };
 
 /// A part of a path, from one time of it to another, over so many intervals.
-JointPath part_of(const std::function<JointPath::At(double)>& path, double from, double to, std::size_t intervals) {
+JointPath part_of(const std::function<JointPath::At(double)>& path, double from, double to,
+                  std::size_t intervals) {
   std::vector<double> hip, knee;
   const std::size_t values = 6 * intervals + 1;
   for (std::size_t i = 0; i < values; ++i) {
@@ -405,7 +406,8 @@ FourierResult find_fourier_gait(const Machine& machine, const Task& task, const 
     return paths[k].at(t);
   };
   found.phases[1] = part_of(flown, 0.0, result.gait.law.rise_s, 2 * n);
-  found.phases[2] = part_of(flown, result.gait.law.rise_s, result.gait.law.rise_s + result.gait.law.fall_s, 2 * n);
+  found.phases[2] =
+      part_of(flown, result.gait.law.rise_s, result.gait.law.rise_s + result.gait.law.fall_s, 2 * n);
   result.gait.apex = FreeLaw(machine, found).apex();
   result.closure = close(machine, task, result.gait);
   if (!(result.closure < 1e-9)) {

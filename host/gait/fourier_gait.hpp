@@ -61,7 +61,8 @@ class FourierLaw {
  public:
   explicit FourierLaw(const FourierParameters<S>& p, const FlightGains& gains = {}) : p_(p), gains_(gains) {}
 
-  Joints2<S> motors(LegPhase phase, const S& time, double, const Joints2<S>& angle, const Joints2<S>& rate) const {
+  Joints2<S> motors(LegPhase phase, const S& time, double, const Joints2<S>& angle,
+                    const Joints2<S>& rate) const {
     if (phase == LegPhase::stance) return stance(time);
     const bool rises = phase == LegPhase::rise;
     const S& duration = rises ? p_.rise_s : p_.fall_s;

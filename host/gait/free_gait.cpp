@@ -58,7 +58,9 @@ FreeGait rough_gait(const Machine& machine, const Task& task, std::uint64_t vari
   const double speed = task.speed_mps.value_or(0.0);
   const double stance = vary(rigid ? 0.2 : 0.35 / (1.0 + 0.25 * std::abs(speed)), rigid ? 0.08 : 0.1);
   const double flight = vary(0.1, 0.04);
-  double landed = task.touchdown_knee_rad.value_or(rigid ? 0.8 : machine.spring == LegSpring::parallel ? 1.1 : 1.4);
+  double landed = task.touchdown_knee_rad.value_or(rigid                                   ? 0.8
+                                                   : machine.spring == LegSpring::parallel ? 1.1
+                                                                                           : 1.4);
   if (!task.touchdown_knee_rad) landed = vary(landed, 0.3);
   const double fold = vary(0.5, 0.2), tuck = landed + vary(0.35, 0.3);
   const double sweep = std::clamp(speed * stance / 0.9, -1.2, 1.2);
@@ -100,7 +102,7 @@ FreeResult find_free_gait(const Machine& machine, const Task& task, const FreeGa
   bool near = options.near;
   for (const double rounding : kinks ? std::vector<double>{2e-2, 2e-3, 3e-4} : std::vector<double>{1e-5}) {
     GaitProgramme builder(machine, task, {out.gait.phases.begin(), out.gait.phases.end()},
-                          {task.clearance_m ? Turn::top : Turn::apex}, rounding);
+                          {task.clearance_m ? Turn::top : Turn::apex}, rounding, options.force_margin_n);
     SolveOptions s;
     s.iterations = options.iterations;
     s.progress = options.progress;

@@ -50,7 +50,8 @@ struct FreeGait {
 struct FreeOptions {
   std::size_t stance_intervals = 16, flight_intervals = 8;  ///< of each part of the flight
   int iterations = 300;
-  bool near = false;  ///< the start is a gait of a similar task
+  double force_margin_n = 0.0;  ///< of the ground's force above zero at the points where it is asked for
+  bool near = false;            ///< the start is a gait of a similar task
   std::function<bool(int iteration, double cost, double violation)> progress;
 };
 

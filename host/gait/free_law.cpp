@@ -45,7 +45,8 @@ void FreeLaw::find_apex() {
   const JointPath& stance = gait_.stance();
   const JointPath::At off = stance.at(stance.duration_s);
   const auto pose = leg.pose(off.angle);
-  const Vec2<double> hip = leg.pinned_hip_velocity(pose, off.rate), turn = leg.centre_velocity(pose, off.rate);
+  const Vec2<double> hip = leg.pinned_hip_velocity(pose, off.rate),
+                     turn = leg.centre_velocity(pose, off.rate);
   const Vec2<double> velocity{hip.x + turn.x, hip.y + turn.y};
   const double height = leg.centre(pose).y - leg.toe(pose).y;
   const auto hip_at = [&](double t) {

@@ -40,9 +40,10 @@ class FreeLaw {
     if (m_.spring == LegSpring::parallel)
       u.knee = u.knee - leg.spring_torque(path[0].knee, T(m_.leg.rest_angle_rad));
     if (stance) return u;
-    u.hip = u.hip + gains_.kp_nmprad * (path[0].hip - angle.hip) + gains_.kd_nmsprad * (path[1].hip - rate.hip);
-    u.knee =
-        u.knee + gains_.kp_nmprad * (path[0].knee - angle.knee) + gains_.kd_nmsprad * (path[1].knee - rate.knee);
+    u.hip =
+        u.hip + gains_.kp_nmprad * (path[0].hip - angle.hip) + gains_.kd_nmsprad * (path[1].hip - rate.hip);
+    u.knee = u.knee + gains_.kp_nmprad * (path[0].knee - angle.knee) +
+             gains_.kd_nmsprad * (path[1].knee - rate.knee);
     return u;
   }
   const std::vector<double>& breaks(LegPhase phase) const { return breaks_[static_cast<std::size_t>(phase)]; }

@@ -28,13 +28,14 @@ T rounded_positive(const T& d, double e) {
 class GaitProgramme {
  public:
   GaitProgramme(const Machine& machine, const Task& task, const std::vector<JointPath>& start,
-                const std::vector<Turn>& turns, double rounding)
-      : m_(machine), task_(task), rounding_(rounding), turns_(turns), phases_(start.size()) {
+                const std::vector<Turn>& turns, double rounding, double margin = 0.0)
+      : m_(machine), task_(task), rounding_(rounding), margin_(margin), turns_(turns), phases_(start.size()) {
     for (const JointPath& path : start) add_phase(path);
     const LegEquations<double> eq(machine.leg);
     const auto end = start.front().at(start.front().duration_s);
     const auto pose = eq.pose(end.angle);
-    const Vec2<double> hip = eq.pinned_hip_velocity(pose, end.rate), turn = eq.centre_velocity(pose, end.rate);
+    const Vec2<double> hip = eq.pinned_hip_velocity(pose, end.rate),
+                       turn = eq.centre_velocity(pose, end.rate);
     const Vec2<double> centre = eq.centre(pose), toe = eq.toe(pose);
     vx_ = p_.variable(-10.0, 10.0, hip.x + turn.x);
     vy_ = p_.variable(-10.0, 10.0, hip.y + turn.y);
@@ -113,7 +114,8 @@ class GaitProgramme {
       u.knee = u.knee + m_.leg.stiffness_nmprad *
                             (task_.lift_off == LegLiftOff::unguarded ? rounded_positive(d, rounding_) : d);
     } else if (m_.spring == LegSpring::parallel) {
-      u.knee = u.knee + m_.leg.stiffness_nmprad * rounded_positive(T(knee - m_.leg.rest_angle_rad), rounding_);
+      u.knee =
+          u.knee + m_.leg.stiffness_nmprad * rounded_positive(T(knee - m_.leg.rest_angle_rad), rounding_);
     }
     return u;
   }
@@ -132,7 +134,7 @@ class GaitProgramme {
     std::array<int, 2> slack{}, work{};
     for (std::size_t joint = 0; joint < 2; ++joint) {
       slack[joint] = p_.variable(0.0, kNoBound, 0.02);
-      work[joint] = p_.row("power", 0.0, kNoBound);
+      work[joint] = p_.row("the energy of the motors", 0.0, kNoBound);
       p_.linear(work[joint], {{slack[joint], 1.0}});
       p_.linear(total_, {{slack[joint], 1.0}});
       const double low = joint == 0 ? m_.least.hip : m_.least.knee;
@@ -140,17 +142,14 @@ class GaitProgramme {
       p_.linear(p_.row(joint == 0 ? "the hip's range" : "the knee's range", low, high),
                 path(k, joint, 0, s, interval));
     }
-    const std::array<Sum, 8> inputs{path(k, 0, 0, s, interval),
-                                    path(k, 1, 0, s, interval),
-                                    path(k, 0, 1, s, interval),
-                                    path(k, 1, 1, s, interval),
-                                    path(k, 0, 2, s, interval),
-                                    path(k, 1, 2, s, interval),
-                                    of(duration_[k]),
-                                    touchdown_knee()};
+    const std::array<Sum, 8> inputs{path(k, 0, 0, s, interval), path(k, 1, 0, s, interval),
+                                    path(k, 0, 1, s, interval), path(k, 1, 1, s, interval),
+                                    path(k, 0, 2, s, interval), path(k, 1, 2, s, interval),
+                                    of(duration_[k]),           touchdown_knee()};
     const Joints2<double> heat = m_.motors.heat();
+    if (m_.motors.current_a > 0.0 || m_.motors.supply_v > 0.0) add_motor_limits(k, inputs);
     if (k == 0) {
-      const int force = p_.row("the ground that does not pull", 0.0, kNoBound);
+      const int force = p_.row("the ground that does not pull", 0.01 * margin_, kNoBound);
       if (task_.lift_off != LegLiftOff::unguarded) {
         Sum beyond = path(0, 1, 0, s, interval);
         for (const auto& [v, f] : touchdown_knee()) beyond.emplace_back(v, -f);
@@ -173,8 +172,7 @@ class GaitProgramme {
         const Joints2<T> u = motors<T>(n.torque, z[1], z[7], true);
         const T w = T(-weight) * z[6], r = 1.0 / z[6];
         return std::array<T, 3>{w * electric_power(heat.hip, u.hip, T(z[2] * r)),
-                                w * electric_power(heat.knee, u.knee, T(z[3] * r)),
-                                0.01 * n.ground_force.y};
+                                w * electric_power(heat.knee, u.knee, T(z[3] * r)), 0.01 * n.ground_force.y};
       });
       return;
     }
@@ -187,12 +185,30 @@ class GaitProgramme {
                               w * electric_power(heat.knee, u.knee, T(z[3] * r))};
     });
     const int toe = p_.row("the toe's height in flight", 0.0, kNoBound);
-    p_.element(std::array<Sum, 5>{path(k, 0, 0, s, interval), path(k, 1, 0, s, interval), since(k, s), of(vy_),
-                                  of(height_)},
+    p_.element(std::array<Sum, 5>{path(k, 0, 0, s, interval), path(k, 1, 0, s, interval), since(k, s),
+                                  of(vy_), of(height_)},
                std::array<int, 1>{toe}, [this](const auto& z) {
                  using T = std::decay_t<decltype(z[0])>;
                  return std::array<T, 1>{toe_height<T>({z[0], z[1]}, z[2], z[3], z[4])};
                });
+  }
+
+  void add_motor_limits(std::size_t k, const std::array<Sum, 8>& inputs) {
+    const auto limit = [](double most) { return most > 0.0 ? most : kNoBound; };
+    const double amperes = limit(m_.motors.current_a), volts = limit(m_.motors.supply_v);
+    const std::array<int, 4> rows{
+        p_.row("the motors' current", -amperes, amperes), p_.row("the motors' current", -amperes, amperes),
+        p_.row("the motors' voltage", -volts, volts), p_.row("the motors' voltage", -volts, volts)};
+    p_.element(inputs, rows, [this, stance = k == 0](const auto& z) {
+      using T = std::decay_t<decltype(z[0])>;
+      const Joints2<T> u = motors<T>(needed(z, stance).torque, z[1], z[7], stance);
+      const T r = 1.0 / z[6];
+      const Motors& m = m_.motors;
+      const double hip = m.hip_gear * m.torque_constant_nmpa, knee = m.knee_gear * m.torque_constant_nmpa;
+      const T hip_a = (1.0 / hip) * u.hip, knee_a = (1.0 / knee) * u.knee;
+      return std::array<T, 4>{hip_a, knee_a, hip * (z[2] * r) + m.resistance_ohm * hip_a,
+                              knee * (z[3] * r) + m.resistance_ohm * knee_a};
+    });
   }
 
   /// Time since lift-off.
@@ -219,14 +235,16 @@ class GaitProgramme {
   T toe_height(const Joints2<T>& angle, const T& time, const T& vy, const T& height) const {
     const LegEquations<T, double> leg(m_.leg);
     const auto pose = leg.pose(angle);
-    return height + vy * time - 0.5 * m_.leg.gravity_mps2 * time * time + leg.toe(pose).y - leg.centre(pose).y;
+    return height + vy * time - 0.5 * m_.leg.gravity_mps2 * time * time + leg.toe(pose).y -
+           leg.centre(pose).y;
   }
 
   void add_lift_off() {
     const bool by_knee = task_.lift_off == LegLiftOff::knee;
-    const std::array<int, 5> rows{p_.row("the ground's force at lift-off", 0.0, by_knee ? kNoBound : 0.0),
-                                  p_.row("speed at lift-off", 0.0, 0.0), p_.row("speed at lift-off", 0.0, 0.0),
-                                  p_.row("place at lift-off", 0.0, 0.0), p_.row("place at lift-off", 0.0, 0.0)};
+    const std::array<int, 5> rows{
+        p_.row("the ground's force at lift-off", 0.0, by_knee ? kNoBound : 0.0),
+        p_.row("speed at lift-off", 0.0, 0.0), p_.row("speed at lift-off", 0.0, 0.0),
+        p_.row("place at lift-off", 0.0, 0.0), p_.row("place at lift-off", 0.0, 0.0)};
     p_.linear(rows[1], {{vx_, -1.0}});
     p_.linear(rows[2], {{vy_, -1.0}});
     p_.linear(rows[3], {{place_, -1.0}});
@@ -289,8 +307,8 @@ class GaitProgramme {
   void add_same_rates(std::size_t before, std::size_t after) {
     const std::array<int, 2> rows{p_.row("rates between phases", 0.0, 0.0),
                                   p_.row("rates between phases", 0.0, 0.0)};
-    p_.element(std::array<Sum, 6>{end(before, 0, 1), end(before, 1, 1), start(after, 0, 1), start(after, 1, 1),
-                                  of(duration_[before]), of(duration_[after])},
+    p_.element(std::array<Sum, 6>{end(before, 0, 1), end(before, 1, 1), start(after, 0, 1),
+                                  start(after, 1, 1), of(duration_[before]), of(duration_[after])},
                rows, [](const auto& z) {
                  using T = std::decay_t<decltype(z[0])>;
                  const T b = 1.0 / z[4], a = 1.0 / z[5];
@@ -343,10 +361,9 @@ class GaitProgramme {
                  const auto kept = leg.pinned_momentum(pose, hip, before);
                  const auto inertia = leg.standing_inertia(pose);
                  const auto hip_after = leg.pinned_hip_velocity(pose, after);
-                 const T impulse =
-                     m_.leg.mass_kg * (hip_after.y - hip.y) +
-                     LegEquations<T, double>::dot(pose.along_y,
-                                                  {after.hip - before.hip, after.knee - before.knee});
+                 const T impulse = m_.leg.mass_kg * (hip_after.y - hip.y) +
+                                   LegEquations<T, double>::dot(
+                                       pose.along_y, {after.hip - before.hip, after.knee - before.knee});
                  return std::array<T, 6>{toe_height<T>({z[0], z[1]}, time, z[10], z[11]),
                                          inertia.hip * after.hip + inertia.both * after.knee - kept.hip,
                                          inertia.both * after.hip + inertia.knee * after.knee - kept.knee,
@@ -355,8 +372,9 @@ class GaitProgramme {
                                          z[12] + z[9] * time + leg.toe(pose).x - leg.centre(pose).x};
                });
     if (task_.touchdown_knee_rad)
-      p_.linear(p_.row("the knee's angle at touch-down", *task_.touchdown_knee_rad, *task_.touchdown_knee_rad),
-                touchdown_knee());
+      p_.linear(
+          p_.row("the knee's angle at touch-down", *task_.touchdown_knee_rad, *task_.touchdown_knee_rad),
+          touchdown_knee());
   }
 
   void add_cost() {
@@ -367,16 +385,15 @@ class GaitProgramme {
     const double weight = m_.leg.mass_kg * m_.leg.gravity_mps2 * std::abs(*task_.speed_mps);
     Sum whole;
     for (const int d : duration_) whole.emplace_back(d, 1.0);
-    p_.element(std::array<Sum, 2>{of(energy_), whole},
-               std::array<int, 1>{0}, [weight](const auto& z) {
-                 using T = std::decay_t<decltype(z[0])>;
-                 return std::array<T, 1>{z[0] / (weight * z[1])};
-               });
+    p_.element(std::array<Sum, 2>{of(energy_), whole}, std::array<int, 1>{0}, [weight](const auto& z) {
+      using T = std::decay_t<decltype(z[0])>;
+      return std::array<T, 1>{z[0] / (weight * z[1])};
+    });
   }
 
   const Machine& m_;
   const Task& task_;
-  double rounding_;
+  double rounding_, margin_;
   std::vector<Turn> turns_;
   std::size_t phases_;
   Programme p_;

@@ -32,7 +32,7 @@ struct Machine {
   dynamics::PlanarLegParameters<double> leg;
   LegSpring spring = LegSpring::switched;
   Motors motors;
-  Joints2<double> least{-1.2217304763960306, 0.0};                ///< of the joints' angles, rad
+  Joints2<double> least{-1.2217304763960306, 0.0};               ///< of the joints' angles, rad
   Joints2<double> most{1.2217304763960306, 2.4434609527920612};  ///< 70 and 140 degrees
 };
 

@@ -96,8 +96,8 @@ class ForIpopt final : public Ipopt::TNLP {
     for (const std::size_t k : constants_) *values++ = linear.value[k];
     return true;
   }
-  bool eval_h(Index, const Number* x, bool, Number objective, Index m, const Number* multipliers, bool,
-              Index, Index* rows, Index* columns, Number* values) override {
+  bool eval_h(Index, const Number* x, bool, Number objective, Index m, const Number* multipliers, bool, Index,
+              Index* rows, Index* columns, Number* values) override {
     if (values == nullptr) {
       std::copy(hessian_.row.begin(), hessian_.row.end(), rows);
       std::copy(hessian_.column.begin(), hessian_.column.end(), columns);

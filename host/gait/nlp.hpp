@@ -96,8 +96,7 @@ class ElementOf final : public Element {
     std::vector<double> half(N * count, 0.0);
     for (std::size_t i = 0; i < N; ++i)
       for (std::size_t j = 0; j < N; ++j)
-        for (std::size_t v = 0; v < count; ++v)
-          half[i * count + v] += h[i * N + j] * weights_[j * count + v];
+        for (std::size_t v = 0; v < count; ++v) half[i * count + v] += h[i * N + j] * weights_[j * count + v];
     for (std::size_t u = 0; u < count; ++u)
       for (std::size_t v = 0; v <= u; ++v) {
         double sum = 0.0;

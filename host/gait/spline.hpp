@@ -11,7 +11,7 @@ namespace furcula::gait {
 /// and the last the last. The argument runs from 0 to 1.
 class Spline {
  public:
-    static constexpr std::size_t kDegree = 5, kOrder = kDegree + 1;
+  static constexpr std::size_t kDegree = 5, kOrder = kDegree + 1;
 
   explicit Spline(std::size_t intervals) : intervals_(intervals) {}
   std::size_t intervals() const { return intervals_; }

@@ -50,16 +50,17 @@ struct StrideEnd {
   bool whole = false;
   const char* why = "";  ///< where it is not: what happened
   Apex<T> apex;
-  T distance{};                   ///< of the hip, m
-  T fall{}, stance{}, rise{};     ///< durations, s
-  T electric{}, motor{}, joint{};  ///< positive parts of the powers, J: electric, of the motors, of motors and spring
-  T highest_toe{};                ///< between lift-off and touch-down, m
-  T touchdown_knee{};             ///< rad
+  T distance{};                ///< of the hip, m
+  T fall{}, stance{}, rise{};  ///< durations, s
+  T electric{}, motor{},
+      joint{};         ///< positive parts of the powers, J: electric, of the motors, of motors and spring
+  T highest_toe{};     ///< between lift-off and touch-down, m
+  T touchdown_knee{};  ///< rad
   std::array<std::vector<Sample<T>>, 3> samples;
-  double lowest_toe = 0.0;        ///< in flight, m; below zero where the toe went through the ground
+  double lowest_toe = 0.0;  ///< in flight, m; below zero where the toe went through the ground
   double least_force_n = 0.0, friction = 0.0, impact_friction = 0.0, impulse_ns = 0.0;
-  double toe_acceleration_mps2 = 0.0;  ///< upward, just after lift-off
-  double joint_excess_rad = 0.0;       ///< beyond the joints' ranges
+  double toe_acceleration_mps2 = 0.0;                                ///< upward, just after lift-off
+  double joint_excess_rad = 0.0;                                     ///< beyond the joints' ranges
   double voltage_v = 0.0, current_a = 0.0, motor_speed_radps = 0.0;  ///< the most of either motor
 };
 
@@ -67,8 +68,8 @@ struct StrideOptions {
   LegLiftOff lift_off = LegLiftOff::force;
   double longest_step_s = 4e-3;
   std::function<void(const Moment&)> moment;  ///< after every step
-  double ground_m = 0.0;  ///< height of what the toe lands on
-  bool energies = true;   ///< else the powers' kinks are not located, and the energies a little off
+  double ground_m = 0.0;                      ///< height of what the toe lands on
+  bool energies = true;  ///< else the powers' kinks are not located, and the energies a little off
   /// Times of each phase at which the toe's height and the joints' angles are kept.
   std::array<std::vector<double>, 3> samples;
 };
@@ -120,8 +121,8 @@ class StrideRun {
     r_.least_force_n = std::numeric_limits<double>::infinity();
     r_.lowest_toe = std::numeric_limits<double>::infinity();
     r_.highest_toe = T(-1.0);
-    Flight<T> s{T(0.0), start.height, start.angle.hip, start.angle.knee, start.speed,
-                T(0.0), start.rate.hip, start.rate.knee};
+    Flight<T> s{T(0.0),      start.height, start.angle.hip, start.angle.knee,
+                start.speed, T(0.0),       start.rate.hip,  start.rate.knee};
     r_.fall = fly(LegPhase::fall, s);
     if (!r_.why[0]) land_and_leave(s);
     if (!r_.why[0]) r_.rise = fly(LegPhase::rise, s);
@@ -373,14 +374,24 @@ class StrideRun {
     const auto after_pose = leg_.pose({p[0], p[1]});
     const auto off = leg_.toe(after_pose);
     const auto velocity = leg_.pinned_hip_velocity(after_pose, {p[2], p[3]});
-    s = {toe_at_.x - off.x, toe_at_.y - off.y, p[0], p[1], velocity.x, velocity.y, p[2], p[3], p[4], p[5], p[6]};
+    s = {toe_at_.x - off.x,
+         toe_at_.y - off.y,
+         p[0],
+         p[1],
+         velocity.x,
+         velocity.y,
+         p[2],
+         p[3],
+         p[4],
+         p[5],
+         p[6]};
     // Where the knee ends the stance the toe leaves the ground only by what the motors do next.
     const auto k = look<double>(LegPhase::rise, 0.0, {plain(s[2]), plain(s[3])}, {plain(s[6]), plain(s[7])});
     const double shank = plain(s[6]) + plain(s[7]);
-    r_.toe_acceleration_mps2 =
-        k.motion.hip_acceleration.y + dynamics::LegEquations<double>::dot(k.pose.toe_y, k.motion.acceleration) +
-        m_.leg.thigh_length_m * k.pose.cos_hip * plain(s[6]) * plain(s[6]) +
-        m_.leg.shank_length_m * k.pose.cos_shank * shank * shank;
+    r_.toe_acceleration_mps2 = k.motion.hip_acceleration.y +
+                               dynamics::LegEquations<double>::dot(k.pose.toe_y, k.motion.acceleration) +
+                               m_.leg.thigh_length_m * k.pose.cos_hip * plain(s[6]) * plain(s[6]) +
+                               m_.leg.shank_length_m * k.pose.cos_shank * shank * shank;
   }
 
   /// Keeps the sides on which the watched values are, and the extremes that are asked for.
@@ -416,15 +427,23 @@ class StrideRun {
       const double current = u / (gear * motors.torque_constant_nmpa);
       r_.current_a = std::max(r_.current_a, std::abs(current));
       r_.motor_speed_radps = std::max(r_.motor_speed_radps, std::abs(gear * w));
-      r_.voltage_v = std::max(r_.voltage_v, std::abs(gear * w * motors.torque_constant_nmpa +
-                                                     motors.resistance_ohm * current));
+      r_.voltage_v = std::max(
+          r_.voltage_v, std::abs(gear * w * motors.torque_constant_nmpa + motors.resistance_ohm * current));
     }
     if (o_.moment) {
-      const double before = phase == LegPhase::fall ? 0.0
+      const double before = phase == LegPhase::fall     ? 0.0
                             : phase == LegPhase::stance ? plain(r_.fall)
                                                         : plain(r_.fall) + plain(r_.stance);
-      o_.moment({before + t, phase, hip, velocity, angle, rate, k.u, k.spring,
-                 {hip.x + toe.x, hip.y + toe.y}, force});
+      o_.moment({before + t,
+                 phase,
+                 hip,
+                 velocity,
+                 angle,
+                 rate,
+                 k.u,
+                 k.spring,
+                 {hip.x + toe.x, hip.y + toe.y},
+                 force});
     }
   }
 
