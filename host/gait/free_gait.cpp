@@ -102,7 +102,7 @@ FreeResult find_free_gait(const Machine& machine, const Task& task, const FreeGa
   bool near = options.near;
   for (const double rounding : kinks ? std::vector<double>{2e-2, 2e-3, 3e-4} : std::vector<double>{1e-5}) {
     GaitProgramme builder(machine, task, {out.gait.phases.begin(), out.gait.phases.end()},
-                          {task.clearance_m ? Turn::top : Turn::apex}, rounding, options.force_margin_n);
+                          {task.clearance_m ? Turn::top : Turn::apex}, rounding, options.margin);
     SolveOptions s;
     s.iterations = options.iterations;
     s.progress = options.progress;

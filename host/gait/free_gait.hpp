@@ -50,8 +50,8 @@ struct FreeGait {
 struct FreeOptions {
   std::size_t stance_intervals = 16, flight_intervals = 8;  ///< of each part of the flight
   int iterations = 300;
-  double force_margin_n = 0.0;  ///< of the ground's force above zero at the points where it is asked for
-  bool near = false;            ///< the start is a gait of a similar task
+  double margin = 0.0;  ///< N of the ground's force, and % of the motors' limits, where they are asked for
+  bool near = false;    ///< the start is a gait of a similar task
   std::function<bool(int iteration, double cost, double violation)> progress;
 };
 

@@ -42,7 +42,7 @@ class GaitProgramme {
     height_ = p_.variable(-2.0, 2.0, centre.y - toe.y);
     place_ = p_.variable(-2.0, 2.0, centre.x - toe.x);
     energy_ = p_.variable(0.0, kNoBound, 5.0);
-    total_ = p_.row("energy", 0.0, 0.0);
+    total_ = p_.row(kCostRow, 0.0, 0.0);
     p_.linear(total_, {{energy_, -1.0}});
     add_points();
     add_lift_off();
@@ -134,7 +134,7 @@ class GaitProgramme {
     std::array<int, 2> slack{}, work{};
     for (std::size_t joint = 0; joint < 2; ++joint) {
       slack[joint] = p_.variable(0.0, kNoBound, 0.02);
-      work[joint] = p_.row("the energy of the motors", 0.0, kNoBound);
+      work[joint] = p_.row(kCostRow, 0.0, kNoBound);
       p_.linear(work[joint], {{slack[joint], 1.0}});
       p_.linear(total_, {{slack[joint], 1.0}});
       const double low = joint == 0 ? m_.least.hip : m_.least.knee;
@@ -194,7 +194,8 @@ class GaitProgramme {
   }
 
   void add_motor_limits(std::size_t k, const std::array<Sum, 8>& inputs) {
-    const auto limit = [](double most) { return most > 0.0 ? most : kNoBound; };
+    // A little less where more came out between these points.
+    const auto limit = [this](double most) { return most > 0.0 ? most * (1.0 - 0.01 * margin_) : kNoBound; };
     const double amperes = limit(m_.motors.current_a), volts = limit(m_.motors.supply_v);
     const std::array<int, 4> rows{
         p_.row("the motors' current", -amperes, amperes), p_.row("the motors' current", -amperes, amperes),
@@ -339,18 +340,21 @@ class GaitProgramme {
 
   void add_touch_down() {
     const std::size_t last = phases_ - 1;
-    const std::array<int, 6> rows{p_.row("the toe's height at touch-down", 0.0, 0.0),
+    const double mu = task_.friction.value_or(0.0), cone = task_.friction ? 0.0 : -kNoBound;
+    const std::array<int, 8> rows{p_.row("the toe's height at touch-down", 0.0, 0.0),
                                   p_.row("the impact", 0.0, 0.0),
                                   p_.row("the impact", 0.0, 0.0),
                                   p_.row("the toe that comes down", -kNoBound, 0.0),
                                   p_.row("the impact that does not pull", 0.0, kNoBound),
-                                  p_.row("the way of a stride", 0.0, 0.0)};
+                                  p_.row("the way of a stride", 0.0, 0.0),
+                                  p_.row("the ground's friction at touch-down", cone, kNoBound),
+                                  p_.row("the ground's friction at touch-down", cone, kNoBound)};
     if (task_.speed_mps)
       for (const int d : duration_) p_.linear(rows[5], {{d, -*task_.speed_mps}});
     p_.element(std::array<Sum, 13>{end(last, 0, 0), end(last, 1, 0), end(last, 0, 1), end(last, 1, 1),
                                    start(0, 0, 1), start(0, 1, 1), of(duration_[last]), since(last, 1.0),
                                    of(duration_[0]), of(vx_), of(vy_), of(height_), of(place_)},
-               rows, [this](const auto& z) {
+               rows, [this, mu](const auto& z) {
                  using T = std::decay_t<decltype(z[0])>;
                  const LegEquations<T, double> leg(m_.leg);
                  const auto pose = leg.pose({z[0], z[1]});
@@ -364,12 +368,17 @@ class GaitProgramme {
                  const T impulse = m_.leg.mass_kg * (hip_after.y - hip.y) +
                                    LegEquations<T, double>::dot(
                                        pose.along_y, {after.hip - before.hip, after.knee - before.knee});
-                 return std::array<T, 6>{toe_height<T>({z[0], z[1]}, time, z[10], z[11]),
+                 const T along = m_.leg.mass_kg * (hip_after.x - hip.x) +
+                                 LegEquations<T, double>::dot(
+                                     pose.along_x, {after.hip - before.hip, after.knee - before.knee});
+                 return std::array<T, 8>{toe_height<T>({z[0], z[1]}, time, z[10], z[11]),
                                          inertia.hip * after.hip + inertia.both * after.knee - kept.hip,
                                          inertia.both * after.hip + inertia.knee * after.knee - kept.knee,
                                          hip.y + leg.toe_velocity(pose, before).y,
                                          impulse,
-                                         z[12] + z[9] * time + leg.toe(pose).x - leg.centre(pose).x};
+                                         z[12] + z[9] * time + leg.toe(pose).x - leg.centre(pose).x,
+                                         mu * impulse - along,
+                                         mu * impulse + along};
                });
     if (task_.touchdown_knee_rad)
       p_.linear(

@@ -240,7 +240,8 @@ Solution solve(Programme& programme, const SolveOptions& options) {
     for (std::size_t i = 1; i < rows.size(); ++i) {
       const Programme::Row& r = programme.rows()[i];
       const double by = std::max(r.lower - rows[i], rows[i] - r.upper);
-      if (by <= s.violation) continue;
+      // What only defines the cost can always be met, and says nothing about the task.
+      if (by <= s.violation || r.what == kCostRow) continue;
       s.violation = by;
       s.worst = r.what;
     }

@@ -147,6 +147,9 @@ class WholeElement final : public Element {
   Function f_;
 };
 
+/// The word of rows that define the cost.
+inline constexpr const char* kCostRow = "the cost";
+
 constexpr double kNoBound = 1e20;  ///< beyond Ipopt's own
 
 /// Row 0 is the objective; the others are constraints.

@@ -89,11 +89,12 @@ Outcome free_from(const Query& q, const FreeGait& start, bool near, const Tell& 
   Outcome out;
   out.free = start;
   FreeGait from = start;
-  // Between the points where it is asked for, the ground's force may yet fall below zero: then more is asked for.
+  // Between the points where they are asked for, the ground's force may yet fall below zero and a current rise above
+  // its limit: then more is asked for.
   for (const double margin : {0.0, 3.0, 10.0}) {
     FreeOptions options;
     options.near = near;
-    options.force_margin_n = margin;
+    options.margin = margin;
     options.progress = [&](int iteration, double cost, double violation) {
       if (iteration % 5 == 0) tell(said(cost, violation));
       return true;
@@ -199,18 +200,20 @@ std::optional<double> nearest(const Query& query, const Tell& tell) {
     FreeGait here;
     value = easy;
     if (!at(easy, rough_gait(q.machine, q.task, 0), false, here)) continue;
-    double low = easy, high = asked;
-    for (int round = 0; round < 7; ++round) {
-      const double middle = 0.5 * (low + high);
+    // As far as it goes, in steps that halve where it does not.
+    double reached = easy, step = 0.25 * (asked - easy);
+    for (int round = 0; round < 12 && std::abs(step) > 0.01 * std::abs(easy); ++round) {
+      const double next_value =
+          std::abs(reached + step) < std::abs(asked) ? reached + step : 0.5 * (reached + asked);
       FreeGait next;
-      if (at(middle, here, true, next) || at(middle, here, false, next)) {
-        low = middle;
+      if (at(next_value, here, true, next) || at(next_value, rough_gait(q.machine, q.task, 0), false, next)) {
+        reached = next_value;
         here = next;
       } else {
-        high = middle;
+        step *= 0.5;
       }
     }
-    return low;
+    return reached;
   }
   return std::nullopt;
 }
