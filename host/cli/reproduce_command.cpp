@@ -113,7 +113,9 @@ void add_reproduce_command(CLI::App& app) {
           "001: the monopod with a switched spring at the knee; 002: the clutched parallel-elastic hopper")
       ->required()
       ->check(CLI::IsMember({"001", "002"}));
-  command->add_option("--seed", options->study.seed, "Of the rig that is identified (002), of the starts (001)")->capture_default_str();
+  command
+      ->add_option("--seed", options->study.seed, "Of the rig that is identified (002), of the starts (001)")
+      ->capture_default_str();
   command->add_option("--threads", options->study.threads, "Threads; without it as many as processors");
   command->add_option("--out", options->out, "Folder for report.html and reproduction.json")->required();
   command->add_option("--starts", options->starts, "Of each gait of 001")

@@ -1,8 +1,10 @@
 #include "host/gait/search.hpp"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "host/gait/workers.hpp"

@@ -160,6 +160,13 @@ class StrideRun {
 
   template <class S>
   S spring(bool stance, const S& knee) const {
+    // A step begins or ends where the spring begins to pull: there the sign says nothing of the derivatives.
+    if constexpr (!std::is_same_v<S, double>)
+      if (pulls_ != 0 && (stance || m_.spring == LegSpring::parallel) && m_.spring != LegSpring::none) {
+        if (pulls_ < 0) return S(0.0);
+        const S rest = m_.spring == LegSpring::parallel ? S(m_.leg.rest_angle_rad) : S(rest_);
+        return S(-m_.leg.stiffness_nmprad * (knee - rest));
+      }
     if (m_.spring == LegSpring::parallel) return leg<S>().spring_torque(knee, S(m_.leg.rest_angle_rad));
     if (m_.spring == LegSpring::switched && stance) {
       if constexpr (std::is_same_v<S, double>)
@@ -309,6 +316,7 @@ class StrideRun {
         state = to;
       } else {
         const std::array<T, N> before = state;
+        pulls_ = side[2] != 0 ? side[2] : values[2] > 0.0 ? 1 : -1;
         state = after<T>(phase, t, before, length);
         if (ends) {
           // The event's time by the implicit function theorem; then the step once more, of that length.
@@ -455,6 +463,7 @@ class StrideRun {
   dynamics::LegEquations<double, double> plain_leg_;
   T rest_{};
   double middle_ = 0.0;
+  int pulls_ = 0;  ///< of the step: the spring pulls (1), or not (-1)
   Vec2<T> toe_at_{};
   StrideEnd<T> r_;
 };
