@@ -301,9 +301,11 @@ Search find_gait(const Query& query) {
       const auto tell = [&](std::string_view line) {
         if (query.progress) query.progress(0.9, line);
       };
-      const auto near = nearest(query, tell);
-      out.refusal += near ? "; the nearest that was found is " + name_of(query.task, *near)
-                          : "; nor was one found for an easier task";
+      if (query.explains) {
+        const auto near = nearest(query, tell);
+        out.refusal += near ? "; the nearest that was found is " + name_of(query.task, *near)
+                            : "; nor was one found for an easier task";
+      }
     }
   }
   out.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();

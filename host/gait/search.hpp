@@ -20,6 +20,7 @@ struct Query {
   unsigned starts = 3;
   std::uint64_t seed = 1;
   unsigned processes = 1;        ///< changes nothing but the time
+  bool explains = true;          ///< where none is found, the nearest task that has one is sought
   std::optional<FreeGait> from;  ///< a gait of a similar task, taken as the only start
   std::function<void(double fraction, std::string_view doing)> progress;
 };

@@ -13,18 +13,16 @@ using namespace furcula::gait;
 
 namespace {
 
-/// Torques of the state alone, so that a plant with held torques can follow.
+/// Torques of the state alone, the same in all phases, so that a plant with held torques can follow.
 struct Springy {
   template <class T>
-  Joints2<T> motors(LegPhase phase, const T&, double, const Joints2<T>& angle, const Joints2<T>& rate) const {
-    if (phase == LegPhase::stance)
-      return {4.0 * (-0.62 - angle.hip) - 0.6 * rate.hip, 0.6 * rate.knee - 20.0};
-    return {30.0 * (-0.62 - angle.hip) - 0.6 * rate.hip, 30.0 * (1.25 - angle.knee) - 0.3 * rate.knee};
+  Joints2<T> motors(LegPhase, const T&, double, const Joints2<T>& angle, const Joints2<T>& rate) const {
+    return {4.0 * (-0.45 - angle.hip) - 0.3 * rate.hip, 60.0 * (0.9 - angle.knee) - 0.3 * rate.knee};
   }
   static std::vector<double> breaks(LegPhase) { return {}; }
 };
 
-Apex<double> start() { return {0.58, 0.05, {-0.62, 1.25}, {0.0, 0.0}}; }
+Apex<double> start() { return {0.66, 0.05, {-0.45, 0.9}, {0.0, 0.0}}; }
 
 }  // namespace
 
@@ -44,8 +42,8 @@ TEST_CASE("a stride is that of the core's plant, event by event") {
     constexpr double kStep = 2e-5;
     double t = 0.0, landed = 0.0, left = 0.0, apex = 0.0;
     for (; apex == 0.0 && t < 2.0; t += kStep) {
-      const LegPhase phase = plant.mode() == Plant::Mode::stance ? LegPhase::stance : LegPhase::rise;
-      plant.advance(law.motors<double>(phase, 0.0, 0.0, plant.angle_rad(), plant.rate_radps()), kStep);
+      plant.advance(law.motors<double>(LegPhase::rise, 0.0, 0.0, plant.angle_rad(), plant.rate_radps()),
+                    kStep);
       for (const auto& event : plant.events()) {
         if (event.kind == Plant::Event::Kind::touchdown) landed = t + event.offset_s;
         if (event.kind == Plant::Event::Kind::liftoff) left = t + event.offset_s;
@@ -96,9 +94,9 @@ TEST_CASE("derivatives of a stride pass through touch-down, lift-off and apex") 
       const auto b = run_stride<double>(machine, law, law, Apex<double>::of(down), options);
       for (std::size_t i = 0; i < 6; ++i)
         CHECK(with.apex.values()[i].derivative(k) ==
-              Approx((a.apex.values()[i] - b.apex.values()[i]) / (2.0 * kStep)).epsilon(1e-6).margin(1e-6));
+              Approx((a.apex.values()[i] - b.apex.values()[i]) / (2.0 * kStep)).epsilon(2e-5).margin(2e-5));
       CHECK(with.stance.derivative(k) ==
-            Approx((a.stance - b.stance) / (2.0 * kStep)).epsilon(1e-6).margin(1e-6));
+            Approx((a.stance - b.stance) / (2.0 * kStep)).epsilon(2e-5).margin(2e-5));
     }
   }
 }
