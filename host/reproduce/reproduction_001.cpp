@@ -237,17 +237,17 @@ GaitReproduction reproduce_001(const GaitStudyOptions& options) {
   rows.push_back(compare(
       {"VI.A, Fig. 5", "parallel against switched spring, 7.5 cm", "", "1.1 to 1.2", parallel / switched},
       kTenthToFifth));
-  // What would make the rigid leg as dear as printed: a knee that lands more flexed than is best for it.
+  // Whether a knee that lands more flexed than is best makes the leg without a spring as dear as printed.
   std::string landing;
   for (std::size_t i = 0; i < rigid_knees.size(); ++i) {
     const double c = s.cost(rigid_knees[i]);
     landing += (i > 0 ? ", " : "") + log::rounded(kRigidKnees[i], 3) + " deg: " + log::rounded(c, 4) + " J";
   }
   const std::string reason =
-      "Cheaper gaits are there: every start ends at " + log::rounded(s.cost(rigid), 4) +
-      " J with free torques and " + log::rounded(none, 4) +
-      " J with the print's parameters, and an integrator confirms both. The print's optimiser stopped at "
-      "another gait; a knee that lands more flexed than is best costs " +
+      "Not the least that this leg can do: " + log::rounded(s.cost(rigid), 4) + " J with free torques and " +
+      log::rounded(none, 4) +
+      " J with the print's parameters are gaits, as an integrator confirms. What gives 33 J was "
+      "not found: a knee that has to land more flexed costs " +
       landing + ".";
   rows.push_back(
       compare({"VI.A", "no spring in place, 7.5 cm", "J", "33 J", none}, {32.5, 33.5},
