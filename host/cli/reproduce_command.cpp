@@ -14,6 +14,7 @@
 #include "host/core/message.hpp"
 #include "host/report/html.hpp"
 #include "host/reproduce/reproduction.hpp"
+#include "host/reproduce/reproduction_001.hpp"
 #include "host/reproduce/reproduction_json.hpp"
 #include "host/reproduce/reproduction_report.hpp"
 
@@ -21,6 +22,7 @@ namespace furcula::cli {
 namespace {
 
 struct ReproduceOptions {
+  unsigned starts = 3;  ///< of each gait of 001
   std::string document, out;
   reproduce::Options study;
 };
@@ -64,6 +66,40 @@ void run(const ReproduceOptions& o) {
     throw Refusal(std::to_string(r.count(Outcome::differs)) + " printed figures differ without a reason");
 }
 
+void run_001(const ReproduceOptions& o) {
+  const OutFolder folder(o.out);
+  reproduce::GaitStudyOptions options;
+  options.seed = o.study.seed;
+  options.starts = o.starts;
+  options.processes =
+      o.study.threads > 0 ? o.study.threads : std::max(1u, std::thread::hardware_concurrency());
+  reproduce::GaitReproduction r;
+  {
+    Progress progress("reproduce 001");
+    options.progress = [&](double fraction, std::string_view doing) { progress.update(fraction, doing); };
+    r = reproduce::reproduce_001(options);
+  }
+  const std::string command = "furcula reproduce 001 --seed " + std::to_string(o.study.seed) + " --starts " +
+                              std::to_string(o.starts) + " --out '" + o.out + "'";
+  core::write_files_together(std::vector<core::NewFile>{
+      {o.out + "/reproduction.json", reproduce::to_json_text(r)},
+      {o.out + "/report.html", reproduce::render_gait_reproduction_report(r, command)}});
+  std::printf("%-14s %-60s %-22s %11s %-5s\n", "where", "what", "printed", "here", "unit");
+  for (const reproduce::Row& row : r.rows) {
+    std::printf("%-14s %-60s %-22s %11.4g %-5s %s\n", row.where.c_str(), row.what.c_str(),
+                row.published.c_str(), row.ours, row.unit.c_str(), reproduce::name(row.outcome));
+    if (row.outcome == reproduce::Outcome::explained) std::printf("%-14s   %s\n", "", row.remark.c_str());
+  }
+  using reproduce::Outcome;
+  std::printf("%zu met, %zu explained, %zu differ; %zu computed beside a picture or no figure\n",
+              r.count(Outcome::met), r.count(Outcome::explained), r.count(Outcome::differs),
+              r.count(Outcome::computed));
+  std::printf("%zu gaits, %u starts each: %.1f s on %u processes\nreport: %s/report.html\n", r.gaits.size(),
+              o.starts, r.seconds, options.processes, core::printable(o.out).c_str());
+  if (r.count(Outcome::differs) > 0)
+    throw Refusal(std::to_string(r.count(Outcome::differs)) + " printed figures differ without a reason");
+}
+
 }  // namespace
 
 void add_reproduce_command(CLI::App& app) {
@@ -71,13 +107,26 @@ void add_reproduce_command(CLI::App& app) {
   options->study.threads = 0;
   CLI::App* command =
       app.add_subcommand("reproduce", "A source document's numbers and figures, computed and compared");
-  command->add_option("document", options->document, "002: the clutched parallel-elastic hopper")
+  command
+      ->add_option(
+          "document", options->document,
+          "001: the monopod with a switched spring at the knee; 002: the clutched parallel-elastic hopper")
       ->required()
-      ->check(CLI::IsMember({"002"}));
-  command->add_option("--seed", options->study.seed, "Of the rig that is identified")->capture_default_str();
+      ->check(CLI::IsMember({"001", "002"}));
+  command
+      ->add_option("--seed", options->study.seed, "Of the rig that is identified (002), of the starts (001)")
+      ->capture_default_str();
   command->add_option("--threads", options->study.threads, "Threads; without it as many as processors");
   command->add_option("--out", options->out, "Folder for report.html and reproduction.json")->required();
-  command->callback([options] { run(*options); });
+  command->add_option("--starts", options->starts, "Of each gait of 001")
+      ->check(CLI::Range(1u, 1000u))
+      ->capture_default_str();
+  command->callback([options] {
+    if (options->document == "001")
+      run_001(*options);
+    else
+      run(*options);
+  });
 }
 
 }  // namespace furcula::cli

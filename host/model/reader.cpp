@@ -36,6 +36,9 @@ class Reader {
 
   Model read() {
     static constexpr std::array<std::string_view, 4> kSections{"model", "parameters", "free", "effect"};
+    // Kinds with a room of their own have sections of their own.
+    if (const auto kind = file_["model"]["kind"].value<std::string_view>(); kind == "planar_leg")
+      fail(name_, file_["model"]["kind"].node()->source(), no_such_kind(*kind));
     core::refuse_unknown_keys(file_, name_, "the model file", kSections);
     read_kind();
     read_parameters();
@@ -206,6 +209,9 @@ std::string no_such_kind(std::string_view name) {
   for (const auto& k : dynamics::kMachines) kinds.push_back(k.name);
   if (name == "tree")
     return "kind 'tree', a robot from a URDF, is taken by sim, identify, diagnose and effects alone; expected one of " +
+           core::listed(kinds);
+  if (name == "planar_leg")
+    return "kind 'planar_leg', a leg whose gaits are sought, is taken by furcula gait alone; expected one of " +
            core::listed(kinds);
   kinds.emplace_back("tree");
   const std::string expected = "; expected one of " + core::listed(kinds);

@@ -11,5 +11,6 @@ extern const std::string_view dygraphs_licence;  ///< the notice that must go wi
 extern const std::string_view page_style;        ///< assets/report.css
 extern const std::string_view page_script;       ///< assets/report.js
 extern const std::string_view robot_script;      ///< assets/robot.js
+extern const std::string_view leg_script;        ///< assets/leg.js
 
 }  // namespace furcula::report::assets

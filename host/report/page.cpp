@@ -57,6 +57,12 @@ std::string render(const Page& page) {
     out += assets::robot_script;
     out += "</script>\n";
   }
+  if (!page.leg_json.empty()) {
+    out += "<script type=\"application/json\" id=\"leg-data\">" + inside_script(page.leg_json) +
+           "</script>\n<script>\n";
+    out += assets::leg_script;
+    out += "</script>\n";
+  }
   return out + "</body>\n</html>\n";
 }
 

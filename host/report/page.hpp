@@ -16,6 +16,8 @@ struct Page {
   std::string command = {};  ///< that writes the same page again, for the foot; empty: none
   /// What robot_script draws (tree_report.cpp); empty: no robot, and not its script.
   std::string robot_json = {};
+  /// What leg_script draws (host/gait/gait_report.cpp); empty: no leg, and not its script.
+  std::string leg_json = {};
 };
 
 /// The whole HTML file: style, script and data embedded; its content policy forbids any request.
