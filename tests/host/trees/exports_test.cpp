@@ -38,7 +38,7 @@ trees::Diagnosis diagnosis_of(const Folder& folder, const std::string& urdf,
 }
 
 std::string robot(const std::string& name) {
-  return log::read_small_file(test::source("tests/host/model/robots/" + name + ".urdf"), "a robot");
+  return core::read_small_file(test::source("tests/host/model/robots/" + name + ".urdf"), "a robot");
 }
 
 std::vector<std::string> lines(const std::string& text) {
