@@ -332,7 +332,7 @@ GaitReproduction reproduce_001(const GaitStudyOptions& options) {
               log::rounded(guarded, 3) + " with that, " + log::rounded(free, 3) + " without, " +
               log::rounded(other, 3) +
               " with the knee pointing forward. The printed figure lies between them."}));
-  rows.push_back({"VI.B", "the same, the knee free to extend", "", "", free});
+  if (std::isfinite(free)) rows.push_back({"VI.B", "the same, the knee free to extend", "", "", free});
   rows.push_back({"VI.B", "the same, the knee pointing forward", "", "", other});
   out.gaits = std::move(s.all);
   out.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
