@@ -329,8 +329,8 @@ GaitReproduction reproduce_001(const GaitStudyOptions& options) {
           lowest < 1.48 && highest > 1.38,
           "Which way the knee points and whether a stance ends where the knee is back at its angle of touch-down are not "
           "legible: " +
-              log::rounded(guarded, 3) + " with that, " + log::rounded(free, 3) + " without, " +
-              log::rounded(other, 3) +
+              log::rounded(guarded, 3) + " with that, " +
+              (std::isfinite(free) ? log::rounded(free, 3) + " without, " : "") + log::rounded(other, 3) +
               " with the knee pointing forward. The printed figure lies between them."}));
   if (std::isfinite(free)) rows.push_back({"VI.B", "the same, the knee free to extend", "", "", free});
   rows.push_back({"VI.B", "the same, the knee pointing forward", "", "", other});
