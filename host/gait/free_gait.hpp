@@ -50,7 +50,7 @@ struct FreeGait {
 struct FreeOptions {
   std::size_t stance_intervals = 16, flight_intervals = 8;  ///< of each part of the flight
   int iterations = 300;
-  double margin = 0.0;  ///< N of the ground's force, and % of the motors' limits, where they are asked for
+  double margin = 0.0;  ///< N of the ground's force, 0.1 mm of the toe's height, % of the motors' limits
   bool near = false;    ///< the start is a gait of a similar task
   std::function<bool(int iteration, double cost, double violation)> progress;
 };

@@ -184,7 +184,9 @@ class GaitProgramme {
       return std::array<T, 2>{w * electric_power(heat.hip, u.hip, T(z[2] * r)),
                               w * electric_power(heat.knee, u.knee, T(z[3] * r))};
     });
-    const int toe = p_.row("the toe's height in flight", 0.0, kNoBound);
+    // The toe leaves and comes from zero: a margin of its height grows from there.
+    const double away = (k == 1 ? s : 1.0) * (k + 1 == phases_ ? 1.0 - s : 1.0);
+    const int toe = p_.row("the toe's height in flight", 1e-4 * margin_ * away, kNoBound);
     p_.element(std::array<Sum, 5>{path(k, 0, 0, s, interval), path(k, 1, 0, s, interval), since(k, s),
                                   of(vy_), of(height_)},
                std::array<int, 1>{toe}, [this](const auto& z) {

@@ -329,10 +329,10 @@ GaitReproduction reproduce_001(const GaitStudyOptions& options) {
           lowest < 1.48 && highest > 1.38,
           "Which way the knee points and whether a stance ends where the knee is back at its angle of touch-down are not "
           "legible: " +
-              core::rounded(guarded, 3) + " with that, " + core::rounded(free, 3) + " without, " +
-              core::rounded(other, 3) +
+              core::rounded(guarded, 3) + " with that, " +
+              (std::isfinite(free) ? core::rounded(free, 3) + " without, " : "") + core::rounded(other, 3) +
               " with the knee pointing forward. The printed figure lies between them."}));
-  rows.push_back({"VI.B", "the same, the knee free to extend", "", "", free});
+  if (std::isfinite(free)) rows.push_back({"VI.B", "the same, the knee free to extend", "", "", free});
   rows.push_back({"VI.B", "the same, the knee pointing forward", "", "", other});
   out.gaits = std::move(s.all);
   out.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
