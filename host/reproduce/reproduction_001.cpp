@@ -30,8 +30,8 @@ constexpr std::array kSpeeds{0.25, 0.5, 1.0, 1.5, 2.0, 3.0, 4.0};
 constexpr std::array kKnees{50.0, 60.0, 70.0, 80.0, 87.0, 95.0};
 constexpr std::array kRigidKnees{50.0, 60.0, 70.0};
 
-/// "10 to 20 % more", to a hundredth.
-constexpr Range kTenthToFifth{1.09, 1.21};
+/// "10 to 20 % more", in whole per cent.
+constexpr Range kTenthToFifth{1.095, 1.205};
 
 std::string name_of(LegSpring spring) {
   return std::string(dynamics::kLegSpringNames[static_cast<std::size_t>(spring)]);
@@ -257,8 +257,12 @@ GaitReproduction reproduce_001(const GaitStudyOptions& options) {
   for (std::size_t i = 0; i < kClearances.size(); ++i) {
     const std::string at = core::rounded(100.0 * kClearances[i], 3) + " cm";
     const double ratio = s.cost(place[1][i]) / s.cost(place[0][i]);
-    rows.push_back(compare({"Fig. 5a", "parallel against switched spring, " + at, "", "1.1 to 1.2", ratio},
-                           kTenthToFifth));
+    rows.push_back(compare(
+        {"Fig. 5a", "parallel against switched spring, " + at, "", "1.1 to 1.2", ratio}, kTenthToFifth,
+        Reason{
+            std::abs(ratio - 1.15) < 0.06,
+            "Less than half a per cent beside the printed range; the spring's rate, which the print has lost a digit of, "
+            "moves costs by more."}));
     for (std::size_t k = 0; k < 2; ++k)
       rows.push_back(
           compare({"Fig. 5d", name_of(static_cast<LegSpring>(k)) + " spring's share of the work, " + at, "",
@@ -291,7 +295,7 @@ GaitReproduction reproduce_001(const GaitStudyOptions& options) {
   rows.push_back(compare(
       {"Fig. 7", "speed at which the switched spring is cheapest", "m/s", "a minimum inside", kSpeeds[least]},
       {kSpeeds.front() + 0.01, kSpeeds.back() - 0.01}));
-  double crossing = kNothing;
+  double crossing = kNothing, steepness = kNothing;  // there: of the costs' ratio, over the speed
   for (std::size_t i = 0; i < kSpeeds.size(); ++i) {
     const std::string at = core::rounded(kSpeeds[i], 3) + " m/s";
     const double a = s.cost(run[0][i]), b = s.cost(run[1][i]);
@@ -299,8 +303,10 @@ GaitReproduction reproduce_001(const GaitStudyOptions& options) {
     rows.push_back({"Fig. 7", "cost of transport, parallel spring, " + at, "", "a picture", b});
     if (i > 0 && !std::isfinite(crossing)) {
       const double before = s.cost(run[1][i - 1]) - s.cost(run[0][i - 1]), after = b - a;
-      if (before > 0.0 && after <= 0.0)
+      if (before > 0.0 && after <= 0.0) {
         crossing = kSpeeds[i - 1] + (kSpeeds[i] - kSpeeds[i - 1]) * before / (before - after);
+        steepness = (before - after) / a / (kSpeeds[i] - kSpeeds[i - 1]);
+      }
     }
     rows.push_back(
         {"Fig. 8b", "knee at touch-down, switched spring, " + at, "deg", "a picture", knee(run[0][i])});
@@ -308,7 +314,11 @@ GaitReproduction reproduce_001(const GaitStudyOptions& options) {
         {"Fig. 8b", "knee at touch-down, parallel spring, " + at, "deg", "nearly constant", knee(run[1][i])});
   }
   rows.push_back(compare(
-      {"VI.B, Fig. 7", "speed from which the two cost the same", "m/s", "1.5 m/s", crossing}, {1.25, 1.75}));
+      {"VI.B, Fig. 7", "speed from which the two cost the same", "m/s", "1.5 m/s", crossing}, {1.45, 1.55},
+      Reason{std::abs(crossing - 1.5) * steepness < 0.03,
+             "The curves cross flatly: a hundredth of the cost moves the crossing by " +
+                 core::rounded(0.01 / steepness, 2) +
+                 " m/s, and the spring's rate, which the print has lost a digit of, moves costs by more."}));
   for (std::size_t i = 0; i < kSpeeds.size(); ++i)
     if (kSpeeds[i] == 1.0 || kSpeeds[i] == 1.5 || kSpeeds[i] == 2.0)
       rows.push_back(
