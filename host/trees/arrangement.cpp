@@ -14,7 +14,7 @@ constexpr double kWindow_s = 0.15;
 constexpr std::size_t kWindows = 16;
 /// What runs are off, of the motion and squared: from the first on a model is asked about; the second still is no fit.
 constexpr double kAsked = 0.05, kNoFit = 0.02;
-/// What an exchange must come down to, of what is left as given.
+/// What an exchange must come down to, of what is left as given; and below kAsked.
 constexpr double kHelps = 0.2;
 /// So many exchanges are fitted.
 constexpr std::size_t kFitted = 3;
@@ -120,7 +120,7 @@ std::optional<Arrangement> other_arrangement(const TreeModel& model, const std::
   std::optional<Arrangement> best;
   for (std::size_t k = 0; k < most && as_given > kNoFit; ++k) {
     const double left = off(model, read_so(recordings, all[k].second.reading), threads, true);
-    if (left < kHelps * as_given && (!best || left < best->off_arranged))
+    if (left < std::min(kHelps * as_given, kAsked) && (!best || left < best->off_arranged))
       best = {all[k].second.what, as_given, left};
   }
   return best;

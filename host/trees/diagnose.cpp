@@ -23,6 +23,10 @@ namespace {
 constexpr double kApart = 2.0;
 /// A flexible law must foretell so much of the missing torque, and that be so much of the joint's torque, to be called structure.
 constexpr double kForetold = 0.03, kOfTorque = 0.01;
+/// What is missing at times only: so much of the drive's torque, and so much of its squares in a tenth of the samples (of chance: 0.44).
+constexpr double kOfDrive = 0.1, kNearlyAll = 0.9;
+/// What a candidate gains that the recordings do not agree on, of the loss: from then on something is missing.
+constexpr double kDisputed = 0.05;
 constexpr std::size_t kMostSearchWindows = 160;
 
 std::string percent(double share) {
@@ -85,6 +89,7 @@ class Diagnoser {
     std::optional<Problem> coarse;
     if (!short_windows.empty()) coarse.emplace(model_, training_, std::move(short_windows), options_.threads);
     const Found found = search(problem, coarse ? &*coarse : nullptr, options_.progress);
+    disputed_ = found.disputed;
     d_.refitted = found.refitted.at;
     d_.extended = found.fit.at;
     for (const auto& t : found.table) {
@@ -182,6 +187,19 @@ class Diagnoser {
     return x.empty() ? 0.0 : std::sqrt(sum / static_cast<double>(x.size()));
   }
   static double foretold(double share, double rms) { return std::sqrt(std::max(0.0, share)) * rms; }
+  /// Much torque is missing, and nearly all of it in a few places.
+  static bool at_times(const MissingTorque& m) {
+    if (!(m.rms_after_nm > kOfDrive * m.rms_torque_nm)) return false;
+    std::vector<double> squares;
+    for (const double x : m.after_nm) squares.push_back(x * x);
+    std::sort(squares.rbegin(), squares.rend());
+    double all = 0.0, largest = 0.0;
+    for (std::size_t k = 0; k < squares.size(); ++k) {
+      all += squares[k];
+      if (k < squares.size() / 10) largest += squares[k];
+    }
+    return largest > kNearlyAll * all;
+  }
   static bool structured(const MissingTorque& m) {
     return m.predictable_after > kForetold &&
            foretold(m.predictable_after, m.rms_after_nm) > kOfTorque * m.rms_torque_nm;
@@ -359,12 +377,14 @@ class Diagnoser {
       // Runs that are further off than the joint moves, and far beyond its encoder's noise: whatever the torques say, it is not adequate.
       const bool lost = d_.extended_error[j].nmse > 1.0 && !problem.scales().still[j] &&
                         d_.extended_error[j].rmse > 50.0 * training_.front().angle_noise_rad[j];
-      if (structured(m) || lost) where.push_back(model_.robot.joints[j].name);
+      if (structured(m) || lost || (d_.findings.empty() && at_times(m)))
+        where.push_back(model_.robot.joints[j].name);
     }
+    const bool disputed = d_.findings.empty() && disputed_ > kDisputed;
     d_.unexplained_share = before > 0.0 && !d_.findings.empty() ? std::clamp(after / before, 0.0, 1.0)
-                           : where.empty()                      ? 0.0
+                           : where.empty() && !disputed         ? 0.0
                                                                 : 1.0;
-    const bool left = !where.empty() && (d_.findings.empty() || d_.unexplained_share > 0.1);
+    const bool left = disputed || (!where.empty() && (d_.findings.empty() || d_.unexplained_share > 0.1));
     for (Finding& f : d_.findings) {
       if (left) f.confidence = std::min(f.confidence, std::max(0.3, 1.0 - d_.unexplained_share));
     }
@@ -382,7 +402,9 @@ class Diagnoser {
     if (d_.findings.empty()) {
       d_.verdict = left ? Verdict::unexplained : Verdict::adequate;
       d_.summary =
-          left
+          left && where.empty()
+              ? "The model is wrong by more than chance, and the recordings do not agree on a cause of the catalogue."
+          : left
               ? "The model lacks torque at " + joined(where) +
                     ", and no cause of the catalogue accounts for it."
               : "The model is adequate: nothing is missing that the state, the torque or the time would foretell.";
@@ -438,6 +460,7 @@ class Diagnoser {
   const Options& options_;
   std::vector<Recording> training_, held_out_;
   bool at_bound_ = false;              ///< of a finding
+  double disputed_ = 0.0;              ///< see Found
   std::vector<Hypothesis> undecided_;  ///< rivals that cannot be told from a finding
   Diagnosis d_;
 };

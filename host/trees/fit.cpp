@@ -16,6 +16,8 @@ namespace {
 constexpr double kTorque = 1e-3;
 /// Derivatives are those of a point no further than so much of what matters, in each unknown.
 constexpr double kNear = 0.5;
+/// A motion of so many times the encoder's noise is none.
+constexpr double kStill = 10.0;
 /// No fit goes on for less than so much of the loss.
 constexpr double kDone = 1e-4;
 
@@ -159,7 +161,11 @@ double Problem::misfit(const Hypothesis& h) const {
   });
   double most = 0.0;
   for (std::size_t j = 0; j < n; ++j) {
-    double squares = 0.0, about_mean = 1e-12;
+    // Where a joint hardly moves, noise is no misfit.
+    double noise = 0.0;
+    for (const Recording& r : recordings_) noise = std::max(noise, r.angle_noise_rad[j]);
+    double squares = 0.0, about_mean = 1e-12 + static_cast<double>(bins_ * windows_.size()) * kStill *
+                                                   kStill * noise * noise;
     for (std::size_t i = 0; i < windows_.size(); ++i) {
       squares += off[i][j];
       about_mean += motion[i][j];

@@ -82,7 +82,7 @@ ScoreTest::Columns ScoreTest::columns_of(std::size_t candidate) const {
     out.push_back(first_[candidate] + static_cast<Index>(k));
   return out;
 }
-std::vector<ScoreTest::Score> ScoreTest::scores(const Columns& base, std::size_t most) const {
+std::vector<ScoreTest::Score> ScoreTest::scores(const Columns& base, std::size_t most, double* alike) const {
   const Eigen::MatrixXd& m = products_.all;
   const double before = loss_with(m, base, base.empty() ? Eigen::VectorXd() : solve(m, base));
   // Everything less what `base` explains.
@@ -123,8 +123,10 @@ std::vector<ScoreTest::Score> ScoreTest::scores(const Columns& base, std::size_t
     // What is there in a few windows only is much there: the scatter then says little. What each recording foretells of the others is
     // worth some scatter, too; the fit decides.
     const bool everywhere = s.gain > kNotable * before && f.kept > kKeptWhole && f.worse == 0.0;
+    const bool much = s.gain > kMuch * m(0, 0);
     const double limit = kSure[std::min<std::size_t>(static_cast<std::size_t>(s.coefficients.size()), 4)];
-    if (sure < (everywhere || s.gain > kMuch * m(0, 0) ? 0.3 : 1.0) * limit) continue;
+    if (sure < (everywhere && much ? 0.15 : everywhere || much ? 0.3 : 1.0) * limit) continue;
+    if (sure > limit && alike != nullptr) *alike = std::max(*alike, s.gain / before);
     if (!(f.kept > kKept && f.worse <= kMostWorse)) continue;
     if (!(f.steady >
           (everywhere ? 0.7 : 1.0) *

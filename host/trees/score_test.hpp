@@ -35,7 +35,8 @@ class ScoreTest {
     Eigen::VectorXd coefficients;
   };
   /// What each candidate would gain on top of the columns `base`, best first; only those that hold on windows and recordings.
-  std::vector<Score> scores(const Columns& base, std::size_t most) const;
+  /// `alike`: what the best of those gains that the windows are sure of, whether or not the recordings agree on it, of the loss.
+  std::vector<Score> scores(const Columns& base, std::size_t most, double* alike = nullptr) const;
 
   const std::vector<Candidate>& candidates() const { return candidates_; }
   double loss() const { return products_.all(0, 0); }

@@ -56,6 +56,7 @@ class Search {
       fit = problem_.fit(fit.at, 4);
     }
     judge(found, std::move(fit));
+    found.disputed = disputed_;
     return found;
   }
 
@@ -132,12 +133,14 @@ class Search {
 
   /// The candidates to take in this round, by a greedy solution of the linear problem.
   std::vector<ScoreTest::Score> pick(const ScoreTest& linear, const Fit& fit,
-                                     const std::set<std::string>& refused, Found* table) const {
+                                     const std::set<std::string>& refused, Found* table) {
     std::vector<ScoreTest::Score> out;
     ScoreTest::Columns base = linear.fitted();
     std::set<std::pair<Seat, std::size_t>> taken;
     for (std::size_t k = 0; k < problem_.joints() + 1; ++k) {
-      const auto scores = linear.scores(base, 40);
+      double sure = 0.0;
+      const auto scores = linear.scores(base, 40, &sure);
+      if (k == 0) disputed_ = sure;
       const ScoreTest::Score* best = nullptr;
       std::vector<const ScoreTest::Score*> leaders;
       std::set<std::string> seen;
@@ -370,6 +373,7 @@ class Search {
 
   Problem& problem_;
   const Progress& progress_;
+  double disputed_ = 0.0;          ///< see Found, of the last round
   std::set<std::string> dropped_;  ///< causes that did not hold at the end of a search
 };
 

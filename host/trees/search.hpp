@@ -38,6 +38,8 @@ struct Found {
     bool chosen;
   };
   std::vector<Tried> table;  ///< the best of the first round
+  /// What a candidate would gain at the end that the windows are sure of, and the recordings do not agree on: of the loss.
+  double disputed = 0.0;
 };
 
 using Progress =
