@@ -78,16 +78,15 @@ class Linearised::Torques {
     const Law& law = setup_.model.laws[i];
     const double q = at.position_rad[i], v = at.velocity_radps[i], measured = q + drive.encoder_offset_rad;
     const double input = inputs.mean(from_s - drive.delay_s, from_s + step_s - drive.delay_s);
-    const bool by_law = drive.law == DriveLaw::position && !drive.stepwise;
-    double torque = drive.offset_nm, rest = law.rest_rad;
-    if (by_law) {
-      rest = input - drive.encoder_offset_rad;  // the joint's own spring and damper are the drive
-    } else {
-      double asked = asked_torque(drive, input, measured, v);
-      if (drive.lag_s > 0.0) asked = passed(drive.lag_s, step_s, asked, lagged_[k]);
-      torque += made_torque(drive, asked, measured);
+    double asked = asked_torque(drive, input, measured, v);
+    if (drive.lag_s > 0.0) asked = passed(drive.lag_s, step_s, asked, lagged_[k]);
+    const double torque = drive.offset_nm + made_torque(drive, asked, measured);
+    double added = torque, rest = law.rest_rad;
+    if (Runner::is_spring(drive)) {
+      rest = input - drive.encoder_offset_rad;
+      added -= drive.gain * asked;  // the joint's own spring and damper are that
     }
-    double out = torque - passive_torque(law, q - rest + law.rest_rad, v) -
+    double out = added - passive_torque(law, q - rest + law.rest_rad, v) -
                  law.armature_kgm2 * at.acceleration_radps2[i];
     if (is_dry(law))
       out -= 0.5 * (1.0 + at.forth[i]) * friction(law, q, v, torque, 1) +

@@ -64,7 +64,7 @@ Row at_row(const Setup& setup, const Recording& r, std::size_t k, double half_s)
     if (d.law == DriveLaw::position) {
       input = d.kp_nmprad * (input - s.angle_rad) - d.kd_nmsprad * v[j];
       out.drive_rate[j] = d.gain * d.kp_nmprad * (rate - v[j]);
-      if (!d.stepwise) {  // the joint's law has it as a spring and a damper
+      if (Runner::is_spring(d)) {  // the joint's law has it as a spring and a damper
         tree.laws[j].stiffness_nmprad -= d.gain * d.kp_nmprad;
         tree.laws[j].damping_nmspr -= d.gain * d.kd_nmsprad;
       }

@@ -38,7 +38,7 @@ Recording on_paths(const TreeModel& m, const Setup& setup, const std::vector<Pat
     }
     auto tree = setup.model;
     for (std::size_t j = 0; j < n; ++j)
-      if (const Setup::Joint& d = setup.joints[j]; d.law == DriveLaw::position && !d.stepwise) {
+      if (const Setup::Joint& d = setup.joints[j]; Runner::is_spring(d)) {
         tree.laws[j].stiffness_nmprad -= d.gain * d.kp_nmprad;
         tree.laws[j].damping_nmspr -= d.gain * d.kd_nmsprad;
       }

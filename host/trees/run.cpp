@@ -186,7 +186,7 @@ Setup SetupMaker::make(std::span<const Drive> drives, std::span<const Cause> cau
           break;
         case Effect::actuator_lag:
           drive.lag_s = v[0];
-          drive.stepwise |= drive.law == DriveLaw::position && v[0] > 0.0;
+          drive.held_torque |= drive.law == DriveLaw::position && v[0] > 0.0;
           break;
         case Effect::torque_saturation:
           drive.limit_nm = v[0];
@@ -206,7 +206,7 @@ Setup SetupMaker::make(std::span<const Drive> drives, std::span<const Cause> cau
               law.damping_nmspr;  // bearings and seals of the drive are on the rotor's side
           law.damping_nmspr = 0.0;
           law.drive_stiffness_nmprad = v[0];
-          drive.stepwise |= drive.law == DriveLaw::position;
+          drive.held_torque |= drive.law == DriveLaw::position;
           break;
         case Effect::encoder_offset:
           drive.encoder_offset_rad += v[0];
@@ -222,7 +222,8 @@ Setup SetupMaker::make(std::span<const Drive> drives, std::span<const Cause> cau
                                  ? std::max(friction[i].forth, friction[i].back) + friction[i].more_at_rest
                                  : 0.0;
     Setup::Joint& j = out.joints[i];
-    if (j.law != DriveLaw::position || j.stepwise) continue;
+    j.stepwise |= j.held_torque;
+    if (!Runner::is_spring(j)) continue;
     // The drive's position law is a spring to the set point and a damper; between rows both act as they are.
     law.stiffness_nmprad += j.gain * j.kp_nmprad;
     law.damping_nmspr += j.gain * j.kd_nmsprad;
@@ -244,7 +245,8 @@ Runner::Runner(const Setup& setup)
       plant_(setup.model, setup.longest_step_s),
       lagged_(setup.joints.size()),
       disturbance_(setup.joints.size()),
-      torque_(setup.joints.size()) {
+      torque_(setup.joints.size()),
+      acceleration_(setup.joints.size()) {
   for (const Setup::Joint& j : setup.joints) stepwise_ |= j.stepwise;
 }
 
@@ -255,11 +257,13 @@ void Runner::reset(std::span<const double> angle_rad, std::span<const double> ve
     v[i] = velocity_radps[i];
   }
   plant_.reset(q, v);
+  std::fill(acceleration_.begin(), acceleration_.end(), 0.0);
 }
 
 void Runner::go_to(const Place& place) {
   plant_.go_to(place.plant);
   lagged_ = place.lagged_nm;
+  acceleration_ = place.acceleration_radps2;
 }
 
 double asked_torque(const Setup::Joint& j, double input, double measured_rad, double velocity_radps) {
@@ -295,6 +299,28 @@ double lagged_before(const Setup::Joint& j, const Recording& r, std::size_t join
   return out;
 }
 
+/// What the drive adds to the joint's spring and damper over the next step; what these and the dry friction are in it.
+double Runner::spring_torque(std::size_t i, double input, double dt_s) {
+  const Setup::Joint& j = setup_.joints[i];
+  const double ahead = measured(i) + velocity(i) * 0.5 * dt_s;
+  const double asked = asked_torque(j, input, ahead, velocity(i)), made = made_torque(j, asked, ahead);
+  const bool limited = j.limit_nm > 0.0 && std::abs(j.gain * asked) > j.limit_nm;
+  dynamics::tree::JointLaw<double> law = setup_.model.laws[i];
+  law.rest_rad = input - j.encoder_offset_rad;
+  if (limited) {
+    law.stiffness_nmprad -= j.gain * j.kp_nmprad;
+    law.damping_nmspr -= j.gain * j.kd_nmsprad;
+  }
+  // The friction of the load is of the whole drive's torque.
+  const double load = law.load_friction_ratio * std::abs(made + j.offset_nm + disturbance_[i]);
+  law.load_friction_ratio = 0.0;
+  law.friction_nm += load;
+  law.friction_back_nm += load;
+  if (law.static_friction_nm > 0.0) law.static_friction_nm += load;
+  plant_.set_law(i, law);
+  return limited ? made : made - j.gain * asked;
+}
+
 void Runner::advance(std::span<const double> input, double dt_s) {
   constexpr double kStepwise = 1e-3;
   const int parts = stepwise_ ? std::max(1, static_cast<int>(std::ceil(dt_s / kStepwise - 1e-9))) : 1;
@@ -305,13 +331,15 @@ void Runner::advance(std::span<const double> input, double dt_s) {
     for (std::size_t i = 0; i < setup_.joints.size(); ++i) {
       const Setup::Joint& j = setup_.joints[i];
       double drive = 0.0;
-      if (j.law == DriveLaw::position && !j.stepwise) {
-        // The joint's own spring and damper are the law.
+      if (is_spring(j)) {
         plant_.set_rest(i, input[i] - j.encoder_offset_rad);
         drive = j.gain * asked_torque(j, input[i], measured(i), velocity(i));
+        if (j.stepwise) tau[i] = spring_torque(i, input[i], dt);
       } else {
         const double ahead = measured(i) + velocity(i) * 0.5 * dt;
-        double asked = asked_torque(j, input[i], ahead, velocity(i));
+        // A velocity of half a step ago would count as inertia.
+        const double gained = j.lag_s > 0.0 ? 0.5 * dt * acceleration_[i] : 0.0;
+        double asked = asked_torque(j, input[i], ahead, velocity(i) + gained);
         if (j.lag_s > 0.0) asked = passed(j.lag_s, dt, asked, lagged_[i]);
         drive = made_torque(j, asked, ahead);
         tau[i] = drive;
@@ -319,7 +347,9 @@ void Runner::advance(std::span<const double> input, double dt_s) {
       tau[i] += j.offset_nm + disturbance_[i];
       torque_[i] += drive / parts;
     }
+    const Plant::Joints before = plant_.velocities();
     plant_.advance(tau, dt);
+    for (std::size_t i = 0; i < setup_.joints.size(); ++i) acceleration_[i] = (velocity(i) - before[i]) / dt;
   }
 }
 

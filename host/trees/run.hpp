@@ -23,7 +23,9 @@ struct Setup {
     double ripple_nm = 0.0, ripple_cycles = 0.0, ripple_phase_rad = 0.0;
     double offset_nm = 0.0;           ///< on the joint
     double encoder_offset_rad = 0.0;  ///< measured less true
-    /// The torque depends on the state in a way that the joint's law has no words for: it is computed step by step.
+    /// A position law that is not the joint's own spring and damper: its torque is computed step by step.
+    bool held_torque = false;
+    /// The torque depends on the state in a way that the joint's law has no words for: it changes from step to step.
     bool stepwise = false;
 
     friend bool operator==(const Joint&, const Joint&) = default;
@@ -81,14 +83,17 @@ class Runner {
   /// Where a run is: it goes on from there as it did before.
   struct Place {
     Plant::Place plant;
-    std::vector<double> lagged_nm;  ///< of each drive's lag: what comes out of it
+    std::vector<double> lagged_nm;            ///< of each drive's lag: what comes out of it
+    std::vector<double> acceleration_radps2;  ///< in the last step
   };
-  Place place() const { return {plant_.place(), lagged_}; }
+  Place place() const { return {plant_.place(), lagged_, acceleration_}; }
   void go_to(const Place& place);
   /// The drive's lag as it is after its law has asked for this torque for ever.
   void settle_input(std::size_t joint, double input) { lagged_[joint] = input; }
   /// Moves on with the inputs of this interval.
   void advance(std::span<const double> input, double dt_s);
+  /// Whether the joint's own spring and damper are the drive.
+  static bool is_spring(const Setup::Joint& j) { return j.law == DriveLaw::position && !j.held_torque; }
   double measured(std::size_t joint) const {
     return plant_.positions()[joint] + setup_.joints[joint].encoder_offset_rad;
   }
@@ -99,10 +104,12 @@ class Runner {
   void disturb(std::size_t joint, double torque_nm) { disturbance_[joint] = torque_nm; }
 
  private:
+  double spring_torque(std::size_t joint, double input, double dt_s);
+
   const Setup& setup_;
   Plant plant_;
   bool stepwise_ = false;
-  std::vector<double> lagged_, disturbance_, torque_;
+  std::vector<double> lagged_, disturbance_, torque_, acceleration_;
 };
 
 }  // namespace furcula::trees

@@ -67,6 +67,13 @@ class Plant {
     if constexpr (!kPlain) plain_.laws[joint].rest_rad = value_of(rest_rad);
   }
 
+  /// What acts in the joint from now on; steps stay as long as those of reset().
+  void set_law(std::size_t joint, const JointLaw<T>& law) {
+    model_.laws[joint] = law;
+    if constexpr (!kPlain) plain_ = Model<V, P>(model_);
+    dry_ |= is_dry(law);
+  }
+
   /// Moves on by `dt_s` >= 0 under the drives' torques (N m; of a prismatic joint N).
   void advance(const Joints& torque_nm, V dt_s) {
     changes_ = 0;
