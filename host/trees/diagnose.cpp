@@ -25,6 +25,8 @@ constexpr double kApart = 2.0;
 constexpr double kForetold = 0.03, kOfTorque = 0.01;
 /// What is missing at times only: so much of the drive's torque, and so much of its squares in a tenth of the samples (of chance: 0.44).
 constexpr double kOfDrive = 0.1, kNearlyAll = 0.9;
+/// Held-out windows that are so many times as far off as those that were fitted show something else.
+constexpr double kOnlyThere = 4.0;
 /// What a candidate gains that the recordings do not agree on, of the loss: from then on something is missing.
 constexpr double kDisputed = 0.05;
 constexpr std::size_t kMostSearchWindows = 160;
@@ -141,6 +143,7 @@ class Diagnoser {
     d_.noise_floor = as_given.floor;
     d_.refitted_error = of(d_.refitted, &Trace::refitted).errors;
     d_.extended_error = of(d_.extended, &Trace::extended).errors;
+    training_error_ = predict(model_, training_, options_.window_s, d_.extended, d_.refitted).errors;
   }
 
   void torques(const Problem& problem) {
@@ -218,6 +221,18 @@ class Diagnoser {
     }
     return out;
   }
+  /// Whether each of its intervals has the value with which the cause is not there.
+  bool covers_none(const Finding& f) const {
+    std::size_t k = 0;
+    bool any = false;
+    for (const Estimate& e : f.parameters) {
+      const double none = neutral_value(model_, f.cause.effect, k++, f.cause.sites.front());
+      if (std::isnan(none)) continue;
+      any = true;
+      if (!(e.lower <= none && none <= e.upper)) return false;
+    }
+    return any;
+  }
   static Estimate interval(const std::string& name, const std::string& unit, const Fit& fit, std::size_t k) {
     const Unknown& u = fit.unknowns[k];
     const auto i = static_cast<Eigen::Index>(k);
@@ -275,6 +290,7 @@ class Diagnoser {
           f.confidence = std::min(f.confidence, 0.3);
           at_bound_ = true;
         }
+      if (covers_none(f)) f.confidence = std::min(f.confidence, 0.4);
       if (total(f.without) < total(d_.extended_error)) f.confidence = std::min(f.confidence, 0.4);
       f.explanation = std::string(e.explanation);
       f.where_to_look = std::string(e.where_to_look);
@@ -377,7 +393,11 @@ class Diagnoser {
       // Runs that are further off than the joint moves, and far beyond its encoder's noise: whatever the torques say, it is not adequate.
       const bool lost = d_.extended_error[j].nmse > 1.0 && !problem.scales().still[j] &&
                         d_.extended_error[j].rmse > 50.0 * training_.front().angle_noise_rad[j];
-      if (structured(m) || lost || (d_.findings.empty() && at_times(m)))
+      // Held-out recordings may have what those that were fitted do not.
+      const bool only_there = d_.findings.empty() &&
+                              d_.extended_error[j].rmse > kOnlyThere * training_error_[j].rmse &&
+                              d_.extended_error[j].rmse > 50.0 * training_.front().angle_noise_rad[j];
+      if (structured(m) || lost || only_there || (d_.findings.empty() && at_times(m)))
         where.push_back(model_.robot.joints[j].name);
     }
     const bool disputed = d_.findings.empty() && disputed_ > kDisputed;
@@ -459,9 +479,10 @@ class Diagnoser {
   const TreeModel& model_;
   const Options& options_;
   std::vector<Recording> training_, held_out_;
-  bool at_bound_ = false;              ///< of a finding
-  double disputed_ = 0.0;              ///< see Found
-  std::vector<Hypothesis> undecided_;  ///< rivals that cannot be told from a finding
+  bool at_bound_ = false;                     ///< of a finding
+  std::vector<ChannelError> training_error_;  ///< of the extended model
+  double disputed_ = 0.0;                     ///< see Found
+  std::vector<Hypothesis> undecided_;         ///< rivals that cannot be told from a finding
   Diagnosis d_;
 };
 
