@@ -45,7 +45,7 @@ toml::table parse_toml(std::string_view text, const std::string& name) {
 }
 
 void fail(const std::string& name, const toml::source_region& where, const std::string& message) {
-  throw DataError(name + ":" + std::to_string(where.begin.line) + ": " + message);
+  throw DataError(name + ":" + std::to_string(where.begin.line) + ": " + printable(message));
 }
 
 std::string toml_float(double value) {
