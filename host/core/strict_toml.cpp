@@ -58,7 +58,7 @@ std::string toml_float(double value) {
 std::string value_text(const toml::node& node) {
   if (node.is_table()) return "a table";
   if (node.is_array()) return "an array";
-  if (const auto* s = node.as_string()) return quoted(s->get());
+  if (const auto* s = node.as_string()) return core::quoted(s->get());
   if (const auto* number = node.as_floating_point()) return toml_float(number->get());
   std::ostringstream out;
   node.visit([&out](const auto& v) {
