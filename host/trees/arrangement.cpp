@@ -11,7 +11,7 @@ namespace {
 
 /// Windows are short, so that a model that is quite wrong does not fly apart in them, and few.
 constexpr double kWindow_s = 0.15;
-constexpr std::size_t kWindows = 40;
+constexpr std::size_t kWindows = 16;
 /// What runs are off, of the motion and squared: from the first on a model is asked about; the second still is no fit.
 constexpr double kAsked = 0.05, kNoFit = 0.02;
 /// What an exchange must come down to, of what is left as given.
@@ -55,7 +55,7 @@ double off(const TreeModel& model, const std::vector<Recording>& recordings, uns
     h.causes.push_back({Effect::rotor_inertia_error, {j}, {model.drives[j].rotor_inertia_kgm2, 0, 0, 0}});
   }
   problem.weigh(h);
-  return problem.misfit(problem.fit(h, {threads, 8}).at);
+  return problem.misfit(problem.fit(h, 8).at);
 }
 
 struct Exchange {

@@ -84,7 +84,7 @@ class Diagnoser {
         windows_of(model_, training_, options_.window_s / 3.0, kMostSearchWindows);
     std::optional<Problem> coarse;
     if (!short_windows.empty()) coarse.emplace(model_, training_, std::move(short_windows), options_.threads);
-    const Found found = search(problem, coarse ? &*coarse : nullptr, {options_.threads, options_.progress});
+    const Found found = search(problem, coarse ? &*coarse : nullptr, options_.progress);
     d_.refitted = found.refitted.at;
     d_.extended = found.fit.at;
     for (const auto& t : found.table) {
@@ -224,7 +224,7 @@ class Diagnoser {
       for (const std::size_t site : cause.sites) f.at.push_back(site_name(model_, e.seat, site));
       f.parameters = estimates(found.fit, c);
       f.explainable_removed = explainable > 0.0 ? found.gain[c - given] / explainable : 0.0;
-      const Fit off = problem.fit(without(found.fit.at, c), {options_.threads, 4});
+      const Fit off = problem.fit(without(found.fit.at, c), 4, &found.fit);
       f.without = predict(model_, held_out_, options_.window_s, off.at, d_.refitted).errors;
       double nearest = 6.0;
       for (const Rival& r : found.rivals[c - given]) {

@@ -7,8 +7,19 @@
 #include "host/core/error.hpp"
 #include "host/core/parallel.hpp"
 #include "host/trees/linear.hpp"
+#include "host/trees/linearised.hpp"
 
 namespace furcula::trees {
+namespace {
+
+/// Of what a joint's torque is, a change by which nothing else changes much.
+constexpr double kTorque = 1e-3;
+/// Derivatives are those of a point no further than so much of what matters, in each unknown.
+constexpr double kNear = 0.5;
+/// No fit goes on for less than so much of the loss.
+constexpr double kDone = 1e-4;
+
+}  // namespace
 
 Problem::Problem(const TreeModel& model, const std::vector<Recording>& recordings,
                  std::vector<Window> windows, unsigned threads)
@@ -61,6 +72,7 @@ Eigen::MatrixXd Problem::product(std::size_t window, const Eigen::MatrixXd& colu
 }
 
 void Problem::weigh(const Hypothesis& h) {
+  ++weighing_;
   const std::size_t n = joints();
   const auto size = static_cast<Eigen::Index>(bins_ * n);
   const Setup setup = make(h);
@@ -157,19 +169,20 @@ double Problem::misfit(const Hypothesis& h) const {
   return most;
 }
 
-std::vector<double> Problem::losses(const Hypothesis& h) const {
+std::vector<Eigen::VectorXd> Problem::residuals(const Hypothesis& h) const {
   const Setup setup = make(h);
-  std::vector<double> out(windows_.size());
-  core::parallel_for(windows_.size(), threads_,
-                     [&](std::size_t i) { out[i] = product(i, residual(setup, i))(0, 0); });
+  std::vector<Eigen::VectorXd> out(windows_.size());
+  core::parallel_for(windows_.size(), threads_, [&](std::size_t i) { out[i] = residual(setup, i); });
   return out;
 }
 
-Products Problem::products(const Hypothesis& h, const std::vector<Unknown>& unknowns,
-                           const std::vector<Hypothesis>& probes) const {
-  const auto size = static_cast<Eigen::Index>(bins_ * joints());
-  const auto columns = static_cast<Eigen::Index>(1 + unknowns.size() + probes.size());
-  std::vector<Setup> setups{make(h)};
+std::vector<Eigen::MatrixXd> Problem::columns(const Hypothesis& h,
+                                              const std::vector<Eigen::VectorXd>& residuals,
+                                              const std::vector<Unknown>& unknowns,
+                                              const std::vector<Hypothesis>& probes,
+                                              const std::vector<Hypothesis>& runs) const {
+  const Setup base = make(h);
+  std::vector<Setup> setups;
   std::vector<double> step;
   for (const Unknown& u : unknowns) {
     // Inwards at the upper bound.
@@ -182,23 +195,53 @@ Products Problem::products(const Hypothesis& h, const std::vector<Unknown>& unkn
     setups.push_back(make(moved));
   }
   for (const Hypothesis& p : probes) setups.push_back(make(p));
+  for (const Hypothesis& p : runs) setups.push_back(make(p));
+  std::vector<const Setup*> linear;
+  std::vector<std::size_t> linear_column, run_column;
+  for (std::size_t k = 0; k < setups.size(); ++k) {
+    const bool probe = k >= unknowns.size() && k < unknowns.size() + probes.size();
+    if (probe && Linearised::reaches(base, setups[k])) {
+      linear.push_back(&setups[k]);
+      linear_column.push_back(k);
+    } else {
+      run_column.push_back(k);
+    }
+  }
+  std::vector<double> torque_nm = scales_.torque_nm;
+  for (double& torque : torque_nm) torque *= kTorque;
+  std::vector<Eigen::MatrixXd> out(windows_.size());
+  core::parallel_for(windows_.size(), threads_, [&](std::size_t i) {
+    Eigen::MatrixXd& c = out[i];
+    c.resize(static_cast<Eigen::Index>(bins_ * joints()), static_cast<Eigen::Index>(setups.size()));
+    for (const std::size_t k : run_column) {
+      // The simulation's change is minus the residual's.
+      const Eigen::VectorXd change = residuals[i] - residual(setups[k], i);
+      c.col(static_cast<Eigen::Index>(k)) = k < unknowns.size() ? change / step[k] : change;
+    }
+    if (linear.empty()) return;
+    const Window& w = windows_[i];
+    const Eigen::MatrixXd change = Linearised(base, recordings_[w.recording], w, torque_nm).changes(linear);
+    for (std::size_t k = 0; k < linear.size(); ++k)
+      c.col(static_cast<Eigen::Index>(linear_column[k])) =
+          weight_.cwiseProduct(change.col(static_cast<Eigen::Index>(k)));
+  });
+  return out;
+}
+
+Products Problem::products_of(const std::vector<Eigen::VectorXd>& residuals,
+                              const std::vector<Eigen::MatrixXd>& columns) const {
   Products out;
   out.window.resize(windows_.size());
   std::vector<Eigen::MatrixXd> of(windows_.size());
   core::parallel_for(windows_.size(), threads_, [&](std::size_t i) {
-    Eigen::MatrixXd c(size, columns);
-    const Eigen::VectorXd base = residual(setups[0], i);
-    c.col(0) = base;
-    for (std::size_t k = 1; k < setups.size(); ++k) {
-      // The simulation's change is minus the residual's.
-      const Eigen::VectorXd change = base - residual(setups[k], i);
-      c.col(static_cast<Eigen::Index>(k)) = k <= unknowns.size() ? change / step[k - 1] : change;
-    }
+    Eigen::MatrixXd c(residuals[i].size(), 1 + columns[i].cols());
+    c << residuals[i], columns[i];
     of[i] = product(i, c);
     out.window[i] = of[i].cast<float>();
   });
-  out.all = Eigen::MatrixXd::Zero(columns, columns);
-  out.fold.assign(folds_, Eigen::MatrixXd::Zero(columns, columns));
+  const Eigen::Index size = of.front().rows();
+  out.all = Eigen::MatrixXd::Zero(size, size);
+  out.fold.assign(folds_, Eigen::MatrixXd::Zero(size, size));
   for (std::size_t i = 0; i < windows_.size(); ++i) {
     out.all += of[i];
     out.fold[fold_of(i)] += of[i];
@@ -206,7 +249,50 @@ Products Problem::products(const Hypothesis& h, const std::vector<Unknown>& unkn
   return out;
 }
 
-Fit Problem::fit(Hypothesis from, const FitOptions& options) const {
+Products Problem::products(const Hypothesis& h, const std::vector<Unknown>& unknowns,
+                           const std::vector<Hypothesis>& probes, const std::vector<Hypothesis>& runs) const {
+  const std::vector<Eigen::VectorXd> r = residuals(h);
+  return products_of(r, columns(h, r, unknowns, probes, runs));
+}
+
+void Problem::derive_beside(const Fit& beside, const std::vector<Eigen::VectorXd>& residuals,
+                            Fit& out) const {
+  const auto same = [&](const Unknown& u, const Unknown& w) {
+    if (u.of_cause != w.of_cause || u.parameter != w.parameter) return false;
+    if (!u.of_cause) return u.joint == w.joint;
+    const Cause &a = out.at.causes[u.cause], &b = beside.at.causes[w.cause];
+    return a.effect == b.effect && a.sites == b.sites;
+  };
+  std::vector<Unknown> others;
+  std::vector<std::size_t> taken;  // of those of `beside`
+  std::vector<bool> is_taken;
+  for (const Unknown& u : out.unknowns) {
+    const auto found = std::find_if(beside.unknowns.begin(), beside.unknowns.end(),
+                                    [&](const Unknown& w) { return same(u, w); });
+    is_taken.push_back(found != beside.unknowns.end());
+    if (is_taken.back()) {
+      taken.push_back(static_cast<std::size_t>(found - beside.unknowns.begin()));
+      out.derived_at.push_back(beside.derived_at[taken.back()]);
+    } else {
+      others.push_back(u);
+      out.derived_at.push_back(value_of(out.at, u));
+    }
+  }
+  const std::vector<Eigen::MatrixXd> own = columns(out.at, residuals, others, {}, {});
+  out.derivatives.resize(windows_.size());
+  for (std::size_t i = 0; i < windows_.size(); ++i) {
+    Eigen::MatrixXd& d = out.derivatives[i];
+    d.resize(residuals[i].size(), static_cast<Eigen::Index>(out.unknowns.size()));
+    Eigen::Index next_own = 0;
+    std::size_t next_taken = 0;
+    for (std::size_t k = 0; k < out.unknowns.size(); ++k)
+      d.col(static_cast<Eigen::Index>(k)) =
+          is_taken[k] ? beside.derivatives[i].col(static_cast<Eigen::Index>(taken[next_taken++]))
+                      : own[i].col(next_own++);
+  }
+}
+
+Fit Problem::fit(Hypothesis from, int iterations, const Fit* beside) const {
   Fit out;
   out.at = std::move(from);
   out.unknowns = unknowns_of(model_, scales_, out.at);
@@ -214,9 +300,28 @@ Fit Problem::fit(Hypothesis from, const FitOptions& options) const {
   for (const Unknown& u : out.unknowns)
     set_value(out.at, u, std::clamp(value_of(out.at, u), u.lower, u.upper));
   double damping = 1e-3;
-  Products p = products(out.at, out.unknowns, {});
+  std::vector<Eigen::VectorXd> left = residuals(out.at);
+  const auto derive = [&] {
+    out.derivatives = columns(out.at, left, out.unknowns, {}, {});
+    out.derived_at.clear();
+    for (const Unknown& u : out.unknowns) out.derived_at.push_back(value_of(out.at, u));
+  };
+  if (beside != nullptr && beside->weighing == weighing_)
+    derive_beside(*beside, left, out);
+  else
+    derive();
+  out.weighing = weighing_;
+  // The derivatives of a point near by serve as well.
+  const auto way = [&] {
+    double most = 0.0;
+    for (std::size_t k = 0; k < out.unknowns.size(); ++k)
+      most = std::max(
+          most, std::abs(value_of(out.at, out.unknowns[k]) - out.derived_at[k]) / out.unknowns[k].scale);
+    return most;
+  };
+  Products p = products_of(left, out.derivatives);
   out.loss = p.all(0, 0);
-  for (int iteration = 0; iteration < options.iterations && count > 0; ++iteration) {
+  for (int iteration = 0; iteration < iterations && count > 0; ++iteration) {
     bool better = false;
     double gained = 0.0;
     for (int attempt = 0; attempt < 4 && !better; ++attempt) {
@@ -241,6 +346,8 @@ Fit Problem::fit(Hypothesis from, const FitOptions& options) const {
       normal.diagonal() *= 1.0 + damping;
       normal.diagonal().array() += 1e-9 * std::max(1e-12, normal.diagonal().maxCoeff());
       const Eigen::VectorXd step = normal.ldlt().solve(right);
+      // The linear problem's own gain; with damping this is a little too much.
+      if (!(right.dot(step) > kDone * out.loss)) break;
       Hypothesis trial = out.at;
       for (Eigen::Index a = 0; a < m; ++a) {
         const Unknown& u = out.unknowns[static_cast<std::size_t>(moving[static_cast<std::size_t>(a)])];
@@ -248,21 +355,27 @@ Fit Problem::fit(Hypothesis from, const FitOptions& options) const {
         const double moved = value_of(out.at, u) + u.scale * std::clamp(step(a), -10.0, 10.0);
         set_value(trial, u, std::clamp(moved, u.lower, u.upper));
       }
+      std::vector<Eigen::VectorXd> of_trial = residuals(trial);
       double loss = 0.0;
-      for (const double l : losses(trial)) loss += l;
+      for (std::size_t i = 0; i < windows_.size(); ++i) loss += product(i, of_trial[i])(0, 0);
       if (loss < out.loss) {
         better = true;
         gained = out.loss - loss;
         out.at = trial;
         out.loss = loss;
+        left = std::move(of_trial);
         damping = std::max(1e-6, damping * 0.2);
+      } else if (way() > 0.0) {
+        derive();
+        p = products_of(left, out.derivatives);
       } else {
         damping = std::min(1e6, damping * 20.0);
       }
     }
     if (!better) break;
-    p = products(out.at, out.unknowns, {});
-    if (gained < 1e-4 * out.loss) break;
+    if (way() > kNear) derive();
+    p = products_of(left, out.derivatives);
+    if (gained < kDone * out.loss) break;
   }
   // A sandwich: the windows' gradients scatter as their residuals do, whatever these are made of.
   out.at_bound.assign(out.unknowns.size(), false);

@@ -17,11 +17,6 @@
 
 namespace furcula::trees {
 
-struct FitOptions {
-  unsigned threads = 2;
-  int iterations = 6;
-};
-
 struct Fit {
   Hypothesis at;
   std::vector<Unknown> unknowns;
@@ -33,10 +28,15 @@ struct Fit {
   double foretold_loss = 0.0;
   /// Of each unknown, fitted on each fold alone (by the linear problem): its value, and its information there.
   std::vector<std::vector<double>> fold_value, fold_information;
+  /// Of the residuals' simulation by the unknowns, each window's, weighted; of each unknown, where; by which weights.
+  std::vector<Eigen::MatrixXd> derivatives;
+  std::vector<double> derived_at;
+  unsigned weighing = 0;
 };
 
 /// Products of columns over all windows, folds and one by one. Column 0 is the residual (measured less simulated),
-/// then one for each unknown (its derivative of the simulation), then one for each probe (simulation with it less that without).
+/// then one for each unknown (its derivative of the simulation), then one for each probe (what it changes to first order in its
+/// torques) and one for each run (simulation with it less that without).
 struct Products {
   Eigen::MatrixXd all;
   std::vector<Eigen::MatrixXd> fold;
@@ -59,17 +59,26 @@ class Problem {
   /// How the starts move the residuals, and what each bin's residual weighs, at this hypothesis: the loss of one that is
   /// right is then about the number of residuals. Fits are comparable between two calls.
   void weigh(const Hypothesis& h);
-  Fit fit(Hypothesis from, const FitOptions& options) const;
-  /// Loss of each window.
-  std::vector<double> losses(const Hypothesis& h) const;
+  /// Least squares by the unknowns of `from`. `beside`: a fit that has most of them, whose derivatives serve as long as they lead down.
+  Fit fit(Hypothesis from, int iterations, const Fit* beside = nullptr) const;
   /// Squares of what the windows' runs are off over those of the motion about its mean, of the joint where they are most.
   double misfit(const Hypothesis& h) const;
   Products products(const Hypothesis& h, const std::vector<Unknown>& unknowns,
-                    const std::vector<Hypothesis>& probes) const;
+                    const std::vector<Hypothesis>& probes, const std::vector<Hypothesis>& runs = {}) const;
 
  private:
   Eigen::VectorXd simulated(const Setup& setup, const Window& w) const;
   Eigen::VectorXd residual(const Setup& setup, std::size_t window) const;
+  std::vector<Eigen::VectorXd> residuals(const Hypothesis& h) const;  ///< of each window
+  /// Of each window: columns as in Products, but for the residual.
+  std::vector<Eigen::MatrixXd> columns(const Hypothesis& h, const std::vector<Eigen::VectorXd>& residuals,
+                                       const std::vector<Unknown>& unknowns,
+                                       const std::vector<Hypothesis>& probes,
+                                       const std::vector<Hypothesis>& runs) const;
+  /// Derivatives of those unknowns that `beside` does not have; the others are taken from there.
+  void derive_beside(const Fit& beside, const std::vector<Eigen::VectorXd>& residuals, Fit& out) const;
+  Products products_of(const std::vector<Eigen::VectorXd>& residuals,
+                       const std::vector<Eigen::MatrixXd>& columns) const;
   Setup make(const Hypothesis& h) const { return maker_.make(h.drives, h.causes); }
   std::size_t fold_of(std::size_t window) const;
   /// a' b over what no start explains.
@@ -89,6 +98,7 @@ class Problem {
   Eigen::VectorXd weight_;             ///< of each bin and joint: one over a standard deviation
   std::vector<double> window_weight_;  ///< less than 1 of a window that nothing explains
   std::vector<Start> starts_;
+  unsigned weighing_ = 0;  ///< how often it was weighed
 };
 
 }  // namespace furcula::trees

@@ -31,12 +31,12 @@ Identification identify(const TreeModel& model, const std::vector<log::Log>& tra
   const Hypothesis given{model.drives, model.causes};
   if (options.progress) options.progress(0.1, "fitting");
   problem.weigh(given);
-  Fit fit = problem.fit(given, {options.threads, 10});
+  Fit fit = problem.fit(given, 10);
   // The weights are of residuals: of those at the model given first, then of those that are left.
   for (int round = 0; round < 2; ++round) {
     if (options.progress) options.progress(0.4 + 0.25 * round, "fitting again");
     problem.weigh(fit.at);
-    fit = problem.fit(fit.at, {options.threads, 6});
+    fit = problem.fit(fit.at, 6);
   }
   for (std::size_t k = 0; k < fit.unknowns.size(); ++k) {
     const Unknown& u = fit.unknowns[k];

@@ -21,6 +21,13 @@ Vec3<double> tilted(const Vec3<double>& g, double roll, double pitch) {
   return {a.x, cr * a.y + sr * a.z, -sr * a.y + cr * a.z};
 }
 
+/// The row whose input reaches the drive at row `first`.
+std::size_t row_in_force(const Setup::Joint& j, const Recording& r, std::size_t first) {
+  std::size_t k = first;
+  while (k > 0 && r.time_s[k] + j.delay_s > r.time_s[first]) --k;
+  return k;
+}
+
 /// Dry friction as effects add up to it.
 struct Friction {
   double forth, back, more_at_rest = 0.0;
@@ -36,6 +43,12 @@ SetupMaker::SetupMaker(const TreeModel& model) : tree_(model) {
     const Frame<double> centre = within(at.frame, inertia.frame);
     bodies_.push_back({i, inertia.mass_kg, centre.at, turned_back(centre.turn, inertia.about_centre_kgm2)});
   }
+}
+
+double passed(double lag_s, double dt_s, double in, double& state) {
+  const double before = state, left = std::exp(-dt_s / lag_s);
+  state = in + (before - in) * left;
+  return in + (before - in) * ((1.0 - left) * lag_s / dt_s);
 }
 
 double neutral_value(const TreeModel& model, Effect effect, std::size_t parameter, std::size_t site) {
@@ -244,28 +257,42 @@ void Runner::reset(std::span<const double> angle_rad, std::span<const double> ve
   plant_.reset(q, v);
 }
 
-void Runner::pass_input(std::size_t joint, double input, double dt_s) {
-  const double lag = setup_.joints[joint].lag_s;
-  lagged_[joint] = lag > 0.0 ? input + (lagged_[joint] - input) * std::exp(-dt_s / lag) : input;
+void Runner::go_to(const Place& place) {
+  plant_.go_to(place.plant);
+  lagged_ = place.lagged_nm;
 }
 
-/// The torque that the drive's law asks for, at the state `ahead_s` from here.
-double Runner::asked_torque(std::size_t i, double input, double ahead_s) const {
-  const Setup::Joint& j = setup_.joints[i];
+double asked_torque(const Setup::Joint& j, double input, double measured_rad, double velocity_radps) {
   if (j.law == DriveLaw::torque) return input;
-  const double v = plant_.velocities()[i];
-  return j.kp_nmprad * (input - measured(i) - v * ahead_s) - j.kd_nmsprad * v;
+  return j.kp_nmprad * (input - measured_rad) - j.kd_nmsprad * velocity_radps;
 }
 
-/// What the drive makes of it.
-double Runner::made_torque(std::size_t i, double asked, double ahead_s) const {
-  const Setup::Joint& j = setup_.joints[i];
-  double torque = j.gain * asked;
+double made_torque(const Setup::Joint& j, double asked_nm, double measured_rad) {
+  double torque = j.gain * asked_nm;
   if (j.limit_nm > 0.0) torque = std::clamp(torque, -j.limit_nm, j.limit_nm);
   if (j.ripple_nm != 0.0)
-    torque += j.ripple_nm * std::sin(j.ripple_cycles * (measured(i) + plant_.velocities()[i] * ahead_s) +
-                                     j.ripple_phase_rad);
+    torque += j.ripple_nm * std::sin(j.ripple_cycles * measured_rad + j.ripple_phase_rad);
   return torque;
+}
+
+double lagged_before(const Setup::Joint& j, const Recording& r, std::size_t joint, std::size_t first) {
+  const std::size_t k = row_in_force(j, r, first);
+  std::size_t from = k;
+  while (from > 0 && r.time_s[k] - r.time_s[from] < 6.0 * j.lag_s) --from;
+  const auto asked = [&](std::size_t b) {
+    const std::size_t next = std::min(b + 1, r.rows() - 1), before = b > 0 ? b - 1 : 0;
+    return asked_torque(
+        j, r.input[joint][b], r.angle_rad[joint][b],
+        (r.angle_rad[joint][next] - r.angle_rad[joint][before]) / (r.time_s[next] - r.time_s[before]));
+  };
+  double out = asked(from);
+  const auto pass = [&](std::size_t b, double dt) {
+    const double in = asked(b);
+    out = in + (out - in) * std::exp(-dt / j.lag_s);
+  };
+  for (std::size_t b = from; b < k; ++b) pass(b, r.time_s[b + 1] - r.time_s[b]);
+  pass(k, std::max(0.0, r.time_s[first] - r.time_s[k] - j.delay_s));
+  return out;
 }
 
 void Runner::advance(std::span<const double> input, double dt_s) {
@@ -281,16 +308,12 @@ void Runner::advance(std::span<const double> input, double dt_s) {
       if (j.law == DriveLaw::position && !j.stepwise) {
         // The joint's own spring and damper are the law.
         plant_.set_rest(i, input[i] - j.encoder_offset_rad);
-        drive = j.gain * asked_torque(i, input[i], 0.0);
+        drive = j.gain * asked_torque(j, input[i], measured(i), velocity(i));
       } else {
-        double asked = asked_torque(i, input[i], 0.5 * dt);
-        if (j.lag_s > 0.0) {
-          // The mean over the step of what follows with a lag.
-          const double fade = -std::expm1(-dt / j.lag_s) * j.lag_s / dt, before = lagged_[i];
-          pass_input(i, asked, dt);
-          asked += (before - asked) * fade;
-        }
-        drive = made_torque(i, asked, 0.5 * dt);
+        const double ahead = measured(i) + velocity(i) * 0.5 * dt;
+        double asked = asked_torque(j, input[i], ahead, velocity(i));
+        if (j.lag_s > 0.0) asked = passed(j.lag_s, dt, asked, lagged_[i]);
+        drive = made_torque(j, asked, ahead);
         tau[i] = drive;
       }
       tau[i] += j.offset_nm + disturbance_[i];
@@ -311,23 +334,8 @@ void run(const Setup& setup, const Recording& r, std::size_t first, std::size_t 
   for (std::size_t i = 0; i < n; ++i) {
     const Setup::Joint& j = setup.joints[i];
     delayed |= j.delay_s > 0.0;
-    // The row in force at the start, and the lag's state from those before.
-    std::size_t k = first;
-    while (k > 0 && r.time_s[k] + j.delay_s > r.time_s[first]) --k;
-    row[i] = k;
-    if (j.lag_s <= 0.0) continue;
-    std::size_t from = k;
-    while (from > 0 && r.time_s[k] - r.time_s[from] < 6.0 * j.lag_s) --from;
-    // What the drive's law asked for then: of a position law, at the measured angles.
-    const auto asked = [&](std::size_t b) {
-      if (j.law == DriveLaw::torque) return r.input[i][b];
-      const std::size_t next = std::min(b + 1, r.rows() - 1), before = b > 0 ? b - 1 : 0;
-      const double v = (r.angle_rad[i][next] - r.angle_rad[i][before]) / (r.time_s[next] - r.time_s[before]);
-      return j.kp_nmprad * (r.input[i][b] - r.angle_rad[i][b]) - j.kd_nmsprad * v;
-    };
-    runner.settle_input(i, asked(from));
-    for (std::size_t b = from; b < k; ++b) runner.pass_input(i, asked(b), r.time_s[b + 1] - r.time_s[b]);
-    runner.pass_input(i, asked(k), std::max(0.0, r.time_s[first] - r.time_s[k] - j.delay_s));
+    row[i] = row_in_force(j, r, first);
+    if (j.lag_s > 0.0) runner.settle_input(i, lagged_before(j, r, i, first));
   }
   for (std::size_t i = 0; i < n; ++i) out[i] = runner.measured(i);
   for (std::size_t k = first; k < last; ++k) {

@@ -25,6 +25,8 @@ struct Setup {
     double encoder_offset_rad = 0.0;  ///< measured less true
     /// The torque depends on the state in a way that the joint's law has no words for: it is computed step by step.
     bool stepwise = false;
+
+    friend bool operator==(const Joint&, const Joint&) = default;
   };
   model::RobotModel model;
   std::vector<Joint> joints;
@@ -58,6 +60,16 @@ void run(const Setup& setup, const Recording& recording, std::size_t first, std:
          std::span<const double> angle_rad, std::span<const double> velocity_radps,
          std::span<double> measured);
 
+/// The torque that a drive's law asks for where the encoder reads `measured_rad`.
+double asked_torque(const Setup::Joint& joint, double input, double measured_rad, double velocity_radps);
+/// What the drive makes of a torque that has come through its lag.
+double made_torque(const Setup::Joint& joint, double asked_nm, double measured_rad);
+/// A first-order lag over `dt_s` of a steady input: its mean output; `state` moves on.
+double passed(double lag_s, double dt_s, double in, double& state);
+/// A lag's output at row `first`, from the inputs before; a position law's at the measured angles.
+double lagged_before(const Setup::Joint& law, const Recording& recording, std::size_t joint,
+                     std::size_t first);
+
 /// What a plant with the drives of `setup` does between two rows, for simulations that make their inputs as they go.
 class Runner {
  public:
@@ -66,9 +78,15 @@ class Runner {
   explicit Runner(const Setup& setup);
   /// `angle_rad` as the encoders read them.
   void reset(std::span<const double> angle_rad, std::span<const double> velocity_radps);
-  /// The drive's lag as it is after its law has asked for this torque for ever; after it has asked for it so long.
+  /// Where a run is: it goes on from there as it did before.
+  struct Place {
+    Plant::Place plant;
+    std::vector<double> lagged_nm;  ///< of each drive's lag: what comes out of it
+  };
+  Place place() const { return {plant_.place(), lagged_}; }
+  void go_to(const Place& place);
+  /// The drive's lag as it is after its law has asked for this torque for ever.
   void settle_input(std::size_t joint, double input) { lagged_[joint] = input; }
-  void pass_input(std::size_t joint, double input, double dt_s);
   /// Moves on with the inputs of this interval.
   void advance(std::span<const double> input, double dt_s);
   double measured(std::size_t joint) const {
@@ -81,9 +99,6 @@ class Runner {
   void disturb(std::size_t joint, double torque_nm) { disturbance_[joint] = torque_nm; }
 
  private:
-  double asked_torque(std::size_t joint, double input, double ahead_s) const;
-  double made_torque(std::size_t joint, double asked, double ahead_s) const;
-
   const Setup& setup_;
   Plant plant_;
   bool stepwise_ = false;

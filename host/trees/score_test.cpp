@@ -58,8 +58,7 @@ ScoreTest::ScoreTest(const Problem& problem, const Hypothesis& h, const std::vec
     for (std::size_t k = 0; k < c.columns.size(); ++k) probes.push_back(with_column(h, c, k));
   }
   added_ = static_cast<Index>(1 + unknowns.size() + probes.size());
-  probes.insert(probes.end(), added.begin(), added.end());
-  products_ = problem.products(h, unknowns, probes);
+  products_ = problem.products(h, unknowns, probes, added);
   for (std::size_t k = 0; k < unknowns.size(); ++k) fitted_.push_back(static_cast<Index>(1 + k));
 }
 

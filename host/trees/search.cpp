@@ -31,20 +31,20 @@ double sum_of(const std::vector<double>& x) {
 
 class Search {
  public:
-  Search(Problem& problem, const SearchOptions& options) : problem_(problem), options_(options) {}
+  Search(Problem& problem, const Progress& progress) : problem_(problem), progress_(progress) {}
 
   Found run(Problem* coarse) {
     Found found;
     Hypothesis h{problem_.model().drives, problem_.model().causes};
     say(0.02, "fitting the free parameters");
     problem_.weigh(h);
-    found.refitted = problem_.fit(h, {options_.threads, 8});
+    found.refitted = problem_.fit(h, 8);
     problem_.weigh(found.refitted.at);
-    found.refitted = problem_.fit(found.refitted.at, {options_.threads, 4});
+    found.refitted = problem_.fit(found.refitted.at, 4);
     Fit fit = found.refitted;
     if (coarse != nullptr && problem_.misfit(fit.at) > kGrosslyWrong) {
       // Where the model flies apart within a window, nothing is linear: the large causes are found on short windows.
-      Search on_short(*coarse, options_);
+      Search on_short(*coarse, progress_);
       fit = fitted_anew(on_short.rounds(on_short.fitted_anew(fit.at), 4, nullptr).at);
     }
     for (int again = 0; again < 3; ++again) {
@@ -53,7 +53,7 @@ class Search {
       fit = prune(merge(std::move(fit)), true);
       if (fit.at.causes.size() == before || dropped_.empty()) break;
       problem_.weigh(fit.at);
-      fit = problem_.fit(fit.at, {options_.threads, 4});
+      fit = problem_.fit(fit.at, 4);
     }
     judge(found, std::move(fit));
     return found;
@@ -61,9 +61,9 @@ class Search {
 
   Fit fitted_anew(const Hypothesis& h) {
     problem_.weigh(h);
-    const Fit fit = problem_.fit(h, {options_.threads, 6});
+    const Fit fit = problem_.fit(h, 6);
     problem_.weigh(fit.at);
-    return problem_.fit(fit.at, {options_.threads, 4});
+    return problem_.fit(fit.at, 4);
   }
 
   /// Adds causes until none is worth it.
@@ -91,7 +91,7 @@ class Search {
       }
       say(0.12 + 0.09 * round,
           "fitting " + std::to_string(next.causes.size()) + (next.causes.size() == 1 ? " cause" : " causes"));
-      Fit with = prune(problem_.fit(next, {options_.threads, 6}), false);
+      Fit with = prune(problem_.fit(next, 6), false);
       if (with.loss > fit.loss * (1.0 - kWorth) && with.at.causes.size() >= before) {
         refused.insert(
             cause_name(problem_.model(), linear.candidates()[picks.front().candidate].columns.front()));
@@ -99,14 +99,14 @@ class Search {
       }
       fit = std::move(with);
       problem_.weigh(fit.at);
-      fit = apart(problem_.fit(fit.at, {options_.threads, 3}));
+      fit = apart(problem_.fit(fit.at, 3));
     }
     return fit;
   }
 
  private:
   void say(double fraction, const std::string& doing) const {
-    if (options_.progress) options_.progress(std::min(fraction, 0.99), doing);
+    if (progress_) progress_(std::min(fraction, 0.99), doing);
   }
 
   static std::span<const double> coefficients(const ScoreTest::Score& s) {
@@ -178,7 +178,7 @@ class Search {
       if (s->gain < 0.5 * leaders.front()->gain) continue;
       const Hypothesis h =
           with_candidate(problem_.model(), fit.at, linear.candidates()[s->candidate], coefficients(*s));
-      const Fit with = problem_.fit(h, {options_.threads, 4});
+      const Fit with = problem_.fit(h, 4, &fit);
       // A parameter more must be worth a hundredth of the residuals.
       const double loss = with.loss * (1.0 + kOfParameter * static_cast<double>(with.unknowns.size()));
       if (loss < least) {
@@ -236,7 +236,7 @@ class Search {
           weakest = c;
         }
       if (weakest == fit.at.causes.size()) return fit;
-      Fit off = problem_.fit(without(fit.at, weakest), {options_.threads, 4});
+      Fit off = problem_.fit(without(fit.at, weakest), 4, &fit);
       // Much is there in a few windows only: their scatter then says little.
       if (!strict && off.loss > kMissed * fit.loss) return fit;
       if (strict) dropped_.insert(cause_name(problem_.model(), fit.at.causes[weakest]));
@@ -255,7 +255,7 @@ class Search {
       if (c < problem_.model().causes.size()) h.causes.push_back(cause);
     }
     if (h.causes.size() == fit.at.causes.size()) return fit;
-    Fit each = prune(problem_.fit(h, {options_.threads, 4}), false);
+    Fit each = prune(problem_.fit(h, 4), false);
     each = merge(std::move(each));
     return each.foretold_loss < (1.0 - kWorth) * fit.foretold_loss ? each : fit;
   }
@@ -290,7 +290,7 @@ class Search {
           h.causes[a].sites.insert(h.causes[a].sites.end(), y.sites.begin(), y.sites.end());
           std::sort(h.causes[a].sites.begin(), h.causes[a].sites.end());
           h.causes[a].values[0] = 0.5 * (x.values[0] + y.values[0]);
-          fit = problem_.fit(h, {options_.threads, 4});
+          fit = problem_.fit(h, 4);
           merged = true;
         }
       if (!merged) return fit;
@@ -300,7 +300,7 @@ class Search {
   /// Each cause against none in its place, and against the others.
   void judge(Found& found, Fit fit) {
     problem_.weigh(fit.at);
-    fit = problem_.fit(fit.at, {options_.threads, 4});
+    fit = problem_.fit(fit.at, 4);
     const std::size_t given = problem_.model().causes.size();
     for (int swaps = 0; swaps < 4; ++swaps) {
       found.gain.clear();
@@ -317,7 +317,7 @@ class Search {
       for (std::size_t c = given; c < fit.at.causes.size() && !swapped; ++c) {
         say(0.75 + 0.2 * static_cast<double>(c - given) / static_cast<double>(fit.at.causes.size()),
             "comparing " + cause_name(problem_.model(), fit.at.causes[c]) + " with the others");
-        const Fit off = problem_.fit(without(fit.at, c), {options_.threads, 4});
+        const Fit off = problem_.fit(without(fit.at, c), 4, &fit);
         found.gain.push_back((off.loss - fit.loss) / fit.loss);
         found.z.push_back(against(fit, off));
         std::vector<Rival> rivals;
@@ -338,11 +338,12 @@ class Search {
           if (fitted == 4 || s.gain < 0.3 * (off.loss - fit.loss)) break;
           ++fitted;
           const Hypothesis h = with_candidate(problem_.model(), off.at, candidate, coefficients(s));
-          const Fit other = problem_.fit(h, {options_.threads, 5});
+          const Fit other = problem_.fit(h, 5, &off);
           // The same law in another dress has the name that it had before.
           Rival r{{other.at.causes.back()}, other.at, other.loss - fit.loss, against(fit, other)};
           if (r.loss_more < -0.003 * fit.loss && parameters(other) <= parameters(fit)) {
-            fit = other;
+            // Its derivatives are of several places.
+            fit = problem_.fit(other.at, 3);
             swapped = true;
             break;
           }
@@ -368,14 +369,14 @@ class Search {
   }
 
   Problem& problem_;
-  const SearchOptions& options_;
+  const Progress& progress_;
   std::set<std::string> dropped_;  ///< causes that did not hold at the end of a search
 };
 
 }  // namespace
 
-Found search(Problem& problem, Problem* coarse, const SearchOptions& options) {
-  return Search(problem, options).run(coarse);
+Found search(Problem& problem, Problem* coarse, const Progress& progress) {
+  return Search(problem, progress).run(coarse);
 }
 
 }  // namespace furcula::trees

@@ -40,12 +40,10 @@ struct Found {
   std::vector<Tried> table;  ///< the best of the first round
 };
 
-struct SearchOptions {
-  unsigned threads = 2;
-  std::function<void(double, std::string_view)> progress;
-};
+using Progress =
+    std::function<void(double, std::string_view)>;  ///< share that is done, and what is being done
 
 /// `coarse`, the same recordings in short windows, is used where the model as given is grossly wrong; it may be null.
-Found search(Problem& problem, Problem* coarse, const SearchOptions& options);
+Found search(Problem& problem, Problem* coarse, const Progress& progress);
 
 }  // namespace furcula::trees

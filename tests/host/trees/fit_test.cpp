@@ -87,9 +87,9 @@ TEST_CASE("A fit finds the damping that logs were made with, within its interval
     trees::Problem problem(model, all, trees::windows_of(model, all, 0.3, 60), 2);
     const trees::Hypothesis given{model.drives, {}};
     problem.weigh(given);
-    trees::Fit fit = problem.fit(given, {2, 6});
+    trees::Fit fit = problem.fit(given, 6);
     problem.weigh(fit.at);
-    fit = problem.fit(fit.at, {2, 6});
+    fit = problem.fit(fit.at, 6);
     REQUIRE(fit.unknowns.size() == 2);
     for (std::size_t k = 0; k < 2; ++k) {
       const double right = truth.drives[fit.unknowns[k].joint].damping_nmspr,
@@ -116,7 +116,7 @@ TEST_CASE("A fit is the same on one thread and on two") {
     trees::Problem problem(model, all, trees::windows_of(model, all, 0.3), threads);
     const trees::Hypothesis given{model.drives, {{Effect::coulomb_friction, {1}, {0.01, 0, 0, 0}}}};
     problem.weigh(given);
-    const trees::Fit fit = problem.fit(given, {threads, 4});
+    const trees::Fit fit = problem.fit(given, 4);
     loss.push_back(fit.loss);
     value.push_back(fit.at.causes[0].values[0]);
   }

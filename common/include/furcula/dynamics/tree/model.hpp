@@ -40,6 +40,8 @@ struct JointLaw {
   T binding_centre_rad{};
   T binding_width_rad{};
   T drag_nms2prad2{};  ///< quadratic drag
+
+  friend bool operator==(const JointLaw&, const JointLaw&) = default;
 };
 
 /// Geometry is in plain numbers: it is measured, not fitted. Everything else is of the scalar T.

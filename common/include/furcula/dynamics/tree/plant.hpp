@@ -27,6 +27,12 @@ class Plant {
   static constexpr int kMostChanges = 64;  ///< in one advance(); the rest passes in the mode of then
   static constexpr V kShortest = V(1e-3);
 
+  /// Where a plant is: it goes on from there as it did before.
+  struct Place {
+    Joints position_rad{}, velocity_radps{}, rotor_rad{}, rotor_radps{};
+    FrictionMode<P::kCapacity> mode{};
+  };
+
   /// Steps are not longer than `longest_step_s`, nor than what the springs and dampers of joints and drives
   /// allow in the posture of reset(); but not shorter than kShortest of it.
   explicit Plant(const M& model, V longest_step_s = V(1e-3)) : model_(model), longest_step_(longest_step_s) {
@@ -41,6 +47,12 @@ class Plant {
     dry_ = false;
     for (std::size_t i = 0; i < count(); ++i) dry_ |= is_dry(model_.laws[i]);
     step_ = stable_step();
+  }
+  Place place() const { return {state_.position, state_.velocity, state_.rotor, state_.rotor_rate, mode_}; }
+  /// Goes on from a place of its own, or from one beside it; in steps as long as those of reset().
+  void go_to(const Place& p) {
+    state_ = {p.position_rad, p.velocity_radps, p.rotor_rad, p.rotor_radps};
+    mode_ = p.mode;
   }
   /// After reset(): where a start finds the rotor of an elastic drive.
   void place_rotor(std::size_t joint, const T& angle_rad, const T& rate_radps) {

@@ -1,0 +1,265 @@
+// Windows made linear, see linearised.hpp.
+#include "host/trees/linearised.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "furcula/dynamics/tree/inverse_dynamics.hpp"
+
+namespace furcula::trees {
+namespace {
+
+using Index = Eigen::Index;
+using Law = dynamics::tree::JointLaw<double>;
+
+/// The run is linear from one time to the next, so far apart.
+constexpr double kInterval_s = 5e-3;
+/// Changes of the state by whose consequences it is made linear.
+constexpr double kAngle_rad = 1e-5, kVelocity_radps = 1e-4;
+
+bool same(const dynamics::tree::Inertia<double>& a, const dynamics::tree::Inertia<double>& b) {
+  const auto &s = a.inertia_kgm2, &t = b.inertia_kgm2;
+  return a.mass_kg == b.mass_kg && a.moment_kgm.x == b.moment_kgm.x && a.moment_kgm.y == b.moment_kgm.y &&
+         a.moment_kgm.z == b.moment_kgm.z && s.xx == t.xx && s.xy == t.xy && s.xz == t.xz && s.yy == t.yy &&
+         s.yz == t.yz && s.zz == t.zz;
+}
+
+bool same_bodies(const model::RobotModel& a, const model::RobotModel& b) {
+  const auto &g = a.gravity_mps2, &h = b.gravity_mps2;
+  if (g.x != h.x || g.y != h.y || g.z != h.z) return false;
+  for (std::size_t i = 0; i < a.count(); ++i)
+    if (!same(a.aligned_inertia(i), b.aligned_inertia(i))) return false;
+  return true;
+}
+
+/// Dry friction against motion in this direction, 1 or -1, at a place.
+double friction(const Law& law, double q, double v, double drive_nm, int direction) {
+  const bool within =
+      law.binding_friction_nm > 0.0 && std::abs(q - law.binding_centre_rad) <= 0.5 * law.binding_width_rad;
+  return direction * friction_in_motion(law, v, drive_nm, direction,
+                                        within ? dynamics::tree::Spot::within : dynamics::tree::Spot::none);
+}
+
+/// Means over time of what a recording's drives were given.
+class Inputs {
+ public:
+  Inputs(const Recording& r, std::size_t joint, std::size_t last)
+      : time_s_(r.time_s), input_(r.input[joint]), sum_(last + 1) {
+    for (std::size_t k = 0; k < last; ++k) sum_[k + 1] = sum_[k] + input_[k] * (time_s_[k + 1] - time_s_[k]);
+  }
+  double mean(double from_s, double to_s) const { return (until(to_s) - until(from_s)) / (to_s - from_s); }
+
+ private:
+  double until(double t) const {
+    const auto end = time_s_.begin() + static_cast<std::ptrdiff_t>(sum_.size());
+    const auto after = std::upper_bound(time_s_.begin(), end, t);
+    const auto k = after == time_s_.begin() ? 0U : static_cast<std::size_t>(after - time_s_.begin()) - 1;
+    return sum_[k] + input_[k] * (t - time_s_[k]);
+  }
+  const std::vector<double>&time_s_, &input_;
+  std::vector<double> sum_;
+};
+
+}  // namespace
+
+/// The torque of each joint that is too much for the motion there is.
+class Linearised::Torques {
+ public:
+  Torques(const Setup& setup, const Recording& r, std::size_t first, std::span<const std::size_t> joints)
+      : setup_(setup), joints_(joints.begin(), joints.end()) {
+    for (const std::size_t i : joints)
+      lagged_.push_back(setup.joints[i].lag_s > 0.0 ? lagged_before(setup.joints[i], r, i, first) : 0.0);
+  }
+
+  /// Of the k-th of the joints over an interval from `from_s`.
+  double left(std::size_t k, const Interval& at, const Inputs& inputs, double from_s, double step_s) {
+    const std::size_t i = joints_[k];
+    const Setup::Joint& drive = setup_.joints[i];
+    const Law& law = setup_.model.laws[i];
+    const double q = at.position_rad[i], v = at.velocity_radps[i], measured = q + drive.encoder_offset_rad;
+    const double input = inputs.mean(from_s - drive.delay_s, from_s + step_s - drive.delay_s);
+    const bool by_law = drive.law == DriveLaw::position && !drive.stepwise;
+    double torque = drive.offset_nm, rest = law.rest_rad;
+    if (by_law) {
+      rest = input - drive.encoder_offset_rad;  // the joint's own spring and damper are the drive
+    } else {
+      double asked = asked_torque(drive, input, measured, v);
+      if (drive.lag_s > 0.0) asked = passed(drive.lag_s, step_s, asked, lagged_[k]);
+      torque += made_torque(drive, asked, measured);
+    }
+    double out = torque - passive_torque(law, q - rest + law.rest_rad, v) -
+                 law.armature_kgm2 * at.acceleration_radps2[i];
+    if (is_dry(law))
+      out -= 0.5 * (1.0 + at.forth[i]) * friction(law, q, v, torque, 1) +
+             0.5 * (1.0 - at.forth[i]) * friction(law, q, v, torque, -1);
+    return out;
+  }
+  std::span<const std::size_t> joints() const { return joints_; }
+
+ private:
+  const Setup& setup_;
+  std::vector<std::size_t> joints_;
+  std::vector<double> lagged_;
+};
+
+bool Linearised::reaches(const Setup& from, const Setup& to) {
+  for (std::size_t i = 0; i < from.joints.size(); ++i)
+    if (from.model.laws[i].elastic || to.model.laws[i].elastic) return false;
+  return true;
+}
+
+Linearised::Linearised(const Setup& setup, const Recording& r, const Window& w,
+                       std::span<const double> torque_nm)
+    : setup_(setup), recording_(r), window_(w) {
+  const std::size_t n = setup.joints.size();
+  const double begin = r.time_s[w.first], span = r.time_s[w.last] - begin;
+  const auto count = static_cast<std::size_t>(std::ceil(span / kInterval_s));
+  step_s_ = span / static_cast<double>(count);
+
+  std::vector<Inputs> inputs;
+  std::vector<std::size_t> with_state;  // joints whose drive's lag depends on the motion
+  Runner runner(setup);
+  runner.reset(w.angle_rad, w.velocity_radps);
+  for (std::size_t i = 0; i < n; ++i) {
+    inputs.emplace_back(r, i, w.last);
+    const Setup::Joint& j = setup.joints[i];
+    if (j.lag_s <= 0.0) continue;
+    runner.settle_input(i, lagged_before(j, r, i, w.first));
+    if (j.law == DriveLaw::position) with_state.push_back(i);
+  }
+  const auto size = static_cast<Index>(2 * n + with_state.size());
+  const auto state = [&](const Runner::Place& p) {
+    Eigen::VectorXd x(size);
+    for (std::size_t i = 0; i < n; ++i) {
+      x(static_cast<Index>(i)) = p.plant.position_rad[i];
+      x(static_cast<Index>(n + i)) = p.plant.velocity_radps[i];
+    }
+    for (std::size_t k = 0; k < with_state.size(); ++k)
+      x(static_cast<Index>(2 * n + k)) = p.lagged_nm[with_state[k]];
+    return x;
+  };
+  std::vector<double> input(n);
+  Runner::Place here = runner.place();
+  for (std::size_t g = 0; g < count; ++g) {
+    const double from = begin + static_cast<double>(g) * step_s_;
+    for (std::size_t i = 0; i < n; ++i) {
+      const double delay = setup.joints[i].delay_s;
+      input[i] = inputs[i].mean(from - delay, from + step_s_ - delay);
+    }
+    const auto moved = [&](const Runner::Place& start) {
+      runner.go_to(start);
+      runner.advance(input, step_s_);
+      return runner.place();
+    };
+    const Runner::Place next = moved(here);
+    const Eigen::VectorXd end = state(next);
+    Interval& at = intervals_.emplace_back();
+    at.carried = Eigen::MatrixXd::Zero(size, size);
+    at.driven = Eigen::MatrixXd::Zero(size, static_cast<Index>(n));
+    for (std::size_t i = 0; i < n; ++i) {
+      const auto a = static_cast<Index>(i);
+      Runner::Place beside = here;
+      beside.plant.position_rad[i] += kAngle_rad;
+      at.carried.col(a) = (state(moved(beside)) - end) / kAngle_rad;
+      if (!here.plant.mode.held[i]) {
+        beside = here;
+        beside.plant.velocity_radps[i] += kVelocity_radps;
+        at.carried.col(a + static_cast<Index>(n)) = (state(moved(beside)) - end) / kVelocity_radps;
+      }
+      runner.disturb(i, torque_nm[i]);
+      at.driven.col(a) = (state(moved(here)) - end) / torque_nm[i];
+      runner.disturb(i, 0.0);
+    }
+    for (std::size_t k = 0; k < with_state.size(); ++k) {
+      const std::size_t i = with_state[k];
+      Runner::Place beside = here;
+      beside.lagged_nm[i] += torque_nm[i];
+      at.carried.col(static_cast<Index>(2 * n + k)) = (state(moved(beside)) - end) / torque_nm[i];
+    }
+    for (std::size_t i = 0; i < n; ++i) {
+      const double v0 = here.plant.velocity_radps[i], v1 = next.plant.velocity_radps[i];
+      at.position_rad[i] = 0.5 * (here.plant.position_rad[i] + next.plant.position_rad[i]);
+      at.velocity_radps[i] = 0.5 * (v0 + v1);
+      at.acceleration_radps2[i] = (v1 - v0) / step_s_;
+      const double both = std::abs(v0) + std::abs(v1);
+      at.forth[i] = both > 0.0 ? (v0 + v1) / both : 0.0;
+    }
+    at.body_nm = body_torques(setup.model, at.position_rad, at.velocity_radps, at.acceleration_radps2);
+    here = next;
+  }
+
+  const std::size_t bins = static_cast<std::size_t>(w.measured.size()) / n;
+  share_.assign(bins, std::vector<double>(count + 1));
+  std::vector<double> rows(bins);
+  for (const std::size_t b : w.bin) rows[b] += 1.0;
+  for (std::size_t k = w.first; k <= w.last; ++k) {
+    const std::size_t b = w.bin[k - w.first];
+    const double t = (r.time_s[k] - begin) / step_s_;
+    const std::size_t g = std::min(count - 1, static_cast<std::size_t>(t));
+    const double after = std::clamp(t - static_cast<double>(g), 0.0, 1.0);
+    share_[b][g] += (1.0 - after) / rows[b];
+    share_[b][g + 1] += after / rows[b];
+  }
+}
+
+Eigen::MatrixXd Linearised::changes(std::span<const Setup* const> setups) const {
+  const std::size_t n = setup_.joints.size();
+  const auto columns = static_cast<Index>(setups.size()), joints = static_cast<Index>(n);
+  std::vector<std::size_t> all;
+  std::vector<Inputs> inputs;
+  for (std::size_t i = 0; i < n; ++i) {
+    all.push_back(i);
+    inputs.emplace_back(recording_, i, window_.last);
+  }
+  Torques as_run(setup_, recording_, window_.first, all);
+  std::vector<Torques> others;
+  std::vector<bool> other_bodies;
+  Eigen::MatrixXd x = Eigen::MatrixXd::Zero(intervals_.front().carried.rows(), columns);
+  Eigen::MatrixXd read = Eigen::MatrixXd::Zero(joints, columns);  // angles, the encoder's change in them
+  for (std::size_t k = 0; k < setups.size(); ++k) {
+    const Setup& s = *setups[k];
+    std::vector<std::size_t> differ;
+    for (std::size_t i = 0; i < n; ++i) {
+      if (s.joints[i] == setup_.joints[i] && s.model.laws[i] == setup_.model.laws[i]) continue;
+      differ.push_back(i);
+      const double offset = s.joints[i].encoder_offset_rad - setup_.joints[i].encoder_offset_rad;
+      x(static_cast<Index>(i), static_cast<Index>(k)) = -offset;
+      read(static_cast<Index>(i), static_cast<Index>(k)) = offset;
+    }
+    others.emplace_back(s, recording_, window_.first, differ);
+    other_bodies.push_back(!same_bodies(s.model, setup_.model));
+  }
+  Eigen::MatrixXd out = Eigen::MatrixXd::Zero(window_.measured.size(), columns);
+  const auto seen_at = [&](std::size_t g) {
+    for (std::size_t b = 0; b < share_.size(); ++b)
+      if (share_[b][g] != 0.0)
+        out.middleRows(static_cast<Index>(b) * joints, joints) += share_[b][g] * (x.topRows(joints) + read);
+  };
+  seen_at(0);
+  Eigen::MatrixXd torque(joints, columns);
+  std::vector<double> left(n);
+  for (std::size_t g = 0; g < intervals_.size(); ++g) {
+    const Interval& at = intervals_[g];
+    const double from = recording_.time_s[window_.first] + static_cast<double>(g) * step_s_;
+    for (std::size_t i = 0; i < n; ++i) left[i] = as_run.left(i, at, inputs[i], from, step_s_);
+    torque.setZero();
+    for (std::size_t k = 0; k < setups.size(); ++k) {
+      const auto c = static_cast<Index>(k);
+      const auto differ = others[k].joints();
+      for (std::size_t d = 0; d < differ.size(); ++d)
+        torque(static_cast<Index>(differ[d]), c) =
+            others[k].left(d, at, inputs[differ[d]], from, step_s_) - left[differ[d]];
+      if (!other_bodies[k]) continue;
+      const Joints body =
+          body_torques(setups[k]->model, at.position_rad, at.velocity_radps, at.acceleration_radps2);
+      for (std::size_t i = 0; i < n; ++i) torque(static_cast<Index>(i), c) -= body[i] - at.body_nm[i];
+    }
+    x = (at.carried * x + at.driven * torque).eval();
+    seen_at(g + 1);
+  }
+  // A run that flies apart says no more than that it does.
+  return out.unaryExpr(
+      [](double change) { return std::isfinite(change) ? std::clamp(change, -1e6, 1e6) : 0.0; });
+}
+
+}  // namespace furcula::trees

@@ -1,0 +1,51 @@
+// A window's run made linear: what a small torque at a joint, at any time, changes of all that follows.
+//
+// One run with its transition matrices stands for a run a candidate: of a candidate, only the torque that it adds along
+// the window's motion is computed, and carried on. To first order in that torque this is the change that a run
+// with the candidate would have; in the candidate's own parameters it is exact.
+#pragma once
+
+#include <Eigen/Dense>
+#include <span>
+#include <vector>
+
+#include "host/trees/run.hpp"
+#include "host/trees/windows.hpp"
+
+namespace furcula::trees {
+
+class Linearised {
+ public:
+  /// Whether the change from one tree to another can be seen as torques along its motion: not where springs between drives
+  /// and joints come or are, whose rotors move by themselves.
+  static bool reaches(const Setup& from, const Setup& to);
+
+  /// `torque_nm`: of each joint, a change by which nothing else changes much.
+  Linearised(const Setup& setup, const Recording& recording, const Window& window,
+             std::span<const double> torque_nm);
+
+  /// What the measured angles change with each of `setups` in place of the one that was run: bin by bin and joint by joint (rows as
+  /// in Window::measured), a column each.
+  Eigen::MatrixXd changes(std::span<const Setup* const> setups) const;
+
+ private:
+  using Joints = model::RobotModel::Joints;
+  /// The run between two of its times, some milliseconds apart.
+  struct Interval {
+    Joints position_rad, velocity_radps, acceleration_radps2;  ///< of the joints, in the middle
+    Joints forth;                     ///< share of it in forward motion, less that in backward motion
+    Joints body_nm;                   ///< what the bodies ask for
+    Eigen::MatrixXd carried, driven;  ///< the state's change by that before, and by the joints' torques
+  };
+  /// What one tree makes of an interval, beside another.
+  class Torques;
+
+  const Setup& setup_;
+  const Recording& recording_;
+  const Window& window_;
+  double step_s_;
+  std::vector<Interval> intervals_;
+  std::vector<std::vector<double>> share_;  ///< of each bin in the run's times: bin by bin
+};
+
+}  // namespace furcula::trees

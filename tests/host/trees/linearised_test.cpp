@@ -1,0 +1,108 @@
+// Windows made linear, against runs of the tree with a little of each cause.
+#include "host/trees/linearised.hpp"
+
+#include <cmath>
+
+#include "host/trees/hypothesis.hpp"
+#include "tests/host/trees/robot.hpp"
+
+using namespace furcula;
+using trees::Cause;
+using trees::Effect;
+
+namespace {
+
+/// The window's change by a run with the causes, less one without: bins of rows as the window says.
+Eigen::VectorXd simulated(const trees::Setup& setup, const trees::Recording& r, const trees::Window& w) {
+  const std::size_t n = setup.joints.size(), rows = w.last - w.first + 1;
+  std::vector<double> out(rows * n);
+  trees::run(setup, r, w.first, w.last, w.angle_rad, w.velocity_radps, out);
+  Eigen::VectorXd mean = Eigen::VectorXd::Zero(w.measured.size());
+  std::vector<double> count(static_cast<std::size_t>(w.measured.size()) / n);
+  for (const std::size_t b : w.bin) count[b] += 1.0;
+  for (std::size_t k = 0; k < rows; ++k)
+    for (std::size_t j = 0; j < n; ++j)
+      mean(static_cast<Eigen::Index>(w.bin[k] * n + j)) += out[k * n + j] / count[w.bin[k]];
+  return mean;
+}
+
+/// How far the linear change is from that of the runs, of its size.
+double off(const trees::TreeModel& model, const trees::Recording& r, const trees::Window& w,
+           const std::vector<Cause>& as_run, const std::vector<Cause>& with) {
+  const trees::SetupMaker maker(model);
+  const trees::Setup base = maker.make(model.drives, as_run), other = maker.make(model.drives, with);
+  REQUIRE(trees::Linearised::reaches(base, other));
+  const Eigen::VectorXd runs = simulated(other, r, w) - simulated(base, r, w);
+  const std::vector<double> torque_nm(model.joints(), 1e-3);
+  const trees::Setup* const others[] = {&other};
+  const Eigen::VectorXd linear = trees::Linearised(base, r, w, torque_nm).changes(others).col(0);
+  REQUIRE(runs.norm() > 1e-7);
+  return (linear - runs).norm() / runs.norm();
+}
+
+struct Case {
+  std::string law;
+  double amplitude;
+  std::vector<Cause> as_run;
+};
+
+}  // namespace
+
+TEST_CASE("A window made linear changes with each cause as its runs do") {
+  const Case cases[] = {
+      {"[drive]\nlaw = \"torque\"\n", 0.8, {}},
+      {"[drive]\nlaw = \"torque\"\n", 0.8, {{Effect::coulomb_friction, {0, 1, 2}, {0.1, 0, 0, 0}}}},
+      {"[drive]\nlaw = \"position\"\nkp_nmprad = 20.0\nkd_nmsprad = 0.5\n", 0.6, {}},
+      {"[drive]\nlaw = \"position\"\nkp_nmprad = 20.0\nkd_nmsprad = 0.5\n",
+       0.6,
+       {{Effect::actuator_lag, {1}, {0.02, 0, 0, 0}}, {Effect::coulomb_friction, {2}, {0.1, 0, 0, 0}}}}};
+  for (const double interval_s : {0.001, 0.01})
+    for (const Case& c : cases) {
+      const trees::TreeModel model = test::arm3(c.law);
+      trees::Recording r = test::inputs(model, 1.5, interval_s, [&](std::size_t j, double t) {
+        return c.amplitude * std::sin((5.0 + 2.0 * static_cast<double>(j)) * t);
+      });
+      const std::vector<trees::Recording> all{r};
+      trees::Window w = trees::windows_of(model, all, 0.4)[1];
+      w.angle_rad = {0.2, -0.3, 0.4};
+      w.velocity_radps = {1.0, 2.0, -3.0};
+      const bool position = model.drives[0].law == trees::DriveLaw::position;
+      std::vector<Cause> tried{{Effect::damping_error, {0}, {0.11, 0, 0, 0}},
+                               {Effect::force_offset, {2}, {0.01, 0, 0, 0}},
+                               {Effect::quadratic_drag, {1}, {0.001, 0, 0, 0}},
+                               {Effect::rotor_inertia_error, {0}, {0.0005, 0, 0, 0}},
+                               {Effect::torque_gain_error, {1}, {1.01, 0, 0, 0}},
+                               {Effect::encoder_offset, {1}, {0.002, 0, 0, 0}},
+                               {Effect::base_tilt, {0}, {0.004, 0.003, 0, 0}},
+                               {Effect::actuator_delay, {2}, {0.002, 0, 0, 0}},
+                               {Effect::actuator_lag, {0}, {0.002, 0, 0, 0}}};
+      for (const std::size_t link : trees::sites(model, trees::Seat::link)) {
+        const double mass = model.urdf.links[link].inertia->mass_kg;
+        tried.push_back({Effect::mass_error, {link}, {1.01 * mass, 0, 0, 0}});
+        tried.push_back({Effect::com_error, {link}, {0.001, 0.002, 0.001, 0}});
+        tried.push_back({Effect::inertia_error, {link}, {1.02, 0, 0, 0}});
+        tried.push_back({Effect::payload, {link}, {0.01 * mass, 0.05, 0.05, 0.1}});
+      }
+      if (position) tried.push_back({Effect::position_gain_error, {0}, {20.2, 0.505, 0, 0}});
+      // With a position law a run takes steps of its own for these, which alone change as much.
+      if (!position) tried.push_back({Effect::load_friction, {1}, {0.01, 0, 0, 0}});
+      if (!position) tried.push_back({Effect::torque_ripple, {2}, {0.01, 5.0, 0.3, 0}});
+      for (const Cause& cause : tried) {
+        std::vector<Cause> with = c.as_run;
+        with.push_back(cause);
+        INFO(trees::cause_name(model, cause) << (position ? " position" : " torque") << " " << interval_s
+                                             << " s, " << c.as_run.size() << " as run");
+        CHECK(off(model, r, w, c.as_run, with) < 0.05);
+      }
+    }
+}
+
+TEST_CASE("Springs between drives and joints are not made linear") {
+  const trees::TreeModel model = test::arm3("[drive]\nrotor_inertia_kgm2 = 0.01\n");
+  const trees::SetupMaker maker(model);
+  const std::vector<Cause> spring{{Effect::joint_elasticity, {1}, {100.0, 0, 0, 0}}};
+  const trees::Setup stiff = maker.make(model.drives, {}), soft = maker.make(model.drives, spring);
+  CHECK(trees::Linearised::reaches(stiff, stiff));
+  CHECK_FALSE(trees::Linearised::reaches(stiff, soft));
+  CHECK_FALSE(trees::Linearised::reaches(soft, soft));
+}
