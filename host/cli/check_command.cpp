@@ -25,6 +25,12 @@ struct CheckOptions {
   std::vector<std::string> logs;
 };
 
+std::vector<std::string_view> rig_names() {
+  std::vector<std::string_view> rigs;
+  for (const auto& r : log::kRigs) rigs.push_back(r.name);
+  return rigs;
+}
+
 /// What the options say, or the map; empty: each log must tell its own.
 std::string rig_of(const CheckOptions& options, const log::ColumnMap* map) {
   if (!options.model.empty()) {
@@ -33,8 +39,7 @@ std::string rig_of(const CheckOptions& options, const log::ColumnMap* map) {
     return std::string(dynamics::info(m.kind).rig);
   }
   if (options.rig.empty()) return map != nullptr ? map->rig : "";
-  std::vector<std::string_view> rigs;
-  for (const auto& r : log::kRigs) rigs.push_back(r.name);
+  const std::vector<std::string_view> rigs = rig_names();
   if (log::rig_named(options.rig) == nullptr)
     throw UsageError("--rig " + options.rig + ": no such rig; expected one of " + core::listed(rigs) +
                      core::did_you_mean(options.rig, rigs));
@@ -85,9 +90,9 @@ void run(const CheckOptions& options) {
 void add_check_command(CLI::App& app) {
   const auto options = std::make_shared<CheckOptions>();
   CLI::App* command = app.add_subcommand("check", "Check logs, however large, and print what is in them");
-  command->add_option(
-      "--rig", options->rig,
-      "Rig that the logs are of; without it that of the model, of the map, or of the log's own line");
+  command->add_option("--rig", options->rig,
+                      "Rig that the logs are of: " + core::listed(rig_names()) +
+                          "; without it that of the model, of the map, or of the log's own line");
   command->add_option("--model", options->model, "Model file, whose kind tells the rig");
   command->add_option("--map", options->map, "Map file, for logs with other columns");
   command->add_option("LOG", options->logs, "Logs (CSV)")->required();

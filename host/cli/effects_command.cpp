@@ -68,11 +68,20 @@ std::string with_rotary(std::string_view linear, std::string_view rotary, const 
   return out;
 }
 
-std::string neutral_text(const EffectParameterInfo& p) {
+bool has_leg(Kind kind) { return dynamics::has(kind, dynamics::Seat::leg); }
+
+/// The parameter's value while the effect is off, in words where it depends on the model or the kind.
+std::string neutral_text(const EffectInfo& effect, const EffectParameterInfo& p, std::optional<Kind> kind) {
   if (!std::isnan(p.neutral)) return shortest(p.neutral);
-  for (const auto& k : dynamics::kMachines)
-    if (dynamics::parameter_index(k.kind, p.name)) return "the model's";
-  return "any";
+  if (p.model_parameter == dynamics::kNotOfModel) return "any";
+  if (!p.model_parameter.empty()) return "the model's " + std::string(p.model_parameter);
+  bool of_model = false, of_leg = false, elsewhere = false;
+  for (const Kind k : kind ? std::vector{*kind} : kinds_of(effect)) {
+    (has_leg(k) ? of_leg : elsewhere) = true;
+    of_model = of_model || dynamics::parameter_index(k, dynamics::name_on(p, k));
+  }
+  if (p.added_on_leg && of_leg) return elsewhere ? "the model's; 0 on a hopper" : "0";
+  return of_model ? "the model's" : "any";
 }
 
 std::string unit_text(std::string_view linear, std::string_view rotary, const EffectInfo& effect,
@@ -81,7 +90,7 @@ std::string unit_text(std::string_view linear, std::string_view rotary, const Ef
 }
 
 /// Stance and flight are the hopper's.
-bool has_phases(std::optional<Kind> kind) { return !kind || dynamics::has(*kind, dynamics::Seat::leg); }
+bool has_phases(std::optional<Kind> kind) { return !kind || has_leg(*kind); }
 
 void print_text(const EffectInfo& e, std::optional<Kind> kind) {
   std::cout << e.name << "\n  law         " << e.law << "\n  stage       " << stage_name(e.stage)
@@ -90,7 +99,7 @@ void print_text(const EffectInfo& e, std::optional<Kind> kind) {
   for (const auto& p : e.parameters())
     std::cout << "  parameter   " << with_rotary(p.name, p.rotary_name, e, kind) << ", in "
               << unit_text(p.unit, p.rotary_unit, e, kind) << ", from " << shortest(p.lower) << " to "
-              << shortest(p.upper) << "; without the effect: " << neutral_text(p) << "\n";
+              << shortest(p.upper) << "; without the effect: " << neutral_text(e, p, kind) << "\n";
   std::cout << "  what        " << e.explanation << "\n  look at     " << e.where_to_look
             << "\n  experiment  " << e.best_experiment << "\n";
 }
@@ -110,7 +119,8 @@ void print_markdown(const std::vector<const EffectInfo*>& effects, std::optional
          "`v` is the velocity of the axis. Forces are positive in the direction of growing position (up, for heights).\n\n"
          "- **stage**: the part of the machine in which the law acts.\n"
          "- **phase on a hopper**: when the law acts there.\n"
-         "- **without the effect**: the parameter's value while the effect is off. *any*: it does not matter then.\n";
+         "- **without the effect**: the parameter's value while the effect is off. *any*: it does not matter then.\n"
+         "  *The model's*: what the model file says by the same name, or by the name that is given.\n";
   for (const EffectInfo* e : effects) {
     std::cout << "\n## " << e->name << "\n\n"
               << e->explanation << "\n\n"
@@ -123,7 +133,7 @@ void print_markdown(const std::vector<const EffectInfo*>& effects, std::optional
                 << with_rotary("`" + std::string(p.name) + "`", "`" + std::string(p.rotary_name) + "`", *e,
                                kind)
                 << " | " << unit_text(p.unit, p.rotary_unit, *e, kind) << " | " << shortest(p.lower) << " | "
-                << shortest(p.upper) << " | " << neutral_text(p) << " |\n";
+                << shortest(p.upper) << " | " << neutral_text(*e, p, kind) << " |\n";
     std::cout << "\nWhere to look: " << e->where_to_look
               << "\n\nThe experiment that shows it best: " << e->best_experiment << "\n";
   }
@@ -143,8 +153,8 @@ nlohmann::ordered_json to_json(const EffectInfo& e, std::optional<Kind> kind) {
     }
     parameter["lower"] = p.lower;
     parameter["upper"] = p.upper;
-    parameter["neutral"] =
-        std::isnan(p.neutral) ? nlohmann::ordered_json() : nlohmann::ordered_json(p.neutral);
+    const double neutral = p.added_on_leg && kind && has_leg(*kind) ? 0.0 : p.neutral;
+    parameter["neutral"] = std::isnan(neutral) ? nlohmann::ordered_json() : nlohmann::ordered_json(neutral);
     out["parameters"].push_back(parameter);
   }
   out["explanation"] = e.explanation;
@@ -231,7 +241,8 @@ void add_effects_command(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("effects", "The catalogue of effects: laws, units, bounds, experiments");
   command->add_option("NAME", options->name, "One effect only");
-  command->add_option("--kind", options->kind, "Effects and parameter names of this kind of machine");
+  command->add_option("--kind", options->kind,
+                      "Effects and parameter names of this kind of machine; tree: a robot of several joints");
   command->add_flag("--json", options->json, "For programs");
   command->add_flag("--markdown", options->markdown, "For docs/effects.md");
   command->callback([options] { run(*options); });

@@ -57,6 +57,8 @@ void run(const IdentifyOptions& o) {
   if (const auto tree = tree_model(o.model)) {
     if (o.method != "simulation")
       throw UsageError("--method " + o.method + ": a tree is identified by simulation");
+    if (o.folds != 0)
+      throw UsageError("--folds " + std::to_string(o.folds) + ": on a tree nothing is cross-validated");
     return run_on_tree(o, *tree);
   }
   const Recordings r = read_recordings(o);
@@ -99,12 +101,12 @@ void add_identify_command(CLI::App& app) {
   auto options = std::make_shared<IdentifyOptions>();
   CLI::App* command = app.add_subcommand("identify", "Estimate a model's free parameters from measured logs");
   options->add_to(*command);
-  command->add_option("--method", options->method, "equation, simulation or both")
+  command->add_option("--method", options->method, "equation, simulation or both; on a tree simulation alone")
       ->check(CLI::IsMember({"equation", "simulation", "both"}))
       ->capture_default_str();
   command
       ->add_option("--folds", options->folds,
-                   "Folds of the cross-validation; without it ten, or one a log if fewer")
+                   "Folds of the cross-validation, not on a tree; without it ten, or one a log if fewer")
       ->check(CLI::Range(std::size_t{2}, std::size_t{1000}));
   command->callback([options] { run(*options); });
 }

@@ -12,9 +12,23 @@
 #include "host/core/strict_toml.hpp"
 #include "host/identify/split.hpp"
 #include "host/log/reader.hpp"
+#include "host/machines/rules.hpp"
 #include "host/model/reader.hpp"
 
 namespace furcula::cli {
+
+namespace {
+
+/// Kinds whose recordings are cut into windows of one length.
+std::string kinds_in_intervals() {
+  std::string out;
+  for (const auto& machine : dynamics::kMachines)
+    if (machines::rules(machine.kind).cut == machines::Cut::intervals)
+      out += (out.empty() ? "" : ", ") + std::string(machine.name);
+  return out;
+}
+
+}  // namespace
 
 void RecordingOptions::add_to(CLI::App& command) {
   command.add_option("--model", model, "Model file (TOML)")->required();
@@ -22,9 +36,9 @@ void RecordingOptions::add_to(CLI::App& command) {
   command.add_option("--hold-out", held_out,
                      "Logs that no fit sees (put another option or -- after them); without it a seeded "
                      "fifth, of one log its last quarter");
-  command.add_option(
-      "--window-s", window_s,
-      "Length of a prediction on motor_axis and rotary_joint (0.5 if not given), and on a tree (0.3), s");
+  command.add_option("--window-s", window_s,
+                     "Length of a prediction, s: 0.5 if not given on " + kinds_in_intervals() +
+                         " and a hopper that stays on the ground, 0.3 on a tree");
   command.add_option("--out", out, "Folder for the results")->required();
   command.add_option("--threads", threads, "Threads; the result is the same for any number");
   command.add_option("--seed", seed, "Seed of the choice of held-out logs")->capture_default_str();

@@ -116,7 +116,8 @@ void add_reproduce_command(CLI::App& app) {
   command
       ->add_option("--seed", options->study.seed, "Of the rig that is identified (002), of the starts (001)")
       ->capture_default_str();
-  command->add_option("--threads", options->study.threads, "Threads; without it as many as processors");
+  command->add_option("--threads", options->study.threads,
+                      "Threads, of 001 processes; without it as many as processors");
   command->add_option("--out", options->out, "Folder for report.html and reproduction.json")->required();
   command->add_option("--starts", options->starts, "Of each gait of 001")
       ->check(CLI::Range(1u, 1000u))

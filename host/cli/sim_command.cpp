@@ -84,8 +84,9 @@ void add_sim_command(CLI::App& app) {
   auto options = std::make_shared<SimOptions>();
   CLI::App* command = app.add_subcommand("sim", "Simulate a model under a scenario and write its log");
   command->add_option("--model", options->model, "Model file (TOML)")->required();
-  command->add_option("--scenario", options->scenario,
-                      "Scenario file (TOML); without it 5 s of hopping, or of a sine drive");
+  command->add_option(
+      "--scenario", options->scenario,
+      "Scenario file (TOML); without it what is usual for the kind: hops, a sine drive, throws");
   command->add_option("--out", options->out, "The log to write (furcula-log/1, CSV)")->required();
   command->add_option("--seed", options->seed, "Seed of the sensors' errors")->capture_default_str();
   command->add_flag(

@@ -45,7 +45,7 @@ toml::table parse_toml(std::string_view text, const std::string& name) {
 }
 
 void fail(const std::string& name, const toml::source_region& where, const std::string& message) {
-  throw DataError(name + ":" + std::to_string(where.begin.line) + ": " + message);
+  throw DataError(name + ":" + std::to_string(where.begin.line) + ": " + printable(message));
 }
 
 std::string toml_float(double value) {
@@ -58,7 +58,7 @@ std::string toml_float(double value) {
 std::string value_text(const toml::node& node) {
   if (node.is_table()) return "a table";
   if (node.is_array()) return "an array";
-  if (const auto* s = node.as_string()) return quoted(s->get());
+  if (const auto* s = node.as_string()) return core::quoted(s->get());
   if (const auto* number = node.as_floating_point()) return toml_float(number->get());
   std::ostringstream out;
   node.visit([&out](const auto& v) {

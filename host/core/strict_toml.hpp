@@ -16,7 +16,8 @@ std::string read_small_file(const std::string& path, std::string_view what);
 /// project needs to be (host/core/toml_depth.hpp).
 toml::table parse_toml(std::string_view text, const std::string& name);
 
-/// Throws DataError "file:line: message", the line being the node's (or key's).
+/// Throws DataError "file:line: message", the line being the node's (or key's); the message in one printable
+/// line, since it may hold keys of the file.
 [[noreturn]] void fail(const std::string& name, const toml::source_region& where, const std::string& message);
 
 /// A float as TOML writes it: shortest, and told from an integer (605.0, 1e+22, nan).

@@ -20,9 +20,9 @@ identify::ChannelShare channel(const identify::Fit& fit, identify::Channel which
 }
 
 bool follows_the_body(const Hypothesis& h) {
-  constexpr double kWithinNoise = 1.5;
+  constexpr double kOfNoiseAlone = 1.5;
   const identify::ChannelShare motion = channel(h.fit, identify::Channel::motion);
-  return motion.squares < kWithinNoise * motion.rows;
+  return motion.squares < kOfNoiseAlone * motion.rows;
 }
 
 double squares_of_body(const Hypothesis& h) {

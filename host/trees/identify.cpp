@@ -2,31 +2,12 @@
 #include "host/trees/identify.hpp"
 
 #include <cmath>
-#include <nlohmann/json.hpp>
 
 #include "host/core/error.hpp"
 #include "host/core/message.hpp"
+#include "host/trees/json.hpp"
 
 namespace furcula::trees {
-namespace {
-
-using Json = nlohmann::ordered_json;
-
-Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
-
-Json held_out(const TreeModel& m, const std::vector<ChannelError>& errors) {
-  Json out = Json::object();
-  for (std::size_t j = 0; j < errors.size(); ++j) {
-    const std::string channel = channel_name(m, j), unit(channel_unit(m, j));
-    out["nmse_" + channel] = number(errors[j].nmse);
-    out["mae_" + channel + "_" + unit] = number(errors[j].mae);
-    out["rmse_" + channel + "_" + unit] = number(errors[j].rmse);
-  }
-  return out;
-}
-
-}  // namespace
-
 Identification identify(const TreeModel& model, const std::vector<log::Log>& training,
                         const std::vector<log::Log>& held_out_logs, const Options& options) {
   if (model.free.empty())

@@ -139,7 +139,7 @@ std::vector<TorqueSamples> missing_torque(const Problem& problem, const std::vec
 
 namespace {
 
-using Columns = std::vector<Eigen::VectorXd>;
+using Regressors = std::vector<Eigen::VectorXd>;
 
 double rms(const std::vector<double>& x) {
   double sum = 0.0;
@@ -152,7 +152,7 @@ class Basis {
   Basis(const TorqueSamples& s, std::size_t joint) : s_(s), joint_(joint) {}
 
   template <class F>
-  void add(Columns& to, const F& f) const {
+  void add(Regressors& to, const F& f) const {
     Eigen::VectorXd c(static_cast<Eigen::Index>(s_.missing_nm.size()));
     for (Eigen::Index i = 0; i < c.size(); ++i) c(i) = f(static_cast<std::size_t>(i));
     to.push_back(std::move(c));
@@ -160,8 +160,8 @@ class Basis {
   const TorqueSamples::Joint& own() const { return s_.others[joint_]; }
   static double sign(double x) { return x > 0.0 ? 1.0 : -1.0; }
 
-  Columns friction() const {
-    Columns out;
+  Regressors friction() const {
+    Regressors out;
     const double v0 = rms(own().velocity_radps);
     const auto& v = own().velocity_radps;
     add(out, [&](std::size_t i) { return sign(v[i]); });
@@ -171,8 +171,8 @@ class Basis {
       add(out, [&](std::size_t i) { return sign(v[i]) * std::exp(-std::pow(v[i] / (width * v0), 2)); });
     return out;
   }
-  Columns position() const {
-    Columns out;
+  Regressors position() const {
+    Regressors out;
     add(out, [](std::size_t) { return 1.0; });
     const auto [low, high] = std::minmax_element(own().angle_rad.begin(), own().angle_rad.end());
     constexpr int kHats = 8;
@@ -183,8 +183,8 @@ class Basis {
     }
     return out;
   }
-  Columns friction_by_position() const {
-    Columns out;
+  Regressors friction_by_position() const {
+    Regressors out;
     for (const Eigen::VectorXd& c : position()) {
       Eigen::VectorXd x = c;
       for (Eigen::Index i = 0; i < x.size(); ++i)
@@ -193,30 +193,30 @@ class Basis {
     }
     return out;
   }
-  Columns drive() const {
-    Columns out;
+  Regressors drive() const {
+    Regressors out;
     const double u = rms(own().drive_nm), du = rms(s_.drive_rate_nmps);
     add(out, [&](std::size_t i) { return own().drive_nm[i] / u; });
     add(out, [&](std::size_t i) { return std::abs(own().drive_nm[i]) * sign(own().velocity_radps[i]) / u; });
     add(out, [&](std::size_t i) { return s_.drive_rate_nmps[i] / du; });
     return out;
   }
-  Columns acceleration() const {
-    Columns out;
+  Regressors acceleration() const {
+    Regressors out;
     const double a0 = rms(own().acceleration_radps2);
     add(out, [&](std::size_t i) { return own().acceleration_radps2[i] / a0; });
     return out;
   }
-  Columns time() const {
-    Columns out;
+  Regressors time() const {
+    Regressors out;
     const double end =
         s_.time_s.empty() ? 1.0 : std::max(1e-9, *std::max_element(s_.time_s.begin(), s_.time_s.end()));
     add(out, [&](std::size_t i) { return s_.time_s[i] / end; });
     add(out, [&](std::size_t i) { return sign(own().velocity_radps[i]) * s_.time_s[i] / end; });
     return out;
   }
-  Columns other(std::size_t o) const {
-    Columns out;
+  Regressors other(std::size_t o) const {
+    Regressors out;
     if (o == joint_) return out;
     const double v0 = rms(s_.others[o].velocity_radps), a0 = rms(s_.others[o].acceleration_radps2),
                  u0 = rms(s_.others[o].drive_nm);
@@ -238,7 +238,7 @@ class Basis {
 };
 
 /// Share foretold; 0 where it does harm on more than three of ten folds.
-double cross_validated(const TorqueSamples& s, const Columns& columns, std::size_t recordings) {
+double cross_validated(const TorqueSamples& s, const Regressors& columns, std::size_t recordings) {
   const auto rows = static_cast<Eigen::Index>(s.missing_nm.size());
   const auto p = static_cast<Eigen::Index>(columns.size());
   if (rows < 20 * p || p == 0) return 0.0;
@@ -288,7 +288,7 @@ double cross_validated(const TorqueSamples& s, const Columns& columns, std::size
   return best;
 }
 
-void append(Columns& to, Columns from) {
+void append(Regressors& to, Regressors from) {
   for (Eigen::VectorXd& c : from) to.push_back(std::move(c));
 }
 
@@ -297,7 +297,7 @@ void append(Columns& to, Columns from) {
 double predictable_share(const TorqueSamples& s, std::size_t joint, std::size_t recordings) {
   if (s.missing_nm.size() < 50) return 0.0;
   const Basis b(s, joint);
-  Columns own;
+  Regressors own;
   append(own, b.friction());
   append(own, b.position());
   append(own, b.friction_by_position());
@@ -314,7 +314,7 @@ std::string goes_along_with(const TorqueSamples& s, std::size_t joint, std::size
   if (s.missing_nm.size() < 50) return {};
   const Basis b(s, joint);
   std::vector<std::pair<double, std::string>> all;
-  const auto test = [&](const Columns& c, const std::string& what) {
+  const auto test = [&](const Regressors& c, const std::string& what) {
     all.emplace_back(cross_validated(s, c, recordings), what);
   };
   const std::string own = model.robot.joints[joint].name;

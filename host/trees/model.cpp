@@ -57,6 +57,10 @@ class Reader {
     if (urdf == nullptr)
       fail(name_, table.source(), "no key 'urdf' in [model]; expected the URDF's file name");
     model_.urdf_path = core::text(*urdf, name_, "urdf");
+    // It begins messages about the file.
+    if (core::printable(model_.urdf_path) != model_.urdf_path)
+      fail(name_, urdf->source(),
+           "urdf = " + core::quoted(model_.urdf_path) + "; expected a file name of printable characters");
     if (const toml::node* joints = table.get("joints")) {
       const toml::array* list = joints->as_array();
       if (list == nullptr || list->empty())

@@ -38,7 +38,8 @@ double noise_of(const std::vector<double>& x) {
 [[noreturn]] void missing(const log::Log& log, const TreeModel& m, std::size_t joint,
                           const std::string& columns) {
   throw core::DataError(log.path + ": joint " + core::quoted(m.robot.joints[joint].name) + " has no column " +
-                        columns + "; expected one of each joint that moves (joints = [...] in " + m.file +
+                        core::printable(columns) +
+                        "; expected one of each joint that moves (joints = [...] in " + m.file +
                         " says which do)");
 }
 
@@ -52,8 +53,8 @@ void refuse_degrees(const log::Log& log, const TreeModel& m, std::size_t joint,
   const double as_degrees = largest * std::numbers::pi / 180.0;
   if (largest > 4.0 * reach && as_degrees < 1.2 * reach)
     throw core::DataError(
-        log.path + ": " + column_of(m, joint, "angle") + " reaches " + core::rounded(largest) +
-        ", and the URDF's limit is " + core::rounded(reach) +
+        log.path + ": " + core::printable(column_of(m, joint, "angle")) + " reaches " +
+        core::rounded(largest) + ", and the URDF's limit is " + core::rounded(reach) +
         " rad: these are degrees; expected radians (a --map file with scale = 0.0174533 makes them)");
 }
 

@@ -549,12 +549,13 @@ TEST_CASE("An effect with its neutral value is not there") {
       double value = parameter.neutral;
       if (std::isnan(value)) {
         const auto index = parameter_index(Kind::hopper_linear, parameter.name);
-        value = index ? p.*Parameters::kMembers[*index] : 0.5 * (parameter.lower + 1.0);
-        if (info.effect == Effect::ground_compliance) can = false;
+        value = parameter.added_on_leg ? 0.0
+                : index                ? p.*Parameters::kMembers[*index]
+                                       : 0.5 * (parameter.lower + 1.0);
+        if (parameter.model_parameter == kNotOfModel) can = false;
       }
       effects.set(info.effect, i, value);
     }
-    if (info.effect == Effect::damping_error) effects.set(info.effect, 0, 0.0);
     if (!can) continue;
     Hopper<double> with(p, effects), without(p);
     with.reset(0.34, 0.0);

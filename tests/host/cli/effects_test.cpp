@@ -49,6 +49,34 @@ TEST_CASE("the JSON has every effect with its bounds, and null where no value me
   CHECK(one["effects"][0]["kinds"] == nlohmann::json::array({"hopper_linear", "hopper_nonlinear"}));
 }
 
+TEST_CASE("without an effect its parameter is what the machine does then") {
+  const auto without = [](const std::string& effect, const std::string& kind = "") {
+    std::vector<std::string> arguments{"effects", effect};
+    if (!kind.empty()) arguments.insert(arguments.end(), {"--kind", kind});
+    const std::string out = run_furcula(arguments).out, mark = "without the effect: ";
+    const auto at = out.find(mark);
+    REQUIRE(at != std::string::npos);
+    return out.substr(at + mark.size(), out.find('\n', at) - at - mark.size());
+  };
+  // A ground that does not give has no stiffness, least of all the spring's.
+  CHECK(without("ground_compliance") == "any");
+  CHECK(without("late_catch") == "the model's catch_delay_s");
+  CHECK(without("auxiliary_spring") == "the model's auxiliary_stiffness_npm");
+  // A hopper has a damping of the guide and one of the leg; the effect comes on top of the guide's.
+  CHECK(without("damping_error") == "the model's; 0 on a hopper");
+  CHECK(without("damping_error", "hopper_linear") == "0");
+  CHECK(without("damping_error", "rotary_joint") == "the model's");
+  CHECK(without("mass_error", "rotary_joint") == "the model's");
+  CHECK(without("stiffness_error") == "the model's");
+  const auto neutral = [](const std::string& kind) {
+    const auto json =
+        nlohmann::json::parse(run_furcula({"effects", "damping_error", "--json", "--kind", kind}).out);
+    return json["effects"][0]["parameters"][0]["neutral"];
+  };
+  CHECK(neutral("hopper_nonlinear") == 0.0);
+  CHECK(neutral("motor_axis").is_null());
+}
+
 TEST_CASE("docs/effects.md is what the catalogue says (furcula effects --markdown > docs/effects.md)") {
   std::ostringstream page;
   page << std::ifstream(test::source("docs/effects.md")).rdbuf();

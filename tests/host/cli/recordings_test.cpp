@@ -2,6 +2,7 @@
 #include <catch2/catch.hpp>
 #include <filesystem>
 
+#include "host/machines/rules.hpp"
 #include "tests/host/cli/run_program.hpp"
 #include "tests/host/model/example.hpp"
 
@@ -73,4 +74,15 @@ TEST_CASE("a model that leaves nothing free cannot be identified: the message na
                          "as in [free] mass_kg = [lower, upper]\n");
   }
   CHECK_FALSE(std::filesystem::exists(folder.path() + "/out"));
+}
+
+TEST_CASE("the help of --window-s names each kind that is cut into windows of that length, and no other") {
+  std::string help = run_furcula({"diagnose", "--help"}).out;
+  help = help.substr(help.find("--window-s"), help.find("--out") - help.find("--window-s"));
+  for (const auto& machine : dynamics::kMachines) {
+    INFO(std::string(machine.name));
+    const bool in_intervals = machines::rules(machine.kind).cut == machines::Cut::intervals;
+    CHECK((help.find(machine.name) != std::string::npos) == in_intervals);
+  }
+  CHECK_THAT(help, Contains("torsion_pendulum") && Contains("tree"));
 }

@@ -101,3 +101,19 @@ TEST_CASE("A fit's values, covariance and information are told of the law's para
   CHECK(law.covariance(2, 2) == Approx(41e-6).epsilon(2e-3));
   CHECK((kWindows * law.shares[0].information * law.covariance).isApprox(Eigen::Matrix3d::Identity(), 2e-3));
 }
+
+TEST_CASE("A parameter of an effect means one of the model's only where it is its true value") {
+  const auto meant = [](dynamics::Kind kind, Effect effect, std::size_t i = 0) {
+    const auto index = identify::parameter_meant(kind, dynamics::info(effect).parameter_table[i]);
+    return index ? std::string(dynamics::info(kind).parameters[*index].name) : std::string();
+  };
+  using dynamics::Kind;
+  CHECK(meant(Kind::hopper_linear, Effect::stiffness_error) == "stiffness_npm");
+  // The ground's is not the spring's: with that free, a ground that gives is still asked for.
+  CHECK(meant(Kind::hopper_linear, Effect::ground_compliance).empty());
+  CHECK(meant(Kind::hopper_linear, Effect::ground_compliance, 1).empty());
+  CHECK(meant(Kind::rotary_joint, Effect::damping_error) == "damping_nmspr");
+  CHECK(meant(Kind::hopper_linear, Effect::damping_error).empty());
+  const auto& damping = dynamics::info(Effect::damping_error).parameter_table[0];
+  CHECK(identify::neutral_value(test::hopper_model(), damping) == 0.0);
+}

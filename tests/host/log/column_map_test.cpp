@@ -82,3 +82,13 @@ TEST_CASE("a map file that is not strict is refused with its line") {
              Contains("height_m.scale is '2'; expected a number"));
   CHECK_THAT(refused("rig = \"hopper\"\nheight_m = {\n"), Contains("map.toml:2: no valid TOML"));
 }
+
+TEST_CASE("a key with control characters does not reach the message as it is") {
+  CHECK_THAT(
+      refused("rig = \"tree\"\ntime_s = { column = \"t\" }\n\"angle_\\u001b[2J\\n_rad\" = { column = 1 }\n"),
+      Contains("\\x1b[2J\\x0a_rad") && !Contains("\x1b") && !Contains("\n"));
+  const log::ColumnMap map = log::parse_column_map(
+      "rig = \"tree\"\ntime_s = { column = \"t\" }\n\"angle_\\n_rad\" = { column = \"gone\" }\n", "map.toml");
+  CHECK_THAT(test::error_message([&] { log::parse_log("t,q\n0,1\n1,2\n", "a.csv", "tree", &map); }),
+             Contains("'angle_\\x0a_rad'") && !Contains("\n"));
+}

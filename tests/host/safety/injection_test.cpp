@@ -54,6 +54,18 @@ TEST_CASE("hops of two centimetres, which the switch runs together, raise no fal
   }
 }
 
+TEST_CASE("a motor that turns the wrong way is found in a landing, where its brake would throw the leg") {
+  // Switch and force disagree, so that the robot lands; what is to brake the leg folds it faster and faster, and its spring
+  // would bring the toe down at 5.4 m/s.
+  const Injection injection = draw_injection(20261123, 84856);
+  const Trial trial = run(robot(), injection);
+  INFO(format_run(injection, trial));
+  CHECK(trial.lands);
+  CHECK(trial.fault == control::Fault::leg_astray);
+  CHECK(trial.unsafe == 0);
+  CHECK(trial.fastest_toe_mps < 2.0);
+}
+
 TEST_CASE("the same seed gives the same tally on one thread and on two, another seed another") {
   const std::string one = format_tally(inject(3, 60, 1));
   CHECK(format_tally(inject(3, 60, 2)) == one);

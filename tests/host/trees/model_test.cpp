@@ -262,3 +262,9 @@ TEST_CASE("Each effect of the catalogue reads back from a model file") {
     CHECK(back.causes[0] == c);
   }
 }
+
+TEST_CASE("A URDF's name with control characters is refused, not printed") {
+  CHECK_THAT(
+      refused_text("[model]\nkind = \"tree\"\nschema = 1\nurdf = \"br\\nanched\\u001b.urdf\"\n"),
+      Contains("br\\x0aanched\\x1b.urdf") && Contains("printable") && !Contains("\n") && !Contains("\x1b"));
+}

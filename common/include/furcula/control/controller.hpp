@@ -190,7 +190,7 @@ inline Outputs step(const Config& config, State& state, const Inputs& inputs, fl
   seen.leg_fold_m = state.leg_fold_m;
   seen.leg_path_m = state.leg_path_m;
   state.leg_fold_m = state.leg_path_m = 0.0f;
-  seen.pushes = state.limits.last_nm < -kPushNm && out.phase.phase == Phase::stance && !lands;
+  seen.pushes = state.limits.last_nm < -kPushNm && out.phase.phase == Phase::stance;
   seen.leg_rate_mps = lever_m * (state.leg.angle_before_rad - sample.leg_angle_rad) / (2.0f * dt_s);
   seen.gravity_mps2 = config.gravity_mps2;
   seen.rests = config.clutch.fitted != 0 && !inputs.run;

@@ -55,7 +55,7 @@ struct SupervisorConfig {
   float leg_way_m = 0.005f;
   float leg_astray_s = 0.008f;
   /// In stance a leg that the motor pushes straight cannot fold faster and faster than a body falls: the
-  /// ground does not pull at the toe. It may for one or two spans of 5 ms, where the toe meets the ground
+  /// ground does not pull at the toe. In a landing neither, where the motor brakes what folds. It may for one or two spans of 5 ms, where the toe meets the ground
   /// again. Share of gravity, m/s, spans.
   float fall_share = 1.5f;
   float fall_margin_mps = 0.03f;

@@ -63,6 +63,8 @@ inline constexpr std::size_t kMaxEffectParameters = 3;
 /// The stage of the plant that the law sits in.
 enum class Stage : std::uint8_t { actuation, mechanism, contact, sensing };
 
+inline constexpr std::string_view kNotOfModel = "-";
+
 struct EffectParameterInfo {
   std::string_view name;         ///< on a linear axis
   std::string_view rotary_name;  ///< on a rotary axis
@@ -74,8 +76,10 @@ struct EffectParameterInfo {
                    ///< name, or any value (a width, a shape) where there is none
   bool of_motor = false;  ///< on a hopper the motor turns: its parameter has the rotary name
   /// The model parameter whose true value it is, where that has another name; empty: one of the same name, if
-  /// there is one.
+  /// there is one; kNotOfModel: one of the same name means something else.
   std::string_view model_parameter = {};
+  /// On a machine with a leg it comes on top of what the model has: zero there, where the effect is not.
+  bool added_on_leg = false;
 };
 
 /// What a start value is a multiple of.
@@ -233,7 +237,7 @@ inline constexpr EffectInfo kCatalogue[] = {
      Seat::axis | Seat::belt,
      "flight+stance",
      "viscous damping differs from a held value (on a hopper: added to the guide's)",
-     {{{"damping_nspm", "damping_nmspr", "N s/m", "N m s/rad", -1e4, 1e6, detail::kUnset}}},
+     {{{"damping_nspm", "damping_nmspr", "N s/m", "N m s/rad", -1e4, 1e6, detail::kUnset, false, {}, true}}},
      1,
      "The resistance in proportion to the speed is larger or smaller than the model says.",
      "Grease and seals of the guide and the bearings, at the temperature of the day.",
@@ -494,7 +498,7 @@ inline constexpr EffectInfo kCatalogue[] = {
      Seat::leg,
      "stance",
      "spring and damper under the toe",
-     {{{"stiffness_npm", "stiffness_npm", "N/m", "N/m", 100.0, 1e6, detail::kUnset},
+     {{{"stiffness_npm", "stiffness_npm", "N/m", "N/m", 100.0, 1e6, detail::kUnset, false, kNotOfModel},
        {"damping_nspm", "damping_nspm", "N s/m", "N s/m", 0.0, 1e4, detail::kUnset}}},
      2,
      "The ground or the pad under the toe gives way under the load.",
