@@ -21,6 +21,8 @@ struct Task {
   LegLiftOff lift_off = LegLiftOff::force;
   std::optional<double> touchdown_knee_rad;
   std::optional<double> friction;  ///< of the ground; without it the toe never slips
+  double landing_speed_mps =
+      0.0;  ///< with which the toe comes down at least; one that comes down slowly may miss
 };
 
 /// The angles of hip and knee over one phase.

@@ -346,7 +346,7 @@ class GaitProgramme {
     const std::array<int, 8> rows{p_.row("the toe's height at touch-down", 0.0, 0.0),
                                   p_.row("the impact", 0.0, 0.0),
                                   p_.row("the impact", 0.0, 0.0),
-                                  p_.row("the toe that comes down", -kNoBound, 0.0),
+                                  p_.row("the toe that comes down", -kNoBound, -task_.landing_speed_mps),
                                   p_.row("the impact that does not pull", 0.0, kNoBound),
                                   p_.row("the way of a stride", 0.0, 0.0),
                                   p_.row("the ground's friction at touch-down", cone, kNoBound),

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "furcula/dynamics/planar_leg.hpp"
 
@@ -27,6 +28,12 @@ struct Motors {
   }
 };
 
+/// A parameter of which an interval alone is known, and its value a guess inside.
+struct OpenParameter {
+  std::string name;  ///< as in the model file
+  double low = 0.0, high = 0.0;
+};
+
 struct Machine {
   std::string file;  ///< for messages
   dynamics::PlanarLegParameters<double> leg;
@@ -34,6 +41,7 @@ struct Machine {
   Motors motors;
   Joints2<double> least{-1.2217304763960306, 0.0};               ///< of the joints' angles, rad
   Joints2<double> most{1.2217304763960306, 2.4434609527920612};  ///< 70 and 140 degrees
+  std::vector<OpenParameter> open;
 };
 
 /// Table I of document 001, with the digits that the scan lost (docs/gaits.md).

@@ -60,6 +60,7 @@ struct StrideEnd {
   double lowest_toe = 0.0;  ///< in flight, m; below zero where the toe went through the ground
   double least_force_n = 0.0, friction = 0.0, impact_friction = 0.0, impulse_ns = 0.0;
   double toe_acceleration_mps2 = 0.0;                                ///< upward, just after lift-off
+  double touchdown_speed_mps = 0.0;                                  ///< of the toe, downward
   double joint_excess_rad = 0.0;                                     ///< beyond the joints' ranges
   double voltage_v = 0.0, current_a = 0.0, motor_speed_radps = 0.0;  ///< the most of either motor
 };
@@ -367,7 +368,8 @@ class StrideRun {
   void land_and_leave(Flight<T>& s) {
     const Joints2<T> angle{s[2], s[3]}, rate{s[6], s[7]};
     const auto pose = leg_.pose(angle);
-    if (plain(s[5] + leg_.toe_velocity(pose, rate).y) > 0.0) r_.why = "the toe goes up through the ground";
+    r_.touchdown_speed_mps = -plain(s[5] + leg_.toe_velocity(pose, rate).y);
+    if (r_.touchdown_speed_mps < 0.0) r_.why = "the toe goes up through the ground";
     const auto impact = leg_.impact(pose, {s[4], s[5]}, rate);
     r_.impulse_ns = plain(impact.impulse.y);
     r_.impact_friction = std::abs(plain(impact.impulse.x) / r_.impulse_ns);
