@@ -104,6 +104,11 @@ void say_evidence(const gait::Search& found, const gait::Evidence& evidence) {
       "with a feedback in stance: largest multiplier %.4g; of %u starts %.3g %% return, %.3g %% without it\n",
       s.multipliers.empty() ? std::nan("") : std::abs(s.multipliers.front()), s.basin.starts,
       100.0 * s.basin.share(), 100.0 * s.open_loop.share());
+  const gait::DisturbedOptions ground;
+  std::printf(
+      "on the board, ground within %.3g cm, switch %.3g ms late: %u falls of %u strides at %.4g J, %u without the feedback\n",
+      100.0 * ground.ground_m, 1e3 * ground.switch_late_s, evidence.disturbed.falls,
+      evidence.disturbed.strides, evidence.disturbed.cost_j, evidence.disturbed_open_loop.falls);
   if (!evidence.stable)
     std::printf("cheapest stable gait: none was found\n");
   else if (const gait::StableGait& g = *evidence.stable;

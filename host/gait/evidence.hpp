@@ -3,6 +3,7 @@
 
 #include <optional>
 
+#include "host/gait/disturbed.hpp"
 #include "host/gait/open_digits.hpp"
 #include "host/gait/stability.hpp"
 
@@ -10,7 +11,8 @@ namespace furcula::gait {
 
 struct Evidence {
   Stability stability;
-  std::optional<StableGait> stable;  ///< empty: none was found
+  std::optional<StableGait> stable;          ///< empty: none was found
+  Disturbed disturbed, disturbed_open_loop;  ///< on the board's controller, with and without the feedback
   OpenFigures open;
 };
 /// Of a search that found a gait. Tells its progress as the query asks.

@@ -33,6 +33,17 @@ Json text_of(const Stability& s) {
             {"rate_radps", box.spread.rate.hip}}}};
 }
 
+Json text_of(const Disturbed& with, const Disturbed& without) {
+  const DisturbedOptions o;
+  return {{"strides", with.strides},
+          {"ground_m", o.ground_m},
+          {"switch_late_s", o.switch_late_s},
+          {"falls", with.falls},
+          {"falls_without_law", without.falls},
+          {"cost_j", with.cost_j},
+          {"apex_spread_m", with.apex_spread_m}};
+}
+
 Json text_of(const StableGait& s) {
   return {{"landing_speed_mps", s.landing_speed_mps},
           {"cost_j", s.evaluation.cost_j},
@@ -78,6 +89,7 @@ std::string to_json_text(const Search& search, const Evidence& evidence) {
                  {"closure", e.closure},
                  {"multipliers", sizes(e.multipliers)},
                  {"stability", text_of(evidence.stability)},
+                 {"disturbed", text_of(evidence.disturbed, evidence.disturbed_open_loop)},
                  {"cheapest_stable", evidence.stable ? text_of(*evidence.stable) : Json(nullptr)},
                  {"open", evidence.open.corners > 0 ? text_of(evidence.open, gait) : Json(nullptr)},
                  {"touchdown_speed_mps", e.stride.touchdown_speed_mps},

@@ -129,6 +129,15 @@ std::string stability_html(const Search& search, const Evidence& evidence) {
           number(box.spread.angle.hip, 2) + " rad and " + number(box.spread.rate.hip, 2) +
           " rad/s about the apex, all at once. Returned: within a tenth of that after at most " +
           std::to_string(box.strides) + " strides, no joint beyond its range.");
+  const Disturbed &with = evidence.disturbed, &without = evidence.disturbed_open_loop;
+  const DisturbedOptions ground;
+  if (with.strides > 0)
+    out += report::paragraph(
+        "On the board's controller, each landing on ground that lies evenly within " +
+        number(100.0 * ground.ground_m, 2) + " cm of level, the switch " +
+        number(1e3 * ground.switch_late_s, 2) + " ms late: " + std::to_string(with.falls) + " falls of " +
+        std::to_string(with.strides) + " strides with the feedback, at " + number(with.cost_j, 3) +
+        " J a stride; " + std::to_string(without.falls) + " without it.");
   if (!evidence.stable)
     return out + report::paragraph("No stable gait was found, up to a toe that lands with 3 m/s.");
   const StableGait& g = *evidence.stable;

@@ -15,6 +15,9 @@ namespace furcula::gait {
 struct StanceGains {
   Joints2<double> kp_nmprad, kd_nmsprad;
   double most_nm = 40.0;  ///< of the feedback, of each joint: what a spring of the knee gives at most
+  /// The gains grow from zero in this time after touch-down, as the ground's force does: where it carries little yet, a
+  /// torque against a deviation would lift the toe; s.
+  double ramp_s = 0.08;
 
   bool none() const {
     return kp_nmprad.hip == 0.0 && kp_nmprad.knee == 0.0 && kd_nmsprad.hip == 0.0 && kd_nmsprad.knee == 0.0;
@@ -34,16 +37,19 @@ class HeldLaw {
     Joints2<T> u = law_.motors(phase, time, middle, angle, rate);
     if (phase != LegPhase::stance || gains_.none()) return u;
     const PathState<T> path = stance_.at(time, middle);
-    u.hip = u.hip + limited(T(gains_.kp_nmprad.hip * (path[0].hip - angle.hip) +
-                              gains_.kd_nmsprad.hip * (path[1].hip - rate.hip)));
-    u.knee = u.knee + limited(T(gains_.kp_nmprad.knee * (path[0].knee - angle.knee) +
-                                gains_.kd_nmsprad.knee * (path[1].knee - rate.knee)));
+    const T share = middle < gains_.ramp_s ? T(time / gains_.ramp_s) : T(1.0);
+    u.hip = u.hip + limited(T(share * (gains_.kp_nmprad.hip * (path[0].hip - angle.hip) +
+                                       gains_.kd_nmsprad.hip * (path[1].hip - rate.hip))));
+    u.knee = u.knee + limited(T(share * (gains_.kp_nmprad.knee * (path[0].knee - angle.knee) +
+                                         gains_.kd_nmsprad.knee * (path[1].knee - rate.knee))));
     return u;
   }
   std::vector<double> breaks(LegPhase phase) const {
     std::vector<double> out(law_.breaks(phase));
-    if (phase == LegPhase::stance && !gains_.none())
+    if (phase == LegPhase::stance && !gains_.none()) {
       for (const double t : stance_.breaks()) out.push_back(t);
+      out.push_back(gains_.ramp_s);
+    }
     return out;
   }
 

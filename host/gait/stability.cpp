@@ -17,7 +17,8 @@ bool returns(const HeldGait& gait, Apex<double> at, const BasinOptions& options)
   const auto home = gait.apex().values(), spread = options.spread.values();
   for (unsigned k = 0; k < options.strides; ++k) {
     const StrideEnd<double> e = gait.stride(at, stride);
-    if (!e.whole || e.joint_excess_rad > options.joint_excess_rad) return false;
+    // A toe that the ground would have to hold just after touch-down bounces.
+    if (!e.whole || e.joint_excess_rad > options.joint_excess_rad || e.least_force_n < -1.0) return false;
     at = e.apex;
     const auto now = at.values();
     bool near = true;

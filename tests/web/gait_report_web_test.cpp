@@ -72,7 +72,7 @@ TEST_CASE("the leg of a gait is drawn, its spring orange in stance alone, and mo
     return std::abs(a.spring_nm) < std::abs(b.spring_nm);
   });
   std::string page =
-      gait::render_gait_report(found, {gait::stability_of(*found.gait), {}, {}}, "furcula gait");
+      gait::render_gait_report(found, {gait::stability_of(*found.gait), {}, {}, {}, {}}, "furcula gait");
   page.insert(page.find("<meta name=\"viewport\""), kFrames);
   const std::string times =
       "<script>var flight = 0.05, stance = " + std::to_string(most->time_s) + ";</script>";
