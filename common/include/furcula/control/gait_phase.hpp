@@ -16,7 +16,7 @@ namespace furcula::control {
 enum class GaitPhase : std::uint8_t { ready = 0, fall = 1, stance = 2, rise = 3 };
 
 struct GaitPhaseState {
-  static constexpr std::uint32_t kKept = 16;  ///< ticks: a switch may be late by as many, less two
+  static constexpr std::uint32_t kKept = 24;  ///< ticks: a switch may be late by as many, less four
   static constexpr std::uint32_t kSpan = 5;   ///< ticks over which the hip's velocity is measured
   GaitPhase phase = GaitPhase::ready;
   float since_s = 0.0f;  ///< of the phase
@@ -56,17 +56,22 @@ inline float kept_toe(const GaitPhaseState& s, std::uint32_t back) {
   return s.toe_m[(s.newest + GaitPhaseState::kKept - back) % GaitPhaseState::kKept];
 }
 
-/// How long ago the toe was last so far above (`sign` 1) or below (-1) `level_m`; where it has not been, 0.
-inline float since_toe_was(const GaitPhaseState& s, float level_m, float sign, float dt_s) {
+/// How long ago the toe, which stands at `level_m`, landed: from where it was `step_m` above it, it went on with the speed
+/// that it had. 0 where it was not.
+inline float since_landing_s(const GaitPhaseState& s, float level_m, float step_m, float dt_s) {
   for (std::uint32_t back = 1; back + 1 < s.ticks; ++back) {
-    const float off = sign * (kept_toe(s, back) - level_m);
-    if (off <= 0.0f) continue;
-    // It went on with the speed that it had.
-    const float speed = sign * (kept_toe(s, back + 1) - kept_toe(s, back));
-    const float more = speed > off ? off / speed : 1.0f;
-    return dt_s * (static_cast<float>(back) - more);
+    const float above = kept_toe(s, back) - level_m;
+    if (above <= step_m) continue;
+    const float way = kept_toe(s, back + 1) - kept_toe(s, back);
+    return dt_s * (static_cast<float>(back) - (way > above ? above / way : 1.0f));
   }
   return 0.0f;
+}
+/// How long the toe has been above a level.
+inline float since_above_s(const GaitPhaseState& s, float level_m, float dt_s) {
+  std::uint32_t back = 0;
+  while (back + 1 < s.ticks && kept_toe(s, back) > level_m) ++back;
+  return dt_s * static_cast<float>(back);
 }
 
 }  // namespace detail
@@ -130,7 +135,7 @@ inline GaitPhaseEstimate estimate_gait_phase(const GaitConfig& c, GaitPhaseState
         if (above_m > c.ground_m) enter(GaitPhase::fall, c.fall.duration_s);
       } else if (!out.closed || above_m > c.ground_m) {
         out.liftoff = true;
-        enter(GaitPhase::rise, detail::since_toe_was(s, s.ground_m + c.toe_step_m, -1.0f, dt_s));
+        enter(GaitPhase::rise, detail::since_above_s(s, s.ground_m + c.toe_step_m, dt_s));
       } else if (s.since_s > c.stance.duration_s + c.longest_stance_s) {
         // The motors lift the toe.
         out.liftoff = true;
@@ -141,7 +146,7 @@ inline GaitPhaseEstimate estimate_gait_phase(const GaitConfig& c, GaitPhaseState
   }
   if (out.touchdown) {
     s.ground_m = view.toe_m;
-    enter(GaitPhase::stance, detail::since_toe_was(s, view.toe_m + c.toe_step_m, 1.0f, dt_s));
+    enter(GaitPhase::stance, detail::since_landing_s(s, view.toe_m, c.toe_step_m, dt_s));
   }
   out.phase = s.phase;
   out.since_s = s.since_s;
