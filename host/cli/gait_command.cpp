@@ -66,6 +66,11 @@ gait::Query query_of(const GaitOptions& o) {
   q.task.landing_speed_mps = o.landing_speed_mps;
   for (std::size_t i = 0; i < dynamics::kLegLiftOffNames.size(); ++i)
     if (dynamics::kLegLiftOffNames[i] == o.lift_off) q.task.lift_off = static_cast<dynamics::LegLiftOff>(i);
+  if (!q.machine.catching.ideal() && q.task.lift_off == dynamics::LegLiftOff::knee)
+    throw UsageError(
+        "--lift-off knee: the knee's angle of touch-down is not where a spring rests that catches late; expected "
+        "force or unguarded with " +
+        core::printable(o.model));
   q.fourier = o.torque == "fourier";
   q.starts = o.starts;
   q.seed = o.seed;
@@ -105,10 +110,11 @@ void say_evidence(const gait::Search& found, const gait::Evidence& evidence) {
       s.multipliers.empty() ? std::nan("") : std::abs(s.multipliers.front()), s.basin.starts,
       100.0 * s.basin.share(), 100.0 * s.open_loop.share());
   const gait::DisturbedOptions ground;
-  std::printf(
-      "on the board, ground within %.3g cm, switch %.3g ms late: %u falls of %u strides at %.4g J, %u without the feedback\n",
-      100.0 * ground.ground_m, 1e3 * ground.switch_late_s, evidence.disturbed.falls,
-      evidence.disturbed.strides, evidence.disturbed.cost_j, evidence.disturbed_open_loop.falls);
+  if (evidence.disturbed.strides > 0)
+    std::printf(
+        "on the board, ground within %.3g cm, switch %.3g ms late: %u falls of %u strides at %.4g J, %u without the feedback\n",
+        100.0 * ground.ground_m, 1e3 * ground.switch_late_s, evidence.disturbed.falls,
+        evidence.disturbed.strides, evidence.disturbed.cost_j, evidence.disturbed_open_loop.falls);
   if (!evidence.stable)
     std::printf("cheapest stable gait: none was found\n");
   else if (const gait::StableGait& g = *evidence.stable;

@@ -11,8 +11,9 @@ namespace furcula::gait {
 
 struct Evidence {
   Stability stability;
-  std::optional<StableGait> stable;          ///< empty: none was found
-  Disturbed disturbed, disturbed_open_loop;  ///< on the board's controller, with and without the feedback
+  std::optional<StableGait> stable;  ///< empty: none was found
+  /// On the board's controller, with and without the feedback; no strides where the spring does not catch at once.
+  Disturbed disturbed, disturbed_open_loop;
   OpenFigures open;
 };
 /// Of a search that found a gait. Tells its progress as the query asks.

@@ -10,7 +10,7 @@ namespace furcula::gait {
 using dynamics::LegEquations;
 
 FreeLaw::FreeLaw(const Machine& machine, const FreeGait& gait, const FlightGains& gains)
-    : m_(machine), gait_(gait), gains_(gains), touchdown_knee_rad_(gait.stance().knee.front()) {
+    : m_(machine), gait_(gait), gains_(gains), spring_rest_rad_(gait.spring_rest_rad(machine.catching)) {
   find_apex();
   find_breaks();
 }
@@ -67,7 +67,7 @@ void FreeLaw::find_breaks() {
     for (std::size_t i = 0; i <= n; ++i) out.push_back(time(static_cast<double>(i) / static_cast<double>(n)));
     const bool stance = phase == LegPhase::stance;
     double rest = m_.leg.rest_angle_rad;
-    if (m_.spring == LegSpring::switched) rest = gait_.stance().knee.front();
+    if (m_.spring == LegSpring::switched) rest = spring_rest_rad_;
     if (m_.spring == LegSpring::none || (m_.spring == LegSpring::switched && !stance)) return;
     // Where the path's spring begins and ends to pull the torque has a kink.
     const auto stretch = [&](double s) { return path.at(s * path.duration_s).angle.knee - rest; };

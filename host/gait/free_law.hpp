@@ -35,7 +35,7 @@ class FreeLaw {
     Joints2<T> u = stance ? leg.needed_in_stance(pose, path[1], path[2]).torque
                           : leg.needed_in_flight(pose, path[1], path[2]).torque;
     if (m_.spring == LegSpring::switched && stance)
-      u.knee = u.knee - leg.spring_torque(path[0].knee, T(touchdown_knee_rad_));
+      u.knee = u.knee - leg.spring_torque(path[0].knee, T(spring_rest_rad_));
     if (m_.spring == LegSpring::parallel)
       u.knee = u.knee - leg.spring_torque(path[0].knee, T(m_.leg.rest_angle_rad));
     if (stance) return u;
@@ -54,7 +54,7 @@ class FreeLaw {
   const Machine& m_;
   FreeGait gait_;
   FlightGains gains_;
-  double touchdown_knee_rad_;
+  double spring_rest_rad_;
   double apex_s_ = 0.0;  ///< since lift-off
   Apex<double> apex_;
   std::array<PathPieces, 3> pieces_;

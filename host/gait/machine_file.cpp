@@ -52,6 +52,8 @@ constexpr std::array kRange{FURCULA_KEY("hip_least_rad", "rad", -kTurn, kTurn, l
                             FURCULA_KEY("hip_most_rad", "rad", -kTurn, kTurn, most.hip),
                             FURCULA_KEY("knee_least_rad", "rad", 0.0, kTurn, least.knee),
                             FURCULA_KEY("knee_most_rad", "rad", 0.0, kTurn, most.knee)};
+constexpr std::array kClutch{FURCULA_KEY("catch_delay_s", "s", 0.0, 0.2, catching.delay_s),
+                             FURCULA_KEY("lost_knee_rad", "rad", 0.0, 1.0, catching.lost_rad)};
 #undef FURCULA_KEY
 #undef FURCULA_OPTIONAL
 
@@ -130,8 +132,8 @@ bool is_planar_leg(std::string_view text) {
 }
 
 Machine parse_machine(std::string_view text, const std::string& path) {
-  static constexpr std::array<std::string_view, 5> kSections{"model", "parameters", "motors", "range",
-                                                             "open"};
+  static constexpr std::array<std::string_view, 6> kSections{"model", "parameters", "motors",
+                                                             "range", "clutch",     "open"};
   static constexpr std::array<std::string_view, 3> kModelKeys{"kind", "schema", "spring"};
   const toml::table file = core::parse_toml(text, path);
   core::refuse_unknown_keys(file, path, "the model file of a planar leg", kSections);
@@ -165,6 +167,12 @@ Machine parse_machine(std::string_view text, const std::string& path) {
   read_keys(file, path, "parameters", kParameters, machine);
   read_keys(file, path, "motors", kMotors, machine);
   if (file.contains("range")) read_keys(file, path, "range", kRange, machine);
+  if (const toml::node* clutch = file.get("clutch")) {
+    if (machine.spring != LegSpring::switched)
+      fail(path, clutch->source(),
+           "[clutch] of a leg whose spring is " + core::quoted(which) + "; expected spring = \"switched\"");
+    read_keys(file, path, "clutch", kClutch, machine);
+  }
   if (file.contains("open")) read_open(file, path, machine);
 
   const auto& leg = machine.leg;
@@ -196,7 +204,8 @@ std::string format_machine(const Machine& machine) {
   return "[model]\nkind = \"planar_leg\"\nschema = 1\nspring = \"" +
          std::string(dynamics::kLegSpringNames[static_cast<std::size_t>(machine.spring)]) + "\"\n" +
          format_keys("parameters", kParameters, machine) + format_keys("motors", kMotors, machine) +
-         format_keys("range", kRange, machine) + open;
+         format_keys("range", kRange, machine) +
+         (machine.catching.ideal() ? "" : format_keys("clutch", kClutch, machine)) + open;
 }
 
 }  // namespace furcula::gait

@@ -142,7 +142,7 @@ class StrideRun {
   template <class S>
   using Stance = std::array<S, 7>;  ///< hip, knee, their rates, three energies
 
-  static constexpr double kLongestPhase = 2.0;
+  static constexpr double kLongestPhase = 2.0, kNotCaught = 100.0;
 
   template <class S>
   const auto& law() const {
@@ -285,6 +285,8 @@ class StrideRun {
     const std::vector<double>& samples = o_.samples[static_cast<std::size_t>(phase)];
     std::size_t sampled = 0;
     breaks.insert(breaks.end(), samples.begin(), samples.end());
+    const double caught_s = kStance && m_.spring == LegSpring::switched ? m_.catching.delay_s : 0.0;
+    if (caught_s > 0.0) breaks.push_back(caught_s);
     std::sort(breaks.begin(), breaks.end());
     std::size_t next = 0;
     double t = 0.0;
@@ -338,6 +340,9 @@ class StrideRun {
           if (plain(toe) > plain(r_.highest_toe)) r_.highest_toe = toe;
         }
       t += h;
+      if constexpr (kStance)
+        if (caught_s > 0.0 && std::abs(t - caught_s) < 1e-12 && plain(rest_) == kNotCaught)
+          rest_ = state[1] + m_.catching.lost_rad;
       for (; sampled < samples.size() && samples[sampled] <= t + 1e-12; ++sampled) {
         Sample<T> sample;
         if constexpr (kStance)
@@ -374,8 +379,9 @@ class StrideRun {
     r_.impulse_ns = plain(impact.impulse.y);
     r_.impact_friction = std::abs(plain(impact.impulse.x) / r_.impulse_ns);
     if (!(r_.impulse_ns > 0.0)) r_.why = "the impact would have to pull";
-    rest_ = angle.knee;
-    r_.touchdown_knee = rest_;
+    r_.touchdown_knee = angle.knee;
+    // Until it is caught a spring rests wherever the knee is.
+    rest_ = m_.catching.delay_s > 0.0 ? T(kNotCaught) : T(angle.knee + m_.catching.lost_rad);
     const auto toe = leg_.toe(pose);
     toe_at_ = {s[0] + toe.x, s[1] + toe.y};
     Stance<T> p{angle.hip, angle.knee, impact.rate.hip, impact.rate.knee, s[8], s[9], s[10]};

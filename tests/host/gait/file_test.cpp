@@ -78,6 +78,18 @@ TEST_CASE("a model file that is wrong is refused with line, value and what was e
   CHECK_FALSE(is_planar_leg("no toml"));
 }
 
+TEST_CASE("a clutch that catches late is read, written again, and of a switched spring alone") {
+  const std::string clutch = "\n[clutch]\ncatch_delay_s = 0.01\nlost_knee_rad = 0.05\n";
+  const Machine m = parse_machine(text_of("spear_switched.toml") + clutch, "leg.toml");
+  CHECK(m.catching.delay_s == 0.01);
+  CHECK(m.catching.lost_rad == 0.05);
+  CHECK(parse_machine(format_machine(m), "again").catching.lost_rad == 0.05);
+  CHECK_THAT(refusal(text_of("spear_parallel.toml") + clutch), Contains("expected spring = \"switched\""));
+  CHECK_THAT(
+      refusal(text_of("spear_switched.toml") + "\n[clutch]\ncatch_delay_s = -0.01\nlost_knee_rad = 0\n"),
+      Contains("catch_delay_s") && Contains("-0.01"));
+}
+
 TEST_CASE("intervals of open parameters are read, and written again") {
   const Machine m = parse_machine(
       text_of("spear_switched.toml") + "\n[open]\nhip_damping_nmspr = [0.301, 0.351]\n", "leg.toml");
