@@ -40,8 +40,8 @@ void run(const GaitStudyOptions& o) {
     rows = gait::run_study(robot, study);
   }
   const std::string table = gait::study_csv(rows);
-  core::write_files_together(std::vector<core::NewFile>{{o.out + "/study.json", gait::study_json(rows, study)},
-                                                        {o.out + "/study.csv", table}});
+  core::write_files_together(std::vector<core::NewFile>{
+      {o.out + "/study.json", gait::study_json(rows, study)}, {o.out + "/study.csv", table}});
   std::printf("%s", table.c_str());
 }
 
@@ -58,7 +58,8 @@ void add_gait_study_command(CLI::App& app) {
                    "parallel spring's rest angle")
       ->check(CLI::IsMember(std::vector<std::string>(gait::kStudyNames.begin(), gait::kStudyNames.end())))
       ->capture_default_str();
-  command->add_option("--lever-m", options->lever_m, "Of the clutch's cable at the knee, m")->capture_default_str();
+  command->add_option("--lever-m", options->lever_m, "Of the clutch's cable at the knee, m")
+      ->capture_default_str();
   command->add_option("--threads", options->threads,
                       "Processes; without it as many as processors. Changes nothing but the time");
   command->add_option("--out", options->out, "Folder for study.json and study.csv")->required();

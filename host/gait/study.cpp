@@ -126,16 +126,18 @@ std::vector<StudyRow> run_study(const Machine& robot, const StudyOptions& option
         s = find_gait(q);
       }
       if (s.gait) from = s.free;
-      out.push_back({s.gait ? Json(s.evaluation.cot.value_or(s.evaluation.cost_j)) : Json(nullptr), s.refusal});
+      out.push_back(
+          {s.gait ? Json(s.evaluation.cot.value_or(s.evaluation.cost_j)) : Json(nullptr), s.refusal});
     }
     return out.dump();
   };
   std::size_t done = 0;
-  const auto texts = in_processes(chains.size(), options.processes, job, [&](std::size_t i, std::string_view line) {
-    done = std::max(done, i);
-    if (options.progress)
-      options.progress(static_cast<double>(done) / static_cast<double>(chains.size()), line);
-  });
+  const auto texts =
+      in_processes(chains.size(), options.processes, job, [&](std::size_t i, std::string_view line) {
+        done = std::max(done, i);
+        if (options.progress)
+          options.progress(static_cast<double>(done) / static_cast<double>(chains.size()), line);
+      });
   std::vector<StudyRow> rows;
   for (std::size_t i = 0; i < chains.size(); ++i) {
     const Json results = Json::parse(texts[i]);
@@ -150,7 +152,8 @@ std::vector<StudyRow> run_study(const Machine& robot, const StudyOptions& option
     for (StudyRow& row : rows) {
       const auto cost = [&](LegSpring spring) -> std::optional<double> {
         for (const StudyRow& r : rows)
-          if (r.spring == spring && r.speed_mps == row.speed_mps && r.catch_delay_s == 0.0 && r.lost_rad == 0.0)
+          if (r.spring == spring && r.speed_mps == row.speed_mps && r.catch_delay_s == 0.0 &&
+              r.lost_rad == 0.0)
             return r.cost;
         return std::nullopt;
       };
@@ -173,7 +176,8 @@ std::string study_json(const std::vector<StudyRow>& rows, const StudyOptions& op
 }
 
 std::string study_csv(const std::vector<StudyRow>& rows) {
-  std::string out = "spring,speed_mps,catch_delay_s,tooth_m,lost_knee_rad,friction,rest_angle_rad,cost,advantage_left\n";
+  std::string out =
+      "spring,speed_mps,catch_delay_s,tooth_m,lost_knee_rad,friction,rest_angle_rad,cost,advantage_left\n";
   const auto maybe = [](const std::optional<double>& v) { return v ? core::rounded(*v, 5) : std::string(); };
   for (const StudyRow& r : rows)
     out += std::string(dynamics::kLegSpringNames[static_cast<std::size_t>(r.spring)]) + "," +
