@@ -122,13 +122,14 @@ std::string stability_html(const Search& search, const Evidence& evidence) {
       report::paragraph(
           "The feedback works in stance, about the gait's own path: " + number(s.gains.kp_nmprad.hip, 3) +
           " N m/rad and " + number(s.gains.kd_nmsprad.hip, 3) + " N m s/rad at each joint, at most " +
-          number(s.gains.most_nm, 3) + " N m. On the gait it gives nothing, so that the cost stays.") +
+          number(s.gains.most_nm, 3) + " N m, from nothing at touch-down to the whole after " +
+          number(1e3 * s.gains.ramp_s, 2) + " ms. On the gait it gives nothing, so that the cost stays.") +
       report::paragraph(
           "Of " + std::to_string(s.basin.starts) + " starts, drawn evenly within " +
           number(box.spread.height, 2) + " m, " + number(box.spread.speed, 2) + " m/s, " +
           number(box.spread.angle.hip, 2) + " rad and " + number(box.spread.rate.hip, 2) +
           " rad/s about the apex, all at once. Returned: within a tenth of that after at most " +
-          std::to_string(box.strides) + " strides, no joint beyond its range.");
+          std::to_string(box.strides) + " strides, no joint beyond its range, the ground never pulling.");
   const Disturbed &with = evidence.disturbed, &without = evidence.disturbed_open_loop;
   const DisturbedOptions ground;
   if (with.strides > 0)
