@@ -96,7 +96,7 @@ std::vector<Chain> chains_of(const Machine& robot, const StudyOptions& o) {
       for (const double way : {1.0, -1.0}) {
         // Up and down from the print's.
         Chain chain;
-        for (int step = 0; step <= 4; ++step) {
+        for (int step = 0; step <= 5; ++step) {
           StudyRow row;
           row.spring = LegSpring::parallel;
           if (speed > 0.0) row.speed_mps = speed;
