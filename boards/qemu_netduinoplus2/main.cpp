@@ -2,6 +2,7 @@
 #include <cstdint>
 #include <cstring>
 
+#include "boards/qemu_netduinoplus2/instruction_counter.hpp"
 #include "boards/qemu_netduinoplus2/semihosting.hpp"
 #include "boards/qemu_netduinoplus2/wire.hpp"
 #include "firmware/app/app.hpp"
@@ -13,29 +14,6 @@ using namespace furcula;
 
 // Exit statuses of QEMU.
 enum Exit : std::uint32_t { kDone = 0, kNoPipes = 2, kPeerGone = 3, kBadMessage = 4, kException = 5 };
-
-/// TIM2 counts nanoseconds of virtual time, and with `-icount shift=0` an instruction takes one: the counter
-/// counts instructions. (The real timer's clock is another; this is the emulator's.)
-class InstructionCounter {
- public:
-  InstructionCounter() {
-    reg(kCr1) = 1;
-    const std::uint32_t first = read();
-    overhead_ = read() - first;
-  }
-  std::uint32_t read() const { return reg(kCnt); }
-  /// Between two reads, less what one read takes.
-  std::uint32_t between(std::uint32_t first, std::uint32_t second) const {
-    return second - first - overhead_;
-  }
-
- private:
-  static constexpr std::uintptr_t kCr1 = 0x40000000, kCnt = 0x40000024;
-  static volatile std::uint32_t& reg(std::uintptr_t address) {
-    return *reinterpret_cast<volatile std::uint32_t*>(address);
-  }
-  std::uint32_t overhead_ = 0;
-};
 
 /// Not on the stack, which would keep room for it all the time.
 constinit pil::Begin last_configuration;
@@ -125,7 +103,7 @@ void furcula::firmware::on_exception() { semihosting::exit(kException); }
 int main() {
   QemuBoard board;
   firmware::App<QemuBoard> app(board, board.begin());
-  const InstructionCounter counter;
+  const pil::InstructionCounter counter;
   while (board.wait_for_tick()) {
     if (const control::Config* config = board.new_configuration()) configure(app, *config);
     const std::uint32_t before = counter.read();

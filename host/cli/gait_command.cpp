@@ -13,6 +13,7 @@
 #include "host/cli/recordings.hpp"
 #include "host/core/atomic_file.hpp"
 #include "host/core/message.hpp"
+#include "host/gait/evidence.hpp"
 #include "host/gait/gait_file.hpp"
 #include "host/gait/gait_json.hpp"
 #include "host/gait/gait_report.hpp"
@@ -25,6 +26,7 @@ namespace {
 struct GaitOptions {
   std::string model, out, torque = "free", lift_off, from;
   std::optional<double> clearance_m, speed_mps, friction, touchdown_knee_rad;
+  double landing_speed_mps = 0.0;
   unsigned starts = 3, threads = 0;
   std::uint64_t seed = 1;
 };
@@ -58,8 +60,17 @@ gait::Query query_of(const GaitOptions& o) {
   q.task.speed_mps = o.speed_mps;
   q.task.friction = o.friction;
   q.task.touchdown_knee_rad = o.touchdown_knee_rad;
+  if (!(o.landing_speed_mps >= 0.0 && o.landing_speed_mps <= 10.0))
+    throw UsageError("--landing-speed-mps " + core::shortest(o.landing_speed_mps) +
+                     ": expected from 0 to 10 m/s, downward");
+  q.task.landing_speed_mps = o.landing_speed_mps;
   for (std::size_t i = 0; i < dynamics::kLegLiftOffNames.size(); ++i)
     if (dynamics::kLegLiftOffNames[i] == o.lift_off) q.task.lift_off = static_cast<dynamics::LegLiftOff>(i);
+  if (!q.machine.catching.ideal() && q.task.lift_off == dynamics::LegLiftOff::knee)
+    throw UsageError(
+        "--lift-off knee: the knee's angle of touch-down is not where a spring rests that catches late; expected "
+        "force or unguarded with " +
+        core::printable(o.model));
   q.fourier = o.torque == "fourier";
   q.starts = o.starts;
   q.seed = o.seed;
@@ -86,25 +97,58 @@ std::string command_of(const GaitOptions& o) {
   out += " --torque " + o.torque + " --lift-off " + o.lift_off;
   add("--friction", o.friction);
   add("--touchdown-knee-rad", o.touchdown_knee_rad);
+  if (o.landing_speed_mps > 0.0) add("--landing-speed-mps", o.landing_speed_mps);
   if (!o.from.empty()) out += " --from " + o.from;
   return out + " --starts " + std::to_string(o.starts) + " --seed " + std::to_string(o.seed) + " --out " +
          o.out;
+}
+
+void say_evidence(const gait::Search& found, const gait::Evidence& evidence) {
+  const gait::Stability& s = evidence.stability;
+  std::printf(
+      "with a feedback in stance: largest multiplier %.4g; of %u starts %.3g %% return, %.3g %% without it\n",
+      s.multipliers.empty() ? std::nan("") : std::abs(s.multipliers.front()), s.basin.starts,
+      100.0 * s.basin.share(), 100.0 * s.open_loop.share());
+  const gait::DisturbedOptions ground;
+  if (evidence.disturbed.strides > 0)
+    std::printf(
+        "on the board, ground within %.3g cm, switch %.3g ms late: %u falls of %u strides at %.4g J, %u without the feedback\n",
+        100.0 * ground.ground_m, 1e3 * ground.switch_late_s, evidence.disturbed.falls,
+        evidence.disturbed.strides, evidence.disturbed.cost_j, evidence.disturbed_open_loop.falls);
+  if (!evidence.stable)
+    std::printf("cheapest stable gait: none was found\n");
+  else if (const gait::StableGait& g = *evidence.stable;
+           g.landing_speed_mps == found.gait->task.landing_speed_mps)
+    std::printf("cheapest stable gait: this one, with the feedback\n");
+  else
+    std::printf(
+        "cheapest stable gait: the toe lands with %.3g m/s; %.5g J a stride, cost of transport %.5g\n",
+        g.landing_speed_mps, g.evaluation.cost_j, g.evaluation.cot.value_or(std::nan("")));
+  if (const gait::OpenFigures& open = evidence.open; open.corners > 0) {
+    std::printf("open digits: cost %.5g to %.5g J", open.cost_j.low, open.cost_j.high);
+    if (found.gait->task.speed_mps) std::printf(", of transport %.5g to %.5g", open.cot.low, open.cot.high);
+    std::printf(", eta %.3f to %.3f, knee %.2f to %.2f deg\n", open.eta.low, open.eta.high,
+                open.touchdown_knee_rad.low * 57.29577951308232,
+                open.touchdown_knee_rad.high * 57.29577951308232);
+  }
 }
 
 void run(const GaitOptions& o) {
   gait::Query query = query_of(o);
   const OutFolder folder(o.out);
   gait::Search found;
+  gait::Evidence evidence;
   {
     Progress progress("gait");
     query.progress = [&](double fraction, std::string_view doing) { progress.update(fraction, doing); };
     found = gait::find_gait(query);
+    if (found.gait) evidence = gait::evidence_of(query, found);
   }
   if (!found.gait) throw Refusal(found.refusal);
-  core::write_files_together(
-      std::vector<core::NewFile>{{o.out + "/gait.toml", gait::format_gait(*found.gait)},
-                                 {o.out + "/gait.json", gait::to_json_text(found)},
-                                 {o.out + "/report.html", gait::render_gait_report(found, command_of(o))}});
+  core::write_files_together(std::vector<core::NewFile>{
+      {o.out + "/gait.toml", gait::format_gait(*found.gait)},
+      {o.out + "/gait.json", gait::to_json_text(found, evidence)},
+      {o.out + "/report.html", gait::render_gait_report(found, evidence, command_of(o))}});
   const gait::Evaluation& e = found.evaluation;
   if (e.cot) std::printf("cost of transport %.5f at %.4g m/s, ", *e.cot, e.speed_mps);
   std::printf("%.5f J a stride of %.4f s (%.4f s in stance), eta %.3f, knee %.2f deg at touch-down\n",
@@ -113,6 +157,7 @@ void run(const GaitOptions& o) {
       "closes to %.1e; largest multiplier %.4g; friction %.3g in stance, %.3g at the impact; %.3g V, %.3g A\n",
       e.closure, e.multipliers.empty() ? std::nan("") : std::abs(e.multipliers.front()), e.stride.friction,
       e.stride.impact_friction, e.stride.voltage_v, e.stride.current_a);
+  say_evidence(found, evidence);
   for (const gait::Optimum& optimum : found.optima)
     std::printf("  %.5f from %u %s\n", optimum.cost, optimum.starts,
                 optimum.starts == 1 ? "start" : "starts");
@@ -141,6 +186,9 @@ void add_gait_command(CLI::App& app) {
   command->add_option("--friction", options->friction, "Of the ground; without it the toe never slips");
   command->add_option("--touchdown-knee-rad", options->touchdown_knee_rad,
                       "The knee's angle at touch-down, rad; free without it");
+  command->add_option(
+      "--landing-speed-mps", options->landing_speed_mps,
+      "The toe comes down with this speed at least, m/s: a toe that lands slowly makes a fragile gait");
   command->add_option("--from", options->from,
                       "A gait.toml of free torques to start from, of the same robot");
   command->add_option("--starts", options->starts, "How many starts")->capture_default_str();

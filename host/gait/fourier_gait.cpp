@@ -93,7 +93,7 @@ class LawProgramme : public GaitProgramme {
     p_.element(
         std::array<Sum, 8>{path(k, 0, 0, s, interval), path(k, 1, 0, s, interval), path(k, 0, 1, s, interval),
                            path(k, 1, 1, s, interval), path(k, 0, 2, s, interval), path(k, 1, 2, s, interval),
-                           of(duration_[k]), touchdown_knee()},
+                           of(duration_[k]), caught_knee()},
         motion, [this, in_stance](const auto& z) {
           using T = std::decay_t<decltype(z[0])>;
           const Joints2<T> u = motors<T>(needed(z, in_stance).torque, z[1], z[7], in_stance);
@@ -378,8 +378,7 @@ FourierResult find_fourier_gait(const Machine& machine, const Task& task, const 
   FourierResult result;
   result.gait = fourier_near(machine, start);
   result.gait.law.omega_radps *= options.omega_factor;
-  const bool kinks = machine.spring == LegSpring::parallel ||
-                     (machine.spring == LegSpring::switched && task.lift_off == LegLiftOff::unguarded);
+  const bool kinks = has_kinks(machine, task);
   for (const double rounding : kinks ? std::vector<double>{2e-2, 2e-3, 3e-4} : std::vector<double>{1e-5}) {
     LawProgramme programme(machine, task, paths, turns, rising, result.gait.law, rounding);
     SolveOptions solving;

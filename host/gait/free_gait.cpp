@@ -92,15 +92,17 @@ FreeGait rough_gait(const Machine& machine, const Task& task, std::uint64_t vari
 
 FreeResult find_free_gait(const Machine& machine, const Task& task, const FreeGait& start,
                           const FreeOptions& options) {
-  const bool kinks = machine.spring == LegSpring::parallel ||
-                     (machine.spring == LegSpring::switched && task.lift_off == LegLiftOff::unguarded);
+  const bool kinks = has_kinks(machine, task);
   FreeResult out;
   for (std::size_t k = 0; k < 3; ++k)
     out.gait.phases[k] =
         resampled(start.phases[k], k == 0 ? options.stance_intervals : options.flight_intervals);
   // A kink is rounded over less and less.
   bool near = options.near;
-  for (const double rounding : kinks ? std::vector<double>{2e-2, 2e-3, 3e-4} : std::vector<double>{1e-5}) {
+  std::vector<double> roundings = kinks ? std::vector<double>{2e-2, 2e-3, 3e-4} : std::vector<double>{1e-5};
+  // Until the share of the stance at which a spring catches stays.
+  if (machine.catching.delay_s > 0.0) roundings.insert(roundings.end(), {3e-4, 3e-4});
+  for (const double rounding : roundings) {
     GaitProgramme builder(machine, task, {out.gait.phases.begin(), out.gait.phases.end()},
                           {task.clearance_m ? Turn::top : Turn::apex}, rounding, options.margin);
     SolveOptions s;

@@ -21,6 +21,8 @@ struct Task {
   LegLiftOff lift_off = LegLiftOff::force;
   std::optional<double> touchdown_knee_rad;
   std::optional<double> friction;  ///< of the ground; without it the toe never slips
+  double landing_speed_mps =
+      0.0;  ///< with which the toe comes down at least; one that comes down slowly may miss
 };
 
 /// The angles of hip and knee over one phase.
@@ -45,7 +47,19 @@ struct FreeGait {
 
   JointPath& stance() { return phases[0]; }
   const JointPath& stance() const { return phases[0]; }
+  /// Of a switched spring: the knee's angle where it catches, and what the tooth loses.
+  double spring_rest_rad(const Catching& catching) const {
+    return catching.delay_s > 0.0 ? stance().at(catching.delay_s).angle.knee + catching.lost_rad
+                                  : stance().knee.front() + catching.lost_rad;
+  }
 };
+
+/// Whether the spring's torque has a kink inside a phase.
+inline bool has_kinks(const Machine& machine, const Task& task) {
+  return machine.spring == LegSpring::parallel ||
+         (machine.spring == LegSpring::switched &&
+          (task.lift_off == LegLiftOff::unguarded || !machine.catching.ideal()));
+}
 
 struct FreeOptions {
   std::size_t stance_intervals = 16, flight_intervals = 8;  ///< of each part of the flight

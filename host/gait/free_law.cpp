@@ -10,7 +10,7 @@ namespace furcula::gait {
 using dynamics::LegEquations;
 
 FreeLaw::FreeLaw(const Machine& machine, const FreeGait& gait, const FlightGains& gains)
-    : m_(machine), gait_(gait), gains_(gains), touchdown_knee_rad_(gait.stance().knee.front()) {
+    : m_(machine), gait_(gait), gains_(gains), spring_rest_rad_(gait.spring_rest_rad(machine.catching)) {
   find_apex();
   find_breaks();
 }
@@ -19,25 +19,6 @@ double FreeLaw::stride_s() const {
   double sum = 0.0;
   for (const JointPath& p : gait_.phases) sum += p.duration_s;
   return sum;
-}
-
-void FreeLaw::add_pieces(LegPhase phase, const JointPath& path, double from) {
-  const std::size_t n = path.spline().intervals();
-  for (std::size_t i = 0; i < n; ++i) {
-    const double begin = path.duration_s * static_cast<double>(i) / static_cast<double>(n);
-    const double end = path.duration_s * static_cast<double>(i + 1) / static_cast<double>(n);
-    if (from + end <= 0.0) continue;  // before the apex
-    Piece piece;
-    piece.begin_s = from + begin;
-    piece.end_s = from + end;
-    double factorial = 1.0;
-    for (std::size_t d = 0; d < Spline::kOrder; ++d) {
-      if (d > 0) factorial *= static_cast<double>(d);
-      const Joints2<double> v = path.derivative(begin, d, i);
-      piece.power[d] = {v.hip / factorial, v.knee / factorial};
-    }
-    pieces_[static_cast<std::size_t>(phase)].push_back(piece);
-  }
 }
 
 void FreeLaw::find_apex() {
@@ -79,14 +60,14 @@ void FreeLaw::find_apex() {
 
 void FreeLaw::find_breaks() {
   const auto add = [&](LegPhase phase, const JointPath& path, double from) {
-    add_pieces(phase, path, from);
+    pieces_[static_cast<std::size_t>(phase)].add(path, from);
     auto& out = breaks_[static_cast<std::size_t>(phase)];
     const std::size_t n = path.spline().intervals();
     const auto time = [&](double s) { return from + s * path.duration_s; };
     for (std::size_t i = 0; i <= n; ++i) out.push_back(time(static_cast<double>(i) / static_cast<double>(n)));
     const bool stance = phase == LegPhase::stance;
     double rest = m_.leg.rest_angle_rad;
-    if (m_.spring == LegSpring::switched) rest = gait_.stance().knee.front();
+    if (m_.spring == LegSpring::switched) rest = spring_rest_rad_;
     if (m_.spring == LegSpring::none || (m_.spring == LegSpring::switched && !stance)) return;
     // Where the path's spring begins and ends to pull the torque has a kink.
     const auto stretch = [&](double s) { return path.at(s * path.duration_s).angle.knee - rest; };
@@ -109,7 +90,9 @@ void FreeLaw::find_breaks() {
     add(phase, gait_.phases[1], from);
     add(phase, gait_.phases[2], from + gait_.phases[1].duration_s);
   }
-  for (auto& b : breaks_) {
+  for (std::size_t k = 0; k < 3; ++k) {
+    auto& b = breaks_[k];
+    for (const double t : pieces_[k].breaks()) b.push_back(t);
     std::sort(b.begin(), b.end());
     b.erase(std::remove_if(b.begin(), b.end(), [](double t) { return t <= 0.0; }), b.end());
   }

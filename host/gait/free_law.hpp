@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "host/gait/free_gait.hpp"
+#include "host/gait/path_pieces.hpp"
 #include "host/gait/stride.hpp"
 
 namespace furcula::gait {
@@ -27,16 +28,14 @@ class FreeLaw {
   template <class T>
   Joints2<T> motors(LegPhase phase, const T& time, double middle, const Joints2<T>& angle,
                     const Joints2<T>& rate) const {
-    const Piece& piece = piece_at(phase, middle);
     const bool stance = phase == LegPhase::stance;
-    std::array<Joints2<T>, 3> path;
-    piece.at(T(time - piece.begin_s), path);
+    const PathState<T> path = pieces_[static_cast<std::size_t>(phase)].at(time, middle);
     const dynamics::LegEquations<T, double> leg(m_.leg);
     const auto pose = leg.pose(path[0]);
     Joints2<T> u = stance ? leg.needed_in_stance(pose, path[1], path[2]).torque
                           : leg.needed_in_flight(pose, path[1], path[2]).torque;
     if (m_.spring == LegSpring::switched && stance)
-      u.knee = u.knee - leg.spring_torque(path[0].knee, T(touchdown_knee_rad_));
+      u.knee = u.knee - leg.spring_torque(path[0].knee, T(spring_rest_rad_));
     if (m_.spring == LegSpring::parallel)
       u.knee = u.knee - leg.spring_torque(path[0].knee, T(m_.leg.rest_angle_rad));
     if (stance) return u;
@@ -49,41 +48,16 @@ class FreeLaw {
   const std::vector<double>& breaks(LegPhase phase) const { return breaks_[static_cast<std::size_t>(phase)]; }
 
  private:
-  /// The angles' polynomials over one interval, by the time since its begin.
-  struct Piece {
-    double begin_s = 0.0, end_s = 0.0;  ///< of the phase's own time
-    std::array<Joints2<double>, Spline::kOrder> power{};
-
-    /// Angle, rate, acceleration.
-    template <class T>
-    void at(const T& t, std::array<Joints2<T>, 3>& out) const {
-      constexpr std::size_t n = Spline::kDegree;
-      out = {Joints2<T>{T(power[n].hip), T(power[n].knee)}, {}, {}};
-      for (std::size_t i = n; i-- > 0;) {
-        out[2] = {out[2].hip * t + out[1].hip, out[2].knee * t + out[1].knee};
-        out[1] = {out[1].hip * t + out[0].hip, out[1].knee * t + out[0].knee};
-        out[0] = {out[0].hip * t + power[i].hip, out[0].knee * t + power[i].knee};
-      }
-      out[2] = {2.0 * out[2].hip, 2.0 * out[2].knee};
-    }
-  };
-  const Piece& piece_at(LegPhase phase, double time) const {
-    const auto& all = pieces_[static_cast<std::size_t>(phase)];
-    std::size_t i = 0;
-    while (i + 1 < all.size() && time >= all[i].end_s) ++i;
-    return all[i];
-  }
-  void add_pieces(LegPhase phase, const JointPath& path, double from);
   void find_apex();
   void find_breaks();
 
   const Machine& m_;
   FreeGait gait_;
   FlightGains gains_;
-  double touchdown_knee_rad_;
+  double spring_rest_rad_;
   double apex_s_ = 0.0;  ///< since lift-off
   Apex<double> apex_;
-  std::array<std::vector<Piece>, 3> pieces_;
+  std::array<PathPieces, 3> pieces_;
   std::array<std::vector<double>, 3> breaks_;
 };
 

@@ -95,6 +95,7 @@ std::string format_gait(const Gait& gait) {
   if (gait.task.speed_mps) out += line("speed_mps", *gait.task.speed_mps);
   if (gait.task.friction) out += line("friction", *gait.task.friction);
   if (gait.task.touchdown_knee_rad) out += line("touchdown_knee_rad", *gait.task.touchdown_knee_rad);
+  if (gait.task.landing_speed_mps > 0.0) out += line("landing_speed_mps", gait.task.landing_speed_mps);
   if (const auto* free = std::get_if<FreeGait>(&gait.motion)) {
     for (std::size_t k = 0; k < 3; ++k)
       out += "\n[" + std::string(kFreePhases[k]) + "]\n" + line("duration_s", free->phases[k].duration_s) +
@@ -124,8 +125,9 @@ std::string format_gait(const Gait& gait) {
 }
 
 Gait parse_gait(std::string_view text, const std::string& path) {
-  static constexpr std::array<std::string_view, 7> kKeys{
-      "schema", "torque", "lift_off", "clearance_m", "speed_mps", "friction", "touchdown_knee_rad"};
+  static constexpr std::array<std::string_view, 8> kKeys{
+      "schema",    "torque",   "lift_off",           "clearance_m",
+      "speed_mps", "friction", "touchdown_knee_rad", "landing_speed_mps"};
   static constexpr std::array<std::string_view, 8> kSections{"gait", "stance", "flight_1", "flight_2",
                                                              "rise", "fall",   "apex",     "robot"};
   const toml::table file = core::parse_toml(text, path);
@@ -146,6 +148,8 @@ Gait parse_gait(std::string_view text, const std::string& path) {
   optional("speed_mps", -100.0, 100.0, gait.task.speed_mps);
   optional("friction", 0.0, 100.0, gait.task.friction);
   optional("touchdown_knee_rad", 0.0, 4.0, gait.task.touchdown_knee_rad);
+  if (head.contains("landing_speed_mps"))
+    gait.task.landing_speed_mps = sections.number(head, "landing_speed_mps", 0.0, 100.0);
   if (gait.task.clearance_m.has_value() == gait.task.speed_mps.has_value())
     fail(path, head.source(), "expected one of clearance_m and speed_mps in [gait]");
 

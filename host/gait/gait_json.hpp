@@ -3,11 +3,11 @@
 
 #include <string>
 
-#include "host/gait/search.hpp"
+#include "host/gait/evidence.hpp"
 
 namespace furcula::gait {
 
 /// Of a search that found a gait.
-std::string to_json_text(const Search& search);
+std::string to_json_text(const Search& search, const Evidence& evidence);
 
 }  // namespace furcula::gait

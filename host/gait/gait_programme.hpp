@@ -29,7 +29,13 @@ class GaitProgramme {
  public:
   GaitProgramme(const Machine& machine, const Task& task, const std::vector<JointPath>& start,
                 const std::vector<Turn>& turns, double rounding, double margin = 0.0)
-      : m_(machine), task_(task), rounding_(rounding), margin_(margin), turns_(turns), phases_(start.size()) {
+      : m_(machine),
+        task_(task),
+        rounding_(rounding),
+        margin_(margin),
+        turns_(turns),
+        phases_(start.size()),
+        catch_share_(std::min(machine.catching.delay_s / start.front().duration_s, 1.0)) {
     for (const JointPath& path : start) add_phase(path);
     const LegEquations<double> eq(machine.leg);
     const auto end = start.front().at(start.front().duration_s);
@@ -102,6 +108,9 @@ class GaitProgramme {
     return path(phase, joint, derivative, 1.0, spline_[phase].intervals() - 1);
   }
   Sum touchdown_knee() const { return {{coefficient_[0][1].front(), 1.0}}; }
+  /// Where a switched spring catches; what a tooth loses is left out. The share of the stance at which it does is that
+  /// of the start: find_free_gait() solves until it stays.
+  Sum caught_knee() const { return path(0, 1, 0, catch_share_, spline_[0].interval_at(catch_share_)); }
   static Sum of(int variable) { return {{variable, 1.0}}; }
 
   /// The motors' torques: what the motion needs, less the spring's. `rest` counts in stance alone.
@@ -110,9 +119,9 @@ class GaitProgramme {
     Joints2<T> u = needed;
     if (m_.spring == LegSpring::switched && stance) {
       // Where the knee stays flexed beyond its angle of touch-down there is no kink.
-      const T d = knee - rest;
-      u.knee = u.knee + m_.leg.stiffness_nmprad *
-                            (task_.lift_off == LegLiftOff::unguarded ? rounded_positive(d, rounding_) : d);
+      const T d = knee - rest - m_.catching.lost_rad;
+      const bool kink = task_.lift_off == LegLiftOff::unguarded || !m_.catching.ideal();
+      u.knee = u.knee + m_.leg.stiffness_nmprad * (kink ? rounded_positive(d, rounding_) : d);
     } else if (m_.spring == LegSpring::parallel) {
       u.knee =
           u.knee + m_.leg.stiffness_nmprad * rounded_positive(T(knee - m_.leg.rest_angle_rad), rounding_);
@@ -145,7 +154,7 @@ class GaitProgramme {
     const std::array<Sum, 8> inputs{path(k, 0, 0, s, interval), path(k, 1, 0, s, interval),
                                     path(k, 0, 1, s, interval), path(k, 1, 1, s, interval),
                                     path(k, 0, 2, s, interval), path(k, 1, 2, s, interval),
-                                    of(duration_[k]),           touchdown_knee()};
+                                    of(duration_[k]),           caught_knee()};
     const Joints2<double> heat = m_.motors.heat();
     if (m_.motors.current_a > 0.0 || m_.motors.supply_v > 0.0) add_motor_limits(k, inputs);
     if (k == 0) {
@@ -346,7 +355,7 @@ class GaitProgramme {
     const std::array<int, 8> rows{p_.row("the toe's height at touch-down", 0.0, 0.0),
                                   p_.row("the impact", 0.0, 0.0),
                                   p_.row("the impact", 0.0, 0.0),
-                                  p_.row("the toe that comes down", -kNoBound, 0.0),
+                                  p_.row("the toe that comes down", -kNoBound, -task_.landing_speed_mps),
                                   p_.row("the impact that does not pull", 0.0, kNoBound),
                                   p_.row("the way of a stride", 0.0, 0.0),
                                   p_.row("the ground's friction at touch-down", cone, kNoBound),
@@ -407,6 +416,7 @@ class GaitProgramme {
   double rounding_, margin_;
   std::vector<Turn> turns_;
   std::size_t phases_;
+  double catch_share_;
   Programme p_;
   std::vector<Spline> spline_;
   std::vector<int> duration_;

@@ -101,7 +101,84 @@ std::string leg_html() {
          "<p class=\"hint\">The spring is grey at rest and orange at its largest torque; the green line is the ground's force.</p>\n";
 }
 
-std::string render_gait_report(const Search& search, const std::string& command) {
+namespace {
+
+/// Whether the gait can be kept up, and what one costs that can.
+std::string stability_html(const Search& search, const Evidence& evidence) {
+  const Evaluation& e = search.evaluation;
+  const Stability& s = evidence.stability;
+  const BasinOptions box;
+  report::Table law({{""}, {"torques over time", true}, {"with the feedback", true}});
+  const auto size = [](const std::vector<std::complex<double>>& m, std::size_t i) {
+    return i < m.size() ? number(std::abs(m[i]), 4) : std::string("&ndash;");
+  };
+  for (std::size_t i = 0; i < 4; ++i)
+    law.add({i == 0 ? "Largest multiplier of the return map" : "next", size(e.multipliers, i),
+             size(s.multipliers, i)});
+  const auto percent = [](const Basin& b) { return number(100.0 * b.share(), 3) + " %"; };
+  law.add({"Starts that return", percent(s.open_loop), percent(s.basin)});
+  std::string out =
+      law.html() +
+      report::paragraph(
+          "The feedback works in stance, about the gait's own path: " + number(s.gains.kp_nmprad.hip, 3) +
+          " N m/rad and " + number(s.gains.kd_nmsprad.hip, 3) + " N m s/rad at each joint, at most " +
+          number(s.gains.most_nm, 3) + " N m, from nothing at touch-down to the whole after " +
+          number(1e3 * s.gains.ramp_s, 2) + " ms. On the gait it gives nothing, so that the cost stays.") +
+      report::paragraph(
+          "Of " + std::to_string(s.basin.starts) + " starts, drawn evenly within " +
+          number(box.spread.height, 2) + " m, " + number(box.spread.speed, 2) + " m/s, " +
+          number(box.spread.angle.hip, 2) + " rad and " + number(box.spread.rate.hip, 2) +
+          " rad/s about the apex, all at once. Returned: within a tenth of that after at most " +
+          std::to_string(box.strides) + " strides, no joint beyond its range, the ground never pulling.");
+  const Disturbed &with = evidence.disturbed, &without = evidence.disturbed_open_loop;
+  const DisturbedOptions ground;
+  if (with.strides > 0)
+    out += report::paragraph(
+        "On the board's controller, each landing on ground that lies evenly within " +
+        number(100.0 * ground.ground_m, 2) + " cm of level, the switch " +
+        number(1e3 * ground.switch_late_s, 2) + " ms late: " + std::to_string(with.falls) + " falls of " +
+        std::to_string(with.strides) + " strides with the feedback, at " + number(with.cost_j, 3) +
+        " J a stride; " + std::to_string(without.falls) + " without it.");
+  if (!evidence.stable)
+    return out + report::paragraph("No stable gait was found, up to a toe that lands with 3 m/s.");
+  const StableGait& g = *evidence.stable;
+  if (g.landing_speed_mps == search.gait->task.landing_speed_mps)
+    return out + report::paragraph("This is the cheapest stable gait: the feedback keeps it.");
+  const double share =
+      g.evaluation.cost_j / g.evaluation.stride.distance / (e.cost_j / e.stride.distance) - 1.0;
+  return out +
+         report::paragraph(
+             "The feedback does not keep this gait: its toe lands with " +
+             number(e.stride.touchdown_speed_mps, 3) +
+             " m/s, so slowly that a little height changes the time of touch-down a lot. The cheapest stable gait "
+             "lands with " +
+             number(g.landing_speed_mps, 3) + " m/s: cost of transport " +
+             number(g.evaluation.cot.value_or(0.0), 4) + " (" + number(100.0 * share, 2) +
+             " % more), largest multiplier " + number(std::abs(g.stability.multipliers.front()), 3) + ", " +
+             percent(g.stability.basin) + " of the starts return.");
+}
+
+std::string open_html(const Gait& gait, const OpenFigures& open) {
+  report::Table table({{"Open parameter"}, {"from", true}, {"to", true}});
+  for (const OpenParameter& o : gait.machine.open) table.add({o.name, number(o.low, 5), number(o.high, 5)});
+  report::Table figures({{"Figure"}, {"from", true}, {"to", true}});
+  const auto add = [&](const char* what, const Interval& i, double scale = 1.0) {
+    figures.add({what, number(scale * i.low, 4), number(scale * i.high, 4)});
+  };
+  add("Cost of a stride, J", open.cost_j);
+  if (gait.task.speed_mps) add("Cost of transport", open.cot);
+  add("Share of the spring", open.eta);
+  add("Knee at touch-down, degrees", open.touchdown_knee_rad, degrees(1.0));
+  add("Largest multiplier, torques over time", open.multiplier);
+  return table.html() + figures.html() +
+         report::paragraph(
+             "The gait was found anew at each of " + std::to_string(open.corners) + " corners" +
+             (open.without > 0 ? "; " + std::to_string(open.without) + " of them have none." : "."));
+}
+
+}  // namespace
+
+std::string render_gait_report(const Search& search, const Evidence& evidence, const std::string& command) {
   const Gait& gait = *search.gait;
   const Evaluation& e = search.evaluation;
   const std::vector<Moment> moments = moments_of(gait);
@@ -116,14 +193,11 @@ std::string render_gait_report(const Search& search, const std::string& command)
 
   report::Table optima({{forward ? "Cost of transport" : "Cost, J", true}, {"Starts that found it", true}});
   for (const Optimum& o : search.optima) optima.add({number(o.cost, 5), std::to_string(o.starts)});
-  report::Table multipliers({{"Multiplier", true}, {"Size", true}});
-  for (const auto& m : e.multipliers)
-    multipliers.add({number(m.real(), 4) + (m.imag() != 0.0 ? " + " + number(m.imag(), 4) + " i" : ""),
-                     number(std::abs(m), 4)});
   report::Table needs({{"What the gait asks for"}, {"", true}});
   const StrideEnd<double>& s = e.stride;
   needs.add({"Friction of the ground in stance, where it carries more than 20 N", number(s.friction, 3)});
   needs.add({"Friction of the ground at touch-down's impact", number(s.impact_friction, 3)});
+  needs.add({"Speed of the toe at touch-down, downward", with_unit(s.touchdown_speed_mps, 3, "m/s")});
   needs.add({"Least force of the ground in stance", with_unit(s.least_force_n, 3, "N")});
   needs.add({"Voltage of a motor", with_unit(s.voltage_v, 3, "V")});
   needs.add({"Current of a motor", with_unit(s.current_a, 3, "A")});
@@ -133,7 +207,9 @@ std::string render_gait_report(const Search& search, const std::string& command)
       e.multipliers.empty() ? "no multiplier could be computed."
       : std::abs(e.multipliers.front()) < 1.0
           ? "it returns to itself after a small disturbance."
-          : "it does not return to itself after a disturbance without a feedback from stride to stride.";
+          : "it does not return to itself after a disturbance" +
+                std::string(evidence.stability.stable() ? "; with a feedback in stance it does."
+                                                        : ", nor does it with a feedback in stance.");
   page.body_html =
       "<header>\n<p class=\"eyebrow\">Gait of a planar leg</p>\n<h1>" + report::escape(task_words(gait)) +
       "</h1>\n<p class=\"lead\">Played open loop in stance and with the flight's feedback, " + stable +
@@ -156,7 +232,9 @@ std::string render_gait_report(const Search& search, const std::string& command)
                       optima.html() + (search.without > 0 ? report::paragraph(std::to_string(search.without) +
                                                                               " starts found none.")
                                                           : "")) +
-      report::section("multipliers", "Multipliers of the return map", multipliers.html());
+      report::section("stability", "Stability", stability_html(search, evidence)) +
+      (evidence.open.corners > 0 ? report::section("open", "Open digits", open_html(gait, evidence.open))
+                                 : "");
   return report::render(page);
 }
 

@@ -4,12 +4,12 @@
 #include <string>
 #include <vector>
 
-#include "host/gait/search.hpp"
+#include "host/gait/evidence.hpp"
 
 namespace furcula::gait {
 
 /// Of a search that found a gait; `command` writes the same page again.
-std::string render_gait_report(const Search& search, const std::string& command);
+std::string render_gait_report(const Search& search, const Evidence& evidence, const std::string& command);
 
 /// What the page's script draws: strides of one robot.
 struct NamedStride {

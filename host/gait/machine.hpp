@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "furcula/dynamics/planar_leg.hpp"
 
@@ -27,13 +28,30 @@ struct Motors {
   }
 };
 
+/// How a switched spring catches. The ideal one of 001 catches at touch-down, at any angle.
+struct Catching {
+  double delay_s = 0.0;  ///< after touch-down
+  /// By which the knee flexes further until the clutch's next tooth holds: from nothing to a tooth's pitch.
+  double lost_rad = 0.0;
+
+  bool ideal() const { return delay_s == 0.0 && lost_rad == 0.0; }
+};
+
+/// A parameter of which an interval alone is known, and its value a guess inside.
+struct OpenParameter {
+  std::string name;  ///< as in the model file
+  double low = 0.0, high = 0.0;
+};
+
 struct Machine {
   std::string file;  ///< for messages
   dynamics::PlanarLegParameters<double> leg;
   LegSpring spring = LegSpring::switched;
+  Catching catching;
   Motors motors;
   Joints2<double> least{-1.2217304763960306, 0.0};               ///< of the joints' angles, rad
   Joints2<double> most{1.2217304763960306, 2.4434609527920612};  ///< 70 and 140 degrees
+  std::vector<OpenParameter> open;
 };
 
 /// Table I of document 001, with the digits that the scan lost (docs/gaits.md).

@@ -52,6 +52,8 @@ constexpr std::array kRange{FURCULA_KEY("hip_least_rad", "rad", -kTurn, kTurn, l
                             FURCULA_KEY("hip_most_rad", "rad", -kTurn, kTurn, most.hip),
                             FURCULA_KEY("knee_least_rad", "rad", 0.0, kTurn, least.knee),
                             FURCULA_KEY("knee_most_rad", "rad", 0.0, kTurn, most.knee)};
+constexpr std::array kClutch{FURCULA_KEY("catch_delay_s", "s", 0.0, 0.2, catching.delay_s),
+                             FURCULA_KEY("lost_knee_rad", "rad", 0.0, 1.0, catching.lost_rad)};
 #undef FURCULA_KEY
 #undef FURCULA_OPTIONAL
 
@@ -86,6 +88,34 @@ std::string format_keys(const std::string& section, std::span<const MachineKey> 
   return out;
 }
 
+/// [open]: intervals of parameters.
+void read_open(const toml::table& file, const std::string& name, Machine& machine) {
+  constexpr std::size_t kMost = 4;  // a gait is found at each of 2^n corners
+  const toml::table& table = core::table(*file.get("open"), name, "[open]");
+  std::vector<std::string_view> known;
+  for (const MachineKey& k : kParameters) known.push_back(k.name);
+  core::refuse_unknown_keys(table, name, "[open], which has intervals of parameters", known);
+  if (table.size() > kMost)
+    fail(name, table.source(),
+         "[open] has " + std::to_string(table.size()) + " parameters; expected at most 4");
+  for (const MachineKey& k : kParameters) {
+    const toml::node* node = table.get(k.name);
+    if (node == nullptr) continue;
+    const std::string key = "[open] " + std::string(k.name);
+    const toml::array* ends = node->as_array();
+    if (ends == nullptr || ends->size() != 2)
+      fail(name, node->source(), key + " = " + core::value_text(*node) + "; expected [low, high]");
+    OpenParameter open{std::string(k.name), core::number(*ends->get(0), name, key, k.lower, k.upper, k.unit),
+                       core::number(*ends->get(1), name, key, k.lower, k.upper, k.unit)};
+    if (!(open.low <= k.value(machine) && k.value(machine) <= open.high))
+      fail(name, node->source(),
+           key + " = [" + shortest(open.low) + ", " + shortest(open.high) +
+               "]; expected an interval that has the value of [parameters] in it, " +
+               shortest(k.value(machine)));
+    machine.open.push_back(open);
+  }
+}
+
 }  // namespace
 
 std::span<const MachineKey> parameter_keys() { return kParameters; }
@@ -102,7 +132,8 @@ bool is_planar_leg(std::string_view text) {
 }
 
 Machine parse_machine(std::string_view text, const std::string& path) {
-  static constexpr std::array<std::string_view, 4> kSections{"model", "parameters", "motors", "range"};
+  static constexpr std::array<std::string_view, 6> kSections{"model", "parameters", "motors",
+                                                             "range", "clutch",     "open"};
   static constexpr std::array<std::string_view, 3> kModelKeys{"kind", "schema", "spring"};
   const toml::table file = core::parse_toml(text, path);
   core::refuse_unknown_keys(file, path, "the model file of a planar leg", kSections);
@@ -136,6 +167,13 @@ Machine parse_machine(std::string_view text, const std::string& path) {
   read_keys(file, path, "parameters", kParameters, machine);
   read_keys(file, path, "motors", kMotors, machine);
   if (file.contains("range")) read_keys(file, path, "range", kRange, machine);
+  if (const toml::node* clutch = file.get("clutch")) {
+    if (machine.spring != LegSpring::switched)
+      fail(path, clutch->source(),
+           "[clutch] of a leg whose spring is " + core::quoted(which) + "; expected spring = \"switched\"");
+    read_keys(file, path, "clutch", kClutch, machine);
+  }
+  if (file.contains("open")) read_open(file, path, machine);
 
   const auto& leg = machine.leg;
   const toml::source_region& at = file.get("parameters")->source();
@@ -160,10 +198,14 @@ Machine read_machine(const std::string& path) {
 }
 
 std::string format_machine(const Machine& machine) {
+  std::string open = machine.open.empty() ? "" : "\n[open]\n";
+  for (const OpenParameter& o : machine.open)
+    open += o.name + " = [" + core::toml_float(o.low) + ", " + core::toml_float(o.high) + "]\n";
   return "[model]\nkind = \"planar_leg\"\nschema = 1\nspring = \"" +
          std::string(dynamics::kLegSpringNames[static_cast<std::size_t>(machine.spring)]) + "\"\n" +
          format_keys("parameters", kParameters, machine) + format_keys("motors", kMotors, machine) +
-         format_keys("range", kRange, machine);
+         format_keys("range", kRange, machine) +
+         (machine.catching.ideal() ? "" : format_keys("clutch", kClutch, machine)) + open;
 }
 
 }  // namespace furcula::gait

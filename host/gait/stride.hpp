@@ -60,6 +60,7 @@ struct StrideEnd {
   double lowest_toe = 0.0;  ///< in flight, m; below zero where the toe went through the ground
   double least_force_n = 0.0, friction = 0.0, impact_friction = 0.0, impulse_ns = 0.0;
   double toe_acceleration_mps2 = 0.0;                                ///< upward, just after lift-off
+  double touchdown_speed_mps = 0.0;                                  ///< of the toe, downward
   double joint_excess_rad = 0.0;                                     ///< beyond the joints' ranges
   double voltage_v = 0.0, current_a = 0.0, motor_speed_radps = 0.0;  ///< the most of either motor
 };
@@ -141,7 +142,7 @@ class StrideRun {
   template <class S>
   using Stance = std::array<S, 7>;  ///< hip, knee, their rates, three energies
 
-  static constexpr double kLongestPhase = 2.0;
+  static constexpr double kLongestPhase = 2.0, kNotCaught = 100.0;
 
   template <class S>
   const auto& law() const {
@@ -284,6 +285,8 @@ class StrideRun {
     const std::vector<double>& samples = o_.samples[static_cast<std::size_t>(phase)];
     std::size_t sampled = 0;
     breaks.insert(breaks.end(), samples.begin(), samples.end());
+    const double caught_s = kStance && m_.spring == LegSpring::switched ? m_.catching.delay_s : 0.0;
+    if (caught_s > 0.0) breaks.push_back(caught_s);
     std::sort(breaks.begin(), breaks.end());
     std::size_t next = 0;
     double t = 0.0;
@@ -337,6 +340,9 @@ class StrideRun {
           if (plain(toe) > plain(r_.highest_toe)) r_.highest_toe = toe;
         }
       t += h;
+      if constexpr (kStance)
+        if (caught_s > 0.0 && std::abs(t - caught_s) < 1e-12 && plain(rest_) == kNotCaught)
+          rest_ = state[1] + m_.catching.lost_rad;
       for (; sampled < samples.size() && samples[sampled] <= t + 1e-12; ++sampled) {
         Sample<T> sample;
         if constexpr (kStance)
@@ -367,13 +373,15 @@ class StrideRun {
   void land_and_leave(Flight<T>& s) {
     const Joints2<T> angle{s[2], s[3]}, rate{s[6], s[7]};
     const auto pose = leg_.pose(angle);
-    if (plain(s[5] + leg_.toe_velocity(pose, rate).y) > 0.0) r_.why = "the toe goes up through the ground";
+    r_.touchdown_speed_mps = -plain(s[5] + leg_.toe_velocity(pose, rate).y);
+    if (r_.touchdown_speed_mps < 0.0) r_.why = "the toe goes up through the ground";
     const auto impact = leg_.impact(pose, {s[4], s[5]}, rate);
     r_.impulse_ns = plain(impact.impulse.y);
     r_.impact_friction = std::abs(plain(impact.impulse.x) / r_.impulse_ns);
     if (!(r_.impulse_ns > 0.0)) r_.why = "the impact would have to pull";
-    rest_ = angle.knee;
-    r_.touchdown_knee = rest_;
+    r_.touchdown_knee = angle.knee;
+    // Until it is caught a spring rests wherever the knee is.
+    rest_ = m_.catching.delay_s > 0.0 ? T(kNotCaught) : T(angle.knee + m_.catching.lost_rad);
     const auto toe = leg_.toe(pose);
     toe_at_ = {s[0] + toe.x, s[1] + toe.y};
     Stance<T> p{angle.hip, angle.knee, impact.rate.hip, impact.rate.knee, s[8], s[9], s[10]};

@@ -48,20 +48,19 @@ std::string why_not_here(const std::string& image) {
   return "";
 }
 
-Qemu::Qemu(const std::string& image, const control::Config& config, std::chrono::milliseconds allowed)
+EmulatedBoard::EmulatedBoard(const std::string& image, std::chrono::milliseconds allowed)
     : allowed_(allowed) {
   try {
     start(image);
-    configure(config);
   } catch (...) {
     clean_up();
     throw;
   }
 }
 
-Qemu::~Qemu() { clean_up(); }
+EmulatedBoard::~EmulatedBoard() { clean_up(); }
 
-void Qemu::start(const std::string& image) {
+void EmulatedBoard::start(const std::string& image) {
   std::string pattern = (std::filesystem::temp_directory_path() / "furcula-pil-XXXXXX").string();
   if (::mkdtemp(pattern.data()) == nullptr) fail("no temporary directory: " + last_error());
   directory_ = pattern;
@@ -95,25 +94,7 @@ void Qemu::start(const std::string& image) {
   }
 }
 
-void Qemu::configure(const control::Config& config) {
-  const Begin begin{kBegin, config};
-  send(&begin, sizeof(begin));
-}
-
-Reply Qemu::exchange(const Tick& tick) {
-  send(&tick, sizeof(tick));
-  Reply reply;
-  receive(&reply, sizeof(reply));
-  ++ticks_;
-  return reply;
-}
-
-Farewell Qemu::finish() {
-  Tick last;
-  last.kind = kEnd;
-  send(&last, sizeof(last));
-  Farewell farewell;
-  receive(&farewell, sizeof(farewell));
+void EmulatedBoard::wait_for_end() {
   const auto deadline = Clock::now() + allowed_;
   int status = 0;
   while (::waitpid(child_, &status, WNOHANG) == 0) {
@@ -122,16 +103,15 @@ Farewell Qemu::finish() {
   }
   child_ = -1;
   if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) fail("QEMU " + how_it_ended(status) + last_words());
-  return farewell;
 }
 
-void Qemu::send(const void* data, std::size_t size) {
+void EmulatedBoard::send(const void* data, std::size_t size) {
   // Smaller than PIPE_BUF: written whole or not at all. The board reads each before the next is sent.
   if (::write(to_board_, data, size) != static_cast<ssize_t>(size))
-    fail("cannot write to the pipe at tick " + std::to_string(ticks_) + ": " + last_error());
+    fail("cannot write to the pipe at tick " + std::to_string(answers_) + ": " + last_error());
 }
 
-void Qemu::receive(void* data, std::size_t size) {
+void EmulatedBoard::receive(void* data, std::size_t size) {
   auto* bytes = static_cast<char*>(data);
   const auto deadline = Clock::now() + allowed_;
   while (size > 0) {
@@ -139,34 +119,35 @@ void Qemu::receive(void* data, std::size_t size) {
     if (n > 0) {
       bytes += n;
       size -= static_cast<std::size_t>(n);
+      if (size == 0) ++answers_;
       continue;
     }
     check_alive("waiting for its answer");
     if (Clock::now() > deadline)
-      fail("no answer within " + std::to_string(allowed_.count()) + " ms at tick " + std::to_string(ticks_) +
-           last_words());
+      fail("no answer within " + std::to_string(allowed_.count()) + " ms at tick " +
+           std::to_string(answers_) + last_words());
     pollfd waited{from_board_, POLLIN, 0};
     ::poll(&waited, 1, static_cast<int>(kSlice.count()));
   }
 }
 
-void Qemu::check_alive(const char* doing) {
+void EmulatedBoard::check_alive(const char* doing) {
   int status = 0;
   if (child_ > 0 && ::waitpid(child_, &status, WNOHANG) == child_) {
     child_ = -1;
-    fail("QEMU " + how_it_ended(status) + " at tick " + std::to_string(ticks_) + " while " + doing +
+    fail("QEMU " + how_it_ended(status) + " at tick " + std::to_string(answers_) + " while " + doing +
          last_words());
   }
 }
 
-std::string Qemu::last_words() const {
+std::string EmulatedBoard::last_words() const {
   std::ifstream file(directory_ + "/words");
   std::ostringstream words;
   words << file.rdbuf();
   return words.str().empty() ? "" : "; it said: " + words.str().substr(0, 500);
 }
 
-void Qemu::clean_up() {
+void EmulatedBoard::clean_up() {
   if (child_ > 0) {
     ::kill(child_, SIGKILL);
     ::waitpid(child_, nullptr, 0);
@@ -175,6 +156,27 @@ void Qemu::clean_up() {
   if (from_board_ >= 0) ::close(from_board_);
   std::error_code ignored;
   if (!directory_.empty()) std::filesystem::remove_all(directory_, ignored);
+}
+
+Qemu::Qemu(const std::string& image, const control::Config& config, std::chrono::milliseconds allowed)
+    : board_(image, allowed) {
+  configure(config);
+}
+
+void Qemu::configure(const control::Config& config) { board_.send(Begin{kBegin, config}); }
+
+Reply Qemu::exchange(const Tick& tick) {
+  board_.send(tick);
+  return board_.receive<Reply>();
+}
+
+Farewell Qemu::finish() {
+  Tick last;
+  last.kind = kEnd;
+  board_.send(last);
+  const auto farewell = board_.receive<Farewell>();
+  board_.wait_for_end();
+  return farewell;
 }
 
 }  // namespace furcula::pil

@@ -20,22 +20,30 @@ struct LinkError : std::runtime_error {
 /// Why processor-in-the-loop cannot run here, or an empty string.
 std::string why_not_here(const std::string& image);
 
-class Qemu {
+/// QEMU with an image, in a directory of its own with two pipes to the board's program.
+class EmulatedBoard {
  public:
-  /// Starts QEMU with the image in a directory of its own and hands it the configuration. `allowed` is how
-  /// long any one answer may take. @throws LinkError
-  Qemu(const std::string& image, const control::Config& config, std::chrono::milliseconds allowed);
+  /// `allowed` is how long any one answer may take. @throws LinkError
+  EmulatedBoard(const std::string& image, std::chrono::milliseconds allowed);
   /// Ends the child if it still runs, removes the directory.
-  ~Qemu();
-  Qemu(const Qemu&) = delete;
-  Qemu& operator=(const Qemu&) = delete;
+  ~EmulatedBoard();
+  EmulatedBoard(const EmulatedBoard&) = delete;
+  EmulatedBoard& operator=(const EmulatedBoard&) = delete;
 
-  /// Another configuration before the next tick. @throws LinkError
-  void configure(const control::Config& config);
-  /// One tick there and back. @throws LinkError
-  Reply exchange(const Tick& tick);
-  /// Ends the run; QEMU must end with status 0. @throws LinkError
-  Farewell finish();
+  /// A message that is smaller than a pipe's atomic write (4 KiB). @throws LinkError
+  template <class Message>
+  void send(const Message& message) {
+    send(&message, sizeof(message));
+  }
+  /// The next message, within the time allowed. @throws LinkError
+  template <class Message>
+  Message receive() {
+    Message message;
+    receive(&message, sizeof(message));
+    return message;
+  }
+  /// Waits for QEMU to end, which must be with status 0. @throws LinkError
+  void wait_for_end();
 
   pid_t pid() const { return child_; }
 
@@ -52,7 +60,26 @@ class Qemu {
   std::string directory_;
   pid_t child_ = -1;
   int to_board_ = -1, from_board_ = -1;
-  std::size_t ticks_ = 0;
+  std::size_t answers_ = 0;
+};
+
+/// The board qemu_netduinoplus2.
+class Qemu {
+ public:
+  /// Hands the configuration to the board. @throws LinkError
+  Qemu(const std::string& image, const control::Config& config, std::chrono::milliseconds allowed);
+
+  /// Another configuration before the next tick. @throws LinkError
+  void configure(const control::Config& config);
+  /// One tick there and back. @throws LinkError
+  Reply exchange(const Tick& tick);
+  /// Ends the run; QEMU must end with status 0. @throws LinkError
+  Farewell finish();
+
+  pid_t pid() const { return board_.pid(); }
+
+ private:
+  EmulatedBoard board_;
 };
 
 }  // namespace furcula::pil

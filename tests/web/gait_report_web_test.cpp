@@ -71,7 +71,8 @@ TEST_CASE("the leg of a gait is drawn, its spring orange in stance alone, and mo
   const auto most = std::max_element(moments.begin(), moments.end(), [](const auto& a, const auto& b) {
     return std::abs(a.spring_nm) < std::abs(b.spring_nm);
   });
-  std::string page = gait::render_gait_report(found, "furcula gait");
+  std::string page =
+      gait::render_gait_report(found, {gait::stability_of(*found.gait), {}, {}, {}, {}}, "furcula gait");
   page.insert(page.find("<meta name=\"viewport\""), kFrames);
   const std::string times =
       "<script>var flight = 0.05, stance = " + std::to_string(most->time_s) + ";</script>";

@@ -314,6 +314,26 @@ TEST_CASE("a switched spring begins at the knee's angle of touch-down and is sla
   CHECK(leg.spring_torque_nm() == Approx(-60.67 * (knee - 1.0)));
 }
 
+TEST_CASE("a leg that falls at rest lands on its ground when a stone would, and stands there") {
+  // Straight legs without friction do not turn: the toe falls as the hip does.
+  Parameters p = spear();
+  for (const double ground : {0.0, 0.01, -0.02}) {
+    PlanarLeg<double> leg(p, LegSpring::none, LegLiftOff::force);
+    leg.set_ground(ground);
+    const double height = 0.75;
+    leg.reset({0.0, height}, {0.0, 0.0}, {0.0, 0.0}, {0.0, 0.0});
+    const double way = height - p.thigh_length_m - p.shank_length_m - ground;
+    double landed = -1.0, t = 0.0;
+    for (; landed < 0.0 && t < 1.0; t += 1e-3) {
+      leg.advance({0.0, 0.0}, 1e-3);
+      for (const auto& e : leg.events())
+        if (e.kind == PlanarLeg<double>::Event::Kind::touchdown) landed = t + e.offset_s;
+    }
+    CHECK(landed == Approx(std::sqrt(2.0 * way / p.gravity_mps2)).margin(1e-9));
+    CHECK(leg.toe_m().y == Approx(ground).margin(1e-12));
+  }
+}
+
 TEST_CASE("derivatives pass through touch-down") {
   using Number = ceres::Jet<double, 2>;
   const auto fallen = [](auto height, auto knee_rate) {

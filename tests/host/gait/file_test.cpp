@@ -66,8 +66,39 @@ TEST_CASE("a model file that is wrong is refused with line, value and what was e
           text +
           "\n[range]\nhip_least_rad = 1.0\nhip_most_rad = 0.5\nknee_least_rad = 0.0\nknee_most_rad = 2.0\n"),
       Contains("expected least < most"));
+  const auto open = [&](const std::string& line) { return refusal(text + "\n[open]\n" + line + "\n"); };
+  CHECK_THAT(open("stiffness_nmprad = 60.0"), Contains("expected [low, high]"));
+  CHECK_THAT(open("stiffness_nmprad = [61.0, 70.0]"), Contains("has the value of [parameters] in it, 60.67"));
+  CHECK_THAT(open("stifness_nmprad = [50.0, 70.0]"), Contains("did you mean 'stiffness_nmprad'?"));
+  CHECK_THAT(open("mass_kg = [-1.0, 7.0]"), Contains("mass_kg") && Contains("-1"));
+  CHECK_THAT(open("mass_kg = [6.0, 7.0]\nthigh_mass_kg = [2.0, 3.0]\nshank_mass_kg = [0.7, 0.8]\n"
+                  "thigh_com_m = [0.09, 0.1]\nshank_com_m = [0.09, 0.1]"),
+             Contains("5 parameters; expected at most 4"));
   CHECK_FALSE(is_planar_leg("[model]\nkind = \"tree\"\n"));
   CHECK_FALSE(is_planar_leg("no toml"));
+}
+
+TEST_CASE("a clutch that catches late is read, written again, and of a switched spring alone") {
+  const std::string clutch = "\n[clutch]\ncatch_delay_s = 0.01\nlost_knee_rad = 0.05\n";
+  const Machine m = parse_machine(text_of("spear_switched.toml") + clutch, "leg.toml");
+  CHECK(m.catching.delay_s == 0.01);
+  CHECK(m.catching.lost_rad == 0.05);
+  CHECK(parse_machine(format_machine(m), "again").catching.lost_rad == 0.05);
+  CHECK_THAT(refusal(text_of("spear_parallel.toml") + clutch), Contains("expected spring = \"switched\""));
+  CHECK_THAT(
+      refusal(text_of("spear_switched.toml") + "\n[clutch]\ncatch_delay_s = -0.01\nlost_knee_rad = 0\n"),
+      Contains("catch_delay_s") && Contains("-0.01"));
+}
+
+TEST_CASE("intervals of open parameters are read, and written again") {
+  const Machine m = parse_machine(
+      text_of("spear_switched.toml") + "\n[open]\nhip_damping_nmspr = [0.301, 0.351]\n", "leg.toml");
+  REQUIRE(m.open.size() == 1);
+  CHECK(m.open[0].name == "hip_damping_nmspr");
+  CHECK(m.open[0].high == 0.351);
+  const Machine again = parse_machine(format_machine(m), "again");
+  REQUIRE(again.open.size() == 1);
+  CHECK(again.open[0].low == 0.301);
 }
 
 TEST_CASE("a gait file reads back the same gait, with its robot") {

@@ -36,6 +36,15 @@ TEST_CASE("furcula gait writes the gait, its JSON and its page") {
   CHECK(j["multipliers"].size() == 6);
   CHECK(j["limits"].empty());
   CHECK(j["local_optima"][0]["starts"] == 2);
+  CHECK_THAT(ran.out, Contains("cheapest stable gait: this one"));
+  CHECK(j["stability"]["multipliers"][0].get<double>() < 0.25);
+  CHECK(j["stability"]["basin"].get<double>() > 0.5);
+  CHECK(j["disturbed"]["strides"] == 1000);
+  CHECK(j["disturbed"]["falls"] == 0);
+  CHECK(j["disturbed"]["falls_without_law"].get<int>() > 100);
+  CHECK(j["stability"]["basin_without_law"].get<double>() < 0.05);
+  CHECK(j["cheapest_stable"]["cost_j"] == j["cost_j"]);
+  CHECK(j["open"].is_null());
   const gait::Gait read = gait::read_gait(out + "/gait.toml");
   CHECK(gait::evaluate(read).cost_j == j["cost_j"].get<double>());
   std::ifstream page(out + "/report.html");
@@ -68,8 +77,16 @@ TEST_CASE("furcula gait refuses what cannot be meant, with what was expected") {
   CHECK_THAT(refused({"--clearance-m", "0.05", "--lift-off", "toe"}, 2), Contains("--lift-off"));
   CHECK_THAT(refused({"--clearance-m", "0.05", "--touchdown-knee-rad", "3"}, 2),
              Contains("the knee's range"));
+  CHECK_THAT(refused({"--speed-mps", "1", "--landing-speed-mps", "-1"}, 2), Contains("from 0 to 10 m/s"));
   CHECK_THAT(refused({"--clearance-m", "0.05", "--from", model("switched")}, 3), Contains("gait file"));
-  CHECK(folder.names().empty());
+  const std::string late = folder.path() + "/late.toml";
+  std::ofstream(late) << std::ifstream(model("switched")).rdbuf()
+                      << "\n[clutch]\ncatch_delay_s = 0.01\nlost_knee_rad = 0.0\n";
+  const test::Ran ran = test::run_furcula(
+      {"gait", "--model", late, "--clearance-m", "0.05", "--lift-off", "knee", "--out", out});
+  CHECK(ran.status == 2);
+  CHECK_THAT(ran.err, Contains("expected force or unguarded"));
+  CHECK(folder.names() == std::vector<std::string>{"late.toml"});
 }
 
 TEST_CASE("a planar leg's model file is refused with a reason by commands that have no use for it") {

@@ -66,6 +66,9 @@ class PlanarLeg {
     pose_ = leg_.pose({s_.hip, s_.knee});
   }
 
+  /// The ground's height from the next touch-down on, m; reset() does not change it.
+  void set_ground(const T& height_m) { ground_ = height_m; }
+
   /// Moves on by `dt_s` >= 0 with the motors' torques held, N m.
   void advance(const Joints2<T>& torque, V dt_s) {
     event_count_ = 0;
@@ -215,7 +218,7 @@ class PlanarLeg {
     const State& s = look.state;
     switch (change) {
       case Change::touches_down:
-        return s.y + leg_.toe(look.pose).y;
+        return s.y + leg_.toe(look.pose).y - ground_;
       case Change::leaves_ground:
         return look.motion.ground_force.y;
       case Change::knee_is_back:
@@ -283,7 +286,7 @@ class PlanarLeg {
     s_.hip_rate = impact.rate.hip;
     s_.knee_rate = impact.rate.knee;
     const Vec2<T> toe = leg_.toe(pose_);
-    pin_ = {s_.x + toe.x, T(V(0))};
+    pin_ = {s_.x + toe.x, ground_};
     mode_ = Mode::stance;
     keeps_ = false;
     pin(s_, pose_);
@@ -331,7 +334,7 @@ class PlanarLeg {
   Pose pose_{};
   Joints2<T> torque_{};
   Vec2<T> pin_{};
-  T rest_{};
+  T rest_{}, ground_{};
   LegEnergy<T> account_{};
   V elapsed_ = V(0);
   std::array<Event, kMaxEvents> events_{};

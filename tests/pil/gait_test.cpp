@@ -1,0 +1,148 @@
+// A gait of a planar leg on an emulated Cortex-M4F: the plant on the host obeys the board's torques alone, and beside it
+// the host's own controller gets the same samples.
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <catch2/catch.hpp>
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <sstream>
+#include <string>
+
+#include "boards/qemu_planar_leg/wire.hpp"
+#include "boards/sim_host/leg_rig.hpp"
+#include "host/gait/gait_table.hpp"
+#include "host/gait/stability.hpp"
+#include "host/pil/own_image.hpp"
+#include "host/pil/qemu.hpp"
+#include "tests/host/gait/legs.hpp"
+#include "tests/paths.hpp"
+#include "tests/skip.hpp"
+
+namespace {
+
+using namespace furcula;
+using namespace std::chrono_literals;
+using control::Fault;
+using sim_host::LegFault;
+
+std::string image() {
+  return (std::filesystem::path(pil::own_image()).parent_path() / "qemu_planar_leg.elf").string();
+}
+bool cannot_run_here() {
+  const std::string reason = pil::why_not_here(image());
+  if (!reason.empty()) test::skip(reason.c_str());
+  return !reason.empty();
+}
+
+const gait::Gait& hop() {
+  static const gait::Search found = test::found(gait::LegSpring::switched, test::in_place(0.075));
+  return *found.gait;
+}
+
+/// As they are in memory, but for what the tick took: 0 and -0 differ, and a NaN equals itself.
+std::array<std::uint32_t, 6> bits(pil::LegReply reply) {
+  const auto all = std::bit_cast<std::array<std::uint32_t, 7>>(reply);
+  return {all[0], all[1], all[2], all[3], all[4], all[5]};
+}
+
+struct Run {
+  std::size_t ticks = 0, differing = 0, touchdowns = 0;
+  std::uint32_t worst_instructions = 0;
+  std::map<int, std::size_t> ticks_with_fault;
+  double most_torque_after_fault = 0.0;
+  unsigned strides = 0;
+  pil::LegFarewell farewell;
+};
+
+Run run_in_lock_step(std::size_t ticks, LegFault fault, double fault_s) {
+  const control::GaitConfig config = gait::controller_config(hop(), gait::kStanceGains);
+  sim_host::LegRig rig(
+      {hop().machine.leg, hop().machine.spring, hop().task.lift_off, 0.01, 5e-3, true, 3, fault, fault_s});
+  const auto apex = gait::apex_of(hop());
+  rig.drop(apex.height, apex.speed, apex.angle);
+  control::GaitState state = control::begin_gait(config);
+  pil::EmulatedBoard board(image(), 10s);
+  board.send(pil::LegBegin{pil::kLegBegin, config});
+  Run run;
+  for (; run.ticks < ticks; ++run.ticks) {
+    const control::GaitInputs in = rig.sense();
+    const pil::LegTick tick{pil::kLegTick, in.sample_valid ? 1u : 0u, 0, 1, in.tick_interval_us, in.sample};
+    board.send(tick);
+    const auto there = board.receive<pil::LegReply>();
+    const pil::LegReply here = pil::reply_of(control::step_gait(config, state, pil::inputs_of(tick), 1e-3f));
+    if (bits(here) != bits(there)) ++run.differing;
+    rig.advance(there.torque_nm);
+    run.worst_instructions = std::max(run.worst_instructions, there.instructions);
+    ++run.ticks_with_fault[there.fault];
+    run.touchdowns += there.events & 1u;
+    if (there.fault != 0)
+      run.most_torque_after_fault = std::max<double>(
+          run.most_torque_after_fault, std::abs(there.torque_nm.hip) + std::abs(there.torque_nm.knee));
+  }
+  run.strides = rig.strides();
+  pil::LegTick last;
+  last.kind = pil::kLegEnd;
+  board.send(last);
+  run.farewell = board.receive<pil::LegFarewell>();
+  board.wait_for_end();
+  return run;
+}
+
+std::map<std::string, double> read_budget() {
+  std::ifstream file(test::source("boards/qemu_planar_leg/budget.txt"));
+  REQUIRE(file);
+  std::map<std::string, double> budget;
+  for (std::string line; std::getline(file, line);) {
+    std::istringstream words(line);
+    std::string name;
+    double most = 0.0;
+    if (words >> name >> most) budget[name] = most;
+  }
+  return budget;
+}
+
+}  // namespace
+
+TEST_CASE("20,000 ticks of a gait are bit-equal on the Cortex-M4F and on the host, within the budgets") {
+  if (cannot_run_here()) return;
+  const Run run = run_in_lock_step(20000, LegFault::none, 0.0);
+  CHECK(run.ticks == 20000);
+  CHECK(run.differing == 0);
+  // It hopped: 20 s of strides of some 0.57 s, each with its touch-down, without a fault.
+  CHECK(run.strides >= 33);
+  CHECK(run.strides <= 37);
+  CHECK(run.touchdowns >= run.strides - 1);
+  CHECK(run.ticks_with_fault.size() == 1);
+  CHECK(run.farewell.hundred_nops == 100);
+  std::ofstream(image() + ".measured") << "worst_tick " << run.worst_instructions << "\nstack_measured "
+                                       << run.farewell.deepest_stack_bytes << "\n";
+  auto budget = read_budget();
+  CHECK(run.worst_instructions > 100);
+  CHECK(run.worst_instructions <= budget["worst_tick"]);
+  CHECK(run.farewell.deepest_stack_bytes > 50);
+  CHECK(run.farewell.deepest_stack_bytes <= budget["stack_measured"]);
+}
+
+TEST_CASE(
+    "each fault of a leg's sensors is found on the Cortex-M4F as on the host, and takes the torque away") {
+  if (cannot_run_here()) return;
+  struct Case {
+    LegFault breaks;
+    Fault found;
+  };
+  for (const Case& c :
+       {Case{LegFault::height_nan, Fault::non_finite_input}, Case{LegFault::sample_stale, Fault::stale_input},
+        Case{LegFault::sample_missing, Fault::peer_lost},
+        Case{LegFault::height_jumps, Fault::encoder_jump}}) {
+    Run run = run_in_lock_step(1800, c.breaks, 1.5);
+    INFO(static_cast<int>(c.breaks));
+    CHECK(run.differing == 0);
+    CHECK(run.ticks_with_fault[static_cast<int>(c.found)] > 290);
+    CHECK(run.ticks_with_fault.size() == 2);
+    CHECK(run.most_torque_after_fault == 0.0);
+    CHECK(run.worst_instructions <= read_budget()["worst_tick"]);
+  }
+}
