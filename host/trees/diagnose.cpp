@@ -400,13 +400,14 @@ class Diagnoser {
       if (structured(m) || lost || only_there || (d_.findings.empty() && at_times(m)))
         where.push_back(model_.robot.joints[j].name);
     }
-    const bool disputed = d_.findings.empty() && disputed_ > kDisputed;
+    const bool disputed = disputed_ > kDisputed;
     d_.unexplained_share = before > 0.0 && !d_.findings.empty() ? std::clamp(after / before, 0.0, 1.0)
                            : where.empty() && !disputed         ? 0.0
                                                                 : 1.0;
     const bool left = disputed || (!where.empty() && (d_.findings.empty() || d_.unexplained_share > 0.1));
     for (Finding& f : d_.findings) {
-      if (left) f.confidence = std::min(f.confidence, std::max(0.3, 1.0 - d_.unexplained_share));
+      if (left && !where.empty())
+        f.confidence = std::min(f.confidence, std::max(0.3, 1.0 - d_.unexplained_share));
     }
     const bool undecided = std::any_of(d_.findings.begin(), d_.findings.end(),
                                        [](const Finding& f) { return !f.indistinguishable_from.empty(); });
@@ -436,7 +437,9 @@ class Diagnoser {
                    (lacks.empty() || wrong.empty() ? "" : ", and ") +
                    (wrong.empty() ? "" : "has wrong values of " + joined(wrong)) + ".";
       if (undecided) d_.summary += " The recordings cannot tell all of that from other causes.";
-      if (left)
+      if (left && where.empty())
+        d_.summary += " What is left is more than chance, and the recordings do not agree on a cause of it.";
+      else if (left)
         d_.summary += " " + percent(d_.unexplained_share) +
                       " of the torque that could be foretold is still missing, at " + joined(where) + ".";
     }

@@ -20,6 +20,8 @@ constexpr std::size_t kLeaders = 5;
 constexpr double kGrosslyWrong = 0.02;
 /// A cause without which the loss is so many times as much stays.
 constexpr double kMissed = 2.0;
+/// So often does a rival that fits better take a cause's place.
+constexpr int kMostSwaps = 4;
 /// What a parameter more must be worth, of the loss.
 constexpr double kOfParameter = 0.01;
 
@@ -305,7 +307,7 @@ class Search {
     problem_.weigh(fit.at);
     fit = problem_.fit(fit.at, 4);
     const std::size_t given = problem_.model().causes.size();
-    for (int swaps = 0; swaps < 4; ++swaps) {
+    for (int swaps = 0; swaps <= kMostSwaps; ++swaps) {
       found.gain.clear();
       found.z.clear();
       found.rivals.clear();
@@ -344,7 +346,7 @@ class Search {
           const Fit other = problem_.fit(h, 5, &off);
           // The same law in another dress has the name that it had before.
           Rival r{{other.at.causes.back()}, other.at, other.loss - fit.loss, against(fit, other)};
-          if (r.loss_more < -0.003 * fit.loss && parameters(other) <= parameters(fit)) {
+          if (swaps < kMostSwaps && r.loss_more < -0.003 * fit.loss && parameters(other) <= parameters(fit)) {
             // Its derivatives are of several places.
             fit = problem_.fit(other.at, 3);
             swapped = true;
