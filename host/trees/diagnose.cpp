@@ -21,6 +21,8 @@ namespace {
 
 /// A rival whose loss is less than so many times its own scatter behind cannot be told apart.
 constexpr double kApart = 2.0;
+/// Nor can one whose loss is no more than by this share the larger, where the torques show that something is still missing.
+constexpr double kOfWhatIsLeft = 0.25;
 /// A flexible law must foretell so much of the missing torque, and that be so much of the joint's torque, to be called structure.
 constexpr double kForetold = 0.03, kOfTorque = 0.01;
 /// What is missing at times only: so much of the drive's torque, and so much of its squares in a tenth of the samples (of chance: 0.44).
@@ -249,6 +251,7 @@ class Diagnoser {
     const std::size_t given = model_.causes.size();
     double explainable = 0.0;
     for (const double g : found.gain) explainable += g;
+    const bool something_left = std::any_of(d_.missing.begin(), d_.missing.end(), structured);
     for (std::size_t c = given; c < found.fit.at.causes.size(); ++c) {
       const Cause& cause = found.fit.at.causes[c];
       const EffectInfo& e = info(cause.effect);
@@ -270,15 +273,18 @@ class Diagnoser {
                                      r.causes.front().values[k], NAN, NAN});
         }
         nearest = std::min(nearest, r.z);
-        if (r.z < kApart) {
+        const double more = r.loss_more / found.fit.loss;
+        if (r.z < kApart || (something_left && more < kOfWhatIsLeft)) {
           undecided_.push_back(r.at);
-          text.why = "in its place and fitted, the windows are predicted as well: the difference is " +
-                     core::rounded(r.z, 2) + " times its own scatter from window to window";
+          text.why = r.z < kApart
+                         ? "in its place and fitted, the windows are predicted as well: the difference is " +
+                               core::rounded(r.z, 2) + " times its own scatter from window to window"
+                         : "in its place and fitted, the windows' loss is " + percent(more) +
+                               " more: what is still missing is more than that";
           f.indistinguishable_from.push_back(text);
         } else {
-          text.why = "in its place and fitted, the windows' loss is " +
-                     percent(r.loss_more / found.fit.loss) + " more, " + core::rounded(r.z, 2) +
-                     " times its own scatter from window to window";
+          text.why = "in its place and fitted, the windows' loss is " + percent(more) + " more, " +
+                     core::rounded(r.z, 2) + " times its own scatter from window to window";
           f.alternatives.push_back(text);
         }
       }

@@ -34,6 +34,15 @@ Eigen::VectorXd solve(const Eigen::MatrixXd& m, const Columns& columns, Index of
   return ScaledNormal(part(m, columns, columns), kRidge).solve(part(m, columns, {of}));
 }
 
+/// Everything less what `base` explains.
+Eigen::MatrixXd not_explained_by(const Eigen::MatrixXd& m, const Columns& base) {
+  if (base.empty()) return m;
+  Columns all;
+  for (Index k = 0; k < m.cols(); ++k) all.push_back(k);
+  const Eigen::MatrixXd cross = part(m, base, all);
+  return m - cross.transpose() * ScaledNormal(part(m, base, base), kRidge).solve(cross);
+}
+
 double loss_with(const Eigen::MatrixXd& m, const Columns& columns, const Eigen::VectorXd& x) {
   if (columns.empty()) return m(0, 0);
   const Eigen::VectorXd right = part(m, columns, {0});
@@ -85,14 +94,7 @@ ScoreTest::Columns ScoreTest::columns_of(std::size_t candidate) const {
 std::vector<ScoreTest::Score> ScoreTest::scores(const Columns& base, std::size_t most, double* alike) const {
   const Eigen::MatrixXd& m = products_.all;
   const double before = loss_with(m, base, base.empty() ? Eigen::VectorXd() : solve(m, base));
-  // Everything less what `base` explains.
-  Columns all;
-  for (Index k = 0; k < m.cols(); ++k) all.push_back(k);
-  Eigen::MatrixXd left = m;
-  if (!base.empty()) {
-    const Eigen::MatrixXd cross = part(m, base, all);
-    left -= cross.transpose() * ScaledNormal(part(m, base, base), kRidge).solve(cross);
-  }
+  const Eigen::MatrixXd left = not_explained_by(m, base);
   std::vector<Score> out;
   for (std::size_t c = 0; c < candidates_.size(); ++c) {
     // A column that hardly sticks out of what is fitted already says nothing.
@@ -138,6 +140,24 @@ std::vector<ScoreTest::Score> ScoreTest::scores(const Columns& base, std::size_t
   std::stable_sort(kept.begin(), kept.end(),
                    [](const Score& a, const Score& b) { return a.worth > b.worth; });
   return kept;
+}
+
+std::vector<ScoreTest::Score> ScoreTest::in_place_of(std::size_t added, const Columns& base,
+                                                     double least) const {
+  const Index without = added_ + static_cast<Index>(added);
+  const Eigen::MatrixXd left = not_explained_by(products_.all, base);
+  std::vector<Score> out;
+  if (!(left(without, without) > 0.0)) return out;
+  for (std::size_t c = 0; c < candidates_.size(); ++c) {
+    const Columns columns = columns_of(c);
+    // What it is without the cause goes the other way.
+    const Eigen::VectorXd x = -solve(left, columns, without);
+    if (candidates_[c].only_forward && !(x(0) > 0.0)) continue;
+    const double share = -x.dot(Eigen::VectorXd(part(left, columns, {without}))) / left(without, without);
+    if (share > least) out.push_back({c, share, share, x});
+  }
+  std::stable_sort(out.begin(), out.end(), [](const Score& a, const Score& b) { return a.gain > b.gain; });
+  return out;
 }
 
 /// The candidate's score over its scatter from window to window, squared.

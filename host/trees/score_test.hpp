@@ -38,6 +38,10 @@ class ScoreTest {
   /// `alike`: what the best of those gains that the windows are sure of, whether or not the recordings agree on it, of the loss.
   std::vector<Score> scores(const Columns& base, std::size_t most, double* alike = nullptr) const;
 
+  /// Candidates that change the motion as the cause does that an added hypothesis leaves out: by a share of more than `least` of the
+  /// squares of what that changes, `base` fitted beside both. Best first, the share as their gain.
+  std::vector<Score> in_place_of(std::size_t added, const Columns& base, double least) const;
+
   const std::vector<Candidate>& candidates() const { return candidates_; }
   double loss() const { return products_.all(0, 0); }
   Columns columns_of(std::size_t candidate) const;

@@ -22,6 +22,9 @@ constexpr double kGrosslyWrong = 0.02;
 constexpr double kMissed = 2.0;
 /// So often does a rival that fits better take a cause's place.
 constexpr int kMostSwaps = 4;
+/// So many rivals of a cause are fitted; so many of them since they change the motion as it does, by this share of its squares.
+constexpr std::size_t kMostRivals = 5, kMostAlike = 3;
+constexpr double kNearlyOneLaw = 0.5;
 /// What a parameter more must be worth, of the loss.
 constexpr double kOfParameter = 0.01;
 
@@ -331,16 +334,22 @@ class Search {
         for (std::size_t k = 0; k < fit.unknowns.size(); ++k)
           if (!fit.unknowns[k].of_cause || fit.unknowns[k].cause != c)
             others_fitted.push_back(linear.fitted()[k]);
-        std::vector<ScoreTest::Score> scores = linear.scores(others_fitted, 60);
-        std::stable_sort(scores.begin(), scores.end(),
+        // What is nearly one law with it first, then what would gain about as much.
+        std::vector<ScoreTest::Score> scores = all.in_place_of(c - given, others_fitted, kNearlyOneLaw);
+        const std::size_t alike = scores.size();
+        std::vector<ScoreTest::Score> by_gain = linear.scores(others_fitted, 60);
+        std::stable_sort(by_gain.begin(), by_gain.end(),
                          [](const auto& a, const auto& b) { return a.gain > b.gain; });
+        scores.insert(scores.end(), by_gain.begin(), by_gain.end());
         std::set<std::string> seen{cause_name(problem_.model(), fit.at.causes[c])};
         std::size_t fitted = 0;
-        for (const auto& s : scores) {
+        for (std::size_t k = 0; k < scores.size() && fitted < kMostRivals; ++k) {
+          const ScoreTest::Score& s = scores[k];
           const Candidate& candidate = linear.candidates()[s.candidate];
           const std::string name = cause_name(problem_.model(), candidate.columns.front());
-          if (candidate.replaces >= 0 || !seen.insert(name).second) continue;
-          if (fitted == 4 || s.gain < 0.3 * (off.loss - fit.loss)) break;
+          if (candidate.replaces >= 0) continue;
+          if (k < alike ? fitted == kMostAlike : s.gain < 0.3 * (off.loss - fit.loss)) continue;
+          if (!seen.insert(name).second) continue;
           ++fitted;
           const Hypothesis h = with_candidate(problem_.model(), off.at, candidate, coefficients(s));
           const Fit other = problem_.fit(h, 5, &off);

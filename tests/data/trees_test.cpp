@@ -189,8 +189,9 @@ TEST_CASE("The double pendulum A0 lacks dry friction and rotor inertia at its el
   CHECK(d.extended_error[1].rmse < 0.055);
 }
 
-TEST_CASE("A leg under position control cannot tell damping from a late drive, and the diagnosis says so",
-          "[long]") {
+TEST_CASE(
+    "A leg under position control cannot tell damping and inertia from a late drive, and the diagnosis says so",
+    "[long]") {
   const std::string folder = test::data_folder();
   if (folder.empty()) return;
   const log::Log whole = tree_log(folder, "go2/go2.csv");
@@ -206,13 +207,30 @@ TEST_CASE("A leg under position control cannot tell damping from a late drive, a
   print("Go2, front left", d);
   INFO(brief(d));
   CHECK(d.verdict == trees::Verdict::not_identifiable);
-  bool damping_or_late = false;
+  // A late command, damping and inertia are nearly one law in these data (the README of the recordings): one of the latter two cannot be told
+  // from the first at its joint, whichever is named.
+  const auto late = [](const std::string& cause) {
+    return cause.starts_with("actuator_delay") || cause.starts_with("actuator_lag");
+  };
+  bool damping_or_inertia_or_late = false;
   for (const trees::Finding& f : d.findings) {
-    if (f.cause.effect != Effect::damping_error) continue;
-    for (const trees::RivalText& r : f.indistinguishable_from)
-      damping_or_late |=
-          r.causes.front().starts_with("actuator_delay") || r.causes.front().starts_with("actuator_lag");
+    const Effect e = f.cause.effect;
+    const bool damps = e == Effect::damping_error || e == Effect::position_gain_error,
+               inert = e == Effect::rotor_inertia_error || e == Effect::inertia_error,
+               is_late = e == Effect::actuator_delay || e == Effect::actuator_lag;
+    for (const trees::RivalText& r : f.indistinguishable_from) {
+      const std::string& other = r.causes.front();
+      damping_or_inertia_or_late |= (damps || inert) && late(other);
+      damping_or_inertia_or_late |=
+          is_late && (other.starts_with("damping_error") || other.starts_with("rotor_inertia_error"));
+    }
   }
-  CHECK(damping_or_late);
-  for (std::size_t j = 0; j < 3; ++j) CHECK(d.extended_error[j].rmse < d.refitted_error[j].rmse);
+  CHECK(damping_or_inertia_or_late);
+  // Others came from 32 to 7 mrad over the three joints, with rotor inertia, Coulomb and viscous friction (same place).
+  double squares = 0.0;
+  for (std::size_t j = 0; j < 3; ++j) {
+    CHECK(d.extended_error[j].rmse < d.refitted_error[j].rmse);
+    squares += d.extended_error[j].rmse * d.extended_error[j].rmse / 3.0;
+  }
+  CHECK(std::sqrt(squares) < 0.009);
 }
