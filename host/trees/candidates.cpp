@@ -11,8 +11,8 @@ namespace {
 
 class Lister {
  public:
-  Lister(const Problem& problem, const Hypothesis& h, const std::vector<std::vector<double>>& ripple)
-      : model_(problem.model()), scales_(problem.scales()), h_(h), ripple_(ripple) {}
+  Lister(const Problem& problem, const Hypothesis& h, const Guesses& guesses)
+      : model_(problem.model()), scales_(problem.scales()), h_(h), guesses_(guesses) {}
 
   std::vector<Candidate> list() {
     for (std::size_t j = 0; j < model_.joints(); ++j) at_joint(j);
@@ -20,6 +20,8 @@ class Lister {
     if (dot(model_.gravity_mps2, model_.gravity_mps2) > 0.0)
       add(Effect::base_tilt, {0}, {{0.02, 0.0, 0.0, 0.0}, {0.0, 0.02, 0.0, 0.0}}, false);
     for (const auto& group : groups()) at_group(group);
+    for (const Candidate& spring : guesses_.springs)
+      if (!has(spring.effect, spring.sites)) out_.push_back(spring);
     return std::move(out_);
   }
 
@@ -90,14 +92,9 @@ class Lister {
     for (const double lag : {4e-3, 18e-3}) add(Effect::actuator_lag, at, {{lag, 0, 0, 0}});
     for (const double limit : {2.0, 1.4, 1.0})
       add(Effect::torque_saturation, at, {{limit * scales_.torque_nm[j], 0, 0, 0}});
-    if (j < ripple_.size())
-      for (const double n : ripple_[j])
+    if (j < guesses_.ripple_cycles.size())
+      for (const double n : guesses_.ripple_cycles[j])
         add(Effect::torque_ripple, at, {{torque, n, 0, 0}, {torque, n, 0.5 * std::numbers::pi, 0}}, false);
-    // A spring that rings faster than the fits may step is no spring to them.
-    if (d.rotor_inertia_kgm2 > 0.0)
-      for (const double twist : {0.003, 0.02})
-        if (scales_.torque_nm[j] / twist < stiffest_nmprad(d))
-          add(Effect::joint_elasticity, at, {{scales_.torque_nm[j] / twist, 0, 0, 0}});
     add(Effect::encoder_offset, at, {{0.02, 0, 0, 0}}, false);
   }
 
@@ -157,19 +154,44 @@ class Lister {
   const TreeModel& model_;
   const Scales& scales_;
   const Hypothesis& h_;
-  const std::vector<std::vector<double>>& ripple_;
+  const Guesses& guesses_;
   std::vector<Candidate> out_;
 };
 
 Hypothesis base_of(const Hypothesis& h, const Candidate& c) {
-  return c.replaces >= 0 ? without(h, static_cast<std::size_t>(c.replaces)) : h;
+  Hypothesis out = c.replaces >= 0 ? without(h, static_cast<std::size_t>(c.replaces)) : h;
+  if (c.damping_nmspr)
+    for (const std::size_t site : c.sites) out.drives[site].damping_nmspr = *c.damping_nmspr;
+  return out;
 }
 
 }  // namespace
 
-std::vector<Candidate> candidates(const Problem& problem, const Hypothesis& h,
-                                  const std::vector<std::vector<double>>& ripple_cycles) {
-  return Lister(problem, h, ripple_cycles).list();
+std::vector<Candidate> candidates(const Problem& problem, const Hypothesis& h, const Guesses& guesses) {
+  return Lister(problem, h, guesses).list();
+}
+
+std::vector<Candidate> springs(const Problem& problem, const Hypothesis& h, std::size_t joint) {
+  constexpr double kSoftest_rad = 0.1;  // of twist by the drive's torque
+  constexpr double kNext = 1.025;
+  std::vector<Candidate> out;
+  const bool has = std::any_of(h.causes.begin(), h.causes.end(), [&](const Cause& c) {
+    return c.effect == Effect::joint_elasticity &&
+           std::find(c.sites.begin(), c.sites.end(), joint) != c.sites.end();
+  });
+  if (has) return out;
+  const Drive& given = problem.model().drives[joint];
+  const bool moved =
+      std::abs(h.drives[joint].damping_nmspr - given.damping_nmspr) > 0.05 * given.damping_nmspr;
+  for (double k = problem.scales().torque_nm[joint] / kSoftest_rad; k < stiffest_nmprad(given); k *= kNext) {
+    Candidate c{Effect::joint_elasticity, {joint}, {{Effect::joint_elasticity, {joint}, {k, 0, 0, 0}}}};
+    c.of_one_size = true;
+    out.push_back(c);
+    if (!moved) continue;
+    c.damping_nmspr = given.damping_nmspr;
+    out.push_back(std::move(c));
+  }
+  return out;
 }
 
 Hypothesis without(const Hypothesis& h, std::size_t cause) {
@@ -190,10 +212,7 @@ Hypothesis with_candidate(const TreeModel& model, const Hypothesis& h, const Can
   const std::size_t count = info(c.effect).parameter_count;
   switch (c.effect) {
     case Effect::torque_saturation:
-      break;
     case Effect::joint_elasticity:
-      // What a spring changes goes with its compliance.
-      cause.values[0] /= std::clamp(coefficients[0], 0.05, 20.0);
       break;
     case Effect::torque_ripple:
       cause.values[0] *= std::hypot(coefficients[0], coefficients[1]);

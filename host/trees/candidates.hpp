@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 #include "host/trees/fit.hpp"
@@ -17,11 +18,23 @@ struct Candidate {
   bool only_forward = true;  ///< coefficients below zero make no sense
   std::ptrdiff_t replaces =
       -1;  ///< a cause of the hypothesis that it contains (dry friction by a fuller law of it)
+  bool of_one_size = false;  ///< its coefficient is 1, or it is none
+  std::optional<double>
+      damping_nmspr{};  ///< of the joint's drive, from then on: what the fits made of it without the cause is wrong
 };
 
-/// All that the hypothesis does not have yet. `ripple_cycles[joint]` are what the torque may ripple with.
-std::vector<Candidate> candidates(const Problem& problem, const Hypothesis& h,
-                                  const std::vector<std::vector<double>>& ripple_cycles);
+/// What has values that no probe tells, guessed from the recordings.
+struct Guesses {
+  std::vector<std::vector<double>> ripple_cycles;  ///< a turn: of each joint, some or none
+  std::vector<Candidate> springs;                  ///< between drives and joints
+};
+
+/// All that the hypothesis does not have yet.
+std::vector<Candidate> candidates(const Problem& problem, const Hypothesis& h, const Guesses& guesses);
+
+/// Springs between a joint and its drive, from soft ones to such as ring faster than the fits may step: so many that one of them
+/// rings about as the true one does. Where the damping is free, with the model's own too: a fit takes the ringing for damping. None where the drive has no rotor's inertia, or a spring already.
+std::vector<Candidate> springs(const Problem& problem, const Hypothesis& h, std::size_t joint);
 
 /// The hypothesis with a column of a candidate.
 Hypothesis with_column(const Hypothesis& h, const Candidate& c, std::size_t column);

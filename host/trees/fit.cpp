@@ -16,6 +16,8 @@ namespace {
 constexpr double kTorque = 1e-3;
 /// Derivatives are those of a point no further than so much of what matters, in each unknown.
 constexpr double kNear = 0.5;
+/// What is not known of an elastic drive's twist at a window's start: of what its torque makes of it.
+constexpr double kTwist = 0.3;
 /// A motion of so many times the encoder's noise is none.
 constexpr double kStill = 10.0;
 /// No fit goes on for less than so much of the loss.
@@ -40,6 +42,12 @@ Problem::Problem(const TreeModel& model, const std::vector<Recording>& recording
   window_weight_.assign(windows_.size(), 1.0);
 }
 
+Problem Problem::thinned(std::size_t every) const {
+  std::vector<Window> some;
+  for (std::size_t i = 0; i < windows_.size(); i += every) some.push_back(windows_[i]);
+  return {model_, recordings_, std::move(some), threads_};
+}
+
 std::size_t Problem::fold_of(std::size_t window) const {
   if (recordings_.size() >= 3) return windows_[window].recording;
   return window * folds_ / windows_.size();
@@ -48,7 +56,7 @@ std::size_t Problem::fold_of(std::size_t window) const {
 Eigen::VectorXd Problem::simulated(const Setup& setup, const Window& w) const {
   const std::size_t n = joints(), rows = w.last - w.first + 1;
   std::vector<double> out(rows * n);
-  run(setup, recordings_[w.recording], w.first, w.last, w.angle_rad, w.velocity_radps, out);
+  run(setup, recordings_[w.recording], w.first, w.last, w.angle_rad, w.velocity_radps, out, w.rotor_more);
   Eigen::VectorXd mean = Eigen::VectorXd::Zero(w.measured.size());
   std::vector<double> count(bins_, 0.0);
   for (std::size_t k = 0; k < rows; ++k) {
@@ -81,17 +89,37 @@ void Problem::weigh(const Hypothesis& h) {
   weight_ = Eigen::VectorXd::Ones(size);
   std::vector<Eigen::VectorXd> left(windows_.size());
   starts_.assign(windows_.size(), {});
+  std::vector<std::size_t> elastic;
+  for (std::size_t j = 0; j < n; ++j)
+    if (setup.model.laws[j].elastic) elastic.push_back(j);
   core::parallel_for(windows_.size(), threads_, [&](std::size_t i) {
     Window w = windows_[i];
     const Eigen::VectorXd r = residual(setup, i), base = w.measured - r;
     Start& s = starts_[i];
-    s.columns.resize(size, static_cast<Eigen::Index>(2 * n));
+    s.columns.resize(size, static_cast<Eigen::Index>(2 * (n + elastic.size())));
+    s.precision.resize(s.columns.cols());
+    s.precision.head(static_cast<Eigen::Index>(2 * n)) = w.start_precision;
     for (std::size_t k = 0; k < 2 * n; ++k) {
       std::vector<double>& x = k < n ? w.angle_rad : w.velocity_radps;
       const double step = k < n ? 1e-5 : 1e-4, before = x[k % n];
       x[k % n] += step;
       s.columns.col(static_cast<Eigen::Index>(k)) = (simulated(setup, w) - base) / step;
       x[k % n] = before;
+    }
+    // What the rotor of an elastic drive does at the start is known from before, but not well: it is a start too.
+    w.rotor_more.assign(elastic.empty() ? 0 : 2 * n, 0.0);
+    for (std::size_t k = 0; k < 2 * elastic.size(); ++k) {
+      const std::size_t j = elastic[k / 2];
+      const auto& law = setup.model.laws[j];
+      const double twist = kTwist * scales_.torque_nm[j] / law.drive_stiffness_nmprad,
+                   size_of =
+                       k % 2 == 0 ? twist : twist * std::sqrt(law.drive_stiffness_nmprad / law.armature_kgm2);
+      double& x = w.rotor_more[k % 2 == 0 ? j : n + j];
+      x = 0.1 * size_of;
+      const auto column = static_cast<Eigen::Index>(2 * n + k);
+      s.columns.col(column) = (simulated(setup, w) - base) / x;
+      s.precision(column) = 1.0 / (size_of * size_of);
+      x = 0.0;
     }
     left[i] = r;
   });
@@ -101,7 +129,7 @@ void Problem::weigh(const Hypothesis& h) {
     for (std::size_t i = 0; i < windows_.size(); ++i) {
       const Eigen::MatrixXd s = weight_.asDiagonal() * starts_[i].columns;
       Eigen::MatrixXd normal = s.transpose() * s;
-      normal.diagonal() += windows_[i].start_precision;
+      normal.diagonal() += starts_[i].precision;
       const Eigen::VectorXd start = normal.llt().solve(s.transpose() * weight_.cwiseProduct(left[i]));
       squares.col(static_cast<Eigen::Index>(i)) = (left[i] - starts_[i].columns * start).cwiseAbs2();
     }
@@ -126,7 +154,7 @@ void Problem::weigh(const Hypothesis& h) {
     Start& s = starts_[i];
     s.columns = weight_.asDiagonal() * s.columns;
     Eigen::MatrixXd normal = s.columns.transpose() * s.columns;
-    normal.diagonal() += windows_[i].start_precision;
+    normal.diagonal() += starts_[i].precision;
     s.inverse = normal.llt().solve(Eigen::MatrixXd::Identity(normal.rows(), normal.cols()));
   }
   window_weight_.assign(windows_.size(), 1.0);
@@ -206,7 +234,7 @@ std::vector<Eigen::MatrixXd> Problem::columns(const Hypothesis& h,
   std::vector<std::size_t> linear_column, run_column;
   for (std::size_t k = 0; k < setups.size(); ++k) {
     const bool probe = k >= unknowns.size() && k < unknowns.size() + probes.size();
-    if (probe && Linearised::reaches(base, setups[k])) {
+    if (probe) {
       linear.push_back(&setups[k]);
       linear_column.push_back(k);
     } else {

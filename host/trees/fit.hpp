@@ -56,6 +56,9 @@ class Problem {
   std::size_t folds() const { return folds_; }
   std::size_t joints() const { return model_.joints(); }
 
+  /// The same on every so-manieth window, not weighed yet.
+  Problem thinned(std::size_t every) const;
+
   /// How the starts move the residuals, and what each bin's residual weighs, at this hypothesis: the loss of one that is
   /// right is then about the number of residuals. Fits are comparable between two calls.
   void weigh(const Hypothesis& h);
@@ -85,8 +88,9 @@ class Problem {
   Eigen::MatrixXd product(std::size_t window, const Eigen::MatrixXd& columns) const;
 
   struct Start {
-    Eigen::MatrixXd columns;  ///< weighted derivatives by the start
-    Eigen::MatrixXd inverse;  ///< of the start's normal matrix, its prior in it
+    Eigen::MatrixXd columns;    ///< weighted derivatives by the start
+    Eigen::VectorXd precision;  ///< of its prior
+    Eigen::MatrixXd inverse;    ///< of the start's normal matrix, its prior in it
   };
   const TreeModel& model_;
   const std::vector<Recording>& recordings_;

@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "furcula/dynamics/tree/inverse_dynamics.hpp"
+#include "host/trees/rotor.hpp"
 
 namespace furcula::trees {
 namespace {
@@ -60,6 +62,38 @@ class Inputs {
   std::vector<double> sum_;
 };
 
+/// What a joint has more of an elastic drive's torque than of the stiff one that was run, along a window; by the rotor's own equation
+/// and the measured angle, in which the spring's consequences are.
+class Spring {
+ public:
+  Spring(const Setup& stiff, const Setup& setup, const Recording& r, const Window& w, std::size_t joint)
+      : time_s_(r.time_s), first_(w.first) {
+    const Law& law = stiff.model.laws[joint];
+    const Setup::Joint& drive = stiff.joints[joint];
+    const double damping =
+        law.damping_nmspr - (Runner::is_spring(drive) ? drive.gain * drive.kd_nmsprad : 0.0);
+    Rotor rotor = Rotor::at(setup, r, joint, w.first);
+    impulse_nms_.push_back(rotor.impulse_nms(law.armature_kgm2, damping));
+    for (std::size_t k = w.first; k < w.last; ++k) {
+      rotor.advance();
+      impulse_nms_.push_back(rotor.impulse_nms(law.armature_kgm2, damping));
+    }
+  }
+  double mean_nm(double from_s, double to_s) { return (until(to_s) - until(from_s)) / (to_s - from_s); }
+
+ private:
+  /// Called with times that grow, or fall by no more than an interval.
+  double until(double t) {
+    while (at_ + 2 < impulse_nms_.size() && time_s_[first_ + at_ + 1] < t) ++at_;
+    while (at_ > 0 && time_s_[first_ + at_] > t) --at_;
+    const double from = time_s_[first_ + at_], to = time_s_[first_ + at_ + 1];
+    return impulse_nms_[at_] + (impulse_nms_[at_ + 1] - impulse_nms_[at_]) * (t - from) / (to - from);
+  }
+  const std::vector<double>& time_s_;
+  std::size_t first_, at_ = 0;
+  std::vector<double> impulse_nms_;
+};
+
 }  // namespace
 
 /// The torque of each joint that is too much for the motion there is.
@@ -86,7 +120,9 @@ class Linearised::Torques {
       rest = input - drive.encoder_offset_rad;
       added -= drive.gain * asked;  // the joint's own spring and damper are that
     }
-    double out = added - passive_torque(law, q - rest + law.rest_rad, v) -
+    // A rotor behind a spring goes with its joint, but for what the run made linear has of its own.
+    const double rotor_damping_nmspr = law.elastic ? law.rotor_damping_nmspr : 0.0;
+    double out = added - passive_torque(law, q - rest + law.rest_rad, v) - rotor_damping_nmspr * v -
                  law.armature_kgm2 * at.acceleration_radps2[i];
     if (is_dry(law))
       out -= 0.5 * (1.0 + at.forth[i]) * friction(law, q, v, torque, 1) +
@@ -101,12 +137,6 @@ class Linearised::Torques {
   std::vector<double> lagged_;
 };
 
-bool Linearised::reaches(const Setup& from, const Setup& to) {
-  for (std::size_t i = 0; i < from.joints.size(); ++i)
-    if (from.model.laws[i].elastic || to.model.laws[i].elastic) return false;
-  return true;
-}
-
 Linearised::Linearised(const Setup& setup, const Recording& r, const Window& w,
                        std::span<const double> torque_nm)
     : setup_(setup), recording_(r), window_(w) {
@@ -117,16 +147,23 @@ Linearised::Linearised(const Setup& setup, const Recording& r, const Window& w,
 
   std::vector<Inputs> inputs;
   std::vector<std::size_t> with_state;  // joints whose drive's lag depends on the motion
+  std::vector<std::size_t> elastic;
   Runner runner(setup);
   runner.reset(w.angle_rad, w.velocity_radps);
   for (std::size_t i = 0; i < n; ++i) {
     inputs.emplace_back(r, i, w.last);
     const Setup::Joint& j = setup.joints[i];
+    if (setup.model.laws[i].elastic) {
+      const Rotor rotor = Rotor::at(setup, r, i, w.first);
+      runner.place_rotor(i, rotor.angle_rad(), rotor.rate_radps());
+      elastic.push_back(i);
+    }
     if (j.lag_s <= 0.0) continue;
     runner.settle_input(i, lagged_before(j, r, i, w.first));
     if (j.law == DriveLaw::position) with_state.push_back(i);
   }
-  const auto size = static_cast<Index>(2 * n + with_state.size());
+  const std::size_t rotors = 2 * n + with_state.size();
+  const auto size = static_cast<Index>(rotors + 2 * elastic.size());
   const auto state = [&](const Runner::Place& p) {
     Eigen::VectorXd x(size);
     for (std::size_t i = 0; i < n; ++i) {
@@ -135,6 +172,10 @@ Linearised::Linearised(const Setup& setup, const Recording& r, const Window& w,
     }
     for (std::size_t k = 0; k < with_state.size(); ++k)
       x(static_cast<Index>(2 * n + k)) = p.lagged_nm[with_state[k]];
+    for (std::size_t k = 0; k < elastic.size(); ++k) {
+      x(static_cast<Index>(rotors + 2 * k)) = p.plant.rotor_rad[elastic[k]];
+      x(static_cast<Index>(rotors + 2 * k + 1)) = p.plant.rotor_radps[elastic[k]];
+    }
     return x;
   };
   std::vector<double> input(n);
@@ -175,6 +216,14 @@ Linearised::Linearised(const Setup& setup, const Recording& r, const Window& w,
       beside.lagged_nm[i] += torque_nm[i];
       at.carried.col(static_cast<Index>(2 * n + k)) = (state(moved(beside)) - end) / torque_nm[i];
     }
+    for (std::size_t k = 0; k < elastic.size(); ++k) {
+      Runner::Place beside = here;
+      beside.plant.rotor_rad[elastic[k]] += kAngle_rad;
+      at.carried.col(static_cast<Index>(rotors + 2 * k)) = (state(moved(beside)) - end) / kAngle_rad;
+      beside = here;
+      beside.plant.rotor_radps[elastic[k]] += kVelocity_radps;
+      at.carried.col(static_cast<Index>(rotors + 2 * k + 1)) = (state(moved(beside)) - end) / kVelocity_radps;
+    }
     for (std::size_t i = 0; i < n; ++i) {
       const double v0 = here.plant.velocity_radps[i], v1 = next.plant.velocity_radps[i];
       at.position_rad[i] = 0.5 * (here.plant.position_rad[i] + next.plant.position_rad[i]);
@@ -212,6 +261,7 @@ Eigen::MatrixXd Linearised::changes(std::span<const Setup* const> setups) const 
   }
   Torques as_run(setup_, recording_, window_.first, all);
   std::vector<Torques> others;
+  std::vector<std::vector<std::pair<std::size_t, Spring>>> springs(setups.size());
   std::vector<bool> other_bodies;
   Eigen::MatrixXd x = Eigen::MatrixXd::Zero(intervals_.front().carried.rows(), columns);
   Eigen::MatrixXd read = Eigen::MatrixXd::Zero(joints, columns);  // angles, the encoder's change in them
@@ -220,6 +270,10 @@ Eigen::MatrixXd Linearised::changes(std::span<const Setup* const> setups) const 
     std::vector<std::size_t> differ;
     for (std::size_t i = 0; i < n; ++i) {
       if (s.joints[i] == setup_.joints[i] && s.model.laws[i] == setup_.model.laws[i]) continue;
+      if (s.model.laws[i].elastic && !setup_.model.laws[i].elastic) {
+        springs[k].emplace_back(i, Spring(setup_, s, recording_, window_, i));
+        continue;
+      }
       differ.push_back(i);
       const double offset = s.joints[i].encoder_offset_rad - setup_.joints[i].encoder_offset_rad;
       x(static_cast<Index>(i), static_cast<Index>(k)) = -offset;
@@ -248,6 +302,8 @@ Eigen::MatrixXd Linearised::changes(std::span<const Setup* const> setups) const 
       for (std::size_t d = 0; d < differ.size(); ++d)
         torque(static_cast<Index>(differ[d]), c) =
             others[k].left(d, at, inputs[differ[d]], from, step_s_) - left[differ[d]];
+      for (auto& [i, spring] : springs[k])
+        torque(static_cast<Index>(i), c) = spring.mean_nm(from, from + step_s_);
       if (!other_bodies[k]) continue;
       const Joints body =
           body_torques(setups[k]->model, at.position_rad, at.velocity_radps, at.acceleration_radps2);

@@ -2,7 +2,8 @@
 //
 // One run with its transition matrices stands for a run a candidate: of a candidate, only the torque that it adds along
 // the window's motion is computed, and carried on. To first order in that torque this is the change that a run
-// with the candidate would have; in the candidate's own parameters it is exact.
+// with the candidate would have; in the candidate's own parameters it is exact. What acts at a joint behind a spring is taken as acting at
+// its drive. The spring itself, which brings a rotor that moves by itself, is seen by the measured motion (rotor.hpp).
 #pragma once
 
 #include <Eigen/Dense>
@@ -16,10 +17,6 @@ namespace furcula::trees {
 
 class Linearised {
  public:
-  /// Whether the change from one tree to another can be seen as torques along its motion: not where springs between drives
-  /// and joints come or are, whose rotors move by themselves.
-  static bool reaches(const Setup& from, const Setup& to);
-
   /// `torque_nm`: of each joint, a change by which nothing else changes much.
   Linearised(const Setup& setup, const Recording& recording, const Window& window,
              std::span<const double> torque_nm);

@@ -1,5 +1,6 @@
 // Predictions of held-out windows, see diagnose.hpp.
 #include <Eigen/Dense>
+#include <algorithm>
 #include <cmath>
 
 #include "host/trees/diagnose.hpp"
@@ -26,6 +27,12 @@ Line through(const std::vector<double>& t, const std::vector<double>& y, int ord
   const Eigen::VectorXd c = a.colPivHouseholderQr().solve(b);
   const double freedom = std::max(1.0, static_cast<double>(n - order - 1));
   return {c(0), c(1) / kStart_s, std::sqrt((b - a * c).squaredNorm() / freedom)};
+}
+
+/// A model without the spring would take its ringing for a velocity of the start.
+bool is_elastic(const Hypothesis& h) {
+  return std::any_of(h.causes.begin(), h.causes.end(),
+                     [](const Cause& c) { return c.effect == Effect::joint_elasticity; });
 }
 
 Start start_of(const Recording& r, const Window& w, const Setup& setup) {
@@ -67,7 +74,7 @@ Predictions predict(const TreeModel& model, const std::vector<Recording>& record
   const std::size_t n = model.joints();
   const SetupMaker maker(model);
   const Setup setup = maker.make(h.drives, h.causes),
-              starter = maker.make(starts_from.drives, starts_from.causes);
+              starter = is_elastic(h) ? setup : maker.make(starts_from.drives, starts_from.causes);
   const std::vector<Window> windows = windows_of(model, recordings, window_s);
   Predictions out{std::vector<ChannelError>(n), std::vector<double>(n)};
   std::vector<double> squares(n), absolute(n), about_mean(n), noise(n);

@@ -6,6 +6,8 @@
 #include <limits>
 #include <numbers>
 
+#include "host/trees/rotor.hpp"
+
 namespace furcula::trees {
 namespace {
 
@@ -19,13 +21,6 @@ Vec3<double> tilted(const Vec3<double>& g, double roll, double pitch) {
   const double cr = std::cos(roll), sr = std::sin(roll), cp = std::cos(pitch), sp = std::sin(pitch);
   const Vec3<double> a{cp * g.x - sp * g.z, g.y, sp * g.x + cp * g.z};
   return {a.x, cr * a.y + sr * a.z, -sr * a.y + cr * a.z};
-}
-
-/// The row whose input reaches the drive at row `first`.
-std::size_t row_in_force(const Setup::Joint& j, const Recording& r, std::size_t first) {
-  std::size_t k = first;
-  while (k > 0 && r.time_s[k] + j.delay_s > r.time_s[first]) --k;
-  return k;
 }
 
 /// Dry friction as effects add up to it.
@@ -279,6 +274,12 @@ double made_torque(const Setup::Joint& j, double asked_nm, double measured_rad) 
   return torque;
 }
 
+std::size_t row_in_force(const Setup::Joint& j, const Recording& r, std::size_t first) {
+  std::size_t k = first;
+  while (k > 0 && r.time_s[k] + j.delay_s > r.time_s[first]) --k;
+  return k;
+}
+
 double lagged_before(const Setup::Joint& j, const Recording& r, std::size_t joint, std::size_t first) {
   const std::size_t k = row_in_force(j, r, first);
   std::size_t from = k;
@@ -354,7 +355,8 @@ void Runner::advance(std::span<const double> input, double dt_s) {
 }
 
 void run(const Setup& setup, const Recording& r, std::size_t first, std::size_t last,
-         std::span<const double> angle_rad, std::span<const double> velocity_radps, std::span<double> out) {
+         std::span<const double> angle_rad, std::span<const double> velocity_radps, std::span<double> out,
+         std::span<const double> rotor_more) {
   const std::size_t n = setup.joints.size();
   Runner runner(setup);
   runner.reset(angle_rad, velocity_radps);
@@ -366,6 +368,11 @@ void run(const Setup& setup, const Recording& r, std::size_t first, std::size_t 
     delayed |= j.delay_s > 0.0;
     row[i] = row_in_force(j, r, first);
     if (j.lag_s > 0.0) runner.settle_input(i, lagged_before(j, r, i, first));
+    if (!setup.model.laws[i].elastic) continue;
+    const Rotor rotor = Rotor::at(setup, r, i, first);
+    const bool more = !rotor_more.empty();
+    runner.place_rotor(i, rotor.angle_rad() + (more ? rotor_more[i] : 0.0),
+                       rotor.rate_radps() + (more ? rotor_more[n + i] : 0.0));
   }
   for (std::size_t i = 0; i < n; ++i) out[i] = runner.measured(i);
   for (std::size_t k = first; k < last; ++k) {

@@ -57,10 +57,11 @@ class SetupMaker {
 double neutral_value(const TreeModel& model, Effect effect, std::size_t parameter, std::size_t site);
 
 /// Runs the tree from the states at `first`, positions as the encoders read them and velocities, on the recording's inputs to `last`;
-/// `measured[row - first][joint]` is what the encoders read. Inputs from before `first` are in the drives' delays and lags.
+/// `measured[row - first][joint]` is what the encoders read. Inputs from before `first` are in the drives' delays and lags,
+/// and in the rotors of elastic drives (rotor.hpp), to which `rotor_more` is added (angles, then rates; empty: nothing).
 void run(const Setup& setup, const Recording& recording, std::size_t first, std::size_t last,
          std::span<const double> angle_rad, std::span<const double> velocity_radps,
-         std::span<double> measured);
+         std::span<double> measured, std::span<const double> rotor_more = {});
 
 /// The torque that a drive's law asks for where the encoder reads `measured_rad`.
 double asked_torque(const Setup::Joint& joint, double input, double measured_rad, double velocity_radps);
@@ -68,6 +69,8 @@ double asked_torque(const Setup::Joint& joint, double input, double measured_rad
 double made_torque(const Setup::Joint& joint, double asked_nm, double measured_rad);
 /// A first-order lag over `dt_s` of a steady input: its mean output; `state` moves on.
 double passed(double lag_s, double dt_s, double in, double& state);
+/// The row whose input a drive has at row `first`.
+std::size_t row_in_force(const Setup::Joint& joint, const Recording& recording, std::size_t first);
 /// A lag's output at row `first`, from the inputs before; a position law's at the measured angles.
 double lagged_before(const Setup::Joint& law, const Recording& recording, std::size_t joint,
                      std::size_t first);
@@ -90,6 +93,10 @@ class Runner {
   void go_to(const Place& place);
   /// The drive's lag as it is after its law has asked for this torque for ever.
   void settle_input(std::size_t joint, double input) { lagged_[joint] = input; }
+  /// After reset(): the rotor of an elastic drive.
+  void place_rotor(std::size_t joint, double angle_rad, double rate_radps) {
+    plant_.place_rotor(joint, angle_rad, rate_radps);
+  }
   /// Moves on with the inputs of this interval.
   void advance(std::span<const double> input, double dt_s);
   /// Whether the joint's own spring and damper are the drive.

@@ -2,6 +2,7 @@
 #include "host/trees/score_test.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "host/trees/linear.hpp"
 
@@ -20,6 +21,9 @@ constexpr double kMuch = 0.2;
 constexpr double kKept = 0.4, kMostWorse = 0.4;
 /// What a candidate that every recording gains by must gain, of the residuals, and keep.
 constexpr double kNotable = 0.05, kKeptWhole = 0.8;
+
+/// How far off its one size a candidate's coefficient may be.
+constexpr double kOffSize = 0.5;
 
 Eigen::MatrixXd part(const Eigen::MatrixXd& m, const Columns& rows, const Columns& columns) {
   Eigen::MatrixXd out(static_cast<Index>(rows.size()), static_cast<Index>(columns.size()));
@@ -107,7 +111,14 @@ std::vector<ScoreTest::Score> ScoreTest::scores(const Columns& base, std::size_t
       kept.push_back(static_cast<Index>(k));
     }
     if (columns.empty() || (kept.front() != 0 && candidates_[c].only_forward)) continue;
-    const Eigen::VectorXd of_kept = solve(left, columns);
+    Eigen::VectorXd of_kept = solve(left, columns);
+    if (candidates_[c].of_one_size) {
+      if (std::abs(of_kept(0) - 1.0) > kOffSize) continue;
+      of_kept.setOnes();
+      const double gain = 2.0 * left(0, columns[0]) - left(columns[0], columns[0]);
+      if (gain > kNotable * before) out.push_back({c, gain, gain, of_kept});
+      continue;
+    }
     Eigen::VectorXd x = Eigen::VectorXd::Zero(static_cast<Index>(own.size()));
     for (std::size_t k = 0; k < kept.size(); ++k) x(kept[k]) = of_kept(static_cast<Index>(k));
     if (candidates_[c].only_forward && x.minCoeff() < 0.0 && (x.size() == 1 || x(0) < 0.0)) continue;
@@ -126,6 +137,13 @@ std::vector<ScoreTest::Score> ScoreTest::scores(const Columns& base, std::size_t
     // worth some scatter, too; the fit decides.
     const bool everywhere = s.gain > kNotable * before && f.kept > kKeptWhole && f.worse == 0.0;
     const bool much = s.gain > kMuch * m(0, 0);
+    if (candidates_[s.candidate].of_one_size) {
+      // A ringing is in few windows, and there it is much; that its size comes out as it must says more.
+      if (!(f.kept > kKeptWhole && f.worse <= kMostWorse)) continue;
+      s.worth = s.gain;
+      kept.push_back(std::move(s));
+      continue;
+    }
     const double limit = kSure[std::min<std::size_t>(static_cast<std::size_t>(s.coefficients.size()), 4)];
     if (sure < (everywhere && much ? 0.15 : everywhere || much ? 0.3 : 1.0) * limit) continue;
     if (sure > limit && alike != nullptr) *alike = std::max(*alike, s.gain / before);

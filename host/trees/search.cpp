@@ -36,7 +36,8 @@ double sum_of(const std::vector<double>& x) {
 
 class Search {
  public:
-  Search(Problem& problem, const Progress& progress) : problem_(problem), progress_(progress) {}
+  Search(Problem& problem, const Progress& progress, bool springs)
+      : problem_(problem), progress_(progress), springs_(springs) {}
 
   Found run(Problem* coarse) {
     Found found;
@@ -49,7 +50,7 @@ class Search {
     Fit fit = found.refitted;
     if (coarse != nullptr && problem_.misfit(fit.at) > kGrosslyWrong) {
       // Where the model flies apart within a window, nothing is linear: the large causes are found on short windows.
-      Search on_short(*coarse, progress_);
+      Search on_short(*coarse, progress_, false);
       fit = fitted_anew(on_short.rounds(on_short.fitted_anew(fit.at), 4, nullptr).at);
     }
     for (int again = 0; again < 3; ++again) {
@@ -75,12 +76,18 @@ class Search {
   /// Adds causes until none is worth it.
   Fit rounds(Fit fit, int most, Found* found) {
     std::set<std::string> refused;  // proposed, and gone in the fit
+    spring_candidates_.clear();
+    bool springs_looked_for = false;  // since something was found
     for (int round = 0; round < most; ++round) {
       say(0.08 + 0.09 * round, "testing causes at sites");
       const ScoreTest linear(problem_, fit.at, fit.unknowns, tried(fit.at));
       if (found != nullptr) found->tried = std::max(found->tried, linear.candidates().size());
       const std::vector<ScoreTest::Score> picks = pick(linear, fit, refused, round == 0 ? found : nullptr);
-      if (picks.empty()) break;
+      if (picks.empty()) {
+        if (springs_looked_for) break;
+        look_for_springs(fit), springs_looked_for = true;
+        continue;
+      }
       const std::size_t before = fit.at.causes.size();
       Hypothesis next = fit.at;
       std::vector<std::ptrdiff_t> replaced;
@@ -104,6 +111,7 @@ class Search {
         continue;
       }
       fit = std::move(with);
+      springs_looked_for = false;
       problem_.weigh(fit.at);
       fit = apart(problem_.fit(fit.at, 3));
     }
@@ -118,10 +126,37 @@ class Search {
   static std::span<const double> coefficients(const ScoreTest::Score& s) {
     return {s.coefficients.data(), static_cast<std::size_t>(s.coefficients.size())};
   }
+  /// Of each joint the springs before it that would do best, on some of the windows: of most of them a probe says nothing, for it rings
+  /// otherwise than the true one.
+  void look_for_springs(const Fit& fit) {
+    constexpr std::size_t kWindows = 24, kSprings = 3;
+    constexpr double kApart = 0.2;  // logarithms
+    spring_candidates_.clear();
+    if (!springs_) return;
+    Problem some = problem_.thinned(std::max<std::size_t>(1, problem_.windows().size() / kWindows));
+    some.weigh(fit.at);
+    for (std::size_t j = 0; j < problem_.joints(); ++j) {
+      const std::vector<Candidate> all = springs(problem_, fit.at, j);
+      if (all.empty()) continue;
+      const ScoreTest linear(some, fit.at, fit.unknowns, all);
+      std::vector<double> taken;
+      for (const ScoreTest::Score& s : linear.scores(linear.fitted(), kSprings * 20)) {
+        const double stiffness = all[s.candidate].columns.front().values[0];
+        if (std::any_of(taken.begin(), taken.end(),
+                        [&](double t) { return std::abs(std::log(t / stiffness)) < kApart; }))
+          continue;
+        taken.push_back(stiffness);
+        spring_candidates_.push_back(all[s.candidate]);
+        if (taken.size() == kSprings) break;
+      }
+    }
+  }
+  Guesses guesses(const Hypothesis& h) const { return {ripple_cycles(problem_, h), spring_candidates_}; }
+
   /// All candidates but those that the recordings did not agree on, and those that have a law in them that is found already: a position
   /// law's kd is a damping.
   std::vector<Candidate> tried(const Hypothesis& h) const {
-    std::vector<Candidate> out = candidates(problem_, h, ripple_cycles(problem_, h));
+    std::vector<Candidate> out = candidates(problem_, h, guesses(h));
     std::erase_if(out, [&](const Candidate& c) {
       if (dropped_.contains(cause_name(problem_.model(), c.columns.front()))) return true;
       if (c.effect != Effect::position_gain_error && c.effect != Effect::damping_error) return false;
@@ -150,10 +185,9 @@ class Search {
       std::vector<const ScoreTest::Score*> leaders;
       std::set<std::string> seen;
       for (const auto& s : scores) {
-        if (!seen.insert(cause_name(problem_.model(), linear.candidates()[s.candidate].columns.front()))
-                 .second)
-          continue;
         const Candidate& c = linear.candidates()[s.candidate];
+        // Of one name the best; but a spring of another stiffness is another one.
+        if (!seen.insert(cause_name(problem_.model(), c.columns.front())).second && !c.of_one_size) continue;
         const bool free = std::none_of(c.sites.begin(), c.sites.end(), [&](std::size_t site) {
           return taken.contains({seat_of(c), site});
         });
@@ -320,8 +354,8 @@ class Search {
       for (std::size_t c = given; c < fit.at.causes.size(); ++c) outs.push_back(without(fit.at, c));
       if (outs.empty()) break;
       say(0.72, "comparing the causes with the others");
-      const ScoreTest all(problem_, fit.at, fit.unknowns,
-                          candidates(problem_, fit.at, ripple_cycles(problem_, fit.at)), outs);
+      const ScoreTest all(problem_, fit.at, fit.unknowns, candidates(problem_, fit.at, guesses(fit.at)),
+                          outs);
       for (std::size_t c = given; c < fit.at.causes.size() && !swapped; ++c) {
         say(0.75 + 0.2 * static_cast<double>(c - given) / static_cast<double>(fit.at.causes.size()),
             "comparing " + cause_name(problem_.model(), fit.at.causes[c]) + " with the others");
@@ -384,14 +418,16 @@ class Search {
 
   Problem& problem_;
   const Progress& progress_;
-  double disputed_ = 0.0;          ///< see Found, of the last round
-  std::set<std::string> dropped_;  ///< causes that did not hold at the end of a search
+  bool springs_;                              ///< are looked for
+  std::vector<Candidate> spring_candidates_;  ///< that may be
+  double disputed_ = 0.0;                     ///< see Found, of the last round
+  std::set<std::string> dropped_;             ///< causes that did not hold at the end of a search
 };
 
 }  // namespace
 
 Found search(Problem& problem, Problem* coarse, const Progress& progress) {
-  return Search(problem, progress).run(coarse);
+  return Search(problem, progress, true).run(coarse);
 }
 
 }  // namespace furcula::trees

@@ -25,6 +25,8 @@ struct Window {
   Eigen::VectorXd start_precision;                ///< of angles, then velocities: one over the variance
   Eigen::VectorXd measured;                       ///< bin by bin, joint by joint
   std::vector<std::size_t> bin;                   ///< of each row from `first`
+  /// Of elastic drives' rotors at the start, angles, then rates: added to what the recording says (rotor.hpp); empty: nothing.
+  std::vector<double> rotor_more{};
 };
 
 /// Windows of `window_s` side by side, none over a gap in the rows; at most `most` of them, evenly chosen (0: all).

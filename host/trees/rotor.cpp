@@ -1,0 +1,81 @@
+// Rotors along a recording, see rotor.hpp.
+#include "host/trees/rotor.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace furcula::trees {
+namespace {
+
+/// After so many time constants a start is forgotten.
+constexpr double kForgotten = 6.0;
+
+bool gap_after(const Recording& r, std::size_t row) {
+  return r.time_s[row + 1] - r.time_s[row] >= 5.0 * r.interval_s + 1e-3;
+}
+
+}  // namespace
+
+Rotor::Rotor(const Setup& setup, const Recording& recording, std::size_t joint, std::size_t from)
+    : drive_(setup.joints[joint]), law_(setup.model.laws[joint]), r_(recording), joint_(joint), row_(from) {
+  if (drive_.lag_s > 0.0) lagged_nm_ = lagged_before(drive_, r_, joint, from);
+  const double q = joint_rad(from), v = joint_radps(from);
+  const std::size_t row = row_in_force(drive_, r_, from);
+  const double measured = r_.angle_rad[joint][from],
+               torque = drive_.lag_s > 0.0
+                            ? made_torque(drive_, lagged_nm_, measured)
+                            : made_torque(drive_, asked_torque(drive_, r_.input[joint][row], measured, v),
+                                          measured);
+  angle_rad_ = q + (torque + drive_.offset_nm - law_.rotor_damping_nmspr * v) / law_.drive_stiffness_nmprad;
+  rate_radps_ = v;
+}
+
+Rotor Rotor::at(const Setup& setup, const Recording& r, std::size_t joint, std::size_t row) {
+  const dynamics::tree::JointLaw<double>& law = setup.model.laws[joint];
+  const double decay_1ps = 0.5 * law.rotor_damping_nmspr / law.armature_kgm2;
+  std::size_t from = row;
+  while (from > 0 && !gap_after(r, from - 1) && (r.time_s[row] - r.time_s[from]) * decay_1ps < kForgotten)
+    --from;
+  Rotor out(setup, r, joint, from);
+  while (out.row_ < row) out.advance();
+  return out;
+}
+
+double Rotor::joint_rad(std::size_t row) const {
+  return r_.angle_rad[joint_][row] - drive_.encoder_offset_rad;
+}
+double Rotor::joint_radps(std::size_t row) const {
+  const std::size_t next = std::min(row + 1, r_.rows() - 1), before = row > 0 ? row - 1 : 0;
+  return (r_.angle_rad[joint_][next] - r_.angle_rad[joint_][before]) / (r_.time_s[next] - r_.time_s[before]);
+}
+
+void Rotor::advance() {
+  const double dt = r_.time_s[row_ + 1] - r_.time_s[row_];
+  const double q = joint_rad(row_), slope = (joint_rad(row_ + 1) - q) / dt;
+  const double measured = 0.5 * (r_.angle_rad[joint_][row_] + r_.angle_rad[joint_][row_ + 1]);
+  const double input = r_.input[joint_][row_in_force(drive_, r_, row_)];
+  double asked = asked_torque(drive_, input, measured, slope);
+  if (drive_.lag_s > 0.0) asked = passed(drive_.lag_s, dt, asked, lagged_nm_);
+  const double torque = made_torque(drive_, asked, measured) + drive_.offset_nm;
+  // The joint at a steady velocity: what the rotor is ahead of it swings about a constant.
+  const double decay = 0.5 * law_.rotor_damping_nmspr / law_.armature_kgm2,
+               square = law_.drive_stiffness_nmprad / law_.armature_kgm2 - decay * decay;
+  const double about = (torque - law_.rotor_damping_nmspr * slope) / law_.drive_stiffness_nmprad;
+  const double x = angle_rad_ - q - about, v = rate_radps_ - slope;
+  const double omega = std::sqrt(std::abs(square)), e = std::exp(-decay * dt);
+  const double c = square > 0.0 ? std::cos(omega * dt) : std::cosh(omega * dt);
+  const double s = omega * dt < 1e-9 ? dt
+                   : square > 0.0    ? std::sin(omega * dt) / omega
+                                     : std::sinh(omega * dt) / omega;
+  const double b = v + decay * x;
+  angle_rad_ = q + slope * dt + about + e * (x * c + b * s);
+  rate_radps_ = slope + e * (b * c - square * x * s - decay * (x * c + b * s));
+  ++row_;
+}
+
+double Rotor::impulse_nms(double stiff_inertia_kgm2, double stiff_damping_nmspr) const {
+  return stiff_inertia_kgm2 * joint_radps(row_) + stiff_damping_nmspr * joint_rad(row_) -
+         law_.armature_kgm2 * rate_radps_ - law_.rotor_damping_nmspr * angle_rad_;
+}
+
+}  // namespace furcula::trees
