@@ -93,8 +93,11 @@ class Lister {
     for (const double limit : {2.0, 1.4, 1.0})
       add(Effect::torque_saturation, at, {{limit * scales_.torque_nm[j], 0, 0, 0}});
     if (j < guesses_.ripple_cycles.size())
-      for (const double n : guesses_.ripple_cycles[j])
+      for (const double n : guesses_.ripple_cycles[j]) {
+        const std::size_t before = out_.size();
         add(Effect::torque_ripple, at, {{torque, n, 0, 0}, {torque, n, 0.5 * std::numbers::pi, 0}}, false);
+        for (std::size_t k = before; k < out_.size(); ++k) out_[k].of_many = kMostCycles;
+      }
     add(Effect::encoder_offset, at, {{0.02, 0, 0, 0}}, false);
   }
 
@@ -191,6 +194,19 @@ std::vector<Candidate> springs(const Problem& problem, const Hypothesis& h, std:
     c.damping_nmspr = given.damping_nmspr;
     out.push_back(std::move(c));
   }
+  return out;
+}
+
+std::vector<Candidate> ripples(const Problem& problem, const Hypothesis& h) {
+  Guesses all;
+  for (std::size_t j = 0; j < problem.joints(); ++j) {
+    all.ripple_cycles.emplace_back();
+    const double range = problem.scales().highest_rad[j] - problem.scales().lowest_rad[j];
+    for (int n = kFewestCycles; n <= kMostCycles; ++n)
+      if (n * range > kTravel_rad) all.ripple_cycles.back().push_back(n);
+  }
+  std::vector<Candidate> out = candidates(problem, h, all);
+  std::erase_if(out, [](const Candidate& c) { return c.effect != Effect::torque_ripple; });
   return out;
 }
 

@@ -10,6 +10,10 @@
 
 namespace furcula::trees {
 
+/// Cycles a turn that torque ripple is asked about, where the joint's travel times them is a cycle and a half at least.
+inline constexpr int kFewestCycles = 2, kMostCycles = 48;
+inline constexpr double kTravel_rad = 9.0;
+
 /// A cause at its sites, in so many columns: the change that each of `columns` makes is taken as linear.
 struct Candidate {
   Effect effect;
@@ -18,6 +22,7 @@ struct Candidate {
   bool only_forward = true;  ///< coefficients below zero make no sense
   std::ptrdiff_t replaces =
       -1;  ///< a cause of the hypothesis that it contains (dry friction by a fuller law of it)
+  std::size_t of_many = 1;   ///< it is the best of so many of its sort, and must be surer by that
   bool of_one_size = false;  ///< its coefficient is 1, or it is none
   std::optional<double>
       damping_nmspr{};  ///< of the joint's drive, from then on: what the fits made of it without the cause is wrong
@@ -35,6 +40,9 @@ std::vector<Candidate> candidates(const Problem& problem, const Hypothesis& h, c
 /// Springs between a joint and its drive, from soft ones to such as ring faster than the fits may step: so many that one of them
 /// rings about as the true one does. Where the damping is free, with the model's own too: a fit takes the ringing for damping. None where the drive has no rotor's inertia, or a spring already.
 std::vector<Candidate> springs(const Problem& problem, const Hypothesis& h, std::size_t joint);
+
+/// Torque ripple of each drive with each whole number of cycles a turn that its joint's travel can show.
+std::vector<Candidate> ripples(const Problem& problem, const Hypothesis& h);
 
 /// The hypothesis with a column of a candidate.
 Hypothesis with_column(const Hypothesis& h, const Candidate& c, std::size_t column);

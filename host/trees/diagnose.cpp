@@ -25,6 +25,8 @@ constexpr double kApart = 2.0;
 constexpr double kOfWhatIsLeft = 0.25;
 /// A flexible law must foretell so much of the missing torque, and that be so much of the joint's torque, to be called structure.
 constexpr double kForetold = 0.03, kOfTorque = 0.01;
+/// Of the drive's torque, so much that could be foretold is no remainder of something named: it is another thing.
+constexpr double kAnother = 0.05;
 /// What is missing at times only: so much of the drive's torque, and so much of its squares in a tenth of the samples (of chance: 0.44).
 constexpr double kOfDrive = 0.1, kNearlyAll = 0.9;
 /// Held-out windows that are so many times as far off as those that were fitted show something else.
@@ -157,6 +159,7 @@ class Diagnoser {
       MissingTorque m = side_by_side(before[j], after[j]);
       m.rms_before_nm = root_mean_square(before[j].missing_nm);
       m.rms_after_nm = root_mean_square(after[j].missing_nm);
+      m.lasting_after_nm = lasting_nm(after[j]);
       m.rms_torque_nm = problem.scales().torque_nm[j];
       m.predictable_before = std::clamp(predictable_share(before[j], j, training_.size()), 0.0, 1.0);
       m.predictable_after = std::clamp(predictable_share(after[j], j, training_.size()), 0.0, 1.0);
@@ -210,6 +213,10 @@ class Diagnoser {
            foretold(m.predictable_after, m.rms_after_nm) > kOfTorque * m.rms_torque_nm;
   }
 
+  static bool is_another(const MissingTorque& m) {
+    return structured(m) && foretold(m.predictable_after, m.rms_after_nm) > kAnother * m.rms_torque_nm;
+  }
+
   std::vector<Estimate> estimates(const Fit& fit, std::size_t cause) const {
     std::vector<Estimate> out;
     const Cause& c = fit.at.causes[cause];
@@ -223,17 +230,28 @@ class Diagnoser {
     }
     return out;
   }
-  /// Whether each of its intervals has the value with which the cause is not there.
-  bool covers_none(const Finding& f) const {
-    std::size_t k = 0;
-    bool any = false;
-    for (const Estimate& e : f.parameters) {
-      const double none = neutral_value(model_, f.cause.effect, k++, f.cause.sites.front());
-      if (std::isnan(none)) continue;
-      any = true;
-      if (!(e.lower <= none && none <= e.upper)) return false;
+  /// Whether its parameters are within their scatter, taken together, of values with which the cause is not there.
+  bool covers_none(const Fit& fit, std::size_t cause) const {
+    constexpr double kApartSquared[] = {0.0, 3.84, 5.99, 7.81, 9.49};  // chi-square, 95 %
+    std::vector<Eigen::Index> which;
+    std::vector<double> away, wider;  // the recordings' own scatter may be larger than the windows'
+    const Cause& c = fit.at.causes[cause];
+    for (std::size_t k = 0; k < fit.unknowns.size(); ++k) {
+      const Unknown& u = fit.unknowns[k];
+      if (!u.of_cause || u.cause != cause) continue;
+      const double none = neutral_value(model_, c.effect, u.parameter, c.sites.front());
+      const auto i = static_cast<Eigen::Index>(k);
+      if (std::isnan(none) || !(fit.covariance(i, i) > 0.0)) continue;
+      which.push_back(i);
+      away.push_back(value_of(fit.at, u) - none);
+      const Estimate e = interval("", "", fit, k);
+      wider.push_back(0.5 * (e.upper - e.lower) / (1.96 * std::sqrt(fit.covariance(i, i))));
     }
-    return any;
+    if (which.empty()) return false;
+    const Eigen::Map<const Eigen::VectorXd> d(away.data(), static_cast<Eigen::Index>(away.size()));
+    const Eigen::Map<const Eigen::VectorXd> w(wider.data(), d.size());
+    const Eigen::MatrixXd covariance = w.asDiagonal() * fit.covariance(which, which) * w.asDiagonal();
+    return d.dot(Eigen::VectorXd(ScaledNormal(covariance, 1e-9).solve(d))) < kApartSquared[which.size()];
   }
   static Estimate interval(const std::string& name, const std::string& unit, const Fit& fit, std::size_t k) {
     const Unknown& u = fit.unknowns[k];
@@ -296,7 +314,7 @@ class Diagnoser {
           f.confidence = std::min(f.confidence, 0.3);
           at_bound_ = true;
         }
-      if (covers_none(f)) f.confidence = std::min(f.confidence, 0.4);
+      if (covers_none(found.fit, c)) f.confidence = std::min(f.confidence, 0.4);
       if (total(f.without) < total(d_.extended_error)) f.confidence = std::min(f.confidence, 0.4);
       f.explanation = std::string(e.explanation);
       f.where_to_look = std::string(e.where_to_look);
@@ -410,10 +428,19 @@ class Diagnoser {
     d_.unexplained_share = before > 0.0 && !d_.findings.empty() ? std::clamp(after / before, 0.0, 1.0)
                            : where.empty() && !disputed         ? 0.0
                                                                 : 1.0;
-    const bool left = disputed || (!where.empty() && (d_.findings.empty() || d_.unexplained_share > 0.1));
+    const bool another = std::any_of(d_.missing.begin(), d_.missing.end(), is_another);
+    const bool left =
+        disputed || (!where.empty() && (d_.findings.empty() || d_.unexplained_share > 0.1 || another));
     for (Finding& f : d_.findings) {
       if (left && !where.empty())
         f.confidence = std::min(f.confidence, std::max(0.3, 1.0 - d_.unexplained_share));
+      if (std::any_of(f.cause.sites.begin(), f.cause.sites.end(), [&](std::size_t site) {
+            const Seat seat = info(f.cause.effect).seat;
+            const std::size_t joint =
+                seat == Seat::link ? static_cast<std::size_t>(model_.robot.links[site].joint) : site;
+            return seat != Seat::base && is_another(d_.missing[joint]);
+          }))
+        f.confidence = std::min(f.confidence, 0.5);
     }
     const bool undecided = std::any_of(d_.findings.begin(), d_.findings.end(),
                                        [](const Finding& f) { return !f.indistinguishable_from.empty(); });

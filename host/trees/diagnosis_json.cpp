@@ -56,6 +56,7 @@ std::string to_json_text(const Diagnosis& d) {
     const std::string unit = d.model.prismatic(j) ? "n" : "nm";
     missing[joint] = {{"rms_before_" + unit, number(m.rms_before_nm)},
                       {"rms_after_" + unit, number(m.rms_after_nm)},
+                      {"lasting_after_" + unit, number(m.lasting_after_nm)},
                       {"rms_of_drive_" + unit, number(m.rms_torque_nm)},
                       {"foretold_before", number(m.predictable_before)},
                       {"foretold_after", number(m.predictable_after)}};

@@ -4,8 +4,11 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <utility>
 
 #include "furcula/dynamics/tree/inverse_dynamics.hpp"
+#include "host/trees/candidates.hpp"
 
 namespace furcula::trees {
 namespace {
@@ -119,6 +122,7 @@ std::vector<TorqueSamples> missing_torque(const Problem& problem, const std::vec
             !std::isfinite(s.missing[j]))
           continue;
         TorqueSamples& to = out[j];
+        to.half_s = std::max(to.half_s, half);
         to.recording.push_back(w.recording);
         to.time_s.push_back(measured.time_s[k] - r.time_s.front());
         to.missing_nm.push_back(m.missing[j] - s.missing[j]);
@@ -309,6 +313,30 @@ double predictable_share(const TorqueSamples& s, std::size_t joint, std::size_t 
   return std::max(alone, cross_validated(s, own, recordings));
 }
 
+double lasting_nm(const TorqueSamples& s) {
+  constexpr double kBlock_s = 0.5;
+  struct Block {
+    double sum = 0.0, pairs = 0.0;
+  };
+  std::map<std::pair<std::size_t, long>, Block> blocks;
+  for (std::size_t i = 0; i < s.time_s.size(); ++i) {
+    Block& b = blocks[{s.recording[i], std::lround(s.time_s[i] / kBlock_s)}];
+    for (std::size_t k = i + 1; k < s.time_s.size() && s.recording[k] == s.recording[i]; ++k) {
+      const double apart = s.time_s[k] - s.time_s[i];
+      if (apart > 3.0 * s.half_s) break;
+      if (apart < 2.0 * s.half_s) continue;
+      b.sum += s.missing_nm[i] * s.missing_nm[k];
+      b.pairs += 1.0;
+    }
+  }
+  double sum = 0.0, pairs = 0.0, squares = 0.0;
+  for (const auto& [where, b] : blocks) sum += b.sum, pairs += b.pairs;
+  if (!(pairs > 0.0)) return 0.0;
+  const double mean = sum / pairs;
+  for (const auto& [where, b] : blocks) squares += std::pow(b.sum - mean * b.pairs, 2);
+  return std::sqrt(std::max(0.0, mean - 2.0 * std::sqrt(squares) / pairs));
+}
+
 std::string goes_along_with(const TorqueSamples& s, std::size_t joint, std::size_t recordings,
                             const TreeModel& model) {
   if (s.missing_nm.size() < 50) return {};
@@ -331,7 +359,6 @@ std::string goes_along_with(const TorqueSamples& s, std::size_t joint, std::size
 }
 
 std::vector<std::vector<double>> ripple_cycles(const Problem& problem, const Hypothesis& h) {
-  constexpr int kMostCycles = 48;
   constexpr double kSwings = 0.05;  // of the missing torque's square
   std::vector<std::vector<double>> out;
   for (const TorqueSamples& s :
@@ -340,8 +367,8 @@ std::vector<std::vector<double>> ripple_cycles(const Problem& problem, const Hyp
     const auto& y = s.missing_nm;
     std::vector<std::pair<double, double>> best;
     const double range = problem.scales().highest_rad[s.joint] - problem.scales().lowest_rad[s.joint];
-    for (int cycles = 2; cycles <= kMostCycles && y.size() > 100; ++cycles) {
-      if (cycles * range < 9.0) continue;  // one and a half cycles of travel
+    for (int cycles = kFewestCycles; cycles <= kMostCycles && y.size() > 100; ++cycles) {
+      if (cycles * range < kTravel_rad) continue;
       Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
       Eigen::Vector3d right = Eigen::Vector3d::Zero();
       double squares = 0.0;

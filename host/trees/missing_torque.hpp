@@ -19,6 +19,7 @@ struct TorqueSamples {
   std::vector<double> time_s;      ///< from the recording's start
   std::vector<double> missing_nm;  ///< what would have to be added to the drive's torque
   std::vector<double> drive_rate_nmps;
+  double half_s = 0.0;        ///< so far on either side the smoothing of a sample reaches
   std::vector<Joint> others;  ///< what all joints did, this one among them
 
   const Joint& own() const { return others[joint]; }
@@ -32,6 +33,10 @@ std::vector<TorqueSamples> missing_torque(const Problem& problem, const std::vec
 /// Share of the missing torque's square that is foretold, on recordings left out of the fit (of fewer than three, on
 /// quarters of them): by functions of the joint's own and the other joints' state, torque and time. Below 0: worse than nothing.
 double predictable_share(const TorqueSamples& samples, std::size_t joint, std::size_t recordings);
+
+/// Of the missing torque, the part that lasts from one sample to those that share no measurement with it, root mean square: not the
+/// noise of angles that are differentiated twice. Whether or not anything foretells it; by the lower end of what its scatter allows.
+double lasting_nm(const TorqueSamples& samples);
 
 /// The one signal that it goes along with most, in words, or nothing.
 std::string goes_along_with(const TorqueSamples& samples, std::size_t joint, std::size_t recordings,

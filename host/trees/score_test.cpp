@@ -95,9 +95,13 @@ ScoreTest::Columns ScoreTest::columns_of(std::size_t candidate) const {
     out.push_back(first_[candidate] + static_cast<Index>(k));
   return out;
 }
-std::vector<ScoreTest::Score> ScoreTest::scores(const Columns& base, std::size_t most, double* alike) const {
+double ScoreTest::loss_of(const Columns& base) const {
+  return loss_with(products_.all, base, base.empty() ? Eigen::VectorXd() : solve(products_.all, base));
+}
+
+std::vector<ScoreTest::Score> ScoreTest::gains(const Columns& base) const {
   const Eigen::MatrixXd& m = products_.all;
-  const double before = loss_with(m, base, base.empty() ? Eigen::VectorXd() : solve(m, base));
+  const double before = loss_of(base);
   const Eigen::MatrixXd left = not_explained_by(m, base);
   std::vector<Score> out;
   for (std::size_t c = 0; c < candidates_.size(); ++c) {
@@ -128,13 +132,20 @@ std::vector<ScoreTest::Score> ScoreTest::scores(const Columns& base, std::size_t
   std::sort(out.begin(), out.end(), [](const Score& a, const Score& b) {
     return a.gain != b.gain ? a.gain > b.gain : a.candidate < b.candidate;
   });
+  return out;
+}
+
+std::vector<ScoreTest::Score> ScoreTest::scores(const Columns& base, std::size_t most, double* alike) const {
+  const Eigen::MatrixXd& m = products_.all;
+  const double before = loss_of(base);
   std::vector<Score> kept;
-  for (Score& s : out) {
+  for (Score& s : gains(base)) {
     if (kept.size() == most) break;
     const double sure = sureness(base, s);
     const OnFolds f = on_folds(base, s);
     // What is there in a few windows only is much there: the scatter then says little. What each recording foretells of the others is
     // worth some scatter, too; the fit decides.
+    const std::size_t of_many = candidates_[s.candidate].of_many;
     const bool everywhere = s.gain > kNotable * before && f.kept > kKeptWhole && f.worse == 0.0;
     const bool much = s.gain > kMuch * m(0, 0);
     if (candidates_[s.candidate].of_one_size) {
@@ -144,12 +155,21 @@ std::vector<ScoreTest::Score> ScoreTest::scores(const Columns& base, std::size_t
       kept.push_back(std::move(s));
       continue;
     }
-    const double limit = kSure[std::min<std::size_t>(static_cast<std::size_t>(s.coefficients.size()), 4)];
-    if (sure < (everywhere && much ? 0.15 : everywhere || much ? 0.3 : 1.0) * limit) continue;
+    const double limit = kSure[std::min<std::size_t>(static_cast<std::size_t>(s.coefficients.size()), 4)] +
+                         2.0 * std::log(static_cast<double>(of_many));
+    // Of many, one is there by chance.
+    const double share = everywhere && much && of_many == 1     ? 0.15
+                         : everywhere && much                   ? 0.5
+                         : (everywhere || much) && of_many == 1 ? 0.3
+                                                                : 1.0;
+    if (sure < share * limit) continue;
     if (sure > limit && alike != nullptr) *alike = std::max(*alike, s.gain / before);
     if (!(f.kept > kKept && f.worse <= kMostWorse)) continue;
+    // Where windows and recordings both are sure of it, its size may be known badly: what else is free beside it may go with it.
     if (!(f.steady >
-          (everywhere ? 0.7 : 1.0) *
+          (everywhere && sure > limit ? 0.35
+           : everywhere               ? 0.7
+                                      : 1.0) *
               agreement(static_cast<std::size_t>((s.coefficients.array() != 0.0).count()), problem_)))
       continue;
     s.worth = s.gain - s.gain / std::max(sure, 1.0) * static_cast<double>(s.coefficients.size()) * 4.0;

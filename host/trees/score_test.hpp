@@ -34,7 +34,9 @@ class ScoreTest {
     double worth = 0.0;  ///< gain less what a cause without effect would gain
     Eigen::VectorXd coefficients;
   };
-  /// What each candidate would gain on top of the columns `base`, best first; only those that hold on windows and recordings.
+  /// What each candidate would gain on top of the columns `base`, best first.
+  std::vector<Score> gains(const Columns& base) const;
+  /// Of these, `most` that hold on windows and recordings, by their worth.
   /// `alike`: what the best of those gains that the windows are sure of, whether or not the recordings agree on it, of the loss.
   std::vector<Score> scores(const Columns& base, std::size_t most, double* alike = nullptr) const;
 
@@ -53,6 +55,7 @@ class ScoreTest {
     double worse;   ///< share of the folds that lose
     double steady;  ///< how well they agree on its size (steadiness)
   };
+  double loss_of(const Columns& base) const;  ///< once these are fitted
   double sureness(const Columns& base, const Score& s) const;
   OnFolds on_folds(const Columns& base, const Score& s) const;
   void one_size(const Eigen::MatrixXd& fold, const Columns& base, const Score& s, std::vector<double>& size,

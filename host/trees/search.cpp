@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <set>
 
 #include "host/trees/linear.hpp"
@@ -20,11 +21,21 @@ constexpr std::size_t kLeaders = 5;
 constexpr double kGrosslyWrong = 0.02;
 /// A cause without which the loss is so many times as much stays.
 constexpr double kMissed = 2.0;
+/// A cause is dropped whose parameters are nearer to none than so many of their own variances; at the end, also one whose size the
+/// recordings agree on by less than this share of what the linear test asks: half of that where they foretell each other with it by so
+/// much better, of the loss.
+constexpr double kHolds = 12.0, kAgree = 0.7, kForetells = 0.05;
+/// What must be lost without a spring between drive and joint, of the loss.
+constexpr double kRings = 0.3;
 /// So often does a rival that fits better take a cause's place.
 constexpr int kMostSwaps = 4;
 /// So many rivals of a cause are fitted; so many of them since they change the motion as it does, by this share of its squares.
 constexpr std::size_t kMostRivals = 5, kMostAlike = 3;
 constexpr double kNearlyOneLaw = 0.5;
+/// One that is behind a cause by less than so many times the scatter stands for it.
+constexpr double kStands = 2.0;
+/// One cause does as well as two if the loss is larger by no more than so much.
+constexpr double kAsWell = 0.02;
 /// What a parameter more must be worth, of the loss.
 constexpr double kOfParameter = 0.01;
 
@@ -36,8 +47,8 @@ double sum_of(const std::vector<double>& x) {
 
 class Search {
  public:
-  Search(Problem& problem, const Progress& progress, bool springs)
-      : problem_(problem), progress_(progress), springs_(springs) {}
+  Search(Problem& problem, const Progress& progress, bool swings)
+      : problem_(problem), progress_(progress), swings_(swings) {}
 
   Found run(Problem* coarse) {
     Found found;
@@ -54,15 +65,17 @@ class Search {
       fit = fitted_anew(on_short.rounds(on_short.fitted_anew(fit.at), 4, nullptr).at);
     }
     for (int again = 0; again < 3; ++again) {
+      const std::size_t pruned = fit.at.causes.size();
       fit = rounds(std::move(fit), again == 0 ? 7 : 3, again == 0 ? &found : nullptr);
       const std::size_t before = fit.at.causes.size();
+      if (before != pruned) dropped_worth_ = 0.0;  // something else may account for it
       fit = prune(merge(std::move(fit)), true);
       if (fit.at.causes.size() == before || dropped_.empty()) break;
       problem_.weigh(fit.at);
       fit = problem_.fit(fit.at, 4);
     }
     judge(found, std::move(fit));
-    found.disputed = disputed_;
+    found.disputed = std::max(disputed_, dropped_worth_);
     return found;
   }
 
@@ -76,16 +89,17 @@ class Search {
   /// Adds causes until none is worth it.
   Fit rounds(Fit fit, int most, Found* found) {
     std::set<std::string> refused;  // proposed, and gone in the fit
-    spring_candidates_.clear();
-    bool springs_looked_for = false;  // since something was found
+    springs_.clear();
+    ripples_.clear();
+    bool looked_for_swings = false;  // since something was found
     for (int round = 0; round < most; ++round) {
       say(0.08 + 0.09 * round, "testing causes at sites");
       const ScoreTest linear(problem_, fit.at, fit.unknowns, tried(fit.at));
       if (found != nullptr) found->tried = std::max(found->tried, linear.candidates().size());
       const std::vector<ScoreTest::Score> picks = pick(linear, fit, refused, round == 0 ? found : nullptr);
       if (picks.empty()) {
-        if (springs_looked_for) break;
-        look_for_springs(fit), springs_looked_for = true;
+        if (looked_for_swings) break;
+        look_for_swings(fit), looked_for_swings = true;
         continue;
       }
       const std::size_t before = fit.at.causes.size();
@@ -111,7 +125,7 @@ class Search {
         continue;
       }
       fit = std::move(with);
-      springs_looked_for = false;
+      looked_for_swings = false;
       problem_.weigh(fit.at);
       fit = apart(problem_.fit(fit.at, 3));
     }
@@ -126,13 +140,14 @@ class Search {
   static std::span<const double> coefficients(const ScoreTest::Score& s) {
     return {s.coefficients.data(), static_cast<std::size_t>(s.coefficients.size())};
   }
-  /// Of each joint the springs before it that would do best, on some of the windows: of most of them a probe says nothing, for it rings
-  /// otherwise than the true one.
-  void look_for_springs(const Fit& fit) {
-    constexpr std::size_t kWindows = 24, kSprings = 3;
-    constexpr double kApart = 0.2;  // logarithms
-    spring_candidates_.clear();
-    if (!springs_) return;
+  /// Of each joint the springs before it and the ripples of its drive that would do best, on some of the windows: a probe of another
+  /// stiffness or number of cycles swings otherwise than the true one, and says nothing about it.
+  void look_for_swings(const Fit& fit) {
+    constexpr std::size_t kWindows = 24, kSprings = 3, kRipples = 2;
+    constexpr double kApart = 0.2;  // of springs, logarithms
+    springs_.clear();
+    ripples_.clear();
+    if (!swings_) return;
     Problem some = problem_.thinned(std::max<std::size_t>(1, problem_.windows().size() / kWindows));
     some.weigh(fit.at);
     for (std::size_t j = 0; j < problem_.joints(); ++j) {
@@ -140,18 +155,32 @@ class Search {
       if (all.empty()) continue;
       const ScoreTest linear(some, fit.at, fit.unknowns, all);
       std::vector<double> taken;
-      for (const ScoreTest::Score& s : linear.scores(linear.fitted(), kSprings * 20)) {
+      for (const ScoreTest::Score& s : linear.scores(linear.fitted(), 20 * kSprings)) {
         const double stiffness = all[s.candidate].columns.front().values[0];
         if (std::any_of(taken.begin(), taken.end(),
                         [&](double t) { return std::abs(std::log(t / stiffness)) < kApart; }))
           continue;
         taken.push_back(stiffness);
-        spring_candidates_.push_back(all[s.candidate]);
+        springs_.push_back(all[s.candidate]);
         if (taken.size() == kSprings) break;
       }
     }
+    const std::vector<Candidate> all = ripples(problem_, fit.at);
+    if (all.empty()) return;
+    const ScoreTest linear(some, fit.at, fit.unknowns, all);
+    std::vector<std::size_t> taken(problem_.joints());
+    for (const ScoreTest::Score& s : linear.gains(linear.fitted()))
+      if (taken[all[s.candidate].sites.front()]++ < kRipples) ripples_.push_back(all[s.candidate]);
   }
-  Guesses guesses(const Hypothesis& h) const { return {ripple_cycles(problem_, h), spring_candidates_}; }
+  Guesses guesses(const Hypothesis& h) const {
+    Guesses out{ripple_cycles(problem_, h), springs_};
+    for (const Candidate& c : ripples_) {
+      std::vector<double>& cycles = out.ripple_cycles[c.sites.front()];
+      const double n = c.columns.front().values[1];
+      if (std::find(cycles.begin(), cycles.end(), n) == cycles.end()) cycles.push_back(n);
+    }
+    return out;
+  }
 
   /// All candidates but those that the recordings did not agree on, and those that have a law in them that is found already: a position
   /// law's kd is a damping.
@@ -236,7 +265,8 @@ class Search {
   }
 
   /// How far the cause's parameters are from having no effect, in their own scatter, squared.
-  double distance(const Fit& fit, std::size_t cause, bool strict) const {
+  /// `steady`: what the recordings must agree on its size, of what the linear test asks.
+  double distance(const Fit& fit, std::size_t cause, double steady) const {
     double most = 0.0;
     const Cause& c = fit.at.causes[cause];
     // Between two rows nobody knows when a command came.
@@ -257,8 +287,8 @@ class Search {
       const double away = value_of(fit.at, u) - neutral;
       std::vector<double> apart = fit.fold_value[k];
       for (double& x : apart) x -= neutral;
-      if (variance > 0.0 &&
-          (!strict || steadiness(apart, fit.fold_information[k]) > 0.7 * agreement(moving, problem_)))
+      if (variance > 0.0 && (steady == 0.0 || steadiness(apart, fit.fold_information[k]) >
+                                                  steady * agreement(moving, problem_)))
         most = std::max(most, away * away / variance);
       if (fit.at_bound[k] && std::abs(away) > 0.5 * u.scale) most = std::max(most, 50.0);
     }
@@ -267,22 +297,52 @@ class Search {
     return most;
   }
 
-  /// Drops causes that do not hold, the weakest first.
+  /// Drops causes that do not hold, the weakest first. `strict`: the recordings must agree on what stays.
   Fit prune(Fit fit, bool strict) {
+    if (strict) fit = without_doubtful_springs(std::move(fit));
+    std::set<std::string> foretells;
     for (;;) {
       std::size_t weakest = fit.at.causes.size();
-      double least = 12.0;
-      for (std::size_t c = problem_.model().causes.size(); c < fit.at.causes.size(); ++c)
-        if (const double d = distance(fit, c, strict); d < least) {
-          least = d;
-          weakest = c;
-        }
+      double least = kHolds;
+      for (std::size_t c = problem_.model().causes.size(); c < fit.at.causes.size(); ++c) {
+        const double d = distance(fit, c, strict ? kAgree : 0.0);
+        if (d >= least || foretells.contains(cause_name(problem_.model(), fit.at.causes[c]))) continue;
+        least = d;
+        weakest = c;
+      }
       if (weakest == fit.at.causes.size()) return fit;
       Fit off = problem_.fit(without(fit.at, weakest), 4, &fit);
       // Much is there in a few windows only: their scatter then says little.
       if (!strict && off.loss > kMissed * fit.loss) return fit;
-      if (strict) dropped_.insert(cause_name(problem_.model(), fit.at.causes[weakest]));
+      const std::string name = cause_name(problem_.model(), fit.at.causes[weakest]);
+      if (strict && distance(fit, weakest, 0.5 * kAgree) >= kHolds &&
+          off.foretold_loss > (1.0 + kForetells) * fit.foretold_loss) {
+        foretells.insert(name);
+        continue;
+      }
+      if (strict) {
+        dropped_.insert(name);
+        dropped_worth_ = std::max(dropped_worth_, (off.loss - fit.loss) / off.loss);
+      }
       fit = std::move(off);
+    }
+  }
+
+  /// A stiffness is never near to having no effect: what tells is how much is lost without it. The least first.
+  Fit without_doubtful_springs(Fit fit) {
+    for (;;) {
+      std::optional<Fit> least;
+      std::string name;
+      for (std::size_t c = problem_.model().causes.size(); c < fit.at.causes.size(); ++c) {
+        if (fit.at.causes[c].effect != Effect::joint_elasticity) continue;
+        Fit off = problem_.fit(without(fit.at, c), 4, &fit);
+        if (off.loss > (1.0 + kRings) * fit.loss || (least && off.loss > least->loss)) continue;
+        least = std::move(off);
+        name = cause_name(problem_.model(), fit.at.causes[c]);
+      }
+      if (!least) return fit;
+      dropped_.insert(name);
+      fit = std::move(*least);
     }
   }
 
@@ -399,9 +459,28 @@ class Search {
         }
         found.rivals.push_back(std::move(rivals));
       }
-      if (!swapped) break;
+      if (!swapped && !(swaps < kMostSwaps && one_for_two(found, fit))) break;
     }
     found.fit = std::move(fit);
+  }
+  /// What stands for either of two causes may stand for both: then it is the one.
+  bool one_for_two(const Found& found, Fit& fit) const {
+    const std::size_t given = problem_.model().causes.size();
+    for (std::size_t a = 0; a < found.rivals.size(); ++a)
+      for (std::size_t b = a + 1; b < found.rivals.size(); ++b)
+        for (const Rival& of_a : found.rivals[a])
+          for (const Rival& of_b : found.rivals[b]) {
+            const Cause& cause = of_a.causes.front();
+            if (of_a.z > kStands || of_b.z > kStands || cause.effect != of_b.causes.front().effect ||
+                cause.sites != of_b.causes.front().sites)
+              continue;
+            // In it `a` is gone already, and what stands for it is there.
+            Fit one = problem_.fit(without(of_a.at, given + b - 1), 6);
+            if (one.loss > (1.0 + kAsWell) * fit.loss) continue;
+            fit = std::move(one);
+            return true;
+          }
+    return false;
   }
   static std::size_t parameters(const Fit& f) { return f.unknowns.size(); }
 
@@ -418,10 +497,11 @@ class Search {
 
   Problem& problem_;
   const Progress& progress_;
-  bool springs_;                              ///< are looked for
-  std::vector<Candidate> spring_candidates_;  ///< that may be
+  bool swings_;                               ///< are looked for
+  std::vector<Candidate> springs_, ripples_;  ///< that may be
   double disputed_ = 0.0;                     ///< see Found, of the last round
-  std::set<std::string> dropped_;             ///< causes that did not hold at the end of a search
+  double dropped_worth_ = 0.0;  ///< of causes that were dropped, and nothing came in their place: of the loss
+  std::set<std::string> dropped_;  ///< causes that did not hold at the end of a search
 };
 
 }  // namespace

@@ -118,8 +118,9 @@ Errors beside_mujoco(const trees::Diagnosis& d, const std::vector<log::Log>& log
 
 }  // namespace
 
-TEST_CASE("The double pendulum C1 lacks dry friction at both joints and nothing else, as MuJoCo sees it too",
-          "[long]") {
+TEST_CASE(
+    "The double pendulum C1 lacks dry friction at both joints, and nothing that makes the test worse is named; MuJoCo sees it too",
+    "[long]") {
   const std::string folder = test::data_folder();
   if (folder.empty()) return;
   const auto held_out = double_pendulum(folder, "C1", kC1HeldOut);
@@ -129,7 +130,9 @@ TEST_CASE("The double pendulum C1 lacks dry friction at both joints and nothing 
   INFO(brief(d));
   CHECK(names(d, Effect::coulomb_friction, "shoulder"));
   CHECK(names(d, Effect::coulomb_friction, "elbow"));
-  for (const trees::Finding& f : d.findings) CHECK(f.cause.effect == Effect::coulomb_friction);
+  // Nothing else that makes the test worse.
+  const auto total = [](const std::vector<trees::ChannelError>& e) { return e[0].nmse + e[1].nmse; };
+  for (const trees::Finding& f : d.findings) CHECK(total(f.without) > total(d.extended_error));
   CHECK(d.refitted_error[0].rmse > 0.15);
   CHECK(d.refitted_error[1].rmse > 0.27);
   CHECK(d.extended_error[0].rmse < 0.032);

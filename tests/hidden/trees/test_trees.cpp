@@ -1,4 +1,4 @@
-// The fixed part of the blind suite for robots: six small cases that `furcula diagnose` must answer rightly.
+// The fixed part of the blind suite for robots: eight small cases that `furcula diagnose` must answer rightly.
 #include <catch2/catch.hpp>
 #include <filesystem>
 
@@ -39,6 +39,12 @@ TEST_CASE("Dry friction at one joint of a robot is named", "[trees]") {
 TEST_CASE("A late drive of a robot is named", "[trees]") { ask(13, Tier::large, 2, {"actuator_delay"}); }
 
 TEST_CASE("A mass at a link of a robot is named", "[trees]") { ask(14, Tier::large, 3, {"payload"}); }
+
+TEST_CASE("A spring between drive and joint of a robot is named", "[trees]") {
+  ask(17, Tier::large, 2, {"joint_elasticity"});
+}
+
+TEST_CASE("A ripple of a robot's drive is named", "[trees]") { ask(18, Tier::large, 3, {"torque_ripple"}); }
 
 // Not yet: of two recordings of 4 s only the constant torque is named; the drive's 8 % are missed.
 TEST_CASE("A constant torque and a weak drive are named beside each other", "[trees][!mayfail]") {
