@@ -244,8 +244,7 @@ class Diagnoser {
       if (std::isnan(none) || !(fit.covariance(i, i) > 0.0)) continue;
       which.push_back(i);
       away.push_back(value_of(fit.at, u) - none);
-      const Estimate e = interval("", "", fit, k);
-      wider.push_back(0.5 * (e.upper - e.lower) / (1.96 * std::sqrt(fit.covariance(i, i))));
+      wider.push_back(std::sqrt(variance_of(fit, k) / fit.covariance(i, i)));
     }
     if (which.empty()) return false;
     const Eigen::Map<const Eigen::VectorXd> d(away.data(), static_cast<Eigen::Index>(away.size()));
@@ -253,16 +252,19 @@ class Diagnoser {
     const Eigen::MatrixXd covariance = w.asDiagonal() * fit.covariance(which, which) * w.asDiagonal();
     return d.dot(Eigen::VectorXd(ScaledNormal(covariance, 1e-9).solve(d))) < kApartSquared[which.size()];
   }
-  static Estimate interval(const std::string& name, const std::string& unit, const Fit& fit, std::size_t k) {
-    const Unknown& u = fit.unknowns[k];
+  static double variance_of(const Fit& fit, std::size_t k) {
     const auto i = static_cast<Eigen::Index>(k);
-    const double value = value_of(fit.at, u);
-    double variance = fit.covariance(i, i);
     // The recordings' own estimates scatter too: where by more than the windows say, they are right.
     const Mean mean = weighted_mean(fit.fold_value[k], fit.fold_information[k]);
-    if (fit.fold_value[k].size() >= 3 && mean.freedom > 0.25) variance = std::max(variance, mean.variance);
-    const double half = 1.96 * std::sqrt(variance);
-    return {name, unit, value, value - half, value + half};
+    const bool known = fit.fold_value[k].size() >= 3 && mean.freedom > 0.25;
+    return known ? std::max(fit.covariance(i, i), mean.variance) : fit.covariance(i, i);
+  }
+  /// 95 %, within the parameter's bounds.
+  static Estimate interval(const std::string& name, const std::string& unit, const Fit& fit, std::size_t k) {
+    const Unknown& u = fit.unknowns[k];
+    const double value = value_of(fit.at, u), half = 1.96 * std::sqrt(variance_of(fit, k));
+    return {name, unit, value, std::max(value - half, std::min(u.lower, value)),
+            std::min(value + half, std::max(u.upper, value))};
   }
 
   void findings(Problem& problem, const Found& found) {
