@@ -9,6 +9,16 @@
 namespace furcula::trees {
 namespace {
 
+/// At one of the sites at least.
+bool has(const Hypothesis& h, Effect e, const std::vector<std::size_t>& at) {
+  return std::any_of(h.causes.begin(), h.causes.end(), [&](const Cause& c) {
+    if (c.effect != e) return false;
+    return std::any_of(at.begin(), at.end(), [&](std::size_t s) {
+      return std::find(c.sites.begin(), c.sites.end(), s) != c.sites.end();
+    });
+  });
+}
+
 class Lister {
  public:
   Lister(const Problem& problem, const Hypothesis& h, const Guesses& guesses)
@@ -28,14 +38,7 @@ class Lister {
  private:
   using Values = std::array<double, kMostParameters>;
 
-  bool has(Effect e, const std::vector<std::size_t>& at) const {
-    return std::any_of(h_.causes.begin(), h_.causes.end(), [&](const Cause& c) {
-      if (c.effect != e) return false;
-      return std::any_of(at.begin(), at.end(), [&](std::size_t s) {
-        return std::find(c.sites.begin(), c.sites.end(), s) != c.sites.end();
-      });
-    });
-  }
+  bool has(Effect e, const std::vector<std::size_t>& at) const { return trees::has(h_, e, at); }
   bool is_free(std::size_t joint, std::size_t parameter) const {
     return std::any_of(model_.free.begin(), model_.free.end(),
                        [&](const FreeParameter& f) { return f.joint == joint && f.parameter == parameter; });
@@ -178,11 +181,7 @@ std::vector<Candidate> springs(const Problem& problem, const Hypothesis& h, std:
   constexpr double kSoftest_rad = 0.1;  // of twist by the drive's torque
   constexpr double kNext = 1.025;
   std::vector<Candidate> out;
-  const bool has = std::any_of(h.causes.begin(), h.causes.end(), [&](const Cause& c) {
-    return c.effect == Effect::joint_elasticity &&
-           std::find(c.sites.begin(), c.sites.end(), joint) != c.sites.end();
-  });
-  if (has) return out;
+  if (has(h, Effect::joint_elasticity, {joint})) return out;
   const Drive& given = problem.model().drives[joint];
   const bool moved =
       std::abs(h.drives[joint].damping_nmspr - given.damping_nmspr) > 0.05 * given.damping_nmspr;

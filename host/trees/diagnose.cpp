@@ -10,6 +10,7 @@
 #include "furcula/dynamics/tree/inverse_dynamics.hpp"
 #include "host/core/error.hpp"
 #include "host/core/message.hpp"
+#include "host/core/quantile.hpp"
 #include "host/trees/arrangement.hpp"
 #include "host/trees/linear.hpp"
 #include "host/trees/missing_torque.hpp"
@@ -232,7 +233,6 @@ class Diagnoser {
   }
   /// Whether its parameters are within their scatter, taken together, of values with which the cause is not there.
   bool covers_none(const Fit& fit, std::size_t cause) const {
-    constexpr double kApartSquared[] = {0.0, 3.84, 5.99, 7.81, 9.49};  // chi-square, 95 %
     std::vector<Eigen::Index> which;
     std::vector<double> away, wider;  // the recordings' own scatter may be larger than the windows'
     const Cause& c = fit.at.causes[cause];
@@ -250,7 +250,8 @@ class Diagnoser {
     const Eigen::Map<const Eigen::VectorXd> d(away.data(), static_cast<Eigen::Index>(away.size()));
     const Eigen::Map<const Eigen::VectorXd> w(wider.data(), d.size());
     const Eigen::MatrixXd covariance = w.asDiagonal() * fit.covariance(which, which) * w.asDiagonal();
-    return d.dot(Eigen::VectorXd(ScaledNormal(covariance, 1e-9).solve(d))) < kApartSquared[which.size()];
+    return d.dot(Eigen::VectorXd(ScaledNormal(covariance, 1e-9).solve(d))) <
+           core::chi_square_above(0.05, static_cast<double>(which.size()));
   }
   static double variance_of(const Fit& fit, std::size_t k) {
     const auto i = static_cast<Eigen::Index>(k);

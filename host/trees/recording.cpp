@@ -131,6 +131,15 @@ LocalState local_state(const Recording& r, std::size_t joint, std::size_t row, d
           sd * std::sqrt(inverse(1, 1)) / unit};
 }
 
+double velocity_about(const Recording& r, std::size_t joint, std::size_t row) {
+  const std::size_t next = std::min(row + 1, r.rows() - 1), before = row > 0 ? row - 1 : 0;
+  return (r.angle_rad[joint][next] - r.angle_rad[joint][before]) / (r.time_s[next] - r.time_s[before]);
+}
+
+bool gap_after(const Recording& r, std::size_t row) {
+  return r.time_s[row + 1] - r.time_s[row] >= 5.0 * r.interval_s + 1e-3;
+}
+
 Recording part_of(const Recording& r, std::size_t first, std::size_t last) {
   const auto cut = [&](const std::vector<double>& x) {
     return std::vector<double>(x.begin() + static_cast<std::ptrdiff_t>(first),

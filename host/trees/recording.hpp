@@ -38,6 +38,11 @@ struct LocalState {
 };
 LocalState local_state(const Recording& r, std::size_t joint, std::size_t row, double half_s);
 
+/// The joint's velocity about a row, by the rows beside it.
+double velocity_about(const Recording& r, std::size_t joint, std::size_t row);
+/// Whether rows are missing between this one and the next.
+bool gap_after(const Recording& r, std::size_t row);
+
 /// Rows `first` to `last`.
 Recording part_of(const Recording& r, std::size_t first, std::size_t last);
 

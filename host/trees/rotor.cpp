@@ -1,7 +1,6 @@
 // Rotors along a recording, see rotor.hpp.
 #include "host/trees/rotor.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 namespace furcula::trees {
@@ -10,16 +9,12 @@ namespace {
 /// After so many time constants a start is forgotten.
 constexpr double kForgotten = 6.0;
 
-bool gap_after(const Recording& r, std::size_t row) {
-  return r.time_s[row + 1] - r.time_s[row] >= 5.0 * r.interval_s + 1e-3;
-}
-
 }  // namespace
 
 Rotor::Rotor(const Setup& setup, const Recording& recording, std::size_t joint, std::size_t from)
     : drive_(setup.joints[joint]), law_(setup.model.laws[joint]), r_(recording), joint_(joint), row_(from) {
   if (drive_.lag_s > 0.0) lagged_nm_ = lagged_before(drive_, r_, joint, from);
-  const double q = joint_rad(from), v = joint_radps(from);
+  const double q = joint_rad(from), v = velocity_about(r_, joint, from);
   const std::size_t row = row_in_force(drive_, r_, from);
   const double measured = r_.angle_rad[joint][from],
                torque = drive_.lag_s > 0.0
@@ -44,11 +39,6 @@ Rotor Rotor::at(const Setup& setup, const Recording& r, std::size_t joint, std::
 double Rotor::joint_rad(std::size_t row) const {
   return r_.angle_rad[joint_][row] - drive_.encoder_offset_rad;
 }
-double Rotor::joint_radps(std::size_t row) const {
-  const std::size_t next = std::min(row + 1, r_.rows() - 1), before = row > 0 ? row - 1 : 0;
-  return (r_.angle_rad[joint_][next] - r_.angle_rad[joint_][before]) / (r_.time_s[next] - r_.time_s[before]);
-}
-
 void Rotor::advance() {
   const double dt = r_.time_s[row_ + 1] - r_.time_s[row_];
   const double q = joint_rad(row_), slope = (joint_rad(row_ + 1) - q) / dt;
@@ -74,7 +64,7 @@ void Rotor::advance() {
 }
 
 double Rotor::impulse_nms(double stiff_inertia_kgm2, double stiff_damping_nmspr) const {
-  return stiff_inertia_kgm2 * joint_radps(row_) + stiff_damping_nmspr * joint_rad(row_) -
+  return stiff_inertia_kgm2 * velocity_about(r_, joint_, row_) + stiff_damping_nmspr * joint_rad(row_) -
          law_.armature_kgm2 * rate_radps_ - law_.rotor_damping_nmspr * angle_rad_;
 }
 

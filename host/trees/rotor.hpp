@@ -28,7 +28,6 @@ class Rotor {
 
  private:
   double joint_rad(std::size_t row) const;  ///< measured, without the encoder's offset
-  double joint_radps(std::size_t row) const;
 
   const Setup::Joint& drive_;
   const dynamics::tree::JointLaw<double>& law_;

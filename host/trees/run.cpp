@@ -285,10 +285,7 @@ double lagged_before(const Setup::Joint& j, const Recording& r, std::size_t join
   std::size_t from = k;
   while (from > 0 && r.time_s[k] - r.time_s[from] < 6.0 * j.lag_s) --from;
   const auto asked = [&](std::size_t b) {
-    const std::size_t next = std::min(b + 1, r.rows() - 1), before = b > 0 ? b - 1 : 0;
-    return asked_torque(
-        j, r.input[joint][b], r.angle_rad[joint][b],
-        (r.angle_rad[joint][next] - r.angle_rad[joint][before]) / (r.time_s[next] - r.time_s[before]));
+    return asked_torque(j, r.input[joint][b], r.angle_rad[joint][b], velocity_about(r, joint, b));
   };
   double out = asked(from);
   const auto pass = [&](std::size_t b, double dt) {

@@ -320,12 +320,14 @@ class Search {
         foretells.insert(name);
         continue;
       }
-      if (strict) {
-        dropped_.insert(name);
-        dropped_worth_ = std::max(dropped_worth_, (off.loss - fit.loss) / off.loss);
-      }
+      if (strict) drop(name, fit, off);
       fit = std::move(off);
     }
+  }
+
+  void drop(const std::string& name, const Fit& with, const Fit& off) {
+    dropped_.insert(name);
+    dropped_worth_ = std::max(dropped_worth_, (off.loss - with.loss) / off.loss);
   }
 
   /// A stiffness is never near to having no effect: what tells is how much is lost without it. The least first.
@@ -341,7 +343,7 @@ class Search {
         name = cause_name(problem_.model(), fit.at.causes[c]);
       }
       if (!least) return fit;
-      dropped_.insert(name);
+      drop(name, fit, *least);
       fit = std::move(*least);
     }
   }

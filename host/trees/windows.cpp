@@ -61,10 +61,9 @@ std::vector<Window> windows_of(const TreeModel& model, std::span<const Recording
     for (std::size_t first = 0; first + 1 < r.rows();) {
       std::size_t last = first;
       while (last + 1 < r.rows() && r.time_s[last + 1] - r.time_s[first] <= window_s * (1.0 + 1e-9) &&
-             r.time_s[last + 1] - r.time_s[last] < 5.0 * r.interval_s + 1e-3)
+             !gap_after(r, last))
         ++last;
-      const bool gap =
-          last + 1 < r.rows() && r.time_s[last + 1] - r.time_s[last] >= 5.0 * r.interval_s + 1e-3;
+      const bool gap = last + 1 < r.rows() && gap_after(r, last);
       if (r.time_s[last] - r.time_s[first] > 0.8 * window_s && last - first >= 8)
         out.push_back({i, first, last, window_s, {}, {}, {}, {}, {}});
       first = gap || last == first ? last + 1 : last;

@@ -6,6 +6,7 @@
 
 #include "host/trees/linear.hpp"
 #include "host/trees/missing_torque.hpp"
+#include "host/trees/score_test.hpp"
 #include "tests/host/error_message.hpp"
 #include "tests/host/trees/robot.hpp"
 
@@ -158,4 +159,44 @@ TEST_CASE("A torque that goes with the velocity is named so") {
   trees::Problem problem(model, all, trees::windows_of(model, all, 0.3, 60), 2);
   const auto lacking = trees::missing_torque(problem, all, {model.drives, {}}, 0.3);
   CHECK_THAT(trees::goes_along_with(lacking[1], 1, all.size(), model), Contains("velocity of elbow"));
+}
+
+TEST_CASE("What lasts of a missing torque is told from its noise") {
+  std::mt19937_64 random(11);
+  std::normal_distribution<double> normal;
+  // A sine of 2 s and white noise, some 20 s; the noise of one sample is not in those 40 to 60 ms on.
+  const auto lasting = [&](double sine_nm, double noise_nm) {
+    trees::TorqueSamples s;
+    s.half_s = 0.02;
+    for (int k = 0; k < 2500; ++k) {
+      s.recording.push_back(0);
+      s.time_s.push_back(0.008 * k);
+      s.missing_nm.push_back(sine_nm * std::sin(M_PI * s.time_s.back()) + noise_nm * normal(random));
+    }
+    return trees::lasting_nm(s);
+  };
+  const double rms_nm = 0.3 / std::sqrt(2.0) * std::sqrt(std::cos(M_PI * 0.05));
+  CHECK(lasting(0.3, 0.0) == Approx(rms_nm).epsilon(0.15));
+  CHECK(lasting(0.3, 0.3) == Approx(rms_nm).epsilon(0.2));
+  CHECK(lasting(0.0, 1.0) < 0.1);
+  CHECK(lasting(0.0, 0.0) == 0.0);
+}
+
+TEST_CASE("What moves a robot as a cause does stands in its place") {
+  // Of one joint, the rotor's inertia and the link's about the axis are one law; friction is another.
+  const trees::TreeModel model = test::pendulum("[drive]\nrotor_inertia_kgm2 = 0.01\n");
+  const std::vector<trees::Recording> all = recordings(model, test::logs(model, 2, 5.0, 60));
+  trees::Problem problem(model, all, trees::windows_of(model, all, 0.3, 40), 2);
+  const trees::Hypothesis none{model.drives, {}},
+      rotor{model.drives, {{Effect::rotor_inertia_error, {0}, {0.015, 0, 0, 0}}}};
+  problem.weigh(rotor);
+  const trees::ScoreTest test(problem, rotor, {}, trees::candidates(problem, rotor, {}), {none});
+  double link = 0.0, friction = 0.0;
+  for (const trees::ScoreTest::Score& s : test.in_place_of(0, {}, 0.0)) {
+    const Effect e = test.candidates()[s.candidate].effect;
+    if (e == Effect::inertia_error) link = std::max(link, s.gain);
+    if (e == Effect::coulomb_friction) friction = std::max(friction, s.gain);
+  }
+  CHECK(link > 0.999);
+  CHECK(friction < 0.5);
 }
