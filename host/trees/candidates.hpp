@@ -39,7 +39,7 @@ std::vector<Candidate> candidates(const Problem& problem, const Hypothesis& h, c
 
 /// Springs between a joint and its drive, from soft ones to such as ring faster than the fits may step: so many that one of them
 /// rings about as the true one does. Where the damping is free, with the model's own too: a fit takes the ringing for damping. None
-/// where the drive has no rotor's inertia, or a spring already.
+/// where the joint stands still, or the drive has no rotor's inertia, or a spring already.
 std::vector<Candidate> springs(const Problem& problem, const Hypothesis& h, std::size_t joint);
 
 /// Torque ripple of each drive with each whole number of cycles a turn that its joint's travel can show.
