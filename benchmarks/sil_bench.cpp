@@ -42,7 +42,10 @@ void controller_step(benchmark::State& state) {
   std::size_t i = 0;
   for (auto _ : state) {
     benchmark::DoNotOptimize(control::step(config, controller, inputs[i], 0.001f));
-    i = i + 1 == inputs.size() ? 0 : i + 1;
+    if (++i < inputs.size()) continue;
+    // From the start again: what jumps back would be a fault, and a robot in its safe state is another thing.
+    i = 0;
+    controller = control::begin(config);
   }
 }
 BENCHMARK(controller_step);

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstdint>
+#include <new>
+#include <type_traits>
 
 #include "firmware/app/board.hpp"
 #include "furcula/control/controller.hpp"
@@ -101,7 +103,9 @@ class App {
     reset_ = false;
     inputs.run = run_;
 
-    telemetry_ = {tick_, control::step(config_, state_, inputs, kTickPeriodS)};
+    // Made where it stays: a copy of what has just been written in pieces costs as much as a tenth of the tick.
+    static_assert(std::is_trivially_destructible_v<Telemetry>);
+    ::new (&telemetry_) Telemetry{tick_, control::step(config_, state_, inputs, kTickPeriodS)};
     drive_answers_ = board_.actuate(telemetry_.outputs.command) == Status::ok;
     board_.kick_watchdog();
     board_.report(telemetry_);

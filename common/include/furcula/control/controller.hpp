@@ -134,9 +134,8 @@ inline Outputs step_on_bench(const Config& config, State& state, const Inputs& i
   return out;
 }
 
-/// One tick, `dt_s` after the last (the nominal period: that a tick was late is an input).
-inline Outputs step(const Config& config, State& state, const Inputs& inputs, float dt_s) {
-  if (config.bench.on_bench != 0) return step_on_bench(config, state, inputs, dt_s);
+/// The tick of a robot.
+inline Outputs step_robot(const Config& config, State& state, const Inputs& inputs, float dt_s) {
   Observation seen = take_sample(config, state, inputs);
   const Sample& sample = state.last_sample;
   Outputs out;
@@ -254,6 +253,13 @@ inline Outputs step(const Config& config, State& state, const Inputs& inputs, fl
     state.limits.last_nm = out.command.torque_nm;
   }
   return out;
+}
+
+/// One tick, `dt_s` after the last (the nominal period: that a tick was late is an input).
+inline Outputs step(const Config& config, State& state, const Inputs& inputs, float dt_s) {
+  // A function each: the outputs are then written where they go, not copied there.
+  return config.bench.on_bench != 0 ? step_on_bench(config, state, inputs, dt_s)
+                                    : step_robot(config, state, inputs, dt_s);
 }
 
 }  // namespace furcula::control

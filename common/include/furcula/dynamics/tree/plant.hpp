@@ -25,7 +25,7 @@ class Plant {
   using V = typename M::V;
   using Joints = typename M::Joints;
   static constexpr int kMostChanges = 64;  ///< in one advance(); the rest passes in the mode of then
-  static constexpr V kShortest = V(1e-3);
+  static constexpr V kShortest = V(5e-3);
 
   /// Where a plant is: it goes on from there as it did before.
   struct Place {
@@ -34,7 +34,7 @@ class Plant {
   };
 
   /// Steps are not longer than `longest_step_s`, nor than what the springs and dampers of joints and drives
-  /// allow in the posture of reset(); but not shorter than kShortest of it.
+  /// allow in the posture of reset(); but not shorter than kShortest of it (of 4 ms: stable for what decays in 8 us).
   explicit Plant(const M& model, V longest_step_s = V(1e-3)) : model_(model), longest_step_(longest_step_s) {
     if constexpr (!kPlain) plain_ = Model<V, P>(model);
   }
