@@ -5,12 +5,13 @@
 
 #include <pthread.h>
 #include <sys/resource.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <atomic>
 #include <chrono>
-#include <iostream>
 #include <memory>
+#include <sstream>
 #include <string>
 
 #include "boards/linux_sbc/board.hpp"
@@ -19,6 +20,7 @@
 #include "boards/linux_sbc/notify.hpp"
 #include "boards/linux_sbc/parameter_writer.hpp"
 #include "boards/linux_sbc/realtime.hpp"
+#include "boards/linux_sbc/say.hpp"
 #include "boards/linux_sbc/signals.hpp"
 #include "firmware/app/node.hpp"
 #include "firmware/app/node_registers.hpp"
@@ -112,34 +114,36 @@ Baseline now() {
 
 void print_figures(const LoopFigures& figures, const Baseline& begin) {
   const Baseline end = now();
-  std::cout << "furculad: " << figures.ticks.load() << " ticks, " << figures.overruns.load()
-            << " missed; CAN: " << figures.can_refused.load() << " sends refused, "
-            << figures.can_errors.load() << " error frames; switch: " << figures.edges.load() << " edges\n"
-            << figures.lateness.text("a tick begins late by") << figures.work.text("a tick's own work")
-            << "since the start: " << end.usage.ru_minflt - begin.usage.ru_minflt << " page faults, "
-            << end.usage.ru_majflt - begin.usage.ru_majflt << " from disk";
-  if (furcula_allocations != nullptr)
-    std::cout << "; " << end.allocations - begin.allocations << " allocations";
-  std::cout << std::endl;
+  std::ostringstream out;
+  out << "furculad: " << figures.ticks.load() << " ticks, " << figures.overruns.load()
+      << " missed; CAN: " << figures.can_refused.load() << " sends refused, " << figures.can_errors.load()
+      << " error frames; switch: " << figures.edges.load() << " edges\n"
+      << figures.lateness.text("a tick begins late by") << figures.work.text("a tick's own work")
+      << "since the start: " << end.usage.ru_minflt - begin.usage.ru_minflt << " page faults, "
+      << end.usage.ru_majflt - begin.usage.ru_majflt << " from disk";
+  if (furcula_allocations != nullptr) out << "; " << end.allocations - begin.allocations << " allocations";
+  out << "\n";
+  static_cast<void>(say(STDOUT_FILENO, out.str()));
 }
 
 void warn(const std::string& message) {
-  if (!message.empty()) std::cerr << "furculad: warning: " << core::printable_lines(message) << "\n";
+  if (!message.empty())
+    static_cast<void>(say(STDERR_FILENO, "furculad: warning: " + core::printable_lines(message) + "\n"));
 }
 
 /// What a person has to know of the bus, once.
-void tell_of_bus(socketcan::CanState state, const std::string& interface) {
+std::string told_of_bus(socketcan::CanState state, const std::string& interface) {
   const std::string begin = "furculad: " + interface;
-  if (state == socketcan::CanState::on) {
-    std::cerr << begin << " is back on the bus; the fault stays until a reset\n";
-  } else if (state == socketcan::CanState::off) {
-    std::cerr << begin << " went off the bus after too many errors: ip link set "
-              << interface << " type can restart, or down and up; then reset\n";
-  } else if (state == socketcan::CanState::down) {
-    std::cerr << begin << " is down: ip link set "
-              << interface << " up type can bitrate 1000000; then reset\n";
-  } else {
-    std::cerr << begin << " is gone: it is looked for until it is there again; then reset\n";
+  switch (state) {
+    case socketcan::CanState::on:
+      return begin + " is back on the bus; the fault stays until a reset\n";
+    case socketcan::CanState::off:
+      return begin + " went off the bus after too many errors: ip link set " + interface +
+             " type can restart, or down and up; then reset\n";
+    case socketcan::CanState::down:
+      return begin + " is down: ip link set " + interface + " up type can bitrate 1000000; then reset\n";
+    default:
+      return begin + " is gone: it is looked for until it is there again; then reset\n";
   }
 }
 
@@ -158,7 +162,7 @@ void watch(Daemon& d, const std::string& interface, const ServiceManager& manage
     if (asks == Signals::Asks::figures) print_figures(d.figures, begin);
     if (const socketcan::CanState state = d.figures.can_state.load(std::memory_order_relaxed);
         state != told) {
-      tell_of_bus(state, interface);
+      static_cast<void>(say(STDERR_FILENO, told_of_bus(state, interface)));
       told = state;
     }
     const std::uint64_t ticks = d.figures.ticks.load(std::memory_order_relaxed);
@@ -203,10 +207,11 @@ void run_daemon(const Configuration& configuration) {
     ::nanosleep(&pause, nullptr);
   }
   warn(daemon->warning);
-  std::cout << "furculad: running on " << configuration.can_interface << std::endl;
+  const std::string interface = core::printable(configuration.can_interface);
+  static_cast<void>(say(STDOUT_FILENO, "furculad: running on " + interface + "\n"));
   manager.tell("READY=1");
   const Baseline begin = now();
-  watch(*daemon, configuration.can_interface, manager, signals, begin);
+  watch(*daemon, interface, manager, signals, begin);
 
   manager.tell("STOPPING=1");
   daemon->stop = true;

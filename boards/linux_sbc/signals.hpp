@@ -6,9 +6,12 @@
 
 namespace furcula::linux_sbc {
 
-/// Each of them ends it as SIGTERM does, with the drive off: a terminal that is closed (SIGHUP) and a reader
-/// of its output that went (SIGPIPE) would otherwise kill it, and leave the motor to the drive's own watchdog.
-inline constexpr int kEndingSignals[] = {SIGTERM, SIGINT, SIGHUP, SIGQUIT, SIGPIPE};
+/// Each signal that would end or stop a program ends this one as SIGTERM does, with the drive off: a terminal that is
+/// closed (SIGHUP), a reader of its output that went (SIGPIPE) or Ctrl-Z (SIGTSTP) would otherwise leave the motor to the
+/// drive's own watchdog, and the coil as it is. These are left to the kernel: the program's own errors, after which
+/// nothing of it can be trusted, and what ends nothing. SIGKILL and SIGSTOP cannot be kept from it.
+inline constexpr int kOfTheKernel[] = {SIGSEGV, SIGBUS,  SIGFPE,  SIGILL, SIGTRAP, SIGABRT,
+                                       SIGSYS,  SIGCHLD, SIGCONT, SIGURG, SIGWINCH};
 inline constexpr int kFiguresSignal = SIGUSR1;
 
 class Signals {
@@ -17,9 +20,8 @@ class Signals {
 
   /// To be called before the other threads begin, which inherit that these signals wait for wait().
   Signals() {
-    ::sigemptyset(&set_);
-    for (const int signal : kEndingSignals) ::sigaddset(&set_, signal);
-    ::sigaddset(&set_, kFiguresSignal);
+    ::sigfillset(&set_);
+    for (const int signal : kOfTheKernel) ::sigdelset(&set_, signal);
     ::pthread_sigmask(SIG_BLOCK, &set_, nullptr);
   }
 

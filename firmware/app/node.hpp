@@ -177,8 +177,14 @@ class Node {
     if (torque.shape == control::ProfileShape::zero || torque.amplitude_nm == 0.0f)
       return bus::Reason::no_torque;
     const control::Outputs& out = app_.telemetry().outputs;
-    return out.phase.phase == control::Phase::flight && !out.clutch.drives_leg ? bus::Reason::flight
-                                                                               : bus::Reason::none;
+    if (out.phase.phase == control::Phase::flight)
+      return out.clutch.drives_leg ? bus::Reason::none : bus::Reason::flight;
+    // Longer than a stance of a robot that hops.
+    constexpr float kLongest_s = 1.0f;
+    return torque.shape == control::ProfileShape::constant && out.height.velocity_mps == 0.0f &&
+                   out.phase.since_touchdown_s > kLongest_s
+               ? bus::Reason::standing_still
+               : bus::Reason::none;
   }
 
   bus::Snapshot snapshot() const {

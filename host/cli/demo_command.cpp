@@ -72,13 +72,13 @@ void run(const DemoOptions& options) {
   }
   std::cout << "A virtual hopper with one hidden cause, drawn from seed " << seed
             << ", has hopped: " << mystery.logs.size() << " logs and the model without the cause are in "
-            << options.out << ".\n\n"
+            << core::printable(options.out) << ".\n\n"
             << "What the logs say\n"
             << std::flush;
   const diagnose::Diagnosis d = run_diagnose(recordings);
   // Written only now: nothing that the diagnosis could have read held the truth.
   model::write_model(mystery.truth, options.out + "/truth.toml");
-  std::cout << "\nThe truth (" << options.out << "/truth.toml)\n"
+  std::cout << "\nThe truth (" << core::printable(options.out) << "/truth.toml)\n"
             << truth_in_words(mystery) << ". " << how_it_went(d, mystery.cause) << "\n";
 }
 

@@ -56,6 +56,7 @@ class WindowCost final : public ceres::CostFunction {
     if (size <= 8) return run_window<Dual<8>>(run_, blocks, residuals, jacobians);
     if (size <= 12) return run_window<Dual<12>>(run_, blocks, residuals, jacobians);
     if (size <= 20) return run_window<Dual<20>>(run_, blocks, residuals, jacobians);
+    static_assert(kMostUnknowns + kStartSize <= 32);
     return run_window<Dual<32>>(run_, blocks, residuals, jacobians);
   }
 

@@ -14,8 +14,8 @@ namespace furcula::identify {
 /// How residuals are weighted.
 enum class Weighting {
   noise,  ///< positions over their noise
-  nmse,   ///< positions and velocities over the window's spread: each window adds NMSE(z) + NMSE(z') (002
-          ///< eq. 4.4)
+  /// Positions and velocities over the window's spread: each window adds NMSE(z) + NMSE(z'), 002 eq. 4.4.
+  nmse,
 };
 
 struct Fit {

@@ -61,7 +61,8 @@ std::string reason_text(const bus::Snapshot& s) {
 std::string to_text(const View& view) {
   const bus::Snapshot& s = view.snapshot;
   const bool moves = s.state == static_cast<int>(bus::NodeState::running) &&
-                     s.reason != static_cast<int>(bus::Reason::no_torque);
+                     s.reason != static_cast<int>(bus::Reason::no_torque) &&
+                     s.reason != static_cast<int>(bus::Reason::standing_still);
   const auto count = [](std::uint32_t n) { return std::to_string(n); };
   std::string out;
   const auto line = [&out](const char* head, const std::string& rest) {

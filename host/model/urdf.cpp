@@ -115,7 +115,7 @@ class Reader {
   Reader(std::string_view text, const std::string& name) : robot_(parsed(text, name)) { out_.file = name; }
 
   Urdf read() {
-    out_.name = robot_->getName();
+    out_.name = word(robot_->getName(), "the robot's name");
     if (!robot_->getRoot()) fail(out_.file, "no root link, expected a tree of links");
     add(*robot_->getRoot());
     while (!ahead_.empty()) {
@@ -153,8 +153,17 @@ class Reader {
     return {turn, finite(pose.position, what + "'s <origin>")};
   }
 
+  /// A name goes into logs, a line or a column of them: without the spaces around it, and without control characters.
+  std::string word(const std::string& name, const std::string& what) const {
+    for (const char c : name)
+      if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f)
+        fail(out_.file, what + " is " + quoted(name) + ", expected a name without control characters");
+    const std::size_t first = name.find_first_not_of(' ');
+    return first == std::string::npos ? "" : name.substr(first, name.find_last_not_of(' ') + 1 - first);
+  }
   /// The link; its joints are to come, the first by name next.
   void add(const urdf::Link& link) {
+    static_cast<void>(word(link.name, "a link's name"));
     if (!index_.emplace(link.name, out_.links.size()).second)
       fail(out_.file, "link " + quoted(link.name) + " is the child of two joints, expected a tree");
     out_.links.push_back({link.name, inertia(link)});
@@ -172,6 +181,7 @@ class Reader {
   }
   void add(const urdf::Joint& joint) {
     const std::string what = "joint " + quoted(joint.name);
+    static_cast<void>(word(joint.name, "a joint's name"));
     UrdfJoint out;
     out.name = joint.name;
     switch (joint.type) {

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "furcula/control/envelope.hpp"
 #include "host/safety/fault_table.hpp"
 #include "host/safety/hil_ticks.hpp"
 
@@ -33,12 +34,18 @@ Each is tried at four moments of the stride (flight, stance, released flight wit
 Cortex-M4F without a bus, bit-equal with the host, which is where its ticks were counted (`tests/pil`). *HIL* is `furculad` on a real CAN socket and GPIO lines against a mocked robot, once at each moment, as
 `scripts/hil faults` last measured it ([hil.md](hil.md)): from the same instant until the board tells its drive to be off, which is on the tick after it found the fault, and its ticks are not in step with the rig's; two more than
 allowed are therefore allowed there. *Motor off* is, in SIL, from when the fault is found until the motor's torque is zero for good; "1" and more are a drive that hears nothing. `-`: not on that rig, or nothing to be found.
-A motor does not change its way of turning, nor a drive its type, while it runs: `drive_reversed` and `drive_of_other_motor` are there for what tells them. `brown_out` has no run in PIL, whose protocol knows no new start, nor in HIL: after one `furculad`, whose file has
+A motor does not change its way of turning, nor a drive its type, while it runs: `drive_reversed` and `drive_of_other_motor` are there for what tells them. This robot has one motor: they are also what two swapped drives make of it. `brown_out` has no run in PIL, whose protocol knows no new start, nor in HIL: after one `furculad`, whose file has
 the counters' home, is idle without a fault, as after the end of `tests/hil/scenarios/board_killed.toml`. In HIL `torque_offset_hidden` was borne at all four moments.
 
 | what breaks | what it is | what the robot does | found as | allowed | SIL | PIL | HIL | motor off |
 | --- | --- | --- | --- | --- | --- | --- | --- | --- |
 )";
+
+std::string with_one_decimal(float x) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.1f", static_cast<double>(x));
+  return text;
+}
 
 std::string found_as(const RigRow& row) {
   std::string text;
@@ -167,7 +174,11 @@ another robot needs its own.
 - **The torque is held back** so that the apex stays below 0.70 m and the body lands with at most 2.6 m/s. The predicted apex is the last one and the motor's work since then (torque times the leg's turning) over the weight, with nothing lost, or what height and velocity say, whichever is higher: what the spring holds is
   in that work. Torque that adds energy fades over the last 5 cm; torque that takes energy out is always given. Losses are not counted, so that the robot stays below: by 10 to 20 cm with the largest torques.
 - **Behind it is a fault**, `beyond_envelope`: height and velocity say that the body will be at 0.73 m or land with 2.85 m/s.
-- **A torque that must exceed it is refused** when it is written (`beyond_envelope`): one that in half of a stance gives more than the highest hop has, 5.8 N m constant or 9.1 N m harmonic for this robot.
+- **A torque that must exceed it is refused** when it is written (`beyond_envelope`): one that in half of a stance gives more than the highest hop has, )" +
+          with_one_decimal(control::amplitude_max_nm({}, control::ProfileShape::constant)) +
+          " N m constant or " +
+          with_one_decimal(control::amplitude_max_nm({}, control::ProfileShape::harmonic)) +
+          R"( N m harmonic with the image's mass (`furcula serve` has its model's).
 - **A spring that cannot be this robot's is refused** (`makes_no_sense`): one that is not nearly relaxed in the straight leg (15 % of the touch-down height), or that the weight would bend by less than 5 mm.
 - **Ceilings**: 20 N m; the leg no further folded than 1.17 rad (the hip at 0.117 m, some ticks of a fall above 0.10 m), and less pulled from 0.15 rad before; 4 N m with a switch that is open for longer than it bounces, unless the leg is moved along its path; a leg in flight that turns with 16 rad/s, or whose toe comes down with 2.5 m/s, is not driven faster.
   The bounds of the supervisor's own limits are in the table of parameters ([modbus.md](modbus.md)).

@@ -11,11 +11,11 @@
 namespace furcula::hidden {
 
 enum class Outcome {
-  named,  ///< the planted effect stands first, or the same law under its other name does; of a pair: both
-          ///< are named and nothing else
+  /// The planted effect stands first, or the same law under its other name; of a pair: both are named and nothing else.
+  named,
   not_separated,  ///< another stands first, with the planted effect among those that it cannot be told from
-  simpler_law,    ///< the planted law's simpler case stands alone, and what it leaves is below the sensor's
-                  ///< resolution (judge.cpp)
+  /// The planted law's simpler case stands alone, and what it leaves is below the sensor's resolution (judge.cpp).
+  simpler_law,
   half_named,     ///< of a pair: one is named, and nothing else
   nothing_named,  ///< no finding
   honest,      ///< a cause outside of the catalogue: said to be unexplained, or nothing named with confidence

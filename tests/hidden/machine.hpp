@@ -8,18 +8,14 @@
 // - spring_hysteresis takes its share of the spring's force, hardening included, in the leg: through the toe.
 // - leg_inertia: the links turn in stance only; z = 2 L cos(theta) then reduces M, B, G of docs/physics.md to
 //   one coordinate. The velocity does not jump when they begin to turn.
-// - ground_compliance: the toe has no mass, the leg's stop holds until the spring gives way; flat again by
-// touch-down.
-// - toe_sticking: beyond the touch-down height the stop pulls with 6,000 N/m beside spring, damper and motor,
-// until all
-//   of them together pull at the toe with the force. Where a leg pulls short of that height, the toe holds on
-//   as well.
-// - bump_stop: the compression is that of the leg, from its length at touch-down; the stop's force goes
-// through the toe and is no part of the spring's, of which hysteresis takes its share.
-// - backlash: in contact the leg gets the motor's torque; across the gap the rotor is free, and what it has
-// gained
-//   against the leg there it gives to the leg at the end, so that no impulse is lost. At touch-down it turns
-//   along.
+// - ground_compliance: the toe has no mass, the leg's stop holds until the spring gives way; flat again by touch-down.
+// - toe_sticking: beyond the touch-down height the stop pulls with 6,000 N/m beside spring, damper and motor, until
+//   all of them together pull at the toe with the force. Where a leg pulls short of that height, the toe holds on as
+//   well.
+// - bump_stop: the compression is that of the leg, from its length at touch-down; the stop's force goes through the
+//   toe and is no part of the spring's, of which hysteresis takes its share.
+// - backlash: in contact the leg gets the motor's torque; across the gap the rotor is free, and what it has gained
+//   against the leg there it gives to the leg at the end, so that no impulse is lost. At touch-down it turns along.
 #pragma once
 
 #include <array>

@@ -10,6 +10,7 @@
 
 #include "boards/linux_sbc/hatch.hpp"
 #include "boards/linux_sbc/loop.hpp"
+#include "boards/linux_sbc/say.hpp"
 #include "boards/linux_sbc/signals.hpp"
 #include "firmware/app/node.hpp"
 #include "firmware/app/node_registers.hpp"
@@ -226,11 +227,15 @@ TEST_CASE("a desk that asks for a save is answered when it is done, and when it 
                     Contains("save: refused"));
 }
 
-TEST_CASE("every signal that ends a program ends furculad in order, and SIGUSR1 asks for its figures") {
+TEST_CASE(
+    "every signal that ends or stops a program ends furculad in order, and SIGUSR1 asks for its figures") {
   const linux_sbc::Signals signals;
   const timespec wait{0, 1'000'000};
   CHECK(signals.wait(wait) == linux_sbc::Signals::Asks::nothing);
-  for (const int signal : {SIGTERM, SIGINT, SIGHUP, SIGPIPE, SIGQUIT}) {
+  // signal(7): all whose action is to end or to stop, but for errors of the program itself, SIGKILL and SIGSTOP.
+  for (const int signal :
+       {SIGTERM, SIGINT, SIGHUP, SIGPIPE, SIGQUIT, SIGTSTP, SIGTTIN, SIGTTOU, SIGUSR2, SIGALRM, SIGVTALRM,
+        SIGPROF, SIGXCPU, SIGXFSZ, SIGPWR, SIGPOLL, SIGSTKFLT, SIGRTMIN, SIGRTMAX}) {
     INFO(signal);
     REQUIRE(::raise(signal) == 0);  // blocked: it waits to be fetched
     CHECK(signals.wait(wait) == linux_sbc::Signals::Asks::end);
@@ -247,4 +252,19 @@ TEST_CASE("every signal that ends a program ends furculad in order, and SIGUSR1 
   sigset_t all;
   ::sigfillset(&all);
   ::pthread_sigmask(SIG_UNBLOCK, &all, nullptr);
+}
+
+TEST_CASE("what nobody reads is lost, and nobody waits for it") {
+  int ends[2];
+  REQUIRE(::pipe(ends) == 0);
+  const std::string text(4000, 'x');
+  int said = 0;
+  while (said < 100 && linux_sbc::say(ends[1], text)) ++said;
+  CHECK(said >= 10);  // a pipe holds 64 KiB
+  CHECK(said < 100);
+  std::string read(4096, ' ');
+  CHECK(::read(ends[0], read.data(), read.size()) == 4096);
+  CHECK(linux_sbc::say(ends[1], "and once more"));
+  ::close(ends[0]);
+  ::close(ends[1]);
 }

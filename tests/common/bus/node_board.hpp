@@ -61,7 +61,7 @@ struct MemoryStore {
   }
 };
 
-inline control::Config constant_torque() {
+inline control::Config harmonic_torque() {
   control::Config config;
   config.torque = {control::ProfileShape::harmonic, 2.0f, 0.3f};
   return config;
@@ -81,7 +81,7 @@ struct Bench {
   firmware::Node<StandingBoard, MemoryStore> node;
   firmware::NodeRegisters<firmware::Node<StandingBoard, MemoryStore>> registers{node};
 
-  explicit Bench(const MemoryStore& kept = {}, const control::Config& config = constant_torque())
+  explicit Bench(const MemoryStore& kept = {}, const control::Config& config = harmonic_torque())
       : store(kept), node(board, store, config, kTestIdentity, 0x1234, faults) {
     faults.begin();
   }

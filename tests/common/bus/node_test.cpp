@@ -282,8 +282,19 @@ TEST_CASE("a running robot without a torque says why it does not move") {
   CHECK(b.node.reason() == Reason::no_torque);
 }
 
+TEST_CASE("a robot that stands still under a constant torque says why it does not move") {
+  control::Config config = test::harmonic_torque();
+  config.torque.shape = control::ProfileShape::constant;
+  Bench b({}, config);
+  b.start();
+  b.tick(500);
+  CHECK(b.node.reason() == Reason::none);  // as long as a stance may take
+  b.tick(600);
+  CHECK(b.node.reason() == Reason::standing_still);
+}
+
 TEST_CASE("a controller whose configuration makes no sense is in its fault at once") {
-  control::Config config = test::constant_torque();
+  control::Config config = test::harmonic_torque();
   config.height.metres_per_count = 0.0f;
   Bench b({}, config);
   b.tick(2);
@@ -420,7 +431,7 @@ TEST_CASE(
   WornStore store;
   firmware::FaultLog faults{};
   faults.begin();
-  firmware::Node<test::StandingBoard, WornStore> node(board, store, test::constant_torque(),
+  firmware::Node<test::StandingBoard, WornStore> node(board, store, test::harmonic_torque(),
                                                       test::kTestIdentity, 1, faults);
   const auto save = [&] {
     for (int i = 0; i < 100; ++i) node.tick();
@@ -450,7 +461,7 @@ TEST_CASE("a robot that hops is not disturbed by ticks that wrap after 49.7 days
   firmware::FaultLog faults{};
   faults.begin();
   const std::uint32_t first = 0u - 1500u;
-  firmware::Node<test::StandingBoard, test::MemoryStore> node(board, store, test::constant_torque(),
+  firmware::Node<test::StandingBoard, test::MemoryStore> node(board, store, test::harmonic_torque(),
                                                               test::kTestIdentity, 1, faults, first);
   for (int i = 0; i < 60; ++i) node.tick();
   CHECK(node.snapshot().uptime_ms == first + 59);
@@ -479,7 +490,7 @@ TEST_CASE(
     test::MemoryStore store;
     firmware::FaultLog faults{};
     faults.begin();
-    firmware::Node<test::StandingBoard, test::MemoryStore> node(board, store, test::constant_torque(),
+    firmware::Node<test::StandingBoard, test::MemoryStore> node(board, store, test::harmonic_torque(),
                                                                 test::kTestIdentity, 1, faults, until - 100u);
     for (int i = 0; i < 100; ++i) node.tick();
     REQUIRE(node.snapshot().fault == 0);

@@ -35,7 +35,7 @@ struct Desk {
   CanRegisters registers{kNode};
   std::uint8_t sequence = 250;  // wraps soon
 
-  explicit Desk(const control::Config& config = test::constant_torque()) : bench({}, config) {
+  explicit Desk(const control::Config& config = test::harmonic_torque()) : bench({}, config) {
     bench.settle();
   }
 

@@ -7,8 +7,8 @@
 namespace furcula::test {
 
 struct Ran {
-  int status;  ///< exit status; 128 + signal if one ended it; -1 if it ran longer than the limit and was
-               ///< ended
+  /// Exit status; 128 + signal if one ended it; -1 if it ran longer than the limit and was ended.
+  int status;
   std::string out;
   std::string err;
 };

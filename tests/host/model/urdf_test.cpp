@@ -50,6 +50,16 @@ std::string refused_with(const std::string& from, const std::string& to) {
 
 }  // namespace
 
+TEST_CASE(
+    "Names that could not stand in a line of a log are refused, spaces around the robot's are dropped") {
+  CHECK_THAT(refused_with("\"arm\"", "\"a&#10;1,2,3\""), Contains("the robot's name is 'a"));
+  CHECK_THAT(refused_with("\"arm\"", "\"a&#27;[2J\""), Contains("without control characters"));
+  CHECK_THAT(refused_with("\"elbow\"", "\"el&#10;bow\""), Contains("a joint's name is 'el"));
+  std::string link = with(kRobot, "\"lower\"", "\"lo&#13;wer\"");
+  CHECK_THAT(refused(with(link, "\"lower\"", "\"lo&#13;wer\"")), Contains("a link's name is 'lo"));
+  CHECK(model::parse_urdf(with(kRobot, "\"arm\"", "\" my arm \""), "r.urdf").name == "my arm");
+}
+
 TEST_CASE("A URDF gives links, joints, limits, damping and friction") {
   const model::Urdf r = model::parse_urdf(kRobot, "r.urdf");
   CHECK(r.name == "arm");

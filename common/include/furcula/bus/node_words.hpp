@@ -57,6 +57,7 @@ enum class Reason : std::uint8_t {
   trial_ended = 11,
   desk_silent = 12,
   landing = 13,
+  standing_still = 14,
 };
 
 /// Where the parameters come from.
@@ -126,7 +127,7 @@ inline constexpr std::array<Word, 16> kRefusals{{
      "write a smaller one, or torque_shape 0 first."},
 }};
 
-inline constexpr std::array<Word, 14> kReasons{{
+inline constexpr std::array<Word, 15> kReasons{{
     {0, "none", "Nothing holds it: the controller commands a torque."},
     {1, "starting", "It starts: it waits for sensors that answer without a fault."},
     {2, "fault", "A fault holds it in the safe state."},
@@ -142,6 +143,8 @@ inline constexpr std::array<Word, 14> kReasons{{
     {11, "trial_ended", "The bench's trial is over and can be read: arm it, then hop, for the next one."},
     {12, "desk_silent", "The desk that had started it fell silent for desk_silent_s: arm it, then hop."},
     {13, "landing", "The contact switch is lost: it lands without it, and then is in that fault."},
+    {14, "standing_still",
+     "It stands still, and a constant torque acts on a body that moves alone: lift it and let it fall, or set torque_shape to harmonic."},
 }};
 
 inline constexpr std::array<Word, 5> kParameterOrigins{{

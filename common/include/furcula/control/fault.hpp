@@ -82,9 +82,7 @@ inline constexpr std::array<FaultInfo, kFaultCount> kFaults{{
      "Home the cable's encoder again: its counter has slipped, or the cable is torn; then reset."},
     {Fault::clutch_not_caught, "clutch_not_caught",
      "Several stances running stood on a spring that was not caught.",
-     "Look at the clutch's key and its return spring, and at the coil's supply: it may be on all the time; "
-     "then "
-     "reset."},
+     "Look at the clutch's key and its return spring, and at the coil's supply: it may be on all the time; then reset."},
     {Fault::drive_fault, "drive_fault", "The motor's drive reports an error of its own.",
      "Look up the drive's error code; check its supply, its temperature and its encoder; then reset."},
     {Fault::drive_silent, "drive_silent", "The motor's drive does not answer its commands.",
