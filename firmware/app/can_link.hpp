@@ -149,39 +149,12 @@ class CanLink {
   void set_on_bench(bool on_bench) { on_bench_ = on_bench; }
   bool on_bench() const { return on_bench_; }
 
-  /// A frame that came at `now_us`, any frame at all.
+  /// A frame that came at `now_us`, any frame at all. A length code of 9 to 15 means 8 bytes (ISO 11898-1): a driver that
+  /// hands it on as it is loses no stop.
   void receive(const bus::Frame& frame, std::uint32_t now_us) {
-    using namespace bus::message;
-    ++statistics_.received;
-    if (!sound_ || frame.extended || frame.remote) {
-      ++statistics_.foreign;
-      return;
-    }
-    // By the id alone: what is wrong with the rest of it is then malformed.
-    const auto of = [&](const bus::Message& message, std::uint8_t node) {
-      return node != 0 && frame.id == bus::id_of(message, node);
-    };
-    if (of(kMotorReply, config_.drive_node)) {
-      hear_drive(frame, now_us);
-    } else if (of(kEncoderSample, config_.height_node) || of(kEncoderSample, config_.cable_node)) {
-      if (frame.size != kEncoderSample.size)
-        ++statistics_.malformed;
-      else
-        (of(kEncoderSample, config_.height_node) ? height_ : cable_).receive(frame, now_us, statistics_);
-    } else if (of(kSupply, config_.supply_node)) {
-      hear_supply(frame, now_us);
-    } else if (of(kCommand, config_.self_node)) {
-      hear_desk(frame, now_us);
-    } else if (of(kRegisterRequest, config_.self_node)) {
-      const CanRegisters::Heard heard = registers_.receive(frame);
-      if (heard == CanRegisters::Heard::malformed) ++statistics_.malformed;
-      if (heard == CanRegisters::Heard::other_version) ++statistics_.other_version;
-    } else if (of(kHeartbeat, config_.self_node) || (!on_bench_ && of(kMotorCommand, config_.drive_node))) {
-      ++statistics_.own_ids;
-      own_ids_heard_.note(now_us);
-    } else {
-      ++statistics_.foreign;
-    }
+    bus::Frame whole = frame;
+    if (whole.size > whole.data.size()) whole.size = static_cast<std::uint8_t>(whole.data.size());
+    hear(whole, now_us);
   }
 
   /// What the CAN controller reports.
@@ -405,6 +378,40 @@ class CanLink {
     if (heard && silence_us > config_.silent_us && fault == control::Fault::none)
       fault = control::Fault::peer_lost;
     return heard;
+  }
+
+  void hear(const bus::Frame& frame, std::uint32_t now_us) {
+    using namespace bus::message;
+    ++statistics_.received;
+    if (!sound_ || frame.extended || frame.remote) {
+      ++statistics_.foreign;
+      return;
+    }
+    // By the id alone: what is wrong with the rest of it is then malformed.
+    const auto of = [&](const bus::Message& message, std::uint8_t node) {
+      return node != 0 && frame.id == bus::id_of(message, node);
+    };
+    if (of(kMotorReply, config_.drive_node)) {
+      hear_drive(frame, now_us);
+    } else if (of(kEncoderSample, config_.height_node) || of(kEncoderSample, config_.cable_node)) {
+      if (frame.size != kEncoderSample.size)
+        ++statistics_.malformed;
+      else
+        (of(kEncoderSample, config_.height_node) ? height_ : cable_).receive(frame, now_us, statistics_);
+    } else if (of(kSupply, config_.supply_node)) {
+      hear_supply(frame, now_us);
+    } else if (of(kCommand, config_.self_node)) {
+      hear_desk(frame, now_us);
+    } else if (of(kRegisterRequest, config_.self_node)) {
+      const CanRegisters::Heard heard = registers_.receive(frame);
+      if (heard == CanRegisters::Heard::malformed) ++statistics_.malformed;
+      if (heard == CanRegisters::Heard::other_version) ++statistics_.other_version;
+    } else if (of(kHeartbeat, config_.self_node) || (!on_bench_ && of(kMotorCommand, config_.drive_node))) {
+      ++statistics_.own_ids;
+      own_ids_heard_.note(now_us);
+    } else {
+      ++statistics_.foreign;
+    }
   }
 
   /// A stop is obeyed, whoever says it, in whatever order, age and version: of such a frame the request alone is

@@ -89,9 +89,11 @@ class Node {
   void hear_desk() { desk_age_ticks_ = 0; }
 
   /// A stop that is not the next one of a stream, whoever said it. What streams hop must let go and say it anew.
-  /// `holds`: nothing starts for kStopHoldsTicks.
+  /// Nothing starts in the same tick; `holds`: nor for kStopHoldsTicks.
   void stop_from_anyone(bool holds) {
-    if (holds) stop_holds_ticks_ = kStopHoldsTicks + 1;
+    // At least to the end of this tick: a hop that came together with a stop starts nothing.
+    const std::uint32_t ticks = holds ? kStopHoldsTicks + 1 : 1;
+    if (ticks > stop_holds_ticks_) stop_holds_ticks_ = ticks;
     stop();
   }
   /// Somebody said hop, in a command that counts or in one that does not.

@@ -274,6 +274,21 @@ TEST_CASE("what a person started does not depend on a stream, but a stream's sto
   CHECK(b.node.state() == NodeState::idle);
 }
 
+TEST_CASE("a hop that comes in the same tick as a stop starts nothing, whoever said the stop") {
+  for (const bool holds : {false, true}) {
+    Bench b;
+    b.settle();
+    b.tick(100);
+    b.node.stream({});
+    b.tick();
+    b.node.stop_from_anyone(holds);
+    CHECK(b.node.stream({Request::hop, 2.0f, 0.3f, false}) == Refusal::stop_stands);
+    CHECK(b.node.state() == NodeState::idle);
+    b.tick();
+    CHECK(b.node.stream({Request::hop, 2.0f, 0.3f, false}) == Refusal::no_edge);  // it must let go first
+  }
+}
+
 TEST_CASE("a running robot without a torque says why it does not move") {
   Bench b({}, control::Config{});
   b.start();
@@ -422,6 +437,8 @@ TEST_CASE(
   b.node.stop_from_anyone(false);
   CHECK(b.node.state() == NodeState::idle);
   REQUIRE(b.node.request(Request::arm) == Refusal::none);
+  CHECK(b.node.request(Request::hop) == Refusal::stop_stands);  // in the same tick
+  b.tick();
   CHECK(b.node.request(Request::hop) == Refusal::none);
 }
 
