@@ -212,7 +212,7 @@ TEST_CASE("What is not XML, not a robot, or too deep is refused with its line") 
 TEST_CASE("Names come out printable, whatever they hold") {
   const std::string name = "el\x1b[31mbow";
   CHECK_THAT(refused_with("name=\"elbow\" type=\"continuous\"", "name=\"" + name + "\" type=\"planar\""),
-             Contains("'el\\x1b[31mbow' is planar"));
+             Contains("a joint's name is 'el\\x1b[31mbow'"));
   CHECK_THAT(refused_with("<mass value=\"2\"/>", "<mass value=\"\x1b]0;x\"/>"), Contains("r.urdf"));
 }
 
