@@ -144,7 +144,7 @@ inline constexpr std::array<Word, 15> kReasons{{
     {12, "desk_silent", "The desk that had started it fell silent for desk_silent_s: arm it, then hop."},
     {13, "landing", "The contact switch is lost: it lands without it, and then is in that fault."},
     {14, "standing_still",
-     "It stands still, and a constant torque acts on a body that moves alone: lift it and let it fall, or set torque_shape to harmonic."},
+     "It stands still, and a constant torque acts only on a body that moves: lift it and let it fall, or set torque_shape to harmonic."},
 }};
 
 inline constexpr std::array<Word, 5> kParameterOrigins{{
