@@ -26,7 +26,7 @@ constexpr double kApart = 2.0;
 constexpr double kOfWhatIsLeft = 0.25;
 /// A flexible law must foretell so much of the missing torque, and that be so much of the joint's torque, to be called structure.
 constexpr double kForetold = 0.03, kOfTorque = 0.01;
-/// Of the drive's torque, so much that could be foretold is no remainder of something named: it is another thing.
+/// Of the drive's torque, so much that could be foretold, or that lasts, is no remainder of something named: it is another thing.
 constexpr double kAnother = 0.05;
 /// What is missing at times only: so much of the drive's torque, and so much of its squares in a tenth of the samples (of chance: 0.44).
 constexpr double kOfDrive = 0.1, kNearlyAll = 0.9;
@@ -217,6 +217,8 @@ class Diagnoser {
   static bool is_another(const MissingTorque& m) {
     return structured(m) && foretold(m.predictable_after, m.rms_after_nm) > kAnother * m.rms_torque_nm;
   }
+  /// Torque that is missing for longer than noise is, whatever it goes along with: by time, or by a state that no log has.
+  static bool lasts(const MissingTorque& m) { return m.lasting_after_nm > kAnother * m.rms_torque_nm; }
 
   std::vector<Estimate> estimates(const Fit& fit, std::size_t cause) const {
     std::vector<Estimate> out;
@@ -424,14 +426,15 @@ class Diagnoser {
       const bool only_there = d_.findings.empty() &&
                               d_.extended_error[j].rmse > kOnlyThere * training_error_[j].rmse &&
                               d_.extended_error[j].rmse > 50.0 * training_.front().angle_noise_rad[j];
-      if (structured(m) || lost || only_there || (d_.findings.empty() && at_times(m)))
+      if (structured(m) || lasts(m) || lost || only_there || (d_.findings.empty() && at_times(m)))
         where.push_back(model_.robot.joints[j].name);
     }
     const bool disputed = disputed_ > kDisputed;
     d_.unexplained_share = before > 0.0 && !d_.findings.empty() ? std::clamp(after / before, 0.0, 1.0)
                            : where.empty() && !disputed         ? 0.0
                                                                 : 1.0;
-    const bool another = std::any_of(d_.missing.begin(), d_.missing.end(), is_another);
+    const bool another = std::any_of(d_.missing.begin(), d_.missing.end(),
+                                     [](const MissingTorque& m) { return is_another(m) || lasts(m); });
     const bool left =
         disputed || (!where.empty() && (d_.findings.empty() || d_.unexplained_share > 0.1 || another));
     for (Finding& f : d_.findings) {
@@ -475,9 +478,11 @@ class Diagnoser {
       if (undecided) d_.summary += " The recordings cannot tell all of that from other causes.";
       if (left && where.empty())
         d_.summary += " What is left is more than chance, and the recordings do not agree on a cause of it.";
-      else if (left)
+      else if (left && d_.unexplained_share > 0.1)
         d_.summary += " " + percent(d_.unexplained_share) +
                       " of the torque that could be foretold is still missing, at " + joined(where) + ".";
+      else if (left)
+        d_.summary += " Torque is still missing at " + joined(where) + ", for longer than noise would be.";
     }
     if (!undecided_.empty()) {
       d_.experiments = next_experiments(model_, training_, d_.extended, undecided_, options_.window_s);

@@ -1,5 +1,6 @@
 // Robots and logs that nobody meant: each ends in a diagnosis or in an error that says what was expected, and soon.
 #include <cmath>
+#include <random>
 
 #include "host/core/error.hpp"
 #include "host/log/reader.hpp"
@@ -151,6 +152,44 @@ TEST_CASE("Torques of zero are no torques, not an error") {
   const trees::Diagnosis d = diagnosed(m, {logs[0], logs[1]}, {logs[2]});
   INFO(d.summary);
   CHECK(d.findings.empty());
+}
+
+TEST_CASE("Torque that comes from elsewhere, and that no state foretells, is not adequate") {
+  const trees::TreeModel m = test::pendulum();
+  for (const double push_nm : {0.0, 0.1}) {
+    std::mt19937_64 random(5);
+    std::normal_distribution<double> noise(0.0, 1e-4);
+    Logs logs;
+    for (int i = 0; i < 3; ++i) {
+      // Of a frequency of its own, begun at another time in each recording.
+      const auto push = [&](double t) { return push_nm * std::sin(10.7 * t + 1.9 * i * i); };
+      const trees::Recording r = test::inputs(m, 10.0, 0.004, [&](std::size_t, double t) {
+        return 0.4 * std::sin(2.1 * t + i) + 0.3 * std::sin(5.3 * t + 2 * i) + push(t + 0.002);
+      });
+      std::vector<double> q(r.rows());
+      trees::run(trees::SetupMaker(m).make(m.drives, {}), r, 0, r.rows() - 1, std::vector{0.0},
+                 std::vector{0.0}, q);
+      log::Log log;
+      log.path = "pushed.csv";
+      log.rig = "tree";
+      log.columns["time_s"] = r.time_s;
+      for (double& angle : q) angle += noise(random);
+      log.columns["angle_hinge_rad"] = q;
+      std::vector<double> torque = r.input[0];
+      for (std::size_t k = 0; k < torque.size(); ++k) torque[k] -= push(r.time_s[k] + 0.002);
+      log.columns["torque_hinge_nm"] = torque;
+      logs.push_back(log);
+    }
+    const trees::Diagnosis d = diagnosed(m, {logs[0], logs[1]}, {logs[2]});
+    INFO(d.summary << " " << d.missing[0].lasting_after_nm);
+    if (push_nm == 0.0) {
+      CHECK(d.verdict == Verdict::adequate);
+    } else {
+      CHECK((d.verdict == Verdict::unexplained || d.verdict == Verdict::partly_explained));
+      CHECK_THAT(d.summary, Contains("hinge"));
+      CHECK(d.missing[0].lasting_after_nm == Approx(push_nm / std::sqrt(2.0)).epsilon(0.3));
+    }
+  }
 }
 
 TEST_CASE("Logs with gaps, of other rates, and with times since 1970 are fitted as others are") {
