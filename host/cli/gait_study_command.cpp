@@ -13,6 +13,7 @@
 #include "host/core/message.hpp"
 #include "host/gait/machine_file.hpp"
 #include "host/gait/study.hpp"
+#include "host/gait/study_report.hpp"
 
 namespace furcula::cli {
 namespace {
@@ -23,6 +24,11 @@ struct GaitStudyOptions {
   unsigned threads = 0;
 };
 
+std::string command_of(const GaitStudyOptions& o) {
+  return "furcula gait-study --model " + o.model + " --of " + o.of + " --lever-m " +
+         core::shortest(o.lever_m) + " --out " + o.out;
+}
+
 void run(const GaitStudyOptions& o) {
   gait::StudyOptions study;
   for (std::size_t i = 0; i < gait::kStudyNames.size(); ++i)
@@ -32,6 +38,7 @@ void run(const GaitStudyOptions& o) {
   study.lever_m = o.lever_m;
   study.processes = o.threads > 0 ? o.threads : std::max(1u, std::thread::hardware_concurrency());
   const gait::Machine robot = gait::read_machine(o.model);
+  study.rest_rad = robot.leg.rest_angle_rad;
   const OutFolder folder(o.out);
   std::vector<gait::StudyRow> rows;
   {
@@ -41,7 +48,9 @@ void run(const GaitStudyOptions& o) {
   }
   const std::string table = gait::study_csv(rows);
   core::write_files_together(std::vector<core::NewFile>{
-      {o.out + "/study.json", gait::study_json(rows, study)}, {o.out + "/study.csv", table}});
+      {o.out + "/study.json", gait::study_json(rows, study)},
+      {o.out + "/study.csv", table},
+      {o.out + "/report.html", gait::render_study_report(rows, study, command_of(o))}});
   std::printf("%s", table.c_str());
 }
 
@@ -62,7 +71,7 @@ void add_gait_study_command(CLI::App& app) {
       ->capture_default_str();
   command->add_option("--threads", options->threads,
                       "Processes; without it as many as processors. Changes nothing but the time");
-  command->add_option("--out", options->out, "Folder for study.json and study.csv")->required();
+  command->add_option("--out", options->out, "Folder for report.html, study.json and study.csv")->required();
   command->callback([options] { run(*options); });
 }
 

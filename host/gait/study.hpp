@@ -20,6 +20,7 @@ inline constexpr std::array<std::string_view, 3> kStudyNames{"clutch", "ground",
 struct StudyOptions {
   StudyKind kind = StudyKind::clutch;
   double lever_m = 0.03;  ///< of the clutch's cable at the knee: turns a tooth's pitch into an angle
+  double rest_rad = 0.0;  ///< of the parallel spring in the model, for the page
   unsigned processes = 1;
   std::function<void(double fraction, std::string_view doing)> progress;
 };

@@ -2,6 +2,7 @@
 #include <catch2/catch.hpp>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "tests/host/cli/run_program.hpp"
 #include "tests/host/gait/legs.hpp"
@@ -43,6 +44,11 @@ TEST_CASE("a study of the clutch says how much of the switch's advantage is left
   for (const auto& g : j["gaits"]) seen |= g["lost_knee_rad"].get<double>() == Approx(0.05);
   CHECK(seen);
   CHECK_THAT(ran.out, Contains("advantage_left"));
+  std::ostringstream text;
+  text << std::ifstream(out + "/report.html").rdbuf();
+  const std::string page = text.str();
+  CHECK_THAT(page, Contains("A real clutch in place of the ideal switch") && Contains("<svg") &&
+                       Contains("of 26 gaits were found") && Contains("furcula gait-study --model"));
 }
 
 TEST_CASE("a study that cannot be meant is refused") {
