@@ -84,6 +84,29 @@ TEST_CASE("Two frictions are dry friction with an offset in other words, if the 
   CHECK(how((up + down) / 2, (up - down) / 2) == "wrong");
 }
 
+TEST_CASE("A position drive's damping and its joint's are one, if their sum is right", "[trees]") {
+  for (std::uint64_t seed = 1; seed < 40; ++seed) {
+    const Case c = draw_case({.seed = seed,
+                              .tier = Tier::pairs,
+                              .joints = 2,
+                              .effects = {"position_gain_error", "damping_error"},
+                              .brief = true});
+    if (c.planted.size() != 2 || c.planted[0].at != c.planted[1].at) continue;
+    const bool gain_first = c.planted[0].effect == "position_gain_error";
+    const Cause &gain = c.planted[gain_first ? 0 : 1], &damping = c.planted[gain_first ? 1 : 0];
+    std::size_t joint = 0;
+    while (c.robot.joints[joint].name != gain.at.front()) ++joint;
+    Cause one = gain;
+    CHECK(judge(c, {"explained", {finding(one)}}).how == "half");
+    one.parameters["kd_nmsprad"] += damping.parameters.at("damping_nmspr") - c.drives[joint].damping_nmspr;
+    const Judgement all = judge(c, {"explained", {finding(one)}});
+    CHECK(all.right);
+    CHECK(all.how == "other words");
+    return;
+  }
+  FAIL("no case has both at one joint");
+}
+
 TEST_CASE("A group counts only where the named one predicts as well", "[trees]") {
   const Case& c = friction_case();
   const Cause& planted = c.planted.front();
