@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "furcula/control/envelope.hpp"
+#include "host/gait/leg_faults.hpp"
 #include "host/safety/fault_table.hpp"
 #include "host/safety/hil_ticks.hpp"
 
@@ -165,6 +166,7 @@ std::string to_markdown() {
   page += kLanding;
   for (const RigRow& row : rig_rows())
     if (is_of_switch(row)) page += landing_rows(row);
+  page += gait::leg_fault_section();
   page += R"(
 ## Parameters
 
