@@ -195,7 +195,9 @@ double Machine::level(std::size_t j, const State& s, double t, double torque, in
     const double x = s.v[j] / a.stribeck_radps;
     sum += a.static_extra_nm * std::exp(-x * x);
   }
-  sum += a.load_ratio * std::fabs(torque);
+  // The joint's bearing carries what reaches it: of a drive behind a spring, the spring's torque.
+  const double load = a.spring_nmprad > 0 ? a.spring_nmprad * (s.rotor[j] - s.q[j]) : torque;
+  sum += a.load_ratio * std::fabs(load);
   if (a.binding_nm > 0 && 2 * std::fabs(s.q[j] - a.binding_centre_rad) <= a.binding_width_rad)
     sum += a.binding_nm;
   sum += a.growth_nmps * t;
