@@ -39,10 +39,6 @@ class Lister {
   using Values = std::array<double, kMostParameters>;
 
   bool has(Effect e, const std::vector<std::size_t>& at) const { return trees::has(h_, e, at); }
-  bool is_free(std::size_t joint, std::size_t parameter) const {
-    return std::any_of(model_.free.begin(), model_.free.end(),
-                       [&](const FreeParameter& f) { return f.joint == joint && f.parameter == parameter; });
-  }
   void add(Effect e, const std::vector<std::size_t>& at, const std::vector<Values>& columns,
            bool only_forward = true, std::ptrdiff_t replaces = -1) {
     if (has(e, at)) return;
@@ -78,23 +74,26 @@ class Lister {
     if (range > 0.1)
       for (int k = 1; k <= 7; ++k)
         add(Effect::binding_spot, at, {{torque, low + range * k / 8.0, 0.15 * range, 0}});
-    if (!is_free(j, 3))
+    if (!model_.is_free(j, 3))
       add(Effect::damping_error, at, {{d.damping_nmspr + torque / speed, 0, 0, 0}}, d.damping_nmspr == 0.0);
     add(Effect::load_friction, at, {{0.05, 0, 0, 0}});
     add(Effect::force_offset, at, {{torque, 0, 0, 0}}, false);
-    if (!is_free(j, 2))
+    if (!model_.is_free(j, 2))
       add(Effect::rotor_inertia_error, at, {{d.rotor_inertia_kgm2 + torque / acceleration, 0, 0, 0}},
           d.rotor_inertia_kgm2 == 0.0);
     add(Effect::torque_gain_error, at, {{1.05, 0, 0, 0}}, false);
-    if (d.law == DriveLaw::position && !is_free(j, 0) && !is_free(j, 1))
+    if (d.law == DriveLaw::position && !model_.is_free(j, 0) && !model_.is_free(j, 1))
       add(Effect::position_gain_error, at,
           {{1.05 * d.kp_nmprad, d.kd_nmsprad, 0, 0},
            {d.kp_nmprad, 1.05 * d.kd_nmsprad + 1e-3 * d.kp_nmprad, 0, 0}},
           false);
     for (const double delay : {4e-3, 18e-3}) add(Effect::actuator_delay, at, {{delay, 0, 0, 0}});
     for (const double lag : {4e-3, 18e-3}) add(Effect::actuator_lag, at, {{lag, 0, 0, 0}});
-    for (const double limit : {2.0, 1.4, 1.0})
-      add(Effect::torque_saturation, at, {{limit * scales_.torque_nm[j], 0, 0, 0}});
+    std::vector<double> limits;
+    for (const double limit : {2.0, 1.4, 1.0}) limits.push_back(limit * scales_.torque_nm[j]);
+    if (j < guesses_.limits_nm.size())
+      limits.insert(limits.end(), guesses_.limits_nm[j].begin(), guesses_.limits_nm[j].end());
+    for (const double limit : limits) add(Effect::torque_saturation, at, {{limit, 0, 0, 0}});
     if (j < guesses_.ripple_cycles.size())
       for (const double n : guesses_.ripple_cycles[j]) {
         const std::size_t before = out_.size();
@@ -143,8 +142,8 @@ class Lister {
       rotor = model_.drives[j].rotor_inertia_kgm2;
       same_damping &= damping == model_.drives[at.front()].damping_nmspr;
       same_rotor &= rotor == model_.drives[at.front()].rotor_inertia_kgm2;
-      any_free_damping |= is_free(j, 3);
-      any_free_rotor |= is_free(j, 2);
+      any_free_damping |= model_.is_free(j, 3);
+      any_free_rotor |= model_.is_free(j, 2);
     }
     add(Effect::coulomb_friction, at, {{torque, 0, 0, 0}});
     if (same_damping && !any_free_damping)
@@ -179,7 +178,7 @@ std::vector<Candidate> candidates(const Problem& problem, const Hypothesis& h, c
 
 std::vector<Candidate> springs(const Problem& problem, const Hypothesis& h, std::size_t joint) {
   constexpr double kSoftest_rad = 0.1;  // of twist by the drive's torque
-  constexpr double kNext = 1.025;
+  constexpr double kNext = 1.05;
   std::vector<Candidate> out;
   if (problem.scales().still[joint] || has(h, Effect::joint_elasticity, {joint})) return out;
   const Drive& given = problem.model().drives[joint];

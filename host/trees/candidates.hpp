@@ -31,6 +31,7 @@ struct Candidate {
 /// What has values that no probe tells, guessed from the recordings.
 struct Guesses {
   std::vector<std::vector<double>> ripple_cycles;  ///< a turn: of each joint, some or none
+  std::vector<std::vector<double>> limits_nm;      ///< of each joint's drive: some or none
   std::vector<Candidate> springs;                  ///< between drives and joints
 };
 

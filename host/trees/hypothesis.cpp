@@ -93,7 +93,7 @@ std::vector<Unknown> unknowns_of(const TreeModel& model, const Scales& scales, c
           break;
         case Effect::torque_saturation:
           u.scale = 0.1 * torque;
-          u.lower = 0.1 * torque;
+          u.lower = 0.01 * torque;
           u.upper = 10.0 * torque;
           break;
         case Effect::torque_ripple:

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "furcula/dynamics/tree/inverse_dynamics.hpp"
+#include "host/core/quantile.hpp"
 #include "host/trees/candidates.hpp"
 
 namespace furcula::trees {
@@ -128,6 +129,8 @@ std::vector<TorqueSamples> missing_torque(const Problem& problem, const std::vec
         to.missing_nm.push_back(m.missing[j] - s.missing[j]);
         // Of the model's motion: the measured one has the very noise in it that is in the missing torque.
         to.drive_rate_nmps.push_back(s.drive_rate[j]);
+        to.asked_nm.push_back(m.drive[j]);
+        to.needed_nm.push_back(m.drive[j] + m.missing[j]);
         for (std::size_t o = 0; o < n; ++o) {
           to.others[o].angle_rad.push_back(s.angle[o]);
           to.others[o].velocity_radps.push_back(s.velocity[o]);
@@ -337,6 +340,10 @@ double lasting_nm(const TorqueSamples& s) {
   return std::sqrt(std::max(0.0, mean - 2.0 * std::sqrt(squares) / pairs));
 }
 
+std::string what_does(const TreeModel& model, std::size_t joint) {
+  return "what " + model.robot.joints[joint].name + " does";
+}
+
 std::string goes_along_with(const TorqueSamples& s, std::size_t joint, std::size_t recordings,
                             const TreeModel& model) {
   if (s.missing_nm.size() < 50) return {};
@@ -353,16 +360,16 @@ std::string goes_along_with(const TorqueSamples& s, std::size_t joint, std::size
   test(b.acceleration(), "the acceleration of " + own);
   test(b.time(), "the time");
   for (std::size_t o = 0; o < s.others.size(); ++o)
-    if (o != joint) test(b.other(o), "what " + model.robot.joints[o].name + " does");
+    if (o != joint) test(b.other(o), what_does(model, o));
   const auto best = std::max_element(all.begin(), all.end());
   return best->first > 0.1 ? best->second : std::string();
 }
 
-std::vector<std::vector<double>> ripple_cycles(const Problem& problem, const Hypothesis& h) {
+std::vector<std::vector<double>> ripple_cycles(const Problem& problem,
+                                               const std::vector<TorqueSamples>& samples) {
   constexpr double kSwings = 0.05;  // of the missing torque's square
   std::vector<std::vector<double>> out;
-  for (const TorqueSamples& s :
-       missing_torque(problem, problem.recordings(), h, problem.windows().front().span_s, 3000)) {
+  for (const TorqueSamples& s : samples) {
     const auto& q = s.own().angle_rad;
     const auto& y = s.missing_nm;
     std::vector<std::pair<double, double>> best;
@@ -387,6 +394,29 @@ std::vector<std::vector<double>> ripple_cycles(const Problem& problem, const Hyp
     out.emplace_back();
     for (std::size_t k = 0; k < best.size() && k < 2 && best[k].first > kSwings; ++k)
       out.back().push_back(best[k].second);
+  }
+  return out;
+}
+
+std::vector<std::vector<double>> limits_nm(const std::vector<TorqueSamples>& samples) {
+  constexpr double kLess = 0.85;
+  std::vector<std::vector<double>> out;
+  for (const TorqueSamples& s : samples) {
+    std::vector<double>& limits = out.emplace_back();
+    std::vector<double> asked;
+    for (const double x : s.asked_nm) asked.push_back(std::abs(x));
+    if (asked.size() < 50) continue;
+    for (const double share : {0.7, 0.92}) {
+      const double most = core::quantile(asked, share);
+      std::vector<double> given, of;
+      for (std::size_t i = 0; i < asked.size(); ++i) {
+        if (asked[i] < most) continue;
+        given.push_back(std::copysign(1.0, s.asked_nm[i]) * s.needed_nm[i]);
+        of.push_back(asked[i]);
+      }
+      const double limit = core::median(given);
+      if (limit > 0.0 && limit < kLess * core::median(of)) limits.push_back(limit);
+    }
   }
   return out;
 }

@@ -19,6 +19,8 @@ struct TorqueSamples {
   std::vector<double> time_s;      ///< from the recording's start
   std::vector<double> missing_nm;  ///< what would have to be added to the drive's torque
   std::vector<double> drive_rate_nmps;
+  std::vector<double> asked_nm,
+      needed_nm;  ///< of the drive along the measured motion: by its law, and by the bodies and friction
   double half_s = 0.0;        ///< so far on either side the smoothing of a sample reaches
   std::vector<Joint> others;  ///< what all joints did, this one among them
 
@@ -38,11 +40,18 @@ double predictable_share(const TorqueSamples& samples, std::size_t joint, std::s
 /// noise of angles that are differentiated twice. Whether or not anything foretells it; by the lower end of what its scatter allows.
 double lasting_nm(const TorqueSamples& samples);
 
+/// A signal of goes_along_with: all of another joint's state.
+std::string what_does(const TreeModel& model, std::size_t joint);
+
 /// The one signal that it goes along with most, in words, or nothing.
 std::string goes_along_with(const TorqueSamples& samples, std::size_t joint, std::size_t recordings,
                             const TreeModel& model);
 
 /// Of each joint, the cycles a turn with which the missing torque swings most: at most two, none where nothing swings.
-std::vector<std::vector<double>> ripple_cycles(const Problem& problem, const Hypothesis& h);
+std::vector<std::vector<double>> ripple_cycles(const Problem& problem,
+                                               const std::vector<TorqueSamples>& samples);
+
+/// Of each joint, limits that its drive's torque may have: what it gives where it is asked for most, if that is less. At most two.
+std::vector<std::vector<double>> limits_nm(const std::vector<TorqueSamples>& samples);
 
 }  // namespace furcula::trees

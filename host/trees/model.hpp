@@ -62,6 +62,12 @@ struct TreeModel {
   bool prismatic(std::size_t joint) const {
     return robot.joints[joint].kind == model::UrdfJoint::Kind::prismatic;
   }
+  /// Whether one of a joint's drive parameters (of kDriveParameters) is fitted.
+  bool is_free(std::size_t joint, std::size_t parameter) const {
+    for (const FreeParameter& f : free)
+      if (f.joint == joint && f.parameter == parameter) return true;
+    return false;
+  }
 };
 
 /// Whether the text says kind = "tree" in [model]; false where it is no TOML at all.

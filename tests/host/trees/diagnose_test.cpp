@@ -55,6 +55,43 @@ TEST_CASE("A cause at one joint of an arm is found there, within its interval") 
   }
 }
 
+TEST_CASE("A drive that gives much less than its position law asks for has a limit") {
+  const trees::TreeModel model =
+      test::pendulum("[drive]\nlaw = \"position\"\nkp_nmprad = 40\nkd_nmsprad = 2\n");
+  // What the spring of the law asks for without a limit; its damper takes most of that back.
+  double squares = 0.0, rows = 0.0;
+  for (const log::Log& log : test::logs(model, 4, 6.0, 5))
+    for (std::size_t k = 0; k < log.rows(); ++k, rows += 1.0)
+      squares += std::pow(
+          40.0 * (log.columns.at("angle_cmd_hinge_rad")[k] - log.columns.at("angle_hinge_rad")[k]), 2);
+  const double limit_nm = 0.2 * std::sqrt(squares / rows);
+  trees::TreeModel truth = model;
+  truth.causes = {{Effect::torque_saturation, {0}, {limit_nm, 0, 0, 0}}};
+  const std::vector<log::Log> all = test::logs(truth, 4, 6.0, 5);
+  const trees::Diagnosis d = trees::diagnose(model, {all[0], all[1], all[2]}, {all[3]});
+  INFO(d.summary);
+  REQUIRE(d.findings.size() == 1);
+  CHECK(d.findings[0].cause.effect == Effect::torque_saturation);
+  CHECK(d.findings[0].parameters[0].value == Approx(limit_nm).epsilon(0.03));
+}
+
+TEST_CASE("A Stribeck curve beside damping is not Coulomb friction beside drag") {
+  const trees::TreeModel model = test::arm3();
+  trees::TreeModel truth = model;
+  const std::size_t elbow = test::joint(truth, "elbow");
+  truth.causes = {{Effect::stribeck_friction, {elbow}, {0.15, 0.35, 0.3, 0}},
+                  {Effect::damping_error, {elbow}, {model.drives[elbow].damping_nmspr + 0.15, 0, 0, 0}}};
+  const Logs logs = logs_of(truth, 70);
+  const trees::Diagnosis d = trees::diagnose(model, logs.training, logs.held_out);
+  INFO(d.summary);
+  std::vector<Effect> named;
+  for (const trees::Finding& f : d.findings) named.push_back(f.cause.effect);
+  std::sort(named.begin(), named.end());
+  std::vector<Effect> planted{Effect::stribeck_friction, Effect::damping_error};
+  std::sort(planted.begin(), planted.end());
+  CHECK(named == planted);
+}
+
 TEST_CASE("The torque that is missing before and after is of the same instants") {
   // The same measured motion is in both, with all its noise: their difference is the friction that was found.
   trees::TreeModel truth = test::arm3();
