@@ -220,6 +220,16 @@ class Diagnoser {
   /// Torque that is missing for longer than noise is, whatever it goes along with: by time, or by a state that no log has.
   static bool lasts(const MissingTorque& m) { return m.lasting_after_nm > kAnother * m.rms_torque_nm; }
 
+  /// Whether something else than what is named acts at this joint, or at one whose missing torque goes along with what this one does.
+  bool beside_another(std::size_t joint) const {
+    const std::string does = what_does(model_, joint);
+    for (std::size_t j = 0; j < d_.missing.size(); ++j) {
+      const MissingTorque& m = d_.missing[j];
+      if ((is_another(m) || lasts(m)) && (j == joint || m.goes_along_with == does)) return true;
+    }
+    return false;
+  }
+
   std::vector<Estimate> estimates(const Fit& fit, std::size_t cause) const {
     std::vector<Estimate> out;
     const Cause& c = fit.at.causes[cause];
@@ -235,32 +245,9 @@ class Diagnoser {
   }
   /// Whether its parameters are within their scatter, taken together, of values with which the cause is not there.
   bool covers_none(const Fit& fit, std::size_t cause) const {
-    std::vector<Eigen::Index> which;
-    std::vector<double> away, wider;  // the recordings' own scatter may be larger than the windows'
-    const Cause& c = fit.at.causes[cause];
-    for (std::size_t k = 0; k < fit.unknowns.size(); ++k) {
-      const Unknown& u = fit.unknowns[k];
-      if (!u.of_cause || u.cause != cause) continue;
-      const double none = neutral_value(model_, c.effect, u.parameter, c.sites.front());
-      const auto i = static_cast<Eigen::Index>(k);
-      if (std::isnan(none) || !(fit.covariance(i, i) > 0.0)) continue;
-      which.push_back(i);
-      away.push_back(value_of(fit.at, u) - none);
-      wider.push_back(std::sqrt(variance_of(fit, k) / fit.covariance(i, i)));
-    }
-    if (which.empty()) return false;
-    const Eigen::Map<const Eigen::VectorXd> d(away.data(), static_cast<Eigen::Index>(away.size()));
-    const Eigen::Map<const Eigen::VectorXd> w(wider.data(), d.size());
-    const Eigen::MatrixXd covariance = w.asDiagonal() * fit.covariance(which, which) * w.asDiagonal();
-    return d.dot(Eigen::VectorXd(ScaledNormal(covariance, 1e-9).solve(d))) <
-           core::chi_square_above(0.05, static_cast<double>(which.size()));
-  }
-  static double variance_of(const Fit& fit, std::size_t k) {
-    const auto i = static_cast<Eigen::Index>(k);
-    // The recordings' own estimates scatter too: where by more than the windows say, they are right.
-    const Mean mean = weighted_mean(fit.fold_value[k], fit.fold_information[k]);
-    const bool known = fit.fold_value[k].size() >= 3 && mean.freedom > 0.25;
-    return known ? std::max(fit.covariance(i, i), mean.variance) : fit.covariance(i, i);
+    const Away away = away_from_none(model_, fit, cause);
+    return away.parameters > 0 &&
+           away.squares < core::chi_square_above(0.05, static_cast<double>(away.parameters));
   }
   /// 95 %, within the parameter's bounds.
   static Estimate interval(const std::string& name, const std::string& unit, const Fit& fit, std::size_t k) {
@@ -444,7 +431,7 @@ class Diagnoser {
             const Seat seat = info(f.cause.effect).seat;
             const std::size_t joint =
                 seat == Seat::link ? static_cast<std::size_t>(model_.robot.links[site].joint) : site;
-            return seat != Seat::base && is_another(d_.missing[joint]);
+            return seat != Seat::base && beside_another(joint);
           }))
         f.confidence = std::min(f.confidence, 0.5);
     }

@@ -25,6 +25,38 @@ constexpr double kDone = 1e-4;
 
 }  // namespace
 
+double variance_of(const Fit& fit, std::size_t unknown) {
+  const auto i = static_cast<Eigen::Index>(unknown);
+  const Mean mean = weighted_mean(fit.fold_value[unknown], fit.fold_information[unknown]);
+  const bool known = fit.fold_value[unknown].size() >= 3 && mean.freedom > 0.25;
+  return known ? std::max(fit.covariance(i, i), mean.variance) : fit.covariance(i, i);
+}
+
+Away away_from_none(const TreeModel& model, const Fit& fit, std::size_t cause) {
+  std::vector<Eigen::Index> which;
+  std::vector<double> away, wider;  // the recordings' own scatter may be larger than the windows'
+  const Cause& c = fit.at.causes[cause];
+  for (std::size_t k = 0; k < fit.unknowns.size(); ++k) {
+    const Unknown& u = fit.unknowns[k];
+    if (!u.of_cause || u.cause != cause) continue;
+    const double none = neutral_value(model, c.effect, u.parameter, c.sites.front());
+    const auto i = static_cast<Eigen::Index>(k);
+    if (std::isnan(none) || !(fit.covariance(i, i) > 0.0)) continue;
+    which.push_back(i);
+    away.push_back(value_of(fit.at, u) - none);
+    wider.push_back(std::sqrt(variance_of(fit, k) / fit.covariance(i, i)));
+  }
+  if (which.empty()) return {};
+  const Eigen::Map<const Eigen::VectorXd> d(away.data(), static_cast<Eigen::Index>(away.size()));
+  const Eigen::Map<const Eigen::VectorXd> w(wider.data(), d.size());
+  const Eigen::MatrixXd windows = fit.covariance(which, which),
+                        both = w.asDiagonal() * windows * w.asDiagonal();
+  const auto squares = [&d](const Eigen::MatrixXd& covariance) {
+    return d.dot(Eigen::VectorXd(ScaledNormal(covariance, 1e-9).solve(d)));
+  };
+  return {squares(both), squares(windows), which.size()};
+}
+
 Problem::Problem(const TreeModel& model, const std::vector<Recording>& recordings,
                  std::vector<Window> windows, unsigned threads)
     : model_(model),
@@ -51,6 +83,13 @@ Problem Problem::thinned(std::size_t every) const {
 std::size_t Problem::fold_of(std::size_t window) const {
   if (recordings_.size() >= 3) return windows_[window].recording;
   return window * folds_ / windows_.size();
+}
+
+Eigen::Vector2d Problem::rotor_precision(const Setup& setup, std::size_t joint) const {
+  const auto& law = setup.model.laws[joint];
+  const double twist = kTwist * scales_.torque_nm[joint] / law.drive_stiffness_nmprad,
+               rate = twist * std::sqrt(law.drive_stiffness_nmprad / law.armature_kgm2);
+  return {1.0 / (twist * twist), 1.0 / (rate * rate)};
 }
 
 Eigen::VectorXd Problem::simulated(const Setup& setup, const Window& w) const {
@@ -81,11 +120,11 @@ Eigen::MatrixXd Problem::product(std::size_t window, const Eigen::MatrixXd& colu
          (columns.transpose() * columns - with_start.transpose() * (s.inverse * with_start));
 }
 
-void Problem::weigh(const Hypothesis& h) {
+void Problem::weigh(const Hypothesis& h, const Hypothesis* of_starts) {
   ++weighing_;
   const std::size_t n = joints();
   const auto size = static_cast<Eigen::Index>(bins_ * n);
-  const Setup setup = make(h);
+  const Setup weighed = make(h), setup = make(of_starts != nullptr ? *of_starts : h);
   weight_ = Eigen::VectorXd::Ones(size);
   std::vector<Eigen::VectorXd> left(windows_.size());
   starts_.assign(windows_.size(), {});
@@ -94,7 +133,7 @@ void Problem::weigh(const Hypothesis& h) {
     if (setup.model.laws[j].elastic) elastic.push_back(j);
   core::parallel_for(windows_.size(), threads_, [&](std::size_t i) {
     Window w = windows_[i];
-    const Eigen::VectorXd r = residual(setup, i), base = w.measured - r;
+    const Eigen::VectorXd r = residual(weighed, i), base = simulated(setup, w);
     Start& s = starts_[i];
     s.columns.resize(size, static_cast<Eigen::Index>(2 * (n + elastic.size())));
     s.precision.resize(s.columns.cols());
@@ -110,15 +149,13 @@ void Problem::weigh(const Hypothesis& h) {
     w.rotor_more.assign(elastic.empty() ? 0 : 2 * n, 0.0);
     for (std::size_t k = 0; k < 2 * elastic.size(); ++k) {
       const std::size_t j = elastic[k / 2];
-      const auto& law = setup.model.laws[j];
-      const double twist = kTwist * scales_.torque_nm[j] / law.drive_stiffness_nmprad,
-                   size_of =
-                       k % 2 == 0 ? twist : twist * std::sqrt(law.drive_stiffness_nmprad / law.armature_kgm2);
+      const double precision = rotor_precision(setup, j)(static_cast<Eigen::Index>(k % 2)),
+                   size_of = 1.0 / std::sqrt(precision);
       double& x = w.rotor_more[k % 2 == 0 ? j : n + j];
       x = 0.1 * size_of;
       const auto column = static_cast<Eigen::Index>(2 * n + k);
       s.columns.col(column) = (simulated(setup, w) - base) / x;
-      s.precision(column) = 1.0 / (size_of * size_of);
+      s.precision(column) = precision;
       x = 0.0;
     }
     left[i] = r;
@@ -214,7 +251,8 @@ std::vector<Eigen::MatrixXd> Problem::columns(const Hypothesis& h,
                                               const std::vector<Eigen::VectorXd>& residuals,
                                               const std::vector<Unknown>& unknowns,
                                               const std::vector<Hypothesis>& probes,
-                                              const std::vector<Hypothesis>& runs) const {
+                                              const std::vector<Hypothesis>& runs,
+                                              Eigen::MatrixXd* of_rotors) const {
   const Setup base = make(h);
   std::vector<Setup> setups;
   std::vector<double> step;
@@ -241,6 +279,13 @@ std::vector<Eigen::MatrixXd> Problem::columns(const Hypothesis& h,
       run_column.push_back(k);
     }
   }
+  std::vector<std::pair<std::size_t, std::size_t>> springs;  // number of the setup, joint
+  for (const std::size_t k : linear_column)
+    for (std::size_t j = 0; j < joints(); ++j)
+      if (setups[k].model.laws[j].elastic && !base.model.laws[j].elastic) springs.emplace_back(k, j);
+  if (of_rotors != nullptr)
+    *of_rotors = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(windows_.size()),
+                                       static_cast<Eigen::Index>(setups.size()));
   std::vector<double> torque_nm = scales_.torque_nm;
   for (double& torque : torque_nm) torque *= kTorque;
   std::vector<Eigen::MatrixXd> out(windows_.size());
@@ -254,10 +299,31 @@ std::vector<Eigen::MatrixXd> Problem::columns(const Hypothesis& h,
     }
     if (linear.empty()) return;
     const Window& w = windows_[i];
-    const Eigen::MatrixXd change = Linearised(base, recordings_[w.recording], w, torque_nm).changes(linear);
+    const Linearised run(base, recordings_[w.recording], w, torque_nm);
+    const Eigen::MatrixXd change = run.changes(linear);
     for (std::size_t k = 0; k < linear.size(); ++k)
       c.col(static_cast<Eigen::Index>(linear_column[k])) =
           weight_.cwiseProduct(change.col(static_cast<Eigen::Index>(k)));
+    if (of_rotors == nullptr || springs.empty()) return;
+    std::vector<const Setup*> elastic;
+    for (const auto& [k, joint] : springs) elastic.push_back(&setups[k]);
+    const Eigen::MatrixXd starts = weight_.asDiagonal() * run.rotor_starts(elastic);
+    for (std::size_t s = 0; s < springs.size(); ++s) {
+      const auto [k, joint] = springs[s];
+      const auto column = static_cast<Eigen::Index>(k);
+      Eigen::MatrixXd all(c.rows(), 4);  // residual, spring, its rotor's angle and rate at the start
+      all << residuals[i], c.col(column), starts.middleCols(static_cast<Eigen::Index>(2 * s), 2);
+      const Eigen::Matrix4d products = product(i, all) / window_weight_[i];
+      const auto precision = rotor_precision(setups[k], joint);
+      Eigen::Matrix2d normal = products.bottomRightCorner<2, 2>();
+      normal.diagonal() += precision;
+      const Eigen::Matrix2d inverse = normal.inverse();
+      const Eigen::Matrix2d taken = inverse * products.bottomRightCorner<2, 2>();
+      const Eigen::Vector2d of_residual = products.block<2, 1>(2, 0), of_spring = products.block<2, 1>(2, 1);
+      (*of_rotors)(static_cast<Eigen::Index>(i), column) =
+          window_weight_[i] * (of_residual.dot(inverse * of_residual) - taken.trace());
+      c.col(column) -= all.rightCols<2>() * (inverse * of_spring);
+    }
   });
   return out;
 }
@@ -286,7 +352,11 @@ Products Problem::products_of(const std::vector<Eigen::VectorXd>& residuals,
 Products Problem::products(const Hypothesis& h, const std::vector<Unknown>& unknowns,
                            const std::vector<Hypothesis>& probes, const std::vector<Hypothesis>& runs) const {
   const std::vector<Eigen::VectorXd> r = residuals(h);
-  return products_of(r, columns(h, r, unknowns, probes, runs));
+  Eigen::MatrixXd of_rotors;
+  Products out = products_of(r, columns(h, r, unknowns, probes, runs, &of_rotors));
+  out.of_rotors = Eigen::MatrixXd::Zero(of_rotors.rows(), out.all.cols());
+  out.of_rotors.rightCols(of_rotors.cols()) = of_rotors;
+  return out;
 }
 
 void Problem::derive_beside(const Fit& beside, const std::vector<Eigen::VectorXd>& residuals,

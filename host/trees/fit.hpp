@@ -41,7 +41,22 @@ struct Products {
   Eigen::MatrixXd all;
   std::vector<Eigen::MatrixXd> fold;
   std::vector<Eigen::MatrixXf> window;
+  /// Of a probe that brings a spring, what the unknown start of its rotor accounts for of the residuals, less what it would of noise: a row
+  /// each window. The probe's own column is without what another start would make of it.
+  Eigen::MatrixXd of_rotors;
 };
+
+/// Of a fitted value: what the windows say, or the scatter between the recordings where that is more.
+double variance_of(const Fit& fit, std::size_t unknown);
+
+/// How far a cause's parameters, taken together, are from having no effect: the square over their variance. Of those without such a value
+/// (a stiffness, a limit) and of those at a bound it knows nothing.
+struct Away {
+  double squares = 0.0;     ///< by variance_of
+  double by_windows = 0.0;  ///< by the windows' variance alone
+  std::size_t parameters = 0;
+};
+Away away_from_none(const TreeModel& model, const Fit& fit, std::size_t cause);
 
 class Problem {
  public:
@@ -54,6 +69,7 @@ class Problem {
   double interval_s() const { return recordings_.front().interval_s; }  ///< of the rows
   const std::vector<Recording>& recordings() const { return recordings_; }
   std::size_t folds() const { return folds_; }
+  std::size_t fold_of(std::size_t window) const;
   std::size_t joints() const { return model_.joints(); }
 
   /// The same on every so-manieth window, not weighed yet.
@@ -61,7 +77,8 @@ class Problem {
 
   /// How the starts move the residuals, and what each bin's residual weighs, at this hypothesis: the loss of one that is
   /// right is then about the number of residuals. Fits are comparable between two calls.
-  void weigh(const Hypothesis& h);
+  /// `starts`: a hypothesis whose windows' starts are eliminated in place of those of `h`: with a spring that may be, its rotor's too.
+  void weigh(const Hypothesis& h, const Hypothesis* starts = nullptr);
   /// Least squares by the unknowns of `from`. `beside`: a fit that has most of them, whose derivatives serve as long as they lead down.
   Fit fit(Hypothesis from, int iterations, const Fit* beside = nullptr) const;
   /// Squares of what the windows' runs are off over those of the motion about its mean, of the joint where they are most.
@@ -70,6 +87,8 @@ class Problem {
                     const std::vector<Hypothesis>& probes, const std::vector<Hypothesis>& runs = {}) const;
 
  private:
+  /// What is known of an elastic drive's rotor at a window's start, beside where its own equation says that it is: angle, rate.
+  Eigen::Vector2d rotor_precision(const Setup& setup, std::size_t joint) const;
   Eigen::VectorXd simulated(const Setup& setup, const Window& w) const;
   Eigen::VectorXd residual(const Setup& setup, std::size_t window) const;
   std::vector<Eigen::VectorXd> residuals(const Hypothesis& h) const;  ///< of each window
@@ -77,13 +96,13 @@ class Problem {
   std::vector<Eigen::MatrixXd> columns(const Hypothesis& h, const std::vector<Eigen::VectorXd>& residuals,
                                        const std::vector<Unknown>& unknowns,
                                        const std::vector<Hypothesis>& probes,
-                                       const std::vector<Hypothesis>& runs) const;
+                                       const std::vector<Hypothesis>& runs,
+                                       Eigen::MatrixXd* of_rotors = nullptr) const;
   /// Derivatives of those unknowns that `beside` does not have; the others are taken from there.
   void derive_beside(const Fit& beside, const std::vector<Eigen::VectorXd>& residuals, Fit& out) const;
   Products products_of(const std::vector<Eigen::VectorXd>& residuals,
                        const std::vector<Eigen::MatrixXd>& columns) const;
   Setup make(const Hypothesis& h) const { return maker_.make(h.drives, h.causes); }
-  std::size_t fold_of(std::size_t window) const;
   /// a' b over what no start explains.
   Eigen::MatrixXd product(std::size_t window, const Eigen::MatrixXd& columns) const;
 

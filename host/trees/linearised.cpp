@@ -317,4 +317,42 @@ Eigen::MatrixXd Linearised::changes(std::span<const Setup* const> setups) const 
       [](double change) { return std::isfinite(change) ? std::clamp(change, -1e6, 1e6) : 0.0; });
 }
 
+Eigen::MatrixXd Linearised::rotor_starts(std::span<const Setup* const> setups) const {
+  const std::size_t n = setup_.joints.size();
+  const auto joints = static_cast<Index>(n), columns = static_cast<Index>(2 * setups.size());
+  struct Swing {
+    std::size_t joint;
+    const Law* law;
+    Index column;
+    double angle_rad, rate_radps;
+    double impulse_nms() const {
+      return -law->armature_kgm2 * rate_radps - law->rotor_damping_nmspr * angle_rad;
+    }
+  };
+  std::vector<Swing> all;
+  for (std::size_t k = 0; k < setups.size(); ++k)
+    for (std::size_t i = 0; i < n; ++i) {
+      const Law& law = setups[k]->model.laws[i];
+      if (!law.elastic || setup_.model.laws[i].elastic) continue;
+      all.push_back({i, &law, static_cast<Index>(2 * k), 1.0, 0.0});
+      all.push_back({i, &law, static_cast<Index>(2 * k + 1), 0.0, 1.0});
+    }
+  Eigen::MatrixXd x = Eigen::MatrixXd::Zero(intervals_.front().carried.rows(), columns);
+  Eigen::MatrixXd out = Eigen::MatrixXd::Zero(window_.measured.size(), columns);
+  for (std::size_t g = 0; g < intervals_.size(); ++g) {
+    x = (intervals_[g].carried * x).eval();
+    for (Swing& s : all) {
+      const double before = s.impulse_nms();
+      swing(*s.law, step_s_, s.angle_rad, s.rate_radps);
+      x.col(s.column) +=
+          intervals_[g].driven.col(static_cast<Index>(s.joint)) * ((s.impulse_nms() - before) / step_s_);
+    }
+    for (std::size_t b = 0; b < share_.size(); ++b)
+      if (share_[b][g + 1] != 0.0)
+        out.middleRows(static_cast<Index>(b) * joints, joints) += share_[b][g + 1] * x.topRows(joints);
+  }
+  return out.unaryExpr(
+      [](double change) { return std::isfinite(change) ? std::clamp(change, -1e6, 1e6) : 0.0; });
+}
+
 }  // namespace furcula::trees

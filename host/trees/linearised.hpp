@@ -25,6 +25,10 @@ class Linearised {
   /// in Window::measured), a column each.
   Eigen::MatrixXd changes(std::span<const Setup* const> setups) const;
 
+  /// What the measured angles change with the start of the rotor behind the spring that each setup has and the run has not: two columns
+  /// each, by its angle and by its rate; zero where there is no such spring.
+  Eigen::MatrixXd rotor_starts(std::span<const Setup* const> setups) const;
+
  private:
   using Joints = model::RobotModel::Joints;
   /// The run between two of its times, some milliseconds apart.

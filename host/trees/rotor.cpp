@@ -11,6 +11,19 @@ constexpr double kForgotten = 6.0;
 
 }  // namespace
 
+void swing(const dynamics::tree::JointLaw<double>& law, double time_s, double& x, double& v) {
+  const double decay = 0.5 * law.rotor_damping_nmspr / law.armature_kgm2,
+               square = law.drive_stiffness_nmprad / law.armature_kgm2 - decay * decay;
+  const double omega = std::sqrt(std::abs(square)), e = std::exp(-decay * time_s);
+  const double c = square > 0.0 ? std::cos(omega * time_s) : std::cosh(omega * time_s);
+  const double s = omega * time_s < 1e-9 ? time_s
+                   : square > 0.0        ? std::sin(omega * time_s) / omega
+                                         : std::sinh(omega * time_s) / omega;
+  const double b = v + decay * x, angle = e * (x * c + b * s);
+  v = e * (b * c - square * x * s) - decay * angle;
+  x = angle;
+}
+
 Rotor::Rotor(const Setup& setup, const Recording& recording, std::size_t joint, std::size_t from)
     : drive_(setup.joints[joint]), law_(setup.model.laws[joint]), r_(recording), joint_(joint), row_(from) {
   if (drive_.lag_s > 0.0) lagged_nm_ = lagged_before(drive_, r_, joint, from);
@@ -48,18 +61,11 @@ void Rotor::advance() {
   if (drive_.lag_s > 0.0) asked = passed(drive_.lag_s, dt, asked, lagged_nm_);
   const double torque = made_torque(drive_, asked, measured) + drive_.offset_nm;
   // The joint at a steady velocity: what the rotor is ahead of it swings about a constant.
-  const double decay = 0.5 * law_.rotor_damping_nmspr / law_.armature_kgm2,
-               square = law_.drive_stiffness_nmprad / law_.armature_kgm2 - decay * decay;
   const double about = (torque - law_.rotor_damping_nmspr * slope) / law_.drive_stiffness_nmprad;
-  const double x = angle_rad_ - q - about, v = rate_radps_ - slope;
-  const double omega = std::sqrt(std::abs(square)), e = std::exp(-decay * dt);
-  const double c = square > 0.0 ? std::cos(omega * dt) : std::cosh(omega * dt);
-  const double s = omega * dt < 1e-9 ? dt
-                   : square > 0.0    ? std::sin(omega * dt) / omega
-                                     : std::sinh(omega * dt) / omega;
-  const double b = v + decay * x;
-  angle_rad_ = q + slope * dt + about + e * (x * c + b * s);
-  rate_radps_ = slope + e * (b * c - square * x * s - decay * (x * c + b * s));
+  double x = angle_rad_ - q - about, v = rate_radps_ - slope;
+  swing(law_, dt, x, v);
+  angle_rad_ = q + slope * dt + about + x;
+  rate_radps_ = slope + v;
   ++row_;
 }
 

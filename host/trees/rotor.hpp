@@ -10,6 +10,10 @@
 
 namespace furcula::trees {
 
+/// What a rotor is ahead of its balance on the spring, a time later: angle and rate.
+void swing(const dynamics::tree::JointLaw<double>& law, double time_s, double& ahead_rad,
+           double& ahead_radps);
+
 class Rotor {
  public:
   /// Begins in balance with the drive's torque at row `from`.

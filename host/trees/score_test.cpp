@@ -119,7 +119,8 @@ std::vector<ScoreTest::Score> ScoreTest::gains(const Columns& base) const {
     if (candidates_[c].of_one_size) {
       if (std::abs(of_kept(0) - 1.0) > kOffSize) continue;
       of_kept.setOnes();
-      const double gain = 2.0 * left(0, columns[0]) - left(columns[0], columns[0]);
+      const double gain = 2.0 * left(0, columns[0]) - left(columns[0], columns[0]) +
+                          products_.of_rotors.col(columns[0]).sum();
       if (gain > kNotable * before) out.push_back({c, gain, gain, of_kept});
       continue;
     }
@@ -150,7 +151,7 @@ std::vector<ScoreTest::Score> ScoreTest::scores(const Columns& base, std::size_t
     const bool much = s.gain > kMuch * m(0, 0);
     if (candidates_[s.candidate].of_one_size) {
       // A ringing is in few windows, and there it is much; that its size comes out as it must says more.
-      if (!(f.kept > kKeptWhole && f.worse <= kMostWorse)) continue;
+      if (worse_of_one_size(columns_of(s.candidate).front()) > kMostWorse) continue;
       s.worth = s.gain;
       kept.push_back(std::move(s));
       continue;
@@ -254,6 +255,21 @@ ScoreTest::OnFolds ScoreTest::on_folds(const Columns& base, const Score& s) cons
     ++folds;
   }
   return {gain / s.gain, static_cast<double>(worse) / std::max(folds, 1), steadiness(size, information)};
+}
+
+/// Share of the folds that lose by a candidate whose size is not free.
+double ScoreTest::worse_of_one_size(Index column) const {
+  std::vector<double> gain(products_.fold.size());
+  for (std::size_t f = 0; f < gain.size(); ++f)
+    gain[f] = 2.0 * products_.fold[f](0, column) - products_.fold[f](column, column);
+  for (std::size_t i = 0; i < products_.window.size(); ++i)
+    gain[problem_.fold_of(i)] += products_.of_rotors(static_cast<Index>(i), column);
+  std::size_t worse = 0, folds = 0;
+  for (std::size_t f = 0; f < gain.size(); ++f) {
+    folds += products_.fold[f](0, 0) > 0.0 ? 1 : 0;
+    worse += gain[f] < 0.0 ? 1 : 0;
+  }
+  return static_cast<double>(worse) / static_cast<double>(std::max<std::size_t>(folds, 1));
 }
 
 /// The candidate at its coefficients' proportions as one column: its size in a fold, 1 where it is as in all.

@@ -57,6 +57,7 @@ class ScoreTest {
   };
   double loss_of(const Columns& base) const;  ///< once these are fitted
   double sureness(const Columns& base, const Score& s) const;
+  double worse_of_one_size(Eigen::Index column) const;
   OnFolds on_folds(const Columns& base, const Score& s) const;
   void one_size(const Eigen::MatrixXd& fold, const Columns& base, const Score& s, std::vector<double>& size,
                 std::vector<double>& information) const;

@@ -6,6 +6,7 @@
 #include <optional>
 #include <set>
 
+#include "host/core/quantile.hpp"
 #include "host/trees/linear.hpp"
 #include "host/trees/missing_torque.hpp"
 #include "host/trees/score_test.hpp"
@@ -25,8 +26,15 @@ constexpr double kMissed = 2.0;
 /// recordings agree on by less than this share of what the linear test asks: half of that where they foretell each other with it by so
 /// much better, of the loss.
 constexpr double kHolds = 12.0, kAgree = 0.7, kForetells = 0.05;
-/// What must be lost without a spring between drive and joint, of the loss.
-constexpr double kRings = 0.3;
+/// At the end a cause must be as far from none as chance is with this probability, all its parameters together, by windows and recordings:
+/// five standard deviations of one. A hundred causes are tried, and neighbouring windows are not independent.
+constexpr double kChance = 5.7e-7;
+/// And it must be worth so much of what all causes are. No law is a law to much less than that: what is left of a large cause looks like
+/// a small one of another sort, whatever the scatter.
+constexpr double kOfAll = 0.004;
+/// What must be lost without a spring between drive and joint, of the loss; of a joint's share of it, if that is so many times its scatter
+/// from window to window.
+constexpr double kRings = 0.3, kRingsSurely = 3.5;
 /// So often does a rival that fits better take a cause's place.
 constexpr int kMostSwaps = 4;
 /// So many rivals of a cause are fitted; so many of them since they change the motion as it does, by this share of its squares.
@@ -74,7 +82,7 @@ class Search {
       problem_.weigh(fit.at);
       fit = problem_.fit(fit.at, 4);
     }
-    judge(found, std::move(fit));
+    judge(found, friction_anew(std::move(fit)));
     found.disputed = std::max(disputed_, dropped_worth_);
     return found;
   }
@@ -92,6 +100,8 @@ class Search {
     springs_.clear();
     ripples_.clear();
     bool looked_for_swings = false;  // since something was found
+    // A spring that is not there yet makes everything else look wrong.
+    if (found != nullptr) look_for_springs(fit);
     for (int round = 0; round < most; ++round) {
       say(0.08 + 0.09 * round, "testing causes at sites");
       const ScoreTest linear(problem_, fit.at, fit.unknowns, tried(fit.at));
@@ -99,7 +109,9 @@ class Search {
       const std::vector<ScoreTest::Score> picks = pick(linear, fit, refused, round == 0 ? found : nullptr);
       if (picks.empty()) {
         if (looked_for_swings) break;
-        look_for_swings(fit), looked_for_swings = true;
+        look_for_springs(fit);
+        look_for_ripples(fit);
+        looked_for_swings = true;
         continue;
       }
       const std::size_t before = fit.at.causes.size();
@@ -118,10 +130,19 @@ class Search {
       }
       say(0.12 + 0.09 * round,
           "fitting " + std::to_string(next.causes.size()) + (next.causes.size() == 1 ? " cause" : " causes"));
+      const bool spring = springs_in(next) != springs_in(fit.at);
+      if (spring) {
+        problem_.weigh(fit.at, &next);
+        fit = problem_.fit(fit.at, 1);
+      }
       Fit with = prune(problem_.fit(next, 6), false);
       if (with.loss > fit.loss * (1.0 - kWorth) && with.at.causes.size() >= before) {
         refused.insert(
             cause_name(problem_.model(), linear.candidates()[picks.front().candidate].columns.front()));
+        if (spring) {
+          problem_.weigh(fit.at);
+          fit = problem_.fit(fit.at, 1);
+        }
         continue;
       }
       fit = std::move(with);
@@ -140,40 +161,71 @@ class Search {
   static std::span<const double> coefficients(const ScoreTest::Score& s) {
     return {s.coefficients.data(), static_cast<std::size_t>(s.coefficients.size())};
   }
-  /// Of each joint the springs before it and the ripples of its drive that would do best, on some of the windows: a probe of another
-  /// stiffness or number of cycles swings otherwise than the true one, and says nothing about it.
-  void look_for_swings(const Fit& fit) {
-    constexpr std::size_t kWindows = 24, kSprings = 3, kRipples = 2;
-    constexpr double kApart = 0.2;  // of springs, logarithms
-    springs_.clear();
-    ripples_.clear();
-    if (!swings_) return;
+  /// On some of the windows.
+  Problem thinned(const Fit& fit) const {
+    constexpr std::size_t kWindows = 24;
     Problem some = problem_.thinned(std::max<std::size_t>(1, problem_.windows().size() / kWindows));
     some.weigh(fit.at);
+    return some;
+  }
+  /// Of each joint the spring before it that does best: of those that would, some are fitted, where they would do about as much as at the
+  /// joint where they do most.
+  void look_for_springs(const Fit& fit) {
+    constexpr std::size_t kSprings = 4;
+    constexpr double kApart = 0.1;  // logarithms
+    constexpr double kAsMuch = 0.4;
+    springs_.clear();
+    if (!swings_) return;
+    const Problem some = thinned(fit);
+    std::vector<std::vector<std::pair<double, Candidate>>> by_joint;  // with its gain
+    double most = 0.0;
     for (std::size_t j = 0; j < problem_.joints(); ++j) {
       const std::vector<Candidate> all = springs(problem_, fit.at, j);
       if (all.empty()) continue;
       const ScoreTest linear(some, fit.at, fit.unknowns, all);
-      std::vector<double> taken;
-      for (const ScoreTest::Score& s : linear.scores(linear.fitted(), 20 * kSprings)) {
-        const double stiffness = all[s.candidate].columns.front().values[0];
-        if (std::any_of(taken.begin(), taken.end(),
-                        [&](double t) { return std::abs(std::log(t / stiffness)) < kApart; }))
+      auto& best = by_joint.emplace_back();
+      for (const ScoreTest::Score& s : linear.scores(linear.fitted(), 40 * kSprings)) {
+        const Candidate& c = all[s.candidate];
+        const double stiffness = c.columns.front().values[0];
+        if (std::any_of(best.begin(), best.end(), [&](const auto& o) {
+              return std::abs(std::log(o.second.columns.front().values[0] / stiffness)) < kApart;
+            }))
           continue;
-        taken.push_back(stiffness);
-        springs_.push_back(all[s.candidate]);
-        if (taken.size() == kSprings) break;
+        best.emplace_back(s.gain / linear.loss(), c);
+        if (best.size() == kSprings) break;
       }
+      if (!best.empty()) most = std::max(most, best.front().first);
     }
+    for (const auto& of_joint : by_joint) {
+      std::optional<Candidate> best;
+      double gain = 0.5 * kRings / static_cast<double>(problem_.joints());
+      for (const auto& [linear_gain, c] : of_joint) {
+        if (linear_gain < kAsMuch * most) continue;
+        const Fit with = with_starts(some, with_candidate(problem_.model(), fit.at, c, {}), fit, 5);
+        if (1.0 - with.loss / fit.loss <= gain) continue;
+        gain = 1.0 - with.loss / fit.loss;
+        best = c;
+        best->columns.front().values[0] = with.at.causes.back().values[0];
+      }
+      if (best) springs_.push_back(std::move(*best));
+    }
+  }
+  /// The same of the ripples of its drive, by their number of cycles.
+  void look_for_ripples(const Fit& fit) {
+    constexpr std::size_t kRipples = 2;
+    ripples_.clear();
     const std::vector<Candidate> all = ripples(problem_, fit.at);
-    if (all.empty()) return;
+    if (!swings_ || all.empty()) return;
+    const Problem some = thinned(fit);
     const ScoreTest linear(some, fit.at, fit.unknowns, all);
     std::vector<std::size_t> taken(problem_.joints());
     for (const ScoreTest::Score& s : linear.gains(linear.fitted()))
       if (taken[all[s.candidate].sites.front()]++ < kRipples) ripples_.push_back(all[s.candidate]);
   }
   Guesses guesses(const Hypothesis& h) const {
-    Guesses out{ripple_cycles(problem_, h), springs_};
+    const std::vector<TorqueSamples> samples =
+        missing_torque(problem_, problem_.recordings(), h, problem_.windows().front().span_s, 3000);
+    Guesses out{ripple_cycles(problem_, samples), limits_nm(samples), springs_};
     for (const Candidate& c : ripples_) {
       std::vector<double>& cycles = out.ripple_cycles[c.sites.front()];
       const double n = c.columns.front().values[1];
@@ -249,7 +301,7 @@ class Search {
       if (s->gain < 0.5 * leaders.front()->gain) continue;
       const Hypothesis h =
           with_candidate(problem_.model(), fit.at, linear.candidates()[s->candidate], coefficients(*s));
-      const Fit with = problem_.fit(h, 4, &fit);
+      const Fit with = with_starts(problem_, h, fit, 4);
       // A parameter more must be worth a hundredth of the residuals.
       const double loss = with.loss * (1.0 + kOfParameter * static_cast<double>(with.unknowns.size()));
       if (loss < least) {
@@ -258,6 +310,21 @@ class Search {
       }
     }
     return best;
+  }
+  /// A fit of `h`, which has more than `fit`. Where it has a spring more, nobody knows how its rotor starts: that is eliminated in both, and the
+  /// loss is as much of that of `fit` as it is there.
+  static Fit with_starts(const Problem& problem, const Hypothesis& h, const Fit& fit, int iterations) {
+    if (springs_in(h) == springs_in(fit.at)) return problem.fit(h, iterations, &fit);
+    Problem own = problem;
+    own.weigh(fit.at, &h);
+    Fit out = own.fit(h, iterations);
+    out.loss *= fit.loss / own.fit(fit.at, 1).loss;
+    return out;
+  }
+  static std::size_t springs_in(const Hypothesis& h) {
+    return static_cast<std::size_t>(std::count_if(h.causes.begin(), h.causes.end(), [](const Cause& c) {
+      return c.effect == Effect::joint_elasticity;
+    }));
   }
   static Seat seat_of(const Candidate& c) {
     const Seat s = info(c.effect).seat;
@@ -297,6 +364,12 @@ class Search {
     return most;
   }
 
+  bool by_chance(const Fit& fit, std::size_t cause, double Away::*by = &Away::squares) const {
+    const Away away = away_from_none(problem_.model(), fit, cause);
+    return away.parameters > 0 &&
+           away.*by < core::chi_square_above(kChance, static_cast<double>(away.parameters));
+  }
+
   /// Drops causes that do not hold, the weakest first. `strict`: the recordings must agree on what stays.
   Fit prune(Fit fit, bool strict) {
     if (strict) fit = without_doubtful_springs(std::move(fit));
@@ -305,7 +378,7 @@ class Search {
       std::size_t weakest = fit.at.causes.size();
       double least = kHolds;
       for (std::size_t c = problem_.model().causes.size(); c < fit.at.causes.size(); ++c) {
-        const double d = distance(fit, c, strict ? kAgree : 0.0);
+        const double d = strict && by_chance(fit, c) ? 0.0 : distance(fit, c, strict ? kAgree : 0.0);
         if (d >= least || foretells.contains(cause_name(problem_.model(), fit.at.causes[c]))) continue;
         least = d;
         weakest = c;
@@ -315,12 +388,14 @@ class Search {
       // Much is there in a few windows only: their scatter then says little.
       if (!strict && off.loss > kMissed * fit.loss) return fit;
       const std::string name = cause_name(problem_.model(), fit.at.causes[weakest]);
-      if (strict && distance(fit, weakest, 0.5 * kAgree) >= kHolds &&
+      if (strict && !by_chance(fit, weakest) && distance(fit, weakest, 0.5 * kAgree) >= kHolds &&
           off.foretold_loss > (1.0 + kForetells) * fit.foretold_loss) {
         foretells.insert(name);
         continue;
       }
-      if (strict) drop(name, fit, off);
+      // What chance makes in windows alone is nothing; what the windows are sure of and the recordings are not is something.
+      if (strict && !by_chance(fit, weakest, &Away::by_windows)) drop(name, fit, off);
+      if (strict) dropped_.insert(name);
       fit = std::move(off);
     }
   }
@@ -330,6 +405,51 @@ class Search {
     dropped_worth_ = std::max(dropped_worth_, (off.loss - with.loss) / off.loss);
   }
 
+  /// Dry friction beside another resistance of the same joint may be a Stribeck curve, alone or beside a third: once two wrong laws are in,
+  /// the right ones gain little, one by one.
+  Fit friction_anew(Fit fit) {
+    const std::size_t given = problem_.model().causes.size();
+    for (std::size_t j = 0; j < problem_.joints(); ++j) {
+      Hypothesis bare{fit.at.drives, {}};
+      double dry_nm = 0.0;
+      std::size_t resistances = 0;
+      for (std::size_t c = 0; c < fit.at.causes.size(); ++c) {
+        const Cause& cause = fit.at.causes[c];
+        if (c < given || cause.sites != std::vector<std::size_t>{j} || !is_resistance(cause.effect)) {
+          bare.causes.push_back(cause);
+          continue;
+        }
+        ++resistances;
+        if (cause.effect == Effect::coulomb_friction) dry_nm = cause.values[0];
+      }
+      if (resistances < 2 || dry_nm <= 0.0) continue;
+      say(0.7, "trying other laws of friction at " + problem_.model().robot.joints[j].name);
+      const Scales& scales = problem_.scales();
+      const double speed = scales.velocity_radps[j], little_nm = 0.05 * scales.torque_nm[j];
+      const Drive& drive = problem_.model().drives[j];
+      std::vector<std::optional<Cause>> beside{
+          std::nullopt, Cause{Effect::quadratic_drag, {j}, {little_nm / (speed * speed), 0, 0, 0}},
+          Cause{Effect::load_friction, {j}, {0.05, 0, 0, 0}}};
+      if (!problem_.model().is_free(j, 3))
+        beside.push_back(
+            Cause{Effect::damping_error, {j}, {drive.damping_nmspr + little_nm / speed, 0, 0, 0}});
+      for (const auto& other : beside)
+        for (const double part : {0.2, 0.6}) {
+          Hypothesis h = bare;
+          h.causes.push_back({Effect::stribeck_friction, {j}, {dry_nm, 1.5 * dry_nm, part * speed, 0}});
+          if (other) h.causes.push_back(*other);
+          Fit anew = problem_.fit(h, 6);
+          const double more =
+              static_cast<double>(anew.unknowns.size()) - static_cast<double>(fit.unknowns.size());
+          if (anew.loss * (1.0 + kOfParameter * more) < fit.loss) fit = prune(std::move(anew), true);
+        }
+    }
+    return fit;
+  }
+  static bool is_resistance(Effect e) {
+    return e == Effect::coulomb_friction || e == Effect::damping_error || e == Effect::quadratic_drag ||
+           e == Effect::load_friction;
+  }
   /// A stiffness is never near to having no effect: what tells is how much is lost without it. The least first.
   Fit without_doubtful_springs(Fit fit) {
     for (;;) {
@@ -338,7 +458,10 @@ class Search {
       for (std::size_t c = problem_.model().causes.size(); c < fit.at.causes.size(); ++c) {
         if (fit.at.causes[c].effect != Effect::joint_elasticity) continue;
         Fit off = problem_.fit(without(fit.at, c), 4, &fit);
-        if (off.loss > (1.0 + kRings) * fit.loss || (least && off.loss > least->loss)) continue;
+        const double share = kRings / static_cast<double>(problem_.joints());
+        const bool much = off.loss > (1.0 + kRings) * fit.loss,
+                   surely = off.loss > (1.0 + share) * fit.loss && against(fit, off) > kRingsSurely;
+        if (much || surely || (least && off.loss > least->loss)) continue;
         least = std::move(off);
         name = cause_name(problem_.model(), fit.at.causes[c]);
       }
@@ -413,15 +536,26 @@ class Search {
       bool swapped = false;
       // All in one linear problem, at the whole hypothesis: each cause taken out of it, and what stands in for it.
       std::vector<Hypothesis> outs;
-      for (std::size_t c = given; c < fit.at.causes.size(); ++c) outs.push_back(without(fit.at, c));
+      std::vector<Fit> offs;
+      for (std::size_t c = given; c < fit.at.causes.size(); ++c) {
+        outs.push_back(without(fit.at, c));
+        offs.push_back(problem_.fit(outs.back(), 4, &fit));
+      }
       if (outs.empty()) break;
+      if (const std::size_t least = negligible(fit, offs); least < offs.size()) {
+        fit = std::move(offs[least]);
+        problem_.weigh(fit.at);
+        fit = problem_.fit(fit.at, 4);
+        --swaps;
+        continue;
+      }
       say(0.72, "comparing the causes with the others");
       const ScoreTest all(problem_, fit.at, fit.unknowns, candidates(problem_, fit.at, guesses(fit.at)),
                           outs);
       for (std::size_t c = given; c < fit.at.causes.size() && !swapped; ++c) {
         say(0.75 + 0.2 * static_cast<double>(c - given) / static_cast<double>(fit.at.causes.size()),
             "comparing " + cause_name(problem_.model(), fit.at.causes[c]) + " with the others");
-        const Fit off = problem_.fit(without(fit.at, c), 4, &fit);
+        const Fit& off = offs[c - given];
         found.gain.push_back((off.loss - fit.loss) / fit.loss);
         found.z.push_back(against(fit, off));
         std::vector<Rival> rivals;
@@ -464,6 +598,16 @@ class Search {
       if (!swapped && !(swaps < kMostSwaps && one_for_two(found, fit))) break;
     }
     found.fit = std::move(fit);
+  }
+  /// The cause that is worth least, where that is next to nothing beside the others; else their number.
+  static std::size_t negligible(const Fit& fit, const std::vector<Fit>& offs) {
+    double all = 0.0;
+    std::size_t least = 0;
+    for (std::size_t c = 0; c < offs.size(); ++c) {
+      all += std::max(0.0, offs[c].loss - fit.loss);
+      if (offs[c].loss < offs[least].loss) least = c;
+    }
+    return offs.size() > 1 && offs[least].loss - fit.loss < kOfAll * all ? least : offs.size();
   }
   /// What stands for either of two causes may stand for both: then it is the one.
   bool one_for_two(const Found& found, Fit& fit) const {
