@@ -109,6 +109,35 @@ TEST_CASE("A fit finds the damping that logs were made with, within its interval
   }
 }
 
+TEST_CASE("A cause that is there is far from none, one that is not is near") {
+  trees::TreeModel truth = test::double_pendulum();
+  const trees::TreeModel model = truth;
+  truth.causes = {{Effect::coulomb_friction, {1}, {0.05, 0, 0, 0}}};
+  for (const unsigned seed : {10u, 20u, 30u}) {
+    const auto all = recordings(model, test::logs(truth, 3, 6.0, seed));
+    trees::Problem problem(model, all, trees::windows_of(model, all, 0.3, 60), 2);
+    const trees::Hypothesis both{model.drives,
+                                 {{Effect::coulomb_friction, {1}, {0.04, 0, 0, 0}},
+                                  {Effect::base_tilt, {0}, {0.001, 0.001, 0, 0}},
+                                  {Effect::torque_saturation, {0}, {100.0, 0, 0, 0}}}};
+    problem.weigh(both);
+    trees::Fit fit = problem.fit(both, 6);
+    problem.weigh(fit.at);
+    fit = problem.fit(fit.at, 6);
+    const trees::Away there = trees::away_from_none(model, fit, 0),
+                      not_there = trees::away_from_none(model, fit, 1);
+    INFO(seed << ": " << there.squares << ", " << not_there.squares);
+    CHECK(there.parameters == 1);
+    CHECK(there.squares > 100.0);
+    CHECK(there.by_windows >= there.squares);
+    // Of two numbers that are none chance makes more than 14 once in a thousand.
+    CHECK(not_there.parameters == 2);
+    CHECK(not_there.squares < 14.0);
+    // A limit that is never reached has no value with which it would not be there.
+    CHECK(trees::away_from_none(model, fit, 2).parameters == 0);
+  }
+}
+
 TEST_CASE("A fit is the same on one thread and on two") {
   const trees::TreeModel model = test::double_pendulum("[free]\n\"damping_nmspr.elbow\" = [0.0, 1.0]\n");
   const auto all = recordings(model, test::logs(model, 2, 3.0, 1));

@@ -104,3 +104,35 @@ TEST_CASE("A window made linear changes with each cause as its runs do") {
       }
     }
 }
+
+TEST_CASE("What the start of a rotor does to its joint is the swing of two bodies on a spring") {
+  constexpr double kRotor_kgm2 = 0.02, kStiffness_nmprad = 20.0, kWheel_kgm2 = 0.5;
+  const trees::TreeModel model =
+      test::wheel("[drive]\nlaw = \"torque\"\nrotor_inertia_kgm2 = 0.02\ndamping_nmspr = 0\n");
+  const trees::Recording r = test::inputs(model, 1.5, 0.001, [](std::size_t, double) { return 0.0; });
+  const trees::SetupMaker maker(model);
+  const std::vector<Cause> spring{{Effect::joint_elasticity, {0}, {kStiffness_nmprad, 0, 0, 0}}};
+  const trees::Setup stiff = maker.make(model.drives, {}), elastic = maker.make(model.drives, spring);
+  const std::vector<trees::Recording> all{r};
+  const trees::Window w = trees::windows_of(model, all, 0.4)[1];
+  const trees::Setup* const setups[] = {&stiff, &elastic};
+  const std::vector<double> torque_nm{1e-3};
+  const Eigen::MatrixXd starts = trees::Linearised(stiff, r, w, torque_nm).rotor_starts(setups);
+  REQUIRE(starts.cols() == 4);
+  CHECK(starts.leftCols(2).norm() == 0.0);
+  // The rotor swings about the joint that was measured; the joint, rotor and all, takes the reaction.
+  const double omega = std::sqrt(kStiffness_nmprad / kRotor_kgm2),
+               share = kRotor_kgm2 / (kRotor_kgm2 + kWheel_kgm2);
+  Eigen::MatrixXd expected = Eigen::MatrixXd::Zero(w.measured.size(), 2);
+  std::vector<double> count(static_cast<std::size_t>(w.measured.size()));
+  for (const std::size_t b : w.bin) count[b] += 1.0;
+  for (std::size_t k = w.first; k <= w.last; ++k) {
+    const double t = r.time_s[k] - r.time_s[w.first];
+    const auto b = static_cast<Eigen::Index>(w.bin[k - w.first]);
+    const double n = count[w.bin[k - w.first]];
+    expected(b, 0) += -share * (std::cos(omega * t) - 1.0) / n;
+    expected(b, 1) += -share * (std::sin(omega * t) / omega - t) / n;
+  }
+  for (Eigen::Index k = 0; k < 2; ++k)
+    CHECK((starts.col(2 + k) - expected.col(k)).norm() < 0.02 * expected.col(k).norm());
+}
