@@ -64,7 +64,7 @@ TEST_CASE("A drive that gives much less than its position law asks for has a lim
     for (std::size_t k = 0; k < log.rows(); ++k, rows += 1.0)
       squares += std::pow(
           40.0 * (log.columns.at("angle_cmd_hinge_rad")[k] - log.columns.at("angle_hinge_rad")[k]), 2);
-  const double limit_nm = 0.2 * std::sqrt(squares / rows);
+  const double limit_nm = 0.08 * std::sqrt(squares / rows);
   trees::TreeModel truth = model;
   truth.causes = {{Effect::torque_saturation, {0}, {limit_nm, 0, 0, 0}}};
   const std::vector<log::Log> all = test::logs(truth, 4, 6.0, 5);
@@ -79,8 +79,8 @@ TEST_CASE("A Stribeck curve beside damping is not Coulomb friction beside drag")
   const trees::TreeModel model = test::arm3();
   trees::TreeModel truth = model;
   const std::size_t elbow = test::joint(truth, "elbow");
-  truth.causes = {{Effect::stribeck_friction, {elbow}, {0.15, 0.35, 0.3, 0}},
-                  {Effect::damping_error, {elbow}, {model.drives[elbow].damping_nmspr + 0.15, 0, 0, 0}}};
+  truth.causes = {{Effect::stribeck_friction, {elbow}, {0.15, 0.35, 0.6, 0}},
+                  {Effect::damping_error, {elbow}, {model.drives[elbow].damping_nmspr + 0.4, 0, 0, 0}}};
   const Logs logs = logs_of(truth, 70);
   const trees::Diagnosis d = trees::diagnose(model, logs.training, logs.held_out);
   INFO(d.summary);
