@@ -59,18 +59,29 @@
     });
   }
 
+  // A box's corner, 0 to 7, in its own axes.
+  function corner(b, i) {
+    return [i & 1 ? b.half[0] : -b.half[0], i & 2 ? b.half[1] : -b.half[1], i & 4 ? b.half[2] : -b.half[2]];
+  }
+
   // What the robot reaches in its recordings: the middle of the picture, its size in metres, where the floor is.
   function measure() {
     var low = [0, 0, 0], high = [0, 0, 0];
     var take = function (columns) {
       var frames = pose(positions(columns));
-      data.bones.forEach(function (b) {
-        [b.from, b.to].forEach(function (end) {
-          point(b.joint < 0 ? WORLD : frames[b.joint], end).forEach(function (v, i) {
-            low[i] = Math.min(low[i], v);
-            high[i] = Math.max(high[i], v);
-          });
+      var of = function (joint) { return joint < 0 ? WORLD : frames[joint]; };
+      var include = function (p) {
+        p.forEach(function (v, i) {
+          low[i] = Math.min(low[i], v);
+          high[i] = Math.max(high[i], v);
         });
+      };
+      data.bones.forEach(function (b) {
+        include(point(of(b.joint), b.from));
+        include(point(of(b.joint), b.to));
+      });
+      data.boxes.forEach(function (b) {
+        for (var i = 0; i < 8; ++i) include(point(within(of(b.joint), b), corner(b, i)));
       });
     };
     if (!data.motions.length) take();
@@ -99,11 +110,8 @@
     });
     data.boxes.forEach(function (b) {
       var frame = within(at(b.joint), b), colour = b.guilty ? GUILTY : look;
-      var corner = function (i) {
-        return point(frame, [i & 1 ? b.half[0] : -b.half[0], i & 2 ? b.half[1] : -b.half[1], i & 4 ? b.half[2] : -b.half[2]]);
-      };
       [[0, 1, 3, 2], [4, 5, 7, 6], [0, 1, 5, 4], [2, 3, 7, 6], [0, 2, 6, 4], [1, 3, 7, 5]].forEach(function (face) {
-        list.push({kind: 'face', points: face.map(corner), fill: 'rgba(' + colour.face + ',.12)',
+        list.push({kind: 'face', points: face.map(function (i) { return point(frame, corner(b, i)); }), fill: 'rgba(' + colour.face + ',.12)',
                    edge: 'rgba(' + colour.face + ',.4)'});
       });
       if (b.guilty) marks.push({at: frame.at, text: b.guilty});
