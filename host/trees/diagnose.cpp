@@ -28,6 +28,8 @@ constexpr double kOfWhatIsLeft = 0.25;
 constexpr double kForetold = 0.03, kOfTorque = 0.01;
 /// Of the drive's torque, so much that could be foretold, or that lasts, is no remainder of something named: it is another thing.
 constexpr double kAnother = 0.05;
+/// Where so much lasts that nothing foretells, of the drive's torque, what is named may stand for something else. Of real machines a twentieth is usual.
+constexpr double kDoubted = 0.1;
 /// What is missing at times only: so much of the drive's torque, and so much of its squares in a tenth of the samples (of chance: 0.44).
 constexpr double kOfDrive = 0.1, kNearlyAll = 0.9;
 /// Held-out windows that are so many times as far off as those that were fitted show something else.
@@ -225,7 +227,9 @@ class Diagnoser {
     const std::string does = what_does(model_, joint);
     for (std::size_t j = 0; j < d_.missing.size(); ++j) {
       const MissingTorque& m = d_.missing[j];
-      if ((is_another(m) || lasts(m)) && (j == joint || m.goes_along_with == does)) return true;
+      if ((is_another(m) || m.lasting_after_nm > kDoubted * m.rms_torque_nm) &&
+          (j == joint || m.goes_along_with == does))
+        return true;
     }
     return false;
   }

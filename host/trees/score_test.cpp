@@ -22,6 +22,10 @@ constexpr double kKept = 0.4, kMostWorse = 0.4;
 /// What a candidate that every recording gains by must gain, of the residuals, and keep.
 constexpr double kNotable = 0.05, kKeptWhole = 0.8;
 
+/// What every recording gains by and keeps is no chance, if it is so much of the residuals and the first cause: the recordings may then
+/// agree less on its size. Beside other causes, what is left of those may do as much.
+constexpr double kNoChance = 0.15, kAgreeLittle = 0.2;
+
 /// How far off its one size a candidate's coefficient may be.
 constexpr double kOffSize = 0.5;
 
@@ -64,10 +68,12 @@ double agreement(std::size_t parameters, const Problem& problem) {
 
 ScoreTest::ScoreTest(const Problem& problem, const Hypothesis& h, const std::vector<Unknown>& unknowns,
                      std::vector<Candidate> candidates, const std::vector<Hypothesis>& added)
-    : problem_(problem), candidates_(std::move(candidates)) {
+    : problem_(problem),
+      candidates_(std::move(candidates)),
+      first_(h.causes.size() == problem.model().causes.size()) {
   std::vector<Hypothesis> probes;
   for (const Candidate& c : candidates_) {
-    first_.push_back(static_cast<Index>(1 + unknowns.size() + probes.size()));
+    column_.push_back(static_cast<Index>(1 + unknowns.size() + probes.size()));
     for (std::size_t k = 0; k < c.columns.size(); ++k) probes.push_back(with_column(h, c, k));
   }
   added_ = static_cast<Index>(1 + unknowns.size() + probes.size());
@@ -92,7 +98,7 @@ ScoreTest ScoreTest::seen_from(std::size_t added) const {
 ScoreTest::Columns ScoreTest::columns_of(std::size_t candidate) const {
   Columns out;
   for (std::size_t k = 0; k < candidates_[candidate].columns.size(); ++k)
-    out.push_back(first_[candidate] + static_cast<Index>(k));
+    out.push_back(column_[candidate] + static_cast<Index>(k));
   return out;
 }
 double ScoreTest::loss_of(const Columns& base) const {
@@ -163,14 +169,16 @@ std::vector<ScoreTest::Score> ScoreTest::scores(const Columns& base, std::size_t
                          : everywhere && much                   ? 0.5
                          : (everywhere || much) && of_many == 1 ? 0.3
                                                                 : 1.0;
+    const bool no_chance = first_ && everywhere && s.gain > kNoChance * before && of_many == 1;
     if (sure < share * limit) continue;
     if (sure > limit && alike != nullptr) *alike = std::max(*alike, s.gain / before);
     if (!(f.kept > kKept && f.worse <= kMostWorse)) continue;
     // Where windows and recordings both are sure of it, its size may be known badly: what else is free beside it may go with it.
     if (!(f.steady >
-          (everywhere && sure > limit ? 0.35
-           : everywhere               ? 0.7
-                                      : 1.0) *
+          (no_chance                    ? kAgreeLittle
+           : everywhere && sure > limit ? 0.35
+           : everywhere                 ? 0.7
+                                        : 1.0) *
               agreement(static_cast<std::size_t>((s.coefficients.array() != 0.0).count()), problem_)))
       continue;
     s.worth = s.gain - s.gain / std::max(sure, 1.0) * static_cast<double>(s.coefficients.size()) * 4.0;

@@ -64,7 +64,8 @@ class ScoreTest {
 
   const Problem& problem_;
   std::vector<Candidate> candidates_;
-  std::vector<Eigen::Index> first_;  ///< column of each candidate
+  bool first_;                        ///< the hypothesis has no cause yet
+  std::vector<Eigen::Index> column_;  ///< first column of each candidate
   Eigen::Index added_ = 0;
   Columns fitted_;
   Products products_;

@@ -26,6 +26,8 @@ constexpr double kMissed = 2.0;
 /// recordings agree on by less than this share of what the linear test asks: half of that where they foretell each other with it by so
 /// much better, of the loss.
 constexpr double kHolds = 12.0, kAgree = 0.7, kForetells = 0.05;
+/// A cause alone that makes the recordings foretell each other better by this share is no chance, however few they are.
+constexpr double kForetellsMuch = 0.15;
 /// At the end a cause must be as far from none as chance is with this probability, all its parameters together, by windows and recordings:
 /// five standard deviations of one. A hundred causes are tried, and neighbouring windows are not independent.
 constexpr double kChance = 5.7e-7;
@@ -388,8 +390,11 @@ class Search {
       // Much is there in a few windows only: their scatter then says little.
       if (!strict && off.loss > kMissed * fit.loss) return fit;
       const std::string name = cause_name(problem_.model(), fit.at.causes[weakest]);
-      if (strict && !by_chance(fit, weakest) && distance(fit, weakest, 0.5 * kAgree) >= kHolds &&
-          off.foretold_loss > (1.0 + kForetells) * fit.foretold_loss) {
+      const double foretells_more = off.foretold_loss / fit.foretold_loss - 1.0;
+      const bool alone = fit.at.causes.size() == problem_.model().causes.size() + 1;
+      if (strict && ((alone && foretells_more > kForetellsMuch) ||
+                     (!by_chance(fit, weakest) && distance(fit, weakest, 0.5 * kAgree) >= kHolds &&
+                      foretells_more > kForetells))) {
         foretells.insert(name);
         continue;
       }
