@@ -51,13 +51,16 @@ LegTrial try_leg_fault(const Gait& gait, LegFault breaks, double at_s) {
   control::GaitState state = control::begin_gait(config);
   LegTrial out;
   double found_s = -1.0;
+  std::uint32_t ticks = 0;  // before this one, that had the fault
   while (rig.time_s() < at_s + kTriedFor_s) {
+    const bool broken = rig.time_s() >= at_s;
     const control::GaitOutputs told = control::step_gait(config, state, rig.sense(), 1e-3f);
     if (told.fault != Fault::none && found_s < 0.0) {
       found_s = rig.time_s();
       out.found = told.fault;
-      out.after_ticks = static_cast<std::uint32_t>(std::lround(std::max(0.0, found_s - at_s) * 1e3));
+      out.after_ticks = ticks;
     }
+    ticks += broken ? 1 : 0;
     if (found_s >= 0.0) {
       out.torque_after_nm = std::max<double>(
           out.torque_after_nm, std::max(std::abs(told.torque_nm.hip), std::abs(told.torque_nm.knee)));

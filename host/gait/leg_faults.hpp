@@ -23,8 +23,8 @@ std::span<const LegFaultRow> leg_fault_rows();
 
 struct LegTrial {
   control::Fault found = control::Fault::none;
-  std::uint32_t after_ticks = 0;
-  double torque_after_nm = 0.0;  ///< the most that is commanded from then on, in 0.2 s
+  std::uint32_t after_ticks = 0;  ///< that had the fault, before the one on which it was found
+  double torque_after_nm = 0.0;   ///< the most that is commanded from then on, in 0.2 s
 };
 /// The gait on the board's controller, ground within 1 cm, the switch 5 ms late, sensors in counts; something breaks at `at_s`, for good.
 LegTrial try_leg_fault(const Gait& gait, sim_host::LegFault breaks, double at_s);
