@@ -148,13 +148,6 @@ std::vector<ScoreTest::Score> ScoreTest::scores(const Columns& base, std::size_t
   std::vector<Score> kept;
   for (Score& s : gains(base)) {
     if (kept.size() == most) break;
-    const double sure = sureness(base, s);
-    const OnFolds f = on_folds(base, s);
-    // What is there in a few windows only is much there: the scatter then says little. What each recording foretells of the others is
-    // worth some scatter, too; the fit decides.
-    const std::size_t of_many = candidates_[s.candidate].of_many;
-    const bool everywhere = s.gain > kNotable * before && f.kept > kKeptWhole && f.worse == 0.0;
-    const bool much = s.gain > kMuch * m(0, 0);
     if (candidates_[s.candidate].of_one_size) {
       // A ringing is in few windows, and there it is much; that its size comes out as it must says more.
       if (worse_of_one_size(columns_of(s.candidate).front()) > kMostWorse) continue;
@@ -162,6 +155,13 @@ std::vector<ScoreTest::Score> ScoreTest::scores(const Columns& base, std::size_t
       kept.push_back(std::move(s));
       continue;
     }
+    const double sure = sureness(base, s);
+    const OnFolds f = on_folds(base, s);
+    // What is there in a few windows only is much there: the scatter then says little. What each recording foretells of the others is
+    // worth some scatter, too; the fit decides.
+    const std::size_t of_many = candidates_[s.candidate].of_many;
+    const bool everywhere = s.gain > kNotable * before && f.kept > kKeptWhole && f.worse == 0.0;
+    const bool much = s.gain > kMuch * m(0, 0);
     const double limit = kSure[std::min<std::size_t>(static_cast<std::size_t>(s.coefficients.size()), 4)] +
                          2.0 * std::log(static_cast<double>(of_many));
     // Of many, one is there by chance.
