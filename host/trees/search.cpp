@@ -10,6 +10,7 @@
 #include "host/trees/linear.hpp"
 #include "host/trees/missing_torque.hpp"
 #include "host/trees/score_test.hpp"
+#include "host/trees/swings.hpp"
 
 namespace furcula::trees {
 namespace {
@@ -34,9 +35,8 @@ constexpr double kChance = 5.7e-7;
 /// And it must be worth so much of what all causes are. No law is a law to much less than that: what is left of a large cause looks like
 /// a small one of another sort, whatever the scatter.
 constexpr double kOfAll = 0.004;
-/// What must be lost without a spring between drive and joint, of the loss; of a joint's share of it, if that is so many times its scatter
-/// from window to window.
-constexpr double kRings = 0.3, kRingsSurely = 3.5;
+/// What a spring is worth of a joint's share of the loss counts, where it is so many times its scatter from window to window.
+constexpr double kRingsSurely = 3.5;
 /// So often does a rival that fits better take a cause's place.
 constexpr int kMostSwaps = 4;
 /// So many rivals of a cause are fitted; so many of them since they change the motion as it does, by this share of its squares.
@@ -103,7 +103,7 @@ class Search {
     ripples_.clear();
     bool looked_for_swings = false;  // since something was found
     // A spring that is not there yet makes everything else look wrong.
-    if (found != nullptr) look_for_springs(fit);
+    if (found != nullptr && swings_) springs_ = likely_springs(problem_, fit);
     for (int round = 0; round < most; ++round) {
       say(0.08 + 0.09 * round, "testing causes at sites");
       const ScoreTest linear(problem_, fit.at, fit.unknowns, tried(fit.at));
@@ -111,8 +111,10 @@ class Search {
       const std::vector<ScoreTest::Score> picks = pick(linear, fit, refused, round == 0 ? found : nullptr);
       if (picks.empty()) {
         if (looked_for_swings) break;
-        look_for_springs(fit);
-        look_for_ripples(fit);
+        if (swings_) {
+          springs_ = likely_springs(problem_, fit);
+          ripples_ = likely_ripples(problem_, fit);
+        }
         looked_for_swings = true;
         continue;
       }
@@ -162,67 +164,6 @@ class Search {
 
   static std::span<const double> coefficients(const ScoreTest::Score& s) {
     return {s.coefficients.data(), static_cast<std::size_t>(s.coefficients.size())};
-  }
-  /// On some of the windows.
-  Problem thinned(const Fit& fit) const {
-    constexpr std::size_t kWindows = 24;
-    Problem some = problem_.thinned(std::max<std::size_t>(1, problem_.windows().size() / kWindows));
-    some.weigh(fit.at);
-    return some;
-  }
-  /// Of each joint the spring before it that does best: of those that would, some are fitted, where they would do about as much as at the
-  /// joint where they do most.
-  void look_for_springs(const Fit& fit) {
-    constexpr std::size_t kSprings = 4;
-    constexpr double kApart = 0.1;  // logarithms
-    constexpr double kAsMuch = 0.4;
-    springs_.clear();
-    if (!swings_) return;
-    const Problem some = thinned(fit);
-    std::vector<std::vector<std::pair<double, Candidate>>> by_joint;  // with its gain
-    double most = 0.0;
-    for (std::size_t j = 0; j < problem_.joints(); ++j) {
-      const std::vector<Candidate> all = springs(problem_, fit.at, j);
-      if (all.empty()) continue;
-      const ScoreTest linear(some, fit.at, fit.unknowns, all);
-      auto& best = by_joint.emplace_back();
-      for (const ScoreTest::Score& s : linear.scores(linear.fitted(), 40 * kSprings)) {
-        const Candidate& c = all[s.candidate];
-        const double stiffness = c.columns.front().values[0];
-        if (std::any_of(best.begin(), best.end(), [&](const auto& o) {
-              return std::abs(std::log(o.second.columns.front().values[0] / stiffness)) < kApart;
-            }))
-          continue;
-        best.emplace_back(s.gain / linear.loss(), c);
-        if (best.size() == kSprings) break;
-      }
-      if (!best.empty()) most = std::max(most, best.front().first);
-    }
-    for (const auto& of_joint : by_joint) {
-      std::optional<Candidate> best;
-      double gain = 0.5 * kRings / static_cast<double>(problem_.joints());
-      for (const auto& [linear_gain, c] : of_joint) {
-        if (linear_gain < kAsMuch * most) continue;
-        const Fit with = with_starts(some, with_candidate(problem_.model(), fit.at, c, {}), fit, 5);
-        if (1.0 - with.loss / fit.loss <= gain) continue;
-        gain = 1.0 - with.loss / fit.loss;
-        best = c;
-        best->columns.front().values[0] = with.at.causes.back().values[0];
-      }
-      if (best) springs_.push_back(std::move(*best));
-    }
-  }
-  /// The same of the ripples of its drive, by their number of cycles.
-  void look_for_ripples(const Fit& fit) {
-    constexpr std::size_t kRipples = 2;
-    ripples_.clear();
-    const std::vector<Candidate> all = ripples(problem_, fit.at);
-    if (!swings_ || all.empty()) return;
-    const Problem some = thinned(fit);
-    const ScoreTest linear(some, fit.at, fit.unknowns, all);
-    std::vector<std::size_t> taken(problem_.joints());
-    for (const ScoreTest::Score& s : linear.gains(linear.fitted()))
-      if (taken[all[s.candidate].sites.front()]++ < kRipples) ripples_.push_back(all[s.candidate]);
   }
   Guesses guesses(const Hypothesis& h) const {
     const std::vector<TorqueSamples> samples =
@@ -303,7 +244,7 @@ class Search {
       if (s->gain < 0.5 * leaders.front()->gain) continue;
       const Hypothesis h =
           with_candidate(problem_.model(), fit.at, linear.candidates()[s->candidate], coefficients(*s));
-      const Fit with = with_starts(problem_, h, fit, 4);
+      const Fit with = fit_beside(problem_, h, fit, 4);
       // A parameter more must be worth a hundredth of the residuals.
       const double loss = with.loss * (1.0 + kOfParameter * static_cast<double>(with.unknowns.size()));
       if (loss < least) {
@@ -312,21 +253,6 @@ class Search {
       }
     }
     return best;
-  }
-  /// A fit of `h`, which has more than `fit`. Where it has a spring more, nobody knows how its rotor starts: that is eliminated in both, and the
-  /// loss is as much of that of `fit` as it is there.
-  static Fit with_starts(const Problem& problem, const Hypothesis& h, const Fit& fit, int iterations) {
-    if (springs_in(h) == springs_in(fit.at)) return problem.fit(h, iterations, &fit);
-    Problem own = problem;
-    own.weigh(fit.at, &h);
-    Fit out = own.fit(h, iterations);
-    out.loss *= fit.loss / own.fit(fit.at, 1).loss;
-    return out;
-  }
-  static std::size_t springs_in(const Hypothesis& h) {
-    return static_cast<std::size_t>(std::count_if(h.causes.begin(), h.causes.end(), [](const Cause& c) {
-      return c.effect == Effect::joint_elasticity;
-    }));
   }
   static Seat seat_of(const Candidate& c) {
     const Seat s = info(c.effect).seat;
