@@ -24,18 +24,12 @@ namespace {
 constexpr double kApart = 2.0;
 /// Nor can one whose loss is no more than by this share the larger, where the torques show that something is still missing.
 constexpr double kOfWhatIsLeft = 0.25;
-/// A flexible law must foretell so much of the missing torque, and that be so much of the joint's torque, to be called structure.
-constexpr double kForetold = 0.03, kOfTorque = 0.01;
-/// Of the drive's torque, so much that could be foretold, or that lasts, is no remainder of something named: it is another thing.
-constexpr double kAnother = 0.05;
 /// Where so much lasts that nothing foretells, of the drive's torque, what is named may stand for something else. Of real machines a twentieth is usual.
 constexpr double kDoubted = 0.1;
 /// What is missing at times only: so much of the drive's torque, and so much of its squares in a tenth of the samples (of chance: 0.44).
 constexpr double kOfDrive = 0.1, kNearlyAll = 0.9;
 /// Held-out windows that are so many times as far off as those that were fitted show something else.
 constexpr double kOnlyThere = 4.0;
-/// What a candidate gains that the recordings do not agree on, of the loss: from then on something is missing.
-constexpr double kDisputed = 0.05;
 constexpr std::size_t kMostSearchWindows = 160;
 
 std::string percent(double share) {
@@ -160,12 +154,14 @@ class Diagnoser {
                                          missing_torque(problem, training_, d_.extended, options_.window_s);
     for (std::size_t j = 0; j < model_.joints(); ++j) {
       MissingTorque m = side_by_side(before[j], after[j]);
-      m.rms_before_nm = root_mean_square(before[j].missing_nm);
-      m.rms_after_nm = root_mean_square(after[j].missing_nm);
-      m.lasting_after_nm = lasting_nm(after[j]);
+      const Remainder was = remainder_of(before[j], training_.size()),
+                      left = remainder_of(after[j], training_.size());
+      m.rms_before_nm = was.rms_nm;
+      m.rms_after_nm = left.rms_nm;
+      m.lasting_after_nm = left.lasting_nm;
       m.rms_torque_nm = problem.scales().torque_nm[j];
-      m.predictable_before = std::clamp(predictable_share(before[j], j, training_.size()), 0.0, 1.0);
-      m.predictable_after = std::clamp(predictable_share(after[j], j, training_.size()), 0.0, 1.0);
+      m.predictable_before = was.predictable;
+      m.predictable_after = left.predictable;
       if (structured(m)) m.goes_along_with = goes_along_with(after[j], j, training_.size(), model_);
       d_.missing.push_back(std::move(m));
     }
@@ -192,12 +188,9 @@ class Diagnoser {
     }
     return m;
   }
-  static double root_mean_square(const std::vector<double>& x) {
-    double sum = 0.0;
-    for (const double v : x) sum += v * v;
-    return x.empty() ? 0.0 : std::sqrt(sum / static_cast<double>(x.size()));
+  static Remainder remains(const MissingTorque& m) {
+    return {m.rms_after_nm, m.predictable_after, m.lasting_after_nm};
   }
-  static double foretold(double share, double rms) { return std::sqrt(std::max(0.0, share)) * rms; }
   /// Much torque is missing, and nearly all of it in a few places.
   static bool at_times(const MissingTorque& m) {
     if (!(m.rms_after_nm > kOfDrive * m.rms_torque_nm)) return false;
@@ -211,16 +204,9 @@ class Diagnoser {
     }
     return largest > kNearlyAll * all;
   }
-  static bool structured(const MissingTorque& m) {
-    return m.predictable_after > kForetold &&
-           foretold(m.predictable_after, m.rms_after_nm) > kOfTorque * m.rms_torque_nm;
-  }
-
-  static bool is_another(const MissingTorque& m) {
-    return structured(m) && foretold(m.predictable_after, m.rms_after_nm) > kAnother * m.rms_torque_nm;
-  }
-  /// Torque that is missing for longer than noise is, whatever it goes along with: by time, or by a state that no log has.
-  static bool lasts(const MissingTorque& m) { return m.lasting_after_nm > kAnother * m.rms_torque_nm; }
+  static bool structured(const MissingTorque& m) { return remains(m).is_structured(m.rms_torque_nm); }
+  static bool is_another(const MissingTorque& m) { return remains(m).is_another(m.rms_torque_nm); }
+  static bool lasts(const MissingTorque& m) { return remains(m).lasts(m.rms_torque_nm); }
 
   /// Whether something else than what is named acts at this joint, or at one whose missing torque goes along with what this one does.
   bool beside_another(std::size_t joint) const {
@@ -427,15 +413,15 @@ class Diagnoser {
     const bool another = std::any_of(d_.missing.begin(), d_.missing.end(),
                                      [](const MissingTorque& m) { return is_another(m) || lasts(m); });
     const bool left =
-        disputed || (!where.empty() && (d_.findings.empty() || d_.unexplained_share > 0.1 || another));
+        disputed || (!where.empty() && (d_.findings.empty() || d_.unexplained_share > kOfBefore || another));
     for (Finding& f : d_.findings) {
       if (left && !where.empty())
         f.confidence = std::min(f.confidence, std::max(0.3, 1.0 - d_.unexplained_share));
       if (std::any_of(f.cause.sites.begin(), f.cause.sites.end(), [&](std::size_t site) {
             const Seat seat = info(f.cause.effect).seat;
-            const std::size_t joint =
-                seat == Seat::link ? static_cast<std::size_t>(model_.robot.links[site].joint) : site;
-            return seat != Seat::base && beside_another(joint);
+            if (seat == Seat::link)
+              return beside_another(static_cast<std::size_t>(model_.robot.links[site].joint));
+            return is_of_joints(seat) && beside_another(site);
           }))
         f.confidence = std::min(f.confidence, 0.5);
     }
@@ -448,7 +434,8 @@ class Diagnoser {
       std::vector<std::string>& list = label.starts_with("the ") ? wrong : lacks;
       constexpr std::string_view kOwn = "the model's ";
       if (label.starts_with(kOwn)) label = label.substr(kOwn.size());
-      list.push_back(std::string(label) + " at " + joined(f.at));
+      const bool of_log = info(f.cause.effect).seat == Seat::log;
+      list.push_back(std::string(label) + (of_log ? " in the log" : " at " + joined(f.at)));
     }
     if (d_.findings.empty()) {
       d_.verdict = left ? Verdict::unexplained : Verdict::adequate;
@@ -469,7 +456,7 @@ class Diagnoser {
       if (undecided) d_.summary += " The recordings cannot tell all of that from other causes.";
       if (left && where.empty())
         d_.summary += " What is left is more than chance, and the recordings do not agree on a cause of it.";
-      else if (left && d_.unexplained_share > 0.1)
+      else if (left && d_.unexplained_share > kOfBefore)
         d_.summary += " " + percent(d_.unexplained_share) +
                       " of the torque that could be foretold is still missing, at " + joined(where) + ".";
       else if (left)

@@ -3,6 +3,7 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <utility>
@@ -61,6 +62,7 @@ Row at_row(const Setup& setup, const Recording& r, std::size_t k, double half_s)
     const double late = d.delay_s + d.lag_s;
     std::size_t near = k;
     while (near > 0 && r.time_s[near] > r.time_s[k] - late) --near;
+    while (near + 1 < r.rows() && r.time_s[near + 1] <= r.time_s[k] - late) ++near;
     double input = smoothed_input(r, j, r.time_s[k] - late, half_s, near);
     const double dt = 0.5 * half_s,
                  rate = (smoothed_input(r, j, r.time_s[k] - late + dt, half_s, near) - input) / dt;
@@ -317,27 +319,45 @@ double predictable_share(const TorqueSamples& s, std::size_t joint, std::size_t 
 }
 
 double lasting_nm(const TorqueSamples& s) {
-  constexpr double kBlock_s = 0.5;
-  struct Block {
+  // Blocks of the recordings scatter; the nearest bin of time apart is asked for two standard errors, the best of all for more.
+  constexpr double kBlock_s = 0.5, kOfOne = 2.0, kOfAny = 2.5;
+  constexpr std::size_t kBins = 14;  // each of one half_s: 0.04 to 0.32 s apart at the usual one
+  struct Bin {
     double sum = 0.0, pairs = 0.0;
   };
-  std::map<std::pair<std::size_t, long>, Block> blocks;
+  std::map<std::pair<std::size_t, long>, std::array<Bin, kBins>> blocks;
   for (std::size_t i = 0; i < s.time_s.size(); ++i) {
-    Block& b = blocks[{s.recording[i], std::lround(s.time_s[i] / kBlock_s)}];
+    auto& block = blocks[{s.recording[i], std::lround(s.time_s[i] / kBlock_s)}];
     for (std::size_t k = i + 1; k < s.time_s.size() && s.recording[k] == s.recording[i]; ++k) {
-      const double apart = s.time_s[k] - s.time_s[i];
-      if (apart > 3.0 * s.half_s) break;
-      if (apart < 2.0 * s.half_s) continue;
-      b.sum += s.missing_nm[i] * s.missing_nm[k];
-      b.pairs += 1.0;
+      const double apart = (s.time_s[k] - s.time_s[i]) / s.half_s - 2.0;
+      if (apart >= static_cast<double>(kBins)) break;
+      if (apart < 0.0) continue;
+      Bin& bin = block[static_cast<std::size_t>(apart)];
+      bin.sum += s.missing_nm[i] * s.missing_nm[k];
+      bin.pairs += 1.0;
     }
   }
-  double sum = 0.0, pairs = 0.0, squares = 0.0;
-  for (const auto& [where, b] : blocks) sum += b.sum, pairs += b.pairs;
-  if (!(pairs > 0.0)) return 0.0;
-  const double mean = sum / pairs;
-  for (const auto& [where, b] : blocks) squares += std::pow(b.sum - mean * b.pairs, 2);
-  return std::sqrt(std::max(0.0, mean - 2.0 * std::sqrt(squares) / pairs));
+  double most = 0.0;
+  for (std::size_t bin = 0; bin < kBins; ++bin) {
+    double sum = 0.0, pairs = 0.0, squares = 0.0;
+    for (const auto& [where, b] : blocks) sum += b[bin].sum, pairs += b[bin].pairs;
+    if (!(pairs > 0.0)) continue;
+    const double mean = sum / pairs;
+    for (const auto& [where, b] : blocks) squares += std::pow(b[bin].sum - mean * b[bin].pairs, 2);
+    const double of_mean = std::sqrt(squares) / pairs;
+    // What swings has the other sign half a period on. Of what keeps its sign the nearest bin says most.
+    if (bin == 0) most = mean - kOfOne * of_mean;
+    most = std::max(most, std::abs(mean) - kOfAny * of_mean);
+  }
+  return std::sqrt(std::max(0.0, most));
+}
+
+Remainder remainder_of(const TorqueSamples& s, std::size_t recordings) {
+  double squares = 0.0;
+  for (const double x : s.missing_nm) squares += x * x;
+  const double samples = static_cast<double>(std::max<std::size_t>(s.missing_nm.size(), 1));
+  return {std::sqrt(squares / samples), std::clamp(predictable_share(s, s.joint, recordings), 0.0, 1.0),
+          lasting_nm(s)};
 }
 
 std::string what_does(const TreeModel& model, std::size_t joint) {

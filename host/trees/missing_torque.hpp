@@ -1,6 +1,8 @@
 // The torque that a model lacks, joint by joint, by inverse dynamics; and how much of it a flexible law of the state foretells.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <string>
 #include <vector>
@@ -37,8 +39,31 @@ std::vector<TorqueSamples> missing_torque(const Problem& problem, const std::vec
 double predictable_share(const TorqueSamples& samples, std::size_t joint, std::size_t recordings);
 
 /// Of the missing torque, the part that lasts from one sample to those that share no measurement with it, root mean square: not the
-/// noise of angles that are differentiated twice. Whether or not anything foretells it; by the lower end of what its scatter allows.
+/// noise of angles that are differentiated twice. Whether or not anything foretells it; by the lower end of what its scatter allows. Of
+/// what swings, at the time apart at which it agrees with itself, or contradicts itself, most.
 double lasting_nm(const TorqueSamples& samples);
+
+/// What a joint still lacks.
+struct Remainder {
+  double rms_nm = 0.0;
+  double predictable = 0.0;  ///< share of the square
+  double lasting_nm = 0.0;
+
+  double foretold_nm() const { return std::sqrt(std::max(0.0, predictable)) * rms_nm; }
+  /// A flexible law foretells some of it, and that is some of the drive's torque.
+  bool is_structured(double torque_nm) const {
+    return predictable > 0.03 && foretold_nm() > 0.01 * torque_nm;
+  }
+  /// So much of the drive's torque is no remainder of something named: it is another thing.
+  bool is_another(double torque_nm) const {
+    return is_structured(torque_nm) && foretold_nm() > kAnother * torque_nm;
+  }
+  /// Torque that is missing for longer than noise is, whatever it goes along with: by time, or by a state that no log has.
+  bool lasts(double torque_nm) const { return lasting_nm > kAnother * torque_nm; }
+
+  static constexpr double kAnother = 0.05;
+};
+Remainder remainder_of(const TorqueSamples& samples, std::size_t recordings);
 
 /// A signal of goes_along_with: all of another joint's state.
 std::string what_does(const TreeModel& model, std::size_t joint);

@@ -193,20 +193,24 @@ TEST_CASE("A torque that goes with the velocity is named so") {
 TEST_CASE("What lasts of a missing torque is told from its noise") {
   std::mt19937_64 random(11);
   std::normal_distribution<double> normal;
-  // A sine of 2 s and white noise, some 20 s; the noise of one sample is not in those 40 to 60 ms on.
-  const auto lasting = [&](double sine_nm, double noise_nm) {
+  // A sine and white noise, some 20 s; the noise of one sample is not in those 40 ms on and later.
+  const auto lasting = [&](double sine_nm, double noise_nm, double hz = 0.5) {
     trees::TorqueSamples s;
     s.half_s = 0.02;
     for (int k = 0; k < 2500; ++k) {
       s.recording.push_back(0);
       s.time_s.push_back(0.008 * k);
-      s.missing_nm.push_back(sine_nm * std::sin(M_PI * s.time_s.back()) + noise_nm * normal(random));
+      s.missing_nm.push_back(sine_nm * std::sin(2.0 * M_PI * hz * s.time_s.back()) +
+                             noise_nm * normal(random));
     }
     return trees::lasting_nm(s);
   };
   const double rms_nm = 0.3 / std::sqrt(2.0) * std::sqrt(std::cos(M_PI * 0.05));
   CHECK(lasting(0.3, 0.0) == Approx(rms_nm).epsilon(0.15));
   CHECK(lasting(0.3, 0.3) == Approx(rms_nm).epsilon(0.2));
+  // 50 ms on, one of 5 Hz is a quarter of a period further: it is seen by what it does later.
+  CHECK(lasting(0.3, 0.0, 5.0) == Approx(0.3 / std::sqrt(2.0)).epsilon(0.05));
+  CHECK(lasting(0.3, 0.3, 5.0) == Approx(0.3 / std::sqrt(2.0)).epsilon(0.2));
   CHECK(lasting(0.0, 1.0) < 0.1);
   CHECK(lasting(0.0, 0.0) == 0.0);
 }
