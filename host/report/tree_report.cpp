@@ -110,7 +110,7 @@ std::string blamed(const Diagnosis& d, Seat seat, std::size_t site) {
     const trees::Cause& c = d.findings[k].cause;
     const trees::EffectInfo& e = trees::info(c.effect);
     // Joints, their drives and their encoders are one place of the picture.
-    const auto place = [](Seat of) { return of == Seat::link || of == Seat::base ? of : Seat::joint; };
+    const auto place = [](Seat of) { return trees::is_of_joints(of) ? Seat::joint : of; };
     const bool here =
         place(e.seat) == place(seat) && std::find(c.sites.begin(), c.sites.end(), site) != c.sites.end();
     if (here)
@@ -300,7 +300,7 @@ std::string rivals(const std::vector<trees::RivalText>& list) {
 
 std::string places(const Finding& f) {
   const Seat seat = trees::info(f.cause.effect).seat;
-  if (seat == Seat::base) return "base";
+  if (seat == Seat::base || seat == Seat::log) return std::string(trees::name(seat));
   std::string out(seat == Seat::link      ? "link"
                   : seat == Seat::drive   ? "drive of"
                   : seat == Seat::encoder ? "encoder of"

@@ -30,6 +30,7 @@ class Lister {
     if (dot(model_.gravity_mps2, model_.gravity_mps2) > 0.0)
       add(Effect::base_tilt, {0}, {{0.02, 0.0, 0.0, 0.0}, {0.0, 0.02, 0.0, 0.0}}, false);
     for (const auto& group : groups()) at_group(group);
+    for (const double skew : {4e-3, 18e-3}) add(Effect::time_skew, {0}, {{skew, 0, 0, 0}}, false);
     for (const Candidate& spring : guesses_.springs)
       if (!has(spring.effect, spring.sites)) out_.push_back(spring);
     return std::move(out_);

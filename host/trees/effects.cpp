@@ -146,6 +146,7 @@ constexpr EffectInfo kAll[] = {
      "A blow against the arm with the drive holding: the frequency at which it rings."},
     shared(Effect::encoder_offset, One::encoder_offset, Seat::encoder,
            {{{"offset_rad", "rad", "offset_m", "m", -10.0, 10.0}}}, 1),
+    shared(Effect::time_skew, One::time_skew, Seat::log, {{{"skew_s", "s", "skew_s", "s", -0.1, 0.1}}}, 1),
 };
 
 constexpr bool in_order() {
@@ -169,7 +170,7 @@ std::optional<Effect> effect_named(std::string_view name) {
 }
 
 std::string_view name(Seat seat) {
-  constexpr std::string_view kNames[] = {"joint", "drive", "encoder", "link", "base"};
+  constexpr std::string_view kNames[] = {"joint", "drive", "encoder", "link", "base", "log"};
   return kNames[static_cast<std::size_t>(seat)];
 }
 

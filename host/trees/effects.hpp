@@ -12,8 +12,8 @@
 
 namespace furcula::trees {
 
-/// The sort of a site: drives and encoders go by their joint's name, `base` is the only site of its seat.
-enum class Seat : std::uint8_t { joint, drive, encoder, link, base };
+/// The sort of a site: drives and encoders go by their joint's name; `base` and `log` are the only sites of their seats.
+enum class Seat : std::uint8_t { joint, drive, encoder, link, base, log };
 
 /// In the order in which causes are named where the data cannot tell them apart.
 enum class Effect : std::uint8_t {
@@ -39,6 +39,7 @@ enum class Effect : std::uint8_t {
   torque_ripple,
   joint_elasticity,
   encoder_offset,
+  time_skew,
 };
 
 struct Parameter {
@@ -66,6 +67,10 @@ std::span<const EffectInfo> catalogue();
 const EffectInfo& info(Effect effect);
 std::optional<Effect> effect_named(std::string_view name);
 std::string_view name(Seat seat);
+/// Whether its sites are joints, or parts of them.
+constexpr bool is_of_joints(Seat seat) {
+  return seat == Seat::joint || seat == Seat::drive || seat == Seat::encoder;
+}
 
 inline std::string_view name_on(const Parameter& p, bool prismatic) {
   return prismatic ? p.linear_name : p.name;

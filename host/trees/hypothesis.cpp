@@ -41,10 +41,9 @@ std::vector<Unknown> unknowns_of(const TreeModel& model, const Scales& scales, c
     const Cause& cause = h.causes[c];
     const EffectInfo& e = info(cause.effect);
     const std::size_t site = cause.sites.front();
-    const bool link = e.seat == Seat::link;
-    const std::size_t j = e.seat == Seat::base ? 0
-                          : link               ? static_cast<std::size_t>(model.robot.links[site].joint)
-                                               : site;
+    const std::size_t j = e.seat == Seat::link   ? static_cast<std::size_t>(model.robot.links[site].joint)
+                          : is_of_joints(e.seat) ? site
+                                                 : 0;
     const double torque = scales.torque_nm[j], speed = scales.velocity_radps[j],
                  range = scales.highest_rad[j] - scales.lowest_rad[j];
     for (std::size_t k = 0; k < e.parameter_count; ++k) {
@@ -108,6 +107,9 @@ std::vector<Unknown> unknowns_of(const TreeModel& model, const Scales& scales, c
         case Effect::actuator_lag:
           u.scale = 5e-3;
           u.upper = 0.1;
+          break;
+        case Effect::time_skew:
+          u.scale = 5e-3;
           break;
         case Effect::load_friction:
         case Effect::inertia_error:

@@ -42,11 +42,15 @@ double friction(const Law& law, double q, double v, double drive_nm, int directi
                                         within ? dynamics::tree::Spot::within : dynamics::tree::Spot::none);
 }
 
-/// Means over time of what a recording's drives were given.
+/// Means over time of what a recording's drives were given. Where the log's clocks are apart, that of after the window counts too.
 class Inputs {
  public:
   Inputs(const Recording& r, std::size_t joint, std::size_t last)
-      : time_s_(r.time_s), input_(r.input[joint]), sum_(last + 1) {
+      : time_s_(r.time_s), input_(r.input[joint]) {
+    constexpr double kAfter_s = 0.1;
+    const double end = r.time_s[last] + kAfter_s;
+    while (last + 1 < r.rows() && r.time_s[last] < end) ++last;
+    sum_.resize(last + 1);
     for (std::size_t k = 0; k < last; ++k) sum_[k + 1] = sum_[k] + input_[k] * (time_s_[k + 1] - time_s_[k]);
   }
   double mean(double from_s, double to_s) const { return (until(to_s) - until(from_s)) / (to_s - from_s); }

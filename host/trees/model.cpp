@@ -310,7 +310,7 @@ std::string urdf_seen_from(const TreeModel& model, const std::string& folder) {
 
 std::vector<std::size_t> sites(const TreeModel& model, Seat seat) {
   std::vector<std::size_t> out;
-  if (seat == Seat::base) return {0};
+  if (seat == Seat::base || seat == Seat::log) return {0};
   if (seat == Seat::link) {
     for (std::size_t i = 0; i < model.robot.links.size(); ++i)
       if (model.robot.links[i].joint >= 0 && model.urdf.links[i].inertia &&
@@ -323,7 +323,7 @@ std::vector<std::size_t> sites(const TreeModel& model, Seat seat) {
 }
 
 std::string site_name(const TreeModel& model, Seat seat, std::size_t site) {
-  if (seat == Seat::base) return "base";
+  if (seat == Seat::base || seat == Seat::log) return std::string(name(seat));
   return seat == Seat::link ? model.robot.links[site].name : model.robot.joints[site].name;
 }
 
@@ -335,7 +335,7 @@ std::string cause_name(const TreeModel& model, const Cause& cause) {
 }
 
 bool is_linear(const TreeModel& model, Seat seat, std::size_t site) {
-  return seat != Seat::link && seat != Seat::base && model.prismatic(site);
+  return is_of_joints(seat) && model.prismatic(site);
 }
 
 }  // namespace furcula::trees

@@ -34,7 +34,7 @@ inline constexpr std::array<std::string_view, 4> kLinearDriveUnits{"N/m", "N s/m
 /// An effect at one site, or at several with one value.
 struct Cause {
   Effect effect;
-  std::vector<std::size_t> sites;  ///< joints or links (of RobotTree); {0} for the base
+  std::vector<std::size_t> sites;  ///< joints or links (of RobotTree); {0} for the base and the log
   std::array<double, kMostParameters> values{};
 
   friend bool operator==(const Cause&, const Cause&) = default;

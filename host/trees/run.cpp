@@ -98,9 +98,8 @@ Setup SetupMaker::make(std::span<const Drive> drives, std::span<const Cause> cau
   for (const Cause& cause : causes)
     for (const std::size_t site : cause.sites) {
       const auto& v = cause.values;
-      // Sites of links and of the base are no joints; their effects do not touch these.
-      const std::size_t joint =
-          info(cause.effect).seat == Seat::link || info(cause.effect).seat == Seat::base ? 0 : site;
+      // Effects on other sites than joints do not touch these.
+      const std::size_t joint = is_of_joints(info(cause.effect).seat) ? site : 0;
       auto& law = out.model.laws[joint];
       Setup::Joint& drive = out.joints[joint];
       switch (cause.effect) {
@@ -206,6 +205,10 @@ Setup SetupMaker::make(std::span<const Drive> drives, std::span<const Cause> cau
         case Effect::encoder_offset:
           drive.encoder_offset_rad += v[0];
           break;
+        case Effect::time_skew:
+          // By the angles' clock the drives' inputs come so much later.
+          for (Setup::Joint& j : out.joints) j.delay_s += v[0];
+          break;
       }
     }
   for (std::size_t i = 0; i < tree_.joints(); ++i) {
@@ -277,6 +280,9 @@ double made_torque(const Setup::Joint& j, double asked_nm, double measured_rad) 
 std::size_t row_in_force(const Setup::Joint& j, const Recording& r, std::size_t first) {
   std::size_t k = first;
   while (k > 0 && r.time_s[k] + j.delay_s > r.time_s[first]) --k;
+  // Where the clocks are apart, inputs may stand later in the log than what they do.
+  if (j.delay_s < 0.0)
+    while (k + 1 < r.rows() && r.time_s[k + 1] + j.delay_s <= r.time_s[first]) ++k;
   return k;
 }
 
@@ -362,7 +368,7 @@ void run(const Setup& setup, const Recording& r, std::size_t first, std::size_t 
   bool delayed = false;
   for (std::size_t i = 0; i < n; ++i) {
     const Setup::Joint& j = setup.joints[i];
-    delayed |= j.delay_s > 0.0;
+    delayed |= j.delay_s != 0.0;
     row[i] = row_in_force(j, r, first);
     if (j.lag_s > 0.0) runner.settle_input(i, lagged_before(j, r, i, first));
     if (!setup.model.laws[i].elastic) continue;

@@ -18,7 +18,8 @@ struct Setup {
   struct Joint {
     DriveLaw law = DriveLaw::torque;
     double kp_nmprad = 0.0, kd_nmsprad = 0.0;
-    double gain = 1.0, delay_s = 0.0, lag_s = 0.0;
+    double gain = 1.0, lag_s = 0.0;
+    double delay_s = 0.0;   ///< below zero where the log's clocks are apart
     double limit_nm = 0.0;  ///< 0: none
     double ripple_nm = 0.0, ripple_cycles = 0.0, ripple_phase_rad = 0.0;
     double offset_nm = 0.0;           ///< on the joint

@@ -132,10 +132,53 @@ Scenario read_scenario(const std::string& path, const TreeModel& model) {
   return parse_scenario(core::read_small_file(path, "a scenario (TOML)"), path, model);
 }
 
+namespace {
+
+/// The angles as they stand in a log whose clocks are apart: measured(t) = true(t - skew). Rows that nothing was measured for go.
+void skew_angles(log::Log& log, const TreeModel& model, double skew_s) {
+  const std::vector<double> time = log.columns["time_s"];
+  std::vector<std::vector<double>*> angles, others;
+  for (auto& [name, values] : log.columns) {
+    bool measured = false;
+    for (std::size_t j = 0; j < model.joints(); ++j) measured |= name == column_of(model, j, "angle");
+    (measured ? angles : others).push_back(&values);
+  }
+  std::vector<std::size_t> kept, from;
+  for (std::size_t k = 0; k < time.size(); ++k) {
+    const double t = time[k] - skew_s;
+    const auto after = std::upper_bound(time.begin(), time.end(), t);
+    if (after == time.begin() || after == time.end()) continue;
+    kept.push_back(k);
+    from.push_back(static_cast<std::size_t>(after - time.begin()) - 1);
+  }
+  for (std::vector<double>* values : angles) {
+    std::vector<double> out;
+    for (std::size_t i = 0; i < kept.size(); ++i) {
+      const double part = (time[kept[i]] - skew_s - time[from[i]]) / (time[from[i] + 1] - time[from[i]]);
+      out.push_back((*values)[from[i]] + part * ((*values)[from[i] + 1] - (*values)[from[i]]));
+    }
+    *values = std::move(out);
+  }
+  for (std::vector<double>* values : others) {
+    std::vector<double> out;
+    for (const std::size_t k : kept) out.push_back((*values)[k]);
+    *values = std::move(out);
+  }
+}
+
+}  // namespace
+
 log::Log simulate(const TreeModel& model, const Scenario& scenario, std::uint64_t seed) {
   const std::size_t n = model.joints();
   const SetupMaker maker(model);
-  const Setup true_one = maker.make(model.drives, model.causes), believed = maker.make(model.drives, {});
+  std::vector<Cause> of_robot;
+  double skew_s = 0.0;  // of the log's clocks
+  for (const Cause& c : model.causes)
+    if (c.effect == Effect::time_skew)
+      skew_s += c.values[0];
+    else
+      of_robot.push_back(c);
+  const Setup true_one = maker.make(model.drives, of_robot), believed = maker.make(model.drives, {});
   std::mt19937_64 random(seed);
   std::normal_distribution<double> normal;
   log::Log out;
@@ -234,6 +277,7 @@ log::Log simulate(const TreeModel& model, const Scenario& scenario, std::uint64_
             .push_back(input[j] + scenario.torque_noise_share * torque_rms[j] * normal(random));
     }
   }
+  if (skew_s != 0.0) skew_angles(out, model, skew_s);
   return out;
 }
 
