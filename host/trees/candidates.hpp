@@ -24,6 +24,7 @@ struct Candidate {
       -1;  ///< a cause of the hypothesis that it contains (dry friction by a fuller law of it)
   std::size_t of_many = 1;   ///< it is the best of so many of its sort, and must be surer by that
   bool of_one_size = false;  ///< its coefficient is 1, or it is none
+  double fitted_gain = 0.0;  ///< where it was fitted, on some windows: of the loss
   std::optional<double>
       damping_nmspr{};  ///< of the joint's drive, from then on: what the fits made of it without the cause is wrong
 };

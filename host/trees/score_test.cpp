@@ -111,6 +111,11 @@ std::vector<ScoreTest::Score> ScoreTest::gains(const Columns& base) const {
   const Eigen::MatrixXd left = not_explained_by(m, base);
   std::vector<Score> out;
   for (std::size_t c = 0; c < candidates_.size(); ++c) {
+    if (candidates_[c].fitted_gain > 0.0) {
+      const double gain = candidates_[c].fitted_gain * before;
+      out.push_back({c, gain, gain, Eigen::VectorXd::Ones(1)});
+      continue;
+    }
     // A column that hardly sticks out of what is fitted already says nothing.
     Columns columns;
     std::vector<Index> kept;
@@ -150,7 +155,9 @@ std::vector<ScoreTest::Score> ScoreTest::scores(const Columns& base, std::size_t
     if (kept.size() == most) break;
     if (candidates_[s.candidate].of_one_size) {
       // A ringing is in few windows, and there it is much; that its size comes out as it must says more.
-      if (worse_of_one_size(columns_of(s.candidate).front()) > kMostWorse) continue;
+      if (candidates_[s.candidate].fitted_gain == 0.0 &&
+          worse_of_one_size(columns_of(s.candidate).front()) > kMostWorse)
+        continue;
       s.worth = s.gain;
       kept.push_back(std::move(s));
       continue;

@@ -74,9 +74,18 @@ class Search {
       Search on_short(*coarse, progress_, false);
       fit = fitted_anew(on_short.rounds(on_short.fitted_anew(fit.at), 4, nullptr).at);
     }
+    fit = another_path(path(std::move(fit), &found), found);
+    for (Candidate& spring : springs_) spring.fitted_gain = 0.0;  // that was beside fewer causes
+    judge(found, std::move(fit));
+    found.disputed = std::max(disputed_, dropped_worth_);
+    return found;
+  }
+
+  /// From a fit to what the recordings agree on.
+  Fit path(Fit fit, Found* found) {
     for (int again = 0; again < 3; ++again) {
       const std::size_t pruned = fit.at.causes.size();
-      fit = rounds(std::move(fit), again == 0 ? 7 : 3, again == 0 ? &found : nullptr);
+      fit = rounds(std::move(fit), again == 0 ? 7 : 3, again == 0 ? found : nullptr);
       const std::size_t before = fit.at.causes.size();
       if (before != pruned) dropped_worth_ = 0.0;  // something else may account for it
       fit = prune(merge(std::move(fit)), true);
@@ -84,9 +93,59 @@ class Search {
       problem_.weigh(fit.at);
       fit = problem_.fit(fit.at, 4);
     }
-    judge(found, friction_anew(std::move(fit)));
-    found.disputed = std::max(disputed_, dropped_worth_);
-    return found;
+    return friction_anew(std::move(fit));
+  }
+
+  /// What was taken first, of a model that is still wrong, may have led astray. Where torque is missing at the end, another search begins
+  /// with something else; the better end of the two counts.
+  Fit another_path(Fit fit, Found& found) {
+    if (!first_pick_ || !much_is_missing(fit.at, found.refitted.at)) return fit;
+    Search other(problem_, progress_, swings_);
+    other.not_first_ = first_pick_;
+    Fit anew = other.path(other.fitted_anew(found.refitted.at), nullptr);
+    if (!better(anew, fit)) {
+      problem_.weigh(fit.at);
+      return problem_.fit(fit.at, 4);
+    }
+    springs_ = std::move(other.springs_);
+    ripples_ = std::move(other.ripples_);
+    dropped_ = std::move(other.dropped_);
+    dropped_worth_ = other.dropped_worth_;
+    disputed_ = other.disputed_;
+    problem_.weigh(anew.at);
+    return problem_.fit(anew.at, 4);
+  }
+  /// Weighed as either of them says, each parameter more being worth what it must.
+  bool better(const Fit& a, const Fit& b) {
+    for (const Hypothesis* weighed : {&a.at, &b.at}) {
+      problem_.weigh(*weighed);
+      const Fit of_a = problem_.fit(a.at, 2), of_b = problem_.fit(b.at, 2);
+      const auto worth = [](const Fit& f) {
+        return f.loss * (1.0 + kOfParameter * static_cast<double>(f.unknowns.size()));
+      };
+      if (worth(of_a) > worth(of_b)) return false;
+    }
+    return true;
+  }
+  /// As a verdict asks, but for the held-out recordings.
+  bool much_is_missing(const Hypothesis& h, const Hypothesis& refitted) const {
+    if (std::max(disputed_, dropped_worth_) > kDisputed) return true;
+    const auto lacking = [&](const Hypothesis& of) {
+      return missing_torque(problem_, problem_.recordings(), of, problem_.windows().front().span_s);
+    };
+    const std::vector<TorqueSamples> before = lacking(refitted), after = lacking(h);
+    double of_before = 0.0, of_after = 0.0;
+    bool structured = false;
+    for (std::size_t j = 0; j < problem_.joints(); ++j) {
+      const double torque_nm = problem_.scales().torque_nm[j];
+      const Remainder was = remainder_of(before[j], problem_.recordings().size()),
+                      left = remainder_of(after[j], problem_.recordings().size());
+      if (left.is_another(torque_nm) || left.lasts(torque_nm)) return true;
+      structured |= left.is_structured(torque_nm);
+      of_before += std::pow(was.foretold_nm() / torque_nm, 2);
+      of_after += std::pow(left.foretold_nm() / torque_nm, 2);
+    }
+    return structured && of_after > kOfBefore * of_before;
   }
 
   Fit fitted_anew(const Hypothesis& h) {
@@ -119,6 +178,7 @@ class Search {
         continue;
       }
       const std::size_t before = fit.at.causes.size();
+      if (!first_pick_) first_pick_ = linear.candidates()[picks.front().candidate];
       Hypothesis next = fit.at;
       std::vector<std::ptrdiff_t> replaced;
       for (const auto& s : picks) {
@@ -182,6 +242,8 @@ class Search {
   std::vector<Candidate> tried(const Hypothesis& h) const {
     std::vector<Candidate> out = candidates(problem_, h, guesses(h));
     std::erase_if(out, [&](const Candidate& c) {
+      if (not_first_ && h.causes.size() == problem_.model().causes.size() && overlap(c, *not_first_))
+        return true;
       if (dropped_.contains(cause_name(problem_.model(), c.columns.front()))) return true;
       if (c.effect != Effect::position_gain_error && c.effect != Effect::damping_error) return false;
       const Effect other =
@@ -193,6 +255,12 @@ class Search {
       });
     });
     return out;
+  }
+
+  static bool overlap(const Candidate& a, const Candidate& b) {
+    return a.effect == b.effect && std::any_of(a.sites.begin(), a.sites.end(), [&](std::size_t site) {
+             return std::find(b.sites.begin(), b.sites.end(), site) != b.sites.end();
+           });
   }
 
   /// The candidates to take in this round, by a greedy solution of the linear problem.
@@ -256,7 +324,7 @@ class Search {
   }
   static Seat seat_of(const Candidate& c) {
     const Seat s = info(c.effect).seat;
-    return s == Seat::drive || s == Seat::encoder ? Seat::joint : s;
+    return is_of_joints(s) ? Seat::joint : s;
   }
 
   /// How far the cause's parameters are from having no effect, in their own scatter, squared.
@@ -265,8 +333,9 @@ class Search {
     double most = 0.0;
     const Cause& c = fit.at.causes[cause];
     // Between two rows nobody knows when a command came.
-    if ((c.effect == Effect::actuator_delay || c.effect == Effect::actuator_lag) &&
-        c.values[0] < 0.25 * problem_.interval_s())
+    if ((c.effect == Effect::actuator_delay || c.effect == Effect::actuator_lag ||
+         c.effect == Effect::time_skew) &&
+        std::abs(c.values[0]) < 0.25 * problem_.interval_s())
       return 0.0;
     std::size_t moving = 0;
     for (std::size_t k = 0; k < fit.unknowns.size(); ++k)
@@ -336,13 +405,13 @@ class Search {
     dropped_worth_ = std::max(dropped_worth_, (off.loss - with.loss) / off.loss);
   }
 
-  /// Dry friction beside another resistance of the same joint may be a Stribeck curve, alone or beside a third: once two wrong laws are in,
+  /// Dry friction beside another resistance of the same joint, or of two sizes in the two directions, may be a Stribeck curve, alone or beside a third: once two wrong laws are in,
   /// the right ones gain little, one by one.
   Fit friction_anew(Fit fit) {
     const std::size_t given = problem_.model().causes.size();
     for (std::size_t j = 0; j < problem_.joints(); ++j) {
       Hypothesis bare{fit.at.drives, {}};
-      double dry_nm = 0.0;
+      double dry_nm = 0.0, offset_nm = 0.0;
       std::size_t resistances = 0;
       for (std::size_t c = 0; c < fit.at.causes.size(); ++c) {
         const Cause& cause = fit.at.causes[c];
@@ -352,8 +421,12 @@ class Search {
         }
         ++resistances;
         if (cause.effect == Effect::coulomb_friction) dry_nm = cause.values[0];
+        if (cause.effect == Effect::asymmetric_friction) {
+          dry_nm = 0.5 * (cause.values[0] + cause.values[1]);
+          offset_nm = 0.5 * (cause.values[1] - cause.values[0]);
+        }
       }
-      if (resistances < 2 || dry_nm <= 0.0) continue;
+      if ((resistances < 2 && offset_nm == 0.0) || dry_nm <= 0.0) continue;
       say(0.7, "trying other laws of friction at " + problem_.model().robot.joints[j].name);
       const Scales& scales = problem_.scales();
       const double speed = scales.velocity_radps[j], little_nm = 0.05 * scales.torque_nm[j];
@@ -369,6 +442,8 @@ class Search {
           Hypothesis h = bare;
           h.causes.push_back({Effect::stribeck_friction, {j}, {dry_nm, 1.5 * dry_nm, part * speed, 0}});
           if (other) h.causes.push_back(*other);
+          // Of two sizes in the two directions: a curve beside a constant torque.
+          if (offset_nm != 0.0) h.causes.push_back({Effect::force_offset, {j}, {offset_nm, 0, 0, 0}});
           Fit anew = problem_.fit(h, 6);
           const double more =
               static_cast<double>(anew.unknowns.size()) - static_cast<double>(fit.unknowns.size());
@@ -378,8 +453,8 @@ class Search {
     return fit;
   }
   static bool is_resistance(Effect e) {
-    return e == Effect::coulomb_friction || e == Effect::damping_error || e == Effect::quadratic_drag ||
-           e == Effect::load_friction;
+    return e == Effect::coulomb_friction || e == Effect::asymmetric_friction || e == Effect::damping_error ||
+           e == Effect::quadratic_drag || e == Effect::load_friction;
   }
   /// A stiffness is never near to having no effect: what tells is how much is lost without it. The least first.
   Fit without_doubtful_springs(Fit fit) {
@@ -574,9 +649,10 @@ class Search {
 
   Problem& problem_;
   const Progress& progress_;
-  bool swings_;                               ///< are looked for
-  std::vector<Candidate> springs_, ripples_;  ///< that may be
-  double disputed_ = 0.0;                     ///< see Found, of the last round
+  std::optional<Candidate> first_pick_, not_first_;  ///< of the first round; what must not be that
+  bool swings_;                                      ///< are looked for
+  std::vector<Candidate> springs_, ripples_;         ///< that may be
+  double disputed_ = 0.0;                            ///< see Found, of the last round
   double dropped_worth_ = 0.0;  ///< of causes that were dropped, and nothing came in their place: of the loss
   std::set<std::string> dropped_;  ///< causes that did not hold at the end of a search
 };

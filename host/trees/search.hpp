@@ -4,7 +4,8 @@
 //    fitted already and the windows' starts eliminated, is a linear problem: it is solved greedily, one candidate at a time, and again
 //    without each recording in turn.
 // 2. What was picked is fitted together by simulation, and what does not hold is dropped.
-// 3. At the end each cause is left out once, and the others in its place are fitted: what does as well cannot be told from it.
+// 3. Where torque is still missing then, a second search begins with another cause; the better end counts.
+// 4. At the end each cause is left out once, and the others in its place are fitted: what does as well cannot be told from it.
 #pragma once
 
 #include <functional>
@@ -15,6 +16,11 @@
 #include "host/trees/candidates.hpp"
 
 namespace furcula::trees {
+
+/// What a candidate gains that the recordings do not agree on, of the loss: from then on something is missing.
+inline constexpr double kDisputed = 0.05;
+/// So much of the torque that could be foretold before is no remainder.
+inline constexpr double kOfBefore = 0.1;
 
 /// Another cause in the place of a finding.
 struct Rival {

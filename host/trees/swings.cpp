@@ -55,6 +55,7 @@ std::vector<Candidate> likely_springs(const Problem& problem, const Fit& fit) {
       gain = 1.0 - with.loss / fit.loss;
       best = c;
       best->columns.front().values[0] = with.at.causes.back().values[0];
+      best->fitted_gain = gain;
     }
     if (best) out.push_back(std::move(*best));
   }
