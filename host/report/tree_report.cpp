@@ -498,8 +498,9 @@ std::string base_parameters(const Diagnosis& d) {
   const bool open = d.base_parameters.size() <= kOpen;
   return "<p>The joints' torques depend on these combinations of the links' masses m, first moments mx, my, mz and moments of "
          "inertia about the origins of their frames, and on nothing else: no motion can part what stands in one. Lengths in "
-         "m. The torque is at the joint where it is the largest share. A combination is shown if these recordings tell it ten times more "
-         "precisely than masses and sizes of the bodies do, with the rotors' inertias and the friction as they are in the extended model.</p>\n" +
+         "m. The torque is at the joint where it is the largest share. A combination is shown if its standard deviation from these "
+         "recordings, rotors and friction as in the extended model, is less than a tenth of it, or of what its first parameter can be in "
+         "a body of this mass and size.</p>\n" +
          (open ? table.html()
                : "<details><summary>" + std::to_string(d.base_parameters.size()) +
                      " combinations</summary>\n" + table.html() + "</details>\n");

@@ -30,7 +30,7 @@ constexpr std::array<std::string_view, kOf> kNames{"m",   "mx",  "my",  "mz",  "
 constexpr double kSame = 1e-5;
 /// And coefficients below this are none.
 constexpr double kNone = 3e-5;
-/// A standard deviation below this share of what a parameter can be is shown.
+/// A parameter is shown whose standard deviation is below this share of its size.
 constexpr double kShown = 0.1;
 /// Samples of the recordings that are looked at.
 constexpr std::size_t kMostStates = 400;
@@ -167,7 +167,7 @@ std::vector<State> states_of(const std::vector<TorqueSamples>& samples) {
 double rms_of(const std::vector<double>& x) {
   double sum = 0.0;
   for (const double v : x) sum += v * v;
-  return std::sqrt(sum / static_cast<double>(std::max<std::size_t>(1, x.size())));
+  return std::sqrt(sum / static_cast<double>(x.size()));
 }
 
 /// Standard deviations of unknowns with this information, each in its own unit. What has none has no end.
@@ -263,12 +263,23 @@ std::vector<BaseParameter> base_parameters(const TreeModel& model, const Hypothe
   const BaseStructure structure = base_structure(robot);
   const Eigen::VectorXd value = structure.combination * given,
                         with_causes = structure.combination *
-                                      inertial_parameters(maker.make(extended.drives, extended.causes).model),
-                        size = structure.combination.cwiseAbs() * most(given);
+                                      inertial_parameters(maker.make(extended.drives, extended.causes).model);
   const std::size_t n = model.joints(), count = structure.leading.size();
+  // What each is measured by; without one, its unit.
+  const Eigen::VectorXd bodies = most(given);
+  Eigen::VectorXd size(at(count));
+  for (std::size_t i = 0; i < count; ++i) {
+    size(at(i)) = std::max(bodies(at(structure.leading[i])), std::abs(value(at(i))));
+    if (!(size(at(i)) > 0.0)) size(at(i)) = 1.0;
+  }
 
   Eigen::MatrixXd information = Eigen::MatrixXd::Zero(at(count), at(count)),
                   squares = Eigen::MatrixXd::Zero(at(n), at(count));
+  // A joint without samples stands still: dry friction holds it with any torque.
+  std::vector<double> noise_nm(n, 0.0);
+  for (std::size_t j = 0; j < n; ++j)
+    if (!samples[j].missing_nm.empty())
+      noise_nm[j] = std::max(rms_of(samples[j].missing_nm), 1e-9 * torque_nm[j]);
   const std::vector<State> states = states_of(samples);
   for (const State& s : states) {
     const Eigen::MatrixXd all = inertial_regressor(robot, s.q, s.v, s.a);
@@ -277,10 +288,7 @@ std::vector<BaseParameter> base_parameters(const TreeModel& model, const Hypothe
       for (std::size_t i = 0; i < count; ++i) row(at(i)) = all(at(j), at(structure.leading[i]));
       squares.row(at(j)) += row.cwiseAbs2();
       row = row.cwiseProduct(size);
-      // A joint without samples stands still: dry friction holds it with any torque.
-      const double noise = std::max(rms_of(samples[j].missing_nm), 1e-9 * torque_nm[j]);
-      if (!samples[j].missing_nm.empty() && noise > 0.0)
-        information += row * row.transpose() / (noise * noise);
+      if (noise_nm[j] > 0.0) information += row * row.transpose() / (noise_nm[j] * noise_nm[j]);
     }
   }
   const Eigen::VectorXd sd = deviations(information);
@@ -290,20 +298,20 @@ std::vector<BaseParameter> base_parameters(const TreeModel& model, const Hypothe
     BaseParameter b;
     b.combination = in_words(model, structure, i);
     b.unit = unit(power(structure.leading[i] % kOf));
-    b.value = value(at(i));
-    b.extended = with_causes(at(i));
+    const auto clean = [&](double x) { return std::abs(x) < 1e-12 * size(at(i)) ? 0.0 : x; };
+    b.value = clean(value(at(i)));
+    b.extended = clean(with_causes(at(i)));
     b.sd = sd(at(i)) * size(at(i));
     b.shown = sd(at(i)) < kShown;
     double largest = -1.0;
     for (std::size_t j = 0; j < n; ++j) {
-      const double nm =
-          std::abs(b.value) *
+      const double of_one =
           std::sqrt(squares(at(j), at(i)) / static_cast<double>(std::max<std::size_t>(1, states.size())));
-      const double share = torque_nm[j] > 0.0 ? nm / torque_nm[j] : 0.0;
+      const double share = torque_nm[j] > 0.0 ? of_one / torque_nm[j] : 0.0;
       if (share > largest) {
         largest = share;
         b.joint = j;
-        b.torque_rms_nm = nm;
+        b.torque_rms_nm = of_one * std::abs(b.value);
       }
     }
     out.push_back(std::move(b));

@@ -49,9 +49,9 @@ struct BaseParameter {
 };
 
 /// Of the model, with the extended hypothesis' bodies beside those given. `samples` are of the extended model's motion, a joint each:
-/// their missing torque is the noise. A parameter is shown where its standard deviation is less than a tenth of what it can be at most
-/// for bodies of the given mass m and J, the integral of r^2 dm about the link's origin: m of a mass, sqrt(m J) of a first
-/// moment, J of an inertia, added over the combination.
+/// their missing torque is the noise. `torque_nm` is what each joint takes, RMS. A parameter is shown where its standard deviation is less
+/// than a tenth of its size. That is its value, or, if it is larger, what the leading parameter can be at most in a body of this mass m
+/// and J, the integral of r^2 dm about the link's origin: m of a mass, sqrt(m J) of a first moment, J of an inertia.
 std::vector<BaseParameter> base_parameters(const TreeModel& model, const Hypothesis& extended,
                                            const std::vector<TorqueSamples>& samples,
                                            const std::vector<double>& torque_nm);
