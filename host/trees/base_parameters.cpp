@@ -279,7 +279,7 @@ std::vector<BaseParameter> base_parameters(const TreeModel& model, const Hypothe
   std::vector<double> noise_nm(n, 0.0);
   for (std::size_t j = 0; j < n; ++j)
     if (!samples[j].missing_nm.empty())
-      noise_nm[j] = std::max(rms_of(samples[j].missing_nm), 1e-9 * torque_nm[j]);
+      noise_nm[j] = std::max(rms_of(samples[j].missing_nm), 1e-4 * torque_nm[j]);
   const std::vector<State> states = states_of(samples);
   for (const State& s : states) {
     const Eigen::MatrixXd all = inertial_regressor(robot, s.q, s.v, s.a);
