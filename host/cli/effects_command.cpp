@@ -10,6 +10,7 @@
 
 #include "furcula/dynamics/effects/catalogue.hpp"
 #include "host/cli/commands.hpp"
+#include "host/cli/effects_on_trees.hpp"
 #include "host/cli/errors.hpp"
 #include "host/core/message.hpp"
 #include "host/model/reader.hpp"
@@ -96,6 +97,8 @@ void print_text(const EffectInfo& e, std::optional<Kind> kind) {
   std::cout << e.name << "\n  law         " << e.law << "\n  stage       " << stage_name(e.stage)
             << (has_phases(kind) ? ", " + std::string(e.phase) : "") << "\n  kinds       " << kind_list(e)
             << "\n";
+  if (const auto on_tree = trees::effect_named(e.name); on_tree && !kind)
+    std::cout << "  on a tree   seat " << trees::name(trees::info(*on_tree).seat) << " (--kind tree)\n";
   for (const auto& p : e.parameters())
     std::cout << "  parameter   " << with_rotary(p.name, p.rotary_name, e, kind) << ", in "
               << unit_text(p.unit, p.rotary_unit, e, kind) << ", from " << shortest(p.lower) << " to "
@@ -104,18 +107,13 @@ void print_text(const EffectInfo& e, std::optional<Kind> kind) {
             << "\n  experiment  " << e.best_experiment << "\n";
 }
 
-// Cells of a table must not hold its separator; laws hold |v|.
-std::string cell(std::string text) {
-  for (std::size_t i = 0; (i = text.find('|', i)) != text.npos; i += 2) text.insert(i, 1, '\\');
-  return text;
-}
-
 void print_markdown(const std::vector<const EffectInfo*>& effects, std::optional<Kind> kind) {
   std::cout
       << "# Effects\n\n"
          "The catalogue of causes that the simulator can switch on and a diagnosis can name. This page is what\n"
          "`furcula effects --markdown` prints; the table itself is "
          "`common/include/furcula/dynamics/effects/catalogue.hpp`.\n"
+         "Robots of several joints have [a table of their own](#effects-on-robots-of-several-joints).\n"
          "`v` is the velocity of the axis. Forces are positive in the direction of growing position (up, for heights).\n\n"
          "- **stage**: the part of the machine in which the law acts.\n"
          "- **phase on a hopper**: when the law acts there.\n"
@@ -125,8 +123,8 @@ void print_markdown(const std::vector<const EffectInfo*>& effects, std::optional
     std::cout << "\n## " << e->name << "\n\n"
               << e->explanation << "\n\n"
               << "| law | stage | phase on a hopper | kinds |\n| --- | --- | --- | --- |\n| `"
-              << cell(std::string(e->law)) << "` | " << stage_name(e->stage) << " | " << e->phase << " | "
-              << kind_list(*e) << " |\n\n"
+              << markdown_cell(std::string(e->law)) << "` | " << stage_name(e->stage) << " | " << e->phase
+              << " | " << kind_list(*e) << " |\n\n"
               << "| parameter | unit | from | to | without the effect |\n| --- | --- | --- | --- | --- |\n";
     for (const auto& p : e->parameters())
       std::cout << "| "
@@ -166,34 +164,16 @@ nlohmann::ordered_json to_json(const EffectInfo& e, std::optional<Kind> kind) {
 /// What a robot of several joints can have: effects on seats (host/trees/effects.hpp).
 void run_on_trees(const EffectsOptions& options) {
   if (options.markdown)
-    throw UsageError("--markdown writes docs/effects.md: expected no --kind tree with it");
+    throw UsageError(
+        "--markdown writes docs/effects.md: expected neither --kind tree nor an effect of trees alone with it");
   std::vector<std::string_view> names;
   nlohmann::ordered_json out{{"schema", "furcula-effects/1"}, {"effects", nlohmann::ordered_json::array()}};
   std::string text;
   for (const trees::EffectInfo& e : trees::catalogue()) {
     names.push_back(e.name);
     if (!options.name.empty() && options.name != e.name) continue;
-    nlohmann::ordered_json of{{"effect", e.name}, {"law", e.law}, {"seat", trees::name(e.seat)}};
-    text += (text.empty() ? "" : "\n") + std::string(e.name) + "\n  law         " + std::string(e.law) +
-            "\n  seat        " + std::string(trees::name(e.seat)) + "\n";
-    for (const trees::Parameter& p : e.parameters()) {
-      of["parameters"].push_back({{"name", p.name},
-                                  {"unit", p.unit},
-                                  {"linear_name", p.linear_name},
-                                  {"linear_unit", p.linear_unit},
-                                  {"lower", p.lower},
-                                  {"upper", p.upper}});
-      text += "  parameter   " + std::string(p.name) +
-              (p.name == p.linear_name ? "" : " (" + std::string(p.linear_name) + " on a prismatic joint)") +
-              ", in " + (p.unit.empty() ? "1" : std::string(p.unit)) + ", from " + shortest(p.lower) +
-              " to " + shortest(p.upper) + "\n";
-    }
-    of["explanation"] = e.explanation;
-    of["where_to_look"] = e.where_to_look;
-    of["best_experiment"] = e.experiment;
-    text += "  what        " + std::string(e.explanation) + "\n  look at     " +
-            std::string(e.where_to_look) + "\n  experiment  " + std::string(e.experiment) + "\n";
-    out["effects"].push_back(std::move(of));
+    text += (text.empty() ? "" : "\n") + tree_effect_text(e);
+    out["effects"].push_back(tree_effect_json(e));
   }
   if (text.empty())
     throw UsageError("no effect " + core::quoted(options.name) + " on tree; expected one of " +
@@ -201,9 +181,16 @@ void run_on_trees(const EffectsOptions& options) {
   std::cout << (options.json ? out.dump(2) + "\n" : text);
 }
 
+/// One that trees alone have needs no --kind.
+bool of_trees_alone(const std::string& name) {
+  const auto effect = trees::effect_named(name);
+  return effect && on_trees_alone(trees::info(*effect));
+}
+
 void run(const EffectsOptions& options) {
   if (options.json && options.markdown) throw UsageError("--json and --markdown: expected one of them");
-  if (options.kind == "tree") return run_on_trees(options);
+  if (options.kind == "tree" || (options.kind.empty() && of_trees_alone(options.name)))
+    return run_on_trees(options);
   std::optional<Kind> kind;
   if (!options.kind.empty()) {
     kind = dynamics::kind_named(options.kind);
@@ -216,12 +203,16 @@ void run(const EffectsOptions& options) {
     names.push_back(e.name);
     if (options.name.empty() || options.name == e.name) effects.push_back(&e);
   }
+  if (!kind)
+    for (const trees::EffectInfo& e : trees::catalogue())
+      if (on_trees_alone(e)) names.push_back(e.name);
   if (effects.empty())
     throw UsageError("no effect " + core::quoted(options.name) + (kind ? " on " + options.kind : "") +
                      "; expected one of " + core::listed(names) + core::did_you_mean(options.name, names));
 
   if (options.markdown) {
     print_markdown(effects, kind);
+    if (!kind && options.name.empty()) std::cout << tree_effects_markdown();
   } else if (options.json) {
     nlohmann::ordered_json out{{"schema", "furcula-effects/1"}};
     for (const EffectInfo* e : effects) out["effects"].push_back(to_json(*e, kind));
@@ -231,6 +222,9 @@ void run(const EffectsOptions& options) {
       if (e != effects.front()) std::cout << "\n";
       print_text(*e, kind);
     }
+    if (!kind && options.name.empty())
+      for (const trees::EffectInfo& e : trees::catalogue())
+        if (on_trees_alone(e)) std::cout << "\n" << tree_effect_text(e);
   }
 }
 

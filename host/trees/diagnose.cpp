@@ -7,11 +7,11 @@
 #include <optional>
 #include <set>
 
-#include "furcula/dynamics/tree/inverse_dynamics.hpp"
 #include "host/core/error.hpp"
 #include "host/core/message.hpp"
 #include "host/core/quantile.hpp"
 #include "host/trees/arrangement.hpp"
+#include "host/trees/base_parameters.hpp"
 #include "host/trees/linear.hpp"
 #include "host/trees/missing_torque.hpp"
 #include "host/trees/next_experiment.hpp"
@@ -107,7 +107,7 @@ class Diagnoser {
     torques(problem);
     findings(problem, found);
     parameters(problem, found);
-    known_inertias();
+    known_inertias(problem);
     verdict(problem);
     motions();
     return std::move(d_);
@@ -149,9 +149,9 @@ class Diagnoser {
 
   void torques(const Problem& problem) {
     const std::vector<TorqueSamples> before =
-                                         missing_torque(problem, training_, d_.refitted, options_.window_s),
-                                     after =
-                                         missing_torque(problem, training_, d_.extended, options_.window_s);
+        missing_torque(problem, training_, d_.refitted, options_.window_s);
+    after_ = missing_torque(problem, training_, d_.extended, options_.window_s);
+    const std::vector<TorqueSamples>& after = after_;
     for (std::size_t j = 0; j < model_.joints(); ++j) {
       MissingTorque m = side_by_side(before[j], after[j]);
       const Remainder was = remainder_of(before[j], training_.size()),
@@ -336,56 +336,15 @@ class Diagnoser {
     }
   }
 
-  /// How many combinations of the bodies' inertial parameters show in the torques of these recordings.
-  void known_inertias() {
-    const std::size_t n = model_.joints();
-    const std::size_t rows = std::min<std::size_t>(400, 40 * n);
-    Eigen::MatrixXd regressor =
-        Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(rows * n), static_cast<Eigen::Index>(10 * n));
-    std::size_t all = 0;
-    for (const Recording& r : training_) all += r.rows();
-    std::size_t taken = 0;
-    for (const Recording& r : training_) {
-      const std::size_t step = std::max<std::size_t>(1, all / rows);
-      for (std::size_t k = step / 2; k < r.rows() && taken < rows; k += step, ++taken) {
-        model::RobotModel::Joints q{}, v{}, a{};
-        for (std::size_t j = 0; j < n; ++j) {
-          const LocalState s = local_state(r, j, k, 0.02);
-          q[j] = s.angle_rad;
-          v[j] = s.velocity_radps;
-          a[j] = s.acceleration_radps2;
-        }
-        auto tree = model_.robot.model;
-        for (std::size_t b = 0; b < n; ++b) tree.set_body(b, {});
-        for (std::size_t b = 0; b < n; ++b)
-          for (std::size_t p = 0; p < 10; ++p) {
-            // Lengths about the size of an arm, so that the ten are of one size.
-            constexpr double kArm_m = 0.2;
-            dynamics::tree::Inertia<double> unit{};
-            double* const parts[10] = {&unit.mass_kg,         &unit.moment_kgm.x,    &unit.moment_kgm.y,
-                                       &unit.moment_kgm.z,    &unit.inertia_kgm2.xx, &unit.inertia_kgm2.xy,
-                                       &unit.inertia_kgm2.xz, &unit.inertia_kgm2.yy, &unit.inertia_kgm2.yz,
-                                       &unit.inertia_kgm2.zz};
-            *parts[p] = p == 0 ? 1.0 : p < 4 ? kArm_m : kArm_m * kArm_m;
-            tree.set_body(b, unit);
-            const auto torque = dynamics::tree::body_torques(tree, q, v, a);
-            tree.set_body(b, {});
-            for (std::size_t j = 0; j < n; ++j)
-              regressor(static_cast<Eigen::Index>(taken * n + j), static_cast<Eigen::Index>(10 * b + p)) =
-                  torque[j];
-          }
-      }
-    }
-    const Eigen::VectorXd s = regressor.jacobiSvd().singularValues();
-    int structural = 0, shown = 0;
-    for (Eigen::Index i = 0; i < s.size(); ++i) {
-      structural += s(i) > 1e-9 * s(0) ? 1 : 0;
-      shown += s(i) > 1e-2 * s(0) ? 1 : 0;
-    }
-    d_.notes.push_back(
-        "Of the bodies' " + std::to_string(10 * n) + " inertial parameters the joints' torques depend on " +
-        std::to_string(structural) + " combinations; " + std::to_string(shown) +
-        " of them make more than a hundredth of the largest one's torque in these recordings.");
+  /// What the recordings tell of masses and inertias.
+  void known_inertias(const Problem& problem) {
+    d_.base_parameters = base_parameters(model_, d_.extended, after_, problem.scales().torque_nm);
+    const auto shown = std::count_if(d_.base_parameters.begin(), d_.base_parameters.end(),
+                                     [](const BaseParameter& b) { return b.shown; });
+    d_.notes.push_back("Of the bodies' " + std::to_string(kInertialParameters * model_.joints()) +
+                       " inertial parameters the joints' torques depend on " +
+                       std::to_string(d_.base_parameters.size()) + " combinations; these recordings show " +
+                       std::to_string(shown) + " of them.");
   }
 
   void verdict(const Problem& problem) {
@@ -503,6 +462,7 @@ class Diagnoser {
   std::vector<Recording> training_, held_out_;
   bool at_bound_ = false;                     ///< of a finding
   std::vector<ChannelError> training_error_;  ///< of the extended model
+  std::vector<TorqueSamples> after_;          ///< of the extended model, a joint each
   double disputed_ = 0.0;                     ///< see Found
   std::vector<Hypothesis> undecided_;         ///< rivals that cannot be told from a finding
   Diagnosis d_;

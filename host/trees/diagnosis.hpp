@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "host/core/verdict.hpp"
+#include "host/trees/base_parameters.hpp"
 #include "host/trees/fit.hpp"
 #include "host/trees/model.hpp"
 #include "host/trees/path.hpp"
@@ -97,6 +98,7 @@ struct Diagnosis {
     std::string verdict;
   };
   std::vector<ParameterRow> parameters;  ///< free ones
+  std::vector<BaseParameter> base_parameters;
   struct Tried {
     std::string cause;
     double gain;

@@ -82,6 +82,16 @@ std::string to_json_text(const Diagnosis& d) {
   for (const Experiment& e : d.experiments)
     experiments.push_back(
         {{"what", e.what}, {"apart_rad", number(e.apart_rad)}, {"scenario", scenario_of(d.model, e)}});
+  Json base = Json::array();
+  for (const BaseParameter& b : d.base_parameters)
+    base.push_back({{"combination", b.combination},
+                    {"unit", b.unit},
+                    {"value", number(b.value)},
+                    {"extended", number(b.extended)},
+                    {"sd", number(b.sd)},
+                    {"joint", d.model.robot.joints[b.joint].name},
+                    {d.model.prismatic(b.joint) ? "torque_rms_n" : "torque_rms_nm", number(b.torque_rms_nm)},
+                    {"shown", b.shown}});
   const Json out = {
       {"schema", "furcula-diagnosis/1"},
       {"kind", "tree"},
@@ -103,6 +113,7 @@ std::string to_json_text(const Diagnosis& d) {
       {"missing_torque", missing},
       {"next_experiment", d.next_experiment},
       {"parameters", parameters},
+      {"base_parameters", base},
       {"candidates", tried},
       {"notes", d.notes},
       {"files", {{"training", d.training_files}, {"held_out", d.held_out_files}}}};

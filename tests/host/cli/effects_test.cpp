@@ -94,3 +94,40 @@ TEST_CASE("a robot of several joints has effects on seats, with names for both s
   CHECK_THAT(wrong.err, Contains("on tree") && Contains("did you mean 'coulomb_friction'?"));
   CHECK(run_furcula({"effects", "--kind", "tree", "--markdown"}).status == 2);
 }
+
+TEST_CASE("an effect that only robots of several joints have needs no kind") {
+  const test::Ran one = run_furcula({"effects", "load_friction"});
+  CHECK(one.status == 0);
+  CHECK(one.out == run_furcula({"effects", "load_friction", "--kind", "tree"}).out);
+  CHECK_THAT(one.out, Contains("seat        joint") && Contains("ratio, in 1, from 0 to 0.95"));
+  CHECK(nlohmann::json::parse(
+            run_furcula({"effects", "load_friction", "--json"}).out)["effects"][0]["seat"] == "joint");
+  CHECK(run_furcula({"effects", "load_friction", "--markdown"}).status == 2);
+  CHECK(run_furcula({"effects", "load_friction", "--kind", "rotary_joint"}).status == 2);
+  CHECK_THAT(run_furcula({"effects", "load_fricton"}).err, Contains("did you mean 'load_friction'?"));
+  CHECK_THAT(run_furcula({"effects", "coulomb_friction"}).out, Contains("on a tree   seat joint"));
+  CHECK_THAT(run_furcula({"effects"}).out, Contains("\nbump_stop\n") && Contains("\nload_friction\n"));
+}
+
+TEST_CASE(
+    "the page of effects has every effect of trees: seat, law, parameters on both sorts of joints, and words") {
+  const std::string page = run_furcula({"effects", "--markdown"}).out;
+  const auto at = page.find("\n# Effects on robots of several joints\n");
+  REQUIRE(at != std::string::npos);
+  const std::string trees = page.substr(at);
+  const auto all = nlohmann::json::parse(run_furcula({"effects", "--kind", "tree", "--json"}).out);
+  for (const auto& e : all["effects"]) {
+    const auto name = e["effect"].get<std::string>();
+    INFO(name);
+    CHECK_THAT(trees,
+               Contains("| [`" + name + "`](#" + name + ") | " + e["seat"].get<std::string>() + " | "));
+    for (const auto& p : e["parameters"])
+      CHECK_THAT(trees, Contains("`" + p["name"].get<std::string>() + "`") &&
+                            Contains("`" + p["linear_name"].get<std::string>() + "`"));
+    // Every link has its heading, once: with the words, above or here.
+    const auto heading = page.find("\n## " + name + "\n");
+    REQUIRE(heading != std::string::npos);
+    CHECK(page.find("\n## " + name + "\n", heading + 1) == std::string::npos);
+    CHECK(page.find(e["explanation"].get<std::string>(), heading) < page.find("\n## ", heading + 1));
+  }
+}

@@ -33,7 +33,7 @@ TEST_CASE("the page of a tree has its parts in their order") {
   std::size_t last = page.find("<h1>The model lacks dry friction at elbow and a payload on forearm</h1>");
   REQUIRE(last != std::string::npos);
   for (const char* id : {"robot", "findings", "next", "missing", "joints", "traces", "tried", "parameters",
-                         "data", "reading"}) {
+                         "base-parameters", "data", "reading"}) {
     INFO(id);
     const std::size_t at = page.find("<section id=\"" + std::string(id) + "\">");
     REQUIRE(at != std::string::npos);
@@ -53,6 +53,26 @@ TEST_CASE("the page of a tree has its parts in their order") {
                        Contains("<code>mass_error@forearm</code> + <code>com_error@forearm</code>"));
   CHECK_THAT(page, Contains("Slow strokes of elbow alone."));
   CHECK_THAT(page, Contains("8 recordings, 2 of them held out; 16000 samples; 240 windows of 0.300 s."));
+}
+
+TEST_CASE("base parameters are listed, many of them folded away") {
+  trees::Diagnosis d = test::sample_tree_diagnosis();
+  const auto table = [](const std::string& page) {
+    const std::size_t at = page.find("<section id=\"base-parameters\">");
+    REQUIRE(at != std::string::npos);
+    return page.substr(at, page.find("</section>", at) - at);
+  };
+  const std::string few = table(report::render_tree_report(d));
+  CHECK_THAT(few, Contains("<code>mz(upper arm) - 0.3 m(forearm)</code>") && Contains(">-0.360<") &&
+                      Contains(">-0.420<") && Contains(">yes<") && Contains(">no<") &&
+                      !Contains("<details>"));
+  d.base_parameters[0].combination = test::kHostileJoint;
+  d.base_parameters.resize(36, d.base_parameters[0]);
+  const std::string many = table(report::render_tree_report(d));
+  CHECK_THAT(many, Contains("<details><summary>36 combinations</summary>") && Contains("&lt;b&gt;") &&
+                       !Contains("<b>"));
+  d.base_parameters.clear();
+  CHECK_THAT(report::render_tree_report(d), !Contains("id=\"base-parameters\""));
 }
 
 TEST_CASE("a joint's name is text wherever it stands") {

@@ -2,6 +2,7 @@
 #include "tests/host/report/tree_sample.hpp"
 
 #include <cmath>
+#include <limits>
 #include <random>
 
 namespace furcula::test {
@@ -97,6 +98,9 @@ trees::Diagnosis sample_tree_diagnosis() {
                    {"", "", 0.019, 0.015, 0.022},
                    {"", "", 0.0121, 0.0119, 0.0124},
                    "free"}};
+  d.base_parameters = {
+      {"mz(upper arm) - 0.3 m(forearm)", "kg m", -0.36, -0.42, 0.011, 0, 1.31, true},
+      {"Iyy(forearm)", "kg m^2", 0.0091, 0.0193, std::numeric_limits<double>::infinity(), 1, 0.021, false}};
 
   std::mt19937 random(3);
   std::normal_distribution<double> noise(0.0, 0.02);

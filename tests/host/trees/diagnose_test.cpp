@@ -2,6 +2,7 @@
 #include "host/trees/diagnose.hpp"
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 #include "host/trees/diagnosis_json.hpp"
 #include "host/trees/identify.hpp"
@@ -52,6 +53,23 @@ TEST_CASE("A cause at one joint of an arm is found there, within its interval") 
     CHECK(d.findings.size() == 1);
     const std::size_t j = test::joint(truth, c.at);
     CHECK(d.extended_error[j].rmse < 0.6 * d.refitted_error[j].rmse);
+    // One of the column, seven of each link behind it; all joints move.
+    CHECK(d.base_parameters.size() == 15);
+    const auto json = nlohmann::json::parse(trees::to_json_text(d));
+    REQUIRE(json["base_parameters"].size() == 15);
+    const auto& fore = json["base_parameters"].back();
+    CHECK(fore["combination"] == "Iyz(fore)");
+    CHECK(fore["unit"] == "kg m^2");
+    CHECK(fore["joint"].is_string());
+    CHECK(fore["torque_rms_nm"].is_number());
+    CHECK(fore["value"] == fore["extended"]);
+    std::size_t shown = 0;
+    for (const auto& b : json["base_parameters"]) shown += b["shown"] == true ? 1 : 0;
+    CHECK(shown > 7);
+    CHECK(
+        d.notes.back() ==
+        "Of the bodies' 30 inertial parameters the joints' torques depend on 15 combinations; these recordings show " +
+            std::to_string(shown) + " of them.");
   }
 }
 

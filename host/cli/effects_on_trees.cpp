@@ -1,0 +1,106 @@
+// Effects on robots of several joints, see effects_on_trees.hpp.
+#include "host/cli/effects_on_trees.hpp"
+
+#include <algorithm>
+#include <iterator>
+
+#include "furcula/dynamics/effects/catalogue.hpp"
+#include "host/core/message.hpp"
+
+namespace furcula::cli {
+namespace {
+
+using trees::Parameter;
+using trees::Seat;
+
+/// "a" or, where it has another name or unit on a prismatic joint, "a (b on a prismatic joint)".
+std::string with_linear(const std::string& name, const std::string& linear) {
+  return name == linear ? name : name + " (" + linear + " on a prismatic joint)";
+}
+std::string unit_or_one(std::string_view unit) { return unit.empty() ? "1" : std::string(unit); }
+std::string code(std::string_view text) { return "`" + std::string(text) + "`"; }
+
+struct SeatText {
+  Seat seat;
+  std::string_view what, site;
+};
+constexpr SeatText kSeats[] = {
+    {Seat::joint, "in a joint, between its two links", "the joint's name"},
+    {Seat::drive, "in the drive of a joint", "the joint's name"},
+    {Seat::encoder, "in the encoder of a joint", "the joint's name"},
+    {Seat::link, "in the body of a link", "the link's name"},
+    {Seat::base, "under the robot", "`base`"},
+};
+
+}  // namespace
+
+std::string markdown_cell(std::string text) {
+  for (std::size_t i = 0; (i = text.find('|', i)) != text.npos; i += 2) text.insert(i, 1, '\\');
+  return text;
+}
+
+bool on_trees_alone(const trees::EffectInfo& effect) {
+  return std::none_of(std::begin(dynamics::kCatalogue), std::end(dynamics::kCatalogue),
+                      [&](const auto& e) { return e.name == effect.name; });
+}
+
+std::string tree_effect_text(const trees::EffectInfo& e) {
+  std::string out = std::string(e.name) + "\n  law         " + std::string(e.law) + "\n  seat        " +
+                    std::string(trees::name(e.seat)) + "\n";
+  for (const Parameter& p : e.parameters())
+    out += "  parameter   " + with_linear(std::string(p.name), std::string(p.linear_name)) + ", in " +
+           unit_or_one(p.unit) + ", from " + core::shortest(p.lower) + " to " + core::shortest(p.upper) +
+           "\n";
+  return out + "  what        " + std::string(e.explanation) + "\n  look at     " +
+         std::string(e.where_to_look) + "\n  experiment  " + std::string(e.experiment) + "\n";
+}
+
+nlohmann::ordered_json tree_effect_json(const trees::EffectInfo& e) {
+  nlohmann::ordered_json out{{"effect", e.name}, {"law", e.law}, {"seat", trees::name(e.seat)}};
+  for (const Parameter& p : e.parameters())
+    out["parameters"].push_back({{"name", p.name},
+                                 {"unit", p.unit},
+                                 {"linear_name", p.linear_name},
+                                 {"linear_unit", p.linear_unit},
+                                 {"lower", p.lower},
+                                 {"upper", p.upper}});
+  out["explanation"] = e.explanation;
+  out["where_to_look"] = e.where_to_look;
+  out["best_experiment"] = e.experiment;
+  return out;
+}
+
+std::string tree_effects_markdown() {
+  std::string out =
+      "\n# Effects on robots of several joints\n\n"
+      "Robots from a URDF, `kind = \"tree\"` ([trees](trees.md)). `furcula effects --kind tree` prints these; the table itself\n"
+      "is `host/trees/effects.cpp`. An effect sits at a site, in a model file as `[effect.NAME.SITE]`. A diagnosis names it `NAME@SITE`,\n"
+      "or `NAME@A,B` where it has one value at several sites. `q` and `v` are position and velocity of the joint.\n\n"
+      "| seat | the law acts | a site is |\n| --- | --- | --- |\n";
+  for (const SeatText& s : kSeats)
+    out += "| " + std::string(trees::name(s.seat)) + " | " + std::string(s.what) + " | " +
+           std::string(s.site) + " |\n";
+  out +=
+      "\nWhat an effect is, where to look and the experiment that shows it best stand behind its name. Damping, mass, rotor inertia\n"
+      "and gains are the true values, not the difference from the model's.\n\n"
+      "| effect | seat | law | parameter | unit | from | to |\n| --- | --- | --- | --- | --- | --- | --- |\n";
+  for (const trees::EffectInfo& e : trees::catalogue()) {
+    const std::string link = "[" + code(e.name) + "](#" + std::string(e.name) + ")";
+    std::string head =
+        link + " | " + std::string(trees::name(e.seat)) + " | " + code(markdown_cell(std::string(e.law)));
+    for (const Parameter& p : e.parameters()) {
+      out += "| " + head + " | " + with_linear(code(p.name), code(p.linear_name)) + " | " +
+             with_linear(unit_or_one(p.unit), unit_or_one(p.linear_unit)) + " | " + core::shortest(p.lower) +
+             " | " + core::shortest(p.upper) + " |\n";
+      head = "| |";
+    }
+  }
+  for (const trees::EffectInfo& e : trees::catalogue())
+    if (on_trees_alone(e))
+      out += "\n## " + std::string(e.name) + "\n\n" + std::string(e.explanation) +
+             "\n\nWhere to look: " + std::string(e.where_to_look) +
+             "\n\nThe experiment that shows it best: " + std::string(e.experiment) + "\n";
+  return out;
+}
+
+}  // namespace furcula::cli
