@@ -21,7 +21,9 @@ struct Fit {
   Hypothesis at;
   std::vector<Unknown> unknowns;
   double loss = 0.0;
-  Eigen::MatrixXd covariance;  ///< of the unknowns, from the scatter of the windows' gradients; 0 at a bound
+  /// Of the unknowns, from the scatter of the windows' gradients and what is known beforehand; 0 at a bound.
+  Eigen::MatrixXd covariance;
+  Eigen::MatrixXd of_prior;  ///< the part of it that comes from what is known beforehand
   std::vector<bool> at_bound;
   std::vector<double> window_loss;  ///< of each window
   /// Loss of each fold at what the others alone would have made of the unknowns (by the linear problem), summed.
@@ -102,7 +104,7 @@ class Problem {
   void derive_beside(const Fit& beside, const std::vector<Eigen::VectorXd>& residuals, Fit& out) const;
   Products products_of(const std::vector<Eigen::VectorXd>& residuals,
                        const std::vector<Eigen::MatrixXd>& columns) const;
-  Setup make(const Hypothesis& h) const { return maker_.make(h.drives, h.causes); }
+  Setup make(const Hypothesis& h) const { return maker_.make(h.drives, h.causes, h.bodies); }
   /// a' b over what no start explains.
   Eigen::MatrixXd product(std::size_t window, const Eigen::MatrixXd& columns) const;
 

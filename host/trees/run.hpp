@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "furcula/dynamics/tree/plant.hpp"
+#include "host/trees/inertial.hpp"
 #include "host/trees/model.hpp"
 #include "host/trees/recording.hpp"
 
@@ -39,8 +40,9 @@ struct Setup {
 class SetupMaker {
  public:
   explicit SetupMaker(const TreeModel& model);
-  /// The tree with these drives and causes.
-  Setup make(std::span<const Drive> drives, std::span<const Cause> causes) const;
+  /// The tree with these drives and causes, and with these bodies in place of the given ones.
+  Setup make(std::span<const Drive> drives, std::span<const Cause> causes,
+             std::span<const FittedBody> fitted = {}) const;
 
  private:
   struct Body {  ///< of a link, in the link frame of the joint that moves it
@@ -49,6 +51,8 @@ class SetupMaker {
     dynamics::tree::Vec3<double> centre_m;
     dynamics::tree::Sym3<double> about_centre_kgm2;
   };
+  Body body(std::size_t link, const model::UrdfInertia& inertia) const;
+
   const TreeModel& tree_;
   std::vector<Body> bodies_;
 };

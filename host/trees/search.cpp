@@ -341,7 +341,7 @@ class Search {
   Fit friction_anew(Fit fit) {
     const std::size_t given = problem_.model().causes.size();
     for (std::size_t j = 0; j < problem_.joints(); ++j) {
-      Hypothesis bare{fit.at.drives, {}};
+      Hypothesis bare{fit.at.drives, {}, fit.at.bodies};
       double dry_nm = 0.0;
       std::size_t resistances = 0;
       for (std::size_t c = 0; c < fit.at.causes.size(); ++c) {
@@ -404,7 +404,7 @@ class Search {
 
   /// A cause that has one value at several sites may have one of its own at each: where that foretells better.
   Fit apart(Fit fit) {
-    Hypothesis h{fit.at.drives, {}};
+    Hypothesis h{fit.at.drives, {}, fit.at.bodies};
     for (std::size_t c = 0; c < fit.at.causes.size(); ++c) {
       const Cause& cause = fit.at.causes[c];
       for (const std::size_t site : cause.sites) {
