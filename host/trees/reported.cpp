@@ -134,12 +134,13 @@ Told told(const TreeModel& model, const Reported& all, std::size_t row, const st
   }
   const Reported::Row& r = all.rows[row];
   const bool rests = all.of_prior(i, i) > kRests * variance;
-  if (r.link && (variance > kLittle * all.prior_variance(i) || stands_still(model, *r.link, still)))
+  const bool little =
+      r.link && (variance > kLittle * all.prior_variance(i) || stands_still(model, *r.link, still));
+  const bool together = most > kCorrelated || (rests && most > kTogether);
+  if (little || (rests && !together))
     out.verdict = "not_excited";
-  else if (most > kCorrelated || (rests && most > kTogether))
+  else if (together)
     out.verdict = "correlated";
-  else if (rests)
-    out.verdict = "not_excited";
   if (out.verdict != "correlated") out.with.clear();
   return out;
 }
