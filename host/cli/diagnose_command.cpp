@@ -70,13 +70,17 @@ void run_on_tree(const RecordingOptions& o, const trees::TreeModel& model) {
   trees::TreeModel extended = model;
   extended.drives = d.extended.drives;
   extended.causes = d.extended.causes;
+  // Fitted bodies are in a URDF of their own, which the model file then names.
+  const bool bodies = !d.extended.bodies.empty();
+  const std::string urdf = "fitted_bodies.urdf";
   std::vector<core::NewFile> files{
       {o.out + "/diagnosis.json", trees::to_json_text(d)},
       {o.out + "/extended_model.toml",
-       trees::format_tree_model(extended, trees::urdf_seen_from(model, o.out))},
+       trees::format_tree_model(extended, bodies ? urdf : trees::urdf_seen_from(model, o.out))},
       {o.out + "/extended.urdf", trees::extended_urdf(d)},
       {o.out + "/extended.mjcf.xml", trees::extended_mjcf(d)},
       {o.out + "/report.html", report::render_tree_report(d, o.command_line("diagnose", true))}};
+  if (bodies) files.push_back({o.out + "/" + urdf, trees::urdf_with_bodies(model, d.extended.bodies)});
   const std::string scenario = o.out + "/next_experiment.toml";
   std::vector<std::string> obsolete;
   if (d.experiments.empty())

@@ -15,6 +15,7 @@
 #include "host/model/writer.hpp"
 #include "host/report/identification_json.hpp"
 #include "host/report/identification_report.hpp"
+#include "host/trees/exports.hpp"
 #include "host/trees/identify.hpp"
 
 namespace furcula::cli {
@@ -37,10 +38,15 @@ void run_on_tree(const IdentifyOptions& o, const trees::TreeModel& model) {
     options.progress = [&](double fraction, std::string_view doing) { progress.update(fraction, doing); };
     found = trees::identify(model, logs.training, logs.held_out, options);
   }
-  core::write_files_together(std::vector<core::NewFile>{
+  // Fitted bodies are in a URDF of their own, which the model file then names.
+  const bool bodies = !found.bodies.empty();
+  const std::string urdf = "identified.urdf";
+  std::vector<core::NewFile> files{
       {o.out + "/identification.json", trees::to_json_text(found)},
       {o.out + "/identified_model.toml",
-       trees::format_tree_model(found.model, trees::urdf_seen_from(model, o.out))}});
+       trees::format_tree_model(found.model, bodies ? urdf : trees::urdf_seen_from(model, o.out))}};
+  if (bodies) files.push_back({o.out + "/" + urdf, trees::urdf_with_bodies(model, found.bodies)});
+  core::write_files_together(files);
   for (const auto& p : found.parameters)
     std::printf("  %-32s %12.6g %-9s 95 %% %.6g to %.6g  %s%s\n", core::printable(p.name).c_str(), p.value,
                 p.unit.c_str(), p.lower, p.upper, p.verdict.c_str(),

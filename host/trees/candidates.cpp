@@ -105,6 +105,8 @@ class Lister {
   }
 
   void at_link(std::size_t link) {
+    // The fit has it whole.
+    if (model_.is_free_body(link)) return;
     const model::UrdfInertia& i = *model_.urdf.links[link].inertia;
     const std::vector<std::size_t> at{link};
     add(Effect::mass_error, at, {{1.05 * i.mass_kg, 0, 0, 0}}, false);

@@ -15,6 +15,7 @@
 #include "host/trees/linear.hpp"
 #include "host/trees/missing_torque.hpp"
 #include "host/trees/next_experiment.hpp"
+#include "host/trees/reported.hpp"
 #include "host/trees/search.hpp"
 
 namespace furcula::trees {
@@ -316,7 +317,7 @@ class Diagnoser {
   void parameters(const Problem& problem, const Found& found) {
     for (std::size_t k = 0; k < found.fit.unknowns.size(); ++k) {
       const Unknown& u = found.fit.unknowns[k];
-      if (u.of_cause) continue;
+      if (u.of_cause || u.of_body) continue;
       const std::string name =
           std::string(kDriveParameters[u.parameter]) + "." + model_.robot.joints[u.joint].name;
       const std::string unit((model_.prismatic(u.joint) ? kLinearDriveUnits : kDriveUnits)[u.parameter]);
@@ -325,7 +326,7 @@ class Diagnoser {
       row.refitted = row.extended;
       for (std::size_t i = 0; i < found.refitted.unknowns.size(); ++i) {
         const Unknown& v = found.refitted.unknowns[i];
-        if (!v.of_cause && v.joint == u.joint && v.parameter == u.parameter)
+        if (!v.of_cause && !v.of_body && v.joint == u.joint && v.parameter == u.parameter)
           row.refitted = interval(name, unit, found.refitted, i);
       }
       const double width = row.extended.upper - row.extended.lower;
@@ -333,6 +334,29 @@ class Diagnoser {
                     : width > 0.5 * (u.upper - u.lower) || problem.scales().still[u.joint] ? "not_excited"
                                                                                            : "identified";
       d_.parameters.push_back(row);
+    }
+    bodies(problem, found);
+  }
+  /// Both fits have the same rows of bodies.
+  void bodies(const Problem& problem, const Found& found) {
+    if (model_.free_bodies.empty()) return;
+    const Reported before = reported(model_, found.refitted), after = reported(model_, found.fit);
+    for (std::size_t i = 0; i < after.rows.size(); ++i) {
+      const Reported::Row& r = after.rows[i];
+      if (!r.link) continue;
+      const auto same = std::find_if(before.rows.begin(), before.rows.end(),
+                                     [&](const Reported::Row& b) { return b.name == r.name; });
+      const auto estimate = [](const Fit& fit, const Reported& all, std::size_t row) {
+        const Interval within = interval_of(fit, all, row);
+        return Estimate{all.rows[row].name, all.rows[row].unit, all.rows[row].value, within.lower,
+                        within.upper};
+      };
+      Diagnosis::ParameterRow row{r.name, r.unit, r.given, {}, estimate(found.fit, after, i), {}};
+      row.refitted = estimate(found.refitted, before, static_cast<std::size_t>(same - before.rows.begin()));
+      row.verdict = r.part == 0 && found.fit.at_bound[r.unknown]
+                        ? "at_bound"
+                        : told(model_, after, i, problem.scales().still).verdict;
+      d_.parameters.push_back(std::move(row));
     }
   }
 

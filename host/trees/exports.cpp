@@ -227,12 +227,19 @@ class UrdfWriter {
         text_(core::read_small_file(file_, "a robot (URDF)")),
         elements_(model::check_xml(text_, file_)),
         edits_(text_),
-        setup_(SetupMaker(d.model).make(d.extended.drives, d.extended.causes)) {}
+        setup_(SetupMaker(d.model).make(d.extended.drives, d.extended.causes, d.extended.bodies)) {}
 
   std::string write() {
     for (std::size_t i = 0; i < d_.model.joints(); ++i) joint(i);
     for (const std::size_t i : sites(d_.model, Seat::link)) link(i);
-    describe();
+    for (const std::string& line : what_is_left_out(d_, false)) left_out_.push_back(line);
+    leave_out_drives();
+    describe("The robot with what a diagnosis found.");
+    return edits_.text();
+  }
+  std::string write_bodies() {
+    for (const std::size_t i : sites(d_.model, Seat::link)) link(i);
+    describe("The robot with inertial parameters that were fitted.");
     return edits_.text();
   }
 
@@ -296,9 +303,16 @@ class UrdfWriter {
               (linear ? " N: " : " N m: ") + reasons(kFriction, i));
   }
 
+  const FittedBody* fitted_body(std::size_t i) const {
+    for (const FittedBody& f : d_.extended.bodies)
+      if (f.link == i) return &f;
+    return nullptr;
+  }
   /// The link's inertial with its causes, a payload last, as SetupMaker applies them.
   Body extended_body(std::size_t i, const model::UrdfInertia& given) {
-    Body b{given.mass_kg, given.frame.at, given.about_centre_kgm2};
+    const FittedBody* fitted = fitted_body(i);
+    const model::UrdfInertia from = fitted != nullptr ? body_at(given, fitted->at) : given;
+    Body b{from.mass_kg, from.frame.at, from.about_centre_kgm2};
     for (const Cause& c : d_.extended.causes) {
       if (!is_of_body(c.effect) || !acts_on(c, i)) continue;
       const auto& v = c.values;
@@ -331,6 +345,10 @@ class UrdfWriter {
     const model::UrdfInertia& given = *d_.model.urdf.links[i].inertia;
     std::string why;
     bool moved = false, heavier = false, fuller = false;
+    if (fitted_body(i) != nullptr) {
+      why = "free inertial parameters, fitted";
+      moved = heavier = fuller = true;
+    }
     for (const Cause& c : d_.extended.causes) {
       if (!is_of_body(c.effect) || !acts_on(c, i)) continue;
       why += (why.empty() ? "" : "; ") + reason(d_, c);
@@ -376,11 +394,22 @@ class UrdfWriter {
 
   void changed(const std::string& line) { changed_.push_back(line); }
 
-  void describe() {
-    std::vector<std::string> lines{"The robot with what a diagnosis found."};
+  void describe(const std::string& what) {
+    std::vector<std::string> lines{what};
     lines.emplace_back(changed_.empty() ? "Nothing is changed." : "Changed, before -> after:");
     for (const std::string& line : changed_) lines.push_back("  " + line);
-    for (const std::string& line : what_is_left_out(d_, false)) left_out_.push_back(line);
+    if (!left_out_.empty()) lines.emplace_back("What a URDF cannot hold:");
+    for (const std::string& line : left_out_) lines.push_back("  " + line);
+    // An XML declaration stands before all else.
+    std::size_t at = text_.starts_with("\xef\xbb\xbf") ? 3 : 0;
+    if (text_.compare(at, 5, "<?xml") == 0) {
+      at = text_.find("?>", at) + 2;
+      at = std::min(text_.find_first_not_of(" \t\r", at), text_.size());
+      if (text_[at] == '\n') ++at;
+    }
+    edits_.insert(at, comment(lines));
+  }
+  void leave_out_drives() {
     for (std::size_t i = 0; i < d_.model.joints(); ++i) {
       const Drive& drive = d_.extended.drives[i];
       const std::string of = "[drive] of " + d_.model.robot.joints[i].name + ": ";
@@ -393,16 +422,6 @@ class UrdfWriter {
                             (linear ? " N/m, kd " : " N m/rad, kd ") + shortest(drive.kd_nmsprad) +
                             (linear ? " N s/m" : " N m s/rad"));
     }
-    if (!left_out_.empty()) lines.emplace_back("What a URDF cannot hold:");
-    for (const std::string& line : left_out_) lines.push_back("  " + line);
-    // An XML declaration stands before all else.
-    std::size_t at = text_.starts_with("\xef\xbb\xbf") ? 3 : 0;
-    if (text_.compare(at, 5, "<?xml") == 0) {
-      at = text_.find("?>", at) + 2;
-      at = std::min(text_.find_first_not_of(" \t\r", at), text_.size());
-      if (text_[at] == '\n') ++at;
-    }
-    edits_.insert(at, comment(lines));
   }
 
   const Diagnosis& d_;
@@ -417,8 +436,15 @@ class UrdfWriter {
 
 std::string extended_urdf(const Diagnosis& d) { return UrdfWriter(d).write(); }
 
+std::string urdf_with_bodies(const TreeModel& model, const std::vector<FittedBody>& bodies) {
+  Diagnosis d;
+  d.model = model;
+  d.extended = {model.drives, {}, bodies};
+  return UrdfWriter(d).write_bodies();
+}
+
 std::string extended_mjcf(const Diagnosis& d) {
-  const Setup setup = SetupMaker(d.model).make(d.extended.drives, d.extended.causes);
+  const Setup setup = SetupMaker(d.model).make(d.extended.drives, d.extended.causes, d.extended.bodies);
   model::RobotTree robot = d.model.robot;
   robot.model = setup.model;
   std::vector<model::PositionGains> gains;
@@ -436,6 +462,8 @@ std::string extended_mjcf(const Diagnosis& d) {
   }
   std::vector<std::string> lines{"The robot with what a diagnosis found."};
   for (const Cause& c : d.extended.causes) lines.push_back("  " + reason(d, c) + ": " + values(d.model, c));
+  for (const FittedBody& b : d.extended.bodies)
+    lines.push_back("  link " + d.model.robot.links[b.link].name + ": free inertial parameters, fitted");
   const std::vector<std::string> missing = what_is_left_out(d, true);
   if (!missing.empty()) lines.emplace_back("What this file does not hold:");
   for (const std::string& line : missing) lines.push_back("  " + line);

@@ -23,6 +23,39 @@ constexpr double kStill = 10.0;
 /// No fit goes on for less than so much of the loss.
 constexpr double kDone = 1e-4;
 
+/// What is known beforehand is one residual more of its unknown: how far that is from 0, in standard deviations.
+double of_priors(const Hypothesis& h, const std::vector<Unknown>& unknowns) {
+  double out = 0.0;
+  for (const Unknown& u : unknowns)
+    if (u.prior_sd > 0.0) out += std::pow(value_of(h, u) / u.prior_sd, 2);
+  return out;
+}
+/// Each fold has its share of it.
+void add_priors(const Hypothesis& h, const std::vector<Unknown>& unknowns, Products& p) {
+  const auto add = [](Eigen::MatrixXd& to, Eigen::Index column, double value, double weight) {
+    to(0, 0) += weight * value * value;
+    to(0, column) -= weight * value;
+    to(column, 0) -= weight * value;
+    to(column, column) += weight;
+  };
+  for (std::size_t k = 0; k < unknowns.size(); ++k) {
+    const Unknown& u = unknowns[k];
+    if (!(u.prior_sd > 0.0)) continue;
+    const auto column = static_cast<Eigen::Index>(k + 1);
+    const double value = value_of(h, u), weight = 1.0 / (u.prior_sd * u.prior_sd);
+    add(p.all, column, value, weight);
+    for (Eigen::MatrixXd& fold : p.fold)
+      add(fold, column, value, weight / static_cast<double>(p.fold.size()));
+  }
+}
+
+/// How damped steps are, and what stands beside a normal matrix. Where something is known beforehand, no direction is without information, and
+/// a direction that has little must not be lost beside one that has much.
+struct Stepping {
+  double damping, least, more, ridge, of_largest;
+};
+constexpr Stepping kUsual{1e-3, 1e-6, 20.0, 1e-10, 1e-9}, kWithPriors{1e-8, 1e-14, 1e3, 1e-13, 1e-13};
+
 }  // namespace
 
 double variance_of(const Fit& fit, std::size_t unknown) {
@@ -77,7 +110,9 @@ Problem::Problem(const TreeModel& model, const std::vector<Recording>& recording
 Problem Problem::thinned(std::size_t every) const {
   std::vector<Window> some;
   for (std::size_t i = 0; i < windows_.size(); i += every) some.push_back(windows_[i]);
-  return {model_, recordings_, std::move(some), threads_};
+  Problem out(model_, recordings_, std::move(some), threads_);
+  out.work_ = work_;
+  return out;
 }
 
 std::size_t Problem::fold_of(std::size_t window) const {
@@ -95,7 +130,8 @@ Eigen::Vector2d Problem::rotor_precision(const Setup& setup, std::size_t joint) 
 Eigen::VectorXd Problem::simulated(const Setup& setup, const Window& w) const {
   const std::size_t n = joints(), rows = w.last - w.first + 1;
   std::vector<double> out(rows * n);
-  run(setup, recordings_[w.recording], w.first, w.last, w.angle_rad, w.velocity_radps, out, w.rotor_more);
+  work_->steps +=
+      run(setup, recordings_[w.recording], w.first, w.last, w.angle_rad, w.velocity_radps, out, w.rotor_more);
   Eigen::VectorXd mean = Eigen::VectorXd::Zero(w.measured.size());
   std::vector<double> count(bins_, 0.0);
   for (std::size_t k = 0; k < rows; ++k) {
@@ -256,11 +292,21 @@ std::vector<Eigen::MatrixXd> Problem::columns(const Hypothesis& h,
   const Setup base = make(h);
   std::vector<Setup> setups;
   std::vector<double> step;
+  // Of a body: its coordinates to both sides. What the joints' torques do not tell would look as if they did, by what one side is off.
+  std::vector<Setup> backward;
+  std::vector<std::size_t> to_both;
+  for (std::size_t k = 0; k < unknowns.size(); ++k)
+    if (unknowns[k].of_body) to_both.push_back(k);
+  for (const std::size_t k : to_both) {
+    Hypothesis moved = h;
+    set_value(moved, unknowns[k], value_of(h, unknowns[k]) - 1e-3 * unknowns[k].scale);
+    backward.push_back(make(moved));
+  }
   for (const Unknown& u : unknowns) {
     // Inwards at the upper bound.
     double d = 1e-3 * u.scale;
     const double value = value_of(h, u);
-    if (value + d > u.upper) d = -d;
+    if (value + d > u.upper && !u.of_body) d = -d;
     Hypothesis moved = h;
     set_value(moved, u, value + d);
     step.push_back(d);
@@ -296,6 +342,10 @@ std::vector<Eigen::MatrixXd> Problem::columns(const Hypothesis& h,
       // The simulation's change is minus the residual's.
       const Eigen::VectorXd change = residuals[i] - residual(setups[k], i);
       c.col(static_cast<Eigen::Index>(k)) = k < unknowns.size() ? change / step[k] : change;
+    }
+    for (std::size_t b = 0; b < to_both.size(); ++b) {
+      const auto k = static_cast<Eigen::Index>(to_both[b]);
+      c.col(k) = 0.5 * (c.col(k) + (residual(backward[b], i) - residuals[i]) / step[to_both[b]]);
     }
     if (linear.empty()) return;
     const Window& w = windows_[i];
@@ -354,6 +404,7 @@ Products Problem::products(const Hypothesis& h, const std::vector<Unknown>& unkn
   const std::vector<Eigen::VectorXd> r = residuals(h);
   Eigen::MatrixXd of_rotors;
   Products out = products_of(r, columns(h, r, unknowns, probes, runs, &of_rotors));
+  add_priors(h, unknowns, out);
   out.of_rotors = Eigen::MatrixXd::Zero(of_rotors.rows(), out.all.cols());
   out.of_rotors.rightCols(of_rotors.cols()) = of_rotors;
   return out;
@@ -362,7 +413,8 @@ Products Problem::products(const Hypothesis& h, const std::vector<Unknown>& unkn
 void Problem::derive_beside(const Fit& beside, const std::vector<Eigen::VectorXd>& residuals,
                             Fit& out) const {
   const auto same = [&](const Unknown& u, const Unknown& w) {
-    if (u.of_cause != w.of_cause || u.parameter != w.parameter) return false;
+    if (u.of_cause != w.of_cause || u.of_body != w.of_body || u.parameter != w.parameter) return false;
+    if (u.of_body) return u.link == w.link;
     if (!u.of_cause) return u.joint == w.joint;
     const Cause &a = out.at.causes[u.cause], &b = beside.at.causes[w.cause];
     return a.effect == b.effect && a.sites == b.sites;
@@ -403,7 +455,10 @@ Fit Problem::fit(Hypothesis from, int iterations, const Fit* beside) const {
   const auto count = static_cast<Eigen::Index>(out.unknowns.size());
   for (const Unknown& u : out.unknowns)
     set_value(out.at, u, std::clamp(value_of(out.at, u), u.lower, u.upper));
-  double damping = 1e-3;
+  const bool priors = std::any_of(out.unknowns.begin(), out.unknowns.end(),
+                                  [](const Unknown& u) { return u.prior_sd > 0.0; });
+  const Stepping& stepping = priors ? kWithPriors : kUsual;
+  double damping = stepping.damping;
   std::vector<Eigen::VectorXd> left = residuals(out.at);
   const auto derive = [&] {
     out.derivatives = columns(out.at, left, out.unknowns, {}, {});
@@ -423,9 +478,14 @@ Fit Problem::fit(Hypothesis from, int iterations, const Fit* beside) const {
           most, std::abs(value_of(out.at, out.unknowns[k]) - out.derived_at[k]) / out.unknowns[k].scale);
     return most;
   };
-  Products p = products_of(left, out.derivatives);
+  const auto products_here = [&] {
+    Products here = products_of(left, out.derivatives);
+    add_priors(out.at, out.unknowns, here);
+    return here;
+  };
+  Products p = products_here();
   out.loss = p.all(0, 0);
-  for (int iteration = 0; iteration < iterations && count > 0; ++iteration) {
+  for (int iteration = 0; iteration < iterations && count > 0 && !spent(); ++iteration) {
     bool better = false;
     double gained = 0.0;
     for (int attempt = 0; attempt < 4 && !better; ++attempt) {
@@ -448,7 +508,7 @@ Fit Problem::fit(Hypothesis from, int iterations, const Fit* beside) const {
               p.all(moving[static_cast<std::size_t>(a)] + 1, moving[static_cast<std::size_t>(b)] + 1);
       }
       normal.diagonal() *= 1.0 + damping;
-      normal.diagonal().array() += 1e-9 * std::max(1e-12, normal.diagonal().maxCoeff());
+      normal.diagonal().array() += stepping.of_largest * std::max(1e-12, normal.diagonal().maxCoeff());
       const Eigen::VectorXd step = normal.ldlt().solve(right);
       // The linear problem's own gain; with damping this is a little too much.
       if (!(right.dot(step) > kDone * out.loss)) break;
@@ -460,7 +520,7 @@ Fit Problem::fit(Hypothesis from, int iterations, const Fit* beside) const {
         set_value(trial, u, std::clamp(moved, u.lower, u.upper));
       }
       std::vector<Eigen::VectorXd> of_trial = residuals(trial);
-      double loss = 0.0;
+      double loss = of_priors(trial, out.unknowns);
       for (std::size_t i = 0; i < windows_.size(); ++i) loss += product(i, of_trial[i])(0, 0);
       if (loss < out.loss) {
         better = true;
@@ -468,17 +528,17 @@ Fit Problem::fit(Hypothesis from, int iterations, const Fit* beside) const {
         out.at = trial;
         out.loss = loss;
         left = std::move(of_trial);
-        damping = std::max(1e-6, damping * 0.2);
+        damping = std::max(stepping.least, damping * 0.2);
       } else if (way() > 0.0) {
         derive();
-        p = products_of(left, out.derivatives);
+        p = products_here();
       } else {
-        damping = std::min(1e6, damping * 20.0);
+        damping = std::min(1e6, damping * stepping.more);
       }
     }
     if (!better) break;
     if (way() > kNear) derive();
-    p = products_of(left, out.derivatives);
+    p = products_here();
     if (gained < kDone * out.loss) break;
   }
   // A sandwich: the windows' gradients scatter as their residuals do, whatever these are made of.
@@ -491,11 +551,12 @@ Fit Problem::fit(Hypothesis from, int iterations, const Fit* beside) const {
         value <= u.lower + 1e-9 * u.scale || value >= u.upper - std::min(near, 1e-3 * u.scale);
     // What nothing depends on has no scatter either.
     if (!out.at_bound[static_cast<std::size_t>(k)] &&
-        p.all(k + 1, k + 1) * u.scale * u.scale > 1e-9 * out.loss)
+        (u.prior_sd > 0.0 || p.all(k + 1, k + 1) * u.scale * u.scale > 1e-9 * out.loss))
       inside.push_back(k + 1);
   }
   const auto m = static_cast<Eigen::Index>(inside.size());
   out.covariance = Eigen::MatrixXd::Zero(count, count);
+  out.of_prior = Eigen::MatrixXd::Zero(count, count);
   if (m > 0) {
     const Eigen::MatrixXd information = p.all(inside, inside);
     Eigen::MatrixXd scatter = Eigen::MatrixXd::Zero(m, m);
@@ -504,9 +565,26 @@ Fit Problem::fit(Hypothesis from, int iterations, const Fit* beside) const {
       scatter += g * g.transpose();
     }
     const double windows = static_cast<double>(p.window.size());
-    const Eigen::MatrixXd inverse = ScaledNormal(information, 1e-10).inverse();
-    const Eigen::MatrixXd c =
-        inverse * scatter * inverse * (windows / std::max(1.0, windows - static_cast<double>(m)));
+    const Eigen::MatrixXd inverse = ScaledNormal(information, stepping.ridge).inverse();
+    // What is known beforehand scatters by itself, and is one value less that the windows must tell.
+    Eigen::VectorXd prior = Eigen::VectorXd::Zero(m);
+    double told = static_cast<double>(m);
+    for (Eigen::Index a = 0; a < m; ++a) {
+      const double sd =
+          out.unknowns[static_cast<std::size_t>(inside[static_cast<std::size_t>(a)] - 1)].prior_sd;
+      if (!(sd > 0.0)) continue;
+      prior(a) = 1.0 / (sd * sd);
+      told -= std::min(1.0, prior(a) * inverse(a, a));
+    }
+    Eigen::MatrixXd c = inverse * scatter * inverse * (windows / std::max(1.0, windows - told));
+    if (priors) {
+      const Eigen::MatrixXd of_prior = inverse * prior.asDiagonal() * inverse;
+      c += of_prior;
+      for (Eigen::Index a = 0; a < m; ++a)
+        for (Eigen::Index b = 0; b < m; ++b)
+          out.of_prior(inside[static_cast<std::size_t>(a)] - 1, inside[static_cast<std::size_t>(b)] - 1) =
+              of_prior(a, b);
+    }
     for (Eigen::Index a = 0; a < m; ++a)
       for (Eigen::Index b = 0; b < m; ++b)
         out.covariance(inside[static_cast<std::size_t>(a)] - 1, inside[static_cast<std::size_t>(b)] - 1) =

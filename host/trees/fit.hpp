@@ -6,7 +6,10 @@
 #pragma once
 
 #include <Eigen/Dense>
+#include <atomic>
 #include <functional>
+#include <limits>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -21,7 +24,9 @@ struct Fit {
   Hypothesis at;
   std::vector<Unknown> unknowns;
   double loss = 0.0;
-  Eigen::MatrixXd covariance;  ///< of the unknowns, from the scatter of the windows' gradients; 0 at a bound
+  /// Of the unknowns, from the scatter of the windows' gradients and what is known beforehand; 0 at a bound.
+  Eigen::MatrixXd covariance;
+  Eigen::MatrixXd of_prior;  ///< the part of it that comes from what is known beforehand
   std::vector<bool> at_bound;
   std::vector<double> window_loss;  ///< of each window
   /// Loss of each fold at what the others alone would have made of the unknowns (by the linear problem), summed.
@@ -72,6 +77,12 @@ class Problem {
   std::size_t fold_of(std::size_t window) const;
   std::size_t joints() const { return model_.joints(); }
 
+  /// Steps of integration that the fits of this problem, and of what was made of it, have taken.
+  std::size_t steps() const { return work_->steps; }
+  /// From so many on, fits end where they are: for a search that may be given up.
+  void stop_after(std::size_t steps) const { work_->most = steps; }
+  bool spent() const { return work_->steps > work_->most; }
+
   /// The same on every so-manieth window, not weighed yet.
   Problem thinned(std::size_t every) const;
 
@@ -102,7 +113,7 @@ class Problem {
   void derive_beside(const Fit& beside, const std::vector<Eigen::VectorXd>& residuals, Fit& out) const;
   Products products_of(const std::vector<Eigen::VectorXd>& residuals,
                        const std::vector<Eigen::MatrixXd>& columns) const;
-  Setup make(const Hypothesis& h) const { return maker_.make(h.drives, h.causes); }
+  Setup make(const Hypothesis& h) const { return maker_.make(h.drives, h.causes, h.bodies); }
   /// a' b over what no start explains.
   Eigen::MatrixXd product(std::size_t window, const Eigen::MatrixXd& columns) const;
 
@@ -110,6 +121,10 @@ class Problem {
     Eigen::MatrixXd columns;    ///< weighted derivatives by the start
     Eigen::VectorXd precision;  ///< of its prior
     Eigen::MatrixXd inverse;    ///< of the start's normal matrix, its prior in it
+  };
+  struct Work {
+    std::atomic<std::size_t> steps = 0;
+    std::size_t most = std::numeric_limits<std::size_t>::max();
   };
   const TreeModel& model_;
   const std::vector<Recording>& recordings_;
@@ -122,6 +137,7 @@ class Problem {
   std::vector<double> window_weight_;  ///< less than 1 of a window that nothing explains
   std::vector<Start> starts_;
   unsigned weighing_ = 0;  ///< how often it was weighed
+  std::shared_ptr<Work> work_ = std::make_shared<Work>();
 };
 
 }  // namespace furcula::trees

@@ -2,13 +2,33 @@
 #include "host/trees/hypothesis.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 namespace furcula::trees {
+namespace {
+
+/// Of a body's coordinates, a change that matters: a fifth of its mass, a tenth of a length.
+constexpr double kOfBody = 0.1;
+
+}  // namespace
 
 double value_of(const Hypothesis& h, const Unknown& u) {
+  if (u.of_body) {
+    const auto body =
+        std::find_if(h.bodies.begin(), h.bodies.end(), [&](const FittedBody& b) { return b.link == u.link; });
+    return body == h.bodies.end() ? 0.0 : body->at[u.parameter];
+  }
   return u.of_cause ? h.causes[u.cause].values[u.parameter] : h.drives[u.joint].*kDriveMembers[u.parameter];
 }
 void set_value(Hypothesis& h, const Unknown& u, double value) {
+  if (u.of_body) {
+    auto body =
+        std::find_if(h.bodies.begin(), h.bodies.end(), [&](const FittedBody& b) { return b.link == u.link; });
+    if (body == h.bodies.end()) body = h.bodies.insert(body, {u.link, {}});
+    body->at[u.parameter] = value;
+    return;
+  }
   (u.of_cause ? h.causes[u.cause].values[u.parameter] : h.drives[u.joint].*kDriveMembers[u.parameter]) =
       value;
 }
@@ -36,6 +56,16 @@ std::vector<Unknown> unknowns_of(const TreeModel& model, const Scales& scales, c
     if (!replaced)
       out.push_back({false, 0, f.joint, f.parameter, f.lower, f.upper, torque_scale(f.parameter, f.joint)});
   }
+  for (const FreeBody& f : model.free_bodies)
+    for (std::size_t k = 0; k < BodyCoordinates{}.size(); ++k) {
+      constexpr double kAny = std::numeric_limits<double>::infinity();
+      Unknown u{false, 0, static_cast<std::size_t>(model.robot.links[f.link].joint), k, -kAny, kAny, kOfBody};
+      if (k == 0) u.lower = 0.5 * std::log(f.lower), u.upper = 0.5 * std::log(f.upper);
+      u.of_body = true;
+      u.link = f.link;
+      u.prior_sd = kBodyPrior;
+      out.push_back(u);
+    }
   // What the model has of its own is held, as in every model file.
   for (std::size_t c = model.causes.size(); c < h.causes.size(); ++c) {
     const Cause& cause = h.causes[c];
@@ -59,7 +89,7 @@ std::vector<Unknown> unknowns_of(const TreeModel& model, const Scales& scales, c
         case Effect::stribeck_friction:
           u.scale = k == 2 ? 0.1 * speed : 0.1 * torque;
           u.upper = k == 2 ? 2.0 * speed : 5.0 * torque;
-          if (k == 2) u.lower = 0.01 * speed;
+          if (k == 2) u.lower = 0.03 * speed;
           break;
         case Effect::binding_spot:
           u.scale = k == 0 ? 0.1 * torque : 0.05 * range;

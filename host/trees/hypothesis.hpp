@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "host/trees/inertial.hpp"
 #include "host/trees/model.hpp"
 #include "host/trees/windows.hpp"
 
@@ -13,6 +14,7 @@ namespace furcula::trees {
 struct Hypothesis {
   std::vector<Drive> drives;
   std::vector<Cause> causes;
+  std::vector<FittedBody> bodies{};  ///< a link that is not here has its body as given
 };
 
 /// One number that a fit moves.
@@ -23,13 +25,16 @@ struct Unknown {
   std::size_t parameter = 0;  ///< of the cause, or in kDriveParameters
   double lower = 0.0, upper = 0.0;
   double scale = 1.0;  ///< a change that matters
+  bool of_body = false;
+  std::size_t link = 0;   ///< where it is a body's; the parameter is then one of BodyCoordinates
+  double prior_sd = 0.0;  ///< of what is known beforehand, that it is 0; 0: nothing is
 };
 
 double value_of(const Hypothesis& h, const Unknown& u);
 void set_value(Hypothesis& h, const Unknown& u, double value);
 
-/// The model's free parameters, then the parameters of the causes that the model does not have of its own: each with
-/// the bounds and the change that matters on this machine.
+/// The model's free parameters, its drives' and then its bodies', then the parameters of the causes that the model does not have of
+/// its own: each with the bounds and the change that matters on this machine.
 std::vector<Unknown> unknowns_of(const TreeModel& model, const Scales& scales, const Hypothesis& h);
 
 /// The stiffest spring between drive and joint that a fit looks at: the rotor rings on it with 130 Hz.

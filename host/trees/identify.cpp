@@ -1,16 +1,26 @@
 // Identification of a tree, see identify.hpp.
 #include "host/trees/identify.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "host/core/error.hpp"
 #include "host/core/message.hpp"
 #include "host/trees/json.hpp"
+#include "host/trees/reported.hpp"
 
 namespace furcula::trees {
+namespace {
+
+/// Rounds of weighing and fitting; where bodies are fitted, until the loss hardly falls any more.
+constexpr int kRounds = 2, kMostRounds = 8;
+constexpr double kSettled = 0.01;
+
+}  // namespace
+
 Identification identify(const TreeModel& model, const std::vector<log::Log>& training,
                         const std::vector<log::Log>& held_out_logs, const Options& options) {
-  if (model.free.empty())
+  if (model.free.empty() && model.free_bodies.empty())
     throw core::DataError(
         model.file +
         ": no parameter in [free], so there is nothing to identify; expected at least one, as in [free] \"damping_nmspr." +
@@ -33,47 +43,38 @@ Identification identify(const TreeModel& model, const std::vector<log::Log>& tra
   problem.weigh(given);
   Fit fit = problem.fit(given, 10);
   // The weights are of residuals: of those at the model given first, then of those that are left.
-  for (int round = 0; round < 2; ++round) {
-    if (options.progress) options.progress(0.4 + 0.25 * round, "fitting again");
+  for (int round = 0; round < (model.free_bodies.empty() ? kRounds : kMostRounds); ++round) {
+    if (options.progress) options.progress(std::min(0.4 + 0.25 * round, 0.9), "fitting again");
     problem.weigh(fit.at);
-    fit = problem.fit(fit.at, 6);
+    const Fit before = problem.fit(fit.at, 0);
+    fit = problem.fit(fit.at, 6, &before);
+    if (round + 1 >= kRounds && fit.loss > (1.0 - kSettled) * before.loss) break;
   }
-  for (std::size_t k = 0; k < fit.unknowns.size(); ++k) {
-    const Unknown& u = fit.unknowns[k];
-    if (u.of_cause) continue;
+  const Reported all = reported(model, fit);
+  out.covariance = all.covariance;
+  for (std::size_t k = 0; k < all.rows.size(); ++k) {
+    const Reported::Row& r = all.rows[k];
+    const Unknown& u = fit.unknowns[r.unknown];
     const auto i = static_cast<Eigen::Index>(k);
-    Identification::Row row;
-    row.name = std::string(kDriveParameters[u.parameter]) + "." + model.robot.joints[u.joint].name;
-    row.unit = (model.prismatic(u.joint) ? kLinearDriveUnits : kDriveUnits)[u.parameter];
-    row.given = value_of(given, u);
-    row.value = value_of(fit.at, u);
-    const double half = 1.96 * std::sqrt(fit.covariance(i, i));
+    Identification::Row row{r.name, r.unit, {}, {}, r.given, r.value, 0.0, 0.0, r.folds};
+    const double half = 1.96 * std::sqrt(all.covariance(i, i));
     row.lower = row.value - half;
     row.upper = row.value + half;
-    row.folds = fit.fold_value[k];
-    row.verdict = "identified";
-    double most = 0.0;
-    for (std::size_t o = 0; o < fit.unknowns.size(); ++o) {
-      const auto j = static_cast<Eigen::Index>(o);
-      if (o == k || fit.unknowns[o].of_cause || !(fit.covariance(i, i) * fit.covariance(j, j) > 0.0))
-        continue;
-      const double c =
-          std::abs(fit.covariance(i, j)) / std::sqrt(fit.covariance(i, i) * fit.covariance(j, j));
-      if (c > most) {
-        most = c;
-        row.with = std::string(kDriveParameters[fit.unknowns[o].parameter]) + "." +
-                   model.robot.joints[fit.unknowns[o].joint].name;
-      }
-    }
-    if (most > 0.95)
-      row.verdict = "correlated";
-    else
-      row.with.clear();
-    if (2.0 * half > 0.5 * (u.upper - u.lower) || problem.scales().still[u.joint])
+    const Told verdict = told(model, all, k, problem.scales().still);
+    row.verdict = verdict.verdict;
+    row.with = verdict.with;
+    if (r.link) {
+      const Interval within = interval_of(fit, all, k);
+      row.lower = within.lower;
+      row.upper = within.upper;
+    } else if (2.0 * half > 0.5 * (u.upper - u.lower) || problem.scales().still[u.joint]) {
       row.verdict = "not_excited";
-    if (fit.at_bound[k]) {
+    }
+    // Of a body the mass alone has bounds.
+    if (fit.at_bound[r.unknown] && (!r.link || r.part == 0)) {
       row.verdict = "at_bound";
-      row.with = row.value - u.lower < u.upper - row.value ? "lower" : "upper";
+      const double at = value_of(fit.at, u);
+      row.with = at - u.lower < u.upper - at ? "lower" : "upper";
     }
     out.parameters.push_back(std::move(row));
   }
@@ -81,6 +82,7 @@ Identification identify(const TreeModel& model, const std::vector<log::Log>& tra
   out.as_given_error = predict(model, judge_on, options.window_s, given, fit.at).errors;
   out.identified_error = predict(model, judge_on, options.window_s, fit.at, fit.at).errors;
   out.model.drives = fit.at.drives;
+  out.bodies = fit.at.bodies;
   return out;
 }
 
@@ -93,6 +95,7 @@ std::string to_json_text(const Identification& found) {
                           {"ci95", {number(p.lower), number(p.upper)}},
                           {"folds", folds},
                           {"verdict", p.verdict}};
+    if (!found.bodies.empty()) parameters[p.name]["given"] = number(p.given);
     if (!p.with.empty()) parameters[p.name]["with"] = p.with;
     parameters[p.name]["unit"] = p.unit;
   }

@@ -18,8 +18,10 @@ struct Identification {
     double given = 0.0, value = 0.0, lower = 0.0, upper = 0.0;
     std::vector<double> folds;
   };
-  TreeModel model;  ///< at the estimate
+  TreeModel model;                 ///< at the estimate, but for its bodies
+  std::vector<FittedBody> bodies;  ///< of each link whose inertial parameters are free
   std::vector<Row> parameters;
+  Eigen::MatrixXd covariance;                                  ///< of the parameters, in their order
   std::vector<ChannelError> as_given_error, identified_error;  ///< held out, of each joint
   std::size_t logs = 0, held_out_logs = 0, windows = 0;
 };

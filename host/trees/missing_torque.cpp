@@ -96,7 +96,7 @@ Row at_row(const Setup& setup, const Recording& r, std::size_t k, double half_s)
 std::vector<TorqueSamples> missing_torque(const Problem& problem, const std::vector<Recording>& recordings,
                                           const Hypothesis& h, double window_s, std::size_t most) {
   const std::size_t n = problem.joints();
-  const Setup setup = SetupMaker(problem.model()).make(h.drives, h.causes);
+  const Setup setup = SetupMaker(problem.model()).make(h.drives, h.causes, h.bodies);
   std::vector<TorqueSamples> out(n);
   for (TorqueSamples& s : out) s.others.resize(n);
   std::size_t rows = 0;

@@ -7,10 +7,12 @@
 #include <filesystem>
 #include <limits>
 #include <set>
+#include <tuple>
 
 #include "host/core/error.hpp"
 #include "host/core/message.hpp"
 #include "host/core/strict_toml.hpp"
+#include "host/trees/inertial.hpp"
 
 namespace furcula::trees {
 namespace {
@@ -19,6 +21,7 @@ using core::fail;
 using core::shortest;
 
 constexpr double kMost = 1e9;
+constexpr std::string_view kInertial = "inertial";
 
 class Reader {
  public:
@@ -150,19 +153,18 @@ class Reader {
       const std::string whole(key.str());
       const auto dot = whole.find('.');
       const std::string who = "[free] " + whole;
+      if (whole.substr(0, dot) == kInertial && dot != std::string::npos) {
+        read_free_body(whole.substr(dot + 1), who, key.source(), node);
+        continue;
+      }
       const auto which = std::find(kDriveParameters.begin(), kDriveParameters.end(), whole.substr(0, dot));
       if (dot == std::string::npos || which == kDriveParameters.end())
         fail(name_, key.source(),
              "unknown key " + core::quoted(whole) + " in [free]; expected \"NAME.JOINT\" with NAME one of " +
-                 core::listed(kDriveParameters));
+                 core::listed(kDriveParameters) + ", or \"inertial.LINK\"");
       FreeParameter f{static_cast<std::size_t>(which - kDriveParameters.begin()),
                       joint_named(whole.substr(dot + 1), key.source(), who), 0.0, 0.0};
-      const toml::array* pair = node.as_array();
-      if (pair == nullptr || pair->size() != 2)
-        fail(name_, node.source(),
-             who + " is " + core::value_text(node) + "; expected two numbers, [lower, upper]");
-      f.lower = core::number((*pair)[0], name_, who + " lower bound", 0.0, kMost);
-      f.upper = core::number((*pair)[1], name_, who + " upper bound", 0.0, kMost);
+      std::tie(f.lower, f.upper) = bounds(who, node);
       const double value = model_.drives[f.joint].*kDriveMembers[f.parameter];
       if (!(f.lower < f.upper) || value < f.lower || value > f.upper)
         fail(name_, node.source(),
@@ -170,6 +172,43 @@ class Reader {
                  "]; expected lower < upper around the model's value " + shortest(value));
       model_.free.push_back(f);
     }
+  }
+
+  std::pair<double, double> bounds(const std::string& who, const toml::node& node) const {
+    const toml::array* pair = node.as_array();
+    if (pair == nullptr || pair->size() != 2)
+      fail(name_, node.source(),
+           who + " is " + core::value_text(node) + "; expected two numbers, [lower, upper]");
+    return {core::number((*pair)[0], name_, who + " lower bound", 0.0, kMost),
+            core::number((*pair)[1], name_, who + " upper bound", 0.0, kMost)};
+  }
+  void read_free_body(const std::string& link, const std::string& who, const toml::source_region& where,
+                      const toml::node& node) {
+    std::vector<std::string_view> names;
+    for (const std::size_t i : sites(model_, Seat::link)) names.emplace_back(model_.robot.links[i].name);
+    const std::string one_of = "; expected one of " + core::listed(names);
+    std::size_t i = 0;
+    while (i < model_.robot.links.size() && model_.robot.links[i].name != link) ++i;
+    if (i == model_.robot.links.size())
+      fail(name_, where, who + ": no link " + core::quoted(link) + one_of + core::did_you_mean(link, names));
+    if (model_.robot.links[i].joint < 0)
+      fail(name_, where, who + ": link " + core::quoted(link) + " does not move" + one_of);
+    if (std::find(names.begin(), names.end(), link) == names.end())
+      fail(name_, where, who + ": link " + core::quoted(link) + " has no mass" + one_of);
+    const model::UrdfInertia& body = *model_.urdf.links[i].inertia;
+    if (!has_coordinates(body))
+      fail(
+          name_, where,
+          who + ": the <inertia> of link " + core::quoted(link) +
+              " is that of a sheet, a rod or a point; expected a body that fills space, of whose principal moments each is "
+              "less than the sum of the other two");
+    const auto [lower, upper] = bounds(who, node);
+    if (!(lower > 0.0 && lower < upper && lower <= 1.0 && upper >= 1.0))
+      fail(name_, node.source(),
+           who + " = [" + shortest(lower) + ", " + shortest(upper) +
+               "]; expected 0 < lower < upper around 1: its mass stays between so many times the given " +
+               shortest(body.mass_kg) + " kg");
+    model_.free_bodies.push_back({i, lower, upper});
   }
 
   void read_effects(const toml::table& table) {
@@ -224,6 +263,10 @@ class Reader {
     }
     if (effect == Effect::position_gain_error && model_.drives[*at].law != DriveLaw::position)
       fail(name_, source, where + ": its drive has law \"torque\"; expected one of law \"position\"");
+    if ((effect == Effect::mass_error || effect == Effect::com_error || effect == Effect::inertia_error) &&
+        model_.is_free_body(*at))
+      fail(name_, source,
+           where + ": [free] has \"inertial." + site + "\", which fits the same; expected one of the two");
     model_.causes.push_back(cause);
   }
 
@@ -284,9 +327,12 @@ std::string format_tree_model(const TreeModel& m, const std::string& urdf) {
     out += toml_key(joint) + " = " + core::toml_float(position) + "\n";
   for (std::size_t i = 0; i < m.joints(); ++i)
     out += "\n" + table_of("[drive." + toml_key(m.robot.joints[i].name) + "]", m.drives[i]);
-  if (!m.free.empty()) out += "\n[free]\n";
+  if (!m.free.empty() || !m.free_bodies.empty()) out += "\n[free]\n";
   for (const FreeParameter& f : m.free)
     out += text_of(std::string(kDriveParameters[f.parameter]) + "." + m.robot.joints[f.joint].name) + " = [" +
+           core::toml_float(f.lower) + ", " + core::toml_float(f.upper) + "]\n";
+  for (const FreeBody& f : m.free_bodies)
+    out += text_of(std::string(kInertial) + "." + m.robot.links[f.link].name) + " = [" +
            core::toml_float(f.lower) + ", " + core::toml_float(f.upper) + "]\n";
   for (const Cause& c : m.causes)
     for (const std::size_t site : c.sites) {

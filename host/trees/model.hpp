@@ -46,6 +46,12 @@ struct FreeParameter {
   double lower, upper;
 };
 
+/// "inertial.LINK" in [free]: all ten inertial parameters of a link.
+struct FreeBody {
+  std::size_t link;
+  double lower, upper;  ///< of its mass, times the given one
+};
+
 struct TreeModel {
   std::string file;       ///< for messages
   std::string urdf_path;  ///< as in the model file
@@ -56,6 +62,7 @@ struct TreeModel {
   dynamics::tree::Vec3<double> gravity_mps2{0.0, 0.0, -9.81};
   std::vector<Drive> drives;  ///< of each joint of the tree
   std::vector<FreeParameter> free;
+  std::vector<FreeBody> free_bodies;
   std::vector<Cause> causes;  ///< that are switched on, each at one site
 
   std::size_t joints() const { return robot.joints.size(); }
@@ -66,6 +73,12 @@ struct TreeModel {
   bool is_free(std::size_t joint, std::size_t parameter) const {
     for (const FreeParameter& f : free)
       if (f.joint == joint && f.parameter == parameter) return true;
+    return false;
+  }
+  /// Whether a link's inertial parameters are fitted.
+  bool is_free_body(std::size_t link) const {
+    for (const FreeBody& f : free_bodies)
+      if (f.link == link) return true;
     return false;
   }
 };

@@ -91,7 +91,7 @@ std::vector<Experiment> next_experiments(const TreeModel& m, const std::vector<R
   const std::size_t n = m.joints();
   const Scales scales = scales_of(m, recordings);
   const SetupMaker maker(m);
-  const Setup setup = maker.make(named.drives, named.causes);
+  const Setup setup = maker.make(named.drives, named.causes, named.bodies);
   std::vector<std::vector<Path>> library;
   std::vector<Path> still(n);
   for (std::size_t j = 0; j < n; ++j) {
@@ -143,7 +143,7 @@ std::vector<Experiment> next_experiments(const TreeModel& m, const std::vector<R
       return x;
     };
     for (const Hypothesis& other : others) {
-      const Setup another = maker.make(other.drives, other.causes);
+      const Setup another = maker.make(other.drives, other.causes, other.bodies);
       double squares = 0.0, rows = 0.0;
       for (const Window& w : windows) {
         const std::vector<double> a = run_of(setup, w), b = run_of(another, w);

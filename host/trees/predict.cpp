@@ -73,8 +73,10 @@ Predictions predict(const TreeModel& model, const std::vector<Recording>& record
                     std::vector<double> Trace::*into) {
   const std::size_t n = model.joints();
   const SetupMaker maker(model);
-  const Setup setup = maker.make(h.drives, h.causes),
-              starter = is_elastic(h) ? setup : maker.make(starts_from.drives, starts_from.causes);
+  const Setup setup = maker.make(h.drives, h.causes, h.bodies),
+              starter = is_elastic(h)
+                            ? setup
+                            : maker.make(starts_from.drives, starts_from.causes, starts_from.bodies);
   const std::vector<Window> windows = windows_of(model, recordings, window_s);
   Predictions out{std::vector<ChannelError>(n), std::vector<double>(n)};
   std::vector<double> squares(n), absolute(n), about_mean(n), noise(n);

@@ -32,12 +32,14 @@ struct Friction {
 
 SetupMaker::SetupMaker(const TreeModel& model) : tree_(model) {
   for (std::size_t i = 0; i < model.robot.links.size(); ++i) {
-    const auto& at = model.robot.links[i];
-    if (at.joint < 0 || !model.urdf.links[i].inertia) continue;
-    const model::UrdfInertia& inertia = *model.urdf.links[i].inertia;
-    const Frame<double> centre = within(at.frame, inertia.frame);
-    bodies_.push_back({i, inertia.mass_kg, centre.at, turned_back(centre.turn, inertia.about_centre_kgm2)});
+    if (model.robot.links[i].joint >= 0 && model.urdf.links[i].inertia)
+      bodies_.push_back(body(i, *model.urdf.links[i].inertia));
   }
+}
+
+SetupMaker::Body SetupMaker::body(std::size_t link, const model::UrdfInertia& inertia) const {
+  const Frame<double> centre = within(tree_.robot.links[link].frame, inertia.frame);
+  return {link, inertia.mass_kg, centre.at, turned_back(centre.turn, inertia.about_centre_kgm2)};
 }
 
 double passed(double lag_s, double dt_s, double in, double& state) {
@@ -74,7 +76,8 @@ double neutral_value(const TreeModel& model, Effect effect, std::size_t paramete
   }
 }
 
-Setup SetupMaker::make(std::span<const Drive> drives, std::span<const Cause> causes) const {
+Setup SetupMaker::make(std::span<const Drive> drives, std::span<const Cause> causes,
+                       std::span<const FittedBody> fitted) const {
   Setup out{tree_.robot.model, std::vector<Setup::Joint>(tree_.joints())};
   std::vector<Friction> friction;
   std::vector<double> kd(tree_.joints());
@@ -94,6 +97,8 @@ Setup SetupMaker::make(std::span<const Drive> drives, std::span<const Cause> cau
     if (bodies.empty()) bodies = bodies_;
     return *std::find_if(bodies.begin(), bodies.end(), [&](const Body& b) { return b.link == link; });
   };
+  for (const FittedBody& f : fitted)
+    body_of(f.link) = body(f.link, body_at(*tree_.urdf.links[f.link].inertia, f.at));
   std::vector<std::pair<std::size_t, Inertia<double>>> loads;
   for (const Cause& cause : causes)
     for (const std::size_t site : cause.sites) {
@@ -357,9 +362,9 @@ void Runner::advance(std::span<const double> input, double dt_s) {
   }
 }
 
-void run(const Setup& setup, const Recording& r, std::size_t first, std::size_t last,
-         std::span<const double> angle_rad, std::span<const double> velocity_radps, std::span<double> out,
-         std::span<const double> rotor_more) {
+std::size_t run(const Setup& setup, const Recording& r, std::size_t first, std::size_t last,
+                std::span<const double> angle_rad, std::span<const double> velocity_radps,
+                std::span<double> out, std::span<const double> rotor_more) {
   const std::size_t n = setup.joints.size();
   Runner runner(setup);
   runner.reset(angle_rad, velocity_radps);
@@ -399,6 +404,7 @@ void run(const Setup& setup, const Recording& r, std::size_t first, std::size_t 
     }
     for (std::size_t i = 0; i < n; ++i) out[(k + 1 - first) * n + i] = runner.measured(i);
   }
+  return runner.steps();
 }
 
 }  // namespace furcula::trees

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "furcula/dynamics/tree/plant.hpp"
+#include "host/trees/inertial.hpp"
 #include "host/trees/model.hpp"
 #include "host/trees/recording.hpp"
 
@@ -40,8 +41,9 @@ struct Setup {
 class SetupMaker {
  public:
   explicit SetupMaker(const TreeModel& model);
-  /// The tree with these drives and causes.
-  Setup make(std::span<const Drive> drives, std::span<const Cause> causes) const;
+  /// The tree with these drives and causes, and with these bodies in place of the given ones.
+  Setup make(std::span<const Drive> drives, std::span<const Cause> causes,
+             std::span<const FittedBody> fitted = {}) const;
 
  private:
   struct Body {  ///< of a link, in the link frame of the joint that moves it
@@ -50,6 +52,8 @@ class SetupMaker {
     dynamics::tree::Vec3<double> centre_m;
     dynamics::tree::Sym3<double> about_centre_kgm2;
   };
+  Body body(std::size_t link, const model::UrdfInertia& inertia) const;
+
   const TreeModel& tree_;
   std::vector<Body> bodies_;
 };
@@ -60,9 +64,10 @@ double neutral_value(const TreeModel& model, Effect effect, std::size_t paramete
 /// Runs the tree from the states at `first`, positions as the encoders read them and velocities, on the recording's inputs to `last`;
 /// `measured[row - first][joint]` is what the encoders read. Inputs from before `first` are in the drives' delays and lags,
 /// and in the rotors of elastic drives (rotor.hpp), to which `rotor_more` is added (angles, then rates; empty: nothing).
-void run(const Setup& setup, const Recording& recording, std::size_t first, std::size_t last,
-         std::span<const double> angle_rad, std::span<const double> velocity_radps,
-         std::span<double> measured, std::span<const double> rotor_more = {});
+/// @return the steps of integration that it took.
+std::size_t run(const Setup& setup, const Recording& recording, std::size_t first, std::size_t last,
+                std::span<const double> angle_rad, std::span<const double> velocity_radps,
+                std::span<double> measured, std::span<const double> rotor_more = {});
 
 /// The torque that a drive's law asks for where the encoder reads `measured_rad`.
 double asked_torque(const Setup::Joint& joint, double input, double measured_rad, double velocity_radps);
@@ -106,6 +111,7 @@ class Runner {
     return plant_.positions()[joint] + setup_.joints[joint].encoder_offset_rad;
   }
   double velocity(std::size_t joint) const { return plant_.velocities()[joint]; }
+  std::size_t steps() const { return plant_.steps(); }
   /// Of the last interval, mean: as a sensor between drive and joint has it.
   double torque(std::size_t joint) const { return torque_[joint]; }
   /// An additional torque on the joint, from outside.

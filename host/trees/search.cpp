@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <set>
 
@@ -46,6 +47,8 @@ constexpr double kNearlyOneLaw = 0.5;
 constexpr double kStands = 2.0;
 /// One cause does as well as two if the loss is larger by no more than so much.
 constexpr double kAsWell = 0.02;
+/// A second search is given up after so many times the steps of the first.
+constexpr double kMoreWork = 1.5;
 /// What a parameter more must be worth, of the loss.
 constexpr double kOfParameter = 0.01;
 
@@ -74,7 +77,9 @@ class Search {
       Search on_short(*coarse, progress_, false);
       fit = fitted_anew(on_short.rounds(on_short.fitted_anew(fit.at), 4, nullptr).at);
     }
-    fit = another_path(path(std::move(fit), &found), found);
+    const std::size_t before = problem_.steps();
+    fit = path(std::move(fit), &found);
+    fit = another_path(std::move(fit), found, problem_.steps() - before);
     for (Candidate& spring : springs_) spring.fitted_gain = 0.0;  // that was beside fewer causes
     judge(found, std::move(fit));
     found.disputed = std::max(disputed_, dropped_worth_);
@@ -83,7 +88,7 @@ class Search {
 
   /// From a fit to what the recordings agree on.
   Fit path(Fit fit, Found* found) {
-    for (int again = 0; again < 3; ++again) {
+    for (int again = 0; again < 3 && !problem_.spent(); ++again) {
       const std::size_t pruned = fit.at.causes.size();
       fit = rounds(std::move(fit), again == 0 ? 7 : 3, again == 0 ? found : nullptr);
       const std::size_t before = fit.at.causes.size();
@@ -97,13 +102,16 @@ class Search {
   }
 
   /// What was taken first, of a model that is still wrong, may have led astray. Where torque is missing at the end, another search begins
-  /// with something else; the better end of the two counts.
-  Fit another_path(Fit fit, Found& found) {
+  /// with something else; the better end of the two counts. It is given up where it takes many more than the first one's `steps`.
+  Fit another_path(Fit fit, Found& found, std::size_t steps) {
     if (!first_pick_ || !much_is_missing(fit.at, found.refitted.at)) return fit;
     Search other(problem_, progress_, swings_);
     other.not_first_ = first_pick_;
+    problem_.stop_after(problem_.steps() + static_cast<std::size_t>(kMoreWork * static_cast<double>(steps)));
     Fit anew = other.path(other.fitted_anew(found.refitted.at), nullptr);
-    if (!better(anew, fit)) {
+    const bool given_up = problem_.spent();
+    problem_.stop_after(std::numeric_limits<std::size_t>::max());
+    if (given_up || !better(anew, fit)) {
       problem_.weigh(fit.at);
       return problem_.fit(fit.at, 4);
     }
@@ -163,7 +171,7 @@ class Search {
     bool looked_for_swings = false;  // since something was found
     // A spring that is not there yet makes everything else look wrong.
     if (found != nullptr && swings_) springs_ = likely_springs(problem_, fit);
-    for (int round = 0; round < most; ++round) {
+    for (int round = 0; round < most && !problem_.spent(); ++round) {
       say(0.08 + 0.09 * round, "testing causes at sites");
       const ScoreTest linear(problem_, fit.at, fit.unknowns, tried(fit.at));
       if (found != nullptr) found->tried = std::max(found->tried, linear.candidates().size());
@@ -410,7 +418,7 @@ class Search {
   Fit friction_anew(Fit fit) {
     const std::size_t given = problem_.model().causes.size();
     for (std::size_t j = 0; j < problem_.joints(); ++j) {
-      Hypothesis bare{fit.at.drives, {}};
+      Hypothesis bare{fit.at.drives, {}, fit.at.bodies};
       double dry_nm = 0.0, offset_nm = 0.0;
       std::size_t resistances = 0;
       for (std::size_t c = 0; c < fit.at.causes.size(); ++c) {
@@ -479,7 +487,7 @@ class Search {
 
   /// A cause that has one value at several sites may have one of its own at each: where that foretells better.
   Fit apart(Fit fit) {
-    Hypothesis h{fit.at.drives, {}};
+    Hypothesis h{fit.at.drives, {}, fit.at.bodies};
     for (std::size_t c = 0; c < fit.at.causes.size(); ++c) {
       const Cause& cause = fit.at.causes[c];
       for (const std::size_t site : cause.sites) {

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <type_traits>
 
 #include "furcula/dynamics/event_time.hpp"
@@ -85,6 +86,7 @@ class Plant {
       T until = left;
       if (parts > V(1.001)) until = T(value_of(left) / std::ceil(parts - V(0.001)));
       State<T> end = after(model_, state_, torque_nm, until);
+      ++steps_;
       std::size_t change = count();
       if (dry_ && changes_ < kMostChanges) {
         Of<V> at_end = margins(plain_model(), plain(end), plain_torque);
@@ -122,6 +124,8 @@ class Plant {
   bool held(std::size_t joint) const { return mode_.held[joint]; }
   /// How often joints came to rest, broke free or came to an edge of a binding spot inside the last advance().
   int changes() const { return changes_; }
+  /// Steps of integration since the plant was made.
+  std::uint32_t steps() const { return steps_; }
 
   /// Of bodies, springs, and of rotors and springs of elastic drives, J.
   T energy_j() const {
@@ -338,6 +342,7 @@ class Plant {
   FrictionMode<P::kCapacity> mode_;
   bool dry_ = false;  ///< any joint
   int changes_ = 0;
+  std::uint32_t steps_ = 0;
 };
 
 }  // namespace furcula::dynamics::tree
