@@ -350,6 +350,7 @@ std::vector<Eigen::MatrixXd> Problem::columns(const Hypothesis& h,
     if (linear.empty()) return;
     const Window& w = windows_[i];
     const Linearised run(base, recordings_[w.recording], w, torque_nm);
+    work_->steps += run.steps();
     const Eigen::MatrixXd change = run.changes(linear);
     for (std::size_t k = 0; k < linear.size(); ++k)
       c.col(static_cast<Eigen::Index>(linear_column[k])) =

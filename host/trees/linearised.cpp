@@ -240,6 +240,8 @@ Linearised::Linearised(const Setup& setup, const Recording& r, const Window& w,
     here = next;
   }
 
+  steps_ = runner.steps();
+
   const std::size_t bins = static_cast<std::size_t>(w.measured.size()) / n;
   share_.assign(bins, std::vector<double>(count + 1));
   std::vector<double> rows(bins);

@@ -29,6 +29,8 @@ class Linearised {
   /// each, by its angle and by its rate; zero where there is no such spring.
   Eigen::MatrixXd rotor_starts(std::span<const Setup* const> setups) const;
 
+  std::size_t steps() const { return steps_; }  ///< of integration
+
  private:
   using Joints = model::RobotModel::Joints;
   /// The run between two of its times, some milliseconds apart.
@@ -45,6 +47,7 @@ class Linearised {
   const Recording& recording_;
   const Window& window_;
   double step_s_;
+  std::size_t steps_ = 0;
   std::vector<Interval> intervals_;
   std::vector<std::vector<double>> share_;  ///< of each bin in the run's times: bin by bin
 };

@@ -48,7 +48,7 @@ constexpr double kStands = 2.0;
 /// One cause does as well as two if the loss is larger by no more than so much.
 constexpr double kAsWell = 0.02;
 /// A second search is given up after so many times the steps of the first.
-constexpr double kMoreWork = 1.5;
+constexpr std::size_t kMoreWork = 2;
 /// What a parameter more must be worth, of the loss.
 constexpr double kOfParameter = 0.01;
 
@@ -102,12 +102,12 @@ class Search {
   }
 
   /// What was taken first, of a model that is still wrong, may have led astray. Where torque is missing at the end, another search begins
-  /// with something else; the better end of the two counts. It is given up where it takes many more than the first one's `steps`.
+  /// with something else; the better end of the two counts. It is given up where it takes many times the first one's `steps`.
   Fit another_path(Fit fit, Found& found, std::size_t steps) {
     if (!first_pick_ || !much_is_missing(fit.at, found.refitted.at)) return fit;
     Search other(problem_, progress_, swings_);
     other.not_first_ = first_pick_;
-    problem_.stop_after(problem_.steps() + static_cast<std::size_t>(kMoreWork * static_cast<double>(steps)));
+    problem_.stop_after(problem_.steps() + kMoreWork * steps);
     Fit anew = other.path(other.fitted_anew(found.refitted.at), nullptr);
     const bool given_up = problem_.spent();
     problem_.stop_after(std::numeric_limits<std::size_t>::max());

@@ -86,7 +86,6 @@ class Plant {
       T until = left;
       if (parts > V(1.001)) until = T(value_of(left) / std::ceil(parts - V(0.001)));
       State<T> end = after(model_, state_, torque_nm, until);
-      ++steps_;
       std::size_t change = count();
       if (dry_ && changes_ < kMostChanges) {
         Of<V> at_end = margins(plain_model(), plain(end), plain_torque);
@@ -124,7 +123,7 @@ class Plant {
   bool held(std::size_t joint) const { return mode_.held[joint]; }
   /// How often joints came to rest, broke free or came to an edge of a binding spot inside the last advance().
   int changes() const { return changes_; }
-  /// Steps of integration since the plant was made.
+  /// Steps of integration since the plant was made, those that look for an event included.
   std::uint32_t steps() const { return steps_; }
 
   /// Of bodies, springs, and of rotors and springs of elastic drives, J.
@@ -184,6 +183,7 @@ class Plant {
   /// One Runge-Kutta step over t.
   template <class S>
   State<S> after(const Model<S, P>& m, const State<S>& s, const Of<S>& torque, const S& t) const {
+    ++steps_;
     State<S> sum = s, stage = s;
     Accelerations<Model<S, P>> joints;
     const V weight[4] = {V(1) / V(6), V(1) / V(3), V(1) / V(3), V(1) / V(6)};
@@ -342,7 +342,7 @@ class Plant {
   FrictionMode<P::kCapacity> mode_;
   bool dry_ = false;  ///< any joint
   int changes_ = 0;
-  std::uint32_t steps_ = 0;
+  mutable std::uint32_t steps_ = 0;
 };
 
 }  // namespace furcula::dynamics::tree
