@@ -25,8 +25,9 @@ namespace {
 constexpr double kApart = 2.0;
 /// Nor can one whose loss is no more than by this share the larger, where the torques show that something is still missing.
 constexpr double kOfWhatIsLeft = 0.25;
-/// Where so much lasts that nothing foretells, of the drive's torque, what is named may stand for something else. Of real machines a twentieth is usual.
-constexpr double kDoubted = 0.1;
+/// Where so much lasts that nothing foretells, of the drive's torque and of the torque that what is named accounts for, the names may stand
+/// for something else. Of real machines a twentieth of the drive's is usual.
+constexpr double kDoubted = 0.1, kOfNamed = 0.5;
 /// What is missing at times only: so much of the drive's torque, and so much of its squares in a tenth of the samples (of chance: 0.44).
 constexpr double kOfDrive = 0.1, kNearlyAll = 0.9;
 /// Held-out windows that are so many times as far off as those that were fitted show something else.
@@ -214,11 +215,25 @@ class Diagnoser {
     const std::string does = what_does(model_, joint);
     for (std::size_t j = 0; j < d_.missing.size(); ++j) {
       const MissingTorque& m = d_.missing[j];
-      if ((is_another(m) || m.lasting_after_nm > kDoubted * m.rms_torque_nm) &&
-          (j == joint || m.goes_along_with == does))
-        return true;
+      const double named_nm =
+          std::sqrt(std::max(0.0, m.rms_before_nm * m.rms_before_nm - m.rms_after_nm * m.rms_after_nm));
+      const bool lasting = m.lasting_after_nm > std::max(kDoubted * m.rms_torque_nm, kOfNamed * named_nm);
+      if ((is_another(m) || lasting) && (j == joint || m.goes_along_with == does)) return true;
     }
     return false;
+  }
+
+  /// Drives that are all late, and angles that are late in the log.
+  bool one_law(const Cause& a, const Cause& b) const {
+    const auto all_late = [&](const Cause& c) {
+      return c.effect == Effect::actuator_delay && c.sites.size() == model_.joints();
+    };
+    return (all_late(a) && b.effect == Effect::time_skew && b.values[0] > 0.0) ||
+           (all_late(b) && a.effect == Effect::time_skew);
+  }
+  static bool undecided(const Finding& f) {
+    return std::any_of(f.indistinguishable_from.begin(), f.indistinguishable_from.end(),
+                       [](const RivalText& r) { return !r.one_law; });
   }
 
   std::vector<Estimate> estimates(const Fit& fit, std::size_t cause) const {
@@ -273,6 +288,12 @@ class Diagnoser {
                                      std::string(unit_on(other.parameters()[k], linear)),
                                      r.causes.front().values[k], NAN, NAN});
         }
+        if (one_law(cause, r.causes.front())) {
+          text.one_law = true;
+          text.why = "the same law under another name: no recording tells them apart";
+          f.indistinguishable_from.push_back(text);
+          continue;
+        }
         nearest = std::min(nearest, r.z);
         const double more = r.loss_more / found.fit.loss;
         if (r.z < kApart || (something_left && more < kOfWhatIsLeft)) {
@@ -290,7 +311,7 @@ class Diagnoser {
         }
       }
       f.confidence = std::clamp(0.5 * (1.0 + std::erf(std::max(nearest, 0.0) / std::sqrt(2.0))), 0.5, 0.99);
-      if (!f.indistinguishable_from.empty()) f.confidence = std::min(f.confidence, 0.5);
+      if (undecided(f)) f.confidence = std::min(f.confidence, 0.5);
       // A value that a fit wanted beyond what there can be stands for something else.
       for (std::size_t k = 0; k < found.fit.unknowns.size(); ++k)
         if (found.fit.unknowns[k].of_cause && found.fit.unknowns[k].cause == c && found.fit.at_bound[k]) {
@@ -408,8 +429,7 @@ class Diagnoser {
           }))
         f.confidence = std::min(f.confidence, 0.5);
     }
-    const bool undecided = std::any_of(d_.findings.begin(), d_.findings.end(),
-                                       [](const Finding& f) { return !f.indistinguishable_from.empty(); });
+    const bool undecided_ones = std::any_of(d_.findings.begin(), d_.findings.end(), undecided);
     // What the model lacks, and what it has wrong.
     std::vector<std::string> lacks, wrong;
     for (const Finding& f : d_.findings) {
@@ -430,13 +450,13 @@ class Diagnoser {
                     ", and no cause of the catalogue accounts for it."
               : "The model is adequate: nothing is missing that the state, the torque or the time would foretell.";
     } else {
-      d_.verdict = undecided           ? Verdict::not_identifiable
+      d_.verdict = undecided_ones      ? Verdict::not_identifiable
                    : left || at_bound_ ? Verdict::partly_explained
                                        : Verdict::explained;
       d_.summary = "The model " + (lacks.empty() ? "" : "lacks " + joined(lacks)) +
                    (lacks.empty() || wrong.empty() ? "" : ", and ") +
                    (wrong.empty() ? "" : "has wrong values of " + joined(wrong)) + ".";
-      if (undecided) d_.summary += " The recordings cannot tell all of that from other causes.";
+      if (undecided_ones) d_.summary += " The recordings cannot tell all of that from other causes.";
       if (left && where.empty())
         d_.summary += " What is left is more than chance, and the recordings do not agree on a cause of it.";
       else if (left && d_.unexplained_share > kOfBefore)

@@ -32,6 +32,7 @@ struct RivalText {
   std::vector<std::string> causes;  ///< "effect@site"
   std::string why;
   std::vector<Estimate> parameters;
+  bool one_law = false;  ///< with the finding: no experiment parts them
 };
 
 struct Finding {

@@ -82,6 +82,8 @@ class Search {
     fit = another_path(std::move(fit), found, problem_.steps() - before);
     for (Candidate& spring : springs_) spring.fitted_gain = 0.0;  // that was beside fewer causes
     judge(found, std::move(fit));
+    // Rivals that took a place may be two wrong laws of friction, too.
+    if (Fit anew = friction_anew(found.fit); names(anew) != names(found.fit)) judge(found, std::move(anew));
     found.disputed = std::max(disputed_, dropped_worth_);
     return found;
   }
@@ -413,18 +415,25 @@ class Search {
     dropped_worth_ = std::max(dropped_worth_, (off.loss - with.loss) / off.loss);
   }
 
-  /// Dry friction beside another resistance of the same joint, or of two sizes in the two directions, may be a Stribeck curve, alone or beside a third: once two wrong laws are in,
-  /// the right ones gain little, one by one.
+  std::set<std::string> names(const Fit& fit) const {
+    std::set<std::string> out;
+    for (const Cause& c : fit.at.causes) out.insert(cause_name(problem_.model(), c));
+    return out;
+  }
+
+  /// Dry friction beside another resistance of the same joint or a constant torque, or of two sizes in the two directions, may be a Stribeck
+  /// curve, alone or beside a third: once two wrong laws are in, the right ones gain little, one by one.
   Fit friction_anew(Fit fit) {
     const std::size_t given = problem_.model().causes.size();
     for (std::size_t j = 0; j < problem_.joints(); ++j) {
       Hypothesis bare{fit.at.drives, {}, fit.at.bodies};
-      double dry_nm = 0.0, offset_nm = 0.0;
-      std::size_t resistances = 0;
+      double dry_nm = 0.0, offset_nm = 0.0;  // the latter of friction that has two sizes
+      std::size_t resistances = 0, constants = 0;
       for (std::size_t c = 0; c < fit.at.causes.size(); ++c) {
         const Cause& cause = fit.at.causes[c];
         if (c < given || cause.sites != std::vector<std::size_t>{j} || !is_resistance(cause.effect)) {
           bare.causes.push_back(cause);
+          constants += cause.effect == Effect::force_offset && cause.sites.front() == j ? 1 : 0;
           continue;
         }
         ++resistances;
@@ -434,7 +443,7 @@ class Search {
           offset_nm = 0.5 * (cause.values[1] - cause.values[0]);
         }
       }
-      if ((resistances < 2 && offset_nm == 0.0) || dry_nm <= 0.0) continue;
+      if ((resistances + constants < 2 && offset_nm == 0.0) || dry_nm <= 0.0) continue;
       say(0.7, "trying other laws of friction at " + problem_.model().robot.joints[j].name);
       const Scales& scales = problem_.scales();
       const double speed = scales.velocity_radps[j], little_nm = 0.05 * scales.torque_nm[j];

@@ -1,4 +1,4 @@
-// The fixed part of the blind suite for robots: eight small cases that `furcula diagnose` must answer rightly.
+// The fixed part of the blind suite for robots: nine small cases that `furcula diagnose` must answer rightly.
 #include <catch2/catch.hpp>
 #include <filesystem>
 
@@ -42,6 +42,10 @@ TEST_CASE("A mass at a link of a robot is named", "[trees]") { ask(14, Tier::lar
 
 TEST_CASE("A spring between drive and joint of a robot is named", "[trees]") {
   ask(17, Tier::large, 2, {"joint_elasticity"});
+}
+
+TEST_CASE("A spring behind dry friction of its own joint is named beside it", "[trees]") {
+  ask(24, Tier::pairs, 2, {"coulomb_friction", "joint_elasticity"});
 }
 
 TEST_CASE("A ripple of a robot's drive is named", "[trees]") { ask(18, Tier::large, 3, {"torque_ripple"}); }

@@ -81,7 +81,9 @@ TEST_CASE("A window made linear changes with each cause as its runs do") {
                                {Effect::encoder_offset, {1}, {0.002, 0, 0, 0}},
                                {Effect::base_tilt, {0}, {0.004, 0.003, 0, 0}},
                                {Effect::actuator_delay, {2}, {0.002, 0, 0, 0}},
-                               {Effect::actuator_lag, {0}, {0.002, 0, 0, 0}}};
+                               {Effect::actuator_lag, {0}, {0.002, 0, 0, 0}},
+                               {Effect::time_skew, {0}, {0.002, 0, 0, 0}},
+                               {Effect::time_skew, {0}, {-0.002, 0, 0, 0}}};
       for (const std::size_t link : trees::sites(model, trees::Seat::link)) {
         const double mass = model.urdf.links[link].inertia->mass_kg;
         tried.push_back({Effect::mass_error, {link}, {1.01 * mass, 0, 0, 0}});

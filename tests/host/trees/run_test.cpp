@@ -101,6 +101,20 @@ TEST_CASE("A delay puts the input off by itself, also where it falls between two
   }
 }
 
+TEST_CASE("Where the clocks are apart an input acts before its row, or after it") {
+  const trees::TreeModel m = test::wheel();
+  const trees::Recording r =
+      test::inputs(m, 1.0, 0.004, [](std::size_t, double t) { return t >= 0.1 - 1e-9 ? 1.5 : 0.0; });
+  for (const double skew_s : {-0.0963, -0.03, -0.002, 0.0, 0.0137}) {
+    INFO(skew_s);
+    const auto read = [&](double t) {
+      const double on = std::max(0.0, t - 0.1 - skew_s);
+      return 0.3 * t + 1.5 * on * on;
+    };
+    CHECK(apart(r, readings(m, r, {cause(Effect::time_skew, skew_s)}, {0.0}, {0.3}), read) < 1e-10);
+  }
+}
+
 TEST_CASE("A run that starts in the middle has what was given before in its delay and lag") {
   const trees::TreeModel m = test::wheel();
   const trees::Recording r = test::inputs(
