@@ -171,13 +171,15 @@ class Search {
     springs_.clear();
     ripples_.clear();
     bool looked_for_swings = false;  // since something was found
+    bool first_alone = false;        // of the picks
     // A spring that is not there yet makes everything else look wrong.
     if (found != nullptr && swings_) springs_ = likely_springs(problem_, fit);
     for (int round = 0; round < most && !problem_.spent(); ++round) {
       say(0.08 + 0.09 * round, "testing causes at sites");
       const ScoreTest linear(problem_, fit.at, fit.unknowns, tried(fit.at));
       if (found != nullptr) found->tried = std::max(found->tried, linear.candidates().size());
-      const std::vector<ScoreTest::Score> picks = pick(linear, fit, refused, round == 0 ? found : nullptr);
+      std::vector<ScoreTest::Score> picks = pick(linear, fit, refused, round == 0 ? found : nullptr);
+      if (first_alone && !picks.empty()) picks.resize(1);
       if (picks.empty()) {
         if (looked_for_swings) break;
         if (swings_) {
@@ -211,8 +213,11 @@ class Search {
       }
       Fit with = prune(problem_.fit(next, 6), false);
       if (with.loss > fit.loss * (1.0 - kWorth) && with.at.causes.size() >= before) {
-        refused.insert(
-            cause_name(problem_.model(), linear.candidates()[picks.front().candidate].columns.front()));
+        // What was taken beside the first may be what spoils it.
+        first_alone = picks.size() > 1;
+        if (!first_alone)
+          refused.insert(
+              cause_name(problem_.model(), linear.candidates()[picks.front().candidate].columns.front()));
         if (spring) {
           problem_.weigh(fit.at);
           fit = problem_.fit(fit.at, 1);
@@ -220,7 +225,7 @@ class Search {
         continue;
       }
       fit = std::move(with);
-      looked_for_swings = false;
+      looked_for_swings = first_alone = false;
       problem_.weigh(fit.at);
       fit = apart(problem_.fit(fit.at, 3));
     }
