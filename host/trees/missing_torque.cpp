@@ -319,8 +319,9 @@ double predictable_share(const TorqueSamples& s, std::size_t joint, std::size_t 
 }
 
 double lasting_nm(const TorqueSamples& s) {
-  // Blocks of the recordings scatter; the nearest bin of time apart is asked for two standard errors, the best of all for more.
-  constexpr double kBlock_s = 0.5, kOfOne = 2.0, kOfAny = 2.5;
+  // Blocks of the recordings scatter. The nearest bin of time apart is asked for two standard errors, the best of all for so much
+  // more that all together err as seldom by chance.
+  constexpr double kBlock_s = 0.5, kOfOne = 2.0, kOfAny = 3.15;
   constexpr std::size_t kBins = 14;  // each of one half_s: 0.04 to 0.32 s apart at the usual one
   struct Bin {
     double sum = 0.0, pairs = 0.0;
