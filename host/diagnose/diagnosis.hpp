@@ -2,6 +2,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -9,6 +10,7 @@
 
 #include "furcula/dynamics/effects/catalogue.hpp"
 #include "host/core/verdict.hpp"
+#include "host/diagnose/remainder.hpp"
 #include "host/identify/prediction.hpp"
 #include "host/model/model.hpp"
 #include "host/sim/scenario.hpp"
@@ -148,6 +150,7 @@ struct Diagnosis {
   /// finding, or where those do not help there.
   double unnamed_share = 0.0;
   bool residual_white = true;
+  std::optional<Remainder> remainder;  ///< of the extended model
   std::vector<Association> goes_along_with;
   std::string next_experiment;  ///< of the whole diagnosis
   /// Where causes cannot be told apart: the experiments that would, the most telling first.

@@ -131,6 +131,24 @@ nlohmann::ordered_json to_json(const Diagnosis& d) {
                           {"extended_ci95", pair(p.extended.lower, p.extended.upper)},
                           {"verdict", p.verdict}};
 
+  Json unexplained{{"fraction_of_nmse", number(d.unexplained_fraction)},
+                   {"white", d.residual_white},
+                   {"goes_along_with", goes_along_with}};
+  if (d.remainder) {
+    const Remainder& left = *d.remainder;
+    const std::string force = left.unit == "N" ? "force_n" : "torque_nm";
+    unexplained["repeatability"] = {{"random_" + force, number(left.random_force)},
+                                    {"random_" + force + "_held_out", number(left.random_force_held_out)},
+                                    {"correlation_s", number(left.correlation_s)},
+                                    {"impact_scatter", number(left.impact_scatter)},
+                                    {"share_of", left.typical_is},
+                                    {"share", number(left.random_force / left.typical_force)}};
+    unexplained["foretold"] = {{force, number(left.foretold_force)},
+                               {"share_of_squares", number(left.foretold_share)},
+                               {"standard_errors", number(left.deviations)},
+                               {"counts", left.is_structured()}};
+  }
+
   return {{"schema", "furcula-diagnosis/1"},
           {"kind", dynamics::info(d.kind).name},
           {"data",
@@ -142,10 +160,7 @@ nlohmann::ordered_json to_json(const Diagnosis& d) {
           {"extended", held_out(d.extended, d.kind)},
           {"noise_floor", floor_of(d.noise_floor)},
           {"findings", findings},
-          {"unexplained",
-           {{"fraction_of_nmse", number(d.unexplained_fraction)},
-            {"white", d.residual_white},
-            {"goes_along_with", goes_along_with}}},
+          {"unexplained", unexplained},
           {"next_experiment", d.next_experiment},
           {"experiments", experiments},
           {"parameters", parameters},

@@ -1,5 +1,6 @@
 #include "host/diagnose/hypothesis.hpp"
 
+#include <array>
 #include <cmath>
 
 #include "host/core/quantile.hpp"
@@ -155,6 +156,24 @@ bool stands_out(const Hypothesis& h, const model::Model& model, Effect e, double
   const double statistic = scaled.dot(correlation.completeOrthogonalDecomposition().solve(scaled));
   return statistic >
          chi_square_point(tries * dynamics::info(e).search.shapes, static_cast<double>(sizes.size()));
+}
+
+bool told_from_special_case(const Hypothesis& h, Effect e) {
+  if (e != Effect::asymmetric_friction && e != Effect::stribeck_friction) return true;
+  constexpr double kSizes = 4.0, kVelocity = 2.0;
+  std::array<Eigen::Index, 3> at{-1, -1, -1};
+  for (std::size_t i = 0; i < h.unknowns.size(); ++i)
+    if (h.unknowns[i].of_effect && h.unknowns[i].effect == e && !h.fit.at_bound[i])
+      at[h.unknowns[i].parameter] = static_cast<Eigen::Index>(i);
+  const auto value = [&](std::size_t k) { return h.fit.values[static_cast<std::size_t>(at[k])]; };
+  const auto covariance = [&](std::size_t i, std::size_t k) { return h.fit.covariance(at[i], at[k]); };
+  if (at[0] >= 0 && at[1] >= 0) {
+    const double apart = value(1) - value(0);
+    const double variance = covariance(0, 0) + covariance(1, 1) - 2.0 * covariance(0, 1);
+    if (apart * apart < kSizes * kSizes * variance) return false;
+  }
+  return e != Effect::stribeck_friction || at[2] < 0 ||
+         value(2) * value(2) > kVelocity * kVelocity * covariance(2, 2);
 }
 
 }  // namespace furcula::diagnose

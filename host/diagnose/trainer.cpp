@@ -108,7 +108,8 @@ Hypothesis Trainer::fit(const std::vector<Effect>& effects, const Hypothesis* fr
   h.meaningful = within_limits(h) && beyond_resolution(h);
   const auto tries = static_cast<double>(candidates().size());
   for (Effect e : effects)
-    if (h.meaningful && shapes_of(e) > 1.0) h.meaningful = stands_out(h, model, e, tries);
+    if (h.meaningful)
+      h.meaningful = told_from_special_case(h, e) && (shapes_of(e) == 1.0 || stands_out(h, model, e, tries));
   return h;
 }
 

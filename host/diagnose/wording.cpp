@@ -45,8 +45,41 @@ std::string before_and_after(const Diagnosis& d, const Errors& before, const Err
   return "from " + readable(b->second.rmse, unit) + " to " + readable(a->second.rmse, unit);
 }
 
+/// "a random force of 0.25 N": what the machine does not repeat, where that is more than the noise.
+std::string random_force(const Diagnosis& d) {
+  const Remainder& left = *d.remainder;
+  return std::string(left.unit == "N" ? "a random force of " : "a random torque of ") +
+         number(left.random_force, 2) + " " + left.unit + " (" +
+         number(100.0 * left.random_force / left.typical_force, 2) + " % of " + left.typical_is + ")";
+}
+
+/// What is left of a model of which nothing more is to be explained.
+std::string what_is_left(const Diagnosis& d) {
+  constexpr double kWorthAWord = 1e-3;
+  if (!d.remainder || d.remainder->random_force < kWorthAWord * d.remainder->typical_force)
+    return "measuring noise";
+  return "measuring noise and what the machine does not repeat, " + random_force(d);
+}
+
+/// Why what is left has a cause, as far as that is known.
+std::string why_unexplained(const Diagnosis& d) {
+  if (!d.remainder) return "";
+  const Remainder& left = *d.remainder;
+  if (left.is_structured())
+    return ". A flexible law of the motion, the input and the time, learned on the training recordings, takes off " +
+           number(100.0 * left.foretold_share, 2) + " % of the held-out squares, with a " +
+           (left.unit == "N" ? "force" : "torque") + " of " + number(left.foretold_force, 2) + " " +
+           left.unit;
+  if (left.random_force_held_out > 2.0 * left.random_force)
+    return ". The held-out recordings lack " + number(left.random_force_held_out, 2) + " " + left.unit +
+           " that the training recordings do not: another machine, or one that has changed";
+  if (!left.repeats())
+    return ". It looks like " + random_force(d) + ", which nothing in the recordings foretells";
+  return "";
+}
+
 /// What stands beside the noise floor after the extension.
-std::string remainder(const Diagnosis& d) {
+std::string beside_the_floor(const Diagnosis& d) {
   const auto [channel, unit] = told(d);
   const auto after = d.extended.find(channel), floor = d.noise_floor.find(channel);
   if (after == d.extended.end() || floor == d.noise_floor.end() || !(floor->second.rmse > 0.0)) return "";
@@ -132,10 +165,10 @@ std::string summary(const Diagnosis& d) {
                             where + " falls " + before_and_after(d, d.refitted, d.extended);
   switch (d.verdict) {
     case Verdict::adequate:
-      return "The model is adequate: after moving its free parameters, nothing is left but measuring noise (" +
-             where + " " + before_and_after(d, d.baseline, d.refitted) + ").";
+      return "The model is adequate: after moving its free parameters, nothing is left but " +
+             what_is_left(d) + " (" + where + " " + before_and_after(d, d.baseline, d.refitted) + ").";
     case Verdict::explained:
-      return sentence(named + falls + remainder(d) + ".");
+      return sentence(named + falls + beside_the_floor(d) + ".");
     case Verdict::partly_explained:
       if (d.unnamed_share <= 0.5)
         return sentence(named + falls + ", but structure remains that no effect of the catalogue removes.");
@@ -144,7 +177,7 @@ std::string summary(const Diagnosis& d) {
     case Verdict::unexplained:
       return "The model is wrong in a way that no effect of the catalogue explains: the " + where +
              " stays at " + readable(d.refitted.at(d.main_channel).rmse, d.main_unit) +
-             ", above the measuring noise.";
+             ", above the measuring noise" + why_unexplained(d) + ".";
     case Verdict::not_identifiable: {
       if (!d.beyond_bounds.empty())
         return "Nothing can be named: the bounds of the free parameters exclude what the recordings ask for, " +

@@ -148,7 +148,7 @@ std::string figures(const Diagnosis& d) {
                   std::string("the same ") + (found ? "three" : "two") +
                       (floor ? "; the noise floor is " + number(floor->nmse, 2) : "")});
   list.push_back({"Still unexplained", escape(percent(d.unexplained_fraction)),
-                  d.residual_white ? "of the error above the noise; what remains looks like noise"
+                  d.residual_white ? "of the error above the noise; what remains looks random"
                                    : "of the error above the noise; what remains has structure"});
   return key_figures(list);
 }
@@ -363,12 +363,33 @@ TraceData traces(const Diagnosis& d) {
   return encode(plot);
 }
 
+/// How well the machine repeats itself, and what a flexible law foretells.
+std::string repeatability(const Diagnosis& d) {
+  if (!d.remainder) return "";
+  const diagnose::Remainder& left = *d.remainder;
+  const auto percent_of = [&](double force) {
+    return number(force, 2) + " " + left.unit + ", " + percent(force / left.typical_force) + " of " +
+           left.typical_is;
+  };
+  std::string out = "<p>What the machine does not repeat is like a random " +
+                    std::string(left.unit == "N" ? "force" : "torque") + " of " +
+                    escape(percent_of(left.random_force)) + " (root mean square), which lasts " +
+                    number(1e3 * left.correlation_s, 2) + " ms";
+  if (left.impact_scatter > 0.0)
+    out += ", and impacts after which the speed scatters by " + percent(left.impact_scatter);
+  out += ". A flexible law of the motion, the input and the time, learned on the training recordings, adds " +
+         escape(percent_of(left.foretold_force)) + " on the held-out ones and changes their squares by " +
+         percent(-left.foretold_share) + "; that is " + number(left.deviations, 2) + " standard errors. " +
+         (left.is_structured() ? "It counts." : "It does not count.") + "</p>\n";
+  return out;
+}
+
 std::string remains(const Diagnosis& d) {
   std::string out = "<p>" + escape(percent(d.unexplained_fraction)) +
                     " of the error above the noise floor is not explained. " +
                     (d.residual_white ? "It has no structure that could be told from noise."
                                       : "It has structure, so it has a cause.") +
-                    "</p>\n";
+                    "</p>\n" + repeatability(d);
   Table table({{"It goes along with"}, {"Strength", true}, {"How"}});
   for (const diagnose::Association& a : d.goes_along_with)
     table.add({"<code>" + escape(a.signal) + "</code>", share_bar(a.strength), escape(a.how)});
