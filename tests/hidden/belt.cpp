@@ -24,7 +24,8 @@ Belt::Belt(const Truth& truth)
       inertia_(mass_ * radius_ * radius_ + value(truth, "pulley_inertia_kgm2")),
       damping_(value(truth, "damping_nmspr")),
       spring_npm_(value(truth, "auxiliary_stiffness_npm")),
-      pitch_rad_(value(truth, "tooth_pitch_m") / radius_) {
+      pitch_rad_(value(truth, "tooth_pitch_m") / radius_),
+      disturbed_(truth.disturbance, truth.draw) {
   for (const Planted& p : truth.planted) {
     const auto [v0, v1, v2] = p.values;
     if (p.law == "coulomb_friction") friction_nm_ = v0;
@@ -49,7 +50,8 @@ void Belt::press_key() {
 }
 
 double Belt::torque(double angle, double speed, bool with_friction) const {
-  double sum = mass_ * kGravity_mps2 * radius_ - spring_npm_ * radius_ * radius_ * angle - damping_ * speed;
+  double sum = mass_ * kGravity_mps2 * radius_ - spring_npm_ * radius_ * radius_ * angle - damping_ * speed +
+               disturbed_.force(time_s_);
   double dry = friction_nm_ + warm_nm_ * (1 - std::exp(-time_s_ / warming_s_));
   if (angle > snag_from_ && angle < snag_to_) dry += snag_nm_;
   if (state_ == State::skipping && with_friction) dry += holding_n_ * radius_;

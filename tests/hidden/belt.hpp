@@ -42,6 +42,7 @@ class Belt {
   bool bears() const;
 
   double mass_, radius_, inertia_, damping_, spring_npm_, pitch_rad_;
+  Disturbed disturbed_;
   double friction_nm_ = 0, holding_n_ = 1e12, snag_nm_ = 0, snag_from_ = 0, snag_to_ = 0, warm_nm_ = 0,
          warming_s_ = 1;
   double time_s_ = 0, angle_ = 0, speed_ = 0, from_ = 0;

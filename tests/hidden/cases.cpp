@@ -53,6 +53,20 @@ Truth during(const Case& c, std::size_t recording, std::size_t slipping) {
   return truth;
 }
 
+// Of a machine whose forces are about `typical`. Its own numbers: what else is drawn stays what it was.
+Disturbance disturbance(const Question& q, double typical) {
+  if (!q.disturbed) return {};
+  Random random(q.seed * 0xA0761D6478BD642Fu + 5);
+  Disturbance d;
+  d.force = typical * random.log_uniform(0.005, 0.02);
+  d.correlation_s = random.log_uniform(0.01, 0.1);
+  if (q.kind == Kind::hopper_linear) {
+    d.restitution = random.log_uniform(0.002, 0.012);
+    d.ground_m = random.log_uniform(5e-5, 3e-4);
+  }
+  return d;
+}
+
 void draw_hopper(Case& c, Random& random) {
   const Question& q = c.question;
   // Around the published rig (002, section 4.2): m 1.554, k 605, z0 0.289, ds 6.42, df 1.18.
@@ -90,6 +104,8 @@ void draw_hopper(Case& c, Random& random) {
   }
   // The body's mass is what the side mass leaves of it: at rest nothing shows.
   if (const auto* side = find(c.truth.planted, "side_mass")) c.truth.parameters[0] -= (*side)[0];
+
+  c.truth.disturbance = disturbance(q, mass * 9.81);
 
   HopperSensors sensors;
   sensors.noise_m = random.uniform(2e-5, 5e-5);
@@ -254,6 +270,7 @@ void draw_axis(Case& c, Random& random) {
   for (const std::string& law : q.laws)
     c.truth.planted.push_back(axis_law(law, c.size, c.model, habits, random));
   if (const auto* side = find(c.truth.planted, "side_mass")) c.truth.parameters[0] -= (*side)[0];
+  c.truth.disturbance = disturbance(q, c.typical_input);
 
   int number = 0;
   for (AxisRecording& recording : record()) {
@@ -275,6 +292,8 @@ void draw_carriage(Case& c, Random& random) {
   for (Planted& p : c.truth.planted)  // the hopper's heights are not the rail's
     if (p.law == "binding_spot" || p.law == "cable_snag") p.values[1] = random.uniform(0.05, 0.15);
   if (const auto* side = find(c.truth.planted, "side_mass")) c.truth.parameters[0] -= (*side)[0];
+
+  c.truth.disturbance = disturbance(q, mass * 9.81);
 
   AxisSensors sensors;
   sensors.quantum = 9e-5;
@@ -310,6 +329,8 @@ void draw_bench(Case& c, Random& random) {
   c.truth.parameters[7] *= off(q, 0.1, random);
   if (catch_free) c.truth.parameters[8] *= off(q, 0.1, random);
   for (const std::string& law : q.laws) c.truth.planted.push_back(bench_law(law, c.size, c.model, random));
+
+  c.truth.disturbance = disturbance(q, mass * 9.81 * radius);
 
   BenchSensors sensors;
   sensors.noise_rad = sensors.quantum_rad * random.uniform(0.1, 0.5);
@@ -473,7 +494,7 @@ Question question_of(Tier tier, std::uint64_t seed, std::uint64_t index, std::st
   Question q;
   q.seed = seed + index;
   q.nominal = random.chance(0.5) ? Nominal::exact : Nominal::wrong;
-  q.more_columns = true;
+  q.more_columns = q.disturbed = true;
   q.size = tier == Tier::small                                                  ? Size::small
            : tier == Tier::large || (tier == Tier::pairs && random.chance(0.5)) ? Size::large
                                                                                 : Size::medium;

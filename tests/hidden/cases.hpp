@@ -38,7 +38,8 @@ struct Question {
   Size size = Size::medium;       ///< of each; causes outside of the catalogue have one size
   Nominal nominal = Nominal::scattered;
   bool more_columns = false;  ///< some cases get the optional columns that the kind's rig can log
-  bool clutched = false;  ///< a hopper with a clutch, which one that a clutch's law is asked of has anyway
+  bool clutched = false;   ///< a hopper with a clutch, which one that a clutch's law is asked of has anyway
+  bool disturbed = false;  ///< by random forces, impacts and ground, of which the sizes are drawn
 };
 
 struct Case {

@@ -153,7 +153,6 @@ std::vector<OtherWords> in_other_words(const Case& c, const Planted& p) {
 struct TrueError {
   double squares = 0.0;
   std::size_t samples = 0;
-  double rms() const { return std::sqrt(squares / static_cast<double>(samples)); }
 };
 
 // The errors of position that a model makes over the true trajectories, started anew from the
@@ -214,9 +213,14 @@ void judge_predictions(Judgement& j, const Case& c, const diagnose::Diagnosis& d
   if (!moves_the_body(extended.planted, c.kind) || !moves_the_body(c.truth.planted, c.kind)) return;
   // Unfit values (a ground without a damper) are no machine.
   try {
-    const TrueError after = true_error(extended, c.held_out_truth);
-    j.remaining_rms = after.rms();
-    j.removed_truly = 1.0 - after.squares / true_error(refitted, c.held_out_truth).squares;
+    // What is random in the machine is nobody's to predict.
+    Truth undisturbed = c.truth;
+    undisturbed.disturbance = {};
+    const TrueError before = true_error(refitted, c.held_out_truth),
+                    after = true_error(extended, c.held_out_truth);
+    const double random = c.truth.disturbance.any() ? true_error(undisturbed, c.held_out_truth).squares : 0.0;
+    j.remaining_rms = std::sqrt(std::max(0.0, after.squares - random) / static_cast<double>(after.samples));
+    j.removed_truly = 1.0 - (after.squares - random) / (before.squares - random);
   } catch (const std::invalid_argument&) {
   }
 }
@@ -240,26 +244,46 @@ std::string line(const diagnose::Diagnosis& d, double removed) {
   };
   return text + "; held-out nmse of " + d.main_channel + ": given " + nmse(d.baseline) + ", re-fitted " +
          nmse(d.refitted) + ", extended " + nmse(d.extended) + ", floor " + nmse(d.noise_floor) +
-         format("; removed %.3f", removed);
+         format("; removed %.3f", removed) +
+         (!d.remainder ? std::string()
+                       : format("; left: of %.3g", d.remainder->typical_force) +
+                             format(" at random %.3g", d.remainder->random_force) +
+                             format(" over %.3g s,", d.remainder->correlation_s) +
+                             format(" impacts %.3g,", d.remainder->impact_scatter) +
+                             format(" foretold %.3g", d.remainder->foretold_force) +
+                             format(" (takes off %.3f,", d.remainder->foretold_share) +
+                             format(" %.1f standard errors),", d.remainder->deviations) +
+                             format(" correlation of what is new %.1f", d.remainder->correlation_of_new));
+}
+
+// A finding that nobody planted: there is none of it, and its interval should say so.
+void add_extra(Judgement& j, const Case& c, const Finding& f) {
+  j.extra.emplace_back(effect_name(f.effect));
+  if (law_named(effect_name(f.effect)) == nullptr) return;
+  ParameterError e = compare(c, effect_name(f.effect), 0, neutral_value(c, effect_name(f.effect)), f);
+  e.main = false;
+  if (!std::isnan(e.found)) j.parameters.push_back(e);
 }
 
 // Which of the findings are the planted laws, and what that makes of the diagnosis.
 void judge_names(Judgement& j, const Case& c, const diagnose::Diagnosis& d) {
   const auto& planted = c.truth.planted;
   if (c.outside()) {
-    constexpr double kConfident = 0.9;
-    const bool confident = std::any_of(d.findings.begin(), d.findings.end(),
-                                       [](const Finding& f) { return f.confidence >= kConfident; });
+    constexpr double kDoubted = 0.5;
+    const bool doubted = std::none_of(d.findings.begin(), d.findings.end(),
+                                      [](const Finding& f) { return f.confidence > kDoubted; });
     const bool said =
         d.verdict == diagnose::Verdict::unexplained || d.verdict == diagnose::Verdict::partly_explained;
-    j.outcome = said || !confident ? Outcome::honest : Outcome::wrong_name;
-    for (const Finding& f : d.findings) j.extra.emplace_back(effect_name(f.effect));
+    j.outcome = said || (doubted && !d.findings.empty()) ? Outcome::honest
+                : d.findings.empty()                     ? Outcome::nothing_named
+                                                         : Outcome::wrong_name;
+    for (const Finding& f : d.findings) add_extra(j, c, f);
     return;
   }
   if (d.findings.empty()) return;
   if (planted.empty()) {
     j.outcome = Outcome::wrong_name;
-    for (const Finding& f : d.findings) j.extra.emplace_back(effect_name(f.effect));
+    for (const Finding& f : d.findings) add_extra(j, c, f);
     return;
   }
 
@@ -301,7 +325,7 @@ void judge_names(Judgement& j, const Case& c, const diagnose::Diagnosis& d) {
         }
   }
   for (const Finding& f : d.findings)
-    if (std::find(right.begin(), right.end(), &f) == right.end()) j.extra.emplace_back(effect_name(f.effect));
+    if (std::find(right.begin(), right.end(), &f) == right.end()) add_extra(j, c, f);
   const bool first_is_right = std::find(right.begin(), right.end(), &d.findings.front()) != right.end();
 
   // Truly not to be told apart: what was named instead predicts as well.
@@ -318,9 +342,9 @@ void judge_names(Judgement& j, const Case& c, const diagnose::Diagnosis& d) {
       j.outcome = Outcome::not_separated;
     else
       j.outcome = Outcome::half_named;
-  } else if (named == 1 && first_is_right) {
+  } else if (named == 1 && first_is_right && j.extra.empty()) {
     j.outcome = Outcome::named;
-  } else if ((rivals == 1 && first_is_right) ||
+  } else if ((rivals == 1 && first_is_right && j.extra.empty()) ||
              (d.verdict == diagnose::Verdict::not_identifiable && named + rivals > 0)) {
     j.outcome = Outcome::not_separated;
   } else if (planted[0].law == "stribeck_friction" && j.first == "coulomb_friction" && below_resolution) {

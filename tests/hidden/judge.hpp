@@ -11,15 +11,15 @@
 namespace furcula::hidden {
 
 enum class Outcome {
-  /// The planted effect stands first, or the same law under its other name; of a pair: both are named and nothing else.
+  /// The planted effect, or the same law under its other name, and nothing else; of a pair: both.
   named,
   not_separated,  ///< another stands first, with the planted effect among those that it cannot be told from
   /// The planted law's simpler case stands alone, and what it leaves is below the sensor's resolution (judge.cpp).
   simpler_law,
   half_named,     ///< of a pair: one is named, and nothing else
   nothing_named,  ///< no finding
-  honest,      ///< a cause outside of the catalogue: said to be unexplained, or nothing named with confidence
-  wrong_name,  ///< another law stands first; in a clean case: any finding; of a pair: any third law
+  honest,  ///< a cause outside of the catalogue: said to be unexplained or partly explained, or a name of 0.5 at most
+  wrong_name,  ///< a law that is not planted, first or beside
 };
 
 struct ParameterError {

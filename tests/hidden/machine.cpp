@@ -26,6 +26,7 @@ Machine::Machine(const Truth& truth, double position, double velocity, double st
     : hopper_(is_kind(truth.kind, "hopper_linear")),
       rotary_(is_kind(truth.kind, "rotary_joint")),
       carriage_(is_kind(truth.kind, "rail_carriage")),
+      disturbed_(truth.disturbance, truth.draw),
       drive_(truth.planted, start_s, truth.draw),
       time_s_(start_s),
       touchdown_s_(kNever),
@@ -159,6 +160,7 @@ Machine::Machine(const Truth& truth, double position, double velocity, double st
   dry_friction_ = friction_up_ != 0 || friction_down_ != 0 || stribeck_excess_ != 0 || binding_ != 0 ||
                   hysteresis_ != 0 || warm_friction_ != 0;
   stance_ = hopper_ && position <= touchdown_height_m_;
+  ground_m_ = stance_ ? 0.0 : disturbed_.ground_m(0);
   // At rest the direction is decided by the first command; see advance().
   direction_ = velocity > 0 ? 1 : velocity < 0 ? -1 : 0;
   state_[kGap] = half_gap_rad_;
@@ -223,11 +225,11 @@ Machine::Leg Machine::leg(const State& s, double t) const {
   if (ground_npm_ > 0) {
     // The massless toe moves so that leg and ground push on it equally; on the leg's stop it moves with the
     // body.
-    out.toe_velocity =
-        (leg_damping_nspm_ * s[kV] - ground_npm_ * s[kToe] - still) / (leg_damping_nspm_ + ground_nspm_);
+    out.toe_velocity = (leg_damping_nspm_ * s[kV] - ground_npm_ * (s[kToe] - ground_m_) - still) /
+                       (leg_damping_nspm_ + ground_nspm_);
     if (length >= touchdown_height_m_ && s[kV] > out.toe_velocity && sticking_n_ < 0)
       out.toe_velocity = s[kV];
-    out.force = out.ground_force = -ground_npm_ * s[kToe] - ground_nspm_ * out.toe_velocity;
+    out.force = out.ground_force = -ground_npm_ * (s[kToe] - ground_m_) - ground_nspm_ * out.toe_velocity;
   } else {
     out.force = out.ground_force = still - leg_damping_nspm_ * s[kV];
   }
@@ -254,7 +256,7 @@ double Machine::outer_force(const State& s, double t) const {
   if (snag_ != 0 && v > 0 && within(x, snag_from_, snag_to_)) force -= snag_;
   if (detent_ != 0) force += detent_ * std::sin(kTwoPi * x / detent_pitch_ + detent_phase_rad_);
   if (periodic_ != 0) force += periodic_ * std::sin(kTwoPi * periodic_hz_ * t + periodic_phase_rad_);
-  return force + gust(t);
+  return force + gust(t) + disturbed_.force(t);
 }
 
 // Of the guide or the bearings.
@@ -270,9 +272,9 @@ double Machine::friction_size(const State& s, double t, int direction, double sp
 }
 
 // Of the body with its links in stance: M of docs/physics.md along z = 2 L cos(theta).
-double Machine::effective_inertia(double x) const {
+double Machine::effective_inertia(double length) const {
   if (!links_ || !stance_) return inertia_;
-  const double c2 = x * x / (4 * link_length_m_ * link_length_m_);  // cos^2(theta)
+  const double c2 = length * length / (4 * link_length_m_ * link_length_m_);  // cos^2(theta)
   return inertia_ - links_e_ / link_length_m_ +
          (links_a_ - 2 * link_length_m_ * links_b_ * (2 * c2 - 1)) /
              (4 * link_length_m_ * link_length_m_ * (1 - c2));
@@ -287,13 +289,13 @@ double Machine::acceleration(const State& s, double t) const {
   force += leg(s, t).force;
   if (!links_) return force / inertia_ - gravity;
   // d/dt of (M z') less half of dM/dz z'^2; of the links' weight, half sinks with the body.
-  const double L = link_length_m_, c2 = s[kX] * s[kX] / (4 * L * L);
+  const double length = s[kX] - s[kToe], L = link_length_m_, c2 = length * length / (4 * L * L);
   const double numerator = links_a_ - 2 * L * links_b_ * (2 * c2 - 1), denominator = 4 * L * L * (1 - c2);
   const double slope =
-      s[kX] / (2 * L * L) *
+      length / (2 * L * L) *
       (-4 * L * links_b_ / denominator + 4 * L * L * numerator / (denominator * denominator));
   return (force - (inertia_ - links_e_ / (2 * L)) * gravity - 0.5 * slope * s[kV] * s[kV]) /
-         effective_inertia(s[kX]);
+         effective_inertia(length);
 }
 
 Machine::State Machine::rates(const State& s, double t) const {
@@ -339,14 +341,14 @@ bool Machine::turns(const State& s) const { return dry_friction_ && s[kV] * dire
 
 // A hop too low to straighten the leg touches down again as soon as it falls.
 bool Machine::touches_down(const State& s) const {
-  return hopper_ && !stance_ && s[kV] < 0 && s[kX] <= touchdown_height_m_;
+  return hopper_ && !stance_ && s[kV] < 0 && s[kX] <= touchdown_height_m_ + ground_m_;
 }
 
 bool Machine::lifts_off(const State& s, double t) const {
   if (!stance_ || s[kV] <= 0) return false;
   if (sticking_n_ >= 0) return leg(s, t).ground_force <= -sticking_n_;
   if (ground_npm_ > 0) return leg(s, t).ground_force <= 0;
-  if (s[kX] >= touchdown_height_m_) return true;
+  if (s[kX] - s[kToe] >= touchdown_height_m_) return true;
   if (!links_) return leg(s, t).ground_force <= 0;
   // Momentum of body and links, m z' + e sin(theta) theta', changes by what acts from without.
   double outer = outer_force(s, t) - inertia_ * gravity_ * cosine_of_tilt_;
@@ -432,20 +434,22 @@ void Machine::advance(double until_s, double command, double step_s) {
       rotor_end_ = end[kGap] > 0 ? 1 : -1;
       if (stance_) {
         const double sine = leg(end, time_s_).sine;
-        state_[kV] -= kRotor_kgm2 * end[kGapV] / (2 * link_length_m_ * sine * effective_inertia(end[kX]));
+        state_[kV] -=
+            kRotor_kgm2 * end[kGapV] / (2 * link_length_m_ * sine * effective_inertia(end[kX] - end[kToe]));
       }
       state_[kGapV] = 0;
       state_[kGap] = rotor_end_ * half_gap_rad_;
     } else if (touches_down(end)) {
       stance_ = true;
       touchdown_s_ = time_s_;
-      state_[kV] *= restitution_touchdown_;
-      state_[kToe] = 0;
+      state_[kV] *= restitution_touchdown_ * disturbed_.factor(2 * hops_);
+      state_[kToe] = ground_m_;
     } else if (lifts_off(end, time_s_)) {
       stance_ = false;
       liftoff_s_ = time_s_;
-      state_[kV] *= restitution_liftoff_;
+      state_[kV] *= restitution_liftoff_ * disturbed_.factor(2 * hops_ + 1);
       state_[kToe] = 0;
+      ground_m_ = disturbed_.ground_m(++hops_);
     } else if (turns(end)) {
       state_[kV] = 0;
       direction_ = 0;

@@ -22,6 +22,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "tests/hidden/disturbance.hpp"
 #include "tests/hidden/drive.hpp"
 #include "tests/hidden/laws.hpp"
 
@@ -38,6 +39,7 @@ struct Truth {
   std::uint64_t draw = 0;          ///< decides what is random in a cause: another one for each recording
   /// Hopper: release and catch delay, s, auxiliary spring, N/m, and tooth pitch, m; a pitch of 0: no clutch.
   std::array<double, 4> clutch{};
+  Disturbance disturbance{};  ///< what is random and no cause
 };
 
 /// Position and velocity in m, m/s or rad, rad/s. On the hopper the position is the body's height.
@@ -71,7 +73,7 @@ class Machine {
   double touchdown_height_m() const { return touchdown_height_m_; }
   /// Hopper: force between ground and toe at the present state, N. After advance().
   double ground_force_n() const;
-  /// Hopper: height of the toe in stance, 0 on hard ground, m.
+  /// Hopper: height of the toe in stance, 0 on hard flat ground, m.
   double toe_m() const { return state_[kToe]; }
   /// Hopper: leg angle on the motor's side; in flight the leg rests on its stop.
   double motor_angle_rad() const;
@@ -100,7 +102,7 @@ class Machine {
   Leg leg(const State& s, double t) const;
   double outer_force(const State& s, double t) const;
   double friction_size(const State& s, double t, int direction, double speed) const;
-  double effective_inertia(double x) const;
+  double effective_inertia(double length) const;
   double acceleration(const State& s, double t) const;
   State rates(const State& s, double t) const;
   State stepped(const State& s, double h) const;
@@ -138,6 +140,9 @@ class Machine {
   std::vector<Gust> gusts_;
   bool dry_friction_ = false;
 
+  Disturbed disturbed_;
+  double ground_m_ = 0;  // under the toe's next touch-down, or its present one
+  int hops_ = 0;
   Drive drive_;
   double time_s_;
   State state_{};

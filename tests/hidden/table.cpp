@@ -1,5 +1,5 @@
 // furcula_hidden_table [--seed N] [--cases N] [--tier NAME]... [--threads N] [--kind NAME] [--effect NAME]
-//                      [--out DIR] [--write DIR] [--size NAME]
+//                      [--out DIR] [--write DIR] [--size NAME] [--commit NAME]
 // The blind suite: draws cases from fresh seeds, lets the diagnosis find what they hide and prints how often
 // it did (docs/blind_suite.md). Cases run side by side, each diagnosis on one thread; the tables do not
 // depend on it.
@@ -36,7 +36,7 @@ struct Arguments {
   std::size_t cases = 400;
   unsigned threads = 2;
   std::vector<Tier> tiers;
-  std::string kind, effect, out, write;
+  std::string kind, effect, out, write, commit = "?";
   std::optional<Size> size;
 };
 
@@ -65,6 +65,8 @@ std::optional<Arguments> parsed(int argc, char** argv) {
       a.effect = value;
     else if (key == "--size" && (value == "small" || value == "medium" || value == "large"))
       a.size = value == "small" ? Size::small : value == "medium" ? Size::medium : Size::large;
+    else if (key == "--commit")
+      a.commit = value;
     else if (key == "--out")
       a.out = value;
     else if (key == "--write")
@@ -189,8 +191,9 @@ int run(const Arguments& a) {
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   const Tally t = tally(answers);
   char head[160];
-  std::snprintf(head, sizeof head, "seed %llu, %zu cases, %u threads, %.1f minutes",
-                static_cast<unsigned long long>(a.seed), answers.size(), a.threads, seconds / 60);
+  std::snprintf(head, sizeof head, "commit %.40s, seed %llu, %zu cases, %u threads, %.1f minutes",
+                a.commit.c_str(), static_cast<unsigned long long>(a.seed), answers.size(), a.threads,
+                seconds / 60);
   std::printf("\n%s\n\n%s", head, text_of(t, answers).c_str());
   if (!a.out.empty()) {
     std::filesystem::create_directories(a.out);
@@ -212,7 +215,7 @@ int main(int argc, char** argv) {
         "usage: furcula_hidden_table [--seed N] [--cases N] [--tier "
         "large|medium|small|pairs|clean|outside]...\n"
         "                            [--threads N] [--kind NAME] [--effect NAME] [--out DIR] [--write DIR]\n"
-        "                            [--size small|medium|large]\n");
+        "                            [--size small|medium|large] [--commit NAME]\n");
     return 2;
   }
   return furcula::hidden::run(*arguments);

@@ -33,12 +33,16 @@ double goal(Tier tier) {
     case Tier::pairs:
       return 0.85;
     case Tier::clean:
-      return 0.98;
+      return 0.95;
     case Tier::outside:
       return 0.90;
   }
   return 1.0;
 }
+
+constexpr diagnose::Verdict kVerdicts[] = {
+    diagnose::Verdict::adequate, diagnose::Verdict::explained, diagnose::Verdict::partly_explained,
+    diagnose::Verdict::unexplained, diagnose::Verdict::not_identifiable};
 
 // A column where nothing stands first.
 std::string unnamed(const Judgement& j) { return "(" + std::string(name(j.verdict)) + ")"; }
@@ -201,8 +205,7 @@ std::string text_of(const Tally& t, const std::vector<Answer>& answers) {
                    r.half, r.nothing, r.honest, r.wrong, r.extra, r.refused);
   out +=
       "right: the planted cause first, or in a group whose first one truly predicts as well (of these); pairs: both "
-      "and\nnothing else; clean: no finding and adequate; outside: unexplained, partly explained, or no name with "
-      "confidence.\n";
+      "and\nnothing else; clean: no finding and adequate; outside: unexplained, partly explained, or names of 0.5 at most.\n";
   for (const TierTally& r : t.tiers)
     if (r.wrong_but_undecided > 0)
       out += printed("%s: %zu of the wrong names under the verdict not_identifiable.\n",
@@ -217,6 +220,18 @@ std::string text_of(const Tally& t, const std::vector<Answer>& answers) {
                 100 * quantile(r.errors, 0.5), 100 * quantile(r.errors, 0.9), percent(r.covered).c_str(),
                 percent(r.removes_enough).c_str(), quantile(r.seconds, 0.5), quantile(r.seconds, 1.0));
   out += "err: of the main parameters, in % of their difference from a machine without the effect.\n";
+
+  out += printed("\n%-8s", "tier");
+  for (const auto verdict : kVerdicts) out += printed(" %16s", std::string(furcula::name(verdict)).c_str());
+  out += "\n";
+  for (const TierTally& r : t.tiers) {
+    out += printed("%-8s", std::string(name(r.tier)).c_str());
+    for (const auto verdict : kVerdicts)
+      out += printed(" %16zd", std::count_if(answers.begin(), answers.end(), [&](const Answer& a) {
+                       return a.tier == r.tier && a.refused.empty() && a.judgement.verdict == verdict;
+                     }));
+    out += "\n";
+  }
 
   out += printed("\n%-14s %6s %6s %6s\n", "confidence", "first", "mean", "right");
   for (const Reliability& bin : t.reliability)

@@ -42,6 +42,25 @@ TEST_CASE("The virtual belt falls as its weight and pulley say, and rests at the
   }
 }
 
+TEST_CASE("A random torque moves the virtual belt by its double integral") {
+  Truth t = bench();
+  t.disturbance = {.force = 0.02, .correlation_s = 0.02};
+  t.draw = 11;
+  const Disturbed d(t.disturbance, t.draw);
+  Belt b(t);
+  b.pull_key();
+  b.advance(0.05);
+  double speed = 0, moved = 0;
+  constexpr double kH = 1e-5;
+  for (double now = 0; now < 0.05 - kH / 2; now += kH) {
+    moved += kH * speed;
+    speed += kH * d.force(now) / kInertia;
+  }
+  const double fallen_rad = 0.5 * kFall_mps2 * 0.05 * 0.05 / kRadius_m;
+  CHECK(std::abs(moved) > 1e-2 * fallen_rad);
+  CHECK(b.angle_rad() - fallen_rad == Approx(moved).epsilon(0.02));
+}
+
 TEST_CASE("A slipping virtual belt skips the teeth that its energy takes it over") {
   const double holding_n = 24.0, weight_n = 1.2 * 9.81;
   for (double fall_s : {0.03, 0.045, 0.06}) {

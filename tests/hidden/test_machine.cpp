@@ -219,4 +219,65 @@ TEST_CASE("A spring's preload, rate error and the torque's gain move the resting
   CHECK(600.0 * (rest_height - z) == Approx(weight + 1.25 * 0.4 / (0.3 * sine)).epsilon(1e-9));
 }
 
+TEST_CASE("The random force on a machine has the size and the correlation that are asked") {
+  const Disturbance size{.force = 0.3, .correlation_s = 0.04};
+  double squares = 0, products = 0;
+  int n = 0;
+  for (std::uint64_t draw = 1; draw <= 40; ++draw) {
+    const Disturbed d(size, draw);
+    for (double t = 0; t < 50; t += 0.04, ++n) {
+      squares += d.force(t) * d.force(t);
+      products += d.force(t) * d.force(t + 0.04);
+    }
+  }
+  CHECK(std::sqrt(squares / n) == Approx(0.3).epsilon(0.02));
+  CHECK(products / squares == Approx(std::exp(-1.0)).epsilon(0.05));
+  CHECK(Disturbed(size, 7).force(1.0) == Disturbed(size, 7).force(1.0));
+  CHECK(Disturbed(size, 7).force(1.0) != Disturbed(size, 8).force(1.0));
+  CHECK(Disturbed({}, 7).force(1.0) == 0.0);
+}
+
+TEST_CASE("A random force moves an axis by its double integral") {
+  Truth t = axis(2.0, 0.0);
+  t.disturbance = {.force = 0.5, .correlation_s = 0.05};
+  t.draw = 3;
+  const Disturbed d(t.disturbance, t.draw);
+  Machine m(t, 0.0, 0.0);
+  m.advance(2.0, 0.0);
+  double speed = 0, position = 0;
+  constexpr double kH = 1e-4;
+  for (double now = 0; now < 2.0 - kH / 2; now += kH) {
+    position += kH * speed + kH * kH / 2 * d.force(now + kH / 2) / 2.0;
+    speed += kH * d.force(now + kH / 2) / 2.0;
+  }
+  CHECK(std::abs(position) > 1e-3);
+  CHECK(m.position() == Approx(position).epsilon(1e-4));
+}
+
+TEST_CASE("Impacts and ground of a disturbed hopper scatter from hop to hop as they are drawn") {
+  // On hard ground without losses: what a hop gains is what its ground and its impacts give.
+  Truth t = lossless_hopper();
+  t.disturbance = {.restitution = 0.01, .ground_m = 1e-3};
+  t.draw = 5;
+  const Disturbed d(t.disturbance, t.draw);
+  Machine m(t, 0.33, 0.0);
+  double before = 0.33;
+  for (int hop = 0; hop < 6; ++hop) {
+    double now = m.time_s();
+    while (!m.stance()) m.advance(now += 1e-4, 0.0);
+    while (m.stance()) m.advance(now += 1e-4, 0.0);
+    double highest = 0;
+    for (const int hops = hop + 1; !m.stance() && m.velocity() > -0.05 && hops; m.advance(now += 1e-4, 0.0))
+      highest = std::max(highest, m.position());
+    // The body leaves the ground at the height where it met it.
+    const double meets = m.touchdown_height_m() + d.ground_m(hop);
+    const double speed2 = 2 * kGravity * (before - meets);
+    const double kept = d.factor(2 * hop) * d.factor(2 * hop + 1);
+    // In between, spring and weight give back what they took.
+    CHECK(2 * kGravity * (highest - meets) == Approx(speed2 * kept * kept).epsilon(2e-3));
+    CHECK(std::abs(kept - 1) > 1e-4);
+    before = highest;
+  }
+}
+
 }  // namespace furcula::hidden
