@@ -436,9 +436,10 @@ class Assembly {
         (numerics || ((undecided_ || !helps || any_may_be_none()) && stands_without_them())))
       retract();
     const double after = nmse(d_.extended);
-    const bool noise_alone = noise_alone_with(d_.extended_model, after);
     const bool missing = d_.remainder && d_.remainder->is_structured();
-    d_.residual_white = !missing && (noise_alone || random_alone_with(d_.extended_model, d_.remainder));
+    // The noise floor is mostly that of the start states: where more is known, it does not decide.
+    d_.residual_white = random_alone_with(d_.extended_model, d_.remainder) ||
+                        (!d_.remainder && noise_alone_with(d_.extended_model, after));
     d_.unexplained_fraction = before > 0.0 ? std::clamp((after - floor) / before, 0.0, 1.0) : 0.0;
     // What a flexible law foretells is there to be explained; of what comes at random, all that is not noise.
     const double above = missing ? d_.remainder->foretold_share * (after - floor) : after - floor;
