@@ -440,7 +440,11 @@ class Assembly {
     // The noise floor is mostly that of the start states: where more is known, it does not decide.
     d_.residual_white = random_alone_with(d_.extended_model, d_.remainder) ||
                         (!d_.remainder && noise_alone_with(d_.extended_model, after));
-    d_.unexplained_fraction = before > 0.0 ? std::clamp((after - floor) / before, 0.0, 1.0) : 0.0;
+    // Where all that is left comes at random, that is nothing to explain but for what a flexible law foretells of it.
+    const double to_explain =
+        d_.residual_white && d_.remainder ? std::max(0.0, d_.remainder->foretold_share) : 1.0;
+    d_.unexplained_fraction =
+        before > 0.0 ? std::clamp(to_explain * (after - floor) / before, 0.0, 1.0) : 0.0;
     // What a flexible law foretells is there to be explained; of what comes at random, all that is not noise.
     const double above = missing ? d_.remainder->foretold_share * (after - floor) : after - floor;
     if (!d_.residual_white && after < before && before > floor)

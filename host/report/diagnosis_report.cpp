@@ -386,7 +386,7 @@ std::string repeatability(const Diagnosis& d) {
 
 std::string remains(const Diagnosis& d) {
   std::string out = "<p>" + escape(percent(d.unexplained_fraction)) +
-                    " of the error above the noise floor is not explained. " +
+                    " of the error above the noise floor could be explained and is not. " +
                     (d.residual_white ? "It has no structure that could be told from noise."
                                       : "It has structure, so it has a cause.") +
                     "</p>\n" + repeatability(d);

@@ -34,6 +34,35 @@ TEST_CASE("A cause that explains most is what the model lacks, one that explains
             falls + ".");
 }
 
+TEST_CASE(
+    "What a machine does not repeat is said with its size, and so is what comes at random or is foretold") {
+  Diagnosis d;
+  d.kind = dynamics::Kind::motor_axis;
+  d.main_channel = "position";
+  d.main_unit = "m";
+  d.baseline["position"].rmse = 2e-3;
+  d.refitted["position"].rmse = 1e-3;
+  d.remainder = Remainder{};
+  d.remainder->unit = "N";
+  d.remainder->typical_force = 20.0;
+  d.remainder->typical_is = "the input's root mean square";
+  d.remainder->random_force = d.remainder->random_force_held_out = 0.25;
+  const auto holds = [&](const char* text) { return summary(d).find(text) != std::string::npos; };
+  CHECK(holds(
+      "nothing is left but measuring noise and what the machine does not repeat, a random force of 0.25 N (1.2 % of the input's root mean square)"));
+  d.verdict = Verdict::unexplained;
+  d.remainder->random_force = 1.5;
+  CHECK(holds(
+      "It looks like a random force of 1.5 N (7.5 % of the input's root mean square), which nothing in the recordings foretells"));
+  d.remainder->random_force_held_out = 4.0;
+  CHECK(holds("The held-out recordings lack 4 N that the training recordings do not"));
+  d.remainder->deviations = 6.0;
+  d.remainder->foretold_noises = 3.0;
+  d.remainder->foretold_force = 1.1;
+  d.remainder->foretold_share = 0.4;
+  CHECK(holds("takes off 40 % of the held-out squares, with a force of 1.1 N"));
+}
+
 TEST_CASE("A parameter of the model that is wrong is said with both values, beside the laws that it lacks") {
   Diagnosis d;
   d.kind = dynamics::Kind::hopper_linear;

@@ -3,6 +3,7 @@
 
 #include <catch2/catch.hpp>
 #include <limits>
+#include <memory>
 
 #include "tests/host/report/sample.hpp"
 
@@ -48,6 +49,22 @@ TEST_CASE("the diagnosis of a hopper has the keys and the nesting of the contrac
   CHECK(keys(j["unexplained"]) == Keys{"fraction_of_nmse", "white", "goes_along_with"});
   CHECK(j["unexplained"]["white"] == true);
   CHECK(keys(j)[0] == "schema");
+}
+
+TEST_CASE("how well a machine repeats itself, and what is foretold, stand with what is unexplained") {
+  diagnose::Remainder left;
+  left.unit = "N m";
+  left.typical_force = 2.0;
+  left.typical_is = "the input's root mean square";
+  left.random_force = 0.01;
+  const auto d = std::make_unique<diagnose::Diagnosis>();
+  d->remainder = left;
+  const Json u = diagnose::to_json(*d)["unexplained"];
+  CHECK(keys(u["repeatability"]) == Keys{"random_torque_nm", "random_torque_nm_held_out", "correlation_s",
+                                         "impact_scatter", "share_of", "share"});
+  CHECK(u["repeatability"]["share"] == 0.005);
+  CHECK(keys(u["foretold"]) == Keys{"torque_nm", "share_of_squares", "standard_errors", "counts"});
+  CHECK(u["foretold"]["counts"] == false);
 }
 
 TEST_CASE("an association is written with its signal, strength and how") {
