@@ -15,6 +15,10 @@ double chi_square_above(double level, double freedom) {
   return quantile(complement(boost::math::chi_squared_distribution<double, Policy>(freedom), level));
 }
 
+double chi_square_beyond(double value, double freedom) {
+  return cdf(complement(boost::math::chi_squared_distribution<double, Policy>(freedom), value));
+}
+
 double student_t_within(double share, double freedom) {
   return quantile(
       complement(boost::math::students_t_distribution<double, Policy>(freedom), 0.5 * (1.0 - share)));

@@ -26,6 +26,9 @@ inline double median(std::vector<double> values) {
 /// What a chi-square of `freedom` > 0 degrees exceeds with the probability `level`, 0 < level < 1.
 double chi_square_above(double level, double freedom);
 
+/// With which probability a chi-square of `freedom` > 0 degrees exceeds `value` >= 0.
+double chi_square_beyond(double value, double freedom);
+
 /// Student's t of `freedom` > 0 degrees lies within +- this with the probability `share`, 0 < share < 1.
 double student_t_within(double share, double freedom);
 

@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <set>
 
 #include "host/core/error.hpp"
 #include "host/diagnose/associations.hpp"
+#include "host/diagnose/crossed.hpp"
 #include "host/diagnose/effect_set.hpp"
+#include "host/diagnose/laws.hpp"
 #include "host/diagnose/next_experiment.hpp"
+#include "host/diagnose/posterior.hpp"
 #include "host/diagnose/residual_force.hpp"
 #include "host/diagnose/selection.hpp"
 #include "host/diagnose/wording.hpp"
@@ -28,6 +30,8 @@ constexpr std::size_t kFewestWindows = 3;
 constexpr std::size_t kMostTraces = 96;
 constexpr double kWithinNoise = 2.0;
 constexpr double kSmallRemainder = 0.1;
+/// Standard errors by which causes must help on training recordings that their fit has not seen.
+constexpr double kSureHelp = 2.0;
 /// NMSE that the simulator's own discretisation and an input held from row to row are worth: two thousandths
 /// of the motion. What is smaller is not called a cause, however fine the sensor.
 constexpr double kNumerics = 4e-6;
@@ -39,51 +43,6 @@ std::vector<std::string> strings(const std::vector<Effect>& effects) {
   std::vector<std::string> all;
   for (Effect e : effects) all.emplace_back(dynamics::info(e).name);
   return all;
-}
-
-/// Sets that are one law under two names, whatever the recordings (docs/contracts.md, section 3).
-bool always_same(const model::Model& model, const std::vector<Effect>& a, const std::vector<Effect>& b) {
-  using Set = std::set<Effect>;
-  const auto is_free = [&](const char* name) {
-    const auto index = dynamics::parameter_index(model.kind, name);
-    return index && model.free.contains(*index);
-  };
-  const bool leg = dynamics::has(model.kind, dynamics::Seat::leg);
-  struct Pair {
-    Set one, other;
-    bool always;
-  };
-  const std::vector<Pair> table{
-      {{Effect::asymmetric_friction}, {Effect::coulomb_friction, Effect::force_offset}, true},
-      {{Effect::rest_height_error}, {Effect::spring_preload}, true},
-      // Each is another rate of the released leg.
-      {{Effect::incomplete_release}, {Effect::auxiliary_spring}, leg},
-      // An axis has no third channel whose clock would tell which of the two is late.
-      {{Effect::actuator_delay}, {Effect::time_skew}, !leg},
-      // With mass and damping free, a torque gain and a spring rate divided by it are the same equation.
-      {{Effect::stiffness_error},
-       {Effect::torque_gain_error},
-       is_free("mass_kg") && is_free("damping_stance_nspm") && is_free("damping_flight_nspm")},
-  };
-  // On a vertical rail a tilt is an upward offset. So is a wrong scale in free flight, where the other
-  // forces' sizes take it in too (as long as the model holds none).
-  const bool scale_is_offset =
-      machines::rules(model.kind).cut == machines::Cut::flights && model.effects.empty();
-  const auto laws = [&](const std::vector<Effect>& effects) {
-    Set set;
-    for (Effect e : effects) {
-      const bool offset = e == Effect::guide_tilt || (e == Effect::height_scale_error && scale_is_offset);
-      set.insert(offset ? Effect::force_offset : e);
-    }
-    return set;
-  };
-  Set x = laws(a), y = laws(b);
-  if (x == y) return true;
-  for (Effect e : laws(a))
-    if (y.contains(e)) x.erase(e), y.erase(e);
-  for (const Pair& p : table)
-    if (p.always && ((x == p.one && y == p.other) || (x == p.other && y == p.one))) return true;
-  return false;
 }
 
 std::map<std::string, Estimate> effect_parameters(const Hypothesis& h, Kind kind, bool qualified,
@@ -137,6 +96,8 @@ class Assembly {
         training_(recordings_of(training, model)),
         held_out_(recordings_of(held_out, model)),
         training_windows_(identify::training_windows(training_, model, options.window_s)),
+        crossed_(training_, training_windows_,
+                 identify::prediction_windows(training_, model, options.window_s)),
         held_out_windows_(identify::prediction_windows(held_out_, model, options.window_s)) {
     identify::require_plausible(training_, held_out_);
     require(training_windows_.windows, training_, "training");
@@ -145,6 +106,9 @@ class Assembly {
 
   Diagnosis run() {
     selection_ = select(model_, training_, training_windows_, options_.threads, options_.progress);
+    choose();
+    // From here on the held-out recordings are seen. They name nothing and withdraw nothing.
+    foretell_slips();
     starts_ = identify::start_states(held_out_, held_out_windows_, selection_.refitted.fitted);
     describe_data();
     figures();
@@ -152,6 +116,7 @@ class Assembly {
     table();
     parameter_rows();
     verdict();
+    confidences();
     plan();
     pictures();
     d_.next_experiment = next_experiment(d_);
@@ -190,6 +155,120 @@ class Assembly {
     d_.main_unit = names.position_unit;
   }
 
+  /// What the diagnosis ends with: the chosen set, unless the training recordings do not bear it out.
+  const Hypothesis& extension() const { return withdrawn_ ? selection_.refitted : selection_.chosen; }
+
+  /// Whether the chosen causes stand on training recordings that their fit has not seen. Nothing is named where
+  /// the re-fitted model leaves noise alone, and the causes are undecided or of no sure help. No simulator's
+  /// numerics jump from one row to the next, and a slip in one recording says nothing of another.
+  void choose() {
+    const Hypothesis &chosen = selection_.chosen, &refitted = selection_.refitted;
+    if (selection_.beyond_bounds) {
+      withdrawn_ = true;
+      const Hypothesis& h = *selection_.beyond_bounds;
+      for (std::size_t i = 0; i < h.unknowns.size(); ++i) {
+        const auto& u = h.unknowns[i];
+        const auto& bounds = model_.free.at(u.parameter);
+        if (h.fit.values[i] < bounds.lower || h.fit.values[i] > bounds.upper)
+          d_.beyond_bounds.push_back({u.name, u.unit, bounds.lower, bounds.upper, h.fit.values[i]});
+      }
+      return;
+    }
+    if (chosen.effects.empty()) return;
+    for (const auto& rival : selection_.equals)
+      undecided_ = undecided_ || !always_same(model_, rival.hypothesis.effects, chosen.effects);
+    crossed_before_ = crossed_.nmse(refitted, refitted);
+    crossed_after_ = crossed_.nmse(chosen, refitted);
+    crossed_floor_ = crossed_.noise_floor(refitted);
+    const bool other_channels = std::all_of(chosen.effects.begin(), chosen.effects.end(), [&](Effect e) {
+      return judged_on(e, training_) != identify::Channel::motion;
+    });
+    if (other_channels) return;
+    const bool slipped = holds(chosen.effects, Effect::encoder_slip);
+    const bool numerics = crossed_before_ <= kNumerics && !slipped;
+    const bool helps = slipped || (crossed_after_ < crossed_before_ &&
+                                   crossed_.gain_in_standard_errors(refitted, chosen) > kSureHelp);
+    const bool doubtful =
+        undecided_ || !helps ||
+        std::any_of(chosen.effects.begin(), chosen.effects.end(), [&](Effect e) { return may_be_none(e); });
+    withdrawn_ = numerics || (doubtful && refitted_stands_in_training());
+    if (withdrawn_) undecided_ = false;
+  }
+
+  bool refitted_stands_in_training() const {
+    const Hypothesis& h = selection_.refitted;
+    const identify::ChannelShare motion = channel(h.fit, identify::Channel::motion);
+    if (crossed_before_ <= kWithinNoise * (crossed_floor_ + kNumerics) ||
+        motion.squares <= kWithinNoise * motion.rows)
+      return true;
+    return random_alone_in_training(h.fitted, remainder_of(h.fitted, training_, crossed_.windows()));
+  }
+
+  bool random_alone_in_training(const model::Model& m, const std::optional<Remainder>& left) const {
+    if (left) return !left->is_structured_in_training() && left->repeats_in_training();
+    return falls_repeat(m, training_, crossed_.windows(),
+                        identify::start_states(training_, crossed_.windows(), m));
+  }
+
+  /// Slips that the training recordings have at the same times are to be expected in the held-out ones, and
+  /// are put there. Of others no figure is made: windows that hold or follow one are left out.
+  void foretell_slips() {
+    if (!holds(extension().effects, Effect::encoder_slip)) return;
+    recorded_ = held_out_;
+    slips_foretold_ = slips_agree();
+    const auto slipped_before = [&](const Window& w, bool only_within) {
+      const auto& slips = recorded_[w.recording].slips;
+      return std::any_of(slips.begin(), slips.end(), [&](const identify::Slip& slip) {
+        return slip.row <= w.last && (!only_within || slip.row > w.first);
+      });
+    };
+    for (Recording& r : held_out_) {
+      r.slips.clear();
+      r.slip_offset.clear();
+      if (!slips_foretold_) continue;
+      const Recording& like = training_.front();
+      r.slip_offset.assign(r.rows(), 0.0);
+      for (const identify::Slip& slip : like.slips) {
+        const double time_s = like.time_s[slip.row] - like.time_s.front();
+        std::size_t row = 0;
+        while (row < r.rows() && r.time_s[row] - r.time_s.front() < time_s) ++row;
+        if (row == 0 || row == r.rows()) continue;
+        r.slips.push_back({row, slip.step, slip.deviation});
+        for (std::size_t i = row; i < r.rows(); ++i) r.slip_offset[i] += slip.step;
+      }
+    }
+    if (slips_foretold_) return;
+    // Where all follow one, those that hold none; where all hold one, none is left out.
+    for (const bool only_within : {false, true}) {
+      std::vector<Window> kept;
+      for (const Window& w : held_out_windows_)
+        if (!slipped_before(w, only_within)) kept.push_back(w);
+      if (kept.empty()) continue;
+      d_.windows_left_out = held_out_windows_.size() - kept.size();
+      held_out_windows_ = std::move(kept);
+      return;
+    }
+  }
+
+  /// Whether each training recording has the same slips at the same times as the first.
+  bool slips_agree() const {
+    constexpr double kSameStep = 0.1, kSameTime_s = 0.01;
+    const Recording& first = training_.front();
+    return training_.size() > 1 && !first.slips.empty() &&
+           std::all_of(training_.begin(), training_.end(), [&](const Recording& r) {
+             if (r.slips.size() != first.slips.size()) return false;
+             for (std::size_t i = 0; i < r.slips.size(); ++i) {
+               const auto &a = first.slips[i], &b = r.slips[i];
+               const double apart_s =
+                   (first.time_s[a.row] - first.time_s.front()) - (r.time_s[b.row] - r.time_s.front());
+               if (std::abs(apart_s) > kSameTime_s ||
+                   std::abs(a.step - b.step) > kSameStep * std::abs(a.step) + 3.0 * a.deviation)
+                 return false;
+             }
+             return true;
+           });
+  }
+
   Errors on_held_out(const model::Model& m) const {
     Errors errors = identify::prediction_errors(m, held_out_, held_out_windows_, starts_);
     if (const auto contact = identify::contact_errors(m, held_out_, held_out_windows_))
@@ -204,23 +283,21 @@ class Assembly {
   void figures() {
     d_.baseline = on_held_out(model_);
     d_.refitted = on_held_out(selection_.refitted.fitted);
-    d_.extended = on_held_out(selection_.chosen.fitted);
+    d_.extended = on_held_out(extension().fitted);
     d_.noise_floor = identify::noise_floor(selection_.chosen.fitted, held_out_, held_out_windows_, starts_);
-    d_.extended_model = selection_.chosen.fitted;
-    d_.remainder = remainder(d_.extended_model);
-  }
-
-  std::optional<Remainder> remainder(const model::Model& m) const {
-    return remainder_of(m, training_, identify::prediction_windows(training_, model_, options_.window_s),
-                        held_out_, held_out_windows_);
+    d_.extended_model = extension().fitted;
+    d_.remainder =
+        remainder_of(d_.extended_model, training_, crossed_.windows(), held_out_, held_out_windows_);
   }
 
   /// Nothing is missing in this model but what the machine does not repeat.
   bool random_alone_with(const model::Model& m, const std::optional<Remainder>& left) const {
-    return left ? !left->is_structured() && left->repeats() : falls_repeat(m);
+    return left ? !left->is_structured() && left->repeats()
+                : falls_repeat(m, held_out_, held_out_windows_, starts_);
   }
 
   void findings() {
+    if (withdrawn_) return;
     const Hypothesis& chosen = selection_.chosen;
     const double after = nmse(d_.extended);
     // What the machine does not repeat is nobody's to explain.
@@ -244,6 +321,11 @@ class Assembly {
         f.explainable_nmse_removed = explained_share(nmse(without), after, floor);
         f.held_out_mae_before = without.at(d_.main_channel).mae;
         f.held_out_mae_after = d_.extended.at(d_.main_channel).mae;
+        f.contradicted = nmse(without) < after;
+        intervals(f, selection_.without[i].fitted, identify::Channel::motion,
+                  [&](const auto& before, const auto& now) {
+                    return explained_share(before.nmse, now.nmse, floor);
+                  });
       } else {
         // The floor: how far the reports scatter about the lag that the training recordings have; what the
         // current sensor, or the leg's encoder, resolves.
@@ -256,11 +338,14 @@ class Assembly {
         f.held_out_mae_before = b.mae;
         f.held_out_mae_after = a.mae;
         other_channel_helps_ = a.rmse < b.rmse;
+        f.contradicted = b.rmse < a.rmse;
+        intervals(f, selection_.without[i].fitted, judge, [&](const auto& before, const auto& now) {
+          return explained_share(before.rmse * before.rmse, now.rmse * now.rmse, scatter * scatter);
+        });
       }
       f.explanation = std::string(dynamics::info(e).explanation);
       f.next_experiment = std::string(dynamics::info(e).best_experiment);
       if (e == Effect::encoder_slip) slips(f);
-      double margin = selection_.against_without[i].evidence - selection_.against_without[i].threshold;
       for (const auto& rival : selection_.equals)
         if (rival.of == e) {
           const bool same = always_same(model_, rival.hypothesis.effects, chosen.effects);
@@ -269,10 +354,7 @@ class Assembly {
                        : "explains the training recordings equally well",
                   effect_parameters(rival.hypothesis, model_.kind, true, nullptr)};
           r.same_law = same;
-          if (!same) {
-            undecided_ = f.undecided = true;
-            margin = 0.0;
-          }
+          f.undecided = f.undecided || !same;
           f.indistinguishable_from.push_back(std::move(r));
         }
       for (const Tried& t : selection_.tried) {
@@ -284,42 +366,131 @@ class Assembly {
                                      t.hypothesis.effects.front()) != chosen.effects.end();
         if (!equal && !named) f.alternatives.push_back({{name}, why_not(t, selection_), {}});
       }
-      // Odds from the evidence beyond what chance reaches; a gain that the held-out recordings do not show
-      // halves them.
-      f.confidence = std::min(0.99, 1.0 / (1.0 + std::exp(-margin / 4.0)));
-      if (f.explainable_nmse_removed < 0.1) f.confidence *= 0.5;
-      if (may_be_none(f)) f.confidence = std::min(f.confidence, 0.5);
       all.emplace_back(nmse(without) - after, std::move(f));
     }
     std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
     for (auto& [cost, f] : all) d_.findings.push_back(std::move(f));
   }
 
-  /// Whether the interval of its size holds the value at which there is nothing.
-  bool may_be_none(const Finding& f) const {
-    const auto& size = dynamics::info(f.effect).parameter_table[0];
-    const auto none = identify::neutral_value(model_, size);
-    const auto found = f.parameters.find(std::string(name_on(size, model_.kind)));
-    return none && found != f.parameters.end() && found->second.lower <= *none &&
-           *none <= found->second.upper;
+  /// Intervals of what a finding gains, over the held-out recordings.
+  template <class Share>
+  void intervals(Finding& f, const model::Model& without, identify::Channel channel,
+                 const Share& share) const {
+    const auto of = [&](const model::Model& m) {
+      using identify::Channel;
+      return channel == Channel::contact ? identify::contact_sums(m, held_out_, held_out_windows_)
+             : channel == Channel::drive ? identify::drive_sums(m, held_out_, held_out_windows_)
+             : channel == Channel::leg   ? identify::leg_angle_sums(m, held_out_, held_out_windows_, starts_)
+                                         : identify::position_sums(m, held_out_, held_out_windows_, starts_);
+    };
+    const auto before = of(without), after = of(d_.extended_model);
+    const Units units = units_of(held_out_windows_);
+    std::vector<identify::ErrorSums> before_of(units.size()), after_of(units.size());
+    for (std::size_t u = 0; u < units.size(); ++u)
+      for (const std::size_t i : units[u]) before_of[u] += before[i], after_of[u] += after[i];
+    const auto drawn = [](const std::vector<identify::ErrorSums>& sums, const std::vector<double>& times) {
+      identify::ErrorSums all;
+      for (std::size_t u = 0; u < sums.size(); ++u)
+        all += {times[u] * sums[u].squares, times[u] * sums[u].absolute, times[u] * sums[u].spread,
+                times[u] * sums[u].count};
+      return all.errors();
+    };
+    f.removed_interval = bootstrap(units.size(), [&](const std::vector<double>& times) {
+      return share(drawn(before_of, times), drawn(after_of, times));
+    });
+    f.mae_gain_interval = bootstrap(units.size(), [&](const std::vector<double>& times) {
+      return drawn(before_of, times).mae - drawn(after_of, times).mae;
+    });
   }
 
-  bool any_may_be_none() const {
-    return std::any_of(d_.findings.begin(), d_.findings.end(),
-                       [this](const Finding& f) { return may_be_none(f); });
+  /// Whether the interval of its size holds the value at which there is nothing.
+  bool may_be_none(Effect e) const {
+    const auto& size = dynamics::info(e).parameter_table[0];
+    const auto none = identify::neutral_value(model_, size);
+    const auto parameters = effect_parameters(selection_.chosen, model_.kind, false, &e);
+    const auto found = parameters.find(std::string(name_on(size, model_.kind)));
+    return none && found != parameters.end() && found->second.lower <= *none && *none <= found->second.upper;
+  }
+
+  /// Whether one of its values lies on a bound, or may be anything.
+  bool not_held(Effect e) const {
+    const Hypothesis& h = selection_.chosen;
+    if (e == Effect::leg_inertia) return false;  // one or two of three inertias may be none: they act alike
+    const auto parameters = effect_parameters(h, model_.kind, false, &e);
+    for (std::size_t i = 0; i < h.unknowns.size(); ++i) {
+      const auto& u = h.unknowns[i];
+      if (!u.of_effect || u.effect != e) continue;
+      const auto& p =
+          parameters.at(std::string(name_on(dynamics::info(e).parameter_table[u.parameter], model_.kind)));
+      if (h.fit.at_bound[i] || (p.lower <= u.lower && p.upper >= u.upper)) return true;
+    }
+    return false;
+  }
+
+  /// How sure each name is: what the training recordings say, lowered by what the held-out ones do.
+  void confidences() {
+    if (d_.findings.empty()) return;
+    const Hypothesis& chosen = selection_.chosen;
+    const std::optional<Remainder> left =
+        d_.remainder ? d_.remainder : remainder_of(chosen.fitted, training_, crossed_.windows());
+    const double misfit = misfit_of(left) * overdispersion(chosen.fit, crossed_.units());
+    const Posterior posterior(model_, selection_.pool, misfit);
+    double unnamed = 0.0;
+    if (!other_channels_alone()) {
+      const bool structured = left && left->is_structured_in_training();
+      unnamed =
+          unnamed_share(crossed_before_, crossed_after_, crossed_floor_,
+                        structured ? &left->crossed : nullptr, random_alone_in_training(chosen.fitted, left));
+      d_.none_of_catalogue = share_of_none(unnamed);
+    }
+    const double none = share_of_none(std::max(unnamed, d_.unnamed_share));
+    const bool all_contradicted = !other_channels_alone() && !helps_held_out();
+    for (Finding& f : d_.findings) {
+      f.confidence = std::min(kConfidence.most, posterior.share_with(f.effect) * (1.0 - none));
+      const auto limit = [&](bool applies, double most, std::string why) {
+        if (!applies) return;
+        f.confidence = std::min(f.confidence, most);
+        f.lowered_by.push_back(std::move(why));
+      };
+      const bool told = f.effect != Effect::encoder_slip || slips_foretold_;
+      limit(may_be_none(f.effect), kConfidence.may_be_none,
+            "the interval of its size holds the value at which there is nothing");
+      limit(not_held(f.effect), kConfidence.not_held, "one of its values may be anything within its bounds");
+      const bool contradicted = all_contradicted || (told && f.contradicted);
+      limit(contradicted, kConfidence.contradicted,
+            "the held-out recordings are predicted worse with it than without it");
+      limit(told && !contradicted && f.explainable_nmse_removed < kConfidence.least_confirmation,
+            kConfidence.not_confirmed, "the held-out recordings hardly show it");
+      if (const auto little = too_little_seen(f.effect, chosen.fitted, training_, training_windows_.windows))
+        limit(true, kConfidence.little_seen, *little);
+    }
+    for (Candidate& c : d_.candidates) c.weight = posterior.weight_of(effects_named(c.effects));
+  }
+
+  static EffectSet effects_named(const std::vector<std::string>& names) {
+    EffectSet all;
+    for (const std::string& n : names) all.push_back(*dynamics::effect_named(n));
+    return all;
+  }
+
+  /// A slip that nothing foretells, alone, changes no figure.
+  bool helps_held_out() const {
+    const bool slip_alone = !slips_foretold_ && extension().effects == EffectSet{Effect::encoder_slip};
+    return slip_alone || nmse(d_.extended) < nmse(d_.refitted);
   }
 
   /// The largest step with its interval, and all of them.
   void slips(Finding& f) const {
     const auto& table = dynamics::info(Effect::encoder_slip).parameter_table;
     double largest = 0.0;
-    for (const auto* recordings : {&training_, &held_out_})
+    for (const auto* recordings : {&training_, &recorded_})
       for (const Recording& r : *recordings)
         for (const identify::Slip& slip : r.slips) {
           const double time_s = r.time_s[slip.row] - r.time_s.front();
           const double half_s = 0.5 * (r.time_s[slip.row] - r.time_s[slip.row - 1]);
-          f.events.push_back({r.name, time_s, slip.step});
-          if (recordings != &training_ || std::abs(slip.step) <= largest) continue;
+          const bool observed = recordings != &training_;
+          (observed ? f.observed_events : f.events).push_back({r.name, time_s, slip.step});
+          if (observed || std::abs(slip.step) <= largest) continue;
           largest = std::abs(slip.step);
           f.parameters[std::string(name_on(table[0], model_.kind))] = {
               slip.step, slip.step - 1.96 * slip.deviation, slip.step + 1.96 * slip.deviation};
@@ -359,7 +530,8 @@ class Assembly {
       c.outcome = std::move(outcome);
       d_.candidates.push_back(std::move(c));
     };
-    if (!selection_.chosen.effects.empty()) row(selection_.chosen, true, "named");
+    if (!selection_.chosen.effects.empty())
+      row(selection_.chosen, !withdrawn_, withdrawn_ ? "fits what is within the measuring noise" : "named");
     for (const auto& rival : selection_.equals)
       if (std::none_of(d_.candidates.begin(), d_.candidates.end(),
                        [&](const Candidate& c) { return c.effects == strings(rival.hypothesis.effects); }))
@@ -376,7 +548,7 @@ class Assembly {
   void parameter_rows() {
     const auto table = dynamics::info(model_.kind).parameters;
     const auto before = identify::parameter_verdicts(selection_.refitted.fit, selection_.refitted.unknowns);
-    const Hypothesis& chosen = selection_.chosen;
+    const Hypothesis& chosen = extension();
     const auto after = identify::parameter_verdicts(
         identify::in_law_parameters(chosen.fit, chosen.unknowns, chosen.fitted), chosen.unknowns);
     for (std::size_t i = 0; i < table.size(); ++i) {
@@ -412,70 +584,41 @@ class Assembly {
       }
       return error <= kWithinNoise * (floor + kNumerics) || squares <= kWithinNoise * rows;
     };
-    const auto stands_without_them = [&] {
-      const model::Model& m = selection_.refitted.fitted;
-      return noise_alone_with(m, before) || random_alone_with(m, remainder(m));
-    };
-    if (selection_.beyond_bounds) {
-      retract();
-      const Hypothesis& h = *selection_.beyond_bounds;
-      for (std::size_t i = 0; i < h.unknowns.size(); ++i) {
-        const auto& u = h.unknowns[i];
-        const auto& bounds = model_.free.at(u.parameter);
-        if (h.fit.values[i] < bounds.lower || h.fit.values[i] > bounds.upper)
-          d_.beyond_bounds.push_back({u.name, u.unit, bounds.lower, bounds.upper, h.fit.values[i]});
-      }
-    }
-    // Nothing is named where the re-fitted model leaves noise alone, and what was found on the training
-    // recordings is undecided or of no help on the held-out ones. No simulator's numerics jump from one row
-    // to the next, and a slip in one recording says nothing of another.
-    const bool slipped = holds(selection_.chosen.effects, Effect::encoder_slip);
-    const bool numerics = before <= kNumerics && !slipped;
-    const bool helps = slipped || nmse(d_.extended) < before;
-    if (!d_.findings.empty() && !other_channels_alone() &&
-        (numerics || ((undecided_ || !helps || any_may_be_none()) && stands_without_them())))
-      retract();
     const double after = nmse(d_.extended);
     const bool missing = d_.remainder && d_.remainder->is_structured();
     // The noise floor is mostly that of the start states: where more is known, it does not decide.
-    d_.residual_white = random_alone_with(d_.extended_model, d_.remainder) ||
-                        (!d_.remainder && noise_alone_with(d_.extended_model, after));
+    d_.nothing_left = random_alone_with(d_.extended_model, d_.remainder) ||
+                      (!d_.remainder && noise_alone_with(d_.extended_model, after));
+    d_.residual_white = d_.remainder ? d_.remainder->new_finds.white() : d_.nothing_left;
     // Where all that is left comes at random, that is nothing to explain but for what a flexible law foretells of it.
     const double to_explain =
-        d_.residual_white && d_.remainder ? std::max(0.0, d_.remainder->foretold_share) : 1.0;
+        d_.nothing_left && d_.remainder ? std::max(0.0, d_.remainder->foretold.share) : 1.0;
     d_.unexplained_fraction =
         before > 0.0 ? std::clamp(to_explain * (after - floor) / before, 0.0, 1.0) : 0.0;
-    // What a flexible law foretells is there to be explained; of what comes at random, all that is not noise.
-    const double above = missing ? d_.remainder->foretold_share * (after - floor) : after - floor;
-    if (!d_.residual_white && after < before && before > floor)
-      d_.unnamed_share = std::clamp(above / (above + before - after), 0.0, 1.0);
-    const bool little = after < before && d_.unnamed_share < kSmallRemainder;
-    d_.verdict = decide(d_.residual_white, after < before, little);
-    // What is not in the catalogue may look like the named causes in part: the less they explain, the
-    // likelier. A fifth of what there is to explain halves the confidence. (In the blind suite such names were
-    // right less often still: docs/blind_suite.md. Real machines have more than one cause.)
-    if (d_.findings.empty() || other_channels_alone()) {
-      d_.unnamed_share = 0.0;
-      return;
-    }
-    for (Finding& f : d_.findings) f.confidence /= 1.0 + 5.0 * d_.unnamed_share;
+    d_.unnamed_share =
+        unnamed_share(before, after, floor, missing ? &d_.remainder->foretold : nullptr, d_.nothing_left);
+    const bool helps = helps_held_out();
+    d_.verdict = decide(d_.nothing_left, helps, helps && d_.unnamed_share < kSmallRemainder);
+    if (d_.findings.empty() || other_channels_alone()) d_.unnamed_share = 0.0;
   }
 
   /// Of a belt that teeth catch: whether so small a force as no machine repeats makes each fall end as it did.
-  bool falls_repeat(const model::Model& m) const {
+  static bool falls_repeat(const model::Model& m, const std::vector<Recording>& recordings,
+                           const std::vector<Window>& windows,
+                           const std::vector<identify::StartState>& starts) {
     constexpr double kForces[] = {-0.02, -0.01, 0.0, 0.01, 0.02}, kOfFall = 0.01, kWindows = 0.9;
     const auto at = dynamics::parameter_index(m.kind, "pulley_inertia_kgm2");
     if (!at) return false;
     const double inertia = machines::rules(m.kind).inertia(m);
     double well = 0.0;
-    for (std::size_t i = 0; i < held_out_windows_.size(); ++i) {
-      const Window& w = held_out_windows_[i];
-      const Recording& r = held_out_[w.recording];
+    for (std::size_t i = 0; i < windows.size(); ++i) {
+      const Window& w = windows[i];
+      const Recording& r = recordings[w.recording];
       double least = std::numeric_limits<double>::infinity(), spread = 0.0;
       for (double force : kForces) {  // so much less weight is as much more inertia
         model::Model other = m;
         other.parameters[*at] -= force * inertia;
-        const identify::Run run = identify::predict(other, r, w, starts_[i]);
+        const identify::Run run = identify::predict(other, r, w, starts[i]);
         double squares = 0.0;
         for (std::size_t k = 0; k < w.rows(); ++k) {
           squares += std::pow(run.position[k] - r.position[w.first + k], 2) / static_cast<double>(w.rows());
@@ -485,7 +628,7 @@ class Assembly {
       }
       well += least <= kWithinNoise * r.position_noise * r.position_noise + std::pow(kOfFall * spread, 2);
     }
-    return well >= kWindows * static_cast<double>(held_out_windows_.size());
+    return well >= kWindows * static_cast<double>(windows.size());
   }
 
   Verdict decide(bool noise_alone, bool better_held_out, bool little_remains) const {
@@ -533,22 +676,6 @@ class Assembly {
                        [](const Finding& f) { return !f.channel.empty(); });
   }
 
-  /// Nothing is missing that these recordings show: the re-fitted model stands, and causes that fit its noise
-  /// are no causes.
-  void retract() {
-    undecided_ = false;
-    d_.findings.clear();
-    d_.extended = d_.refitted;
-    d_.extended_model = selection_.refitted.fitted;
-    d_.remainder = remainder(d_.extended_model);
-    for (Candidate& c : d_.candidates)
-      if (c.chosen) {
-        c.chosen = false;
-        c.outcome = "fits what is within the measuring noise";
-      }
-    selection_.chosen = selection_.refitted;
-  }
-
   void pictures() {
     const std::size_t step =
         std::max<std::size_t>(1, (held_out_windows_.size() + kMostTraces - 1) / kMostTraces);
@@ -567,24 +694,31 @@ class Assembly {
       t.measured = slice(r.position);
       t.as_given = identify::predict(model_, r, w, starts_[i]).position;
       t.refitted = identify::predict(selection_.refitted.fitted, r, w, starts_[i]).position;
-      t.extended = identify::predict(selection_.chosen.fitted, r, w, starts_[i]).position;
+      t.extended = identify::predict(extension().fitted, r, w, starts_[i]).position;
       d_.traces.push_back(std::move(t));
     }
     std::vector<Recording> all = training_;
-    all.insert(all.end(), held_out_.begin(), held_out_.end());
-    d_.residual = residual_force(selection_.chosen.fitted, selection_.chosen.effects, all);
-    if (!d_.residual_white) d_.goes_along_with = associations(d_.residual, model_);
+    const auto& judged = recorded_.empty() ? held_out_ : recorded_;
+    all.insert(all.end(), judged.begin(), judged.end());
+    d_.residual = residual_force(extension().fitted, extension().effects, all);
+    if (!d_.nothing_left) d_.goes_along_with = associations(d_.residual, model_);
   }
 
   const model::Model& model_;
   const Options& options_;
   std::vector<Recording> training_, held_out_;
+  std::vector<Recording>
+      recorded_;  // held out, with their slips as they are; where those are not in held_out_
   identify::TrainingWindows training_windows_;
+  Crossed crossed_;
   std::vector<Window> held_out_windows_;
   std::vector<identify::StartState> starts_;  // of the held-out windows, the same for every model
   Selection selection_;
   Diagnosis d_;
+  bool withdrawn_ = false;  // the chosen causes, by the training recordings
   bool undecided_ = false;
+  bool slips_foretold_ = false;
+  double crossed_before_ = 0.0, crossed_after_ = 0.0, crossed_floor_ = 0.0;  // NMSE, of training recordings
   bool other_channel_helps_ = false;
 };
 

@@ -10,6 +10,7 @@
 
 #include "furcula/dynamics/effects/catalogue.hpp"
 #include "host/core/verdict.hpp"
+#include "host/diagnose/bootstrap.hpp"
 #include "host/diagnose/remainder.hpp"
 #include "host/identify/prediction.hpp"
 #include "host/model/model.hpp"
@@ -44,14 +45,19 @@ struct Finding {
   double explainable_nmse_removed = 0.0;  ///< 1 = all that is above the noise floor
   double held_out_mae_before = 0.0;       ///< of the main channel, without the effect, all else re-fitted
   double held_out_mae_after = 0.0;
+  // 95 % intervals over the held-out recordings (bootstrap.hpp), of the share and of the MAE's fall.
+  std::optional<Interval> removed_interval, mae_gain_interval;
+  bool contradicted = false;  ///< the held-out recordings are predicted worse with it than without it
   double confidence = 0.0;
-  /// encoder_slip: each jump, of the held-out recordings too.
+  std::vector<std::string> lowered_by;  ///< what limits the confidence, in words
+  /// encoder_slip: each jump of the training recordings; those that the held-out ones are seen to have, which
+  /// nothing foretells.
   struct Event {
     std::string log;
     double time_s = 0.0;  ///< since the log's first row
     double step = 0.0;    ///< m or rad
   };
-  std::vector<Event> events;
+  std::vector<Event> events, observed_events;
   bool undecided = false;  ///< another law explains the training recordings as well
   std::vector<Rival> alternatives;
   std::vector<Rival> indistinguishable_from;
@@ -66,6 +72,7 @@ struct Candidate {
   double training_gain = 0.0;  ///< share of the cross-validated error removed on the training logs
   double held_out_gain = 0.0;  ///< share of the held-out error above the floor removed
   bool chosen = false;
+  double weight = 0.0;  ///< share among the laws that were fitted (posterior.hpp)
   std::string outcome;  ///< "named", or in plain words why it lost
 };
 
@@ -149,7 +156,12 @@ struct Diagnosis {
   /// Of what could be explained on the held-out recordings, what no named cause explains; 0 without a
   /// finding, or where those do not help there.
   double unnamed_share = 0.0;
+  double none_of_catalogue = 0.0;  ///< the share that no finding has, by the training recordings
+  bool nothing_left = true;        ///< of the held-out error, but what comes at random or from the sensors
+  /// What is new from row to row hangs on nothing before (whiteness.hpp); where that cannot be tested, as above.
   bool residual_white = true;
+  /// Held-out windows that no figure is of, since they hold or follow a slip that nothing foretells.
+  std::size_t windows_left_out = 0;
   std::optional<Remainder> remainder;  ///< of the extended model
   std::vector<Association> goes_along_with;
   std::string next_experiment;  ///< of the whole diagnosis

@@ -14,6 +14,10 @@ Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nul
 
 Json pair(double first, double second) { return Json::array({number(first), number(second)}); }
 
+Json pair(const std::optional<Interval>& interval) {
+  return interval ? pair(interval->lower, interval->upper) : Json::array({nullptr, nullptr});
+}
+
 Json object_of(const std::map<std::string, Estimate>& parameters) {
   Json out = Json::object();
   for (const auto& [name, e] : parameters)
@@ -56,21 +60,25 @@ Json finding(const Finding& f, const Diagnosis& d) {
   const std::string channel = f.channel.empty() ? main_channel(d) : f.channel;
   const std::string mae = with_suffix("held_out_mae_" + channel, channel_suffix(channel, d.kind));
   Json gain = {{"explainable_nmse_removed", number(f.explainable_nmse_removed)},
-               {mae, pair(f.held_out_mae_before, f.held_out_mae_after)}};
+               {mae, pair(f.held_out_mae_before, f.held_out_mae_after)},
+               {"explainable_nmse_removed_ci95", pair(f.removed_interval)},
+               {"held_out_mae_gain_ci95", pair(f.mae_gain_interval)}};
   if (!f.channel.empty()) gain["channel"] = f.channel;
   Json out = {{"effect", effect.name}};
   if (dynamics::has(d.kind, dynamics::Seat::leg)) out["phase"] = effect.phase;
   out["parameters"] = object_of(f.parameters);
   out["gain"] = gain;
   out["confidence"] = number(f.confidence);
-  if (!f.events.empty()) {
-    Json events = Json::array();
+  out["confidence_lowered_by"] = f.lowered_by;
+  const auto add_events = [&](const char* key, const std::vector<Finding::Event>& list) {
+    if (list.empty()) return;
     const bool rotary = dynamics::info(d.kind).rotary;
-    for (const Finding::Event& e : f.events)
-      events.push_back(
+    for (const Finding::Event& e : list)
+      out[key].push_back(
           {{"log", e.log}, {"time_s", number(e.time_s)}, {rotary ? "step_rad" : "step_m", number(e.step)}});
-    out["events"] = events;
-  }
+  };
+  add_events("events", f.events);
+  add_events("observed_events", f.observed_events);
   out["alternatives"] = rivals(f.alternatives, "why_not");
   out["indistinguishable_from"] = rivals(f.indistinguishable_from, "why");
   out["explanation"] = f.explanation;
@@ -110,6 +118,7 @@ nlohmann::ordered_json to_json(const Diagnosis& d) {
                           {"training_gain", number(c.training_gain)},
                           {"held_out_gain", number(c.held_out_gain)},
                           {"chosen", c.chosen},
+                          {"weight", number(c.weight)},
                           {"outcome", c.outcome}});
 
   Json experiments = Json::array();
@@ -133,9 +142,17 @@ nlohmann::ordered_json to_json(const Diagnosis& d) {
 
   Json unexplained{{"fraction_of_nmse", number(d.unexplained_fraction)},
                    {"white", d.residual_white},
+                   {"nothing_left", d.nothing_left},
                    {"goes_along_with", goes_along_with}};
+  if (!d.findings.empty()) unexplained["none_of_catalogue"] = number(d.none_of_catalogue);
   if (d.remainder) {
     const Remainder& left = *d.remainder;
+    unexplained["whiteness"] = {{"p_value", number(left.new_finds.p_value)},
+                                {"chi_square", number(left.new_finds.statistic)},
+                                {"lags", kLags},
+                                {"rows", number(left.new_finds.rows)},
+                                {"largest_correlation", number(left.new_finds.correlation)},
+                                {"at_lag", left.new_finds.lag}};
     const std::string force = left.unit == "N" ? "force_n" : "torque_nm";
     unexplained["repeatability"] = {{"random_" + force, number(left.random_force)},
                                     {"random_" + force + "_held_out", number(left.random_force_held_out)},
@@ -143,16 +160,25 @@ nlohmann::ordered_json to_json(const Diagnosis& d) {
                                     {"impact_scatter", number(left.impact_scatter)},
                                     {"share_of", left.typical_is},
                                     {"share", number(left.random_force / left.typical_force)}};
-    unexplained["foretold"] = {{force, number(left.foretold_force)},
-                               {"share_of_squares", number(left.foretold_share)},
-                               {"standard_errors", number(left.deviations)},
-                               {"counts", left.is_structured()}};
+    unexplained["foretold"] = {{force, number(left.foretold.force)},
+                               {"share_of_squares", number(left.foretold.share)},
+                               {"standard_errors", number(left.foretold.deviations)},
+                               {"counts", left.is_structured()},
+                               {"crossed",
+                                {{force, number(left.crossed.force)},
+                                 {"share_of_squares", number(left.crossed.share)},
+                                 {"standard_errors", number(left.crossed.deviations)},
+                                 {"counts", left.is_structured_in_training()}}}};
   }
 
   return {{"schema", "furcula-diagnosis/1"},
           {"kind", dynamics::info(d.kind).name},
           {"data",
-           {{"logs", d.logs}, {"hops", d.hops}, {"samples", d.samples}, {"held_out_logs", d.held_out_logs}}},
+           {{"logs", d.logs},
+            {"hops", d.hops},
+            {"samples", d.samples},
+            {"held_out_logs", d.held_out_logs},
+            {"held_out_windows_left_out", d.windows_left_out}}},
           {"verdict", name(d.verdict)},
           {"summary", d.summary},
           {"baseline", held_out(d.baseline, d.kind)},

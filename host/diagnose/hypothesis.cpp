@@ -48,43 +48,78 @@ double evidence_of(const identify::Fit& smaller, const identify::Fit& larger, co
   return evidence;
 }
 
-double cross_validate(const identify::Fit& fit, const std::vector<identify::Window>& windows,
-                      std::size_t recordings) {
-  const auto count = static_cast<Eigen::Index>(fit.values.size());
-  if (count == 0) return fit.squares;
+Crossing crossing_of(const identify::Fit& fit, const std::vector<identify::Window>& windows,
+                     std::size_t recordings) {
   constexpr std::size_t kFolds = 5;
+  const auto count = static_cast<Eigen::Index>(fit.values.size());
+  Crossing crossing;
+  for (std::size_t i = 0; i < windows.size(); ++i)
+    crossing.fold.push_back(recordings >= kFolds ? windows[i].recording % kFolds
+                                                 : i * kFolds / windows.size());
+  crossing.step.assign(kFolds, Eigen::VectorXd::Zero(count));
   std::vector<Eigen::Index> moving;
   for (Eigen::Index i = 0; i < count; ++i)
     if (!fit.at_bound[static_cast<std::size_t>(i)]) moving.push_back(i);
-  const auto part = [&](const Eigen::MatrixXd& m) { return Eigen::MatrixXd(m(moving, moving)); };
+  if (moving.empty()) return crossing;
   Eigen::MatrixXd information = Eigen::MatrixXd::Zero(count, count);
   Eigen::VectorXd gradient = Eigen::VectorXd::Zero(count);
   for (const auto& s : fit.shares) {
     information += s.information;
     gradient += s.gradient;
   }
-  double squares = 0.0;
   for (std::size_t fold = 0; fold < kFolds; ++fold) {
     Eigen::MatrixXd inside = Eigen::MatrixXd::Zero(count, count);
     Eigen::VectorXd slope = Eigen::VectorXd::Zero(count);
-    double own = 0.0;
     for (std::size_t i = 0; i < windows.size(); ++i) {
-      const std::size_t of =
-          recordings >= kFolds ? windows[i].recording % kFolds : i * kFolds / windows.size();
-      if (of != fold) continue;
+      if (crossing.fold[i] != fold) continue;
       inside += fit.shares[i].information;
       slope += fit.shares[i].gradient;
-      own += fit.shares[i].squares;
     }
-    if (!moving.empty()) {
-      const Eigen::MatrixXd rest = part(information - inside);
-      const Eigen::VectorXd pull = (gradient - slope)(moving);
-      const Eigen::VectorXd step = -rest.completeOrthogonalDecomposition().solve(pull);
-      own += 2.0 * step.dot(Eigen::VectorXd(slope(moving))) + step.dot(part(inside) * step);
-    }
-    squares += own;
+    const Eigen::MatrixXd rest = (information - inside)(moving, moving);
+    const Eigen::VectorXd pull = (gradient - slope)(moving);
+    crossing.step[fold](moving) = -rest.completeOrthogonalDecomposition().solve(pull);
   }
+  return crossing;
+}
+
+double squares_after(const identify::WindowShare& share, const Eigen::VectorXd& step) {
+  if (step.size() == 0) return share.squares;
+  return share.squares + 2.0 * step.dot(share.gradient) + step.dot(Eigen::VectorXd(share.information * step));
+}
+
+double cross_validate(const identify::Fit& fit, const std::vector<identify::Window>& windows,
+                      std::size_t recordings) {
+  const Crossing crossing = crossing_of(fit, windows, recordings);
+  double squares = 0.0;
+  for (std::size_t i = 0; i < windows.size(); ++i)
+    squares += squares_after(fit.shares[i], crossing.step[crossing.fold[i]]);
   return squares;
+}
+
+double overdispersion(const identify::Fit& fit, const std::vector<std::vector<std::size_t>>& units) {
+  std::vector<Eigen::Index> moving;
+  for (std::size_t i = 0; i < fit.values.size(); ++i)
+    if (!fit.at_bound[i]) moving.push_back(static_cast<Eigen::Index>(i));
+  const auto count = static_cast<Eigen::Index>(moving.size());
+  if (count == 0 || units.size() < 2) return 1.0;
+  Eigen::MatrixXd information = Eigen::MatrixXd::Zero(count, count), scatter = information;
+  for (const auto& unit : units) {
+    Eigen::VectorXd pull = Eigen::VectorXd::Zero(count);
+    for (const std::size_t i : unit) {
+      information += fit.shares[i].information(moving, moving);
+      pull += fit.shares[i].gradient(moving);
+    }
+    scatter += pull * pull.transpose();
+  }
+  double squares = 0.0, rows = 0.0, effective_rows = 0.0;
+  for (const auto& s : fit.shares)
+    for (const auto& c : s.channels) squares += c.squares, rows += c.rows, effective_rows += c.effective_rows;
+  // Independent residuals of this variance would give the information times it; each row lies in so many windows.
+  const double expected = squares / effective_rows * static_cast<double>(fit.layers);
+  const double trace = information.completeOrthogonalDecomposition().solve(scatter).trace();
+  const auto of = static_cast<double>(units.size());
+  const double ratio = of / (of - 1.0) * trace / (static_cast<double>(count) * expected);
+  return std::isfinite(ratio) ? std::max(1.0, ratio) : 1.0;
 }
 
 double chi_square_point(double tries, double freedom) {

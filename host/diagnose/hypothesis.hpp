@@ -19,6 +19,13 @@ struct Hypothesis {
       true;  ///< no effect at a limit, and each away from nothing by more than the windows scatter
 };
 
+/// A set that was fitted, weighed against the chosen one; both in units of twice a log-likelihood ratio.
+struct Weighed {
+  std::vector<dynamics::Effect> effects;
+  double evidence = 0.0;  ///< over the chosen set
+  double prior = 0.0;     ///< over the chosen set's
+};
+
 /// Which of two hypotheses the training data prefer. All in units of a log-likelihood ratio times two, with
 /// the number of independent samples that the residuals are worth.
 struct Comparison {
@@ -45,10 +52,27 @@ double squares_of_body(const Hypothesis& h);
 double evidence_of(const identify::Fit& smaller, const identify::Fit& larger, const identify::Fit& of,
                    std::size_t layers);
 
+/// Which windows an estimate is made without: the training recordings (or, of few, stretches of them) in
+/// folds, and by how much the unknowns move without each fold, by one Gauss-Newton step.
+struct Crossing {
+  std::vector<std::size_t> fold;      ///< of each window
+  std::vector<Eigen::VectorXd> step;  ///< of each fold
+};
+Crossing crossing_of(const identify::Fit& fit, const std::vector<identify::Window>& windows,
+                     std::size_t recordings);
+
+/// The squares of a window after such a step.
+double squares_after(const identify::WindowShare& share, const Eigen::VectorXd& step);
+
 /// Squares on windows that the estimate has not seen: the training recordings (or, of a single one, its
 /// stretches) in folds, each predicted with the estimate that one Gauss-Newton step makes without the fold.
 double cross_validate(const identify::Fit& fit, const std::vector<identify::Window>& windows,
                       std::size_t recordings);
+
+/// How much more the windows' pulls at the unknowns scatter from unit to unit (recording or block of windows)
+/// than as many independent residuals' would as the evidence counts: 1 or more. What a model does not have
+/// pulls elsewhere in each recording, and its evidence is worth so much less.
+double overdispersion(const identify::Fit& fit, const std::vector<std::vector<std::size_t>>& units);
 
 /// What a chi-square of `freedom` degrees (one at least) exceeds at the level that Bonferroni's price for
 /// `tries` leaves of a false alarm in two hundred.

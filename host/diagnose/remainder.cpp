@@ -306,13 +306,13 @@ struct Normal {
   std::size_t recording = 0;
   Eigen::MatrixXd information;
   Eigen::VectorXd gradient;
-  double squares = 0, rows = 0;
-  std::array<double, 21> lags{};  ///< products of what is new, so many rows apart
+  double squares = 0;
+  LagSums lags;  ///< of what is new
 };
 
 Normal normal_of(const Linear& w, const Sizes& sizes, const Basis& basis) {
   const Eigen::Index p = basis.size();
-  Normal n{w.recording, Eigen::MatrixXd::Zero(p, p), Eigen::VectorXd::Zero(p), 0, 0, {}};
+  Normal n{w.recording, Eigen::MatrixXd::Zero(p, p), Eigen::VectorXd::Zero(p), 0, {}};
   Filter f(w, sizes);
   Eigen::MatrixXd state = Eigen::MatrixXd::Zero(3, p + 1), response = Eigen::MatrixXd::Zero(2, p);
   Eigen::VectorXd at(p);
@@ -336,7 +336,6 @@ Normal normal_of(const Linear& w, const Sizes& sizes, const Basis& basis) {
       block.row(filled) = seen.head(p) / f.deviation;
       found(filled) = seen(p) / f.deviation;
       n.squares += found(filled) * found(filled);
-      n.rows += 1;
       all_new.push_back(found(filled));
       if (++filled == kBlock) flush();
     }
@@ -348,8 +347,7 @@ Normal normal_of(const Linear& w, const Sizes& sizes, const Basis& basis) {
     response = (w.by[i] * response + w.force[i] * at.transpose()).eval();
   }
   flush();
-  for (std::size_t lag = 0; lag < n.lags.size(); ++lag)
-    for (std::size_t i = lag; i < all_new.size(); ++i) n.lags[lag] += all_new[i] * all_new[i - lag];
+  n.lags.add(all_new);
   return n;
 }
 
@@ -363,34 +361,54 @@ double left_by(const Normal& n, const Eigen::VectorXd& c) {
   return n.squares - 2 * c.dot(n.gradient) + c.dot(Eigen::VectorXd(n.information * c));
 }
 
-Eigen::VectorXd learned(const std::vector<Normal>& from, double size, const std::vector<char>& take) {
-  const Eigen::Index p = from.front().gradient.size();
+/// Which part of the training windows each one lies in: recordings, or stretches of few.
+std::vector<std::size_t> folds_of(const std::vector<Normal>& windows) {
+  constexpr std::size_t kFewestRecordings = 3, kMostFolds = 6, kStretches = 4;
+  std::size_t recordings = 0;
+  for (const Normal& n : windows) recordings = std::max(recordings, n.recording + 1);
+  std::vector<std::size_t> folds;
+  for (std::size_t i = 0; i < windows.size(); ++i)
+    folds.push_back(recordings >= kFewestRecordings ? windows[i].recording % std::min(recordings, kMostFolds)
+                                                    : i * kStretches / windows.size());
+  return folds;
+}
+
+/// The windows of each fold, added up.
+std::vector<Normal> added_up(const std::vector<Normal>& windows, const std::vector<std::size_t>& folds) {
+  const Eigen::Index p = windows.front().gradient.size();
+  std::vector<Normal> sums(*std::max_element(folds.begin(), folds.end()) + 1,
+                           {0, Eigen::MatrixXd::Zero(p, p), Eigen::VectorXd::Zero(p), 0, {}});
+  for (std::size_t i = 0; i < windows.size(); ++i) {
+    Normal& sum = sums[folds[i]];
+    sum.information += windows[i].information;
+    sum.gradient += windows[i].gradient;
+    sum.squares += windows[i].squares;
+  }
+  return sums;
+}
+
+constexpr std::size_t kNone = static_cast<std::size_t>(-1);
+
+Eigen::VectorXd learned(const std::vector<Normal>& folds, double size, std::size_t without,
+                        std::size_t and_without) {
+  const Eigen::Index p = folds.front().gradient.size();
   Eigen::MatrixXd information = Eigen::MatrixXd::Identity(p, p) / (size * size);
   Eigen::VectorXd gradient = Eigen::VectorXd::Zero(p);
-  for (std::size_t i = 0; i < from.size(); ++i)
-    if (take[i]) information += from[i].information, gradient += from[i].gradient;
+  for (std::size_t i = 0; i < folds.size(); ++i)
+    if (i != without && i != and_without) information += folds[i].information, gradient += folds[i].gradient;
   return information.ldlt().solve(gradient);
 }
 
-/// How large its parts may be: what serves best on parts of the training windows that are left out.
-Eigen::VectorXd learned(const std::vector<Normal>& from, double typical_force) {
-  std::size_t recordings = 0;
-  for (const Normal& n : from) recordings = std::max(recordings, n.recording + 1);
-  const std::size_t folds = recordings >= 3 ? std::min<std::size_t>(recordings, 6) : 4;
+/// How large its parts may be: what serves best on folds that are left out, of those that it may see.
+Eigen::VectorXd learned(const std::vector<Normal>& folds, double typical_force, std::size_t without = kNone) {
   double best = std::numeric_limits<double>::infinity(), best_size = 0;
   for (const double share : {0.3, 0.1, 0.03, 0.01, 0.003, 0.001}) {
     double left = 0;
-    for (std::size_t fold = 0; fold < folds; ++fold) {
-      std::vector<char> take;
-      for (std::size_t i = 0; i < from.size(); ++i)
-        take.push_back((recordings >= 3 ? from[i].recording % folds : i * folds / from.size()) != fold);
-      const Eigen::VectorXd c = learned(from, share * typical_force, take);
-      for (std::size_t i = 0; i < from.size(); ++i)
-        if (!take[i]) left += left_by(from[i], c);
-    }
+    for (std::size_t fold = 0; fold < folds.size(); ++fold)
+      if (fold != without) left += left_by(folds[fold], learned(folds, share * typical_force, fold, without));
     if (left < best) best = left, best_size = share;
   }
-  return learned(from, best_size * typical_force, std::vector<char>(from.size(), 1));
+  return learned(folds, best_size * typical_force, without, kNone);
 }
 
 /// Squares of a free run with its best start: that it leaves without and with the flexible law, and of the law's part.
@@ -438,16 +456,51 @@ double in_standard_errors(const std::vector<double>& values) {
 
 }  // namespace
 
-bool Remainder::is_structured() const {
+bool Foretold::counts(double typical_force) const {
   constexpr double kSure = 3.0, kCounts = 0.01, kShare = 0.02, kNoises = 0.5;
-  return foretold_noises > kNoises && deviations > kSure && foretold_force > kCounts * typical_force &&
-         foretold_share > kShare;
+  return noises > kNoises && deviations > kSure && force > kCounts * typical_force && share > kShare;
 }
 
-bool Remainder::repeats() const {
-  constexpr double kMost = 0.04;
-  return std::max(random_force, random_force_held_out) <= kMost * typical_force;
+namespace {
+
+constexpr double kMostRandom = 0.04;  // of the typical force
+
+/// What flexible laws do on windows that they have not seen; `law(i)` is that for window i.
+template <class Law>
+Foretold foretold_of(const std::vector<Linear>& windows, const std::vector<Normal>& normals,
+                     const Basis& basis, const Law& law) {
+  std::vector<double> gains, gains_of_free_runs;
+  double before = 0, after = 0, force = 0, rows = 0, parts = 0, positions = 0;
+  Eigen::VectorXd at(basis.size());
+  for (std::size_t i = 0; i < windows.size(); ++i) {
+    const Linear& w = windows[i];
+    const Eigen::VectorXd& c = law(i);
+    gains.push_back(normals[i].squares - left_by(normals[i], c));
+    const auto [without, with, part] = squares_of_free_run(w, basis, c);
+    before += without, after += with;
+    parts += part / (w.noise * w.noise), positions += static_cast<double>(w.left.size());
+    gains_of_free_runs.push_back(without - with);
+    for (const Sample& s : w.samples) {
+      basis.at(s, at);
+      force += std::pow(c.dot(at), 2), ++rows;
+    }
+  }
+  Foretold f;
+  // The filter weighs best what is small; of free runs a window that it takes for another motion spoils less.
+  f.deviations = std::max(in_standard_errors(gains), in_standard_errors(gains_of_free_runs));
+  f.share = 1.0 - after / std::max(before, 1e-300);
+  f.noises = std::sqrt(parts / std::max(positions, 1.0));
+  f.force = std::sqrt(force / std::max(rows, 1.0));
+  return f;
 }
+
+}  // namespace
+
+bool Remainder::repeats() const {
+  return std::max(random_force, random_force_held_out) <= kMostRandom * typical_force;
+}
+
+bool Remainder::repeats_in_training() const { return random_force <= kMostRandom * typical_force; }
 
 std::optional<Remainder> remainder_of(const model::Model& fitted, const std::vector<Recording>& training,
                                       const std::vector<Window>& training_windows,
@@ -456,7 +509,8 @@ std::optional<Remainder> remainder_of(const model::Model& fitted, const std::vec
   if (!dynamics::applies(Effect::force_offset, fitted.kind)) return std::nullopt;
   const std::vector<Linear> fit = linearised(fitted, training, training_windows),
                             judge = linearised(fitted, held_out, held_out_windows);
-  if (fit.size() < 4 || judge.size() < 2) return std::nullopt;
+  const bool judged = !held_out_windows.empty();
+  if (fit.size() < 4 || (judged && judge.size() < 2)) return std::nullopt;
   Remainder out;
   out.unit = dynamics::info(fitted.kind).rotary ? "N m" : "N";
   std::tie(out.typical_force, out.typical_is) = typical_force(fitted, fit);
@@ -468,39 +522,22 @@ std::optional<Remainder> remainder_of(const model::Model& fitted, const std::vec
   out.random_force = sizes.force;
   out.correlation_s = sizes.correlation_s;
   out.impact_scatter = sizes.impact;
+  const std::vector<Normal> from = normals_of(fit, sizes, basis);
+  const std::vector<std::size_t> fold = folds_of(from);
+  const std::vector<Normal> folds = added_up(from, fold);
+  std::vector<Eigen::VectorXd> without;
+  for (std::size_t i = 0; i < folds.size(); ++i) without.push_back(learned(folds, out.typical_force, i));
+  out.crossed = foretold_of(
+      fit, from, basis, [&](std::size_t i) -> const auto& { return without[fold[i]]; });
+  if (!judged) return out;
   out.random_force_held_out = likeliest(judge, out.typical_force).force;
-  const std::vector<Normal> from = normals_of(fit, sizes, basis), of = normals_of(judge, sizes, basis);
-  const Eigen::VectorXd c = learned(from, out.typical_force);
-
-  std::vector<double> gains, gains_of_free_runs;
-  double before = 0, after = 0, force = 0, rows = 0, parts = 0, positions = 0;
-  Eigen::VectorXd at(basis.size());
-  for (std::size_t i = 0; i < judge.size(); ++i) {
-    gains.push_back(of[i].squares - left_by(of[i], c));
-    const auto [without, with, part] = squares_of_free_run(judge[i], basis, c);
-    before += without, after += with;
-    parts += part / (judge[i].noise * judge[i].noise), positions += static_cast<double>(judge[i].left.size());
-    gains_of_free_runs.push_back(without - with);
-    for (const Sample& s : judge[i].samples) {
-      basis.at(s, at);
-      force += std::pow(c.dot(at), 2), ++rows;
-    }
-  }
-  // The filter weighs best what is small; of free runs a window that it takes for another motion spoils less.
-  out.deviations = std::max(in_standard_errors(gains), in_standard_errors(gains_of_free_runs));
-  out.foretold_share = 1.0 - after / std::max(before, 1e-300);
-  out.foretold_noises = std::sqrt(parts / std::max(positions, 1.0));
-  out.foretold_force = std::sqrt(force / std::max(rows, 1.0));
-  std::array<double, 21> lags{};
-  double all_rows = 0;
-  for (const auto* list : {&from, &of})
-    for (const Normal& n : *list) {
-      for (std::size_t k = 0; k < lags.size(); ++k) lags[k] += n.lags[k];
-      all_rows += n.rows;
-    }
-  for (std::size_t k = 1; k < lags.size(); ++k)
-    out.correlation_of_new =
-        std::max(out.correlation_of_new, std::abs(lags[k] / lags[0]) * std::sqrt(all_rows));
+  const std::vector<Normal> of = normals_of(judge, sizes, basis);
+  const Eigen::VectorXd law = learned(folds, out.typical_force);
+  out.foretold = foretold_of(
+      judge, of, basis, [&](std::size_t) -> const auto& { return law; });
+  LagSums lags;
+  for (const Normal& n : of) lags += n.lags;
+  out.new_finds = ljung_box(lags);
   return out;
 }
 

@@ -9,11 +9,26 @@
 #include <string>
 #include <vector>
 
+#include "host/diagnose/whiteness.hpp"
 #include "host/identify/recording.hpp"
 #include "host/identify/windows.hpp"
 #include "host/model/model.hpp"
 
 namespace furcula::diagnose {
+
+/// What the flexible law does on recordings that it was not learned on.
+struct Foretold {
+  double force = 0.0;  ///< root mean square of what it adds
+  double share =
+      0.0;  ///< of the squares that free runs with their best start leave, what it takes off; below 0: it adds
+  double deviations =
+      0.0;  ///< what it gains, in standard errors of that over the windows: by what the filter finds new, or by free runs
+  double noises =
+      0.0;  ///< root mean square of what it changes in the positions of free runs, over the sensor's noise
+
+  /// It takes off something that counts.
+  bool counts(double typical_force) const;
+};
 
 struct Remainder {
   std::string unit;  ///< of forces: "N" or "N m"
@@ -24,28 +39,23 @@ struct Remainder {
   double random_force_held_out = 0.0;
   double correlation_s = 0.0;   ///< of it
   double impact_scatter = 0.0;  ///< standard deviation of the speed after an impact, as a share of it; hopper
-  // The flexible law, learned on the training recordings, on the held-out ones.
-  double foretold_force = 0.0;  ///< root mean square of what it adds
-  double foretold_share =
-      0.0;  ///< of the squares that free runs with their best start leave, what it takes off; below 0: it adds
-  /// What it gains, in standard errors of that over the windows: by what the filter finds new, or by free runs.
-  double deviations = 0.0;
-  double foretold_noises =
-      0.0;  ///< root mean square of what it changes in the positions of free runs, over the sensor's noise
-  /// What windows' new finds share with the ones before, in standard deviations of chance: the largest of 20 lags.
-  double correlation_of_new = 0.0;
+  Foretold crossed;             ///< on each training recording (or stretch), by what the others teach
+  Foretold foretold;            ///< on the held-out recordings, by what all training recordings teach
+  Whiteness new_finds;          ///< of what the filter finds new from row to row on the held-out recordings
 
-  /// It takes off something that counts.
-  bool is_structured() const;
+  /// On the held-out recordings; on the training recordings by themselves.
+  bool is_structured() const { return foretold.counts(typical_force); }
+  bool is_structured_in_training() const { return crossed.counts(typical_force); }
   /// The machine repeats itself well enough to say that nothing is missing.
   bool repeats() const;
+  bool repeats_in_training() const;
 };
 
-/// Windows as predictions are judged on. Nothing where the machine's runs jump (clutch bench) or nothing can be told.
+/// Windows as predictions are judged on; without held-out ones what is said of those stays zero. Nothing where the machine's runs jump (clutch bench) or nothing can be told.
 std::optional<Remainder> remainder_of(const model::Model& fitted,
                                       const std::vector<identify::Recording>& training,
                                       const std::vector<identify::Window>& training_windows,
-                                      const std::vector<identify::Recording>& held_out,
-                                      const std::vector<identify::Window>& held_out_windows);
+                                      const std::vector<identify::Recording>& held_out = {},
+                                      const std::vector<identify::Window>& held_out_windows = {});
 
 }  // namespace furcula::diagnose

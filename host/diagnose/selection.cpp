@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
 
 #include "host/core/error.hpp"
 #include "host/core/parallel.hpp"
 #include "host/diagnose/effect_set.hpp"
+#include "host/diagnose/laws.hpp"
 #include "host/diagnose/proposals.hpp"
 #include "host/diagnose/wording.hpp"
 
@@ -51,6 +53,7 @@ class Search {
     s_.refitted = trainer_.fit({}, nullptr);
     trainer_.reference_squares = squares_of_body(s_.refitted);
     s_.chosen = s_.refitted;
+    remember(s_.refitted);
     const std::optional<Hypothesis> wider = trainer_.widened(s_.refitted);
     if (wider && follows_the_body(*wider)) {
       s_.beyond_bounds = wider;
@@ -61,12 +64,26 @@ class Search {
     if (beam() && !follows_the_body(s_.chosen)) forward(s_.chosen.effects.size());
     replace_by_rivals();
     if (wider && trainer_.preference(s_.chosen, *wider) > -kEqualEvidence) s_.beyond_bounds = wider;
+    const double prior = trainer_.prior(s_.chosen.effects);
+    for (const auto& [effects, h] : pool_)
+      if (within_limits(h))
+        s_.pool.push_back({effects, trainer_.evidence_over(s_.chosen, h), trainer_.prior(effects) - prior});
     return std::move(s_);
   }
 
  private:
   void tell(double fraction, std::string_view what) const {
     if (progress_) progress_(fraction, what);
+  }
+
+  /// Keeps a set that was fitted; of several fits of one set the best.
+  void remember(const Hypothesis& h) {
+    if (h.failed) return;
+    const auto [known, is_new] = pool_.try_emplace(h.effects, h);
+    if (!is_new && h.fit.squares < known->second.fit.squares) known->second = h;
+  }
+  void remember(const std::vector<Tried>& all) {
+    for (const Tried& t : all) remember(t.hypothesis);
   }
 
   /// A set with one effect more than `on`, from what was proposed for it; compared with `on`.
@@ -154,6 +171,7 @@ class Search {
         trials[i] = tried(larger, s_.chosen, proposals[i], round, left.size());
       });
       drop_failed(trials);
+      remember(trials);
       std::sort(trials.begin(), trials.end(), earlier_in_catalogue);
       const EffectSet before = s_.chosen.effects;
       const Tried* best = best_of(trials);
@@ -196,6 +214,7 @@ class Search {
         swaps[i].against_smaller = trainer_.compare(s_.refitted, swaps[i].hypothesis, all_.size());
     });
     drop_failed(swaps);
+    remember(swaps);
     bool swapped = false;
     for (const Tried& s : swaps)
       if (stands(s) && trainer_.preference(s_.chosen, s.hypothesis) > price_of(s.hypothesis)) {
@@ -237,7 +256,7 @@ class Search {
 
   /// Backward: takes out members that the others have made needless, and takes a law's special case for one
   /// that needs no more.
-  void prune(Hypothesis& chosen) const {
+  void prune(Hypothesis& chosen) {
     const auto replaced_by = [&](Hypothesis smaller, bool needless) {
       if (!needless || (chosen.meaningful && !smaller.meaningful)) return false;
       chosen = std::move(smaller);
@@ -248,12 +267,14 @@ class Search {
       for (Effect e : EffectSet(chosen.effects)) {
         const EffectSet rest = without(chosen.effects, e);
         Hypothesis smaller = fit_if_it_runs(rest, chosen);
+        remember(smaller);
         const bool needless = !smaller.failed && !trainer_.compare(smaller, chosen, all_.size()).significant;
         again = replaced_by(std::move(smaller), needless);
         for (Effect special : all_) {
           if (again || !contains(e, special)) continue;
           Hypothesis narrower =
               fit_if_it_runs(with(rest, special), chosen, {{special, {chosen.fitted.effects.at(e)[0]}}});
+          remember(narrower);
           const bool as_good =
               !narrower.failed && !trainer_.compare(narrower, chosen, all_.size()).told_apart;
           again = replaced_by(std::move(narrower), as_good);
@@ -282,6 +303,7 @@ class Search {
       trials[i] = tried({singles[i].effect}, s_.refitted, singles[i], 0, all_.size());
     });
     drop_failed(trials);
+    remember(trials);
     s_.tried.insert(s_.tried.end(), trials.begin(), trials.end());
     const Hypothesis* simpler = nullptr;
     for (const Tried& t : s_.tried)
@@ -326,6 +348,7 @@ class Search {
       drop_failed(trials);
       for (Tried& t : trials) pairs.push_back(std::move(t));
     }
+    remember(pairs);
     std::stable_sort(pairs.begin(), pairs.end(), earlier_in_catalogue);
     bool better = false;
     if (const Tried* best = best_of(pairs)) {
@@ -357,34 +380,55 @@ class Search {
       tell(0.8 + 0.05 * round, "what cannot be told apart");
       const EffectSet& members = s_.chosen.effects;
       s_.without.assign(members.size(), {});
-      s_.against_without.assign(members.size(), {});
       core::parallel_for(members.size(), trainer_.threads, [&](std::size_t i) {
         const EffectSet rest = without(members, members[i]);
         s_.without[i] = fit_if_it_runs(rest, s_.chosen);
         if (s_.without[i].failed) s_.without[i] = trainer_.fit(rest, &s_.refitted);
-        s_.against_without[i] = trainer_.compare(s_.without[i], s_.chosen, all_.size());
       });
+      for (const Hypothesis& h : s_.without) remember(h);
       s_.equals = rivals();
-      const Selection::Rival* better = nullptr;
+      const Hypothesis* better = nullptr;
       for (const auto& r : s_.equals)
         if (trainer_.preference(s_.chosen, r.hypothesis) > price_of(r.hypothesis) &&
-            (better == nullptr || r.hypothesis.fit.squares < better->hypothesis.fit.squares))
-          better = &r;
+            (better == nullptr || r.hypothesis.fit.squares < better->fit.squares))
+          better = &r.hypothesis;
+      if (better == nullptr) better = best_of_pool();
       if (better == nullptr || round == kMostSwaps) return;
-      s_.chosen = Hypothesis(better->hypothesis);
+      s_.chosen = Hypothesis(*better);
       prune(s_.chosen);
     }
   }
 
-  /// The member of the chosen set that `effects` has not, if that is one and there are no more parameters.
-  std::optional<Effect> the_one_replaced(const EffectSet& effects) const {
+  /// Of all sets that were fitted and mean something, the one that is preferred most to the chosen one, prices
+  /// and doubts taken off: nothing where that is hardly better, or, with more parameters, not worth them.
+  const Hypothesis* best_of_pool() const {
+    const Hypothesis* best = nullptr;
+    double most = kEqualEvidence;
+    for (const auto& [effects, h] : pool_) {
+      if (!h.meaningful || effects.empty() || effects.size() > kMostEffects) continue;
+      const bool more = parameters_of(effects) > parameters_of(s_.chosen.effects);
+      if (more && h.cross_validated_squares > (1.0 - kSmallestLoss) * s_.chosen.cross_validated_squares)
+        continue;
+      const double preferred =
+          trainer_.evidence_over(s_.chosen, h) + trainer_.prior(effects) - trainer_.prior(s_.chosen.effects);
+      if (preferred <= most || !trainer_.compare(s_.refitted, h, all_.size()).significant) continue;
+      most = preferred;
+      best = &h;
+    }
+    return best;
+  }
+
+  /// The members of the chosen set that `effects` has not, if it stands in their place: one, with no more
+  /// parameters, or as many as one law has under another name.
+  EffectSet replaced_by(const EffectSet& effects) const {
     EffectSet missing;
     for (Effect e : s_.chosen.effects)
       if (!holds(effects, e)) missing.push_back(e);
-    if (missing.size() != 1 || effects.size() < s_.chosen.effects.size() ||
-        parameters_of(effects) > parameters_of(s_.chosen.effects))
-      return std::nullopt;
-    return missing.front();
+    const bool one = missing.size() == 1 && effects.size() >= s_.chosen.effects.size();
+    if (parameters_of(effects) > parameters_of(s_.chosen.effects) ||
+        (!one && !always_same(trainer_.model, effects, s_.chosen.effects)))
+      return {};
+    return missing;
   }
 
   /// A set with another effect, or two, in the place of one member.
@@ -419,6 +463,7 @@ class Search {
     for (Effect a : all_)
       if (!holds(s_.chosen.effects, a) && dynamics::info(a).parameter_count <= size) usable.push_back(a);
     const double lost = on.fit.squares - s_.chosen.fit.squares;
+    std::size_t singles = 0;
     std::vector<Proposal> parts;
     for (const Proposal& p : propose(on, usable, 0.85, 0.1)) {
       const bool goes_some_way = p.gain * on.fit.squares > 0.5 * lost;
@@ -427,7 +472,7 @@ class Search {
                        with(on.effects, p.effect),
                        &s_.chosen,
                        {{p.effect, in_other_words(s_.chosen.fitted, e, p.effect).value_or(p.values)}}});
-      else if (goes_some_way && all.size() < kMostRivals * (member + 1))
+      else if (goes_some_way && singles++ < kMostRivals)
         all.push_back({e, with(on.effects, p.effect), &on, {{p.effect, p.values}}});
       if (dynamics::info(p.effect).parameter_count < size && parts.size() < kMostParts) parts.push_back(p);
     }
@@ -439,11 +484,36 @@ class Search {
       }
   }
 
+  /// The chosen set under its other names, whatever was promised of those.
+  void add_other_names(std::vector<Replacement>& all) const {
+    for (const EffectSet& effects : in_other_names(trainer_.model, s_.chosen.effects, all_)) {
+      if (std::any_of(all.begin(), all.end(), [&](const Replacement& r) { return r.effects == effects; }))
+        continue;
+      // A friction of two sizes is a friction and a constant force.
+      Starts starts;
+      const auto& now = s_.chosen.fitted.effects;
+      if (holds(effects, Effect::asymmetric_friction) && !now.contains(Effect::asymmetric_friction)) {
+        const double friction = now.at(Effect::coulomb_friction)[0];
+        const auto pull = now.find(Effect::force_offset);
+        const double offset = pull == now.end() ? 0.0 : pull->second[0];
+        starts[Effect::asymmetric_friction] = {friction - offset, friction + offset};
+      } else if (const auto two = now.find(Effect::asymmetric_friction);
+                 two != now.end() && !holds(effects, Effect::asymmetric_friction)) {
+        const auto [up, down, none] = two->second;
+        starts[Effect::coulomb_friction] = {std::max(0.0, 0.5 * (up + down))};
+        starts[Effect::force_offset] = {0.5 * (down - up)};
+      }
+      all.push_back({s_.chosen.effects.front(), effects, &s_.chosen, starts});
+    }
+  }
+
   /// Sets with as many parameters that explain as much as the chosen one, with another effect (or two) in the
   /// place of each member.
-  std::vector<Selection::Rival> rivals() const {
+  std::vector<Selection::Rival> rivals() {
     std::vector<Replacement> replacements;
     for (std::size_t m = 0; m < s_.chosen.effects.size(); ++m) add_replacements(m, replacements);
+    const std::size_t in_place_of_one = replacements.size();
+    add_other_names(replacements);
     std::vector<Hypothesis> fitted(replacements.size());
     core::parallel_for(replacements.size(), trainer_.threads, [&](std::size_t i) {
       const Replacement& r = replacements[i];
@@ -464,10 +534,11 @@ class Search {
       if (!known && (trainer_.preference(h, s_.chosen) < kEqualEvidence || the_same(h, s_.chosen)))
         equals.push_back({of, h});
     };
-    for (std::size_t i = 0; i < fitted.size(); ++i) add(replacements[i].of, fitted[i]);
+    for (const Hypothesis& h : fitted) remember(h);
+    for (std::size_t i = 0; i < in_place_of_one; ++i) add(replacements[i].of, fitted[i]);
     // A fit that started elsewhere may have gone further.
-    for (const Tried& t : s_.tried)
-      if (const auto of = the_one_replaced(t.hypothesis.effects)) add(*of, t.hypothesis);
+    for (const auto& [effects, h] : pool_)
+      for (const Effect of : replaced_by(effects)) add(of, h);
     return equals;
   }
 
@@ -476,6 +547,7 @@ class Search {
   const Progress& progress_;
   EffectSet all_;
   std::vector<Proposal> first_promises_;  ///< on top of the re-fitted model
+  std::map<EffectSet, Hypothesis> pool_;  ///< all sets that were fitted
   Selection s_;
 };
 

@@ -34,7 +34,8 @@ struct Selection {
   std::vector<Rival> equals;
   /// For each chosen effect, the chosen set without it, re-fitted; in the order of chosen.effects.
   std::vector<Hypothesis> without;
-  std::vector<Comparison> against_without;
+  /// All sets that were fitted but those in which an effect lies on a limit, the chosen one among them.
+  std::vector<Weighed> pool;
 };
 
 /// How far it is (0 to 1), and what is being tried.

@@ -201,6 +201,24 @@ double Trainer::preference(const Hypothesis& one, const Hypothesis& other) const
          doubt_of(other.effects);
 }
 
+double Trainer::prior(const std::vector<Effect>& effects) const {
+  double slips = 0.0;
+  for (const auto& r : recordings) slips += static_cast<double>(r.slips.size());
+  const auto tries = static_cast<double>(candidates().size());
+  double price = 0.0;
+  for (Effect e : effects) {
+    const double freedom = e == Effect::encoder_slip
+                               ? 2.0 * slips
+                               : static_cast<double>(identify::effect_unknowns(e, model.kind).size());
+    price += chi_square_point(tries * shapes_of(e), freedom);
+  }
+  return -price - doubt_of(effects);
+}
+
+double Trainer::evidence_over(const Hypothesis& reference, const Hypothesis& h) const {
+  return evidence_of(reference.fit, h.fit, reference.fit, training.layers);
+}
+
 std::optional<Hypothesis> Trainer::widened(const Hypothesis& refitted) const {
   constexpr double kWider = 4.0;
   model::Model wide = model;

@@ -51,6 +51,13 @@ struct Trainer {
   /// what was to be expected before.
   double preference(const Hypothesis& one, const Hypothesis& other) const;
 
+  /// What was to be expected of a set before any recording, in units of the evidence: minus the price of its
+  /// parameters and of having looked at so many laws and shapes, and minus the doubts.
+  double prior(const std::vector<dynamics::Effect>& effects) const;
+
+  /// Evidence of `h` over `reference`, by the noise levels and correlation of what `reference` leaves.
+  double evidence_over(const Hypothesis& reference, const Hypothesis& h) const;
+
   /// What moves the axis (root mean square of the input, on hopper and clutch bench the weight; N or N m) and
   /// the root mean square of its speed.
   struct Scales {

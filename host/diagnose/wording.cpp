@@ -67,8 +67,8 @@ std::string why_unexplained(const Diagnosis& d) {
   const Remainder& left = *d.remainder;
   if (left.is_structured())
     return ". A flexible law of the motion, the input and the time, learned on the training recordings, takes off " +
-           number(100.0 * left.foretold_share, 2) + " % of the held-out squares, with a " +
-           (left.unit == "N" ? "force" : "torque") + " of " + number(left.foretold_force, 2) + " " +
+           number(100.0 * left.foretold.share, 2) + " % of the held-out squares, with a " +
+           (left.unit == "N" ? "force" : "torque") + " of " + number(left.foretold.force, 2) + " " +
            left.unit;
   if (left.random_force_held_out > 2.0 * left.random_force)
     return ". The held-out recordings lack " + number(left.random_force_held_out, 2) + " " + left.unit +
@@ -156,7 +156,9 @@ std::string readable(double value, const std::string& unit) {
   return unit == "m" ? number(1e3 * value) + " mm" : number(value) + " " + unit;
 }
 
-std::string summary(const Diagnosis& d) {
+namespace {
+
+std::string summary_of(const Diagnosis& d) {
   std::string channel = told(d).channel;
   std::replace(channel.begin(), channel.end(), '_', ' ');
   const std::string where = "held-out " + channel + " error (RMSE)";
@@ -199,6 +201,14 @@ std::string summary(const Diagnosis& d) {
     }
   }
   return "";
+}
+
+}  // namespace
+
+std::string summary(const Diagnosis& d) {
+  if (d.windows_left_out == 0) return summary_of(d);
+  return summary_of(d) + " No figure is of " + std::to_string(d.windows_left_out) +
+         " held-out windows that hold or follow a slip of the encoder, which nothing foretells.";
 }
 
 std::string experiment_that_tells(const Diagnosis& d, const std::vector<std::string>& sets) {

@@ -11,35 +11,35 @@
 namespace furcula::identify {
 namespace {
 
-/// Adds up one channel.
-struct Sums {
-  double squares = 0.0, absolute = 0.0, spread = 0.0, count = 0.0;
+/// `errors` and `measured` over the rows [first, last] of a window.
+ErrorSums sums_of(const std::vector<double>& measured, std::size_t offset, const std::vector<double>& errors,
+                  std::size_t first, std::size_t last) {
+  ErrorSums s;
+  if (last < first) return s;
+  double mean = 0.0;
+  const auto rows = static_cast<double>(last - first + 1);
+  for (std::size_t i = first; i <= last; ++i) mean += measured[offset + i] / rows;
+  for (std::size_t i = first; i <= last; ++i) {
+    s.squares += errors[i] * errors[i];
+    s.absolute += std::abs(errors[i]);
+    s.spread += (measured[offset + i] - mean) * (measured[offset + i] - mean);
+  }
+  s.count = rows;
+  return s;
+}
 
-  /// `errors` and `measured` over the rows [first, last] of a window.
-  void add(const std::vector<double>& measured, std::size_t offset, const std::vector<double>& errors,
-           std::size_t first, std::size_t last) {
-    if (last < first) return;
-    double mean = 0.0;
-    const auto rows = static_cast<double>(last - first + 1);
-    for (std::size_t i = first; i <= last; ++i) mean += measured[offset + i] / rows;
-    for (std::size_t i = first; i <= last; ++i) {
-      squares += errors[i] * errors[i];
-      absolute += std::abs(errors[i]);
-      spread += (measured[offset + i] - mean) * (measured[offset + i] - mean);
-    }
-    count += rows;
-  }
-  ChannelErrors errors() const {
-    if (count == 0.0) return {};
-    return {spread > 0.0 ? squares / spread : 0.0, absolute / count, std::sqrt(squares / count)};
-  }
-};
+std::optional<ChannelErrors> pooled(const std::vector<ErrorSums>& windows) {
+  ErrorSums all;
+  for (const ErrorSums& s : windows) all += s;
+  if (all.count == 0.0) return std::nullopt;
+  return all.errors();
+}
 
 /// Pools the errors of all windows; `position_error(window, row errors)` and the like fill a vector of one
 /// entry a row.
 template <class Fill>
 Errors pool(const std::vector<Recording>& recordings, const std::vector<Window>& windows, const Fill& fill) {
-  std::map<std::string, Sums> sums;
+  std::map<std::string, ErrorSums> sums;
   std::vector<double> position, velocity;
   for (std::size_t k = 0; k < windows.size(); ++k) {
     const Window& w = windows[k];
@@ -48,14 +48,14 @@ Errors pool(const std::vector<Recording>& recordings, const std::vector<Window>&
     velocity.assign(w.rows(), 0.0);
     fill(k, position, velocity);
     const std::string channel = channel_names(r.kind).position;
-    sums[channel].add(r.position, w.first, position, 0, w.rows() - 1);
+    sums[channel] += sums_of(r.position, w.first, position, 0, w.rows() - 1);
     if (dynamics::has(r.kind, dynamics::Seat::leg) || r.velocity_recorded)
-      sums["velocity"].add(r.velocity, w.first, velocity, 0, w.rows() - 1);
+      sums["velocity"] += sums_of(r.velocity, w.first, velocity, 0, w.rows() - 1);
     if (w.kind == WindowKind::stride) {
-      sums["height_stance"].add(r.position, w.first, position, w.touchdown - w.first,
-                                w.liftoff - w.first - 1);
-      sums["height_flight"].add(r.position, w.first, position, 0, w.touchdown - w.first - 1);
-      sums["height_flight"].add(r.position, w.first, position, w.liftoff - w.first, w.rows() - 1);
+      sums["height_stance"] +=
+          sums_of(r.position, w.first, position, w.touchdown - w.first, w.liftoff - w.first - 1);
+      sums["height_flight"] += sums_of(r.position, w.first, position, 0, w.touchdown - w.first - 1);
+      sums["height_flight"] += sums_of(r.position, w.first, position, w.liftoff - w.first, w.rows() - 1);
     }
   }
   Errors errors;
@@ -64,6 +64,19 @@ Errors pool(const std::vector<Recording>& recordings, const std::vector<Window>&
 }
 
 }  // namespace
+
+ErrorSums& ErrorSums::operator+=(const ErrorSums& other) {
+  squares += other.squares;
+  absolute += other.absolute;
+  spread += other.spread;
+  count += other.count;
+  return *this;
+}
+
+ChannelErrors ErrorSums::errors() const {
+  if (count == 0.0) return {};
+  return {spread > 0.0 ? squares / spread : 0.0, absolute / count, std::sqrt(squares / count)};
+}
 
 Run predict(const model::Model& model, const Recording& r, const Window& w, const StartState& start) {
   const PlantSetup<double> setup(model, {}, nullptr);
@@ -99,30 +112,49 @@ Errors prediction_errors(const model::Model& model, const std::vector<Recording>
               });
 }
 
-std::optional<ChannelErrors> contact_errors(const model::Model& model,
-                                            const std::vector<Recording>& recordings,
-                                            const std::vector<Window>& windows) {
+std::vector<ErrorSums> position_sums(const model::Model& model, const std::vector<Recording>& recordings,
+                                     const std::vector<Window>& windows,
+                                     const std::vector<StartState>& starts) {
+  std::vector<ErrorSums> all;
+  for (std::size_t k = 0; k < windows.size(); ++k) {
+    const Window& w = windows[k];
+    const Recording& r = recordings[w.recording];
+    std::vector<double> errors = predict(model, r, w, starts[k]).position;
+    for (std::size_t i = 0; i < w.rows(); ++i) errors[i] -= r.position[w.first + i];
+    all.push_back(sums_of(r.position, w.first, errors, 0, w.rows() - 1));
+  }
+  return all;
+}
+
+std::vector<ErrorSums> contact_sums(const model::Model& model, const std::vector<Recording>& recordings,
+                                    const std::vector<Window>& windows) {
   const PlantSetup<double> setup(model, {}, nullptr);
-  double squares = 0.0, absolute = 0.0, count = 0.0;
-  for (const Window& w : windows) {
+  std::vector<ErrorSums> all(windows.size());
+  for (std::size_t k = 0; k < windows.size(); ++k) {
+    const Window& w = windows[k];
     if (!std::isfinite(w.report_lag_s)) continue;
     const double error =
         report_lag(setup, recordings[w.recording], w, machines::touchdown_height_m(model)) - w.report_lag_s;
-    squares += error * error;
-    absolute += std::abs(error);
-    count += 1.0;
+    all[k] = {error * error, std::abs(error), 0.0, 1.0};
   }
-  if (count == 0.0) return std::nullopt;
-  return ChannelErrors{std::numeric_limits<double>::quiet_NaN(), absolute / count,
-                       std::sqrt(squares / count)};
+  return all;
 }
 
-std::optional<ChannelErrors> drive_errors(const model::Model& model, const std::vector<Recording>& recordings,
-                                          const std::vector<Window>& windows) {
+std::optional<ChannelErrors> contact_errors(const model::Model& model,
+                                            const std::vector<Recording>& recordings,
+                                            const std::vector<Window>& windows) {
+  auto errors = pooled(contact_sums(model, recordings, windows));
+  if (errors) errors->nmse = std::numeric_limits<double>::quiet_NaN();
+  return errors;
+}
+
+std::vector<ErrorSums> drive_sums(const model::Model& model, const std::vector<Recording>& recordings,
+                                  const std::vector<Window>& windows) {
   const PlantSetup<double> setup(model, {}, nullptr);
-  Sums sums;
+  std::vector<ErrorSums> all(windows.size());
   std::vector<double> errors;
-  for (const Window& w : windows) {
+  for (std::size_t k = 0; k < windows.size(); ++k) {
+    const Window& w = windows[k];
     const Recording& r = recordings[w.recording];
     if (r.drive.empty()) continue;
     errors.assign(w.rows(), 0.0);
@@ -130,18 +162,21 @@ std::optional<ChannelErrors> drive_errors(const model::Model& model, const std::
              [&](std::size_t row, double, double, double drive, const auto&) {
                if (row < w.last) errors[row - w.first] = drive - r.drive[row];
              });
-    sums.add(r.drive, w.first, errors, 0, w.rows() - 2);
+    all[k] = sums_of(r.drive, w.first, errors, 0, w.rows() - 2);
   }
-  if (sums.count == 0.0) return std::nullopt;
-  return sums.errors();
+  return all;
 }
 
-std::optional<ChannelErrors> leg_angle_errors(const model::Model& model,
-                                              const std::vector<Recording>& recordings,
-                                              const std::vector<Window>& windows,
-                                              const std::vector<StartState>& starts) {
+std::optional<ChannelErrors> drive_errors(const model::Model& model, const std::vector<Recording>& recordings,
+                                          const std::vector<Window>& windows) {
+  return pooled(drive_sums(model, recordings, windows));
+}
+
+std::vector<ErrorSums> leg_angle_sums(const model::Model& model, const std::vector<Recording>& recordings,
+                                      const std::vector<Window>& windows,
+                                      const std::vector<StartState>& starts) {
   const PlantSetup<double> setup(model, {}, nullptr);
-  Sums sums;
+  std::vector<ErrorSums> all(windows.size());
   std::vector<double> errors;
   for (std::size_t k = 0; k < windows.size(); ++k) {
     const Window& w = windows[k];
@@ -155,10 +190,16 @@ std::optional<ChannelErrors> leg_angle_errors(const model::Model& model,
                mean += errors.back() / static_cast<double>(w.rows());
              });
     for (double& e : errors) e -= mean;
-    sums.add(r.leg_angle, w.first, errors, 0, w.rows() - 1);
+    all[k] = sums_of(r.leg_angle, w.first, errors, 0, w.rows() - 1);
   }
-  if (sums.count == 0.0) return std::nullopt;
-  return sums.errors();
+  return all;
+}
+
+std::optional<ChannelErrors> leg_angle_errors(const model::Model& model,
+                                              const std::vector<Recording>& recordings,
+                                              const std::vector<Window>& windows,
+                                              const std::vector<StartState>& starts) {
+  return pooled(leg_angle_sums(model, recordings, windows, starts));
 }
 
 Errors noise_floor(const model::Model& model, const std::vector<Recording>& recordings,

@@ -20,6 +20,17 @@ struct ChannelErrors {
   double rmse = 0.0;
 };
 
+/// Sums of one channel's errors over rows: of one window, or of several together.
+struct ErrorSums {
+  double squares = 0.0;   ///< of the errors
+  double absolute = 0.0;  ///< of the errors
+  double spread = 0.0;    ///< squares of the measured values about their window's mean
+  double count = 0.0;     ///< rows
+
+  ErrorSums& operator+=(const ErrorSums& other);
+  ChannelErrors errors() const;
+};
+
 /// By channel: "height", "velocity" on the hopper (and "height_stance", "height_flight" for the parts of a
 /// stride), "height" (rail carriage), "position" or "angle", and "velocity" where it was recorded, elsewhere.
 using Errors = std::map<std::string, ChannelErrors>;
@@ -38,6 +49,20 @@ std::vector<StartState> start_states(const std::vector<Recording>& recordings,
 
 Errors prediction_errors(const model::Model& model, const std::vector<Recording>& recordings,
                          const std::vector<Window>& windows, const std::vector<StartState>& starts);
+
+/// Of the position, an entry a window: what prediction_errors() pools.
+std::vector<ErrorSums> position_sums(const model::Model& model, const std::vector<Recording>& recordings,
+                                     const std::vector<Window>& windows,
+                                     const std::vector<StartState>& starts);
+
+/// Of the three channels below, an entry a window; without rows where a window holds nothing of it.
+std::vector<ErrorSums> contact_sums(const model::Model& model, const std::vector<Recording>& recordings,
+                                    const std::vector<Window>& windows);
+std::vector<ErrorSums> drive_sums(const model::Model& model, const std::vector<Recording>& recordings,
+                                  const std::vector<Window>& windows);
+std::vector<ErrorSums> leg_angle_sums(const model::Model& model, const std::vector<Recording>& recordings,
+                                      const std::vector<Window>& windows,
+                                      const std::vector<StartState>& starts);
 
 /// Of the contact switch, s: its reports of touch-downs against where the model has them, after the measured
 /// fall through the touch-down height. Without an NMSE; nothing where no report belongs to a stride.

@@ -148,8 +148,8 @@ std::string figures(const Diagnosis& d) {
                   std::string("the same ") + (found ? "three" : "two") +
                       (floor ? "; the noise floor is " + number(floor->nmse, 2) : "")});
   list.push_back({"Still unexplained", escape(percent(d.unexplained_fraction)),
-                  d.residual_white ? "of the error above the noise; what remains looks random"
-                                   : "of the error above the noise; what remains has structure"});
+                  d.nothing_left ? "of the error above the noise; what remains looks random"
+                                 : "of the error above the noise; what remains has structure"});
   return key_figures(list);
 }
 
@@ -331,6 +331,7 @@ std::string finding(const diagnose::Finding& f, std::size_t place, const Diagnos
          number(s.factor * f.held_out_mae_before, 2) + " " + escape(s.unit) + "; with it " +
          number(s.factor * f.held_out_mae_after, 2) + " " + escape(s.unit) + ".</p>\n";
   out += "<h4>Confidence</h4>\n<p>" + share_bar(f.confidence) + "</p>\n";
+  for (const std::string& why : f.lowered_by) out += "<p><small>Lowered: " + escape(why) + ".</small></p>\n";
   if (!f.next_experiment.empty()) out += "<h4>To be sure</h4>\n" + paragraph(f.next_experiment);
   out += "</div></div>\n";
   if (!f.indistinguishable_from.empty())
@@ -378,17 +379,22 @@ std::string repeatability(const Diagnosis& d) {
   if (left.impact_scatter > 0.0)
     out += ", and impacts after which the speed scatters by " + percent(left.impact_scatter);
   out += ". A flexible law of the motion, the input and the time, learned on the training recordings, adds " +
-         escape(percent_of(left.foretold_force)) + " on the held-out ones and changes their squares by " +
-         percent(-left.foretold_share) + "; that is " + number(left.deviations, 2) + " standard errors. " +
-         (left.is_structured() ? "It counts." : "It does not count.") + "</p>\n";
+         escape(percent_of(left.foretold.force)) + " on the held-out ones and changes their squares by " +
+         percent(-left.foretold.share) + "; that is " + number(left.foretold.deviations, 2) +
+         " standard errors. " + (left.is_structured() ? "It counts." : "It does not count.");
+  const diagnose::Whiteness& w = left.new_finds;
+  out += " What is new from row to row is " + std::string(w.white() ? "" : "not ") +
+         "white (Ljung and Box, " + std::to_string(diagnose::kLags) + " lags: p = " + number(w.p_value, 2) +
+         ", largest correlation " + number(w.correlation, 2) + " after " + std::to_string(w.lag) +
+         " rows).</p>\n";
   return out;
 }
 
 std::string remains(const Diagnosis& d) {
   std::string out = "<p>" + escape(percent(d.unexplained_fraction)) +
                     " of the error above the noise floor could be explained and is not. " +
-                    (d.residual_white ? "It has no structure that could be told from noise."
-                                      : "It has structure, so it has a cause.") +
+                    (d.nothing_left ? "It has no structure that could be told from noise."
+                                    : "It has structure, so it has a cause.") +
                     "</p>\n" + repeatability(d);
   Table table({{"It goes along with"}, {"Strength", true}, {"How"}});
   for (const diagnose::Association& a : d.goes_along_with)

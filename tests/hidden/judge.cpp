@@ -250,10 +250,10 @@ std::string line(const diagnose::Diagnosis& d, double removed) {
                              format(" at random %.3g", d.remainder->random_force) +
                              format(" over %.3g s,", d.remainder->correlation_s) +
                              format(" impacts %.3g,", d.remainder->impact_scatter) +
-                             format(" foretold %.3g", d.remainder->foretold_force) +
-                             format(" (takes off %.3f,", d.remainder->foretold_share) +
-                             format(" %.1f standard errors),", d.remainder->deviations) +
-                             format(" correlation of what is new %.1f", d.remainder->correlation_of_new));
+                             format(" foretold %.3g", d.remainder->foretold.force) +
+                             format(" (takes off %.3f,", d.remainder->foretold.share) +
+                             format(" %.1f standard errors),", d.remainder->foretold.deviations) +
+                             format(" correlation of what is new %.3f", d.remainder->new_finds.correlation));
 }
 
 // A finding that nobody planted: there is none of it, and its interval should say so.

@@ -79,11 +79,11 @@ TEST_CASE("A law that the model lacks is foretold under disturbance") {
   for (const char* kind : {"motor_axis", "rotary_joint", "rail_carriage", "hopper_linear"}) {
     const Case c = draw_case(question(kind, 931, true, "coulomb_friction"));
     const diagnose::Remainder left = remainder_of(c);
-    INFO(kind << ": friction " << c.truth.planted[0].values[0] << ", foretold " << left.foretold_force
-              << ", share " << left.foretold_share << ", " << left.deviations << " standard errors");
+    INFO(kind << ": friction " << c.truth.planted[0].values[0] << ", foretold " << left.foretold.force
+              << ", share " << left.foretold.share << ", " << left.foretold.deviations << " standard errors");
     CHECK(left.is_structured());
-    CHECK(left.foretold_force == Approx(c.truth.planted[0].values[0]).epsilon(0.35));
-    CHECK(left.foretold_share > 0.7);
+    CHECK(left.foretold.force == Approx(c.truth.planted[0].values[0]).epsilon(0.35));
+    CHECK(left.foretold.share > 0.7);
   }
 }
 

@@ -159,6 +159,36 @@ TEST_CASE("Cross-validation predicts each fold with the fit that has not seen it
   CHECK(diagnose::cross_validate(held, five.windows, 1) == Approx(fit.squares).epsilon(1e-12));
 }
 
+TEST_CASE("Pulls that scatter as independent residuals would are not overdispersed, repeated ones are") {
+  std::mt19937_64 random(9);
+  std::normal_distribution<double> noise;
+  // A mean of `rows` residuals in each of 400 units, each residual said so often.
+  const auto ratio = [&](int rows, int said) {
+    identify::Fit fit;
+    fit.values = {0.0};
+    fit.at_bound = {false};
+    std::vector<std::vector<std::size_t>> units;
+    for (std::size_t u = 0; u < 400; ++u) {
+      identify::WindowShare s;
+      s.gradient = Eigen::VectorXd::Zero(1);
+      s.information = Eigen::MatrixXd::Constant(1, 1, rows * said);
+      double squares = 0.0;
+      for (int i = 0; i < rows; ++i) {
+        const double r = noise(random);
+        s.gradient(0) += said * r;
+        squares += said * r * r;
+      }
+      const double count = rows * said;
+      s.channels[0] = {squares, count, count};
+      fit.shares.push_back(s);
+      units.push_back({u});
+    }
+    return diagnose::overdispersion(fit, units);
+  };
+  CHECK(ratio(20, 1) == Approx(1.0).margin(0.25));  // of 400 units: a deviation of sqrt(2 / 400)
+  CHECK(ratio(20, 5) == Approx(5.0).margin(1.3));
+}
+
 TEST_CASE("An effect stands out from where its size is further from none than chance and the tries allow") {
   const auto model = test::axis_model(95.0, 200.0);
   // One parameter, 0.01 N of scatter: with ten tries from sqrt(12.1157) = 3.4808 deviations on.

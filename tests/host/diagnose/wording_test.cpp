@@ -56,10 +56,10 @@ TEST_CASE(
       "It looks like a random force of 1.5 N (7.5 % of the input's root mean square), which nothing in the recordings foretells"));
   d.remainder->random_force_held_out = 4.0;
   CHECK(holds("The held-out recordings lack 4 N that the training recordings do not"));
-  d.remainder->deviations = 6.0;
-  d.remainder->foretold_noises = 3.0;
-  d.remainder->foretold_force = 1.1;
-  d.remainder->foretold_share = 0.4;
+  d.remainder->foretold.deviations = 6.0;
+  d.remainder->foretold.noises = 3.0;
+  d.remainder->foretold.force = 1.1;
+  d.remainder->foretold.share = 0.4;
   CHECK(holds("takes off 40 % of the held-out squares, with a force of 1.1 N"));
 }
 

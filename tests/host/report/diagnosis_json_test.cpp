@@ -25,7 +25,7 @@ TEST_CASE("the diagnosis of a hopper has the keys and the nesting of the contrac
   const Json j = diagnose::to_json(d);
   CHECK(j["schema"] == "furcula-diagnosis/1");
   CHECK(j["verdict"] == "explained");
-  CHECK(keys(j["data"]) == Keys{"logs", "hops", "samples", "held_out_logs"});
+  CHECK(keys(j["data"]) == Keys{"logs", "hops", "samples", "held_out_logs", "held_out_windows_left_out"});
   CHECK(j["data"]["logs"] == 4);
   CHECK(j["data"]["held_out_logs"] == 1);
   for (const char* stage : {"baseline", "refitted", "extended"})
@@ -34,19 +34,21 @@ TEST_CASE("the diagnosis of a hopper has the keys and the nesting of the contrac
   CHECK(keys(j["noise_floor"]) == Keys{"nmse_height"});
   REQUIRE(j["findings"].size() == 1);
   const Json& f = j["findings"][0];
-  CHECK(keys(f) == Keys{"effect", "phase", "parameters", "gain", "confidence", "alternatives",
-                        "indistinguishable_from", "explanation", "next_experiment"});
+  CHECK(keys(f) == Keys{"effect", "phase", "parameters", "gain", "confidence", "confidence_lowered_by",
+                        "alternatives", "indistinguishable_from", "explanation", "next_experiment"});
   CHECK(f["effect"] == "coulomb_friction");
   CHECK(f["phase"] == "flight+stance");
   CHECK(keys(f["parameters"]["force_n"]) == Keys{"value", "ci95"});
   CHECK(f["parameters"]["force_n"]["ci95"].size() == 2);
-  CHECK(keys(f["gain"]) == Keys{"explainable_nmse_removed", "held_out_mae_height_m"});
+  CHECK(keys(f["gain"]) == Keys{"explainable_nmse_removed", "held_out_mae_height_m",
+                                "explainable_nmse_removed_ci95", "held_out_mae_gain_ci95"});
   CHECK(f["gain"]["held_out_mae_height_m"] ==
         Json::array({d.refitted.at("height").mae, d.extended.at("height").mae}));
   CHECK(keys(f["alternatives"][0]) == Keys{"effects", "why_not", "parameters"});
   CHECK(keys(f["indistinguishable_from"][0]) == Keys{"effects", "why"});
   CHECK(f["indistinguishable_from"][0]["effects"] == Json::array({"asymmetric_friction"}));
-  CHECK(keys(j["unexplained"]) == Keys{"fraction_of_nmse", "white", "goes_along_with"});
+  CHECK(keys(j["unexplained"]) ==
+        Keys{"fraction_of_nmse", "white", "nothing_left", "goes_along_with", "none_of_catalogue"});
   CHECK(j["unexplained"]["white"] == true);
   CHECK(keys(j)[0] == "schema");
 }
@@ -63,8 +65,11 @@ TEST_CASE("how well a machine repeats itself, and what is foretold, stand with w
   CHECK(keys(u["repeatability"]) == Keys{"random_torque_nm", "random_torque_nm_held_out", "correlation_s",
                                          "impact_scatter", "share_of", "share"});
   CHECK(u["repeatability"]["share"] == 0.005);
-  CHECK(keys(u["foretold"]) == Keys{"torque_nm", "share_of_squares", "standard_errors", "counts"});
+  CHECK(keys(u["foretold"]) == Keys{"torque_nm", "share_of_squares", "standard_errors", "counts", "crossed"});
   CHECK(u["foretold"]["counts"] == false);
+  CHECK(keys(u["foretold"]["crossed"]) == Keys{"torque_nm", "share_of_squares", "standard_errors", "counts"});
+  CHECK(keys(u["whiteness"]) ==
+        Keys{"p_value", "chi_square", "lags", "rows", "largest_correlation", "at_lag"});
 }
 
 TEST_CASE("an association is written with its signal, strength and how") {

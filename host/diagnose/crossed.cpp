@@ -1,0 +1,80 @@
+#include "host/diagnose/crossed.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace furcula::diagnose {
+namespace {
+
+using identify::Window;
+
+/// The model at the estimate that has not seen each fold.
+std::vector<model::Model> models_of(const Hypothesis& h, const Crossing& crossing) {
+  std::vector<model::Model> all;
+  for (const Eigen::VectorXd& step : crossing.step) {
+    std::vector<double> values = h.fit.values;
+    for (std::size_t i = 0; i < values.size(); ++i)
+      values[i] = std::clamp(values[i] + step(static_cast<Eigen::Index>(i)), h.unknowns[i].lower,
+                             h.unknowns[i].upper);
+    all.push_back(identify::with_values(h.fitted, h.unknowns, values));
+  }
+  return all;
+}
+
+}  // namespace
+
+Crossed::Crossed(const std::vector<identify::Recording>& recordings,
+                 const identify::TrainingWindows& training, std::vector<Window> predicted)
+    : recordings_(recordings),
+      training_(training),
+      predicted_(std::move(predicted)),
+      units_(units_of(training.windows)) {
+  for (const Window& w : predicted_) {
+    const auto same =
+        std::find_if(training_.windows.begin(), training_.windows.end(), [&](const Window& other) {
+          return other.recording == w.recording && other.first == w.first && other.last == w.last;
+        });
+    place_.push_back(static_cast<std::size_t>(same - training_.windows.begin()));
+  }
+}
+
+double Crossed::nmse(const Hypothesis& h, const Hypothesis& reference) const {
+  const Crossing crossing = crossing_of(h.fit, training_.windows, recordings_.size()),
+                 crossing_of_reference = crossing_of(reference.fit, training_.windows, recordings_.size());
+  const auto models = models_of(h, crossing), references = models_of(reference, crossing_of_reference);
+  identify::ErrorSums sums;
+  for (std::size_t fold = 0; fold < models.size(); ++fold) {
+    std::vector<Window> windows;
+    for (std::size_t i = 0; i < predicted_.size(); ++i)
+      if (crossing.fold[place_[i]] == fold) windows.push_back(predicted_[i]);
+    const auto starts = identify::start_states(recordings_, windows, references[fold]);
+    for (const auto& s : identify::position_sums(models[fold], recordings_, windows, starts)) sums += s;
+  }
+  return sums.errors().nmse;
+}
+
+double Crossed::noise_floor(const Hypothesis& h) const {
+  const auto starts = identify::start_states(recordings_, predicted_, h.fitted);
+  const auto floor = identify::noise_floor(h.fitted, recordings_, predicted_, starts);
+  return floor.at(identify::channel_names(h.fitted.kind).position).nmse;
+}
+
+double Crossed::gain_in_standard_errors(const Hypothesis& smaller, const Hypothesis& larger) const {
+  const Crossing one = crossing_of(smaller.fit, training_.windows, recordings_.size()),
+                 other = crossing_of(larger.fit, training_.windows, recordings_.size());
+  const auto n = static_cast<double>(units_.size());
+  double mean = 0.0, scatter = 0.0;
+  std::vector<double> gains;
+  for (const auto& unit : units_) {
+    double gain = 0.0;
+    for (const std::size_t i : unit)
+      gain += squares_after(smaller.fit.shares[i], one.step[one.fold[i]]) -
+              squares_after(larger.fit.shares[i], other.step[other.fold[i]]);
+    gains.push_back(gain);
+    mean += gain / n;
+  }
+  for (const double gain : gains) scatter += (gain - mean) * (gain - mean) / std::max(n - 1.0, 1.0);
+  return mean / std::sqrt(std::max(scatter, 1e-300) / n);
+}
+
+}  // namespace furcula::diagnose

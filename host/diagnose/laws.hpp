@@ -1,0 +1,23 @@
+// Which sets of effects are one law under several names, whatever the recordings (docs/contracts.md, section 3).
+#pragma once
+
+#include <set>
+#include <vector>
+
+#include "host/diagnose/effect_set.hpp"
+#include "host/model/model.hpp"
+
+namespace furcula::diagnose {
+
+/// The same for two sets that are one law: each name's first one, and of a friction of two sizes the friction
+/// and the constant force that it is made of.
+std::set<dynamics::Effect> laws_of(const model::Model& model, const EffectSet& effects);
+
+bool always_same(const model::Model& model, const EffectSet& a, const EffectSet& b);
+
+/// The set in other words that need no more parameters, each with effects of `usable` in the place of one
+/// member, or of a friction and a constant force.
+std::vector<EffectSet> in_other_names(const model::Model& model, const EffectSet& effects,
+                                      const EffectSet& usable);
+
+}  // namespace furcula::diagnose
