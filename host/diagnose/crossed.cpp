@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace furcula::diagnose {
 namespace {
@@ -24,17 +25,21 @@ std::vector<model::Model> models_of(const Hypothesis& h, const Crossing& crossin
 }  // namespace
 
 Crossed::Crossed(const std::vector<identify::Recording>& recordings,
-                 const identify::TrainingWindows& training, std::vector<Window> predicted)
-    : recordings_(recordings),
-      training_(training),
-      predicted_(std::move(predicted)),
-      units_(units_of(training.windows)) {
-  for (const Window& w : predicted_) {
-    const auto same =
-        std::find_if(training_.windows.begin(), training_.windows.end(), [&](const Window& other) {
-          return other.recording == w.recording && other.first == w.first && other.last == w.last;
-        });
-    place_.push_back(static_cast<std::size_t>(same - training_.windows.begin()));
+                 const identify::TrainingWindows& training, const std::vector<Window>& predicted)
+    : recordings_(recordings), training_(training), units_(units_of(training.windows)) {
+  // A window's fold is that of the one that begins nearest to it among those that fits are made on.
+  for (const Window& w : predicted) {
+    const auto distance = [&](std::size_t i) {
+      const std::size_t first = training_.windows[i].first;
+      return first > w.first ? first - w.first : w.first - first;
+    };
+    std::optional<std::size_t> nearest;
+    for (std::size_t i = 0; i < training_.windows.size(); ++i)
+      if (training_.windows[i].recording == w.recording && (!nearest || distance(i) < distance(*nearest)))
+        nearest = i;
+    if (!nearest) continue;
+    predicted_.push_back(w);
+    place_.push_back(*nearest);
   }
 }
 

@@ -12,7 +12,7 @@ class Crossed {
  public:
   /// `predicted`: the training recordings' prediction windows.
   Crossed(const std::vector<identify::Recording>& recordings, const identify::TrainingWindows& training,
-          std::vector<identify::Window> predicted);
+          const std::vector<identify::Window>& predicted);
 
   /// NMSE of the position, predicted from each window's first 50 ms as held-out recordings are; start states
   /// by runs of `reference`.
