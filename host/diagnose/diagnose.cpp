@@ -60,6 +60,10 @@ bool always_same(const model::Model& model, const std::vector<Effect>& a, const 
       {{Effect::incomplete_release}, {Effect::auxiliary_spring}, leg},
       // An axis has no third channel whose clock would tell which of the two is late.
       {{Effect::actuator_delay}, {Effect::time_skew}, !leg},
+      // A spring that is linear, measured from elsewhere. (Gravity's sine is not.)
+      {{Effect::force_offset},
+       {Effect::encoder_offset},
+       dynamics::parameter_index(model.kind, "stiffness_nmprad").has_value()},
       // With mass and damping free, a torque gain and a spring rate divided by it are the same equation.
       {{Effect::stiffness_error},
        {Effect::torque_gain_error},

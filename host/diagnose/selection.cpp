@@ -60,6 +60,7 @@ class Search {
     one_for_several();
     if (beam() && !follows_the_body(s_.chosen)) forward(s_.chosen.effects.size());
     replace_by_rivals();
+    add_friction_of_two_sizes();
     if (wider && trainer_.preference(s_.chosen, *wider) > -kEqualEvidence) s_.beyond_bounds = wider;
     return std::move(s_);
   }
@@ -355,6 +356,7 @@ class Search {
   void replace_by_rivals() {
     for (int round = 0;; ++round) {
       tell(0.8 + 0.05 * round, "what cannot be told apart");
+      put_friction_that_pushes_otherwise();
       const EffectSet& members = s_.chosen.effects;
       s_.without.assign(members.size(), {});
       s_.against_without.assign(members.size(), {});
@@ -374,6 +376,35 @@ class Search {
       s_.chosen = Hypothesis(better->hypothesis);
       prune(s_.chosen);
     }
+  }
+
+  /// A friction of two sizes of which one is below zero would push. It is friction and a constant force: named
+  /// so (docs/contracts.md, section 3).
+  void put_friction_that_pushes_otherwise() {
+    if (!holds(s_.chosen.effects, Effect::asymmetric_friction)) return;
+    const auto& [up, down, none] = s_.chosen.fitted.effects.at(Effect::asymmetric_friction);
+    if (std::min(up, down) >= 0.0) return;
+    EffectSet words = without(s_.chosen.effects, Effect::asymmetric_friction);
+    if (!holds(words, Effect::stribeck_friction)) words = with(words, Effect::coulomb_friction);
+    if (!holds(words, Effect::force_offset)) words = with(words, Effect::force_offset);
+    Hypothesis other = fit_if_it_runs(
+        words, s_.chosen,
+        {{Effect::coulomb_friction, {0.5 * (up + down)}}, {Effect::force_offset, {0.5 * (down - up)}}});
+    if (!other.failed && other.meaningful) s_.chosen = std::move(other);
+  }
+
+  /// Friction and a constant force are one law with a friction of two sizes.
+  void add_friction_of_two_sizes() {
+    const EffectSet& members = s_.chosen.effects;
+    if (!holds(members, Effect::coulomb_friction) || !holds(members, Effect::force_offset)) return;
+    const double size = s_.chosen.fitted.effects.at(Effect::coulomb_friction)[0],
+                 offset = s_.chosen.fitted.effects.at(Effect::force_offset)[0];
+    const Hypothesis one =
+        fit_if_it_runs(with(without(without(members, Effect::coulomb_friction), Effect::force_offset),
+                            Effect::asymmetric_friction),
+                       s_.chosen, {{Effect::asymmetric_friction, {size - offset, size + offset}}});
+    if (one.failed) return;
+    for (Effect e : {Effect::coulomb_friction, Effect::force_offset}) s_.equals.push_back({e, one});
   }
 
   /// The member of the chosen set that `effects` has not, if that is one and there are no more parameters.
