@@ -44,6 +44,7 @@ inline bool twins(dynamics::Effect a, dynamics::Effect b) {
   return are(Effect::force_offset, Effect::guide_tilt) ||
          are(Effect::rest_height_error, Effect::spring_preload) ||
          are(Effect::actuator_delay, Effect::time_skew) ||
+         are(Effect::force_offset, Effect::encoder_offset) ||
          are(Effect::incomplete_release, Effect::auxiliary_spring);
 }
 

@@ -36,6 +36,9 @@ std::set<Effect> laws_of(const model::Model& model, const EffectSet& effects) {
       case Effect::time_skew:  // an axis has no third channel whose clock would tell which of the two is late
         laws.insert(leg ? e : Effect::actuator_delay);
         break;
+      case Effect::encoder_offset:  // of a spring that is linear, a constant torque (gravity's sine is not)
+        laws.insert(dynamics::parameter_index(model.kind, "stiffness_nmprad") ? Effect::force_offset : e);
+        break;
       case Effect::torque_gain_error:
         // With mass and damping free, a torque gain and a spring rate divided by it are the same equation.
         laws.insert(is_free("mass_kg") && is_free("damping_stance_nspm") && is_free("damping_flight_nspm")

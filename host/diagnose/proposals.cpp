@@ -204,7 +204,9 @@ std::vector<Proposer::Values> Proposer::swings(const Hypothesis& on, const std::
           std::acos(std::clamp(low_ / length, -1.0, 1.0)) - std::acos(std::clamp(stop / length, -1.0, 1.0));
     }
     const double spacing = std::clamp(pi / std::max(range, 1e-3), 1.0, 5.0);
-    for (double n = 1.0; n <= 60.0; n += spacing) shapes.push_back(n);
+    const double fewest = std::max(1.0, std::ceil(t_.fewest_ripples()));
+    const double most = std::min(std::max(60.0, 3.0 * fewest), 200.0);
+    for (double n = fewest; n <= most; n += spacing) shapes.push_back(n);
   } else {
     const double spacing = std::max(0.5 / std::max(high_ - low_, 1e-3), 2.0);  // turns a metre
     for (double turns = spacing; turns <= 120.0; turns += spacing) shapes.push_back(1.0 / turns);
@@ -249,6 +251,7 @@ Proposal Proposer::best(const Hypothesis& on, const std::vector<Effect>& larger,
   }
   std::vector<Promise> promises;
   for (const Values& values : all) promises.push_back(step(on, larger, effect, values, some_, false));
+  if (promises.empty()) return proposal;  // a travel too short for any
   std::stable_sort(promises.begin(), promises.end(),
                    [](const Promise& a, const Promise& b) { return a.squares < b.squares; });
   proposal.values = promises.front().values;

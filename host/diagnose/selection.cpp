@@ -378,6 +378,7 @@ class Search {
   void replace_by_rivals() {
     for (int round = 0;; ++round) {
       tell(0.8 + 0.05 * round, "what cannot be told apart");
+      put_friction_that_pushes_otherwise();
       const EffectSet& members = s_.chosen.effects;
       s_.without.assign(members.size(), {});
       core::parallel_for(members.size(), trainer_.threads, [&](std::size_t i) {
@@ -397,6 +398,21 @@ class Search {
       s_.chosen = Hypothesis(*better);
       prune(s_.chosen);
     }
+  }
+
+  /// A friction of two sizes of which one is below zero would push. It is friction and a constant force: named
+  /// so (docs/contracts.md, section 3).
+  void put_friction_that_pushes_otherwise() {
+    if (!holds(s_.chosen.effects, Effect::asymmetric_friction)) return;
+    const auto& [up, down, none] = s_.chosen.fitted.effects.at(Effect::asymmetric_friction);
+    if (std::min(up, down) >= 0.0) return;
+    EffectSet words = without(s_.chosen.effects, Effect::asymmetric_friction);
+    if (!holds(words, Effect::stribeck_friction)) words = with(words, Effect::coulomb_friction);
+    if (!holds(words, Effect::force_offset)) words = with(words, Effect::force_offset);
+    Hypothesis other = fit_if_it_runs(
+        words, s_.chosen,
+        {{Effect::coulomb_friction, {0.5 * (up + down)}}, {Effect::force_offset, {0.5 * (down - up)}}});
+    if (!other.failed && other.meaningful) s_.chosen = std::move(other);
   }
 
   /// Of all sets that were fitted and mean something, the one that is preferred most to the chosen one, prices

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <numbers>
 
 #include "host/core/quantile.hpp"
 #include "host/diagnose/effect_set.hpp"
@@ -82,6 +84,7 @@ std::vector<Effect> Trainer::candidates() const {
       continue;
     if (!applies(info.effect, model.kind)) continue;  // one that is on may have the wrong size
     if (dynamics::needs_clutch(info.effect) && !clutch_works()) continue;
+    if (!shows(info.effect)) continue;
     bool free_anyway = false;
     for (const auto& p : info.parameters()) {
       const auto same = identify::parameter_meant(model.kind, p);
@@ -119,19 +122,52 @@ bool Trainer::clutch_works() const {
                                       [](const auto& r) { return !r.solenoid.empty(); }));
 }
 
+bool Trainer::shows(Effect e) const {
+  const auto in_one = [&](const auto& of_commands) {
+    return std::any_of(recordings.begin(), recordings.end(), [&](const identify::Recording& r) {
+      return of_commands(r.input) || of_commands(r.drive_command);
+    });
+  };
+  switch (e) {
+    case Effect::time_skew:  // a leg's contact switch has the commands' clock, too
+      if (dynamics::has(model.kind, dynamics::Seat::leg)) return true;
+      [[fallthrough]];
+    case Effect::actuator_delay:
+    case Effect::actuator_lag:
+    case Effect::torque_saturation:
+      return in_one([](const std::vector<double>& commands) {
+        return std::adjacent_find(commands.begin(), commands.end(), std::not_equal_to<>()) != commands.end();
+      });
+    case Effect::torque_gain_error:
+    case Effect::thermal_derating:
+      return in_one([](const std::vector<double>& commands) {
+        return std::any_of(commands.begin(), commands.end(), [](double u) { return u != 0.0; });
+      });
+    default:
+      return true;
+  }
+}
+
 Trainer::Scales Trainer::scales() const {
-  double squares = 0.0, inputs = 0.0, rows = 0.0;
+  double squares = 0.0, inputs = 0.0, forces = 0.0, rows = 0.0;
+  const machines::Rules& rules = machines::rules(model.kind);
   for (const auto& w : training.windows) {
     const auto& r = recordings[w.recording];
     for (std::size_t i = w.first; i <= w.last; ++i) {
       squares += r.velocity_smoothed[i] * r.velocity_smoothed[i];
       inputs += r.input[i] * r.input[i];
+      if (i > w.first) {
+        const double rise = r.velocity_smoothed[i] - r.velocity_smoothed[i - 1];
+        forces += std::pow(rules.inertia(model) * rise / (r.time_s[i] - r.time_s[i - 1]), 2);
+      }
       rows += 1.0;
     }
   }
   if (rows == 0.0) return {};
-  const auto weight = machines::rules(model.kind).weight;
-  return {weight != nullptr ? weight(model) : std::sqrt(inputs / rows), std::sqrt(squares / rows)};
+  const double force = rules.weight != nullptr ? rules.weight(model)
+                       : inputs > 0.0          ? std::sqrt(inputs / rows)
+                                               : std::sqrt(forces / rows);
+  return {force, std::sqrt(squares / rows)};
 }
 
 Trainer::Travel Trainer::travel() const {
@@ -142,6 +178,13 @@ Trainer::Travel Trainer::travel() const {
                      position.begin() + static_cast<std::ptrdiff_t>(w.last) + 1);
   }
   return {core::quantile(positions, 0.01), core::quantile(positions, 0.99)};
+}
+
+double Trainer::fewest_ripples() const {
+  constexpr double kCycles = 2.0;
+  if (dynamics::has(model.kind, dynamics::Seat::leg)) return 0.0;
+  const auto [low, high] = travel();
+  return kCycles * 2.0 * std::numbers::pi / std::max(high - low, 1e-3);
 }
 
 bool Trainer::beyond_resolution(const Hypothesis& h) const {
@@ -158,6 +201,9 @@ bool Trainer::beyond_resolution(const Hypothesis& h) const {
     const double covered = std::min(spot[1] + 0.5 * spot[2], high) - std::max(spot[1] - 0.5 * spot[2], low);
     if (covered > kWidest * (high - low)) return false;
   }
+  if (holds(h.effects, Effect::torque_ripple) &&
+      h.fitted.effects.at(Effect::torque_ripple)[1] < fewest_ripples())
+    return false;
   // A switch is read once a row, and bounces; what a row's input is worth until the next one is known to a
   // part of the interval, less where it was measured and not commanded.
   const bool answered = !recordings.front().drive_command.empty();

@@ -31,8 +31,8 @@ struct Trainer {
   unsigned threads = 1;
   double reference_squares = 0.0;  ///< of the body's motion, of the re-fitted model without an effect
 
-  /// The effects of the catalogue that could extend the model: they exist on its kind and do not
-  /// repeat a parameter that is free anyway. One that is on may have the wrong size.
+  /// The effects of the catalogue that could extend the model: they exist on its kind, do not repeat a
+  /// parameter that is free anyway, and what comes in lets them show. One that is on may have the wrong size.
   std::vector<dynamics::Effect> candidates() const;
 
   /// Fits the model with these effects from the values of `from` (a hypothesis with some of them) and, for
@@ -58,8 +58,8 @@ struct Trainer {
   /// Evidence of `h` over `reference`, by the noise levels and correlation of what `reference` leaves.
   double evidence_over(const Hypothesis& reference, const Hypothesis& h) const;
 
-  /// What moves the axis (root mean square of the input, on hopper and clutch bench the weight; N or N m) and
-  /// the root mean square of its speed.
+  /// What moves the axis (root mean square of the input, without one of the inertia force; on hopper and
+  /// clutch bench the weight; N or N m) and the root mean square of its speed.
   struct Scales {
     double force = 1.0, speed = 1.0;
   };
@@ -71,9 +71,16 @@ struct Trainer {
   };
   Travel travel() const;
 
+  /// Cycles a revolution below which a ripple has fewer than two over the travel: there it is any torque that
+  /// depends on the angle. None on a hopper, where the other laws of the place are in the catalogue.
+  double fewest_ripples() const;
+
  private:
   /// Whether the model has a clutch, and it is released in the recordings.
   bool clutch_works() const;
+  /// Whether what comes in lets it show: a change of the command needs a command, a shift of it one that
+  /// changes. (A ripple is there without a current as well: cogging.)
+  bool shows(dynamics::Effect e) const;
   /// False where an effect is smaller than what its channel resolves.
   bool beyond_resolution(const Hypothesis& h) const;
 };

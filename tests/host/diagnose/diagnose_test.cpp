@@ -109,6 +109,32 @@ TEST_CASE("Friction with an offset is one law under two names, and the diagnosis
   CHECK(rival.parameters.at("force_offset.force_n").value == Approx(4.0).epsilon(0.02));
 }
 
+TEST_CASE("A friction that would push one way is named friction and a constant force", "[long]") {
+  // It pushes with 6 N on the way up and brakes with 14 N on the way down.
+  const auto d = diagnose::diagnose(test::axis_model(80.0, 150.0), coastings(4.0, 10.0, 1, 4),
+                                    coastings(4.0, 10.0, 50, 1));
+  INFO(text(d));
+  CHECK(d.verdict == Verdict::explained);
+  REQUIRE(d.findings.size() == 2);
+  for (const auto& f : d.findings) {
+    const bool friction = f.effect == dynamics::Effect::coulomb_friction;
+    CHECK((friction || f.effect == dynamics::Effect::force_offset));
+    const auto& force = f.parameters.at("force_n");
+    const double planted = friction ? 4.0 : 10.0;
+    CHECK(force.value == Approx(planted).epsilon(0.02));
+    CHECK(force.lower < planted);
+    CHECK(force.upper > planted);
+    CHECK(force.upper - force.lower < 1.0);
+    CHECK(f.confidence > 0.9);
+    REQUIRE(f.indistinguishable_from.size() == 1);
+    const auto& rival = f.indistinguishable_from[0];
+    CHECK(rival.names == std::vector<std::string>{"asymmetric_friction"});
+    CHECK(rival.same_law);
+    CHECK(rival.parameters.at("asymmetric_friction.force_up_n").value == Approx(-6.0).epsilon(0.02));
+    CHECK(rival.parameters.at("asymmetric_friction.force_down_n").value == Approx(14.0).epsilon(0.02));
+  }
+}
+
 TEST_CASE("An axis without a hidden cause is adequate, though its parameters are off", "[long]") {
   const auto d = diagnose::diagnose(test::axis_model(80.0, 150.0), coastings(0.0, 0.0, 1, 4),
                                     coastings(0.0, 0.0, 50, 1));

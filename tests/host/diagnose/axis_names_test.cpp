@@ -1,0 +1,162 @@
+// What axes are said to have, in the right words: machines of one joint, integrated here.
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <functional>
+#include <numbers>
+#include <random>
+
+#include "host/diagnose/diagnose.hpp"
+#include "host/diagnose/diagnosis_json.hpp"
+
+using namespace furcula;
+using diagnose::Verdict;
+using dynamics::Effect;
+using dynamics::Kind;
+
+namespace {
+
+/// J x'' = u - d x' - M sin x - k x - Fc sgn x' + more(x).
+struct Joint {
+  double inertia = 0.05, damping = 0.03, gravity = 0.0, spring = 0.0, friction = 0.0;
+  double encoder_offset = 0.0;
+  double lag_s = 0.0;  ///< of the drive, first order
+  std::function<double(double)> more = [](double) { return 0.0; };
+};
+
+/// 6 s at 500 Hz from rest at an angle, steps of 20 µs; the command is held from row to row.
+log::Log recorded(const Joint& j, double angle, const std::function<double(double)>& command, unsigned seed) {
+  constexpr double kRow = 2e-3;
+  constexpr int kRows = 3000, kSteps = 100;
+  std::mt19937_64 random(seed);
+  std::normal_distribution<double> noise(0.0, 5e-5);
+  log::Log log;
+  log.path = "joint-" + std::to_string(seed) + ".csv";
+  log.rig = "rotary_joint";
+  double x = angle, v = 0.0, torque = 0.0;
+  for (int row = 0; row < kRows; ++row) {
+    const double told = command(kRow * row), h = kRow / kSteps;
+    if (row == 0) torque = told;
+    log.columns["time_s"].push_back(kRow * row);
+    log.columns["angle_rad"].push_back(x + j.encoder_offset + noise(random));
+    log.columns["torque_nm"].push_back(told);
+    for (int i = 0; i < kSteps; ++i) {
+      torque = j.lag_s > 0.0 ? torque + (told - torque) * h / j.lag_s : told;
+      const double push = torque - j.damping * v - j.gravity * std::sin(x) - j.spring * x + j.more(x);
+      double next = v + h * push / j.inertia;
+      const double brake = h * j.friction / j.inertia;
+      next = std::abs(next) <= brake ? 0.0 : next - std::copysign(brake, next);
+      v = next;
+      x += h * v;
+    }
+  }
+  return log;
+}
+
+/// Sines of several frequencies, other ones in each recording.
+std::function<double(double)> sines(double amplitude, double most_hz, unsigned seed) {
+  std::mt19937_64 random(100 + seed);
+  std::uniform_real_distribution<double> uniform(0.0, 1.0);
+  std::array<std::array<double, 3>, 4> parts{};
+  for (auto& p : parts)
+    p = {amplitude * (0.3 + 0.3 * uniform(random)), 0.3 + (most_hz - 0.3) * uniform(random),
+         6.28 * uniform(random)};
+  return [parts](double t) {
+    double sum = 0.0;
+    for (const auto& [size, hz, phase] : parts)
+      sum += size * std::sin(2.0 * std::numbers::pi * hz * t + phase);
+    return sum;
+  };
+}
+
+struct Data {
+  std::vector<log::Log> training, held_out;
+};
+Data driven(const Joint& j, double amplitude, double most_hz) {
+  Data d;
+  for (unsigned i = 0; i < 6; ++i)
+    (i < 4 ? d.training : d.held_out).push_back(recorded(j, 0.0, sines(amplitude, most_hz, i), i));
+  return d;
+}
+Data swings(const Joint& j) {
+  Data d;
+  for (unsigned i = 0; i < 6; ++i)
+    (i < 4 ? d.training : d.held_out)
+        .push_back(recorded(
+            j, (i % 2 == 0 ? 1.0 : -1.0) * (0.9 + 0.25 * i), [](double) { return 0.0; }, i));
+  return d;
+}
+
+/// With inertia and damping free, and off.
+model::Model model_of(Kind kind, const Joint& j) {
+  model::Model m;
+  m.kind = kind;
+  m.parameters = {1.05 * j.inertia, kind == Kind::rotary_joint ? j.gravity : j.spring, 0.9 * j.damping};
+  m.free = {{0, {0.3 * j.inertia, 3.0 * j.inertia}}, {2, {0.0, 10.0 * j.damping}}};
+  return m;
+}
+
+std::vector<std::string> candidates(const diagnose::Diagnosis& d) {
+  std::vector<std::string> all;
+  for (const auto& c : d.candidates) all.insert(all.end(), c.effects.begin(), c.effects.end());
+  return all;
+}
+
+bool among(const std::vector<std::string>& all, const char* name) {
+  return std::find(all.begin(), all.end(), name) != all.end();
+}
+
+}  // namespace
+
+TEST_CASE(
+    "Where a torsion spring's angle is measured from is a constant torque in other words, and both are said",
+    "[long]") {
+  Joint j{.spring = 1.5, .encoder_offset = 0.06};
+  const Data data = driven(j, 0.8, 1.5);
+  const auto d = diagnose::diagnose(model_of(Kind::torsion_pendulum, j), data.training, data.held_out);
+  INFO(diagnose::to_json_text(d));
+  CHECK(d.verdict == Verdict::explained);
+  REQUIRE(d.findings.size() == 1);
+  CHECK(d.findings[0].effect == Effect::force_offset);
+  CHECK(d.findings[0].parameters.at("torque_nm").value == Approx(1.5 * 0.06).epsilon(0.02));
+  const auto& others = d.findings[0].indistinguishable_from;
+  REQUIRE(others.size() == 1);
+  CHECK(others[0].names == std::vector<std::string>{"encoder_offset"});
+  CHECK(others[0].same_law);
+  CHECK(others[0].parameters.at("encoder_offset.offset_rad").value == Approx(0.06).epsilon(0.02));
+}
+
+TEST_CASE("Where a joint's angle is measured from is named where gravity shows its zero", "[long]") {
+  Joint j{.gravity = 2.0, .encoder_offset = -0.05};
+  const Data data = driven(j, 2.0, 1.5);
+  const auto d = diagnose::diagnose(model_of(Kind::rotary_joint, j), data.training, data.held_out);
+  INFO(diagnose::to_json_text(d));
+  CHECK(d.verdict == Verdict::explained);
+  REQUIRE(d.findings.size() == 1);
+  CHECK(d.findings[0].effect == Effect::encoder_offset);
+  CHECK(d.findings[0].parameters.at("offset_rad").value == Approx(-0.05).epsilon(0.02));
+  CHECK(d.findings[0].confidence > 0.9);
+}
+
+TEST_CASE("Without a torque nothing is said of the drive, and dry friction is found", "[long]") {
+  Joint j{.gravity = 2.0, .friction = 0.05};
+  const Data data = swings(j);
+  const auto d = diagnose::diagnose(model_of(Kind::rotary_joint, j), data.training, data.held_out);
+  INFO(diagnose::to_json_text(d));
+  CHECK(d.verdict == Verdict::explained);
+  REQUIRE(d.findings.size() == 1);
+  CHECK(d.findings[0].effect == Effect::coulomb_friction);
+  CHECK(d.findings[0].parameters.at("torque_nm").value == Approx(0.05).epsilon(0.03));
+  for (const char* of_input :
+       {"actuator_delay", "actuator_lag", "torque_saturation", "thermal_derating", "time_skew"})
+    CHECK_FALSE(among(candidates(d), of_input));
+}
+
+TEST_CASE("A torque that swings less than twice over the travel is no ripple", "[long]") {
+  // A weight beside the line from the axis, that the model has not: 0.15 N m sin(x + 0.8).
+  Joint j{.gravity = 2.0, .more = [](double x) { return -0.15 * std::sin(x + 0.8); }};
+  const Data data = driven(j, 2.0, 1.5);
+  const auto d = diagnose::diagnose(model_of(Kind::rotary_joint, j), data.training, data.held_out);
+  INFO(diagnose::to_json_text(d));
+  for (const auto& f : d.findings) CHECK(f.effect != Effect::torque_ripple);
+}
