@@ -47,16 +47,19 @@ void run(const ReproduceOptions& o) {
   for (const reproduce::Row& row : r.rows) {
     std::printf("%-18s %-82s %-32s %11.4g %-7s %s\n", row.where.c_str(), row.what.c_str(),
                 row.published.c_str(), row.ours, row.unit.c_str(), reproduce::name(row.outcome));
-    if (row.outcome == reproduce::Outcome::explained) std::printf("%-18s   %s\n", "", row.remark.c_str());
+    if (row.outcome == reproduce::Outcome::explained || row.outcome == reproduce::Outcome::smaller)
+      std::printf("%-18s   %s\n", "", row.remark.c_str());
   }
   using reproduce::Outcome;
   std::printf(
-      "%zu met, %zu errors smaller than printed, %zu explained, %zu differ; %zu computed beside a picture or no figure\n",
+      "%zu met, %zu errors smaller than printed, %zu explained, %zu differ; %zu by construction, %zu computed "
+      "beside a picture or no figure; %zu omissions, listed on the page\n",
       r.count(Outcome::met), r.count(Outcome::smaller), r.count(Outcome::explained),
-      r.count(Outcome::differs), r.count(Outcome::computed));
+      r.count(Outcome::differs), r.count(Outcome::by_construction), r.count(Outcome::computed),
+      r.omissions.size());
   std::printf(
-      "identification study %.1f s, energy study %.1f s, on %u threads; the fits alone on one thread:\n",
-      r.study.seconds, r.energy_s, options.threads);
+      "identification study %.1f s, with one cause switched %.1f s, energy study %.1f s, on %u threads; the fits alone on one thread:\n",
+      r.study.seconds, r.switched_s, r.energy_s, options.threads);
   for (const reproduce::PlainStudy& c : r.study.plain)
     std::printf("  %-20s %zu fits: %.2f s here, %.2f s the plain way (%zu converged); NMSE %.5f here, %.5f\n",
                 c.estimates.phase.c_str(), c.fits, c.ours_s, c.plain_s, c.converged, c.ours_nmse,

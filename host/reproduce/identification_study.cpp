@@ -133,10 +133,113 @@ Estimates cross_validate(std::string phase, std::string method, const std::vecto
   return e;
 }
 
+/// Where a prediction starts: what a window's first tenth gives, or its first row as measured, which is the
+/// document's way.
+enum class Start { estimated, measured };
+
+StartState start_of(const Recording& r, const Window& w, const model::Model& reference, Start start) {
+  if (start == Start::estimated) return identify::start_state(r, w, reference);
+  StartState measured;
+  measured.position = r.position[w.first];
+  measured.velocity = r.velocity_smoothed[w.first];
+  return measured;
+}
+
 TrajectoryErrors predicted(const model::Model& m, const model::Model& reference, const Data& d,
-                           const Window& w) {
+                           const Window& w, Start start = Start::estimated) {
   const Recording& r = d.recordings[w.recording];
-  return errors_of(r, w, identify::predict(m, r, w, identify::start_state(r, w, reference)));
+  return errors_of(r, w, identify::predict(m, r, w, start_of(r, w, reference, start)));
+}
+
+/// Each recording's velocity replaced.
+template <class Velocity>
+Data with_velocity(Data d, const Velocity& velocity) {
+  for (Recording& r : d.recordings) r.velocity_smoothed = velocity(r);
+  return d;
+}
+
+std::vector<double> recorded_velocity(const Recording& r) { return r.velocity; }
+
+/// Section 4.2: differences of the heights through a third-order Butterworth filter of 15 Hz, forwards and
+/// back.
+std::vector<double> filtered_velocity(const Recording& r) {
+  std::vector<double> v(r.rows());
+  for (std::size_t i = 0; i < v.size(); ++i) {
+    const std::size_t from = i > 0 ? i - 1 : 0, to = std::min(i + 1, v.size() - 1);
+    v[i] = (r.position[to] - r.position[from]) / (r.time_s[to] - r.time_s[from]);
+  }
+  // 1 / ((s + 1) (s^2 + s + 1)) by the bilinear transform, at the rate of the rows: a first-order and a
+  // second-order section, each started at rest on its first value.
+  const double rate_hz = static_cast<double>(v.size() - 1) / (r.time_s.back() - r.time_s.front());
+  const double c = 1.0 / std::tan(std::numbers::pi * 15.0 / rate_hz);
+  const auto pass = [c](std::vector<double>& x) {
+    double before = x.front(), out = before;
+    for (double& now : x) {
+      out = (now + before + (c - 1.0) * out) / (c + 1.0);
+      before = now;
+      now = out;
+    }
+    double x1 = x.front(), x2 = x1, y1 = x1, y2 = x1;
+    for (double& now : x) {
+      const double y =
+          (now + 2.0 * x1 + x2 - (2.0 - 2.0 * c * c) * y1 - (c * c - c + 1.0) * y2) / (c * c + c + 1.0);
+      x2 = x1;
+      x1 = now;
+      y2 = y1;
+      y1 = y;
+      now = y;
+    }
+  };
+  pass(v);
+  std::reverse(v.begin(), v.end());
+  pass(v);
+  std::reverse(v.begin(), v.end());
+  return v;
+}
+
+/// The smooth velocity of `delay_s` ago.
+std::vector<double> late_velocity(const Recording& r, double delay_s) {
+  std::vector<double> v(r.rows());
+  std::size_t at = 0;
+  for (std::size_t i = 0; i < v.size(); ++i) {
+    const double time_s = std::max(r.time_s[i] - delay_s, r.time_s.front());
+    while (at + 2 < v.size() && r.time_s[at + 1] <= time_s) ++at;
+    const double share = (time_s - r.time_s[at]) / (r.time_s[at + 1] - r.time_s[at]);
+    v[i] = (1.0 - share) * r.velocity_smoothed[at] + share * r.velocity_smoothed[at + 1];
+  }
+  return v;
+}
+
+/// By how much the recorded velocity lags the smooth one in the windows: least squares of
+/// v - v_smooth = -delay dv_smooth/dt.
+double recorded_delay_s(const Data& d) {
+  double products = 0.0, squares = 0.0;
+  for (const Window& w : d.windows) {
+    const Recording& r = d.recordings[w.recording];
+    for (std::size_t i = w.first + 1; i < w.last; ++i) {
+      const double slope =
+          (r.velocity_smoothed[i + 1] - r.velocity_smoothed[i - 1]) / (r.time_s[i + 1] - r.time_s[i - 1]);
+      products -= (r.velocity[i] - r.velocity_smoothed[i]) * slope;
+      squares += slope * slope;
+    }
+  }
+  return products / squares;
+}
+
+/// Recording i by the estimate of the fold that did not see it: `predict(values, i, data, start)`.
+template <class Predict>
+std::vector<OtherJudging> judged_otherwise(const Estimates& e, const Data& ours, const Data& theirs,
+                                           const std::string& velocity, const Predict& predict) {
+  std::vector<OtherJudging> all;
+  const auto judge = [&](std::string what, const Data& d, Start start) {
+    all.push_back({std::move(what), {}});
+    for (std::size_t i = 0; i < d.windows.size(); ++i)
+      all.back().errors.push_back(predict(e.folds[i % e.folds.size()], i, d, start));
+  };
+  judge("judged by " + velocity, theirs, Start::estimated);
+  judge("started from the measured state", ours, Start::measured);
+  judge("started from the measured state and judged by " + velocity, theirs, Start::measured);
+  return all;
 }
 
 /// `judged`: what predictions are compared with, the same recordings.
@@ -160,10 +263,11 @@ Estimates of_phase(std::string phase, bool by_equation, const model::Model& m, c
 
 /// A stride of the linear model from apex to apex, its torque restarted at the touch-down that it predicts
 /// (section 4.2.1.1).
-identify::Run stride(const model::Model& m, const Recording& r, const Window& w, const Experiment& e) {
+identify::Run stride(const model::Model& m, const Recording& r, const Window& w, const Experiment& e,
+                     Start from = Start::estimated) {
   dynamics::Hopper<double> plant(
       dynamics::from_table<dynamics::HopperLinearParameters<double>>(std::span<const double>(m.parameters)));
-  const StartState start = identify::start_state(r, w, m);
+  const StartState start = start_of(r, w, m, from);
   plant.reset(start.position, start.velocity);
   identify::Run run;
   double touchdown_s = 0.0;
@@ -255,11 +359,7 @@ double nmse_with_fitted_starts(const model::Model& m, const Data& d) {
 double nmse_with_measured_starts(const model::Model& m, const Data& d) {
   double sum = 0.0;
   for (const Window& w : d.windows) {
-    const Recording& r = d.recordings[w.recording];
-    StartState start;
-    start.position = r.position[w.first];
-    start.velocity = r.velocity_smoothed[w.first];
-    const TrajectoryErrors e = errors_of(r, w, identify::predict(m, r, w, start));
+    const TrajectoryErrors e = predicted(m, m, d, w, Start::measured);
     sum += (e.nmse_height + e.nmse_velocity) / static_cast<double>(d.windows.size());
   }
   return sum;
@@ -369,7 +469,7 @@ IdentificationStudy run_identification_study(const StudyOptions& o) {
   };
   IdentificationStudy out;
   tell(0.0, "recordings");
-  out.rig = draw_rig(o.seed, o.stances, o.flights);
+  out.rig = draw_rig(o.seed, o.stances, o.flights, o.change);
   const VirtualRig& rig = out.rig;
   const double from_s = now_s();
 
@@ -380,10 +480,31 @@ IdentificationStudy run_identification_study(const StudyOptions& o) {
   set_free(of_stance, "mass_kg", 0.5, 3.0);
   set_free(of_stance, "damping_stance_nspm", 0.0, 50.0);
   out.stance = of_phase("stance", false, of_stance, stances, stances, o.stance_folds, o.threads);
-  out.stance_by_equation = of_phase("stance", true, of_stance, stances, stances, o.stance_folds, o.threads);
-  Data raw = stances;
-  for (Recording& r : raw.recordings) r.velocity_smoothed = r.velocity;
-  out.stance_by_equation_raw = of_phase("stance", true, of_stance, raw, stances, o.stance_folds, o.threads);
+  const Data raw = with_velocity(stances, recorded_velocity);
+  const auto judged = [](const model::Model& m) {
+    return [m, unknowns = identify::free_unknowns(m)](const std::vector<double>& values, std::size_t i,
+                                                      const Data& d, Start start) {
+      const model::Model fitted = identify::with_values(m, unknowns, values);
+      return predicted(fitted, fitted, d, d.windows[i], start);
+    };
+  };
+  out.stance.otherwise =
+      judged_otherwise(out.stance, stances, raw, "the velocity that the rig records", judged(of_stance));
+  out.recorded_delay_s = recorded_delay_s(stances);
+  if (o.equation) {
+    out.stance_by_equation = of_phase("stance", true, of_stance, stances, stances, o.stance_folds, o.threads);
+    out.stance_by_equation_raw = of_phase("stance", true, of_stance, raw, stances, o.stance_folds, o.threads);
+    for (const double delay_s : {0.5e-3, 1e-3, 1.5e-3, 2e-3, 2.5e-3}) {
+      const Data late = with_velocity(stances, [&](const Recording& r) { return late_velocity(r, delay_s); });
+      const Estimates e = of_phase("stance", true, of_stance, late, stances, o.stance_folds, o.threads);
+      double nmse = 0.0;
+      for (const TrajectoryErrors& t : e.errors)
+        nmse += (t.nmse_height + t.nmse_velocity) / static_cast<double>(e.errors.size());
+      const double damping = e.value("damping_stance_nspm");
+      out.equation_by_delay.push_back(
+          {delay_s, damping, damped_frequency_radps(e.value("mass_kg"), rig.stiffness_npm, damping), nmse});
+    }
+  }
   for (const auto& freed : {std::vector<const char*>{"mass_kg"}, std::vector<const char*>{"stiffness_npm"},
                             std::vector<const char*>{"mass_kg", "stiffness_npm"}}) {
     model::Model m = linear;
@@ -410,7 +531,11 @@ IdentificationStudy run_identification_study(const StudyOptions& o) {
   set_free(of_flight, "damping_flight_nspm", 0.0, 20.0);
   const Data flights = one_window_each(rig.flight_logs, linear, identify::flights, 1, "flight");
   out.flight = of_phase("flight", false, of_flight, flights, flights, o.flight_folds, o.threads);
-  out.flight_by_equation = of_phase("flight", true, of_flight, flights, flights, o.flight_folds, o.threads);
+  constexpr const char* kFiltered = "a velocity filtered at 15 Hz as the document's";
+  out.flight.otherwise = judged_otherwise(out.flight, flights, with_velocity(flights, filtered_velocity),
+                                          kFiltered, judged(of_flight));
+  if (o.equation)
+    out.flight_by_equation = of_phase("flight", true, of_flight, flights, flights, o.flight_folds, o.threads);
 
   {
     const model::Model& t = rig.truth;
@@ -459,6 +584,15 @@ IdentificationStudy run_identification_study(const StudyOptions& o) {
                          stride(identify::with_values(whole, unknowns, values), r, w,
                                 rig.stance_experiments[w.recording]));
       });
+  out.strides.otherwise =
+      judged_otherwise(out.strides, strides, with_velocity(strides, filtered_velocity), kFiltered,
+                       [&](const std::vector<double>& values, std::size_t i, const Data& d, Start start) {
+                         const Window& w = d.windows[i];
+                         const Recording& r = d.recordings[w.recording];
+                         return errors_of(r, w,
+                                          stride(identify::with_values(whole, unknowns, values), r, w,
+                                                 rig.stance_experiments[w.recording], start));
+                       });
   for (const Window& w : strides.windows) {
     const Recording& r = strides.recordings[w.recording];
     std::size_t i = w.first;
@@ -499,9 +633,9 @@ IdentificationStudy run_identification_study(const StudyOptions& o) {
   set_free(nonlinear, "inertia_b_kgm", 0.0, 0.1);
   set_free(nonlinear, "inertia_e_kgm", 0.0, 0.3);
   const Data turning = one_window_each(rig.stance_logs, nonlinear, identify::stances, 0, "stance");
-  out.nonlinear =
-      of_phase("stance, non-linear", false, nonlinear, turning, turning, o.stance_folds, o.threads);
-  {
+  if (o.nonlinear) {
+    out.nonlinear =
+        of_phase("stance, non-linear", false, nonlinear, turning, turning, o.stance_folds, o.threads);
     const auto free = identify::free_unknowns(nonlinear);
     const model::Model fitted = identify::with_values(nonlinear, free, out.nonlinear.values);
     model::Model heavier = fitted;

@@ -20,6 +20,12 @@ struct TrajectoryErrors {
   double worst_height_m = 0.0;
 };
 
+/// The same predictions, started or judged as the document does.
+struct OtherJudging {
+  std::string what;
+  std::vector<TrajectoryErrors> errors;  ///< one a recording
+};
+
 /// What one estimator found on one phase.
 struct Estimates {
   std::string phase;                       ///< "stance", "flight", "stride", "stance, non-linear"
@@ -28,6 +34,7 @@ struct Estimates {
   std::vector<double> values;              ///< on all recordings
   std::vector<std::vector<double>> folds;  ///< one a fold left out
   std::vector<TrajectoryErrors> errors;    ///< one a recording
+  std::vector<OtherJudging> otherwise;     ///< of "stance", "flight" and "stride"
 
   double value(std::string_view name) const { return values[index(name)]; }
   /// Largest less smallest estimate over the folds, over their mean.
@@ -60,6 +67,14 @@ struct IdentificationStudy {
   Estimates stance, stance_by_equation, flight, flight_by_equation, strides, nonlinear;
   /// The same from differences of counts as the rig derives them, instead of the slope of a smoothing fit.
   Estimates stance_by_equation_raw;
+  /// By how much the velocity that the rig records lags, s.
+  double recorded_delay_s = 0.0;
+  /// Equation error where the smooth velocity, without noise of its own, is made late.
+  struct Delayed {
+    double delay_s, damping_nspm, damped_frequency_radps;
+    double nmse;  ///< NMSE(z) + NMSE(z'), mean of the recordings that are predicted
+  };
+  std::vector<Delayed> equation_by_delay;
   /// Stance by simulation error with other parameters held: mass, spring rate, damping (section 6.1.1).
   struct Variant {
     std::string freed;
@@ -91,7 +106,10 @@ struct IdentificationStudy {
 struct StudyOptions {
   std::uint64_t seed = 1;
   std::size_t stances = 60, flights = 20, stance_folds = 10, flight_folds = 5;
-  bool plain = true;  ///< with the peer's fits
+  bool plain = true;      ///< with the peer's fits
+  bool equation = true;   ///< with the fits by equation error
+  bool nonlinear = true;  ///< with the non-linear model's
+  RigChange change;       ///< of the rig
   unsigned threads = 1;
   std::function<void(double fraction, std::string_view doing)> progress;
 };

@@ -27,10 +27,16 @@ Json estimates(const Estimates& e) {
 
 std::string to_json_text(const Reproduction& r) {
   Json out{{"schema", "furcula-reproduction/1"}, {"document", "002"}, {"seed", r.options.seed}};
-  for (const Outcome o :
-       {Outcome::met, Outcome::smaller, Outcome::explained, Outcome::differs, Outcome::computed})
+  for (const Outcome o : {Outcome::met, Outcome::smaller, Outcome::explained, Outcome::differs,
+                          Outcome::computed, Outcome::by_construction})
     out["count"][name(o)] = r.count(o);
-  for (const Row& row : r.rows)
+  for (const Row& row : r.rows) {
+    Json counterfactuals = Json::array();
+    for (const Counterfactual& c : row.counterfactuals)
+      counterfactuals.push_back({{"what", c.what},
+                                 {"value", c.value},
+                                 {"unit", c.unit.empty() ? row.unit : c.unit},
+                                 {"guessed", c.guessed}});
     out["rows"].push_back(
         {{"where", row.where},
          {"what", row.what},
@@ -39,7 +45,12 @@ std::string to_json_text(const Reproduction& r) {
          {"ours", row.ours},
          {"accepted", row.accepted ? Json{row.accepted->low, row.accepted->high} : Json(nullptr)},
          {"outcome", name(row.outcome)},
-         {"remark", row.remark}});
+         {"remark", row.remark},
+         {"counterfactuals", counterfactuals}});
+  }
+  for (const Omission& o : r.omissions)
+    out["omissions"].push_back(
+        {{"where", o.where}, {"published", o.published}, {"because", name(o.because)}, {"why", o.why}});
   const IdentificationStudy& s = r.study;
   Json truth;
   const auto& table = dynamics::info(s.rig.truth.kind).parameters;
@@ -65,6 +76,7 @@ std::string to_json_text(const Reproduction& r) {
                                       {"damping_nspm", v.damping_nspm},
                                       {"damped_frequency_radps", v.damped_frequency_radps},
                                       {"nmse", v.nmse}});
+  out["recorded_velocity_delay_s"] = s.recorded_delay_s;
   out["effective_stance_mass_kg"] = s.effective_stance_mass_kg;
   out["equivalent_flight_damping_nspm"] = s.equivalent_flight_damping_nspm;
   return out.dump(2) + "\n";

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "host/log/log.hpp"
@@ -26,8 +27,23 @@ struct VirtualRig {
   std::vector<log::Log> stance_logs, flight_logs;  ///< one stride each; a drop, a stance and a flight
 };
 
+/// One cause switched off or on: the same draws, the same experiments, another machine.
+struct RigChange {
+  bool weightless_links = false;          ///< a, b and e are zero
+  bool exact_positions = false;           ///< neither counts nor noise
+  bool punctual_switch = false;           ///< it neither chatters nor is early or late
+  std::optional<double> friction_n = {};  ///< dry, in the guide
+  /// What an impact leaves in the measured height: A exp(-t / decay) sin(2 pi f t), from each touch-down and
+  /// lift-off on.
+  struct Ringing {
+    double amplitude_m, frequency_hz, decay_s;
+  };
+  std::optional<Ringing> ringing = {};
+};
+
 /// 60 and 20 experiments "with different excitation period and amplitude", the sensors as published: counts
 /// of 0.09 mm, noise, a switch that chatters and reports up to 10 ms early or late.
-VirtualRig draw_rig(std::uint64_t seed, std::size_t stances = 60, std::size_t flights = 20);
+VirtualRig draw_rig(std::uint64_t seed, std::size_t stances = 60, std::size_t flights = 20,
+                    const RigChange& change = {});
 
 }  // namespace furcula::reproduce

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "host/identify/windows.hpp"
-#include "host/reproduce/identification_study.hpp"
+#include "host/reproduce/identification_rows.hpp"
 #include "host/reproduce/plain_fit.hpp"
 #include "host/sim/simulate.hpp"
 
@@ -64,6 +64,68 @@ TEST_CASE("A drawn rig is identified: what the links do to the mass, what fricti
     for (const auto& e : s.nonlinear.errors) nonlinear += e.nmse_height;
     CHECK(nonlinear < linear);
   }
+}
+
+TEST_CASE("What is switched on a rig is switched, and nothing else is drawn otherwise") {
+  const VirtualRig a = draw_rig(1, 3, 2);
+  const VirtualRig b =
+      draw_rig(1, 3, 2, {.weightless_links = true, .exact_positions = true, .friction_n = 2.5});
+  CHECK(b.weighed_kg == a.weighed_kg);
+  CHECK(b.stiffness_npm == a.stiffness_npm);
+  for (std::size_t i = 0; i < 3; ++i)
+    CHECK(b.stance_experiments[i].amplitude_nm == a.stance_experiments[i].amplitude_nm);
+  CHECK(b.truth.parameter("inertia_a_kgm2") == 0.0);
+  CHECK(b.truth.parameter("damping_stance_nspm") == a.truth.parameter("damping_stance_nspm"));
+  CHECK(b.truth.effects.at(dynamics::Effect::coulomb_friction)[0] == 2.5);
+}
+
+TEST_CASE("The reasons beside the identification are figures of the rig with the cause switched") {
+  StudyOptions o = small(11);
+  const auto rows_of = [&](double friction_n) {
+    o.change.friction_n = friction_n;
+    StudyOptions base = o;
+    const IdentificationStudy study = run_identification_study(base);
+    return std::pair{study, identification_rows(study, run_switched_studies(o))};
+  };
+  const auto row = [](const std::vector<Row>& rows, const char* what) {
+    for (const Row& r : rows)
+      if (r.what == what) return r;
+    FAIL("no row " << what);
+    return Row{};
+  };
+  const auto [study, rows] = rows_of(0.4);
+  const auto [rough, rough_rows] = rows_of(1.2);
+
+  // A point mass moves as the linear model does: its mass is the one that was weighed.
+  const Row mass = row(rows, "mass identified in stance over mass weighed");
+  CHECK(mass.ours < 0.95);
+  REQUIRE(mass.counterfactuals.size() == 5);
+  CHECK(mass.counterfactuals[0].value == Approx(1.0).margin(0.02));
+  // Differences of counts over 5 ms are those of 2.5 ms ago (docs of the log).
+  CHECK(study.recorded_delay_s == Approx(2.5e-3).margin(0.5e-3));
+
+  // Another rig, other figures; without friction what is left is the rig's own damping, whatever the friction was.
+  const char* damping = "damping in stance by simulation error";
+  CHECK(row(rows, damping).remark.find("0.40 N of dry friction") != std::string::npos);
+  CHECK(row(rough_rows, damping).remark.find("1.2 N of dry friction") != std::string::npos);
+  CHECK(row(rough_rows, damping).ours > row(rows, damping).ours);
+  CHECK(row(rows, damping).counterfactuals[0].value == row(rough_rows, damping).counterfactuals[0].value);
+  const char* flight = "damping in flight";
+  CHECK(row(rows, flight).counterfactuals[0].value ==
+        Approx(study.rig.truth.parameter("damping_flight_nspm")).margin(0.15));
+
+  // Judged by a velocity that is 2.5 ms late a perfect prediction is off by that times the acceleration.
+  for (const Row& r : rows)
+    if (r.what == "stance: velocity, MAE, a good one; median" && r.outcome == Outcome::smaller) {
+      REQUIRE(!r.counterfactuals.empty());
+      CHECK(r.counterfactuals[0].what.find("velocity that the rig records") != std::string::npos);
+      CHECK(r.counterfactuals[0].value > 1.5 * r.ours);
+    }
+  for (const Row& r : rows)
+    if (r.outcome == Outcome::smaller) {
+      INFO(r.what << ": " << r.remark);
+      CHECK(r.counterfactuals.size() == 6);
+    }
 }
 
 TEST_CASE("A study is the same on any number of threads") {
