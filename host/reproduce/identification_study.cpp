@@ -203,7 +203,7 @@ std::vector<OtherJudging> judged_otherwise(const Estimates& e, const Data& ours,
   };
   judge("judged by " + velocity, theirs, Start::estimated);
   judge("started from the measured state", ours, Start::measured);
-  judge("started from the measured state and judged by " + velocity, theirs, Start::measured);
+  judge("started from the measured state and judged, both by " + velocity, theirs, Start::measured);
   return all;
 }
 
