@@ -160,42 +160,7 @@ Data with_velocity(Data d, const Velocity& velocity) {
 
 std::vector<double> recorded_velocity(const Recording& r) { return r.velocity; }
 
-/// Section 4.2: differences of the heights through a third-order Butterworth filter of 15 Hz, forwards and
-/// back.
-std::vector<double> filtered_velocity(const Recording& r) {
-  std::vector<double> v(r.rows());
-  for (std::size_t i = 0; i < v.size(); ++i) {
-    const std::size_t from = i > 0 ? i - 1 : 0, to = std::min(i + 1, v.size() - 1);
-    v[i] = (r.position[to] - r.position[from]) / (r.time_s[to] - r.time_s[from]);
-  }
-  // 1 / ((s + 1) (s^2 + s + 1)) by the bilinear transform, at the rate of the rows: a first-order and a
-  // second-order section, each started at rest on its first value.
-  const double rate_hz = static_cast<double>(v.size() - 1) / (r.time_s.back() - r.time_s.front());
-  const double c = 1.0 / std::tan(std::numbers::pi * 15.0 / rate_hz);
-  const auto pass = [c](std::vector<double>& x) {
-    double before = x.front(), out = before;
-    for (double& now : x) {
-      out = (now + before + (c - 1.0) * out) / (c + 1.0);
-      before = now;
-      now = out;
-    }
-    double x1 = x.front(), x2 = x1, y1 = x1, y2 = x1;
-    for (double& now : x) {
-      const double y =
-          (now + 2.0 * x1 + x2 - (2.0 - 2.0 * c * c) * y1 - (c * c - c + 1.0) * y2) / (c * c + c + 1.0);
-      x2 = x1;
-      x1 = now;
-      y2 = y1;
-      y1 = y;
-      now = y;
-    }
-  };
-  pass(v);
-  std::reverse(v.begin(), v.end());
-  pass(v);
-  std::reverse(v.begin(), v.end());
-  return v;
-}
+std::vector<double> velocity_of_15_hz(const Recording& r) { return filtered_velocity(r.time_s, r.position); }
 
 /// The smooth velocity of `delay_s` ago.
 std::vector<double> late_velocity(const Recording& r, double delay_s) {
@@ -238,7 +203,7 @@ std::vector<OtherJudging> judged_otherwise(const Estimates& e, const Data& ours,
   };
   judge("judged by " + velocity, theirs, Start::estimated);
   judge("started from the measured state", ours, Start::measured);
-  judge("started from the measured state and judged by " + velocity, theirs, Start::measured);
+  judge("started from the measured state and judged, both by " + velocity, theirs, Start::measured);
   return all;
 }
 
@@ -463,6 +428,42 @@ double damped_frequency_radps(double mass_kg, double stiffness_npm, double dampi
   return std::sqrt(stiffness_npm / mass_kg) * std::sqrt(1.0 - damping_ratio * damping_ratio);
 }
 
+std::vector<double> filtered_velocity(const std::vector<double>& time_s,
+                                      const std::vector<double>& height_m) {
+  std::vector<double> v(height_m.size());
+  for (std::size_t i = 0; i < v.size(); ++i) {
+    const std::size_t from = i > 0 ? i - 1 : 0, to = std::min(i + 1, v.size() - 1);
+    v[i] = (height_m[to] - height_m[from]) / (time_s[to] - time_s[from]);
+  }
+  // 1 / ((s + 1) (s^2 + s + 1)) by the bilinear transform, at the rate of the rows: a first-order and a
+  // second-order section, each started at rest on its first value.
+  const double rate_hz = static_cast<double>(v.size() - 1) / (time_s.back() - time_s.front());
+  const double c = 1.0 / std::tan(std::numbers::pi * 15.0 / rate_hz);
+  const auto pass = [c](std::vector<double>& x) {
+    double before = x.front(), out = before;
+    for (double& now : x) {
+      out = (now + before + (c - 1.0) * out) / (c + 1.0);
+      before = now;
+      now = out;
+    }
+    double x1 = x.front(), x2 = x1, y1 = x1, y2 = x1;
+    for (double& now : x) {
+      const double y =
+          (now + 2.0 * x1 + x2 - (2.0 - 2.0 * c * c) * y1 - (c * c - c + 1.0) * y2) / (c * c + c + 1.0);
+      x2 = x1;
+      x1 = now;
+      y2 = y1;
+      y1 = y;
+      now = y;
+    }
+  };
+  pass(v);
+  std::reverse(v.begin(), v.end());
+  pass(v);
+  std::reverse(v.begin(), v.end());
+  return v;
+}
+
 IdentificationStudy run_identification_study(const StudyOptions& o) {
   const auto tell = [&](double fraction, std::string_view doing) {
     if (o.progress) o.progress(fraction, doing);
@@ -532,7 +533,7 @@ IdentificationStudy run_identification_study(const StudyOptions& o) {
   const Data flights = one_window_each(rig.flight_logs, linear, identify::flights, 1, "flight");
   out.flight = of_phase("flight", false, of_flight, flights, flights, o.flight_folds, o.threads);
   constexpr const char* kFiltered = "a velocity filtered at 15 Hz as the document's";
-  out.flight.otherwise = judged_otherwise(out.flight, flights, with_velocity(flights, filtered_velocity),
+  out.flight.otherwise = judged_otherwise(out.flight, flights, with_velocity(flights, velocity_of_15_hz),
                                           kFiltered, judged(of_flight));
   if (o.equation)
     out.flight_by_equation = of_phase("flight", true, of_flight, flights, flights, o.flight_folds, o.threads);
@@ -585,7 +586,7 @@ IdentificationStudy run_identification_study(const StudyOptions& o) {
                                 rig.stance_experiments[w.recording]));
       });
   out.strides.otherwise =
-      judged_otherwise(out.strides, strides, with_velocity(strides, filtered_velocity), kFiltered,
+      judged_otherwise(out.strides, strides, with_velocity(strides, velocity_of_15_hz), kFiltered,
                        [&](const std::vector<double>& values, std::size_t i, const Data& d, Start start) {
                          const Window& w = d.windows[i];
                          const Recording& r = d.recordings[w.recording];

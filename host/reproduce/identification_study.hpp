@@ -120,4 +120,8 @@ IdentificationStudy run_identification_study(const StudyOptions& options);
 /// sqrt(k/m) sqrt(1 - xi^2), section 4.2.1.1.
 double damped_frequency_radps(double mass_kg, double stiffness_npm, double damping_nspm);
 
+/// Section 4.2: differences of the heights through a third-order Butterworth filter of 15 Hz, forwards and
+/// back. Rows at one rate, three at least.
+std::vector<double> filtered_velocity(const std::vector<double>& time_s, const std::vector<double>& height_m);
+
 }  // namespace furcula::reproduce

@@ -34,7 +34,7 @@ Tone tone(Outcome o) {
 }
 
 std::string table(const Reproduction& r) {
-  Table t({{"Where"}, {"What"}, {"Printed", true}, {"Accepted", true}, {"Here", true}, {""}, {"Remark"}});
+  Table t({{"Where"}, {"What"}, {"Printed"}, {"Accepted"}, {"Here", true}, {""}, {"Remark"}});
   for (const Row& row : r.rows)
     t.add({report::escape(row.where), report::escape(row.what), report::escape(row.published),
            row.accepted ? number(row.accepted->low, 3) + " to " + number(row.accepted->high, 3) : "",
@@ -42,6 +42,21 @@ std::string table(const Reproduction& r) {
                (row.unit.empty() ? "" : "&#8239;<small>" + report::escape(row.unit) + "</small>"),
            report::badge(name(row.outcome), tone(row.outcome)), report::escape(row.remark)},
           row.outcome == Outcome::differs);
+  return t.html();
+}
+
+/// What shows the reasons: each number again, one cause another.
+std::string causes_table(const Reproduction& r) {
+  Table t({{"Where"}, {"What"}, {"Printed"}, {"Here", true}, {"One cause another"}, {"Then", true}});
+  for (const Row& row : r.rows)
+    for (std::size_t i = 0; i < row.counterfactuals.size(); ++i) {
+      const Counterfactual& c = row.counterfactuals[i];
+      const auto cell = [&](const std::string& text) { return i == 0 ? report::escape(text) : ""; };
+      t.add({cell(row.where), cell(row.what), cell(row.published), i == 0 ? number(row.ours, 3) : "",
+             report::escape(c.what) + (c.guessed ? " <small>(how much is a guess)</small>" : ""),
+             number(c.value, 3) + "&#8239;<small>" + report::escape(c.unit.empty() ? row.unit : c.unit) +
+                 "</small>"});
+    }
   return t.html();
 }
 
@@ -310,10 +325,11 @@ std::string render_reproduction_report(const Reproduction& r, const std::string&
             "all fits, folds and predictions of chapter 4"},
            {"Caught after",
             number(1e3 * r.release_catch.standard.caught_after_s, 2) + "&#8239;<small>ms</small>",
-            "1 kg, 40 ms after the release; printed 20 to 50"},
+            "1 kg, 40 ms after the release; printed 20 to 50 (by construction)"},
            {"Break-even", number(100.0 * r.energy.published.break_even_m, 3) + "&#8239;<small>cm</small>",
-            "of contraction, by the document's accounting; printed near 10"}}) +
+            "of contraction, by the document's accounting; printed near 10 (by construction)"}}) +
       report::section("table", "Printed and computed", table(r)) +
+      report::section("causes", "Cause by cause", causes_table(r)) +
       report::section("omissions", "Not computed", omissions_table(r)) +
       report::section("chapter-3", "Chapter 3: the models", chapter_3(r)) +
       report::section("chapter-4", "Chapter 4: identification", chapter_4(r)) +

@@ -66,6 +66,22 @@ TEST_CASE("A drawn rig is identified: what the links do to the mass, what fricti
   }
 }
 
+TEST_CASE("The document's filter, forwards and back, halves 15 Hz, keeps 2 Hz, and delays neither") {
+  for (const auto& [hz, gain] : {std::pair{15.0, 0.5}, std::pair{2.0, 1.0}, std::pair{60.0, 0.0}}) {
+    std::vector<double> time_s, height_m;
+    for (int i = 0; i <= 2000; ++i) {
+      time_s.push_back(1e-3 * i);
+      height_m.push_back(0.01 * std::sin(2.0 * M_PI * hz * 1e-3 * i));
+    }
+    const auto v = filtered_velocity(time_s, height_m);
+    // The differences' own gain: sin(w dt) / (w dt).
+    const double peak_mps = 0.01 * std::sin(2.0 * M_PI * hz * 1e-3) / 1e-3;
+    for (int i = 800; i < 1200; ++i)
+      REQUIRE(v[i] ==
+              Approx(gain * peak_mps * std::cos(2.0 * M_PI * hz * 1e-3 * i)).margin(0.005 * peak_mps));
+  }
+}
+
 TEST_CASE("What is switched on a rig is switched, and nothing else is drawn otherwise") {
   const VirtualRig a = draw_rig(1, 3, 2);
   const VirtualRig b =
