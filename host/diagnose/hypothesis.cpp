@@ -140,6 +140,18 @@ bool takes_energy(const model::Model& model) {
   return both_ways >= 0.0;
 }
 
+/// Whether drive and clocks shift an axis' input to and fro: what little is left of the two, anything may ask for. (A leg's contact
+/// switch tells the clocks.)
+bool shifts_undo_each_other(const model::Model& model) {
+  constexpr double kLeft = 0.25;
+  const auto skew = model.effects.find(Effect::time_skew);
+  if (skew == model.effects.end() || dynamics::has(model.kind, dynamics::Seat::leg)) return false;
+  double late_s = 0.0;
+  for (const Effect e : {Effect::actuator_delay, Effect::actuator_lag})
+    if (const auto on = model.effects.find(e); on != model.effects.end()) late_s += on->second[0];
+  return std::abs(skew->second[0] + late_s) < kLeft * late_s;
+}
+
 }  // namespace
 
 bool within_limits(const Hypothesis& h) {
@@ -154,6 +166,7 @@ bool within_limits(const Hypothesis& h) {
       const auto& p = h.fitted.effects.at(e);
       if (p[1] <= p[0]) return false;  // no rise towards standstill: not the Stribeck effect
     }
+  if (shifts_undo_each_other(h.fitted)) return false;
   return !std::count(h.effects.begin(), h.effects.end(), Effect::asymmetric_friction) ||
          takes_energy(h.fitted);
 }

@@ -78,8 +78,8 @@ double overdispersion(const identify::Fit& fit, const std::vector<std::vector<st
 /// `tries` leaves of a false alarm in two hundred.
 double chi_square_point(double tries, double freedom);
 
-/// False if an effect's parameters mean nothing: where the effect is not there, against a physical limit, or
-/// a friction that gives energy.
+/// False if an effect's parameters mean nothing: where the effect is not there, against a physical limit, a
+/// friction that gives energy, or a drive and a clock that undo each other.
 bool within_limits(const Hypothesis& h);
 
 /// Of a law that can take many shapes: whether its size is away from where the effect is not there, by the

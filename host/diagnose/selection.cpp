@@ -63,6 +63,7 @@ class Search {
     one_for_several();
     if (beam() && !follows_the_body(s_.chosen)) forward(s_.chosen.effects.size());
     replace_by_rivals();
+    add_drive_behind_early_rows();
     if (wider && trainer_.preference(s_.chosen, *wider) > -kEqualEvidence) s_.beyond_bounds = wider;
     const double prior = trainer_.prior(s_.chosen.effects);
     for (const auto& [effects, h] : pool_)
@@ -432,6 +433,26 @@ class Search {
       best = &h;
     }
     return best;
+  }
+
+  /// A log's rows may hold the state after their input has acted: then they are early by one, and a position that is early by less is
+  /// late, as by a lag of the drive (of which neither a contact switch nor the drive's report tells).
+  void add_drive_behind_early_rows() {
+    constexpr double kAWholeRow = 0.9, kMostOfIt = 0.5;
+    const EffectSet& members = s_.chosen.effects;
+    if (!holds(members, Effect::time_skew) || holds(members, Effect::actuator_delay) ||
+        holds(members, Effect::actuator_lag) || dynamics::has(trainer_.model.kind, dynamics::Seat::leg) ||
+        judged_on(Effect::actuator_lag, trainer_.recordings) != identify::Channel::motion)
+      return;
+    const double row_s = trainer_.row_s(), early_s = -s_.chosen.fitted.effects.at(Effect::time_skew)[0];
+    if (early_s <= 0.0 || early_s > kAWholeRow * row_s) return;
+    Hypothesis whole_row = s_.chosen;
+    whole_row.fitted.effects.at(Effect::time_skew)[0] = -row_s;
+    const Hypothesis lagging = fit_if_it_runs(with(members, Effect::actuator_lag), whole_row,
+                                              {{Effect::actuator_lag, {row_s - early_s}}});
+    if (!lagging.failed && lagging.meaningful &&
+        lagging.fitted.effects.at(Effect::actuator_lag)[0] > kMostOfIt * (row_s - early_s))
+      s_.equals.push_back({Effect::time_skew, lagging});
   }
 
   /// The members of the chosen set that `effects` has not, if it stands in their place: one, with no more

@@ -187,9 +187,13 @@ double Trainer::fewest_ripples() const {
   return kCycles * 2.0 * std::numbers::pi / std::max(high - low, 1e-3);
 }
 
-bool Trainer::beyond_resolution(const Hypothesis& h) const {
+double Trainer::row_s() const {
   const auto& time_s = recordings.front().time_s;
-  const double interval_s = (time_s.back() - time_s.front()) / static_cast<double>(time_s.size() - 1);
+  return (time_s.back() - time_s.front()) / static_cast<double>(time_s.size() - 1);
+}
+
+bool Trainer::beyond_resolution(const Hypothesis& h) const {
+  const double interval_s = row_s();
   const auto beyond = [&](Effect e, double rows) {
     return !holds(h.effects, e) || std::abs(h.fitted.effects.at(e)[0]) > rows * interval_s;
   };
@@ -204,6 +208,13 @@ bool Trainer::beyond_resolution(const Hypothesis& h) const {
   if (holds(h.effects, Effect::torque_ripple) &&
       h.fitted.effects.at(Effect::torque_ripple)[1] < fewest_ripples())
     return false;
+  // What ends soon after the start is no heat: the loss goes on for a fifth of the time that the motor worked, at least.
+  if (holds(h.effects, Effect::thermal_derating)) {
+    constexpr double kTimeConstants = 3.0, kShare = 0.2;
+    double worked_s = 0.0;
+    for (const auto& r : recordings) worked_s = std::max(worked_s, r.driven_s.back());
+    if (kTimeConstants * h.fitted.effects.at(Effect::thermal_derating)[1] < kShare * worked_s) return false;
+  }
   // A switch is read once a row, and bounces; what a row's input is worth until the next one is known to a
   // part of the interval, less where it was measured and not commanded.
   const bool answered = !recordings.front().drive_command.empty();

@@ -215,3 +215,20 @@ TEST_CASE("An effect stands out from where its size is further from none than ch
   CHECK_FALSE(two(1.2, -1.2));  // 14.4
   CHECK(two(1.25, -1.25));      // 15.6
 }
+
+TEST_CASE("A drive that lags and clocks that are apart by as much the other way are neither of them meant") {
+  // To first order in both, what is left of the input's shift is their sum.
+  const auto meant = [](double lag_s, double skew_s) {
+    Hypothesis h;
+    h.effects = {Effect::actuator_lag, Effect::time_skew};
+    h.fitted = test::axis_model(95.0, 200.0);
+    h.fitted.effects[Effect::actuator_lag] = {lag_s};
+    h.fitted.effects[Effect::time_skew] = {skew_s};
+    return diagnose::within_limits(h);
+  };
+  CHECK_FALSE(meant(0.0345, -0.0343));
+  CHECK_FALSE(meant(0.0135, -0.0145));
+  CHECK(meant(0.012, -0.002));
+  CHECK(meant(0.002, -0.012));
+  CHECK(meant(0.01, 0.01));
+}

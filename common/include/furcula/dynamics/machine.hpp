@@ -35,7 +35,7 @@ enum class Seat : std::uint16_t {
   rail = 2,            ///< a vertical one, with an encoder of the height
   drive = 4,           ///< follows commands
   motor = 8,           ///< a rotary one, with a rotor
-  gravity_swing = 16,  ///< an angle whose zero gravity shows
+  swing = 16,          ///< an angle whose zero gravity or a spring shows
   leg = 32,            ///< with a spring; stances and flights, touch-down and lift-off
   light_leg = 64,      ///< one whose links have no inertia in the model
   heavy_links = 128,   ///< one whose links have: free in flight, and the clutch's coil and key are simulated

@@ -523,7 +523,7 @@ inline constexpr EffectInfo kCatalogue[] = {
      "encoder_offset",
      "an offset of the encoder's zero",
      Stage::sensing,
-     Seat::leg | Seat::gravity_swing,
+     Seat::leg | Seat::swing,
      "flight+stance",
      "measured = true + offset",
      {{{"offset_m", "offset_rad", "m", "rad", -10.0, 10.0, 0.0}}},

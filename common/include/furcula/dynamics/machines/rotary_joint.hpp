@@ -32,7 +32,7 @@ struct RotaryJoint {
   static constexpr MachineInfo kInfo{.name = "rotary_joint",
                                      .rig = "rotary_joint",
                                      .parameters = kRotaryJointParameters,
-                                     .seats = Seat::axis | Seat::drive | Seat::motor | Seat::gravity_swing,
+                                     .seats = Seat::axis | Seat::drive | Seat::motor | Seat::swing,
                                      .rotary = true};
   template <class T>
   using Parameters = RotaryJointParameters<T>;

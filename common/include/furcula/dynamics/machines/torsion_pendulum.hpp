@@ -31,7 +31,7 @@ struct TorsionPendulum {
   static constexpr MachineInfo kInfo{.name = "torsion_pendulum",
                                      .rig = "rotary_joint",
                                      .parameters = kTorsionPendulumParameters,
-                                     .seats = Seat::axis | Seat::drive | Seat::motor,
+                                     .seats = Seat::axis | Seat::drive | Seat::motor | Seat::swing,
                                      .rotary = true};
   template <class T>
   using Parameters = TorsionPendulumParameters<T>;
