@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "host/log/dirt_json.hpp"
 #include "host/machines/rules.hpp"
 
 namespace furcula::diagnose {
@@ -149,10 +150,12 @@ nlohmann::ordered_json to_json(const Diagnosis& d) {
                                {"counts", left.is_structured()}};
   }
 
+  Json data = {
+      {"logs", d.logs}, {"hops", d.hops}, {"samples", d.samples}, {"held_out_logs", d.held_out_logs}};
+  log::add_dirt(data, d.dirt);
   return {{"schema", "furcula-diagnosis/1"},
           {"kind", dynamics::info(d.kind).name},
-          {"data",
-           {{"logs", d.logs}, {"hops", d.hops}, {"samples", d.samples}, {"held_out_logs", d.held_out_logs}}},
+          {"data", data},
           {"verdict", name(d.verdict)},
           {"summary", d.summary},
           {"baseline", held_out(d.baseline, d.kind)},
