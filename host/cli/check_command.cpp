@@ -22,6 +22,7 @@ struct CheckOptions {
   std::string rig;
   std::string model;
   std::string map;
+  bool skip_bad_rows = false;
   std::vector<std::string> logs;
 };
 
@@ -56,6 +57,8 @@ void print(const std::string& file, const log::LogSummary& s) {
   for (const std::string& column : s.ignored_columns)
     std::cerr << path << ": note: column " << core::quoted(column)
               << " is not of this rig and not numeric: ignored\n";
+  for (const std::string& line : log::lines_of({s.refused, s.notes, {}}))
+    std::cout << core::printable(line) << "\n";
   if (!s.last_row_ends)
     std::cerr << path << ": note: no line end after the last row: its last number may have been cut\n";
 }
@@ -67,6 +70,7 @@ void run(const CheckOptions& options) {
   if (!options.map.empty()) map = log::read_column_map(options.map);
   const std::string rig = rig_of(options, map ? &*map : nullptr);
   const auto tree = options.model.empty() ? std::nullopt : tree_model(options.model);
+  const log::BadRows bad = options.skip_bad_rows ? log::BadRows::skipped : log::BadRows::refused;
   std::string errors;
   for (const std::string& path : options.logs) {
     try {
@@ -74,9 +78,9 @@ void run(const CheckOptions& options) {
       if (own.empty())
         throw core::DataError(
             path + ":1: no line '# rig: ...' tells the rig; expected one, or --rig, --model or --map");
-      print(path, log::check_log(path, own, map ? &*map : nullptr));
+      print(path, log::check_log(path, own, map ? &*map : nullptr, bad));
       // Which columns a robot's log must have, its joints say.
-      if (tree) trees::recording_of(*tree, log::read_log(path, own, map ? &*map : nullptr));
+      if (tree) trees::recording_of(*tree, log::read_log(path, own, map ? &*map : nullptr, bad));
     } catch (const core::DataError& e) {
       // One line for each bad log; the good ones after it are checked all the same.
       errors += (errors.empty() ? "" : "\nfurcula: ") + std::string(e.what());
@@ -95,6 +99,7 @@ void add_check_command(CLI::App& app) {
                           "; without it that of the model, of the map, or of the log's own line");
   command->add_option("--model", options->model, "Model file, whose kind tells the rig");
   command->add_option("--map", options->map, "Map file, for logs with other columns");
+  command->add_flag("--skip-bad-rows", options->skip_bad_rows, kSkipBadRows);
   command->add_option("LOG", options->logs, "Logs (CSV)")->required();
   command->callback([options] { run(*options); });
 }

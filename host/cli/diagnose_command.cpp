@@ -47,8 +47,9 @@ diagnose::Diagnosis run_diagnose(const RecordingOptions& o) {
                                    sim::format_scenario(d.experiments.front().scenario, d.kind)});
   core::write_files_together(files, obsolete);
   std::cout << "fitted on " << r.training.size() << ", held out " << r.held_out.size() << " recordings\n"
-            << name(d.verdict) << ": " << core::printable_lines(d.summary) << "\n"
-            << (d.experiments.empty() ? "" : "next: " + core::printable_lines(d.next_experiment) + "\n")
+            << name(d.verdict) << ": " << core::printable_lines(d.summary) << "\n";
+  print_dirt(d.dirt);
+  std::cout << (d.experiments.empty() ? "" : "next: " + core::printable_lines(d.next_experiment) + "\n")
             << "report: " << core::printable(o.out) << "/report.html\n";
   return d;
 }
@@ -107,6 +108,7 @@ void run_on_tree(const RecordingOptions& o, const trees::TreeModel& model) {
               << core::rounded(d.as_given_error[j].rmse, 3) << " to "
               << core::rounded(d.extended_error[j].rmse, 3) << " " << trees::channel_unit(model, j);
   std::cout << "\n";
+  print_dirt(d.dirt);
   for (const std::string& note : d.notes) std::cout << core::printable(note) << "\n";
   if (!d.experiments.empty()) std::cout << "next: " << core::printable(d.next_experiment) << "\n";
   std::cout << "report: " << core::printable(o.out) << "/report.html\n";

@@ -57,6 +57,8 @@ void run_on_tree(const IdentifyOptions& o, const trees::TreeModel& model) {
                 core::printable(model.robot.joints[j].name).c_str(), found.as_given_error[j].rmse,
                 found.identified_error[j].rmse, std::string(trees::channel_unit(model, j)).c_str());
   std::printf("\n");
+  std::fflush(stdout);
+  print_dirt(found.dirt);
 }
 
 void run(const IdentifyOptions& o) {
@@ -98,6 +100,8 @@ void run(const IdentifyOptions& o) {
       std::printf("  %-24s %12.6g %-8s 95 %% %.6g to %.6g  %s%s\n", p.name.c_str(), p.value, p.unit.c_str(),
                   p.lower, p.upper, p.verdict.c_str(), p.with.empty() ? "" : (" (" + p.with + ")").c_str());
   }
+  std::fflush(stdout);
+  print_dirt(found.dirt);
   std::printf("report: %s/report.html\n", core::printable(o.out).c_str());
 }
 

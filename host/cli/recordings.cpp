@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <iostream>
 #include <optional>
 #include <set>
 #include <system_error>
@@ -40,6 +41,7 @@ void RecordingOptions::add_to(CLI::App& command) {
                      "Length of a prediction, s: 0.5 if not given on " + kinds_in_intervals() +
                          " and a hopper that stays on the ground, 0.3 on a tree");
   command.add_option("--out", out, "Folder for the results")->required();
+  command.add_flag("--skip-bad-rows", skip_bad_rows, kSkipBadRows);
   command.add_option("--threads", threads, "Threads; the result is the same for any number");
   command.add_option("--seed", seed, "Seed of the choice of held-out logs")->capture_default_str();
   command.add_option("logs", logs, "Logs (furcula-log/1, or as the map says), at least one");
@@ -68,6 +70,7 @@ std::string RecordingOptions::command_line(const std::string& command, bool tree
   };
   option("--model", model);
   if (!map.empty()) option("--map", map);
+  if (skip_bad_rows) add("--skip-bad-rows");
   option("--window-s", core::shortest(window(tree)));
   option("--seed", std::to_string(seed));
   for (const std::string& path : logs) add(path);
@@ -96,9 +99,11 @@ Logs read_logs(const RecordingOptions& options, const std::string& rig) {
   Logs r;
   std::optional<log::ColumnMap> map;
   if (!options.map.empty()) map = log::read_column_map(options.map);
+  const log::BadRows bad = options.skip_bad_rows ? log::BadRows::skipped : log::BadRows::refused;
   const auto read = [&](const std::vector<std::string>& paths) {
     std::vector<log::Log> logs;
-    for (const std::string& path : paths) logs.push_back(log::read_log(path, rig, map ? &*map : nullptr));
+    for (const std::string& path : paths)
+      logs.push_back(log::read_log(path, rig, map ? &*map : nullptr, bad));
     return logs;
   };
   r.training = read(options.logs);
@@ -119,6 +124,10 @@ std::optional<trees::TreeModel> tree_model(const std::string& path) {
   const std::string text = core::read_small_file(path, "a model file (TOML)");
   if (!trees::is_tree(text)) return std::nullopt;
   return trees::parse_tree_model(text, path);
+}
+
+void print_dirt(const log::Dirt& dirt) {
+  for (const std::string& line : log::lines_of(dirt)) std::cout << core::printable(line) << "\n";
 }
 
 OutFolder::OutFolder(const std::string& path) {

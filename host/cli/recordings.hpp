@@ -23,6 +23,7 @@ struct RecordingOptions {
   double window_s = 0.0;  ///< 0: 0.5 s, on a tree 0.3 s
   unsigned threads = 0;   ///< 0: as many as the machine has
   std::uint64_t seed = 1;
+  bool skip_bad_rows = false;
 
   void add_to(CLI::App& command);
   /// `threads`, or what the machine has.
@@ -52,6 +53,14 @@ Recordings read_recordings(const RecordingOptions& options);
 
 /// The model, where the file is one of a tree. @throws core::DataError
 std::optional<trees::TreeModel> tree_model(const std::string& path);
+
+/// Prints what was wrong with the recordings, a line each.
+void print_dirt(const log::Dirt& dirt);
+
+/// What `--skip-bad-rows` is.
+inline constexpr const char* kSkipBadRows =
+    "Leave out rows that are torn, hold no numbers or do not increase in time, up to a twentieth of a log, and name them; "
+    "without it such a log is refused";
 
 /// The folder of the results, there from construction on. Where nothing has been written into it by the end
 /// of its life, the folders that it has made are gone again: a run that fails leaves nothing behind.

@@ -14,7 +14,10 @@
 #include "host/diagnose/residual_force.hpp"
 #include "host/diagnose/selection.hpp"
 #include "host/diagnose/wording.hpp"
+#include "host/identify/disagreement.hpp"
 #include "host/identify/plausible.hpp"
+#include "host/identify/refute.hpp"
+#include "host/identify/units.hpp"
 #include "host/identify/verdicts.hpp"
 #include "host/machines/rules.hpp"
 
@@ -91,21 +94,30 @@ class Assembly {
  public:
   Assembly(const model::Model& model, const std::vector<log::Log>& training,
            const std::vector<log::Log>& held_out, const Options& options)
-      : model_(model),
-        options_(options),
-        training_(recordings_of(training, model)),
-        held_out_(recordings_of(held_out, model)),
-        training_windows_(identify::training_windows(training_, model, options.window_s)),
-        crossed_(training_, training_windows_,
-                 identify::prediction_windows(training_, model, options.window_s)),
-        held_out_windows_(identify::prediction_windows(held_out_, model, options.window_s)) {
-    identify::require_plausible(training_, held_out_);
-    require(training_windows_.windows, training_, "training");
-    require(held_out_windows_, held_out_, "held-out");
+      : model_(model), options_(options), training_logs_(training), held_out_logs_(held_out) {
+    take({}, {});
+    for (const auto* list : {&training_, &held_out_})
+      identify::require_named_unit(model, *list,
+                                   identify::prediction_windows(*list, model, options.window_s));
+    refuse_by_residuals();
+    crossed_.emplace(training_, training_windows_,
+                     identify::prediction_windows(training_, model, options.window_s));
   }
 
+  /// The training recording that disagrees with the others, found by what run() chose.
+  const std::optional<identify::Disagreement>& disagreement() const { return disagreement_; }
+
+  /// Whether one that does may be taken out.
+  void may_disagree(bool may) { may_disagree_ = may; }
+
+  /// Ends early where a recording disagrees with the others.
   Diagnosis run() {
     selection_ = select(model_, training_, training_windows_, options_.threads, options_.progress);
+    const Hypothesis& chosen = selection_.chosen;
+    if (may_disagree_)
+      disagreement_ = identify::disagreeing(with_slips(model_, training_, chosen.effects), chosen.unknowns,
+                                            chosen.fit, training_, training_windows_.windows);
+    if (disagreement_) return {};
     choose();
     // From here on the held-out recordings are seen. They name nothing and withdraw nothing.
     foretell_slips();
@@ -125,11 +137,45 @@ class Assembly {
   }
 
  private:
-  static std::vector<Recording> recordings_of(const std::vector<log::Log>& logs, const model::Model& model) {
-    std::vector<Recording> all = identify::make_recordings(logs, model.kind);
+  using Refuted = std::vector<std::vector<log::Refuted>>;  // rows of each log
+
+  /// Makes recordings and windows of the logs, without these rows.
+  void take(const Refuted& of_training, const Refuted& of_held_out) {
+    training_ = recordings_of(training_logs_, model_, of_training);
+    held_out_ = recordings_of(held_out_logs_, model_, of_held_out);
+    training_windows_ = identify::training_windows(training_, model_, options_.window_s);
+    held_out_windows_ = identify::prediction_windows(held_out_, model_, options_.window_s);
+    identify::require_plausible(training_, held_out_);
+    require(training_windows_.windows, training_, "training");
+    require(held_out_windows_, held_out_, "held-out");
+  }
+
+  static std::vector<Recording> recordings_of(const std::vector<log::Log>& logs, const model::Model& model,
+                                              const Refuted& refuted) {
+    std::vector<Recording> all = identify::make_recordings(logs, model.kind, refuted);
     identify::require_clutch(all, model::has_clutch(model));
     identify::keep_plausible_leg_angles(all, model);
+    identify::mend_velocities(all);
     return all;
+  }
+
+  /// What the neighbours of a row cannot tell, runs of the re-fitted model can: as long as they refute rows, these are left out.
+  void refuse_by_residuals() {
+    constexpr int kRounds = 2;
+    if (machines::rules(model_.kind).held) return;
+    Refuted of_training, of_held_out;
+    for (int round = 0; round < kRounds; ++round) {
+      const model::Model refitted =
+          Trainer{model_, training_, training_windows_, options_.threads}.fit({}, nullptr).fitted;
+      const auto refuted = [&](const std::vector<Recording>& recordings) {
+        return identify::refuted_rows(refitted, recordings,
+                                      identify::prediction_windows(recordings, model_, options_.window_s));
+      };
+      const bool in_training = identify::add_refuted(of_training, refuted(training_));
+      const bool in_held_out = identify::add_refuted(of_held_out, refuted(held_out_));
+      if (!in_training && !in_held_out) return;
+      take(of_training, of_held_out);
+    }
   }
 
   void require(const std::vector<Window>& windows, const std::vector<Recording>& recordings,
@@ -150,6 +196,11 @@ class Assembly {
     for (const auto& r : held_out_) d_.held_out_files.push_back(r.name), d_.samples += r.rows();
     if (dynamics::has(model_.kind, dynamics::Seat::leg))
       d_.hops = training_windows_.windows.size() + held_out_windows_.size();
+    for (const auto* list : {&training_, &held_out_})
+      for (const Recording& r : *list) {
+        d_.dirt.refused.insert(d_.dirt.refused.end(), r.refused.begin(), r.refused.end());
+        d_.dirt.notes.insert(d_.dirt.notes.end(), r.notes.begin(), r.notes.end());
+      }
     const auto names = identify::channel_names(model_.kind);
     d_.main_channel = names.position;
     d_.main_unit = names.position_unit;
@@ -177,9 +228,9 @@ class Assembly {
     if (chosen.effects.empty()) return;
     for (const auto& rival : selection_.equals)
       undecided_ = undecided_ || !always_same(model_, rival.hypothesis.effects, chosen.effects);
-    crossed_before_ = crossed_.nmse(refitted, refitted);
-    crossed_after_ = crossed_.nmse(chosen, refitted);
-    crossed_floor_ = crossed_.noise_floor(refitted);
+    crossed_before_ = crossed_->nmse(refitted, refitted);
+    crossed_after_ = crossed_->nmse(chosen, refitted);
+    crossed_floor_ = crossed_->noise_floor(refitted);
     const bool other_channels = std::all_of(chosen.effects.begin(), chosen.effects.end(), [&](Effect e) {
       return judged_on(e, training_) != identify::Channel::motion;
     });
@@ -187,7 +238,7 @@ class Assembly {
     const bool slipped = holds(chosen.effects, Effect::encoder_slip);
     const bool numerics = crossed_before_ <= kNumerics && !slipped;
     const bool helps = slipped || (crossed_after_ < crossed_before_ &&
-                                   crossed_.gain_in_standard_errors(refitted, chosen) > kSureHelp);
+                                   crossed_->gain_in_standard_errors(refitted, chosen) > kSureHelp);
     const bool doubtful =
         undecided_ || !helps ||
         std::any_of(chosen.effects.begin(), chosen.effects.end(), [&](Effect e) { return may_be_none(e); });
@@ -201,13 +252,13 @@ class Assembly {
     if (crossed_before_ <= kWithinNoise * (crossed_floor_ + kNumerics) ||
         motion.squares <= kWithinNoise * motion.rows)
       return true;
-    return random_alone_in_training(h.fitted, remainder_of(h.fitted, training_, crossed_.windows()));
+    return random_alone_in_training(h.fitted, remainder_of(h.fitted, training_, crossed_->windows()));
   }
 
   bool random_alone_in_training(const model::Model& m, const std::optional<Remainder>& left) const {
     if (left) return !left->is_structured_in_training() && left->repeats_in_training();
-    return falls_repeat(m, training_, crossed_.windows(),
-                        identify::start_states(training_, crossed_.windows(), m));
+    return falls_repeat(m, training_, crossed_->windows(),
+                        identify::start_states(training_, crossed_->windows(), m));
   }
 
   /// Slips that the training recordings have at the same times are to be expected in the held-out ones, and
@@ -287,7 +338,10 @@ class Assembly {
     d_.noise_floor = identify::noise_floor(selection_.chosen.fitted, held_out_, held_out_windows_, starts_);
     d_.extended_model = extension().fitted;
     d_.remainder =
-        remainder_of(d_.extended_model, training_, crossed_.windows(), held_out_, held_out_windows_);
+        remainder_of(d_.extended_model, training_, crossed_->windows(), held_out_, held_out_windows_);
+    for (std::string& note : identify::disagreeing_held_out(d_.extended_model, training_, held_out_,
+                                                            crossed_->windows(), held_out_windows_))
+      d_.dirt.notes.push_back(std::move(note));
   }
 
   /// Nothing is missing in this model but what the machine does not repeat.
@@ -432,8 +486,8 @@ class Assembly {
     if (d_.findings.empty()) return;
     const Hypothesis& chosen = selection_.chosen;
     const std::optional<Remainder> left =
-        d_.remainder ? d_.remainder : remainder_of(chosen.fitted, training_, crossed_.windows());
-    const double misfit = misfit_of(left) * overdispersion(chosen.fit, crossed_.units());
+        d_.remainder ? d_.remainder : remainder_of(chosen.fitted, training_, crossed_->windows());
+    const double misfit = misfit_of(left) * overdispersion(chosen.fit, crossed_->units());
     const Posterior posterior(model_, selection_.pool, misfit);
     double unnamed = 0.0;
     if (!other_channels_alone()) {
@@ -706,11 +760,14 @@ class Assembly {
 
   const model::Model& model_;
   const Options& options_;
+  const std::vector<log::Log>&training_logs_, &held_out_logs_;
+  bool may_disagree_ = false;
+  std::optional<identify::Disagreement> disagreement_;
   std::vector<Recording> training_, held_out_;
   std::vector<Recording>
       recorded_;  // held out, with their slips as they are; where those are not in held_out_
   identify::TrainingWindows training_windows_;
-  Crossed crossed_;
+  std::optional<Crossed> crossed_;  // of training_, once its rows are settled
   std::vector<Window> held_out_windows_;
   std::vector<identify::StartState> starts_;  // of the held-out windows, the same for every model
   Selection selection_;
@@ -726,7 +783,23 @@ class Assembly {
 
 Diagnosis diagnose(const model::Model& model, const std::vector<log::Log>& training,
                    const std::vector<log::Log>& held_out, const Options& options) {
-  return Assembly(model, training, held_out, options).run();
+  // One recording that disagrees is taken out, and the rest diagnosed; of a quarter and more nobody can say which are right.
+  constexpr double kMinority = 0.25;
+  std::vector<log::Log> agreeing = training;
+  std::vector<log::Dirt::LeftOut> left_out;
+  for (;;) {
+    Assembly assembly(model, agreeing, held_out, options);
+    assembly.may_disagree(static_cast<double>(left_out.size() + 1) <
+                          kMinority * static_cast<double>(training.size()));
+    Diagnosis d = assembly.run();
+    if (const auto& odd = assembly.disagreement()) {
+      left_out.push_back({agreeing[odd->recording].path, odd->why});
+      agreeing.erase(agreeing.begin() + static_cast<std::ptrdiff_t>(odd->recording));
+      continue;
+    }
+    d.dirt.left_out = std::move(left_out);
+    return d;
+  }
 }
 
 }  // namespace furcula::diagnose

@@ -152,6 +152,7 @@ struct Diagnosis {
     double value;
   };
   std::vector<BeyondBounds> beyond_bounds;
+  log::Dirt dirt;
   double unexplained_fraction = 0.0;
   /// Of what could be explained on the held-out recordings, what no named cause explains; 0 without a
   /// finding, or where those do not help there.

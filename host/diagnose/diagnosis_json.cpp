@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "host/log/dirt_json.hpp"
 #include "host/machines/rules.hpp"
 
 namespace furcula::diagnose {
@@ -171,14 +172,15 @@ nlohmann::ordered_json to_json(const Diagnosis& d) {
                                  {"counts", left.is_structured_in_training()}}}};
   }
 
+  Json data = {{"logs", d.logs},
+               {"hops", d.hops},
+               {"samples", d.samples},
+               {"held_out_logs", d.held_out_logs},
+               {"held_out_windows_left_out", d.windows_left_out}};
+  log::add_dirt(data, d.dirt);
   return {{"schema", "furcula-diagnosis/1"},
           {"kind", dynamics::info(d.kind).name},
-          {"data",
-           {{"logs", d.logs},
-            {"hops", d.hops},
-            {"samples", d.samples},
-            {"held_out_logs", d.held_out_logs},
-            {"held_out_windows_left_out", d.windows_left_out}}},
+          {"data", data},
           {"verdict", name(d.verdict)},
           {"summary", d.summary},
           {"baseline", held_out(d.baseline, d.kind)},

@@ -7,6 +7,8 @@
 #include "host/core/parallel.hpp"
 #include "host/identify/equation_fit.hpp"
 #include "host/identify/plausible.hpp"
+#include "host/identify/refute.hpp"
+#include "host/identify/units.hpp"
 #include "host/identify/verdicts.hpp"
 #include "host/machines/rules.hpp"
 
@@ -49,10 +51,10 @@ class Work {
     if (unknowns_.empty())
       throw core::DataError(
           "the model has no [free] table: nothing to identify; expected at least one parameter with bounds in it");
-    training_ = make_recordings(training, model.kind);
-    held_out_ = make_recordings(held_out, model.kind);
-    require_plausible(training_, held_out_);
-    for (const auto* list : {&training_, &held_out_}) require_clutch(*list, model::has_clutch(model));
+    take(training, held_out, {}, {});
+    for (const auto* list : {&training_, &held_out_})
+      require_named_unit(model, *list, prediction_windows(*list, model, options.window_s));
+    refuse_by_residuals(training, held_out);
     const machines::Rules& rules = machines::rules(model.kind);
     if (rules.held && options.by_equation)
       throw core::DataError("equation error says nothing on " + std::string(dynamics::info(model.kind).name) +
@@ -70,6 +72,11 @@ class Work {
 
   Identification run() {
     Identification out;
+    for (const auto* list : {&training_, &held_out_})
+      for (const Recording& r : *list) {
+        out.dirt.refused.insert(out.dirt.refused.end(), r.refused.begin(), r.refused.end());
+        out.dirt.notes.insert(out.dirt.notes.end(), r.notes.begin(), r.notes.end());
+      }
     out.kind = model_.kind;
     out.logs = training_.size() + held_out_.size();
     out.held_out_logs = held_out_.size();
@@ -89,6 +96,36 @@ class Work {
   }
 
  private:
+  using Refuted = std::vector<std::vector<log::Refuted>>;  // rows of each log
+
+  void take(const std::vector<log::Log>& training, const std::vector<log::Log>& held_out,
+            const Refuted& of_training, const Refuted& of_held_out) {
+    training_ = make_recordings(training, model_.kind, of_training);
+    held_out_ = make_recordings(held_out, model_.kind, of_held_out);
+    require_plausible(training_, held_out_);
+    for (auto* list : {&training_, &held_out_}) {
+      require_clutch(*list, model::has_clutch(model_));
+      mend_velocities(*list);
+    }
+  }
+
+  /// Leaves out rows that runs of the fitted model refute.
+  void refuse_by_residuals(const std::vector<log::Log>& training, const std::vector<log::Log>& held_out) {
+    const TrainingWindows windows = training_windows(training_, model_, options_.window_s);
+    if (windows.windows.empty() || machines::rules(model_.kind).held) return;
+    const Fit fitted = fit_by_simulation(model_, unknowns_, values_in(model_, unknowns_), training_,
+                                         windows.windows, Weighting::noise, windows.layers);
+    const model::Model refitted = with_values(model_, unknowns_, fitted.values);
+    const auto refuted = [&](const std::vector<Recording>& recordings) {
+      return refuted_rows(refitted, recordings, prediction_windows(recordings, model_, options_.window_s));
+    };
+    const Refuted of_training = refuted(training_), of_held_out = refuted(held_out_);
+    const auto any = [](const Refuted& all) {
+      return std::any_of(all.begin(), all.end(), [](const auto& rows) { return !rows.empty(); });
+    };
+    if (any(of_training) || any(of_held_out)) take(training, held_out, of_training, of_held_out);
+  }
+
   std::size_t fold_count() const {
     const bool by_recording = units_.size() > 1;
     const std::size_t units = by_recording ? units_.size() : fit_windows_.windows.size();

@@ -62,6 +62,7 @@ struct Identification {
   std::optional<Errors> as_given;  ///< held-out errors of the model as given
   std::string main_channel, main_unit;
   std::vector<FittedTrace> traces;
+  log::Dirt dirt;
 };
 
 struct IdentifyOptions {

@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <span>
 
 #include "host/core/error.hpp"
@@ -17,26 +18,25 @@ constexpr std::size_t kFewestRowsOfLog = 20;
 constexpr double kSlopeHalfWidth_s = 0.006;
 constexpr double kLegMovesOverNoise = 10.0;
 
-/// Slope of the position by a local parabola over +-6 ms (at least two rows on either side): no delay. Where
+/// Slope of the position by a local parabola over +-6 ms (at least two rows on either side): no delay. Not over a pause. Where
 /// there is a contact flag, over the rows alone that have the same one: an impact has no slope.
 std::vector<double> smoothed_slope(const std::vector<double>& time_s, const std::vector<double>& position,
                                    const std::vector<double>& contact) {
   const std::size_t n = time_s.size();
   std::vector<double> slope(n);
+  const double pause_s = longest_pause_s(time_s);
   std::size_t first = 0, last = 0;
   for (std::size_t i = 0; i < n; ++i) {
     while (time_s[first] < time_s[i] - kSlopeHalfWidth_s) ++first;
     while (last + 1 < n && time_s[last + 1] <= time_s[i] + kSlopeHalfWidth_s) ++last;
     std::size_t from = std::min(first, i >= 2 ? i - 2 : 0);
     std::size_t to = std::min(n - 1, std::max(last, i + 2));
-    if (!contact.empty()) {
-      const auto same = [&](std::size_t k) { return contact[k] == contact[i]; };
-      std::size_t low = i, high = i;
-      while (low > from && same(low - 1)) --low;
-      while (high < to && same(high + 1)) ++high;
-      from = low;
-      to = high;
-    }
+    const auto same = [&](std::size_t k) { return contact.empty() || contact[k] == contact[i]; };
+    std::size_t low = i, high = i;
+    while (low > from && same(low - 1) && time_s[low] - time_s[low - 1] <= pause_s) --low;
+    while (high < to && same(high + 1) && time_s[high + 1] - time_s[high] <= pause_s) ++high;
+    from = low;
+    to = high;
     if (to - from < 2) continue;
     slope[i] = local_polynomial(time_s, position, from, to, time_s[i], 2).slope;
   }
@@ -239,12 +239,31 @@ LocalPolynomial local_polynomial(const std::vector<double>& time_s, const std::v
   return p;
 }
 
+double longest_pause_s(const std::vector<double>& time_s) {
+  constexpr double kPause_s = 0.05, kRows = 5.0;
+  std::vector<double> intervals_s;
+  for (std::size_t i = 1; i < time_s.size(); ++i) intervals_s.push_back(time_s[i] - time_s[i - 1]);
+  return std::max(kPause_s, kRows * core::quantile(std::move(intervals_s), 0.5));
+}
+
 ChannelNames channel_names(dynamics::Kind kind) {
   const bool rotary = dynamics::info(kind).rotary;
   return {std::string(machines::rules(kind).channel), rotary ? "rad" : "m", rotary ? "radps" : "mps"};
 }
 
-Recording make_recording(const log::Log& log, dynamics::Kind kind) {
+Recording make_recording(const log::Log& raw, dynamics::Kind kind, const std::vector<log::Refuted>& refuted) {
+  const machines::Rules& rules = machines::rules(kind);
+  const machines::Columns& columns = rules.columns;
+  std::vector<log::Watched> watched;
+  for (const std::string_view column : {columns.position, columns.leg_angle}) {
+    const bool angle = column == columns.leg_angle || dynamics::info(kind).rotary;
+    watched.push_back({std::string(column), true, angle ? 2.0 * std::numbers::pi : 0.0});
+  }
+  for (const std::string_view column : {columns.velocity, columns.input, columns.command, columns.report})
+    watched.push_back({std::string(column), false});
+  std::erase_if(watched, [](const log::Watched& w) { return w.column.empty(); });
+  log::Clean clean = log::clean(raw, watched, refuted);
+  const log::Log& log = clean.log;
   if (log.rows() < kFewestRowsOfLog)
     throw core::DataError(log.path + ": " + std::to_string(log.rows()) +
                           " rows are too few to learn anything from; expected at least " +
@@ -253,8 +272,9 @@ Recording make_recording(const log::Log& log, dynamics::Kind kind) {
   r.name = log.path;
   r.kind = kind;
   r.time_s = log.time_s();
-  const machines::Rules& rules = machines::rules(kind);
-  const machines::Columns& columns = rules.columns;
+  r.refused = log.refused;
+  r.notes = log.notes;
+  r.log_row = std::move(clean.row);
   const auto given = [&](std::string_view column) {
     return !column.empty() && log.has(std::string(column)) ? log.at(std::string(column))
                                                            : std::vector<double>{};
@@ -332,11 +352,13 @@ void require_clutch(const std::vector<Recording>& recordings, bool has_clutch) {
   }
 }
 
-std::vector<Recording> make_recordings(const std::vector<log::Log>& logs, dynamics::Kind kind) {
+std::vector<Recording> make_recordings(const std::vector<log::Log>& logs, dynamics::Kind kind,
+                                       const std::vector<std::vector<log::Refuted>>& refuted) {
   constexpr double kShare = 0.3;
   constexpr double kMotionOverNoise = 10.0;
   std::vector<Recording> all;
-  for (const auto& log : logs) all.push_back(make_recording(log, kind));
+  for (std::size_t i = 0; i < logs.size(); ++i)
+    all.push_back(make_recording(logs[i], kind, refuted.empty() ? std::vector<log::Refuted>{} : refuted[i]));
   double noise = 0.0;
   bool moves = all.empty();
   for (const Recording& r : all) {

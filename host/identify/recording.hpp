@@ -7,6 +7,7 @@
 
 #include "furcula/dynamics/actuation.hpp"
 #include "furcula/dynamics/machines.hpp"
+#include "host/log/clean.hpp"
 #include "host/log/log.hpp"
 
 namespace furcula::identify {
@@ -52,6 +53,9 @@ struct Recording {
   std::vector<double> slip_offset;  ///< by how much each row is off by them; empty without any
   double position_noise = 0.0;      ///< standard deviation, from what neighbouring samples do not share
   double velocity_noise = 0.0;
+  std::vector<log::RefusedRow> refused;  ///< rows of the log that are not among these
+  std::vector<std::string> notes;        ///< what else was done to it, in sentences
+  std::vector<std::size_t> log_row;      ///< of the log that it was made of, of each row
 
   std::size_t rows() const { return time_s.size(); }
   dynamics::Commands<double> commands() const { return {time_s, input, impulse, driven_s}; }
@@ -62,17 +66,22 @@ struct Recording {
   }
 };
 
-/// Reads the axis out of a log of the kind's rig. Throws core::DataError where the log has too few rows to
-/// estimate anything (fewer than 20).
-Recording make_recording(const log::Log& log, dynamics::Kind kind);
+/// Reads the axis out of a log of the kind's rig, without the rows that their neighbours refute (host/log/clean.hpp)
+/// and those of `refuted`. Throws core::DataError where the log has too few rows to estimate anything (fewer than 20).
+Recording make_recording(const log::Log& log, dynamics::Kind kind,
+                         const std::vector<log::Refuted>& refuted = {});
 
 /// All recordings of a list. The noise of one is at least a third of the noisiest one's: a recording at rest,
 /// whose sensor does not flicker, would outweigh all others. @throws core::DataError where nothing moves in
-/// any of them.
-std::vector<Recording> make_recordings(const std::vector<log::Log>& logs, dynamics::Kind kind);
+/// any of them. `refuted`: rows of each log (empty: none).
+std::vector<Recording> make_recordings(const std::vector<log::Log>& logs, dynamics::Kind kind,
+                                       const std::vector<std::vector<log::Refuted>>& refuted = {});
 
 /// @throws core::DataError where a hopper's spring is released and the model has no clutch.
 void require_clutch(const std::vector<Recording>& recordings, bool has_clutch);
+
+/// Over a longer pause between two rows it is not known what drove the axis: 50 ms, or five rows of a slow log.
+double longest_pause_s(const std::vector<double>& time_s);
 
 /// Names of the channels in results: "height" and "velocity" on hopper and rail carriage, "position",
 /// "angle" on rotary joint and clutch bench.

@@ -13,6 +13,15 @@ namespace {
 /// Rows [first, last) of a log.
 log::Log part(const log::Log& log, std::size_t first, std::size_t last) {
   log::Log some = log;
+  if (!log.lines.empty())
+    some.lines.assign(log.lines.begin() + static_cast<std::ptrdiff_t>(first),
+                      log.lines.begin() + static_cast<std::ptrdiff_t>(last));
+  // Rows that were left out on reading stay with the part that they were in; of the end with the last.
+  const bool ends = last == log.rows();
+  std::erase_if(some.refused, [&](const log::RefusedRow& r) {
+    return r.line < (first == 0 ? 0 : log.lines[first]) || (!ends && r.line >= log.lines[last]);
+  });
+  if (first != 0) some.notes.clear();
   for (auto& [name, values] : some.columns)
     values = std::vector<double>(values.begin() + static_cast<std::ptrdiff_t>(first),
                                  values.begin() + static_cast<std::ptrdiff_t>(last));

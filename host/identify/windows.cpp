@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
+#include "host/core/message.hpp"
 #include "host/core/quantile.hpp"
 #include "host/identify/simulate.hpp"
 #include "host/machines/hopper.hpp"
@@ -172,12 +174,13 @@ std::vector<Window> releases(const Recording& r, std::size_t index) {
 std::vector<Window> intervals(const Recording& r, std::size_t index, double length_s, double from_s) {
   std::vector<Window> found;
   const std::size_t n = r.rows();
+  const double longest_s = std::min(kLongestGap * length_s, longest_pause_s(r.time_s));
   std::size_t first = 0;
   while (first < n && r.time_s[first] < r.time_s[0] + from_s) ++first;
   while (first + 1 < n) {
     std::size_t last = first;
     while (last + 1 < n && r.time_s[last + 1] <= r.time_s[first] + length_s &&
-           r.time_s[last + 1] - r.time_s[last] <= kLongestGap * length_s)
+           r.time_s[last + 1] - r.time_s[last] <= longest_s)
       ++last;
     if (last - first < 5 || r.time_s[last] - r.time_s[first] < 0.5 * length_s) {
       first = last + 1;  // a pause, or the end
@@ -275,8 +278,9 @@ double turned_at(double reading, const std::vector<double>& angle, const std::ve
   return rows < kFewest ? 0.0 : high - low;
 }
 
-bool plausible_leg_angle(const Recording& r, const model::Model& model) {
+bool plausible_leg_angle(Recording& r, const model::Model& model) {
   constexpr double kFewest = 20.0;
+  constexpr double kDegrees = 180.0 / std::numbers::pi, kAbout = 0.3;
   constexpr double kLeastSlope = 0.3, kMostSlope = 3.0;  // a backlash as wide as half the travel stays within
   constexpr double kFolded_rad = 0.03;                   // at the highest reading
   constexpr double kStraight_rad = 0.1;  // at the lowest, where a height that is measured wrongly shows, too
@@ -299,6 +303,12 @@ bool plausible_leg_angle(const Recording& r, const model::Model& model) {
     square += from_mean * from_mean;
     product += from_mean * (r.leg_angle[i] - angle_sum / rows);
   }
+  if (std::abs(product / (kDegrees * square) - 1.0) < kAbout)
+    r.notes.push_back(
+        r.name + ": " + std::string(machines::rules(r.kind).columns.leg_angle) + " moves " +
+        core::rounded(product / square, 3) +
+        " times as much as the height says, as degrees would: it is not looked at (a --map file with "
+        "scale = 0.0174533 makes radians).");
   const auto [low, high] = std::minmax_element(r.leg_angle.begin(), r.leg_angle.end());
   return product > kLeastSlope * square && product < kMostSlope * square &&
          turned_at(*high, r.leg_angle, by_height) < kFolded_rad &&
@@ -346,19 +356,44 @@ std::size_t start_rows_end(const Recording& r, const Window& w) {
   return std::max(last, std::min(w.last, w.first + 2));
 }
 
-/// The lowest order that leaves no more than the measuring noise: more would let the noise into the start's
+/// What the noise alone leaves at most, of a start's variance.
+constexpr double kNoMoreThanNoise = 2.5;
+
+/// About the time `at_s` the lowest order that leaves no more than the measuring noise: more would let the noise into the start's
 /// velocity, less would bias it where the force changes within the stretch. An order wants three rows more
 /// than its terms.
 LocalPolynomial start_polynomial(const std::vector<double>& time_s, const std::vector<double>& values,
-                                 std::size_t first, std::size_t last, double noise) {
+                                 std::size_t first, std::size_t last, double at_s, double noise) {
   const std::size_t rows = last - first + 1;
-  LocalPolynomial p = local_polynomial(time_s, values, first, last, time_s[first], rows >= 5 ? 2 : 1);
-  constexpr double kNoMoreThanNoise = 2.5;
+  LocalPolynomial p = local_polynomial(time_s, values, first, last, at_s, rows >= 5 ? 2 : 1);
   const double enough = kNoMoreThanNoise * noise * noise;
   for (int order = 3;
        order <= 4 && rows >= static_cast<std::size_t>(order) + 4 && p.residual_variance > enough; ++order)
-    p = local_polynomial(time_s, values, first, last, time_s[first], order);
+    p = local_polynomial(time_s, values, first, last, at_s, order);
   return p;
+}
+
+/// The same about the first row, surviving a wrong one: where the rows leave far more than noise, and without one of them noise alone,
+/// that one is no part of the motion. What a machine does would take several rows.
+LocalPolynomial robust_start(const std::vector<double>& time_s, const std::vector<double>& values,
+                             std::size_t first, std::size_t last, double noise) {
+  constexpr double kFarOut = 3.0;
+  constexpr std::size_t kFewest = 6;
+  const double at_s = time_s[first];
+  const LocalPolynomial all = start_polynomial(time_s, values, first, last, at_s, noise);
+  if (last - first + 1 < kFewest || !(all.residual_variance > std::pow(kFarOut * noise, 2))) return all;
+  LocalPolynomial best = all;
+  for (std::size_t leave = first; leave <= last; ++leave) {
+    std::vector<double> t, x;
+    for (std::size_t i = first; i <= last; ++i)
+      if (i != leave) {
+        t.push_back(time_s[i]);
+        x.push_back(values[i]);
+      }
+    const LocalPolynomial p = start_polynomial(t, x, 0, t.size() - 1, at_s, noise);
+    if (p.residual_variance < best.residual_variance) best = p;
+  }
+  return best.residual_variance <= kNoMoreThanNoise * noise * noise ? best : all;
 }
 
 StartState rest_before(const Recording& r, const Window& w) {
@@ -374,7 +409,7 @@ StartState rest_before(const Recording& r, const Window& w) {
 StartState start_state(const Recording& r, const Window& w) {
   if (w.kind == WindowKind::release) return rest_before(r, w);
   const LocalPolynomial p =
-      start_polynomial(r.time_s, r.position, w.first, start_rows_end(r, w), r.position_noise);
+      robust_start(r.time_s, r.position, w.first, start_rows_end(r, w), r.position_noise);
   return {p.value, p.slope, p.value_variance, p.slope_variance, p.covariance};
 }
 
@@ -389,7 +424,7 @@ StartState start_state(const Recording& r, const Window& w, const model::Model& 
              time_s.push_back(r.time_s[row]);
              left.push_back(r.position[row] - position);
            });
-  const LocalPolynomial p = start_polynomial(time_s, left, 0, left.size() - 1, r.position_noise);
+  const LocalPolynomial p = robust_start(time_s, left, 0, left.size() - 1, r.position_noise);
   return {first.position + p.value, first.velocity + p.slope, p.value_variance, p.slope_variance,
           p.covariance};
 }

@@ -42,7 +42,7 @@ std::vector<Window> stances(const Recording& r, std::size_t index, const model::
 std::vector<Window> flights(const Recording& r, std::size_t index, const model::Model& model);
 
 /// Windows of `length_s` seconds, one after the other from `from_s` seconds after the recording's first row;
-/// the last one at least half as long.
+/// the last one at least half as long. A pause of more than 50 ms, or five rows of a slow log, ends one: what drove it meanwhile is not known.
 std::vector<Window> intervals(const Recording& r, std::size_t index, double length_s, double from_s = 0.0);
 
 /// Flights of a rail carriage: rows in a row without contact, at least 30 ms and six rows, each from the
@@ -70,7 +70,7 @@ TrainingWindows training_windows(const std::vector<Recording>& recordings, const
                                  double interval_s);
 
 /// Takes the leg angle out of recordings in which it does not follow the height in stance as z = 2 L
-/// cos(theta) says: another unit or sign, an encoder that stands still, one at the end of its range. What a
+/// cos(theta) says: another unit (of degrees a note tells) or sign, an encoder that stands still, one at the end of its range. What a
 /// backlash does to it stays, and a zero that is off.
 void keep_plausible_leg_angles(std::vector<Recording>& recordings, const model::Model& model);
 

@@ -113,11 +113,11 @@ std::string_view header_row(RecordStream& records, const RigInfo* rig, LogHeader
                         "; expected a CSV log with a header row");
 }
 
-std::vector<std::string> column_names(std::string_view row, const RecordStream& records) {
+std::vector<std::string> column_names(std::string_view row, const RecordStream& records, char separator) {
   std::vector<std::string> names;
   bool more = true;
   while (more) {
-    names.push_back(take_field(row, more));
+    names.push_back(take_field(row, more, separator));
     if (names.back().empty())
       throw core::DataError(at(records) + "column " + std::to_string(names.size()) +
                             " has no name; expected name_unit");
@@ -170,9 +170,13 @@ void refuse_wrong_units(const Layout& layout, const RigInfo& rig, const RecordSt
                         std::string(rig.name) + " must have";
   const std::vector<std::string_view> names(layout.file_columns.begin(), layout.file_columns.end());
   const std::string first = layout.file_columns.front();
-  if (names.size() == 1 && first.find_first_of(";\t") != std::string::npos)
-    throw core::DataError(message + "; the header row is " + core::quoted(first) +
-                          ": expected columns separated by commas");
+  if (names.size() == 1 && first.find_first_of(",;\t") != std::string::npos)
+    throw core::DataError(
+        message + "; the header row is " + core::quoted(first) +
+        (layout.separator == ','
+             ? ": expected columns separated by commas (a --map file may say separator = \";\", "
+               "and decimal = \",\")"
+             : ": expected columns separated by what the map says"));
   constexpr std::size_t kMostListed = 20;
   message += "; the file has " + core::listed(std::span(names).first(std::min(names.size(), kMostListed))) +
              (names.size() > kMostListed ? ", ..." : "");
@@ -186,14 +190,19 @@ Layout read_layout(RecordStream& records, const RigInfo& rig, const ColumnMap* m
     throw core::DataError(map->path + ": rig is " + core::quoted(map->rig) + "; expected " +
                           std::string(rig.name) + ", as the model or --rig says");
   Layout layout;
+  if (map != nullptr) {
+    layout.separator = map->separator;
+    layout.decimal = map->decimal;
+  }
   const std::string_view row = header_row(records, &rig, layout.header);
-  layout.file_columns = column_names(row, records);
+  layout.header.line = records.line();
+  layout.file_columns = column_names(row, records, layout.separator);
   layout.needed.assign(layout.file_columns.size(), false);
   if (map == nullptr) refuse_wrong_units(layout, rig, records);
 
   const auto add = [&](const std::string& name, std::size_t source, const MappedColumn* mapped) {
     const ColumnInfo* info = rig.column(name);
-    if (info != nullptr) layout.needed[source] = true;
+    if (info != nullptr && source != kConstant) layout.needed[source] = true;
     layout.channels.push_back({name, info != nullptr ? info->kind : ColumnKind::quantity, info != nullptr,
                                source, mapped != nullptr, mapped != nullptr ? mapped->scale : 1.0,
                                mapped != nullptr ? mapped->offset : 0.0});
@@ -202,12 +211,21 @@ Layout read_layout(RecordStream& records, const RigInfo& rig, const ColumnMap* m
   std::vector<bool> taken(layout.file_columns.size(), false);
   if (map != nullptr)
     for (const auto& [ours, mapped] : map->columns) {
+      if (mapped.column.empty()) {
+        add(ours, kConstant, &mapped);
+        continue;
+      }
       const auto found = std::find(layout.file_columns.begin(), layout.file_columns.end(), mapped.column);
       if (found == layout.file_columns.end()) {
         const std::vector<std::string_view> names(layout.file_columns.begin(), layout.file_columns.end());
+        const bool semicolons = names.size() == 1 && names.front().find_first_of(";\t") != names.front().npos;
         throw core::DataError(at(records) + "no column " + core::quoted(mapped.column) + ", which " +
                               map->path + " maps to " + core::quoted(ours) +
-                              core::did_you_mean(mapped.column, names));
+                              (semicolons
+                                   ? "; the header row is " + core::quoted(names.front()) +
+                                         ": expected separator = \";\" in the map, and decimal = \",\" where "
+                                         "numbers have a comma"
+                                   : core::did_you_mean(mapped.column, names)));
       }
       const auto source = static_cast<std::size_t>(found - layout.file_columns.begin());
       taken[source] = true;

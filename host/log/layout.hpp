@@ -12,12 +12,14 @@
 
 namespace furcula::log {
 
+inline constexpr std::size_t kConstant = static_cast<std::size_t>(-1);
+
 /// One of our columns, and how it comes from the file's.
 struct Channel {
   std::string name;
   ColumnKind kind;
   bool known;          ///< to the rig: must hold finite numbers
-  std::size_t source;  ///< index among the file's columns
+  std::size_t source;  ///< index among the file's columns; kConstant: none, it is `offset` in every row
   bool mapped;
   double scale;
   double offset;
@@ -29,6 +31,8 @@ struct Layout {
   std::vector<bool> needed;               ///< per file column: a known channel comes from it
   std::vector<Channel> channels;          ///< in the order of header.columns
   std::size_t time_channel = 0;
+  char separator = ',';
+  char decimal = '.';
 };
 
 /// Reads up to and with the header row. @throws DataError, see read_log.

@@ -2,9 +2,12 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <map>
 #include <string>
 #include <vector>
+
+#include "host/log/refused.hpp"
 
 namespace furcula::log {
 
@@ -15,6 +18,10 @@ struct Log {
   std::string rig;                              ///< "hopper", "motor_axis", "rotary_joint", ...
   std::map<std::string, std::string> metadata;  ///< the `# key: value` lines
   std::map<std::string, std::vector<double>> columns;
+  std::uint64_t header_line = 0;       ///< of the file, from 1
+  std::vector<std::uint32_t> lines{};  ///< of the file, at which each row begins; empty: not from a file
+  std::vector<RefusedRow> refused{};   ///< rows that are not among these
+  std::vector<std::string> notes{};    ///< what else was done to it, in sentences
 
   std::size_t rows() const { return columns.empty() ? 0 : columns.begin()->second.size(); }
   bool has(const std::string& name) const { return columns.contains(name); }

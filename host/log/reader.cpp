@@ -31,19 +31,34 @@ bool parse_number(const std::string& field, double& value) {
   return true;
 }
 
+/// A row that is not as the others: what is wrong with it beside the message.
+struct BadRow : core::DataError {
+  BadRow(const std::string& message, std::string its_column, std::string its_text, std::string its_why)
+      : core::DataError(message),
+        column(std::move(its_column)),
+        text(std::move(its_text)),
+        why(std::move(its_why)) {}
+  std::string column, text, why;
+};
+
 class RowReader {
  public:
-  RowReader(RecordStream& records, const Layout& layout)
+  RowReader(RecordStream& records, const Layout& layout, BadRows bad)
       : records_(records),
         layout_(layout),
+        hint_(bad == BadRows::refused ? " (--skip-bad-rows leaves such a row out)" : ""),
         ignored_(layout.file_columns.size(), false),
         raw_(layout.file_columns.size()),
         values_(layout.channels.size()) {}
 
-  std::span<const double> parse(std::string_view record) {
+  std::span<double> parse(std::string_view record) {
     fill_raw(record);
     for (std::size_t i = 0; i < values_.size(); ++i) {
       const Channel& channel = layout_.channels[i];
+      if (channel.source == kConstant) {
+        values_[i] = channel.offset;
+        continue;
+      }
       double value = raw_[channel.source];
       if (channel.mapped) value = value * channel.scale + channel.offset;
       if (channel.kind == ColumnKind::flag && value != 0.0 && value != 1.0)
@@ -59,20 +74,24 @@ class RowReader {
   std::vector<std::string> ignored_columns() const {
     std::vector<std::string> names;
     for (const Channel& c : layout_.channels)
-      if (ignored_[c.source]) names.push_back(c.name);
+      if (c.source != kConstant && ignored_[c.source]) names.push_back(c.name);
     return names;
   }
 
   [[noreturn]] void fail(std::size_t file_column, const std::string& message) const {
-    std::string who = "column " + core::quoted(layout_.file_columns[file_column]);
+    std::string who = "column " + core::quoted(layout_.file_columns[file_column]), ours;
     for (const Channel& c : layout_.channels)
       if (c.source == file_column && c.known && c.name != layout_.file_columns[file_column])
         who += " (mapped to '" + c.name + "')";
-    fail_row(who + ": " + message);
+    for (const Channel& c : layout_.channels)
+      if (c.source == file_column && (c.known || ours.empty())) ours = c.name;
+    fail_row(who + ": " + message, ours, message);
   }
 
-  [[noreturn]] void fail_row(const std::string& message) const {
-    throw core::DataError(records_.name() + ":" + std::to_string(records_.line()) + ": " + message);
+  [[noreturn]] void fail_row(const std::string& message, const std::string& column = {},
+                             std::string why = {}) const {
+    throw BadRow(records_.name() + ":" + std::to_string(records_.line()) + ": " + message + hint_, column, {},
+                 why.empty() ? message : std::move(why));
   }
 
  private:
@@ -85,7 +104,7 @@ class RowReader {
       const auto [stopped, error] = std::from_chars(at, end, value);
       const bool last = i + 1 == columns;
       if (error == std::errc{} && std::isfinite(value) &&
-          (last ? stopped == end : stopped != end && *stopped == ',')) {
+          (last ? stopped == end : stopped != end && *stopped == layout_.separator)) {
         at = stopped + (last ? 0 : 1);
       } else {
         std::string_view rest(at, static_cast<std::size_t>(end - at));
@@ -99,8 +118,9 @@ class RowReader {
 
   // Spaces, quotes, a plus sign, an extreme exponent; or no number at all.
   double unusual_field(std::string_view& rest, std::size_t i, bool& more, std::string_view record) {
-    const std::string field = take_field(rest, more);
+    std::string field = take_field(rest, more, layout_.separator);
     if (more == (i + 1 == raw_.size())) wrong_field_count(record);
+    if (layout_.decimal != '.') std::replace(field.begin(), field.end(), layout_.decimal, '.');
     double value = 0.0;
     const bool is_number = parse_number(field, value);
     if (is_number && std::isfinite(value)) return value;
@@ -114,13 +134,13 @@ class RowReader {
     if (is_number) fail(i, core::quoted(field) + " is not finite" + expected);
     if (field.empty()) fail(i, "no value ('')" + expected);
     fail(i, core::quoted(field) + " is not a number" + expected +
-                (field.find(',') != field.npos ? " with '.'" : ""));
+                (field.find(',') != field.npos ? " with '.' (or decimal = \",\" in a --map file)" : ""));
   }
 
   [[noreturn]] void wrong_field_count(std::string_view record) const {
     std::size_t fields = 0;
     std::string_view rest = record;
-    for (bool more = true; more; ++fields) take_field(rest, more);
+    for (bool more = true; more; ++fields) take_field(rest, more, layout_.separator);
     const std::string expected = "; expected " + std::to_string(raw_.size()) + " fields as in the header row";
     if (record.find('\0') != record.npos)
       fail_row("NUL bytes, " + core::quoted(record.substr(record.find('\0'), 1)) + expected);
@@ -136,23 +156,55 @@ class RowReader {
 
   RecordStream& records_;
   const Layout& layout_;
+  std::string hint_;
   std::vector<bool> ignored_;  // per file column
   std::vector<double> raw_;
   std::vector<double> values_;
 };
 
+/// Counters of time that wrap.
+struct TimeCounter {
+  double span_s;
+  const char* what;
+};
+constexpr TimeCounter kTimeCounters[]{{65.536, "a counter of 16 bits of milliseconds"},
+                                      {0.065536, "a counter of 16 bits of microseconds"},
+                                      {4294967.296, "a counter of 32 bits of milliseconds"},
+                                      {4294.967296, "a counter of 32 bits of microseconds"}};
+
+/// The counter that wrapped where time goes back by so much, or null: going on, it would be within a few of the
+/// longest interval so far.
+const TimeCounter* wrapped(double interval_s, double longest_s) {
+  constexpr double kLongest = 5.0;
+  for (const TimeCounter& c : kTimeCounters)
+    if (interval_s < -0.5 * c.span_s && interval_s + c.span_s > 0.0 &&
+        interval_s + c.span_s <= kLongest * longest_s)
+      return &c;
+  return nullptr;
+}
+
+void refuse_too_many(const LogSummary& s, const std::string& name) {
+  const auto bad = static_cast<double>(s.refused.size()), rows = bad + static_cast<double>(s.rows);
+  if (bad <= kMostRefused * rows) return;
+  throw core::DataError(name + ":" + std::to_string(s.refused.front().line) + ": the first of " +
+                        std::to_string(s.refused.size()) + " bad rows of " + core::shortest(rows) + ", " +
+                        s.refused.front().why +
+                        "; expected at most a twentieth that --skip-bad-rows leaves out");
+}
+
 LogSummary visit(core::ByteSource& source, const std::string& name, const std::string& rig_name,
-                 const ColumnMap* map, const std::function<RowVisitor(const LogHeader&)>& on_header) {
+                 const ColumnMap* map, const std::function<RowVisitor(const LogHeader&)>& on_header,
+                 BadRows bad) {
   const RigInfo* rig = rig_named(rig_name);
   if (rig == nullptr) throw std::invalid_argument("no rig is called " + core::quoted(rig_name));
   RecordStream records(source, name);
   const Layout layout = read_layout(records, *rig, map);
   const RowVisitor visitor = on_header(layout.header);
-  RowReader rows(records, layout);
+  RowReader rows(records, layout, bad);
   IntervalMedian median;
   LogSummary summary;
   summary.header = layout.header;
-  double first_s = 0.0, last_s = 0.0;
+  double first_s = 0.0, last_s = 0.0, turns_s = 0.0;
 
   std::string_view record;
   std::uint64_t blank_line = 0;
@@ -162,27 +214,49 @@ LogSummary visit(core::ByteSource& source, const std::string& name, const std::s
       if (blank_line == 0) blank_line = records.line();
       continue;
     }
-    if (blank_line != 0)
-      throw core::DataError(name + ":" + std::to_string(blank_line) +
-                            ": a blank line among the rows, ''; expected a row");
-    const std::span<const double> values = rows.parse(record);
-    const double time_s = values[layout.time_channel];
-    if (summary.rows == 0) {
-      first_s = time_s;
-    } else {
-      const double interval_s = time_s - last_s;
-      if (!(interval_s > 0.0) || !std::isfinite(interval_s))
-        rows.fail(layout.channels[layout.time_channel].source,
-                  core::shortest(time_s) + " s after " + core::shortest(last_s) +
-                      " s in the row before; expected time to increase");
-      median.add(interval_s);
-      summary.interval_min_s = summary.rows == 1 ? interval_s : std::min(summary.interval_min_s, interval_s);
-      summary.interval_max_s = std::max(summary.interval_max_s, interval_s);
+    if (blank_line != 0 && bad == BadRows::refused)
+      throw core::DataError(
+          name + ":" + std::to_string(blank_line) +
+          ": a blank line among the rows, ''; expected a row (--skip-bad-rows leaves it out)");
+    try {
+      const std::span<double> values = rows.parse(record);
+      double time_s = values[layout.time_channel] + turns_s;
+      if (summary.rows == 0) {
+        first_s = time_s;
+      } else {
+        double interval_s = time_s - last_s;
+        if (!(interval_s > 0.0) || !std::isfinite(interval_s)) {
+          const TimeCounter* counter = wrapped(interval_s, summary.interval_max_s);
+          if (counter == nullptr || bad == BadRows::refused)
+            rows.fail(layout.channels[layout.time_channel].source,
+                      core::shortest(time_s) + " s after " + core::shortest(last_s) +
+                          " s in the row before; expected time to increase" +
+                          (counter == nullptr ? ""
+                                              : std::string(": it seems that ") + counter->what +
+                                                    " wraps here, and --skip-bad-rows goes on over it"));
+          turns_s += counter->span_s;
+          time_s += counter->span_s;
+          interval_s += counter->span_s;
+          summary.notes.push_back(name + " line " + std::to_string(records.line()) + ": time goes back by " +
+                                  core::rounded(counter->span_s - interval_s, 7) + " s, as " + counter->what +
+                                  " does that wraps: taken to go on.");
+        }
+        median.add(interval_s);
+        summary.interval_min_s =
+            summary.rows == 1 ? interval_s : std::min(summary.interval_min_s, interval_s);
+        summary.interval_max_s = std::max(summary.interval_max_s, interval_s);
+      }
+      values[layout.time_channel] = time_s;
+      last_s = time_s;
+      ++summary.rows;
+      visitor(values, records.line());
+    } catch (const BadRow& row) {
+      if (bad == BadRows::refused) throw;
+      summary.refused.push_back({name, static_cast<std::size_t>(records.line() - layout.header.line),
+                                 records.line(), row.column, kNoNumber, row.text, row.why});
     }
-    last_s = time_s;
-    ++summary.rows;
-    visitor(values);
   }
+  if (summary.rows != 0) refuse_too_many(summary, name);
   if (summary.rows == 0)
     throw core::DataError(name + ":" + std::to_string(records.line()) +
                           ": no rows after the header row; expected at least one");
@@ -193,15 +267,28 @@ LogSummary visit(core::ByteSource& source, const std::string& name, const std::s
   return summary;
 }
 
-Log collect(core::ByteSource& source, const std::string& name, const std::string& rig, const ColumnMap* map) {
+Log collect(core::ByteSource& source, const std::string& name, const std::string& rig, const ColumnMap* map,
+            BadRows bad) {
   std::vector<std::vector<double>> columns;
-  LogSummary summary = visit(source, name, rig, map, [&columns](const LogHeader& header) {
-    columns.resize(header.columns.size());
-    return [&columns](std::span<const double> values) {
-      for (std::size_t i = 0; i < values.size(); ++i) columns[i].push_back(values[i]);
-    };
-  });
-  Log log{name, rig, std::move(summary.header.metadata), {}};
+  std::vector<std::uint32_t> lines;
+  LogSummary summary = visit(
+      source, name, rig, map,
+      [&](const LogHeader& header) {
+        columns.resize(header.columns.size());
+        return [&](std::span<const double> values, std::uint64_t line) {
+          for (std::size_t i = 0; i < values.size(); ++i) columns[i].push_back(values[i]);
+          lines.push_back(static_cast<std::uint32_t>(line));
+        };
+      },
+      bad);
+  Log log{name,
+          rig,
+          std::move(summary.header.metadata),
+          {},
+          summary.header.line,
+          std::move(lines),
+          std::move(summary.refused),
+          std::move(summary.notes)};
   for (std::size_t i = 0; i < columns.size(); ++i) {
     const std::string& column = summary.header.columns[i];
     const auto& ignored = summary.ignored_columns;
@@ -214,18 +301,19 @@ Log collect(core::ByteSource& source, const std::string& name, const std::string
 }  // namespace
 
 LogSummary visit_log(const std::string& path, const std::string& rig, const ColumnMap* map,
-                     const std::function<RowVisitor(const LogHeader&)>& on_header) {
+                     const std::function<RowVisitor(const LogHeader&)>& on_header, BadRows bad) {
   core::FileSource source(path, "a log (CSV)");
-  return visit(source, path, rig, map, on_header);
+  return visit(source, path, rig, map, on_header, bad);
 }
 
-Log read_log(const std::string& path, const std::string& rig, const ColumnMap* map) {
+Log read_log(const std::string& path, const std::string& rig, const ColumnMap* map, BadRows bad) {
   core::FileSource source(path, "a log (CSV)");
-  return collect(source, path, rig, map);
+  return collect(source, path, rig, map, bad);
 }
 
-LogSummary check_log(const std::string& path, const std::string& rig, const ColumnMap* map) {
-  return visit_log(path, rig, map, [](const LogHeader&) { return [](std::span<const double>) {}; });
+LogSummary check_log(const std::string& path, const std::string& rig, const ColumnMap* map, BadRows bad) {
+  return visit_log(
+      path, rig, map, [](const LogHeader&) { return [](std::span<const double>, std::uint64_t) {}; }, bad);
 }
 
 std::string rig_line(const std::string& path) {
@@ -234,9 +322,10 @@ std::string rig_line(const std::string& path) {
   return read_rig_line(records);
 }
 
-Log parse_log(std::string_view text, const std::string& name, const std::string& rig, const ColumnMap* map) {
+Log parse_log(std::string_view text, const std::string& name, const std::string& rig, const ColumnMap* map,
+              BadRows bad) {
   core::TextSource source(text);
-  return collect(source, name, rig, map);
+  return collect(source, name, rig, map, bad);
 }
 
 }  // namespace furcula::log

@@ -70,9 +70,9 @@ bool RecordStream::next(std::string_view& record) {
   }
 }
 
-std::string take_field(std::string_view& rest, bool& more) {
-  constexpr std::string_view kBlank = " \t";
-  const std::size_t first = std::min(rest.find_first_not_of(kBlank), rest.size());
+std::string take_field(std::string_view& rest, bool& more, char separator) {
+  const std::string_view blank = separator == '\t' ? " " : " \t";
+  const std::size_t first = std::min(rest.find_first_not_of(blank), rest.size());
   std::string field;
   if (first < rest.size() && rest[first] == '"') {
     std::size_t i = first + 1;
@@ -81,15 +81,15 @@ std::string take_field(std::string_view& rest, bool& more) {
       i += rest[i] == '"' ? 2 : 1;
     }
     // Kept: what stands between the closing quote and the comma makes the field something else.
-    const std::size_t comma = std::min(rest.find(',', std::min(i + 1, rest.size())), rest.size());
+    const std::size_t comma = std::min(rest.find(separator, std::min(i + 1, rest.size())), rest.size());
     std::string_view tail = rest.substr(std::min(i + 1, comma), comma - std::min(i + 1, comma));
-    if (tail.find_first_not_of(kBlank) != std::string_view::npos) field += tail;
+    if (tail.find_first_not_of(blank) != std::string_view::npos) field += tail;
     more = comma < rest.size();
     rest.remove_prefix(std::min(comma + 1, rest.size()));
     return field;
   }
-  const std::size_t comma = std::min(rest.find(','), rest.size());
-  const std::size_t last = rest.substr(0, comma).find_last_not_of(kBlank);
+  const std::size_t comma = std::min(rest.find(separator), rest.size());
+  const std::size_t last = rest.substr(0, comma).find_last_not_of(blank);
   if (last != std::string_view::npos) field = rest.substr(first, last + 1 - first);
   more = comma < rest.size();
   rest.remove_prefix(std::min(comma + 1, rest.size()));

@@ -41,7 +41,7 @@ class RecordStream {
 };
 
 /// One field of a record that is not a plain number: trimmed, or without its quotes. `rest` moves behind the
-/// field and its comma; `more` says whether there was a comma.
-std::string take_field(std::string_view& rest, bool& more);
+/// field and its separator; `more` says whether there was one.
+std::string take_field(std::string_view& rest, bool& more, char separator = ',');
 
 }  // namespace furcula::log

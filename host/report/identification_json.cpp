@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/diagnose/diagnosis_json.hpp"
+#include "host/log/dirt_json.hpp"
 
 namespace furcula::report {
 namespace {
@@ -73,6 +74,7 @@ std::string to_json_text(const Identification& id) {
                  {"windows", id.windows},
                  {"samples", id.samples},
                  {"held_out_logs", id.held_out_logs}};
+  log::add_dirt(out["data"], id.dirt);
   if (id.as_given) out["as_given"] = errors(*id.as_given, id.kind);
   return out.dump(2) + "\n";
 }

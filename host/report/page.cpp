@@ -133,4 +133,18 @@ std::string file_list(const std::vector<std::string>& files) {
   return out + "</ul>\n";
 }
 
+std::string dirt_html(const log::Dirt& dirt) {
+  constexpr std::size_t kMostRows = 100;
+  std::string out;
+  for (const std::string& line : log::lines_of(dirt)) out += paragraph(line);
+  if (dirt.refused.size() < 2) return out;
+  Table table({{"Log"}, {"Row", true}, {"Line", true}, {"Column"}, {"Value", true}, {"Why it was left out"}});
+  for (std::size_t i = 0; i < std::min(kMostRows, dirt.refused.size()); ++i) {
+    const log::RefusedRow& r = dirt.refused[i];
+    table.add({escape(r.log), std::to_string(r.row), r.line == 0 ? "" : std::to_string(r.line),
+               escape(r.column), std::isfinite(r.value) ? number(r.value) : escape(r.text), escape(r.why)});
+  }
+  return out + "<details><summary>Rows refused</summary>\n" + table.html() + "</details>\n";
+}
+
 }  // namespace furcula::report

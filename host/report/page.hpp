@@ -5,6 +5,8 @@
 #include <string_view>
 #include <vector>
 
+#include "host/log/refused.hpp"
+
 namespace furcula::report {
 
 /// One page. Members with `html` in their names are markup already; all others are escaped here.
@@ -73,5 +75,8 @@ std::string with_interval(double value, double lower, double upper);
 
 /// A list of file names, in columns.
 std::string file_list(const std::vector<std::string>& files);
+
+/// What was wrong with the recordings: rows refused, notes, recordings left out. Nothing of clean ones.
+std::string dirt_html(const log::Dirt& dirt);
 
 }  // namespace furcula::report

@@ -510,6 +510,7 @@ std::string data(const Diagnosis& d) {
   std::string out = "<p>" + std::to_string(d.logs) + " recordings, " + std::to_string(d.held_out_logs) +
                     " of them held out; " + std::to_string(d.samples) + " samples; " +
                     std::to_string(d.windows) + " windows of " + number(d.window_s) + " s.</p>\n";
+  out += dirt_html(d.dirt);
   if (!d.training_files.empty()) out += "<h4>Fitted to</h4>\n" + file_list(d.training_files);
   if (!d.held_out_files.empty()) out += "<h4>Held out</h4>\n" + file_list(d.held_out_files);
   return out;

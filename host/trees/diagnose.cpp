@@ -12,6 +12,7 @@
 #include "host/core/quantile.hpp"
 #include "host/trees/arrangement.hpp"
 #include "host/trees/base_parameters.hpp"
+#include "host/trees/disagreement.hpp"
 #include "host/trees/linear.hpp"
 #include "host/trees/missing_torque.hpp"
 #include "host/trees/next_experiment.hpp"
@@ -69,12 +70,20 @@ class Diagnoser {
     if (!foreign.empty())
       d_.notes.push_back("The logs have columns of joints that " + model.urdf.file + " does not have: " +
                          joined({foreign.begin(), foreign.end()}) + ". They are not used.");
+    for (const auto* recordings : {&training_, &held_out_})
+      for (const Recording& r : *recordings) add_dirt(d_.dirt, r);
     d_.model = model;
     d_.logs = training.size() + held_out.size();
     d_.held_out_logs = held_out.size();
     d_.window_s = options.window_s;
   }
 
+  /// Whether a recording that disagrees with the others may be taken out.
+  void may_disagree(bool may) { may_disagree_ = may; }
+  /// The training recording that does, found by what run() chose.
+  const std::optional<Disagreement>& disagreement() const { return disagreement_; }
+
+  /// Ends early where a recording disagrees with the others.
   Diagnosis run() {
     std::vector<Window> windows = windows_of(model_, training_, options_.window_s, kMostSearchWindows);
     if (windows.empty())
@@ -94,6 +103,10 @@ class Diagnoser {
     std::optional<Problem> coarse;
     if (!short_windows.empty()) coarse.emplace(model_, training_, std::move(short_windows), options_.threads);
     const Found found = search(problem, coarse ? &*coarse : nullptr, options_.progress);
+    if (may_disagree_)
+      disagreement_ = disagreeing(model_, training_, found.fit.at, options_.window_s, kMostSearchWindows,
+                                  options_.threads);
+    if (disagreement_) return {};
     disputed_ = found.disputed;
     d_.refitted = found.refitted.at;
     d_.extended = found.fit.at;
@@ -503,6 +516,8 @@ class Diagnoser {
 
   const TreeModel& model_;
   const Options& options_;
+  bool may_disagree_ = false;
+  std::optional<Disagreement> disagreement_;
   std::vector<Recording> training_, held_out_;
   bool at_bound_ = false;                     ///< of a finding
   std::vector<ChannelError> training_error_;  ///< of the extended model
@@ -523,7 +538,23 @@ std::string_view channel_unit(const TreeModel& model, std::size_t joint) {
 
 Diagnosis diagnose(const TreeModel& model, const std::vector<log::Log>& training,
                    const std::vector<log::Log>& held_out, const Options& options) {
-  return Diagnoser(model, training, held_out, options).run();
+  // One recording that disagrees is taken out, and the rest diagnosed; of a quarter and more nobody can say which are right.
+  constexpr double kMinority = 0.25;
+  std::vector<log::Log> agreeing = training;
+  std::vector<log::Dirt::LeftOut> left_out;
+  for (;;) {
+    Diagnoser diagnoser(model, agreeing, held_out, options);
+    diagnoser.may_disagree(static_cast<double>(left_out.size() + 1) <
+                           kMinority * static_cast<double>(training.size()));
+    Diagnosis d = diagnoser.run();
+    if (const auto& odd = diagnoser.disagreement()) {
+      left_out.push_back({agreeing[odd->recording].path, odd->why});
+      agreeing.erase(agreeing.begin() + static_cast<std::ptrdiff_t>(odd->recording));
+      continue;
+    }
+    d.dirt.left_out = std::move(left_out);
+    return d;
+  }
 }
 
 }  // namespace furcula::trees

@@ -88,6 +88,7 @@ struct Diagnosis {
   std::size_t logs = 0, held_out_logs = 0, samples = 0, windows = 0;
   double window_s = 0.3;
   std::vector<std::string> training_files, held_out_files, notes;
+  log::Dirt dirt;
   std::vector<ChannelError> as_given_error, refitted_error, extended_error;  ///< held out, of each joint
   std::vector<double> noise_floor;                                           ///< nmse of each joint
   std::vector<Finding> findings;

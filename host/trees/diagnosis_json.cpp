@@ -1,6 +1,7 @@
 // A tree's diagnosis as JSON, see diagnosis_json.hpp.
 #include "host/trees/diagnosis_json.hpp"
 
+#include "host/log/dirt_json.hpp"
 #include "host/trees/json.hpp"
 #include "host/trees/next_experiment.hpp"
 
@@ -92,15 +93,16 @@ std::string to_json_text(const Diagnosis& d) {
                     {"joint", d.model.robot.joints[b.joint].name},
                     {d.model.prismatic(b.joint) ? "torque_rms_n" : "torque_rms_nm", number(b.torque_rms_nm)},
                     {"shown", b.shown}});
+  Json data = {{"logs", d.logs},
+               {"samples", d.samples},
+               {"windows", d.windows},
+               {"window_s", d.window_s},
+               {"held_out_logs", d.held_out_logs}};
+  log::add_dirt(data, d.dirt);
   const Json out = {
       {"schema", "furcula-diagnosis/1"},
       {"kind", "tree"},
-      {"data",
-       {{"logs", d.logs},
-        {"samples", d.samples},
-        {"windows", d.windows},
-        {"window_s", d.window_s},
-        {"held_out_logs", d.held_out_logs}}},
+      {"data", data},
       {"verdict", name(d.verdict)},
       {"summary", d.summary},
       {"baseline", in_held_out(d.model, d.as_given_error)},

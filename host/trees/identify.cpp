@@ -6,6 +6,7 @@
 
 #include "host/core/error.hpp"
 #include "host/core/message.hpp"
+#include "host/log/dirt_json.hpp"
 #include "host/trees/json.hpp"
 #include "host/trees/reported.hpp"
 
@@ -29,6 +30,8 @@ Identification identify(const TreeModel& model, const std::vector<log::Log>& tra
   for (const log::Log& log : training) fit_on.push_back(recording_of(model, log));
   for (const log::Log& log : held_out_logs) judge_on.push_back(recording_of(model, log));
   Identification out;
+  for (const auto* recordings : {&fit_on, &judge_on})
+    for (const Recording& r : *recordings) add_dirt(out.dirt, r);
   out.model = model;
   out.logs = training.size() + held_out_logs.size();
   out.held_out_logs = held_out_logs.size();
@@ -99,14 +102,15 @@ std::string to_json_text(const Identification& found) {
     if (!p.with.empty()) parameters[p.name]["with"] = p.with;
     parameters[p.name]["unit"] = p.unit;
   }
-  const Json out = {
-      {"schema", "furcula-identification/1"},
-      {"method", "simulation"},
-      {"kind", "tree"},
-      {"data", {{"logs", found.logs}, {"held_out_logs", found.held_out_logs}, {"windows", found.windows}}},
-      {"parameters", parameters},
-      {"as_given", {{"held_out", held_out(found.model, found.as_given_error)}}},
-      {"held_out", held_out(found.model, found.identified_error)}};
+  Json data = {{"logs", found.logs}, {"held_out_logs", found.held_out_logs}, {"windows", found.windows}};
+  log::add_dirt(data, found.dirt);
+  const Json out = {{"schema", "furcula-identification/1"},
+                    {"method", "simulation"},
+                    {"kind", "tree"},
+                    {"data", data},
+                    {"parameters", parameters},
+                    {"as_given", {{"held_out", held_out(found.model, found.as_given_error)}}},
+                    {"held_out", held_out(found.model, found.identified_error)}};
   return out.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

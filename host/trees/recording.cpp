@@ -78,14 +78,35 @@ std::string column_of(const TreeModel& m, std::size_t joint, const std::string& 
   return prefix + "_" + m.robot.joints[joint].name + "_" + unit;
 }
 
-Recording recording_of(const TreeModel& m, const log::Log& log) {
+/// The log's columns of the model's joints. What it lacks is told where it is read.
+std::vector<log::Watched> watched(const TreeModel& m) {
+  std::vector<log::Watched> all;
+  for (std::size_t j = 0; j < m.joints(); ++j) {
+    all.push_back({column_of(m, j, "angle"), true, m.prismatic(j) ? 0.0 : 2.0 * std::numbers::pi});
+    for (const char* input : {"torque", "torque_cmd", "angle_cmd"})
+      all.push_back({column_of(m, j, input), false});
+  }
+  return all;
+}
+
+void add_dirt(log::Dirt& dirt, const Recording& r) {
+  dirt.refused.insert(dirt.refused.end(), r.refused.begin(), r.refused.end());
+  dirt.notes.insert(dirt.notes.end(), r.log_notes.begin(), r.log_notes.end());
+}
+
+Recording recording_of(const TreeModel& m, const log::Log& given, const std::vector<log::Refuted>& refuted) {
   constexpr std::size_t kFewest = 50;
+  log::Clean clean = log::clean(given, watched(m), refuted);
+  const log::Log& log = clean.log;
   if (log.rows() < kFewest)
     throw core::DataError(log.path + ": " + std::to_string(log.rows()) + " rows; expected at least " +
                           std::to_string(kFewest));
   Recording r;
   r.path = log.path;
   r.time_s = log.time_s();
+  r.refused = log.refused;
+  r.log_notes = log.notes;
+  r.log_row = std::move(clean.row);
   std::vector<double> intervals;
   for (std::size_t i = 1; i < r.rows(); ++i) intervals.push_back(r.time_s[i] - r.time_s[i - 1]);
   r.interval_s = median(intervals);

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "host/log/clean.hpp"
 #include "host/log/log.hpp"
 #include "host/trees/model.hpp"
 
@@ -17,9 +18,12 @@ struct Recording {
   std::vector<std::vector<double>> angle_rad;
   /// Torque law: the torque that the drive reports, else the one commanded, N m. Position law: the set point, rad.
   std::vector<std::vector<double>> input;
-  std::vector<double> angle_noise_rad;  ///< of one sample, standard deviation
-  std::vector<bool> input_measured;     ///< the torque is the drive's report
-  double interval_s = 0.0;              ///< median
+  std::vector<double> angle_noise_rad;   ///< of one sample, standard deviation
+  std::vector<bool> input_measured;      ///< the torque is the drive's report
+  double interval_s = 0.0;               ///< median
+  std::vector<log::RefusedRow> refused;  ///< rows of the log that are not among these
+  std::vector<std::string> log_notes;    ///< what else was done to it, in sentences
+  std::vector<std::size_t> log_row;      ///< of the log that it was made of, of each row
 
   std::size_t rows() const { return time_s.size(); }
 };
@@ -28,8 +32,12 @@ struct Recording {
 std::string column_of(const TreeModel& model, std::size_t joint, const std::string& quantity);
 
 /// @throws core::DataError naming file, joint and what was expected: a joint without its columns, angles that are degrees by the
-/// URDF's limits, fewer than 50 rows.
-Recording recording_of(const TreeModel& model, const log::Log& log);
+/// URDF's limits, fewer than 50 rows. Rows that their neighbours refute (host/log/clean.hpp) and those of `refuted` are left out.
+Recording recording_of(const TreeModel& model, const log::Log& log,
+                       const std::vector<log::Refuted>& refuted = {});
+
+/// What was wrong with a recording, added to what was with others.
+void add_dirt(log::Dirt& dirt, const Recording& r);
 
 /// A joint's state about a row, from its measured angles alone: a cubic through those within `half_s` of it.
 struct LocalState {

@@ -104,3 +104,28 @@ TEST_CASE("A start state looks at the first 50 ms alone") {
   CHECK(before.velocity == after.velocity);
   CHECK(before.position == after.position);
 }
+
+TEST_CASE("A start state survives a wrong first row") {
+  const auto model = test::carriage_model();
+  const test::Flight thrown{.height = 0.0, .velocity = 3.0};
+  for (const double wrong : {0.0, 0.004, 0.03, 0.2}) {
+    log::Log log = test::flight_log(thrown, 9e-5, 4);
+    auto r = identify::make_recording(log, model.kind);
+    r.position[0] += wrong;  // past what is refused on reading
+    const Window w{0, 0, 400, identify::WindowKind::flight, 0, 0};
+    const auto start = identify::start_state(r, w, model);
+    // 41 rows of 0.09 mm tell a parabola's slope at its end to about 8 mm/s; three times that.
+    CHECK(start.velocity == Approx(3.0).margin(0.025));
+    CHECK(start.position == Approx(0.0).margin(3e-4));
+  }
+}
+
+TEST_CASE("A pause ends an interval: what drove the axis meanwhile is not known") {
+  log::Log log = test::axis_log(95.0, 200.0, 2e-5, 2, 4.0);  // 500 Hz
+  log::Log paused = log;
+  for (auto& [name, values] : paused.columns) values.erase(values.begin() + 600, values.begin() + 630);
+  const auto r = identify::make_recording(paused, dynamics::Kind::motor_axis);
+  CHECK(r.refused.empty());
+  for (const Window& w : identify::intervals(r, 0, 0.5)) CHECK((w.last < 600 || w.first >= 600));
+  CHECK(identify::intervals(r, 0, 0.5).size() >= 7);
+}

@@ -92,3 +92,34 @@ TEST_CASE("a key with control characters does not reach the message as it is") {
   CHECK_THAT(test::error_message([&] { log::parse_log("t,q\n0,1\n1,2\n", "a.csv", "tree", &map); }),
              Contains("'angle_\\x0a_rad'") && !Contains("\n"));
 }
+
+TEST_CASE("a map reads decimal commas between semicolons, and a constant in place of a column") {
+  const log::ColumnMap map = log::parse_column_map(
+      "rig = \"rotary_joint\"\nseparator = \";\"\ndecimal = \",\"\ntime_s = { column = \"t\" }\n"
+      "angle_rad = { column = \"q\", scale = 2 }\ntorque_nm = { value = -0.5 }\n",
+      "map.toml");
+  const log::Log log =
+      log::parse_log("t;q;name\n0,5;1,25;\"a;b\"\n1;-2,5e1;c\n1,5;3;d\n", "a.csv", "rotary_joint", &map);
+  CHECK(log.time_s() == std::vector<double>{0.5, 1.0, 1.5});
+  CHECK(log.at("angle_rad") == std::vector<double>{2.5, -50.0, 6.0});
+  CHECK(log.at("torque_nm") == std::vector<double>{-0.5, -0.5, -0.5});
+  CHECK_THAT(test::error_message([&] { log::parse_log("t;q\n0,5;1.2.5\n", "a.csv", "rotary_joint", &map); }),
+             Contains("a.csv:2: column 'q' (mapped to 'angle_rad')"));
+}
+
+TEST_CASE("a foreign log with semicolons or decimal commas is told what the map may say") {
+  CHECK_THAT(refused_log(kMap, "time;pos;tau\n0;1;2\n"), Contains("expected separator = \";\" in the map"));
+  CHECK_THAT(test::error_message([] { log::parse_log("time_s;angle_rad\n0;1\n", "a.csv", "rotary_joint"); }),
+             Contains("separator = \";\""));
+  CHECK_THAT(refused_log(kMap, "time,pos,tau\n0,\"1,5\",2\n"), Contains("decimal = \",\""));
+}
+
+TEST_CASE("a map that contradicts itself is refused") {
+  const std::string rig = "rig = \"hopper\"\n";
+  CHECK_THAT(refused(rig + "decimal = \",\"\nheight_m = { column = \"z\" }\n"),
+             Contains("expected separator"));
+  CHECK_THAT(refused(rig + "separator = \"|\"\nheight_m = { column = \"z\" }\n"), Contains("separator = "));
+  CHECK_THAT(refused(rig + "height_m = { value = 0, column = \"z\" }\n"), Contains("a constant alone"));
+  CHECK_THAT(refused(rig + "time_s = { value = 0 }\n"), Contains("time_s is a constant"));
+  CHECK_THAT(refused(rig + "contact = { value = 0.5 }\n"), Contains("expected 0 or 1"));
+}

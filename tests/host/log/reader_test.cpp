@@ -281,3 +281,55 @@ TEST_CASE("checking a log takes memory that does not grow with it") {
   // The file has 48 MB, and its columns would take 64 MB.
   CHECK(peak_kib() - before < 8 * 1024);
 }
+
+TEST_CASE("bad rows are left out where that is asked for, each with line, column and reason") {
+  std::string text = kHeader;
+  for (int i = 0; i < 200; ++i) text += std::to_string(0.001 * i) + ",0.3,0,1\n";
+  const auto at_line = [&](int line) {
+    std::size_t at = 0;
+    for (int i = 1; i < line; ++i) at = text.find('\n', at) + 1;
+    return at;
+  };
+  const auto replace = [&](int line, const std::string& row) {
+    const std::size_t at = at_line(line);
+    text.replace(at, text.find('\n', at) - at, row);
+  };
+  replace(12, "0.010000,,0,1");
+  replace(40, "0.038000,0.3,0");
+  replace(60, "0.057000,0.3,0,1");  // the time of the row before
+  replace(80, "0.078000,nan,0,1");
+  replace(100, "0.098000,0.3,2,1");
+  CHECK_THAT(refused(text), Contains("a.csv:12: column 'height_m': no value ('')") &&
+                                Contains("(--skip-bad-rows leaves such a row out)"));
+  const log::Log log = log::parse_log(text, "a.csv", "hopper", nullptr, log::BadRows::skipped);
+  CHECK(log.rows() == 195);
+  REQUIRE(log.refused.size() == 5);
+  CHECK(log.refused[0].line == 12);
+  CHECK(log.refused[0].row == 11);
+  CHECK(log.refused[0].column == "height_m");
+  CHECK_THAT(log.refused[1].why, Contains("expected 4 fields"));
+  CHECK(log.refused[2].line == 60);
+  CHECK(log.refused[2].column == "time_s");
+  CHECK(log.refused[4].column == "contact");
+  CHECK(log.lines[10] == 13);
+
+  for (int line = 120; line < 130; ++line) replace(line, "x,0.3,0,1");
+  CHECK_THAT(
+      test::error_message([&] { log::parse_log(text, "a.csv", "hopper", nullptr, log::BadRows::skipped); }),
+      Contains("a.csv:12: the first of 15 bad rows of 200"));
+}
+
+TEST_CASE("time that goes back by a counter's span is said to wrap, and goes on where bad rows are skipped") {
+  std::string text = kHeader;
+  for (int i = 0; i < 100; ++i) {
+    const double time_s = std::fmod(65.5 + 0.001 * i, 65.536);
+    text += std::to_string(time_s) + ",0.3,0,1\n";
+  }
+  CHECK_THAT(refused(text), Contains("a.csv:38: column 'time_s'") &&
+                                Contains("a counter of 16 bits of milliseconds wraps here"));
+  const log::Log log = log::parse_log(text, "a.csv", "hopper", nullptr, log::BadRows::skipped);
+  REQUIRE(log.rows() == 100);
+  CHECK(log.time_s().back() == Approx(65.599));
+  REQUIRE(log.notes.size() == 1);
+  CHECK_THAT(log.notes[0], Contains("time goes back by 65.535 s"));
+}

@@ -1,0 +1,176 @@
+// Which recording disagrees, see disagreement.hpp.
+#include "host/identify/disagreement.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "host/core/message.hpp"
+#include "host/core/odd_one.hpp"
+#include "host/core/quantile.hpp"
+
+namespace furcula::identify {
+namespace {
+
+constexpr double kSuspect = 4.0;    // times the others' median NMSE
+constexpr double kOverNoise = 9.0;  // of the squares
+constexpr std::size_t kFewest = 5;
+
+/// Whether the others span how it was driven, how fast it moved and where.
+bool within_others(const std::vector<Recording>& recordings, std::size_t index) {
+  constexpr double kShare = 0.25;
+  std::vector<double> inputs, speeds;
+  double low = std::numeric_limits<double>::infinity(), high = -low, own_low = 0.0, own_high = 0.0;
+  for (std::size_t k = 0; k < recordings.size(); ++k) {
+    const Recording& r = recordings[k];
+    double input = 0.0, speed = 0.0;
+    for (std::size_t i = 0; i < r.rows(); ++i) {
+      input += r.input[i] * r.input[i] / static_cast<double>(r.rows());
+      speed += r.velocity_smoothed[i] * r.velocity_smoothed[i] / static_cast<double>(r.rows());
+    }
+    inputs.push_back(std::sqrt(input));
+    speeds.push_back(std::sqrt(speed));
+    const double lowest = core::quantile(r.position, 0.01), highest = core::quantile(r.position, 0.99);
+    if (k == index) {
+      own_low = lowest;
+      own_high = highest;
+    } else {
+      low = std::min(low, lowest);
+      high = std::max(high, highest);
+    }
+  }
+  const double room = kShare * (high - low);
+  return core::within_others(inputs, index, core::kHarder) &&
+         core::within_others(speeds, index, core::kFaster) && own_low >= low - room &&
+         own_high <= high + room;
+}
+
+/// Of the recordings, what a fit's windows leave: over the motion about its mean, and over noise.
+struct Left {
+  std::vector<double> nmse, over_noise;
+};
+
+Left left_by(const std::vector<WindowShare>& shares, const std::vector<double>& squares,
+             const std::vector<Recording>& recordings, const std::vector<Window>& windows) {
+  std::vector<double> sums(recordings.size(), 0.0), rows = sums, motion = sums;
+  for (std::size_t k = 0; k < windows.size(); ++k) {
+    const Window& w = windows[k];
+    const Recording& r = recordings[w.recording];
+    sums[w.recording] += squares[k];
+    rows[w.recording] += shares[k][Channel::motion].rows;
+    double mean = 0.0, spread = 0.0;
+    for (std::size_t i = w.first; i <= w.last; ++i) mean += r.position[i] / static_cast<double>(w.rows());
+    for (std::size_t i = w.first; i <= w.last; ++i) spread += std::pow(r.position[i] - mean, 2);
+    motion[w.recording] += spread / std::pow(r.position_noise, 2);
+  }
+  Left left;
+  for (std::size_t i = 0; i < recordings.size(); ++i) {
+    left.nmse.push_back(motion[i] > 0.0 ? sums[i] / motion[i] : 0.0);
+    left.over_noise.push_back(rows[i] > 0.0 ? sums[i] / rows[i] : 0.0);
+  }
+  return left;
+}
+
+std::vector<double> squares_of_motion(const std::vector<WindowShare>& shares) {
+  std::vector<double> all;
+  for (const WindowShare& s : shares) all.push_back(s[Channel::motion].squares);
+  return all;
+}
+
+/// By the linear problem: what each window leaves of the motion where the recordings but one would have put the unknowns. Not less than
+/// noise.
+std::vector<double> squares_without(const Fit& fit, const std::vector<Window>& windows, std::size_t one,
+                                    std::size_t unknowns) {
+  const auto count = static_cast<Eigen::Index>(unknowns);
+  Eigen::MatrixXd others = Eigen::MatrixXd::Zero(count, count);
+  Eigen::VectorXd gradient = Eigen::VectorXd::Zero(count);
+  for (std::size_t k = 0; k < windows.size(); ++k)
+    if (windows[k].recording != one)
+      others += fit.shares[k].information;
+    else
+      gradient += fit.shares[k].gradient;
+  // Scaled to a unit diagonal: the unknowns have different units. One at a bound stays there.
+  Eigen::VectorXd scale = Eigen::VectorXd::Zero(count);
+  for (Eigen::Index u = 0; u < count; ++u)
+    if (others(u, u) > 0.0 && !fit.at_bound[static_cast<std::size_t>(u)])
+      scale(u) = 1.0 / std::sqrt(others(u, u));
+  const Eigen::MatrixXd scaled = scale.asDiagonal() * others * scale.asDiagonal();
+  const Eigen::VectorXd right = scale.asDiagonal() * gradient;
+  const Eigen::VectorXd step =
+      scale.asDiagonal() * scaled.completeOrthogonalDecomposition().solve(right).eval();
+  std::vector<double> squares = squares_of_motion(fit.shares);
+  for (std::size_t k = 0; k < windows.size(); ++k) {
+    const WindowShare& s = fit.shares[k];
+    const double moved = 2.0 * s.gradient.dot(step) + step.dot(s.information * step);
+    squares[k] = std::max(squares[k] + moved, std::min(squares[k], s[Channel::motion].rows));
+  }
+  return squares;
+}
+
+core::OddOne apart(const Left& left, std::size_t i) {
+  core::OddOne found = core::odd_one(left.nmse, i);
+  found.far = found.far && left.over_noise[i] > kOverNoise;
+  return found;
+}
+
+}  // namespace
+
+std::optional<Disagreement> disagreeing(const model::Model& model, const std::vector<Unknown>& unknowns,
+                                        const Fit& fit, const std::vector<Recording>& recordings,
+                                        const std::vector<Window>& windows) {
+  if (recordings.size() < kFewest) return std::nullopt;
+  std::optional<std::size_t> worst;
+  double most = kSuspect;
+  for (std::size_t i = 0; i < recordings.size(); ++i) {
+    const core::OddOne found =
+        apart(left_by(fit.shares, squares_without(fit, windows, i, unknowns.size()), recordings, windows), i);
+    if (found.times <= most) continue;
+    most = found.times;
+    worst = i;
+  }
+  if (!worst) return std::nullopt;
+  if (!within_others(recordings, *worst)) return std::nullopt;
+  // In earnest.
+  std::vector<Window> others;
+  for (const Window& w : windows)
+    if (w.recording != *worst) others.push_back(w);
+  const Fit without =
+      fit_by_simulation(model, unknowns, fit.values, recordings, others, Weighting::noise, fit.layers);
+  const Fit look = look_by_simulation(model, unknowns, without.values, recordings, windows);
+  const core::OddOne found =
+      apart(left_by(look.shares, squares_of_motion(look.shares), recordings, windows), *worst);
+  if (!found.far) return std::nullopt;
+  return Disagreement{*worst, "disagrees with the other " + std::to_string(recordings.size() - 1) +
+                                  ": fitted on those, the model leaves " + core::rounded(found.times, 2) +
+                                  " times as much of its motion as of theirs"};
+}
+
+std::vector<std::string> disagreeing_held_out(const model::Model& fitted,
+                                              const std::vector<Recording>& training,
+                                              const std::vector<Recording>& held_out,
+                                              const std::vector<Window>& of_training,
+                                              const std::vector<Window>& of_held_out) {
+  std::vector<std::string> all;
+  const Fit fitted_to = look_by_simulation(fitted, {}, {}, training, of_training, Starting::linear);
+  const Left training_left =
+      left_by(fitted_to.shares, squares_of_motion(fitted_to.shares), training, of_training);
+  const Fit look = look_by_simulation(fitted, {}, {}, held_out, of_held_out, Starting::linear);
+  const Left left = left_by(look.shares, squares_of_motion(look.shares), held_out, of_held_out);
+  for (std::size_t i = 0; i < held_out.size(); ++i) {
+    Left beside = training_left;
+    beside.nmse.push_back(left.nmse[i]);
+    beside.over_noise.push_back(left.over_noise[i]);
+    const core::OddOne found = apart(beside, training.size());
+    if (!found.far) continue;
+    std::vector<Recording> recordings = training;
+    recordings.push_back(held_out[i]);
+    if (within_others(recordings, training.size()))
+      all.push_back(held_out[i].name + ", which is held out, disagrees with the " +
+                    std::to_string(training.size()) + " that were fitted: the model leaves " +
+                    core::rounded(found.times, 2) +
+                    " times as much of its motion as of theirs. It stands in all held-out figures.");
+  }
+  return all;
+}
+
+}  // namespace furcula::identify

@@ -1,0 +1,121 @@
+// Wrong units, see units.hpp.
+#include "host/identify/units.hpp"
+
+#include <cmath>
+#include <numbers>
+#include <string>
+
+#include "host/core/error.hpp"
+#include "host/core/message.hpp"
+#include "host/identify/prediction.hpp"
+#include "host/machines/rules.hpp"
+
+namespace furcula::identify {
+namespace {
+
+constexpr double kRadPerDegree = std::numbers::pi / 180.0;
+
+Recording scaled(Recording r, double scale) {
+  for (auto* values : {&r.position, &r.velocity, &r.velocity_smoothed})
+    for (double& v : *values) v *= scale;
+  r.position_noise *= scale;
+  r.velocity_noise *= scale;
+  return r;
+}
+
+/// How far the model foretells what the body does beyond going on as it started: how many times as much of it as the model says, and how
+/// alike the two are (1: the same but for that factor).
+struct Foretold {
+  double times = 0.0, alike = 0.0;
+};
+
+Foretold foretold_by(const model::Model& model, const Recording& r, const std::vector<Window>& windows) {
+  double both = 0.0, said = 0.0, seen = 0.0;
+  for (const Window& w : windows) {
+    const StartState start = start_state(r, w);
+    const Run run = predict(model, r, w, start);
+    for (std::size_t i = 0; i < w.rows(); ++i) {
+      const double on = start.position + start.velocity * (r.time_s[w.first + i] - r.time_s[w.first]);
+      const double says = run.position[i] - on, does = r.position[w.first + i] - on;
+      both += says * does;
+      said += says * says;
+      seen += does * does;
+    }
+  }
+  if (!(said > 0.0 && seen > 0.0) || !std::isfinite(both) || !std::isfinite(said)) return {};
+  return {both / said, both / std::sqrt(said * seen)};
+}
+
+/// "as degrees would", where a factor is that of a usual unit.
+std::string as_unit(double factor) {
+  struct Unit {
+    double factor;
+    const char* what;
+  };
+  constexpr Unit kUnits[]{{1.0 / kRadPerDegree, "degrees for radians"},
+                          {kRadPerDegree, "radians for degrees"},
+                          {30.0 / std::numbers::pi, "turns a minute for rad/s"},
+                          {1e3, "millimetres for metres"},
+                          {1e-3, "metres for millimetres"},
+                          {1e2, "centimetres for metres"}};
+  for (const Unit& u : kUnits)
+    if (std::abs(factor / u.factor - 1.0) < 0.1) return std::string(", as with ") + u.what;
+  return factor < 0.0 ? ", with the other sign" : "";
+}
+
+}  // namespace
+
+void require_named_unit(const model::Model& model, const std::vector<Recording>& recordings,
+                        const std::vector<Window>& windows) {
+  constexpr double kAlike = 0.8, kUnlike = 0.4;
+  constexpr double kAbout = 4.0, kFarOff = 10.0;  // of the size that the model says
+  constexpr std::size_t kWindows = 6;             // of each recording
+  const machines::Rules& rules = machines::rules(model.kind);
+  if (rules.cut == machines::Cut::strides) return;
+  const bool rotary = dynamics::info(model.kind).rotary;
+  for (std::size_t i = 0; i < recordings.size(); ++i) {
+    std::vector<Window> own, some;
+    for (const Window& w : windows)
+      if (w.recording == i) own.push_back(w);
+    for (std::size_t k = 0; k < own.size(); k += std::max<std::size_t>(1, own.size() / kWindows))
+      some.push_back(own[k]);
+    if (some.empty()) continue;
+    const Foretold named = foretold_by(model, recordings[i], some);
+    if (named.alike > kUnlike && named.times < kFarOff) continue;
+    const Foretold other = foretold_by(model, scaled(recordings[i], rotary ? kRadPerDegree : 1e-3), some);
+    if (!(other.alike > kAlike && other.times < kAbout && other.times > 1.0 / kAbout)) continue;
+    throw core::DataError(
+        recordings[i].name + ": " + std::string(rules.columns.position) + " moves as " +
+        (rotary ? "degrees" : "millimetres") + " would: so read it does " + core::rounded(other.times, 2) +
+        " times what the model says, as " + (rotary ? "radians " : "metres ") +
+        (named.alike > kUnlike ? core::rounded(named.times, 2) + " times" : "nothing of the kind") +
+        "; expected " +
+        (rotary ? "radians (a --map file with scale = 0.0174533 makes them)"
+                : "metres (a --map file with scale = 0.001 makes them)"));
+  }
+}
+
+void mend_velocities(std::vector<Recording>& recordings) {
+  constexpr double kAlike = 0.9, kLeast = 0.7, kMost = 1.4;
+  for (Recording& r : recordings) {
+    if (!r.velocity_recorded) continue;
+    double of_column = 0.0, of_slope = 0.0, product = 0.0;
+    for (std::size_t i = 0; i < r.rows(); ++i) {
+      of_column += r.velocity[i] * r.velocity[i];
+      of_slope += r.velocity_smoothed[i] * r.velocity_smoothed[i];
+      product += r.velocity[i] * r.velocity_smoothed[i];
+    }
+    if (!(std::abs(product) > kAlike * std::sqrt(of_column * of_slope))) continue;
+    const double factor = std::copysign(std::sqrt(of_column / of_slope), product);
+    if (factor > kLeast && factor < kMost) continue;
+    const machines::Columns& columns = machines::rules(r.kind).columns;
+    r.notes.push_back(r.name + ": " + std::string(columns.velocity) + " is " + core::rounded(factor, 3) +
+                      " times the slope of " + std::string(columns.position) + as_unit(factor) +
+                      ": it is not used (a --map file with scale = " + core::rounded(1.0 / factor, 6) +
+                      " mends it, if the position is right).");
+    r.velocity = r.velocity_smoothed;
+    r.velocity_recorded = false;
+  }
+}
+
+}  // namespace furcula::identify

@@ -1,0 +1,40 @@
+// Refused rows in words, see refused.hpp.
+#include "host/log/refused.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "host/core/message.hpp"
+
+namespace furcula::log {
+
+std::string in_words(const RefusedRow& r) {
+  std::string out = r.log + " row " + std::to_string(r.row);
+  if (r.line != 0) out += " (line " + std::to_string(r.line) + ")";
+  if (!r.column.empty()) out += " " + r.column;
+  if (std::isfinite(r.value))
+    out += " " + core::shortest(r.value);
+  else if (!r.text.empty())
+    out += " " + core::quoted(r.text);
+  return out + ": " + r.why;
+}
+
+std::string in_words(const std::vector<RefusedRow>& rows) {
+  constexpr std::size_t kShown = 3;
+  if (rows.empty()) return {};
+  std::string out = std::to_string(rows.size()) + (rows.size() == 1 ? " row" : " rows") + " refused: ";
+  for (std::size_t i = 0; i < std::min(rows.size(), kShown); ++i)
+    out += (i == 0 ? "" : "; ") + in_words(rows[i]);
+  return out + (rows.size() > kShown ? "; ..." : "");
+}
+
+std::vector<std::string> lines_of(const Dirt& dirt) {
+  std::vector<std::string> lines;
+  if (!dirt.refused.empty()) lines.push_back(in_words(dirt.refused));
+  lines.insert(lines.end(), dirt.notes.begin(), dirt.notes.end());
+  for (const Dirt::LeftOut& l : dirt.left_out)
+    lines.push_back(l.log + " " + l.why + ". It was left out, and the rest diagnosed.");
+  return lines;
+}
+
+}  // namespace furcula::log
