@@ -222,7 +222,7 @@ TEST_CASE("A slip that comes at the same time in each recording is foretold", "[
   INFO(text(d));
   CHECK(d.windows_left_out == 0);
   CHECK(d.refitted.at("position").rmse > 1e-3);
-  CHECK(d.extended.at("position").rmse < 2e-4);
+  CHECK(d.extended.at("position").rmse < 5e-4);
   // One that does not come is missed by its whole step.
   const auto missed = diagnose::diagnose(test::axis_model(80.0, 150.0),
                                          with_slip(coastings(20.0, 0.0, 1, 3), {2200, 2200, 2200}),
