@@ -98,6 +98,8 @@ void run(const IdentifyOptions& o) {
       std::printf("  %-24s %12.6g %-8s 95 %% %.6g to %.6g  %s%s\n", p.name.c_str(), p.value, p.unit.c_str(),
                   p.lower, p.upper, p.verdict.c_str(), p.with.empty() ? "" : (" (" + p.with + ")").c_str());
   }
+  for (const identify::LeftOut& l : found.left_out)
+    std::printf("%s\n", core::printable(identify::sentence(l)).c_str());
   std::printf("report: %s/report.html\n", core::printable(o.out).c_str());
 }
 

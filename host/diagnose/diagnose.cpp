@@ -12,6 +12,7 @@
 #include "host/diagnose/residual_force.hpp"
 #include "host/diagnose/selection.hpp"
 #include "host/diagnose/wording.hpp"
+#include "host/identify/manoeuvres.hpp"
 #include "host/identify/plausible.hpp"
 #include "host/identify/verdicts.hpp"
 #include "host/machines/rules.hpp"
@@ -162,7 +163,7 @@ class Assembly {
  private:
   static std::vector<Recording> recordings_of(const std::vector<log::Log>& logs, const model::Model& model) {
     std::vector<Recording> all = identify::make_recordings(logs, model.kind);
-    identify::require_clutch(all, model::has_clutch(model));
+    identify::follow_manoeuvres(all, model);
     identify::keep_plausible_leg_angles(all, model);
     return all;
   }
@@ -171,6 +172,8 @@ class Assembly {
                const char* what) const {
     if (!windows.empty()) return;
     const std::string file = recordings.empty() ? std::string("no log") : recordings.front().name;
+    if (const std::string left = identify::nothing_left(recordings, model_, options_.window_s); !left.empty())
+      throw core::DataError(file + ": of the " + what + " recordings no stride is left: " + left);
     if (const auto expected = machines::rules(model_.kind).window_expected)
       throw core::DataError(file + ": the " + what + " recordings hold no " + expected(model_));
     throw core::DataError(file + ": the " + what + " recordings are shorter than a prediction window of " +
@@ -185,6 +188,9 @@ class Assembly {
     for (const auto& r : held_out_) d_.held_out_files.push_back(r.name), d_.samples += r.rows();
     if (dynamics::has(model_.kind, dynamics::Seat::leg))
       d_.hops = training_windows_.windows.size() + held_out_windows_.size();
+    std::vector<Recording> all = training_;
+    all.insert(all.end(), held_out_.begin(), held_out_.end());
+    d_.left_out = identify::left_out(all, model_, options_.window_s);
     const auto names = identify::channel_names(model_.kind);
     d_.main_channel = names.position;
     d_.main_unit = names.position_unit;

@@ -149,10 +149,20 @@ nlohmann::ordered_json to_json(const Diagnosis& d) {
                                {"counts", left.is_structured()}};
   }
 
+  Json data{{"logs", d.logs}, {"hops", d.hops}, {"samples", d.samples}, {"held_out_logs", d.held_out_logs}};
+  if (!d.left_out.empty()) {
+    Json& left = data["left_out"] = Json::array();
+    for (const identify::LeftOut& l : d.left_out)
+      left.push_back({{"why", l.why},
+                      {"windows", l.windows},
+                      {"share", number(l.share)},
+                      {"seconds", number(l.seconds)},
+                      {"logs", l.logs}});
+  }
+
   return {{"schema", "furcula-diagnosis/1"},
           {"kind", dynamics::info(d.kind).name},
-          {"data",
-           {{"logs", d.logs}, {"hops", d.hops}, {"samples", d.samples}, {"held_out_logs", d.held_out_logs}}},
+          {"data", data},
           {"verdict", name(d.verdict)},
           {"summary", d.summary},
           {"baseline", held_out(d.baseline, d.kind)},
