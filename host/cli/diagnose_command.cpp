@@ -49,6 +49,7 @@ diagnose::Diagnosis run_diagnose(const RecordingOptions& o) {
   std::cout << "fitted on " << r.training.size() << ", held out " << r.held_out.size() << " recordings\n"
             << name(d.verdict) << ": " << core::printable_lines(d.summary) << "\n";
   print_dirt(d.dirt);
+  for (const identify::LeftOut& l : d.left_out) std::cout << core::printable(identify::sentence(l)) << "\n";
   std::cout << (d.experiments.empty() ? "" : "next: " + core::printable_lines(d.next_experiment) + "\n")
             << "report: " << core::printable(o.out) << "/report.html\n";
   return d;

@@ -102,6 +102,8 @@ void run(const IdentifyOptions& o) {
   }
   std::fflush(stdout);
   print_dirt(found.dirt);
+  for (const identify::LeftOut& l : found.left_out)
+    std::printf("%s\n", core::printable(identify::sentence(l)).c_str());
   std::printf("report: %s/report.html\n", core::printable(o.out).c_str());
 }
 

@@ -15,6 +15,7 @@
 #include "host/diagnose/selection.hpp"
 #include "host/diagnose/wording.hpp"
 #include "host/identify/disagreement.hpp"
+#include "host/identify/manoeuvres.hpp"
 #include "host/identify/plausible.hpp"
 #include "host/identify/refute.hpp"
 #include "host/identify/units.hpp"
@@ -153,7 +154,7 @@ class Assembly {
   static std::vector<Recording> recordings_of(const std::vector<log::Log>& logs, const model::Model& model,
                                               const Refuted& refuted) {
     std::vector<Recording> all = identify::make_recordings(logs, model.kind, refuted);
-    identify::require_clutch(all, model::has_clutch(model));
+    identify::follow_manoeuvres(all, model);
     identify::keep_plausible_leg_angles(all, model);
     identify::mend_velocities(all);
     return all;
@@ -182,6 +183,8 @@ class Assembly {
                const char* what) const {
     if (!windows.empty()) return;
     const std::string file = recordings.empty() ? std::string("no log") : recordings.front().name;
+    if (const std::string left = identify::nothing_left(recordings, model_, options_.window_s); !left.empty())
+      throw core::DataError(file + ": of the " + what + " recordings no stride is left: " + left);
     if (const auto expected = machines::rules(model_.kind).window_expected)
       throw core::DataError(file + ": the " + what + " recordings hold no " + expected(model_));
     throw core::DataError(file + ": the " + what + " recordings are shorter than a prediction window of " +
@@ -201,6 +204,9 @@ class Assembly {
         d_.dirt.refused.insert(d_.dirt.refused.end(), r.refused.begin(), r.refused.end());
         d_.dirt.notes.insert(d_.dirt.notes.end(), r.notes.begin(), r.notes.end());
       }
+    std::vector<Recording> all = training_;
+    all.insert(all.end(), held_out_.begin(), held_out_.end());
+    d_.left_out = identify::left_out(all, model_, options_.window_s);
     const auto names = identify::channel_names(model_.kind);
     d_.main_channel = names.position;
     d_.main_unit = names.position_unit;

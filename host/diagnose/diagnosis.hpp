@@ -12,6 +12,7 @@
 #include "host/core/verdict.hpp"
 #include "host/diagnose/bootstrap.hpp"
 #include "host/diagnose/remainder.hpp"
+#include "host/identify/manoeuvres.hpp"
 #include "host/identify/prediction.hpp"
 #include "host/model/model.hpp"
 #include "host/sim/scenario.hpp"
@@ -129,6 +130,7 @@ struct Diagnosis {
   dynamics::Kind kind{};
   std::size_t logs = 0, hops = 0, samples = 0, held_out_logs = 0;
   std::vector<std::string> training_files, held_out_files;
+  std::vector<identify::LeftOut> left_out;  ///< of all recordings
   Verdict verdict = Verdict::adequate;
   std::string summary;       ///< the verdict in one plain sentence
   std::string main_channel;  ///< "height", "position" or "angle"

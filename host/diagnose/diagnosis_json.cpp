@@ -178,6 +178,16 @@ nlohmann::ordered_json to_json(const Diagnosis& d) {
                {"held_out_logs", d.held_out_logs},
                {"held_out_windows_left_out", d.windows_left_out}};
   log::add_dirt(data, d.dirt);
+  if (!d.left_out.empty()) {
+    Json& left = data["left_out"] = Json::array();
+    for (const identify::LeftOut& l : d.left_out)
+      left.push_back({{"why", l.why},
+                      {"windows", l.windows},
+                      {"share", number(l.share)},
+                      {"seconds", number(l.seconds)},
+                      {"logs", l.logs}});
+  }
+
   return {{"schema", "furcula-diagnosis/1"},
           {"kind", dynamics::info(d.kind).name},
           {"data", data},

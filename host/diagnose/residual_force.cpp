@@ -45,6 +45,7 @@ class Acceleration {
         stages.plant().reset_loose(start.position, start.velocity);  // a held belt has no acceleration
       else
         stages.plant().reset(start.position, start.velocity);
+      identify::detail::LeggedRecording<double>{r, stages.sensing().skew_s()}.start(stages.plant(), row);
       stages.plant().advance(input, kProbe_s);
       result = (stages.velocity() - velocity) / kProbe_s;
     });
@@ -66,11 +67,27 @@ SinceEvents since_events(const Recording& r, double touchdown_m) {
   SinceEvents since{std::vector<double>(r.rows(), kNever), std::vector<double>(r.rows(), kNever)};
   double last_s = kNever;
   for (std::size_t i = 1; i < r.rows(); ++i) {
-    const bool below = r.position[i] < touchdown_m;
-    if (below != (r.position[i - 1] < touchdown_m)) last_s = r.time_s[i];
+    const bool below = r.position[i] < r.touchdown_height_m(i, touchdown_m);
+    if (below != (r.position[i - 1] < r.touchdown_height_m(i - 1, touchdown_m))) last_s = r.time_s[i];
     (below ? since.touchdown_s : since.liftoff_s)[i] = r.time_s[i] - last_s;
   }
   return since;
+}
+
+/// Of a leg that folds in flight: the toe is within about 10 mm of the ground in the air, or the leg is on its
+/// way, by which the body moves too; and rows that no model follows.
+bool near_ground_or_folding(const Recording& r, std::size_t first, std::size_t last) {
+  constexpr double kNear_m = 0.010, kMoves_m = 0.001;
+  if (!r.not_followed.empty() && (r.not_followed[first] != 0 || r.not_followed[last] != 0)) return true;
+  if (r.leg_length.empty()) return false;
+  double low = 1e9, high = -1e9, least = 1e9, most = -1e9;
+  for (std::size_t i = first; i <= last; ++i) {
+    low = std::min(low, r.position[i] - r.leg_length[i]);
+    high = std::max(high, r.position[i] - r.leg_length[i]);
+    least = std::min(least, r.leg_length[i]);
+    most = std::max(most, r.leg_length[i]);
+  }
+  return (low < kNear_m && high > -kNear_m) || (high > 0.0 && most - least > kMoves_m);
 }
 
 /// Whether the coil is on and the belt moves in all of the rows.
@@ -124,7 +141,8 @@ ResidualForce residual_force(const model::Model& model, const std::vector<dynami
             std::minmax_element(r.position.begin() + static_cast<std::ptrdiff_t>(first),
                                 r.position.begin() + static_cast<std::ptrdiff_t>(last) + 1);
         // Near a change of phase: within about 10 mm of the touch-down height.
-        if (*low < touchdown + 0.010 && *high > touchdown - 0.010) continue;
+        if (r.leg_length.empty() && *low < touchdown + 0.010 && *high > touchdown - 0.010) continue;
+        if (near_ground_or_folding(r, first, last)) continue;
       }
       const auto p = identify::local_polynomial(r.time_s, r.position, first, last, r.time_s[i], 2);
       const auto seen = [&](const std::vector<double>& values) {  // by the parabola: averaged over its rows

@@ -6,6 +6,7 @@
 #include "host/core/error.hpp"
 #include "host/core/parallel.hpp"
 #include "host/identify/equation_fit.hpp"
+#include "host/identify/manoeuvres.hpp"
 #include "host/identify/plausible.hpp"
 #include "host/identify/refute.hpp"
 #include "host/identify/units.hpp"
@@ -60,6 +61,9 @@ class Work {
       throw core::DataError("equation error says nothing on " + std::string(dynamics::info(model.kind).name) +
                             ", whose belt stands or falls for whole windows; expected --method simulation");
     fit_windows_ = fit_windows(training_, model, options.window_s);
+    const std::string left = nothing_left(training_, model, options.window_s);
+    if (fit_windows_.windows.empty() && !left.empty())
+      throw core::DataError(training_.front().name + ": no window to fit on is left: " + left);
     if (fit_windows_.windows.empty())
       throw core::DataError(training_.front().name + ": no window to fit on; expected " +
                             (rules.fit_expects.empty()
@@ -87,6 +91,9 @@ class Work {
     out.main_unit = names.position_unit;
     for (const auto& r : training_) out.training_files.push_back(r.name), out.samples += r.rows();
     for (const auto& r : held_out_) out.held_out_files.push_back(r.name), out.samples += r.rows();
+    std::vector<Recording> all = training_;
+    all.insert(all.end(), held_out_.begin(), held_out_.end());
+    out.left_out = left_out(all, model_, options_.window_s);
     if (options_.by_simulation) out.estimations.push_back(estimate(Method::simulation));
     if (options_.by_equation) out.estimations.push_back(estimate(Method::equation));
     if (!held_out_windows_.empty())
@@ -104,7 +111,7 @@ class Work {
     held_out_ = make_recordings(held_out, model_.kind, of_held_out);
     require_plausible(training_, held_out_);
     for (auto* list : {&training_, &held_out_}) {
-      require_clutch(*list, model::has_clutch(model_));
+      follow_manoeuvres(*list, model_);
       mend_velocities(*list);
     }
   }

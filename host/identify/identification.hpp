@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "host/identify/manoeuvres.hpp"
 #include "host/identify/prediction.hpp"
 #include "host/log/log.hpp"
 #include "host/model/model.hpp"
@@ -59,6 +60,7 @@ struct Identification {
   std::size_t logs = 0, windows = 0, samples = 0, held_out_logs = 0;
   std::size_t folds = 0;
   std::vector<std::string> training_files, held_out_files;
+  std::vector<LeftOut> left_out;   ///< of all recordings
   std::optional<Errors> as_given;  ///< held-out errors of the model as given
   std::string main_channel, main_unit;
   std::vector<FittedTrace> traces;

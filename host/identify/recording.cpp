@@ -173,29 +173,6 @@ std::vector<Slip> find_slips(const std::vector<double>& time_s, const std::vecto
   return found;
 }
 
-/// The plants keep a straight leg in flight, on its stop. A toe that is pulled off the ground while the body
-/// is lower than that is no such flight: those they follow.
-void refuse_folded_flight(const Recording& r, const std::vector<double>& contact) {
-  constexpr double kFolded_rad = 0.05, kAbove_m = 0.01;  // some 10 ms of a late switch
-  constexpr std::size_t kRows = 20;                      // in a row, clear of the contact's bounce
-  if (r.leg_angle.empty() || r.solenoid.empty() || contact.empty()) return;
-  const double straight = *std::min_element(r.leg_angle.begin(), r.leg_angle.end());
-  std::vector<double> touchdowns_m;
-  for (std::size_t i = 1; i < r.rows(); ++i)
-    if (contact[i - 1] == 0.0 && contact[i] != 0.0) touchdowns_m.push_back(r.position[i]);
-  const double flying_m = touchdowns_m.empty() ? 0.0 : core::median(touchdowns_m) + kAbove_m;
-  std::size_t folded = 0;
-  for (std::size_t i = 0; i < r.rows(); ++i) {
-    const bool now = contact[i] == 0.0 && r.position[i] > flying_m && r.leg_angle[i] > straight + kFolded_rad;
-    folded = now ? folded + 1 : 0;
-    if (folded == kRows)
-      throw core::DataError(
-          r.name + ": the leg is folded in flight by " + core::rounded(r.leg_angle[i] - straight) +
-          " rad at " + core::shortest(r.time_s[i]) +
-          " s; expected a leg that stays on its stop in flight: this version fits no other");
-  }
-}
-
 }  // namespace
 
 LocalPolynomial local_polynomial(const std::vector<double>& time_s, const std::vector<double>& values,
@@ -298,6 +275,11 @@ Recording make_recording(const log::Log& raw, dynamics::Kind kind, const std::ve
     r.solenoid.clear();
   const std::vector<double> touchdown = given(columns.touchdown);
   if (!touchdown.empty()) r.touchdown_reports_s = first_closings(r.time_s, touchdown);
+  r.on_ground = touchdown;
+  if (!r.solenoid.empty()) r.cable = given(columns.cable);
+  if (!r.cable.empty() &&
+      std::all_of(r.cable.begin(), r.cable.end(), [&](double x) { return x == r.cable[0]; }))
+    r.cable.clear();
   r.drive = given(columns.report);
   if (r.drive == r.input) r.drive.clear();
   r.leg_angle = given(columns.leg_angle);
@@ -305,7 +287,6 @@ Recording make_recording(const log::Log& raw, dynamics::Kind kind, const std::ve
     r.leg_angle_noise = leg_angle_noise(r.time_s, r.leg_angle);
     const auto [low, high] = std::minmax_element(r.leg_angle.begin(), r.leg_angle.end());
     if (*high - *low < kLegMovesOverNoise * r.leg_angle_noise) r.leg_angle.clear();
-    refuse_folded_flight(r, touchdown);
   }
   if (!r.drive_command.empty()) {
     r.drive = r.input;
@@ -337,19 +318,6 @@ Recording make_recording(const log::Log& raw, dynamics::Kind kind, const std::ve
       for (std::size_t i = slip.row; i < r.rows(); ++i) r.slip_offset[i] += slip.step;
   }
   return r;
-}
-
-void require_clutch(const std::vector<Recording>& recordings, bool has_clutch) {
-  for (const Recording& r : recordings) {
-    if (has_clutch || r.solenoid.empty()) continue;
-    const auto first =
-        std::find_if(r.solenoid.begin(), r.solenoid.end(), [](double on) { return on != 0.0; });
-    throw core::DataError(
-        r.name + ": the spring is released from " +
-        core::shortest(r.time_s[static_cast<std::size_t>(first - r.solenoid.begin())]) +
-        " s on (solenoid = 1), and the model has no clutch; expected a tooth_pitch_m above 0 in the model, or "
-        "recordings with the spring caught");
-  }
 }
 
 std::vector<Recording> make_recordings(const std::vector<log::Log>& logs, dynamics::Kind kind,

@@ -45,8 +45,17 @@ struct Recording {
   double leg_angle_noise = 0.0;  ///< with what links and joints give
   /// Hopper: when the contact switch first reported each touch-down, s (bounces left out).
   std::vector<double> touchdown_reports_s;
+  std::vector<double> on_ground;  ///< hopper: the raw contact switch
   /// Hopper with a clutch: 1 in rows in which its coil is on; empty where it never is.
   std::vector<double> solenoid;
+  std::vector<double> cable;  ///< travel of its cable, m; empty where the log has none that moves
+  // What follow_manoeuvres() fills in, for a hopper:
+  /// Of a leg that folds in flight: the body's height at which its toe would meet the ground, m. In flight the
+  /// leg's length, after touch-down what it was there, from the lowest point of the stance on that of the
+  /// straight leg. Empty where the leg stays on its stop.
+  std::vector<double> leg_length;
+  /// Why no model of this kind follows a row: 0 where it does, else 1 + an index of kNotFollowed. Empty: 0.
+  std::vector<char> not_followed;
   /// Rail carriage: 1 in rows in which it touches its stop; empty where the log has no such column.
   std::vector<double> contact;
   std::vector<Slip> slips;          ///< found in the positions alone
@@ -58,6 +67,10 @@ struct Recording {
   std::vector<std::size_t> log_row;      ///< of the log that it was made of, of each row
 
   std::size_t rows() const { return time_s.size(); }
+  /// Of a row, where that of the straight leg is `straight_m`.
+  double touchdown_height_m(std::size_t row, double straight_m) const {
+    return leg_length.empty() ? straight_m : leg_length[row];
+  }
   dynamics::Commands<double> commands() const { return {time_s, input, impulse, driven_s}; }
   /// What the drive was told.
   dynamics::Commands<double> drive_commands() const {
@@ -76,9 +89,6 @@ Recording make_recording(const log::Log& log, dynamics::Kind kind,
 /// any of them. `refuted`: rows of each log (empty: none).
 std::vector<Recording> make_recordings(const std::vector<log::Log>& logs, dynamics::Kind kind,
                                        const std::vector<std::vector<log::Refuted>>& refuted = {});
-
-/// @throws core::DataError where a hopper's spring is released and the model has no clutch.
-void require_clutch(const std::vector<Recording>& recordings, bool has_clutch);
 
 /// Over a longer pause between two rows it is not known what drove the axis: 50 ms, or five rows of a slow log.
 double longest_pause_s(const std::vector<double>& time_s);

@@ -52,6 +52,32 @@ T measured_position(const dynamics::Stages<Plant, T>& stages, const Recording& r
   return position;
 }
 
+/// Of a leg that folds in flight: puts a plant that was reset into the flight in which it is at a row, and leads
+/// its leg from a row to the next.
+template <class T>
+struct LeggedRecording {
+  const Recording& r;
+  std::optional<T> skew_s;  ///< of the height's clock behind the leg angle's
+
+  T length(std::size_t row) const {
+    if (!skew_s) return T(r.leg_length[row]);
+    return interpolated(r.time_s, r.leg_length, T(r.time_s[row] - *skew_s));
+  }
+  T rate(std::size_t row) const {
+    const std::size_t from = std::min(row, r.rows() - 2);
+    return (length(from + 1) - length(from)) / (r.time_s[from + 1] - r.time_s[from]);
+  }
+  void start(auto& plant, std::size_t row) const {
+    if constexpr (requires { plant.start_led(T(0.0), T(0.0)); })
+      if (!r.leg_length.empty() && r.position[row] > dynamics::value_of(length(row)))
+        plant.start_led(length(row), rate(row));
+  }
+  void lead(auto& plant, std::size_t row) const {
+    if constexpr (requires { plant.lead_leg(T(0.0), T(0.0)); })
+      if (!r.leg_length.empty()) plant.lead_leg(length(row), rate(row));
+  }
+};
+
 /// Where a window finds a hopper's clutch: its coil's past is in the recording, and the travel that a caught
 /// cable has follows from the measured heights at which the key came. False where there is no clutch, or its
 /// coil is never on.
@@ -66,6 +92,11 @@ bool start_clutch(auto& plant, const PlantSetup<T>& setup, const Recording& r, s
     const auto travel = [&](double height_m) {
       return dynamics::value_of(plant.loose_travel_m(T(height_m)));
     };
+    // The leg's length is the height in stance.
+    std::vector<double> folded;
+    if (!r.leg_length.empty())
+      for (std::size_t i = 0; i <= first; ++i) folded.push_back(std::min(r.position[i], r.leg_length[i]));
+    const std::vector<double>& length_m = r.leg_length.empty() ? r.position : folded;
     bool held = true;  // else out, or on its way to a tooth
     int teeth = 0;
     double last_m = 0.0;
@@ -82,12 +113,17 @@ bool start_clutch(auto& plant, const PlantSetup<T>& setup, const Recording& r, s
           continue;
         }
         const double at_s = r.time_s[i + 1] - dynamics::value_of(left_s);
-        last_m = travel(interpolated(r.time_s, r.position, at_s));
+        last_m = travel(interpolated(r.time_s, length_m, at_s));
+        // As the plant has it: in flight, near home, it falls into the gap that it left.
+        if (!r.leg_length.empty() && r.position[i + 1] > r.leg_length[i + 1] && last_m < 0.5 * pitch_m) {
+          held = true;
+          teeth = 0;
+        }
       }
       key.pass(left_s);
       if (held) continue;
       // The cable follows the leg; the pressed key meets a tooth where its travel passes one, and at home.
-      const double travel_m = travel(r.position[i + 1]);
+      const double travel_m = travel(length_m[i + 1]);
       if (!key.out()) {
         const double from = last_m / pitch_m, to = travel_m / pitch_m;
         const double tooth = to > from ? std::floor(to) : std::ceil(to);
@@ -123,6 +159,7 @@ bool start(dynamics::Stages<Plant, T>& stages, const PlantSetup<T>& setup, const
           plant.place_rotor(seen.value, seen.slope);
         }
     }
+  LeggedRecording<T>{r, stages.sensing().skew_s()}.start(plant, row);
   return start_clutch<T>(plant, setup, r, row);
 }
 
@@ -164,6 +201,7 @@ void simulate(const PlantSetup<T>& setup, const Recording& r, const Window& w, c
     }
     [[maybe_unused]] const bool clutched =
         detail::start(stages, setup, r, w.first, w.last, position, velocity);
+    const detail::LeggedRecording<T> leg{r, skew_s};
     T x = position, v = velocity;
     std::size_t row = w.first;
     const auto leg_angle = [&] {
@@ -181,6 +219,7 @@ void simulate(const PlantSetup<T>& setup, const Recording& r, const Window& w, c
       if (apart) apart->torque(told, i, interval_s);
       if constexpr (requires { stages.plant().energise(true); })
         if (clutched) stages.plant().energise(r.solenoid[i] != 0.0);
+      leg.lead(stages.plant(), i);
       stages.step(commands, i, interval_s);
       x = detail::measured_position(stages, r, i + 1);
       v = stages.velocity();
@@ -202,6 +241,7 @@ void one_step_each(const PlantSetup<T>& setup, const Recording& r, const Window&
           detail::start(stages, setup, r, i, w.last, T(r.position[i]), T(r.velocity_smoothed[i]));
       if constexpr (requires { stages.plant().energise(true); })
         if (clutched) stages.plant().energise(r.solenoid[i] != 0.0);
+      detail::LeggedRecording<T>{r, stages.sensing().skew_s()}.lead(stages.plant(), i);
       stages.step(commands, i, r.time_s[i + 1] - r.time_s[i]);
       visit(i + 1, detail::measured_position(stages, r, i + 1), stages.velocity());
     }

@@ -23,22 +23,27 @@ constexpr double kStart_s = 0.05;
 constexpr double kLongestGap = 0.2;  // of a window's length
 constexpr double kLongestPause_s = 0.05;
 
-/// A stretch of rows in the air: [first, last] above the touch-down height.
+/// A stretch of rows in the air: [first, last] above the touch-down height, or with the toe of a folded leg
+/// off the ground.
 struct Flight {
   std::size_t first, last, apex;
   bool starts_here, ends_here;  ///< the recording starts (ends) in it
 };
 
+bool in_air(const Recording& r, std::size_t row, double straight_m) {
+  return r.position[row] > r.touchdown_height_m(row, straight_m);
+}
+
 std::vector<Flight> find_flights(const Recording& r, double touchdown_height) {
   std::vector<Flight> found;
   const std::size_t n = r.rows();
   for (std::size_t i = 0; i < n;) {
-    if (r.position[i] <= touchdown_height) {
+    if (!in_air(r, i, touchdown_height)) {
       ++i;
       continue;
     }
     std::size_t last = i;
-    while (last + 1 < n && r.position[last + 1] > touchdown_height) ++last;
+    while (last + 1 < n && in_air(r, last + 1, touchdown_height)) ++last;
     // The quantised top is flat: its middle is the apex.
     const auto begin = r.position.begin() + static_cast<std::ptrdiff_t>(i);
     const auto end = r.position.begin() + static_cast<std::ptrdiff_t>(last) + 1;
@@ -49,7 +54,11 @@ std::vector<Flight> find_flights(const Recording& r, double touchdown_height) {
         weight += 1.0;
         moment += static_cast<double>(k);
       }
-    if (top > touchdown_height + kSmallestHop_m && r.time_s[last] - r.time_s[i] > kShortestPhase_s)
+    bool hops = top > touchdown_height + kSmallestHop_m;
+    if (!r.leg_length.empty())
+      for (std::size_t k = i; k <= last && !hops; ++k)
+        hops = r.position[k] > r.leg_length[k] + kSmallestHop_m;
+    if (hops && r.time_s[last] - r.time_s[i] > kShortestPhase_s)
       found.push_back(
           {i, last, static_cast<std::size_t>(std::lround(moment / weight)), i == 0, last + 1 == n});
     i = last + 1;
@@ -57,12 +66,16 @@ std::vector<Flight> find_flights(const Recording& r, double touchdown_height) {
   return found;
 }
 
-/// Without the windows that hold a pause: rows further apart than a model can be trusted to bridge.
+/// Without the windows that hold a pause, rows further apart than a model can be trusted to bridge, and without
+/// those that hold rows which no model follows.
 std::vector<Window> without_pauses(std::vector<Window> windows, const Recording& r) {
   std::erase_if(windows, [&](const Window& w) {
     for (std::size_t i = w.first; i < w.last; ++i)
       if (r.time_s[i + 1] - r.time_s[i] > kLongestPause_s) return true;
-    return false;
+    return !r.not_followed.empty() &&
+           std::any_of(r.not_followed.begin() + static_cast<std::ptrdiff_t>(w.first),
+                       r.not_followed.begin() + static_cast<std::ptrdiff_t>(w.last) + 1,
+                       [](char why) { return why != 0; });
   });
   return windows;
 }
@@ -90,12 +103,12 @@ std::vector<Window> stances(const Recording& r, std::size_t index, const model::
   const double touchdown = machines::touchdown_height_m(model);
   const std::size_t n = r.rows();
   for (std::size_t i = 0; i < n;) {
-    if (r.position[i] > touchdown) {
+    if (in_air(r, i, touchdown)) {
       ++i;
       continue;
     }
     std::size_t last = i;
-    while (last + 1 < n && r.position[last + 1] <= touchdown) ++last;
+    while (last + 1 < n && !in_air(r, last + 1, touchdown)) ++last;
     std::size_t first = i;
     if (i > 0)
       while (first < last && r.time_s[first] < r.time_s[i] + kAfterTouchdown_s) ++first;
@@ -204,8 +217,10 @@ void attach_reports(std::vector<Window>& windows, const std::vector<Recording>& 
     const Recording& r = recordings[w.recording];
     const std::size_t i = w.touchdown;
     if (i == 0 || i >= r.rows()) continue;
-    const double fall = r.position[i - 1] - r.position[i];
-    const double share = fall > 0.0 ? (r.position[i - 1] - height_m) / fall : 0.5;
+    const double from_m = r.position[i - 1] - r.touchdown_height_m(i - 1, height_m),
+                 to_m = r.position[i] - r.touchdown_height_m(i, height_m);
+    const double fall = r.leg_length.empty() ? r.position[i - 1] - r.position[i] : from_m - to_m;
+    const double share = fall > 0.0 ? from_m / fall : 0.5;
     const double crossing_s = r.time_s[i - 1] + share * (r.time_s[i] - r.time_s[i - 1]);
     const std::size_t before = i > 4 ? i - 4 : 0;  // clear of the impact
     w.touchdown_velocity = r.velocity_smoothed[before];
@@ -226,7 +241,7 @@ void attach_reports(std::vector<Window>& windows, const std::vector<Recording>& 
 bool moves_on_the_ground(const Recording& r, const model::Model& model) {
   constexpr double kSmallestMotion_m = 3e-3;
   const auto [low, high] = std::minmax_element(r.position.begin(), r.position.end());
-  const bool hops = *high > machines::touchdown_height_m(model) + kSmallestHop_m;
+  const bool hops = *high > machines::touchdown_height_m(model) + kSmallestHop_m || !r.leg_length.empty();
   const double moved_m = *high - *low;
   return !hops && moved_m > kSmallestMotion_m;
 }
@@ -244,7 +259,7 @@ std::vector<Window> cut(const Recording& r, std::size_t index, const model::Mode
     case Cut::intervals:
       break;
   }
-  return intervals(r, index, interval_s);
+  return without_pauses(intervals(r, index, interval_s), r);
 }
 
 }  // namespace
@@ -289,7 +304,9 @@ bool plausible_leg_angle(Recording& r, const model::Model& model) {
   std::vector<double> by_height(r.rows(), stop);
   double rows = 0.0, height_sum = 0.0, angle_sum = 0.0;
   for (std::size_t i = 0; i < r.rows(); ++i) {
-    if (r.position[i] >= top) continue;
+    const bool folded = !r.leg_length.empty() && in_air(r, i, top);
+    if (folded) by_height[i] = std::acos(std::clamp(r.leg_length[i] / length, -1.0, 1.0));
+    if (folded || r.position[i] >= top) continue;
     by_height[i] = std::acos(std::clamp(r.position[i] / length, -1.0, 1.0));
     rows += 1.0;
     height_sum += by_height[i];
@@ -298,7 +315,7 @@ bool plausible_leg_angle(Recording& r, const model::Model& model) {
   if (rows < kFewest) return false;
   double square = 0.0, product = 0.0;
   for (std::size_t i = 0; i < r.rows(); ++i) {
-    if (r.position[i] >= top) continue;
+    if (r.position[i] >= top || (!r.leg_length.empty() && in_air(r, i, top))) continue;
     const double from_mean = by_height[i] - height_sum / rows;
     square += from_mean * from_mean;
     product += from_mean * (r.leg_angle[i] - angle_sum / rows);

@@ -29,7 +29,7 @@ void add_dirt(Json& data, const Dirt& dirt) {
   }
   if (!dirt.notes.empty()) data["notes"] = dirt.notes;
   for (const Dirt::LeftOut& l : dirt.left_out)
-    data["left_out"].push_back({{"log", l.log}, {"why", l.log + " " + l.why}});
+    data["logs_left_out"].push_back({{"log", l.log}, {"why", l.log + " " + l.why}});
 }
 
 }  // namespace furcula::log

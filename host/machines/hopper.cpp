@@ -71,6 +71,7 @@ constexpr Rules kRules{
                 .report = "torque_nm",
                 .leg_angle = "leg_angle_rad",
                 .coil = "solenoid",
+                .cable = "clutch_travel_m",
                 .touchdown = "contact"},
     .keys = {.position = "height_m",
              .position_unit = "m",

@@ -83,6 +83,7 @@ struct Columns {
   std::string_view report{};     ///< what the drive reports, where `input` is what it was told
   std::string_view leg_angle{};  ///< on the motor's side
   std::string_view coil{};       ///< of a leg's clutch: 1 while it is on
+  std::string_view cable{};      ///< travel of that clutch's cable
   std::string_view touchdown{};  ///< the contact switch of a leg
   std::string_view stop{};       ///< 1 in rows in which it touches the stop that it is thrown up from
 };

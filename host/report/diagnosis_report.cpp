@@ -480,6 +480,7 @@ std::string data(const Diagnosis& d) {
   if (dynamics::has(d.kind, dynamics::Seat::leg)) out += std::to_string(d.hops) + " hops, ";
   out += std::to_string(d.samples) + " samples.</p>\n";
   out += dirt_html(d.dirt);
+  for (const identify::LeftOut& l : d.left_out) out += paragraph(identify::sentence(l) + ".");
   if (!d.training_files.empty()) out += "<h4>Fitted to</h4>\n" + file_list(d.training_files);
   if (!d.held_out_files.empty()) out += "<h4>Held out</h4>\n" + file_list(d.held_out_files);
   return out;

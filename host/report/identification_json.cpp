@@ -75,6 +75,15 @@ std::string to_json_text(const Identification& id) {
                  {"samples", id.samples},
                  {"held_out_logs", id.held_out_logs}};
   log::add_dirt(out["data"], id.dirt);
+  if (!id.left_out.empty()) {
+    Json& left = out["data"]["left_out"] = Json::array();
+    for (const identify::LeftOut& l : id.left_out)
+      left.push_back({{"why", l.why},
+                      {"windows", l.windows},
+                      {"share", l.share},
+                      {"seconds", l.seconds},
+                      {"logs", l.logs}});
+  }
   if (id.as_given) out["as_given"] = errors(*id.as_given, id.kind);
   return out.dump(2) + "\n";
 }

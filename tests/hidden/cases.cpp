@@ -120,6 +120,7 @@ void draw_hopper(Case& c, Random& random) {
     sensors.torque_column = random.chance(0.5);
     sensors.leg_angle_column = random.chance(0.5);
   }
+  if (q.manoeuvre) sensors.leg_angle_column = true;
 
   constexpr int kTraining = 6, kHeldOut = 2;
   constexpr std::size_t kFirstHarmonic = 2;
@@ -131,6 +132,8 @@ void draw_hopper(Case& c, Random& random) {
     e.drop_height_m = random.uniform(0.30, 0.36);
     e.period_s = random.uniform(0.26, 0.36);
     e.amplitude_nm = e.profile == Profile::constant ? random.uniform(0.4, 0.7) : random.uniform(0.8, 2.2);
+    // Deep while the spring is let go; then a short pull at the caught one, from which some flights come down folded.
+    if (q.manoeuvre) e.folds = {{0.02, 0.03 + 0.005 * i, 0.10}, {0.138, 0.010, 0.05}};
     const Truth truth = during(c, static_cast<std::size_t>(i), kFirstHarmonic);
     HopperRecording recording = record_hopper(truth, e, sensors, random);
     for (int attempt = 0; attempt < kAttempts; ++attempt) {

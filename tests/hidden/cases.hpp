@@ -40,6 +40,7 @@ struct Question {
   bool more_columns = false;  ///< some cases get the optional columns that the kind's rig can log
   bool clutched = false;   ///< a hopper with a clutch, which one that a clutch's law is asked of has anyway
   bool disturbed = false;  ///< by random forces, impacts and ground, of which the sizes are drawn
+  bool manoeuvre = false;  ///< a hopper folds its leg in flight, its spring let go meanwhile if clutched
 };
 
 struct Case {

@@ -195,10 +195,10 @@ double Machine::loose_travel_m(double length) const {
 
 double Machine::cable_travel_m() const {
   if (cable_ == Cable::held) return travel_m_;
-  return stance_ ? loose_travel_m(state_[kX] - state_[kToe]) : 0.0;
+  return loose_travel_m(leg_length_m());
 }
 
-// After a step: has the cable come to a tooth since its travel was `from_m`? In flight it is at home.
+// After a step: has the cable come to a tooth since its travel was `from_m`?
 void Machine::seek_tooth(double from_m) {
   if (cable_ != Cable::seeking) return;
   const double to_m = cable_travel_m();
@@ -285,7 +285,15 @@ double Machine::acceleration(const State& s, double t) const {
   if (dry_friction_) force -= direction_ * friction_size(s, t, direction_, std::abs(s[kV]));
   if (!hopper_ && !carriage_) return force / inertia_;
   const double gravity = gravity_ * cosine_of_tilt_;
-  if (!stance_) return force / inertia_ - gravity;
+  if (!stance_) {
+    // Of the links' momentum, e d(cos theta)/dt = e l' / (2 L), the second half of it differentiated.
+    double shaken = 0;
+    if (const double since = t - fold_.begin_s; links_ && within(since, 0, fold_.length_s)) {
+      const double w = kTwoPi / fold_.length_s;
+      shaken = -links_e_ / (2 * link_length_m_) * fold_.depth_m / 2 * w * w * std::cos(w * since);
+    }
+    return (force + shaken) / inertia_ - gravity;
+  }
   force += leg(s, t).force;
   if (!links_) return force / inertia_ - gravity;
   // d/dt of (M z') less half of dM/dz z'^2; of the links' weight, half sinks with the body.
@@ -340,8 +348,14 @@ Machine::State Machine::stepped(const State& s, double h) const {
 bool Machine::turns(const State& s) const { return dry_friction_ && s[kV] * direction_ < 0; }
 
 // A hop too low to straighten the leg touches down again as soon as it falls.
-bool Machine::touches_down(const State& s) const {
-  return hopper_ && !stance_ && s[kV] < 0 && s[kX] <= touchdown_height_m_ + ground_m_;
+bool Machine::touches_down(const State& s, double t) const {
+  return hopper_ && !stance_ && s[kV] < 0 && s[kX] <= length_in_flight(t) + ground_m_;
+}
+
+double Machine::length_in_flight(double t) const {
+  const double since = t - fold_.begin_s;
+  if (!(since > 0 && since < fold_.length_s)) return touchdown_height_m_;
+  return touchdown_height_m_ - fold_.depth_m / 2 * (1 - std::cos(kTwoPi * since / fold_.length_s));
 }
 
 bool Machine::lifts_off(const State& s, double t) const {
@@ -364,8 +378,7 @@ bool Machine::rotor_arrives(const State& s) const {
 double Machine::ground_force_n() const { return stance_ ? leg(state_, time_s_).ground_force : 0.0; }
 
 double Machine::motor_angle_rad() const {
-  const double length =
-      stance_ ? std::min(touchdown_height_m_, state_[kX] - state_[kToe]) : touchdown_height_m_;
+  const double length = std::min(touchdown_height_m_, leg_length_m());
   return std::acos(length / (2.0 * link_length_m_)) + state_[kGap];
 }
 
@@ -404,7 +417,7 @@ void Machine::advance(double until_s, double command, double step_s) {
     const double travelled_m = cable_travel_m();
     const double from_s = time_s_;
     const auto event = [&](const State& s, double t) {
-      return turns(s) || touches_down(s) || lifts_off(s, t) || rotor_arrives(s);
+      return turns(s) || touches_down(s, t) || lifts_off(s, t) || rotor_arrives(s);
     };
     State end = stepped(start, h);
     double taken = h;
@@ -439,7 +452,7 @@ void Machine::advance(double until_s, double command, double step_s) {
       }
       state_[kGapV] = 0;
       state_[kGap] = rotor_end_ * half_gap_rad_;
-    } else if (touches_down(end)) {
+    } else if (touches_down(end, time_s_)) {
       stance_ = true;
       touchdown_s_ = time_s_;
       state_[kV] *= restitution_touchdown_ * disturbed_.factor(2 * hops_);

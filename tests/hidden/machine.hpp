@@ -16,6 +16,9 @@
 //   toe and is no part of the spring's, of which hysteresis takes its share.
 // - backlash: in contact the leg gets the motor's torque; across the gap the rotor is free, and what it has gained
 //   against the leg there it gives to the leg at the end, so that no impulse is lost. At touch-down it turns along.
+// - A leg that is folded in flight has the length that is asked for: it touches down at that height, and the cable of
+//   a clutch that is let go follows it. Links that are planted take part: m z' + e sin(theta) theta' changes by gravity
+//   and guide alone.
 #pragma once
 
 #include <array>
@@ -54,6 +57,10 @@ class Machine {
     if (cable_ == Cable::loose) cable_ = Cable::seeking;
   }
   double cable_travel_m() const;
+  /// Hopper in flight: from now on the leg becomes shorter by `depth_m` and straight again, within `length_s`.
+  void fold_leg(double depth_m, double length_s) { fold_ = {time_s_, length_s, depth_m}; }
+  /// Of the leg, m: in flight what fold_leg() makes of it.
+  double leg_length_m() const { return stance_ ? state_[kX] - state_[kToe] : length_in_flight(time_s_); }
 
   /// Runs to `until_s` with the command (N or N m) held. `step_s` is the longest Runge-Kutta step.
   void advance(double until_s, double command, double step_s = 50e-6);
@@ -107,7 +114,8 @@ class Machine {
   State rates(const State& s, double t) const;
   State stepped(const State& s, double h) const;
   bool turns(const State& s) const;
-  bool touches_down(const State& s) const;
+  bool touches_down(const State& s, double t) const;
+  double length_in_flight(double t) const;
   bool lifts_off(const State& s, double t) const;
   bool rotor_arrives(const State& s) const;
   void choose_direction_from_rest();
@@ -139,6 +147,9 @@ class Machine {
   };
   std::vector<Gust> gusts_;
   bool dry_friction_ = false;
+  struct Fold {
+    double begin_s, length_s, depth_m;
+  } fold_{0, 0, 0};
 
   Disturbed disturbed_;
   double ground_m_ = 0;  // under the toe's next touch-down, or its present one

@@ -125,6 +125,9 @@ class ContactSwitch {
   ContactSwitch(const HopperSensors& sensors, double delay_s, Random& random)
       : sensors_(sensors), delay_s_(delay_s), random_(random) {}
 
+  // When the toe will touch down has changed.
+  void look_again() { flight_ = std::numeric_limits<double>::quiet_NaN(); }
+
   // Called once a row. `torque_ahead(time, velocity)` is what the rig would command from here on.
   template <class Torque>
   bool raw(const Machine& m, const Torque& torque_ahead) {
@@ -182,6 +185,7 @@ HopperRecording record_hopper(const Truth& truth, const HopperExperiment& experi
                               const HopperSensors& sensors, Random& random) {
   constexpr double kVibration_hz = 60.0, kVibrationDecay_s = 0.010, kShortestStance_s = 0.05;
   constexpr double kAngleCount_rad = kTwoPi / 16384, kCurrentNoise_nm = 0.01;
+  constexpr double kGravity_mps2 = 9.81, kCaught_s = 0.035;  // that the key takes, and a margin
   Machine m(truth, experiment.drop_height_m, 0.0);
   PositionSensor sensor(truth, m.touchdown_height_m());
   const auto* switch_delay = find(truth.planted, "contact_delay");
@@ -218,6 +222,9 @@ HopperRecording record_hopper(const Truth& truth, const HopperExperiment& experi
   std::size_t next_key = 0;
   int stances = 0;
   bool home_due = false;
+  double left_s = kNever;  // the last believed lift-off
+  std::size_t next_fold = 0;
+  bool folds = false;  // in this flight
   for (int row = 0;; ++row) {
     const double now = row * kRow_s;
 
@@ -241,9 +248,29 @@ HopperRecording record_hopper(const Truth& truth, const HopperExperiment& experi
     } else if (believes_stance && !closed && !was_closed && now - believed_touchdown_s > kShortestStance_s) {
       believes_stance = false;
       stance_s = now - believed_touchdown_s;
+      left_s = now;
+      // Thrown up so fast, the body is back after twice the speed over gravity.
+      const double room_s = 2 * m.velocity() / kGravity_mps2 - kCaught_s;
+      folds = !experiment.folds.empty() &&
+              room_s > experiment.folds.front().after_s + experiment.folds.front().length_s;
+      next_fold = 0;
     }
     was_closed = closed;
-    if (clutched) {
+    while (folds && !believes_stance && !m.stance() && next_fold < experiment.folds.size() &&
+           now >= left_s + experiment.folds[next_fold].after_s - 1e-9) {
+      m.fold_leg(experiment.folds[next_fold].depth_m, experiment.folds[next_fold].length_s);
+      contact_switch.look_again();
+      ++next_fold;
+    }
+    if (clutched && !experiment.folds.empty()) {
+      const auto& first = experiment.folds.front();
+      const double from_s = left_s + first.after_s - release_s - 2e-3;
+      const bool on =
+          folds && !believes_stance && now >= from_s && now < left_s + first.after_s + first.length_s;
+      if (on != coil) key.emplace_back(now + (on ? release_s : catch_s), on);
+      coil = on;
+      solenoid.push_back(coil ? 1.0 : 0.0);
+    } else if (clutched) {
       // In every second stance the spring is let go for a while, late in the push-off, as the one before
       // went: earlier it would cost the hop. In the flight after it the cable goes home.
       const bool now_stands = believes_stance && believed_touchdown_s == now;
@@ -270,6 +297,8 @@ HopperRecording record_hopper(const Truth& truth, const HopperExperiment& experi
     const std::size_t back = std::min<std::size_t>(time.size() - 1, 8);
     const double rising = height.back() - height[height.size() - 1 - back];
     command = believes_stance ? profile_torque(experiment, now - believed_touchdown_s, rising) : 0.0;
+    // The motor moves the leg then, and nothing else.
+    if (!believes_stance && !m.stance() && m.leg_length_m() < m.touchdown_height_m() - 1e-4) command = 0.8;
     torque.push_back(command);
     drive_torque.push_back(m.reported_torque(command) + kCurrentNoise_nm * more.normal());
     note(out.truth, m, command);

@@ -29,6 +29,13 @@ struct HopperExperiment {
   double amplitude_nm = 1.5;
   double period_s = 0.3;  ///< of the harmonic profile
   double drop_height_m = 0.34;
+  /// In each flight after a stance that is long enough for the first: so long after its lift-off is seen the leg
+  /// is folded, so deep, and straight again after so long. With a clutch the spring is let go before the first
+  /// fold and caught after it.
+  struct Fold {
+    double after_s, depth_m, length_s;
+  };
+  std::vector<Fold> folds;
   int hops = 8;            ///< the recording ends after so many lift-offs ...
   double longest_s = 5.0;  ///< ... or after this time, or when the body has come to rest
 };

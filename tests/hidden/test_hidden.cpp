@@ -188,6 +188,28 @@ TEST_CASE("A backlash that hardly moves the body is found in the leg's angle, wi
   }
 }
 
+TEST_CASE("Coulomb friction is found in a hopper that lets its spring go in flight and folds its leg there") {
+  const Case c = draw_case({.seed = 17,
+                            .laws = {"coulomb_friction"},
+                            .size = Size::medium,
+                            .nominal = Nominal::wrong,
+                            .clutched = true,
+                            .disturbed = true,
+                            .manoeuvre = true});
+  REQUIRE(c.training.front().has("leg_angle_rad"));
+  for (const bool clutch_known : {true, false}) {
+    Case asked = c;
+    if (!clutch_known) asked.model.clutch.reset();
+    const diagnose::Diagnosis d = diagnosed(asked, kThreads);
+    const Judgement j = judge(asked, d);
+    INFO(c.description());
+    INFO(j.said);
+    CHECK(std::string(name(j.outcome)) == std::string(name(Outcome::named)));
+    CHECK(listed(j.extra) == "");
+    CHECK(d.left_out.empty());
+  }
+}
+
 TEST_CASE("Nothing is found in a hopper that hides nothing") { expect_adequate(Kind::hopper_linear); }
 
 TEST_CASE("Coulomb friction hidden in a motor axis is found") {

@@ -45,23 +45,3 @@ TEST_CASE("A log of a few rows is refused with its name and the number expected"
                                                                          Catch::Contains("11 rows") &&
                                                                          Catch::Contains("at least 20"));
 }
-
-TEST_CASE("A released spring is refused for a model without a clutch, with the log's name and the time") {
-  log::Log log;
-  log.path = "released.csv";
-  log.rig = "hopper";
-  for (int i = 0; i < 100; ++i) {
-    log.columns["time_s"].push_back(0.001 * i);
-    log.columns["height_m"].push_back(0.3 + 1e-4 * i);
-    log.columns["torque_cmd_nm"].push_back(0.0);
-    log.columns["contact"].push_back(0.0);
-    log.columns["solenoid"].push_back(0.0);
-  }
-  CHECK(make_recording(log, dynamics::Kind::hopper_nonlinear).rows() == 100);
-  log.columns["solenoid"][40] = 1.0;
-  const auto recordings = identify::make_recordings({log}, dynamics::Kind::hopper_nonlinear);
-  CHECK_NOTHROW(identify::require_clutch(recordings, true));
-  CHECK_THROWS_WITH(identify::require_clutch(recordings, false),
-                    Catch::Contains("released.csv: the spring is released from 0.04 s on") &&
-                        Catch::Contains("expected a tooth_pitch_m above 0"));
-}

@@ -64,7 +64,7 @@ TEST_CASE("Corrupt rows of a robot's logs are named, and the cause is found as w
   CHECK(data["refused_rows"][0]["row"] == 301);
   CHECK(data["refused_rows"][1]["column"] == kTorque);
   CHECK(data["refused_rows"][2]["log"] == all[3].path);
-  CHECK_FALSE(data.contains("left_out"));
+  CHECK_FALSE(data.contains("logs_left_out"));
 }
 
 TEST_CASE("One log of another robot is said to be, and the rest are diagnosed") {

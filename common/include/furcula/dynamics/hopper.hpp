@@ -38,6 +38,10 @@ namespace furcula::dynamics {
 /// The leg's spring then has the rate k k_aux / (k + k_aux) below l0; of what it lacks to the rate k an
 /// incomplete release leaves the ratio. Its times: dynamics/key_timing.hpp; the pressed key holds the cable at
 /// the next whole pitch that its travel comes to.
+///
+/// A leg that the motor folds in flight is led (lead_leg): its length l is given, the toe is at z - l, and the
+/// cable of a clutch follows it. Links of inertia share the momentum, m z' - e / (2 L) l' = constant but for
+/// gravity and guide, and touch down with the plastic impact of the folded leg.
 template <class T>
 class Hopper {
  public:
@@ -87,6 +91,9 @@ class Hopper {
       links_gravity_ = p.gravity_mps2 * cos(e_.value(Effect::guide_tilt));
     else
       links_gravity_ = p.gravity_mps2;
+    led_length_ = touchdown_height_;
+    if (e_.has(Effect::leg_inertia))
+      share_of_folding_ = e_.value(Effect::leg_inertia, 2) / (V(2) * p.link_length_m * mass_);
   }
 
   /// With links that have inertia (hopper_nonlinear), the leg on its stop in flight. Their impacts are
@@ -96,6 +103,8 @@ class Hopper {
     const Links<T> links{p.inertia_a_kgm2, p.inertia_b_kgm, p.inertia_e_kgm, p.link_length_m, mass_};
     const auto straight = links.pose(p.touchdown_angle_rad);
     const T fall = T(V(1));
+    plastic_ = true;
+    led_restitution_ = restitution_touchdown_;
     restitution_touchdown_ *= -straight.lever * links.rate_after_touchdown(straight, zero_, fall);
     restitution_liftoff_ *= links.velocity_after_stop(straight, T(V(-1) / straight.lever), fall);
   }
@@ -133,7 +142,7 @@ class Hopper {
                ? T((touchdown_height_ - length_m) * travel_per_shortening_)
                : T(V(0));
   }
-  T cable_travel_m() const { return cable_ == Cable::held ? travel_ : loose_travel_m(T(z_ - toe_)); }
+  T cable_travel_m() const { return cable_ == Cable::held ? travel_ : loose_travel_m(cable_length()); }
   bool cable_held() const { return cable_ == Cable::held; }
 
   /// Starts at a height (m) and velocity (m/s), in flight if above the touch-down height, else in stance. A
@@ -150,6 +159,23 @@ class Hopper {
     straight_ = false;
     rotor_.press(V(1));
     event_count_ = 0;
+    led_ = false;
+    led_length_ = touchdown_height_;
+    led_rate_ = zero_;
+  }
+
+  /// The leg's length in flight, m, and its rate, m/s, for the next advance().
+  void lead_leg(const T& length_m, const T& rate_mps) {
+    if (!stance_) v_ += share_of_folding_ * (rate_mps - led_rate_);
+    led_ = more_ = true;
+    led_length_ = length_m;
+    led_rate_ = rate_mps;
+  }
+  /// After reset(): it was in flight, with a leg of this length, and the velocity has its rate in it.
+  void start_led(const T& length_m, const T& rate_mps) {
+    stance_ = false;
+    led_rate_ = rate_mps;
+    lead_leg(length_m, rate_mps);
   }
 
   /// Where a start finds the rotor in the backlash: held against an end by the last torque before it that was
@@ -169,11 +195,15 @@ class Hopper {
     event_count_ = 0;
     elapsed_ = V(0);
     if (dt_s <= V(0)) return;
-    if (clutched_) return advance_clutched(torque, dt_s);
-    const int parts = dt_s <= kLongestStep ? 1 : 1 + static_cast<int>(dt_s / kLongestStep);
-    const V h = parts == 1 ? dt_s : dt_s / static_cast<V>(parts);
-    if (h != step_) prepare(h);
-    for (int i = 0; i < parts; ++i) step(torque);
+    if (clutched_) {
+      advance_clutched(torque, dt_s);
+    } else {
+      const int parts = dt_s <= kLongestStep ? 1 : 1 + static_cast<int>(dt_s / kLongestStep);
+      const V h = parts == 1 ? dt_s : dt_s / static_cast<V>(parts);
+      if (h != step_) prepare(h);
+      for (int i = 0; i < parts; ++i) step(torque);
+    }
+    if (led_) end_leading(dt_s);
   }
 
   const T& height_m() const { return z_; }
@@ -181,8 +211,11 @@ class Hopper {
   bool in_stance() const { return stance_; }
   const T& touchdown_height_m() const { return touchdown_height_; }
 
-  /// Leg angle from the vertical on the motor's side, rad: on the stop in flight.
+  /// Leg angle from the vertical on the motor's side, rad: on the stop in flight, where it is not led.
   T leg_angle_rad() const {
+    using std::acos;
+    if (led_ && !stance_ && value_of(led_length_) < value_of(touchdown_height_))
+      return acos(led_length_ / (V(2) * p_.link_length_m));
     const T angle = leg_angle(T(z_ - toe_));
     return rotor_.loose() ? T(angle + rotor_.angle()) : angle;
   }
@@ -224,20 +257,68 @@ class Hopper {
 
   void touch_down() {
     const T before = v_;
-    v_ = restitution_touchdown_ * v_;
+    straight_ = true;
+    if (led_ && value_of(led_now()) < value_of(touchdown_height_))
+      touch_down_folded(led_now());
+    else
+      v_ = restitution_touchdown_ * v_;
     stance_ = true;
     toe_ = T(V(0));
-    straight_ = true;
+    if (led_ && cable_ == Cable::pressed) aim(true, value_of(loose_travel_m(z_)) / value_of(pitch_));
     record(ContactEvent<V>::Kind::touchdown, before, v_);
   }
   void lift_off() {
     const T before = v_;
     v_ = restitution_liftoff_ * v_;
+    if (led_) v_ += share_of_folding_ * led_rate_;
     stance_ = false;
     toe_ = T(V(0));
     if (cable_ == Cable::pressed) hold_cable(zero_);  // the leg is straight, the cable home
     record(ContactEvent<V>::Kind::liftoff, before, v_);
   }
+
+  /// Length of a led leg now, and in `t`.
+  T led_now() const { return led_length_ + led_rate_ * elapsed_; }
+  T led_after(const T& t) const { return led_now() + led_rate_ * t; }
+  void touch_down_folded(const T& length) {
+    using std::acos;
+    straight_ = false;
+    if (!plastic_) {
+      v_ = restitution_touchdown_ * v_;
+      return;
+    }
+    const Links<T> links{e_.value(Effect::leg_inertia, 0), e_.value(Effect::leg_inertia, 1),
+                         e_.value(Effect::leg_inertia, 2), p_.link_length_m, mass_};
+    const auto pose = links.pose(T(acos(length / (V(2) * p_.link_length_m))));
+    v_ =
+        -(led_restitution_ * pose.lever * links.rate_after_touchdown(pose, T(-(led_rate_ / pose.lever)), v_));
+  }
+  /// When the toe of a led leg, above the ground now, meets it; before `t_end`.
+  T landing_time(const Segment<T>& segment, const T& t_end) const {
+    const Segment<V> p = segment.plain();
+    const V length = value_of(led_now()), rate = value_of(led_rate_);
+    const V time = event_time<V>(
+        V(0), value_of(t_end), [&](V t) { return p.position_after(p.over(t)) - length - rate * t; },
+        [&](V t) { return p.velocity_after(p.over(t)) - rate; });
+    const V slope = p.velocity_after(p.over(time)) - rate;
+    if (slope == V(0)) return T(time);
+    const T at = T(time);
+    return at - (segment.position_after(segment.over(at)) - led_after(at)) / slope;
+  }
+  /// The leg's length after `dt_s`; a pressed key that a tooth of the cable has come to holds it.
+  void end_leading(V dt_s) {
+    using std::ceil;
+    using std::floor;
+    const V from = value_of(loose_travel_m(led_length_));
+    led_length_ += led_rate_ * dt_s;
+    elapsed_ = V(0);
+    if (stance_ || cable_ != Cable::pressed) return;
+    const V a = from / value_of(pitch_), b = value_of(loose_travel_m(led_length_)) / value_of(pitch_);
+    const V tooth = b > a ? floor(b) : ceil(b);
+    if (!(b > V(0)) || (b > a ? tooth > a : tooth < a)) hold_cable(T(tooth * pitch_));
+  }
+  /// That the cable follows.
+  T cable_length() const { return led_ && !stance_ ? led_now() : T(z_ - toe_); }
 
   /// One step of step_ seconds.
   void step(const T& torque) {
@@ -292,9 +373,11 @@ class Hopper {
     set_spring(loose_stiffness_, T(home_force_ - (caught_stiffness_ - loose_stiffness_) * touchdown_height_));
   }
   void press_key() {
-    const V at = value_of(loose_travel_m(T(z_ - toe_))) / value_of(pitch_);
-    const bool shortens = stance_ && !(value_of(v_) > V(0));
-    if (!(at > V(0)) && !shortens) return hold_cable(T(V(0)));
+    const V at = value_of(loose_travel_m(cable_length())) / value_of(pitch_);
+    const bool led = led_ && !stance_;
+    const bool shortens = led ? value_of(led_rate_) < V(0) : stance_ && !(value_of(v_) > V(0));
+    // In flight nothing pulls at the belt: within half a pitch the key comes down into the gap that it left.
+    if (led ? at < V(0.5) : !(at > V(0)) && !shortens) return hold_cable(T(V(0)));
     cable_ = Cable::pressed;
     aim(shortens, at);
   }
@@ -405,7 +488,10 @@ class Hopper {
       if (links && folds) slow_by_links(acceleration, kappa, delta, left);
     }
 
-    if (!stance_ && !up && value_of(z_) <= value_of(touchdown_height_)) {
+    const bool led = kMore && led_ && !stance_;
+    if (!stance_ && !up &&
+        (led ? value_of(z_) <= value_of(led_now()) && !(value_of(v_) > value_of(led_rate_))
+             : value_of(z_) <= value_of(touchdown_height_))) {
       touch_down();
       return false;
     }
@@ -429,7 +515,15 @@ class Hopper {
         (kMore && (rotor_.crosses() || (stance_ && (e_.has(Effect::bump_stop) || cable_ == Cable::pressed)))))
       change = cut_short(segment, torque, up, t_end, z_end, v_end, turns);
 
-    if (!stance_ && !up && value_of(z_end) < value_of(touchdown_height_)) {
+    if (led && !up && value_of(z_) > value_of(led_now()) && value_of(z_end) < value_of(led_after(t_end))) {
+      const T t = landing_time(segment, t_end);
+      const T length = led_after(t);
+      arrive<kMore>(segment, t, left);
+      z_ = length;
+      touch_down();
+      return false;
+    }
+    if (!stance_ && !led && !up && value_of(z_end) < value_of(touchdown_height_)) {
       const T t = segment.crossing_time(T(V(1)), T(V(0)), -touchdown_height_, V(0), value_of(t_end));
       arrive<kMore>(segment, t, left);
       z_ = touchdown_height_;
@@ -519,10 +613,10 @@ class Hopper {
                Change::flexes);
     }
     const V stop = value_of(stop_length_);
-    if (e_.has(Effect::bump_stop) && !soft &&
+    if (stance_ && e_.has(Effect::bump_stop) && !soft &&
         (on_bump_stop() ? up && value_of(z_end) > stop : !up && value_of(z_end) < stop))
       end_at(segment.crossing_time(T(V(1)), T(V(0)), -stop_length_, V(0), value_of(t_end)), Change::stop);
-    if (cable_ == Cable::pressed) {
+    if (stance_ && cable_ == Cable::pressed) {
       if (tooth_shortens_ == up) aim(!up, value_of(loose_travel_m(z_)) / value_of(pitch_));
       const V tooth = value_of(tooth_height_);
       if (up ? value_of(z_end) > tooth && tooth < value_of(touchdown_height_) : value_of(z_end) < tooth)
@@ -843,6 +937,11 @@ class Hopper {
   bool stance_ = false;
   T toe_{};                ///< height of the toe in stance: below zero where the ground gives
   bool straight_ = false;  ///< on a ground that gives: the leg is at its full length
+  bool led_ = false;       ///< lead_leg()
+  T led_length_{}, led_rate_{};
+  T share_of_folding_{};  ///< of the leg's rate, that the body moves by
+  bool plastic_ = false;  ///< links' impact at touch-down
+  T led_restitution_{};   ///< the model's alone
   T toe_balance_{}, toe_drift_{}, toe_rate_{}, leg_push_{};
   T stretched_stiffness_{}, links_gravity_{}, links_mass_{}, links_slope_{}, links_lift_{}, links_weight_{};
   T kappa_stretched_{}, kappa_straight_{}, delta_straight_{};

@@ -1,0 +1,71 @@
+// Causes in recordings of the robot's main manoeuvre, which the simulated robot flies with its own coil, key and free leg.
+#include <catch2/catch.hpp>
+
+#include "host/diagnose/diagnose.hpp"
+#include "host/diagnose/diagnosis_json.hpp"
+#include "tests/host/error_message.hpp"
+#include "tests/host/identify/clutched_hops.hpp"
+#include "tests/host/identify/manoeuvres.hpp"
+
+using namespace furcula;
+using diagnose::Verdict;
+using dynamics::Effect;
+
+namespace {
+
+model::Model without_clutch(model::Model m) {
+  m.clutch.reset();
+  return m;
+}
+
+diagnose::Diagnosis diagnosed(const model::Model& m, const model::Model& truth) {
+  return diagnose::diagnose(m, test::manoeuvres(truth, 5, 1), test::manoeuvres(truth, 2, 40));
+}
+
+}  // namespace
+
+TEST_CASE("The manoeuvre without a hidden cause is adequate, with and without the clutch in the model") {
+  const model::Model truth = test::manoeuvring_model();
+  for (const model::Model& m : {truth, without_clutch(truth)}) {
+    const auto d = diagnosed(m, truth);
+    INFO(diagnose::to_json_text(d));
+    CHECK(d.verdict == Verdict::adequate);
+    CHECK(d.findings.empty());
+    CHECK(d.left_out.empty());
+  }
+}
+
+TEST_CASE("A wrong spring rate is found in the manoeuvre, with and without the clutch in the model") {
+  model::Model truth = test::manoeuvring_model();
+  truth.parameters[*dynamics::parameter_index(truth.kind, "stiffness_npm")] = 645.0;
+  for (model::Model m : {test::manoeuvring_model(), without_clutch(test::manoeuvring_model())}) {
+    m.free.erase(*dynamics::parameter_index(m.kind, "mass_kg"));  // it is weighed
+    const auto d = diagnosed(m, truth);
+    INFO(diagnose::to_json_text(d));
+    CHECK(d.verdict == Verdict::explained);
+    REQUIRE(d.findings.size() == 1);
+    CHECK(d.findings[0].effect == Effect::stiffness_error);
+    CHECK(d.findings[0].parameters.at("stiffness_npm").value == Approx(645.0).epsilon(0.01));
+  }
+}
+
+TEST_CASE(
+    "What is left out stands in the JSON, and a data set of which nothing is left is refused with the reason") {
+  const model::Model truth = test::clutched_model(), m = without_clutch(truth);
+  const auto d = diagnose::diagnose(m, test::clutched_hops(truth, 4, 1), test::clutched_hops(truth, 2, 30));
+  const auto json = diagnose::to_json(d);
+  INFO(json.dump(2));
+  CHECK(d.verdict == Verdict::adequate);
+  REQUIRE(json.at("data").contains("left_out"));
+  const auto& left = json.at("data").at("left_out").at(0);
+  CHECK(left.at("windows").get<int>() > 0);
+  CHECK(left.at("seconds").get<double>() > 0.1 * left.at("windows").get<double>());
+  CHECK(left.at("share").get<double>() < 1.0);
+  CHECK_FALSE(left.at("logs").empty());
+
+  auto logs = test::clutched_hops(truth, 2, 1);
+  for (log::Log& log : logs)
+    for (double& on : log.columns.at("solenoid")) on = 1.0;
+  CHECK_THAT(test::error_message([&] { diagnose::diagnose(m, {logs[0]}, {logs[1]}); }),
+             Catch::Contains("no stride is left") && Catch::Contains("has no clutch"));
+}
