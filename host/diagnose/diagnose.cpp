@@ -12,6 +12,7 @@
 #include "host/diagnose/residual_force.hpp"
 #include "host/diagnose/selection.hpp"
 #include "host/diagnose/wording.hpp"
+#include "host/identify/informative_windows.hpp"
 #include "host/identify/plausible.hpp"
 #include "host/identify/verdicts.hpp"
 #include "host/machines/rules.hpp"
@@ -26,6 +27,7 @@ using identify::Window;
 
 constexpr std::size_t kFewestWindows = 3;
 constexpr std::size_t kMostTraces = 96;
+constexpr std::size_t kMostRowsOfSample = 24'000, kFewestOfSample = 24;
 constexpr double kWithinNoise = 2.0;
 constexpr double kSmallRemainder = 0.1;
 /// NMSE that the simulator's own discretisation and an input held from row to row are worth: two thousandths
@@ -137,15 +139,20 @@ class Assembly {
         training_(recordings_of(training, model)),
         held_out_(recordings_of(held_out, model)),
         training_windows_(identify::training_windows(training_, model, options.window_s)),
-        held_out_windows_(identify::prediction_windows(held_out_, model, options.window_s)) {
+        held_out_windows_(identify::prediction_windows(held_out_, model, options.window_s)),
+        some_held_out_(identify::evenly(held_out_windows_, kMostRowsOfSample, kFewestOfSample)) {
     identify::require_plausible(training_, held_out_);
     require(training_windows_.windows, training_, "training");
     require(held_out_windows_, held_out_, "held-out");
+    d_.windows = training_windows_.windows.size();
+    training_windows_ = identify::informative_windows(training_, model, std::move(training_windows_));
+    d_.fitted_windows = training_windows_.windows.size();
   }
 
   Diagnosis run() {
     selection_ = select(model_, training_, training_windows_, options_.threads, options_.progress);
     starts_ = identify::start_states(held_out_, held_out_windows_, selection_.refitted.fitted);
+    some_starts_ = identify::start_states(held_out_, some_held_out_, selection_.refitted.fitted);
     describe_data();
     figures();
     findings();
@@ -183,8 +190,7 @@ class Assembly {
     d_.held_out_logs = held_out_.size();
     for (const auto& r : training_) d_.training_files.push_back(r.name), d_.samples += r.rows();
     for (const auto& r : held_out_) d_.held_out_files.push_back(r.name), d_.samples += r.rows();
-    if (dynamics::has(model_.kind, dynamics::Seat::leg))
-      d_.hops = training_windows_.windows.size() + held_out_windows_.size();
+    if (dynamics::has(model_.kind, dynamics::Seat::leg)) d_.hops = d_.windows + held_out_windows_.size();
     const auto names = identify::channel_names(model_.kind);
     d_.main_channel = names.position;
     d_.main_unit = names.position_unit;
@@ -199,6 +205,9 @@ class Assembly {
       errors[kLeg] = *leg;
     return errors;
   }
+  double nmse_on_some(const model::Model& m) const {
+    return nmse(identify::prediction_errors(m, held_out_, some_held_out_, some_starts_));
+  }
   double nmse(const Errors& e) const { return e.at(d_.main_channel).nmse; }
 
   void figures() {
@@ -211,8 +220,12 @@ class Assembly {
   }
 
   std::optional<Remainder> remainder(const model::Model& m) const {
-    return remainder_of(m, training_, identify::prediction_windows(training_, model_, options_.window_s),
-                        held_out_, held_out_windows_);
+    const auto some = [](const std::vector<Window>& all) {
+      return identify::evenly(all, identify::kMostRowsOfFit, identify::kFewestChosen);
+    };
+    return remainder_of(m, training_,
+                        some(identify::prediction_windows(training_, model_, options_.window_s)), held_out_,
+                        some(held_out_windows_));
   }
 
   /// Nothing is missing in this model but what the machine does not repeat.
@@ -347,14 +360,17 @@ class Assembly {
   }
 
   void table() {
-    const double before = nmse(d_.refitted), floor = nmse(d_.noise_floor);
+    // Of long recordings on some windows alone: there are dozens of rows.
+    const double before = nmse_on_some(selection_.refitted.fitted),
+                 floor = nmse(identify::noise_floor(selection_.chosen.fitted, held_out_, some_held_out_,
+                                                    some_starts_));
     const auto row = [&](const Hypothesis& h, bool chosen, std::string outcome) {
       Candidate c;
       c.effects = strings(h.effects);
       c.parameters = effect_parameters(h, model_.kind, true, nullptr);
       c.training_gain =
           1.0 - h.cross_validated_squares / std::max(selection_.refitted.cross_validated_squares, 1e-300);
-      c.held_out_gain = explained_share(before, nmse(on_held_out(h.fitted)), floor);
+      c.held_out_gain = explained_share(before, nmse_on_some(h.fitted), floor);
       c.chosen = chosen;
       c.outcome = std::move(outcome);
       d_.candidates.push_back(std::move(c));
@@ -581,7 +597,8 @@ class Assembly {
   std::vector<Recording> training_, held_out_;
   identify::TrainingWindows training_windows_;
   std::vector<Window> held_out_windows_;
-  std::vector<identify::StartState> starts_;  // of the held-out windows, the same for every model
+  std::vector<Window> some_held_out_;                       // of long recordings; else all
+  std::vector<identify::StartState> starts_, some_starts_;  // of these windows, the same for every model
   Selection selection_;
   Diagnosis d_;
   bool undecided_ = false;

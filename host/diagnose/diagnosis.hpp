@@ -121,6 +121,7 @@ struct Experiment {
 struct Diagnosis {
   dynamics::Kind kind{};
   std::size_t logs = 0, hops = 0, samples = 0, held_out_logs = 0;
+  std::size_t windows = 0, fitted_windows = 0;  ///< of the training recordings; those that the search was made on
   std::vector<std::string> training_files, held_out_files;
   Verdict verdict = Verdict::adequate;
   std::string summary;       ///< the verdict in one plain sentence

@@ -149,10 +149,16 @@ nlohmann::ordered_json to_json(const Diagnosis& d) {
                                {"counts", left.is_structured()}};
   }
 
+  Json data = {
+      {"logs", d.logs}, {"hops", d.hops}, {"samples", d.samples}, {"held_out_logs", d.held_out_logs}};
+  if (d.fitted_windows < d.windows) {
+    data["windows"] = d.fitted_windows;
+    data["of_windows"] = d.windows;
+  }
+
   return {{"schema", "furcula-diagnosis/1"},
           {"kind", dynamics::info(d.kind).name},
-          {"data",
-           {{"logs", d.logs}, {"hops", d.hops}, {"samples", d.samples}, {"held_out_logs", d.held_out_logs}}},
+          {"data", data},
           {"verdict", name(d.verdict)},
           {"summary", d.summary},
           {"baseline", held_out(d.baseline, d.kind)},
