@@ -15,6 +15,7 @@
 #include "host/diagnose/selection.hpp"
 #include "host/diagnose/wording.hpp"
 #include "host/identify/disagreement.hpp"
+#include "host/identify/informative_windows.hpp"
 #include "host/identify/manoeuvres.hpp"
 #include "host/identify/plausible.hpp"
 #include "host/identify/refute.hpp"
@@ -32,6 +33,7 @@ using identify::Window;
 
 constexpr std::size_t kFewestWindows = 3;
 constexpr std::size_t kMostTraces = 96;
+constexpr std::size_t kMostRowsOfSample = 24'000, kFewestOfSample = 24;
 constexpr double kWithinNoise = 2.0;
 constexpr double kSmallRemainder = 0.1;
 /// Standard errors by which causes must help on training recordings that their fit has not seen.
@@ -102,7 +104,7 @@ class Assembly {
                                    identify::prediction_windows(*list, model, options.window_s));
     refuse_by_residuals();
     crossed_.emplace(training_, training_windows_,
-                     identify::prediction_windows(training_, model, options.window_s));
+                     evenly(identify::prediction_windows(training_, model, options.window_s)));
   }
 
   /// The training recording that disagrees with the others, found by what run() chose.
@@ -123,6 +125,8 @@ class Assembly {
     // From here on the held-out recordings are seen. They name nothing and withdraw nothing.
     foretell_slips();
     starts_ = identify::start_states(held_out_, held_out_windows_, selection_.refitted.fitted);
+    some_held_out_ = identify::evenly(held_out_windows_, kMostRowsOfSample, kFewestOfSample);
+    some_starts_ = identify::start_states(held_out_, some_held_out_, selection_.refitted.fitted);
     describe_data();
     figures();
     findings();
@@ -138,6 +142,11 @@ class Assembly {
   }
 
  private:
+  /// Of long recordings as many windows as a fit is made on.
+  static std::vector<Window> evenly(const std::vector<Window>& all) {
+    return identify::evenly(all, identify::kMostRowsOfFit, identify::kFewestChosen);
+  }
+
   using Refuted = std::vector<std::vector<log::Refuted>>;  // rows of each log
 
   /// Makes recordings and windows of the logs, without these rows.
@@ -145,6 +154,10 @@ class Assembly {
     training_ = recordings_of(training_logs_, model_, of_training);
     held_out_ = recordings_of(held_out_logs_, model_, of_held_out);
     training_windows_ = identify::training_windows(training_, model_, options_.window_s);
+    d_.windows = training_windows_.windows.size();
+    if (d_.windows > 0)
+      training_windows_ = identify::informative_windows(training_, model_, std::move(training_windows_));
+    d_.fitted_windows = training_windows_.windows.size();
     held_out_windows_ = identify::prediction_windows(held_out_, model_, options_.window_s);
     identify::require_plausible(training_, held_out_);
     require(training_windows_.windows, training_, "training");
@@ -197,8 +210,7 @@ class Assembly {
     d_.held_out_logs = held_out_.size();
     for (const auto& r : training_) d_.training_files.push_back(r.name), d_.samples += r.rows();
     for (const auto& r : held_out_) d_.held_out_files.push_back(r.name), d_.samples += r.rows();
-    if (dynamics::has(model_.kind, dynamics::Seat::leg))
-      d_.hops = training_windows_.windows.size() + held_out_windows_.size();
+    if (dynamics::has(model_.kind, dynamics::Seat::leg)) d_.hops = d_.windows + held_out_windows_.size();
     for (const auto* list : {&training_, &held_out_})
       for (const Recording& r : *list) {
         d_.dirt.refused.insert(d_.dirt.refused.end(), r.refused.begin(), r.refused.end());
@@ -335,6 +347,9 @@ class Assembly {
       errors[kLeg] = *leg;
     return errors;
   }
+  double nmse_on_some(const model::Model& m) const {
+    return nmse(identify::prediction_errors(m, held_out_, some_held_out_, some_starts_));
+  }
   double nmse(const Errors& e) const { return e.at(d_.main_channel).nmse; }
 
   void figures() {
@@ -344,7 +359,7 @@ class Assembly {
     d_.noise_floor = identify::noise_floor(selection_.chosen.fitted, held_out_, held_out_windows_, starts_);
     d_.extended_model = extension().fitted;
     d_.remainder =
-        remainder_of(d_.extended_model, training_, crossed_->windows(), held_out_, held_out_windows_);
+        remainder_of(d_.extended_model, training_, crossed_->windows(), held_out_, evenly(held_out_windows_));
     for (std::string& note : identify::disagreeing_held_out(d_.extended_model, training_, held_out_,
                                                             crossed_->windows(), held_out_windows_))
       d_.dirt.notes.push_back(std::move(note));
@@ -578,14 +593,17 @@ class Assembly {
   }
 
   void table() {
-    const double before = nmse(d_.refitted), floor = nmse(d_.noise_floor);
+    // Of long recordings on some windows alone: there are dozens of rows.
+    const double before = nmse_on_some(selection_.refitted.fitted),
+                 floor = nmse(identify::noise_floor(selection_.chosen.fitted, held_out_, some_held_out_,
+                                                    some_starts_));
     const auto row = [&](const Hypothesis& h, bool chosen, std::string outcome) {
       Candidate c;
       c.effects = strings(h.effects);
       c.parameters = effect_parameters(h, model_.kind, true, nullptr);
       c.training_gain =
           1.0 - h.cross_validated_squares / std::max(selection_.refitted.cross_validated_squares, 1e-300);
-      c.held_out_gain = explained_share(before, nmse(on_held_out(h.fitted)), floor);
+      c.held_out_gain = explained_share(before, nmse_on_some(h.fitted), floor);
       c.chosen = chosen;
       c.outcome = std::move(outcome);
       d_.candidates.push_back(std::move(c));
@@ -775,7 +793,8 @@ class Assembly {
   identify::TrainingWindows training_windows_;
   std::optional<Crossed> crossed_;  // of training_, once its rows are settled
   std::vector<Window> held_out_windows_;
-  std::vector<identify::StartState> starts_;  // of the held-out windows, the same for every model
+  std::vector<Window> some_held_out_;                       // of long recordings; else all
+  std::vector<identify::StartState> starts_, some_starts_;  // of these windows, the same for every model
   Selection selection_;
   Diagnosis d_;
   bool withdrawn_ = false;  // the chosen causes, by the training recordings

@@ -129,6 +129,8 @@ struct Experiment {
 struct Diagnosis {
   dynamics::Kind kind{};
   std::size_t logs = 0, hops = 0, samples = 0, held_out_logs = 0;
+  std::size_t windows = 0,
+              fitted_windows = 0;  ///< of the training recordings; those that the search was made on
   std::vector<std::string> training_files, held_out_files;
   std::vector<identify::LeftOut> left_out;  ///< of all recordings
   Verdict verdict = Verdict::adequate;

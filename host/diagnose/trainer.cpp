@@ -102,8 +102,9 @@ Hypothesis Trainer::fit(const std::vector<Effect>& effects, const Hypothesis* fr
   Hypothesis h;
   h.effects = effects;
   h.unknowns = unknowns_of(model, effects);
-  const std::vector<double> start = values_from(*this, h.unknowns, from, starts);
   const model::Model base = with_slips(model, recordings, effects);
+  const std::vector<double> start = identify::begin_on_some(
+      base, h.unknowns, values_from(*this, h.unknowns, from, starts), recordings, training.windows);
   h.fit = identify::fit_by_simulation(base, h.unknowns, start, recordings, training.windows,
                                       identify::Weighting::noise, training.layers);
   h.fitted = identify::with_values(base, h.unknowns, h.fit.values);

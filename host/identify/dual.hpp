@@ -131,19 +131,19 @@ template <int N>
 }
 
 template <int N, class Y>
-Dual<N>& operator+=(Dual<N>& x, const Y& y) {
+[[gnu::always_inline]] inline Dual<N>& operator+=(Dual<N>& x, const Y& y) {
   return x = x + y;
 }
 template <int N, class Y>
-Dual<N>& operator-=(Dual<N>& x, const Y& y) {
+[[gnu::always_inline]] inline Dual<N>& operator-=(Dual<N>& x, const Y& y) {
   return x = x - y;
 }
 template <int N, class Y>
-Dual<N>& operator*=(Dual<N>& x, const Y& y) {
+[[gnu::always_inline]] inline Dual<N>& operator*=(Dual<N>& x, const Y& y) {
   return x = x * y;
 }
 template <int N, class Y>
-Dual<N>& operator/=(Dual<N>& x, const Y& y) {
+[[gnu::always_inline]] inline Dual<N>& operator/=(Dual<N>& x, const Y& y) {
   return x = x / y;
 }
 

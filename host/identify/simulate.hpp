@@ -77,6 +77,26 @@ struct LeggedRecording {
       if (!r.leg_length.empty()) plant.lead_leg(length(row), rate(row));
   }
 };
+/// The last row up to `first` at which the coil has been on for so long that the key is out whatever was before;
+/// nothing where there is none.
+inline std::optional<std::size_t> surely_out(const Recording& r, std::size_t first, double on_for_s) {
+  std::size_t end = first;
+  for (std::size_t i = first; i-- > 0;) {
+    if (r.solenoid[i] == 0.0)
+      end = i;
+    else if (r.time_s[end] - r.time_s[i] > on_for_s)
+      return end;
+  }
+  return std::nullopt;
+}
+
+/// The last row up to `row` that has an input; the first where there is none.
+inline std::size_t last_driven(const Recording& r, std::size_t row) {
+  if (r.input[row] != 0.0) return row;
+  const auto since = std::lower_bound(r.driven_s.begin(),
+                                      r.driven_s.begin() + static_cast<std::ptrdiff_t>(row), r.driven_s[row]);
+  return since == r.driven_s.begin() ? 0 : static_cast<std::size_t>(since - r.driven_s.begin()) - 1;
+}
 
 /// Where a window finds a hopper's clutch: its coil's past is in the recording, and the travel that a caught
 /// cable has follows from the measured heights at which the key came. False where there is no clutch, or its
@@ -100,7 +120,18 @@ bool start_clutch(auto& plant, const PlantSetup<T>& setup, const Recording& r, s
     bool held = true;  // else out, or on its way to a tooth
     int teeth = 0;
     double last_m = 0.0;
-    for (std::size_t i = 0; i < first; ++i) {
+    std::size_t from = 0;
+    // What was before the key was out for the last time does not matter: the past of a long recording is not gone through.
+    const T catch_s = dynamics::MechanismEffects<T>(setup.effects)
+                          .value_or(dynamics::Effect::late_catch, setup.clutch.catch_delay_s);
+    const double settled_s = dynamics::value_of(setup.clutch.release_delay_s) + dynamics::value_of(catch_s);
+    if (const auto out = surely_out(r, first, settled_s)) {
+      from = *out;
+      key.reset(true);
+      held = false;
+      last_m = travel(r.position[from]);
+    }
+    for (std::size_t i = from; i < first; ++i) {
       key.energise(r.solenoid[i] != 0.0);
       T left_s(r.time_s[i + 1] - r.time_s[i]);
       while (key.changes_within(dynamics::value_of(left_s))) {
@@ -125,9 +156,9 @@ bool start_clutch(auto& plant, const PlantSetup<T>& setup, const Recording& r, s
       // The cable follows the leg; the pressed key meets a tooth where its travel passes one, and at home.
       const double travel_m = travel(length_m[i + 1]);
       if (!key.out()) {
-        const double from = last_m / pitch_m, to = travel_m / pitch_m;
-        const double tooth = to > from ? std::floor(to) : std::ceil(to);
-        if (!(travel_m > 0.0) || (to > from ? tooth > from : tooth < from)) {
+        const double before = last_m / pitch_m, now = travel_m / pitch_m;
+        const double tooth = now > before ? std::floor(now) : std::ceil(now);
+        if (!(travel_m > 0.0) || (now > before ? tooth > before : tooth < before)) {
           held = true;
           teeth = travel_m > 0.0 ? static_cast<int>(tooth) : 0;
         }
@@ -148,9 +179,7 @@ bool start(dynamics::Stages<Plant, T>& stages, const PlantSetup<T>& setup, const
   stages.reset(T(position - slipped(stages.sensing(), r, row)), velocity);
   if constexpr (requires { plant.has_backlash(); })
     if (plant.has_backlash()) {
-      std::size_t pressed = row;
-      while (pressed > 0 && r.input[pressed] == 0.0) --pressed;
-      plant.press_rotor(r.input[pressed]);
+      plant.press_rotor(r.input[last_driven(r, row)]);
       if constexpr (requires { plant.place_rotor(0.0, 0.0); })
         if (!r.leg_angle.empty()) {
           constexpr std::size_t kRows = 10;

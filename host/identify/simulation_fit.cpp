@@ -54,6 +54,7 @@ class WindowCost final : public ceres::CostFunction {
     if (size <= 4) return run_window<Dual<4>>(run_, blocks, residuals, jacobians);
     if (size <= 6) return run_window<Dual<6>>(run_, blocks, residuals, jacobians);
     if (size <= 8) return run_window<Dual<8>>(run_, blocks, residuals, jacobians);
+    if (size <= 10) return run_window<Dual<10>>(run_, blocks, residuals, jacobians);
     if (size <= 12) return run_window<Dual<12>>(run_, blocks, residuals, jacobians);
     if (size <= 20) return run_window<Dual<20>>(run_, blocks, residuals, jacobians);
     static_assert(kMostUnknowns + kStartSize <= 32);
@@ -223,6 +224,9 @@ bool solve(Costs& problems, const std::vector<Unknown>& unknowns, std::vector<do
   // a law with more parameters than the recordings can tell creeps on for as long as it may.
   options.function_tolerance = 1e-6;
   options.parameter_tolerance = 1e-10;
+  // The search along a step that the bounds bend (the first trial is nearly always taken) by values alone: by slopes, as is usual, each
+  // trial would be a run with derivatives, and those are what a fit costs.
+  options.line_search_interpolation_type = ceres::QUADRATIC;
   options.num_threads = 1;
   options.logging_type = ceres::SILENT;
   for (std::size_t i = 0; i < costs.size(); ++i) {
@@ -349,7 +353,61 @@ class Jumping {
   mutable std::vector<double> residual_;
 };
 
+/// Some of the windows, half of them evenly and half those that add most to what is known of the unknowns at these values.
+std::vector<Window> telling(const std::vector<WindowShare>& shares, const std::vector<Window>& windows,
+                            std::size_t count) {
+  const auto n = shares.front().information.rows();
+  std::vector<char> taken(windows.size(), 0);
+  Eigen::MatrixXd information = Eigen::MatrixXd::Zero(n, n);
+  const auto take = [&](std::size_t i) {
+    taken[i] = 1;
+    if (shares[i].information.allFinite()) information += shares[i].information;
+  };
+  for (std::size_t i = 0; i < count / 2; ++i) take((2 * i + 1) * windows.size() / (2 * (count / 2)));
+  for (std::size_t more = count / 2; more < count; ++more) {
+    // What a window adds to the determinant's logarithm, to first order.
+    Eigen::MatrixXd known = information;
+    for (Eigen::Index i = 0; i < n; ++i) known(i, i) = std::max(known(i, i) * (1.0 + 1e-9), 1e-300);
+    const Eigen::VectorXd scale = known.diagonal().cwiseSqrt().cwiseInverse();
+    const Eigen::MatrixXd inverse = scale.asDiagonal() *
+                                    Eigen::MatrixXd(scale.asDiagonal() * known * scale.asDiagonal())
+                                        .completeOrthogonalDecomposition()
+                                        .pseudoInverse() *
+                                    scale.asDiagonal();
+    std::size_t best = windows.size();
+    double most = -1.0;
+    for (std::size_t i = 0; i < windows.size(); ++i) {
+      if (taken[i] || !shares[i].information.allFinite()) continue;
+      const double adds = inverse.cwiseProduct(shares[i].information).sum();
+      if (adds > most) most = adds, best = i;
+    }
+    if (best == windows.size()) break;
+    take(best);
+  }
+  std::vector<Window> some;
+  for (std::size_t i = 0; i < windows.size(); ++i)
+    if (taken[i]) some.push_back(windows[i]);
+  return some;
+}
+
 }  // namespace
+
+std::vector<double> begin_on_some(const model::Model& model, const std::vector<Unknown>& unknowns,
+                                  const std::vector<double>& start, const std::vector<Recording>& recordings,
+                                  const std::vector<Window>& windows) {
+  constexpr std::size_t kMany = 24'000, kSome = 12'000, kFewestWindows = 24;  // rows
+  std::size_t rows = 0;
+  for (const Window& w : windows) rows += w.rows();
+  if (unknowns.empty() || rows <= kMany || windows.size() < 2 * kFewestWindows ||
+      dynamics::has(model.kind, dynamics::Seat::belt))
+    return start;
+  const std::size_t count = std::max(kFewestWindows, windows.size() * kSome / rows);
+  const Fit look = look_by_simulation(model, unknowns, start, recordings, windows, Starting::linear);
+  const std::vector<Window> some = telling(look.shares, windows, count);
+  Costs problems(model, unknowns, recordings, some, Weighting::noise);
+  std::vector<double> values = start;
+  return solve(problems, unknowns, values) ? values : start;
+}
 
 Fit fit_by_simulation(const model::Model& model, const std::vector<Unknown>& unknowns,
                       const std::vector<double>& start, const std::vector<Recording>& recordings,

@@ -39,6 +39,12 @@ Fit fit_by_simulation(const model::Model& model, const std::vector<Unknown>& unk
                       const std::vector<Window>& windows, Weighting weighting = Weighting::noise,
                       std::size_t layers = 1);
 
+/// Values from which a fit on many rows has a short way: fitted from `start` on some of the windows alone, those that tell most of these
+/// unknowns there. `start` itself where the rows are not many, or of a belt, whose runs jump.
+std::vector<double> begin_on_some(const model::Model& model, const std::vector<Unknown>& unknowns,
+                                  const std::vector<double>& start, const std::vector<Recording>& recordings,
+                                  const std::vector<Window>& windows);
+
 /// How the windows' start states, which are measured, come to their optimum: by running them again until they
 /// are there, or by a linear step in the same run, at a third of the price.
 enum class Starting : std::uint8_t { at_optimum, linear };

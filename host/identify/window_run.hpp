@@ -48,6 +48,7 @@ extern template bool run_window<Dual<2>>(const WindowRun&, double const* const*,
 extern template bool run_window<Dual<4>>(const WindowRun&, double const* const*, double*, double**);
 extern template bool run_window<Dual<6>>(const WindowRun&, double const* const*, double*, double**);
 extern template bool run_window<Dual<8>>(const WindowRun&, double const* const*, double*, double**);
+extern template bool run_window<Dual<10>>(const WindowRun&, double const* const*, double*, double**);
 extern template bool run_window<Dual<12>>(const WindowRun&, double const* const*, double*, double**);
 extern template bool run_window<Dual<20>>(const WindowRun&, double const* const*, double*, double**);
 extern template bool run_window<Dual<32>>(const WindowRun&, double const* const*, double*, double**);

@@ -478,7 +478,11 @@ std::string data(const Diagnosis& d) {
   std::string out = "<p>" + std::to_string(d.logs) + " recordings, " + std::to_string(d.held_out_logs) +
                     " of them held out; ";
   if (dynamics::has(d.kind, dynamics::Seat::leg)) out += std::to_string(d.hops) + " hops, ";
-  out += std::to_string(d.samples) + " samples.</p>\n";
+  out += std::to_string(d.samples) + " samples.";
+  if (d.fitted_windows < d.windows)
+    out += " The search was made on " + std::to_string(d.fitted_windows) + " of " +
+           std::to_string(d.windows) + " stretches of the recordings, those that tell most.";
+  out += "</p>\n";
   out += dirt_html(d.dirt);
   for (const identify::LeftOut& l : d.left_out) out += paragraph(identify::sentence(l) + ".");
   if (!d.training_files.empty()) out += "<h4>Fitted to</h4>\n" + file_list(d.training_files);

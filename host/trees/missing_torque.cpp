@@ -16,6 +16,7 @@ namespace furcula::trees {
 namespace {
 
 constexpr double kHalf_s = 0.02;
+constexpr double kFewestOfWindow = 8.0;  ///< samples
 
 /// The drive's input about a row, weighed as a cubic's second derivative weighs accelerations.
 double smoothed_input(const Recording& r, std::size_t joint, double t0, double half_s, std::size_t near) {
@@ -101,8 +102,13 @@ std::vector<TorqueSamples> missing_torque(const Problem& problem, const std::vec
   for (TorqueSamples& s : out) s.others.resize(n);
   std::size_t rows = 0;
   for (const Recording& r : recordings) rows += r.rows();
-  const std::size_t step = std::max<std::size_t>(1, rows / most);
-  for (const Window& w : windows_of(problem.model(), recordings, window_s)) {
+  // Of long recordings some windows with as many samples each as tell its motion, in place of all with one or none.
+  const double in_window = window_s / std::max(recordings.front().interval_s, 1e-6);
+  const auto widest = static_cast<std::size_t>(std::max(1.0, in_window / kFewestOfWindow));
+  const std::size_t step = std::clamp<std::size_t>(rows / most, 1, widest);
+  const std::size_t most_windows =
+      rows / most > widest ? most / static_cast<std::size_t>(kFewestOfWindow) : 0;
+  for (const Window& w : windows_of(problem.model(), recordings, window_s, most_windows)) {
     const Recording& r = recordings[w.recording];
     const double half = std::max(kHalf_s, 3.5 * r.interval_s);
     // The same window as the model makes it: what smoothing does to it, it does to the measured one.

@@ -97,6 +97,9 @@ TEST_CASE("White noise is worth its rows, and noise with a memory its rows over 
     CHECK(share_of(autoregression(memory, kRows, 2)) == Approx(1.0 / time).epsilon(0.05));
     CHECK(time == Approx((1.0 + memory) / (1.0 - memory)).epsilon(0.06));
   }
+  // A memory of some thousand rows, at a part of the lags alone.
+  const double time = 1.0 + 2.0 * 0.998 * 0.95 / (1.0 - 0.998);
+  CHECK(share_of(autoregression(0.998, 20 * kRows, 4)) == Approx(1.0 / time).epsilon(0.1));
   // Sums of two neighbours: correlated by a half at the first lag, by nothing at the others.
   const Eigen::VectorXd x = autoregression(0.0, kRows, 3);
   CHECK(share_of(x.head(kRows - 1) + x.tail(kRows - 1)) == Approx(0.5).epsilon(0.02));
