@@ -188,8 +188,6 @@ nlohmann::ordered_json to_json(const Diagnosis& d) {
                       {"logs", l.logs}});
   }
 
-  Json data = {
-      {"logs", d.logs}, {"hops", d.hops}, {"samples", d.samples}, {"held_out_logs", d.held_out_logs}};
   if (d.fitted_windows < d.windows) {
     data["windows"] = d.fitted_windows;
     data["of_windows"] = d.windows;
