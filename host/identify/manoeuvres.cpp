@@ -341,7 +341,7 @@ std::string sentence(const LeftOut& of) {
   std::string logs;
   for (const std::string& name : of.logs) logs += (logs.empty() ? "" : ", ") + name;
   return std::to_string(of.windows) + (of.windows == 1 ? " stride" : " strides") + " (" +
-         core::rounded(of.seconds, 2) + " s, " + core::rounded(1e2 * of.share, 2) +
+         core::rounded(of.seconds, 2) + " s, " + core::rounded(1e2 * of.share, 3) +
          " % of all) left out, in " + logs + ": " + of.why;
 }
 

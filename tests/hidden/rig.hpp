@@ -35,7 +35,7 @@ struct HopperExperiment {
   struct Fold {
     double after_s, depth_m, length_s;
   };
-  std::vector<Fold> folds;
+  std::vector<Fold> folds = {};
   int hops = 8;            ///< the recording ends after so many lift-offs ...
   double longest_s = 5.0;  ///< ... or after this time, or when the body has come to rest
 };
