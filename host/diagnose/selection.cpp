@@ -413,7 +413,9 @@ class Search {
     Hypothesis other = fit_if_it_runs(
         words, s_.chosen,
         {{Effect::coulomb_friction, {0.5 * (up + down)}}, {Effect::force_offset, {0.5 * (down - up)}}});
-    if (!other.failed && other.meaningful) s_.chosen = std::move(other);
+    if (other.failed || !other.meaningful) return;
+    s_.chosen = std::move(other);
+    prune(s_.chosen);  // of a constant force alone, too, both sizes are found
   }
 
   /// Of all sets that were fitted and mean something, the one that is preferred most to the chosen one, prices

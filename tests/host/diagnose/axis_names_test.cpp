@@ -154,7 +154,7 @@ TEST_CASE("Without a torque nothing is said of the drive, and dry friction is fo
 TEST_CASE("A torque that swings less than twice over the travel is no ripple", "[long]") {
   // A weight beside the line from the axis, that the model has not: 0.15 N m sin(x + 0.8).
   Joint j{.gravity = 2.0, .more = [](double x) { return -0.15 * std::sin(x + 0.8); }};
-  const Data data = driven(j, 2.0, 1.5);
+  const Data data = driven(j, 0.7, 1.5);
   const auto d = diagnose::diagnose(model_of(Kind::rotary_joint, j), data.training, data.held_out);
   INFO(diagnose::to_json_text(d));
   for (const auto& f : d.findings) CHECK(f.effect != Effect::torque_ripple);

@@ -218,7 +218,7 @@ TEST_CASE("hostile names stay text") {
   d.residual.unit = d.residual.velocity_unit = d.residual.position_unit = hostile;
   d.goes_along_with = {{hostile, 0.5, hostile}};
   d.parameters.push_back({hostile, hostile, true, 0, {}, {}, hostile});
-  d.candidates.push_back({{hostile}, {{hostile, {}}}, 0, 0, false, hostile});
+  d.candidates.push_back({{hostile}, {{hostile, {}}}, 0, 0, false, 0, hostile});
   d.findings[0].parameters[hostile] = {};
   d.findings[0].explanation = d.findings[0].next_experiment = hostile;
   d.findings[0].alternatives = {{{hostile}, hostile, {{hostile, {}}}}};

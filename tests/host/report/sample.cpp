@@ -268,6 +268,7 @@ diagnose::Diagnosis sample_diagnosis(std::size_t logs, std::size_t hops) {
                             1.0 - f.squares / refitted.squares,
                             removed(f.p),
                             t.member == &Parameters::friction,
+                            0.0,
                             t.outcome});
   }
   diagnose::Finding finding{};
