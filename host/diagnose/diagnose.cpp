@@ -116,10 +116,7 @@ class Assembly {
   /// Ends early where a recording disagrees with the others.
   Diagnosis run() {
     selection_ = select(model_, training_, training_windows_, options_.threads, options_.progress);
-    const Hypothesis& chosen = selection_.chosen;
-    if (may_disagree_)
-      disagreement_ = identify::disagreeing(with_slips(model_, training_, chosen.effects), chosen.unknowns,
-                                            chosen.fit, training_, training_windows_.windows);
+    if (may_disagree_) disagreement_ = identify::disagreeing(sets(), training_, training_windows_.windows);
     if (disagreement_) return {};
     choose();
     // From here on the held-out recordings are seen. They name nothing and withdraw nothing.
@@ -145,6 +142,20 @@ class Assembly {
   /// Of long recordings as many windows as a fit is made on.
   static std::vector<Window> evenly(const std::vector<Window>& all) {
     return identify::evenly(all, identify::kMostRowsOfFit, identify::kFewestChosen);
+  }
+
+  /// What was chosen, first, and what else was tried on top of the re-fitted model alone, and it.
+  std::vector<identify::FittedSet> sets() const {
+    std::vector<identify::FittedSet> all;
+    const auto add = [&](const Hypothesis& h) {
+      if (!h.failed) all.push_back({with_slips(model_, training_, h.effects), h.unknowns, h.fit});
+    };
+    add(selection_.chosen);
+    add(selection_.refitted);
+    for (const Hypothesis& h : selection_.without) add(h);
+    for (const Tried& t : selection_.tried)
+      if (t.round == 0) add(t.hypothesis);
+    return all;
   }
 
   using Refuted = std::vector<std::vector<log::Refuted>>;  // rows of each log

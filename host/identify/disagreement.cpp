@@ -12,7 +12,8 @@
 namespace furcula::identify {
 namespace {
 
-constexpr double kSuspect = 4.0;    // times the others' median NMSE
+constexpr double kSuspect = 4.0;  // times the others' median NMSE
+constexpr double kMuchLess = 0.3;
 constexpr double kOverNoise = 9.0;  // of the squares
 constexpr std::size_t kFewest = 5;
 
@@ -115,34 +116,51 @@ core::OddOne apart(const Left& left, std::size_t i) {
 
 }  // namespace
 
-std::optional<Disagreement> disagreeing(const model::Model& model, const std::vector<Unknown>& unknowns,
-                                        const Fit& fit, const std::vector<Recording>& recordings,
+std::optional<Disagreement> disagreeing(const std::vector<FittedSet>& sets,
+                                        const std::vector<Recording>& recordings,
                                         const std::vector<Window>& windows) {
   if (recordings.size() < kFewest) return std::nullopt;
-  std::optional<std::size_t> worst;
-  double most = kSuspect;
-  for (std::size_t i = 0; i < recordings.size(); ++i) {
-    const core::OddOne found =
-        apart(left_by(fit.shares, squares_without(fit, windows, i, unknowns.size()), recordings, windows), i);
-    if (found.times <= most) continue;
-    most = found.times;
-    worst = i;
+  struct Suspect {
+    std::size_t set, recording;
+    double times;
+  };
+  // Of what was chosen and of all others the one that stands out most.
+  std::optional<Suspect> by_chosen, by_other;
+  for (std::size_t s = 0; s < sets.size(); ++s)
+    for (std::size_t i = 0; i < recordings.size(); ++i) {
+      const Fit& fit = sets[s].fit;
+      if (fit.shares.size() != windows.size()) continue;
+      const double times =
+          apart(left_by(fit.shares, squares_without(fit, windows, i, sets[s].unknowns.size()), recordings,
+                        windows),
+                i)
+              .times;
+      std::optional<Suspect>& worst = s == 0 ? by_chosen : by_other;
+      if (times > (worst ? worst->times : kSuspect)) worst = Suspect{s, i, times};
+    }
+  const Left chosen = left_by(sets[0].fit.shares, squares_of_motion(sets[0].fit.shares), recordings, windows);
+  for (const auto& suspect : {by_chosen, by_other}) {
+    if (!suspect || !within_others(recordings, suspect->recording)) continue;
+    // In earnest.
+    const FittedSet& set = sets[suspect->set];
+    std::vector<Window> others;
+    for (const Window& w : windows)
+      if (w.recording != suspect->recording) others.push_back(w);
+    const Fit without = fit_by_simulation(set.model, set.unknowns, set.fit.values, recordings, others,
+                                          Weighting::noise, set.fit.layers);
+    const Fit look = look_by_simulation(set.model, set.unknowns, without.values, recordings, windows);
+    const Left left = left_by(look.shares, squares_of_motion(look.shares), recordings, windows);
+    const core::OddOne found = apart(left, suspect->recording);
+    std::vector<double> of_chosen;
+    for (std::size_t i = 0; i < recordings.size(); ++i)
+      if (i != suspect->recording && chosen.nmse[i] > 0.0) of_chosen.push_back(left.nmse[i] / chosen.nmse[i]);
+    if (!found.far || (suspect->set != 0 && core::quantile(of_chosen, 0.5) > kMuchLess)) continue;
+    return Disagreement{suspect->recording,
+                        "disagrees with the other " + std::to_string(recordings.size() - 1) +
+                            ": fitted on those, the model leaves " + core::rounded(found.times, 2) +
+                            " times as much of its motion as of theirs"};
   }
-  if (!worst) return std::nullopt;
-  if (!within_others(recordings, *worst)) return std::nullopt;
-  // In earnest.
-  std::vector<Window> others;
-  for (const Window& w : windows)
-    if (w.recording != *worst) others.push_back(w);
-  const Fit without =
-      fit_by_simulation(model, unknowns, fit.values, recordings, others, Weighting::noise, fit.layers);
-  const Fit look = look_by_simulation(model, unknowns, without.values, recordings, windows);
-  const core::OddOne found =
-      apart(left_by(look.shares, squares_of_motion(look.shares), recordings, windows), *worst);
-  if (!found.far) return std::nullopt;
-  return Disagreement{*worst, "disagrees with the other " + std::to_string(recordings.size() - 1) +
-                                  ": fitted on those, the model leaves " + core::rounded(found.times, 2) +
-                                  " times as much of its motion as of theirs"};
+  return std::nullopt;
 }
 
 std::vector<std::string> disagreeing_held_out(const model::Model& fitted,

@@ -14,13 +14,21 @@ struct Disagreement {
   std::string why;  ///< a sentence about it, that goes on after its name
 };
 
-/// The recording that disagrees with the others most, if one does grossly: fitted on the others alone, the model leaves far more of its
-/// motion (by NMSE, eight times the others' median and six standard deviations of theirs, robustly) and far more than noise, though it
-/// was driven, and moved, as they were. Of at least five recordings; one that was driven otherwise may show what the others do not.
+/// A set of causes that was fitted on the training windows.
+struct FittedSet {
+  model::Model model;
+  const std::vector<Unknown>& unknowns;
+  const Fit& fit;
+};
+
+/// The recording that disagrees with the others most, if one does grossly: with a set fitted on the others alone, runs leave far more of its
+/// motion (by NMSE: core::odd_one) and far more than noise, though it was driven, and moved, as they were: one that was driven otherwise
+/// may show what they do not. Of at least five recordings.
 ///
-/// `model`, `unknowns`, `fit`: what was chosen on `windows`.
-std::optional<Disagreement> disagreeing(const model::Model& model, const std::vector<Unknown>& unknowns,
-                                        const Fit& fit, const std::vector<Recording>& recordings,
+/// `sets`: what was chosen, and others that were tried. A cause may have been chosen to account for the odd recording; so another set
+/// counts, too, if without the odd recording it leaves less than 0.3 of what the chosen one leaves of the others.
+std::optional<Disagreement> disagreeing(const std::vector<FittedSet>& sets,
+                                        const std::vector<Recording>& recordings,
                                         const std::vector<Window>& windows);
 
 /// The same of held-out recordings beside those that were fitted, which nothing is left out of: sentences that name them.

@@ -210,7 +210,8 @@ Fit look_by_simulation(const model::Model& model, const std::vector<Unknown>& un
 namespace {
 
 /// Moves the values and start states to where the squares are least. False where the runs do not stay finite.
-bool solve(Costs& problems, const std::vector<Unknown>& unknowns, std::vector<double>& values) {
+bool solve(Costs& problems, const std::vector<Unknown>& unknowns, std::vector<double>& values,
+           const Effort& effort) {
   auto& [costs, starts] = problems;
   if (unknowns.empty() || costs.empty()) return true;
   ceres::Problem::Options problem_options;
@@ -219,14 +220,12 @@ bool solve(Costs& problems, const std::vector<Unknown>& unknowns, std::vector<do
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::DENSE_SCHUR;
   options.linear_solver_ordering = std::make_shared<ceres::ParameterBlockOrdering>();
-  options.max_num_iterations = 60;
+  options.max_num_iterations = effort.most_iterations;
   // Of the squares, which judge a cause by their logarithm times the number of rows: less is no evidence, and
   // a law with more parameters than the recordings can tell creeps on for as long as it may.
   options.function_tolerance = 1e-6;
   options.parameter_tolerance = 1e-10;
-  // The search along a step that the bounds bend (the first trial is nearly always taken) by values alone: by slopes, as is usual, each
-  // trial would be a run with derivatives, and those are what a fit costs.
-  options.line_search_interpolation_type = ceres::QUADRATIC;
+  if (!effort.along_steps) options.max_num_line_search_step_size_iterations = 0;
   options.num_threads = 1;
   options.logging_type = ceres::SILENT;
   for (std::size_t i = 0; i < costs.size(); ++i) {
@@ -392,26 +391,30 @@ std::vector<Window> telling(const std::vector<WindowShare>& shares, const std::v
 
 }  // namespace
 
-std::vector<double> begin_on_some(const model::Model& model, const std::vector<Unknown>& unknowns,
-                                  const std::vector<double>& start, const std::vector<Recording>& recordings,
-                                  const std::vector<Window>& windows) {
+std::optional<std::vector<double>> begin_on_some(const model::Model& model,
+                                                 const std::vector<Unknown>& unknowns,
+                                                 const std::vector<double>& start,
+                                                 const std::vector<Recording>& recordings,
+                                                 const std::vector<Window>& windows) {
   constexpr std::size_t kMany = 24'000, kSome = 12'000, kFewestWindows = 24;  // rows
   std::size_t rows = 0;
   for (const Window& w : windows) rows += w.rows();
   if (unknowns.empty() || rows <= kMany || windows.size() < 2 * kFewestWindows ||
       dynamics::has(model.kind, dynamics::Seat::belt))
-    return start;
+    return std::nullopt;
   const std::size_t count = std::max(kFewestWindows, windows.size() * kSome / rows);
   const Fit look = look_by_simulation(model, unknowns, start, recordings, windows, Starting::linear);
   const std::vector<Window> some = telling(look.shares, windows, count);
   Costs problems(model, unknowns, recordings, some, Weighting::noise);
   std::vector<double> values = start;
-  return solve(problems, unknowns, values) ? values : start;
+  if (!solve(problems, unknowns, values, kOnSome)) return std::nullopt;
+  return values;
 }
 
 Fit fit_by_simulation(const model::Model& model, const std::vector<Unknown>& unknowns,
                       const std::vector<double>& start, const std::vector<Recording>& recordings,
-                      const std::vector<Window>& windows, Weighting weighting, std::size_t layers) {
+                      const std::vector<Window>& windows, Weighting weighting, std::size_t layers,
+                      const Effort& effort) {
   Fit fit;
   // What the solver tells of rejected steps is no news to a user.
   [[maybe_unused]] static const bool quiet = (FLAGS_minloglevel = google::GLOG_FATAL, true);
@@ -426,7 +429,7 @@ Fit fit_by_simulation(const model::Model& model, const std::vector<Unknown>& unk
     Costs falling(model, unknowns, recordings, falls, weighting);
     const double before = jumping.squares(fit.values);
     const std::vector<double> given = fit.values;
-    usable = solve(falling, unknowns, fit.values);
+    usable = solve(falling, unknowns, fit.values, effort);
     if (!usable || (!jumping.any() && !(jumping.squares(fit.values) < before))) fit.values = given;
     jumping.look_coarsely(fit.values);
     jumping.look(fit.values);
@@ -434,7 +437,7 @@ Fit fit_by_simulation(const model::Model& model, const std::vector<Unknown>& unk
   constexpr int kRounds = 3;
   bool again = true;
   for (int round = 0; round < kRounds && again; ++round) {
-    usable = solve(problems, unknowns, fit.values);
+    usable = solve(problems, unknowns, fit.values, effort);
     again = usable && jumping.look(fit.values);
   }
   fit.ranges = jumping.ranges();

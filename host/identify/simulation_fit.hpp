@@ -3,6 +3,7 @@
 
 #include <Eigen/Dense>
 #include <array>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -31,19 +32,31 @@ struct Fit {
   std::size_t layers = 1;  ///< in how many of the windows each row lies
 };
 
+/// How a fit seeks.
+struct Effort {
+  int most_iterations = 60;
+  /// Whether a search along each step looks for how far to go, by runs with derivatives: they are what a fit costs. Without it steps that
+  /// do not lead down are taken back and shortened, which ends elsewhere in the last digits.
+  bool along_steps = true;
+};
+/// Of fits on many rows: on some of them, and then on all.
+inline constexpr Effort kOnSome{60, false}, kFromNear{20, false};
+
 /// `layers`: in how many of the windows each row lies; the covariance takes it into account.
 /// @throws core::DataError where no run of the model stays finite.
 /// Fits the unknowns from `start` (values, within bounds) on the windows, each with a start state of its own.
 Fit fit_by_simulation(const model::Model& model, const std::vector<Unknown>& unknowns,
                       const std::vector<double>& start, const std::vector<Recording>& recordings,
                       const std::vector<Window>& windows, Weighting weighting = Weighting::noise,
-                      std::size_t layers = 1);
+                      std::size_t layers = 1, const Effort& effort = {});
 
 /// Values from which a fit on many rows has a short way: fitted from `start` on some of the windows alone, those that tell most of these
-/// unknowns there. `start` itself where the rows are not many, or of a belt, whose runs jump.
-std::vector<double> begin_on_some(const model::Model& model, const std::vector<Unknown>& unknowns,
-                                  const std::vector<double>& start, const std::vector<Recording>& recordings,
-                                  const std::vector<Window>& windows);
+/// unknowns there. Nothing where the rows are not many, or of a belt, whose runs jump.
+std::optional<std::vector<double>> begin_on_some(const model::Model& model,
+                                                 const std::vector<Unknown>& unknowns,
+                                                 const std::vector<double>& start,
+                                                 const std::vector<Recording>& recordings,
+                                                 const std::vector<Window>& windows);
 
 /// How the windows' start states, which are measured, come to their optimum: by running them again until they
 /// are there, or by a linear step in the same run, at a third of the price.

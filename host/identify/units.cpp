@@ -1,6 +1,7 @@
 // Wrong units, see units.hpp.
 #include "host/identify/units.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <string>
@@ -46,52 +47,58 @@ Foretold foretold_by(const model::Model& model, const Recording& r, const std::v
   return {both / said, both / std::sqrt(said * seen)};
 }
 
-/// "as degrees would", where a factor is that of a usual unit.
-std::string as_unit(double factor) {
-  struct Unit {
-    double factor;
-    const char* what;
-  };
-  constexpr Unit kUnits[]{{1.0 / kRadPerDegree, "degrees for radians"},
-                          {kRadPerDegree, "radians for degrees"},
-                          {30.0 / std::numbers::pi, "turns a minute for rad/s"},
-                          {1e3, "millimetres for metres"},
-                          {1e-3, "metres for millimetres"},
-                          {1e2, "centimetres for metres"}};
-  for (const Unit& u : kUnits)
-    if (std::abs(factor / u.factor - 1.0) < 0.1) return std::string(", as with ") + u.what;
-  return factor < 0.0 ? ", with the other sign" : "";
+/// A usual confusion of units, by its factor.
+struct Confusion {
+  double factor;
+  const char* what;
+};
+constexpr Confusion kConfusions[]{{1.0 / kRadPerDegree, ", as with degrees for radians"},
+                                  {kRadPerDegree, ", as with radians for degrees"},
+                                  {30.0 / std::numbers::pi, ", as with turns a minute for rad/s"},
+                                  {1e3, ", as with millimetres for metres"},
+                                  {1e-3, ", as with metres for millimetres"},
+                                  {1e2, ", as with centimetres for metres"},
+                                  {-1.0, ", with the other sign"}};
+
+/// That which a factor is near to; else the factor itself.
+Confusion confusion_of(double factor) {
+  for (const Confusion& c : kConfusions)
+    if (std::abs(factor / c.factor - 1.0) < 0.1) return c;
+  return {factor, ""};
 }
 
 }  // namespace
 
 void require_named_unit(const model::Model& model, const std::vector<Recording>& recordings,
                         const std::vector<Window>& windows) {
-  constexpr double kAlike = 0.8, kUnlike = 0.4;
-  constexpr double kAbout = 4.0, kFarOff = 10.0;  // of the size that the model says
-  constexpr std::size_t kWindows = 6;             // of each recording
+  constexpr double kAlike = 0.8, kAbout = 4.0, kBetter = 0.15;
+  constexpr std::size_t kWindows = 6;  // of each recording
   const machines::Rules& rules = machines::rules(model.kind);
   if (rules.cut == machines::Cut::strides) return;
   const bool rotary = dynamics::info(model.kind).rotary;
   for (std::size_t i = 0; i < recordings.size(); ++i) {
+    const Recording& r = recordings[i];
     std::vector<Window> own, some;
     for (const Window& w : windows)
       if (w.recording == i) own.push_back(w);
     for (std::size_t k = 0; k < own.size(); k += std::max<std::size_t>(1, own.size() / kWindows))
       some.push_back(own[k]);
-    if (some.empty()) continue;
-    const Foretold named = foretold_by(model, recordings[i], some);
-    if (named.alike > kUnlike && named.times < kFarOff) continue;
-    const Foretold other = foretold_by(model, scaled(recordings[i], rotary ? kRadPerDegree : 1e-3), some);
-    if (!(other.alike > kAlike && other.times < kAbout && other.times > 1.0 / kAbout)) continue;
-    throw core::DataError(
-        recordings[i].name + ": " + std::string(rules.columns.position) + " moves as " +
-        (rotary ? "degrees" : "millimetres") + " would: so read it does " + core::rounded(other.times, 2) +
-        " times what the model says, as " + (rotary ? "radians " : "metres ") +
-        (named.alike > kUnlike ? core::rounded(named.times, 2) + " times" : "nothing of the kind") +
-        "; expected " +
-        (rotary ? "radians (a --map file with scale = 0.0174533 makes them)"
-                : "metres (a --map file with scale = 0.001 makes them)"));
+    // What swings freely by less than a turn may be a pendulum or a spring.
+    const auto [low, high] = std::minmax_element(r.position.begin(), r.position.end());
+    const bool driven = std::any_of(r.input.begin(), r.input.end(), [](double u) { return u != 0.0; });
+    if (some.empty() || (rotary && !driven && *high - *low < 2.0 * std::numbers::pi)) continue;
+    const Foretold named = foretold_by(model, r, some);
+    const Foretold other = foretold_by(model, scaled(r, rotary ? kRadPerDegree : 1e-3), some);
+    const bool fits = other.alike > kAlike && other.times < kAbout && other.times > 1.0 / kAbout;
+    if (!fits || !(1.0 - other.alike * other.alike < kBetter * (1.0 - named.alike * named.alike))) continue;
+    throw core::DataError(r.name + ": " + std::string(rules.columns.position) + " moves as " +
+                          (rotary ? "degrees" : "millimetres") +
+                          " would: so read, the model accounts for all but " +
+                          core::rounded(100.0 * (1.0 - other.alike * other.alike), 2) +
+                          " % of what it does, as " + (rotary ? "radians" : "metres") + " for all but " +
+                          core::rounded(100.0 * (1.0 - named.alike * named.alike), 2) + " %; expected " +
+                          (rotary ? "radians (a --map file with scale = 0.0174533 makes them)"
+                                  : "metres (a --map file with scale = 0.001 makes them)"));
   }
 }
 
@@ -109,10 +116,11 @@ void mend_velocities(std::vector<Recording>& recordings) {
     const double factor = std::copysign(std::sqrt(of_column / of_slope), product);
     if (factor > kLeast && factor < kMost) continue;
     const machines::Columns& columns = machines::rules(r.kind).columns;
+    const Confusion confusion = confusion_of(factor);
     r.notes.push_back(r.name + ": " + std::string(columns.velocity) + " is " + core::rounded(factor, 3) +
-                      " times the slope of " + std::string(columns.position) + as_unit(factor) +
-                      ": it is not used (a --map file with scale = " + core::rounded(1.0 / factor, 6) +
-                      " mends it, if the position is right).");
+                      " times the slope of " + std::string(columns.position) + confusion.what +
+                      ": it is not used (a --map file with scale = " +
+                      core::rounded(1.0 / confusion.factor, 6) + " mends it, if the position is right).");
     r.velocity = r.velocity_smoothed;
     r.velocity_recorded = false;
   }

@@ -7,9 +7,10 @@
 
 namespace furcula::identify {
 
-/// @throws core::DataError where the positions of a recording do what the model as given says as degrees (of a linear axis: as
-/// millimetres), to within a factor of four, and not as what they are named: more than ten times as much, or nothing alike. A linear
-/// machine that nothing drives moves the same in any unit. Hoppers' heights are not looked at: their windows hang on them.
+/// @throws core::DataError where what a recording's position does, beyond going on as each window began, follows the model as given (but
+/// for a factor of up to four) far better as degrees (of a linear axis: as millimetres) than as what it is named: what is left is less than
+/// 0.15 of it. What nothing drives, and swings by less than a turn, is not looked at; nor are hoppers' heights, on which their windows
+/// hang.
 void require_named_unit(const model::Model& model, const std::vector<Recording>& recordings,
                         const std::vector<Window>& windows);
 

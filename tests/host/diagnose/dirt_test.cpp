@@ -158,9 +158,9 @@ TEST_CASE("A velocity in another unit than its position's is said to be, and not
   const auto d = diagnose::diagnose(joint_model(), training, held_out);
   CHECK(d.verdict == Verdict::adequate);
   REQUIRE(d.dirt.notes.size() == 3);
-  CHECK_THAT(d.dirt.notes[0],
-             Catch::Contains("joint-1.csv: velocity_radps is 57.3 times the slope of angle_rad") &&
-                 Catch::Contains("degrees for radians"));
+  CHECK_THAT(d.dirt.notes[0], Catch::Contains("joint-1.csv: velocity_radps is 57.") &&
+                                  Catch::Contains("degrees for radians") &&
+                                  Catch::Contains("scale = 0.0174533"));
   CHECK_FALSE(d.extended.contains("velocity"));
 }
 
