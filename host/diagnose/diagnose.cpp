@@ -539,6 +539,7 @@ class Assembly {
         f.lowered_by.push_back(std::move(why));
       };
       const bool told = f.effect != Effect::encoder_slip || slips_foretold_;
+      limit(f.undecided, kConfidence.undecided, "another law explains the training recordings as well");
       limit(may_be_none(f.effect), kConfidence.may_be_none,
             "the interval of its size holds the value at which there is nothing");
       limit(not_held(f.effect), kConfidence.not_held, "one of its values may be anything within its bounds");

@@ -26,6 +26,8 @@ struct ConfidenceRules {
   double odds_of_none_by_share = 5.0;
   /// Its interval holds the value at which there is nothing: as likely there as not.
   double may_be_none = 0.5;
+  /// Another law explains the training recordings as well.
+  double undecided = 0.5;
   /// A value at a physical limit, or an interval as wide as its bounds: the recordings say nothing of it.
   double not_held = 0.3;
   /// The held-out recordings are predicted worse with it than without it: rather not.

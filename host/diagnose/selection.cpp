@@ -63,6 +63,7 @@ class Search {
     one_for_several();
     if (beam() && !follows_the_body(s_.chosen)) forward(s_.chosen.effects.size());
     replace_by_rivals();
+    add_friction_of_two_sizes();
     add_drive_behind_early_rows();
     if (wider && trainer_.preference(s_.chosen, *wider) > -kEqualEvidence) s_.beyond_bounds = wider;
     const double prior = trainer_.prior(s_.chosen.effects);
@@ -435,6 +436,43 @@ class Search {
       best = &h;
     }
     return best;
+  }
+
+  /// Friction and a constant force are one law with a friction of two sizes: up = size - force, down = size + force.
+  void add_friction_of_two_sizes() {
+    const EffectSet& members = s_.chosen.effects;
+    if (!holds(members, Effect::coulomb_friction) || !holds(members, Effect::force_offset)) return;
+    Hypothesis one = s_.chosen;
+    one.effects = with(without(without(members, Effect::coulomb_friction), Effect::force_offset),
+                       Effect::asymmetric_friction);
+    one.unknowns = unknowns_of(trainer_.model, one.effects);
+    const auto n = static_cast<Eigen::Index>(one.unknowns.size());
+    Eigen::MatrixXd words = Eigen::MatrixXd::Zero(n, n);  // the new values from the old ones
+    for (Eigen::Index i = 0; i < n; ++i)
+      for (Eigen::Index k = 0; k < n; ++k) {
+        const identify::Unknown& now = one.unknowns[static_cast<std::size_t>(i)];
+        const identify::Unknown& old = s_.chosen.unknowns[static_cast<std::size_t>(k)];
+        if (!now.of_effect || now.effect != Effect::asymmetric_friction)
+          words(i, k) = now.name == old.name ? 1.0 : 0.0;
+        else if (old.of_effect && old.effect == Effect::coulomb_friction)
+          words(i, k) = 1.0;
+        else if (old.of_effect && old.effect == Effect::force_offset)
+          words(i, k) = now.parameter == 0 ? -1.0 : 1.0;
+      }
+    Eigen::Map<Eigen::VectorXd>(one.fit.values.data(), n) =
+        words * Eigen::Map<const Eigen::VectorXd>(s_.chosen.fit.values.data(), n);
+    one.fit.covariance = words * s_.chosen.fit.covariance * words.transpose();
+    const Eigen::MatrixXd back = words.inverse();
+    for (identify::WindowShare& share : one.fit.shares) {
+      share.information = back.transpose() * share.information * back;
+      share.gradient = back.transpose() * share.gradient;
+    }
+    one.fit.at_bound.assign(one.unknowns.size(), false);
+    one.fit.ranges.clear();
+    one.fitted.effects.erase(Effect::coulomb_friction);
+    one.fitted.effects.erase(Effect::force_offset);
+    one.fitted = identify::with_values(one.fitted, one.unknowns, one.fit.values);
+    for (Effect e : {Effect::coulomb_friction, Effect::force_offset}) s_.equals.push_back({e, one});
   }
 
   /// A log's rows may hold the state after their input has acted: then they are early by one, and a position that is early by less is

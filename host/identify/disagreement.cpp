@@ -82,6 +82,7 @@ std::vector<double> squares_of_motion(const std::vector<WindowShare>& shares) {
 /// noise.
 std::vector<double> squares_without(const Fit& fit, const std::vector<Window>& windows, std::size_t one,
                                     std::size_t unknowns) {
+  if (unknowns == 0) return squares_of_motion(fit.shares);  // nothing to refit
   const auto count = static_cast<Eigen::Index>(unknowns);
   Eigen::MatrixXd others = Eigen::MatrixXd::Zero(count, count);
   Eigen::VectorXd gradient = Eigen::VectorXd::Zero(count);

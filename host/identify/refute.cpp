@@ -11,6 +11,17 @@
 #include "host/machines/rules.hpp"
 
 namespace furcula::identify {
+namespace {
+
+/// A slip stays; at the end of a window that cannot be seen.
+bool beside_slip(const Recording& r, std::size_t row) {
+  constexpr std::size_t kBeside = 2;
+  return std::any_of(r.slips.begin(), r.slips.end(), [row](const Slip& slip) {
+    return row + kBeside >= slip.row && row <= slip.row + kBeside;
+  });
+}
+
+}  // namespace
 
 std::vector<std::vector<log::Refuted>> refuted_rows(const model::Model& fitted,
                                                     const std::vector<Recording>& recordings,
@@ -27,7 +38,7 @@ std::vector<std::vector<log::Refuted>> refuted_rows(const model::Model& fitted,
     if (!std::all_of(left.begin(), left.end(), [](double x) { return std::isfinite(x); })) continue;
     const std::span<const double> time_s(r.time_s.data() + w.first, w.rows());
     for (const std::size_t row : log::steps_out_and_back(time_s, left, r.position_noise))
-      found[w.recording].insert(w.first + row);
+      if (!beside_slip(r, w.first + row)) found[w.recording].insert(w.first + row);
   }
   for (std::size_t i = 0; i < recordings.size(); ++i) {
     const Recording& r = recordings[i];
