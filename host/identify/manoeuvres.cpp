@@ -123,7 +123,9 @@ class Manoeuvres {
   double spread_in(const Rows& rows) const {
     std::vector<double> toe;
     for (std::size_t i = rows.first; i <= rows.last; ++i) toe.push_back(r_.position[i] - length_[i]);
-    return core::quantile(toe, 0.95) - core::quantile(toe, 0.05);
+    std::sort(toe.begin(), toe.end());
+    const std::size_t twentieth = toe.size() / 20;
+    return toe[toe.size() - 1 - twentieth] - toe[twentieth];
   }
 
   /// From where the toe is highest between two stances to either side, up to where it is down.
