@@ -102,6 +102,7 @@ class Manoeuvres {
     for (const Rows& s : stances_) {
       const Rows m = middle(s);
       levels_.push_back(level_in(m));
+      spreads_.push_back(spread_in(m));
       const double height_m = median_over(r_.position, m);
       for (std::size_t i = m.first; i <= m.last; ++i) {
         toe.push_back(std::abs(r_.position[i] - length_[i] - levels_.back()));
@@ -118,6 +119,15 @@ class Manoeuvres {
     return core::median(toe);
   }
 
+  /// By how much it varies there, as a wrong scale of the height, or a leg that gives, make it.
+  double spread_in(const Rows& rows) const {
+    std::vector<double> toe;
+    for (std::size_t i = rows.first; i <= rows.last; ++i) toe.push_back(r_.position[i] - length_[i]);
+    std::sort(toe.begin(), toe.end());
+    const std::size_t twentieth = toe.size() / 20;
+    return toe[toe.size() - 1 - twentieth] - toe[twentieth];
+  }
+
   /// From where the toe is highest between two stances to either side, up to where it is down.
   void find_flights() {
     constexpr double kOffGround_m = 5e-4;
@@ -130,8 +140,9 @@ class Manoeuvres {
       std::size_t top = from;
       for (std::size_t i = from; i < to; ++i)
         if (toe(i) > toe(top)) top = i;
-      const double before = levels_[k == 0 ? 0 : k - 1] + kOffGround_m;
-      const double after = levels_[std::min(k, levels_.size() - 1)] + kOffGround_m;
+      const std::size_t b = k == 0 ? 0 : k - 1, a = std::min(k, levels_.size() - 1);
+      const double before = levels_[b] + spreads_[b] + kOffGround_m;
+      const double after = levels_[a] + spreads_[a] + kOffGround_m;
       if (!(toe(top) > std::max(before, after))) continue;
       Rows f{top, top};
       while (f.first > from && toe(f.first - 1) > before) --f.first;
@@ -146,13 +157,15 @@ class Manoeuvres {
 
   /// Whether the motor folds the leg in any flight. What a backlash does is no fold: there nothing drives it.
   bool folds() const {
-    constexpr double kFolded_rad = 0.05, kDriven = 0.9;
+    constexpr double kFolded_rad = 0.05, kDriven = 0.9, kClear_m = 0.01;
     constexpr std::size_t kRows = 20;
     const double folded_m = reach_m_ * std::cos(stop_rad_ + kFolded_rad);
+    const double level_m = core::median(levels_);
     for (const Rows& f : flights_) {
       std::size_t rows = 0, driven = 0;
       for (std::size_t i = f.first; i <= f.last; ++i) {
-        const bool now = length_[i] < folded_m;
+        const bool now = length_[i] < folded_m && r_.on_ground[i] == 0.0 &&
+                         r_.position[i] - length_[i] > level_m + kClear_m;
         rows = now ? rows + 1 : 0;
         driven = now ? driven + (r_.input[i] != 0.0) : 0;
         if (rows >= kRows &&
@@ -295,9 +308,10 @@ class Manoeuvres {
   Recording& r_;
   bool has_clutch_;
   double reach_m_, stop_rad_, straight_m_;
-  std::vector<Rows> stances_;   // as the switch reports them
-  std::vector<double> length_;  // of the leg, by its encoder
-  std::vector<double> levels_;  // of the toe in each stance
+  std::vector<Rows> stances_;    // as the switch reports them
+  std::vector<double> length_;   // of the leg, by its encoder
+  std::vector<double> levels_;   // of the toe in each stance
+  std::vector<double> spreads_;  // and by how much it varies in it
   std::vector<Rows> flights_;
   std::vector<bool> flies_;
 };

@@ -613,10 +613,11 @@ class Hopper {
                Change::flexes);
     }
     const V stop = value_of(stop_length_);
-    if (stance_ && e_.has(Effect::bump_stop) && !soft &&
+    const bool led = led_ && !stance_;
+    if (!led && e_.has(Effect::bump_stop) && !soft &&
         (on_bump_stop() ? up && value_of(z_end) > stop : !up && value_of(z_end) < stop))
       end_at(segment.crossing_time(T(V(1)), T(V(0)), -stop_length_, V(0), value_of(t_end)), Change::stop);
-    if (stance_ && cable_ == Cable::pressed) {
+    if (!led && cable_ == Cable::pressed) {
       if (tooth_shortens_ == up) aim(!up, value_of(loose_travel_m(z_)) / value_of(pitch_));
       const V tooth = value_of(tooth_height_);
       if (up ? value_of(z_end) > tooth && tooth < value_of(touchdown_height_) : value_of(z_end) < tooth)
