@@ -183,7 +183,7 @@ Trainer::Travel Trainer::travel() const {
 }
 
 double Trainer::fewest_ripples() const {
-  constexpr double kCycles = 2.0;
+  constexpr double kCycles = 1.25;  // a quarter of the first swing comes again
   if (dynamics::has(model.kind, dynamics::Seat::leg)) return 0.0;
   const auto [low, high] = travel();
   return kCycles * 2.0 * std::numbers::pi / std::max(high - low, 1e-3);

@@ -74,7 +74,7 @@ struct Trainer {
   /// The usual time from row to row.
   double row_s() const;
 
-  /// Cycles a revolution below which a ripple has fewer than two over the travel: there it is any torque that
+  /// Cycles a revolution below which a ripple hardly comes again within the travel: there it is any torque that
   /// depends on the angle. None on a hopper, where the other laws of the place are in the catalogue.
   double fewest_ripples() const;
 

@@ -8,6 +8,8 @@
 
 #include "host/diagnose/diagnose.hpp"
 #include "host/diagnose/diagnosis_json.hpp"
+#include "host/diagnose/effect_set.hpp"
+#include "host/diagnose/trainer.hpp"
 
 using namespace furcula;
 using diagnose::Verdict;
@@ -151,7 +153,7 @@ TEST_CASE("Without a torque nothing is said of the drive, and dry friction is fo
     CHECK_FALSE(among(candidates(d), of_input));
 }
 
-TEST_CASE("A torque that swings less than twice over the travel is no ripple", "[long]") {
+TEST_CASE("A torque that does not swing again within the travel is no ripple", "[long]") {
   // A weight beside the line from the axis, that the model has not: 0.15 N m sin(x + 0.8).
   Joint j{.gravity = 2.0, .more = [](double x) { return -0.15 * std::sin(x + 0.8); }};
   const Data data = driven(j, 0.7, 1.5);
@@ -174,4 +176,29 @@ TEST_CASE("A lag in a log whose rows hold the state after their step is not call
   CHECK(d.findings[0].confidence <= 0.5);
   CHECK(std::any_of(d.findings[0].indistinguishable_from.begin(), d.findings[0].indistinguishable_from.end(),
                     [](const auto& r) { return r.names == std::vector<std::string>{"actuator_lag"}; }));
+}
+
+TEST_CASE("What acts on a command is tried where there is one, and what shifts or cuts it where it changes") {
+  Joint j{.gravity = 2.0};
+  const auto candidates_under = [&](const std::function<double(double)>& command) {
+    const auto model = model_of(Kind::rotary_joint, j);
+    const auto recordings = identify::make_recordings({recorded(j, 0.8, command, 1)}, Kind::rotary_joint);
+    const auto training = identify::training_windows(recordings, model, 0.5);
+    return diagnose::Trainer{model, recordings, training}.candidates();
+  };
+  const auto none = candidates_under([](double) { return 0.0; }),
+             constant = candidates_under([](double) { return 0.4; }),
+             sine = candidates_under(sines(0.7, 1.5, 1));
+  for (const Effect e :
+       {Effect::actuator_delay, Effect::actuator_lag, Effect::torque_saturation, Effect::time_skew}) {
+    CAPTURE(std::string(dynamics::info(e).name));
+    CHECK_FALSE(diagnose::holds(none, e));
+    CHECK_FALSE(diagnose::holds(constant, e));
+    CHECK(diagnose::holds(sine, e));
+  }
+  CHECK_FALSE(diagnose::holds(none, Effect::thermal_derating));
+  CHECK(diagnose::holds(constant, Effect::thermal_derating));
+  // Cogging is there without a current.
+  for (const Effect e : {Effect::coulomb_friction, Effect::encoder_offset, Effect::torque_ripple})
+    CHECK(diagnose::holds(none, e));
 }
