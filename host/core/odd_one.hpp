@@ -17,12 +17,12 @@ inline constexpr double kFaster = 1.5, kHarder = 2.5;
 struct OddOne {
   double times = 0.0;  ///< over the others' median
   bool far =
-      false;  ///< eight times that, and six standard deviations of their logarithms (robustly; a third at least)
+      false;  ///< eight times that, and six standard deviations of their logarithms (robustly; a third at least, one at most)
 };
 
 /// Of at least five numbers; of fewer, or of one that is not above 0, nothing is said.
 inline OddOne odd_one(const std::vector<double>& values, std::size_t index) {
-  constexpr double kFar = 8.0, kDeviations = 6.0, kLeastScatter = 0.33;
+  constexpr double kFar = 8.0, kDeviations = 6.0, kLeastScatter = 0.33, kMostScatter = 1.0;
   constexpr std::size_t kFewest = 5;
   std::vector<double> logs;
   for (std::size_t k = 0; k < values.size(); ++k)
@@ -30,7 +30,7 @@ inline OddOne odd_one(const std::vector<double>& values, std::size_t index) {
   if (logs.size() + 1 < kFewest || !(values[index] > 0.0)) return {};
   const double middle = median(logs);
   for (double& l : logs) l = std::abs(l - middle);
-  const double scatter = std::max(1.4826 * median(logs), kLeastScatter);
+  const double scatter = std::clamp(1.4826 * median(logs), kLeastScatter, kMostScatter);
   const double off = std::log(values[index]) - middle;
   return {std::exp(off), off > std::max(std::log(kFar), kDeviations * scatter)};
 }

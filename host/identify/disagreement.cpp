@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "host/core/message.hpp"
 #include "host/core/odd_one.hpp"
@@ -14,7 +15,8 @@ namespace {
 
 constexpr double kSuspect = 4.0;  // times the others' median NMSE
 constexpr double kMuchLess = 0.3;
-constexpr double kOverNoise = 9.0;  // of the squares
+constexpr std::size_t kMostLooks = 6;  // fits, where anything stands out
+constexpr double kOverNoise = 9.0;     // of the squares
 constexpr std::size_t kFewest = 5;
 
 /// Whether the others span how it was driven, how fast it moved and where.
@@ -123,40 +125,46 @@ std::optional<Disagreement> disagreeing(const std::vector<FittedSet>& sets,
   if (recordings.size() < kFewest) return std::nullopt;
   struct Suspect {
     std::size_t set, recording;
-    double times;
+    double others;  ///< squares, by the linear problem
   };
-  // Of what was chosen and of all others the one that stands out most.
-  std::optional<Suspect> by_chosen, by_other;
-  for (std::size_t s = 0; s < sets.size(); ++s)
+  // Of each set the one that stands out most; what was chosen first, then by what is left of the others.
+  std::vector<Suspect> suspects;
+  for (std::size_t s = 0; s < sets.size(); ++s) {
+    if (sets[s].fit.shares.size() != windows.size()) continue;
+    std::optional<Suspect> worst;
+    double most = kSuspect;
     for (std::size_t i = 0; i < recordings.size(); ++i) {
-      const Fit& fit = sets[s].fit;
-      if (fit.shares.size() != windows.size()) continue;
-      const double times =
-          apart(left_by(fit.shares, squares_without(fit, windows, i, sets[s].unknowns.size()), recordings,
-                        windows),
-                i)
-              .times;
-      std::optional<Suspect>& worst = s == 0 ? by_chosen : by_other;
-      if (times > (worst ? worst->times : kSuspect)) worst = Suspect{s, i, times};
+      const std::vector<double> squares = squares_without(sets[s].fit, windows, i, sets[s].unknowns.size());
+      const double times = apart(left_by(sets[s].fit.shares, squares, recordings, windows), i).times;
+      if (times <= most) continue;
+      most = times;
+      worst = Suspect{s, i, 0.0};
+      for (std::size_t k = 0; k < windows.size(); ++k)
+        if (windows[k].recording != i) worst->others += squares[k];
     }
+    if (worst && within_others(recordings, worst->recording)) suspects.push_back(*worst);
+  }
+  std::sort(suspects.begin(), suspects.end(), [](const Suspect& x, const Suspect& y) {
+    return std::pair(x.set != 0, x.others) < std::pair(y.set != 0, y.others);
+  });
+  if (suspects.size() > kMostLooks) suspects.resize(kMostLooks);
   const Left chosen = left_by(sets[0].fit.shares, squares_of_motion(sets[0].fit.shares), recordings, windows);
-  for (const auto& suspect : {by_chosen, by_other}) {
-    if (!suspect || !within_others(recordings, suspect->recording)) continue;
+  for (const Suspect& suspect : suspects) {
     // In earnest.
-    const FittedSet& set = sets[suspect->set];
+    const FittedSet& set = sets[suspect.set];
     std::vector<Window> others;
     for (const Window& w : windows)
-      if (w.recording != suspect->recording) others.push_back(w);
+      if (w.recording != suspect.recording) others.push_back(w);
     const Fit without = fit_by_simulation(set.model, set.unknowns, set.fit.values, recordings, others,
                                           Weighting::noise, set.fit.layers);
     const Fit look = look_by_simulation(set.model, set.unknowns, without.values, recordings, windows);
     const Left left = left_by(look.shares, squares_of_motion(look.shares), recordings, windows);
-    const core::OddOne found = apart(left, suspect->recording);
+    const core::OddOne found = apart(left, suspect.recording);
     std::vector<double> of_chosen;
     for (std::size_t i = 0; i < recordings.size(); ++i)
-      if (i != suspect->recording && chosen.nmse[i] > 0.0) of_chosen.push_back(left.nmse[i] / chosen.nmse[i]);
-    if (!found.far || (suspect->set != 0 && core::quantile(of_chosen, 0.5) > kMuchLess)) continue;
-    return Disagreement{suspect->recording,
+      if (i != suspect.recording && chosen.nmse[i] > 0.0) of_chosen.push_back(left.nmse[i] / chosen.nmse[i]);
+    if (!found.far || (suspect.set != 0 && core::quantile(of_chosen, 0.5) > kMuchLess)) continue;
+    return Disagreement{suspect.recording,
                         "disagrees with the other " + std::to_string(recordings.size() - 1) +
                             ": fitted on those, the model leaves " + core::rounded(found.times, 2) +
                             " times as much of its motion as of theirs"};
