@@ -69,8 +69,9 @@ std::map<std::string, Estimate> effect_parameters(const Hypothesis& h, Kind kind
 
 /// Share of what stands above the floor in `before` that is gone in `after`.
 double explained_share(double before, double after, double floor) {
+  constexpr double kNothing = 1e-3;  // of what there was: the floor is not known better
   const double explainable = before - floor;
-  return explainable > 0.0 ? std::clamp((before - after) / explainable, -9.99, 1.0) : 0.0;
+  return explainable > kNothing * before ? std::clamp((before - after) / explainable, -9.99, 1.0) : 0.0;
 }
 
 /// Why a hypothesis of the table was not named.
@@ -405,6 +406,7 @@ class Assembly {
       if (!without.contains(channel) || !d_.extended.contains(channel)) f.channel.clear();
       if (f.channel.empty()) {
         f.explainable_nmse_removed = explained_share(nmse(without), after, floor);
+        f.squares_removed = 1.0 - after / std::max(nmse(without), 1e-300);
         f.held_out_mae_before = without.at(d_.main_channel).mae;
         f.held_out_mae_after = d_.extended.at(d_.main_channel).mae;
         f.contradicted = nmse(without) < after;
@@ -421,6 +423,7 @@ class Assembly {
         const auto& b = without.at(channel);
         const auto& a = d_.extended.at(channel);
         f.explainable_nmse_removed = explained_share(b.rmse * b.rmse, a.rmse * a.rmse, scatter * scatter);
+        f.squares_removed = 1.0 - a.rmse * a.rmse / std::max(b.rmse * b.rmse, 1e-300);
         f.held_out_mae_before = b.mae;
         f.held_out_mae_after = a.mae;
         other_channel_helps_ = a.rmse < b.rmse;
@@ -546,7 +549,9 @@ class Assembly {
       const bool contradicted = all_contradicted || (told && f.contradicted);
       limit(contradicted, kConfidence.contradicted,
             "the held-out recordings are predicted worse with it than without it");
-      limit(told && !contradicted && f.explainable_nmse_removed < kConfidence.least_confirmation,
+      limit(told && !contradicted &&
+                (f.explainable_nmse_removed < kConfidence.least_confirmation ||
+                 f.squares_removed < kConfidence.least_gain),
             kConfidence.not_confirmed, "the held-out recordings hardly show it");
       if (const auto little = too_little_seen(f.effect, chosen.fitted, training_, training_windows_.windows))
         limit(true, kConfidence.little_seen, *little);

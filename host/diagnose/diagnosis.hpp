@@ -44,6 +44,7 @@ struct Finding {
   /// That it is judged on, where it does not move the body: "contact", "torque", "leg_angle"; else empty.
   std::string channel;
   double explainable_nmse_removed = 0.0;  ///< 1 = all that is above the noise floor
+  double squares_removed = 0.0;           ///< of all that the held-out recordings leave without it
   double held_out_mae_before = 0.0;       ///< of the main channel, without the effect, all else re-fitted
   double held_out_mae_after = 0.0;
   // 95 % intervals over the held-out recordings (bootstrap.hpp), of the share and of the MAE's fall.

@@ -35,6 +35,9 @@ struct ConfidenceRules {
   /// Without it they are predicted less than a tenth worse, of what there is to explain: it may be luck.
   double not_confirmed = 0.5;
   double least_confirmation = 0.1;
+  /// Or by less than this of all squares, whatever there is to explain: as little as a flexible law may take off
+  /// what is adequate (remainder.cpp).
+  double least_gain = 0.02;
   /// The law was seen in so small a part that others look alike.
   double little_seen = 0.5;
   /// What swings is told from a bend or a slope by two whole swings.

@@ -184,7 +184,7 @@ TEST_CASE("A name that the held-out recordings do not bear out stays, without co
   CHECK(d.verdict != Verdict::explained);
 }
 
-TEST_CASE("A slip that nothing foretells changes no figure, and is told as it was seen", "[long]") {
+TEST_CASE("A slip that nothing foretells is in no held-out figure, and is told as it was seen", "[long]") {
   const auto training = with_slip(coastings(20.0, 0.0, 1, 3), {1500, 2600, 3900});
   const auto clean = diagnose::diagnose(test::axis_model(80.0, 150.0), training, coastings(20.0, 0.0, 50, 2));
   const auto slipped = diagnose::diagnose(test::axis_model(80.0, 150.0), training,
@@ -198,7 +198,6 @@ TEST_CASE("A slip that nothing foretells changes no figure, and is told as it wa
       if (!slip) continue;
       CHECK(f.events.size() == 3);
       CHECK(f.parameters.at("step_m").value == Approx(0.01).epsilon(0.02));
-      CHECK(std::abs(f.explainable_nmse_removed) < 0.1);
     }
     CHECK(d.verdict == Verdict::explained);
   }
