@@ -221,7 +221,9 @@ bool Trainer::beyond_resolution(const Hypothesis& h) const {
   // part of the interval, less where it was measured and not commanded.
   const bool answered = !recordings.front().drive_command.empty();
   return beyond(Effect::contact_delay, 2.0) && beyond(Effect::time_skew, answered ? 1.0 : 0.5) &&
-         beyond(Effect::actuator_delay, 0.5);
+         beyond(Effect::actuator_delay, 0.5) &&
+         (judged_on(Effect::actuator_lag, recordings) != identify::Channel::motion ||
+          beyond(Effect::actuator_lag, 0.5));
 }
 
 Comparison Trainer::compare(const Hypothesis& smaller, const Hypothesis& larger, std::size_t tries) const {

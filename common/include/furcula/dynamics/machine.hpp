@@ -31,15 +31,15 @@ struct ParameterInfo {
 /// The sort of a place where something can be wrong. An effect of the catalogue names the seats that it sits
 /// on, and exists on every machine that has one of them.
 enum class Seat : std::uint16_t {
-  axis = 1,            ///< a guide or bearing that a body moves in
-  rail = 2,            ///< a vertical one, with an encoder of the height
-  drive = 4,           ///< follows commands
-  motor = 8,           ///< a rotary one, with a rotor
-  swing = 16,          ///< an angle whose zero gravity or a spring shows
-  leg = 32,            ///< with a spring; stances and flights, touch-down and lift-off
-  light_leg = 64,      ///< one whose links have no inertia in the model
-  heavy_links = 128,   ///< one whose links have: free in flight, and the clutch's coil and key are simulated
-  belt = 256,          ///< that a clutch holds and lets go
+  axis = 1,           ///< a guide or bearing that a body moves in
+  rail = 2,           ///< a vertical one, with an encoder of the height
+  drive = 4,          ///< follows commands
+  motor = 8,          ///< a rotary one, with a rotor
+  swing = 16,         ///< an angle whose zero gravity or a spring shows
+  leg = 32,           ///< with a spring; stances and flights, touch-down and lift-off
+  light_leg = 64,     ///< one whose links have no inertia in the model
+  heavy_links = 128,  ///< one whose links have: free in flight, and the clutch's coil and key are simulated
+  belt = 256,         ///< that a clutch holds and lets go
 };
 constexpr Seat operator|(Seat a, Seat b) {
   return static_cast<Seat>(static_cast<unsigned>(a) | static_cast<unsigned>(b));
