@@ -148,8 +148,11 @@ class Assembly {
   /// What was chosen, first, and what else was tried on top of the re-fitted model alone, and it.
   std::vector<identify::FittedSet> sets() const {
     std::vector<identify::FittedSet> all;
+    // Slips are each recording's own: a set without them is no measure of recordings that have some.
+    const bool slipped = holds(selection_.chosen.effects, Effect::encoder_slip);
     const auto add = [&](const Hypothesis& h) {
-      if (!h.failed) all.push_back({with_slips(model_, training_, h.effects), h.unknowns, h.fit});
+      if (!h.failed && (!slipped || holds(h.effects, Effect::encoder_slip)))
+        all.push_back({with_slips(model_, training_, h.effects), h.unknowns, h.fit});
     };
     add(selection_.chosen);
     add(selection_.refitted);

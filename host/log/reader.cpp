@@ -89,9 +89,9 @@ class RowReader {
   }
 
   [[noreturn]] void fail_row(const std::string& message, const std::string& column = {},
-                             std::string why = {}) const {
+                             const std::string& why = {}) const {
     throw BadRow(records_.name() + ":" + std::to_string(records_.line()) + ": " + message + hint_, column, {},
-                 why.empty() ? message : std::move(why));
+                 why.empty() ? message : why);
   }
 
  private:
