@@ -11,7 +11,6 @@
 using namespace furcula;
 using diagnose::EffectSet;
 using diagnose::Posterior;
-using diagnose::Weighed;
 using dynamics::Effect;
 
 namespace {

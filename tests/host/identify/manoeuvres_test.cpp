@@ -147,7 +147,7 @@ TEST_CASE("Mass and damping are identified from the manoeuvre") {
   truth.parameters[*dynamics::parameter_index(truth.kind, "mass_kg")] = 1.554;
   truth.parameters[*dynamics::parameter_index(truth.kind, "damping_stance_nspm")] = 6.42;
   const auto logs = test::manoeuvres(truth, 4, 1);
-  for (model::Model m : {test::manoeuvring_model(), without_clutch(test::manoeuvring_model())}) {
+  for (const model::Model& m : {test::manoeuvring_model(), without_clutch(test::manoeuvring_model())}) {
     const auto found = identify::identify(m, logs, {});
     CHECK(found.left_out.empty());
     for (const auto& p : found.estimations.front().parameters) {
