@@ -223,6 +223,7 @@ bool Trainer::beyond_resolution(const Hypothesis& h) const {
   return beyond(Effect::contact_delay, 2.0) && beyond(Effect::time_skew, answered ? 1.0 : 0.5) &&
          beyond(Effect::actuator_delay, 0.5) &&
          (judged_on(Effect::actuator_lag, recordings) != identify::Channel::motion ||
+          holds(h.effects, Effect::time_skew) ||  // rows that are early by a whole one, less by a lag
           beyond(Effect::actuator_lag, 0.5));
 }
 
