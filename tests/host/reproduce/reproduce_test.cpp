@@ -44,7 +44,7 @@ TEST_CASE("An error is met within a factor of two, and one below that is not cal
 }
 
 TEST_CASE("A smaller error is put down to the first cause with which it is met, or to none") {
-  const auto of = [](std::vector<Counterfactual> causes) {
+  const auto of = [](const std::vector<Counterfactual>& causes) {
     return compare_error({"", "", "mm", "2 mm", 0.5}, 2.0, {}, causes);
   };
   const Row found = of({{"with this", 0.9}, {"with that", 1.3}, {"with all", 3.0}});
