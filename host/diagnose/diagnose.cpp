@@ -36,8 +36,10 @@ constexpr std::size_t kMostTraces = 96;
 constexpr std::size_t kMostRowsOfSample = 24'000, kFewestOfSample = 24;
 constexpr double kWithinNoise = 2.0;
 constexpr double kSmallRemainder = 0.1;
-/// Standard errors by which causes must help on training recordings that their fit has not seen.
-constexpr double kSureHelp = 2.0;
+/// Standard errors by which causes must help on training recordings that their fit has not seen. They are beyond
+/// chance by all recordings together already; two would withdraw the friction of a real pendulum of which there is
+/// one recording.
+constexpr double kSureHelp = 1.0;
 /// NMSE that the simulator's own discretisation and an input held from row to row are worth: two thousandths
 /// of the motion. What is smaller is not called a cause, however fine the sensor.
 constexpr double kNumerics = 4e-6;
@@ -117,7 +119,9 @@ class Assembly {
   /// Ends early where a recording disagrees with the others.
   Diagnosis run() {
     selection_ = select(model_, training_, training_windows_, options_.threads, options_.progress);
-    if (may_disagree_) disagreement_ = identify::disagreeing(sets(), training_, training_windows_.windows);
+    // Slips are each recording's own: one that has a larger one is no other machine.
+    if (may_disagree_ && !holds(selection_.chosen.effects, Effect::encoder_slip))
+      disagreement_ = identify::disagreeing(sets(), training_, training_windows_.windows);
     if (disagreement_) return {};
     choose();
     // From here on the held-out recordings are seen. They name nothing and withdraw nothing.
@@ -148,11 +152,8 @@ class Assembly {
   /// What was chosen, first, and what else was tried on top of the re-fitted model alone, and it.
   std::vector<identify::FittedSet> sets() const {
     std::vector<identify::FittedSet> all;
-    // Slips are each recording's own: a set without them is no measure of recordings that have some.
-    const bool slipped = holds(selection_.chosen.effects, Effect::encoder_slip);
     const auto add = [&](const Hypothesis& h) {
-      if (!h.failed && (!slipped || holds(h.effects, Effect::encoder_slip)))
-        all.push_back({with_slips(model_, training_, h.effects), h.unknowns, h.fit});
+      if (!h.failed) all.push_back({with_slips(model_, training_, h.effects), h.unknowns, h.fit});
     };
     add(selection_.chosen);
     add(selection_.refitted);
@@ -281,11 +282,12 @@ class Assembly {
 
   bool refitted_stands_in_training() const {
     const Hypothesis& h = selection_.refitted;
+    const auto left = remainder_of(h.fitted, training_, crossed_->windows());
     const identify::ChannelShare motion = channel(h.fit, identify::Channel::motion);
-    if (crossed_before_ <= kWithinNoise * (crossed_floor_ + kNumerics) ||
-        motion.squares <= kWithinNoise * motion.rows)
-      return true;
-    return random_alone_in_training(h.fitted, remainder_of(h.fitted, training_, crossed_->windows()));
+    // The floor of predictions is mostly the start states' noise: where more is known, it does not decide.
+    return motion.squares <= kWithinNoise * motion.rows ||
+           (!left && crossed_before_ <= kWithinNoise * (crossed_floor_ + kNumerics)) ||
+           random_alone_in_training(h.fitted, left);
   }
 
   bool random_alone_in_training(const model::Model& m, const std::optional<Remainder>& left) const {
