@@ -38,8 +38,8 @@ constexpr double kWithinNoise = 2.0;
 constexpr double kSmallRemainder = 0.1;
 /// Standard errors by which causes must help on training recordings that their fit has not seen. They are beyond
 /// chance by all recordings together already; two would withdraw the friction of a real pendulum of which there is
-/// one recording.
-constexpr double kSureHelp = 1.0;
+/// one recording. Help in one recording alone is 1.0, whatever its size.
+constexpr double kSureHelp = 1.2;
 /// NMSE that the simulator's own discretisation and an input held from row to row are worth: two thousandths
 /// of the motion. What is smaller is not called a cause, however fine the sensor.
 constexpr double kNumerics = 4e-6;
@@ -698,15 +698,17 @@ class Assembly {
     d_.unnamed_share =
         unnamed_share(before, after, floor, missing ? &d_.remainder->foretold : nullptr, d_.nothing_left);
     const bool helps = helps_held_out();
-    d_.verdict = decide(d_.nothing_left, helps, helps && d_.unnamed_share < kSmallRemainder);
+    const bool repeats = !d_.remainder || d_.remainder->repeats();
+    d_.verdict = decide(d_.nothing_left, helps, repeats && d_.unnamed_share < kSmallRemainder);
     if (d_.findings.empty() || other_channels_alone()) d_.unnamed_share = 0.0;
   }
 
-  /// Of a belt that teeth catch: whether so small a force as no machine repeats makes each fall end as it did.
+  /// Of a belt that teeth catch: whether so small a force as no machine repeats (at most that of
+  /// Remainder::repeats()) makes each fall end as it did.
   static bool falls_repeat(const model::Model& m, const std::vector<Recording>& recordings,
                            const std::vector<Window>& windows,
                            const std::vector<identify::StartState>& starts) {
-    constexpr double kForces[] = {-0.02, -0.01, 0.0, 0.01, 0.02}, kOfFall = 0.01, kWindows = 0.9;
+    constexpr double kForces[] = {-0.04, -0.02, -0.01, 0.0, 0.01, 0.02, 0.04}, kOfFall = 0.01, kWindows = 0.9;
     const auto at = dynamics::parameter_index(m.kind, "pulley_inertia_kgm2");
     if (!at) return false;
     const double inertia = machines::rules(m.kind).inertia(m);

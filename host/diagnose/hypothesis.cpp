@@ -111,11 +111,16 @@ double overdispersion(const identify::Fit& fit, const std::vector<std::vector<st
     }
     scatter += pull * pull.transpose();
   }
-  double squares = 0.0, rows = 0.0, effective_rows = 0.0;
-  for (const auto& s : fit.shares)
-    for (const auto& c : s.channels) squares += c.squares, rows += c.rows, effective_rows += c.effective_rows;
-  // Independent residuals of this variance would give the information times it; each row lies in so many windows.
-  const double expected = squares / effective_rows * static_cast<double>(fit.layers);
+  // Independent residuals of this variance would give the information times it; each row lies in so many windows. Of several channels
+  // the one with the largest: those that the parameters do not move leave white noise, which says nothing of the others.
+  double variance = 0.0;
+  for (std::size_t c = 0; c < identify::kChannels; ++c) {
+    double squares = 0.0, effective_rows = 0.0;
+    for (const auto& s : fit.shares)
+      squares += s.channels[c].squares, effective_rows += s.channels[c].effective_rows;
+    if (effective_rows > 0.0) variance = std::max(variance, squares / effective_rows);
+  }
+  const double expected = variance * static_cast<double>(fit.layers);
   const double trace = information.completeOrthogonalDecomposition().solve(scatter).trace();
   const auto of = static_cast<double>(units.size());
   const double ratio = of / (of - 1.0) * trace / (static_cast<double>(count) * expected);

@@ -9,6 +9,7 @@
 #include "host/core/message.hpp"
 #include "host/core/odd_one.hpp"
 #include "host/core/quantile.hpp"
+#include "host/machines/rules.hpp"
 
 namespace furcula::identify {
 namespace {
@@ -119,10 +120,17 @@ core::OddOne apart(const Left& left, std::size_t i) {
 
 }  // namespace
 
+namespace {
+
+/// Where a belt falls back teeth catch it: a force that no machine repeats decides on which, and with it where the whole recording ends.
+bool runs_are_steady(dynamics::Kind kind) { return machines::rules(kind).cut != machines::Cut::releases; }
+
+}  // namespace
+
 std::optional<Disagreement> disagreeing(const std::vector<FittedSet>& sets,
                                         const std::vector<Recording>& recordings,
                                         const std::vector<Window>& windows) {
-  if (recordings.size() < kFewest) return std::nullopt;
+  if (recordings.size() < kFewest || sets.empty() || !runs_are_steady(sets.front().model.kind)) return std::nullopt;
   struct Suspect {
     std::size_t set, recording;
     double others;  ///< squares, by the linear problem
@@ -178,6 +186,7 @@ std::vector<std::string> disagreeing_held_out(const model::Model& fitted,
                                               const std::vector<Window>& of_training,
                                               const std::vector<Window>& of_held_out) {
   std::vector<std::string> all;
+  if (!runs_are_steady(fitted.kind)) return all;
   const Fit fitted_to = look_by_simulation(fitted, {}, {}, training, of_training, Starting::linear);
   const Left training_left =
       left_by(fitted_to.shares, squares_of_motion(fitted_to.shares), training, of_training);

@@ -184,11 +184,26 @@ std::vector<Window> releases(const Recording& r, std::size_t index) {
   return without_pauses(std::move(found), r);
 }
 
+namespace {
+
+/// A recording that begins under a command does not say since when: how long a drive's delay or lag may show that.
+double unknown_past_s(const Recording& r) {
+  constexpr double kDriveMemory_s = 0.1, kCommanded = 0.1;
+  if (r.input.empty()) return 0.0;
+  double squares = 0.0;
+  for (const double u : r.input) squares += u * u;
+  const double rms = std::sqrt(squares / static_cast<double>(r.input.size()));
+  return std::abs(r.input.front()) > kCommanded * rms ? kDriveMemory_s : 0.0;
+}
+
+}  // namespace
+
 std::vector<Window> intervals(const Recording& r, std::size_t index, double length_s, double from_s) {
   std::vector<Window> found;
   const std::size_t n = r.rows();
   const double longest_s = std::min(kLongestGap * length_s, longest_pause_s(r.time_s));
   std::size_t first = 0;
+  from_s += unknown_past_s(r);
   while (first < n && r.time_s[first] < r.time_s[0] + from_s) ++first;
   while (first + 1 < n) {
     std::size_t last = first;
