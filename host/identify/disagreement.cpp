@@ -130,7 +130,8 @@ bool runs_are_steady(dynamics::Kind kind) { return machines::rules(kind).cut != 
 std::optional<Disagreement> disagreeing(const std::vector<FittedSet>& sets,
                                         const std::vector<Recording>& recordings,
                                         const std::vector<Window>& windows) {
-  if (recordings.size() < kFewest || sets.empty() || !runs_are_steady(sets.front().model.kind)) return std::nullopt;
+  if (recordings.size() < kFewest || sets.empty() || !runs_are_steady(sets.front().model.kind))
+    return std::nullopt;
   struct Suspect {
     std::size_t set, recording;
     double others;  ///< squares, by the linear problem

@@ -129,3 +129,19 @@ TEST_CASE("A pause ends an interval: what drove the axis meanwhile is not known"
   for (const Window& w : identify::intervals(r, 0, 0.5)) CHECK((w.last < 600 || w.first >= 600));
   CHECK(identify::intervals(r, 0, 0.5).size() >= 7);
 }
+
+TEST_CASE("Intervals of a recording that begins under a command begin a tenth of a second later") {
+  log::Log log;
+  log.path = "step.csv";
+  for (int i = 0; i < 2000; ++i) {
+    log.columns["time_s"].push_back(1e-3 * i);
+    log.columns["position_m"].push_back(1e-4 * i);
+    log.columns["force_n"].push_back(i % 1000 < 500 ? 40.0 : -40.0);
+  }
+  const auto first_row = [](log::Log l) {
+    return identify::intervals(identify::make_recording(l, dynamics::Kind::motor_axis), 0, 0.5).at(0).first;
+  };
+  CHECK(first_row(log) == 100);
+  log.columns["force_n"].front() = 0.0;  // it began at rest
+  CHECK(first_row(log) == 0);
+}
