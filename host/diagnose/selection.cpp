@@ -68,7 +68,7 @@ class Search {
     if (wider && trainer_.preference(s_.chosen, *wider) > -kEqualEvidence) s_.beyond_bounds = wider;
     const double prior = trainer_.prior(s_.chosen.effects);
     for (const auto& [effects, h] : pool_)
-      if (within_limits(h))
+      if (within_limits(h) && (h.meaningful || effects.empty() || effects == s_.chosen.effects))
         s_.pool.push_back({effects, trainer_.evidence_over(s_.chosen, h), trainer_.prior(effects) - prior});
     return std::move(s_);
   }
