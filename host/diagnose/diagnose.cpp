@@ -698,8 +698,7 @@ class Assembly {
     d_.unnamed_share =
         unnamed_share(before, after, floor, missing ? &d_.remainder->foretold : nullptr, d_.nothing_left);
     const bool helps = helps_held_out();
-    const bool repeats = !d_.remainder || d_.remainder->repeats();
-    d_.verdict = decide(d_.nothing_left, helps, repeats && d_.unnamed_share < kSmallRemainder);
+    d_.verdict = decide(d_.nothing_left, helps, d_.unnamed_share < kSmallRemainder);
     if (d_.findings.empty() || other_channels_alone()) d_.unnamed_share = 0.0;
   }
 
