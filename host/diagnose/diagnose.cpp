@@ -118,9 +118,11 @@ class Assembly {
 
   /// Ends early where a recording disagrees with the others.
   Diagnosis run() {
-    selection_ = select(model_, training_, training_windows_, options_.threads, options_.progress);
+    selection_ = select(model_, training_, training_windows_, options_.threads, options_.progress,
+                        options_.without);
     // Slips are each recording's own: one that has a larger one is no other machine.
-    if (may_disagree_ && !holds(selection_.chosen.effects, Effect::encoder_slip))
+    if (may_disagree_ && !options_.without.contains(Rule::odd_recording) &&
+        !holds(selection_.chosen.effects, Effect::encoder_slip))
       disagreement_ = identify::disagreeing(sets(), training_, training_windows_.windows);
     if (disagreement_) return {};
     choose();
@@ -276,7 +278,8 @@ class Assembly {
     const bool doubtful =
         undecided_ || !helps ||
         std::any_of(chosen.effects.begin(), chosen.effects.end(), [&](Effect e) { return may_be_none(e); });
-    withdrawn_ = numerics || (doubtful && refitted_stands_in_training());
+    withdrawn_ = numerics || (doubtful && !options_.without.contains(Rule::withdrawal) &&
+                              refitted_stands_in_training());
     if (withdrawn_) undecided_ = false;
   }
 

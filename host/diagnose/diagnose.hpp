@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "host/diagnose/diagnosis.hpp"
+#include "host/diagnose/rule.hpp"
 #include "host/log/log.hpp"
 #include "host/model/model.hpp"
 
@@ -17,6 +18,7 @@ struct Options {
   unsigned threads = 2;   ///< the result does not depend on it
   std::function<void(double, std::string_view)>
       progress;  ///< share done, what is being tried; from any thread
+  WithoutRules without;
 };
 
 /// Diagnoses a model on training recordings, judged on held-out ones. Both at least one log of the model's

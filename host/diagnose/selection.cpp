@@ -42,10 +42,12 @@ bool stands(const Tried& t) { return t.against_smaller.significant && t.hypothes
 class Search {
  public:
   Search(const model::Model& model, const std::vector<identify::Recording>& recordings,
-         const identify::TrainingWindows& training, unsigned threads, const Progress& progress)
+         const identify::TrainingWindows& training, unsigned threads, const Progress& progress,
+         const WithoutRules& without)
       : trainer_{model, recordings, training, threads},
         proposer_(trainer_),
         progress_(progress),
+        off_(without),
         all_(trainer_.candidates()) {}
 
   Selection run() {
@@ -60,11 +62,11 @@ class Search {
       return std::move(s_);
     }
     forward(0);
-    one_for_several();
-    if (beam() && !follows_the_body(s_.chosen)) forward(s_.chosen.effects.size());
+    if (keeps(Rule::one_for_several)) one_for_several();
+    if (keeps(Rule::beam) && beam() && !follows_the_body(s_.chosen)) forward(s_.chosen.effects.size());
     replace_by_rivals();
     add_friction_of_two_sizes();
-    add_drive_behind_early_rows();
+    if (keeps(Rule::early_rows)) add_drive_behind_early_rows();
     if (wider && trainer_.preference(s_.chosen, *wider) > -kEqualEvidence) s_.beyond_bounds = wider;
     const double prior = trainer_.prior(s_.chosen.effects);
     for (const auto& [effects, h] : pool_)
@@ -74,6 +76,8 @@ class Search {
   }
 
  private:
+  bool keeps(Rule r) const { return !off_.contains(r); }
+
   void tell(double fraction, std::string_view what) const {
     if (progress_) progress_(fraction, what);
   }
@@ -133,6 +137,7 @@ class Search {
     // linear step's affair either.
     const bool lacking = !on.effects.empty() && !follows_the_body(on);
     const auto always = [&](const Proposal& p) {
+      if (!keeps(Rule::always_fitted)) return false;
       const identify::Channel judge = judged_on(p.effect, trainer_.recordings);
       const bool hardly_seen = judge == identify::Channel::contact || judge == identify::Channel::drive;
       const bool wider =
@@ -178,7 +183,7 @@ class Search {
       const EffectSet before = s_.chosen.effects;
       const Tried* best = best_of(trials);
       if (best != nullptr) s_.chosen = simplest(trials, *best).hypothesis;
-      const bool swapped = swap_members(trials, before, round);
+      const bool swapped = keeps(Rule::swap_members) && swap_members(trials, before, round);
       s_.tried.insert(s_.tried.end(), trials.begin(), trials.end());
       if (best == nullptr && !swapped) return;
       prune(s_.chosen);
@@ -259,6 +264,7 @@ class Search {
   /// Backward: takes out members that the others have made needless, and takes a law's special case for one
   /// that needs no more.
   void prune(Hypothesis& chosen) {
+    if (!keeps(Rule::prune)) return;
     const auto replaced_by = [&](Hypothesis smaller, bool needless) {
       if (!needless || (chosen.meaningful && !smaller.meaningful)) return false;
       chosen = std::move(smaller);
@@ -380,7 +386,7 @@ class Search {
   void replace_by_rivals() {
     for (int round = 0;; ++round) {
       tell(0.8 + 0.05 * round, "what cannot be told apart");
-      put_friction_that_pushes_otherwise();
+      if (keeps(Rule::friction_that_pushes)) put_friction_that_pushes_otherwise();
       const EffectSet& members = s_.chosen.effects;
       s_.without.assign(members.size(), {});
       core::parallel_for(members.size(), trainer_.threads, [&](std::size_t i) {
@@ -392,10 +398,10 @@ class Search {
       s_.equals = rivals();
       const Hypothesis* better = nullptr;
       for (const auto& r : s_.equals)
-        if (trainer_.preference(s_.chosen, r.hypothesis) > price_of(r.hypothesis) &&
+        if (keeps(Rule::rivals) && trainer_.preference(s_.chosen, r.hypothesis) > price_of(r.hypothesis) &&
             (better == nullptr || r.hypothesis.fit.squares < better->fit.squares))
           better = &r.hypothesis;
-      if (better == nullptr) better = best_of_pool();
+      if (better == nullptr && keeps(Rule::pool)) better = best_of_pool();
       if (better == nullptr || round == kMostSwaps) return;
       s_.chosen = Hypothesis(*better);
       prune(s_.chosen);
@@ -622,6 +628,7 @@ class Search {
   Trainer trainer_;
   Proposer proposer_;
   const Progress& progress_;
+  const WithoutRules& off_;
   EffectSet all_;
   std::vector<Proposal> first_promises_;  ///< on top of the re-fitted model
   std::map<EffectSet, Hypothesis> pool_;  ///< all sets that were fitted
@@ -631,8 +638,9 @@ class Search {
 }  // namespace
 
 Selection select(const model::Model& model, const std::vector<identify::Recording>& recordings,
-                 const identify::TrainingWindows& training, unsigned threads, const Progress& progress) {
-  return Search(model, recordings, training, threads, progress).run();
+                 const identify::TrainingWindows& training, unsigned threads, const Progress& progress,
+                 const WithoutRules& without) {
+  return Search(model, recordings, training, threads, progress, without).run();
 }
 
 }  // namespace furcula::diagnose

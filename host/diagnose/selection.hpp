@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "host/diagnose/rule.hpp"
 #include "host/diagnose/trainer.hpp"
 
 namespace furcula::diagnose {
@@ -43,6 +44,7 @@ using Progress = std::function<void(double, std::string_view)>;
 
 /// Forward selection with backward elimination, then the search for equals.
 Selection select(const model::Model& model, const std::vector<identify::Recording>& recordings,
-                 const identify::TrainingWindows& training, unsigned threads, const Progress& progress);
+                 const identify::TrainingWindows& training, unsigned threads, const Progress& progress,
+                 const WithoutRules& without = {});
 
 }  // namespace furcula::diagnose

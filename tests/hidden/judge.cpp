@@ -365,8 +365,9 @@ double ParameterError::relative_of_difference() const {
   return std::abs(found - expected) / std::abs(expected - neutral);
 }
 
-diagnose::Diagnosis diagnosed(const Case& c, unsigned threads) {
+diagnose::Diagnosis diagnosed(const Case& c, unsigned threads, const diagnose::WithoutRules& without) {
   diagnose::Options options;
+  options.without = without;
   options.threads = threads;
   return diagnose::diagnose(c.model, c.training, c.held_out, options);
 }

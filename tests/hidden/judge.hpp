@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "host/diagnose/diagnosis.hpp"
+#include "host/diagnose/rule.hpp"
 #include "tests/hidden/cases.hpp"
 
 namespace furcula::hidden {
@@ -66,7 +67,7 @@ struct Judgement {
 };
 
 /// The diagnosis of a case: it gets the model and the recordings, and nothing else.
-diagnose::Diagnosis diagnosed(const Case& c, unsigned threads);
+diagnose::Diagnosis diagnosed(const Case& c, unsigned threads, const diagnose::WithoutRules& without = {});
 
 Judgement judge(const Case& c, const diagnose::Diagnosis& d);
 

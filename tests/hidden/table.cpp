@@ -1,10 +1,10 @@
 // furcula_hidden_table [--seed N] [--cases N] [--tier NAME]... [--threads N] [--kind NAME] [--effect NAME]
-//                      [--out DIR] [--write DIR] [--size NAME] [--commit NAME]
+//                      [--out DIR] [--write DIR] [--size NAME] [--commit NAME] [--without RULE]...
 // The blind suite: draws cases from fresh seeds, lets the diagnosis find what they hide and prints how often
 // it did (docs/blind_suite.md). Cases run side by side, each diagnosis on one thread; the tables do not
 // depend on it.
 // --out writes confusion.html and cases.csv to DIR. --write writes each case's recordings and model to
-// DIR/<tier>-<seed>/. --size asks the questions of test_hidden.cpp instead: cases from `seed` on of one kind
+// DIR/<tier>-<seed>/. --without leaves a rule of the search out (host/diagnose/rule.hpp). --size asks the questions of test_hidden.cpp instead: cases from `seed` on of one kind
 // and effect. Exit status: 0 if every tier reaches its goal, 4 if one does not (the contract's status of a
 // failed check).
 #include <algorithm>
@@ -38,6 +38,7 @@ struct Arguments {
   std::vector<Tier> tiers;
   std::string kind, effect, out, write, commit = "?";
   std::optional<Size> size;
+  diagnose::WithoutRules without;
 };
 
 std::optional<Arguments> parsed(int argc, char** argv) {
@@ -65,6 +66,8 @@ std::optional<Arguments> parsed(int argc, char** argv) {
       a.effect = value;
     else if (key == "--size" && (value == "small" || value == "medium" || value == "large"))
       a.size = value == "small" ? Size::small : value == "medium" ? Size::medium : Size::large;
+    else if (key == "--without" && diagnose::rule_named(value))
+      a.without.insert(*diagnose::rule_named(value));
     else if (key == "--commit")
       a.commit = value;
     else if (key == "--out")
@@ -143,14 +146,14 @@ void write_case(const Case& c, const std::string& folder) {
     for (const log::Log& log : *logs) log::write_log(log, folder + "/" + log.path);
 }
 
-void answer(Answer& a, const std::string& write) {
+void answer(Answer& a, const Arguments& asked) {
   const Case c = draw_case(a.question);
   a.description = c.description();
-  if (!write.empty())
-    write_case(c, write + "/" + std::string(name(a.tier)) + "-" + std::to_string(a.question.seed));
+  if (!asked.write.empty())
+    write_case(c, asked.write + "/" + std::string(name(a.tier)) + "-" + std::to_string(a.question.seed));
   const auto begin = std::chrono::steady_clock::now();
   try {
-    const diagnose::Diagnosis d = diagnosed(c, 1);
+    const diagnose::Diagnosis d = diagnosed(c, 1, asked.without);
     a.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     a.judgement = judge(c, d);
   } catch (const std::exception& e) {
@@ -171,7 +174,7 @@ int run(const Arguments& a) {
   std::size_t printed = 0, finished = 0;
   const auto work = [&] {
     for (std::size_t i = next++; i < answers.size(); i = next++) {
-      answer(answers[i], a.write);
+      answer(answers[i], a);
       const std::lock_guard lock(mutex);
       done[i] = 1;
       ++finished;
@@ -215,7 +218,7 @@ int main(int argc, char** argv) {
         "usage: furcula_hidden_table [--seed N] [--cases N] [--tier "
         "large|medium|small|pairs|clean|outside]...\n"
         "                            [--threads N] [--kind NAME] [--effect NAME] [--out DIR] [--write DIR]\n"
-        "                            [--size small|medium|large] [--commit NAME]\n");
+        "                            [--size small|medium|large] [--commit NAME] [--without RULE]...\n");
     return 2;
   }
   return furcula::hidden::run(*arguments);
