@@ -41,6 +41,7 @@ Crossed::Crossed(const std::vector<identify::Recording>& recordings,
     predicted_.push_back(w);
     place_.push_back(*nearest);
   }
+  predicted_units_ = units_of(predicted_);  // those of the fits may overlap
 }
 
 double Crossed::nmse(const Hypothesis& h, const Hypothesis& reference) const {
@@ -67,14 +68,17 @@ double Crossed::noise_floor(const Hypothesis& h) const {
 double Crossed::gain_in_standard_errors(const Hypothesis& smaller, const Hypothesis& larger) const {
   const Crossing one = crossing_of(smaller.fit, training_.windows, recordings_.size()),
                  other = crossing_of(larger.fit, training_.windows, recordings_.size());
-  const auto n = static_cast<double>(units_.size());
+  const auto n = static_cast<double>(predicted_units_.size());
+  if (predicted_units_.size() < 2) return 0.0;  // one of a kind is no measure
   double mean = 0.0, scatter = 0.0;
   std::vector<double> gains;
-  for (const auto& unit : units_) {
+  for (const auto& unit : predicted_units_) {
     double gain = 0.0;
-    for (const std::size_t i : unit)
+    for (const std::size_t predicted : unit) {
+      const std::size_t i = place_[predicted];
       gain += squares_after(smaller.fit.shares[i], one.step[one.fold[i]]) -
               squares_after(larger.fit.shares[i], other.step[other.fold[i]]);
+    }
     gains.push_back(gain);
     mean += gain / n;
   }

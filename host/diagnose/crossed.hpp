@@ -33,7 +33,7 @@ class Crossed {
   const identify::TrainingWindows& training_;
   std::vector<identify::Window> predicted_;
   std::vector<std::size_t> place_;  ///< of each predicted window among those that fits are made on
-  Units units_;
+  Units units_, predicted_units_;
 };
 
 }  // namespace furcula::diagnose

@@ -118,8 +118,8 @@ class Assembly {
 
   /// Ends early where a recording disagrees with the others.
   Diagnosis run() {
-    selection_ = select(model_, training_, training_windows_, options_.threads, options_.progress,
-                        options_.without);
+    selection_ =
+        select(model_, training_, training_windows_, options_.threads, options_.progress, options_.without);
     // Slips are each recording's own: one that has a larger one is no other machine.
     if (may_disagree_ && !options_.without.contains(Rule::odd_recording) &&
         !holds(selection_.chosen.effects, Effect::encoder_slip))
@@ -278,8 +278,8 @@ class Assembly {
     const bool doubtful =
         undecided_ || !helps ||
         std::any_of(chosen.effects.begin(), chosen.effects.end(), [&](Effect e) { return may_be_none(e); });
-    withdrawn_ = numerics || (doubtful && !options_.without.contains(Rule::withdrawal) &&
-                              refitted_stands_in_training());
+    withdrawn_ = numerics ||
+                 (doubtful && !options_.without.contains(Rule::withdrawal) && refitted_stands_in_training());
     if (withdrawn_) undecided_ = false;
   }
 
@@ -434,7 +434,7 @@ class Assembly {
         f.squares_removed = 1.0 - a.rmse * a.rmse / std::max(b.rmse * b.rmse, 1e-300);
         f.held_out_mae_before = b.mae;
         f.held_out_mae_after = a.mae;
-        other_channel_helps_ = a.rmse < b.rmse;
+        other_channel_helps_ = other_channel_helps_ || a.rmse < b.rmse;
         f.contradicted = b.rmse < a.rmse;
         intervals(f, selection_.without[i].fitted, judge, [&](const auto& before, const auto& now) {
           return explained_share(before.rmse * before.rmse, now.rmse * now.rmse, scatter * scatter);
@@ -500,13 +500,23 @@ class Assembly {
     });
   }
 
-  /// Whether the interval of its size holds the value at which there is nothing.
+  /// Whether the intervals of its sizes all hold the value at which there is nothing, or which the model has.
   bool may_be_none(Effect e) const {
-    const auto& size = dynamics::info(e).parameter_table[0];
-    const auto none = identify::neutral_value(model_, size);
-    const auto parameters = effect_parameters(selection_.chosen, model_.kind, false, &e);
-    const auto found = parameters.find(std::string(name_on(size, model_.kind)));
-    return none && found != parameters.end() && found->second.lower <= *none && *none <= found->second.upper;
+    const Hypothesis& h = selection_.chosen;
+    const auto parameters = effect_parameters(h, model_.kind, false, &e);
+    const auto given = identify::values_in(model_, h.unknowns);
+    bool none = false;
+    for (std::size_t i = 0; i < h.unknowns.size(); ++i) {
+      const auto& u = h.unknowns[i];
+      if (!u.of_effect || u.effect != e) continue;
+      const auto& size = dynamics::info(e).parameter_table[u.parameter];
+      if (!identify::neutral_value(model_, size)) continue;
+      const auto found = parameters.find(std::string(name_on(size, model_.kind)));
+      if (found == parameters.end()) continue;
+      if (given[i] < found->second.lower || given[i] > found->second.upper) return false;
+      none = true;
+    }
+    return none;
   }
 
   /// Whether one of its values lies on a bound, or may be anything.
@@ -538,12 +548,17 @@ class Assembly {
       unnamed =
           unnamed_share(crossed_before_, crossed_after_, crossed_floor_,
                         structured ? &left->crossed : nullptr, random_alone_in_training(chosen.fitted, left));
-      d_.none_of_catalogue = share_of_none(unnamed);
     }
     const double none = share_of_none(std::max(unnamed, d_.unnamed_share));
+    d_.none_of_catalogue = none;
     const bool all_contradicted = !other_channels_alone() && !helps_held_out();
     for (Finding& f : d_.findings) {
-      f.confidence = std::min(kConfidence.most, posterior.share_with(f.effect) * (1.0 - none));
+      const double share = posterior.share_with(f.effect);
+      f.confidence = std::min(kConfidence.most, share * (1.0 - none));
+      if (share < kConfidence.clear)
+        f.lowered_by.push_back("sets of causes without it explain the training recordings nearly as well");
+      if (none > 1.0 - kConfidence.clear)
+        f.lowered_by.push_back("the names leave a part of what there is to explain");
       const auto limit = [&](bool applies, double most, std::string why) {
         if (!applies) return;
         f.confidence = std::min(f.confidence, most);
@@ -553,15 +568,20 @@ class Assembly {
       limit(f.undecided, kConfidence.undecided, "another law explains the training recordings as well");
       limit(may_be_none(f.effect), kConfidence.may_be_none,
             "the interval of its size holds the value at which there is nothing");
+      limit(independent_windows() < kFewestWindows, kConfidence.few_windows,
+            "the training recordings hold no more than " +
+                number(static_cast<double>(independent_windows())) + " stretches to predict");
       limit(not_held(f.effect), kConfidence.not_held, "one of its values may be anything within its bounds");
-      const bool contradicted = all_contradicted || (told && f.contradicted);
+      const bool contradicted = told && f.contradicted;
       limit(contradicted, kConfidence.contradicted,
             "the held-out recordings are predicted worse with it than without it");
+      limit(all_contradicted && f.channel.empty() && told && !contradicted, kConfidence.contradicted,
+            "the held-out recordings are predicted worse with all that is named than without");
       limit(told && !contradicted &&
                 (f.explainable_nmse_removed < kConfidence.least_confirmation ||
                  f.squares_removed < kConfidence.least_gain),
             kConfidence.not_confirmed, "the held-out recordings hardly show it");
-      if (const auto little = too_little_seen(f.effect, chosen.fitted, training_, training_windows_.windows))
+      if (const auto little = too_little_seen(f.effect, chosen.fitted, training_, crossed_->windows()))
         limit(true, kConfidence.little_seen, *little);
     }
     for (Candidate& c : d_.candidates) c.weight = posterior.weight_of(effects_named(c.effects));
@@ -739,9 +759,7 @@ class Assembly {
     if (!d_.beyond_bounds.empty()) return Verdict::not_identifiable;
     if (d_.findings.empty()) {
       if (noise_alone) return Verdict::adequate;
-      return training_windows_.windows.size() / training_windows_.layers < kFewestWindows
-                 ? Verdict::not_identifiable
-                 : Verdict::unexplained;
+      return independent_windows() < kFewestWindows ? Verdict::not_identifiable : Verdict::unexplained;
     }
     if (other_channels_alone()) {
       if (!other_channel_helps_) return Verdict::not_identifiable;
@@ -750,6 +768,10 @@ class Assembly {
     // What helps on the training recordings, the held-out ones may refute.
     if (undecided_ || !better_held_out) return Verdict::not_identifiable;
     return noise_alone || little_remains ? Verdict::explained : Verdict::partly_explained;
+  }
+
+  std::size_t independent_windows() const {
+    return training_windows_.windows.size() / training_windows_.layers;
   }
 
   /// Which experiment would tell the rivals apart.

@@ -160,7 +160,7 @@ nlohmann::ordered_json to_json(const Diagnosis& d) {
                                     {"correlation_s", number(left.correlation_s)},
                                     {"impact_scatter", number(left.impact_scatter)},
                                     {"share_of", left.typical_is},
-                                    {"share", number(left.random_force / left.typical_force)}};
+                                    {"share", number(left.largest_random_force() / left.typical_force)}};
     unexplained["foretold"] = {{force, number(left.foretold.force)},
                                {"share_of_squares", number(left.foretold.share)},
                                {"standard_errors", number(left.foretold.deviations)},

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cmath>
+#include <map>
 
 #include "host/core/quantile.hpp"
 
@@ -27,7 +28,23 @@ bool follows_the_body(const Hypothesis& h) {
 }
 
 double squares_of_body(const Hypothesis& h) {
-  return h.cross_validated_squares - channel(h.fit, identify::Channel::leg).squares;
+  double others = 0.0;
+  for (const identify::Channel c :
+       {identify::Channel::contact, identify::Channel::drive, identify::Channel::leg})
+    others += channel(h.fit, c).squares;
+  return h.cross_validated_squares - others;
+}
+
+bool leaves_more(const Hypothesis& one, const Hypothesis& other, double share) {
+  if (squares_of_body(one) > (1.0 + share) * squares_of_body(other)) return true;
+  for (const identify::Channel c :
+       {identify::Channel::contact, identify::Channel::drive, identify::Channel::leg}) {
+    const identify::ChannelShare of_one = channel(one.fit, c), of_other = channel(other.fit, c);
+    // Of what is below a step of the drive's loop, or what links and joints give, a part is by chance.
+    const double always = c == identify::Channel::contact ? 0.0 : of_other.rows;
+    if (of_one.squares + always > (1.0 + share) * (of_other.squares + always)) return true;
+  }
+  return false;
 }
 
 double evidence_of(const identify::Fit& smaller, const identify::Fit& larger, const identify::Fit& of,
@@ -62,22 +79,32 @@ Crossing crossing_of(const identify::Fit& fit, const std::vector<identify::Windo
     if (!fit.at_bound[static_cast<std::size_t>(i)]) moving.push_back(i);
   if (moving.empty()) return crossing;
   Eigen::MatrixXd information = Eigen::MatrixXd::Zero(count, count);
-  Eigen::VectorXd gradient = Eigen::VectorXd::Zero(count);
-  for (const auto& s : fit.shares) {
-    information += s.information;
-    gradient += s.gradient;
-  }
+  for (const auto& s : fit.shares) information += s.information;
+  const Eigen::VectorXd scale =
+      information.diagonal()(moving).unaryExpr([](double x) { return x > 0.0 ? 1.0 / std::sqrt(x) : 0.0; });
   for (std::size_t fold = 0; fold < kFolds; ++fold) {
-    Eigen::MatrixXd inside = Eigen::MatrixXd::Zero(count, count);
-    Eigen::VectorXd slope = Eigen::VectorXd::Zero(count);
+    // What shares rows with the fold has seen them.
+    std::map<std::size_t, std::pair<std::size_t, std::size_t>>
+        rows;  // of each recording that the fold has windows of
     for (std::size_t i = 0; i < windows.size(); ++i) {
       if (crossing.fold[i] != fold) continue;
-      inside += fit.shares[i].information;
+      auto& [first, last] =
+          rows.try_emplace(windows[i].recording, windows[i].first, windows[i].last).first->second;
+      first = std::min(first, windows[i].first);
+      last = std::max(last, windows[i].last);
+    }
+    Eigen::MatrixXd unseen = Eigen::MatrixXd::Zero(count, count);
+    Eigen::VectorXd slope = Eigen::VectorXd::Zero(count);
+    for (std::size_t i = 0; i < windows.size(); ++i) {
+      if (crossing.fold[i] == fold) continue;
+      if (const auto of = rows.find(windows[i].recording); of != rows.end())
+        if (windows[i].first < of->second.second && windows[i].last > of->second.first) continue;
+      unseen += fit.shares[i].information;
       slope += fit.shares[i].gradient;
     }
-    const Eigen::MatrixXd rest = (information - inside)(moving, moving);
-    const Eigen::VectorXd pull = (gradient - slope)(moving);
-    crossing.step[fold](moving) = -rest.completeOrthogonalDecomposition().solve(pull);
+    const Eigen::MatrixXd rest = scale.asDiagonal() * unseen(moving, moving) * scale.asDiagonal();
+    const Eigen::VectorXd pull = scale.asDiagonal() * slope(moving);
+    crossing.step[fold](moving) = scale.asDiagonal() * -rest.completeOrthogonalDecomposition().solve(pull);
   }
   return crossing;
 }
@@ -111,19 +138,35 @@ double overdispersion(const identify::Fit& fit, const std::vector<std::vector<st
     }
     scatter += pull * pull.transpose();
   }
-  // Independent residuals of this variance would give the information times it; each row lies in so many windows. Of several channels
-  // the one with the largest: those that the parameters do not move leave white noise, which says nothing of the others.
-  double variance = 0.0;
+  // Independent residuals of these variances would give each channel's information times its own.
+  Eigen::MatrixXd independent = Eigen::MatrixXd::Zero(count, count);
   for (std::size_t c = 0; c < identify::kChannels; ++c) {
-    double squares = 0.0, effective_rows = 0.0;
-    for (const auto& s : fit.shares)
-      squares += s.channels[c].squares, effective_rows += s.channels[c].effective_rows;
-    if (effective_rows > 0.0) variance = std::max(variance, squares / effective_rows);
+    const identify::ChannelShare of_channel = channel(fit, static_cast<identify::Channel>(c));
+    if (!(of_channel.effective_rows > 0.0)) continue;
+    for (const auto& s : fit.shares) {
+      const bool alone = s.information_of[c].size() == 0;
+      if (alone && c > 0) continue;
+      const Eigen::MatrixXd& information_of = alone ? s.information : s.information_of[c];
+      independent += of_channel.squares / of_channel.effective_rows * information_of(moving, moving);
+    }
   }
-  const double expected = variance * static_cast<double>(fit.layers);
-  const double trace = information.completeOrthogonalDecomposition().solve(scatter).trace();
+  // Scaled to a unit diagonal: the unknowns have different units.
+  const Eigen::VectorXd scale =
+      information.diagonal().unaryExpr([](double x) { return x > 0.0 ? 1.0 / std::sqrt(x) : 0.0; });
+  const auto scaled = [&](const Eigen::MatrixXd& m) -> Eigen::MatrixXd {
+    return scale.asDiagonal() * m * scale.asDiagonal();
+  };
+  const auto decomposed = scaled(information).completeOrthogonalDecomposition();
+  const double trace = decomposed.solve(scaled(scatter)).trace(),
+               expected = decomposed.solve(scaled(independent)).trace();
+  // Windows of a unit that share rows pull alike: each row lies in so many, but for those at the unit's ends.
+  const auto layers = static_cast<double>(fit.layers);
+  const double windows_of_unit = static_cast<double>(fit.shares.size()) / static_cast<double>(units.size());
+  double alike = 1.0;
+  for (double apart = 1.0; apart < layers; apart += 1.0)
+    alike += 2.0 * (1.0 - apart / layers) * std::max(0.0, 1.0 - apart / windows_of_unit);
   const auto of = static_cast<double>(units.size());
-  const double ratio = of / (of - 1.0) * trace / (static_cast<double>(count) * expected);
+  const double ratio = of / (of - 1.0) * trace / (alike * expected);
   return std::isfinite(ratio) ? std::max(1.0, ratio) : 1.0;
 }
 

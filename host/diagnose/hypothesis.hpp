@@ -42,9 +42,12 @@ identify::ChannelShare channel(const identify::Fit& fit, identify::Channel which
 /// Whether the body's motion is followed but for the measuring noise.
 bool follows_the_body(const Hypothesis& h);
 
-/// Cross-validated squares of all channels but the leg angle: a backlash that is not in the model yet would
-/// hide beside it what moves the body.
+/// Cross-validated squares of the motion alone: what the model lacks in another channel (a backlash at the leg's encoder, the drive's
+/// current sensor) would hide beside it what moves the body.
 double squares_of_body(const Hypothesis& h);
+
+/// Whether `one` leaves more than `other` by this share, in a channel at least; the motion cross-validated.
+bool leaves_more(const Hypothesis& one, const Hypothesis& other, double share);
 
 /// Twice the log-likelihood ratio of `larger` over `smaller`, with as many independent samples as the
 /// residuals of `of` are worth; each channel with a noise level of its own. `layers`: in how many windows

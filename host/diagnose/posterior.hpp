@@ -24,6 +24,10 @@ struct ConfidenceRules {
   /// None of the catalogue: odds by how much of what there is to explain no name explains. A fifth makes them
   /// even: in the blind suite such names were right less often still, and real machines have more than one cause.
   double odds_of_none_by_share = 5.0;
+  /// Below this share of all sets, or with more than the rest of it unexplained, it is said why.
+  double clear = 0.9;
+  /// Fewer stretches to predict than three say nothing of how an estimate scatters.
+  double few_windows = 0.5;
   /// Its interval holds the value at which there is nothing: as likely there as not.
   double may_be_none = 0.5;
   /// Another law explains the training recordings as well.

@@ -500,9 +500,7 @@ Foretold foretold_of(const std::vector<Linear>& windows, const std::vector<Norma
 
 }  // namespace
 
-bool Remainder::repeats() const {
-  return std::max(random_force, random_force_held_out) <= kMostRandom * typical_force;
-}
+bool Remainder::repeats() const { return largest_random_force() <= kMostRandom * typical_force; }
 
 bool Remainder::repeats_in_training() const { return random_force <= kMostRandom * typical_force; }
 

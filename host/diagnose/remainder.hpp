@@ -5,6 +5,7 @@
 // likeliest. What it then finds new from row to row would be white, were nothing else missing; the flexible law is fitted to that.
 #pragma once
 
+#include <algorithm>
 #include <optional>
 #include <string>
 #include <vector>
@@ -43,6 +44,9 @@ struct Remainder {
   Foretold crossed;             ///< on each training recording (or stretch), by what the others teach
   Foretold foretold;            ///< on the held-out recordings, by what all training recordings teach
   Whiteness new_finds;          ///< of what the filter finds new from row to row on the held-out recordings
+
+  /// Of training and held-out recordings.
+  double largest_random_force() const { return std::max(random_force, random_force_held_out); }
 
   /// On the held-out recordings; on the training recordings by themselves.
   bool is_structured() const { return foretold.counts(typical_force); }

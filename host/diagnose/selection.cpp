@@ -6,6 +6,7 @@
 
 #include "host/core/error.hpp"
 #include "host/core/parallel.hpp"
+#include "host/diagnose/bootstrap.hpp"
 #include "host/diagnose/effect_set.hpp"
 #include "host/diagnose/laws.hpp"
 #include "host/diagnose/proposals.hpp"
@@ -30,7 +31,9 @@ constexpr std::size_t kBeam = 4;  ///< effects that a pair may begin with
 
 /// Two names of one law: the same free runs to within a ten-thousandth, whatever was to be expected before.
 bool the_same(const Hypothesis& one, const Hypothesis& other) {
-  return std::abs(one.fit.squares - other.fit.squares) < 1e-4 * other.fit.squares;
+  // Of a slip between the windows no run tells.
+  return holds(one.effects, Effect::encoder_slip) == holds(other.effects, Effect::encoder_slip) &&
+         std::abs(one.fit.squares - other.fit.squares) < 1e-4 * other.fit.squares;
 }
 
 bool earlier_in_catalogue(const Tried& a, const Tried& b) {
@@ -69,8 +72,9 @@ class Search {
     if (keeps(Rule::early_rows)) add_drive_behind_early_rows();
     if (wider && trainer_.preference(s_.chosen, *wider) > -kEqualEvidence) s_.beyond_bounds = wider;
     const double prior = trainer_.prior(s_.chosen.effects);
+    s_.pool.push_back({s_.chosen.effects, 0.0, 0.0});
     for (const auto& [effects, h] : pool_)
-      if (within_limits(h) && (h.meaningful || effects.empty() || effects == s_.chosen.effects))
+      if (effects != s_.chosen.effects && (h.meaningful || effects.empty()))
         s_.pool.push_back({effects, trainer_.evidence_over(s_.chosen, h), trainer_.prior(effects) - prior});
     return std::move(s_);
   }
@@ -82,11 +86,14 @@ class Search {
     if (progress_) progress_(fraction, what);
   }
 
-  /// Keeps a set that was fitted; of several fits of one set the best.
+  /// Keeps a set that was fitted; of several fits of one set the best that means something.
   void remember(const Hypothesis& h) {
     if (h.failed) return;
     const auto [known, is_new] = pool_.try_emplace(h.effects, h);
-    if (!is_new && h.fit.squares < known->second.fit.squares) known->second = h;
+    if (is_new) return;
+    const Hypothesis& other = known->second;
+    if (h.meaningful != other.meaningful ? h.meaningful : h.fit.squares < other.fit.squares)
+      known->second = h;
   }
   void remember(const std::vector<Tried>& all) {
     for (const Tried& t : all) remember(t.hypothesis);
@@ -249,12 +256,11 @@ class Search {
     const Tried* simplest = &best;
     for (const Tried& t : trials) {
       if (!stands(t)) continue;
-      const double lost = t.hypothesis.fit.squares - best.hypothesis.fit.squares;
       const double evidence = trainer_.preference(t.hypothesis, best.hypothesis);
       const std::size_t size = parameters_of(t.hypothesis.effects),
                         now = parameters_of(simplest->hypothesis.effects);
       const bool as_good =
-          size < now ? evidence < kEqualEvidence || lost < kSmallestLoss * best.hypothesis.fit.squares
+          size < now ? evidence < kEqualEvidence || !leaves_more(t.hypothesis, best.hypothesis, kSmallestLoss)
                      : size == now && evidence < kEqualEvidence;
       if (as_good && (size < now || (size == now && &t < simplest))) simplest = &t;
     }
@@ -395,6 +401,11 @@ class Search {
         if (s_.without[i].failed) s_.without[i] = trainer_.fit(rest, &s_.refitted);
       });
       for (const Hypothesis& h : s_.without) remember(h);
+      if (const Hypothesis* fewer =
+              keeps(Rule::least_agreed) && round < kMostSwaps ? without_the_least_agreed() : nullptr) {
+        s_.chosen = Hypothesis(*fewer);
+        continue;
+      }
       s_.equals = rivals();
       const Hypothesis* better = nullptr;
       for (const auto& r : s_.equals)
@@ -406,6 +417,23 @@ class Search {
       s_.chosen = Hypothesis(*better);
       prune(s_.chosen);
     }
+  }
+
+  /// Of several causes the set without one that the recordings do not agree on: by evidence that is worth the less the more their pulls
+  /// scatter, as in a confidence, that set is ten times as likely.
+  const Hypothesis* without_the_least_agreed() const {
+    constexpr double kTimes = 10.0;
+    const EffectSet& members = s_.chosen.effects;
+    if (members.size() < 2) return nullptr;
+    const double misfit = overdispersion(s_.chosen.fit, units_of(trainer_.training.windows));
+    const Hypothesis* best = nullptr;
+    double most = 2.0 * std::log(kTimes);
+    for (const Hypothesis& h : s_.without) {
+      const double odds =
+          trainer_.evidence_over(s_.chosen, h) / misfit + trainer_.prior(h.effects) - trainer_.prior(members);
+      if (h.meaningful && odds > most) most = odds, best = &h;
+    }
+    return best;
   }
 
   /// A friction of two sizes of which one is below zero would push. It is friction and a constant force: named
@@ -433,8 +461,7 @@ class Search {
     for (const auto& [effects, h] : pool_) {
       if (!h.meaningful || effects.empty() || effects.size() > kMostEffects) continue;
       const bool more = parameters_of(effects) > parameters_of(s_.chosen.effects);
-      if (more && h.cross_validated_squares > (1.0 - kSmallestLoss) * s_.chosen.cross_validated_squares)
-        continue;
+      if (more && !leaves_more(s_.chosen, h, kSmallestLoss)) continue;
       const double preferred =
           trainer_.evidence_over(s_.chosen, h) + trainer_.prior(effects) - trainer_.prior(s_.chosen.effects);
       if (preferred <= most || !trainer_.compare(s_.refitted, h, all_.size()).significant) continue;

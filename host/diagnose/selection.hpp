@@ -35,7 +35,7 @@ struct Selection {
   std::vector<Rival> equals;
   /// For each chosen effect, the chosen set without it, re-fitted; in the order of chosen.effects.
   std::vector<Hypothesis> without;
-  /// All sets that were fitted but those in which an effect lies on a limit or is not told from none; the chosen one among them.
+  /// All sets that were fitted but those in which an effect lies on a limit or is not told from none; the chosen one first.
   std::vector<Weighed> pool;
 };
 

@@ -5,6 +5,7 @@
 #include <functional>
 #include <numbers>
 
+#include "host/core/message.hpp"
 #include "host/core/quantile.hpp"
 #include "host/diagnose/effect_set.hpp"
 #include "host/machines/rules.hpp"
@@ -252,15 +253,39 @@ Comparison Trainer::compare(const Hypothesis& smaller, const Hypothesis& larger,
           1.0 - channel(larger.fit, judge).squares / std::max(channel(smaller.fit, judge).squares, 1e-300);
       worth = c.gain;
     }
+  if (slipped) {
+    double without_slip = 0.0, with_slip = 0.0;
+    for (std::size_t i = 0; i < training.windows.size(); ++i) {
+      const identify::Window& w = training.windows[i];
+      const auto& of_recording = recordings[w.recording].slips;
+      if (std::none_of(of_recording.begin(), of_recording.end(),
+                       [&](const identify::Slip& s) { return s.row > w.first && s.row <= w.last; }))
+        continue;
+      without_slip += smaller.fit.shares[i][identify::Channel::motion].squares;
+      with_slip += larger.fit.shares[i][identify::Channel::motion].squares;
+    }
+    c.evidence += evidence_of_jumps();
+    c.gain = without_slip > 0.0 ? 1.0 - with_slip / without_slip
+                                : 1.0;  // between the windows nothing contradicts it
+  }
   c.told_apart = c.evidence > c.threshold && c.gain > kSmallestGain;
   // No simulator's numerics jump from one row to the next.
   c.significant = c.told_apart && (slipped || worth > kSmallestWorth);
   return c;
 }
 
+double Trainer::evidence_of_jumps() const {
+  double evidence = 0.0;
+  for (const auto& r : recordings)
+    for (const identify::Slip& slip : r.slips) evidence += std::pow(slip.step / slip.deviation, 2);
+  return evidence;
+}
+
 double Trainer::preference(const Hypothesis& one, const Hypothesis& other) const {
+  const double slips = static_cast<double>(holds(other.effects, Effect::encoder_slip)) -
+                       static_cast<double>(holds(one.effects, Effect::encoder_slip));
   return evidence_of(one.fit, other.fit, other.fit, training.layers) + doubt_of(one.effects) -
-         doubt_of(other.effects);
+         doubt_of(other.effects) + (slips != 0.0 ? slips * evidence_of_jumps() : 0.0);
 }
 
 double Trainer::prior(const std::vector<Effect>& effects) const {
@@ -274,7 +299,7 @@ double Trainer::prior(const std::vector<Effect>& effects) const {
                                : static_cast<double>(identify::effect_unknowns(e, model.kind).size());
     price += chi_square_point(tries * shapes_of(e), freedom);
   }
-  return -price - doubt_of(effects);
+  return (holds(effects, Effect::encoder_slip) ? evidence_of_jumps() : 0.0) - price - doubt_of(effects);
 }
 
 double Trainer::evidence_over(const Hypothesis& reference, const Hypothesis& h) const {
@@ -288,12 +313,18 @@ std::optional<Hypothesis> Trainer::widened(const Hypothesis& refitted) const {
   for (std::size_t i = 0; i < refitted.unknowns.size(); ++i) {
     if (!refitted.fit.at_bound[i] || refitted.fit.values[i] == 0.0) continue;
     auto& bounds = wide.free.at(refitted.unknowns[i].parameter);
-    bounds = {bounds.lower / kWider, bounds.upper * kWider};
+    bounds = {bounds.lower < 0.0 ? bounds.lower * kWider : bounds.lower / kWider,
+              bounds.upper < 0.0 ? bounds.upper / kWider : bounds.upper * kWider};
     held = true;
   }
   if (!held) return std::nullopt;
   const Trainer trainer{wide, recordings, training, threads};
-  const Hypothesis wider = trainer.fit({}, &refitted);
+  Hypothesis wider;
+  try {
+    wider = trainer.fit({}, &refitted);
+  } catch (const core::DataError&) {  // it runs away beyond the bounds
+    return std::nullopt;
+  }
   const double evidence = evidence_of(refitted.fit, wider.fit, wider.fit, training.layers);
   if (evidence < chi_square_point(1.0, static_cast<double>(wider.unknowns.size())) ||
       wider.fit.squares > (1.0 - kSmallestGain) * refitted.fit.squares)

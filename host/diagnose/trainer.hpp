@@ -55,6 +55,10 @@ struct Trainer {
   /// parameters and of having looked at so many laws and shapes, and minus the doubts.
   double prior(const std::vector<dynamics::Effect>& effects) const;
 
+  /// What the jumps from one row to the next say for slips of the encoder, in units of the evidence: free runs between them scatter by what
+  /// disturbs the machine, and no disturbance moves a body within a row.
+  double evidence_of_jumps() const;
+
   /// Evidence of `h` over `reference`, by the noise levels and correlation of what `reference` leaves.
   double evidence_over(const Hypothesis& reference, const Hypothesis& h) const;
 

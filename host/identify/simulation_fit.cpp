@@ -95,17 +95,23 @@ WindowShare share_of(const WindowCost& cost, const std::vector<double>& values, 
   WindowShare share;
   const Eigen::ColPivHouseholderQR<RowMajor> qr(by_start);
   const Eigen::MatrixXd basis = qr.householderQ() * Eigen::MatrixXd::Identity(rows, qr.rank());
+  const std::size_t sizes[kChannels] = {cost.run().motion_rows(), cost.run().contact_rows(),
+                                        cost.run().drive_rows(), cost.run().leg_rows()};
   if (count > 0) {
     const Eigen::MatrixXd projected = by_unknowns - basis * (basis.transpose() * by_unknowns);
     share.gradient = projected.transpose() * residual;
     share.information = projected.transpose() * projected;
+    for (std::size_t c = 0, from = 0; c < kChannels && sizes[0] != static_cast<std::size_t>(rows);
+         from += sizes[c++]) {
+      const auto part =
+          projected.middleRows(static_cast<Eigen::Index>(from), static_cast<Eigen::Index>(sizes[c]));
+      share.information_of[c] = part.transpose() * part;
+    }
   } else {
     share.gradient.resize(0);
     share.information.resize(0, 0);
   }
   share.squares = residual.squaredNorm() - (basis.transpose() * residual).squaredNorm();
-  const std::size_t sizes[kChannels] = {cost.run().motion_rows(), cost.run().contact_rows(),
-                                        cost.run().drive_rows(), cost.run().leg_rows()};
   Eigen::Index from = 0;
   for (std::size_t c = 0; c < kChannels; ++c) {
     const auto part = residual.segment(from, static_cast<Eigen::Index>(sizes[c]));

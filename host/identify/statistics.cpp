@@ -54,8 +54,9 @@ Eigen::MatrixXd sandwich_covariance(const std::vector<WindowShare>& shares, cons
   const Eigen::MatrixXd inverse =
       scale.asDiagonal() * scaled.completeOrthogonalDecomposition().pseudoInverse() * scale.asDiagonal();
   const double windows = independent_windows(shares.size(), layers);
-  const double correction =
-      windows > static_cast<double>(free) ? windows / (windows - static_cast<double>(free)) : windows;
+  const double correction = windows > static_cast<double>(free)
+                                ? windows / (windows - static_cast<double>(free))
+                                : std::max(windows, 1.0);
   const Eigen::MatrixXd small = inverse * scatter * inverse * correction;
   for (Eigen::Index i = 0; i < free; ++i)
     for (Eigen::Index k = 0; k < free; ++k)

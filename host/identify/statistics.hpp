@@ -28,6 +28,7 @@ struct WindowShare {
   double squares = 0.0;         ///< of all channels
   Eigen::VectorXd gradient;     ///< half the derivative of `squares` by the unknowns
   Eigen::MatrixXd information;  ///< Gauss-Newton half Hessian
+  std::array<Eigen::MatrixXd, kChannels> information_of;  ///< of each channel; empty where there is one alone
 
   const ChannelShare& operator[](Channel c) const { return channels[static_cast<std::size_t>(c)]; }
 };

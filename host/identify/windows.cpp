@@ -66,18 +66,25 @@ std::vector<Flight> find_flights(const Recording& r, double touchdown_height) {
   return found;
 }
 
-/// Without the windows that hold a pause, rows further apart than a model can be trusted to bridge, and without
-/// those that hold rows which no model follows.
-std::vector<Window> without_pauses(std::vector<Window> windows, const Recording& r) {
+/// Without the windows that hold rows which no model follows.
+std::vector<Window> without_unfollowed(std::vector<Window> windows, const Recording& r) {
+  if (r.not_followed.empty()) return windows;
   std::erase_if(windows, [&](const Window& w) {
-    for (std::size_t i = w.first; i < w.last; ++i)
-      if (r.time_s[i + 1] - r.time_s[i] > kLongestPause_s) return true;
-    return !r.not_followed.empty() &&
-           std::any_of(r.not_followed.begin() + static_cast<std::ptrdiff_t>(w.first),
+    return std::any_of(r.not_followed.begin() + static_cast<std::ptrdiff_t>(w.first),
                        r.not_followed.begin() + static_cast<std::ptrdiff_t>(w.last) + 1,
                        [](char why) { return why != 0; });
   });
   return windows;
+}
+
+/// And without those that hold a pause, rows further apart than a model can be trusted to bridge.
+std::vector<Window> without_pauses(std::vector<Window> windows, const Recording& r) {
+  std::erase_if(windows, [&](const Window& w) {
+    for (std::size_t i = w.first; i < w.last; ++i)
+      if (r.time_s[i + 1] - r.time_s[i] > kLongestPause_s) return true;
+    return false;
+  });
+  return without_unfollowed(std::move(windows), r);
 }
 
 bool is_apex(const Flight& f) {
@@ -274,7 +281,7 @@ std::vector<Window> cut(const Recording& r, std::size_t index, const model::Mode
     case Cut::intervals:
       break;
   }
-  return without_pauses(intervals(r, index, interval_s), r);
+  return without_unfollowed(intervals(r, index, interval_s), r);  // which end at pauses
 }
 
 }  // namespace
@@ -365,7 +372,7 @@ TrainingWindows training_windows(const std::vector<Recording>& recordings, const
   for (std::size_t layer = 1; layer < t.layers; ++layer)
     for (std::size_t i = 0; i < recordings.size(); ++i) {
       const double from_s = interval_s * static_cast<double>(layer) / static_cast<double>(t.layers);
-      const auto more = intervals(recordings[i], i, interval_s, from_s);
+      const auto more = without_unfollowed(intervals(recordings[i], i, interval_s, from_s), recordings[i]);
       t.windows.insert(t.windows.end(), more.begin(), more.end());
     }
   // In the order of their begin, so that folds are stretches of a recording.
