@@ -148,7 +148,10 @@ class Lister {
       any_free_damping |= model_.is_free(j, 3);
       any_free_rotor |= model_.is_free(j, 2);
     }
-    add(Effect::coulomb_friction, at, {{torque, 0, 0, 0}});
+    const bool full = std::any_of(at.begin(), at.end(), [&](std::size_t j) {
+      return has(Effect::stribeck_friction, {j}) || has(Effect::asymmetric_friction, {j});
+    });
+    if (!full) add(Effect::coulomb_friction, at, {{torque, 0, 0, 0}});
     if (same_damping && !any_free_damping)
       add(Effect::damping_error, at, {{damping + torque / speed, 0, 0, 0}}, damping == 0.0);
     if (same_rotor && !any_free_rotor)

@@ -311,11 +311,11 @@ class Diagnoser {
         const double more = r.loss_more / found.fit.loss;
         if (r.z < kApart || (something_left && more < kOfWhatIsLeft)) {
           undecided_.push_back(r.at);
-          text.why = r.z < kApart
-                         ? "in its place and fitted, the windows are predicted as well: the difference is " +
-                               core::rounded(r.z, 2) + " times its own scatter from window to window"
-                         : "in its place and fitted, the windows' loss is " + percent(more) +
-                               " more: what is still missing is more than that";
+          text.why = r.z < kApart ? std::string("in its place and fitted, the windows are predicted ") +
+                                        (r.z < -2.0 ? "better" : "as well") + ": the difference is " +
+                                        core::rounded(r.z, 2) + " times its own scatter from window to window"
+                                  : "in its place and fitted, the windows' loss is " + percent(more) +
+                                        " more: what is still missing is more than that";
           f.indistinguishable_from.push_back(text);
         } else {
           text.why = "in its place and fitted, the windows' loss is " + percent(more) + " more, " +
@@ -408,6 +408,7 @@ class Diagnoser {
   void verdict(const Problem& problem) {
     double before = 0.0, after = 0.0;
     std::vector<std::string> where;
+    bool any_lost = false;
     for (std::size_t j = 0; j < model_.joints(); ++j) {
       const MissingTorque& m = d_.missing[j];
       const double unit = m.rms_torque_nm * m.rms_torque_nm;
@@ -416,6 +417,7 @@ class Diagnoser {
       // Runs that are further off than the joint moves, and far beyond its encoder's noise: whatever the torques say, it is not adequate.
       const bool lost = d_.extended_error[j].nmse > 1.0 && !problem.scales().still[j] &&
                         d_.extended_error[j].rmse > 50.0 * training_.front().angle_noise_rad[j];
+      any_lost = any_lost || lost;
       // Held-out recordings may have what those that were fitted do not.
       const bool only_there = d_.findings.empty() &&
                               d_.extended_error[j].rmse > kOnlyThere * training_error_[j].rmse &&
@@ -434,10 +436,15 @@ class Diagnoser {
     for (Finding& f : d_.findings) {
       if (left && !where.empty())
         f.confidence = std::min(f.confidence, std::max(0.3, 1.0 - d_.unexplained_share));
+      if (any_lost) f.confidence = std::min(f.confidence, 0.5);  // whatever the torques say
       if (std::any_of(f.cause.sites.begin(), f.cause.sites.end(), [&](std::size_t site) {
             const Seat seat = info(f.cause.effect).seat;
-            if (seat == Seat::link)
-              return beside_another(static_cast<std::size_t>(model_.robot.links[site].joint));
+            if (seat == Seat::link) {  // it pulls at all joints down to the base
+              for (int j = model_.robot.links[site].joint; j >= 0;
+                   j = model_.robot.model.shape().parent(static_cast<std::size_t>(j)))
+                if (beside_another(static_cast<std::size_t>(j))) return true;
+              return false;
+            }
             return is_of_joints(seat) && beside_another(site);
           }))
         f.confidence = std::min(f.confidence, 0.5);

@@ -75,7 +75,8 @@ class Search {
     if (coarse != nullptr && problem_.misfit(fit.at) > kGrosslyWrong) {
       // Where the model flies apart within a window, nothing is linear: the large causes are found on short windows.
       Search on_short(*coarse, progress_, false);
-      fit = fitted_anew(on_short.rounds(on_short.fitted_anew(fit.at), 4, nullptr).at);
+      fit = fitted_anew(on_short.rounds(on_short.fitted_anew(fit.at), 4, &found).at);
+      first_pick_ = on_short.first_pick_;
     }
     const std::size_t before = problem_.steps();
     fit = path(std::move(fit), &found);
@@ -83,7 +84,8 @@ class Search {
     for (Candidate& spring : springs_) spring.fitted_gain = 0.0;  // that was beside fewer causes
     judge(found, std::move(fit));
     // Rivals that took a place may be two wrong laws of friction, too.
-    if (Fit anew = friction_anew(found.fit); names(anew) != names(found.fit)) judge(found, std::move(anew));
+    if (Fit anew = without_falls(friction_anew(found.fit)); names(anew) != names(found.fit))
+      judge(found, std::move(anew));
     found.disputed = std::max(disputed_, dropped_worth_);
     return found;
   }
@@ -100,7 +102,21 @@ class Search {
       problem_.weigh(fit.at);
       fit = problem_.fit(fit.at, 4);
     }
-    return friction_anew(std::move(fit));
+    return without_falls(friction_anew(std::move(fit)));
+  }
+
+  /// A Stribeck curve that does not rise towards standstill is dry friction of one size, where that does as well.
+  Fit without_falls(Fit fit) const {
+    for (std::size_t c = problem_.model().causes.size(); c < fit.at.causes.size(); ++c) {
+      const Cause& curve = fit.at.causes[c];
+      if (curve.effect != Effect::stribeck_friction || curve.values[1] > curve.values[0]) continue;
+      Hypothesis h = fit.at;
+      h.causes[c] = {Effect::coulomb_friction, curve.sites, {curve.values[0], 0, 0, 0}};
+      Fit plain = problem_.fit(h, 6);
+      const auto fewer = static_cast<double>(parameters(fit)) - static_cast<double>(parameters(plain));
+      if (plain.loss < (1.0 + kOfParameter * fewer) * fit.loss) fit = std::move(plain);
+    }
+    return fit;
   }
 
   /// What was taken first, of a model that is still wrong, may have led astray. Where torque is missing at the end, another search begins
@@ -303,7 +319,7 @@ class Search {
         leaders.push_back(&s);
         if (k > 0 || leaders.size() == kLeaders) break;
       }
-      if (table != nullptr && k == 0)
+      if (table != nullptr && k == 0 && table->table.empty())
         for (const auto& s : scores)
           table->table.push_back(
               {cause_name(problem_.model(), linear.candidates()[s.candidate].columns.front()),
@@ -613,7 +629,12 @@ class Search {
           const Fit other = problem_.fit(h, 5, &off);
           // The same law in another dress has the name that it had before.
           Rival r{{other.at.causes.back()}, other.at, other.loss - fit.loss, against(fit, other)};
-          if (swaps < kMostSwaps && r.loss_more < -0.003 * fit.loss && parameters(other) <= parameters(fit)) {
+          const double more = static_cast<double>(parameters(other)) - static_cast<double>(parameters(fit));
+          // With more parameters only what the windows agree on, and what is worth them.
+          const bool preferred = more <= 0.0
+                                     ? r.loss_more < -0.003 * fit.loss
+                                     : r.z < -kStands && r.loss_more < -kOfParameter * more * fit.loss;
+          if (swaps < kMostSwaps && preferred) {
             // Its derivatives are of several places.
             fit = problem_.fit(other.at, 3);
             swapped = true;

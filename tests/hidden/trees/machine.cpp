@@ -54,12 +54,15 @@ void Machine::plant(const Cause& c) {
     return;
   }
   for (const std::string& at : c.at) {
-    if (c.effect == "mass_error" || c.effect == "com_error" || c.effect == "payload") {
+    if (c.effect == "mass_error" || c.effect == "inertia_error" || c.effect == "com_error" ||
+        c.effect == "payload") {
       Body* b = body_named(robot_, at);
       if (b == nullptr) throw std::invalid_argument("no link " + at);
       if (c.effect == "mass_error") {
         b->moments = (p("mass_kg") / b->mass_kg) * b->moments;
         b->mass_kg = p("mass_kg");
+      } else if (c.effect == "inertia_error") {
+        b->moments = p("scale") * b->moments;
       } else if (c.effect == "com_error") {
         b->centre_m = b->centre_m + Vec3{value_or_zero(c, "offset_x_m"), value_or_zero(c, "offset_y_m"),
                                          value_or_zero(c, "offset_z_m")};
