@@ -112,3 +112,18 @@ TEST_CASE("Logs without a flight are refused with what was expected") {
   CHECK_THROWS_WITH(diagnose::diagnose(test::carriage_model(), logs, logs),
                     Catch::Contains("flight-1.csv") && Catch::Contains("no free flight"));
 }
+
+TEST_CASE(
+    "A slip of the encoder while the carriage lies on its stop is named: no flight shows it, and nothing else moves it within a row") {
+  auto training = test::flight_logs({.damping = 1.4}, true, 1, 10);
+  auto& height = training[3].columns.at("height_m");
+  for (std::size_t row = height.size() - 20; row < height.size(); ++row) height[row] += 5e-3;
+  const auto d =
+      diagnose::diagnose(test::carriage_model(), training, test::flight_logs({.damping = 1.4}, true, 50, 2));
+  INFO(text(d));
+  REQUIRE(d.findings.size() == 1);
+  CHECK(d.findings[0].effect == Effect::encoder_slip);
+  REQUIRE(d.findings[0].events.size() == 1);
+  CHECK(d.findings[0].events[0].log == training[3].path);
+  CHECK(d.findings[0].events[0].step == Approx(5e-3).margin(6e-4));  // of six rows to either side, 0.09 mm of noise
+}

@@ -10,6 +10,7 @@
 #include "host/log/writer.hpp"
 #include "host/model/reader.hpp"
 #include "host/model/writer.hpp"
+#include "host/sim/simulate.hpp"
 #include "tests/host/cli/run_program.hpp"
 #include "tests/host/identify/synthetic.hpp"
 
@@ -301,6 +302,32 @@ TEST_CASE("diagnose writes its three files, and the extended model is one that s
       60);
   INFO(sim.err);
   CHECK(sim.status == 0);
+}
+
+TEST_CASE("Bounds below zero that exclude the data are widened away from zero and towards it") {
+  // A pendulum whose zero is at the top: gravity pulls away from it, by -0.5 N m instead of -3 to -1.
+  const auto truth = model::parse_model(
+      "[model]\nkind = \"rotary_joint\"\nschema = 1\n"
+      "[parameters]\ninertia_kgm2 = 0.15\ngravity_torque_nm = -0.5\ndamping_nmspr = 0.3\n",
+      "truth.toml");
+  model::Model model = truth;
+  model.parameters[1] = -2.0;
+  model.free[1] = {-3.0, -1.0};
+  std::vector<log::Log> logs;
+  for (unsigned seed = 1; seed <= 4; ++seed) {
+    sim::Scenario s = sim::default_scenario(truth);
+    s.amplitude = 1.0 + 0.2 * seed;
+    s.period_s = 1.5;
+    s.duration_s = 4.0;
+    s.sensors = {.quantisation = true, .noise = true};
+    logs.push_back(sim::simulate(truth, s, seed));
+    logs.back().path = "joint-" + std::to_string(seed) + ".csv";
+  }
+  const auto d = diagnose::diagnose(model, {logs[0], logs[1], logs[2]}, {logs[3]});
+  INFO(text(d));
+  REQUIRE(d.beyond_bounds.size() == 1);
+  CHECK(d.beyond_bounds[0].name == "gravity_torque_nm");
+  CHECK(d.beyond_bounds[0].value == Approx(-0.5).epsilon(0.05));
 }
 
 TEST_CASE("Bounds that exclude the data are said to, and no cause is named in their place") {

@@ -235,3 +235,47 @@ TEST_CASE("A drive that lags and clocks that are apart by as much the other way 
   CHECK(meant(0.002, -0.012));
   CHECK(meant(0.01, 0.01));
 }
+
+TEST_CASE("Folds of windows that overlap share no rows with what their estimate has seen") {
+  // The mean of ten numbers, in windows of twenty rows that begin ten rows apart; of five folds the first is the first two.
+  identify::Fit fit;
+  fit.values = {0.0};
+  fit.at_bound = {false};
+  std::vector<identify::Window> windows;
+  const std::vector<double> y{1.0, -2.0, 0.5, 3.0, -1.0, 2.0, -0.5, 0.0, 1.5, -4.5};
+  for (std::size_t i = 0; i < y.size(); ++i) {
+    identify::WindowShare s;
+    s.squares = y[i] * y[i];
+    s.gradient = Eigen::VectorXd::Constant(1, -y[i]);
+    s.information = Eigen::MatrixXd::Constant(1, 1, 1.0);
+    fit.shares.push_back(s);
+    identify::Window w;
+    w.first = 10 * i;
+    w.last = 10 * i + 20;
+    windows.push_back(w);
+  }
+  const auto crossing = diagnose::crossing_of(fit, windows, 1);
+  // The third window shares rows 20 to 30 with the second: the mean of the other seven.
+  CHECK(crossing.step[0](0) == Approx((3.0 - 1.0 + 2.0 - 0.5 + 0.0 + 1.5 - 4.5) / 7.0));
+  // In the middle one more on either side.
+  CHECK(crossing.step[2](0) == Approx((1.0 - 2.0 + 0.5 + 0.0 + 1.5 - 4.5) / 6.0));
+}
+
+TEST_CASE("A set leaves more where it does in one channel, whatever the others leave") {
+  const auto with = [](double motion, double drive) {
+    Hypothesis h;
+    identify::WindowShare share;
+    share.channels[static_cast<std::size_t>(Channel::motion)] = {motion, 100.0, 100.0};
+    share.channels[static_cast<std::size_t>(Channel::drive)] = {drive, 100.0, 100.0};
+    h.fit.shares.push_back(share);
+    h.cross_validated_squares = motion + drive;
+    return h;
+  };
+  // A drive whose current sensor is wrong hides nothing of the motion.
+  CHECK(diagnose::squares_of_body(with(300.0, 7000.0)) == Approx(300.0));
+  CHECK(diagnose::leaves_more(with(110.0, 7000.0), with(100.0, 7000.0), 0.04));
+  CHECK_FALSE(diagnose::leaves_more(with(102.0, 7000.0), with(100.0, 7000.0), 0.04));
+  CHECK(diagnose::leaves_more(with(100.0, 7400.0), with(100.0, 7000.0), 0.04));
+  // Below a step of the drive's loop a part is by chance.
+  CHECK_FALSE(diagnose::leaves_more(with(100.0, 3.0), with(100.0, 1.0), 0.04));
+}

@@ -4,8 +4,10 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <numbers>
+#include <set>
 
 #include "host/diagnose/laws.hpp"
+#include "host/diagnose/rule.hpp"
 #include "tests/host/identify/synthetic.hpp"
 
 using namespace furcula;
@@ -169,4 +171,12 @@ TEST_CASE("Names of one law are known, and found where they need no more paramet
   CHECK(diagnose::in_other_names(m, {Effect::actuator_delay}, usable) ==
         std::vector<EffectSet>{{Effect::time_skew}});
   CHECK(diagnose::in_other_names(m, {Effect::mass_error}, usable).empty());
+}
+
+TEST_CASE("Each rule of the search has a name of its own, by which it is found") {
+  std::set<std::string_view> names(diagnose::kRuleNames.begin(), diagnose::kRuleNames.end());
+  CHECK(names.size() == diagnose::kRuleNames.size());
+  CHECK(diagnose::name_of(diagnose::Rule::odd_recording) == "odd_recording");  // the last: none is forgotten
+  for (const std::string_view name : names) CHECK(diagnose::name_of(*diagnose::rule_named(name)) == name);
+  CHECK_FALSE(diagnose::rule_named("none"));
 }

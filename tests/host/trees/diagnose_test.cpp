@@ -124,6 +124,19 @@ TEST_CASE("A Stribeck curve beside a constant torque is not friction of two size
   CHECK(effects_named(d) == std::set<Effect>{Effect::stribeck_friction, Effect::force_offset});
 }
 
+TEST_CASE("Friction of two sizes in the two directions is not a curve that falls towards standstill") {
+  const trees::TreeModel model = test::arm3();
+  trees::TreeModel truth = model;
+  const std::size_t elbow = test::joint(truth, "elbow");
+  truth.causes = {{Effect::asymmetric_friction, {elbow}, {0.12, 0.4, 0, 0}}};
+  const Logs logs = logs_of(truth, 78);
+  const trees::Diagnosis d = trees::diagnose(model, logs.training, logs.held_out);
+  INFO(d.summary);
+  const auto names = effects_named(d);
+  CHECK((names == std::set<Effect>{Effect::asymmetric_friction} ||
+         names == std::set<Effect>{Effect::coulomb_friction, Effect::force_offset}));
+}
+
 TEST_CASE("Clocks that are apart are named; where a delay of all drives would do the same, both are") {
   for (const double skew_s : {-0.015, 0.015}) {
     INFO(skew_s);
