@@ -171,6 +171,7 @@ class Assembly {
   void take(const Refuted& of_training, const Refuted& of_held_out) {
     training_ = recordings_of(training_logs_, model_, of_training);
     held_out_ = recordings_of(held_out_logs_, model_, of_held_out);
+    identify::keep_warm(held_out_, training_);
     training_windows_ = identify::training_windows(training_, model_, options_.window_s);
     d_.windows = training_windows_.windows.size();
     if (d_.windows > 0)
@@ -314,9 +315,12 @@ class Assembly {
     for (Recording& r : held_out_) {
       r.slips.clear();
       r.slip_offset.clear();
+      if (const Recording* before = identify::goes_on_from(r, training_);
+          before && !before->slip_offset.empty())
+        r.slip_offset.assign(r.rows(), before->slip_offset.back());
       if (!slips_foretold_) continue;
       const Recording& like = training_.front();
-      r.slip_offset.assign(r.rows(), 0.0);
+      if (r.slip_offset.empty()) r.slip_offset.assign(r.rows(), 0.0);
       for (const identify::Slip& slip : like.slips) {
         const double time_s = like.time_s[slip.row] - like.time_s.front();
         std::size_t row = 0;

@@ -109,6 +109,7 @@ class Work {
             const Refuted& of_training, const Refuted& of_held_out) {
     training_ = make_recordings(training, model_.kind, of_training);
     held_out_ = make_recordings(held_out, model_.kind, of_held_out);
+    keep_warm(held_out_, training_);
     require_plausible(training_, held_out_);
     for (auto* list : {&training_, &held_out_}) {
       follow_manoeuvres(*list, model_);

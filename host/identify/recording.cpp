@@ -341,4 +341,19 @@ std::vector<Recording> make_recordings(const std::vector<log::Log>& logs, dynami
   return all;
 }
 
+const Recording* goes_on_from(const Recording& r, const std::vector<Recording>& earlier) {
+  for (const Recording& e : earlier)
+    if (e.name == r.name && e.time_s.back() < r.time_s.front()) return &e;
+  return nullptr;
+}
+
+void keep_warm(std::vector<Recording>& recordings, const std::vector<Recording>& earlier) {
+  for (Recording& r : recordings) {
+    const Recording* before = goes_on_from(r, earlier);
+    if (before == nullptr) continue;
+    const double between_s = before->input.back() != 0.0 ? r.time_s.front() - before->time_s.back() : 0.0;
+    for (double& driven_s : r.driven_s) driven_s += before->driven_s.back() + between_s;
+  }
+}
+
 }  // namespace furcula::identify

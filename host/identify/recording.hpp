@@ -90,6 +90,12 @@ Recording make_recording(const log::Log& log, dynamics::Kind kind,
 std::vector<Recording> make_recordings(const std::vector<log::Log>& logs, dynamics::Kind kind,
                                        const std::vector<std::vector<log::Refuted>>& refuted = {});
 
+/// The recording that this one goes on from, the end of one log being held out: of the same name, and before it; nothing where there is none.
+const Recording* goes_on_from(const Recording& r, const std::vector<Recording>& earlier);
+
+/// Where a recording goes on from one of `earlier`, its motor has worked as long as that one's.
+void keep_warm(std::vector<Recording>& recordings, const std::vector<Recording>& earlier);
+
 /// Over a longer pause between two rows it is not known what drove the axis: 50 ms, or five rows of a slow log.
 double longest_pause_s(const std::vector<double>& time_s);
 

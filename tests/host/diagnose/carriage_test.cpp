@@ -125,5 +125,6 @@ TEST_CASE(
   CHECK(d.findings[0].effect == Effect::encoder_slip);
   REQUIRE(d.findings[0].events.size() == 1);
   CHECK(d.findings[0].events[0].log == training[3].path);
-  CHECK(d.findings[0].events[0].step == Approx(5e-3).margin(6e-4));  // of six rows to either side, 0.09 mm of noise
+  CHECK(d.findings[0].events[0].step ==
+        Approx(5e-3).margin(6e-4));  // of six rows to either side, 0.09 mm of noise
 }

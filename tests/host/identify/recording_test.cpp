@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "host/core/error.hpp"
+#include "host/identify/split.hpp"
 #include "tests/host/identify/synthetic.hpp"
 
 using namespace furcula;
@@ -44,4 +45,24 @@ TEST_CASE("A log of a few rows is refused with its name and the number expected"
   CHECK_THROWS_WITH(make_recording(log, dynamics::Kind::motor_axis), Catch::Contains("axis-1.csv") &&
                                                                          Catch::Contains("11 rows") &&
                                                                          Catch::Contains("at least 20"));
+}
+
+TEST_CASE("The end of a log that is held out goes on: its motor has worked as long as the first part's") {
+  log::Log whole;
+  whole.path = "one.csv";
+  for (int i = 0; i < 400; ++i) {
+    whole.columns["time_s"].push_back(0.01 * i);
+    whole.columns["position_m"].push_back(0.05 * std::sin(0.1 * i));
+    whole.columns["force_n"].push_back(i < 200 ? 10.0 : 0.0);
+  }
+  auto [first, end] = identify::split({whole}, 1);
+  const auto training = identify::make_recordings(first, dynamics::Kind::motor_axis);
+  auto held_out = identify::make_recordings(end, dynamics::Kind::motor_axis);
+  identify::keep_warm(held_out, training);
+  CHECK(identify::goes_on_from(held_out[0], training) == &training[0]);
+  CHECK(held_out[0].driven_s.front() == Approx(2.0));
+  CHECK(held_out[0].driven_s.back() == Approx(2.0));
+  // Another log is another day.
+  held_out[0].name = "two.csv";
+  CHECK(identify::goes_on_from(held_out[0], training) == nullptr);
 }
