@@ -5,7 +5,7 @@
 #include <functional>
 #include <numbers>
 
-#include "host/core/message.hpp"
+#include "host/core/error.hpp"
 #include "host/core/quantile.hpp"
 #include "host/diagnose/effect_set.hpp"
 #include "host/machines/rules.hpp"

@@ -138,7 +138,7 @@ TEST_CASE("Intervals of a recording that begins under a command begin a tenth of
     log.columns["position_m"].push_back(1e-4 * i);
     log.columns["force_n"].push_back(i % 1000 < 500 ? 40.0 : -40.0);
   }
-  const auto first_row = [](log::Log l) {
+  const auto first_row = [](const log::Log& l) {
     return identify::intervals(identify::make_recording(l, dynamics::Kind::motor_axis), 0, 0.5).at(0).first;
   };
   CHECK(first_row(log) == 100);
