@@ -457,11 +457,8 @@ double in_standard_errors(const std::vector<double>& values) {
 }  // namespace
 
 bool Foretold::counts(double typical_force) const {
-  // 0.9973: within three standard deviations of a normal distribution. The mean of few windows scatters more (Student's t).
-  constexpr double kSure = 0.9973, kCounts = 0.01, kShare = 0.02, kNoises = 0.5;
-  if (windows < 2) return false;
-  const double sure = core::student_t_within(kSure, static_cast<double>(windows - 1));
-  return noises > kNoises && deviations > sure && force > kCounts * typical_force && share > kShare;
+  constexpr double kSure = 3.0, kCounts = 0.01, kShare = 0.02, kNoises = 0.5;
+  return noises > kNoises && deviations > kSure && force > kCounts * typical_force && share > kShare;
 }
 
 namespace {
@@ -489,7 +486,6 @@ Foretold foretold_of(const std::vector<Linear>& windows, const std::vector<Norma
     }
   }
   Foretold f;
-  f.windows = windows.size();
   // The filter weighs best what is small; of free runs a window that it takes for another motion spoils less.
   f.deviations = std::max(in_standard_errors(gains), in_standard_errors(gains_of_free_runs));
   f.share = 1.0 - after / std::max(before, 1e-300);

@@ -26,7 +26,6 @@ struct Foretold {
       0.0;  ///< what it gains, in standard errors of that over the windows: by what the filter finds new, or by free runs
   double noises =
       0.0;  ///< root mean square of what it changes in the positions of free runs, over the sensor's noise
-  std::size_t windows = 0;  ///< that all this is of
 
   /// It takes off something that counts.
   bool counts(double typical_force) const;

@@ -117,7 +117,6 @@ TEST_CASE("Evidence is divided by what a flexible law finds left, if that counts
   left.crossed.force = 1.0;
   left.crossed.share = 0.75;
   left.crossed.deviations = 8.0;
-  left.crossed.windows = 30;
   left.crossed.noises = 5.0;
   CHECK(diagnose::misfit_of(left) == Approx(4.0));
   left.crossed.share = 0.99;

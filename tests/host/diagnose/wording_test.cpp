@@ -57,7 +57,6 @@ TEST_CASE(
   d.remainder->random_force_held_out = 4.0;
   CHECK(holds("The held-out recordings lack 4 N that the training recordings do not"));
   d.remainder->foretold.deviations = 6.0;
-  d.remainder->foretold.windows = 30;
   d.remainder->foretold.noises = 3.0;
   d.remainder->foretold.force = 1.1;
   d.remainder->foretold.share = 0.4;
