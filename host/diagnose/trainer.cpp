@@ -275,9 +275,14 @@ Comparison Trainer::compare(const Hypothesis& smaller, const Hypothesis& larger,
 }
 
 double Trainer::evidence_of_jumps() const {
+  constexpr double kCertain =
+      1e3;  // of a sensor without noise it would be all there is, and swallow the rest
   double evidence = 0.0;
   for (const auto& r : recordings)
-    for (const identify::Slip& slip : r.slips) evidence += std::pow(slip.step / slip.deviation, 2);
+    for (const identify::Slip& slip : r.slips)
+      evidence += slip.step * slip.step < kCertain * slip.deviation * slip.deviation
+                      ? std::pow(slip.step / slip.deviation, 2)
+                      : kCertain;
   return evidence;
 }
 

@@ -42,7 +42,7 @@ std::vector<Window> stances(const Recording& r, std::size_t index, const model::
 std::vector<Window> flights(const Recording& r, std::size_t index, const model::Model& model);
 
 /// Windows of `length_s` seconds, one after the other from `from_s` seconds after the recording's first row;
-/// the last one at least half as long. A pause of more than 50 ms, or five rows of a slow log, ends one: what drove it meanwhile is not known.
+/// of a recording that begins under a command 0.1 s later, since what the drive did before is not known; the last one at least half as long. A pause of more than 50 ms, or five rows of a slow log, ends one: what drove it meanwhile is not known.
 std::vector<Window> intervals(const Recording& r, std::size_t index, double length_s, double from_s = 0.0);
 
 /// Flights of a rail carriage: rows in a row without contact, at least 30 ms and six rows, each from the

@@ -163,7 +163,7 @@ TEST_CASE("Pulls that scatter as independent residuals would are not overdispers
   std::mt19937_64 random(9);
   std::normal_distribution<double> noise;
   // A mean of `rows` residuals in each of 400 units, each residual said so often.
-  const auto ratio = [&](int rows, int said, double white = 0.0) {
+  const auto ratio = [&](int rows, int said, double of_another = 0.0) {
     identify::Fit fit;
     fit.values = {0.0};
     fit.at_bound = {false};
@@ -180,7 +180,11 @@ TEST_CASE("Pulls that scatter as independent residuals would are not overdispers
       }
       const double count = rows * said;
       s.channels[0] = {squares, count, count};
-      s.channels[1] = {1e-4 * white, white, white};  // of which the parameter knows nothing
+      if (of_another > 0.0) {  // of which the parameter knows nothing
+        s.channels[1] = {of_another, 1000.0, 1000.0};
+        s.information_of = {s.information, Eigen::MatrixXd::Zero(1, 1), Eigen::MatrixXd::Zero(1, 1),
+                            Eigen::MatrixXd::Zero(1, 1)};
+      }
       fit.shares.push_back(s);
       units.push_back({u});
     }
@@ -188,8 +192,9 @@ TEST_CASE("Pulls that scatter as independent residuals would are not overdispers
   };
   CHECK(ratio(20, 1) == Approx(1.0).margin(0.25));  // of 400 units: a deviation of sqrt(2 / 400)
   CHECK(ratio(20, 5) == Approx(5.0).margin(1.3));
-  // A channel with nothing but its sensor's white noise changes nothing.
-  CHECK(ratio(20, 1, 1000.0) == Approx(1.0).margin(0.25));
+  // Another channel changes nothing: neither white noise of a thousand rows nor what is wrong there for good.
+  CHECK(ratio(20, 1, 0.1) == Approx(1.0).margin(0.25));
+  CHECK(ratio(20, 5, 1e9) == Approx(5.0).margin(1.3));
 }
 
 TEST_CASE("An effect stands out from where its size is further from none than chance and the tries allow") {
