@@ -141,6 +141,7 @@ class Assembly {
     plan();
     pictures();
     d_.next_experiment = next_experiment(d_);
+    d_.rules_that_acted = selection_.acted;
     d_.summary = summary(d_);
     return std::move(d_);
   }
@@ -281,6 +282,7 @@ class Assembly {
         std::any_of(chosen.effects.begin(), chosen.effects.end(), [&](Effect e) { return may_be_none(e); });
     withdrawn_ = numerics ||
                  (doubtful && !options_.without.contains(Rule::withdrawal) && refitted_stands_in_training());
+    if (withdrawn_ && !numerics) selection_.acted.insert(Rule::withdrawal);
     if (withdrawn_) undecided_ = false;
   }
 
@@ -874,6 +876,7 @@ Diagnosis diagnose(const model::Model& model, const std::vector<log::Log>& train
       agreeing.erase(agreeing.begin() + static_cast<std::ptrdiff_t>(odd->recording));
       continue;
     }
+    if (!left_out.empty()) d.rules_that_acted.insert(Rule::odd_recording);
     d.dirt.left_out = std::move(left_out);
     return d;
   }

@@ -12,6 +12,7 @@
 #include "host/core/verdict.hpp"
 #include "host/diagnose/bootstrap.hpp"
 #include "host/diagnose/remainder.hpp"
+#include "host/diagnose/rule.hpp"
 #include "host/identify/manoeuvres.hpp"
 #include "host/identify/prediction.hpp"
 #include "host/model/model.hpp"
@@ -176,6 +177,7 @@ struct Diagnosis {
   model::Model extended_model;
   std::vector<Trace> traces;
   ResidualForce residual;
+  Rules rules_that_acted;  ///< of the search: what would be named might be another without them
 };
 
 }  // namespace furcula::diagnose

@@ -37,7 +37,8 @@ inline constexpr std::optional<Rule> rule_named(std::string_view name) {
   return std::nullopt;
 }
 
+using Rules = std::set<Rule>;
 /// Those that are left out: none, but where it is asked what they are worth.
-using WithoutRules = std::set<Rule>;
+using WithoutRules = Rules;
 
 }  // namespace furcula::diagnose

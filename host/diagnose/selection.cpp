@@ -66,7 +66,10 @@ class Search {
     }
     forward(0);
     if (keeps(Rule::one_for_several)) one_for_several();
-    if (keeps(Rule::beam) && beam() && !follows_the_body(s_.chosen)) forward(s_.chosen.effects.size());
+    if (keeps(Rule::beam) && beam()) {
+      acted(Rule::beam);
+      if (!follows_the_body(s_.chosen)) forward(s_.chosen.effects.size());
+    }
     replace_by_rivals();
     add_friction_of_two_sizes();
     if (keeps(Rule::early_rows)) add_drive_behind_early_rows();
@@ -81,6 +84,7 @@ class Search {
 
  private:
   bool keeps(Rule r) const { return !off_.contains(r); }
+  void acted(Rule r) { s_.acted.insert(r); }
 
   void tell(double fraction, std::string_view what) const {
     if (progress_) progress_(fraction, what);
@@ -136,8 +140,10 @@ class Search {
     return proposals;
   }
 
-  /// How many of the proposals on top of `on` are fitted; puts them first.
-  std::size_t worth_a_fit(std::vector<Proposal>& proposals, const Hypothesis& on, std::size_t most) const {
+  /// How many of the proposals on top of `on` are fitted; puts them first. `promised`: those among them that no rule has to put there.
+  std::size_t worth_a_fit(std::vector<Proposal>& proposals, const Hypothesis& on, std::size_t most,
+                          EffectSet& promised) const {
+    promised = promising(proposals, most);
     // What does not move the body promises little beside what does, dry friction that sticks is badly judged
     // by a linear step, and a slip by windows that do not hold it: those first, always; and a law that has
     // one of the set as a special case, where that does not do. What a clutch's teeth make of a start is no
@@ -159,12 +165,25 @@ class Search {
     };
     const auto first_other = std::stable_partition(proposals.begin(), proposals.end(), always);
     const auto fixed = static_cast<std::size_t>(first_other - proposals.begin());
+    return count_promising(proposals, fixed, most);
+  }
+
+  /// Of proposals of which the first `fixed` are fitted in any case.
+  static std::size_t count_promising(const std::vector<Proposal>& proposals, std::size_t fixed,
+                                     std::size_t most) {
     most = std::min(std::max(most, fixed + kFewestFits), proposals.size());
     double most_promising = 0.0;
     for (const Proposal& p : proposals) most_promising = std::max(most_promising, p.gain);
     std::size_t count = std::min(std::max(fixed, kFewestFits), most);
     while (count < most && proposals[count].gain > kSmallestPromise * most_promising) ++count;
     return count;
+  }
+
+  static EffectSet promising(const std::vector<Proposal>& proposals, std::size_t most) {
+    EffectSet effects;
+    const std::size_t count = count_promising(proposals, 0, most);
+    for (std::size_t i = 0; i < count; ++i) effects.push_back(proposals[i].effect);
+    return effects;
   }
 
   /// The effect that removes most, if that is more than chance and numerics could; of those that remove as
@@ -178,7 +197,9 @@ class Search {
       const double from = 0.05 + 0.18 * static_cast<double>(round);
       std::vector<Proposal> proposals = propose(s_.chosen, left, from, 0.09);
       if (round == 0) first_promises_ = proposals;
-      std::vector<Tried> trials(worth_a_fit(proposals, s_.chosen, round == 0 ? kMostFits : kMostFits / 2));
+      EffectSet promised;
+      std::vector<Tried> trials(
+          worth_a_fit(proposals, s_.chosen, round == 0 ? kMostFits : kMostFits / 2, promised));
       core::parallel_for(trials.size(), trainer_.threads, [&](std::size_t i) {
         const EffectSet larger = extended(s_.chosen.effects, proposals[i].effect);
         tell(from + 0.09, names(larger));
@@ -190,8 +211,11 @@ class Search {
       const EffectSet before = s_.chosen.effects;
       const Tried* best = best_of(trials);
       if (best != nullptr) s_.chosen = simplest(trials, *best).hypothesis;
+      for (Effect e : s_.chosen.effects)
+        if (!holds(before, e) && !holds(promised, e)) acted(Rule::always_fitted);
       const bool swapped = keeps(Rule::swap_members) && swap_members(trials, before, round);
       s_.tried.insert(s_.tried.end(), trials.begin(), trials.end());
+      if (swapped) acted(Rule::swap_members);
       if (best == nullptr && !swapped) return;
       prune(s_.chosen);
     }
@@ -273,6 +297,7 @@ class Search {
     if (!keeps(Rule::prune)) return;
     const auto replaced_by = [&](Hypothesis smaller, bool needless) {
       if (!needless || (chosen.meaningful && !smaller.meaningful)) return false;
+      acted(Rule::prune);
       chosen = std::move(smaller);
       return true;
     };
@@ -325,7 +350,9 @@ class Search {
           trainer_.preference(s_.chosen, t.hypothesis) > -kEqualEvidence &&
           (simpler == nullptr || t.hypothesis.fit.squares < simpler->fit.squares))
         simpler = &t.hypothesis;
-    if (simpler != nullptr) s_.chosen = Hypothesis(*simpler);
+    if (simpler == nullptr) return;
+    s_.chosen = Hypothesis(*simpler);
+    acted(Rule::one_for_several);
   }
 
   /// The single effects of the first round, those that remove most first.
@@ -404,6 +431,7 @@ class Search {
       if (const Hypothesis* fewer =
               keeps(Rule::least_agreed) && round < kMostSwaps ? without_the_least_agreed() : nullptr) {
         s_.chosen = Hypothesis(*fewer);
+        acted(Rule::least_agreed);
         continue;
       }
       s_.equals = rivals();
@@ -412,8 +440,10 @@ class Search {
         if (keeps(Rule::rivals) && trainer_.preference(s_.chosen, r.hypothesis) > price_of(r.hypothesis) &&
             (better == nullptr || r.hypothesis.fit.squares < better->fit.squares))
           better = &r.hypothesis;
+      const bool by_rivals = better != nullptr;
       if (better == nullptr && keeps(Rule::pool)) better = best_of_pool();
       if (better == nullptr || round == kMostSwaps) return;
+      acted(by_rivals ? Rule::rivals : Rule::pool);
       s_.chosen = Hypothesis(*better);
       prune(s_.chosen);
     }
@@ -450,6 +480,7 @@ class Search {
         {{Effect::coulomb_friction, {0.5 * (up + down)}}, {Effect::force_offset, {0.5 * (down - up)}}});
     if (other.failed || !other.meaningful) return;
     s_.chosen = std::move(other);
+    acted(Rule::friction_that_pushes);
     prune(s_.chosen);  // of a constant force alone, too, both sizes are found
   }
 
@@ -524,8 +555,10 @@ class Search {
     const Hypothesis lagging = fit_if_it_runs(with(members, Effect::actuator_lag), whole_row,
                                               {{Effect::actuator_lag, {row_s - early_s}}});
     if (!lagging.failed && lagging.meaningful &&
-        lagging.fitted.effects.at(Effect::actuator_lag)[0] > kMostOfIt * (row_s - early_s))
+        lagging.fitted.effects.at(Effect::actuator_lag)[0] > kMostOfIt * (row_s - early_s)) {
+      acted(Rule::early_rows);
       s_.equals.push_back({Effect::time_skew, lagging});
+    }
   }
 
   /// The members of the chosen set that `effects` has not, if it stands in their place: one, with no more

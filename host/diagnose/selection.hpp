@@ -37,6 +37,7 @@ struct Selection {
   std::vector<Hypothesis> without;
   /// All sets that were fitted but those in which an effect lies on a limit or is not told from none; the chosen one first.
   std::vector<Weighed> pool;
+  Rules acted;  ///< that put another set in the place of the chosen one
 };
 
 /// How far it is (0 to 1), and what is being tried.

@@ -383,6 +383,7 @@ Judgement judge(const Case& c, const diagnose::Diagnosis& d) {
   j.removed = (nmse(d.refitted) - nmse(d.extended)) / (nmse(d.refitted) - nmse(d.noise_floor));
   judge_predictions(j, c, d);
   j.verdict = d.verdict;
+  j.acted = d.rules_that_acted;
   j.said = line(d, j.removed) + format(", truly %.3f", j.removed_truly) +
            format(", true rms left %.2g", j.remaining_rms) + format(" (resolution %.2g)", c.resolution);
   if (!d.findings.empty()) {

@@ -57,6 +57,7 @@ struct Judgement {
   /// planted or found: there the body moves the same.
   double removed_truly = 0.0;
   double remaining_rms = 0.0;  ///< of the extended model in that calculation, m or rad
+  diagnose::Rules acted;       ///< rules of the search that changed the chosen set
   std::string said;            ///< one line: verdict, findings with values, rivals, errors
 
   /// The right cause first, or in a group that truly is one; of a pair, both.

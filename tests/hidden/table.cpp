@@ -1,13 +1,15 @@
 // furcula_hidden_table [--seed N] [--cases N] [--tier NAME]... [--threads N] [--kind NAME] [--effect NAME]
-//                      [--out DIR] [--write DIR] [--size NAME] [--commit NAME] [--without RULE]...
+//                      [--out DIR] [--write DIR] [--size NAME] [--commit NAME] [--without RULE]... [--ablate N]
 // The blind suite: draws cases from fresh seeds, lets the diagnosis find what they hide and prints how often
 // it did (docs/blind_suite.md). Cases run side by side, each diagnosis on one thread; the tables do not
 // depend on it.
 // --out writes confusion.html and cases.csv to DIR. --write writes each case's recordings and model to
-// DIR/<tier>-<seed>/. --without leaves a rule of the search out (host/diagnose/rule.hpp). --size asks the questions of test_hidden.cpp instead: cases from `seed` on of one kind
+// DIR/<tier>-<seed>/. --without leaves a rule of the search out (host/diagnose/rule.hpp).
+// --ablate asks again, without each rule, up to N of the cases in which it changed the chosen set. --size asks the questions of test_hidden.cpp instead: cases from `seed` on of one kind
 // and effect. Exit status: 0 if every tier reaches its goal, 4 if one does not (the contract's status of a
 // failed check).
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <cstdio>
@@ -39,6 +41,7 @@ struct Arguments {
   std::string kind, effect, out, write, commit = "?";
   std::optional<Size> size;
   diagnose::WithoutRules without;
+  std::size_t ablate = 0;
 };
 
 std::optional<Arguments> parsed(int argc, char** argv) {
@@ -68,6 +71,8 @@ std::optional<Arguments> parsed(int argc, char** argv) {
       a.size = value == "small" ? Size::small : value == "medium" ? Size::medium : Size::large;
     else if (key == "--without" && diagnose::rule_named(value))
       a.without.insert(*diagnose::rule_named(value));
+    else if (key == "--ablate" && is_number)
+      a.ablate = number;
     else if (key == "--commit")
       a.commit = value;
     else if (key == "--out")
@@ -146,14 +151,14 @@ void write_case(const Case& c, const std::string& folder) {
     for (const log::Log& log : *logs) log::write_log(log, folder + "/" + log.path);
 }
 
-void answer(Answer& a, const Arguments& asked) {
+void answer(Answer& a, const Arguments& asked, const diagnose::WithoutRules& without) {
   const Case c = draw_case(a.question);
   a.description = c.description();
   if (!asked.write.empty())
     write_case(c, asked.write + "/" + std::string(name(a.tier)) + "-" + std::to_string(a.question.seed));
   const auto begin = std::chrono::steady_clock::now();
   try {
-    const diagnose::Diagnosis d = diagnosed(c, 1, asked.without);
+    const diagnose::Diagnosis d = diagnosed(c, 1, without);
     a.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     a.judgement = judge(c, d);
   } catch (const std::exception& e) {
@@ -161,20 +166,17 @@ void answer(Answer& a, const Arguments& asked) {
   }
 }
 
-int run(const Arguments& a) {
+// Answers all, side by side, each with these rules left out; lines are printed in the order of the questions.
+void answer_all(std::vector<Answer>& answers, const Arguments& a,
+                const std::vector<diagnose::WithoutRules>& without) {
   const auto begin = std::chrono::steady_clock::now();
-  std::vector<Answer> answers = questions(a);
-  if (answers.empty()) {
-    std::fprintf(stderr, "nothing to ask: the catalogue knows no such effect on this kind\n");
-    return 2;
-  }
   std::atomic<std::size_t> next = 0;
   std::mutex mutex;
   std::vector<char> done(answers.size(), 0);
   std::size_t printed = 0, finished = 0;
   const auto work = [&] {
     for (std::size_t i = next++; i < answers.size(); i = next++) {
-      answer(answers[i], a);
+      answer(answers[i], a, without[i]);
       const std::lock_guard lock(mutex);
       done[i] = 1;
       ++finished;
@@ -190,6 +192,50 @@ int run(const Arguments& a) {
   work();
   others.clear();
   std::fprintf(stderr, "\n");
+}
+
+// What each rule is worth: of the cases in which it changed the chosen set, how many are as they should be
+// with it and without it.
+void ablate(const std::vector<Answer>& answers, const Arguments& a) {
+  constexpr std::size_t kRules = diagnose::kRuleNames.size();
+  std::vector<Answer> again;
+  std::vector<diagnose::WithoutRules> without;
+  std::vector<std::size_t> of, rule_of;
+  std::array<std::size_t, kRules> acted{};
+  for (std::size_t i = 0; i < answers.size(); ++i)
+    for (diagnose::Rule r : answers[i].judgement.acted) {
+      const auto rule = static_cast<std::size_t>(r);
+      if (++acted[rule] > a.ablate) continue;
+      again.push_back({answers[i].tier, answers[i].question, {}, {}, {}, 0.0});
+      without.push_back(a.without);
+      without.back().insert(r);
+      of.push_back(i), rule_of.push_back(rule);
+    }
+  std::printf("\nwithout each rule, cases in which it acted\n");
+  answer_all(again, a, without);
+  std::printf("\n%-22s %6s %6s %6s %6s %6s %6s\n", "rule", "acted", "asked", "right", "right", "worse",
+              "better");
+  std::printf("%-22s %6s %6s %6s %6s\n", "", "", "again", "with", "out");
+  for (std::size_t rule = 0; rule < kRules; ++rule) {
+    std::size_t asked = 0, with_it = 0, without_it = 0, worse = 0, better = 0;
+    for (std::size_t k = 0; k < again.size(); ++k) {
+      if (rule_of[k] != rule) continue;
+      const bool before = as_it_should_be(answers[of[k]]), now = as_it_should_be(again[k]);
+      ++asked, with_it += before, without_it += now, worse += before && !now, better += now && !before;
+    }
+    std::printf("%-22s %6zu %6zu %6zu %6zu %6zu %6zu\n", std::string(diagnose::kRuleNames[rule]).c_str(),
+                acted[rule], asked, with_it, without_it, worse, better);
+  }
+}
+
+int run(const Arguments& a) {
+  const auto begin = std::chrono::steady_clock::now();
+  std::vector<Answer> answers = questions(a);
+  if (answers.empty()) {
+    std::fprintf(stderr, "nothing to ask: the catalogue knows no such effect on this kind\n");
+    return 2;
+  }
+  answer_all(answers, a, std::vector<diagnose::WithoutRules>(answers.size(), a.without));
 
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   const Tally t = tally(answers);
@@ -204,6 +250,8 @@ int run(const Arguments& a) {
     std::ofstream(a.out + "/cases.csv") << csv_of(answers);
     std::printf("\nwritten: %s/confusion.html, %s/cases.csv\n", a.out.c_str(), a.out.c_str());
   }
+  std::fflush(stdout);
+  if (a.ablate > 0) ablate(answers, a);
   return t.goals_met() ? 0 : 4;
 }
 
@@ -218,7 +266,8 @@ int main(int argc, char** argv) {
         "usage: furcula_hidden_table [--seed N] [--cases N] [--tier "
         "large|medium|small|pairs|clean|outside]...\n"
         "                            [--threads N] [--kind NAME] [--effect NAME] [--out DIR] [--write DIR]\n"
-        "                            [--size small|medium|large] [--commit NAME] [--without RULE]...\n");
+        "                            [--size small|medium|large] [--commit NAME] [--without RULE]...\n"
+        "                            [--ablate N]\n");
     return 2;
   }
   return furcula::hidden::run(*arguments);

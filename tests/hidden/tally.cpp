@@ -277,18 +277,20 @@ std::string text_of(const Tally& t, const std::vector<Answer>& answers) {
 std::string csv_of(const std::vector<Answer>& answers) {
   std::string out =
       "seed,tier,kind,planted,nominal,outcome,right,verdict,first,first_right,confidence,extra,removed,"
-      "removed_truly,remaining_rms,seconds\n";
+      "removed_truly,remaining_rms,seconds,rules_that_acted\n";
   for (const Answer& a : answers) {
     const Judgement& j = a.judgement;
     std::string extra;
     for (const std::string& e : j.extra) extra += (extra.empty() ? "" : " + ") + e;
-    out += printed("%llu,%s,%s,%s,%s,%s,%d,%s,%s,%d,%.3f,%s,%.4f,%.4f,%.3g,%.2f\n",
+    std::string rules;
+    for (diagnose::Rule r : j.acted) rules += (rules.empty() ? "" : " ") + std::string(diagnose::name_of(r));
+    out += printed("%llu,%s,%s,%s,%s,%s,%d,%s,%s,%d,%.3f,%s,%.4f,%.4f,%.3g,%.2f,%s\n",
                    static_cast<unsigned long long>(a.question.seed), std::string(name(a.tier)).c_str(),
                    std::string(dynamics::info(a.question.kind).name).c_str(), planted_label(a).c_str(),
                    std::string(name(a.question.nominal)).c_str(),
                    a.refused.empty() ? std::string(name(j.outcome)).c_str() : "refused", j.right(),
                    std::string(name(j.verdict)).c_str(), j.first.c_str(), j.first_right, j.confidence,
-                   extra.c_str(), j.removed, j.removed_truly, j.remaining_rms, a.seconds);
+                   extra.c_str(), j.removed, j.removed_truly, j.remaining_rms, a.seconds, rules.c_str());
   }
   return out;
 }
