@@ -268,12 +268,9 @@ class Diagnoser {
     return away.parameters > 0 &&
            away.squares < core::chi_square_above(0.05, static_cast<double>(away.parameters));
   }
-  /// 95 %, within the parameter's bounds.
   static Estimate interval(const std::string& name, const std::string& unit, const Fit& fit, std::size_t k) {
-    const Unknown& u = fit.unknowns[k];
-    const double value = value_of(fit.at, u), half = 1.96 * std::sqrt(variance_of(fit, k));
-    return {name, unit, value, std::max(value - half, std::min(u.lower, value)),
-            std::min(value + half, std::max(u.upper, value))};
+    const Interval within = interval_of(fit, k);
+    return {name, unit, value_of(fit.at, fit.unknowns[k]), within.lower, within.upper};
   }
 
   void findings(Problem& problem, const Found& found) {

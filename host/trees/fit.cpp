@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "host/core/error.hpp"
 #include "host/core/parallel.hpp"
@@ -20,6 +21,10 @@ constexpr double kNear = 0.5;
 constexpr double kTwist = 0.3;
 /// A motion of so many times the encoder's noise is none.
 constexpr double kStill = 10.0;
+/// From this correlation on an unknown can stand for another one.
+constexpr double kOneForAnother = 0.999;
+/// Of the loss, what a change that matters makes less of is not seen at all.
+constexpr double kNothing = 1e-9;
 /// No fit goes on for less than so much of the loss.
 constexpr double kDone = 1e-4;
 
@@ -63,6 +68,27 @@ double variance_of(const Fit& fit, std::size_t unknown) {
   const Mean mean = weighted_mean(fit.fold_value[unknown], fit.fold_information[unknown]);
   const bool known = fit.fold_value[unknown].size() >= 3 && mean.freedom > 0.25;
   return known ? std::max(fit.covariance(i, i), mean.variance) : fit.covariance(i, i);
+}
+
+Interval interval_of(const Fit& fit, std::size_t unknown) {
+  const Unknown& u = fit.unknowns[unknown];
+  const auto i = static_cast<Eigen::Index>(unknown);
+  const double value = value_of(fit.at, u), curved = fit.by_curvature(i, i),
+               half = 1.96 * std::sqrt(std::max(variance_of(fit, unknown), curved));
+  Interval out{std::max(value - half, std::min(u.lower, value)),
+               std::min(value + half, std::max(u.upper, value))};
+  for (std::size_t other = 0; other < fit.unknowns.size(); ++other) {
+    const auto k = static_cast<Eigen::Index>(other);
+    const double shared = fit.by_curvature(i, k), of_other = fit.by_curvature(k, k);
+    if (other == unknown || !(std::abs(shared) > kOneForAnother * std::sqrt(curved * of_other))) continue;
+    // By how much this one changes with the other one; that has its own bounds.
+    const double by = shared / of_other, at = value_of(fit.at, fit.unknowns[other]),
+                 down = by * (fit.unknowns[other].lower - at), up = by * (fit.unknowns[other].upper - at),
+                 least = 1.96 * std::sqrt(std::max(0.0, curved - by * shared));
+    out.lower = std::max(out.lower, value + std::min({down, up, -least}));
+    out.upper = std::min(out.upper, value + std::max({down, up, least}));
+  }
+  return out;
 }
 
 Away away_from_none(const TreeModel& model, const Fit& fit, std::size_t cause) {
@@ -552,7 +578,7 @@ Fit Problem::fit(Hypothesis from, int iterations, const Fit* beside) const {
         value <= u.lower + 1e-9 * u.scale || value >= u.upper - std::min(near, 1e-3 * u.scale);
     // What nothing depends on has no scatter either.
     if (!out.at_bound[static_cast<std::size_t>(k)] &&
-        (u.prior_sd > 0.0 || p.all(k + 1, k + 1) * u.scale * u.scale > 1e-9 * out.loss))
+        (u.prior_sd > 0.0 || p.all(k + 1, k + 1) * u.scale * u.scale > kNothing * out.loss))
       inside.push_back(k + 1);
   }
   const auto m = static_cast<Eigen::Index>(inside.size());
@@ -590,6 +616,24 @@ Fit Problem::fit(Hypothesis from, int iterations, const Fit* beside) const {
       for (Eigen::Index b = 0; b < m; ++b)
         out.covariance(inside[static_cast<std::size_t>(a)] - 1, inside[static_cast<std::size_t>(b)] - 1) =
             c(a, b);
+  }
+  // The curvature alone, of unknowns at a bound too; of what nothing depends on, nothing is known.
+  std::vector<Eigen::Index> told;
+  for (Eigen::Index k = 0; k < count; ++k) {
+    const Unknown& u = out.unknowns[static_cast<std::size_t>(k)];
+    if (u.prior_sd > 0.0 || p.all(k + 1, k + 1) * u.scale * u.scale > kNothing * out.loss)
+      told.push_back(k + 1);
+  }
+  out.by_curvature = Eigen::MatrixXd::Zero(count, count);
+  out.by_curvature.diagonal().setConstant(std::numeric_limits<double>::infinity());
+  if (!told.empty()) {
+    const double each = std::max(
+        1.0, out.loss / static_cast<double>(windows_.size() * static_cast<std::size_t>(weight_.size())));
+    const Eigen::MatrixXd inverse = each * ScaledNormal(p.all(told, told), 1e-12).inverse();
+    for (std::size_t a = 0; a < told.size(); ++a)
+      for (std::size_t b = 0; b < told.size(); ++b)
+        out.by_curvature(told[a] - 1, told[b] - 1) =
+            inverse(static_cast<Eigen::Index>(a), static_cast<Eigen::Index>(b));
   }
   out.fold_value.assign(out.unknowns.size(), {});
   out.fold_information.assign(out.unknowns.size(), {});

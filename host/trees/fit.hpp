@@ -27,6 +27,8 @@ struct Fit {
   /// Of the unknowns, from the scatter of the windows' gradients and what is known beforehand; 0 at a bound.
   Eigen::MatrixXd covariance;
   Eigen::MatrixXd of_prior;  ///< the part of it that comes from what is known beforehand
+  /// Of the unknowns, those at a bound too, from the curvature of the loss alone: very large where nothing is told.
+  Eigen::MatrixXd by_curvature;
   std::vector<bool> at_bound;
   std::vector<double> window_loss;  ///< of each window
   /// Loss of each fold at what the others alone would have made of the unknowns (by the linear problem), summed.
@@ -53,6 +55,13 @@ struct Products {
 
 /// Of a fitted value: what the windows say, or the scatter between the recordings where that is more.
 double variance_of(const Fit& fit, std::size_t unknown);
+
+struct Interval {
+  double lower, upper;
+};
+/// 95 % of an unknown, within its bounds. One at a bound has what lies inside of it; one about which the windows say nothing all that its
+/// bounds leave; and one that another unknown can stand for as much as the bounds of both leave.
+Interval interval_of(const Fit& fit, std::size_t unknown);
 
 /// How far a cause's parameters, taken together, are from having no effect: the square over their variance. Of those without such a value
 /// (a stiffness, a limit) and of those at a bound it knows nothing.

@@ -37,9 +37,6 @@ struct Told {
 Told told(const TreeModel& model, const Reported& all, std::size_t row, const std::vector<bool>& still);
 
 /// 95 % of a body's row: a mass within its bounds, a principal moment not below 0.
-struct Interval {
-  double lower, upper;
-};
 Interval interval_of(const Fit& fit, const Reported& all, std::size_t row);
 
 }  // namespace furcula::trees

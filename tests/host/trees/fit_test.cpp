@@ -138,6 +138,77 @@ TEST_CASE("A cause that is there is far from none, one that is not is near") {
   }
 }
 
+TEST_CASE("An interval holds what the recordings do not tell") {
+  const std::string free = "[free]\n\"damping_nmspr.elbow\" = [0.0, 1.0]\n";
+  const auto fitted = [](const trees::TreeModel& model, const trees::TreeModel& truth,
+                         const std::vector<trees::Cause>& causes) {
+    const auto all = recordings(model, test::logs(truth, 3, 6.0, 7));
+    trees::Problem problem(model, all, trees::windows_of(model, all, 0.3, 60), 2);
+    const trees::Hypothesis given{model.drives, causes};
+    problem.weigh(given);
+    const trees::Fit fit = problem.fit(given, 6);
+    problem.weigh(fit.at);
+    return problem.fit(fit.at, 6);
+  };
+  SECTION("the centre of mass along a planar robot's axes: all that is possible") {
+    const trees::TreeModel model = test::double_pendulum();
+    std::size_t link = 0;  // the first that the last joint moves
+    while (model.robot.links[link].joint != 1) ++link;
+    const trees::Fit fit =
+        fitted(model, model, {trees::Cause{Effect::com_error, {link}, {0.0, 0.0, 0.0, 0}}});
+    REQUIRE(fit.unknowns.size() == 3);
+    std::size_t all_of_it = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto [lower, upper] = trees::interval_of(fit, k);
+      all_of_it += lower == fit.unknowns[k].lower && upper == fit.unknowns[k].upper ? 1 : 0;
+      CHECK(lower - (upper - lower) <= 0.0);
+      CHECK(upper + (upper - lower) >= 0.0);
+    }
+    CHECK(all_of_it == 1);
+  }
+  SECTION("a value at its bound: what lies inside of it") {
+    const trees::TreeModel model = test::double_pendulum(free);
+    trees::TreeModel truth = model;
+    truth.drives[1].damping_nmspr = 0.0;
+    truth.causes = {{Effect::force_offset, {1}, {0.05, 0, 0, 0}}};
+    const trees::Fit fit = fitted(model, truth, {{Effect::coulomb_friction, {1}, {0.0, 0, 0, 0}}});
+    for (std::size_t k = 0; k < fit.unknowns.size(); ++k) {
+      const auto [lower, upper] = trees::interval_of(fit, k);
+      INFO(k << ": " << trees::value_of(fit.at, fit.unknowns[k]) << " in " << lower << " to " << upper);
+      CHECK(lower <= 0.0);
+      CHECK(upper > trees::value_of(fit.at, fit.unknowns[k]));
+      CHECK(upper < 0.2);
+    }
+  }
+  SECTION("a drive's damping beside the joint's: each from none to all of both") {
+    const std::string drive =
+        "[drive.elbow]\nlaw = \"position\"\nkp_nmprad = 8.0\nkd_nmsprad = 0.30\ndamping_nmspr = 0.10\n";
+    const trees::TreeModel model = test::double_pendulum(drive + free);
+    trees::TreeModel truth = model;
+    truth.drives[1].kd_nmsprad = 0.36;
+    const trees::Fit fit = fitted(model, truth, {{Effect::position_gain_error, {1}, {8.0, 0.3, 0, 0}}});
+    REQUIRE(fit.unknowns.size() == 3);
+    double sum = 0.0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const trees::Unknown& u = fit.unknowns[k];
+      const auto [lower, upper] = trees::interval_of(fit, k);
+      const bool stiffness = u.of_cause && u.parameter == 0;
+      const double right = stiffness ? 8.0 : u.of_cause ? 0.36 : 0.1;
+      INFO(k << ": " << trees::value_of(fit.at, u) << " in " << lower << " to " << upper);
+      CHECK(lower <= right);
+      CHECK(upper >= right);
+      if (stiffness) {
+        CHECK(upper - lower < 1.0);
+        continue;
+      }
+      sum += trees::value_of(fit.at, u);
+      CHECK(lower == Approx(0.0).margin(0.02));
+      CHECK(upper == Approx(0.46).margin(0.03));
+    }
+    CHECK(sum == Approx(0.46).margin(0.01));
+  }
+}
+
 TEST_CASE("A fit is the same on one thread and on two") {
   const trees::TreeModel model = test::double_pendulum("[free]\n\"damping_nmspr.elbow\" = [0.0, 1.0]\n");
   const auto all = recordings(model, test::logs(model, 2, 3.0, 1));
