@@ -4,6 +4,8 @@
 #include <cmath>
 #include <optional>
 
+#include "host/diagnose/trainer.hpp"
+
 namespace furcula::diagnose {
 namespace {
 
@@ -68,22 +70,57 @@ double Crossed::noise_floor(const Hypothesis& h) const {
 double Crossed::gain_in_standard_errors(const Hypothesis& smaller, const Hypothesis& larger) const {
   const Crossing one = crossing_of(smaller.fit, training_.windows, recordings_.size()),
                  other = crossing_of(larger.fit, training_.windows, recordings_.size());
+  std::vector<double> gain;
+  for (const std::size_t i : place_)
+    gain.push_back(squares_after(smaller.fit.shares[i], one.step[one.fold[i]]) -
+                   squares_after(larger.fit.shares[i], other.step[other.fold[i]]));
+  return in_standard_errors(gain);
+}
+
+double Crossed::in_standard_errors(const std::vector<double>& of_window) const {
   const auto n = static_cast<double>(predicted_units_.size());
   if (predicted_units_.size() < 2) return 0.0;  // one of a kind is no measure
   double mean = 0.0, scatter = 0.0;
   std::vector<double> gains;
   for (const auto& unit : predicted_units_) {
     double gain = 0.0;
-    for (const std::size_t predicted : unit) {
-      const std::size_t i = place_[predicted];
-      gain += squares_after(smaller.fit.shares[i], one.step[one.fold[i]]) -
-              squares_after(larger.fit.shares[i], other.step[other.fold[i]]);
-    }
+    for (const std::size_t i : unit) gain += of_window[i];
     gains.push_back(gain);
     mean += gain / n;
   }
   for (const double gain : gains) scatter += (gain - mean) * (gain - mean) / std::max(n - 1.0, 1.0);
   return mean / std::sqrt(std::max(scatter, 1e-300) / n);
+}
+
+Crossed::Foretold Crossed::fitted_again(const model::Model& model, const Hypothesis& smaller,
+                                        const Hypothesis& larger, unsigned threads) const {
+  constexpr double kMost = 2.0;
+  identify::ErrorSums of_smaller, of_larger;
+  std::vector<double> gain(predicted_.size());
+  for (std::size_t unseen = 0; unseen < recordings_.size(); ++unseen) {
+    std::vector<std::size_t> places;
+    std::vector<Window> windows;
+    for (std::size_t i = 0; i < predicted_.size(); ++i)
+      if (predicted_[i].recording == unseen) places.push_back(i), windows.push_back(predicted_[i]);
+    identify::TrainingWindows others;
+    others.layers = training_.layers;
+    for (const Window& w : training_.windows)
+      if (w.recording != unseen) others.windows.push_back(w);
+    if (windows.empty() || others.windows.empty()) continue;
+    const Trainer trainer{model, recordings_, others, threads};
+    const model::Model one = trainer.fit(smaller.effects, &smaller).fitted,
+                       other = trainer.fit(larger.effects, &larger).fitted;
+    const auto starts = identify::start_states(recordings_, windows, one);
+    const auto sums = identify::position_sums(one, recordings_, windows, starts),
+               other_sums = identify::position_sums(other, recordings_, windows, starts);
+    for (std::size_t k = 0; k < places.size(); ++k) {
+      of_smaller += sums[k];
+      of_larger += other_sums[k];
+      // Of how many times as much: a fall that ends on another tooth is off by so much that it would hide all others.
+      gain[places[k]] = std::clamp(std::log(sums[k].squares / other_sums[k].squares), -kMost, kMost);
+    }
+  }
+  return {of_smaller.errors().nmse, of_larger.errors().nmse, in_standard_errors(gain)};
 }
 
 }  // namespace furcula::diagnose

@@ -25,10 +25,22 @@ class Crossed {
   /// estimates have not seen: the mean over recordings (or blocks of few) in standard errors of it.
   double gain_in_standard_errors(const Hypothesis& smaller, const Hypothesis& larger) const;
 
+  /// What both predict of recordings that they have not seen: NMSE as above; and by what factor `larger` leaves less of a window's squares,
+  /// its logarithm's mean in standard errors.
+  struct Foretold {
+    double smaller = 0.0, larger = 0.0, gain = 0.0;
+  };
+  /// By fits without each recording: of a machine whose runs jump a linear step tells nothing. At least two recordings.
+  Foretold fitted_again(const model::Model& model, const Hypothesis& smaller, const Hypothesis& larger,
+                        unsigned threads) const;
+
   const std::vector<identify::Window>& windows() const { return predicted_; }
   const Units& units() const { return units_; }  ///< of the windows that fits are made on
 
  private:
+  /// The mean over recordings (or blocks of few) in standard errors of it, of what each window gains.
+  double in_standard_errors(const std::vector<double>& of_window) const;
+
   const std::vector<identify::Recording>& recordings_;
   const identify::TrainingWindows& training_;
   std::vector<identify::Window> predicted_;

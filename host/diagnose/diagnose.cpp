@@ -266,8 +266,16 @@ class Assembly {
     if (chosen.effects.empty()) return;
     for (const auto& rival : selection_.equals)
       undecided_ = undecided_ || !always_same(model_, rival.hypothesis.effects, chosen.effects);
-    crossed_before_ = crossed_->nmse(refitted, refitted);
-    crossed_after_ = crossed_->nmse(chosen, refitted);
+    double gain = 0.0;
+    const bool jumps = machines::rules(model_.kind).cut == machines::Cut::releases && training_.size() > 1;
+    if (jumps) {
+      const Crossed::Foretold again = crossed_->fitted_again(model_, refitted, chosen, options_.threads);
+      crossed_before_ = again.smaller, crossed_after_ = again.larger, gain = again.gain;
+    } else {
+      crossed_before_ = crossed_->nmse(refitted, refitted);
+      crossed_after_ = crossed_->nmse(chosen, refitted);
+      gain = crossed_->gain_in_standard_errors(refitted, chosen);
+    }
     crossed_floor_ = crossed_->noise_floor(refitted);
     const bool other_channels = std::all_of(chosen.effects.begin(), chosen.effects.end(), [&](Effect e) {
       return judged_on(e, training_) != identify::Channel::motion;
@@ -275,8 +283,7 @@ class Assembly {
     if (other_channels) return;
     const bool slipped = holds(chosen.effects, Effect::encoder_slip);
     const bool numerics = crossed_before_ <= kNumerics && !slipped;
-    const bool helps = slipped || (crossed_after_ < crossed_before_ &&
-                                   crossed_->gain_in_standard_errors(refitted, chosen) > kSureHelp);
+    const bool helps = slipped || ((jumps || crossed_after_ < crossed_before_) && gain > kSureHelp);
     const bool doubtful =
         undecided_ || !helps ||
         std::any_of(chosen.effects.begin(), chosen.effects.end(), [&](Effect e) { return may_be_none(e); });
@@ -284,6 +291,31 @@ class Assembly {
                  (doubtful && !options_.without.contains(Rule::withdrawal) && refitted_stands_in_training());
     if (withdrawn_ && !numerics) selection_.acted.insert(Rule::withdrawal);
     if (withdrawn_) undecided_ = false;
+    if (withdrawn_) keep_what_does_not_move_the_body();
+  }
+
+  /// What is taken back explained motion that needs no explanation. A cause beside it that is seen on another channel, as in what a drive
+  /// reports, stands without it.
+  void keep_what_does_not_move_the_body() {
+    const EffectSet members = selection_.chosen.effects;
+    for (std::size_t i = 0; members.size() == 2 && i < 2; ++i) {
+      const Hypothesis alone = selection_.without[i];
+      if (alone.failed || !alone.meaningful ||
+          judged_on(members[i], training_) != identify::Channel::motion ||
+          judged_on(members[1 - i], training_) == identify::Channel::motion)
+        continue;
+      selection_.chosen = alone;
+      selection_.without = {selection_.refitted};
+      selection_.equals.clear();
+      const auto kept = std::find_if(selection_.pool.begin(), selection_.pool.end(),
+                                     [&](const Weighed& w) { return w.effects == alone.effects; });
+      if (kept != selection_.pool.end()) {
+        const Weighed now = *kept;
+        for (Weighed& w : selection_.pool) w.evidence -= now.evidence, w.prior -= now.prior;
+        std::iter_swap(kept, selection_.pool.begin());
+      }
+      withdrawn_ = false;
+    }
   }
 
   bool refitted_stands_in_training() const {

@@ -186,6 +186,12 @@ class Search {
     return effects;
   }
 
+  /// Whether a set holds an effect, or its law under another name.
+  bool stands_for_a_member(const EffectSet& members, Effect e) const {
+    return std::any_of(members.begin(), members.end(),
+                       [&](Effect m) { return always_same(trainer_.model, {m}, {e}); });
+  }
+
   /// The effect that removes most, if that is more than chance and numerics could; of those that remove as
   /// much, the one with the fewest parameters, then the first of the catalogue. Which are worth a fit is seen
   /// from one linear step each. Then the next.
@@ -193,7 +199,7 @@ class Search {
     for (std::size_t round = first_round; round < kMostEffects; ++round) {
       EffectSet left;
       for (Effect e : all_)
-        if (!holds(s_.chosen.effects, e)) left.push_back(e);
+        if (!stands_for_a_member(s_.chosen.effects, e)) left.push_back(e);
       const double from = 0.05 + 0.18 * static_cast<double>(round);
       std::vector<Proposal> proposals = propose(s_.chosen, left, from, 0.09);
       if (round == 0) first_promises_ = proposals;
@@ -380,7 +386,7 @@ class Search {
       const Hypothesis& on = first->hypothesis;
       EffectSet left;
       for (Effect e : all_)
-        if (!holds(on.effects, e) && !contains(e, on.effects.front())) left.push_back(e);
+        if (!stands_for_a_member(on.effects, e) && !contains(e, on.effects.front())) left.push_back(e);
       const std::vector<Proposal> proposals = propose(on, left, 0.78, 0.02);
       std::vector<Tried> trials(std::min(proposals.size(), kFewestFits));
       core::parallel_for(trials.size(), trainer_.threads, [&](std::size_t i) {
@@ -440,10 +446,8 @@ class Search {
         if (keeps(Rule::rivals) && trainer_.preference(s_.chosen, r.hypothesis) > price_of(r.hypothesis) &&
             (better == nullptr || r.hypothesis.fit.squares < better->fit.squares))
           better = &r.hypothesis;
-      const bool by_rivals = better != nullptr;
-      if (better == nullptr && keeps(Rule::pool)) better = best_of_pool();
       if (better == nullptr || round == kMostSwaps) return;
-      acted(by_rivals ? Rule::rivals : Rule::pool);
+      acted(Rule::rivals);
       s_.chosen = Hypothesis(*better);
       prune(s_.chosen);
     }
@@ -482,24 +486,6 @@ class Search {
     s_.chosen = std::move(other);
     acted(Rule::friction_that_pushes);
     prune(s_.chosen);  // of a constant force alone, too, both sizes are found
-  }
-
-  /// Of all sets that were fitted and mean something, the one that is preferred most to the chosen one, prices
-  /// and doubts taken off: nothing where that is hardly better, or, with more parameters, not worth them.
-  const Hypothesis* best_of_pool() const {
-    const Hypothesis* best = nullptr;
-    double most = kEqualEvidence;
-    for (const auto& [effects, h] : pool_) {
-      if (!h.meaningful || effects.empty() || effects.size() > kMostEffects) continue;
-      const bool more = parameters_of(effects) > parameters_of(s_.chosen.effects);
-      if (more && !leaves_more(s_.chosen, h, kSmallestLoss)) continue;
-      const double preferred =
-          trainer_.evidence_over(s_.chosen, h) + trainer_.prior(effects) - trainer_.prior(s_.chosen.effects);
-      if (preferred <= most || !trainer_.compare(s_.refitted, h, all_.size()).significant) continue;
-      most = preferred;
-      best = &h;
-    }
-    return best;
   }
 
   /// Friction and a constant force are one law with a friction of two sizes: up = size - force, down = size + force.
