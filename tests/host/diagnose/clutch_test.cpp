@@ -1,8 +1,10 @@
 // Causes in a clutch: on the release/catch bench, and on a hopper that lets its spring go in stance.
 #include <catch2/catch.hpp>
 
+#include "host/diagnose/crossed.hpp"
 #include "host/diagnose/diagnose.hpp"
 #include "host/diagnose/diagnosis_json.hpp"
+#include "host/diagnose/trainer.hpp"
 #include "host/model/reader.hpp"
 #include "host/model/writer.hpp"
 #include "tests/host/identify/clutched_hops.hpp"
@@ -84,6 +86,29 @@ TEST_CASE("A late catch is found on the bench, with its delay") {
 }
 TEST_CASE("An auxiliary spring is found on the bench, with its rate") {
   expect_on_bench(Effect::auxiliary_spring, 70.0, 7.0);
+}
+
+TEST_CASE("Of a belt a recording is foretold by fits that have not seen it") {
+  const auto foretold = [](const model::Model& truth, Effect effect, double start) {
+    const model::Model model = bench_model();
+    const auto recordings = identify::make_recordings(releases(truth, 4, 1), model.kind);
+    const auto training = identify::training_windows(recordings, model, 0.5);
+    const diagnose::Crossed crossed(recordings, training,
+                                    identify::prediction_windows(recordings, model, 0.5));
+    const diagnose::Trainer trainer{model, recordings, training, 2};
+    const diagnose::Hypothesis without = trainer.fit({}, nullptr),
+                               with = trainer.fit({effect}, &without, {{effect, {start}}});
+    return crossed.fitted_again(model, without, with, 2);
+  };
+  model::Model late = bench_model();
+  late.effects[Effect::late_catch] = {0.021};
+  const auto there = foretold(late, Effect::late_catch, 0.018),
+             not_there = foretold(bench_model(), Effect::damping_error, 1e-4);
+  INFO(there.smaller << " " << there.larger << " " << there.gain << ", " << not_there.smaller << " "
+                     << not_there.larger << " " << not_there.gain);
+  CHECK(there.larger < 0.01 * there.smaller);
+  CHECK(there.gain > 3.0);
+  CHECK(not_there.gain < 2.0);
 }
 
 namespace {
