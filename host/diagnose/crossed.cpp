@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 
+#include "host/core/error.hpp"
 #include "host/diagnose/trainer.hpp"
 
 namespace furcula::diagnose {
@@ -95,6 +96,14 @@ double Crossed::in_standard_errors(const std::vector<double>& of_window) const {
 Crossed::Foretold Crossed::fitted_again(const model::Model& model, const Hypothesis& smaller,
                                         const Hypothesis& larger, unsigned threads) const {
   constexpr double kMost = 2.0;
+  // Where the model runs away without a recording, what all have told is the best there is.
+  const auto fitted = [](const Trainer& trainer, const Hypothesis& h) {
+    try {
+      return trainer.fit(h.effects, &h).fitted;
+    } catch (const core::DataError&) {
+      return h.fitted;
+    }
+  };
   identify::ErrorSums of_smaller, of_larger;
   std::vector<double> gain(predicted_.size());
   for (std::size_t unseen = 0; unseen < recordings_.size(); ++unseen) {
@@ -108,8 +117,7 @@ Crossed::Foretold Crossed::fitted_again(const model::Model& model, const Hypothe
       if (w.recording != unseen) others.windows.push_back(w);
     if (windows.empty() || others.windows.empty()) continue;
     const Trainer trainer{model, recordings_, others, threads};
-    const model::Model one = trainer.fit(smaller.effects, &smaller).fitted,
-                       other = trainer.fit(larger.effects, &larger).fitted;
+    const model::Model one = fitted(trainer, smaller), other = fitted(trainer, larger);
     const auto starts = identify::start_states(recordings_, windows, one);
     const auto sums = identify::position_sums(one, recordings_, windows, starts),
                other_sums = identify::position_sums(other, recordings_, windows, starts);
@@ -117,7 +125,10 @@ Crossed::Foretold Crossed::fitted_again(const model::Model& model, const Hypothe
       of_smaller += sums[k];
       of_larger += other_sums[k];
       // Of how many times as much: a fall that ends on another tooth is off by so much that it would hide all others.
-      gain[places[k]] = std::clamp(std::log(sums[k].squares / other_sums[k].squares), -kMost, kMost);
+      // What is as near as the encoder's noise is equal.
+      const double noise = recordings_[unseen].position_noise, least = sums[k].count * noise * noise + 1e-300;
+      gain[places[k]] =
+          std::clamp(std::log((sums[k].squares + least) / (other_sums[k].squares + least)), -kMost, kMost);
     }
   }
   return {of_smaller.errors().nmse, of_larger.errors().nmse, in_standard_errors(gain)};
