@@ -291,31 +291,6 @@ class Assembly {
                  (doubtful && !options_.without.contains(Rule::withdrawal) && refitted_stands_in_training());
     if (withdrawn_ && !numerics) selection_.acted.insert(Rule::withdrawal);
     if (withdrawn_) undecided_ = false;
-    if (withdrawn_) keep_what_does_not_move_the_body();
-  }
-
-  /// What is taken back explained motion that needs no explanation. A cause beside it that is seen on another channel, as in what a drive
-  /// reports, stands without it.
-  void keep_what_does_not_move_the_body() {
-    const EffectSet members = selection_.chosen.effects;
-    for (std::size_t i = 0; members.size() == 2 && i < 2; ++i) {
-      const Hypothesis alone = selection_.without[i];
-      if (alone.failed || !alone.meaningful ||
-          judged_on(members[i], training_) != identify::Channel::motion ||
-          judged_on(members[1 - i], training_) == identify::Channel::motion)
-        continue;
-      selection_.chosen = alone;
-      selection_.without = {selection_.refitted};
-      selection_.equals.clear();
-      const auto kept = std::find_if(selection_.pool.begin(), selection_.pool.end(),
-                                     [&](const Weighed& w) { return w.effects == alone.effects; });
-      if (kept != selection_.pool.end()) {
-        const Weighed now = *kept;
-        for (Weighed& w : selection_.pool) w.evidence -= now.evidence, w.prior -= now.prior;
-        std::iter_swap(kept, selection_.pool.begin());
-      }
-      withdrawn_ = false;
-    }
   }
 
   bool refitted_stands_in_training() const {

@@ -272,6 +272,26 @@ TEST_CASE("Friction and a slip hidden in a rail carriage are found") {
     expect_named(Kind::rail_carriage, effect, Size::medium, 2);
 }
 
+// The two that follow are of the blind suite's seed 20261130. Here a drag that was not there was named beside the lag, and both were taken back.
+TEST_CASE("A lag that a drive's report shows is named, and nothing of the motion beside it") {
+  const Case c = draw_case(question_of(Tier::medium, 20261130, 23));
+  const Judgement j = judge(c, diagnosed(c, kThreads));
+  INFO(c.description());
+  INFO(j.said);
+  CHECK(j.first == "actuator_lag");
+  CHECK(std::string(name(j.outcome)) == std::string(name(Outcome::named)));
+}
+
+TEST_CASE("No law is named twice, under both its names") {
+  const Case c = draw_case(question_of(Tier::medium, 20261130, 18));
+  const diagnose::Diagnosis d = diagnosed(c, kThreads);
+  const Judgement j = judge(c, d);
+  INFO(c.description());
+  INFO(j.said);
+  CHECK(j.first_right);
+  CHECK(d.findings.size() == 1);
+}
+
 TEST_CASE("Two causes that a rail carriage hides are both found") {
   expect_both({900, Kind::rail_carriage, {"stribeck_friction", "guide_tilt"}, Size::medium, Nominal::exact});
 }
