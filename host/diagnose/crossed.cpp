@@ -95,7 +95,7 @@ double Crossed::in_standard_errors(const std::vector<double>& of_window) const {
 
 Crossed::Foretold Crossed::fitted_again(const model::Model& model, const Hypothesis& smaller,
                                         const Hypothesis& larger, unsigned threads) const {
-  constexpr double kMost = 2.0;
+  constexpr double kMost = 0.5;
   // Where the model runs away without a recording, what all have told is the best there is.
   const auto fitted = [](const Trainer& trainer, const Hypothesis& h) {
     try {
@@ -113,6 +113,7 @@ Crossed::Foretold Crossed::fitted_again(const model::Model& model, const Hypothe
       if (predicted_[i].recording == unseen) places.push_back(i), windows.push_back(predicted_[i]);
     identify::TrainingWindows others;
     others.layers = training_.layers;
+    others.most_squares = training_.most_squares;
     for (const Window& w : training_.windows)
       if (w.recording != unseen) others.windows.push_back(w);
     if (windows.empty() || others.windows.empty()) continue;
@@ -124,7 +125,7 @@ Crossed::Foretold Crossed::fitted_again(const model::Model& model, const Hypothe
     for (std::size_t k = 0; k < places.size(); ++k) {
       of_smaller += sums[k];
       of_larger += other_sums[k];
-      // Of how many times as much: a fall that ends on another tooth is off by so much that it would hide all others.
+      // Of how many times as much, as far as half an e-fold: a fall that ends on another tooth is off by so much that it would hide all others.
       // What is as near as the encoder's noise is equal.
       const double noise = recordings_[unseen].position_noise, least = sums[k].count * noise * noise + 1e-300;
       gain[places[k]] =

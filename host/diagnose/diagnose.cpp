@@ -40,6 +40,9 @@ constexpr double kSmallRemainder = 0.1;
 /// chance by all recordings together already; two would withdraw the friction of a real pendulum of which there is
 /// one recording. Help in one recording alone is 1.0, whatever its size.
 constexpr double kSureHelp = 1.2;
+/// Of a belt, of which fits without each of few recordings foretell falls that end on one tooth or another: beyond nine of ten draws of chance
+/// in five recordings (Student's t).
+constexpr double kSureHelpOfFalls = 1.6;
 /// NMSE that the simulator's own discretisation and an input held from row to row are worth: two thousandths
 /// of the motion. What is smaller is not called a cause, however fine the sensor.
 constexpr double kNumerics = 4e-6;
@@ -118,8 +121,7 @@ class Assembly {
 
   /// Ends early where a recording disagrees with the others.
   Diagnosis run() {
-    selection_ =
-        select(model_, training_, training_windows_, options_.threads, options_.progress, options_.without);
+    select_causes();
     // Slips are each recording's own: one that has a larger one is no other machine.
     if (may_disagree_ && !options_.without.contains(Rule::odd_recording) &&
         !holds(selection_.chosen.effects, Effect::encoder_slip))
@@ -150,6 +152,33 @@ class Assembly {
   /// Of long recordings as many windows as a fit is made on.
   static std::vector<Window> evenly(const std::vector<Window>& all) {
     return identify::evenly(all, identify::kMostRowsOfFit, identify::kFewestChosen);
+  }
+
+  /// Of a belt, a fall that ends on another tooth must not outweigh the others: each counts by a loss that is bounded, by the size of most
+  /// of them as the re-fitted model leaves them, and then as what is chosen does.
+  void select_causes() {
+    const bool jumps = machines::rules(model_.kind).cut == machines::Cut::releases;
+    const auto select_now = [&](double from) {
+      const Progress half = [&](double fraction, std::string_view what) {
+        options_.progress(from + 0.5 * fraction, what);
+      };
+      selection_ = select(model_, training_, training_windows_, options_.threads,
+                          jumps && options_.progress ? half : options_.progress, options_.without);
+    };
+    constexpr int kRounds = 4;
+    for (int round = 0; jumps && round < kRounds; ++round)
+      if (!bound_by(Trainer{model_, training_, training_windows_, options_.threads}.fit({}, nullptr))) break;
+    select_now(0.0);
+    if (jumps && bound_by(selection_.chosen)) select_now(0.5);
+  }
+
+  /// Lowers the bound to what `h` leaves of most windows; whether that is clearly less.
+  bool bound_by(const Hypothesis& h) {
+    constexpr double kClearly = 0.7;
+    const double most = identify::most_squares_of(h.fit.shares);
+    if (!(most < kClearly * training_windows_.most_squares)) return false;
+    training_windows_.most_squares = most;
+    return true;
   }
 
   /// What was chosen, first, and what else was tried on top of the re-fitted model alone, and it.
@@ -283,10 +312,11 @@ class Assembly {
     if (other_channels) return;
     const bool slipped = holds(chosen.effects, Effect::encoder_slip);
     const bool numerics = crossed_before_ <= kNumerics && !slipped;
-    const bool helps = slipped || ((jumps || crossed_after_ < crossed_before_) && gain > kSureHelp);
-    const bool doubtful =
-        undecided_ || !helps ||
-        std::any_of(chosen.effects.begin(), chosen.effects.end(), [&](Effect e) { return may_be_none(e); });
+    const bool helps =
+        slipped || (jumps ? gain > kSureHelpOfFalls : crossed_after_ < crossed_before_ && gain > kSureHelp);
+    const bool doubtful = undecided_ || !helps ||
+                          std::any_of(chosen.effects.begin(), chosen.effects.end(),
+                                      [&](Effect e) { return may_be_none(chosen, model_, e); });
     withdrawn_ = numerics ||
                  (doubtful && !options_.without.contains(Rule::withdrawal) && refitted_stands_in_training());
     if (withdrawn_ && !numerics) selection_.acted.insert(Rule::withdrawal);
@@ -513,25 +543,6 @@ class Assembly {
     });
   }
 
-  /// Whether the intervals of its sizes all hold the value at which there is nothing, or which the model has.
-  bool may_be_none(Effect e) const {
-    const Hypothesis& h = selection_.chosen;
-    const auto parameters = effect_parameters(h, model_.kind, false, &e);
-    const auto given = identify::values_in(model_, h.unknowns);
-    bool none = false;
-    for (std::size_t i = 0; i < h.unknowns.size(); ++i) {
-      const auto& u = h.unknowns[i];
-      if (!u.of_effect || u.effect != e) continue;
-      const auto& size = dynamics::info(e).parameter_table[u.parameter];
-      if (!identify::neutral_value(model_, size)) continue;
-      const auto found = parameters.find(std::string(name_on(size, model_.kind)));
-      if (found == parameters.end()) continue;
-      if (given[i] < found->second.lower || given[i] > found->second.upper) return false;
-      none = true;
-    }
-    return none;
-  }
-
   /// Whether one of its values lies on a bound, or may be anything.
   bool not_held(Effect e) const {
     const Hypothesis& h = selection_.chosen;
@@ -579,7 +590,7 @@ class Assembly {
       };
       const bool told = f.effect != Effect::encoder_slip || slips_foretold_;
       limit(f.undecided, kConfidence.undecided, "another law explains the training recordings as well");
-      limit(may_be_none(f.effect), kConfidence.may_be_none,
+      limit(may_be_none(chosen, model_, f.effect), kConfidence.may_be_none,
             "the interval of its size holds the value at which there is nothing");
       limit(independent_windows() < kFewestWindows, kConfidence.few_windows,
             "the training recordings hold no more than " +

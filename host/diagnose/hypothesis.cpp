@@ -2,9 +2,11 @@
 
 #include <array>
 #include <cmath>
+#include <limits>
 #include <map>
 
 #include "host/core/quantile.hpp"
+#include "host/identify/verdicts.hpp"
 
 namespace furcula::diagnose {
 
@@ -219,6 +221,25 @@ bool within_limits(const Hypothesis& h) {
          takes_energy(h.fitted);
 }
 
+namespace {
+
+/// Wald's statistic of these unknowns, all together, being `away` from where they were. Infinite with one at a bound, which is looked at
+/// elsewhere.
+double wald(const Hypothesis& h, const std::vector<Eigen::Index>& sizes, const std::vector<double>& away) {
+  const Eigen::MatrixXd covariance = h.fit.covariance(sizes, sizes);
+  Eigen::VectorXd scaled(static_cast<Eigen::Index>(sizes.size()));
+  for (Eigen::Index i = 0; i < scaled.size(); ++i) {
+    const double spread = std::sqrt(covariance(i, i));
+    if (!(spread > 0.0)) return std::numeric_limits<double>::infinity();
+    scaled(i) = away[static_cast<std::size_t>(i)] / spread;
+  }
+  const Eigen::VectorXd by = covariance.diagonal().cwiseSqrt().cwiseInverse();
+  const Eigen::MatrixXd correlation = by.asDiagonal() * covariance * by.asDiagonal();
+  return scaled.dot(correlation.completeOrthogonalDecomposition().solve(scaled));
+}
+
+}  // namespace
+
 bool stands_out(const Hypothesis& h, const model::Model& model, Effect e, double tries) {
   std::vector<Eigen::Index> sizes;
   std::vector<double> away;
@@ -240,18 +261,29 @@ bool stands_out(const Hypothesis& h, const model::Model& model, Effect e, double
     away.push_back(h.fit.values[i] - neutral[i]);
   }
   if (sizes.empty()) return true;
-  Eigen::MatrixXd covariance = h.fit.covariance(sizes, sizes);
-  Eigen::VectorXd scaled(static_cast<Eigen::Index>(sizes.size()));
-  for (Eigen::Index i = 0; i < scaled.size(); ++i) {
-    const double spread = std::sqrt(covariance(i, i));
-    if (!(spread > 0.0)) return true;  // at a bound, which is looked at elsewhere
-    scaled(i) = away[static_cast<std::size_t>(i)] / spread;
-  }
-  const Eigen::VectorXd by = covariance.diagonal().cwiseSqrt().cwiseInverse();
-  const Eigen::MatrixXd correlation = by.asDiagonal() * covariance * by.asDiagonal();
-  const double statistic = scaled.dot(correlation.completeOrthogonalDecomposition().solve(scaled));
-  return statistic >
+  return wald(h, sizes, away) >
          chi_square_point(tries * dynamics::info(e).search.shapes, static_cast<double>(sizes.size()));
+}
+
+bool may_be_none(const Hypothesis& h, const model::Model& model, Effect e) {
+  const auto verdicts =
+      identify::parameter_verdicts(identify::in_law_parameters(h.fit, h.unknowns, h.fitted), h.unknowns);
+  const auto given = identify::values_in(model, h.unknowns);
+  std::vector<Eigen::Index> sizes;
+  std::vector<double> away;
+  for (std::size_t i = 0; i < h.unknowns.size(); ++i) {
+    const auto& u = h.unknowns[i];
+    if (!u.of_effect || u.effect != e ||
+        !identify::neutral_value(model, dynamics::info(e).parameter_table[u.parameter]))
+      continue;
+    if (given[i] < verdicts[i].lower || given[i] > verdicts[i].upper) return false;
+    sizes.push_back(static_cast<Eigen::Index>(i));
+    away.push_back(h.fit.values[i] - given[i]);
+  }
+  // Of several that are not told from each other each may be none, and all together are not.
+  return sizes.size() == 1 ||
+         (sizes.size() > 1 &&
+          wald(h, sizes, away) < core::chi_square_above(0.05, static_cast<double>(sizes.size())));
 }
 
 bool told_from_special_case(const Hypothesis& h, Effect e) {

@@ -90,6 +90,10 @@ bool within_limits(const Hypothesis& h);
 /// the parameters that have such a value; of an effect without one, of its first parameter against zero.)
 bool stands_out(const Hypothesis& h, const model::Model& model, dynamics::Effect e, double tries);
 
+/// Whether the intervals of its sizes all hold the value at which there is nothing, or which the model has; of several sizes also their
+/// common one.
+bool may_be_none(const Hypothesis& h, const model::Model& model, dynamics::Effect e);
+
 /// Whether a friction of two sizes is not one of one size: the sizes are four standard deviations apart, by the scatter between windows,
 /// and a Stribeck velocity is two away from none. True of other laws.
 bool told_from_special_case(const Hypothesis& h, dynamics::Effect e);

@@ -171,7 +171,7 @@ Proposer::Promise Proposer::step(const Hypothesis& on, const std::vector<Effect>
   }
   const identify::Fit look =
       identify::look_by_simulation(with_slips(t_.model, t_.recordings, larger), unknowns, at, t_.recordings,
-                                   windows, identify::Starting::linear);
+                                   windows, identify::Starting::linear, t_.training.most_squares);
   Eigen::VectorXd gradient = Eigen::VectorXd::Zero(n);
   Eigen::MatrixXd information = Eigen::MatrixXd::Zero(n, n);
   for (const auto& share : look.shares) {
@@ -245,8 +245,8 @@ Proposal Proposer::best(const Hypothesis& on, const std::vector<Effect>& larger,
       dynamics::info(effect).search.swings ? swings(on, larger, effect) : starts(effect);
   double before = 0.0;  // of the same windows
   {
-    const identify::Fit look =
-        identify::look_by_simulation(on.fitted, {}, {}, t_.recordings, some_, identify::Starting::linear);
+    const identify::Fit look = identify::look_by_simulation(
+        on.fitted, {}, {}, t_.recordings, some_, identify::Starting::linear, t_.training.most_squares);
     before = look.squares;
   }
   std::vector<Promise> promises;

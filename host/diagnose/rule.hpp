@@ -10,13 +10,13 @@
 namespace furcula::diagnose {
 
 enum class Rule {
-  always_fitted,         ///< causes that one linear step judges badly are fitted whatever they promise
-  swap_members,          ///< a new cause in the place of an old one that was a stand-in for it
-  prune,                 ///< members that others have made needless are taken out
-  one_for_several,       ///< one cause in the place of several
-  beam,                  ///< pairs that begin with others than the best single cause
-  least_agreed,          ///< a member that the recordings do not agree on is taken out
-  rivals,                ///< sets with another cause in the place of a member, where they are better
+  always_fitted,    ///< causes that one linear step judges badly are fitted whatever they promise
+  swap_members,     ///< a new cause in the place of an old one that was a stand-in for it
+  prune,            ///< members that others have made needless are taken out
+  one_for_several,  ///< one cause in the place of several
+  beam,             ///< pairs that begin with others than the best single cause
+  least_agreed,  ///< a member of which there may be none, or that the recordings do not agree on, is taken out
+  rivals,        ///< sets with another cause in the place of a member, where they are better
   friction_that_pushes,  ///< friction of two sizes, one below zero, as friction and a constant force
   early_rows,            ///< a drive's lag beside rows that are early by a whole one
   withdrawal,     ///< nothing is named where the re-fitted model leaves noise alone and help is not sure

@@ -453,8 +453,8 @@ class Search {
     }
   }
 
-  /// Of several causes the set without one that the recordings do not agree on: by evidence that is worth the less the more their pulls
-  /// scatter, as in a confidence, that set is ten times as likely.
+  /// Of several causes the set without one of which there may be none, or that the recordings do not agree on: by evidence that is worth the
+  /// less the more their pulls scatter, as in a confidence, that set is ten times as likely.
   const Hypothesis* without_the_least_agreed() const {
     constexpr double kTimes = 10.0;
     const EffectSet& members = s_.chosen.effects;
@@ -462,7 +462,11 @@ class Search {
     const double misfit = overdispersion(s_.chosen.fit, units_of(trainer_.training.windows));
     const Hypothesis* best = nullptr;
     double most = 2.0 * std::log(kTimes);
-    for (const Hypothesis& h : s_.without) {
+    for (std::size_t i = 0; i < members.size(); ++i) {
+      const Hypothesis& h = s_.without[i];
+      if (h.meaningful && judged_on(members[i], trainer_.recordings) == identify::Channel::motion &&
+          may_be_none(s_.chosen, trainer_.model, members[i]))
+        return &h;
       const double odds =
           trainer_.evidence_over(s_.chosen, h) / misfit + trainer_.prior(h.effects) - trainer_.prior(members);
       if (h.meaningful && odds > most) most = odds, best = &h;
@@ -655,12 +659,14 @@ class Search {
       fitted[i] = fit_if_it_runs(r.effects, *r.from, r.starts);
     });
     std::vector<Selection::Rival> equals;
+    // Evidence is worth the less the more the recordings' pulls scatter, as in a confidence.
+    const double misfit = overdispersion(s_.chosen.fit, units_of(trainer_.training.windows));
     const auto add = [&](Effect of, const Hypothesis& h) {
       if (h.failed || !h.meaningful) return;
       const bool known = std::any_of(equals.begin(), equals.end(), [&](const Selection::Rival& r) {
         return r.of == of && r.hypothesis.effects == h.effects;
       });
-      if (!known && (trainer_.preference(h, s_.chosen) < kEqualEvidence || the_same(h, s_.chosen)))
+      if (!known && (trainer_.preference(h, s_.chosen) < misfit * kEqualEvidence || the_same(h, s_.chosen)))
         equals.push_back({of, h});
     };
     for (const Hypothesis& h : fitted) remember(h);

@@ -106,9 +106,10 @@ Hypothesis Trainer::fit(const std::vector<Effect>& effects, const Hypothesis* fr
   const model::Model base = with_slips(model, recordings, effects);
   const std::vector<double> start = values_from(*this, h.unknowns, from, starts);
   const auto near = identify::begin_on_some(base, h.unknowns, start, recordings, training.windows);
+  identify::Effort effort = near ? identify::kFromNear : identify::Effort{};
+  effort.most_squares = training.most_squares;
   h.fit = identify::fit_by_simulation(base, h.unknowns, near.value_or(start), recordings, training.windows,
-                                      identify::Weighting::noise, training.layers,
-                                      near ? identify::kFromNear : identify::Effort{});
+                                      identify::Weighting::noise, training.layers, effort);
   h.fitted = identify::with_values(base, h.unknowns, h.fit.values);
   h.cross_validated_squares = cross_validate(h.fit, training.windows, recordings.size());
   h.meaningful = within_limits(h) && beyond_resolution(h);

@@ -9,6 +9,7 @@
 #include <limits>
 
 #include "host/core/error.hpp"
+#include "host/core/quantile.hpp"
 #include "host/identify/dual.hpp"
 #include "host/identify/window_run.hpp"
 
@@ -65,6 +66,30 @@ class WindowCost final : public ceres::CostFunction {
   WindowRun run_;
 };
 
+/// Tukey's loss of a window's squares and its derivative.
+struct Bounded {
+  double loss, slope;
+};
+Bounded bounded(double squares, double most) {
+  if (!std::isfinite(most)) return {squares, 1.0};
+  double rho[3];
+  ceres::TukeyLoss(std::sqrt(most)).Evaluate(squares, rho);
+  return {rho[0], rho[1]};
+}
+
+/// The share as it counts under that loss.
+WindowShare bounded(WindowShare share, double most) {
+  if (!std::isfinite(most)) return share;
+  const auto [loss, slope] = bounded(share.squares, most);
+  const double part = share.squares > 0.0 ? loss / share.squares : 1.0;
+  share.squares = loss;
+  for (ChannelShare& c : share.channels) c.squares *= part;
+  share.gradient *= slope;
+  share.information *= slope;
+  for (Eigen::MatrixXd& of : share.information_of) of *= slope;
+  return share;
+}
+
 /// The window's share at these values, its start state moved to its own optimum: by so many Gauss-Newton
 /// rounds, and from there by a linear step.
 WindowShare share_of(const WindowCost& cost, const std::vector<double>& values, double* start, int rounds) {
@@ -111,7 +136,7 @@ WindowShare share_of(const WindowCost& cost, const std::vector<double>& values, 
     share.gradient.resize(0);
     share.information.resize(0, 0);
   }
-  share.squares = residual.squaredNorm() - (basis.transpose() * residual).squaredNorm();
+  share.squares = share.all_squares = residual.squaredNorm() - (basis.transpose() * residual).squaredNorm();
   Eigen::Index from = 0;
   for (std::size_t c = 0; c < kChannels; ++c) {
     const auto part = residual.segment(from, static_cast<Eigen::Index>(sizes[c]));
@@ -192,9 +217,10 @@ struct Costs {
       starts[kStartSize * i + 1] = s.velocity;
     }
   }
-  void shares(Fit& fit, int rounds) {
+  void shares(Fit& fit, int rounds, double most_squares) {
     for (std::size_t i = 0; i < costs.size(); ++i) {
-      fit.shares.push_back(share_of(costs[i], fit.values, &starts[kStartSize * i], rounds));
+      fit.shares.push_back(
+          bounded(share_of(costs[i], fit.values, &starts[kStartSize * i], rounds), most_squares));
       fit.squares += fit.shares.back().squares;
     }
   }
@@ -202,14 +228,23 @@ struct Costs {
 
 }  // namespace
 
+double most_squares_of(const std::vector<WindowShare>& shares) {
+  // Of a normal number's square: its upper quartile, and Tukey's bound for 95 % efficiency (4.685 standard deviations).
+  constexpr double kQuartile = 1.3233, kBound = 4.685 * 4.685;
+  std::vector<double> squares;
+  for (const WindowShare& s : shares) squares.push_back(s.all_squares);
+  if (squares.empty()) return std::numeric_limits<double>::infinity();
+  return kBound / kQuartile * core::quantile(squares, 0.75);
+}
+
 Fit look_by_simulation(const model::Model& model, const std::vector<Unknown>& unknowns,
                        const std::vector<double>& values, const std::vector<Recording>& recordings,
-                       const std::vector<Window>& windows, Starting starting) {
+                       const std::vector<Window>& windows, Starting starting, double most_squares) {
   Fit fit;
   fit.values = values;
   fit.at_bound = at_bounds(values, unknowns);
   Costs(model, unknowns, recordings, windows, Weighting::noise)
-      .shares(fit, starting == Starting::linear ? 0 : 2);
+      .shares(fit, starting == Starting::linear ? 0 : 2, most_squares);
   return fit;
 }
 
@@ -222,6 +257,9 @@ bool solve(Costs& problems, const std::vector<Unknown>& unknowns, std::vector<do
   if (unknowns.empty() || costs.empty()) return true;
   ceres::Problem::Options problem_options;
   problem_options.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+  problem_options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+  std::optional<ceres::TukeyLoss> loss;
+  if (std::isfinite(effort.most_squares)) loss.emplace(std::sqrt(effort.most_squares));
   ceres::Problem problem(problem_options);
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::DENSE_SCHUR;
@@ -235,7 +273,7 @@ bool solve(Costs& problems, const std::vector<Unknown>& unknowns, std::vector<do
   options.num_threads = 1;
   options.logging_type = ceres::SILENT;
   for (std::size_t i = 0; i < costs.size(); ++i) {
-    problem.AddResidualBlock(&costs[i], nullptr, values.data(), &starts[kStartSize * i]);
+    problem.AddResidualBlock(&costs[i], loss ? &*loss : nullptr, values.data(), &starts[kStartSize * i]);
     options.linear_solver_ordering->AddElementToGroup(&starts[kStartSize * i], 0);
   }
   options.linear_solver_ordering->AddElementToGroup(values.data(), 1);
@@ -252,8 +290,8 @@ bool solve(Costs& problems, const std::vector<Unknown>& unknowns, std::vector<do
 /// The unknowns that the runs jump with, looked through value by value.
 class Jumping {
  public:
-  Jumping(Costs& problems, const std::vector<Unknown>& unknowns, dynamics::Kind kind)
-      : problems_(problems), ranges_(unknowns.size(), {0.0, 0.0}) {
+  Jumping(Costs& problems, const std::vector<Unknown>& unknowns, dynamics::Kind kind, double most_squares)
+      : problems_(problems), most_squares_(most_squares), ranges_(unknowns.size(), {0.0, 0.0}) {
     for (std::size_t i = 0; i < unknowns.size(); ++i)
       if (const auto range = jumps(unknowns[i], kind)) all_.push_back({i, *range});
   }
@@ -268,7 +306,9 @@ class Jumping {
       const double* blocks[2] = {values.data(), &problems_.starts[kStartSize * i]};
       if (!problems_.costs[i].Evaluate(blocks, residual_.data(), nullptr))
         return std::numeric_limits<double>::infinity();
-      for (double r : residual_) sum += r * r;
+      double of_window = 0.0;
+      for (double r : residual_) of_window += r * r;
+      sum += bounded(of_window, most_squares_).loss;
     }
     return sum;
   }
@@ -353,6 +393,7 @@ class Jumping {
   }
 
   Costs& problems_;
+  double most_squares_;
   std::vector<Sought> all_;
   std::vector<std::pair<double, double>> ranges_;
   mutable std::vector<double> residual_;
@@ -426,7 +467,7 @@ Fit fit_by_simulation(const model::Model& model, const std::vector<Unknown>& unk
   [[maybe_unused]] static const bool quiet = (FLAGS_minloglevel = google::GLOG_FATAL, true);
   fit.values = start;
   Costs problems(model, unknowns, recordings, windows, weighting);
-  Jumping jumping(problems, unknowns, model.kind);
+  Jumping jumping(problems, unknowns, model.kind, effort.most_squares);
   bool usable = true;
   if (dynamics::has(model.kind, dynamics::Seat::belt) && !unknowns.empty()) {
     // As long as the coil is on no tooth matters: first how the belt falls, then where it is held.
@@ -435,7 +476,7 @@ Fit fit_by_simulation(const model::Model& model, const std::vector<Unknown>& unk
     Costs falling(model, unknowns, recordings, falls, weighting);
     const double before = jumping.squares(fit.values);
     const std::vector<double> given = fit.values;
-    usable = solve(falling, unknowns, fit.values, effort);
+    usable = solve(falling, unknowns, fit.values, {effort.most_iterations, effort.along_steps});
     if (!usable || (!jumping.any() && !(jumping.squares(fit.values) < before))) fit.values = given;
     jumping.look_coarsely(fit.values);
     jumping.look(fit.values);
@@ -448,7 +489,7 @@ Fit fit_by_simulation(const model::Model& model, const std::vector<Unknown>& unk
   }
   fit.ranges = jumping.ranges();
   fit.at_bound = at_bounds(fit.values, unknowns);
-  problems.shares(fit, 6);
+  problems.shares(fit, 6, effort.most_squares);
   require_finite(usable && std::isfinite(fit.squares), recordings, windows);
   fit.layers = layers;
   fit.covariance = sandwich_covariance(fit.shares, fit.at_bound, layers);

@@ -3,6 +3,7 @@
 
 #include <Eigen/Dense>
 #include <array>
+#include <limits>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -38,6 +39,9 @@ struct Effort {
   /// Whether a search along each step looks for how far to go, by runs with derivatives: they are what a fit costs. Without it steps that
   /// do not lead down are taken back and shortened, which ends elsewhere in the last digits.
   bool along_steps = true;
+  /// A window whose squares are far below this counts by them, one beyond it as a third of this, whatever its squares: Tukey's loss of
+  /// whole windows. A belt that the teeth caught one tooth further would outweigh thousands of other falls.
+  double most_squares = std::numeric_limits<double>::infinity();
 };
 /// Of fits on many rows: on some of them, and then on all.
 inline constexpr Effort kOnSome{60, false}, kFromNear{20, false};
@@ -62,10 +66,15 @@ std::optional<std::vector<double>> begin_on_some(const model::Model& model,
 /// are there, or by a linear step in the same run, at a third of the price.
 enum class Starting : std::uint8_t { at_optimum, linear };
 
+/// The bound of that loss at which nineteen of twenty windows that scatter as one normal number does keep nearly all their weight, whatever
+/// the largest quarter of them is. Infinite without windows.
+double most_squares_of(const std::vector<WindowShare>& shares);
+
 /// The windows' shares at values that are not fitted.
 Fit look_by_simulation(const model::Model& model, const std::vector<Unknown>& unknowns,
                        const std::vector<double>& values, const std::vector<Recording>& recordings,
-                       const std::vector<Window>& windows, Starting starting = Starting::at_optimum);
+                       const std::vector<Window>& windows, Starting starting = Starting::at_optimum,
+                       double most_squares = std::numeric_limits<double>::infinity());
 
 /// The fit by the parameters of the laws, where those are not what is fitted (unknowns.hpp); else the same.
 /// A coordinate that lies on its bound is not thereby known: the covariance is that without the bound.

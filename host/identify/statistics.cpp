@@ -35,29 +35,45 @@ Eigen::MatrixXd sandwich_covariance(const std::vector<WindowShare>& shares, cons
   const auto free = static_cast<Eigen::Index>(moving.size());
   if (free == 0 || shares.empty()) return covariance;
   Eigen::MatrixXd information = Eigen::MatrixXd::Zero(free, free);
-  Eigen::MatrixXd scatter = Eigen::MatrixXd::Zero(free, free);
-  Eigen::VectorXd sum = Eigen::VectorXd::Zero(free), before = Eigen::VectorXd::Zero(free);
-  for (std::size_t w = 0; w < shares.size(); ++w) {
-    sum += shares[w].gradient(moving);
-    information += shares[w].information(moving, moving);
-    if ((w + 1) % layers != 0 && w + 1 != shares.size()) continue;
-    scatter += sum * sum.transpose();
-    if (layers > 1) scatter += 0.5 * (sum * before.transpose() + before * sum.transpose());
-    before = sum;
-    sum.setZero();
-  }
-  // Scaled to a unit diagonal: the unknowns have different units.
+  for (const WindowShare& share : shares) information += share.information(moving, moving);
+  // Coordinates in which the information is one: scaled to a unit diagonal first, since the unknowns have different units.
   Eigen::VectorXd scale(free);
   for (Eigen::Index i = 0; i < free; ++i)
     scale(i) = information(i, i) > 0.0 ? 1.0 / std::sqrt(information(i, i)) : 0.0;
-  const Eigen::MatrixXd scaled = scale.asDiagonal() * information * scale.asDiagonal();
-  const Eigen::MatrixXd inverse =
-      scale.asDiagonal() * scaled.completeOrthogonalDecomposition().pseudoInverse() * scale.asDiagonal();
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> axes(
+      Eigen::MatrixXd(scale.asDiagonal() * information * scale.asDiagonal()));
+  static constexpr double kMostAlone = 0.95;
+  constexpr double kNothing = 1e-13;  // of the largest: a direction of which the windows tell nothing
+  const double least = kNothing * axes.eigenvalues().maxCoeff();
+  const Eigen::MatrixXd to_unit =
+      axes.eigenvalues()
+          .unaryExpr([&](double x) { return x > least ? 1.0 / std::sqrt(x) : 0.0; })
+          .asDiagonal() *
+      axes.eigenvectors().transpose() * scale.asDiagonal();
+  Eigen::MatrixXd scatter = Eigen::MatrixXd::Zero(free, free), own = scatter;
+  Eigen::VectorXd sum = Eigen::VectorXd::Zero(free), before = Eigen::VectorXd::Zero(free);
+  for (std::size_t w = 0; w < shares.size(); ++w) {
+    sum += shares[w].gradient(moving);
+    own += shares[w].information(moving, moving);
+    if ((w + 1) % layers != 0 && w + 1 != shares.size()) continue;
+    // By how much the estimate moves without these windows: what they alone tell they also pull to themselves.
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> alone(
+        Eigen::MatrixXd(to_unit * own * to_unit.transpose()));
+    const Eigen::VectorXd moves =
+        alone.eigenvectors() *
+        alone.eigenvalues()
+            .unaryExpr([](double x) { return 1.0 / (1.0 - std::min(x, kMostAlone)); })
+            .asDiagonal() *
+        alone.eigenvectors().transpose() * (to_unit * sum);
+    scatter += moves * moves.transpose();
+    if (layers > 1) scatter += 0.5 * (moves * before.transpose() + before * moves.transpose());
+    before = moves;
+    sum.setZero();
+    own.setZero();
+  }
   const double windows = independent_windows(shares.size(), layers);
-  const double correction = windows > static_cast<double>(free)
-                                ? windows / (windows - static_cast<double>(free))
-                                : std::max(windows, 1.0);
-  const Eigen::MatrixXd small = inverse * scatter * inverse * correction;
+  const Eigen::MatrixXd small =
+      to_unit.transpose() * scatter * to_unit * (std::max(windows - 1.0, 1.0) / std::max(windows, 1.0));
   for (Eigen::Index i = 0; i < free; ++i)
     for (Eigen::Index k = 0; k < free; ++k)
       covariance(moving[static_cast<std::size_t>(i)], moving[static_cast<std::size_t>(k)]) = small(i, k);

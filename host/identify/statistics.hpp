@@ -25,7 +25,8 @@ struct ChannelShare {
 /// A window's part in a fit, its start state eliminated.
 struct WindowShare {
   std::array<ChannelShare, kChannels> channels;
-  double squares = 0.0;         ///< of all channels
+  double squares = 0.0;         ///< of all channels, as they count (simulation_fit.hpp, Effort)
+  double all_squares = 0.0;     ///< of all channels, as they are
   Eigen::VectorXd gradient;     ///< half the derivative of `squares` by the unknowns
   Eigen::MatrixXd information;  ///< Gauss-Newton half Hessian
   std::array<Eigen::MatrixXd, kChannels> information_of;  ///< of each channel; empty where there is one alone
@@ -41,13 +42,13 @@ double effective_count(const Eigen::Ref<const Eigen::VectorXd>& residual);
 /// side.
 double independent_windows(std::size_t windows, std::size_t layers);
 
-/// Covariance of the unknowns from the scatter of the windows' gradients about zero (a sandwich), so that
-/// neighbouring samples need not be independent; entries of unknowns at a bound are zero. Windows in layers
-/// stand in the order of their begin.
+/// Covariance of the unknowns from how the estimate moves without each window (the jackknife, by one linear step each), so that neighbouring
+/// samples need not be independent, and what few windows alone tell is as uncertain as it is; entries of unknowns at a bound are zero.
+/// Windows in layers stand in the order of their begin.
 ///
-/// Windows that overlap share noise: `layers` of them in a row are summed up, and of what neighbouring sums
+/// Windows that overlap share noise: `layers` of them in a row are left out together, and of what neighbouring steps
 /// have in common half is counted (Newey and West's weight at the first lag, which keeps the covariance
-/// positive). It is enlarged by n / (n - unknowns), n the number of independent windows.
+/// positive). Of a direction that hardly any other window tells, a step is at most twenty times the linear one with it.
 Eigen::MatrixXd sandwich_covariance(const std::vector<WindowShare>& shares, const std::vector<bool>& at_bound,
                                     std::size_t layers = 1);
 

@@ -65,6 +65,8 @@ std::vector<Window> prediction_windows(const std::vector<Recording>& recordings,
 struct TrainingWindows {
   std::vector<Window> windows;
   std::size_t layers = 1;  ///< in how many windows each row lies
+  /// Squares beyond which a window counts as much as any other (simulation_fit.hpp, Effort).
+  double most_squares = std::numeric_limits<double>::infinity();
 };
 TrainingWindows training_windows(const std::vector<Recording>& recordings, const model::Model& model,
                                  double interval_s);

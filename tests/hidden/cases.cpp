@@ -292,8 +292,11 @@ void draw_carriage(Case& c, Random& random) {
   c.truth.parameters = c.model.parameters;
   if (c.model.free.contains(1)) c.truth.parameters[1] *= off(q, 0.1, random);
   for (const std::string& law : q.laws) c.truth.planted.push_back(hopper_law(law, c.size, c.model, random));
-  for (Planted& p : c.truth.planted)  // the hopper's heights are not the rail's
+  for (Planted& p : c.truth.planted) {
+    // The hopper's heights are not the rail's, and a rail's damping is what it is, not what comes on top.
     if (p.law == "binding_spot" || p.law == "cable_snag") p.values[1] = random.uniform(0.05, 0.15);
+    if (p.law == "damping_error") p.values[0] += damping;
+  }
   if (const auto* side = find(c.truth.planted, "side_mass")) c.truth.parameters[0] -= (*side)[0];
 
   c.truth.disturbance = disturbance(q, mass * 9.81);

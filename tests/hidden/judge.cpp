@@ -61,9 +61,10 @@ double neutral_value(const Case& c, std::string_view law) {
   const auto held = [&](std::string_view name) { return c.model.parameter(name); };
   if (law == "mass_error") return c.model.parameters[0];
   if (law == "damping_error")
-    return c.kind == Kind::hopper_linear     ? 0.0
-           : is_kind(c.kind, "clutch_bench") ? held("damping_nmspr")
-                                             : c.model.parameters.back();
+    return c.kind == Kind::hopper_linear      ? 0.0
+           : is_kind(c.kind, "clutch_bench")  ? held("damping_nmspr")
+           : is_kind(c.kind, "rail_carriage") ? held("damping_nspm")
+                                              : c.model.parameters.back();
   if (law == "late_catch") return c.model.clutch ? c.model.clutch->catch_delay_s : held("catch_delay_s");
   if (law == "auxiliary_spring")
     return c.model.clutch ? c.model.clutch->auxiliary_stiffness_npm : held("auxiliary_stiffness_npm");
@@ -287,11 +288,13 @@ void judge_names(Judgement& j, const Case& c, const diagnose::Diagnosis& d) {
     return;
   }
 
-  std::vector<const Finding*> right;  // that are the planted laws, or a part of them in other words
+  // That are the planted laws, or a part of them in other words; and those that have one among their rivals.
+  std::vector<const Finding*> right_by_name, right;
   std::size_t named = 0, rivals = 0;
   for (const Planted& p : planted) {
     const Finding* itself = find(d, p.law);
     if (itself) {
+      right_by_name.push_back(itself);
       right.push_back(itself);
       ++named;
       const LawInfo& law = *law_named(p.law);
@@ -310,6 +313,7 @@ void judge_names(Judgement& j, const Case& c, const diagnose::Diagnosis& d) {
         continue;
       for (std::size_t i = 0; i < findings.size(); ++i) {
         j.parameters.push_back(compare(c, words.laws[i].law, 0, words.laws[i].values[0], *findings[i]));
+        right_by_name.push_back(findings[i]);
         right.push_back(findings[i]);
       }
       found = j.other_name = true;
@@ -353,8 +357,10 @@ void judge_names(Judgement& j, const Case& c, const diagnose::Diagnosis& d) {
   } else {
     j.outcome = Outcome::wrong_name;
   }
-  j.first_right = first_is_right && (named > 0 || j.alike);
-  j.first_right = j.first_right || j.outcome == Outcome::simpler_law;
+  // A confidence is in the name, not in a group that holds the right one.
+  const bool first_is_named = !right_by_name.empty() && std::find(right_by_name.begin(), right_by_name.end(),
+                                                                  &d.findings.front()) != right_by_name.end();
+  j.first_right = first_is_named || j.outcome == Outcome::simpler_law;
 }
 
 }  // namespace
@@ -392,6 +398,24 @@ Judgement judge(const Case& c, const diagnose::Diagnosis& d) {
   }
   judge_names(j, c, d);
   return j;
+}
+
+bool shows(const Case& c) {
+  constexpr double kCounts = 2.0;
+  const double of_disturbance = c.size == Size::small ? 0.5 : 2.0;
+  if (is_kind(c.kind, "clutch_bench") || c.model.clutch || !moves_the_body(c.truth.planted, c.kind))
+    return true;
+  Truth undisturbed = c.truth;
+  undisturbed.disturbance = {};
+  const TrueError at_random = true_error(undisturbed, c.held_out_truth);
+  return std::all_of(c.truth.planted.begin(), c.truth.planted.end(), [&](const Planted& p) {
+    Truth without = undisturbed;
+    std::erase_if(without.planted, [&](const Planted& other) { return other.law == p.law; });
+    const TrueError all = true_error(without, c.held_out_truth);
+    const double of_cause = all.squares - at_random.squares;
+    return of_cause >= of_disturbance * of_disturbance * at_random.squares &&
+           of_cause >= std::pow(kCounts * c.resolution, 2) * static_cast<double>(all.samples);
+  });
 }
 
 bool removes_enough(const Judgement& j) {

@@ -41,7 +41,7 @@ struct Judgement {
   diagnose::Verdict verdict = diagnose::Verdict::adequate;
   std::string first;                       ///< effect that stands first; empty: none
   double confidence = 0.0;                 ///< of it
-  bool first_right = false;                ///< it is a planted law, also in other words, or truly like one
+  bool first_right = false;                ///< it is a planted law, also in other words
   bool other_name = false;                 ///< named as the same law under its other name
   bool alike = false;                      ///< not_separated: and truly so, on these recordings
   std::vector<std::string> extra;          ///< findings beyond the planted laws
@@ -71,6 +71,11 @@ struct Judgement {
 diagnose::Diagnosis diagnosed(const Case& c, unsigned threads, const diagnose::WithoutRules& without = {});
 
 Judgement judge(const Case& c, const diagnose::Diagnosis& d);
+
+/// Whether each planted cause is there to be seen: what it does to the motion, in free runs over the held-out experiments, is at least twice
+/// what the disturbance does (a small one's half of it), and two counts of the encoder. True where no run tells: laws of the sensors,
+/// machines with a clutch.
+bool shows(const Case& c);
 
 /// At least 90 % of what can be explained is gone: in truth, and by the diagnosis' own figures where they
 /// tell.

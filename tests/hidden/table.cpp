@@ -151,8 +151,23 @@ void write_case(const Case& c, const std::string& folder) {
     for (const log::Log& log : *logs) log::write_log(log, folder + "/" + log.path);
 }
 
+// Of a cause of the catalogue another machine is drawn until it shows beside what else disturbs that.
+Case drawn(Answer& a) {
+  constexpr int kDraws = 30;
+  constexpr std::uint64_t kNext = 1'000'000;
+  Case c = draw_case(a.question);
+  if (a.tier == Tier::outside || a.tier == Tier::clean) return c;
+  for (int i = 0; !shows(c); ++i) {
+    a.hardly_shows = i == kDraws;
+    if (a.hardly_shows) break;
+    a.question.seed += kNext;
+    c = draw_case(a.question);
+  }
+  return c;
+}
+
 void answer(Answer& a, const Arguments& asked, const diagnose::WithoutRules& without) {
-  const Case c = draw_case(a.question);
+  const Case c = drawn(a);
   a.description = c.description();
   if (!asked.write.empty())
     write_case(c, asked.write + "/" + std::string(name(a.tier)) + "-" + std::to_string(a.question.seed));
@@ -206,7 +221,7 @@ void ablate(const std::vector<Answer>& answers, const Arguments& a) {
     for (diagnose::Rule r : answers[i].judgement.acted) {
       const auto rule = static_cast<std::size_t>(r);
       if (++acted[rule] > a.ablate) continue;
-      again.push_back({answers[i].tier, answers[i].question, {}, {}, {}, 0.0});
+      again.push_back({answers[i].tier, answers[i].question, {}, {}, {}, 0.0, false});
       without.push_back(a.without);
       without.back().insert(r);
       of.push_back(i), rule_of.push_back(rule);

@@ -206,6 +206,11 @@ std::string text_of(const Tally& t, const std::vector<Answer>& answers) {
   out +=
       "right: the planted cause first, or in a group whose first one truly predicts as well (of these); pairs: both "
       "and\nnothing else; clean: no finding and adequate; outside: unexplained, partly explained, or names of 0.5 at most.\n";
+  const auto hardly =
+      std::count_if(answers.begin(), answers.end(), [](const Answer& a) { return a.hardly_shows; });
+  if (hardly > 0)
+    out += printed("%zd causes hardly show on any machine that was drawn for them: asked all the same.\n",
+                   hardly);
   for (const TierTally& r : t.tiers)
     if (r.wrong_but_undecided > 0)
       out += printed("%s: %zu of the wrong names under the verdict not_identifiable.\n",

@@ -18,6 +18,8 @@ struct Answer {
   Judgement judgement;
   std::string refused;  ///< what the diagnosis threw; empty: it answered
   double seconds = 0.0;
+  bool hardly_shows =
+      false;  ///< on none of the machines drawn the cause shows beside the disturbance; asked all the same
 };
 
 struct Share {

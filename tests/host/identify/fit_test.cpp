@@ -20,7 +20,9 @@ struct Fitted {
 Fitted fitted(const std::vector<log::Log>& logs, const model::Model& model, bool by_equation) {
   std::vector<identify::Recording> recordings;
   for (const auto& log : logs) recordings.push_back(identify::make_recording(log, model.kind));
-  const auto [windows, layers] = identify::training_windows(recordings, model, 0.5);
+  const auto training = identify::training_windows(recordings, model, 0.5);
+  const auto& windows = training.windows;
+  const std::size_t layers = training.layers;
   const auto unknowns = identify::free_unknowns(model);
   const auto start = identify::values_in(model, unknowns);
   Fitted f;

@@ -106,35 +106,55 @@ TEST_CASE("White noise is worth its rows, and noise with a memory its rows over 
   CHECK(identify::effective_count(Eigen::VectorXd::Zero(7)) == 7.0);
 }
 
-TEST_CASE("The sandwich of a mean is its textbook standard error, that of a line White's") {
+TEST_CASE("The covariance of a mean is its textbook standard error, that of a line the jackknife's") {
   const std::vector<double> y{2, 4, 4, 4, 5, 5, 7, 9};  // mean 5, sum of squares about it 32
   std::vector<WindowShare> shares;
   for (const double v : y)
     shares.push_back(share(Eigen::MatrixXd::Ones(1, 1), Eigen::VectorXd::Constant(1, 5.0 - v)));
   CHECK(identify::sandwich_covariance(shares, {false})(0, 0) == Approx(32.0 / (8 * 7)).epsilon(1e-12));
-  // A line through six points with scatter that differs: (X'X)^-1 sum r^2 x x' (X'X)^-1 times 6/4, in fractions elsewhere.
+  // A line through six points: the closed form of a line through the other five, point by point.
   const std::vector<double> measured{1.1, 1.9, 3.2, 3.8, 5.5, 5.4};
+  constexpr double kOffset = 0.19333333333333333, kSlope = 0.94;
   shares.clear();
   for (int i = 0; i < 6; ++i) {
-    const double x = i + 1, line = 0.19333333333333 + 0.94 * x;
+    const double x = i + 1, line = kOffset + kSlope * x;
     shares.push_back(share(Eigen::RowVector2d(1.0, x),
                            Eigen::VectorXd::Constant(1, line - measured[static_cast<std::size_t>(i)])));
   }
+  Eigen::Matrix2d expected = Eigen::Matrix2d::Zero();
+  double of_slope_alone = 0.0;
+  for (int without = 0; without < 6; ++without) {
+    double n = 0.0, x1 = 0.0, x2 = 0.0, y1 = 0.0, xy = 0.0, of_residual = 0.0;
+    for (int i = 0; i < 6; ++i) {
+      if (i == without) continue;
+      const double x = i + 1, value = measured[static_cast<std::size_t>(i)];
+      n += 1.0, x1 += x, x2 += x * x, y1 += value, xy += x * value;
+      of_residual += x * (value - kOffset - kSlope * x);
+    }
+    const double slope = (n * xy - x1 * y1) / (n * x2 - x1 * x1);
+    const Eigen::Vector2d moved((y1 - slope * x1) / n - kOffset, slope - kSlope);
+    expected += 5.0 / 6.0 * moved * moved.transpose();
+    of_slope_alone += 5.0 / 6.0 * std::pow(of_residual / x2, 2);
+  }
   const Eigen::MatrixXd c = identify::sandwich_covariance(shares, {false, false});
-  CHECK(c(0, 0) == Approx(0.0555395555556).epsilon(1e-9));
-  CHECK(c(0, 1) == Approx(-0.0220144761905).epsilon(1e-9));
-  CHECK(c(1, 0) == Approx(-0.0220144761905).epsilon(1e-9));
-  CHECK(c(1, 1) == Approx(0.0102408707483).epsilon(1e-9));
-  // On its bound the offset is no unknown: a line through the origin, its slope's n / (n - 1).
+  CHECK((c - expected).cwiseAbs().maxCoeff() < 1e-9 * expected.cwiseAbs().maxCoeff());
+  // On its bound the offset is no unknown, and stays what it is.
   const Eigen::MatrixXd held = identify::sandwich_covariance(shares, {true, false});
   CHECK(held(0, 0) == 0.0);
   CHECK(held(0, 1) == 0.0);
-  double scatter = 0.0, information = 0.0;
-  for (const auto& s : shares) {
-    scatter += s.gradient(1) * s.gradient(1);
-    information += s.information(1, 1);
-  }
-  CHECK(held(1, 1) == Approx(1.2 * scatter / (information * information)).epsilon(1e-12));
+  // The pull of the six at the slope alone is zero: that of the other five is what the one takes away.
+  CHECK(held(1, 1) == Approx(of_slope_alone).epsilon(1e-9));
+}
+
+TEST_CASE("What one window alone tells is as uncertain as twenty times its own pull") {
+  // Three windows tell the first unknown; the last alone the second.
+  std::vector<WindowShare> shares;
+  for (const double pull : {1.0, -2.0, 1.0})
+    shares.push_back(share(Eigen::RowVector2d(1.0, 0.0), Eigen::VectorXd::Constant(1, pull)));
+  shares.push_back(share(Eigen::RowVector2d(0.0, 1.0), Eigen::VectorXd::Constant(1, 0.5)));
+  const Eigen::MatrixXd c = identify::sandwich_covariance(shares, {false, false});
+  CHECK(c(0, 0) == Approx(0.75 * (1.0 + 4.0 + 1.0) / 4.0).epsilon(1e-9));
+  CHECK(c(1, 1) == Approx(0.75 * std::pow(20.0 * 0.5, 2)).epsilon(1e-9));
 }
 
 TEST_CASE(
