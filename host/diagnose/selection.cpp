@@ -192,6 +192,12 @@ class Search {
                        [&](Effect m) { return always_same(trainer_.model, {m}, {e}); });
   }
 
+  /// Whether a set holds one law under two names.
+  bool names_twice(const EffectSet& effects) const {
+    return std::any_of(effects.begin(), effects.end(),
+                       [&](Effect e) { return stands_for_a_member(diagnose::without(effects, e), e); });
+  }
+
   /// The effect that removes most, if that is more than chance and numerics could; of those that remove as
   /// much, the one with the fewest parameters, then the first of the catalogue. Which are worth a fit is seen
   /// from one linear step each. Then the next.
@@ -251,6 +257,7 @@ class Search {
         if (++others == kBeam) break;
       }
     }
+    std::erase_if(sets, [&](const auto& s) { return names_twice(s.first); });
     std::vector<Tried> swaps(sets.size());
     core::parallel_for(sets.size(), trainer_.threads, [&](std::size_t i) {
       swaps[i] = {fit_if_it_runs(sets[i].first, *sets[i].second), round, {}};
@@ -645,6 +652,7 @@ class Search {
   std::vector<Selection::Rival> rivals() {
     std::vector<Replacement> replacements;
     for (std::size_t m = 0; m < s_.chosen.effects.size(); ++m) add_replacements(m, replacements);
+    std::erase_if(replacements, [&](const Replacement& r) { return names_twice(r.effects); });
     const std::size_t in_place_of_one = replacements.size();
     add_other_names(replacements);
     std::vector<Hypothesis> fitted(replacements.size());
