@@ -71,7 +71,7 @@ struct Bounded {
   double loss, slope;
 };
 Bounded bounded(double squares, double most) {
-  if (!std::isfinite(most)) return {squares, 1.0};
+  if (!std::isfinite(most) || !std::isfinite(squares)) return {squares, 1.0};
   double rho[3];
   ceres::TukeyLoss(std::sqrt(most)).Evaluate(squares, rho);
   return {rho[0], rho[1]};
@@ -301,16 +301,16 @@ class Jumping {
   /// Of all windows, their start states as they are.
   double squares(const std::vector<double>& values) const {
     double sum = 0.0;
-    for (std::size_t i = 0; i < problems_.costs.size(); ++i) {
-      residual_.resize(static_cast<std::size_t>(problems_.costs[i].num_residuals()));
-      const double* blocks[2] = {values.data(), &problems_.starts[kStartSize * i]};
-      if (!problems_.costs[i].Evaluate(blocks, residual_.data(), nullptr))
-        return std::numeric_limits<double>::infinity();
-      double of_window = 0.0;
-      for (double r : residual_) of_window += r * r;
-      sum += bounded(of_window, most_squares_).loss;
-    }
+    for (std::size_t i = 0; i < problems_.costs.size(); ++i)
+      sum += bounded(squares_of(i, values), most_squares_).loss;
     return sum;
+  }
+
+  /// The share of the windows that lie beyond the bound of the loss there.
+  double beyond(const std::vector<double>& values) const {
+    double count = 0.0;
+    for (std::size_t i = 0; i < problems_.costs.size(); ++i) count += squares_of(i, values) > most_squares_;
+    return count / static_cast<double>(problems_.costs.size());
   }
 
   /// Pairs of two of them on a coarse grid, all else as it is.
@@ -348,6 +348,18 @@ class Jumping {
     std::size_t index;
     Jumps where;
   };
+
+  /// Of one window; infinite where it does not run.
+  double squares_of(std::size_t i, const std::vector<double>& values) const {
+    residual_.resize(static_cast<std::size_t>(problems_.costs[i].num_residuals()));
+    const double* blocks[2] = {values.data(), &problems_.starts[kStartSize * i]};
+    // Without unknowns the start is the only block.
+    if (!problems_.costs[i].Evaluate(values.empty() ? blocks + 1 : blocks, residual_.data(), nullptr))
+      return std::numeric_limits<double>::infinity();
+    double sum = 0.0;
+    for (double r : residual_) sum += r * r;
+    return sum;
+  }
 
   bool look_through(const Sought& u, std::vector<double>& values) {
     constexpr double kStep_s = 5e-4, kRatio = 1.04, kSame = 1e-6;
@@ -481,6 +493,9 @@ Fit fit_by_simulation(const model::Model& model, const std::vector<Unknown>& unk
     jumping.look_coarsely(fit.values);
     jumping.look(fit.values);
   }
+  // Windows beyond the bound do not pull: where half of them are, first without it.
+  if (std::isfinite(effort.most_squares) && jumping.beyond(fit.values) > 0.5)
+    usable = solve(problems, unknowns, fit.values, {effort.most_iterations, effort.along_steps});
   constexpr int kRounds = 3;
   bool again = true;
   for (int round = 0; round < kRounds && again; ++round) {

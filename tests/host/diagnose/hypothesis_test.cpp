@@ -224,6 +224,36 @@ TEST_CASE("An effect stands out from where its size is further from none than ch
   CHECK(two(1.25, -1.25));      // 15.6
 }
 
+TEST_CASE(
+    "There may be none of an effect where its interval says so, of one with two sizes where both together do") {
+  const auto model = test::axis_model(95.0, 200.0);
+  // 400 windows that tell each value alike: Student's t is 1.966.
+  const auto may_be_none = [&](Effect e, const std::vector<double>& values,
+                               const Eigen::MatrixXd& covariance) {
+    Hypothesis h = with_effect(e, values, covariance);
+    const auto n = static_cast<Eigen::Index>(values.size());
+    identify::WindowShare share;
+    share.gradient = Eigen::VectorXd::Zero(n);
+    share.information = Eigen::MatrixXd::Identity(n, n);
+    h.fit.shares.assign(400, share);
+    return diagnose::may_be_none(h, model, e);
+  };
+  const auto one = [&](double deviations) {
+    return may_be_none(Effect::coulomb_friction, {0.01 * deviations}, Eigen::MatrixXd::Constant(1, 1, 1e-4));
+  };
+  CHECK(one(1.95));
+  CHECK_FALSE(one(1.98));
+  // Correlated by 0.8, each 1.5 deviations from none: together 2.5 where they are so the same way, 22.5 the other; 5.99 is the point.
+  Eigen::Matrix2d covariance;
+  covariance << 1e-4, 1.6e-4, 1.6e-4, 4e-4;
+  const auto two = [&](double a, double b) {
+    return may_be_none(Effect::asymmetric_friction, {0.01 * a, 0.02 * b}, covariance);
+  };
+  CHECK(two(1.5, 1.5));
+  CHECK_FALSE(two(1.5, -1.5));
+  CHECK_FALSE(two(2.2, 1.5));
+}
+
 TEST_CASE("A drive that lags and clocks that are apart by as much the other way are neither of them meant") {
   // To first order in both, what is left of the input's shift is their sum.
   const auto meant = [](double lag_s, double skew_s) {

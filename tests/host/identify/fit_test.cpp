@@ -69,6 +69,59 @@ TEST_CASE(
   }
 }
 
+TEST_CASE("Under a bounded loss windows that are far off weigh no more than others") {
+  // Five recordings of one machine, with noise; in the last one the place jumps by half a metre within three of the windows.
+  const auto model = test::axis_model(60.0, 90.0);
+  std::vector<identify::Recording> recordings;
+  for (unsigned i = 1; i <= 5; ++i) {
+    log::Log log = test::axis_log(95.0, 203.5, 1e-4, i);
+    if (i == 5)
+      for (std::size_t row = 0; row < log.rows(); ++row)
+        log.columns["position_m"][row] += row < 1130 ? 0.0 : row < 1430 ? 0.5 : row < 1680 ? 1.0 : 1.5;
+    recordings.push_back(identify::make_recording(log, model.kind));
+  }
+  const auto training = identify::training_windows(recordings, model, 0.5);
+  const auto unknowns = identify::free_unknowns(model);
+  const auto fitted_with = [&](double most_squares) {
+    identify::Effort effort;
+    effort.most_squares = most_squares;
+    return identify::fit_by_simulation(model, unknowns, identify::values_in(model, unknowns), recordings,
+                                       training.windows, identify::Weighting::noise, training.layers, effort);
+  };
+  const identify::Fit all = fitted_with(std::numeric_limits<double>::infinity());
+  double most = 0.0;
+  identify::Fit bounded = all;
+  for (int round = 0; round < 4; ++round) {
+    most = identify::most_squares_of(bounded.shares);
+    bounded = fitted_with(most);
+  }
+  CAPTURE(all.values, bounded.values, most);
+  CHECK(std::abs(all.values[0] - 95.0) > 1.0);
+  CHECK(bounded.values[0] == Approx(95.0).epsilon(1e-3));
+  CHECK(bounded.values[1] == Approx(203.5).epsilon(1e-3));
+  std::size_t beyond = 0;
+  for (std::size_t i = 0; i < bounded.shares.size(); ++i) {
+    const identify::WindowShare& s = bounded.shares[i];
+    CHECK(s.squares <= s.all_squares * (1.0 + 1e-12));
+    CHECK(s.squares <= most / 3.0 * (1.0 + 1e-12));
+    if (s.all_squares < most) continue;
+    ++beyond;
+    CHECK(training.windows[i].recording == 4);
+    CHECK(s.squares == Approx(most / 3.0));
+    CHECK(s.gradient.norm() == 0.0);
+    CHECK(s.information.norm() == 0.0);
+  }
+  CHECK(beyond >= 2);
+}
+
+TEST_CASE("The bound of that loss is Tukey's for a normal number, by the windows' upper quartile") {
+  std::vector<identify::WindowShare> shares(101);
+  for (std::size_t i = 0; i < shares.size(); ++i) shares[i].all_squares = static_cast<double>(i);
+  // A normal number's square has its upper quartile at 1.3233 variances.
+  CHECK(identify::most_squares_of(shares) == Approx(4.685 * 4.685 * 75.0 / 1.3233).epsilon(1e-3));
+  CHECK(std::isinf(identify::most_squares_of({})));
+}
+
 TEST_CASE("However quiet a recording is, no interval is narrower than what the numerics are worth") {
   const auto f = fitted({test::axis_log(95.0, 203.5, 1e-7, 1, 24.0)}, test::axis_model(60.0, 90.0), false);
   // 48 windows less two unknowns: t = 2.0129; 0.15 % of the value.
