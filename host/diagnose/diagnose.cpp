@@ -43,6 +43,8 @@ constexpr double kSureHelp = 1.2;
 /// Of a belt, of which fits without each of few recordings foretell falls that end on one tooth or another: beyond nine of ten draws of chance
 /// in five recordings (Student's t).
 constexpr double kSureHelpOfFalls = 1.6;
+/// Standard errors of help from which causes stand though others would do as well: that one of them is there is plain.
+constexpr double kPlainHelp = 3.0;
 /// NMSE that the simulator's own discretisation and an input held from row to row are worth: two thousandths
 /// of the motion. What is smaller is not called a cause, however fine the sensor.
 constexpr double kNumerics = 4e-6;
@@ -314,9 +316,10 @@ class Assembly {
     const bool numerics = crossed_before_ <= kNumerics && !slipped;
     const bool helps =
         slipped || (jumps ? gain > kSureHelpOfFalls : crossed_after_ < crossed_before_ && gain > kSureHelp);
-    const bool doubtful = undecided_ || !helps ||
-                          std::any_of(chosen.effects.begin(), chosen.effects.end(),
-                                      [&](Effect e) { return may_be_none(chosen, model_, e); });
+    const bool doubtful = (undecided_ && gain < kPlainHelp) || !helps ||
+                          std::any_of(chosen.effects.begin(), chosen.effects.end(), [&](Effect e) {
+                            return may_be_none(chosen, model_, e) || not_held(e);
+                          });
     withdrawn_ = numerics ||
                  (doubtful && !options_.without.contains(Rule::withdrawal) && refitted_stands_in_training());
     if (withdrawn_ && !numerics) selection_.acted.insert(Rule::withdrawal);

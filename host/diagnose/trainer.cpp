@@ -114,9 +114,13 @@ Hypothesis Trainer::fit(const std::vector<Effect>& effects, const Hypothesis* fr
   h.cross_validated_squares = cross_validate(h.fit, training.windows, recordings.size());
   h.meaningful = within_limits(h) && beyond_resolution(h);
   const auto tries = static_cast<double>(candidates().size());
-  for (Effect e : effects)
+  for (Effect e : effects) {
+    // A rate of which none would be infinite (a ground that gives) fits anything by being large: it must be known, too.
+    const bool has_none = identify::neutral_value(model, dynamics::info(e).parameter_table[0]).has_value();
     if (h.meaningful)
-      h.meaningful = told_from_special_case(h, e) && (shapes_of(e) == 1.0 || stands_out(h, model, e, tries));
+      h.meaningful = told_from_special_case(h, e) &&
+                     ((shapes_of(e) == 1.0 && has_none) || stands_out(h, model, e, tries));
+  }
   return h;
 }
 
