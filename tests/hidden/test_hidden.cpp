@@ -292,6 +292,21 @@ TEST_CASE("No law is named twice, under both its names") {
   CHECK(d.findings.size() == 1);
 }
 
+// Of the blind suite, too: here one fall in twenty ends on another tooth, by the random force. A late catch was named for it, alone or beside.
+TEST_CASE("A fall that the random force ends on another tooth is no late catch") {
+  const Case clean = draw_case(question_of(Tier::clean, 20261143, 0, "clutch_bench"));
+  const Judgement nothing = judge(clean, diagnosed(clean, kThreads));
+  INFO(clean.description());
+  INFO(nothing.said);
+  CHECK(std::string(name(nothing.outcome)) == std::string(name(Outcome::nothing_named)));
+  CHECK(nothing.verdict == diagnose::Verdict::adequate);
+  const Case spring = draw_case(question_of(Tier::medium, 20261133, 0, "clutch_bench", "auxiliary_spring"));
+  const Judgement one = judge(spring, diagnosed(spring, kThreads));
+  INFO(spring.description());
+  INFO(one.said);
+  CHECK(std::string(name(one.outcome)) == std::string(name(Outcome::named)));
+}
+
 TEST_CASE("Two causes that a rail carriage hides are both found") {
   expect_both({900, Kind::rail_carriage, {"stribeck_friction", "guide_tilt"}, Size::medium, Nominal::exact});
 }
