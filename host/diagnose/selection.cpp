@@ -667,14 +667,12 @@ class Search {
       fitted[i] = fit_if_it_runs(r.effects, *r.from, r.starts);
     });
     std::vector<Selection::Rival> equals;
-    // Evidence is worth the less the more the recordings' pulls scatter, as in a confidence.
-    const double misfit = overdispersion(s_.chosen.fit, units_of(trainer_.training.windows));
     const auto add = [&](Effect of, const Hypothesis& h) {
       if (h.failed || !h.meaningful) return;
       const bool known = std::any_of(equals.begin(), equals.end(), [&](const Selection::Rival& r) {
         return r.of == of && r.hypothesis.effects == h.effects;
       });
-      if (!known && (trainer_.preference(h, s_.chosen) < misfit * kEqualEvidence || the_same(h, s_.chosen)))
+      if (!known && (trainer_.preference(h, s_.chosen) < kEqualEvidence || the_same(h, s_.chosen)))
         equals.push_back({of, h});
     };
     for (const Hypothesis& h : fitted) remember(h);
