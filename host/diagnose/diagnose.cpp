@@ -156,10 +156,13 @@ class Assembly {
     return identify::evenly(all, identify::kMostRowsOfFit, identify::kFewestChosen);
   }
 
+  /// Whether the machine is a belt, whose falls end on one tooth or another: runs jump with what is fitted.
+  bool ends_on_teeth() const { return machines::rules(model_.kind).cut == machines::Cut::releases; }
+
   /// Of a belt, a fall that ends on another tooth must not outweigh the others: each counts by a loss that is bounded, by the size of most
   /// of them as the re-fitted model leaves them, and then as what is chosen does.
   void select_causes() {
-    const bool jumps = machines::rules(model_.kind).cut == machines::Cut::releases;
+    const bool jumps = ends_on_teeth();
     const auto select_now = [&](double from) {
       const Progress half = [&](double fraction, std::string_view what) {
         options_.progress(from + 0.5 * fraction, what);
@@ -298,7 +301,7 @@ class Assembly {
     for (const auto& rival : selection_.equals)
       undecided_ = undecided_ || !always_same(model_, rival.hypothesis.effects, chosen.effects);
     double gain = 0.0;
-    const bool jumps = machines::rules(model_.kind).cut == machines::Cut::releases && training_.size() > 1;
+    const bool jumps = ends_on_teeth() && training_.size() > 1;
     if (jumps) {
       const Crossed::Foretold again = crossed_->fitted_again(model_, refitted, chosen, options_.threads);
       crossed_before_ = again.smaller, crossed_after_ = again.larger, gain = again.gain;

@@ -135,7 +135,7 @@ Fit fit_by_equation(const model::Model& model, const std::vector<Unknown>& unkno
     fit.shares.push_back(std::move(share));
   }
   fit.layers = layers;
-  fit.covariance = sandwich_covariance(fit.shares, fit.at_bound, layers);
+  fit.covariance = jackknife_covariance(fit.shares, fit.at_bound, layers);
   return fit;
 }
 

@@ -186,7 +186,7 @@ Fit in_law_parameters(Fit fit, const std::vector<Unknown>& unknowns, const model
     to_law.block<3, 1>(at, at + k) = Eigen::Vector3d(unit[0], unit[1], unit[2]);
   }
   for (std::size_t k = 0; k < 3; ++k) fit.at_bound[static_cast<std::size_t>(at) + k] = false;
-  fit.covariance = sandwich_covariance(fit.shares, fit.at_bound, fit.layers);
+  fit.covariance = jackknife_covariance(fit.shares, fit.at_bound, fit.layers);
   Eigen::Map<Eigen::VectorXd> values(fit.values.data(), count);
   values = (to_law * values).eval();
   fit.covariance = to_law * fit.covariance * to_law.transpose();
@@ -234,7 +234,9 @@ double most_squares_of(const std::vector<WindowShare>& shares) {
   std::vector<double> squares;
   for (const WindowShare& s : shares) squares.push_back(s.all_squares);
   if (squares.empty()) return std::numeric_limits<double>::infinity();
-  return kBound / kQuartile * core::quantile(squares, 0.75);
+  const double quartile = core::quantile(squares, 0.75);
+  // Runs that meet the recordings in every digit give no scale.
+  return quartile > 0.0 ? kBound / kQuartile * quartile : std::numeric_limits<double>::infinity();
 }
 
 Fit look_by_simulation(const model::Model& model, const std::vector<Unknown>& unknowns,
@@ -507,7 +509,7 @@ Fit fit_by_simulation(const model::Model& model, const std::vector<Unknown>& unk
   problems.shares(fit, 6, effort.most_squares);
   require_finite(usable && std::isfinite(fit.squares), recordings, windows);
   fit.layers = layers;
-  fit.covariance = sandwich_covariance(fit.shares, fit.at_bound, layers);
+  fit.covariance = jackknife_covariance(fit.shares, fit.at_bound, layers);
   return fit;
 }
 

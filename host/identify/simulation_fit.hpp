@@ -24,8 +24,9 @@ struct Fit {
   std::vector<double> values;  ///< of the unknowns
   double squares = 0.0;
   std::vector<WindowShare> shares;  ///< one a window, in their order
-  Eigen::MatrixXd covariance;  ///< of the unknowns; from the scatter of the windows' gradients (sandwich), so
-                               ///< that neighbouring samples need not be independent
+  Eigen::MatrixXd
+      covariance;  ///< of the unknowns; from how they move without each window (statistics.hpp), so
+                   ///< that neighbouring samples need not be independent
   std::vector<bool> at_bound;
   /// Of unknowns that the runs jump with (unknowns.hpp, jumps), and do not change with in between: from where
   /// to where they explain the windows as well. Equal ends: not such an unknown, or not within such a range.
@@ -67,7 +68,7 @@ std::optional<std::vector<double>> begin_on_some(const model::Model& model,
 enum class Starting : std::uint8_t { at_optimum, linear };
 
 /// The bound of that loss at which nineteen of twenty windows that scatter as one normal number does keep nearly all their weight, whatever
-/// the largest quarter of them is. Infinite without windows.
+/// the largest quarter of them is. Infinite without windows, or where most leave nothing.
 double most_squares_of(const std::vector<WindowShare>& shares);
 
 /// The windows' shares at values that are not fitted.

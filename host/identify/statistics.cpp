@@ -25,8 +25,8 @@ double independent_windows(std::size_t windows, std::size_t layers) {
   return static_cast<double>(windows) / static_cast<double>(layers);
 }
 
-Eigen::MatrixXd sandwich_covariance(const std::vector<WindowShare>& shares, const std::vector<bool>& at_bound,
-                                    std::size_t layers) {
+Eigen::MatrixXd jackknife_covariance(const std::vector<WindowShare>& shares,
+                                     const std::vector<bool>& at_bound, std::size_t layers) {
   const auto count = static_cast<Eigen::Index>(at_bound.size());
   std::vector<Eigen::Index> moving;
   for (Eigen::Index i = 0; i < count; ++i)

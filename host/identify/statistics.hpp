@@ -49,7 +49,7 @@ double independent_windows(std::size_t windows, std::size_t layers);
 /// Windows that overlap share noise: `layers` of them in a row are left out together, and of what neighbouring steps
 /// have in common half is counted (Newey and West's weight at the first lag, which keeps the covariance
 /// positive). Of a direction that hardly any other window tells, a step is at most twenty times the linear one with it.
-Eigen::MatrixXd sandwich_covariance(const std::vector<WindowShare>& shares, const std::vector<bool>& at_bound,
-                                    std::size_t layers = 1);
+Eigen::MatrixXd jackknife_covariance(const std::vector<WindowShare>& shares,
+                                     const std::vector<bool>& at_bound, std::size_t layers = 1);
 
 }  // namespace furcula::identify

@@ -358,8 +358,8 @@ void judge_names(Judgement& j, const Case& c, const diagnose::Diagnosis& d) {
     j.outcome = Outcome::wrong_name;
   }
   // A confidence is in the name, not in a group that holds the right one.
-  const bool first_is_named = !right_by_name.empty() && std::find(right_by_name.begin(), right_by_name.end(),
-                                                                  &d.findings.front()) != right_by_name.end();
+  const bool first_is_named =
+      std::find(right_by_name.begin(), right_by_name.end(), &d.findings.front()) != right_by_name.end();
   j.first_right = first_is_named || j.outcome == Outcome::simpler_law;
 }
 

@@ -292,6 +292,20 @@ TEST_CASE("No law is named twice, under both its names") {
   CHECK(d.findings.size() == 1);
 }
 
+TEST_CASE("A cause shows that moves the machine more than what disturbs it, and one of no size does not") {
+  Question q{900, Kind::rail_carriage, {"coulomb_friction"}, Size::large, Nominal::exact};
+  q.disturbed = true;
+  CHECK(shows(draw_case(q)));
+  q.laws.clear();
+  Case none = draw_case(q);
+  none.truth.planted = {{"coulomb_friction", {0.0}}};
+  CHECK_FALSE(shows(none));
+  // A thousandth of a newton, where the random force is some 0.04 and more; of a small cause half of what that does is asked.
+  none.size = Size::small;
+  none.truth.planted = {{"coulomb_friction", {0.001}}};
+  CHECK_FALSE(shows(none));
+}
+
 // Of the blind suite, too: here one fall in twenty ends on another tooth, by the random force. A late catch was named for it, alone or beside.
 TEST_CASE("A fall that the random force ends on another tooth is no late catch") {
   const Case clean = draw_case(question_of(Tier::clean, 20261143, 0, "clutch_bench"));

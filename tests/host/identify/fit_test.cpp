@@ -120,6 +120,7 @@ TEST_CASE("The bound of that loss is Tukey's for a normal number, by the windows
   // A normal number's square has its upper quartile at 1.3233 variances.
   CHECK(identify::most_squares_of(shares) == Approx(4.685 * 4.685 * 75.0 / 1.3233).epsilon(1e-3));
   CHECK(std::isinf(identify::most_squares_of({})));
+  CHECK(std::isinf(identify::most_squares_of(std::vector<identify::WindowShare>(4))));
 }
 
 TEST_CASE("However quiet a recording is, no interval is narrower than what the numerics are worth") {

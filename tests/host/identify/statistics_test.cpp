@@ -48,7 +48,7 @@ identify::Fit fitted_mean(const Eigen::VectorXd& y, Eigen::Index length, std::si
   fit.values = {mean};
   fit.at_bound = {false};
   fit.layers = layers;
-  fit.covariance = identify::sandwich_covariance(fit.shares, fit.at_bound, layers);
+  fit.covariance = identify::jackknife_covariance(fit.shares, fit.at_bound, layers);
   return fit;
 }
 
@@ -111,7 +111,7 @@ TEST_CASE("The covariance of a mean is its textbook standard error, that of a li
   std::vector<WindowShare> shares;
   for (const double v : y)
     shares.push_back(share(Eigen::MatrixXd::Ones(1, 1), Eigen::VectorXd::Constant(1, 5.0 - v)));
-  CHECK(identify::sandwich_covariance(shares, {false})(0, 0) == Approx(32.0 / (8 * 7)).epsilon(1e-12));
+  CHECK(identify::jackknife_covariance(shares, {false})(0, 0) == Approx(32.0 / (8 * 7)).epsilon(1e-12));
   // A line through six points: the closed form of a line through the other five, point by point.
   const std::vector<double> measured{1.1, 1.9, 3.2, 3.8, 5.5, 5.4};
   constexpr double kOffset = 0.19333333333333333, kSlope = 0.94;
@@ -136,10 +136,10 @@ TEST_CASE("The covariance of a mean is its textbook standard error, that of a li
     expected += 5.0 / 6.0 * moved * moved.transpose();
     of_slope_alone += 5.0 / 6.0 * std::pow(of_residual / x2, 2);
   }
-  const Eigen::MatrixXd c = identify::sandwich_covariance(shares, {false, false});
+  const Eigen::MatrixXd c = identify::jackknife_covariance(shares, {false, false});
   CHECK((c - expected).cwiseAbs().maxCoeff() < 1e-9 * expected.cwiseAbs().maxCoeff());
   // On its bound the offset is no unknown, and stays what it is.
-  const Eigen::MatrixXd held = identify::sandwich_covariance(shares, {true, false});
+  const Eigen::MatrixXd held = identify::jackknife_covariance(shares, {true, false});
   CHECK(held(0, 0) == 0.0);
   CHECK(held(0, 1) == 0.0);
   // The pull of the six at the slope alone is zero: that of the other five is what the one takes away.
@@ -152,7 +152,7 @@ TEST_CASE("What one window alone tells is as uncertain as twenty times its own p
   for (const double pull : {1.0, -2.0, 1.0})
     shares.push_back(share(Eigen::RowVector2d(1.0, 0.0), Eigen::VectorXd::Constant(1, pull)));
   shares.push_back(share(Eigen::RowVector2d(0.0, 1.0), Eigen::VectorXd::Constant(1, 0.5)));
-  const Eigen::MatrixXd c = identify::sandwich_covariance(shares, {false, false});
+  const Eigen::MatrixXd c = identify::jackknife_covariance(shares, {false, false});
   CHECK(c(0, 0) == Approx(0.75 * (1.0 + 4.0 + 1.0) / 4.0).epsilon(1e-9));
   CHECK(c(1, 1) == Approx(0.75 * std::pow(20.0 * 0.5, 2)).epsilon(1e-9));
 }
