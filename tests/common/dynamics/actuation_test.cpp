@@ -72,6 +72,26 @@ double mean_delayed(const Recorded& r, double from, double to, const std::functi
 
 }  // namespace
 
+TEST_CASE("The row of an instant is the last one that is not after it, however uneven the rows are") {
+  Recorded r = swings();
+  r.add(0.5, 1.0);  // a gap, and many rows close together behind it
+  for (int n = 0; n < 50; ++n) r.add(1e-5, 0.1 * n);
+  r.add(2.0, -1.0);
+  const auto commands = r.view();
+  const auto expected = [&](double at) {
+    std::size_t row = 0;
+    while (row + 1 < r.rows() && r.time_s[row + 1] <= at) ++row;
+    return row;
+  };
+  for (std::size_t i = 0; i < r.rows(); ++i)
+    for (const double off : {-1e-7, 0.0, 1e-7, 3e-4})
+      CHECK(commands.row_at(r.time_s[i] + off) == expected(r.time_s[i] + off));
+  for (const double at : {-1.0, 0.3, 0.7, 1.5, 99.0}) CHECK(commands.row_at(at) == expected(at));
+  const Recorded one = step_of(3.0, 0, 0);
+  CHECK(one.view().row_at(-1.0) == 0);
+  CHECK(one.view().row_at(1.0) == 0);
+}
+
 TEST_CASE("A delay shifts the impulse, by any part of a step") {
   const Recorded r = swings();
   for (const double delay : {0.0, 0.4e-3, 3e-3, 12.34e-3}) {

@@ -27,17 +27,33 @@ struct Commands {
   /// instant the last one. Carries the derivative by `t`.
   template <class T>
   T impulse_until(const T& t) const {
-    const V at = value_of(t);
-    const auto after = std::upper_bound(time_s.begin(), time_s.end(), at);
-    const std::size_t i = after == time_s.begin() ? 0 : static_cast<std::size_t>(after - time_s.begin()) - 1;
+    const std::size_t i = row_at(value_of(t));
     return impulse[i] + command[i] * (t - time_s[i]);
+  }
+
+  /// The last row that is not after `at`, or the first. Rows are nearly evenly spaced, so it is looked for first where that would put it.
+  std::size_t row_at(V at) const {
+    constexpr int kSteps = 4;
+    if (!(at >= time_s.front())) return 0;
+    const std::size_t last = time_s.size() - 1;
+    if (at >= time_s[last]) return last;
+    const V share = (at - time_s.front()) / (time_s[last] - time_s.front());
+    std::size_t i = std::min(static_cast<std::size_t>(share * static_cast<V>(last)), last - 1);
+    for (int step = 0; step < kSteps; ++step) {
+      if (at < time_s[i])
+        --i;
+      else if (at >= time_s[i + 1])
+        ++i;
+      else
+        return i;
+    }
+    return static_cast<std::size_t>(std::upper_bound(time_s.begin(), time_s.end(), at) - time_s.begin()) - 1;
   }
 
   /// Integral from `from` to `to` of the command kept within +-limit.
   template <class T>
   T limited_impulse(const T& from, const T& to, const T& limit) const {
-    const auto after = std::upper_bound(time_s.begin(), time_s.end(), value_of(from));
-    std::size_t i = after == time_s.begin() ? 0 : static_cast<std::size_t>(after - time_s.begin()) - 1;
+    std::size_t i = row_at(value_of(from));
     T sum = T(V(0));
     T at = from;
     for (bool last = false; !last; ++i) {
