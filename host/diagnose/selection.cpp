@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <map>
+#include <numbers>
 
 #include "host/core/error.hpp"
 #include "host/core/parallel.hpp"
@@ -20,6 +21,8 @@ using dynamics::Effect;
 constexpr std::size_t kMostEffects = 4;
 /// Two sets whose evidence differs by less than this explain the data equally well (odds of about 20 to 1).
 constexpr double kEqualEvidence = 6.0;
+/// Ten times as likely: twice the logarithm of the odds.
+constexpr double kTenTimes = 2.0 * std::numbers::ln10;
 constexpr double kSmallestLoss = 0.04;  ///< of squares: less is no reason for a parameter more
 constexpr std::size_t kMostFits = 8;    ///< of the first round; half of them in the later ones
 constexpr std::size_t kFewestFits = 3;
@@ -219,6 +222,7 @@ class Search {
       });
       drop_failed(trials);
       remember(trials);
+      add_special_cases(trials);
       std::sort(trials.begin(), trials.end(), earlier_in_catalogue);
       const EffectSet before = s_.chosen.effects;
       const Tried* best = best_of(trials);
@@ -276,6 +280,42 @@ class Search {
     return swapped;
   }
 
+  /// A law that is not told from its special case leaves less than that one does: the fit of the special case ended elsewhere, and begins
+  /// anew from there.
+  void add_special_cases(std::vector<Tried>& trials) {
+    struct Narrower {
+      const Hypothesis *known, *without;
+      const Tried* from;
+      Starts starts;
+    };
+    std::vector<Narrower> sets;
+    for (const Tried& t : trials)
+      for (Effect e : t.hypothesis.effects) {
+        if (told_from_special_case(t.hypothesis, e)) continue;
+        const EffectSet rest = without(t.hypothesis.effects, e);
+        const auto& sizes = t.hypothesis.fitted.effects.at(e);
+        const double size = e == Effect::asymmetric_friction ? 0.5 * (sizes[0] + sizes[1]) : sizes[0];
+        for (Effect special : all_) {
+          if (!contains(e, special) || holds(rest, special)) continue;
+          const auto known = pool_.find(with(rest, special));
+          if (known == pool_.end() || !leaves_more(known->second, t.hypothesis, kSmallestLoss)) continue;
+          const auto none = pool_.find(rest);
+          sets.push_back(
+              {&known->second, none != pool_.end() ? &none->second : &s_.refitted, &t, {{special, {size}}}});
+        }
+      }
+    std::vector<Tried> narrower(sets.size());
+    core::parallel_for(sets.size(), trainer_.threads, [&](std::size_t i) {
+      const Tried& from = *sets[i].from;
+      narrower[i] = {fit_if_it_runs(sets[i].known->effects, from.hypothesis, sets[i].starts), from.round, {}};
+      if (!narrower[i].hypothesis.failed)
+        narrower[i].against_smaller = trainer_.compare(*sets[i].without, narrower[i].hypothesis, all_.size());
+    });
+    drop_failed(narrower);
+    remember(narrower);
+    for (Tried& t : narrower) trials.push_back(std::move(t));
+  }
+
   static void drop_failed(std::vector<Tried>& all) {
     std::erase_if(all, [](const Tried& t) { return t.hypothesis.failed; });
   }
@@ -298,7 +338,7 @@ class Search {
                         now = parameters_of(simplest->hypothesis.effects);
       const bool as_good =
           size < now ? evidence < kEqualEvidence || !leaves_more(t.hypothesis, best.hypothesis, kSmallestLoss)
-                     : size == now && evidence < kEqualEvidence;
+                     : size == now && the_same(t.hypothesis, simplest->hypothesis);
       if (as_good && (size < now || (size == now && &t < simplest))) simplest = &t;
     }
     return *simplest;
@@ -403,6 +443,7 @@ class Search {
       for (Tried& t : trials) pairs.push_back(std::move(t));
     }
     remember(pairs);
+    add_special_cases(pairs);
     std::stable_sort(pairs.begin(), pairs.end(), earlier_in_catalogue);
     bool better = false;
     if (const Tried* best = best_of(pairs)) {
@@ -424,7 +465,7 @@ class Search {
         static_cast<double>(parameters_of(h.effects)) - static_cast<double>(parameters_of(s_.chosen.effects));
     if (more > 0.0) return chi_square_point(static_cast<double>(all_.size()), more);
     const bool simpler = more < 0.0 || h.effects.size() < s_.chosen.effects.size();
-    return simpler ? -kEqualEvidence : kEqualEvidence;
+    return simpler ? -kEqualEvidence : 0.0;
   }
 
   /// What each member is worth, and which sets do as well in its place with no more parameters; one that does
@@ -453,22 +494,41 @@ class Search {
         if (keeps(Rule::rivals) && trainer_.preference(s_.chosen, r.hypothesis) > price_of(r.hypothesis) &&
             (better == nullptr || r.hypothesis.fit.squares < better->fit.squares))
           better = &r.hypothesis;
-      if (better == nullptr || round == kMostSwaps) return;
-      acted(Rule::rivals);
+      if (round == kMostSwaps) return;
+      if (better != nullptr)
+        acted(Rule::rivals);
+      else if (keeps(Rule::heaviest) && (better = heaviest()) != nullptr)
+        acted(Rule::heaviest);
+      if (better == nullptr) return;
       s_.chosen = Hypothesis(*better);
       prune(s_.chosen);
     }
   }
 
+  /// Of all sets that were fitted and hold no more causes the one that is most likely, if it is ten times as likely as the chosen one.
+  const Hypothesis* heaviest() const {
+    const double misfit = overdispersion(s_.chosen.fit, units_of(trainer_.training.windows));
+    const double prior = trainer_.prior(s_.chosen.effects);
+    const Hypothesis* best = nullptr;
+    double most = kTenTimes;
+    for (const auto& [effects, h] : pool_) {
+      if (effects.empty() || effects.size() > s_.chosen.effects.size() || !h.meaningful ||
+          names_twice(effects) || !trainer_.compare(s_.refitted, h, all_.size()).significant)
+        continue;
+      const double odds = trainer_.evidence_over(s_.chosen, h) / misfit + trainer_.prior(effects) - prior;
+      if (odds > most) most = odds, best = &h;
+    }
+    return best;
+  }
+
   /// Of several causes the set without one of which there may be none, or that the recordings do not agree on: by evidence that is worth the
   /// less the more their pulls scatter, as in a confidence, that set is ten times as likely.
   const Hypothesis* without_the_least_agreed() const {
-    constexpr double kTimes = 10.0;
     const EffectSet& members = s_.chosen.effects;
     if (members.size() < 2) return nullptr;
     const double misfit = overdispersion(s_.chosen.fit, units_of(trainer_.training.windows));
     const Hypothesis* best = nullptr;
-    double most = 2.0 * std::log(kTimes);
+    double most = kTenTimes;
     for (std::size_t i = 0; i < members.size(); ++i) {
       const Hypothesis& h = s_.without[i];
       if (h.meaningful && judged_on(members[i], trainer_.recordings) == identify::Channel::motion &&

@@ -18,8 +18,9 @@ using dynamics::Effect;
 /// An effect that removes less than this share of what the re-fitted model leaves (measuring noise included)
 /// is not worth a name: differences of numerics between two honest simulators are of that size.
 constexpr double kSmallestGain = 0.04;
-/// Nor is one that removes less than this of what the re-fitted model without any effect leaves.
-constexpr double kSmallestWorth = 2e-3;
+/// Nor is one that removes less than this of what the re-fitted model without any effect leaves: another's law for the largest cause may
+/// be off by so much, 1.7 % of its size.
+constexpr double kSmallestWorth = 3e-4;
 
 double shapes_of(Effect e) { return dynamics::info(e).search.shapes; }
 

@@ -364,6 +364,16 @@ TEST_CASE("Two causes that a hopper hides are found where a fit on the way there
       {20261229, Kind::hopper_linear, {"torque_offset", "bump_stop"}, Size::large, Nominal::wrong, true});
 }
 
+TEST_CASE("Dry friction beside a spot is found from where friction of two sizes is") {
+  expect_both(
+      {51140, Kind::rail_carriage, {"coulomb_friction", "binding_spot"}, Size::large, Nominal::wrong, true});
+}
+
+TEST_CASE("A drag is found beside a spot that is worth six hundred times as much") {
+  expect_both(
+      {9103, Kind::hopper_linear, {"quadratic_drag", "binding_spot"}, Size::large, Nominal::exact, true});
+}
+
 TEST_CASE("What helps no held-out recording of a clean rotary joint is not named") {
   const Case c = draw_case({77011, Kind::rotary_joint, {}, Size::medium, Nominal::wrong, true});
   const diagnose::Diagnosis d = diagnosed(c, kThreads);
