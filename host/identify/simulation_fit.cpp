@@ -289,6 +289,12 @@ bool solve(Costs& problems, const std::vector<Unknown>& unknowns, std::vector<do
   return summary.IsSolutionUsable();
 }
 
+double mean_square(const WindowShare& share) {
+  double rows = 0.0;
+  for (const ChannelShare& c : share.channels) rows += c.rows;
+  return share.squares / std::max(rows, 1.0);
+}
+
 /// The unknowns that the runs jump with, looked through value by value.
 class Jumping {
  public:
@@ -306,6 +312,27 @@ class Jumping {
     for (std::size_t i = 0; i < problems_.costs.size(); ++i)
       sum += bounded(squares_of(i, values), most_squares_).loss;
     return sum;
+  }
+
+  /// The ranges out to where the likelihood ratio of that value is at its 95 % point: a window or two may end on another tooth by what
+  /// disturbs the machine. Of how many independent residuals, the scatter of the windows' mean squares tells (2 by their relative variance).
+  void widen(const Fit& fit, std::size_t layers) {
+    constexpr double kLevel = 0.05;
+    const auto windows = static_cast<double>(fit.shares.size());
+    double rows = 0.0, mean = 0.0, variance = 0.0;
+    for (const WindowShare& share : fit.shares) {
+      for (const ChannelShare& c : share.channels) rows += c.effective_rows;
+      mean += mean_square(share) / windows;
+    }
+    for (const WindowShare& share : fit.shares)
+      variance += std::pow(mean_square(share) - mean, 2) / (windows - 1.0);
+    const double independent = std::min(rows, windows * 2.0 * mean * mean / std::max(variance, 1e-300)) /
+                               static_cast<double>(layers);
+    if (fit.shares.size() < 3 || !(independent > 0.0)) return;
+    const double most = squares(fit.values) * std::exp(core::chi_square_above(kLevel, 1.0) / independent);
+    for (const Sought& u : all_)
+      if (auto& range = ranges_[u.index]; range.first < range.second)
+        range = range_about(u, fit.values, fit.values[u.index], most);
   }
 
   /// The share of the windows that lie beyond the bound of the loss there.
@@ -363,28 +390,24 @@ class Jumping {
     return sum;
   }
 
-  bool look_through(const Sought& u, std::vector<double>& values) {
-    constexpr double kStep_s = 5e-4, kRatio = 1.04, kSame = 1e-6;
+  /// A step up, or down with `way` -1.
+  static double further(const Jumps& where, double v, int way) {
+    constexpr double kStep_s = 5e-4, kRatio = 1.04;
+    return where.by_ratio ? v * std::pow(kRatio, way) : v + kStep_s * way;
+  }
+
+  /// From where to where about `from` no more squares than `most` are left.
+  std::pair<double, double> range_about(const Sought& u, std::vector<double> values, double from,
+                                        double most) const {
     constexpr int kHalvings = 8;
-    const Jumps& where = u.where;
-    const auto with = [&](double value) {
-      values[u.index] = value;
-      return squares(values);
+    const auto as_good = [&](double v) {
+      values[u.index] = v;
+      return squares(values) <= most;
     };
-    double best = values[u.index], least = with(best);
-    const double before = least;
-    const auto next = [&](double v) { return where.by_ratio ? v * kRatio : v + kStep_s; };
-    const auto previous = [&](double v) { return where.by_ratio ? v / kRatio : v - kStep_s; };
-    for (double v = where.lower; v <= where.upper; v = next(v))
-      if (const double s = with(v); s < least * (1.0 - kSame)) {
-        least = s;
-        best = v;
-      }
-    const auto as_good = [&](double v) { return with(v) <= least * (1.0 + kSame); };
-    const auto end = [&](const auto& further) {
-      double inside = best;
+    const auto end = [&](int way) {
+      double inside = from;
       for (;;) {
-        const double outside = std::clamp(further(inside), where.lower, where.upper);
+        const double outside = std::clamp(further(u.where, inside, way), u.where.lower, u.where.upper);
         if (as_good(outside)) {
           if (outside == inside) return inside;
           inside = outside;
@@ -398,7 +421,25 @@ class Jumping {
         return inside;
       }
     };
-    const double low = end(previous), high = end(next);
+    return {end(-1), end(1)};
+  }
+
+  bool look_through(const Sought& u, std::vector<double>& values) {
+    constexpr double kSame = 1e-6;
+    const Jumps& where = u.where;
+    const auto with = [&](double value) {
+      values[u.index] = value;
+      return squares(values);
+    };
+    double best = values[u.index], least = with(best);
+    const double before = least;
+    const auto next = [&](double v) { return further(where, v, 1); };
+    for (double v = where.lower; v <= where.upper; v = next(v))
+      if (const double s = with(v); s < least * (1.0 - kSame)) {
+        least = s;
+        best = v;
+      }
+    const auto [low, high] = range_about(u, values, best, least * (1.0 + kSame));
     // What changes the runs between the jumps too has a best value, which the fit's steps find.
     const bool flat = high - low > 0.01 * (next(best) - best);
     ranges_[u.index] = flat ? std::pair(low, high) : std::pair(0.0, 0.0);
@@ -504,9 +545,10 @@ Fit fit_by_simulation(const model::Model& model, const std::vector<Unknown>& unk
     usable = solve(problems, unknowns, fit.values, effort);
     again = usable && jumping.look(fit.values);
   }
-  fit.ranges = jumping.ranges();
   fit.at_bound = at_bounds(fit.values, unknowns);
   problems.shares(fit, 6, effort.most_squares);
+  jumping.widen(fit, layers);
+  fit.ranges = jumping.ranges();
   require_finite(usable && std::isfinite(fit.squares), recordings, windows);
   fit.layers = layers;
   fit.covariance = jackknife_covariance(fit.shares, fit.at_bound, layers);
