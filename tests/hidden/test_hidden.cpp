@@ -374,6 +374,22 @@ TEST_CASE("A drag is found beside a spot that is worth six hundred times as much
       {9103, Kind::hopper_linear, {"quadratic_drag", "binding_spot"}, Size::large, Nominal::exact, true});
 }
 
+// Over the range in which the runs stay the same but for one window of twenty, which ends on another tooth by the random force.
+TEST_CASE("The delay of a late catch that a hopper hides lies within its interval") {
+  const Case c = draw_case(
+      {51143, Kind::hopper_linear, {"actuator_delay", "late_catch"}, Size::large, Nominal::exact, true});
+  const Judgement j = judge(c, diagnosed(c, kThreads));
+  INFO(c.description());
+  INFO(j.said);
+  CHECK(std::string(name(j.outcome)) == std::string(name(Outcome::named)));
+  for (const ParameterError& p : j.parameters) {
+    INFO(p.name << " planted " << p.expected << ", found " << p.found << " [" << p.lower << ", " << p.upper
+                << "]");
+    CHECK(p.lower <= p.expected);
+    CHECK(p.expected <= p.upper);
+  }
+}
+
 TEST_CASE("What helps no held-out recording of a clean rotary joint is not named") {
   const Case c = draw_case({77011, Kind::rotary_joint, {}, Size::medium, Nominal::wrong, true});
   const diagnose::Diagnosis d = diagnosed(c, kThreads);
