@@ -189,6 +189,11 @@ class Search {
     return effects;
   }
 
+  /// Whether two sets are names of one law, by what they say or by their runs.
+  bool one_law(const Hypothesis& one, const Hypothesis& other) const {
+    return always_same(trainer_.model, one.effects, other.effects) || the_same(one, other);
+  }
+
   /// Whether a set holds an effect, or its law under another name.
   bool stands_for_a_member(const EffectSet& members, Effect e) const {
     return std::any_of(members.begin(), members.end(),
@@ -338,7 +343,7 @@ class Search {
                         now = parameters_of(simplest->hypothesis.effects);
       const bool as_good =
           size < now ? evidence < kEqualEvidence || !leaves_more(t.hypothesis, best.hypothesis, kSmallestLoss)
-                     : size == now && the_same(t.hypothesis, simplest->hypothesis);
+                     : size == now && one_law(t.hypothesis, simplest->hypothesis);
       if (as_good && (size < now || (size == now && &t < simplest))) simplest = &t;
     }
     return *simplest;
@@ -465,7 +470,7 @@ class Search {
         static_cast<double>(parameters_of(h.effects)) - static_cast<double>(parameters_of(s_.chosen.effects));
     if (more > 0.0) return chi_square_point(static_cast<double>(all_.size()), more);
     const bool simpler = more < 0.0 || h.effects.size() < s_.chosen.effects.size();
-    return simpler ? -kEqualEvidence : 0.0;
+    return simpler ? -kEqualEvidence : one_law(h, s_.chosen) ? kEqualEvidence : 0.0;
   }
 
   /// What each member is worth, and which sets do as well in its place with no more parameters; one that does
