@@ -24,12 +24,12 @@ struct Fit {
   std::vector<double> values;  ///< of the unknowns
   double squares = 0.0;
   std::vector<WindowShare> shares;  ///< one a window, in their order
-  Eigen::MatrixXd
-      covariance;  ///< of the unknowns; from how they move without each window (statistics.hpp), so
-                   ///< that neighbouring samples need not be independent
+  /// Of the unknowns; from how they move without each window (statistics.hpp), so that neighbouring samples need
+  /// not be independent.
+  Eigen::MatrixXd covariance;
   std::vector<bool> at_bound;
   /// Of unknowns that the runs jump with (unknowns.hpp, jumps), and do not change with in between: from where
-  /// to where they explain the windows as well. Equal ends: not such an unknown, or not within such a range.
+  /// to where they explain the windows as well, or worse by no more than chance. Equal ends: not such an unknown, or not within such a range.
   std::vector<std::pair<double, double>> ranges;
   std::size_t layers = 1;  ///< in how many of the windows each row lies
 };
