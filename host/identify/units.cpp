@@ -47,6 +47,14 @@ Foretold foretold_by(const model::Model& model, const Recording& r, const std::v
   return {both / said, both / std::sqrt(said * seen)};
 }
 
+Recording other_way(Recording r) {
+  for (double& u : r.input) u = -u;
+  return r;
+}
+
+/// Of what the body does, what a model leaves that foretells it, but for a factor; all, where it foretells the opposite.
+double left_by(const Foretold& f) { return f.alike > 0.0 ? 1.0 - f.alike * f.alike : 1.0; }
+
 /// A usual confusion of units, by its factor.
 struct Confusion {
   double factor;
@@ -88,17 +96,26 @@ void require_named_unit(const model::Model& model, const std::vector<Recording>&
     const bool driven = std::any_of(r.input.begin(), r.input.end(), [](double u) { return u != 0.0; });
     if (some.empty() || (rotary && !driven && *high - *low < 2.0 * std::numbers::pi)) continue;
     const Foretold named = foretold_by(model, r, some);
-    const Foretold other = foretold_by(model, scaled(r, rotary ? kRadPerDegree : 1e-3), some);
-    const bool fits = other.alike > kAlike && other.times < kAbout && other.times > 1.0 / kAbout;
-    if (!fits || !(1.0 - other.alike * other.alike < kBetter * (1.0 - named.alike * named.alike))) continue;
-    throw core::DataError(r.name + ": " + std::string(rules.columns.position) + " moves as " +
-                          (rotary ? "degrees" : "millimetres") +
-                          " would: so read, the model accounts for all but " +
-                          core::rounded(100.0 * (1.0 - other.alike * other.alike), 2) +
-                          " % of what it does, as " + (rotary ? "radians" : "metres") + " for all but " +
-                          core::rounded(100.0 * (1.0 - named.alike * named.alike), 2) + " %; expected " +
-                          (rotary ? "radians (a --map file with scale = 0.0174533 makes them)"
-                                  : "metres (a --map file with scale = 0.001 makes them)"));
+    const auto refuse_if_better = [&](const Recording& read_so, const std::string& what, const char* named_so,
+                                      const char* expected) {
+      const Foretold other = foretold_by(model, read_so, some);
+      const bool fits = other.alike > kAlike && other.times < kAbout && other.times > 1.0 / kAbout;
+      if (!fits || !(left_by(other) < kBetter * left_by(named))) return;
+      throw core::DataError(r.name + ": " + what + ": so read, the model accounts for all but " +
+                            core::rounded(100.0 * left_by(other), 2) + " % of what it does, as " + named_so +
+                            " for all but " + core::rounded(100.0 * left_by(named), 2) + " %; expected " +
+                            expected);
+    };
+    const std::string position(rules.columns.position);
+    if (rotary)
+      refuse_if_better(scaled(r, kRadPerDegree), position + " moves as degrees would", "radians",
+                       "radians (a --map file with scale = 0.0174533 makes them)");
+    else
+      refuse_if_better(scaled(r, 1e-3), position + " moves as millimetres would", "metres",
+                       "metres (a --map file with scale = 0.001 makes them)");
+    if (driven)
+      refuse_if_better(other_way(r), std::string(rules.columns.input) + " has the other sign", "named",
+                       "a positive one to push the position up (a --map file with scale = -1.0 turns it)");
   }
 }
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "host/core/quantile.hpp"
 
@@ -110,6 +111,90 @@ std::vector<std::size_t> steps_out_and_back(std::span<const double> t, std::span
   }
   for (std::size_t i = 0; i < n; ++i)
     if (out[i]) found.push_back(i);
+  return found;
+}
+
+std::vector<std::size_t> off_at_ends(std::span<const double> t, std::span<const double> x) {
+  constexpr std::size_t kMostRows = 8, kFit = 8, kPlaces = 2000;
+  constexpr double kFar = 4.0, kWay = 1.5, kAlike = 0.6, kFits = 0.25;
+  const std::size_t n = x.size();
+  std::vector<std::size_t> found;
+  if (n < 4 * kFit) return found;
+  // How far row `at` is from the parabola through the kFit rows from `from` on: least squares, by powers that are made orthogonal there.
+  const auto off = [&](std::size_t from, std::size_t at) {
+    const double unit = t[from + kFit - 1] - t[from];
+    double s1 = 0.0, s2 = 0.0, s3 = 0.0;
+    const auto from_mean = [&, mean = std::accumulate(t.begin() + static_cast<std::ptrdiff_t>(from),
+                                                      t.begin() + static_cast<std::ptrdiff_t>(from + kFit),
+                                                      0.0) /
+                                      kFit](std::size_t k) { return (t[k] - mean) / unit; };
+    for (std::size_t k = from; k < from + kFit; ++k) {
+      const double s = from_mean(k);
+      s1 += s * s;
+      s2 += s * s * s;
+    }
+    const double bend = s2 / s1, level = s1 / kFit;
+    const auto second = [&](std::size_t k) {
+      const double s = from_mean(k);
+      return s * s - bend * s - level;
+    };
+    double sum = 0.0, slope = 0.0, curve = 0.0;
+    for (std::size_t k = from; k < from + kFit; ++k) {
+      const double y = x[k] - x[from];
+      sum += y;
+      slope += from_mean(k) * y;
+      curve += second(k) * y;
+      s3 += second(k) * second(k);
+    }
+    return x[at] - x[from] - sum / kFit - slope / s1 * from_mean(at) - curve / s3 * second(at);
+  };
+  std::vector<double> usual;
+  const std::size_t step = std::max<std::size_t>(1, n / kPlaces);
+  for (std::size_t i = 0; i + kFit < n; i += step) {
+    usual.push_back(std::abs(off(i, i + kFit)));
+    usual.push_back(std::abs(off(i + 1, i)));
+  }
+  const double far = std::max(least_distance(x, 0.0), kFar * core::quantile(std::move(usual), 0.99));
+  for (const bool first : {true, false})
+    for (std::size_t k = kMostRows; k > 0; --k) {
+      const auto row = [&](std::size_t j) { return first ? j : n - 1 - j; };  // counted from the end
+      const std::size_t from = first ? k : n - k - kFit;
+      const double next = off(from, row(k - 1)), way = std::abs(x[row(k + 1)] - x[row(k)]);
+      if (std::abs(next) <= far + kWay * way) continue;
+      // A knock among those rows is no parabola.
+      bool all = true;
+      for (std::size_t i = from; i < from + kFit; ++i)
+        all = all && std::abs(off(from, i)) < kFits * std::abs(next);
+      for (std::size_t j = k - std::min<std::size_t>(k, 2); j + 1 < k; ++j)
+        all = all && std::abs(off(from, row(j)) - next) < kAlike * std::abs(next);
+      if (!all) continue;
+      for (std::size_t j = 0; j < k; ++j) found.push_back(row(j));
+      break;
+    }
+  std::sort(found.begin(), found.end());
+  return found;
+}
+
+std::vector<std::size_t> stuck(std::span<const double> t, std::span<const double> x) {
+  constexpr std::size_t kFewest = 10;
+  constexpr double kWay = 3.0, kOfSpeed = 0.2, kMoves = 0.02;
+  const std::size_t n = x.size();
+  std::vector<std::size_t> found;
+  if (n < 3 * kAround) return found;
+  const double least = least_distance(x, 0.0);
+  const std::vector<bool> none(n, false);
+  for (std::size_t first = 0; first + 1 < n;) {
+    std::size_t end = first + 1;  // the first row of another value
+    while (end < n && x[end] == x[first]) ++end;
+    if (end < n && end - first >= kFewest) {
+      const double before = speed_from(t, x, none, first, false), after = speed_from(t, x, none, end, true),
+                   jump = std::abs(x[end] - x[first]), needed = jump / (t[end] - t[first]);
+      if (jump > least + kWay * after * (t[end] - t[end - 1]) &&
+          std::max(before, after) > kOfSpeed * needed && std::min(before, after) > kMoves * needed)
+        for (std::size_t k = first + 1; k < end; ++k) found.push_back(k);
+    }
+    first = end;
+  }
   return found;
 }
 

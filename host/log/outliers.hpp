@@ -17,6 +17,17 @@ namespace furcula::log {
 std::vector<std::size_t> steps_out_and_back(std::span<const double> time_s, std::span<const double> values,
                                             double noise = 0.0);
 
+/// Up to eight rows at an end of a position that the rows beside them do not foretell: a filter's or a bus's first values. They are off
+/// by about the same: by more than noise and one and a half times the way that the body goes in a row (a body that sets off is off by
+/// that way), and by four times what all but a hundredth of the column's rows are from what a parabola through the eight before, or
+/// after, foretells. A knock, from which on the distance grows, does not look so.
+std::vector<std::size_t> off_at_ends(std::span<const double> time_s, std::span<const double> values);
+
+/// Rows of a position in which its encoder stands still while the body goes on: ten at least of exactly one value, then a jump of more
+/// than noise and the way of a row, the body moving before and after, on one side about as fast as that jump would have been gone. The first row of
+/// that value is not among them.
+std::vector<std::size_t> stuck(std::span<const double> time_s, std::span<const double> values);
+
 /// Rows, at most three in a row, whose size is more than fifty times that of any other row: of what may jump
 /// as it likes (a torque, a speed). Of a column that is nothing else than zero none.
 std::vector<std::size_t> far_beyond_others(std::span<const double> values);

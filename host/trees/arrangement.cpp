@@ -2,6 +2,8 @@
 #include "host/trees/arrangement.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 #include <numeric>
 
 #include "host/trees/fit.hpp"
@@ -19,10 +21,10 @@ constexpr double kHelps = 0.2;
 /// So many exchanges are fitted.
 constexpr std::size_t kFitted = 3;
 
-/// How the columns are read: of each joint, whose they are, and with which sign.
+/// How the columns are read: of each joint, whose they are, and times what.
 struct Reading {
   std::vector<std::size_t> angle, input;
-  std::vector<double> angle_sign, input_sign;
+  std::vector<double> angle_scale, input_scale;
 };
 
 std::vector<double> times(std::vector<double> x, double factor) {
@@ -34,9 +36,9 @@ std::vector<Recording> read_so(std::vector<Recording> recordings, const Reading&
   for (Recording& r : recordings) {
     const Recording as_given = r;
     for (std::size_t j = 0; j < r.angle_rad.size(); ++j) {
-      r.angle_rad[j] = times(as_given.angle_rad[reading.angle[j]], reading.angle_sign[j]);
-      r.angle_noise_rad[j] = as_given.angle_noise_rad[reading.angle[j]];
-      r.input[j] = times(as_given.input[reading.input[j]], reading.input_sign[j]);
+      r.angle_rad[j] = times(as_given.angle_rad[reading.angle[j]], reading.angle_scale[j]);
+      r.angle_noise_rad[j] = std::abs(reading.angle_scale[j]) * as_given.angle_noise_rad[reading.angle[j]];
+      r.input[j] = times(as_given.input[reading.input[j]], reading.input_scale[j]);
       r.input_measured[j] = as_given.input_measured[reading.input[j]];
     }
   }
@@ -72,13 +74,43 @@ std::vector<Exchange> exchanges(const TreeModel& m, const Reading& given) {
                                                              : "torque");
   };
   const auto place = [&](std::size_t j) { return std::string(m.prismatic(j) ? "position" : "angle"); };
+  // Of one joint, or of all that `which` takes.
+  const auto scaled = [&](std::vector<double> Reading::*what, const auto& which, double scale,
+                          const std::string& noun, const std::string& one, const std::string& several) {
+    std::vector<std::size_t> joints;
+    for (std::size_t j = 0; j < m.joints(); ++j)
+      if (which(j)) joints.push_back(j);
+    Reading all = given;
+    std::string names;
+    for (const std::size_t j : joints) {
+      Reading r = given;
+      (r.*what)[j] = (all.*what)[j] = scale;
+      names += (names.empty() ? "" : " and ") + of(j);
+      out.push_back({r, "the " + noun + " of " + of(j) + " " + one});
+    }
+    if (joints.size() > 1) out.push_back({all, "the " + noun + "s of " + names + " " + several});
+  };
+  const auto torque = [&](std::size_t j) { return !m.prismatic(j) && m.drives[j].law == DriveLaw::torque; };
+  scaled(
+      &Reading::angle_scale, [&](std::size_t j) { return !m.prismatic(j); }, std::numbers::pi / 180.0,
+      "angle", "is in degrees", "are in degrees");
+  scaled(
+      &Reading::angle_scale, [&](std::size_t j) { return m.prismatic(j); }, 1e-3, "position",
+      "is in millimetres", "are in millimetres");
+  scaled(&Reading::input_scale, torque, 1e-3, "torque", "is in N mm", "are in N mm");
+  if (m.joints() > 1 && std::all_of(m.drives.begin(), m.drives.end(),
+                                    [](const Drive& d) { return d.law == DriveLaw::torque; })) {
+    Reading all = given;
+    std::fill(all.input_scale.begin(), all.input_scale.end(), -1.0);
+    out.push_back({all, "the torques of all joints have the other sign"});
+  }
   for (std::size_t j = 0; j < m.joints(); ++j) {
     Reading r = given;
-    r.input_sign[j] = -1.0;
+    r.input_scale[j] = -1.0;
     out.push_back({r, "the " + input(j) + " of " + of(j) + " has the other sign"});
-    r.angle_sign[j] = -1.0;
+    r.angle_scale[j] = -1.0;
     out.push_back({r, "the " + place(j) + " and the " + input(j) + " of " + of(j) + " have the other sign"});
-    r.input_sign[j] = 1.0;
+    r.input_scale[j] = 1.0;
     out.push_back({r, "the " + place(j) + " of " + of(j) + " has the other sign"});
     for (std::size_t k = j + 1; k < m.joints(); ++k) {
       if (m.prismatic(j) != m.prismatic(k)) continue;

@@ -1,4 +1,4 @@
-// Columns that may stand for each other: joints that are swapped, or that count the other way.
+// Columns that may not be what they are named: joints that are swapped, that count the other way, or in another unit.
 #pragma once
 
 #include <optional>
@@ -16,7 +16,7 @@ struct Arrangement {
   double off_as_given = 0.0, off_arranged = 0.0;
 };
 
-/// The one exchange of columns, of two joints, or of one joint's sign, that makes the model fit where it does not fit at all; nothing
+/// The one exchange of columns, of two joints, or change of sign or unit (degrees, millimetres, N mm), of one joint or of all, that makes the model fit where it does not fit at all; nothing
 /// where it fits, or where no exchange helps by much.
 std::optional<Arrangement> other_arrangement(const TreeModel& model, const std::vector<Recording>& recordings,
                                              unsigned threads);

@@ -29,11 +29,15 @@ constexpr double kOfWhatIsLeft = 0.25;
 /// Where so much lasts that nothing foretells, of the drive's torque and of the torque that what is named accounts for, the names may stand
 /// for something else. Of real machines a twentieth of the drive's is usual.
 constexpr double kDoubted = 0.1, kOfNamed = 0.5;
+/// A drive that gives less than this of what moves its joint gives nothing.
+constexpr double kDriven = 0.02;
 /// What is missing at times only: so much of the drive's torque, and so much of its squares in a tenth of the samples (of chance: 0.44).
 constexpr double kOfDrive = 0.1, kNearlyAll = 0.9;
 /// Held-out windows that are so many times as far off as those that were fitted show something else.
 constexpr double kOnlyThere = 4.0;
 constexpr std::size_t kMostSearchWindows = 160;
+/// Runs that are off by so many times the motion have flown apart.
+constexpr double kNoRun = 10.0;
 
 std::string percent(double share) {
   const double p = 100.0 * share;
@@ -58,6 +62,7 @@ class Diagnoser {
       d_.training_files.push_back(log.path);
       d_.samples += log.rows();
     }
+    require_motion(model, training_);
     for (const log::Log& log : held_out) {
       held_out_.push_back(recording_of(model, log));
       d_.held_out_files.push_back(log.path);
@@ -136,12 +141,14 @@ class Diagnoser {
     motions();
     d_.verdict = Verdict::not_identifiable;
     d_.unexplained_share = 1.0;
+    const double as_given = std::sqrt(arranged.off_as_given);
     d_.summary = "It seems that " + arranged.what + ". So read, runs of the model are off by " +
                  percent(std::sqrt(arranged.off_arranged)) + " of the motion, as it is by " +
-                 percent(std::sqrt(arranged.off_as_given)) + ". No cause was looked for.";
+                 (as_given < kNoRun ? percent(as_given) : "many times the motion") +
+                 ". No cause was looked for.";
     d_.next_experiment =
         "Move one joint after the other by hand and see which column moves, and to which side: the URDF says which it is to be. Then mend "
-        "the map file (columns, or scale = -1.0).";
+        "the map file (columns, or scale).";
   }
 
  private:
@@ -175,6 +182,7 @@ class Diagnoser {
       m.rms_after_nm = left.rms_nm;
       m.lasting_after_nm = left.lasting_nm;
       m.rms_torque_nm = problem.scales().torque_nm[j];
+      m.rms_drive_nm = problem.scales().drive_nm[j];
       m.predictable_before = was.predictable;
       m.predictable_after = left.predictable;
       if (structured(m)) m.goes_along_with = goes_along_with(after[j], j, training_.size(), model_);
@@ -393,13 +401,22 @@ class Diagnoser {
 
   /// What the recordings tell of masses and inertias.
   void known_inertias(const Problem& problem) {
-    d_.base_parameters = base_parameters(model_, d_.extended, after_, problem.scales().torque_nm);
+    const Scales& scales = problem.scales();
+    d_.base_parameters = base_parameters(model_, d_.extended, after_, scales.torque_nm);
+    bool driven = false;
+    for (std::size_t j = 0; j < model_.joints(); ++j)
+      driven |= scales.drive_nm[j] > kDriven * scales.torque_nm[j];
+    if (!driven)
+      for (BaseParameter& b : d_.base_parameters) b.shown = false;
     const auto shown = std::count_if(d_.base_parameters.begin(), d_.base_parameters.end(),
                                      [](const BaseParameter& b) { return b.shown; });
     d_.notes.push_back("Of the bodies' " + std::to_string(kInertialParameters * model_.joints()) +
                        " inertial parameters the joints' torques depend on " +
                        std::to_string(d_.base_parameters.size()) + " combinations; these recordings show " +
                        std::to_string(shown) + " of them.");
+    if (!driven)
+      d_.notes.push_back(
+          "No drive acts in them: twice all inertias, with twice all that is named, would move alike. Sizes are for the inertias given.");
   }
 
   void verdict(const Problem& problem) {

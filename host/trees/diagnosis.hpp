@@ -52,7 +52,8 @@ struct MissingTorque {
   std::vector<std::size_t> recording;
   std::vector<double> time_s, angle_rad, velocity_radps;
   std::vector<double> before_nm, after_nm;  ///< with the model re-fitted, and extended
-  double rms_before_nm = 0.0, rms_after_nm = 0.0, rms_torque_nm = 0.0;
+  double rms_before_nm = 0.0, rms_after_nm = 0.0;
+  double rms_torque_nm = 0.0, rms_drive_nm = 0.0;  ///< Scales
   double lasting_after_nm = 0.0;  ///< of what is missing then, without the noise (missing_torque.hpp)
   double
       predictable_before = 0.0,

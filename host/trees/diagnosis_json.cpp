@@ -58,7 +58,7 @@ std::string to_json_text(const Diagnosis& d) {
     missing[joint] = {{"rms_before_" + unit, number(m.rms_before_nm)},
                       {"rms_after_" + unit, number(m.rms_after_nm)},
                       {"lasting_after_" + unit, number(m.lasting_after_nm)},
-                      {"rms_of_drive_" + unit, number(m.rms_torque_nm)},
+                      {"rms_of_drive_" + unit, number(m.rms_drive_nm)},
                       {"foretold_before", number(m.predictable_before)},
                       {"foretold_after", number(m.predictable_after)}};
     if (m.goes_along_with.empty()) continue;

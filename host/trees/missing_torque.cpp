@@ -15,6 +15,8 @@
 namespace furcula::trees {
 namespace {
 
+/// A run asks for so many times the torque that acts there: it has flown apart.
+constexpr double kFlownApart = 1e6;
 constexpr double kHalf_s = 0.02;
 constexpr double kFewestOfWindow = 8.0;  ///< samples
 
@@ -128,7 +130,7 @@ std::vector<TorqueSamples> missing_torque(const Problem& problem, const std::vec
         const double slow =
             std::max(0.05 * problem.scales().velocity_radps[j], std::abs(m.acceleration[j]) * half);
         if (std::abs(m.velocity[j]) < slow || m.velocity[j] * s.velocity[j] <= 0.0 ||
-            !std::isfinite(s.missing[j]))
+            !(std::abs(s.missing[j]) < kFlownApart * problem.scales().torque_nm[j]))
           continue;
         TorqueSamples& to = out[j];
         to.half_s = std::max(to.half_s, half);

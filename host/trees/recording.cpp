@@ -89,6 +89,24 @@ std::vector<log::Watched> watched(const TreeModel& m) {
   return all;
 }
 
+void require_motion(const TreeModel& m, const std::vector<Recording>& recordings) {
+  const auto one_value = [&](const auto& column, std::size_t j) {
+    return std::all_of(recordings.begin(), recordings.end(), [&](const Recording& r) {
+      return std::all_of(column(r)[j].begin(), column(r)[j].end(),
+                         [&](double x) { return x == column(recordings.front())[j].front(); });
+    });
+  };
+  const auto angles = [](const Recording& r) -> const auto& { return r.angle_rad; };
+  const auto inputs = [](const Recording& r) -> const auto& { return r.input; };
+  for (std::size_t j = 0; j < m.joints(); ++j)
+    if (one_value(angles, j) && !one_value(inputs, j))
+      throw core::DataError(
+          recordings.front().path + ": " + core::printable(column_of(m, j, "angle")) + " is " +
+          core::rounded(recordings.front().angle_rad[j].front(), 6) +
+          " in every row, as in all logs to fit, and its drive is not still; expected a joint that moves (one that is held belongs in [hold] of " +
+          m.file + ")");
+}
+
 void add_dirt(log::Dirt& dirt, const Recording& r) {
   dirt.refused.insert(dirt.refused.end(), r.refused.begin(), r.refused.end());
   dirt.notes.insert(dirt.notes.end(), r.log_notes.begin(), r.log_notes.end());

@@ -36,6 +36,10 @@ std::string column_of(const TreeModel& model, std::size_t joint, const std::stri
 Recording recording_of(const TreeModel& model, const log::Log& log,
                        const std::vector<log::Refuted>& refuted = {});
 
+/// @throws core::DataError naming a joint whose angle is one value in all rows of all recordings, though its input is not: its encoder
+/// is dead, or it is held.
+void require_motion(const TreeModel& model, const std::vector<Recording>& recordings);
+
 /// What was wrong with a recording, added to what was with others.
 void add_dirt(log::Dirt& dirt, const Recording& r);
 

@@ -4,6 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "furcula/dynamics/tree/inverse_dynamics.hpp"
+#include "host/trees/run.hpp"
+
 namespace furcula::trees {
 namespace {
 
@@ -13,6 +16,8 @@ constexpr double kStartDoubt = 2.0;
 constexpr double kSmoothing_s = 0.02;
 /// A motion of no more than so many times the noise, from end to end, is that of a joint at rest.
 constexpr double kStill = 10.0;
+/// A joint that is driven by less than this share of what its motion takes is moved by gravity and the other joints: that share is its scale.
+constexpr double kOfMotion = 0.1;
 
 double root_mean_square(const std::vector<double>& x) {
   double sum = 0.0;
@@ -23,32 +28,42 @@ double root_mean_square(const std::vector<double>& x) {
 }  // namespace
 
 Scales scales_of(const TreeModel& model, std::span<const Recording> recordings) {
-  Scales out;
-  for (std::size_t j = 0; j < model.joints(); ++j) {
-    std::vector<double> torque, velocity, acceleration;
-    double low = 1e300, high = -1e300, noise = 0.0;
-    for (const Recording& r : recordings) {
-      const std::size_t step =
-          std::max<std::size_t>(1, static_cast<std::size_t>(0.02 / std::max(r.interval_s, 1e-6)));
-      noise = std::max(noise, r.angle_noise_rad[j]);
-      for (std::size_t k = 0; k < r.rows(); k += step) {
+  const std::size_t n = model.joints();
+  const auto bodies = SetupMaker(model).make(model.drives, model.causes).model;
+  std::vector<std::vector<double>> torque(n), of_motion(n), velocity(n), acceleration(n);
+  std::vector<double> low(n, 1e300), high(n, -1e300), noise(n, 0.0);
+  for (const Recording& r : recordings) {
+    const std::size_t step =
+        std::max<std::size_t>(1, static_cast<std::size_t>(0.02 / std::max(r.interval_s, 1e-6)));
+    for (std::size_t j = 0; j < n; ++j) noise[j] = std::max(noise[j], r.angle_noise_rad[j]);
+    for (std::size_t k = 0; k < r.rows(); k += step) {
+      model::RobotModel::Joints posture{};
+      for (std::size_t j = 0; j < n; ++j) {
         const LocalState s = local_state(r, j, k, kSmoothing_s);
-        velocity.push_back(s.velocity_radps);
-        acceleration.push_back(s.acceleration_radps2);
+        posture[j] = s.angle_rad;
+        velocity[j].push_back(s.velocity_radps);
+        acceleration[j].push_back(s.acceleration_radps2);
         const Drive& d = model.drives[j];
-        torque.push_back(d.law == DriveLaw::torque
-                             ? r.input[j][k]
-                             : d.kp_nmprad * (r.input[j][k] - s.angle_rad) - d.kd_nmsprad * s.velocity_radps);
-        low = std::min(low, s.angle_rad);
-        high = std::max(high, s.angle_rad);
+        torque[j].push_back(d.law == DriveLaw::torque ? r.input[j][k]
+                                                      : d.kp_nmprad * (r.input[j][k] - s.angle_rad) -
+                                                            d.kd_nmsprad * s.velocity_radps);
+        low[j] = std::min(low[j], s.angle_rad);
+        high[j] = std::max(high[j], s.angle_rad);
       }
+      const auto mass = dynamics::tree::mass_matrix(bodies, posture);
+      for (std::size_t j = 0; j < n; ++j) of_motion[j].push_back(mass[j][j] * acceleration[j].back());
     }
-    out.torque_nm.push_back(std::max(root_mean_square(torque), 1e-6));
-    out.velocity_radps.push_back(std::max(root_mean_square(velocity), 1e-3));
-    out.acceleration_radps2.push_back(std::max(root_mean_square(acceleration), 1e-2));
-    out.lowest_rad.push_back(low);
-    out.highest_rad.push_back(high);
-    out.still.push_back(high - low <= kStill * noise);
+  }
+  Scales out;
+  for (std::size_t j = 0; j < n; ++j) {
+    out.drive_nm.push_back(root_mean_square(torque[j]));
+    out.torque_nm.push_back(
+        std::max({out.drive_nm.back(), kOfMotion * root_mean_square(of_motion[j]), 1e-6}));
+    out.velocity_radps.push_back(std::max(root_mean_square(velocity[j]), 1e-3));
+    out.acceleration_radps2.push_back(std::max(root_mean_square(acceleration[j]), 1e-2));
+    out.lowest_rad.push_back(low[j]);
+    out.highest_rad.push_back(high[j]);
+    out.still.push_back(high[j] - low[j] <= kStill * noise[j]);
   }
   return out;
 }

@@ -12,7 +12,9 @@ namespace furcula::trees {
 
 /// How large things are on this machine: root mean squares over the recordings.
 struct Scales {
-  std::vector<double> torque_nm, velocity_radps, acceleration_radps2;  ///< of each joint
+  std::vector<double> drive_nm;   ///< what each joint's drive gives
+  std::vector<double> torque_nm;  ///< what acts at each joint, by its drive or its motion
+  std::vector<double> velocity_radps, acceleration_radps2;  ///< of each joint
   std::vector<double> lowest_rad, highest_rad;
   std::vector<bool> still;  ///< what it moves is lost in the encoder's noise: its parameters cannot show
 };

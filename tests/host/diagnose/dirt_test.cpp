@@ -144,6 +144,18 @@ TEST_CASE("Degrees where radians are named are refused, with what would mend the
                     Catch::Contains("moves as degrees would"));
 }
 
+TEST_CASE("A torque of the other sign is refused, with what would mend it") {
+  std::vector<log::Log> logs;
+  for (unsigned seed = 1; seed <= 3; ++seed) logs.push_back(joint_log(seed));
+  for (log::Log& log : logs)
+    for (double& torque : log.columns["torque_nm"]) torque = -torque;
+  CHECK_THROWS_WITH(
+      diagnose::diagnose(joint_model(), {logs[0], logs[1]}, {logs[2]}),
+      Catch::Contains("joint-1.csv: torque_nm has the other sign") && Catch::Contains("scale = -1.0"));
+  CHECK_THROWS_WITH(identify::identify(joint_model(), {logs[0], logs[1]}, {logs[2]}),
+                    Catch::Contains("torque_nm has the other sign"));
+}
+
 TEST_CASE("A velocity in another unit than its position's is said to be, and not used") {
   std::vector<log::Log> training, held_out;
   for (unsigned seed = 1; seed <= 3; ++seed) {

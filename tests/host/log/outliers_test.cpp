@@ -93,6 +93,51 @@ TEST_CASE("Bounces, stops, reversals, steps that stay, counts and a jittering cl
   CHECK(none(late));
 }
 
+TEST_CASE("Rows at an end that the rows beside them do not foretell are found, and no knock is") {
+  const auto swing = [](double t) { return 0.7 * std::sin(2.0 * t + 0.3) + 0.3 * std::cos(9.0 * t); };
+  Series s = sampled(4.0, 1e-4, swing);
+  CHECK(log::off_at_ends(s.time_s, s.values).empty());
+  // The first three rows come from before a delay; the last two are a sensor's.
+  for (std::size_t i = 0; i < 3; ++i) s.values[i] += 0.012;
+  for (std::size_t i = 3998; i < 4000; ++i) s.values[i] -= 0.008;
+  CHECK(log::off_at_ends(s.time_s, s.values) == Rows{0, 1, 2, 3998, 3999});
+  // Less than twelve times the noise is not seen.
+  Series little = sampled(4.0, 1e-4, swing);
+  for (std::size_t i = 0; i < 3; ++i) little.values[i] += 8e-4;
+  CHECK(log::off_at_ends(little.time_s, little.values).empty());
+  // It lands in its fourth row, and in its fourth but last.
+  const double lands_s = std::sqrt(2.0 / 9.81);
+  const Series knock = sampled(3.0, 1e-5, [&](double t) { return ball(t + lands_s - 3.4e-3); });
+  CHECK(log::off_at_ends(knock.time_s, knock.values).empty());
+  const Series sets_off =
+      sampled(3.0, 1e-5, [&](double t) { return t < 0.4e-3 ? 0.0 : std::sin(6.0 * (t - 0.4e-3)); });
+  CHECK(log::off_at_ends(sets_off.time_s, sets_off.values).empty());
+  Series back = sampled(0.4554, 1e-5, ball);
+  CHECK(log::off_at_ends(back.time_s, back.values).empty());
+}
+
+TEST_CASE(
+    "An encoder that stands still while the body goes on is found; a body that stands still, and a slip there, are not") {
+  const double count = 2.0 * std::numbers::pi / 16384.0;
+  const auto counted = [count](double x) { return count * std::round(x / count); };
+  Series s = sampled(3.0, 0.0, [&](double t) { return counted(1.2 * std::sin(4.0 * t)); });
+  CHECK(log::stuck(s.time_s, s.values).empty());
+  for (std::size_t i = 1000; i < 1150; ++i) s.values[i] = s.values[999];
+  Rows rows;
+  for (std::size_t i = 1000; i < 1150; ++i) rows.push_back(i);
+  CHECK(log::stuck(s.time_s, s.values) == rows);
+  // It sticks between two moves, goes on slowly, and slips at rest.
+  const auto rests = [&](double t) {
+    return counted(t < 1.0   ? std::sin(2.0 * t)
+                   : t < 2.0 ? std::sin(2.0)
+                             : std::sin(2.0) + 0.5 * (t - 2.0) * (t - 2.0));
+  };
+  Series rest = sampled(3.0, 0.0, rests);
+  CHECK(log::stuck(rest.time_s, rest.values).empty());
+  for (std::size_t i = 1500; i < rest.values.size(); ++i) rest.values[i] += 0.05;
+  CHECK(log::stuck(rest.time_s, rest.values).empty());
+}
+
 TEST_CASE("What may jump is refused where it is beyond all others, and for a few rows") {
   std::vector<double> torque(1000);
   for (std::size_t i = 0; i < torque.size(); ++i) torque[i] = (i / 100) % 2 == 0 ? 1.5 : -1.5;

@@ -123,15 +123,6 @@ TEST_CASE("Nothing is said of a joint that never moves") {
   CHECK_FALSE(at(d, "yaw"));
 }
 
-TEST_CASE("Joints that never move under torques that change end in a diagnosis") {
-  const trees::TreeModel m = test::arm3();
-  Logs logs = test::logs(m, 2, 1.5, 9);
-  fill(logs, "angle_yaw_rad", 0.0);
-  for (const char* joint : {"shoulder", "elbow"}) fill(logs, std::string("angle_") + joint + "_rad", 0.3);
-  const trees::Diagnosis none = diagnosed(m, {logs[0]}, {logs[1]});
-  CHECK(none.missing.size() == 3);
-}
-
 TEST_CASE("Torques of zero are no torques, not an error") {
   const trees::TreeModel m = test::pendulum();
   Logs logs;
@@ -256,6 +247,15 @@ TEST_CASE("A joint of the other sign and joints whose columns are swapped are sa
          std::swap(log.columns["torque_shoulder_nm"], log.columns["torque_elbow_nm"]);
          std::swap(log.columns["angle_shoulder_rad"], log.columns["angle_elbow_rad"]);
        }},
+      {"the torques of all joints have the other sign",
+       [&](log::Log& log) {
+         for (const char* column : {"torque_yaw_nm", "torque_shoulder_nm", "torque_elbow_nm"})
+           negate(log, column);
+       }},
+      {"the torque of elbow is in N mm",
+       [](log::Log& log) {
+         for (double& torque : log.columns["torque_elbow_nm"]) torque *= 1e3;
+       }},
   };
   for (const Case& c : cases) {
     Logs logs = as_they_are;
@@ -268,6 +268,14 @@ TEST_CASE("A joint of the other sign and joints whose columns are swapped are sa
   }
   const trees::Diagnosis d = diagnosed(test::arm3(), {as_they_are[0], as_they_are[1]}, {as_they_are[2]});
   CHECK(!d.findings.empty());
+}
+
+TEST_CASE("An angle that is one value in every row is refused: a dead encoder, or a joint that is held") {
+  Logs logs = test::logs(test::arm3(), 3, 2.0, 1);
+  for (std::size_t i = 0; i < 2; ++i)
+    for (double& angle : logs[i].columns["angle_elbow_rad"]) angle = 0.25;
+  CHECK_THAT(refused(test::arm3(), {logs[0], logs[1]}, {logs[2]}),
+             Contains("angle_elbow_rad is 0.25 in every row") && Contains("[hold]"));
 }
 
 TEST_CASE("Where nothing weighs a robot is diagnosed without its weight") {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <random>
 #include <set>
 
 #include "host/trees/diagnosis_json.hpp"
@@ -77,6 +78,47 @@ TEST_CASE("A cause at one joint of an arm is found there, within its interval") 
         d.notes.back() ==
         "Of the bodies' 30 inertial parameters the joints' torques depend on 15 combinations; these recordings show " +
             std::to_string(shown) + " of them.");
+  }
+}
+
+TEST_CASE("Dry friction of a joint that nothing drives is found; that no inertia shows is said") {
+  const trees::TreeModel given = test::pendulum();
+  // The same rod by its equation of motion, let go from some angle: m g l and the inertia about the hinge.
+  const double gravity_nm = 0.8 * 9.80665 * 0.3, inertia_kgm2 = 0.025 + 0.8 * 0.3 * 0.3;
+  const auto swings = [&](double friction_nm, double from_rad, unsigned seed) {
+    std::mt19937_64 random(seed);
+    std::normal_distribution<double> white(0.0, 1.0);
+    log::Log log = test::logs(given, 1, 5.0, seed).front();
+    const double dt = 2e-4;
+    const auto& time = log.time_s();
+    double angle = from_rad, rate = 0.0, t = 0.0, push_nm = 0.0;
+    for (std::size_t k = 0; k < log.rows(); ++k) {
+      for (; t < time[k] - 0.5 * dt; t += dt) {
+        push_nm += dt / 0.02 * (-push_nm + 0.005 * std::sqrt(2.0 * 0.02 / dt) * white(random));
+        rate += dt / inertia_kgm2 * (push_nm - gravity_nm * std::sin(angle) - 0.02 * rate);
+        const double stops = dt / inertia_kgm2 * friction_nm;
+        rate = std::abs(rate) < stops ? 0.0 : rate - std::copysign(stops, rate);
+        angle += dt * rate;
+      }
+      log.columns["angle_hinge_rad"][k] = angle + 1e-4 * white(random);
+      log.columns["torque_hinge_nm"][k] = log.columns["torque_cmd_hinge_nm"][k] = 0.0;
+    }
+    return log;
+  };
+  for (const double friction_nm : {0.0, 0.05}) {
+    const trees::Diagnosis d = trees::diagnose(
+        given, {swings(friction_nm, 1.9, 1), swings(friction_nm, -1.4, 2)}, {swings(friction_nm, 1.6, 3)});
+    INFO(trees::to_json_text(d).substr(0, 4000));
+    CHECK(std::none_of(d.base_parameters.begin(), d.base_parameters.end(),
+                       [](const auto& b) { return b.shown; }));
+    REQUIRE(d.notes.size() == 2);
+    CHECK_THAT(d.notes[1], Contains("No drive acts"));
+    REQUIRE(d.findings.size() == (friction_nm > 0.0 ? 1 : 0));
+    CHECK(d.verdict == (friction_nm > 0.0 ? Verdict::explained : Verdict::adequate));
+    if (d.findings.empty()) continue;
+    CHECK(d.findings[0].cause.effect == Effect::coulomb_friction);
+    CHECK(d.findings[0].parameters[0].value == Approx(friction_nm).epsilon(0.03));
+    CHECK(d.extended_error[0].rmse < 0.3 * d.refitted_error[0].rmse);
   }
 }
 

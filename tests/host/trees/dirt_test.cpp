@@ -67,6 +67,18 @@ TEST_CASE("Corrupt rows of a robot's logs are named, and the cause is found as w
   CHECK_FALSE(data.contains("logs_left_out"));
 }
 
+TEST_CASE("First rows from before a delay, and an encoder that stands still for a while, do no harm") {
+  const double torque_nm = 0.5;
+  std::vector<log::Log> all = test::logs(with_friction(torque_nm), 4, 6.0, 40);
+  for (log::Log& log : all)
+    for (std::size_t i = 0; i < 3; ++i) log.columns[kAngle][i] += 0.05;
+  std::vector<double>& angle = all[1].columns[kAngle];
+  for (std::size_t i = 700; i < 800; ++i) angle[i] = angle[699];
+  const trees::Diagnosis d = trees::diagnose(test::pendulum(), first(all, 3), {all[3]});
+  check_friction_named(d, torque_nm);
+  CHECK(d.dirt.refused.size() == 3 * 4 + 100);
+}
+
 TEST_CASE("One log of another robot is said to be, and the rest are diagnosed") {
   const double torque_nm = 0.5;
   std::vector<log::Log> all = test::logs(with_friction(torque_nm), 7, 5.0, 30);
