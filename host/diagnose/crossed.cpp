@@ -75,22 +75,7 @@ double Crossed::gain_in_standard_errors(const Hypothesis& smaller, const Hypothe
   for (const std::size_t i : place_)
     gain.push_back(squares_after(smaller.fit.shares[i], one.step[one.fold[i]]) -
                    squares_after(larger.fit.shares[i], other.step[other.fold[i]]));
-  return in_standard_errors(gain);
-}
-
-double Crossed::in_standard_errors(const std::vector<double>& of_window) const {
-  const auto n = static_cast<double>(predicted_units_.size());
-  if (predicted_units_.size() < 2) return 0.0;  // one of a kind is no measure
-  double mean = 0.0, scatter = 0.0;
-  std::vector<double> gains;
-  for (const auto& unit : predicted_units_) {
-    double gain = 0.0;
-    for (const std::size_t i : unit) gain += of_window[i];
-    gains.push_back(gain);
-    mean += gain / n;
-  }
-  for (const double gain : gains) scatter += (gain - mean) * (gain - mean) / std::max(n - 1.0, 1.0);
-  return mean / std::sqrt(std::max(scatter, 1e-300) / n);
+  return in_standard_errors(gain, predicted_units_);
 }
 
 Crossed::Foretold Crossed::fitted_again(const model::Model& model, const Hypothesis& smaller,
@@ -132,7 +117,7 @@ Crossed::Foretold Crossed::fitted_again(const model::Model& model, const Hypothe
           std::clamp(std::log((sums[k].squares + least) / (other_sums[k].squares + least)), -kMost, kMost);
     }
   }
-  return {of_smaller.errors().nmse, of_larger.errors().nmse, in_standard_errors(gain)};
+  return {of_smaller.errors().nmse, of_larger.errors().nmse, in_standard_errors(gain, predicted_units_)};
 }
 
 }  // namespace furcula::diagnose

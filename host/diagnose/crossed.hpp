@@ -38,9 +38,6 @@ class Crossed {
   const Units& units() const { return units_; }  ///< of the windows that fits are made on
 
  private:
-  /// The mean over recordings (or blocks of few) in standard errors of it, of what each window gains.
-  double in_standard_errors(const std::vector<double>& of_window) const;
-
   const std::vector<identify::Recording>& recordings_;
   const identify::TrainingWindows& training_;
   std::vector<identify::Window> predicted_;

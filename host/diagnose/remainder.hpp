@@ -6,6 +6,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <string>
 #include <vector>
@@ -31,6 +32,9 @@ struct Foretold {
   bool counts(double typical_force) const;
 };
 
+/// A filtered sensor's rows go along with the rows before by less than this.
+inline constexpr double kColoured = 0.9;
+
 struct Remainder {
   std::string unit;  ///< of forces: "N" or "N m"
   double typical_force = 0.0;
@@ -50,6 +54,8 @@ struct Remainder {
   /// On the held-out recordings; on the training recordings by themselves.
   bool is_structured() const { return foretold.counts(typical_force); }
   bool is_structured_in_training() const { return crossed.counts(typical_force); }
+  /// What the filter finds new is nothing new: the sensor's noise is not noise.
+  bool is_coloured() const { return std::abs(new_finds.correlation) > kColoured; }
   /// The machine repeats itself well enough to say that nothing is missing.
   bool repeats() const;
   bool repeats_in_training() const;

@@ -12,6 +12,7 @@
 #include "host/diagnose/laws.hpp"
 #include "host/diagnose/proposals.hpp"
 #include "host/diagnose/wording.hpp"
+#include "host/machines/rules.hpp"
 
 namespace furcula::diagnose {
 namespace {
@@ -23,8 +24,10 @@ constexpr std::size_t kMostEffects = 4;
 constexpr double kEqualEvidence = 6.0;
 /// Ten times as likely: twice the logarithm of the odds.
 constexpr double kTenTimes = 2.0 * std::numbers::ln10;
-constexpr double kSmallestLoss = 0.04;  ///< of squares: less is no reason for a parameter more
-constexpr std::size_t kMostFits = 8;    ///< of the first round; half of them in the later ones
+constexpr double kLittle = 4e-3;  ///< of what the re-fitted model leaves: such a member must help plainly
+constexpr double kPlainly = 3.0, kAtAll = 1.0;  ///< standard errors
+constexpr double kSmallestLoss = 0.04;          ///< of squares: less is no reason for a parameter more
+constexpr std::size_t kMostFits = 8;            ///< of the first round; half of them in the later ones
 constexpr std::size_t kFewestFits = 3;
 constexpr double kSmallestPromise = 0.2;  ///< of the best proposal's
 constexpr std::size_t kMostRivals = 4;    ///< that are fitted in the place of each member
@@ -526,7 +529,7 @@ class Search {
     return best;
   }
 
-  /// Of several causes the set without one of which there may be none, or that the recordings do not agree on: by evidence that is worth the
+  /// Of several causes the set without one of which there may be none, that is of little help, or that the recordings do not agree on: by evidence that is worth the
   /// less the more their pulls scatter, as in a confidence, that set is ten times as likely.
   const Hypothesis* without_the_least_agreed() const {
     const EffectSet& members = s_.chosen.effects;
@@ -537,13 +540,27 @@ class Search {
     for (std::size_t i = 0; i < members.size(); ++i) {
       const Hypothesis& h = s_.without[i];
       if (h.meaningful && judged_on(members[i], trainer_.recordings) == identify::Channel::motion &&
-          may_be_none(s_.chosen, trainer_.model, members[i]))
+          (may_be_none(s_.chosen, trainer_.model, members[i]) || is_little(h)))
         return &h;
       const double odds =
           trainer_.evidence_over(s_.chosen, h) / misfit + trainer_.prior(h.effects) - trainer_.prior(members);
       if (h.meaningful && odds > most) most = odds, best = &h;
     }
     return best;
+  }
+
+  /// Whether a member is worth little, and of no plain help on recordings that its fit has not seen: what is left of a large cause looks
+  /// like a small one of another sort. Or of no help there at all.
+  bool is_little(const Hypothesis& without_it) const {
+    // Of runs that jump a linear step tells nothing; nor does one recording in one piece.
+    if (machines::rules(trainer_.model.kind).cut == machines::Cut::releases ||
+        units_of(trainer_.training.windows).size() < 2)
+      return false;
+    const double worth =
+        (squares_of_body(without_it) - squares_of_body(s_.chosen)) / trainer_.reference_squares;
+    const double help = gain_in_standard_errors(without_it.fit, s_.chosen.fit, trainer_.training.windows,
+                                                trainer_.recordings.size());
+    return help < (worth < kLittle ? kPlainly : kAtAll);
   }
 
   /// A friction of two sizes of which one is below zero would push. It is friction and a constant force: named
