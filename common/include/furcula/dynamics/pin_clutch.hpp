@@ -47,19 +47,25 @@ class PinClutchJoint {
     pin_ = V(0);
   }
 
+  /// Where another model has the link (whose inertia is then without bound here), and its motor.
+  void set_link(const T& rad, const T& radps) { s_[0] = rad, s_[1] = radps; }
+  void set_rotor(const T& rad, const T& radps) { s_[2] = rad, s_[3] = radps; }
+
   /// By `dt_s` >= 0 with the motor's torque and the servo's target held: 1 the active rotator, 0 the middle,
   /// -1 the spring's.
   void advance(const T& torque_nm, V pin_target, V dt_s) {
     const V most = value_of(p_.torque_limit_nm);
     torque_ = value_of(torque_nm) > most ? T(most) : value_of(torque_nm) < -most ? T(-most) : torque_nm;
     const int steps = static_cast<int>(dt_s / kLongestStep + V(0.999));
+    mean_contact_ = T(V(0));
     for (int n = 0; n < steps; ++n) {
       const V h = dt_s / static_cast<V>(steps);
       move_pin(pin_target, h);
-      const State a = rates(s_);
-      const State b = rates(along(s_, a, V(0.5) * h));
-      const State c = rates(along(s_, b, V(0.5) * h));
-      const State d = rates(along(s_, c, h));
+      const State a = rates(s_), at_b = along(s_, a, V(0.5) * h);
+      const State b = rates(at_b), at_c = along(s_, b, V(0.5) * h);
+      const State c = rates(at_c), at_d = along(s_, c, h);
+      const State d = rates(at_d);
+      mean_contact_ += (contact(s_) + V(2) * (contact(at_b) + contact(at_c)) + contact(at_d)) / V(6 * steps);
       for (std::size_t i = 0; i < s_.size(); ++i) s_[i] += h / V(6) * (a[i] + V(2) * (b[i] + c[i]) + d[i]);
     }
   }
@@ -74,6 +80,8 @@ class PinClutchJoint {
   bool in_spring() const { return pin_ < -kEnters; }
   /// Of the pin on the link, N m.
   T contact_nm() const { return contact(s_); }
+  /// The same, its mean over the last advance().
+  const T& mean_contact_nm() const { return mean_contact_; }
   const PinClutchParameters<T>& parameters() const { return p_; }
 
   /// Kinetic, of gravity (0 hanging down) and of the springs, J.
@@ -158,7 +166,7 @@ class PinClutchJoint {
   PinClutchParameters<T> p_;
   State s_{};
   V pin_{};
-  T torque_{};
+  T torque_{}, mean_contact_{};
 };
 
 /// A hip of the robot of 000 (gear 160, 220 N m [given]; a motor of 5e-5 kg m^2, the rest chosen).

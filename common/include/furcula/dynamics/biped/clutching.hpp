@@ -1,0 +1,114 @@
+// A clutch that closes: the plastic impact between motor and link, and the pin on its way into the hole.
+#pragma once
+
+#include "furcula/dynamics/biped/step.hpp"
+#include "furcula/dynamics/pin_clutch.hpp"
+
+namespace furcula::dynamics::biped {
+
+/// What a unit of impulse in a joint's coordinate makes of all velocities: M^-1 e_j, M with the armatures of `laws`.
+template <class Topology = DesignTopology, class T>
+Accelerations<T> unit_response(const Parameters<T>& p, const JointLaws<T>& laws, const State<T>& s,
+                               std::size_t side, std::size_t j) {
+  using V = ValueOf<T>;
+  using L = LegScalar<T>;
+  State<T> rest = s;
+  const T zero = T(V(0));
+  const Vec3<T> none{zero, zero, zero};
+  const L still = L(V(0));
+  rest.w_radps = rest.v_mps = none;
+  Actions<T> act;
+  act.gravity_mps2 = none;
+  for (std::size_t pass = 0; pass < Legs<T>::kPasses; ++pass) {
+    rest.qd_radps[pass].fill(still);
+    act.torque_nm[pass].fill(still);
+    act.foot[pass] = {{still, still, still}, {still, still, still}};
+    for (std::size_t i = 0; i < kLegJoints; ++i) act.armature_kgm2[pass][i] = laws[pass][i].armature_kgm2;
+  }
+  Legs<T>::write(act.torque_nm[Legs<T>::pass(side)][j], side, T(V(1)));
+  return accelerations<Topology>(p, rest, act);
+}
+
+/// Joins a leg's motor to its link (hip pitch or knee, clutch open, in the lanes `robots`): the impulse
+///   L = (qd_r - qd_j) / (1/A + (M^-1)_jj)
+/// on the link, its opposite on the motor, leaves both with one speed. The mode is active afterwards, the play is forgotten.
+/// Returns what the impact takes, L (qd_r - qd_j) / 2, J. Not the joint's term in the articulated-body algorithm: that one holds for a
+/// parent that stands still.
+template <class Topology = DesignTopology, class T>
+T engage(const Parameters<T>& p, std::size_t side, LegJoint j, JointLaws<T>& laws, State<T>& s,
+         const MaskOf<T>& robots = all_of<T>()) {
+  using V = ValueOf<T>;
+  const std::size_t pass = Legs<T>::pass(side), c = detail::clutch_of(j);
+  const Accelerations<T> unit = unit_response<Topology>(p, laws, s, side, j);
+  const T mobility = Legs<T>::read(unit.qdd_radps2[pass][j], side);
+  const T apart = Legs<T>::read(s.rotors_radps[pass][c], side) - Legs<T>::read(s.qd_radps[pass][j], side);
+  const T armature = Legs<T>::read(p.drives[pass][j].armature_kgm2, side);
+  const T impulse = select(robots, T(apart / (V(1) / armature + mobility)), T(V(0)));
+  kick(s, unit, impulse);
+  set_mode(p, side, j, Mode::active, laws, s, robots);
+  const auto which = detail::lanes_of<T>(side, robots);
+  s.rotors_rad[pass][c] = select(which, s.q_rad[pass][j], s.rotors_rad[pass][c]);
+  s.rotors_radps[pass][c] = select(which, s.qd_radps[pass][j], s.rotors_radps[pass][c]);
+  return impulse * apart * V(0.5);
+}
+
+/// A pin that enters: the joint's clutch (pin_clutch.hpp) in steps of its own of 20 us beside the robot's, with the link's motion
+/// given. One robot in plain numbers; the joint's mode is `engaging`.
+template <class T>
+class Engaging {
+ public:
+  using V = ValueOf<T>;
+
+  Engaging(const Parameters<T>& p, const PinClutchParameters<T>& pin, std::size_t side, LegJoint j,
+           const State<T>& s)
+      : side_(side), j_(j), drive_(p.drives[Legs<T>::pass(side)][j]), clutch_(with_drive(p, pin, side, j)) {
+    clutch_.reset(angle(s), rate_of(s));
+    clutch_.set_rotor(rotor(s), rotor_rate(s));
+  }
+
+  /// Before a step of the robot: the pin's mean torque on the link over it goes into `c`. The servo drives the pin to the motor.
+  void before_step(const State<T>& s, const T& h_s, Commands<T>& c) {
+    clutch_.set_link(angle(s), rate_of(s));
+    const T kp = read(drive_.kp_nmprad), kd = read(drive_.kd_nmsprad);
+    clutch_.advance(T(kp * (angle(s) - clutch_.rotor_rad()) - kd * clutch_.rotor_radps()), V(1),
+                    value_of(h_s));
+    Legs<T>::write(c.pin_nm[pass()][index()], side_, clutch_.mean_contact_nm());
+  }
+  /// After it: where the motor is.
+  void after_step(State<T>& s) const {
+    Legs<T>::write(s.rotors_rad[pass()][index()], side_, clutch_.rotor_rad());
+    Legs<T>::write(s.rotors_radps[pass()][index()], side_, clutch_.rotor_radps());
+  }
+  /// All the way: the joint can be joined (engage).
+  bool is_in() const { return clutch_.pin() >= V(1); }
+  const PinClutchJoint<T>& clutch() const { return clutch_; }
+
+ private:
+  std::size_t pass() const { return Legs<T>::pass(side_); }
+  std::size_t index() const { return detail::clutch_of(j_); }
+  T read(const LegScalar<T>& x) const { return Legs<T>::read(x, side_); }
+  T angle(const State<T>& s) const { return read(s.q_rad[pass()][j_]); }
+  T rate_of(const State<T>& s) const { return read(s.qd_radps[pass()][j_]); }
+  T rotor(const State<T>& s) const { return read(s.rotors_rad[pass()][index()]); }
+  T rotor_rate(const State<T>& s) const { return read(s.rotors_radps[pass()][index()]); }
+
+  /// The pin's own numbers, with this joint's motor, and a link that nothing here moves.
+  static PinClutchParameters<T> with_drive(const Parameters<T>& p, PinClutchParameters<T> pin,
+                                           std::size_t side, LegJoint j) {
+    const auto& d = p.drives[Legs<T>::pass(side)][j];
+    pin.link_inertia_kgm2 = T(V(1e30));
+    pin.link_gravity_nm = pin.link_damping_nmspr = T(V(0));
+    pin.rotor_inertia_kgm2 = Legs<T>::read(d.armature_kgm2, side);
+    pin.gear_friction_nm = Legs<T>::read(d.friction_nm, side);
+    pin.gear_damping_nmspr = Legs<T>::read(d.damping_nmspr, side);
+    pin.torque_limit_nm = Legs<T>::read(d.limit_nm, side);
+    return pin;
+  }
+
+  std::size_t side_;
+  LegJoint j_;
+  Drive<LegScalar<T>> drive_;
+  PinClutchJoint<T> clutch_;
+};
+
+}  // namespace furcula::dynamics::biped

@@ -1,0 +1,185 @@
+// The biped's tree, known when it is compiled: a floating pelvis and two legs of six revolute joints each.
+//
+// Both legs are one code. Where one robot is computed in double, a leg's numbers are pairs of lanes, {left, right}; for
+// other scalars the code runs twice. What mirrors the right leg stands in its constants (parameters.hpp).
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <string_view>
+
+#include "furcula/dynamics/lanes.hpp"
+#include "furcula/dynamics/tree/spatial.hpp"
+
+namespace furcula::dynamics::biped {
+
+using tree::Force;
+using tree::Inertia;
+using tree::Mat3;
+using tree::Sym3;
+using tree::Vec3;
+
+enum class Axis : unsigned char { x, y, z };
+enum Side : std::size_t { kLeft, kRight };
+enum LegJoint : std::size_t { kHipYaw, kHipRoll, kHipPitch, kKnee, kAnklePitch, kAnkleRoll };
+
+inline constexpr std::size_t kLegJoints = 6;
+inline constexpr std::size_t kJoints = 2 * kLegJoints;  ///< the left leg's, then the right's
+inline constexpr std::size_t kVertices = 4;             ///< of a foot
+inline constexpr std::size_t kClutches = 2;             ///< of a leg: hip pitch and knee
+inline constexpr std::size_t kVelocities = 6 + kJoints;
+
+inline constexpr std::array<std::string_view, kLegJoints> kLegJointNames{
+    "hip_yaw", "hip_roll", "hip_pitch", "knee", "ankle_pitch", "ankle_roll"};
+
+/// Axes of a leg's joints, in link and parent alike, and which components of a joint's place in its parent may differ from
+/// zero (bit 0: x, 1: y, 2: z): the others are left out of the equations.
+struct DesignTopology {
+  static constexpr std::array<Axis, kLegJoints> kAxes{Axis::z, Axis::x, Axis::y, Axis::y, Axis::y, Axis::x};
+  static constexpr std::array<unsigned, kLegJoints> kOffsets{6, 4, 0, 4, 4, 0};
+};
+/// The same with joints anywhere in their parents: for fits of their places.
+struct AnywhereTopology {
+  static constexpr std::array<Axis, kLegJoints> kAxes = DesignTopology::kAxes;
+  static constexpr std::array<unsigned, kLegJoints> kOffsets{7, 7, 7, 7, 7, 7};
+};
+
+/// How a leg's numbers are kept for a robot of scalar T: `Scalar`, and in how many passes the legs are computed.
+template <class T>
+struct Legs {
+  using Scalar = T;
+  static constexpr std::size_t kPasses = 2;
+  static constexpr std::size_t pass(std::size_t side) { return side; }
+  FURCULA_INLINE static T read(const T& x, std::size_t) { return x; }
+  FURCULA_INLINE static void write(T& x, std::size_t, const T& value) { x = value; }
+  FURCULA_INLINE static T sum(const std::array<T, 2>& x) { return x[0] + x[1]; }
+};
+template <>
+struct Legs<double> {
+  using Scalar = Lanes<double, 2>;
+  static constexpr std::size_t kPasses = 1;
+  static constexpr std::size_t pass(std::size_t) { return 0; }
+  FURCULA_INLINE static double read(const Scalar& x, std::size_t side) { return x[side]; }
+  FURCULA_INLINE static void write(Scalar& x, std::size_t side, double value) { x.set(side, value); }
+  FURCULA_INLINE static double sum(const std::array<Scalar, 1>& x) { return x[0][0] + x[0][1]; }
+};
+
+template <class T>
+using LegScalar = typename Legs<T>::Scalar;
+
+/// Something of each leg, by passes.
+template <class T, class X>
+using PerLeg = std::array<X, Legs<T>::kPasses>;
+
+/// A number a joint.
+template <class T>
+using Joints = PerLeg<T, std::array<LegScalar<T>, kLegJoints>>;
+
+/// Of joint `i` of kJoints.
+template <class T>
+FURCULA_INLINE T joint(const Joints<T>& of, std::size_t i) {
+  const std::size_t side = i / kLegJoints;
+  return Legs<T>::read(of[Legs<T>::pass(side)][i % kLegJoints], side);
+}
+template <class T>
+FURCULA_INLINE void set_joint(Joints<T>& of, std::size_t i, const T& value) {
+  const std::size_t side = i / kLegJoints;
+  Legs<T>::write(of[Legs<T>::pass(side)][i % kLegJoints], side, value);
+}
+
+/// The same vector for each leg.
+template <class T>
+FURCULA_INLINE Vec3<LegScalar<T>> for_legs(const Vec3<T>& v) {
+  using L = LegScalar<T>;
+  return {L(v.x), L(v.y), L(v.z)};
+}
+template <class T>
+FURCULA_INLINE Mat3<LegScalar<T>> for_legs(const Mat3<T>& m) {
+  return {for_legs<T>(m.x), for_legs<T>(m.y), for_legs<T>(m.z)};
+}
+
+/// One component of a vector.
+template <Axis A, class T>
+FURCULA_INLINE T& along(Vec3<T>& v) {
+  if constexpr (A == Axis::x) return v.x;
+  if constexpr (A == Axis::y) return v.y;
+  if constexpr (A == Axis::z) return v.z;
+}
+template <Axis A, class T>
+FURCULA_INLINE const T& along(const Vec3<T>& v) {
+  return along<A>(const_cast<Vec3<T>&>(v));
+}
+
+/// Components renamed in the ring x, y, z so that the axis is z, which leaves cross products as they are; and back. No
+/// operation comes of it: an equation about z is then one about every axis.
+template <Axis A, class T>
+FURCULA_INLINE Vec3<T> axis_to_z(const Vec3<T>& v) {
+  if constexpr (A == Axis::x) return {v.y, v.z, v.x};
+  if constexpr (A == Axis::y) return {v.z, v.x, v.y};
+  if constexpr (A == Axis::z) return v;
+}
+template <Axis A, class T>
+FURCULA_INLINE Vec3<T> z_to_axis(const Vec3<T>& v) {
+  if constexpr (A == Axis::x) return {v.z, v.x, v.y};
+  if constexpr (A == Axis::y) return {v.y, v.z, v.x};
+  if constexpr (A == Axis::z) return v;
+}
+template <Axis A, class T>
+FURCULA_INLINE Mat3<T> axis_to_z(const Mat3<T>& m) {
+  const Mat3<T> in{axis_to_z<A>(m.x), axis_to_z<A>(m.y), axis_to_z<A>(m.z)};
+  if constexpr (A == Axis::x) return {in.y, in.z, in.x};
+  if constexpr (A == Axis::y) return {in.z, in.x, in.y};
+  if constexpr (A == Axis::z) return in;
+}
+template <Axis A, class T>
+FURCULA_INLINE Mat3<T> z_to_axis(const Mat3<T>& m) {
+  const Mat3<T> in{z_to_axis<A>(m.x), z_to_axis<A>(m.y), z_to_axis<A>(m.z)};
+  if constexpr (A == Axis::x) return {in.z, in.x, in.y};
+  if constexpr (A == Axis::y) return {in.y, in.z, in.x};
+  if constexpr (A == Axis::z) return in;
+}
+template <Axis A, class T>
+FURCULA_INLINE Sym3<T> axis_to_z(const Sym3<T>& s) {
+  if constexpr (A == Axis::x) return {s.yy, s.yz, s.xy, s.zz, s.xz, s.xx};
+  if constexpr (A == Axis::y) return {s.zz, s.xz, s.yz, s.xx, s.xy, s.yy};
+  if constexpr (A == Axis::z) return s;
+}
+template <Axis A, class T>
+FURCULA_INLINE Sym3<T> z_to_axis(const Sym3<T>& s) {
+  if constexpr (A == Axis::x) return {s.zz, s.xz, s.yz, s.xx, s.xy, s.yy};
+  if constexpr (A == Axis::y) return {s.yy, s.yz, s.xy, s.zz, s.xz, s.xx};
+  if constexpr (A == Axis::z) return s;
+}
+
+/// A turn by an angle about an axis.
+template <Axis A, class T>
+struct Turn {
+  T c, s;
+
+  /// Parent's coordinates to the link's.
+  FURCULA_INLINE Vec3<T> in(const Vec3<T>& parents) const {
+    const Vec3<T> v = axis_to_z<A>(parents);
+    return z_to_axis<A>(Vec3<T>{c * v.x + s * v.y, c * v.y - s * v.x, v.z});
+  }
+  /// Link's coordinates to the parent's.
+  FURCULA_INLINE Vec3<T> back(const Vec3<T>& links) const {
+    const Vec3<T> v = axis_to_z<A>(links);
+    return z_to_axis<A>(Vec3<T>{c * v.x - s * v.y, s * v.x + c * v.y, v.z});
+  }
+  /// With c c + s s = 1 the turned block needs four products.
+  FURCULA_INLINE Sym3<T> back(const Sym3<T>& links) const {
+    const Sym3<T> m = axis_to_z<A>(links);
+    const T u = s * (m.xx - m.yy) + c * (m.xy + m.xy), su = s * u;
+    return z_to_axis<A>(
+        Sym3<T>{m.xx - su, c * u - m.xy, c * m.xz - s * m.yz, m.yy + su, s * m.xz + c * m.yz, m.zz});
+  }
+  FURCULA_INLINE Mat3<T> back(const Mat3<T>& links) const {
+    const Mat3<T> m = axis_to_z<A>(links);
+    const T u = s * (m.x.x - m.y.y) + c * (m.x.y + m.y.x), su = s * u, cu = c * u;
+    return z_to_axis<A>(Mat3<T>{{m.x.x - su, cu - m.y.x, c * m.x.z - s * m.y.z},
+                                {cu - m.x.y, m.y.y + su, s * m.x.z + c * m.y.z},
+                                {c * m.z.x - s * m.z.y, s * m.z.x + c * m.z.y, m.z.z}});
+  }
+};
+
+}  // namespace furcula::dynamics::biped
