@@ -1,5 +1,8 @@
 // The biped on lanes against plain numbers, and in float against double.
 #include <catch2/catch.hpp>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
 
 #include "tests/common/dynamics/biped_examples.hpp"
 
@@ -29,8 +32,7 @@ std::vector<double> numbers(const biped::State<T>& s, const Read& read) {
   return out;
 }
 
-/// Robot number `k` drops from 5 mm, tilted, with its right knee's and left hip's clutches open on odd numbers; `set` writes
-/// a number of robot k into T.
+/// Robot number `k` drops from 5 mm, tilted; `set` writes a number of robot k into T.
 template <class T, class Set>
 void begin(std::size_t k, biped::State<T>& s, const Set& set) {
   Random r(static_cast<unsigned>(100 + k));
@@ -49,15 +51,21 @@ void begin(std::size_t k, biped::State<T>& s, const Set& set) {
   }
 }
 
+/// 600 steps, with right knee's and left hip's clutches open in the robots `odd`; the knee's closes after half of them. Returns
+/// what that impact takes.
 template <class T>
-void run(biped::State<T>& s, const biped::Parameters<T>& p, const dynamics::MaskOf<T>& odd) {
+T run(biped::State<T>& s, const biped::Parameters<T>& p, const dynamics::MaskOf<T>& odd) {
   auto laws = biped::active_laws(p);
-  biped::set_mode(p, biped::kRight, biped::kKnee, biped::Mode::free, laws, s, odd);
-  biped::set_mode(p, biped::kLeft, biped::kHipPitch, biped::Mode::passive, laws, s, odd);
+  biped::set_mode(p, biped::kRight, biped::kKneeClutch, biped::Mode::released, laws, s, odd);
+  biped::set_mode(p, biped::kLeft, biped::kHipClutch, biped::Mode::passive, laws, s, odd);
   const biped::Commands<T> straight;
   biped::StepReport<T> report;
-  for (int n = 0; n < 600; ++n)
+  T loss_j{};
+  for (int n = 0; n < 600; ++n) {
+    if (n == 300) loss_j = biped::engage(p, biped::kRight, biped::kKneeClutch, laws, s, odd);
     biped::step<true>(p, laws, straight, T(static_cast<ValueOf<T>>(biped::kStep_s)), s, report);
+  }
+  return loss_j;
 }
 
 /// Robots 0 to N-1 together, and each by itself: the same to the bit?
@@ -72,12 +80,14 @@ void check_lanes() {
     begin(k, all, [k](T& x, V value) { x.set(k, value); });
     number.set(k, static_cast<V>(k % 2));
   }
-  run(all, together, number > V(0));
+  const T losses_j = run(all, together, number > V(0));
   for (std::size_t k = 0; k < static_cast<std::size_t>(N); ++k) {
     biped::State<V> one;
     begin(k, one, [](V& x, V value) { x = value; });
-    run(one, alone, k % 2 == 1);
+    const V loss_j = run(one, alone, k % 2 == 1);
     CAPTURE(k);
+    CHECK(losses_j[k] == loss_j);
+    CHECK((loss_j > V(0)) == (k % 2 == 1));
     const auto a = numbers(all, [k](const T&x) { return x[k]; }), b = numbers(one, [](V x) { return x; });
     REQUIRE(std::isfinite(b[2]));
     CHECK(b[2] > 0.5);  // it has not fallen
@@ -101,6 +111,25 @@ TEST_CASE("Sine and cosine are within rounding of the library's") {
   }
   CHECK(worst < 2.3e-16);
   CHECK(worst_float < 1.2e-7);
+}
+
+TEST_CASE("Sine and cosine hold over their range, and what is not a number stays so") {
+  Random r(32);
+  double worst = 0.0, worst_float = 0.0;
+  for (int n = 0; n < 100000; ++n) {
+    const double x = r.within(-1e5, 1e5);
+    const auto d = dynamics::sine_cosine(x);
+    worst = std::max({worst, std::abs(d.sine - std::sin(x)), std::abs(d.cosine - std::cos(x))});
+    const float y = static_cast<float>(r.within(-1e3, 1e3));
+    const auto f = dynamics::sine_cosine(y);
+    worst_float =
+        std::max({worst_float, std::abs(static_cast<double>(f.sine) - std::sin(static_cast<double>(y))),
+                  std::abs(static_cast<double>(f.cosine) - std::cos(static_cast<double>(y)))});
+  }
+  CHECK(worst < 2.3e-16);
+  CHECK(worst_float < 1.2e-7);
+  CHECK(std::isnan(dynamics::sine_cosine(std::nan("")).sine));
+  CHECK(std::isnan(dynamics::sine_cosine(std::nanf("")).cosine));
 }
 
 TEST_CASE("Four bipeds in lanes of double are each by itself to the bit, in contact and with clutches open") {

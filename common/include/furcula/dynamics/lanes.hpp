@@ -140,9 +140,10 @@ template <class T>
 FURCULA_INLINE T larger(const T& a, const T& b) {
   return select(a > b, a, b);
 }
+/// To +-most; what is not a number stays so.
 template <class T>
 FURCULA_INLINE T clamped(const T& x, const T& most) {
-  return larger(smaller(x, most), T(-most));
+  return larger(T(-most), smaller(most, x));
 }
 
 /// By ADL where there is one (numbers with derivatives), else the processor's: rounded correctly on both.

@@ -28,7 +28,7 @@ FURCULA_INLINE SignedOf<sizeof(V)> bits_of(V x) {
   return std::bit_cast<SignedOf<sizeof(V)>>(x);
 }
 template <class T, class Bits>
-FURCULA_INLINE T from_bits(Bits bits) {
+FURCULA_INLINE T from_bits(const Bits& bits) {
   if constexpr (std::is_arithmetic_v<T>)
     return std::bit_cast<T>(bits);
   else

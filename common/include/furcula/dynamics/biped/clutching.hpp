@@ -29,23 +29,23 @@ Accelerations<T> unit_response(const Parameters<T>& p, const JointLaws<T>& laws,
   return accelerations<Topology>(p, rest, act);
 }
 
-/// Joins a leg's motor to its link (hip pitch or knee, clutch open, in the lanes `robots`): the impulse
+/// Joins the motor behind clutch `c`, which is open, to its link, in the lanes `robots`: the impulse
 ///   L = (qd_r - qd_j) / (1/A + (M^-1)_jj)
 /// on the link, its opposite on the motor, leaves both with one speed. The mode is active afterwards, the play is forgotten.
 /// Returns what the impact takes, L (qd_r - qd_j) / 2, J. Not the joint's term in the articulated-body algorithm: that one holds for a
 /// parent that stands still.
 template <class Topology = DesignTopology, class T>
-T engage(const Parameters<T>& p, std::size_t side, LegJoint j, JointLaws<T>& laws, State<T>& s,
+T engage(const Parameters<T>& p, std::size_t side, LegClutch c, JointLaws<T>& laws, State<T>& s,
          const MaskOf<T>& robots = all_of<T>()) {
   using V = ValueOf<T>;
-  const std::size_t pass = Legs<T>::pass(side), c = detail::clutch_of(j);
+  const std::size_t pass = Legs<T>::pass(side), j = kClutchJoints[c];
   const Accelerations<T> unit = unit_response<Topology>(p, laws, s, side, j);
   const T mobility = Legs<T>::read(unit.qdd_radps2[pass][j], side);
   const T apart = Legs<T>::read(s.rotors_radps[pass][c], side) - Legs<T>::read(s.qd_radps[pass][j], side);
   const T armature = Legs<T>::read(p.drives[pass][j].armature_kgm2, side);
   const T impulse = select(robots, T(apart / (V(1) / armature + mobility)), T(V(0)));
   kick(s, unit, impulse);
-  set_mode(p, side, j, Mode::active, laws, s, robots);
+  set_mode(p, side, c, Mode::active, laws, s, robots);
   const auto which = detail::lanes_of<T>(side, robots);
   s.rotors_rad[pass][c] = select(which, s.q_rad[pass][j], s.rotors_rad[pass][c]);
   s.rotors_radps[pass][c] = select(which, s.qd_radps[pass][j], s.rotors_radps[pass][c]);
@@ -59,9 +59,12 @@ class Engaging {
  public:
   using V = ValueOf<T>;
 
-  Engaging(const Parameters<T>& p, const PinClutchParameters<T>& pin, std::size_t side, LegJoint j,
+  Engaging(const Parameters<T>& p, const PinClutchParameters<T>& pin, std::size_t side, LegClutch c,
            const State<T>& s)
-      : side_(side), j_(j), drive_(p.drives[Legs<T>::pass(side)][j]), clutch_(with_drive(p, pin, side, j)) {
+      : side_(side),
+        c_(c),
+        drive_(p.drives[Legs<T>::pass(side)][joint()]),
+        clutch_(with_drive(drive_, pin, side)) {
     clutch_.reset(angle(s), rate_of(s));
     clutch_.set_rotor(rotor(s), rotor_rate(s));
   }
@@ -72,12 +75,12 @@ class Engaging {
     const T kp = read(drive_.kp_nmprad), kd = read(drive_.kd_nmsprad);
     clutch_.advance(T(kp * (angle(s) - clutch_.rotor_rad()) - kd * clutch_.rotor_radps()), V(1),
                     value_of(h_s));
-    Legs<T>::write(c.pin_nm[pass()][index()], side_, clutch_.mean_contact_nm());
+    Legs<T>::write(c.pin_nm[pass()][c_], side_, clutch_.mean_contact_nm());
   }
   /// After it: where the motor is.
   void after_step(State<T>& s) const {
-    Legs<T>::write(s.rotors_rad[pass()][index()], side_, clutch_.rotor_rad());
-    Legs<T>::write(s.rotors_radps[pass()][index()], side_, clutch_.rotor_radps());
+    Legs<T>::write(s.rotors_rad[pass()][c_], side_, clutch_.rotor_rad());
+    Legs<T>::write(s.rotors_radps[pass()][c_], side_, clutch_.rotor_radps());
   }
   /// All the way: the joint can be joined (engage).
   bool is_in() const { return clutch_.pin() >= V(1); }
@@ -85,17 +88,16 @@ class Engaging {
 
  private:
   std::size_t pass() const { return Legs<T>::pass(side_); }
-  std::size_t index() const { return detail::clutch_of(j_); }
+  std::size_t joint() const { return kClutchJoints[c_]; }
   T read(const LegScalar<T>& x) const { return Legs<T>::read(x, side_); }
-  T angle(const State<T>& s) const { return read(s.q_rad[pass()][j_]); }
-  T rate_of(const State<T>& s) const { return read(s.qd_radps[pass()][j_]); }
-  T rotor(const State<T>& s) const { return read(s.rotors_rad[pass()][index()]); }
-  T rotor_rate(const State<T>& s) const { return read(s.rotors_radps[pass()][index()]); }
+  T angle(const State<T>& s) const { return read(s.q_rad[pass()][joint()]); }
+  T rate_of(const State<T>& s) const { return read(s.qd_radps[pass()][joint()]); }
+  T rotor(const State<T>& s) const { return read(s.rotors_rad[pass()][c_]); }
+  T rotor_rate(const State<T>& s) const { return read(s.rotors_radps[pass()][c_]); }
 
   /// The pin's own numbers, with this joint's motor, and a link that nothing here moves.
-  static PinClutchParameters<T> with_drive(const Parameters<T>& p, PinClutchParameters<T> pin,
-                                           std::size_t side, LegJoint j) {
-    const auto& d = p.drives[Legs<T>::pass(side)][j];
+  static PinClutchParameters<T> with_drive(const Drive<LegScalar<T>>& d, PinClutchParameters<T> pin,
+                                           std::size_t side) {
     pin.link_inertia_kgm2 = T(V(1e30));
     pin.link_gravity_nm = pin.link_damping_nmspr = T(V(0));
     pin.rotor_inertia_kgm2 = Legs<T>::read(d.armature_kgm2, side);
@@ -106,7 +108,7 @@ class Engaging {
   }
 
   std::size_t side_;
-  LegJoint j_;
+  LegClutch c_;
   Drive<LegScalar<T>> drive_;
   PinClutchJoint<T> clutch_;
 };

@@ -12,9 +12,9 @@ struct Totals {
   T mass_kg;
   Vec3<T> moment_kgm;  ///< mass times place, about the world's origin
   Vec3<T> linear_ns;
-  Vec3<T>
-      angular_nms;  ///< about the world's origin; the rotors' spin is left out, as in the equations of motion
-  T kinetic_j;      ///< of the bodies
+  /// About the world's origin; the rotors' spin is left out, as in the equations of motion.
+  Vec3<T> angular_nms;
+  T kinetic_j;  ///< of the bodies
 
   Vec3<T> centre_m() const { return moment_kgm * (ValueOf<T>(1) / mass_kg); }
   /// Angular momentum about the centre of mass.
@@ -82,7 +82,7 @@ T motors_kinetic_j(const Parameters<T>& p, const JointLaws<T>& laws, const State
       twice += Legs<T>::read(L(laws[pass][j].armature_kgm2 * qd * qd), side);
     }
     for (std::size_t c = 0; c < kClutches; ++c) {
-      const std::size_t j = c == 0 ? kHipPitch : kKnee;
+      const std::size_t j = kClutchJoints[c];
       const L qd = select(laws[pass][j].joined, L(V(0)), s.rotors_radps[pass][c]);
       twice += Legs<T>::read(L(p.drives[pass][j].armature_kgm2 * qd * qd), side);
     }

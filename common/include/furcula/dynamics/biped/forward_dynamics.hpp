@@ -1,7 +1,7 @@
 // Accelerations of the biped from its joints' torques and the feet's contact wrenches: the articulated-body algorithm.
 //
-// Featherstone, Rigid Body Dynamics Algorithms (2008), table 9.4 (floating base), in blocks (articulated.hpp). A joint's armature counts on
-// its diagonal alone: the rotor spins about the joint's axis, its gyroscopic terms (below 0.03 N m s/rad) are left out.
+// Featherstone, Rigid Body Dynamics Algorithms (2008), chapters 7 and 9 (floating base), in blocks (articulated.hpp). A joint's armature
+// counts on its diagonal alone: the rotor spins about the joint's axis, its gyroscopic terms (below 0.03 N m s/rad) are left out.
 #pragma once
 
 #include "furcula/dynamics/biped/articulated.hpp"

@@ -2,8 +2,8 @@
 //
 //   tau = clamp(kp (target - q) - kd qd, +-limit) - damping qd - friction sat(qd / creep)
 //
-// active: the drive's numbers, target commanded; passive: a spring about its rest; free: damping alone; braked: stiff about the
-// angle at which the brake closed; engaging: as free, and the pin's torque beside it (clutching.hpp). While the motor is not joined
+// active: the drive's numbers, target commanded; passive: a spring about its rest; released: damping alone; braked: stiff about the
+// angle at which the brake closed; engaging: as released, and the pin's torque beside it (clutching.hpp). While the motor is not joined
 // to the link, its armature, friction and drive are not the link's.
 #pragma once
 
@@ -12,7 +12,7 @@
 
 namespace furcula::dynamics::biped {
 
-enum class Mode : unsigned char { active, passive, free, braked, engaging };
+enum class Mode : unsigned char { active, passive, released, braked, engaging };
 
 template <class L>
 struct JointLaw {
@@ -40,8 +40,6 @@ JointLaws<T> active_laws(const Parameters<T>& p) {
 
 namespace detail {
 
-inline constexpr std::size_t clutch_of(LegJoint j) { return j == kHipPitch ? 0 : 1; }
-
 /// Which legs' numbers a side's are, as a mask of them: a lane for pairs, all where the legs are passes.
 template <class T>
 FURCULA_INLINE MaskOf<LegScalar<T>> lanes_of([[maybe_unused]] std::size_t side, const MaskOf<T>& robots) {
@@ -61,15 +59,15 @@ FURCULA_INLINE LaneMask<V, N> chosen(const LaneMask<V, N>& which, bool yes, cons
 
 }  // namespace detail
 
-/// The mode of a leg's hip pitch or knee, in the lanes `robots`. Positions and velocities stay as they are: a motor that is to be
+/// The mode of the joint behind clutch `c`, in the lanes `robots`. Positions and velocities stay as they are: a motor that is to be
 /// joined is brought to its link's speed before (engage, in clutching.hpp). A brake holds the angle in `s`. The motor of a clutch
 /// that opens starts from its link's angle and speed.
 template <class T>
-void set_mode(const Parameters<T>& p, std::size_t side, LegJoint j, Mode mode, JointLaws<T>& laws,
+void set_mode(const Parameters<T>& p, std::size_t side, LegClutch c, Mode mode, JointLaws<T>& laws,
               State<T>& s, const MaskOf<T>& robots = all_of<T>()) {
   using L = LegScalar<T>;
   using V = ValueOf<T>;
-  const std::size_t pass = Legs<T>::pass(side), c = detail::clutch_of(j);
+  const std::size_t pass = Legs<T>::pass(side), j = kClutchJoints[c];
   const Drive<L>& d = p.drives[pass][j];
   const Clutch<L>& k = p.clutches[pass][c];
   const L zero = L(V(0)), endless = L(V(1e30)), here = s.q_rad[pass][j];
@@ -89,7 +87,7 @@ void set_mode(const Parameters<T>& p, std::size_t side, LegJoint j, Mode mode, J
       to.damping_nmspr = zero;
       to.rest_rad = here;
       break;
-    case Mode::free:
+    case Mode::released:
     case Mode::engaging:
       break;
   }
@@ -99,9 +97,9 @@ void set_mode(const Parameters<T>& p, std::size_t side, LegJoint j, Mode mode, J
        {&JointLaw<L>::armature_kgm2, &JointLaw<L>::damping_nmspr, &JointLaw<L>::friction_nm,
         &JointLaw<L>::kp_nmprad, &JointLaw<L>::kd_nmsprad, &JointLaw<L>::limit_nm, &JointLaw<L>::rest_rad})
     l.*member = select(which, to.*member, l.*member);
-  const auto opens = detail::chosen(which, false, l.joined);  // joined lanes that are not meant
+  const auto kept = detail::chosen(which, false, l.joined);  // joined lanes that are not meant
   if (!joined) {
-    const L was_joined = select(l.joined, L(V(1)), zero), stays = select(opens, L(V(1)), zero);
+    const L was_joined = select(l.joined, L(V(1)), zero), stays = select(kept, L(V(1)), zero);
     const auto opening = was_joined > stays;
     L &angle = s.rotors_rad[pass][c], &rate = s.rotors_radps[pass][c];
     angle = select(opening, s.q_rad[pass][j], angle);

@@ -21,7 +21,7 @@ struct Drive {
 template <class T>
 struct Clutch {
   T spring_nmprad{}, spring_rest_rad{};  ///< of a passive hip
-  T damping_nmspr{};                     ///< of a free link
+  T damping_nmspr{};                     ///< of a released link
   T brake_nmprad{}, brake_nmspr{}, brake_limit_nm{};
 };
 

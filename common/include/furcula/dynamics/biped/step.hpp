@@ -57,7 +57,7 @@ FURCULA_INLINE void step_motors(const Parameters<T>& p, const JointLaws<T>& laws
   const L h = L(h_s), inverse_creep = L(ValueOf<T>(1) / p.creep_radps);
   for (std::size_t pass = 0; pass < Legs<T>::kPasses; ++pass)
     for (std::size_t c = 0; c < kClutches; ++c) {
-      const std::size_t j = c == 0 ? kHipPitch : kKnee;
+      const std::size_t j = kClutchJoints[c];
       const Drive<L>& d = p.drives[pass][j];
       L &q = s.rotors_rad[pass][c], &qd = s.rotors_radps[pass][c];
       const L motor = clamped(L(d.kp_nmprad * (q_rad[pass][j] - q) - d.kd_nmsprad * qd), d.limit_nm);
@@ -81,10 +81,8 @@ FURCULA_INLINE void evaluate(const Parameters<T>& p, const JointLaws<T>& laws, c
   act.torque_nm = out.torque.joint_nm;
   for (std::size_t pass = 0; pass < Legs<T>::kPasses; ++pass) {
     for (std::size_t j = 0; j < kLegJoints; ++j) act.armature_kgm2[pass][j] = laws[pass][j].armature_kgm2;
-    if constexpr (kSwitched) {
-      act.torque_nm[pass][kHipPitch] += c.pin_nm[pass][0];
-      act.torque_nm[pass][kKnee] += c.pin_nm[pass][1];
-    }
+    if constexpr (kSwitched)
+      for (std::size_t i = 0; i < kClutches; ++i) act.torque_nm[pass][kClutchJoints[i]] += c.pin_nm[pass][i];
   }
   act.gravity_mps2 = p.gravity_mps2;
   forward_dynamics<Topology>(p, s, k, act, out.acceleration);

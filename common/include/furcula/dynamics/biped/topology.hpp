@@ -22,12 +22,17 @@ using tree::Vec3;
 enum class Axis : unsigned char { x, y, z };
 enum Side : std::size_t { kLeft, kRight };
 enum LegJoint : std::size_t { kHipYaw, kHipRoll, kHipPitch, kKnee, kAnklePitch, kAnkleRoll };
+/// A leg's clutches: the joints that have modes (joint_laws.hpp).
+enum LegClutch : std::size_t { kHipClutch, kKneeClutch };
 
 inline constexpr std::size_t kLegJoints = 6;
 inline constexpr std::size_t kJoints = 2 * kLegJoints;  ///< the left leg's, then the right's
 inline constexpr std::size_t kVertices = 4;             ///< of a foot
-inline constexpr std::size_t kClutches = 2;             ///< of a leg: hip pitch and knee
+inline constexpr std::size_t kClutches = 2;             ///< of a leg
 inline constexpr std::size_t kVelocities = 6 + kJoints;
+
+/// Which joint a clutch is in.
+inline constexpr std::array<LegJoint, kClutches> kClutchJoints{kHipPitch, kKnee};
 
 inline constexpr std::array<std::string_view, kLegJoints> kLegJointNames{
     "hip_yaw", "hip_roll", "hip_pitch", "knee", "ankle_pitch", "ankle_roll"};
