@@ -24,9 +24,7 @@ using dynamics::tree::Vec3;
   throw core::DataError(robot.file + ": " + message);
 }
 
-std::string text(const Vec3<double>& v) {
-  return shortest(v.x) + " " + shortest(v.y) + " " + shortest(v.z);
-}
+std::string text(const Vec3<double>& v) { return shortest(v.x) + " " + shortest(v.y) + " " + shortest(v.z); }
 
 Vec3<double> unit(Axis a) {
   return {a == Axis::x ? 1.0 : 0.0, a == Axis::y ? 1.0 : 0.0, a == Axis::z ? 1.0 : 0.0};
@@ -61,6 +59,12 @@ Description biped_of(const model::Urdf& robot) {
       if (found == robot.joints.end()) fail(robot, "no " + who + "; expected the biped's 12 joints");
       if (found->kind != model::UrdfJoint::Kind::revolute)
         fail(robot, who + " is not revolute; expected a revolute joint");
+      if (!found->mimics.empty())
+        fail(robot, who + " mimics " + quoted(found->mimics) + "; expected a joint with a drive of its own");
+      if (found->damping != 0.0 || found->friction != 0.0)
+        fail(robot, who + " has damping or friction; expected none, which are the drives'");
+      if (!found->limits || !(found->limits->effort > 0.0))
+        fail(robot, who + " has no effort; expected the drive's largest torque, above 0");
       if (found->parent != parent)
         fail(robot, who + " is on link " + quoted(robot.links[found->parent].name) + "; expected it on " +
                         quoted(robot.links[parent].name));
@@ -73,10 +77,10 @@ Description biped_of(const model::Urdf& robot) {
       const Vec3<double>& at = found->placement.at;
       const unsigned may = DesignTopology::kOffsets[j];
       if ((!(may & 1) && at.x != 0.0) || (!(may & 2) && at.y != 0.0) || (!(may & 4) && at.z != 0.0))
-        fail(robot, who + " is at " + text(at) + " in its parent; expected 0 for " +
-                        (may & 1 ? "" : "x ") + (may & 2 ? "" : "y ") + (may & 4 ? "" : "z ") +
-                        "as in the design");
+        fail(robot, who + " is at " + text(at) + " in its parent; expected 0 for " + (may & 1 ? "" : "x ") +
+                        (may & 2 ? "" : "y ") + (may & 4 ? "" : "z ") + "as in the design");
       d.legs[side][j] = link(robot, found->child, at);
+      d.drives[side][j].limit_nm = found->limits->effort;
       parent = found->child;
     }
   }

@@ -1,4 +1,5 @@
-// The biped from a URDF: its links and where their joints are. What a URDF has no room for (drives, clutches, feet, ground) is as in
+// The biped from a URDF: its links, where their joints are, and the drives' largest torques (effort). The joints' range and largest
+// speed are not read. What a URDF has no room for (the drives' other numbers, clutches, feet, ground) is as in
 // furcula/dynamics/biped/design.hpp.
 #pragma once
 
@@ -9,9 +10,9 @@
 
 namespace furcula::biped {
 
-/// @throws core::DataError, and what read_urdf and tree_of throw: a root without mass; a joint that is missing, on another link or
-/// about another axis than `dynamics::biped::DesignTopology` has, turned against its parent, or one too many, so that a foot is no
-/// leaf.
+/// @throws core::DataError, and what read_urdf and tree_of throw: a root without mass; a joint that is missing, not revolute, that
+/// follows another, has damping, friction or no effort, is on another link, in another place or about another axis than
+/// `dynamics::biped::DesignTopology` has, is turned against its parent, or is one too many, so that a foot is no leaf.
 dynamics::biped::Description read_biped(const std::string& path);
 
 /// The same of a robot that has been read.

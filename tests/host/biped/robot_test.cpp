@@ -33,8 +33,10 @@ std::string refused(const std::string& what, const std::string& by) {
 }
 
 void check_same(const LinkDescription& a, const LinkDescription& b) {
-  const double of_a[] = {a.offset_m.x, a.offset_m.y, a.offset_m.z, a.mass_kg, a.centre_m.x, a.centre_m.y, a.centre_m.z};
-  const double of_b[] = {b.offset_m.x, b.offset_m.y, b.offset_m.z, b.mass_kg, b.centre_m.x, b.centre_m.y, b.centre_m.z};
+  const double of_a[] = {a.offset_m.x, a.offset_m.y, a.offset_m.z, a.mass_kg,
+                         a.centre_m.x, a.centre_m.y, a.centre_m.z};
+  const double of_b[] = {b.offset_m.x, b.offset_m.y, b.offset_m.z, b.mass_kg,
+                         b.centre_m.x, b.centre_m.y, b.centre_m.z};
   for (int i = 0; i < 7; ++i) CHECK(of_a[i] == of_b[i]);
   const auto &s = a.about_centre_kgm2, &t = b.about_centre_kgm2;
   CHECK(s.xx == t.xx);
@@ -56,9 +58,20 @@ TEST_CASE("The core's constants are the URDF's") {
     for (std::size_t j = 0; j < dynamics::biped::kLegJoints; ++j) {
       CAPTURE(side, j);
       check_same(read.legs[side][j], design.legs[side][j]);
+      CHECK(read.drives[side][j].limit_nm == design.drives[side][j].limit_nm);
       mass_kg += read.legs[side][j].mass_kg;
     }
   CHECK(mass_kg == Approx(49.8).epsilon(1e-12));  // document 000
+}
+
+TEST_CASE("A drive's largest torque is the URDF's effort") {
+  std::string text = urdf();
+  const std::size_t at = text.find("effort=\"220\"", text.find("<joint name=\"right_knee\""));
+  REQUIRE(at != std::string::npos);
+  text.replace(at, 12, "effort=\"150\"");
+  const auto read = biped::biped_of(model::parse_urdf(text, "b.urdf"));
+  CHECK(read.drives[1][dynamics::biped::kKnee].limit_nm == 150.0);
+  CHECK(read.drives[0][dynamics::biped::kKnee].limit_nm == 220.0);  // document 000
 }
 
 TEST_CASE("The vertices are the lower corners of the URDF's soles") {
@@ -82,16 +95,35 @@ TEST_CASE("The vertices are the lower corners of the URDF's soles") {
 }
 
 TEST_CASE("A robot that is no such biped is refused, and what is expected is said") {
-  CHECK_THAT(refused("left_knee", "left_ellbow"), Contains("b.urdf: no joint \"left_knee\"; expected the biped's 12 joints"));
-  CHECK_THAT(refused("<axis xyz=\"0 0 1\"/>", "<axis xyz=\"0 0 -1\"/>"), Contains("joint \"left_hip_yaw\" is about 0 0 -1; expected 0 0 1"));
-  CHECK_THAT(refused("0 0.09 -0.06\" rpy=\"0 0 0", "0 0.09 -0.06\" rpy=\"0 0 0.1"), Contains("turned against its parent"));
-  CHECK_THAT(refused("0 0.09 -0.06", "0.01 0.09 -0.06"), Contains("\"left_hip_yaw\" is at 0.01 0.09 -0.06 in its parent; expected 0 for x"));
-  CHECK_THAT(refused("<child link=\"left_shank\"/>", "<child link=\"left_ankle_link\"/>"), Contains("left_ankle_link"));
-  CHECK_THAT(refused("<joint name=\"left_knee\" type=\"revolute\">", "<joint name=\"left_knee\" type=\"prismatic\">"), Contains("not revolute"));
-  CHECK_THAT(refused("<mass value=\"16.2\"/>", "<mass value=\"0\"/>"), Contains("link \"pelvis\" has no mass"));
+  CHECK_THAT(refused("left_knee", "left_ellbow"),
+             Contains("b.urdf: no joint 'left_knee'; expected the biped's 12 joints"));
+  CHECK_THAT(refused("<axis xyz=\"0 0 1\"/>", "<axis xyz=\"0 0 -1\"/>"),
+             Contains("joint 'left_hip_yaw' is about 0 0 -1; expected 0 0 1"));
+  CHECK_THAT(refused("0 0.09 -0.06\" rpy=\"0 0 0", "0 0.09 -0.06\" rpy=\"0 0 0.1"),
+             Contains("turned against its parent"));
+  CHECK_THAT(refused("0 0.09 -0.06", "0.01 0.09 -0.06"),
+             Contains("'left_hip_yaw' is at 0.01 0.09 -0.06 in its parent; expected 0 for x"));
+  CHECK_THAT(refused("<child link=\"left_shank\"/>", "<child link=\"left_ankle_link\"/>"),
+             Contains("left_ankle_link"));
+  CHECK_THAT(refused("<joint name=\"left_knee\" type=\"revolute\">",
+                     "<joint name=\"left_knee\" type=\"prismatic\">"),
+             Contains("not revolute"));
+  CHECK_THAT(refused("<mass value=\"16.2\"/>", "<mass value=\"0\"/>"), Contains("link 'pelvis' has no mass"));
+  CHECK_THAT(refused("</joint>", "<dynamics damping=\"1\"/></joint>"),
+             Contains("joint 'left_hip_yaw' has damping or friction; expected none"));
+  CHECK_THAT(refused("effort=\"220\"", "effort=\"0\""),
+             Contains("joint 'left_hip_yaw' has no effort; expected the drive's largest torque"));
+  CHECK_THAT(refused("<child link=\"right_foot\"/>",
+                     "<child link=\"right_foot\"/><mimic joint=\"left_ankle_roll\"/>"),
+             Contains("mimics 'left_ankle_roll'"));
+  CHECK_THAT(refused("<parent link=\"right_thigh\"/>", "<parent link=\"left_thigh\"/>"),
+             Contains("joint 'right_knee' is on link 'left_thigh'; expected it on 'right_thigh'"));
   // A toe: the foot is no leaf.
-  CHECK_THAT(refused("</robot>", "<link name=\"toe\"><inertial><mass value=\"0.1\"/><inertia ixx=\"1e-4\" ixy=\"0\" ixz=\"0\" iyy=\"1e-4\" iyz=\"0\" "
-                                 "izz=\"1e-4\"/></inertial></link><joint name=\"toe\" type=\"revolute\"><parent link=\"left_foot\"/><child link=\"toe\"/><axis "
-                                 "xyz=\"0 1 0\"/><limit lower=\"-1\" upper=\"1\" effort=\"1\" velocity=\"1\"/></joint></robot>"),
-             Contains("there are 13 joints; expected the biped's 12 and no other, with the feet as leaves"));
+  CHECK_THAT(
+      refused(
+          "</robot>",
+          "<link name=\"toe\"><inertial><mass value=\"0.1\"/><inertia ixx=\"1e-4\" ixy=\"0\" ixz=\"0\" iyy=\"1e-4\" iyz=\"0\" "
+          "izz=\"1e-4\"/></inertial></link><joint name=\"toe\" type=\"revolute\"><parent link=\"left_foot\"/><child link=\"toe\"/><axis "
+          "xyz=\"0 1 0\"/><limit lower=\"-1\" upper=\"1\" effort=\"1\" velocity=\"1\"/></joint></robot>"),
+      Contains("there are 13 joints; expected the biped's 12 and no other, with the feet as leaves"));
 }
