@@ -1,5 +1,7 @@
 // The biped on the ground: sink, slip, what a vertex does, and whether the contact forces are all that moves it.
 #include <catch2/catch.hpp>
+#include <cstdio>
+#include <cstdlib>
 
 #include "tests/common/dynamics/biped_examples.hpp"
 
@@ -10,7 +12,7 @@ namespace {
 
 constexpr double kH = biped::kStep_s;
 
-/// Vertices' places in the world from the feet's, by another way than the contact's.
+/// Vertices' places in the world, the left foot's first.
 std::array<Vec3<double>, 8> vertices(const biped::Description& d, const biped::Parameters<double>& p,
                                      const biped::State<double>& s) {
   biped::Kinematics<double> k;
@@ -106,6 +108,61 @@ TEST_CASE("A standing biped sinks by its weight over the springs of eight vertic
     std::printf("mean sink %.6f mm, expected %.6f mm\n", 1e3 * mean, 1e3 * weight / 4e5);
 }
 
+TEST_CASE("A standing biped's step is stable up to some 5 ms") {
+  // Linearised about standing: the highest mode of contact, drives and bodies allows steps of 5.2 ms.
+  const biped::Description d = biped::design();
+  const biped::Parameters<double> p(d);
+  const auto laws = biped::active_laws(p);
+  const biped::Commands<double> straight;
+  const auto speed_after = [&](double h_s) {
+    auto s = standing(d, p);
+    biped::StepReport<double> report;
+    for (int n = 0; n < static_cast<int>(4.0 / h_s); ++n) biped::step(p, laws, straight, h_s, s, report);
+    double most = 0.0;
+    for (std::size_t i = 0; i < biped::kJoints; ++i)
+      most = std::max(most, std::abs(biped::joint<double>(s.qd_radps, i)));
+    return most;
+  };
+  CHECK(speed_after(1e-3) < 1e-4);
+  CHECK(speed_after(4.5e-3) < 1e-4);
+  CHECK_FALSE(speed_after(6e-3) < 1e-2);
+}
+
+TEST_CASE("In contact small steps come to one motion, whatever their rule") {
+  // Sways and slips on its soles for 50 ms; the farthest joint rate off, against Runge-Kutta in 1/64 ms.
+  const biped::Description d = biped::design();
+  const biped::Parameters<double> p(d);
+  const auto laws = biped::active_laws(p);
+  const biped::Commands<double> straight;
+  const auto run = [&](double h_s, bool euler) {
+    auto s = standing(d, p);
+    s.position_m.z -= 1e-3;
+    s.v_mps = {0.2, 0.1, 0.0};
+    s.w_radps = {0.1, 0.2, 0.3};
+    biped::StepReport<double> report;
+    for (int n = 0; n < static_cast<int>(0.05 / h_s + 0.5); ++n) {
+      if (euler) biped::step(p, laws, straight, h_s, s, report);
+      if (!euler) biped::check_step<biped::Rule::runge_kutta>(p, laws, straight, h_s, s);
+    }
+    return s;
+  };
+  const auto apart = [](const biped::State<double>& a, const biped::State<double>& b) {
+    double most = 0.0;
+    for (std::size_t i = 0; i < biped::kJoints; ++i)
+      most =
+          std::max(most, std::abs(biped::joint<double>(a.qd_radps, i) - biped::joint<double>(b.qd_radps, i)));
+    return most;
+  };
+  // Semi-implicit Euler is of first order; so is Runge-Kutta with anchors that move once a step.
+  const auto limit = run(1e-3 / 64, false);
+  const double euler = apart(run(5e-4, true), limit), finer = apart(run(2.5e-4, true), limit),
+               kutta = apart(run(5e-4, false), limit), finer_kutta = apart(run(2.5e-4, false), limit);
+  CHECK(euler / finer == Approx(2.0).margin(0.2));
+  CHECK(kutta / finer_kutta == Approx(2.0).margin(0.4));
+  CHECK(euler < 2e-3);
+  CHECK(euler > 1e-5);  // it moves
+}
+
 TEST_CASE("On a slope the biped stands below the cone's angle and slides above it as a block does") {
   // Of so little friction that it does not fall over its heels.
   const double mu = 0.05, cone = std::atan(mu);
@@ -114,8 +171,8 @@ TEST_CASE("On a slope the biped stands below the cone's angle and slides above i
     // Let go at once it slips first, and comes to rest.
     const Slide below = on_slope(0.9 * cone, direction, mu, 6000),
                 above = on_slope(1.1 * cone, direction, mu, 1000);
-    CHECK(std::abs(below.mps2) < 1e-4);
-    CHECK(below.anchors_m < 1e-6);
+    CHECK(below.anchors_m < 1e-12);
+    CHECK(std::abs(below.mps2) < 2e-3);  // the body still sways on its drives
     const double angle = 1.1 * cone, expected = 9.81 * (std::sin(angle) - mu * std::cos(angle));
     CHECK(above.mps2 == Approx(expected).epsilon(0.01));
     if (std::getenv("FURCULA_FIGURES") != nullptr)
@@ -203,7 +260,10 @@ TEST_CASE("Weight and vertex forces are all that changes the biped's momentum") 
     const auto after = biped::totals(p, s);
     const Vec3<double> linear = (after.linear_ns - before.linear_ns) * (1 / h) - force,
                        angular = (after.angular_nms - before.angular_nms) * (1 / h) - moment;
-    CHECK(std::sqrt(dot(linear, linear)) < 1e-3 * std::sqrt(dot(force, force)));
-    CHECK(std::sqrt(dot(angular, angular)) < 1e-3 * std::sqrt(dot(moment, moment)) + 0.1);
+    const double force_off_n = std::sqrt(dot(linear, linear)),
+                 moment_off_nm = std::sqrt(dot(angular, angular));
+    // Of up to 2500 N and 160 N m; the differences leave 5e-4 and 2e-4.
+    CHECK(force_off_n < 2e-3);
+    CHECK(moment_off_nm < 1e-3);
   }
 }
