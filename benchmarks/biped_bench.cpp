@@ -7,7 +7,6 @@
 
 #include "furcula/dynamics/biped/design.hpp"
 #include "furcula/dynamics/biped/step.hpp"
-#include "host/identify/dual.hpp"
 #include "tests/common/dynamics/biped_mjcf.hpp"
 #ifdef FURCULA_MUJOCO
 #include <mujoco/mujoco.h>
@@ -28,8 +27,8 @@ constexpr double robots() {
 /// Items: robots.
 template <class T>
 void count_robots(benchmark::State& state) {
-  state.counters["robots"] = benchmark::Counter(static_cast<double>(state.iterations()) * robots<T>(),
-                                                benchmark::Counter::kIsRate);
+  state.counters["robots"] =
+      benchmark::Counter(static_cast<double>(state.iterations()) * robots<T>(), benchmark::Counter::kIsRate);
 }
 
 template <class T>
@@ -56,14 +55,14 @@ void biped_forward(benchmark::State& state) {
     kinematics<DesignTopology>(p, s, k);
     forward_dynamics<DesignTopology>(p, s, k, act, out);
     benchmark::DoNotOptimize(out);
-    s.q_rad[0][0] += out.qdd_radps2[0][0] * static_cast<ValueOf<T>>(1e-9);  // so that no call is the last one's
+    s.q_rad[0][0] +=
+        out.qdd_radps2[0][0] * static_cast<ValueOf<T>>(1e-9);  // so that no call is the last one's
   }
   count_robots<T>(state);
 }
 BENCHMARK(biped_forward<double>);
 BENCHMARK(biped_forward<Lanes<double, 4>>);
 BENCHMARK(biped_forward<Lanes<float, 8>>);
-BENCHMARK(biped_forward<furcula::identify::Dual<8>>);
 
 /// Stands: drives, 8 vertices in contact, accelerations, integration.
 template <class T, bool kSwitched>
@@ -93,7 +92,8 @@ BENCHMARK(biped_step<Lanes<float, 8>, true>);
 #ifdef FURCULA_MUJOCO
 /// mj_fwdPosition, mj_fwdVelocity, mj_fwdActuation, mj_fwdAcceleration.
 void mujoco_biped(benchmark::State& state) {
-  state.SetLabel("MuJoCo: mj_fwdPosition, mj_fwdVelocity, mj_fwdActuation, mj_fwdAcceleration of the biped, no contact");
+  state.SetLabel(
+      "MuJoCo: mj_fwdPosition, mj_fwdVelocity, mj_fwdActuation, mj_fwdAcceleration of the biped, no contact");
   const std::string text = furcula::test::biped_mjcf(design());
   mjVFS* files = new mjVFS;
   mj_defaultVFS(files);
