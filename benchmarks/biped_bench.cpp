@@ -2,8 +2,10 @@
 // beside MuJoCo's accelerations of the same robot without contact in the same run.
 //
 // Built twice: bench_biped for the compiler's usual processor (x86-64: vectors of 2 doubles), bench_biped_v3 for one with AVX2
-// (-march=x86-64-v3: of 4 doubles). -ffp-contract=off holds for both, so that both give the same bits.
+// (-march=x86-64-v3 -mno-fma: of 4 doubles). Neither contracts, so that both give the same bits.
 #include <benchmark/benchmark.h>
+
+#include <string>
 
 #include "furcula/dynamics/biped/design.hpp"
 #include "furcula/dynamics/biped/step.hpp"
@@ -24,7 +26,13 @@ constexpr double robots() {
   return 1.0;
 }
 
-/// Items: robots.
+/// Times are of a call, for all lanes.
+template <class T>
+std::string of_lanes() {
+  return robots<T>() == 1.0 ? ""
+                            : ", of " + std::to_string(static_cast<int>(robots<T>())) + " robots in lanes";
+}
+/// `robots` a second.
 template <class T>
 void count_robots(benchmark::State& state) {
   state.counters["robots"] =
@@ -33,7 +41,7 @@ void count_robots(benchmark::State& state) {
 
 template <class T>
 void biped_forward(benchmark::State& state) {
-  state.SetLabel("accelerations of the biped, turns and velocities included; counter: robots a second");
+  state.SetLabel("accelerations of the biped, turns and velocities included" + of_lanes<T>());
   const Parameters<T> p(design());
   const JointLaws<T> laws = active_laws(p);
   State<T> s;
@@ -60,15 +68,16 @@ void biped_forward(benchmark::State& state) {
   }
   count_robots<T>(state);
 }
-BENCHMARK(biped_forward<double>);
-BENCHMARK(biped_forward<Lanes<double, 4>>);
-BENCHMARK(biped_forward<Lanes<float, 8>>);
+BENCHMARK(biped_forward<double>)->Name("biped_accelerations");
+BENCHMARK(biped_forward<Lanes<double, 4>>)->Name("biped_accelerations/4_double");
+BENCHMARK(biped_forward<Lanes<float, 8>>)->Name("biped_accelerations/8_float");
 
 /// Stands: drives, 8 vertices in contact, accelerations, integration.
 template <class T, bool kSwitched>
 void biped_step(benchmark::State& state) {
-  state.SetLabel(kSwitched ? "the same with joints that may be in any mode, motors behind clutches included"
-                           : "a step of the biped on 8 vertices, drives included; counter: steps a second");
+  state.SetLabel((kSwitched ? "the same with joints that may be in any mode, motors behind clutches included"
+                            : "a step of the biped on 8 vertices, drives included") +
+                 of_lanes<T>());
   const Parameters<T> p(design());
   const JointLaws<T> laws = active_laws(p);
   const Commands<T> straight;
@@ -83,11 +92,11 @@ void biped_step(benchmark::State& state) {
   }
   count_robots<T>(state);
 }
-BENCHMARK(biped_step<double, false>);
-BENCHMARK(biped_step<double, true>);
-BENCHMARK(biped_step<Lanes<double, 4>, false>);
-BENCHMARK(biped_step<Lanes<float, 8>, false>);
-BENCHMARK(biped_step<Lanes<float, 8>, true>);
+BENCHMARK(biped_step<double, false>)->Name("biped_step");
+BENCHMARK(biped_step<double, true>)->Name("biped_step_any_mode");
+BENCHMARK(biped_step<Lanes<double, 4>, false>)->Name("biped_step/4_double");
+BENCHMARK(biped_step<Lanes<float, 8>, false>)->Name("biped_step/8_float");
+BENCHMARK(biped_step<Lanes<float, 8>, true>)->Name("biped_step_any_mode/8_float");
 
 #ifdef FURCULA_MUJOCO
 /// mj_fwdPosition, mj_fwdVelocity, mj_fwdActuation, mj_fwdAcceleration.
@@ -122,7 +131,7 @@ void mujoco_biped(benchmark::State& state) {
   mj_deleteData(d);
   mj_deleteModel(m);
 }
-BENCHMARK(mujoco_biped);
+BENCHMARK(mujoco_biped)->Name("mujoco_biped_accelerations");
 #endif
 
 }  // namespace
