@@ -2,8 +2,9 @@
 //
 // Each lane has the bits that the same operations on plain numbers have: every one is rounded as IEEE 754 says, nothing is contracted
 // (-ffp-contract=off; GCC 12 also needs -mno-fma where it may use FMA: it makes vfmaddsub of plain numbers in spite of the former),
-// and no lane sees another. Vectors of GCC, which clang has too; what the processor lacks in width the compiler splits. The functions of the second half exist for plain numbers and for numbers with derivatives as well, so
-// that an algorithm without branches is written once: a condition is a mask, and `select` chooses by it.
+// and no lane sees another. Vectors of GCC, which clang has too; what the processor lacks in width the compiler splits.
+// The functions of the second half exist for plain numbers and for numbers with derivatives as well, so that an algorithm
+// without branches is written once: a condition is a mask, and `select` chooses by it.
 #pragma once
 
 #include <cmath>
