@@ -25,7 +25,7 @@ constexpr double kEqualEvidence = 6.0;
 /// Ten times as likely: twice the logarithm of the odds.
 constexpr double kTenTimes = 2.0 * std::numbers::ln10;
 constexpr double kLittle = 4e-3;  ///< of what the re-fitted model leaves: such a member must help plainly
-constexpr double kPlainly = 3.0, kAtAll = 1.0;  ///< standard errors
+constexpr double kPlainly = 2.0, kAtAll = 0.5;  ///< standard errors
 constexpr double kSmallestLoss = 0.04;          ///< of squares: less is no reason for a parameter more
 constexpr std::size_t kMostFits = 8;            ///< of the first round; half of them in the later ones
 constexpr std::size_t kFewestFits = 3;
@@ -552,8 +552,9 @@ class Search {
   /// Whether a member is worth little, and of no plain help on recordings that its fit has not seen: what is left of a large cause looks
   /// like a small one of another sort. Or of no help there at all.
   bool is_little(const Hypothesis& without_it) const {
-    // Of runs that jump a linear step tells nothing; nor does one recording in one piece.
-    if (machines::rules(trainer_.model.kind).cut == machines::Cut::releases ||
+    // Of runs that jump a linear step tells nothing; nor does one recording in one piece, nor one that a slip spoils.
+    if (holds(s_.chosen.effects, Effect::encoder_slip) ||
+        machines::rules(trainer_.model.kind).cut == machines::Cut::releases ||
         units_of(trainer_.training.windows).size() < 2)
       return false;
     const double worth =

@@ -233,8 +233,8 @@ Recording make_recording(const log::Log& raw, dynamics::Kind kind, const std::ve
   const machines::Columns& columns = rules.columns;
   std::vector<log::Watched> watched;
   for (const std::string_view column : {columns.position, columns.leg_angle}) {
-    const bool angle = column == columns.leg_angle || dynamics::info(kind).rotary;
-    watched.push_back({std::string(column), true, angle ? 2.0 * std::numbers::pi : 0.0});
+    const bool leg = column == columns.leg_angle, angle = leg || dynamics::info(kind).rotary;
+    watched.push_back({std::string(column), true, angle ? 2.0 * std::numbers::pi : 0.0, leg});
   }
   for (const std::string_view column : {columns.velocity, columns.input, columns.command, columns.report})
     watched.push_back({std::string(column), false});

@@ -68,7 +68,9 @@ Clean clean(const Log& given, const std::vector<Watched>& columns, const std::ve
       refuse(row, w.column,
              w.position ? "steps out of the rows around and back" : "is beyond all other rows by far");
     if (!w.position) continue;
-    for (const std::size_t row : stuck(given.time_s(), x)) refuse(row, w.column, "stands still, then jumps");
+    if (!w.held)
+      for (const std::size_t row : stuck(given.time_s(), x))
+        refuse(row, w.column, "stands still, then jumps");
     for (const std::size_t row : off_at_ends(given.time_s(), x))
       refuse(row, w.column, "is not where the rows beside it foretell");
   }

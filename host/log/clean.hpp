@@ -16,6 +16,7 @@ struct Watched {
   /// is refused where it is beyond all others (far_beyond_others).
   bool position = true;
   double turn = 0.0;  ///< of an angle 2 pi; else 0
+  bool held = false;  ///< it may be held, and jump as it is let go: of a leg with a clutch
 };
 
 /// A row that a fit's residuals refute.

@@ -17,7 +17,7 @@ constexpr double kSmoothing_s = 0.02;
 /// A motion of no more than so many times the noise, from end to end, is that of a joint at rest.
 constexpr double kStill = 10.0;
 /// A joint that is driven by less than this share of what its motion takes is moved by gravity and the other joints: that share is its scale.
-constexpr double kOfMotion = 0.1;
+constexpr double kOfMotion = 0.02;
 
 double root_mean_square(const std::vector<double>& x) {
   double sum = 0.0;
