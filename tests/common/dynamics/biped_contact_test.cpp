@@ -1,5 +1,6 @@
 // The biped on the ground: sink, slip, what a vertex does, and whether the contact forces are all that moves it.
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 
@@ -140,7 +141,7 @@ TEST_CASE("In contact small steps come to one motion, whatever their rule") {
     s.v_mps = {0.2, 0.1, 0.0};
     s.w_radps = {0.1, 0.2, 0.3};
     biped::StepReport<double> report;
-    for (int n = 0; n < static_cast<int>(0.05 / h_s + 0.5); ++n) {
+    for (int n = 0; n < static_cast<int>(std::lround(0.05 / h_s)); ++n) {
       if (euler) biped::step(p, laws, straight, h_s, s, report);
       if (!euler) biped::check_step<biped::Rule::runge_kutta>(p, laws, straight, h_s, s);
     }

@@ -1,5 +1,6 @@
 // The biped's accelerations against inverse dynamics of a tree, against MuJoCo's, and what free flight leaves as it is.
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 
@@ -60,7 +61,7 @@ Flight fly(double h_s, int rule) {
   const double before = energy();
   const auto start = biped::totals(p, s);
   biped::StepReport<double> report;
-  const int steps = static_cast<int>(0.5 / h_s + 0.5);
+  const int steps = static_cast<int>(std::lround(0.5 / h_s));
   for (int n = 0; n < steps; ++n) {
     if (rule == 1) biped::step(p, laws, none, h_s, s, report);
     if (rule == 2) biped::check_step<biped::Rule::midpoint>(p, laws, none, h_s, s);
