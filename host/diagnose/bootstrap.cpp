@@ -1,6 +1,7 @@
 #include "host/diagnose/bootstrap.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "host/core/quantile.hpp"
 #include "host/core/random.hpp"
@@ -26,6 +27,25 @@ Units units_of(const std::vector<identify::Window>& windows) {
     }
   }
   return units;
+}
+
+double in_standard_errors(const std::vector<double>& values) {
+  const auto n = static_cast<double>(values.size());
+  if (values.size() < 2) return 0.0;
+  double mean = 0.0, scatter = 0.0;
+  for (const double x : values) mean += x / n;
+  for (const double x : values) scatter += (x - mean) * (x - mean) / (n - 1.0);
+  return mean / std::sqrt(std::max(scatter, 1e-300) / n);
+}
+
+double in_standard_errors(const std::vector<double>& of_window, const Units& units) {
+  std::vector<double> sums;
+  for (const auto& unit : units) {
+    double sum = 0.0;
+    for (const std::size_t i : unit) sum += of_window[i];
+    sums.push_back(sum);
+  }
+  return in_standard_errors(sums);
 }
 
 std::optional<Interval> bootstrap(std::size_t units,

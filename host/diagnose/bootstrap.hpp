@@ -18,6 +18,11 @@ using Units = std::vector<std::vector<std::size_t>>;
 /// another within a recording, about ten in all: neighbouring windows are not independent.
 Units units_of(const std::vector<identify::Window>& windows);
 
+/// The mean in standard errors of it; 0 of a single value: one of a kind is no measure.
+double in_standard_errors(const std::vector<double>& values);
+/// The same over units, of the sums of what stands for each window.
+double in_standard_errors(const std::vector<double>& of_window, const Units& units);
+
 struct Interval {
   double lower = 0.0, upper = 0.0;
 };

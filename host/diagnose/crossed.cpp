@@ -69,13 +69,11 @@ double Crossed::noise_floor(const Hypothesis& h) const {
 }
 
 double Crossed::gain_in_standard_errors(const Hypothesis& smaller, const Hypothesis& larger) const {
-  const Crossing one = crossing_of(smaller.fit, training_.windows, recordings_.size()),
-                 other = crossing_of(larger.fit, training_.windows, recordings_.size());
-  std::vector<double> gain;
-  for (const std::size_t i : place_)
-    gain.push_back(squares_after(smaller.fit.shares[i], one.step[one.fold[i]]) -
-                   squares_after(larger.fit.shares[i], other.step[other.fold[i]]));
-  return in_standard_errors(gain, predicted_units_);
+  const std::vector<double> all =
+      gains_unseen(smaller.fit, larger.fit, training_.windows, recordings_.size());
+  std::vector<double> gains;
+  for (const std::size_t i : place_) gains.push_back(all[i]);
+  return in_standard_errors(gains, predicted_units_);
 }
 
 Crossed::Foretold Crossed::fitted_again(const model::Model& model, const Hypothesis& smaller,

@@ -584,7 +584,6 @@ class Assembly {
     const double none = share_of_none(std::max(unnamed, d_.unnamed_share));
     d_.none_of_catalogue = none;
     const bool all_contradicted = !other_channels_alone() && !helps_held_out();
-    const bool slip_alone = extension().effects == EffectSet{Effect::encoder_slip};
     for (Finding& f : d_.findings) {
       const double share = posterior.share_with(f.effect);
       f.confidence = std::min(kConfidence.most, share * (1.0 - none));
@@ -608,7 +607,7 @@ class Assembly {
       const bool contradicted = told && f.contradicted;
       limit(contradicted, kConfidence.contradicted,
             "the held-out recordings are predicted worse with it than without it");
-      limit(all_contradicted && f.channel.empty() && (told || slip_alone) && !contradicted,
+      limit(all_contradicted && f.channel.empty() && (told || slip_alone()) && !contradicted,
             kConfidence.contradicted,
             "the held-out recordings are predicted worse with all that is named than without");
       limit(told && !contradicted &&
@@ -629,8 +628,10 @@ class Assembly {
 
   /// A slip that nothing foretells, alone, changes no figure; but what was fitted beside one that is none is far off.
   bool helps_held_out() const {
-    const bool slip_alone = !slips_foretold_ && extension().effects == EffectSet{Effect::encoder_slip};
-    return nmse(d_.extended) < (slip_alone ? kFarOff : 1.0) * nmse(d_.refitted);
+    return nmse(d_.extended) < (slip_alone() ? kFarOff : 1.0) * nmse(d_.refitted);
+  }
+  bool slip_alone() const {
+    return !slips_foretold_ && extension().effects == EffectSet{Effect::encoder_slip};
   }
 
   /// The largest step with its interval, and all of them.

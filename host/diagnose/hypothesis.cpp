@@ -6,7 +6,6 @@
 #include <map>
 
 #include "host/core/quantile.hpp"
-#include "host/diagnose/bootstrap.hpp"
 #include "host/identify/verdicts.hpp"
 
 namespace furcula::diagnose {
@@ -126,31 +125,15 @@ double cross_validate(const identify::Fit& fit, const std::vector<identify::Wind
   return squares;
 }
 
-double in_standard_errors(const std::vector<double>& of_window,
-                          const std::vector<std::vector<std::size_t>>& units) {
-  const auto n = static_cast<double>(units.size());
-  if (units.size() < 2) return 0.0;  // one of a kind is no measure
-  double mean = 0.0, scatter = 0.0;
-  std::vector<double> gains;
-  for (const auto& unit : units) {
-    double gain = 0.0;
-    for (const std::size_t i : unit) gain += of_window[i];
-    gains.push_back(gain);
-    mean += gain / n;
-  }
-  for (const double gain : gains) scatter += (gain - mean) * (gain - mean) / std::max(n - 1.0, 1.0);
-  return mean / std::sqrt(std::max(scatter, 1e-300) / n);
-}
-
-double gain_in_standard_errors(const identify::Fit& smaller, const identify::Fit& larger,
-                               const std::vector<identify::Window>& windows, std::size_t recordings) {
+std::vector<double> gains_unseen(const identify::Fit& smaller, const identify::Fit& larger,
+                                 const std::vector<identify::Window>& windows, std::size_t recordings) {
   const Crossing one = crossing_of(smaller, windows, recordings),
                  other = crossing_of(larger, windows, recordings);
-  std::vector<double> gain;
+  std::vector<double> gains;
   for (std::size_t i = 0; i < windows.size(); ++i)
-    gain.push_back(squares_after(smaller.shares[i], one.step[one.fold[i]]) -
-                   squares_after(larger.shares[i], other.step[other.fold[i]]));
-  return in_standard_errors(gain, units_of(windows));
+    gains.push_back(squares_after(smaller.shares[i], one.step[one.fold[i]]) -
+                    squares_after(larger.shares[i], other.step[other.fold[i]]));
+  return gains;
 }
 
 double overdispersion(const identify::Fit& fit, const std::vector<std::vector<std::size_t>>& units) {

@@ -72,13 +72,9 @@ double squares_after(const identify::WindowShare& share, const Eigen::VectorXd& 
 double cross_validate(const identify::Fit& fit, const std::vector<identify::Window>& windows,
                       std::size_t recordings);
 
-/// The mean over units (recordings, or blocks of few) of what their windows gain, in standard errors of it; 0 of a single unit.
-double in_standard_errors(const std::vector<double>& of_window,
-                          const std::vector<std::vector<std::size_t>>& units);
-
-/// By how much `larger` is better than `smaller` on windows that the estimates have not seen, in standard errors.
-double gain_in_standard_errors(const identify::Fit& smaller, const identify::Fit& larger,
-                               const std::vector<identify::Window>& windows, std::size_t recordings);
+/// By how much `larger` is better than `smaller` in each window, of which the estimates have not seen the fold: squares.
+std::vector<double> gains_unseen(const identify::Fit& smaller, const identify::Fit& larger,
+                                 const std::vector<identify::Window>& windows, std::size_t recordings);
 
 /// How much more the windows' pulls at the unknowns scatter from unit to unit (recording or block of windows)
 /// than as many independent residuals' would as the evidence counts: 1 or more. What a model does not have

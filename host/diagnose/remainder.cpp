@@ -9,6 +9,7 @@
 #include <tuple>
 
 #include "host/core/quantile.hpp"
+#include "host/diagnose/bootstrap.hpp"
 #include "host/identify/dual.hpp"
 #include "host/identify/simulate.hpp"
 #include "host/identify/unknowns.hpp"
@@ -443,15 +444,6 @@ std::pair<double, const char*> typical_force(const model::Model& model, const st
     }
   if (inputs > 0) return {std::sqrt(inputs / rows), "the input's root mean square"};
   return {std::sqrt(forces / std::max(rows, 1.0)), "the usual inertia force"};
-}
-
-/// The mean, in standard errors of it.
-double in_standard_errors(const std::vector<double>& values) {
-  const auto n = static_cast<double>(values.size());
-  double mean = 0, scatter = 0;
-  for (const double x : values) mean += x / n;
-  for (const double x : values) scatter += std::pow(x - mean, 2) / (n - 1);
-  return mean / std::sqrt(std::max(scatter, 1e-300) / n);
 }
 
 }  // namespace

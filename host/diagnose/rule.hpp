@@ -15,7 +15,8 @@ enum class Rule {
   prune,            ///< members that others have made needless are taken out
   one_for_several,  ///< one cause in the place of several
   beam,             ///< pairs that begin with others than the best single cause
-  least_agreed,  ///< a member of which there may be none, of little help to recordings that its fit has not seen, or that they do not agree on, is taken out
+  least_agreed,  ///< a member of which there may be none, of little help to recordings that its fit has not seen, or that
+                 ///< they do not agree on, is taken out
   heaviest,  ///< of the sets that were fitted the most likely one, where it is ten times as likely as the chosen one
   rivals,                ///< sets with another cause in the place of a member, where they are better
   friction_that_pushes,  ///< friction of two sizes, one below zero, as friction and a constant force

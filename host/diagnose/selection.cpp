@@ -529,7 +529,8 @@ class Search {
     return best;
   }
 
-  /// Of several causes the set without one of which there may be none, that is of little help, or that the recordings do not agree on: by evidence that is worth the
+  /// Of several causes the set without one of which there may be none, that is of little help, or that the recordings do not agree on:
+  /// by evidence that is worth the
   /// less the more their pulls scatter, as in a confidence, that set is ten times as likely.
   const Hypothesis* without_the_least_agreed() const {
     const EffectSet& members = s_.chosen.effects;
@@ -553,14 +554,15 @@ class Search {
   /// like a small one of another sort. Or of no help there at all.
   bool is_little(const Hypothesis& without_it) const {
     // Of runs that jump a linear step tells nothing; nor does one recording in one piece, nor one that a slip spoils.
+    const Units units = units_of(trainer_.training.windows);
     if (holds(s_.chosen.effects, Effect::encoder_slip) ||
-        machines::rules(trainer_.model.kind).cut == machines::Cut::releases ||
-        units_of(trainer_.training.windows).size() < 2)
+        machines::rules(trainer_.model.kind).cut == machines::Cut::releases || units.size() < 2)
       return false;
     const double worth =
         (squares_of_body(without_it) - squares_of_body(s_.chosen)) / trainer_.reference_squares;
-    const double help = gain_in_standard_errors(without_it.fit, s_.chosen.fit, trainer_.training.windows,
-                                                trainer_.recordings.size());
+    const double help = in_standard_errors(
+        gains_unseen(without_it.fit, s_.chosen.fit, trainer_.training.windows, trainer_.recordings.size()),
+        units);
     return help < (worth < kLittle ? kPlainly : kAtAll);
   }
 

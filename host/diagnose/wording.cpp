@@ -71,6 +71,9 @@ std::string why_unexplained(const Diagnosis& d) {
            number(100.0 * left.foretold.share, 2) + " % of the held-out squares, with a " +
            (left.unit == "N" ? "force" : "torque") + " of " + number(left.foretold.force, 2) + " " +
            left.unit;
+  if (left.is_coloured())
+    return ". What the sensor adds in a row goes along with what it adds in others (correlation " +
+           number(left.new_finds.correlation, 2) + "): it is no noise";
   if (left.random_force_held_out > 2.0 * left.random_force)
     return ". The held-out recordings lack " + number(left.random_force_held_out, 2) + " " + left.unit +
            " that the training recordings do not: another machine, or one that has changed";

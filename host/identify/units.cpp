@@ -113,7 +113,7 @@ void require_named_unit(const model::Model& model, const std::vector<Recording>&
     else
       refuse_if_better(scaled(r, 1e-3), position + " moves as millimetres would", "metres",
                        "metres (a --map file with scale = 0.001 makes them)");
-    if (driven)
+    if (driven && rules.cut != machines::Cut::releases)  // there the input is a coil
       refuse_if_better(other_way(r), std::string(rules.columns.input) + " has the other sign", "named",
                        "a positive one to push the position up (a --map file with scale = -1.0 turns it)");
   }

@@ -24,8 +24,8 @@ std::vector<std::size_t> steps_out_and_back(std::span<const double> time_s, std:
 std::vector<std::size_t> off_at_ends(std::span<const double> time_s, std::span<const double> values);
 
 /// Rows of a position in which its encoder stands still while the body goes on: ten at least of exactly one value, then a jump of more
-/// than noise and the way of a row, the body moving before and after, on one side about as fast as that jump would have been gone. The first row of
-/// that value is not among them.
+/// than noise and the way of a row, the body moving before and after, on one side about as fast as that jump would have been gone. The
+/// first row of that value is not among them.
 std::vector<std::size_t> stuck(std::span<const double> time_s, std::span<const double> values);
 
 /// Rows, at most three in a row, whose size is more than fifty times that of any other row: of what may jump

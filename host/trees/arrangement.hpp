@@ -16,8 +16,8 @@ struct Arrangement {
   double off_as_given = 0.0, off_arranged = 0.0;
 };
 
-/// The one exchange of columns, of two joints, or change of sign or unit (degrees, millimetres, N mm), of one joint or of all, that makes the model fit where it does not fit at all; nothing
-/// where it fits, or where no exchange helps by much.
+/// The one exchange of columns, of two joints, or change of sign or unit (degrees, millimetres, N mm), of one joint or of all, that makes
+/// the model fit where it does not fit at all; nothing where it fits, or where no exchange helps by much.
 std::optional<Arrangement> other_arrangement(const TreeModel& model, const std::vector<Recording>& recordings,
                                              unsigned threads);
 

@@ -431,6 +431,36 @@ TEST_CASE("What helps no held-out recording of a clean rotary joint is not named
   CHECK(std::string(name(d.verdict)) == "adequate");
 }
 
+TEST_CASE("A constant torque that helps no recording is not named beside a wrong inertia") {
+  const Case c = draw_case(question_of(Tier::medium, 20261127, 47));
+  REQUIRE(c.question.laws == std::vector<std::string>{"mass_error"});
+  const Judgement j = judge(c, diagnosed(c, kThreads));
+  INFO(c.description());
+  INFO(j.said);
+  CHECK(std::string(name(j.outcome)) == std::string(name(Outcome::named)));
+  CHECK(listed(j.extra) == "");
+}
+
+TEST_CASE("A torque that is seen in the position is no noise, and the model not adequate") {
+  const Case c = draw_case(question_of(Tier::outside, 20261127, 8));
+  REQUIRE(c.question.laws == std::vector<std::string>{"torque_crosstalk"});
+  const diagnose::Diagnosis d = diagnosed(c, kThreads);
+  INFO(c.description());
+  INFO(judge(c, d).said);
+  CHECK(std::string(name(d.verdict)) == "unexplained");
+  CHECK(d.summary.find("it is no noise") != std::string::npos);
+}
+
+TEST_CASE("A slip beside which the held-out recordings are far off is doubted") {
+  const Case c = draw_case(question_of(Tier::outside, 20261127, 16));
+  REQUIRE(c.question.laws == std::vector<std::string>{"torque_crosstalk"});
+  const diagnose::Diagnosis d = diagnosed(c, kThreads);
+  INFO(c.description());
+  INFO(judge(c, d).said);
+  CHECK(std::string(name(d.verdict)) != "explained");
+  for (const auto& f : d.findings) CHECK(f.confidence <= 0.5);
+}
+
 TEST_CASE("Sticking counts are not called a friction that gives energy") {
   const Case c =
       draw_case({99003, Kind::rail_carriage, {"sticking_counts"}, Size::medium, Nominal::wrong, true});

@@ -66,3 +66,13 @@ TEST_CASE("Recordings are drawn whole where there are four, else blocks within t
   CHECK(blocks[6] == std::vector<std::size_t>{24});
   CHECK(blocks[7] == std::vector<std::size_t>{25, 26, 27, 28});
 }
+
+TEST_CASE("A mean is so many standard errors as its values scatter, and of one value none") {
+  // Mean 2, deviation 1, standard error 1/sqrt(3).
+  CHECK(diagnose::in_standard_errors({1.0, 2.0, 3.0}) == Approx(2.0 * std::sqrt(3.0)));
+  // All in one is 1, whatever its size.
+  CHECK(diagnose::in_standard_errors({0.0, 0.0, 7e4, 0.0}) == Approx(1.0));
+  CHECK(diagnose::in_standard_errors(std::vector<double>{5.0}) == 0.0);
+  CHECK(diagnose::in_standard_errors({0.5, 0.5, 2.0, 1.0, 2.0}, {{0, 1}, {2}, {3, 4}}) ==
+        Approx(2.0 * std::sqrt(3.0)));
+}
