@@ -7,6 +7,7 @@
 #include <functional>
 #include <string>
 
+#include "furcula/dynamics/sine_cosine.hpp"
 #include "host/gait/free_gait.hpp"
 #include "host/gait/free_law.hpp"
 #include "host/gait/stride.hpp"
@@ -58,17 +59,23 @@ struct FourierParameters {
 
 template <class S>
 class FourierLaw {
+  static constexpr std::size_t kDegree = FourierParameters<S>::kDegree;
+  using Curve = typename FourierParameters<S>::Curve;
+
  public:
-  explicit FourierLaw(const FourierParameters<S>& p, const FlightGains& gains = {}) : p_(p), gains_(gains) {}
+  explicit FourierLaw(const FourierParameters<S>& p, const FlightGains& gains = {})
+      : p_(p),
+        gains_(gains),
+        rise_{powers(p.rise_hip), powers(p.rise_knee), 1.0 / p.rise_s},
+        fall_{powers(p.fall_hip), powers(p.fall_knee), 1.0 / p.fall_s} {}
 
   Joints2<S> motors(LegPhase phase, const S& time, double, const Joints2<S>& angle,
                     const Joints2<S>& rate) const {
     if (phase == LegPhase::stance) return stance(time);
-    const bool rises = phase == LegPhase::rise;
-    const S& duration = rises ? p_.rise_s : p_.fall_s;
-    const S s = time / duration;
-    return {follow(rises ? p_.rise_hip : p_.fall_hip, s, duration, angle.hip, rate.hip),
-            follow(rises ? p_.rise_knee : p_.fall_knee, s, duration, angle.knee, rate.knee)};
+    const Way& way = phase == LegPhase::rise ? rise_ : fall_;
+    const S s = time * way.per_s;
+    return {follow(way.hip, s, way.per_s, angle.hip, rate.hip),
+            follow(way.knee, s, way.per_s, angle.knee, rate.knee)};
   }
   std::vector<double> breaks(LegPhase phase) const {
     if (phase == LegPhase::stance) return {};
@@ -81,11 +88,8 @@ class FourierLaw {
   static constexpr double kLast = 1.25;
 
   Joints2<S> stance(const S& time) const {
-    using std::cos;
-    using std::sin;
     // Multiples of the angle by the sums of angles: one sine and one cosine.
-    const S angle = p_.omega_radps * time;
-    const S s1 = sin(angle), c1 = cos(angle);
+    const auto [s1, c1] = dynamics::sine_cosine(S(p_.omega_radps * time));
     S s = s1, c = c1;
     Joints2<S> u{p_.hip.mean, p_.knee.mean};
     for (std::size_t n = 0; n < FourierParameters<S>::kOrder; ++n) {
@@ -97,28 +101,36 @@ class FourierLaw {
     }
     return u;
   }
-  S follow(const typename FourierParameters<S>::Curve& curve, const S& s, const S& duration, const S& angle,
-           const S& rate) const {
-    S wanted{}, wanted_rate{};
+  S follow(const Curve& curve, const S& s, const S& per_s, const S& angle, const S& rate) const {
     const bool holds = dynamics::value_of(s) > kLast;
-    bezier(curve, holds ? S(kLast) : s, wanted, wanted_rate);
-    S u = gains_.kp_nmprad * (wanted - angle) - gains_.kd_nmsprad * rate;
-    if (!holds) u = u + gains_.kd_nmsprad * (wanted_rate / duration);
-    return u;
+    const S at = holds ? S(kLast) : s;
+    S value = curve[kDegree], slope(0.0);
+    for (std::size_t k = kDegree; k-- > 0;) {
+      slope = slope * at + value;
+      value = value * at + curve[k];
+    }
+    const S u = gains_.kp_nmprad * (value - angle) - gains_.kd_nmsprad * rate;
+    return holds ? u : S(u + gains_.kd_nmsprad * (slope * per_s));
   }
-  /// de Casteljau's way: value and derivative by s.
-  static void bezier(const typename FourierParameters<S>::Curve& curve, const S& s, S& value, S& slope) {
-    constexpr std::size_t n = FourierParameters<S>::kDegree;
-    typename FourierParameters<S>::Curve c = curve;
-    const S rest = 1.0 - s;
-    for (std::size_t level = n; level > 1; --level)
-      for (std::size_t i = 0; i < level; ++i) c[i] = rest * c[i] + s * c[i + 1];
-    slope = static_cast<double>(n) * (c[1] - c[0]);
-    value = rest * c[0] + s * c[1];
+  /// A Bezier curve's factors of 1, s, s^2, ...
+  static Curve powers(Curve c) {
+    double ways = 1.0;
+    for (std::size_t k = 0; k <= kDegree; ++k) {
+      for (std::size_t i = kDegree; i > k; --i) c[i] = c[i] - c[i - 1];
+      c[k] = ways * c[k];
+      ways *= static_cast<double>(kDegree - k) / static_cast<double>(k + 1);
+    }
+    return c;
   }
+
+  struct Way {
+    Curve hip, knee;
+    S per_s;
+  };
 
   FourierParameters<S> p_;
   FlightGains gains_;
+  Way rise_, fall_;
 };
 
 struct FourierGait {

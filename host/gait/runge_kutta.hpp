@@ -67,14 +67,18 @@ inline constexpr Row kWeight{5.42937341165687622380535766363e-2,
                              2.01365400804030348374776537501e-1,
                              4.47106157277725905176885569043e-2};
 
+/// The state plus h times the sum of the first `count` stages.
 template <class T, std::size_t N>
-void add_stages(std::array<T, N>& sum, const std::array<std::array<T, N>, kStages>& k, const Row& by,
-                const T& h, std::size_t count) {
-  for (std::size_t j = 0; j < count; ++j) {
+std::array<T, N> moved(const std::array<T, N>& state, const std::array<std::array<T, N>, kStages>& k,
+                       const Row& by, const T& h, std::size_t count) {
+  std::array<T, N> out;
+  for (std::size_t i = 0; i < N; ++i) out[i] = by[0] * k[0][i];
+  for (std::size_t j = 1; j < count; ++j) {
     if (by[j] == 0.0) continue;
-    const T share = by[j] * h;
-    for (std::size_t i = 0; i < N; ++i) sum[i] = sum[i] + share * k[j][i];
+    for (std::size_t i = 0; i < N; ++i) out[i] = out[i] + by[j] * k[j][i];
   }
+  for (std::size_t i = 0; i < N; ++i) out[i] = state[i] + h * out[i];
+  return out;
 }
 
 }  // namespace detail
@@ -84,14 +88,9 @@ template <class T, std::size_t N, class F>
 std::array<T, N> runge_kutta_8(const T& time, const std::array<T, N>& state, const T& h, const F& f) {
   std::array<std::array<T, N>, detail::kStages> k;
   k[0] = f(time, state);
-  for (std::size_t s = 1; s < detail::kStages; ++s) {
-    std::array<T, N> at = state;
-    detail::add_stages(at, k, detail::kStage[s], h, s);
-    k[s] = f(T(time + detail::kNode[s] * h), at);
-  }
-  std::array<T, N> out = state;
-  detail::add_stages(out, k, detail::kWeight, h, detail::kStages);
-  return out;
+  for (std::size_t s = 1; s < detail::kStages; ++s)
+    k[s] = f(T(time + detail::kNode[s] * h), detail::moved(state, k, detail::kStage[s], h, s));
+  return detail::moved(state, k, detail::kWeight, h, detail::kStages);
 }
 
 }  // namespace furcula::gait

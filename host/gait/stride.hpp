@@ -70,7 +70,7 @@ struct StrideOptions {
   double longest_step_s = 4e-3;
   std::function<void(const Moment&)> moment;  ///< after every step
   double ground_m = 0.0;                      ///< height of what the toe lands on
-  bool energies = true;  ///< else the powers' kinks are not located, and the energies a little off
+  bool energies = true;  ///< else they are left at zero, and a stride takes a third of the time
   /// Times of each phase at which the toe's height and the joints' angles are kept.
   std::array<std::vector<double>, 3> samples;
 };
@@ -110,9 +110,41 @@ double crossing(double to, double last, double tolerance, const F& f) {
   return high;
 }
 
+/// The same to `tolerance` with fewer calls of `f`: from the zero of `rough`, which is nearly f, by secants.
+template <class F, class R>
+double crossing(double to, double last, double tolerance, const F& f, const R& rough) {
+  constexpr double kProbe = 1e-6;
+  double before = crossing(to, last, 1e-9, rough);
+  double at_before = f(before);
+  const double rate = (rough(before + kProbe) - rough(before - kProbe)) / (2.0 * kProbe);
+  double next = before - at_before / rate;
+  for (int round = 0; round < 5 && next >= 0.0 && next <= to; ++round) {
+    // A secant's error is about the product of the last two.
+    if (std::abs(next - before) <= std::max(tolerance, 1e-9)) return next;
+    const double at_next = f(next);
+    const double secant = (at_next - at_before) / (next - before);
+    before = next;
+    at_before = at_next;
+    next = before - at_before / secant;
+  }
+  return crossing(to, last, tolerance, f);
+}
+
+/// Between two states `h` apart with their rates, `by` after the first: Hermite's cubic.
+template <std::size_t N>
+std::array<double, N> between(const std::array<double, N>& from, const std::array<double, N>& from_rate,
+                              const std::array<double, N>& to, const std::array<double, N>& to_rate, double h,
+                              double by) {
+  const double s = by / h, r = 1.0 - s;
+  const double a = r * r * (1.0 + 2.0 * s), b = r * r * by, c = s * s * (1.0 + 2.0 * r), d = -s * r * by;
+  std::array<double, N> out;
+  for (std::size_t i = 0; i < N; ++i) out[i] = a * from[i] + b * from_rate[i] + c * to[i] + d * to_rate[i];
+  return out;
+}
+
 /// What a stride's phases have in common. `Law` has motors(phase, time, middle, angle, rate), and breaks(phase), the
 /// times at which its torques are not smooth: `middle` lies inside the step, and tells the side of a break.
-template <class T, class Law, class PlainLaw>
+template <class T, class Law, class PlainLaw, bool kEnergies>
 class StrideRun {
  public:
   StrideRun(const Machine& machine, const Law& law, const PlainLaw& plain_law, const StrideOptions& options)
@@ -130,17 +162,20 @@ class StrideRun {
     r_.whole = !r_.why[0];
     r_.apex = {s[1], s[4], {s[2], s[3]}, {s[6], s[7]}};
     r_.distance = s[0];
-    r_.electric = s[8];
-    r_.motor = s[9];
-    r_.joint = s[10];
+    if constexpr (kEnergies) {
+      r_.electric = s[8];
+      r_.motor = s[9];
+      r_.joint = s[10];
+    }
     return r_;
   }
 
  private:
+  static constexpr std::size_t kFlight = kEnergies ? 11 : 8, kStance = kEnergies ? 7 : 4;
   template <class S>
-  using Flight = std::array<S, 11>;  ///< x, y, hip, knee, their rates, three energies
+  using Flight = std::array<S, kFlight>;  ///< x, y, hip, knee, their rates, three energies
   template <class S>
-  using Stance = std::array<S, 7>;  ///< hip, knee, their rates, three energies
+  using Stance = std::array<S, kStance>;  ///< hip, knee, their rates, three energies
 
   static constexpr double kLongestPhase = 2.0, kNotCaught = 100.0;
 
@@ -182,82 +217,87 @@ class StrideRun {
   template <class S>
   struct Look {
     Joints2<S> u, rate;
-    S spring, electric_hip, electric_knee, motor, joint;
+    S spring;
     typename dynamics::LegEquations<S, double>::Motion motion;
     typename dynamics::LegEquations<S, double>::Pose pose;
   };
-  template <class S>
-  Look<S> look(LegPhase phase, const S& time, const Joints2<S>& angle, const Joints2<S>& rate) const {
+  template <class S, std::size_t N>
+  Look<S> look(LegPhase phase, const S& time, const std::array<S, N>& s) const {
+    constexpr bool kStands = N == kStance;
+    constexpr std::size_t kAngle = kStands ? 0 : 2, kRate = kStands ? 2 : 6;
+    const Joints2<S> angle{s[kAngle], s[kAngle + 1]};
     Look<S> k;
-    const bool stance = phase == LegPhase::stance;
-    k.rate = rate;
-    k.u = law<S>().motors(phase, time, middle_, angle, rate);
-    k.spring = spring<S>(stance, angle.knee);
+    k.rate = {s[kRate], s[kRate + 1]};
+    k.u = law<S>().motors(phase, time, middle_, angle, k.rate);
+    k.spring = spring<S>(kStands, angle.knee);
     const Joints2<S> torque{k.u.hip, k.u.knee + k.spring};
     k.pose = leg<S>().pose(angle);
-    k.motion = stance ? leg<S>().in_stance(k.pose, rate, torque) : leg<S>().in_flight(k.pose, rate, torque);
-    const Joints2<double> heat = m_.motors.heat();
-    k.electric_hip = electric_power(heat.hip, k.u.hip, rate.hip);
-    k.electric_knee = electric_power(heat.knee, k.u.knee, rate.knee);
-    k.motor = k.u.hip * rate.hip + k.u.knee * rate.knee;
-    k.joint = k.motor + k.spring * rate.knee;
+    k.motion =
+        kStands ? leg<S>().in_stance(k.pose, k.rate, torque) : leg<S>().in_flight(k.pose, k.rate, torque);
     return k;
+  }
+  /// Electric of hip and knee, of the motors, of motors and spring, W.
+  template <class S>
+  std::array<S, 4> powers(const Look<S>& k) const {
+    const S motor = k.u.hip * k.rate.hip + k.u.knee * k.rate.knee;
+    return {electric_power(heat_.hip, k.u.hip, k.rate.hip), electric_power(heat_.knee, k.u.knee, k.rate.knee),
+            motor, motor + k.spring * k.rate.knee};
   }
   template <class S>
   static S positive(const S& x) {
     return plain(x) > 0.0 ? x : S(0.0);
   }
 
-  template <class S>
-  Flight<S> flight_rates(LegPhase phase, const S& t, const Flight<S>& s) const {
-    const Look<S> k = look<S>(phase, t, {s[2], s[3]}, {s[6], s[7]});
-    return {s[4],
-            s[5],
-            s[6],
-            s[7],
-            k.motion.hip_acceleration.x,
-            k.motion.hip_acceleration.y,
-            k.motion.acceleration.hip,
-            k.motion.acceleration.knee,
-            positive<S>(k.electric_hip) + positive<S>(k.electric_knee),
-            positive<S>(k.motor),
-            positive<S>(k.joint)};
-  }
-  template <class S>
-  Stance<S> stance_rates(const S& t, const Stance<S>& s) const {
-    const Look<S> k = look<S>(LegPhase::stance, t, {s[0], s[1]}, {s[2], s[3]});
-    return {s[2],
-            s[3],
-            k.motion.acceleration.hip,
-            k.motion.acceleration.knee,
-            positive<S>(k.electric_hip) + positive<S>(k.electric_knee),
-            positive<S>(k.motor),
-            positive<S>(k.joint)};
+  template <class S, std::size_t N>
+  std::array<S, N> rates(LegPhase phase, const S& t, const std::array<S, N>& s) const {
+    const Look<S> k = look<S>(phase, t, s);
+    std::array<S, N> out;
+    constexpr std::size_t kMoves = N == kStance ? 4 : 8;
+    if constexpr (N == kStance)
+      std::ranges::copy(std::array<S, 4>{s[2], s[3], k.motion.acceleration.hip, k.motion.acceleration.knee},
+                        out.begin());
+    else
+      std::ranges::copy(
+          std::array<S, 8>{s[4], s[5], s[6], s[7], k.motion.hip_acceleration.x, k.motion.hip_acceleration.y,
+                           k.motion.acceleration.hip, k.motion.acceleration.knee},
+          out.begin());
+    if constexpr (kEnergies) {
+      const auto p = powers<S>(k);
+      out[kMoves] = positive<S>(p[0]) + positive<S>(p[1]);
+      out[kMoves + 1] = positive<S>(p[2]);
+      out[kMoves + 2] = positive<S>(p[3]);
+    }
+    return out;
   }
 
   /// What may change its sign: the events first, then kinks.
-  static constexpr std::size_t kWatched = 7;
-  template <class S>
-  std::array<S, kWatched> watched(LegPhase phase, const S& t, const Flight<S>& s) const {
-    const Look<S> k = look<S>(phase, t, {s[2], s[3]}, {s[6], s[7]});
-    const S toe = s[1] + leg<S>().toe(k.pose).y - o_.ground_m;
-    const S toe_speed = s[5] + leg<S>().toe_velocity(k.pose, k.rate).y;
-    const S kink = m_.spring == LegSpring::parallel ? S(s[3] - m_.leg.rest_angle_rad) : S(1.0);
-    const S end = phase == LegPhase::rise ? s[5] : toe;
-    return {end, toe_speed, kink, k.electric_hip, k.electric_knee, k.motor, k.joint};
-  }
-  template <class S>
-  std::array<S, kWatched> watched(LegPhase phase, const S& t, const Stance<S>& s) const {
-    const Look<S> k = look<S>(phase, t, {s[0], s[1]}, {s[2], s[3]});
-    S kink(1.0);
-    if (m_.spring == LegSpring::parallel) kink = s[1] - m_.leg.rest_angle_rad;
-    if (m_.spring == LegSpring::switched || o_.lift_off == LegLiftOff::knee) {
-      if constexpr (std::is_same_v<S, double>)
-        kink = s[1] - plain(rest_);
-      else
-        kink = s[1] - rest_;
+  static constexpr std::size_t kWatched = kEnergies ? 7 : 3;
+  template <class S, std::size_t N>
+  std::array<S, kWatched> watched(LegPhase phase, const std::array<S, N>& s, const Look<S>& k) const {
+    std::array<S, kWatched> out;
+    if constexpr (N == kStance) {
+      S kink(1.0);
+      if (m_.spring == LegSpring::parallel) kink = s[1] - m_.leg.rest_angle_rad;
+      if (m_.spring == LegSpring::switched || o_.lift_off == LegLiftOff::knee) {
+        if constexpr (std::is_same_v<S, double>)
+          kink = s[1] - plain(rest_);
+        else
+          kink = s[1] - rest_;
+      }
+      out[0] = k.motion.ground_force.y;
+      out[1] = S(1.0);
+      out[2] = kink;
+    } else {
+      out[0] = phase == LegPhase::rise ? s[5] : S(s[1] + leg<S>().toe(k.pose).y - o_.ground_m);
+      out[1] = s[5] + leg<S>().toe_velocity(k.pose, k.rate).y;
+      out[2] = m_.spring == LegSpring::parallel ? S(s[3] - m_.leg.rest_angle_rad) : S(1.0);
     }
-    return {k.motion.ground_force.y, S(1.0), kink, k.electric_hip, k.electric_knee, k.motor, k.joint};
+    if constexpr (kEnergies) std::ranges::copy(powers<S>(k), out.begin() + 3);
+    return out;
+  }
+  template <class S, std::size_t N>
+  std::array<S, kWatched> watched(LegPhase phase, const S& t, const std::array<S, N>& s) const {
+    return watched<S>(phase, s, look<S>(phase, t, s));
   }
 
   template <std::size_t N>
@@ -269,30 +309,27 @@ class StrideRun {
 
   template <class S, std::size_t N>
   std::array<S, N> after(LegPhase phase, double t, const std::array<S, N>& s, const S& h) const {
-    return runge_kutta_8<S, N>(S(t), s, h, [&](const S& at, const std::array<S, N>& x) {
-      if constexpr (N == 7)
-        return stance_rates<S>(at, x);
-      else
-        return flight_rates<S>(phase, at, x);
-    });
+    return runge_kutta_8<S, N>(
+        S(t), s, h, [&](const S& at, const std::array<S, N>& x) { return rates<S>(phase, at, x); });
   }
 
   /// Runs a phase to its end; returns its duration.
   template <std::size_t N>
   T run_phase(LegPhase phase, std::array<T, N>& state) {
-    constexpr bool kStance = N == 7;
+    constexpr bool kStands = N == kStance;
     std::vector<double> breaks = plain_.breaks(phase);
     const std::vector<double>& samples = o_.samples[static_cast<std::size_t>(phase)];
     std::size_t sampled = 0;
     breaks.insert(breaks.end(), samples.begin(), samples.end());
-    const double caught_s = kStance && m_.spring == LegSpring::switched ? m_.catching.delay_s : 0.0;
+    const double caught_s = kStands && m_.spring == LegSpring::switched ? m_.catching.delay_s : 0.0;
     if (caught_s > 0.0) breaks.push_back(caught_s);
     std::sort(breaks.begin(), breaks.end());
     std::size_t next = 0;
     double t = 0.0;
     std::array<int, kWatched> side{};
     middle_ = 0.5 * (breaks.empty() ? o_.longest_step_s : breaks.front());
-    note(phase, t, plain_state(state), side, kWatched);
+    const std::array<double, N> begin = plain_state(state);
+    note(phase, t, begin, look<double>(phase, t, begin), side, kWatched);
     while (t < kLongestPhase) {
       while (next < breaks.size() && breaks[next] <= t + 1e-12) ++next;
       double h = o_.longest_step_s;
@@ -300,20 +337,29 @@ class StrideRun {
       middle_ = t + 0.5 * h;
       const std::array<double, N> from = plain_state(state);
       std::array<double, N> to = after<double>(phase, t, from, h);
-      auto values = watched<double>(phase, t + h, to);
+      Look<double> there = look<double>(phase, t + h, to);
+      auto values = watched<double>(phase, to, there);
       std::size_t which = kWatched;
-      for (std::size_t w = 0; w < (o_.energies ? kWatched : 3); ++w) {
+      for (std::size_t w = 0; w < kWatched; ++w) {
         if (side[w] == 0 || !(values[w] * side[w] < 0.0)) continue;
         const double sign = side[w];
+        const auto from_rate = rates<double>(phase, t, from), to_rate = rates<double>(phase, t + h, to);
+        const auto rough = [&](double by) {
+          return sign * watched<double>(phase, t + by, between(from, from_rate, to, to_rate, h, by))[w];
+        };
         // A kink that is a little off costs its square; an event is where it is.
-        h = crossing(h, sign * values[w], w < 3 ? 1e-14 : 1e-8, [&](double by) {
-          return sign * watched<double>(phase, t + by, after<double>(phase, t, from, by))[w];
-        });
+        h = crossing(
+            h, sign * values[w], w < 3 ? 1e-14 : 1e-8,
+            [&](double by) {
+              return sign * watched<double>(phase, t + by, after<double>(phase, t, from, by))[w];
+            },
+            rough);
         which = w;
         to = after<double>(phase, t, from, h);
-        values = watched<double>(phase, t + h, to);
+        there = look<double>(phase, t + h, to);
+        values = watched<double>(phase, to, there);
       }
-      const bool ends = which == 0 || (which == 2 && kStance && o_.lift_off == LegLiftOff::knee);
+      const bool ends = which == 0 || (which == 2 && kStands && o_.lift_off == LegLiftOff::knee);
       T length(h);
       if constexpr (std::is_same_v<T, double>) {
         state = to;
@@ -334,32 +380,32 @@ class StrideRun {
         }
       }
       if (which < kWatched) side[which] = -side[which];
-      if constexpr (!kStance)
+      if constexpr (!kStands)
         if (which == 1 && side[1] < 0) {
           const T toe = toe_height<T>(state);
           if (plain(toe) > plain(r_.highest_toe)) r_.highest_toe = toe;
         }
       t += h;
-      if constexpr (kStance)
+      if constexpr (kStands)
         if (caught_s > 0.0 && std::abs(t - caught_s) < 1e-12 && plain(rest_) == kNotCaught)
           rest_ = state[1] + m_.catching.lost_rad;
       for (; sampled < samples.size() && samples[sampled] <= t + 1e-12; ++sampled) {
         Sample<T> sample;
-        if constexpr (kStance)
+        if constexpr (kStands)
           sample.angle = {state[0], state[1]};
         else
           sample = {toe_height<T>(state), {state[2], state[3]}};
         r_.samples[static_cast<std::size_t>(phase)].push_back(sample);
       }
-      note(phase, t, to, side, which);
+      note(phase, t, to, there, side, which);
       if (ends) return T(t - h) + length;
-      if constexpr (!kStance)
+      if constexpr (!kStands)
         if (phase == LegPhase::rise && t > 1e-3 && toe_height<double>(to) < -1e-7) {
           r_.why = "the toe comes down before the apex";
           return T(t);
         }
     }
-    r_.why = kStance ? "the stance does not end" : "the flight does not end";
+    r_.why = kStands ? "the stance does not end" : "the flight does not end";
     return T(t);
   }
 
@@ -368,7 +414,7 @@ class StrideRun {
     return s[1] + leg<S>().toe(leg<S>().pose({s[2], s[3]})).y - o_.ground_m;
   }
 
-  T fly(LegPhase phase, Flight<T>& s) { return run_phase<11>(phase, s); }
+  T fly(LegPhase phase, Flight<T>& s) { return run_phase<kFlight>(phase, s); }
 
   void land_and_leave(Flight<T>& s) {
     const Joints2<T> angle{s[2], s[3]}, rate{s[6], s[7]};
@@ -384,25 +430,19 @@ class StrideRun {
     rest_ = m_.catching.delay_s > 0.0 ? T(kNotCaught) : T(angle.knee + m_.catching.lost_rad);
     const auto toe = leg_.toe(pose);
     toe_at_ = {s[0] + toe.x, s[1] + toe.y};
-    Stance<T> p{angle.hip, angle.knee, impact.rate.hip, impact.rate.knee, s[8], s[9], s[10]};
+    Stance<T> p{angle.hip, angle.knee, impact.rate.hip, impact.rate.knee};
+    std::copy(s.begin() + 8, s.end(), p.begin() + 4);
     if (r_.why[0]) return;
-    r_.stance = run_phase<7>(LegPhase::stance, p);
+    r_.stance = run_phase<kStance>(LegPhase::stance, p);
     const auto after_pose = leg_.pose({p[0], p[1]});
     const auto off = leg_.toe(after_pose);
     const auto velocity = leg_.pinned_hip_velocity(after_pose, {p[2], p[3]});
-    s = {toe_at_.x - off.x,
-         toe_at_.y - off.y,
-         p[0],
-         p[1],
-         velocity.x,
-         velocity.y,
-         p[2],
-         p[3],
-         p[4],
-         p[5],
-         p[6]};
+    std::ranges::copy(std::array<T, 8>{toe_at_.x - off.x, toe_at_.y - off.y, p[0], p[1], velocity.x,
+                                       velocity.y, p[2], p[3]},
+                      s.begin());
+    std::copy(p.begin() + 4, p.end(), s.begin() + 8);
     // Where the knee ends the stance the toe leaves the ground only by what the motors do next.
-    const auto k = look<double>(LegPhase::rise, 0.0, {plain(s[2]), plain(s[3])}, {plain(s[6]), plain(s[7])});
+    const auto k = look<double>(LegPhase::rise, 0.0, plain_state(s));
     const double shank = plain(s[6]) + plain(s[7]);
     r_.toe_acceleration_mps2 = k.motion.hip_acceleration.y +
                                dynamics::LegEquations<double>::dot(k.pose.toe_y, k.motion.acceleration) +
@@ -412,21 +452,20 @@ class StrideRun {
 
   /// Keeps the sides on which the watched values are, and the extremes that are asked for.
   template <std::size_t N>
-  void note(LegPhase phase, double t, const std::array<double, N>& s, std::array<int, kWatched>& side,
-            std::size_t crossed) {
-    const auto values = watched<double>(phase, t, s);
+  void note(LegPhase phase, double t, const std::array<double, N>& s, const Look<double>& k,
+            std::array<int, kWatched>& side, std::size_t crossed) {
+    const auto values = watched<double>(phase, s, k);
     for (std::size_t w = 0; w < kWatched; ++w)
       if (w != crossed && std::abs(values[w]) > 1e-9) side[w] = values[w] > 0.0 ? 1 : -1;
     // The end of a phase is its margin's way down; what begins below has to rise first.
     if (side[0] < 0) side[0] = 0;
-    constexpr bool kStance = N == 7;
-    const Joints2<double> angle = kStance ? Joints2<double>{s[0], s[1]} : Joints2<double>{s[2], s[3]};
-    const Joints2<double> rate = kStance ? Joints2<double>{s[2], s[3]} : Joints2<double>{s[6], s[7]};
-    const Look<double> k = look<double>(phase, t, angle, rate);
+    constexpr bool kStands = N == kStance;
+    const Joints2<double> angle = kStands ? Joints2<double>{s[0], s[1]} : Joints2<double>{s[2], s[3]};
+    const Joints2<double>& rate = k.rate;
     const Vec2<double> toe = plain_leg_.toe(k.pose), force = k.motion.ground_force;
     Vec2<double> hip{plain(toe_at_.x) - toe.x, plain(toe_at_.y) - toe.y};
     Vec2<double> velocity = plain_leg_.pinned_hip_velocity(k.pose, rate);
-    if constexpr (kStance) {
+    if constexpr (kStands) {
       r_.least_force_n = std::min(r_.least_force_n, force.y);
       if (force.y > 20.0) r_.friction = std::max(r_.friction, std::abs(force.x / force.y));
     } else {
@@ -469,6 +508,7 @@ class StrideRun {
   const StrideOptions& o_;
   dynamics::LegEquations<T, double> leg_;
   dynamics::LegEquations<double, double> plain_leg_;
+  Joints2<double> heat_ = m_.motors.heat();
   T rest_{};
   double middle_ = 0.0;
   int pulls_ = 0;  ///< of the step: the spring pulls (1), or not (-1)
@@ -482,7 +522,9 @@ class StrideRun {
 template <class T, class Law, class PlainLaw>
 StrideEnd<T> run_stride(const Machine& machine, const Law& law, const PlainLaw& plain, const Apex<T>& start,
                         const StrideOptions& options) {
-  return detail::StrideRun<T, Law, PlainLaw>(machine, law, plain, options).run(start);
+  if (options.energies)
+    return detail::StrideRun<T, Law, PlainLaw, true>(machine, law, plain, options).run(start);
+  return detail::StrideRun<T, Law, PlainLaw, false>(machine, law, plain, options).run(start);
 }
 
 }  // namespace furcula::gait

@@ -10,6 +10,7 @@
 #include <string_view>
 
 #include "furcula/dynamics/scalar.hpp"
+#include "furcula/dynamics/sine_cosine.hpp"
 
 namespace furcula::dynamics {
 
@@ -82,13 +83,12 @@ class LegEquations {
   };
 
   Pose pose(const Joints2<T>& angle) const {
-    using std::cos;
-    using std::sin;
+    const SineCosine<T> hip = sine_cosine(angle.hip), knee = sine_cosine(angle.knee);
     Pose o;
-    o.sin_hip = sin(angle.hip);
-    o.cos_hip = cos(angle.hip);
-    o.sin_knee = sin(angle.knee);
-    o.cos_knee = cos(angle.knee);
+    o.sin_hip = hip.sine;
+    o.cos_hip = hip.cosine;
+    o.sin_knee = knee.sine;
+    o.cos_knee = knee.cosine;
     o.sin_shank = o.sin_hip * o.cos_knee + o.cos_hip * o.sin_knee;
     o.cos_shank = o.cos_hip * o.cos_knee - o.sin_hip * o.sin_knee;
     o.along_x.knee = b_ * o.cos_shank;
