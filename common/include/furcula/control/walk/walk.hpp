@@ -1,0 +1,314 @@
+// The walk of a biped with position-controlled joints: SIMBICON (Yin, Loken, van de Panne 2007) with a start and a stop, as a pure step
+// from what the board measures to the drives' targets.
+//
+//   target = from + (to - from) min(1, t / blend) + clamp(feedback, +-0.3 rad)        from: the last one, without feedback
+//
+//   start  sways to the left foot
+//   up     the swing foot comes up, for a time                                     -> down
+//   down   until the swing foot carries, after 30 ms at the earliest, or a time     -> up on the other foot; -> stop after walk_until_s
+//   stop   the posture, held by the ankles
+//
+// Feedback (000 section III has the law, walk_parameters.hpp the gains): of the centre of mass against the stance foot's ankle, from joints, gyro
+// and attitude. One code for a robot in float or double and for many in lanes.
+#pragma once
+
+#include <cstdint>
+
+#include "furcula/control/walk/attitude_filter.hpp"
+#include "furcula/control/walk/walk_parameters.hpp"
+#include "furcula/control/walk/walker_pose.hpp"
+
+namespace furcula::control {
+
+enum class WalkPhase : std::uint8_t { start, up, down, stop };
+
+/// What a board measures in a tick.
+template <class T>
+struct WalkSample {
+  dynamics::biped::Joints<T> q_rad, qd_radps;
+  Vec3<T> gyro_radps;
+  Quaternion<T> attitude;         ///< of the pelvis to the level
+  T left_carries, right_carries;  ///< 1 where the foot is on the ground (FootSwitch), else 0
+};
+
+template <class T>
+struct WalkConfig {
+  using V = dynamics::ValueOf<T>;
+
+  WalkParameters<T> walk;
+  dynamics::biped::Parameters<T> body;
+  T inverse_mass_1pkg{};
+  V walk_until_s = V(5);      ///< the first foot that lands after it is the last
+  V lands_after_s = V(0.03);  ///< a foot that has just begun to come down is not asked whether it carries
+  V feedback_most_rad = V(0.3);
+
+  WalkConfig() = default;
+  WalkConfig(const WalkParameters<T>& parameters, const dynamics::biped::Parameters<T>& of)
+      : walk(parameters), body(of) {
+    using namespace dynamics::biped;
+    T mass = of.pelvis.mass_kg;
+    for (const std::size_t side : {kLeft, kRight})
+      for (std::size_t j = 0; j < kLegJoints; ++j) mass += of.link(side, j).mass_kg;
+    inverse_mass_1pkg = V(1) / mass;
+  }
+};
+
+namespace detail {
+
+/// Lanes of a number; a plain one is one lane.
+template <class T>
+constexpr std::size_t lanes_in() {
+  if constexpr (requires { T::kLanes; })
+    return T::kLanes;
+  else
+    return 1;
+}
+template <class T>
+FURCULA_INLINE dynamics::ValueOf<T> lane_of(const T& x, std::size_t lane) {
+  if constexpr (requires { T::kLanes; })
+    return x[lane];
+  else
+    return x;
+}
+template <class T>
+FURCULA_INLINE void set_lane(T& x, std::size_t lane, dynamics::ValueOf<T> value) {
+  if constexpr (requires { T::kLanes; })
+    x.set(lane, value);
+  else
+    x = value;
+}
+
+}  // namespace detail
+
+template <class T>
+struct WalkState {
+  using V = dynamics::ValueOf<T>;
+  static constexpr std::size_t kRobots = detail::lanes_in<T>();
+
+  std::array<WalkPhase, kRobots> phase{};
+  std::array<bool, kRobots> on_left{};
+  std::array<std::uint32_t, kRobots> steps{};  ///< landings so far
+  T total_s{}, since_s{};                      ///< of all; of the phase
+  T inverse_blend_1ps{}, end_s{};              ///< of the phase
+  T left{}, walks{}, stops{}, lands{};  ///< 1 or 0: stance on the left, in up or down, in stop, in down
+  dynamics::biped::Joints<T> from_rad, change_rad;
+};
+
+namespace detail {
+
+/// Targets of one robot in plain numbers, a leg's as its joints come: what the parameters say of a phase.
+template <class V>
+using LegAngles = std::array<V, dynamics::biped::kLegJoints>;
+
+template <class V>
+LegAngles<V> leg_angles(const WalkParameters<V>& w, const LegTargets<V>& beside, std::size_t side) {
+  const V outwards = side == dynamics::biped::kLeft ? V(1) : V(-1);
+  return {V(0),
+          outwards * beside.hip_roll,
+          w.hip_rad - V(0.5) * w.knee_rad + beside.hip_pitch,
+          w.knee_rad + beside.knee,
+          w.ankle_rad - V(0.5) * w.knee_rad + beside.ankle_pitch,
+          outwards * beside.ankle_roll};
+}
+/// Of the leg on `side`, that stands if the stance is on it.
+template <class V>
+LegAngles<V> wanted(const WalkParameters<V>& w, WalkPhase phase, bool on_left, std::size_t side) {
+  const bool stands = on_left == (side == dynamics::biped::kLeft);
+  switch (phase) {
+    case WalkPhase::start: {
+      // The pelvis over the left foot: the left leg leans in, the right one out.
+      const V out = side == dynamics::biped::kLeft ? -w.sway_rad : w.sway_rad;
+      return leg_angles(w, {V(0), V(0), -w.lean_rad, out, -out}, side);
+    }
+    case WalkPhase::up:
+      return leg_angles(w, stands ? w.up_stance : w.up_swing, side);
+    case WalkPhase::down:
+      return leg_angles(w, stands ? w.down_stance : w.down_swing, side);
+    case WalkPhase::stop:
+      break;
+  }
+  return leg_angles(w, {}, side);
+}
+
+template <class T>
+WalkParameters<dynamics::ValueOf<T>> parameters_of(const WalkParameters<T>& w, std::size_t lane) {
+  std::array<dynamics::ValueOf<T>, WalkParameters<T>::kCount> out;
+  const auto values = w.values();
+  for (std::size_t i = 0; i < values.size(); ++i) out[i] = lane_of(values[i], lane);
+  return WalkParameters<dynamics::ValueOf<T>>::of(out);
+}
+
+/// How far the targets' blend is, 0 to 1.
+template <class T>
+FURCULA_INLINE T blended(const WalkState<T>& s) {
+  return dynamics::smaller(T(s.since_s * s.inverse_blend_1ps), T(dynamics::ValueOf<T>(1)));
+}
+
+/// Robot `lane` enters a phase; its targets set out from where they are.
+template <class T>
+void enter(const WalkConfig<T>& c, WalkPhase phase, bool on_left, std::size_t lane, WalkState<T>& s) {
+  using namespace dynamics::biped;
+  using V = dynamics::ValueOf<T>;
+  const auto w = parameters_of(c.walk, lane);
+  const V share = lane_of(blended(s), lane);
+  for (const std::size_t side : {kLeft, kRight}) {
+    const LegAngles<V> to = wanted(w, phase, on_left, side);
+    for (std::size_t j = 0; j < kLegJoints; ++j) {
+      const std::size_t i = side * kLegJoints + j;
+      T from = joint<T>(s.from_rad, i), change = joint<T>(s.change_rad, i);
+      const V here = lane_of(from, lane) + lane_of(change, lane) * share;
+      set_lane(from, lane, here);
+      set_lane(change, lane, to[j] - here);
+      set_joint<T>(s.from_rad, i, from);
+      set_joint<T>(s.change_rad, i, change);
+    }
+  }
+  V blend = w.start_s, end = w.start_s;
+  if (phase == WalkPhase::up) blend = w.up_blend_s, end = w.up_s;
+  if (phase == WalkPhase::down) blend = w.down_blend_s, end = w.down_s;
+  if (phase == WalkPhase::stop) blend = w.stop_blend_s, end = V(1e9);
+  s.phase[lane] = phase;
+  s.on_left[lane] = on_left;
+  set_lane(s.since_s, lane, V(0));
+  set_lane(s.inverse_blend_1ps, lane, V(1) / blend);
+  set_lane(s.end_s, lane, end);
+  set_lane(s.left, lane, on_left ? V(1) : V(0));
+  set_lane(s.walks, lane, phase == WalkPhase::up || phase == WalkPhase::down ? V(1) : V(0));
+  set_lane(s.lands, lane, phase == WalkPhase::down ? V(1) : V(0));
+  set_lane(s.stops, lane, phase == WalkPhase::stop ? V(1) : V(0));
+}
+
+/// The phase of robot `lane` has ended.
+template <class T>
+void go_on(const WalkConfig<T>& c, std::size_t lane, WalkState<T>& s) {
+  const bool on_left = s.on_left[lane];
+  switch (s.phase[lane]) {
+    case WalkPhase::start:
+      enter(c, WalkPhase::up, true, lane, s);
+      break;
+    case WalkPhase::up:
+      enter(c, WalkPhase::down, on_left, lane, s);
+      break;
+    case WalkPhase::down:
+      ++s.steps[lane];
+      enter(c, lane_of(s.total_s, lane) > c.walk_until_s ? WalkPhase::stop : WalkPhase::up, !on_left, lane,
+            s);
+      break;
+    case WalkPhase::stop:
+      break;
+  }
+}
+
+}  // namespace detail
+
+/// Robot `lane` stands in its posture and begins to sway.
+template <class T>
+void begin_walk(const WalkConfig<T>& c, std::size_t lane, WalkState<T>& s) {
+  using namespace dynamics::biped;
+  using V = dynamics::ValueOf<T>;
+  const auto w = detail::parameters_of(c.walk, lane);
+  for (const std::size_t side : {kLeft, kRight}) {
+    const auto posture = detail::wanted(w, WalkPhase::stop, true, side);
+    for (std::size_t j = 0; j < kLegJoints; ++j) {
+      const std::size_t i = side * kLegJoints + j;
+      T from = joint<T>(s.from_rad, i), change = joint<T>(s.change_rad, i);
+      detail::set_lane(from, lane, posture[j]);
+      detail::set_lane(change, lane, V(0));
+      set_joint<T>(s.from_rad, i, from);
+      set_joint<T>(s.change_rad, i, change);
+    }
+  }
+  detail::set_lane(s.total_s, lane, V(0));
+  s.steps[lane] = 0;
+  detail::enter(c, WalkPhase::start, true, lane, s);
+}
+template <class T>
+WalkState<T> begin_walk(const WalkConfig<T>& c) {
+  WalkState<T> s{};
+  for (std::size_t lane = 0; lane < WalkState<T>::kRobots; ++lane) begin_walk(c, lane, s);
+  return s;
+}
+
+template <class T>
+struct WalkOutputs {
+  dynamics::biped::Joints<T> target_rad;  ///< of the drives
+  Balance<T> balance;  ///< about the stance foot's ankle; in `stop` about the middle of the feet
+  Vec3<T> apart_m;     ///< the left ankle from the right one, in the pelvis frame's axes
+};
+
+/// One tick, `dt_s` after the last.
+template <class T>
+FURCULA_INLINE void step_walk(const WalkConfig<T>& c, const WalkSample<T>& in, dynamics::ValueOf<T> dt_s,
+                              WalkState<T>& s, WalkOutputs<T>& out) {
+  using namespace dynamics::biped;
+  using dynamics::clamped;
+  using dynamics::select;
+  using L = LegScalar<T>;
+  using V = dynamics::ValueOf<T>;
+  const T zero = T(V(0)), one = T(V(1));
+
+  s.total_s += T(dt_s);
+  s.since_s += T(dt_s);
+  const T swing_carries = select(s.left > V(0.5), in.right_carries, in.left_carries);
+  const T landed = select(s.since_s > c.lands_after_s, T(s.lands * swing_carries), zero);
+  const auto over = select(landed > V(0.5), zero, s.end_s) < s.since_s;
+  if (dynamics::any(over)) {
+    const T ends = select(over, one, zero);
+    for (std::size_t lane = 0; lane < WalkState<T>::kRobots; ++lane)
+      if (detail::lane_of(ends, lane) > V(0.5)) detail::go_on(c, lane, s);
+  }
+
+  PerLeg<T, LegPose<L>> legs;
+  leg_poses(c.body, in.q_rad, in.qd_radps, legs);
+  // About the stance ankle in a walk, about the middle of the feet after it.
+  const T middle = V(0.5) * s.stops, left = select(s.stops > V(0.5), middle, s.left), right = one - left;
+  out.balance = balance(c.body, c.inverse_mass_1pkg, legs, in.attitude, in.gyro_radps, left, right);
+  out.apart_m = ankles_apart<T>(legs);
+  const Balance<T>& b = out.balance;
+  const auto& g = c.walk.gains;
+  const T swings_left = one - V(2) * s.left;  // the swing leg's side
+  const T d = b.forward_m, v = b.forward_mps, y = swings_left * b.left_m - c.walk.side_m,
+          vy = swings_left * b.left_mps;
+  const auto walking = [&](const T& of) { return s.walks * clamped(of, T(c.feedback_most_rad)); };
+  const T swing_hip_pitch = walking(T(-(g[0] * d + g[1] * v)));
+  const T swing_hip_roll = walking(T(g[4] * y + g[5] * vy));
+  const T stands =
+      s.stops * clamped(T(c.walk.stop_d_radpm * d + c.walk.stop_v_radspm * v), T(c.feedback_most_rad));
+  const T stance_ankle_pitch = walking(T(g[2] * d + g[3] * v)) + stands;
+  const T stance_ankle_roll = walking(T(g[6] * y + g[7] * vy));
+  const T stance_hip_pitch = walking(T(g[8] * d + g[9] * v));
+  const T stance_hip_roll = walking(T(g[10] * y + g[11] * vy));
+
+  const L share = L(detail::blended(s));
+  for (std::size_t pass = 0; pass < Legs<T>::kPasses; ++pass)
+    for (std::size_t j = 0; j < kLegJoints; ++j)
+      out.target_rad[pass][j] = s.from_rad[pass][j] + s.change_rad[pass][j] * share;
+  const auto on_left = s.left > V(0.5);
+  const auto add = [&](std::size_t j, const T& on_stance, const T& on_swing, V right_leg) {
+    const T to_left = select(on_left, on_stance, on_swing),
+            to_right = select(on_left, on_swing, on_stance) * right_leg;
+    set_joint<T>(out.target_rad, j, T(joint<T>(out.target_rad, j) + to_left));
+    set_joint<T>(out.target_rad, kLegJoints + j, T(joint<T>(out.target_rad, kLegJoints + j) + to_right));
+  };
+  add(kHipRoll, stance_hip_roll, swing_hip_roll, V(-1));
+  add(kHipPitch, stance_hip_pitch, swing_hip_pitch, V(1));
+  add(kAnklePitch, stance_ankle_pitch, stands, V(1));
+  add(kAnkleRoll, stance_ankle_roll, zero, V(-1));
+}
+
+/// A foot's switch: on at once above the threshold, off after 10 ms below half of it.
+template <class T>
+struct FootSwitch {
+  T carries{};  ///< 1 or 0
+  T below_s{};
+
+  FURCULA_INLINE void step(const T& normal_n, dynamics::ValueOf<T> threshold_n, dynamics::ValueOf<T> dt_s) {
+    using V = dynamics::ValueOf<T>;
+    using dynamics::select;
+    const T zero = T(V(0)), one = T(V(1));
+    below_s = select(normal_n < T(V(0.5) * threshold_n), T(below_s + dt_s), zero);
+    carries = select(normal_n > threshold_n, one, select(below_s > V(0.0095), zero, carries));
+  }
+};
+
+}  // namespace furcula::control
