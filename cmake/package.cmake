@@ -1,7 +1,13 @@
 # `cpack -G DEB` (scripts/package): one Debian package with the program, furculad and its service, the header-only core and the pages.
 # What is not the core is installed for the package only: `cmake --install` alone still needs neither program.
 include(GNUInstallDirs)
+set_target_properties(furcula_program PROPERTIES INSTALL_RPATH "$ORIGIN/../lib/furcula")
 install(TARGETS furcula_program RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT program EXCLUDE_FROM_ALL)
+install(TARGETS furcula_walk_lanes LIBRARY DESTINATION lib/furcula COMPONENT program EXCLUDE_FROM_ALL)
+if(TARGET furcula_walk_lanes_v3)
+  install(TARGETS furcula_walk_lanes_v3 LIBRARY DESTINATION lib/furcula/glibc-hwcaps/x86-64-v3 COMPONENT program EXCLUDE_FROM_ALL)
+endif()
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/models DESTINATION ${CMAKE_INSTALL_DATADIR}/furcula COMPONENT program EXCLUDE_FROM_ALL)
 if(TARGET furculad)
   install(TARGETS furculad RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT program EXCLUDE_FROM_ALL)
   # The service starts the package's program.
@@ -32,6 +38,7 @@ set(CPACK_COMPONENTS_GROUPING ALL_COMPONENTS_IN_ONE)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS ${PROJECT_BINARY_DIR}/lib/furcula)
 set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
 if(TARGET furculad)
   file(WRITE ${PROJECT_BINARY_DIR}/package/conffiles "/etc/furcula/furculad.toml\n")

@@ -33,5 +33,6 @@ void add_request_command(CLI::App& app);
 void add_serve_command(CLI::App& app);
 void add_safety_command(CLI::App& app);
 void add_rig_command(CLI::App& app);
+void add_walk_command(CLI::App& app);
 
 }  // namespace furcula::cli

@@ -9,6 +9,7 @@ void furcula::cli::add_commands(CLI::App& app) {
   add_energy_command(app);
   add_gait_command(app);
   add_gait_study_command(app);
+  add_walk_command(app);
   add_reproduce_command(app);
   add_monitor_command(app);
   add_param_command(app);

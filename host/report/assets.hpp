@@ -12,5 +12,6 @@ extern const std::string_view page_style;        ///< assets/report.css
 extern const std::string_view page_script;       ///< assets/report.js
 extern const std::string_view robot_script;      ///< assets/robot.js
 extern const std::string_view leg_script;        ///< assets/leg.js
+extern const std::string_view walk_script;       ///< assets/walk.js
 
 }  // namespace furcula::report::assets

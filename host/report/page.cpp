@@ -51,18 +51,16 @@ std::string render(const Page& page) {
     out += assets::page_script;
     out += "</script>\n";
   }
-  if (!page.robot_json.empty()) {
-    out += "<script type=\"application/json\" id=\"robot-data\">" + inside_script(page.robot_json) +
+  const auto drawn = [&](const std::string& json, const char* id, std::string_view script) {
+    if (json.empty()) return;
+    out += "<script type=\"application/json\" id=\"" + std::string(id) + "\">" + inside_script(json) +
            "</script>\n<script>\n";
-    out += assets::robot_script;
+    out += script;
     out += "</script>\n";
-  }
-  if (!page.leg_json.empty()) {
-    out += "<script type=\"application/json\" id=\"leg-data\">" + inside_script(page.leg_json) +
-           "</script>\n<script>\n";
-    out += assets::leg_script;
-    out += "</script>\n";
-  }
+  };
+  drawn(page.robot_json, "robot-data", assets::robot_script);
+  drawn(page.leg_json, "leg-data", assets::leg_script);
+  drawn(page.walk_json, "walk-data", assets::walk_script);
   return out + "</body>\n</html>\n";
 }
 

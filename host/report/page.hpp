@@ -20,6 +20,8 @@ struct Page {
   std::string robot_json = {};
   /// What leg_script draws (host/gait/gait_report.cpp); empty: no leg, and not its script.
   std::string leg_json = {};
+  /// What walk_script draws (host/walk/walk_report.cpp); empty: no biped, and not its script.
+  std::string walk_json = {};
 };
 
 /// The whole HTML file: style, script and data embedded; its content policy forbids any request.

@@ -1,0 +1,215 @@
+// `furcula walk`: walks of the biped, found without a first guess, and simulated.
+#include <cmath>
+#include <cstdio>
+#include <memory>
+#include <optional>
+#include <string>
+#include <thread>
+
+#include "host/cli/commands.hpp"
+#include "host/cli/errors.hpp"
+#include "host/cli/progress.hpp"
+#include "host/cli/recordings.hpp"
+#include "host/core/atomic_file.hpp"
+#include "host/core/message.hpp"
+#include "host/log/writer.hpp"
+#include "host/walk/simulation.hpp"
+#include "host/walk/walk_file.hpp"
+#include "host/walk/walk_report.hpp"
+
+namespace furcula::cli {
+namespace {
+
+struct WalkOptions {
+  std::string model, out, mode, method = "cmaes", walk;
+  std::optional<double> seconds;
+  std::optional<std::uint64_t> steps, sensor_seed;
+  double rate_hz = 100.0;
+  unsigned threads = 0;
+  std::uint64_t seed = 1;
+
+  unsigned thread_count() const {
+    return threads > 0 ? threads : std::max(1u, std::thread::hardware_concurrency());
+  }
+};
+
+/// The phases that are longer in a longer walk: the last seconds are for the stop, as in 000.
+walk::RolloutOptions rollout_of(const walk::Model& model, walk::WalkMode mode, double walk_until_s) {
+  walk::RolloutOptions o;
+  o.mode = mode;
+  o.walk_until_s = walk_until_s;
+  o.limits = model.limits;
+  return o;
+}
+
+void say(const walk::Rollout& r) {
+  if (r.ending != walk::Ending::stands) {
+    std::printf("%s after %.3g s, %u landings\n",
+                std::string(walk::kEndingNames[static_cast<std::size_t>(r.ending)]).c_str(), r.time_s,
+                r.landings);
+    return;
+  }
+  std::printf("stands after %.3g s and %u landings, %.3f m ahead; cost of transport %.3f\n", r.time_s,
+              r.landings, r.distance_m, r.cot);
+  std::printf("%.0f J: copper %.0f, work %.0f (its positive parts %.0f), constant %.0f\n", r.energy_j(),
+              r.copper_j, r.work_j, r.positive_work_j, r.constant_j);
+}
+
+void search(const WalkOptions& o) {
+  if (o.seconds.has_value() == o.steps.has_value()) throw UsageError("expected one of --seconds and --steps");
+  if (o.seconds && !(*o.seconds > 0.0 && *o.seconds <= 1e6))
+    throw UsageError("--seconds " + core::shortest(*o.seconds) +
+                     ": expected more than 0 and at most 1000000");
+  if (o.steps && *o.steps < 1) throw UsageError("--steps 0: expected at least 1");
+  const walk::Model model = walk::read_model(o.model);
+  const OutFolder folder(o.out);
+  walk::SearchOptions options;
+  options.rollout =
+      rollout_of(model, o.mode == "active" ? walk::WalkMode::active : walk::WalkMode::semi_passive, 5.0);
+  options.seed = o.seed;
+  options.seconds = o.seconds;
+  options.steps = o.steps;
+  options.threads = o.thread_count();
+  walk::SearchResult found;
+  std::optional<walk::Evidence> evidence;
+  {
+    Progress progress("walk");
+    options.progress = [&](double fraction, const std::string& doing) {
+      progress.update(0.98 * fraction, doing);
+    };
+    found = walk::search_walk(model.robot, options);
+    if (found.found)
+      evidence = walk::evidence_of(
+          model.robot, options.rollout, found.walk, options.threads,
+          [&](double fraction) { progress.update(0.98 + 0.02 * fraction, "the walk again, with errors"); });
+  }
+  const walk::Walk walk{model.name, options.rollout.mode, options.rollout.walk_until_s, found.walk};
+  const std::string command =
+      "furcula walk search --model " + o.model + " --mode " + o.mode + " --seed " + std::to_string(o.seed) +
+      (o.steps ? " --steps " + std::to_string(*o.steps) : " --seconds " + core::shortest(*o.seconds)) +
+      " --out " + o.out;
+  core::write_files_together(std::vector<core::NewFile>{
+      {o.out + "/walk.toml", walk::format_walk(walk)},
+      {o.out + "/walk.json", walk::to_json_text(found, evidence, options, model)},
+      {o.out + "/report.html", walk::render_walk_report(model, options.rollout, found.walk, found.rollout,
+                                                        found.history, evidence, command)}});
+  if (found.first_walk)
+    std::printf("first walk of 10 s within all limits after %.1f s of one processor, %llu walks tried\n",
+                found.first_walk->cpu_s, static_cast<unsigned long long>(found.first_walk->rollouts));
+  say(found.rollout);
+  if (evidence) {
+    std::printf("with steps of 1 to 0.125 ms: cost of transport");
+    for (const walk::Trial& t : evidence->steps) std::printf(" %.4g", t.rollout.cot);
+    std::printf("\nwith sensors that err: %u of %u stand, %u keep all limits\n", evidence->noisy_stand,
+                evidence->noisy, evidence->noisy_keep_limits);
+    for (const walk::Trial& t : evidence->changed)
+      std::printf("%s: %s\n", t.what.c_str(),
+                  t.rollout.ending != walk::Ending::stands ? "falls"
+                  : t.rollout.over > 0.0                   ? "stands, beyond a limit"
+                                                           : "stands");
+  }
+  std::printf(
+      "%.1f million steps in %.1f s of one processor, %.2f million a second; report: %s/report.html\n",
+      1e-6 * static_cast<double>(found.steps), found.cpu_s,
+      1e-6 * static_cast<double>(found.steps) / found.cpu_s, core::printable(o.out).c_str());
+  if (!found.found)
+    throw Refusal(
+        "no walk within all limits was found in this budget; walk.toml has what came nearest. Expected: more --seconds or --steps, "
+        "or wider [limits]");
+}
+
+/// The walk of `--walk`, which has to be the model's robot's.
+walk::Walk walk_of(const WalkOptions& o, const walk::Model& model) {
+  walk::Walk walk = walk::read_walk(o.walk);
+  if (walk.robot != model.name)
+    throw UsageError("--walk " + core::printable(o.walk) + ": a walk of " + core::quoted(walk.robot) +
+                     "; expected one of " + core::quoted(model.name) + ", the robot of " +
+                     core::printable(o.model));
+  return walk;
+}
+
+void show(const WalkOptions& o) {
+  const walk::Model model = walk::read_model(o.model);
+  const walk::Walk walk = walk_of(o, model);
+  const OutFolder folder(o.out);
+  const walk::RolloutOptions rollout = rollout_of(model, walk.mode, walk.walk_until_s);
+  const walk::Rollout r = walk::run_walk(model.robot, rollout, walk.parameters);
+  walk::Evidence evidence;
+  {
+    Progress progress("walk");
+    evidence =
+        walk::evidence_of(model.robot, rollout, walk.parameters, o.thread_count(),
+                          [&](double fraction) { progress.update(fraction, "the walk again, with errors"); });
+  }
+  core::write_files_together(std::vector<core::NewFile>{
+      {o.out + "/report.html", walk::render_walk_report(model, rollout, walk.parameters, r, {}, evidence,
+                                                        "furcula walk show --model " + o.model + " --walk " +
+                                                            o.walk + " --out " + o.out)}});
+  say(r);
+  std::printf("report: %s/report.html\n", core::printable(o.out).c_str());
+}
+
+void simulate(const WalkOptions& o) {
+  const double seconds = o.seconds.value_or(10.0);
+  if (!(seconds >= 1.0 && seconds <= 1e4))
+    throw UsageError("--seconds " + core::shortest(seconds) + ": expected from 1 to 10000");
+  if (!(o.rate_hz >= 1.0 && o.rate_hz <= 1000.0))
+    throw UsageError("--rate-hz " + core::shortest(o.rate_hz) +
+                     ": expected from 1 to 1000, the controller's rate");
+  const walk::Model model = walk::read_model(o.model);
+  const walk::Walk walk = walk_of(o, model);
+  // A longer run walks longer, and has as long to stand.
+  walk::RolloutOptions rollout =
+      rollout_of(model, walk.mode, std::max(walk.walk_until_s, seconds - (10.0 - walk.walk_until_s)));
+  rollout.time_s = seconds;
+  const walk::Simulation s =
+      walk::simulate_walk(model.robot, rollout, walk.parameters, 1.0 / o.rate_hz, o.sensor_seed);
+  log::write_log(s.log, o.out);
+  say(s.rollout);
+  if (s.rollout.ending != walk::Ending::stands) throw Refusal("the robot does not stand; the log ends there");
+}
+
+}  // namespace
+
+void add_walk_command(CLI::App& app) {
+  auto o = std::make_shared<WalkOptions>();
+  o->mode = walk::kModeNames.front();
+  CLI::App* command =
+      app.add_subcommand("walk", "Walks of the biped: found without a first guess, and simulated");
+  command->require_subcommand(1);
+  CLI::App* find =
+      command->add_subcommand("search", "The walk that costs least, from a robot that only steps and falls");
+  find->add_option("--model", o->model, "Model file of kind biped")->required();
+  find->add_option("--mode", o->mode, "active, or semi_passive: both hips' pitch on their springs")
+      ->check(CLI::IsMember({"active", "semi_passive"}))
+      ->capture_default_str();
+  find->add_option("--method", o->method, "How it is sought")
+      ->check(CLI::IsMember({"cmaes"}))
+      ->capture_default_str();
+  find->add_option("--seed", o->seed, "Of the search")->capture_default_str();
+  find->add_option("--seconds", o->seconds, "How long");
+  find->add_option(
+      "--steps", o->steps,
+      "How long, in steps of simulation: one seed then gives one walk, on any processor and any --threads");
+  find->add_option("--threads", o->threads, "Without it as many as processors");
+  find->add_option("--out", o->out, "Folder for walk.toml, walk.json and report.html")->required();
+  find->callback([o] { search(*o); });
+
+  CLI::App* run = command->add_subcommand("sim", "A walk as a log");
+  run->add_option("--model", o->model, "Model file of kind biped")->required();
+  run->add_option("--walk", o->walk, "walk.toml")->required();
+  run->add_option("--seconds", o->seconds, "How long; without it 10. A longer run walks longer");
+  run->add_option("--rate-hz", o->rate_hz, "Of the log's rows")->capture_default_str();
+  run->add_option("--seed", o->sensor_seed, "Sensors err, drawn from it; without it they do not");
+  run->add_option("--out", o->out, "The log (CSV)")->required();
+  run->callback([o] { simulate(*o); });
+
+  CLI::App* page = command->add_subcommand("show", "A walk as a page, with the robot walking");
+  page->add_option("--model", o->model, "Model file of kind biped")->required();
+  page->add_option("--walk", o->walk, "walk.toml")->required();
+  page->add_option("--threads", o->threads, "Without it as many as processors");
+  page->add_option("--out", o->out, "Folder for report.html")->required();
+  page->callback([o] { show(*o); });
+}
+
+}  // namespace furcula::cli

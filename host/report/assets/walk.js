@@ -1,0 +1,157 @@
+// Draws the biped of #walk-data as it walks: lines and feet, forces of the ground, passive joints in their own colour, on a plain canvas that turns.
+(function () {
+  'use strict';
+  var data = JSON.parse(document.getElementById('walk-data').textContent);
+  var element = function (id) { return document.getElementById(id); };
+  var canvas = element('walk-canvas'), paper = canvas.getContext('2d');
+  var HOME = {turn: -0.9, tilt: 0.2, zoom: 1};
+  var view = {turn: HOME.turn, tilt: HOME.tilt, zoom: HOME.zoom};
+  var frames = data.frames, time = 0, playing = false, last = null, waiting = false;
+  var end = frames[frames.length - 1].time;
+  var LEG = ['#0072b2', '#56a3cf'], PASSIVE = '#e69f00', ACTIVE = '#1f2933', FORCE = '#0b7a53';
+
+  // Points of a moment between two frames.
+  function moment() {
+    var low = 0, high = frames.length - 1;
+    while (high - low > 1) {
+      var middle = (low + high) >> 1;
+      if (frames[middle].time <= time) low = middle; else high = middle;
+    }
+    var a = frames[low], b = frames[high];
+    var share = b.time > a.time ? Math.min(Math.max((time - a.time) / (b.time - a.time), 0), 1) : 0;
+    var mix = function (p, q) { return p.map(function (v, i) { return v + (q[i] - v) * share; }); };
+    return {points: a.points.map(function (p, i) { return mix(p, b.points[i]); }), force: mix(a.force, b.force), phase: a.phase};
+  }
+
+  function draw() {
+    waiting = false;
+    var width = canvas.clientWidth, height = canvas.clientHeight, sharp = Math.max(window.devicePixelRatio || 1, 1);
+    if (!width || !height) return;
+    if (canvas.width !== Math.round(width * sharp) || canvas.height !== Math.round(height * sharp)) {
+      canvas.width = Math.round(width * sharp);
+      canvas.height = Math.round(height * sharp);
+    }
+    paper.setTransform(sharp, 0, 0, sharp, 0, 0);
+    paper.clearRect(0, 0, width, height);
+    var m = moment(), p = m.points;
+    var st = Math.sin(view.turn), ct = Math.cos(view.turn), si = Math.sin(view.tilt), co = Math.cos(view.tilt);
+    var centre = [p[0][0], 0, 0.62], away = 5, focal = view.zoom * Math.min(width / 1.5, height / 1.6) * away;
+    var project = function (q) {
+      var x = q[0] - centre[0], y = q[1] - centre[1], z = q[2] - centre[2];
+      var right = ct * x + st * y, into = -st * x + ct * y, up = co * z + si * into, depth = co * into - si * z;
+      var k = focal / Math.max(away + depth, 0.1 * away);
+      return [width / 2 + right * k, height / 2 - up * k, depth];
+    };
+    var line = function (from, to, colour, wide) {
+      var a = project(from), b = project(to);
+      paper.strokeStyle = colour;
+      paper.lineWidth = wide;
+      paper.beginPath();
+      paper.moveTo(a[0], a[1]);
+      paper.lineTo(b[0], b[1]);
+      paper.stroke();
+    };
+    var dot = function (at, radius, colour) {
+      var a = project(at);
+      paper.fillStyle = colour;
+      paper.beginPath();
+      paper.arc(a[0], a[1], radius, 0, 2 * Math.PI);
+      paper.fill();
+    };
+    // The ground: squares of half a metre.
+    var first = Math.floor(2 * centre[0]) - 6;
+    for (var i = 0; i <= 12; ++i) line([(first + i) / 2, -1.5, 0], [(first + i) / 2, 1.5, 0], '#e2e8ed', 1);
+    for (var k = -3; k <= 3; ++k) line([first / 2, k / 2, 0], [first / 2 + 6, k / 2, 0], k ? '#e2e8ed' : '#c3cdd6', 1);
+
+    paper.lineCap = paper.lineJoin = 'round';
+    // Pelvis 0, its top 1; of each leg hip, knee, ankle and the foot's four corners.
+    var legs = [0, 1].map(function (side) { return {side: side, at: 2 + 7 * side}; });
+    legs.sort(function (a, b) { return project(p[b.at])[2] - project(p[a.at])[2]; });
+    legs.forEach(function (leg, order) {
+      var q = p.slice(leg.at, leg.at + 7), colour = LEG[leg.side];
+      if (order === 1) {
+        line(p[0], p[1], '#4b5864', 16);
+        dot(p[1], 9, '#4b5864');
+      }
+      line(p[0], q[0], '#4b5864', 8);
+      line(q[0], q[1], colour, 9);
+      line(q[1], q[2], colour, 8);
+      paper.fillStyle = colour;
+      paper.strokeStyle = colour;
+      paper.lineWidth = 2;
+      paper.beginPath();
+      [3, 4, 6, 5].forEach(function (c, n) {
+        var a = project(q[c]);
+        if (n) paper.lineTo(a[0], a[1]); else paper.moveTo(a[0], a[1]);
+      });
+      paper.closePath();
+      paper.globalAlpha = 0.35;
+      paper.fill();
+      paper.globalAlpha = 1;
+      paper.stroke();
+      [3, 4, 5, 6].forEach(function (c) { line(q[2], q[c], colour, 2); });
+      dot(q[0], 7, data.passive ? PASSIVE : ACTIVE);
+      dot(q[1], 6, ACTIVE);
+      dot(q[2], 5, ACTIVE);
+      var f = m.force.slice(3 * leg.side, 3 * leg.side + 3);
+      if (f[2] > 1) line(q[2], [q[2][0] + f[0] / 1000, q[2][1] + f[1] / 1000, q[2][2] + f[2] / 1000], FORCE, 3);
+    });
+    element('walk-time').textContent = time.toFixed(2) + ' s, ' + m.phase;
+    element('walk-slider').value = time;
+  }
+  function soon() {
+    if (waiting) return;
+    waiting = true;
+    requestAnimationFrame(draw);
+  }
+  function tick(now) {
+    if (!playing) return;
+    if (last !== null) time += Math.min(now - last, 200) / 1000 * Number(element('walk-speed').value);
+    last = now;
+    if (time >= end) {
+      time = end;
+      play(false);
+    }
+    soon();
+    requestAnimationFrame(tick);
+  }
+  function play(on) {
+    playing = on;
+    element('walk-play').textContent = on ? 'Pause' : 'Play';
+    if (!on) return;
+    if (time >= end) time = 0;
+    last = null;
+    requestAnimationFrame(tick);
+  }
+  element('walk-play').onclick = function () { play(!playing); };
+  var slider = element('walk-slider');
+  slider.min = 0;
+  slider.max = end;
+  slider.step = 0.01;
+  slider.oninput = function () { time = Number(slider.value); soon(); };
+  element('walk-home').onclick = function () {
+    view = {turn: HOME.turn, tilt: HOME.tilt, zoom: HOME.zoom};
+    soon();
+  };
+  var held = null;
+  canvas.onpointerdown = function (e) { held = [e.clientX, e.clientY]; canvas.setPointerCapture(e.pointerId); };
+  canvas.onpointerup = canvas.onpointercancel = function () { held = null; };
+  canvas.onpointermove = function (e) {
+    if (!held) return;
+    view.turn -= (e.clientX - held[0]) * 0.008;
+    view.tilt = Math.min(Math.max(view.tilt + (e.clientY - held[1]) * 0.008, -0.1), 1.55);
+    held = [e.clientX, e.clientY];
+    soon();
+  };
+  canvas.addEventListener('wheel', function (e) {
+    e.preventDefault();
+    view.zoom = Math.min(Math.max(view.zoom * Math.exp(-e.deltaY * 0.001), 0.3), 8);
+    soon();
+  }, {passive: false});
+  window.addEventListener('resize', soon);
+  window.furculaWalk = {
+    at: function (t) { play(false); time = t; draw(); return moment(); },
+    view: function () { return view; }
+  };
+  draw();
+})();

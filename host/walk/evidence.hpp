@@ -1,0 +1,35 @@
+// What a walk that was found is worth: simulated again, more finely, with sensors that err, on slopes, with another mass.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "furcula/dynamics/biped/parameters.hpp"
+#include "host/walk/rollout.hpp"
+#include "host/walk/sensors.hpp"
+
+namespace furcula::walk {
+
+/// A walk in double as it went.
+struct Trial {
+  std::string what;
+  Rollout rollout;
+};
+
+struct Evidence {
+  std::vector<Trial> steps;    ///< of 1, 0.5, 0.25 and 0.125 ms, all with ticks of 1 ms
+  std::vector<Trial> changed;  ///< slopes of a degree, 5 % more and less mass, 10 s more to stand
+  unsigned noisy = 0;          ///< walks with sensors that err, each with errors of its own
+  unsigned noisy_stand = 0, noisy_keep_limits = 0;
+  SensorErrors errors;
+};
+
+/// `told` from 0 to 1.
+Evidence evidence_of(const dynamics::biped::Description& robot, const RolloutOptions& options,
+                     const Parameters& walk, unsigned threads, const std::function<void(double)>& told = {});
+
+/// The robot with all masses and inertias times `factor`.
+dynamics::biped::Description heavier(dynamics::biped::Description robot, double factor);
+
+}  // namespace furcula::walk

@@ -1,0 +1,18 @@
+// Rollouts in lanes: eight robots at once, in float. A shared library of its own, built twice: for every x86-64, and for processors with
+// AVX2 (x86-64-v3), which the dynamic linker takes by itself where it can (its folder glibc-hwcaps). Both give the same bits.
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <span>
+
+#include "furcula/dynamics/biped/parameters.hpp"
+#include "host/walk/rollout.hpp"
+
+namespace furcula::walk {
+
+/// Takes walks from `next` on until none is left, and writes what each did. Several threads may do so with one `next`.
+void run_lanes(const dynamics::biped::Description& robot, const RolloutOptions& options,
+               std::span<const Parameters> walks, std::atomic<std::size_t>& next, std::span<Rollout> out);
+
+}  // namespace furcula::walk

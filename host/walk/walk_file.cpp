@@ -1,0 +1,254 @@
+#include "host/walk/walk_file.hpp"
+
+#include <toml++/toml.h>
+
+#include <cmath>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string_view>
+
+#include "host/biped/robot.hpp"
+#include "host/core/error.hpp"
+#include "host/core/message.hpp"
+#include "host/core/strict_toml.hpp"
+
+namespace furcula::walk {
+namespace {
+
+using core::fail;
+
+struct LimitKey {
+  std::string_view name, unit;
+  double WalkLimits::*of;
+  double least, most;
+};
+constexpr std::array<LimitKey, 7> kLimits{{{"torque_nm", "N m", &WalkLimits::torque_nm, 1.0, 1e4},
+                                           {"speed_radps", "rad/s", &WalkLimits::speed_radps, 0.1, 100.0},
+                                           {"moment_nm", "N m", &WalkLimits::moment_nm, 1.0, 1e4},
+                                           {"height_m", "m", &WalkLimits::height_m, 0.1, 2.0},
+                                           {"range_rad", "rad", &WalkLimits::range_rad, 0.1, 3.1},
+                                           {"apart_m", "m", &WalkLimits::apart_m, 0.0, 1.0},
+                                           {"along_m", "m", &WalkLimits::along_m, 0.0, 1.0}}};
+
+const toml::table& section(const toml::table& file, const std::string& name, const char* key) {
+  const toml::node* node = file.get(key);
+  if (node == nullptr) fail(name, file.source(), "no section [" + std::string(key) + "]; expected one");
+  return core::table(*node, name, "[" + std::string(key) + "]");
+}
+const toml::node& entry(const toml::table& table, const std::string& name, std::string_view key,
+                        const std::string& where) {
+  const toml::node* node = table.get(key);
+  if (node == nullptr)
+    fail(name, table.source(), "no key '" + std::string(key) + "' in " + where + "; expected one");
+  return *node;
+}
+void expect_schema(const toml::table& table, const std::string& name, const std::string& where) {
+  const toml::node& schema = entry(table, name, "schema", where);
+  if (!schema.is_integer() || schema.value<std::int64_t>() != 1)
+    fail(name, schema.source(), "schema = " + core::value_text(schema) + "; expected 1");
+}
+void expect_kind(const toml::table& table, const std::string& name) {
+  const toml::node& kind = entry(table, name, "kind", "[model]");
+  if (const std::string which = core::text(kind, name, "kind"); which != "biped")
+    fail(name, kind.source(), "kind = " + core::quoted(which) + "; expected \"biped\": walks are of a biped");
+}
+
+/// `up.swing.knee_rad` is the key knee_rad of the table [up.swing].
+std::pair<std::string_view, std::string_view> parted(std::string_view name) {
+  const std::size_t dot = name.rfind('.');
+  return {name.substr(0, dot), name.substr(dot + 1)};
+}
+const toml::table* table_at(const toml::table& file, std::string_view path) {
+  const toml::table* table = &file;
+  while (!path.empty()) {
+    const std::size_t dot = path.find('.');
+    const toml::node* node = table->get(path.substr(0, dot));
+    table = node == nullptr ? nullptr : node->as_table();
+    if (table == nullptr) return nullptr;
+    path = dot == std::string_view::npos ? std::string_view() : path.substr(dot + 1);
+  }
+  return table;
+}
+
+}  // namespace
+
+Model read_model(const std::string& path) {
+  static constexpr std::array<std::string_view, 2> kSections{"model", "limits"};
+  static constexpr std::array<std::string_view, 3> kKeys{"kind", "schema", "urdf"};
+  const toml::table file = core::parse_toml(core::read_small_file(path, "a model file (TOML)"), path);
+  const toml::table& model = section(file, path, "model");
+  expect_kind(model, path);
+  core::refuse_unknown_keys(file, path, "the model file of a biped", kSections);
+  core::refuse_unknown_keys(model, path, "[model] of a biped", kKeys);
+  expect_schema(model, path, "[model]");
+  Model out;
+  out.file = path;
+  const std::string urdf = core::text(entry(model, path, "urdf", "[model]"), path, "urdf");
+  const model::Urdf robot = model::read_urdf((std::filesystem::path(path).parent_path() / urdf).string());
+  out.name = robot.name;
+  out.robot = biped::biped_of(robot);
+  if (file.contains("limits")) {
+    const toml::table& limits = section(file, path, "limits");
+    std::vector<std::string_view> known;
+    for (const LimitKey& k : kLimits) known.push_back(k.name);
+    core::refuse_unknown_keys(limits, path, "[limits]", known);
+    for (const LimitKey& k : kLimits)
+      if (const toml::node* value = limits.get(k.name))
+        out.limits.*k.of =
+            core::number(*value, path, "[limits] " + std::string(k.name), k.least, k.most, k.unit);
+  }
+  return out;
+}
+
+std::string format_walk(const Walk& walk) {
+  std::string out = "[walk]\nschema = 1\nrobot = " + core::value_text(toml::value<std::string>(walk.robot)) +
+                    "\nmode = \"" + std::string(kModeNames[static_cast<std::size_t>(walk.mode)]) +
+                    "\"\nwalk_until_s = " + core::toml_float(walk.walk_until_s) + "\n";
+  const auto values = walk.parameters.values();
+  std::string_view table;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const auto [in, key] = parted(control::kWalkParameters[i].name);
+    if (in != table) out += "\n[" + std::string(in) + "]\n";
+    table = in;
+    out += std::string(key) + " = " + core::toml_float(values[i]) + "\n";
+  }
+  return out;
+}
+
+Walk parse_walk(std::string_view text, const std::string& name) {
+  static constexpr std::array<std::string_view, 4> kKeys{"schema", "robot", "mode", "walk_until_s"};
+  const toml::table file = core::parse_toml(text, name);
+  const toml::table& head = section(file, name, "walk");
+  core::refuse_unknown_keys(head, name, "[walk]", kKeys);
+  expect_schema(head, name, "[walk]");
+  Walk out;
+  out.robot = core::text(entry(head, name, "robot", "[walk]"), name, "robot");
+  const toml::node& mode = entry(head, name, "mode", "[walk]");
+  const std::string which = core::text(mode, name, "mode");
+  const auto found = std::find(kModeNames.begin(), kModeNames.end(), which);
+  if (found == kModeNames.end())
+    fail(name, mode.source(),
+         "mode = " + core::quoted(which) + "; expected one of " + core::listed(kModeNames) +
+             core::did_you_mean(which, kModeNames));
+  out.mode = static_cast<WalkMode>(found - kModeNames.begin());
+  out.walk_until_s =
+      core::number(entry(head, name, "walk_until_s", "[walk]"), name, "walk_until_s", 0.0, 1e4, "s");
+
+  // Each table's keys, and the tables of tables.
+  std::vector<std::string_view> top{"walk"};
+  std::vector<std::pair<std::string_view, std::vector<std::string_view>>> tables;
+  for (const auto& p : control::kWalkParameters) {
+    const auto [in, key] = parted(p.name);
+    if (tables.empty() || tables.back().first != in) tables.emplace_back(in, std::vector<std::string_view>{});
+    tables.back().second.push_back(key);
+    const std::string_view first = in.substr(0, in.find('.'));
+    if (std::find(top.begin(), top.end(), first) == top.end()) top.push_back(first);
+  }
+  core::refuse_unknown_keys(file, name, "a walk", top);
+  for (const std::string_view of : {"up", "down"}) {
+    static constexpr std::array<std::string_view, 4> kUnder{"time_s", "blend_s", "swing", "stance"};
+    if (const toml::table* t = table_at(file, of))
+      core::refuse_unknown_keys(*t, name, "[" + std::string(of) + "]", kUnder);
+  }
+  std::array<double, Parameters::kCount> values{};
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const auto& p = control::kWalkParameters[i];
+    const auto [in, key] = parted(p.name);
+    const std::string where = "[" + std::string(in) + "]";
+    const toml::table* table = table_at(file, in);
+    if (table == nullptr) fail(name, file.source(), "no section " + where + "; expected one");
+    if (in != "up" && in != "down")
+      for (const auto& [path, keys] : tables)
+        if (path == in) core::refuse_unknown_keys(*table, name, where, keys);
+    // A search stays between least and most; by hand one may go as far again.
+    const double room = p.most - p.least, least = key.ends_with("_s") ? 0.01 : p.least - room;
+    values[i] = core::number(entry(*table, name, key, where), name, where + " " + std::string(key), least,
+                             p.most + room);
+  }
+  out.parameters = Parameters::of(values);
+  return out;
+}
+
+Walk read_walk(const std::string& path) {
+  return parse_walk(core::read_small_file(path, "a walk (TOML)"), path);
+}
+
+std::string to_json_text(const SearchResult& found, const std::optional<Evidence>& evidence,
+                         const SearchOptions& options, const Model& model) {
+  using Json = nlohmann::ordered_json;
+  const auto number = [](double v) { return std::isfinite(v) ? Json(v) : Json(nullptr); };
+  const double asked_s = options.rollout.time_s;
+  const Rollout& r = found.rollout;
+  Json limits = Json::array();
+  const auto over = [&](bool broken, const std::string& what) {
+    if (broken) limits.push_back(what);
+  };
+  const WalkLimits& m = options.rollout.limits;
+  const auto said = [](double v) { return core::rounded(v, 3); };
+  over(r.ending != Ending::stands,
+       std::string(kEndingNames[static_cast<std::size_t>(r.ending)]) + " after " + said(r.time_s) + " s");
+  over(r.torque_nm > m.torque_nm, "a motor gives " + said(r.torque_nm) + " N m of " + said(m.torque_nm));
+  over(r.speed_radps > m.speed_radps,
+       "a joint turns with " + said(r.speed_radps) + " rad/s of " + said(m.speed_radps));
+  over(r.moment_nm > m.moment_nm, "a foot's moment is " + said(r.moment_nm) + " N m of " + said(m.moment_nm));
+  over(r.outside_m > 0.0, "it does not stand at the end: its capture point lies " +
+                              said(r.outside_m - kSoleMargin_m) + " m outside of the soles, where " +
+                              said(kSoleMargin_m) + " m inside are asked");
+
+  const auto trial = [&](const Trial& t) {
+    return Json{{"what", t.what},
+                {"ending", kEndingNames[static_cast<std::size_t>(t.rollout.ending)]},
+                {"keeps_limits", t.rollout.keeps_limits()},
+                {"time_s", t.rollout.time_s},
+                {"distance_m", t.rollout.distance_m},
+                {"cot", number(t.rollout.cot)}};
+  };
+  Json history = Json::array();
+  for (const SearchPoint& p : found.history)
+    history.push_back({p.cpu_s, p.objective, number(p.cot), p.steps});
+  Json out = {{"schema", "furcula-walk/1"},
+              {"robot", model.name},
+              {"mode", kModeNames[static_cast<std::size_t>(options.rollout.mode)]},
+              {"seed", options.seed},
+              {"method", "cmaes"},
+              {"found", found.found},
+              {"first_walk", found.first_walk ? Json{{"cpu_s", found.first_walk->cpu_s},
+                                                     {"steps", found.first_walk->steps},
+                                                     {"rollouts", found.first_walk->rollouts}}
+                                              : Json(nullptr)},
+              {"steps", found.steps},
+              {"rollouts", found.rollouts},
+              {"restarts", found.restarts},
+              {"cpu_s", found.cpu_s},
+              {"objective", r.objective(asked_s)},
+              {"cot", number(r.cot)},
+              {"distance_m", r.distance_m},
+              {"landings", r.landings},
+              {"energy_j",
+               {{"total", r.energy_j()},
+                {"copper", r.copper_j},
+                {"work", r.work_j},
+                {"positive_work", r.positive_work_j},
+                {"constant", r.constant_j}}},
+              {"most",
+               {{"torque_nm", r.torque_nm},
+                {"speed_radps", r.speed_radps},
+                {"moment_nm", r.moment_nm},
+                {"capture_point_outside_m", r.outside_m - kSoleMargin_m}}},
+              {"limits", limits},
+              {"history", history}};
+  if (evidence) {
+    Json steps = Json::array(), changed = Json::array();
+    for (const Trial& t : evidence->steps) steps.push_back(trial(t));
+    for (const Trial& t : evidence->changed) changed.push_back(trial(t));
+    out["evidence"] = {{"steps", steps},
+                       {"changed", changed},
+                       {"noisy",
+                        {{"walks", evidence->noisy},
+                         {"stand", evidence->noisy_stand},
+                         {"keep_limits", evidence->noisy_keep_limits}}}};
+  }
+  return out.dump(1) + "\n";
+}
+
+}  // namespace furcula::walk

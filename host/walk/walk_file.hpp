@@ -1,0 +1,38 @@
+// The files of a walk: the model (TOML of kind biped, which names a URDF), walk.toml, and walk.json.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "furcula/dynamics/biped/parameters.hpp"
+#include "host/walk/evidence.hpp"
+#include "host/walk/search.hpp"
+
+namespace furcula::walk {
+
+struct Model {
+  std::string file, name;  ///< of the model file; of the robot, as its URDF says
+  dynamics::biped::Description robot;
+  WalkLimits limits;
+};
+
+/// A model file of kind biped (docs/biped.md). @throws core::DataError, and what biped::read_biped throws.
+Model read_model(const std::string& path);
+
+struct Walk {
+  std::string robot;  ///< its name
+  WalkMode mode = WalkMode::active;
+  double walk_until_s = 5.0;
+  Parameters parameters;
+};
+
+std::string format_walk(const Walk& walk);
+/// @throws core::DataError: not a walk, a parameter that is missing or beyond what a joint can do.
+Walk read_walk(const std::string& path);
+Walk parse_walk(std::string_view text, const std::string& name);
+
+/// walk.json, `furcula-walk/1` (docs/contracts.md).
+std::string to_json_text(const SearchResult& found, const std::optional<Evidence>& evidence,
+                         const SearchOptions& options, const Model& model);
+
+}  // namespace furcula::walk

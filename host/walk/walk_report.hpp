@@ -1,0 +1,19 @@
+// The page of a walk: the robot walking, what it costs, its margins to the limits, what it stands, and the search.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host/walk/evidence.hpp"
+#include "host/walk/search.hpp"
+#include "host/walk/walk_file.hpp"
+
+namespace furcula::walk {
+
+/// One HTML file that works offline. `history` is the search's, empty where there was none; `command` writes the page again.
+std::string render_walk_report(const Model& model, const RolloutOptions& options, const Parameters& walk,
+                               const Rollout& rollout, const std::vector<SearchPoint>& history,
+                               const std::optional<Evidence>& evidence, const std::string& command);
+
+}  // namespace furcula::walk

@@ -1,0 +1,378 @@
+// Walks simulated in lanes: in each a robot with parameters of its own. One that has ended gives its lane to the next at once, and what a
+// robot does hangs on no other and on no lane.
+//
+// Forces, steps and the controller are the core's (dynamics/biped/, control/walk/). The controller gets what sensors give: joints, gyro, the
+// attitude that the filter makes of gyro and accelerometer, and the feet's switches.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <functional>
+#include <type_traits>
+
+#include "furcula/control/walk/walk.hpp"
+#include "furcula/dynamics/biped/design.hpp"
+#include "furcula/dynamics/biped/energy.hpp"
+#include "furcula/dynamics/biped/step.hpp"
+#include "host/walk/rollout.hpp"
+
+namespace furcula::walk {
+
+/// One tick of a robot, for those who watch or disturb it.
+template <class T>
+struct WalkMoment {
+  const dynamics::biped::State<T>& state;
+  const dynamics::biped::StepReport<T>& report;  ///< of the last step
+  const control::WalkState<T>& walk;
+  const control::WalkOutputs<T>& out;
+  const control::WalkSample<T>& sample;
+  double time_s;
+};
+
+/// T is a number in lanes, or double.
+template <class T>
+class Walkers {
+  using V = dynamics::ValueOf<T>;
+  using L = dynamics::biped::LegScalar<T>;
+  static constexpr std::size_t kRobots = control::WalkState<T>::kRobots;
+
+ public:
+  using Take = std::function<const Parameters*(std::size_t&)>;
+  using Done = std::function<void(std::size_t, const Rollout&)>;
+
+  /// `known` is the robot as the controller has it in its feedback.
+  Walkers(const dynamics::biped::Description& robot, const dynamics::biped::Description& known,
+          const RolloutOptions& options)
+      : robot_(robot),
+        o_(options),
+        plant_(robot),
+        plain_(robot),
+        laws_(dynamics::biped::active_laws(plant_)),
+        config_({}, dynamics::biped::Parameters<T>(known)) {
+    using namespace dynamics::biped;
+    config_.walk_until_s = static_cast<V>(o_.walk_until_s);
+    if (o_.mode == WalkMode::semi_passive)
+      for (const std::size_t side : {kLeft, kRight})
+        set_mode(plant_, side, kHipClutch, Mode::passive, laws_, s_);
+    mass_kg_ = robot.pelvis.mass_kg;
+    for (const auto& leg : robot.legs)
+      for (const auto& link : leg) mass_kg_ += link.mass_kg;
+  }
+
+  /// What a robot's sensors make of a tick, before the filter and the controller see it.
+  std::function<void(control::WalkSample<T>&, control::Imu<T>&)> senses;
+  /// After each tick.
+  std::function<void(const WalkMoment<T>&)> watch;
+
+  /// take(i) gives the parameters of a robot and its number i, or none; done(i, rollout) gets what it did.
+  void run(const Take& take, const Done& done) {
+    std::array<bool, kRobots> busy{};
+    std::array<std::size_t, kRobots> number{};
+    std::size_t running = 0;
+    const auto next = [&](std::size_t lane) {
+      const Parameters* w = take(number[lane]);
+      busy[lane] = w != nullptr;
+      if (busy[lane]) ++running;
+      begin(lane, busy[lane] ? *w : standing());
+    };
+    for (std::size_t lane = 0; lane < kRobots; ++lane) next(lane);
+    while (running > 0) {
+      tick();
+      if (!dynamics::any(ended_ > V(0.5))) continue;
+      for (std::size_t lane = 0; lane < kRobots; ++lane) {
+        if (!(lane_of(ended_, lane) > V(0.5))) continue;
+        if (busy[lane]) {
+          --running;
+          done(number[lane], result(lane));
+          next(lane);
+        } else {
+          begin(lane, standing());
+        }
+      }
+    }
+  }
+
+ private:
+  static V lane_of(const T& x, std::size_t lane) { return control::detail::lane_of(x, lane); }
+  static double plain(const T& x, std::size_t lane) { return static_cast<double>(lane_of(x, lane)); }
+  static void put(T& x, std::size_t lane, double v) { control::detail::set_lane(x, lane, static_cast<V>(v)); }
+  static void put(dynamics::tree::Vec3<T>& x, std::size_t lane, const dynamics::tree::Vec3<double>& v) {
+    put(x.x, lane, v.x), put(x.y, lane, v.y), put(x.z, lane, v.z);
+  }
+  static void put(control::Quaternion<T>& x, std::size_t lane, const control::Quaternion<double>& v) {
+    put(x.w, lane, v.w), put(x.x, lane, v.x), put(x.y, lane, v.y), put(x.z, lane, v.z);
+  }
+  /// Of one leg.
+  static void put_leg(L& x, std::size_t side, std::size_t lane, double v) {
+    T all = dynamics::biped::Legs<T>::read(x, side);
+    put(all, lane, v);
+    dynamics::biped::Legs<T>::write(x, side, all);
+  }
+  template <class X>
+  static X size(const X& x) {
+    return dynamics::larger(x, X(-x));
+  }
+  static T most_of(const dynamics::biped::PerLeg<T, L>& x) {
+    using namespace dynamics::biped;
+    return dynamics::larger(T(Legs<T>::read(x[Legs<T>::pass(kLeft)], kLeft)),
+                            T(Legs<T>::read(x[Legs<T>::pass(kRight)], kRight)));
+  }
+
+  /// For a lane that has no robot any more.
+  static Parameters standing() {
+    Parameters w{};
+    w.knee_rad = 0.5;
+    w.start_s = 1e6;
+    w.up_blend_s = w.down_blend_s = w.stop_blend_s = 1.0;
+    return w;
+  }
+
+  /// In the posture, at rest, its soles level on the ground. A passive hip begins at its spring's rest.
+  dynamics::biped::State<double> posture(const Parameters& w) const {
+    using namespace dynamics::biped;
+    State<double> s;
+    double pitch = 0.0;
+    for (const std::size_t side : {kLeft, kRight}) {
+      auto leg = control::detail::leg_angles(w, {}, side);
+      if (o_.mode == WalkMode::semi_passive)
+        leg[kHipPitch] = robot_.clutches[side][kHipClutch].spring_rest_rad;
+      for (std::size_t j = 0; j < kLegJoints; ++j) set_joint<double>(s.q_rad, side * kLegJoints + j, leg[j]);
+      pitch = -(leg[kHipPitch] + leg[kKnee] + leg[kAnklePitch]);
+    }
+    s.attitude = {std::cos(0.5 * pitch), 0.0, std::sin(0.5 * pitch), 0.0};
+    Kinematics<double> k;
+    kinematics<DesignTopology>(plain_, s, k);
+    s.position_m.z = -(k.legs[0].foot_position_m.z[kLeft] + robot_.vertices_m[kLeft][0].z);
+    return s;
+  }
+
+  void begin(std::size_t lane, const Parameters& w) {
+    using namespace dynamics::biped;
+    auto values = config_.walk.values();
+    const auto given = w.values();
+    for (std::size_t i = 0; i < values.size(); ++i) put(values[i], lane, given[i]);
+    config_.walk = control::WalkParameters<T>::of(values);
+    control::begin_walk(config_, lane, walk_);
+
+    const State<double> still = posture(w);
+    Kinematics<double> k;
+    kinematics<DesignTopology>(plain_, still, k);
+    begins_m_[lane] = totals(plain_, still).centre_m().x;
+    put(s_.position_m, lane, still.position_m);
+    put(s_.attitude, lane, still.attitude);
+    // At rest an accelerometer measures gravity's opposite, and the filter takes the vertical from it.
+    const auto acc = -transposed_times(rotation(still.attitude), plain_.gravity_mps2);
+    put(acc_mps2_, lane, acc);
+    put(filter_.attitude, lane, control::attitude_at_rest(acc).attitude);
+    for (auto* v : {&s_.w_radps, &s_.v_mps, &filter_.bias_radps}) put(*v, lane, {0.0, 0.0, 0.0});
+    for (const std::size_t side : {kLeft, kRight}) {
+      const std::size_t pass = Legs<T>::pass(side);
+      for (std::size_t j = 0; j < kLegJoints; ++j) {
+        put_leg(s_.q_rad[pass][j], side, lane, joint<double>(still.q_rad, side * kLegJoints + j));
+        put_leg(s_.qd_radps[pass][j], side, lane, 0.0);
+        put_leg(motor_nm_[pass][j], side, lane, 0.0);
+      }
+      for (std::size_t c = 0; c < kClutches; ++c) {
+        put_leg(s_.rotors_rad[pass][c], side, lane,
+                joint<double>(still.q_rad, side * kLegJoints + kClutchJoints[c]));
+        put_leg(s_.rotors_radps[pass][c], side, lane, 0.0);
+      }
+      for (auto* m : {&moment_x_, &moment_y_}) put_leg((*m)[pass], side, lane, 0.0);
+      for (std::size_t i = 0; i < kVertices; ++i) {
+        const auto& at = robot_.vertices_m[side][i];
+        put_leg(s_.anchors_m[pass][i][0], side, lane, k.legs[0].foot_position_m.x[side] + at.x);
+        put_leg(s_.anchors_m[pass][i][1], side, lane, k.legs[0].foot_position_m.y[side] + at.y);
+      }
+      put(switch_[side].carries, lane, 1.0), put(switch_[side].below_s, lane, 0.0);
+      put(normal_n_[side], lane, 0.5 * mass_kg_ * robot_.gravity_mps2);
+    }
+    for (T* x : {&work_, &positive_, &squares_, &torque_, &speed_, &moment_, &time_s_, &ended_, &off_})
+      put(*x, lane, 0.0);
+  }
+
+  void tick() {
+    using namespace dynamics::biped;
+    using dynamics::larger;
+    using dynamics::select;
+    const V dt = static_cast<V>(o_.tick_s());
+    const T zero = T(V(0)), one = T(V(1));
+    for (const std::size_t side : {kLeft, kRight})
+      switch_[side].step(normal_n_[side], static_cast<V>(o_.foot_threshold_n), dt);
+    control::WalkSample<T> sample{
+        s_.q_rad, s_.qd_radps, s_.w_radps, {}, switch_[kLeft].carries, switch_[kRight].carries};
+    control::Imu<T> imu{s_.w_radps, acc_mps2_};
+    if constexpr (std::is_same_v<T, double>)
+      if (senses) senses(sample, imu);
+    // What the filter has made of all samples before is the attitude of now; this one is for the next tick.
+    sample.attitude = filter_.attitude;
+    control::step_attitude(control::AttitudeGains<T>{}, imu, T(dt), filter_);
+    control::step_walk(config_, sample, dt, walk_, out_);
+    Commands<T> command;
+    command.target_rad = out_.target_rad;
+
+    T farthest = zero;
+    for (int k = 0; k < o_.steps_a_tick; ++k) {
+      const Joints<T> speeds = s_.qd_radps;
+      if (o_.mode == WalkMode::active)
+        step<false>(plant_, laws_, command, T(static_cast<V>(o_.step_s)), s_, report_);
+      else
+        step<true>(plant_, laws_, command, T(static_cast<V>(o_.step_s)), s_, report_);
+      farthest = larger(farthest, account(speeds));
+    }
+    // A sample is of the end of the last step, its accelerations of that step.
+    acc_mps2_ = report_.acceleration.vd_mps2 + cross(s_.w_radps, s_.v_mps) -
+                transposed_times(rotation(s_.attitude), plant_.gravity_mps2);
+    for (const std::size_t side : {kLeft, kRight})
+      normal_n_[side] = Legs<T>::read(report_.contact.normal_n[Legs<T>::pass(side)], side);
+    time_s_ += T(dt);
+
+    const WalkLimits& m = o_.limits;
+    const auto is = [&](const auto& condition) { return select(condition, one, zero); };
+    // A number that is none compares as false: such a robot has fallen.
+    const T fallen = one - is(s_.position_m.z > static_cast<V>(m.height_m));
+    const T away = is(farthest > static_cast<V>(m.range_rad));
+    const Vec3<T>& apart = out_.apart_m;
+    const T near = is(apart.y < static_cast<V>(m.apart_m)) * is(size(apart.x) < static_cast<V>(m.along_m));
+    const T hits = larger(near, is(apart.y < V(0)));
+    off_ = select(fallen > V(0.5), T(V(1)), select(away > V(0.5), T(V(2)), T(V(3) * hits)));
+    ended_ = larger(is(off_ > V(0.5)), is(time_s_ > static_cast<V>(o_.time_s - 0.5 * o_.tick_s())));
+    if constexpr (std::is_same_v<T, double>)
+      if (watch) watch({s_, report_, walk_, out_, sample, time_s_});
+  }
+
+  /// Energy, and the most of what has a limit, of a step that began with these joint speeds. The joint that is farthest from zero, rad.
+  FURCULA_INLINE T account(const dynamics::biped::Joints<T>& speeds) {
+    using namespace dynamics::biped;
+    using dynamics::larger;
+    using dynamics::select;
+    const T h = T(static_cast<V>(o_.step_s));
+    const L zero = L(V(0)), smoothing = L(static_cast<V>(o_.step_s / 0.01));
+    PerLeg<T, L> power, positive, squares, torque, rate, moment, angle;
+    for (std::size_t pass = 0; pass < Legs<T>::kPasses; ++pass) {
+      power[pass] = positive[pass] = squares[pass] = torque[pass] = rate[pass] = angle[pass] = zero;
+      for (std::size_t j = 0; j < kLegJoints; ++j) {
+        L nm = report_.torque.motor_nm[pass][j], qd = speeds[pass][j];
+        if (o_.mode == WalkMode::semi_passive && j == kHipPitch) nm = qd = zero;  // the spring's, no motor's
+        const L p = nm * qd;
+        power[pass] += p;
+        positive[pass] += larger(p, zero);
+        squares[pass] += nm * nm;
+        L& smooth = motor_nm_[pass][j];
+        smooth += smoothing * (nm - smooth);
+        torque[pass] = larger(torque[pass], size(smooth));
+        rate[pass] = larger(rate[pass], size(qd));
+        angle[pass] = larger(angle[pass], size(s_.q_rad[pass][j]));
+      }
+      moment_x_[pass] += smoothing * (report_.foot[pass].n.x - moment_x_[pass]);
+      moment_y_[pass] += smoothing * (report_.foot[pass].n.y - moment_y_[pass]);
+      moment[pass] = larger(size(moment_x_[pass]), size(moment_y_[pass]));
+    }
+    work_ += Legs<T>::sum(power) * h;
+    positive_ += Legs<T>::sum(positive) * h;
+    squares_ += Legs<T>::sum(squares) * h;
+    if (o_.mode == WalkMode::semi_passive) account_motors(h);
+    torque_ = larger(torque_, most_of(torque));
+    speed_ = larger(speed_, most_of(rate));
+    moment_ = larger(moment_, most_of(moment));
+    return most_of(angle);
+  }
+  /// A passive hip's motor follows its link by the drive's law: what that takes.
+  FURCULA_INLINE void account_motors(const T& h) {
+    using namespace dynamics::biped;
+    using dynamics::clamped;
+    using dynamics::larger;
+    const L zero = L(V(0));
+    PerLeg<T, L> power, positive, squares;
+    for (std::size_t pass = 0; pass < Legs<T>::kPasses; ++pass) {
+      const Drive<L>& d = plant_.drives[pass][kHipPitch];
+      const L &q = s_.rotors_rad[pass][kHipClutch], &qd = s_.rotors_radps[pass][kHipClutch];
+      const L nm = clamped(L(d.kp_nmprad * (s_.q_rad[pass][kHipPitch] - q) - d.kd_nmsprad * qd), d.limit_nm);
+      power[pass] = nm * qd;
+      positive[pass] = larger(power[pass], zero);
+      squares[pass] = nm * nm;
+    }
+    work_ += Legs<T>::sum(power) * h;
+    positive_ += Legs<T>::sum(positive) * h;
+    squares_ += Legs<T>::sum(squares) * h;
+  }
+
+  /// Of the capture point, seen along the world's axes from the middle of the ankles, as if the feet stood side by side.
+  double outside_of_soles(const dynamics::biped::State<double>& s,
+                          const dynamics::biped::Totals<double>& sums) const {
+    using namespace dynamics::biped;
+    Kinematics<double> k;
+    kinematics<DesignTopology>(plain_, s, k);
+    const auto& foot = k.legs[0].foot_position_m;
+    const Vec3<double> centre = sums.centre_m();
+    const double time = std::sqrt(std::fmax(centre.z, 0.0) / robot_.gravity_mps2) / mass_kg_;
+    const double x = centre.x + sums.linear_ns.x * time - 0.5 * (foot.x[kLeft] + foot.x[kRight]);
+    const double y = centre.y + sums.linear_ns.y * time - 0.5 * (foot.y[kLeft] + foot.y[kRight]);
+    const double side = 0.5 * std::abs(foot.y[kLeft] - foot.y[kRight]);
+    double front = 0.0, rear = 0.0, wide = 0.0;
+    for (const auto& v : robot_.vertices_m[kLeft]) {
+      front = std::fmax(front, v.x);
+      rear = std::fmin(rear, v.x);
+      wide = std::fmax(wide, std::abs(v.y));
+    }
+    return std::fmax(std::fmax(x - front, rear - x), std::abs(y) - side - wide) + kSoleMargin_m;
+  }
+
+  Rollout result(std::size_t lane) const {
+    using namespace dynamics::biped;
+    Rollout r;
+    r.ending = static_cast<Ending>(static_cast<int>(plain(off_, lane)));
+    r.time_s = plain(time_s_, lane);
+    r.torque_nm = plain(torque_, lane), r.speed_radps = plain(speed_, lane),
+    r.moment_nm = plain(moment_, lane);
+    r.work_j = plain(work_, lane), r.positive_work_j = plain(positive_, lane);
+    const double nm_a_ampere = robot_.gear_ratio * robot_.torque_constant_nmpa;
+    r.copper_j = plain(squares_, lane) * robot_.resistance_ohm / (nm_a_ampere * nm_a_ampere);
+    r.constant_j = robot_.constant_power_w * r.time_s;
+    r.landings = walk_.steps[lane];
+    r.steps = static_cast<std::uint64_t>(std::llround(r.time_s / o_.step_s));
+    State<double> end;
+    end.position_m.x = plain(s_.position_m.x, lane);
+    end.w_radps = {plain(s_.w_radps.x, lane), plain(s_.w_radps.y, lane), plain(s_.w_radps.z, lane)};
+    end.v_mps = {plain(s_.v_mps.x, lane), plain(s_.v_mps.y, lane), plain(s_.v_mps.z, lane)};
+    end.attitude = {plain(s_.attitude.w, lane), plain(s_.attitude.x, lane), plain(s_.attitude.y, lane),
+                    plain(s_.attitude.z, lane)};
+    for (std::size_t i = 0; i < kJoints; ++i) {
+      set_joint<double>(end.q_rad, i, plain(joint<T>(s_.q_rad, i), lane));
+      set_joint<double>(end.qd_radps, i, plain(joint<T>(s_.qd_radps, i), lane));
+    }
+    const auto sums = totals(plain_, end);
+    r.distance_m = sums.centre_m().x - begins_m_[lane];
+    r.outside_m = outside_of_soles(end, sums);
+    const WalkLimits& m = o_.limits;
+    for (const double share :
+         {r.torque_nm / m.torque_nm, r.speed_radps / m.speed_radps, r.moment_nm / m.moment_nm})
+      if (!(share <= 1.0)) r.over += share - 1.0;
+    if (!(r.outside_m <= 0.0)) r.over += r.outside_m / 0.1;
+    if (r.distance_m > 0.0) r.cot = r.energy_j() / (mass_kg_ * 9.8 * r.distance_m);  // g of 000 eq. 1
+    return r;
+  }
+
+  dynamics::biped::Description robot_;
+  RolloutOptions o_;
+  dynamics::biped::Parameters<T> plant_;
+  dynamics::biped::Parameters<double> plain_;
+  dynamics::biped::State<T> s_;
+  dynamics::biped::JointLaws<T> laws_;
+  control::WalkConfig<T> config_;
+  control::WalkState<T> walk_{};
+  control::WalkOutputs<T> out_{};
+  control::AttitudeFilter<T> filter_{};
+  dynamics::biped::StepReport<T> report_{};
+  std::array<control::FootSwitch<T>, 2> switch_{};
+  std::array<T, 2> normal_n_{};
+  dynamics::tree::Vec3<T> acc_mps2_{};
+  dynamics::biped::Joints<T> motor_nm_{};                              ///< low-pass
+  dynamics::biped::PerLeg<T, L> moment_x_{}, moment_y_{};              ///< the same
+  T work_{}, positive_{}, squares_{}, torque_{}, speed_{}, moment_{};  ///< J; (N m)^2 s; the most so far
+  T time_s_{}, ended_{}, off_{};
+  std::array<double, kRobots> begins_m_{};
+  double mass_kg_ = 0.0;
+};
+
+}  // namespace furcula::walk

@@ -1,0 +1,51 @@
+// The search: one seed, one result; a walk from a robot that falls.
+#include "host/walk/search.hpp"
+
+#include <catch2/catch.hpp>
+
+#include "tests/host/walk/walks.hpp"
+
+using namespace furcula;
+using namespace furcula::walk;
+
+TEST_CASE("one seed gives one result on any number of threads, and the best only gets better") {
+  SearchOptions options;
+  options.steps = 2'000'000;
+  options.seed = 5;
+  const auto robot = dynamics::biped::design();
+  std::vector<double> shares;
+  options.progress = [&](double share, const std::string& doing) {
+    shares.push_back(share);
+    CHECK_FALSE(doing.empty());
+  };
+  const SearchResult one = search_walk(robot, options);
+  options.threads = 3;
+  const SearchResult three = search_walk(robot, options);
+  CHECK(one.walk.values() == three.walk.values());
+  CHECK(one.steps == three.steps);
+  CHECK(one.steps >= 2'000'000);
+  CHECK(one.steps < 2'000'000 + 32 * 20000);
+  REQUIRE(one.history.size() == three.history.size());
+  for (std::size_t i = 1; i < one.history.size(); ++i)
+    CHECK(one.history[i].objective < one.history[i - 1].objective);
+  CHECK(one.history.back().objective < one.history.front().objective);
+  REQUIRE_FALSE(shares.empty());
+  CHECK(shares.front() == 0.0);
+  options.seed = 6;
+  CHECK(search_walk(robot, options).walk.values() != one.walk.values());
+}
+
+TEST_CASE("a passive hip's pitch is not sought") {
+  SearchOptions options;
+  options.rollout.mode = WalkMode::semi_passive;
+  options.steps = 500'000;
+  const auto found = search_walk(dynamics::biped::design(), options).walk.values();
+  std::size_t kept = 0, changed = 0;
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    const auto& p = control::kWalkParameters[i];
+    if (p.of_hip_pitch) CHECK(found[i] == p.start);
+    ++(found[i] == p.start ? kept : changed);
+  }
+  CHECK(kept == 9);
+  CHECK(changed == 37);
+}

@@ -1,0 +1,121 @@
+// `furcula walk` as a user runs it.
+#include <catch2/catch.hpp>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "tests/host/cli/run_program.hpp"
+#include "tests/host/walk/walks.hpp"
+#include "tests/paths.hpp"
+
+using namespace furcula;
+using Catch::Matchers::Contains;
+
+namespace {
+
+const std::string kModel = test::source("models/biped/biped.toml");
+
+nlohmann::json json_of(const std::string& path) {
+  nlohmann::json j;
+  std::ifstream(path) >> j;
+  return j;
+}
+
+}  // namespace
+
+TEST_CASE(
+    "furcula walk search finds a walk without a first guess and writes it, sim plays it, show draws it") {
+  test::TemporaryFolder folder;
+  const std::string out = folder.path() + "/out";
+  const test::Ran few =
+      test::run_furcula({"walk", "search", "--model", kModel, "--steps", "400000", "--out", out});
+  CHECK(few.status == 4);
+  CHECK_THAT(few.err, Contains("no walk within all limits"));
+  const auto none = json_of(out + "/walk.json");
+  CHECK(none["found"] == false);
+  CHECK(none["first_walk"].is_null());
+  CHECK_FALSE(none["limits"].empty());
+  CHECK(none["steps"].get<double>() >= 400000);
+
+  const test::Ran ran = test::run_furcula(
+      {"walk", "search", "--model", kModel, "--steps", "70000000", "--seed", "2", "--out", out}, 240);
+  INFO(ran.err);
+  REQUIRE(ran.status == 0);
+  CHECK_THAT(ran.out, Contains("first walk of 10 s within all limits") && Contains("cost of transport") &&
+                          Contains("of 64 stand"));
+  const auto j = json_of(out + "/walk.json");
+  CHECK(j["schema"] == "furcula-walk/1");
+  CHECK(j["mode"] == "active");
+  CHECK(j["method"] == "cmaes");
+  CHECK(j["found"] == true);
+  CHECK(j["limits"].empty());
+  CHECK(j["evidence"]["steps"].size() == 4);
+  const double total = j["energy_j"]["total"], copper = j["energy_j"]["copper"], work = j["energy_j"]["work"];
+  CHECK(total == Approx(copper + work + 1000.0));
+  CHECK(j["cot"].get<double>() == Approx(total / (49.8 * 9.8 * j["distance_m"].get<double>())));
+  CHECK(j["objective"].get<double>() == Approx(1.0 / (1.0 + 1.0 / j["cot"].get<double>())));
+  CHECK(j["history"].back()[1].get<double>() == Approx(j["objective"].get<double>()).epsilon(0.05));
+
+  const auto page_of = [](const std::string& path) {
+    std::ifstream file(path);
+    return std::string(std::istreambuf_iterator<char>(file), {});
+  };
+  CHECK_THAT(page_of(out + "/report.html"),
+             Contains("walk-data") && Contains("The search") && Contains("furcula walk search --model"));
+
+  const std::string shown = folder.path() + "/shown";
+  const test::Ran show =
+      test::run_furcula({"walk", "show", "--model", kModel, "--walk", out + "/walk.toml", "--out", shown});
+  CHECK(show.status == 0);
+  CHECK_THAT(page_of(shown + "/report.html"), Contains("walk-data") && Contains("furcula walk show --model"));
+
+  const std::string log = folder.path() + "/log.csv";
+  const test::Ran sim =
+      test::run_furcula({"walk", "sim", "--model", kModel, "--walk", out + "/walk.toml", "--out", log});
+  INFO(sim.err);
+  CHECK(sim.status == 0);
+  std::ifstream file(log);
+  const std::string text(std::istreambuf_iterator<char>(file), {});
+  CHECK_THAT(text, Contains("# rig: tree") && Contains("angle_cmd_left_hip_pitch_rad") &&
+                       Contains("contact_right_foot"));
+  CHECK(std::count(text.begin(), text.end(), '\n') > 1000);
+}
+
+TEST_CASE("a longer simulation walks longer") {
+  test::TemporaryFolder folder;
+  const std::string walk = test::source("tests/host/walk/active_walk.toml");
+  const auto distance = [&](const char* seconds) {
+    const test::Ran ran = test::run_furcula({"walk", "sim", "--model", kModel, "--walk", walk, "--seconds",
+                                             seconds, "--out", folder.path() + "/log.csv"});
+    INFO(ran.err);
+    REQUIRE(ran.status == 0);
+    const auto at = ran.out.find(" landings, ");
+    return std::stod(ran.out.substr(at + 11));
+  };
+  CHECK(distance("20") > 1.8 * distance("10"));
+}
+
+TEST_CASE("what furcula walk cannot use is said") {
+  test::TemporaryFolder folder;
+  const std::string out = folder.path() + "/out", walk = test::source("tests/host/walk/active_walk.toml");
+  const auto said = [&](std::vector<std::string> arguments, int status) {
+    const test::Ran ran = test::run_furcula(arguments);
+    CHECK(ran.status == status);
+    return ran.err;
+  };
+  CHECK_THAT(said({"walk", "search", "--model", kModel, "--out", out}, 2), Contains("--seconds and --steps"));
+  CHECK_THAT(said({"walk", "search", "--model", kModel, "--seconds", "0", "--out", out}, 2),
+             Contains("--seconds 0"));
+  CHECK_THAT(said({"walk", "search", "--model", walk, "--steps", "1000", "--out", out}, 3),
+             Contains("no section [model]"));
+  CHECK_THAT(said({"walk", "sim", "--model", kModel, "--walk", kModel, "--out", out}, 3),
+             Contains("no section [walk]"));
+  CHECK_THAT(said({"walk", "sim", "--model", kModel, "--walk", walk, "--rate-hz", "5000", "--out", out}, 2),
+             Contains("--rate-hz 5000"));
+  std::ifstream file(walk);
+  std::string text(std::istreambuf_iterator<char>(file), {});
+  const auto at = text.find("furcula_biped");
+  REQUIRE(at != std::string::npos);
+  const std::string other = folder.file("other.toml", text.replace(at, 13, "another_robot"));
+  CHECK_THAT(said({"walk", "sim", "--model", kModel, "--walk", other, "--out", out}, 2),
+             Contains("another_robot") && Contains("furcula_biped"));
+}

@@ -1,0 +1,82 @@
+// walk.toml and the model of a biped: there and back, and what is refused.
+#include "host/walk/walk_file.hpp"
+
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include "tests/host/cli/run_program.hpp"
+#include "tests/host/error_message.hpp"
+#include "tests/host/walk/walks.hpp"
+
+using namespace furcula;
+using namespace furcula::walk;
+using Catch::Matchers::Contains;
+
+namespace {
+
+std::string changed(std::string text, const std::string& from, const std::string& to) {
+  const auto at = text.find(from);
+  REQUIRE(at != std::string::npos);
+  return text.replace(at, from.size(), to);
+}
+
+}  // namespace
+
+TEST_CASE("a walk is read as it was written") {
+  Walk walk;
+  walk.robot = "furcula_biped";
+  walk.mode = WalkMode::semi_passive;
+  walk.walk_until_s = 7.5;
+  auto values = test::start_walk().values();
+  for (std::size_t i = 0; i < values.size(); ++i) values[i] += 1e-3 * static_cast<double>(i) / 7.0;
+  walk.parameters = Parameters::of(values);
+  const std::string text = format_walk(walk);
+  const Walk read = parse_walk(text, "walk.toml");
+  CHECK(read.robot == walk.robot);
+  CHECK(read.mode == walk.mode);
+  CHECK(read.walk_until_s == walk.walk_until_s);
+  CHECK(read.parameters.values() == values);
+  CHECK_THAT(text, Contains("[up.swing]\nhip_pitch_rad = ") && Contains("[stop]\nblend_s = "));
+}
+
+TEST_CASE("a walk with a mistake is refused with file, line and what was expected") {
+  Walk walk;
+  walk.robot = "furcula_biped";
+  walk.parameters = test::start_walk();
+  const std::string good = format_walk(walk);
+  const auto error = [&](const std::string& text) {
+    return test::error_message([&] { parse_walk(text, "walk.toml"); });
+  };
+  CHECK(error(good).empty());
+  CHECK_THAT(error(changed(good, "mode = \"active\"", "mode = \"activ\"")),
+             Contains("walk.toml:4") && Contains("did you mean 'active'"));
+  CHECK_THAT(error(changed(good, "schema = 1", "schema = 2")), Contains("schema = 2; expected 1"));
+  CHECK_THAT(error(changed(good, "sway_rad", "sway_deg")), Contains("sway_deg") && Contains("sway_rad"));
+  CHECK_THAT(error(changed(good, "[up.swing]\n", "[up.swings]\n")), Contains("swings"));
+  CHECK_THAT(error(changed(good, "[stop]\n", "[halt]\n")), Contains("halt"));
+  CHECK_THAT(error(changed(good, "time_s = 0.8", "time_s = 0.0")),
+             Contains("[start] time_s") && Contains("0.01"));
+  CHECK_THAT(error(changed(good, "knee_rad = 0.5", "knee_rad = 5.0")), Contains("[posture] knee_rad"));
+  CHECK_THAT(error(changed(good, "knee_rad = 0.5", "knee_rad = nan")), Contains("knee_rad"));
+  CHECK_THAT(error("[gait]\nschema = 1\n"), Contains("no section [walk]"));
+}
+
+TEST_CASE("the model of a biped names its URDF and may change limits") {
+  const Model model = read_model(test::source("models/biped/biped.toml"));
+  CHECK(model.name == "furcula_biped");
+  CHECK(model.limits.torque_nm == 80.0);
+  CHECK(model.robot.pelvis.mass_kg == Approx(16.2));
+
+  test::TemporaryFolder folder;
+  const std::string urdf = test::source("models/biped/furcula_biped.urdf"),
+                    head = "[model]\nkind = \"biped\"\nschema = 1\nurdf = \"" + urdf + "\"\n";
+  CHECK(read_model(folder.file("a.toml", head + "[limits]\ntorque_nm = 160\n")).limits.torque_nm == 160.0);
+  const auto error = [&](const std::string& text) {
+    return test::error_message([&] { read_model(folder.file("b.toml", text)); });
+  };
+  CHECK_THAT(error(head + "[limits]\ntorque = 160\n"), Contains("b.toml:6") && Contains("torque_nm"));
+  CHECK_THAT(error(head + "[limits]\nspeed_radps = 0\n"), Contains("speed_radps"));
+  CHECK_THAT(error("[model]\nkind = \"planar_leg\"\nschema = 1\n"), Contains("expected \"biped\""));
+  CHECK_THAT(error("[model]\nkind = \"biped\"\nschema = 1\n"), Contains("no key 'urdf'"));
+  CHECK_THAT(error("[model]\nkind = \"biped\"\nschema = 1\nurdf = \"none.urdf\"\n"), Contains("none.urdf"));
+}
