@@ -59,9 +59,7 @@ std::string kind_list(const EffectInfo& effect) {
 }
 
 // "N" or, where the effect exists on both sorts of axis and differs, "N (N m on a rotary joint)".
-std::string with_rotary(std::string_view linear, std::string_view rotary, const EffectInfo& effect,
-                        std::optional<Kind> kind) {
-  if (kind) return std::string(dynamics::info(*kind).rotary ? rotary : linear);
+std::string with_rotary(std::string_view linear, std::string_view rotary, const EffectInfo& effect) {
   bool on_rotary = false;
   for (const Kind k : kinds_of(effect)) on_rotary = on_rotary || dynamics::info(k).rotary;
   std::string out(linear);
@@ -85,9 +83,16 @@ std::string neutral_text(const EffectInfo& effect, const EffectParameterInfo& p,
   return of_model ? "the model's" : "any";
 }
 
-std::string unit_text(std::string_view linear, std::string_view rotary, const EffectInfo& effect,
-                      std::optional<Kind> kind) {
-  return linear.empty() ? "1" : with_rotary(linear, rotary, effect, kind);
+/// A parameter's name; `quote` on both sides of it.
+std::string name_text(const EffectParameterInfo& p, const EffectInfo& effect, std::optional<Kind> kind,
+                      const std::string& quote = "") {
+  const auto quoted = [&](std::string_view name) { return quote + std::string(name) + quote; };
+  return kind ? quoted(dynamics::name_on(p, *kind))
+              : with_rotary(quoted(p.name), quoted(p.rotary_name), effect);
+}
+std::string unit_text(const EffectParameterInfo& p, const EffectInfo& effect, std::optional<Kind> kind) {
+  if (p.unit.empty()) return "1";
+  return kind ? std::string(dynamics::unit_on(p, *kind)) : with_rotary(p.unit, p.rotary_unit, effect);
 }
 
 /// Stance and flight are the hopper's.
@@ -100,9 +105,9 @@ void print_text(const EffectInfo& e, std::optional<Kind> kind) {
   if (const auto on_tree = trees::effect_named(e.name); on_tree && !kind)
     std::cout << "  on a tree   seat " << trees::name(trees::info(*on_tree).seat) << " (--kind tree)\n";
   for (const auto& p : e.parameters())
-    std::cout << "  parameter   " << with_rotary(p.name, p.rotary_name, e, kind) << ", in "
-              << unit_text(p.unit, p.rotary_unit, e, kind) << ", from " << shortest(p.lower) << " to "
-              << shortest(p.upper) << "; without the effect: " << neutral_text(e, p, kind) << "\n";
+    std::cout << "  parameter   " << name_text(p, e, kind) << ", in " << unit_text(p, e, kind) << ", from "
+              << shortest(p.lower) << " to " << shortest(p.upper)
+              << "; without the effect: " << neutral_text(e, p, kind) << "\n";
   std::cout << "  what        " << e.explanation << "\n  look at     " << e.where_to_look
             << "\n  experiment  " << e.best_experiment << "\n";
 }
@@ -127,11 +132,9 @@ void print_markdown(const std::vector<const EffectInfo*>& effects, std::optional
               << " | " << kind_list(*e) << " |\n\n"
               << "| parameter | unit | from | to | without the effect |\n| --- | --- | --- | --- | --- |\n";
     for (const auto& p : e->parameters())
-      std::cout << "| "
-                << with_rotary("`" + std::string(p.name) + "`", "`" + std::string(p.rotary_name) + "`", *e,
-                               kind)
-                << " | " << unit_text(p.unit, p.rotary_unit, *e, kind) << " | " << shortest(p.lower) << " | "
-                << shortest(p.upper) << " | " << neutral_text(*e, p, kind) << " |\n";
+      std::cout << "| " << name_text(p, *e, kind, "`") << " | " << unit_text(p, *e, kind) << " | "
+                << shortest(p.lower) << " | " << shortest(p.upper) << " | " << neutral_text(*e, p, kind)
+                << " |\n";
     std::cout << "\nWhere to look: " << e->where_to_look
               << "\n\nThe experiment that shows it best: " << e->best_experiment << "\n";
   }
@@ -142,9 +145,8 @@ nlohmann::ordered_json to_json(const EffectInfo& e, std::optional<Kind> kind) {
   if (has_phases(kind)) out["phase"] = e.phase;
   for (const Kind k : kinds_of(e)) out["kinds"].push_back(dynamics::info(k).name);
   for (const auto& p : e.parameters()) {
-    const bool rotary = kind && dynamics::info(*kind).rotary;
-    nlohmann::ordered_json parameter{{"name", rotary ? p.rotary_name : p.name},
-                                     {"unit", rotary ? p.rotary_unit : p.unit}};
+    nlohmann::ordered_json parameter{{"name", kind ? dynamics::name_on(p, *kind) : p.name},
+                                     {"unit", kind ? dynamics::unit_on(p, *kind) : p.unit}};
     if (!kind) {
       parameter["rotary_name"] = p.rotary_name;
       parameter["rotary_unit"] = p.rotary_unit;

@@ -1,4 +1,4 @@
-// Gait files, gait.toml: a gait and the robot that it is of (docs/contracts.md).
+// Gait files, gait.toml: a gait and the robot that it is of (docs/gaits.md).
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-// `furcula-gait/1`: what a search for a gait found (docs/contracts.md).
+// `furcula-gait/1`: what a search for a gait found (docs/gaits.md).
 #pragma once
 
 #include <string>

@@ -114,6 +114,7 @@ std::string to_json_text(const Diagnosis& d) {
        {{"fraction_of_nmse", number(d.unexplained_share)}, {"white", white}, {"goes_along_with", along}}},
       {"missing_torque", missing},
       {"next_experiment", d.next_experiment},
+      {"experiments", experiments},
       {"parameters", parameters},
       {"base_parameters", base},
       {"candidates", tried},

@@ -16,6 +16,11 @@ TEST_CASE("one effect is told with law, unit, bounds, where to look and the expe
   CHECK(ran.status == 0);
   CHECK_THAT(ran.out, Contains("-Fc sgn(v)") && Contains("torque_nm, in N m, from 0 to") &&
                           Contains("look at") && Contains("experiment"));
+  // The motor of a hopper turns: what the model file of one takes.
+  CHECK_THAT(run_furcula({"effects", "torque_saturation", "--kind", "hopper_linear"}).out,
+             Contains("limit_nm, in N m"));
+  CHECK_THAT(run_furcula({"effects", "torque_saturation", "--kind", "hopper_linear", "--json"}).out,
+             Contains("\"limit_nm\""));
   CHECK_THAT(run_furcula({"effects", "coulomb_friction"}).out,
              Contains("force_n (torque_nm on a rotary joint)"));
 }
