@@ -6,6 +6,9 @@
 #include <iterator>
 #include <utility>
 
+#include "host/core/error.hpp"
+#include "host/core/message.hpp"
+
 namespace furcula::sim {
 namespace {
 
@@ -24,12 +27,19 @@ HopperRecorder::HopperRecorder(double duration_s) : values_(std::size(kColumns))
 void HopperRecorder::add(SimBoard& board) {
   const double height_m = board.measured_height_m(), velocity_mps = board.measured_velocity_mps();
   if (!std::isfinite(height_m) || !std::isfinite(velocity_mps)) return;
+  const double leg_rad = board.measured_leg_angle_rad();
+  if (!std::isfinite(leg_rad))
+    throw core::DataError(
+        "at " + core::rounded(board.time_s(), 4) + " s the leg is folded flat, the body " +
+        core::rounded(height_m, 3) +
+        " m high: nothing holds the robot up, and its model ends there. Expected a clutch that catches before, "
+        "or an auxiliary spring that carries it");
   const control::Command& command = board.command();
   const bool coil = command.coil_duty > 0.0f || board.coil_switched_on();
   const double row[] = {board.time_s(),
                         height_m,
                         velocity_mps,
-                        board.measured_leg_angle_rad(),
+                        leg_rad,
                         static_cast<double>(board.sample().contact),
                         static_cast<double>(command.torque_nm),
                         board.measured_torque_nm(),

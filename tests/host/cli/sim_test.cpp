@@ -89,3 +89,21 @@ TEST_CASE("sim without a model or an output is unusable") {
   CHECK(run_furcula({"sim"}).status == 2);
   CHECK(run_furcula({"sim", "--model", "m.toml"}).status == 2);
 }
+
+TEST_CASE(
+    "a robot that is let go for good, on a spring too soft to carry it, ends the simulation with one message") {
+  test::TemporaryFolder folder;
+  const std::string clutch = "release_delay_s = 0.02\ncatch_delay_s = 0.02\nauxiliary_stiffness_npm = 5.0\n";
+  const std::string model =
+      folder.file("m.toml", test::with(test::kHopperModel, "[free]", clutch + "[free]"));
+  const std::string scenario =
+      folder.file("s.toml",
+                  "[start]\nheight_m = 0.33\n[run]\nduration_s = 2.0\n[torque]\nprofile = \"zero\"\n"
+                  "[[clutch]]\ntime_s = 0.3\naction = \"release\"\n");
+  const auto ran =
+      run_furcula({"sim", "--model", model, "--scenario", scenario, "--out", folder.path() + "/a.csv"});
+  CHECK(ran.status == 3);
+  CHECK_THAT(ran.err,
+             Contains("the leg is folded flat") && Contains("Expected a clutch that catches before"));
+  CHECK(folder.names() == std::vector<std::string>{"m.toml", "s.toml"});
+}

@@ -299,6 +299,8 @@ FURCULA_INLINE void step_walk(const WalkConfig<T>& c, const WalkSample<T>& in, d
 /// A foot's switch: on at once above the threshold, off after 10 ms below half of it.
 template <class T>
 struct FootSwitch {
+  static constexpr double kOffAfter_s = 0.01;
+
   T carries{};  ///< 1 or 0
   T below_s{};
 
@@ -307,7 +309,8 @@ struct FootSwitch {
     using dynamics::select;
     const T zero = T(V(0)), one = T(V(1));
     below_s = select(normal_n < T(V(0.5) * threshold_n), T(below_s + dt_s), zero);
-    carries = select(normal_n > threshold_n, one, select(below_s > V(0.0095), zero, carries));
+    const V off = V(kOffAfter_s) - V(0.5) * dt_s;  // ticks add up to it but for rounding
+    carries = select(normal_n > threshold_n, one, select(below_s > off, zero, carries));
   }
 };
 
