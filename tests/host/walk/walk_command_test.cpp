@@ -97,7 +97,7 @@ TEST_CASE("a longer simulation walks longer") {
 TEST_CASE("what furcula walk cannot use is said") {
   test::TemporaryFolder folder;
   const std::string out = folder.path() + "/out", walk = test::source("tests/host/walk/active_walk.toml");
-  const auto said = [&](std::vector<std::string> arguments, int status) {
+  const auto said = [&](const std::vector<std::string>& arguments, int status) {
     const test::Ran ran = test::run_furcula(arguments);
     CHECK(ran.status == status);
     return ran.err;

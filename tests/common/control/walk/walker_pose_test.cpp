@@ -60,7 +60,8 @@ TEST_CASE("the balance is the plant's centre of mass from a foot, and its rates 
     dynamics::biped::PerLeg<double, LegPose<dynamics::biped::LegScalar<double>>> legs;
     leg_poses(robot(), s.q_rad, s.qd_radps, legs);
     const Seen now = seen(s), then = seen(after), earlier = seen(before);
-    for (const auto& [left, right] : {std::array{1.0, 0.0}, std::array{0.0, 1.0}, std::array{0.5, 0.5}}) {
+    for (const double left : {1.0, 0.0, 0.5}) {
+      const double right = 1.0 - left;
       const Balance<double> b = balance(robot(), 1.0 / mass, legs, s.attitude, s.w_radps, left, right);
       const auto arm = [&](const Seen& at) { return at.centre - at.left * left - at.right * right; };
       const Vec3<double> heading = now.heading_left * left + now.heading_right * right;
