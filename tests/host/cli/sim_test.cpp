@@ -93,7 +93,8 @@ TEST_CASE("sim without a model or an output is unusable") {
 TEST_CASE(
     "a robot that is let go for good, on a spring too soft to carry it, ends the simulation with one message") {
   test::TemporaryFolder folder;
-  const std::string clutch = "release_delay_s = 0.02\ncatch_delay_s = 0.02\nauxiliary_stiffness_npm = 5.0\n";
+  const std::string clutch =
+      "release_delay_s = 0.02\ncatch_delay_s = 0.02\nauxiliary_stiffness_npm = 5.0\ntooth_pitch_m = 0.003\n";
   const std::string model =
       folder.file("m.toml", test::with(test::kHopperModel, "[free]", clutch + "[free]"));
   const std::string scenario =
