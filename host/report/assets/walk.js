@@ -33,6 +33,7 @@
     }
     paper.setTransform(sharp, 0, 0, sharp, 0, 0);
     paper.clearRect(0, 0, width, height);
+    paper.lineCap = paper.lineJoin = 'round';
     var m = moment(), p = m.points;
     var st = Math.sin(view.turn), ct = Math.cos(view.turn), si = Math.sin(view.tilt), co = Math.cos(view.tilt);
     var centre = [p[0][0], 0, 0.62], away = 5, focal = view.zoom * Math.min(width / 1.5, height / 1.6) * away;
@@ -63,7 +64,6 @@
     for (var i = 0; i <= 12; ++i) line([(first + i) / 2, -1.5, 0], [(first + i) / 2, 1.5, 0], '#e2e8ed', 1);
     for (var k = -3; k <= 3; ++k) line([first / 2, k / 2, 0], [first / 2 + 6, k / 2, 0], k ? '#e2e8ed' : '#c3cdd6', 1);
 
-    paper.lineCap = paper.lineJoin = 'round';
     // Pelvis 0, its top 1; of each leg hip, knee, ankle and the foot's four corners.
     var legs = [0, 1].map(function (side) { return {side: side, at: 2 + 7 * side}; });
     legs.sort(function (a, b) { return project(p[b.at])[2] - project(p[a.at])[2]; });
