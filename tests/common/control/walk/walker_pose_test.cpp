@@ -9,7 +9,6 @@
 
 using namespace furcula;
 using namespace furcula::control;
-using dynamics::biped::kJoints;
 using dynamics::biped::kLeft;
 using dynamics::biped::kRight;
 using dynamics::tree::Vec3;
