@@ -1,9 +1,11 @@
 // `furcula walk`: walks of the biped, found without a first guess, and simulated.
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
+#include <system_error>
 #include <thread>
 
 #include "host/cli/commands.hpp"
@@ -23,7 +25,8 @@ namespace {
 struct WalkOptions {
   std::string model, out, mode, method = "cmaes", walk;
   std::optional<double> seconds;
-  std::optional<std::uint64_t> steps, sensor_seed;
+  std::optional<std::int64_t> steps;
+  std::optional<std::uint64_t> sensor_seed;
   double rate_hz = 100.0;
   unsigned threads = 0;
   std::uint64_t seed = 1;
@@ -42,17 +45,14 @@ walk::RolloutOptions rollout_of(const walk::Model& model, walk::WalkMode mode, d
   return o;
 }
 
-void say(const walk::Rollout& r) {
-  if (r.ending != walk::Ending::stands) {
-    std::printf("%s after %.3g s, %u landings\n",
-                std::string(walk::kEndingNames[static_cast<std::size_t>(r.ending)]).c_str(), r.time_s,
-                r.landings);
-    return;
+void say(const walk::Rollout& r, const walk::WalkLimits& limits) {
+  if (r.ending == walk::Ending::stands) {
+    std::printf("stands after %.3g s and %u landings, %.3f m ahead", r.time_s, r.landings, r.distance_m);
+    if (std::isfinite(r.cot)) std::printf("; cost of transport %.3f", r.cot);
+    std::printf("\n%.0f J: copper %.0f, work %.0f (its positive parts %.0f), constant %.0f\n", r.energy_j(),
+                r.copper_j, r.work_j, r.positive_work_j, r.constant_j);
   }
-  std::printf("stands after %.3g s and %u landings, %.3f m ahead; cost of transport %.3f\n", r.time_s,
-              r.landings, r.distance_m, r.cot);
-  std::printf("%.0f J: copper %.0f, work %.0f (its positive parts %.0f), constant %.0f\n", r.energy_j(),
-              r.copper_j, r.work_j, r.positive_work_j, r.constant_j);
+  for (const std::string& limit : walk::broken_limits(r, limits)) std::printf("limit: %s\n", limit.c_str());
 }
 
 void search(const WalkOptions& o) {
@@ -60,7 +60,10 @@ void search(const WalkOptions& o) {
   if (o.seconds && !(*o.seconds > 0.0 && *o.seconds <= 1e6))
     throw UsageError("--seconds " + core::shortest(*o.seconds) +
                      ": expected more than 0 and at most 1000000");
-  if (o.steps && *o.steps < 1) throw UsageError("--steps 0: expected at least 1");
+  if (o.steps && *o.steps < 1)
+    throw UsageError("--steps " + std::to_string(*o.steps) + ": expected at least 1");
+  if (o.threads > 1024)
+    throw UsageError("--threads " + std::to_string(o.threads) + ": expected at most 1024");
   const walk::Model model = walk::read_model(o.model);
   const OutFolder folder(o.out);
   walk::SearchOptions options;
@@ -68,7 +71,7 @@ void search(const WalkOptions& o) {
       rollout_of(model, o.mode == "active" ? walk::WalkMode::active : walk::WalkMode::semi_passive, 5.0);
   options.seed = o.seed;
   options.seconds = o.seconds;
-  options.steps = o.steps;
+  if (o.steps) options.steps = static_cast<std::uint64_t>(*o.steps);
   options.threads = o.thread_count();
   walk::SearchResult found;
   std::optional<walk::Evidence> evidence;
@@ -96,7 +99,7 @@ void search(const WalkOptions& o) {
   if (found.first_walk)
     std::printf("first walk of 10 s within all limits after %.1f s of one processor, %llu walks tried\n",
                 found.first_walk->cpu_s, static_cast<unsigned long long>(found.first_walk->rollouts));
-  say(found.rollout);
+  say(found.rollout, model.limits);
   if (evidence) {
     std::printf("with steps of 1 to 0.125 ms: cost of transport");
     for (const walk::Trial& t : evidence->steps) std::printf(" %.4g", t.rollout.cot);
@@ -104,9 +107,9 @@ void search(const WalkOptions& o) {
                 evidence->noisy, evidence->noisy_keep_limits);
     for (const walk::Trial& t : evidence->changed)
       std::printf("%s: %s\n", t.what.c_str(),
-                  t.rollout.ending != walk::Ending::stands ? "falls"
-                  : t.rollout.over > 0.0                   ? "stands, beyond a limit"
-                                                           : "stands");
+                  t.rollout.over > 0.0 && t.rollout.ending == walk::Ending::stands
+                      ? "stands, beyond a limit"
+                      : std::string(walk::kEndingNames[static_cast<std::size_t>(t.rollout.ending)]).c_str());
   }
   std::printf(
       "%.1f million steps in %.1f s of one processor, %.2f million a second; report: %s/report.html\n",
@@ -114,8 +117,8 @@ void search(const WalkOptions& o) {
       1e-6 * static_cast<double>(found.steps) / found.cpu_s, core::printable(o.out).c_str());
   if (!found.found)
     throw Refusal(
-        "no walk within all limits was found in this budget; walk.toml has what came nearest. Expected: more --seconds or --steps, "
-        "or wider [limits]");
+        "no walk within all limits that gets ahead was found in this budget; walk.toml has what came nearest. Expected: more --seconds "
+        "or --steps, or wider [limits]");
 }
 
 /// The walk of `--walk`, which has to be the model's robot's.
@@ -145,7 +148,7 @@ void show(const WalkOptions& o) {
       {o.out + "/report.html", walk::render_walk_report(model, rollout, walk.parameters, r, {}, evidence,
                                                         "furcula walk show --model " + o.model + " --walk " +
                                                             o.walk + " --out " + o.out)}});
-  say(r);
+  say(r, model.limits);
   std::printf("report: %s/report.html\n", core::printable(o.out).c_str());
 }
 
@@ -153,9 +156,14 @@ void simulate(const WalkOptions& o) {
   const double seconds = o.seconds.value_or(10.0);
   if (!(seconds >= 1.0 && seconds <= 1e4))
     throw UsageError("--seconds " + core::shortest(seconds) + ": expected from 1 to 10000");
-  if (!(o.rate_hz >= 1.0 && o.rate_hz <= 1000.0))
+  constexpr double kController_hz = 1000.0;
+  const double ticks = kController_hz / o.rate_hz;
+  if (!(o.rate_hz >= 1.0 && o.rate_hz <= kController_hz && std::abs(ticks - std::round(ticks)) < 1e-9))
     throw UsageError("--rate-hz " + core::shortest(o.rate_hz) +
-                     ": expected from 1 to 1000, the controller's rate");
+                     ": expected from 1 to 1000, the controller's rate, and a whole part of it");
+  std::error_code none;
+  if (std::filesystem::equivalent(o.out, o.walk, none))
+    throw UsageError("--out " + core::printable(o.out) + " is the walk; expected another file");
   const walk::Model model = walk::read_model(o.model);
   const walk::Walk walk = walk_of(o, model);
   // A longer run walks longer, and has as long to stand.
@@ -165,7 +173,7 @@ void simulate(const WalkOptions& o) {
   const walk::Simulation s =
       walk::simulate_walk(model.robot, rollout, walk.parameters, 1.0 / o.rate_hz, o.sensor_seed);
   log::write_log(s.log, o.out);
-  say(s.rollout);
+  say(s.rollout, model.limits);
   if (s.rollout.ending != walk::Ending::stands) throw Refusal("the robot does not stand; the log ends there");
 }
 

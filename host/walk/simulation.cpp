@@ -57,8 +57,7 @@ Simulation simulate_walk(const Description& robot, const RolloutOptions& options
     const auto turn = angles(m.sample.attitude);
     put("roll_rad", turn[0]), put("pitch_rad", turn[1]), put("yaw_rad", turn[2]);
     put("contact_left_foot", m.sample.left_carries), put("contact_right_foot", m.sample.right_carries);
-    put("base_x_m", m.state.position_m.x), put("base_y_m", m.state.position_m.y),
-        put("base_z_m", m.state.position_m.z);
+    put("base_x_m", m.position_m.x), put("base_y_m", m.position_m.y), put("base_z_m", m.position_m.z);
   };
   bool taken = false;
   walkers.run([&](std::size_t&) { return std::exchange(taken, true) ? nullptr : &walk; },

@@ -162,8 +162,9 @@ Walk parse_walk(std::string_view text, const std::string& name) {
         if (path == in) core::refuse_unknown_keys(*table, name, where, keys);
     // A search stays between least and most; by hand one may go as far again.
     const double room = p.most - p.least, least = key.ends_with("_s") ? 0.01 : p.least - room;
-    values[i] = core::number(entry(*table, name, key, where), name, where + " " + std::string(key), least,
-                             p.most + room);
+    const auto round = [](double v) { return std::round(v * 1e6) / 1e6; };
+    values[i] = core::number(entry(*table, name, key, where), name, where + " " + std::string(key),
+                             round(least), round(p.most + room));
   }
   out.parameters = Parameters::of(values);
   return out;
@@ -173,27 +174,36 @@ Walk read_walk(const std::string& path) {
   return parse_walk(core::read_small_file(path, "a walk (TOML)"), path);
 }
 
-std::string to_json_text(const SearchResult& found, const std::optional<Evidence>& evidence,
-                         const SearchOptions& options, const Model& model) {
-  using Json = nlohmann::ordered_json;
-  const auto number = [](double v) { return std::isfinite(v) ? Json(v) : Json(nullptr); };
-  const double asked_s = options.rollout.time_s;
-  const Rollout& r = found.rollout;
-  Json limits = Json::array();
-  const auto over = [&](bool broken, const std::string& what) {
-    if (broken) limits.push_back(what);
-  };
-  const WalkLimits& m = options.rollout.limits;
+std::vector<std::string> broken_limits(const Rollout& r, const WalkLimits& m) {
+  std::vector<std::string> out;
   const auto said = [](double v) { return core::rounded(v, 3); };
+  const auto over = [&](bool broken, const std::string& what) {
+    if (broken) out.push_back(what);
+  };
   over(r.ending != Ending::stands,
        std::string(kEndingNames[static_cast<std::size_t>(r.ending)]) + " after " + said(r.time_s) + " s");
   over(r.torque_nm > m.torque_nm, "a motor gives " + said(r.torque_nm) + " N m of " + said(m.torque_nm));
   over(r.speed_radps > m.speed_radps,
        "a joint turns with " + said(r.speed_radps) + " rad/s of " + said(m.speed_radps));
   over(r.moment_nm > m.moment_nm, "a foot's moment is " + said(r.moment_nm) + " N m of " + said(m.moment_nm));
-  over(r.outside_m > 0.0, "it does not stand at the end: its capture point lies " +
-                              said(r.outside_m - kSoleMargin_m) + " m outside of the soles, where " +
-                              said(kSoleMargin_m) + " m inside are asked");
+  const double inside_m = kSoleMargin_m - r.outside_m;
+  over(r.ending == Ending::stands && r.outside_m > 0.0,
+       "it has not stopped at the end: its capture point is " + said(100.0 * std::abs(inside_m)) + " cm " +
+           (inside_m > 0.0 ? "inside" : "outside") + " of the soles, where " + said(100.0 * kSoleMargin_m) +
+           " cm inside are asked");
+  return out;
+}
+
+std::string to_json_text(const SearchResult& found, const std::optional<Evidence>& evidence,
+                         const SearchOptions& options, const Model& model) {
+  using Json = nlohmann::ordered_json;
+  const auto number = [](double v) { return std::isfinite(v) ? Json(v) : Json(nullptr); };
+  const double asked_s = options.rollout.time_s;
+  const Rollout& r = found.rollout;
+  std::vector<std::string> limits = broken_limits(r, options.rollout.limits);
+  if (!found.found && limits.empty())
+    limits.push_back("it gets ahead by " + core::rounded(r.distance_m, 3) + " m, where " +
+                     core::rounded(options.first_walk_m, 3) + " m are asked");
 
   const auto trial = [&](const Trial& t) {
     return Json{{"what", t.what},

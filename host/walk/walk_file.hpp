@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "furcula/dynamics/biped/parameters.hpp"
 #include "host/walk/evidence.hpp"
@@ -30,6 +31,9 @@ std::string format_walk(const Walk& walk);
 /// @throws core::DataError: not a walk, a parameter that is missing or beyond what a joint can do.
 Walk read_walk(const std::string& path);
 Walk parse_walk(std::string_view text, const std::string& name);
+
+/// What of the limits is not kept, in words.
+std::vector<std::string> broken_limits(const Rollout& rollout, const WalkLimits& limits);
 
 /// walk.json, `furcula-walk/1` (docs/contracts.md).
 std::string to_json_text(const SearchResult& found, const std::optional<Evidence>& evidence,

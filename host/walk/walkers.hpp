@@ -27,6 +27,7 @@ struct WalkMoment {
   const control::WalkState<T>& walk;
   const control::WalkOutputs<T>& out;
   const control::WalkSample<T>& sample;
+  dynamics::tree::Vec3<T> position_m;  ///< of the pelvis frame when the sample was taken
   double time_s;
 };
 
@@ -196,6 +197,7 @@ class Walkers {
     using dynamics::larger;
     using dynamics::select;
     const V dt = static_cast<V>(o_.tick_s());
+    const Vec3<T> position = s_.position_m;
     const T zero = T(V(0)), one = T(V(1));
     for (const std::size_t side : {kLeft, kRight})
       switch_[side].step(normal_n_[side], static_cast<V>(o_.foot_threshold_n), dt);
@@ -232,13 +234,20 @@ class Walkers {
     // A number that is none compares as false: such a robot has fallen.
     const T fallen = one - is(s_.position_m.z > static_cast<V>(m.height_m));
     const T away = is(farthest > static_cast<V>(m.range_rad));
-    const Vec3<T>& apart = out_.apart_m;
+    Vec3<T> apart = out_.apart_m;
+    if constexpr (std::is_same_v<T, double>)
+      if (senses) {
+        // Feet hit each other where they are, not where erring encoders have them.
+        PerLeg<T, control::LegPose<L>> legs;
+        control::leg_poses(plant_, s_.q_rad, s_.qd_radps, legs);
+        apart = control::ankles_apart<T>(legs);
+      }
     const T near = is(apart.y < static_cast<V>(m.apart_m)) * is(size(apart.x) < static_cast<V>(m.along_m));
     const T hits = larger(near, is(apart.y < V(0)));
     off_ = select(fallen > V(0.5), T(V(1)), select(away > V(0.5), T(V(2)), T(V(3) * hits)));
     ended_ = larger(is(off_ > V(0.5)), is(time_s_ > static_cast<V>(o_.time_s - 0.5 * o_.tick_s())));
     if constexpr (std::is_same_v<T, double>)
-      if (watch) watch({s_, report_, walk_, out_, sample, time_s_});
+      if (watch) watch({s_, report_, walk_, out_, sample, position, time_s_});
   }
 
   /// Energy, and the most of what has a limit, of a step that began with these joint speeds. The joint that is farthest from zero, rad.

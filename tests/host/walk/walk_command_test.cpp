@@ -29,7 +29,7 @@ TEST_CASE(
   const test::Ran few =
       test::run_furcula({"walk", "search", "--model", kModel, "--steps", "400000", "--out", out});
   CHECK(few.status == 4);
-  CHECK_THAT(few.err, Contains("no walk within all limits"));
+  CHECK_THAT(few.err, Contains("no walk within all limits that gets ahead"));
   const auto none = json_of(out + "/walk.json");
   CHECK(none["found"] == false);
   CHECK(none["first_walk"].is_null());
@@ -105,6 +105,10 @@ TEST_CASE("what furcula walk cannot use is said") {
   CHECK_THAT(said({"walk", "search", "--model", kModel, "--out", out}, 2), Contains("--seconds and --steps"));
   CHECK_THAT(said({"walk", "search", "--model", kModel, "--seconds", "0", "--out", out}, 2),
              Contains("--seconds 0"));
+  CHECK_THAT(said({"walk", "search", "--model", kModel, "--steps", "-5", "--out", out}, 2),
+             Contains("--steps -5"));
+  CHECK_THAT(said({"walk", "sim", "--model", kModel, "--walk", walk, "--rate-hz", "700", "--out", out}, 2),
+             Contains("--rate-hz 700"));
   CHECK_THAT(said({"walk", "search", "--model", walk, "--steps", "1000", "--out", out}, 3),
              Contains("no section [model]"));
   CHECK_THAT(said({"walk", "sim", "--model", kModel, "--walk", kModel, "--out", out}, 3),
@@ -118,4 +122,19 @@ TEST_CASE("what furcula walk cannot use is said") {
   const std::string other = folder.file("other.toml", text.replace(at, 13, "another_robot"));
   CHECK_THAT(said({"walk", "sim", "--model", kModel, "--walk", other, "--out", out}, 2),
              Contains("another_robot") && Contains("furcula_biped"));
+  const std::string copy = folder.file("copy.toml", [&] {
+    std::ifstream again(walk);
+    return std::string(std::istreambuf_iterator<char>(again), {});
+  }());
+  CHECK_THAT(said({"walk", "sim", "--model", kModel, "--walk", copy, "--out", copy}, 2),
+             Contains("is the walk"));
+
+  // A limit that the walk does not keep is said.
+  const std::string weak = folder.file("weak.toml", "[model]\nkind = \"biped\"\nschema = 1\nurdf = \"" +
+                                                        test::source("models/biped/furcula_biped.urdf") +
+                                                        "\"\n[limits]\ntorque_nm = 10\n");
+  const test::Ran over = test::run_furcula({"walk", "sim", "--model", weak, "--walk", walk, "--seconds", "3",
+                                            "--out", folder.path() + "/log.csv"});
+  CHECK(over.status == 0);
+  CHECK_THAT(over.out, Contains("limit: a motor gives"));
 }

@@ -80,3 +80,21 @@ TEST_CASE("the model of a biped names its URDF and may change limits") {
   CHECK_THAT(error("[model]\nkind = \"biped\"\nschema = 1\n"), Contains("no key 'urdf'"));
   CHECK_THAT(error("[model]\nkind = \"biped\"\nschema = 1\nurdf = \"none.urdf\"\n"), Contains("none.urdf"));
 }
+
+TEST_CASE("what a walk does not keep is said in words") {
+  Rollout r;
+  r.ending = Ending::stands;
+  r.outside_m = -0.02;
+  CHECK(broken_limits(r, {}).empty());
+  r.torque_nm = 90.0;
+  r.outside_m = 0.01;
+  const auto words = broken_limits(r, {});
+  REQUIRE(words.size() == 2);
+  CHECK(words[0] == "a motor gives 90 N m of 80");
+  CHECK_THAT(words[1], Contains("2 cm inside of the soles, where 3 cm inside are asked"));
+  r.outside_m = 0.08;
+  CHECK_THAT(broken_limits(r, {})[1], Contains("5 cm outside of the soles"));
+  r.ending = Ending::fell;
+  r.time_s = 2.5;
+  CHECK(broken_limits(r, {})[0] == "fell after 2.5 s");
+}
