@@ -196,9 +196,8 @@ void add_walk_command(CLI::App& app) {
       ->capture_default_str();
   find->add_option("--seed", o->seed, "Of the search")->capture_default_str();
   find->add_option("--seconds", o->seconds, "How long");
-  find->add_option(
-      "--steps", o->steps,
-      "How long, in steps of simulation: one seed then gives one walk, on any processor and any --threads");
+  find->add_option("--steps", o->steps,
+                   "How long, in steps of simulation: one seed then gives one walk, whatever --threads");
   find->add_option("--threads", o->threads, "Without it as many as processors");
   find->add_option("--out", o->out, "Folder for walk.toml, walk.json and report.html")->required();
   find->callback([o] { search(*o); });
