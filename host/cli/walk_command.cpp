@@ -36,7 +36,6 @@ struct WalkOptions {
   }
 };
 
-/// The phases that are longer in a longer walk: the last seconds are for the stop, as in 000.
 walk::RolloutOptions rollout_of(const walk::Model& model, walk::WalkMode mode, double walk_until_s) {
   walk::RolloutOptions o;
   o.mode = mode;
@@ -167,8 +166,8 @@ void simulate(const WalkOptions& o) {
   const walk::Model model = walk::read_model(o.model);
   const walk::Walk walk = walk_of(o, model);
   // A longer run walks longer, and has as long to stand.
-  walk::RolloutOptions rollout =
-      rollout_of(model, walk.mode, std::max(walk.walk_until_s, seconds - (10.0 - walk.walk_until_s)));
+  walk::RolloutOptions rollout = rollout_of(model, walk.mode, walk.walk_until_s);
+  rollout.walk_until_s = std::max(walk.walk_until_s, seconds - (rollout.time_s - walk.walk_until_s));
   rollout.time_s = seconds;
   const walk::Simulation s =
       walk::simulate_walk(model.robot, rollout, walk.parameters, 1.0 / o.rate_hz, o.sensor_seed);

@@ -10,6 +10,7 @@ extern const std::string_view dygraphs_style;    ///< dygraph.min.css
 extern const std::string_view dygraphs_licence;  ///< the notice that must go with it
 extern const std::string_view page_style;        ///< assets/report.css
 extern const std::string_view page_script;       ///< assets/report.js
+extern const std::string_view canvas_script;     ///< assets/canvas.js
 extern const std::string_view robot_script;      ///< assets/robot.js
 extern const std::string_view leg_script;        ///< assets/leg.js
 extern const std::string_view walk_script;       ///< assets/walk.js

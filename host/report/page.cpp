@@ -58,6 +58,11 @@ std::string render(const Page& page) {
     out += script;
     out += "</script>\n";
   };
+  if (!page.robot_json.empty() || !page.leg_json.empty() || !page.walk_json.empty()) {
+    out += "<script>\n";
+    out += assets::canvas_script;
+    out += "</script>\n";
+  }
   drawn(page.robot_json, "robot-data", assets::robot_script);
   drawn(page.leg_json, "leg-data", assets::leg_script);
   drawn(page.walk_json, "walk-data", assets::walk_script);

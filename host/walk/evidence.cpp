@@ -2,7 +2,6 @@
 
 #include <atomic>
 #include <numbers>
-#include <utility>
 
 #include "host/core/message.hpp"
 #include "host/core/parallel.hpp"
@@ -62,9 +61,7 @@ Evidence evidence_of(const dynamics::biped::Description& robot, const RolloutOpt
   core::parallel_for(jobs.size(), threads, [&](std::size_t i) {
     Walkers<double> walkers(jobs[i].robot, robot, jobs[i].options);
     if (jobs[i].noisy) walkers.senses = Sensors(out.errors, i - changed + 1);
-    bool taken = false;
-    walkers.run([&](std::size_t&) { return std::exchange(taken, true) ? nullptr : &walk; },
-                [&](std::size_t, const Rollout& r) { rollouts[i] = r; });
+    rollouts[i] = walkers.run_one(walk);
     if (told) told(static_cast<double>(++finished) / static_cast<double>(jobs.size()));
   });
   for (std::size_t i = 0; i < changed; ++i)

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cmath>
 #include <ctime>
+#include <limits>
 
 #include "host/core/message.hpp"
 #include "host/core/parallel.hpp"
@@ -94,16 +95,7 @@ std::vector<Rollout> run_walks(const dynamics::biped::Description& robot, const 
 
 Rollout run_walk(const dynamics::biped::Description& robot, const RolloutOptions& options,
                  const Parameters& walk) {
-  Walkers<double> walkers(robot, robot, options);
-  Rollout out;
-  bool taken = false;
-  walkers.run(
-      [&](std::size_t& number) -> const Parameters* {
-        number = 0;
-        return std::exchange(taken, true) ? nullptr : &walk;
-      },
-      [&](std::size_t, const Rollout& r) { out = r; });
-  return out;
+  return Walkers<double>(robot, robot, options).run_one(walk);
 }
 
 SearchResult search_walk(const dynamics::biped::Description& robot, const SearchOptions& options) {

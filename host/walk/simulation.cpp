@@ -2,7 +2,6 @@
 
 #include <cmath>
 #include <string>
-#include <utility>
 
 #include "host/walk/sensors.hpp"
 
@@ -59,9 +58,7 @@ Simulation simulate_walk(const Description& robot, const RolloutOptions& options
     put("contact_left_foot", m.sample.left_carries), put("contact_right_foot", m.sample.right_carries);
     put("base_x_m", m.position_m.x), put("base_y_m", m.position_m.y), put("base_z_m", m.position_m.z);
   };
-  bool taken = false;
-  walkers.run([&](std::size_t&) { return std::exchange(taken, true) ? nullptr : &walk; },
-              [&](std::size_t, const Rollout& r) { out.rollout = r; });
+  out.rollout = walkers.run_one(walk);
   return out;
 }
 

@@ -58,18 +58,6 @@ std::pair<std::string_view, std::string_view> parted(std::string_view name) {
   const std::size_t dot = name.rfind('.');
   return {name.substr(0, dot), name.substr(dot + 1)};
 }
-const toml::table* table_at(const toml::table& file, std::string_view path) {
-  const toml::table* table = &file;
-  while (!path.empty()) {
-    const std::size_t dot = path.find('.');
-    const toml::node* node = table->get(path.substr(0, dot));
-    table = node == nullptr ? nullptr : node->as_table();
-    if (table == nullptr) return nullptr;
-    path = dot == std::string_view::npos ? std::string_view() : path.substr(dot + 1);
-  }
-  return table;
-}
-
 }  // namespace
 
 Model read_model(const std::string& path) {
@@ -147,7 +135,7 @@ Walk parse_walk(std::string_view text, const std::string& name) {
   core::refuse_unknown_keys(file, name, "a walk", top);
   for (const std::string_view of : {"up", "down"}) {
     static constexpr std::array<std::string_view, 4> kUnder{"time_s", "blend_s", "swing", "stance"};
-    if (const toml::table* t = table_at(file, of))
+    if (const toml::table* t = file.at_path(of).as_table())
       core::refuse_unknown_keys(*t, name, "[" + std::string(of) + "]", kUnder);
   }
   std::array<double, Parameters::kCount> values{};
@@ -155,7 +143,7 @@ Walk parse_walk(std::string_view text, const std::string& name) {
     const auto& p = control::kWalkParameters[i];
     const auto [in, key] = parted(p.name);
     const std::string where = "[" + std::string(in) + "]";
-    const toml::table* table = table_at(file, in);
+    const toml::table* table = file.at_path(in).as_table();
     if (table == nullptr) fail(name, file.source(), "no section " + where + "; expected one");
     if (in != "up" && in != "down")
       for (const auto& [path, keys] : tables)

@@ -72,9 +72,7 @@ std::vector<Frame> frames_of(const Model& model, const RolloutOptions& options,
   walkers.watch = [&](const WalkMoment<double>& m) {
     if (tick++ % kTicksAFrame == 0) out.push_back(frame_of(model.robot, m));
   };
-  bool taken = false;
-  walkers.run([&](std::size_t&) { return std::exchange(taken, true) ? nullptr : &walk; },
-              [](std::size_t, const Rollout&) {});
+  walkers.run_one(walk);
   return out;
 }
 
@@ -100,16 +98,17 @@ const char* kPlayer =
     "<option value=\"1\" selected>1</option></select></label>"
     "<button type=\"button\" id=\"walk-home\">Reset view</button></div>\n";
 
-std::string plots(const std::vector<Frame>& frames) {
+std::string plots(const std::vector<Frame>& frames, bool passive) {
   const auto line = [&](const char* label, const auto& value) {
     report::Line l{label, {}, {}};
     for (const Frame& f : frames) l.x.push_back(f.time_s), l.y.push_back(value(f));
     return l;
   };
   std::vector<report::Line> power;
-  for (std::size_t j = 1; j < kLegJoints; ++j)
-    power.push_back(
-        line(report::in_words(kLegJointNames[j]).c_str(), [j](const Frame& f) { return f.power_w[j]; }));
+  for (std::size_t j = kHipRoll; j < kLegJoints; ++j)
+    if (!passive || j != kHipPitch)  // a passive hip's torque is its spring's
+      power.push_back(
+          line(report::in_words(kLegJointNames[j]).c_str(), [j](const Frame& f) { return f.power_w[j]; }));
   const auto plot = [](const char* title, std::vector<report::Line> lines) {
     return report::line_plot_html({title, "time, s", std::move(lines)});
   };
@@ -206,7 +205,7 @@ std::string render_walk_report(const Model& model, const RolloutOptions& options
                       "The left leg is the darker one. Green: the ground's force, a metre for 1000 N. ") +
                   (semi ? "Orange: hips whose pitch is left to their springs. " : "") +
                   "Drag turns the view, the wheel comes nearer.")) +
-      report::section("curves", "Curves", plots(frames)) +
+      report::section("curves", "Curves", plots(frames, semi)) +
       report::section("limits", "Limits", limits.html()) +
       (evidence ? report::section("evidence", "What it stands", evidence_html(*evidence)) : "") +
       (history.size() > 1 ? report::section("search", "The search", search_html(history)) : "");

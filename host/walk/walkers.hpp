@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <functional>
 #include <type_traits>
+#include <utility>
 
 #include "furcula/control/walk/walk.hpp"
 #include "furcula/dynamics/biped/design.hpp"
@@ -66,6 +67,15 @@ class Walkers {
   /// After each tick.
   std::function<void(const WalkMoment<T>&)> watch;
 
+  /// One robot to its end.
+  Rollout run_one(const Parameters& walk) {
+    Rollout out;
+    bool taken = false;
+    run([&](std::size_t&) { return std::exchange(taken, true) ? nullptr : &walk; },
+        [&](std::size_t, const Rollout& r) { out = r; });
+    return out;
+  }
+
   /// take(i) gives the parameters of a robot and its number i, or none; done(i, rollout) gets what it did.
   void run(const Take& take, const Done& done) {
     std::array<bool, kRobots> busy{};
@@ -95,9 +105,9 @@ class Walkers {
   }
 
  private:
-  static V lane_of(const T& x, std::size_t lane) { return control::detail::lane_of(x, lane); }
+  static V lane_of(const T& x, std::size_t lane) { return dynamics::lane_of(x, lane); }
   static double plain(const T& x, std::size_t lane) { return static_cast<double>(lane_of(x, lane)); }
-  static void put(T& x, std::size_t lane, double v) { control::detail::set_lane(x, lane, static_cast<V>(v)); }
+  static void put(T& x, std::size_t lane, double v) { dynamics::set_lane(x, lane, static_cast<V>(v)); }
   static void put(dynamics::tree::Vec3<T>& x, std::size_t lane, const dynamics::tree::Vec3<double>& v) {
     put(x.x, lane, v.x), put(x.y, lane, v.y), put(x.z, lane, v.z);
   }
@@ -135,7 +145,7 @@ class Walkers {
     State<double> s;
     double pitch = 0.0;
     for (const std::size_t side : {kLeft, kRight}) {
-      auto leg = control::detail::leg_angles(w, {}, side);
+      auto leg = control::leg_angles(w, {}, side);
       if (o_.mode == WalkMode::semi_passive)
         leg[kHipPitch] = robot_.clutches[side][kHipClutch].spring_rest_rad;
       for (std::size_t j = 0; j < kLegJoints; ++j) set_joint<double>(s.q_rad, side * kLegJoints + j, leg[j]);
@@ -254,7 +264,6 @@ class Walkers {
   FURCULA_INLINE T account(const dynamics::biped::Joints<T>& speeds) {
     using namespace dynamics::biped;
     using dynamics::larger;
-    using dynamics::select;
     const T h = T(static_cast<V>(o_.step_s));
     const L zero = L(V(0)), smoothing = L(static_cast<V>(o_.step_s / 0.01));
     PerLeg<T, L> power, positive, squares, torque, rate, moment, angle;

@@ -37,6 +37,24 @@ class TemporaryFolder {
   std::filesystem::path path_;
 };
 
+/// A headless browser on virtual time draws hardly any frames: with this in its head they come by the clock.
+inline constexpr const char* kFrames =
+    "<script>window.requestAnimationFrame = f => setTimeout(() => f(performance.now()), 20);</script>";
+inline constexpr const char* kNoBrowser =
+    "no chromium on the PATH (scripts/setup installs it for the web tests)";
+
+/// What probes of canvases use: get(id), wait(ms), pixelsOf(canvas), and pictureOf(canvas), a checksum of what is drawn.
+inline constexpr const char* kPictureTools = R"(<script>
+const get = id => document.getElementById(id);
+const wait = ms => new Promise(done => setTimeout(done, ms));
+const pixelsOf = canvas => canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data;
+const pictureOf = canvas => {
+  let sum = 0;
+  for (const v of pixelsOf(canvas)) sum = (sum * 31 + v) >>> 0;
+  return sum;
+};
+</script>)";
+
 /// What a probe saw on this page: a <script> at its end that leaves JSON in <pre id="seen">, within 4 s of the page's time.
 /// The page has `problems` from its first moment on: errors, and requests that its policy refused.
 /// @throws std::runtime_error: nothing was left.

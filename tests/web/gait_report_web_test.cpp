@@ -11,25 +11,14 @@
 namespace furcula {
 namespace {
 
-constexpr const char* kNoBrowser = "no chromium on the PATH (scripts/setup installs it for the web tests)";
-constexpr const char* kFrames =
-    "<script>window.requestAnimationFrame = f => setTimeout(() => f(performance.now()), 20);</script>";
-
 constexpr const char* kProbe = R"(<script>
 (async function () {
-  const get = id => document.getElementById(id);
   const canvas = get('leg-canvas'), slider = get('leg-slider');
-  const wait = ms => new Promise(done => setTimeout(done, ms));
-  const pixels = () => canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data;
-  const picture = () => {
-    let sum = 0;
-    for (const v of pixels()) sum = (sum * 31 + v) >>> 0;
-    return sum;
-  };
+  const picture = () => pictureOf(canvas);
   // Pixels between the spring's grey and its orange, nearer to orange.
   const orange = () => {
     let n = 0;
-    const p = pixels();
+    const p = pixelsOf(canvas);
     for (let i = 0; i < p.length; i += 4)
       if (p[i + 3] > 128 && p[i] > 175 && p[i + 1] < 135 && p[i + 2] < 90) ++n;
     return n;
@@ -64,7 +53,7 @@ constexpr const char* kProbe = R"(<script>
 
 TEST_CASE("the leg of a gait is drawn, its spring orange in stance alone, and moves with slider and play") {
   const auto browser = test::Browser::find();
-  if (!browser) return test::skip(kNoBrowser);
+  if (!browser) return test::skip(test::kNoBrowser);
   const gait::Search found = test::found(gait::LegSpring::switched, test::in_place(0.075));
   REQUIRE(found.gait);
   const std::vector<gait::Moment> moments = gait::moments_of(*found.gait);
@@ -73,11 +62,11 @@ TEST_CASE("the leg of a gait is drawn, its spring orange in stance alone, and mo
   });
   std::string page =
       gait::render_gait_report(found, {gait::stability_of(*found.gait), {}, {}, {}, {}}, "furcula gait");
-  page.insert(page.find("<meta name=\"viewport\""), kFrames);
+  page.insert(page.find("<meta name=\"viewport\""), test::kFrames);
   const std::string times =
       "<script>var flight = 0.05, stance = " + std::to_string(most->time_s) + ";</script>";
   for (const int width : {1400, 500}) {
-    const nlohmann::json seen = test::look_at(*browser, page, times + kProbe, width);
+    const nlohmann::json seen = test::look_at(*browser, page, test::kPictureTools + times + kProbe, width);
     INFO(seen.dump(1));
     CHECK(seen["problems"].empty());
     CHECK(seen["fetched"].empty());

@@ -16,8 +16,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kNoBrowser = "no chromium on the PATH (scripts/setup installs it for the web tests)";
-
 void write(const fs::path& path, const std::string& text) { std::ofstream(path, std::ios::binary) << text; }
 
 std::string read(const fs::path& path) {
@@ -91,7 +89,7 @@ nlohmann::json look_at(const test::Browser& browser, const std::string& page, in
 
 TEST_CASE("the report's plots have data, follow their controls, and need no network") {
   const auto browser = test::Browser::find();
-  if (!browser) return test::skip(kNoBrowser);
+  if (!browser) return test::skip(test::kNoBrowser);
   const diagnose::Diagnosis d = test::sample_diagnosis();
   const nlohmann::json seen = look_at(*browser, report::render_report(d));
   INFO(seen.dump(1));
@@ -134,7 +132,7 @@ TEST_CASE("the report's plots have data, follow their controls, and need no netw
 
 TEST_CASE("the report fits a narrow screen without scrolling sideways") {
   const auto browser = test::Browser::find();
-  if (!browser) return test::skip(kNoBrowser);
+  if (!browser) return test::skip(test::kNoBrowser);
   const nlohmann::json seen = look_at(*browser, report::render_report(test::sample_diagnosis(8, 4)), 500);
   INFO(seen.dump(1));
   CHECK(seen["view_width"] <= 500);
@@ -144,7 +142,7 @@ TEST_CASE("the report fits a narrow screen without scrolling sideways") {
 
 TEST_CASE("hostile names of files and channels run nothing in the browser") {
   const auto browser = test::Browser::find();
-  if (!browser) return test::skip(kNoBrowser);
+  if (!browser) return test::skip(test::kNoBrowser);
   diagnose::Diagnosis d = test::sample_diagnosis(4, 3);
   const std::string hostile = "</script><img src=x onerror=\"throw 'ran'\">\xE2\x80\xA8'\"<!--";
   d.summary = hostile;
@@ -163,7 +161,7 @@ TEST_CASE("hostile names of files and channels run nothing in the browser") {
 
 TEST_CASE("a report without traces runs without a problem") {
   const auto browser = test::Browser::find();
-  if (!browser) return test::skip(kNoBrowser);
+  if (!browser) return test::skip(test::kNoBrowser);
   const nlohmann::json seen = look_at(*browser, report::render_report({}));
   CHECK(seen["problems"].empty());
   CHECK(seen["svg_points"].empty());
@@ -171,7 +169,7 @@ TEST_CASE("a report without traces runs without a problem") {
 
 TEST_CASE("the report prints on a few pages") {
   const auto browser = test::Browser::find();
-  if (!browser) return test::skip(kNoBrowser);
+  if (!browser) return test::skip(test::kNoBrowser);
   const test::TemporaryFolder folder;
   write(folder.path() / "report.html", report::render_report(test::sample_diagnosis()));
   browser->print(folder.path() / "report.html", folder.path() / "report.pdf");

@@ -13,27 +13,16 @@
 namespace furcula {
 namespace {
 
-constexpr const char* kNoBrowser = "no chromium on the PATH (scripts/setup installs it for the web tests)";
-
-/// A headless browser on virtual time draws hardly any frames: they come by the clock here.
-constexpr const char* kFrames =
-    "<script>window.requestAnimationFrame = f => setTimeout(() => f(performance.now()), 20);</script>";
-
 /// Uses the controls one after the other and keeps a checksum of the picture after each.
 constexpr const char* kProbe = R"(<script>
 (async function () {
-  const get = id => document.getElementById(id);
   const canvas = get('robot-canvas');
-  const wait = ms => new Promise(done => setTimeout(done, ms));
-  const pixels = () => canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data;
+  const pixels = () => pixelsOf(canvas);
   const frame = () => new Promise(done => requestAnimationFrame(done));
   const picture = async () => {
     await frame();
     await frame();
-    let sum = 0;
-    const p = pixels();
-    for (let i = 0; i < p.length; ++i) sum = (sum * 31 + p[i]) >>> 0;
-    return sum;
+    return pictureOf(canvas);
   };
   // Pixels near a colour, in a picture whose lines lie over each other.
   const near = (r, g, b) => {
@@ -106,13 +95,13 @@ constexpr const char* kProbe = R"(<script>
 nlohmann::json look_at(const test::Browser& browser, const trees::Diagnosis& d, const std::string& probe,
                        int width = 1400) {
   std::string page = report::render_tree_report(d);
-  page.insert(page.find("<meta name=\"viewport\""), kFrames);
-  return test::look_at(browser, page, probe, width);
+  page.insert(page.find("<meta name=\"viewport\""), test::kFrames);
+  return test::look_at(browser, page, test::kPictureTools + probe, width);
 }
 
 TEST_CASE("the robot is drawn, moves with slider and play, turns and zooms, and needs no network") {
   const auto browser = test::Browser::find();
-  if (!browser) return test::skip(kNoBrowser);
+  if (!browser) return test::skip(test::kNoBrowser);
   const nlohmann::json seen = look_at(*browser, test::sample_tree_diagnosis(), kProbe);
   INFO(seen.dump(1));
   CHECK(seen["problems"].empty());
@@ -149,7 +138,7 @@ TEST_CASE("the robot is drawn, moves with slider and play, turns and zooms, and 
 
 TEST_CASE("the page's joints put each link where the tree has it") {
   const auto browser = test::Browser::find();
-  if (!browser) return test::skip(kNoBrowser);
+  if (!browser) return test::skip(test::kNoBrowser);
   trees::Diagnosis d;
   d.model.urdf = model::read_urdf(test::source("tests/host/model/robots/branched.urdf"));
   d.model.robot = model::tree_of(d.model.urdf);
@@ -182,7 +171,7 @@ TEST_CASE("the page's joints put each link where the tree has it") {
 
 TEST_CASE("the page of a tree fits a narrow screen, and hostile names run nothing") {
   const auto browser = test::Browser::find();
-  if (!browser) return test::skip(kNoBrowser);
+  if (!browser) return test::skip(test::kNoBrowser);
   trees::Diagnosis d = test::sample_tree_diagnosis();
   const std::string hostile = "</script><img src=x onerror=\"throw 'ran'\">\xE2\x80\xA8'\"<!--";
   d.summary = hostile;

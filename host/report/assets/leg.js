@@ -30,13 +30,9 @@
   }
 
   function draw() {
-    var ratio = window.devicePixelRatio || 1, width = canvas.clientWidth, height = canvas.clientHeight;
-    if (canvas.width !== Math.round(width * ratio) || canvas.height !== Math.round(height * ratio)) {
-      canvas.width = Math.round(width * ratio);
-      canvas.height = Math.round(height * ratio);
-    }
-    paper.setTransform(ratio, 0, 0, ratio, 0, 0);
-    paper.clearRect(0, 0, width, height);
+    var size = window.furculaCanvas.fit(canvas);
+    if (!size) return;
+    var width = size.width, height = size.height;
     var p = pose(time), scale = height / (1.35 * data.reach), base = height - 24;
     // The picture goes with the mean speed, so that the leg swings about its middle.
     var period = stride.rows[stride.rows.length - 1][0];

@@ -139,27 +139,17 @@
 
   function draw() {
     waiting = false;
-    var width = canvas.clientWidth, height = canvas.clientHeight, sharp = Math.max(window.devicePixelRatio || 1, 1);
-    if (!width || !height) return;
-    if (canvas.width !== Math.round(width * sharp) || canvas.height !== Math.round(height * sharp)) {
-      canvas.width = Math.round(width * sharp);
-      canvas.height = Math.round(height * sharp);
-    }
-    paper.setTransform(sharp, 0, 0, sharp, 0, 0);
-    paper.clearRect(0, 0, width, height);
+    var size = window.furculaCanvas.fit(canvas);
+    if (!size) return;
+    var width = size.width, height = size.height;
 
     var mode = motion ? element('robot-mode').value : 'simulated', list = [], marks = [];
     var gap = mode === 'beside' ? 0.5 * data.size : 0;
-    var st = Math.sin(view.turn), ct = Math.cos(view.turn), si = Math.sin(view.tilt), co = Math.cos(view.tilt);
+    var st = Math.sin(view.turn), ct = Math.cos(view.turn);
     var sideways = function (k) { return [ct * k, st * k, 0]; };  // across the view, so that neither hides the other
     var away = (gap ? 8 : 3.2) * data.size;  // from afar both are seen from one side
     var focal = view.zoom * Math.min(width * (gap ? 0.48 : 0.9), height * 1.05) / data.size * away;
-    var project = function (p) {
-      var x = p[0] - data.centre[0], y = p[1] - data.centre[1], z = p[2] - data.centre[2];
-      var right = ct * x + st * y, into = -st * x + ct * y, up = co * z + si * into, depth = co * into - si * z;
-      var k = focal / Math.max(away + depth, 0.1 * away);
-      return [width / 2 + right * k, height / 2 - up * k, depth];
-    };
+    var project = window.furculaCanvas.camera(view, data.centre, away, focal, size);
 
     // The floor: a grid below the base.
     var step = data.grid, n = 5;

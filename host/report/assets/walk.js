@@ -25,24 +25,13 @@
 
   function draw() {
     waiting = false;
-    var width = canvas.clientWidth, height = canvas.clientHeight, sharp = Math.max(window.devicePixelRatio || 1, 1);
-    if (!width || !height) return;
-    if (canvas.width !== Math.round(width * sharp) || canvas.height !== Math.round(height * sharp)) {
-      canvas.width = Math.round(width * sharp);
-      canvas.height = Math.round(height * sharp);
-    }
-    paper.setTransform(sharp, 0, 0, sharp, 0, 0);
-    paper.clearRect(0, 0, width, height);
+    var size = window.furculaCanvas.fit(canvas);
+    if (!size) return;
+    var width = size.width, height = size.height;
     paper.lineCap = paper.lineJoin = 'round';
     var m = moment(), p = m.points;
-    var st = Math.sin(view.turn), ct = Math.cos(view.turn), si = Math.sin(view.tilt), co = Math.cos(view.tilt);
     var centre = [p[0][0], 0, 0.62], away = 5, focal = view.zoom * Math.min(width / 1.5, height / 1.6) * away;
-    var project = function (q) {
-      var x = q[0] - centre[0], y = q[1] - centre[1], z = q[2] - centre[2];
-      var right = ct * x + st * y, into = -st * x + ct * y, up = co * z + si * into, depth = co * into - si * z;
-      var k = focal / Math.max(away + depth, 0.1 * away);
-      return [width / 2 + right * k, height / 2 - up * k, depth];
-    };
+    var project = window.furculaCanvas.camera(view, centre, away, focal, size);
     var line = function (from, to, colour, wide) {
       var a = project(from), b = project(to);
       paper.strokeStyle = colour;
@@ -134,7 +123,7 @@
     soon();
   };
   var held = null;
-  canvas.onpointerdown = function (e) { held = [e.clientX, e.clientY]; canvas.setPointerCapture(e.pointerId); };
+  canvas.onpointerdown = function (e) { held = [e.clientX, e.clientY]; if (canvas.setPointerCapture) try { canvas.setPointerCapture(e.pointerId); } catch (ignored) { /* a made-up pointer */ } };
   canvas.onpointerup = canvas.onpointercancel = function () { held = null; };
   canvas.onpointermove = function (e) {
     if (!held) return;

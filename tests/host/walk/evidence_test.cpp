@@ -31,7 +31,9 @@ TEST_CASE("a walk is tried with finer steps, on slopes, with another mass and wi
   CHECK(one.noisy == 64);
   CHECK(one.noisy_stand <= one.noisy);
   CHECK(one.noisy_keep_limits <= one.noisy_stand);
-  CHECK(one.noisy_stand > 0);
+  // This walk has room to stand; what errs shows in the limits, which it nearly touches.
+  CHECK(one.noisy_stand > 48);
+  CHECK(one.noisy_keep_limits < 60);
 }
 
 TEST_CASE("a heavier robot has all masses and inertias so much larger, its centres where they were") {

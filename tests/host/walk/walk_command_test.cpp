@@ -1,11 +1,13 @@
 // `furcula walk` as a user runs it.
 #include <catch2/catch.hpp>
+#include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "tests/host/cli/run_program.hpp"
 #include "tests/host/walk/walks.hpp"
 #include "tests/paths.hpp"
+#include "tests/skip.hpp"
 
 using namespace furcula;
 using Catch::Matchers::Contains;
@@ -137,4 +139,25 @@ TEST_CASE("what furcula walk cannot use is said") {
                                             "--out", folder.path() + "/log.csv"});
   CHECK(over.status == 0);
   CHECK_THAT(over.out, Contains("limit: a motor gives"));
+}
+
+TEST_CASE("the rollouts of any x86-64 and those of processors with AVX2 have the same bits") {
+  const std::string linker = "/lib64/ld-linux-x86-64.so.2";
+  if (!std::filesystem::exists(linker)) return test::skip("no x86-64: there is one library");
+  test::TemporaryFolder folder;
+  const auto found = [&](std::vector<std::string> how, const std::string& name) {
+    const std::string out = folder.path() + "/" + name;
+    for (const char* word :
+         {"walk", "search", "--model", kModel.c_str(), "--steps", "600000", "--out", out.c_str()})
+      how.push_back(word);
+    const test::Ran ran = test::run_program(linker, how);
+    INFO(ran.err);
+    REQUIRE(ran.status == 4);  // too few steps for a walk
+    std::ifstream file(out + "/walk.toml");
+    return std::string(std::istreambuf_iterator<char>(file), {});
+  };
+  const std::string program = test::program("furcula");
+  const std::string any = found({"--glibc-hwcaps-mask", "", program}, "any");
+  CHECK(any.size() > 1000);
+  CHECK(found({program}, "own") == any);
 }

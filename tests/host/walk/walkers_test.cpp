@@ -3,7 +3,6 @@
 
 #include <catch2/catch.hpp>
 #include <limits>
-#include <utility>
 
 #include "host/walk/search.hpp"
 #include "tests/host/walk/walks.hpp"
@@ -32,11 +31,7 @@ template <class F>
 Rollout watched(const RolloutOptions& options, const Parameters& walk, const F& watch) {
   Walkers<double> walkers(robot(), robot(), options);
   walkers.watch = watch;
-  Rollout out;
-  bool taken = false;
-  walkers.run([&](std::size_t&) { return std::exchange(taken, true) ? nullptr : &walk; },
-              [&](std::size_t, const Rollout& r) { out = r; });
-  return out;
+  return walkers.run_one(walk);
 }
 
 }  // namespace

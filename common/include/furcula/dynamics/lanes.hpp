@@ -123,6 +123,29 @@ FURCULA_INLINE T select(bool which, const T& yes, const T& no) {
 }
 FURCULA_INLINE bool any(bool which) { return which; }
 
+/// Lanes of a number; a plain one is one lane.
+template <class T>
+constexpr std::size_t lanes_in() {
+  if constexpr (requires { T::kLanes; })
+    return T::kLanes;
+  else
+    return 1;
+}
+template <class T>
+FURCULA_INLINE ValueOf<T> lane_of(const T& x, std::size_t lane) {
+  if constexpr (requires { T::kLanes; })
+    return x[lane];
+  else
+    return x;
+}
+template <class T>
+FURCULA_INLINE void set_lane(T& x, std::size_t lane, ValueOf<T> value) {
+  if constexpr (requires { T::kLanes; })
+    x.set(lane, value);
+  else
+    x = value;
+}
+
 /// What comparing two of them gives: bool, or a mask.
 template <class T>
 using MaskOf = decltype(std::declval<T>() < std::declval<T>());

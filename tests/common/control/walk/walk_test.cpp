@@ -261,3 +261,43 @@ TEST_CASE("a foot's switch closes at once and opens after 10 ms below half of it
   foot.step(14.0f, 30.0f, 1e-3f);
   CHECK(foot.carries == 0.0f);
 }
+
+TEST_CASE("the table of names stands in the parameters' order") {
+  WalkParameters<double> w{};
+  w.knee_rad = 1, w.start_s = 2, w.sway_rad = 3, w.lean_rad = 4, w.up_s = 5, w.up_blend_s = 6, w.down_s = 7,
+  w.down_blend_s = 8;
+  w.up_swing.hip_pitch = 9, w.up_swing.ankle_roll = 10, w.up_stance.knee = 11, w.down_swing.hip_roll = 12,
+  w.down_stance.ankle_pitch = 13;
+  w.gains[0] = 14, w.gains[5] = 15, w.gains[11] = 16, w.side_m = 17, w.stop_blend_s = 18, w.stop_d_radpm = 19,
+  w.stop_v_radspm = 20;
+  const auto values = w.values();
+  const auto named = [&](std::string_view name) {
+    for (std::size_t i = 0; i < values.size(); ++i)
+      if (kWalkParameters[i].name == name) return values[i];
+    return -1.0;
+  };
+  double expected = 0.0;
+  for (const char* name : {"posture.knee_rad",
+                           "start.time_s",
+                           "start.sway_rad",
+                           "start.lean_rad",
+                           "up.time_s",
+                           "up.blend_s",
+                           "down.time_s",
+                           "down.blend_s",
+                           "up.swing.hip_pitch_rad",
+                           "up.swing.ankle_roll_rad",
+                           "up.stance.knee_rad",
+                           "down.swing.hip_roll_rad",
+                           "down.stance.ankle_pitch_rad",
+                           "gain.swing_hip_pitch_d_radpm",
+                           "gain.swing_hip_roll_vy_radspm",
+                           "gain.stance_hip_roll_vy_radspm",
+                           "gain.side_m",
+                           "stop.blend_s",
+                           "stop.ankle_pitch_d_radpm",
+                           "stop.ankle_pitch_v_radspm"}) {
+    INFO(name);
+    CHECK(named(name) == ++expected);
+  }
+}

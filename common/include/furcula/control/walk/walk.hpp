@@ -53,37 +53,10 @@ struct WalkConfig {
   }
 };
 
-namespace detail {
-
-/// Lanes of a number; a plain one is one lane.
-template <class T>
-constexpr std::size_t lanes_in() {
-  if constexpr (requires { T::kLanes; })
-    return T::kLanes;
-  else
-    return 1;
-}
-template <class T>
-FURCULA_INLINE dynamics::ValueOf<T> lane_of(const T& x, std::size_t lane) {
-  if constexpr (requires { T::kLanes; })
-    return x[lane];
-  else
-    return x;
-}
-template <class T>
-FURCULA_INLINE void set_lane(T& x, std::size_t lane, dynamics::ValueOf<T> value) {
-  if constexpr (requires { T::kLanes; })
-    x.set(lane, value);
-  else
-    x = value;
-}
-
-}  // namespace detail
-
 template <class T>
 struct WalkState {
   using V = dynamics::ValueOf<T>;
-  static constexpr std::size_t kRobots = detail::lanes_in<T>();
+  static constexpr std::size_t kRobots = dynamics::lanes_in<T>();
 
   std::array<WalkPhase, kRobots> phase{};
   std::array<bool, kRobots> on_left{};
@@ -94,12 +67,11 @@ struct WalkState {
   dynamics::biped::Joints<T> from_rad, change_rad;
 };
 
-namespace detail {
-
-/// Targets of one robot in plain numbers, a leg's as its joints come: what the parameters say of a phase.
+/// A leg's targets in plain numbers, as its joints come.
 template <class V>
 using LegAngles = std::array<V, dynamics::biped::kLegJoints>;
 
+/// The posture with what a phase has beside it; nothing beside it is the posture.
 template <class V>
 LegAngles<V> leg_angles(const WalkParameters<V>& w, const LegTargets<V>& beside, std::size_t side) {
   const V outwards = side == dynamics::biped::kLeft ? V(1) : V(-1);
@@ -110,7 +82,10 @@ LegAngles<V> leg_angles(const WalkParameters<V>& w, const LegTargets<V>& beside,
           w.ankle_rad - V(0.5) * w.knee_rad + beside.ankle_pitch,
           outwards * beside.ankle_roll};
 }
-/// Of the leg on `side`, that stands if the stance is on it.
+
+namespace detail {
+
+/// What the parameters say of a phase, for the leg on `side`, that stands if the stance is on it.
 template <class V>
 LegAngles<V> wanted(const WalkParameters<V>& w, WalkPhase phase, bool on_left, std::size_t side) {
   const bool stands = on_left == (side == dynamics::biped::kLeft);
@@ -134,7 +109,7 @@ template <class T>
 WalkParameters<dynamics::ValueOf<T>> parameters_of(const WalkParameters<T>& w, std::size_t lane) {
   std::array<dynamics::ValueOf<T>, WalkParameters<T>::kCount> out;
   const auto values = w.values();
-  for (std::size_t i = 0; i < values.size(); ++i) out[i] = lane_of(values[i], lane);
+  for (std::size_t i = 0; i < values.size(); ++i) out[i] = dynamics::lane_of(values[i], lane);
   return WalkParameters<dynamics::ValueOf<T>>::of(out);
 }
 
@@ -150,15 +125,15 @@ void enter(const WalkConfig<T>& c, WalkPhase phase, bool on_left, std::size_t la
   using namespace dynamics::biped;
   using V = dynamics::ValueOf<T>;
   const auto w = parameters_of(c.walk, lane);
-  const V share = lane_of(blended(s), lane);
+  const V share = dynamics::lane_of(blended(s), lane);
   for (const std::size_t side : {kLeft, kRight}) {
     const LegAngles<V> to = wanted(w, phase, on_left, side);
     for (std::size_t j = 0; j < kLegJoints; ++j) {
       const std::size_t i = side * kLegJoints + j;
       T from = joint<T>(s.from_rad, i), change = joint<T>(s.change_rad, i);
-      const V here = lane_of(from, lane) + lane_of(change, lane) * share;
-      set_lane(from, lane, here);
-      set_lane(change, lane, to[j] - here);
+      const V here = dynamics::lane_of(from, lane) + dynamics::lane_of(change, lane) * share;
+      dynamics::set_lane(from, lane, here);
+      dynamics::set_lane(change, lane, to[j] - here);
       set_joint<T>(s.from_rad, i, from);
       set_joint<T>(s.change_rad, i, change);
     }
@@ -169,13 +144,13 @@ void enter(const WalkConfig<T>& c, WalkPhase phase, bool on_left, std::size_t la
   if (phase == WalkPhase::stop) blend = w.stop_blend_s, end = V(1e9);
   s.phase[lane] = phase;
   s.on_left[lane] = on_left;
-  set_lane(s.since_s, lane, V(0));
-  set_lane(s.inverse_blend_1ps, lane, V(1) / blend);
-  set_lane(s.end_s, lane, end);
-  set_lane(s.left, lane, on_left ? V(1) : V(0));
-  set_lane(s.walks, lane, phase == WalkPhase::up || phase == WalkPhase::down ? V(1) : V(0));
-  set_lane(s.lands, lane, phase == WalkPhase::down ? V(1) : V(0));
-  set_lane(s.stops, lane, phase == WalkPhase::stop ? V(1) : V(0));
+  dynamics::set_lane(s.since_s, lane, V(0));
+  dynamics::set_lane(s.inverse_blend_1ps, lane, V(1) / blend);
+  dynamics::set_lane(s.end_s, lane, end);
+  dynamics::set_lane(s.left, lane, on_left ? V(1) : V(0));
+  dynamics::set_lane(s.walks, lane, phase == WalkPhase::up || phase == WalkPhase::down ? V(1) : V(0));
+  dynamics::set_lane(s.lands, lane, phase == WalkPhase::down ? V(1) : V(0));
+  dynamics::set_lane(s.stops, lane, phase == WalkPhase::stop ? V(1) : V(0));
 }
 
 /// The phase of robot `lane` has ended.
@@ -191,8 +166,8 @@ void go_on(const WalkConfig<T>& c, std::size_t lane, WalkState<T>& s) {
       break;
     case WalkPhase::down:
       ++s.steps[lane];
-      enter(c, lane_of(s.total_s, lane) > c.walk_until_s ? WalkPhase::stop : WalkPhase::up, !on_left, lane,
-            s);
+      enter(c, dynamics::lane_of(s.total_s, lane) > c.walk_until_s ? WalkPhase::stop : WalkPhase::up,
+            !on_left, lane, s);
       break;
     case WalkPhase::stop:
       break;
@@ -212,13 +187,13 @@ void begin_walk(const WalkConfig<T>& c, std::size_t lane, WalkState<T>& s) {
     for (std::size_t j = 0; j < kLegJoints; ++j) {
       const std::size_t i = side * kLegJoints + j;
       T from = joint<T>(s.from_rad, i), change = joint<T>(s.change_rad, i);
-      detail::set_lane(from, lane, posture[j]);
-      detail::set_lane(change, lane, V(0));
+      dynamics::set_lane(from, lane, posture[j]);
+      dynamics::set_lane(change, lane, V(0));
       set_joint<T>(s.from_rad, i, from);
       set_joint<T>(s.change_rad, i, change);
     }
   }
-  detail::set_lane(s.total_s, lane, V(0));
+  dynamics::set_lane(s.total_s, lane, V(0));
   s.steps[lane] = 0;
   detail::enter(c, WalkPhase::start, true, lane, s);
 }
@@ -255,7 +230,7 @@ FURCULA_INLINE void step_walk(const WalkConfig<T>& c, const WalkSample<T>& in, d
   if (dynamics::any(over)) {
     const T ends = select(over, one, zero);
     for (std::size_t lane = 0; lane < WalkState<T>::kRobots; ++lane)
-      if (detail::lane_of(ends, lane) > V(0.5)) detail::go_on(c, lane, s);
+      if (dynamics::lane_of(ends, lane) > V(0.5)) detail::go_on(c, lane, s);
   }
 
   PerLeg<T, LegPose<L>> legs;

@@ -66,7 +66,7 @@ struct WalkParameterInfo {
   double least, most, start;
   bool of_hip_pitch = false;
 };
-inline constexpr std::array<WalkParameterInfo, 46> kWalkParameters{{
+inline constexpr std::array<WalkParameterInfo, WalkParameters<double>::kCount> kWalkParameters{{
     {"posture.knee_rad", 0.25, 0.8, 0.5},
     {"posture.hip_rad", -0.2, 0.2, 0.0, true},
     {"posture.ankle_rad", -0.15, 0.15, 0.0},
