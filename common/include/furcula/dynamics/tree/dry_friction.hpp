@@ -12,6 +12,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "furcula/dynamics/tree/foothold.hpp"
 #include "furcula/dynamics/tree/forward_dynamics.hpp"
 
 namespace furcula::dynamics::tree {
@@ -101,7 +102,8 @@ T way_to_edge(const JointLaw<T>& law, const T& q, Spot spot) {
   return value_of(from_centre) < V(0) ? T(half + from_centre) : T(half - from_centre);
 }
 
-/// forward_dynamics in this mode: held joints at rest, the others against the friction of their motion.
+/// forward_dynamics in this mode: held joints at rest, the others against the friction of their motion, a foot that
+/// stands on its foothold.
 template <class M>
 void forward_in_mode(const M& model, const typename M::Joints& q, const typename M::Joints& qd,
                      const typename M::Joints& tau_nm, const FrictionMode<M::kCapacity>& mode,
@@ -123,6 +125,7 @@ void forward_in_mode(const M& model, const typename M::Joints& q, const typename
       tau[i] += law.friction_nm;
   }
   forward_dynamics(model, q, qd, tau, mode.held, out);
+  if (model.foothold.joint >= 0) stand(model, q, qd, mode.held, out);
 }
 
 /// Finds where each joint is in relation to its binding spot.

@@ -9,11 +9,20 @@
 
 namespace furcula::dynamics::tree {
 
-/// What acts against the motion of a joint, dry friction aside: damping qd + stiffness (q - rest) + drag qd |qd|,
-/// N m.
+/// Of a spring that is slack below its rest, N m, >= 0: it acts backward.
+template <class T>
+[[gnu::always_inline]] inline T one_way_torque(const JointLaw<T>& law, const T& q) {
+  using V = ValueOf<T>;
+  const T stretch = q - law.one_way_rest_rad;
+  return value_of(stretch) > V(0) ? T(law.one_way_nmprad * stretch) : T(V(0));
+}
+
+/// What acts against the motion of a joint, dry friction aside: damping qd + stiffness (q - rest) + one-way spring +
+/// drag qd |qd|, N m.
 template <class T>
 [[gnu::always_inline]] inline T passive_torque(const JointLaw<T>& law, const T& q, const T& qd) {
-  const T spring = law.stiffness_nmprad * (q - law.rest_rad);
+  T spring = law.stiffness_nmprad * (q - law.rest_rad);
+  if (value_of(law.one_way_nmprad) > ValueOf<T>(0)) spring += one_way_torque(law, q);
   if constexpr (std::is_arithmetic_v<T>) {  // quicker than to ask whether there is drag
     return (law.damping_nmspr + law.drag_nms2prad2 * std::abs(qd)) * qd + spring;
   } else {

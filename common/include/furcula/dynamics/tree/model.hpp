@@ -15,15 +15,17 @@ namespace furcula::dynamics::tree {
 
 /// What acts in a joint besides the bodies' inertia. Units for a revolute joint; of a prismatic one N for
 /// N m, m for rad, kg for kg m^2. The torque that is applied is
-///   tau - damping qd - stiffness (q - rest) - drag qd |qd| - dry friction
+///   tau - damping qd - stiffness (q - rest) - one-way spring - drag qd |qd| - dry friction
 /// Dry friction (dry_friction.hpp) is the sum of Coulomb's, that of the load and that of the binding spot. What is
 /// zero is not there; none may be negative.
 template <class T>
 struct JointLaw {
-  T armature_kgm2{};           ///< the rotor's inertia times the square of its gear ratio
-  T damping_nmspr{};           ///< viscous
-  T stiffness_nmprad{};        ///< of a spring between body and parent
-  T rest_rad{};                ///< where that spring is relaxed
+  T armature_kgm2{};     ///< the rotor's inertia times the square of its gear ratio
+  T damping_nmspr{};     ///< viscous
+  T stiffness_nmprad{};  ///< of a spring between body and parent
+  T rest_rad{};          ///< where that spring is relaxed
+  T one_way_nmprad{};    ///< of a spring that is slack below its rest: it gives -rate max(q - rest, 0)
+  T one_way_rest_rad{};
   T friction_nm{};             ///< Coulomb friction in motion
   T static_friction_nm{};      ///< what it takes to set out; counts as friction_nm where it is less
   bool elastic = false;        ///< the drive's rotor is behind a spring: it turns by itself
@@ -42,6 +44,14 @@ struct JointLaw {
   T drag_nms2prad2{};  ///< quadratic drag
 
   friend bool operator==(const JointLaw&, const JointLaw&) = default;
+};
+
+/// A point of a body that stands still in the world: a foot on the ground, which may not slip nor lift.
+template <class V>
+struct Foothold {
+  int joint = -1;  ///< whose body it is of; -1: none
+  Vec3<V> at_m{};  ///< in its link frame
+  friend bool operator==(const Foothold&, const Foothold&) = default;
 };
 
 /// Geometry is in plain numbers: it is measured, not fitted. Everything else is of the scalar T.
@@ -67,18 +77,24 @@ class Model {
   /// Acceleration of free fall, world axes, m/s^2.
   Vec3<T> gravity_mps2{T(V(0)), T(V(0)), T(V(-9.81))};
   std::array<JointLaw<T>, kCapacity> laws{};
+  Foothold<V> foothold;
 
   Model() = default;
   /// The same tree on another scalar: doubles as numbers with derivatives, these as their values, as floats.
   template <class U>
   requires(!std::is_same_v<U, T>) explicit Model(const Model<U, P>& m)
-      : gravity_mps2(vec<T>(m.gravity_mps2)), shape_(m.shape()), placed_(m.count()) {
+      : gravity_mps2(vec<T>(m.gravity_mps2)),
+        foothold{m.foothold.joint, vec<V>(m.foothold.at_m)},
+        shape_(m.shape()),
+        placed_(m.count()) {
     for (std::size_t i = 0; i < m.count(); ++i) {
       const JointLaw<U>& l = m.laws[i];
       laws[i] = {.armature_kgm2 = as<T>(l.armature_kgm2),
                  .damping_nmspr = as<T>(l.damping_nmspr),
                  .stiffness_nmprad = as<T>(l.stiffness_nmprad),
                  .rest_rad = as<T>(l.rest_rad),
+                 .one_way_nmprad = as<T>(l.one_way_nmprad),
+                 .one_way_rest_rad = as<T>(l.one_way_rest_rad),
                  .friction_nm = as<T>(l.friction_nm),
                  .static_friction_nm = as<T>(l.static_friction_nm),
                  .elastic = l.elastic,
@@ -136,6 +152,13 @@ class Model {
   }
   Inertia<T> body(std::size_t i) const {
     return inertia_back(Frame<V>{aligned_[i].turn, {V(0), V(0), V(0)}}, bodies_[i]);
+  }
+
+  /// Moves joint i's place in its parent's link by so much of its distance from the parent's joint, m.
+  void extend(std::size_t i, V by_m) {
+    Vec3<V>& at = tree_[i].at;
+    const V length = std::sqrt(dot(at, at));
+    if (length > V(0)) at = at * (V(1) + by_m / length);
   }
 
   /// Inside: the aligned frame in the link frame; at joint position zero in the parent's aligned frame; the

@@ -40,9 +40,12 @@ class Plant {
     if constexpr (!kPlain) plain_ = Model<V, P>(model);
   }
 
-  /// Starts there; the rotors of elastic drives with their springs relaxed, and with their joints' velocity.
+  /// Starts there; the rotors of elastic drives with their springs relaxed, and with their joints' velocity. A foot
+  /// that stands stops at once (foothold.hpp).
   void reset(const Joints& q_rad, const Joints& qd_radps) {
-    state_ = {q_rad, qd_radps, q_rad, qd_radps};
+    Joints qd = qd_radps;
+    if (model_.foothold.joint >= 0) stop_foot(model_, q_rad, qd);
+    state_ = {q_rad, qd, q_rad, qd};
     mode_ = {};
     changes_ = 0;
     dry_ = false;
