@@ -82,10 +82,11 @@ void run_on_tree(const RecordingOptions& o, const trees::TreeModel& model) {
       {o.out + "/extended.urdf", trees::extended_urdf(d)},
       {o.out + "/extended.mjcf.xml", trees::extended_mjcf(d)},
       {o.out + "/report.html", report::render_tree_report(d, o.command_line("diagnose", true))}};
+  if (!model.urdf_text.empty()) files.push_back({o.out + "/" + model.urdf_path, model.urdf_text});
   if (bodies) files.push_back({o.out + "/" + urdf, trees::urdf_with_bodies(model, d.extended.bodies)});
   const std::string scenario = o.out + "/next_experiment.toml";
   std::vector<std::string> obsolete;
-  if (d.experiments.empty())
+  if (d.experiments.empty() || d.experiments.front().paths.empty())
     obsolete.push_back(scenario);
   else
     files.push_back({scenario, "# " + d.experiments.front().what + "\n\n" +

@@ -11,6 +11,8 @@
 #include "host/cli/errors.hpp"
 #include "host/core/message.hpp"
 #include "host/core/strict_toml.hpp"
+#include "host/gait/leg_as_tree.hpp"
+#include "host/gait/machine_file.hpp"
 #include "host/identify/split.hpp"
 #include "host/log/reader.hpp"
 #include "host/machines/rules.hpp"
@@ -122,6 +124,10 @@ Recordings read_recordings(const RecordingOptions& options) {
 
 std::optional<trees::TreeModel> tree_model(const std::string& path) {
   const std::string text = core::read_small_file(path, "a model file (TOML)");
+  if (gait::is_planar_leg(text)) {
+    const gait::LegAsTree leg = gait::leg_as_tree(gait::parse_machine(text, path));
+    return trees::parse_tree_model(leg.model, path, leg.urdf);
+  }
   if (!trees::is_tree(text)) return std::nullopt;
   return trees::parse_tree_model(text, path);
 }

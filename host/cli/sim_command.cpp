@@ -11,6 +11,10 @@
 #include "host/cli/recordings.hpp"
 #include "host/core/error.hpp"
 #include "host/core/message.hpp"
+#include "host/core/strict_toml.hpp"
+#include "host/gait/gait_file.hpp"
+#include "host/gait/gait_log.hpp"
+#include "host/gait/machine_file.hpp"
 #include "host/log/writer.hpp"
 #include "host/model/reader.hpp"
 #include "host/sim/expectation.hpp"
@@ -50,6 +54,17 @@ void check_expectation(const std::string& path, const model::Model& model, const
 }
 
 void run(const SimOptions& options) {
+  const std::string text = core::read_small_file(options.model, "a model file (TOML)");
+  if (gait::is_planar_leg(text)) {
+    if (options.check || options.scenario.empty())
+      throw UsageError(
+          "--model " + options.model +
+          " is a planar leg; expected --scenario with a gait that it plays (gait.toml), and no --check");
+    const gait::Machine machine = gait::parse_machine(text, options.model);
+    log::write_log(gait::log_of_gait(gait::read_gait(options.scenario), machine, {.seed = options.seed}),
+                   options.out);
+    return;
+  }
   if (const auto tree = tree_model(options.model)) {
     if (options.check)
       throw UsageError("--check: a scenario of a tree has no [expect]; expected none with kind tree");
@@ -86,7 +101,7 @@ void add_sim_command(CLI::App& app) {
   command->add_option("--model", options->model, "Model file (TOML)")->required();
   command->add_option(
       "--scenario", options->scenario,
-      "Scenario file (TOML); without it what is usual for the kind: hops, a sine drive, throws");
+      "Scenario file (TOML); without it what is usual for the kind: hops, a sine drive, throws. Of a planar leg: a gait (gait.toml)");
   command->add_option("--out", options->out, "The log to write (furcula-log/1, CSV)")->required();
   command->add_option("--seed", options->seed, "Seed of the sensors' errors")->capture_default_str();
   command->add_flag(

@@ -69,22 +69,22 @@ inline constexpr std::array<ColumnInfo, 6> kClutchBenchColumns{{
     {"voltage_v", false, ColumnKind::quantity, "voltage of the solenoid"},
 }};
 
-/// Columns of a rig with named joints: "angle_<joint>_rad" is prefix "angle_" and unit "rad".
+/// Columns of a rig with named joints: "angle_<joint>_rad" is prefix "angle_" and unit "rad". Without a unit it is of a foot.
 struct ColumnPattern {
   std::string_view prefix, unit;
   ColumnInfo info;  ///< its name as in the documentation
 
   /// The joint's name, or nothing.
   constexpr std::string_view joint_in(std::string_view column) const {
-    const std::size_t around = prefix.size() + unit.size() + 1;
+    const std::size_t around = prefix.size() + unit.size() + (unit.empty() ? 0 : 1);
     if (column.size() <= around || !column.starts_with(prefix) || !column.ends_with(unit)) return {};
-    if (column[column.size() - unit.size() - 1] != '_') return {};
+    if (!unit.empty() && column[column.size() - unit.size() - 1] != '_') return {};
     return column.substr(prefix.size(), column.size() - around);
   }
 };
 
 /// The longer prefix first: torque_cmd_ before torque_.
-inline constexpr std::array<ColumnPattern, 10> kTreeColumns{{
+inline constexpr std::array<ColumnPattern, 11> kTreeColumns{{
     {"angle_cmd_",
      "rad",
      {"angle_cmd_<joint>_rad", false, ColumnKind::quantity, "set point of the drive's position law"}},
@@ -109,6 +109,7 @@ inline constexpr std::array<ColumnPattern, 10> kTreeColumns{{
     {"force_",
      "n",
      {"force_<joint>_n", false, ColumnKind::quantity, "force that a prismatic joint's drive reports"}},
+    {"contact_", "", {"contact_<foot>", false, ColumnKind::flag, "1 = the foot stands on the ground"}},
 }};
 
 inline constexpr std::array<ColumnInfo, 1> kTreeFixedColumns{{

@@ -105,6 +105,7 @@ std::vector<Exchange> exchanges(const TreeModel& m, const Reading& given) {
     out.push_back({all, "the torques of all joints have the other sign"});
   }
   for (std::size_t j = 0; j < m.joints(); ++j) {
+    if (!m.driven(j)) continue;
     Reading r = given;
     r.input_scale[j] = -1.0;
     out.push_back({r, "the " + input(j) + " of " + of(j) + " has the other sign"});

@@ -77,11 +77,14 @@ class Lister {
         add(Effect::binding_spot, at, {{torque, low + range * k / 8.0, 0.15 * range, 0}});
     if (!model_.is_free(j, 3))
       add(Effect::damping_error, at, {{d.damping_nmspr + torque / speed, 0, 0, 0}}, d.damping_nmspr == 0.0);
-    add(Effect::load_friction, at, {{0.05, 0, 0, 0}});
+    if (model_.driven(j)) add(Effect::load_friction, at, {{0.05, 0, 0, 0}});
     add(Effect::force_offset, at, {{torque, 0, 0, 0}}, false);
+    add(Effect::encoder_offset, at, {{0.02, 0, 0, 0}}, false);
+    at_spring(j);
     if (!model_.is_free(j, 2))
       add(Effect::rotor_inertia_error, at, {{d.rotor_inertia_kgm2 + torque / acceleration, 0, 0, 0}},
           d.rotor_inertia_kgm2 == 0.0);
+    if (!model_.driven(j)) return;
     add(Effect::torque_gain_error, at, {{1.05, 0, 0, 0}}, false);
     if (d.law == DriveLaw::position && !model_.is_free(j, 0) && !model_.is_free(j, 1))
       add(Effect::position_gain_error, at,
@@ -101,7 +104,17 @@ class Lister {
         add(Effect::torque_ripple, at, {{torque, n, 0, 0}, {torque, n, 0.5 * std::numbers::pi, 0}}, false);
         for (std::size_t k = before; k < out_.size(); ++k) out_[k].of_many = kMostCycles;
       }
-    add(Effect::encoder_offset, at, {{0.02, 0, 0, 0}}, false);
+  }
+
+  void at_spring(std::size_t j) {
+    const Spring& spring = model_.springs[j];
+    if (spring.stiffness_nmprad == 0.0) return;
+    const std::vector<std::size_t> at{j};
+    add(Effect::spring_rate_error, at, {{1.05 * spring.stiffness_nmprad, 0, 0, 0}}, false);
+    if (!spring.switched) return;
+    for (const double delay : {4e-3, 12e-3}) add(Effect::latch_delay, at, {{delay, 0, 0, 0}}, false);
+    add(Effect::latch_offset, at, {{0.03, 0, 0, 0}}, false);
+    add(Effect::second_spring, at, {{0.05 * scales_.torque_nm[j], 0, 0, 0}}, false);
   }
 
   void at_link(std::size_t link) {
@@ -112,6 +125,7 @@ class Lister {
     add(Effect::mass_error, at, {{1.05 * i.mass_kg, 0, 0, 0}}, false);
     add(Effect::com_error, at, {{0.01, 0, 0, 0}, {0, 0.01, 0, 0}, {0, 0, 0.01, 0}}, false);
     add(Effect::inertia_error, at, {{1.2, 0, 0, 0}}, false);
+    if (model_.foot) add(Effect::length_error, at, {{0.005, 0, 0, 0}}, false);
     const auto& c = i.frame.at;
     for (const double out : {1.0, 2.0})
       add(Effect::payload, at, {{0.05 * i.mass_kg, out * c.x, out * c.y, out * c.z}});
@@ -121,6 +135,7 @@ class Lister {
   std::vector<std::vector<std::size_t>> groups() const {
     std::map<std::string, std::vector<std::size_t>> of;
     for (std::size_t j = 0; j < model_.joints(); ++j) {
+      if (!model_.driven(j)) continue;
       const std::string sort = std::string(model_.prismatic(j) ? "slides" : "turns") +
                                (model_.drives[j].law == DriveLaw::position ? " position" : " torque");
       of[sort].push_back(j);

@@ -147,6 +147,56 @@ constexpr EffectInfo kAll[] = {
     shared(Effect::encoder_offset, One::encoder_offset, Seat::encoder,
            {{{"offset_rad", "rad", "offset_m", "m", -10.0, 10.0}}}, 1),
     shared(Effect::time_skew, One::time_skew, Seat::log, {{{"skew_s", "s", "skew_s", "s", -0.1, 0.1}}}, 1),
+    {Effect::spring_rate_error,
+     "spring_rate_error",
+     "the rate of the joint's spring",
+     Seat::spring,
+     "-k max(q - rest, 0) with another rate k",
+     {{{"stiffness_nmprad", "N m/rad", "stiffness_npm", "N/m", 0.0, 1e7}}},
+     1,
+     "The spring beside the drive is stiffer or softer than the model says.",
+     "The spring's drawing and its lever: the rate at the joint goes with the lever squared.",
+     "Turn the joint slowly by hand or by its drive, foot on the ground: torque over angle is the rate."},
+    {Effect::latch_delay,
+     "latch_delay",
+     "a switched spring that catches late",
+     Seat::spring,
+     "rest = the joint's angle so much after the touch-down",
+     {{{"delay_s", "s", "delay_s", "s", -0.05, 0.1}}},
+     1,
+     "The clutch catches the spring some time after the touch-down: the joint has moved on by then.",
+     "The solenoid's rise, the debouncing of the foot's switch, the control board's cycle.",
+     "Land at several speeds of the joint: an angle that is lost grows with the speed if it is a time."},
+    {Effect::latch_offset,
+     "latch_offset",
+     "play of a switched spring",
+     Seat::spring,
+     "rest = the joint's angle at the touch-down + offset",
+     {{{"offset_rad", "rad", "offset_m", "m", -1.0, 1.0}}},
+     1,
+     "The spring begins at another angle than that of the touch-down: by play, or by the way to the clutch's next tooth.",
+     "The clutch's teeth, a slack cable, the seat of the spring.",
+     "Land at several speeds of the joint: an angle that is lost stays the same if it is play."},
+    {Effect::second_spring,
+     "second_spring",
+     "the soft spring that keeps a released spring tight",
+     Seat::spring,
+     "-t on the joint while the foot is in the air",
+     {{{"torque_nm", "N m", "force_n", "N", -kMostTorque, kMostTorque}}},
+     1,
+     "A released spring does not let go of the joint altogether: what keeps its cable tight turns the joint back.",
+     "The return spring of the clutch, friction of the cable in its sheath.",
+     "Hold the robot up and swing the joint slowly: a torque that does not change with angle or sense."},
+    {Effect::length_error,
+     "length_error",
+     "the model's length of a link",
+     Seat::link,
+     "the next joint, or the foot, is so much further from the link's joint",
+     {{{"extension_m", "m", "extension_m", "m", -1.0, 1.0}}},
+     1,
+     "The link is longer or shorter than the model says.",
+     "A measuring tape from joint to joint, and to the ground's contact under load.",
+     "Stand on the foot and move the joints slowly: the base moves as the links' lengths say."},
 };
 
 constexpr bool in_order() {
@@ -170,7 +220,7 @@ std::optional<Effect> effect_named(std::string_view name) {
 }
 
 std::string_view name(Seat seat) {
-  constexpr std::string_view kNames[] = {"joint", "drive", "encoder", "link", "base", "log"};
+  constexpr std::string_view kNames[] = {"joint", "drive", "encoder", "link", "base", "log", "spring"};
   return kNames[static_cast<std::size_t>(seat)];
 }
 

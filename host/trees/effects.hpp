@@ -12,8 +12,8 @@
 
 namespace furcula::trees {
 
-/// The sort of a site: drives and encoders go by their joint's name; `base` and `log` are the only sites of their seats.
-enum class Seat : std::uint8_t { joint, drive, encoder, link, base, log };
+/// The sort of a site: drives, encoders and springs go by their joint's name; `base` and `log` are the only sites of their seats.
+enum class Seat : std::uint8_t { joint, drive, encoder, link, base, log, spring };
 
 /// In the order in which causes are named where the data cannot tell them apart.
 enum class Effect : std::uint8_t {
@@ -40,6 +40,11 @@ enum class Effect : std::uint8_t {
   joint_elasticity,
   encoder_offset,
   time_skew,
+  spring_rate_error,
+  latch_delay,
+  latch_offset,
+  second_spring,
+  length_error,
 };
 
 struct Parameter {
@@ -69,7 +74,7 @@ std::optional<Effect> effect_named(std::string_view name);
 std::string_view name(Seat seat);
 /// Whether its sites are joints, or parts of them.
 constexpr bool is_of_joints(Seat seat) {
-  return seat == Seat::joint || seat == Seat::drive || seat == Seat::encoder;
+  return seat == Seat::joint || seat == Seat::drive || seat == Seat::encoder || seat == Seat::spring;
 }
 
 inline std::string_view name_on(const Parameter& p, bool prismatic) {

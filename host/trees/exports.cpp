@@ -224,7 +224,7 @@ class UrdfWriter {
   explicit UrdfWriter(const Diagnosis& d)
       : d_(d),
         file_((std::filesystem::path(d.model.file).parent_path() / d.model.urdf_path).string()),
-        text_(core::read_small_file(file_, "a robot (URDF)")),
+        text_(d.model.urdf_text.empty() ? core::read_small_file(file_, "a robot (URDF)") : d.model.urdf_text),
         elements_(model::check_xml(text_, file_)),
         edits_(text_),
         setup_(SetupMaker(d.model).make(d.extended.drives, d.extended.causes, d.extended.bodies)) {}

@@ -156,8 +156,8 @@ Eigen::Vector2d Problem::rotor_precision(const Setup& setup, std::size_t joint) 
 Eigen::VectorXd Problem::simulated(const Setup& setup, const Window& w) const {
   const std::size_t n = joints(), rows = w.last - w.first + 1;
   std::vector<double> out(rows * n);
-  work_->steps +=
-      run(setup, recordings_[w.recording], w.first, w.last, w.angle_rad, w.velocity_radps, out, w.rotor_more);
+  work_->steps += run(setup, recordings_[w.recording], w.first, w.last, w.angle_rad, w.velocity_radps, out,
+                      w.rotor_more, w.rest_more_rad);
   Eigen::VectorXd mean = Eigen::VectorXd::Zero(w.measured.size());
   std::vector<double> count(bins_, 0.0);
   for (std::size_t k = 0; k < rows; ++k) {
@@ -193,11 +193,16 @@ void Problem::weigh(const Hypothesis& h, const Hypothesis* of_starts) {
   std::vector<std::size_t> elastic;
   for (std::size_t j = 0; j < n; ++j)
     if (setup.model.laws[j].elastic) elastic.push_back(j);
+  std::vector<std::size_t> caught;  // joints with switched springs
+  for (std::size_t j = 0; j < n; ++j)
+    if (setup.joints[j].switched) caught.push_back(j);
   core::parallel_for(windows_.size(), threads_, [&](std::size_t i) {
     Window w = windows_[i];
     const Eigen::VectorXd r = residual(weighed, i), base = simulated(setup, w);
     Start& s = starts_[i];
-    s.columns.resize(size, static_cast<Eigen::Index>(2 * (n + elastic.size())));
+    const Phase& phase = recordings_[w.recording].phase_at(w.first);
+    const std::size_t rests = phase.stance ? caught.size() : 0;
+    s.columns.resize(size, static_cast<Eigen::Index>(2 * (n + elastic.size()) + rests));
     s.precision.resize(s.columns.cols());
     s.precision.head(static_cast<Eigen::Index>(2 * n)) = w.start_precision;
     for (std::size_t k = 0; k < 2 * n; ++k) {
@@ -219,6 +224,16 @@ void Problem::weigh(const Hypothesis& h, const Hypothesis* of_starts) {
       s.columns.col(column) = (simulated(setup, w) - base) / x;
       s.precision(column) = precision;
       x = 0.0;
+    }
+    // Where a spring caught is known no better than the touch-down.
+    w.rest_more_rad.assign(rests > 0 ? n : 0, 0.0);
+    for (std::size_t k = 0; k < rests; ++k) {
+      const double sd = phase.touchdown_sd_rad[caught[k]];
+      w.rest_more_rad[caught[k]] = sd;
+      const auto column = static_cast<Eigen::Index>(2 * (n + elastic.size()) + k);
+      s.columns.col(column) = (simulated(setup, w) - base) / sd;
+      s.precision(column) = 1.0 / (sd * sd);
+      w.rest_more_rad[caught[k]] = 0.0;
     }
     left[i] = r;
   });
@@ -343,7 +358,8 @@ std::vector<Eigen::MatrixXd> Problem::columns(const Hypothesis& h,
   std::vector<const Setup*> linear;
   std::vector<std::size_t> linear_column, run_column;
   for (std::size_t k = 0; k < setups.size(); ++k) {
-    const bool probe = k >= unknowns.size() && k < unknowns.size() + probes.size();
+    const bool probe =
+        k >= unknowns.size() && k < unknowns.size() + probes.size() && setups[k].differs_by_torque(base);
     if (probe) {
       linear.push_back(&setups[k]);
       linear_column.push_back(k);

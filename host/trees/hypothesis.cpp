@@ -146,6 +146,24 @@ std::vector<Unknown> unknowns_of(const TreeModel& model, const Scales& scales, c
         case Effect::torque_gain_error:
           u.scale = 0.1;
           break;
+        case Effect::spring_rate_error:
+          u.scale = 0.1 * model.springs[site].stiffness_nmprad;
+          break;
+        case Effect::latch_delay:
+          u.scale = 3e-3;
+          break;
+        case Effect::latch_offset:
+          u.scale = 0.02;
+          break;
+        case Effect::second_spring:
+          u.scale = 0.1 * torque;
+          u.upper = 5.0 * torque;
+          u.lower = -u.upper;
+          break;
+        case Effect::length_error:
+          u.scale = 5e-3;
+          u.lower = -0.1, u.upper = 0.1;
+          break;
         case Effect::base_tilt:
         case Effect::encoder_offset:
           u.scale = 0.02;

@@ -68,9 +68,9 @@ class Inputs {
 
 /// What a joint has more of an elastic drive's torque than of the stiff one that was run, along a window; by the rotor's own equation
 /// and the measured angle, in which the spring's consequences are.
-class Spring {
+class DriveSpring {
  public:
-  Spring(const Setup& stiff, const Setup& setup, const Recording& r, const Window& w, std::size_t joint)
+  DriveSpring(const Setup& stiff, const Setup& setup, const Recording& r, const Window& w, std::size_t joint)
       : time_s_(r.time_s), first_(w.first) {
     const Law& law = stiff.model.laws[joint];
     const Setup::Joint& drive = stiff.joints[joint];
@@ -126,8 +126,9 @@ class Linearised::Torques {
     }
     // A rotor behind a spring goes with its joint, but for what the run made linear has of its own.
     const double rotor_damping_nmspr = law.elastic ? law.rotor_damping_nmspr : 0.0;
-    double out = added - passive_torque(law, q - rest + law.rest_rad, v) - rotor_damping_nmspr * v -
-                 law.armature_kgm2 * at.acceleration_radps2[i];
+    double out = added - passive_torque(law, q - rest + law.rest_rad, v) +
+                 one_way_torque(law, q - rest + law.rest_rad) - one_way_torque(law, q) -
+                 rotor_damping_nmspr * v - law.armature_kgm2 * at.acceleration_radps2[i];
     if (is_dry(law))
       out -= 0.5 * (1.0 + at.forth[i]) * friction(law, q, v, torque, 1) +
              0.5 * (1.0 - at.forth[i]) * friction(law, q, v, torque, -1);
@@ -141,9 +142,10 @@ class Linearised::Torques {
   std::vector<double> lagged_;
 };
 
-Linearised::Linearised(const Setup& setup, const Recording& r, const Window& w,
+Linearised::Linearised(const Setup& of_all, const Recording& r, const Window& w,
                        std::span<const double> torque_nm)
-    : setup_(setup), recording_(r), window_(w) {
+    : setup_(in_phase(of_all, r, w.first)), recording_(r), window_(w) {
+  const Setup& setup = setup_;
   const std::size_t n = setup.joints.size();
   const double begin = r.time_s[w.first], span = r.time_s[w.last] - begin;
   const auto count = static_cast<std::size_t>(std::ceil(span / kInterval_s));
@@ -256,7 +258,13 @@ Linearised::Linearised(const Setup& setup, const Recording& r, const Window& w,
   }
 }
 
-Eigen::MatrixXd Linearised::changes(std::span<const Setup* const> setups) const {
+Eigen::MatrixXd Linearised::changes(std::span<const Setup* const> of_all) const {
+  std::vector<Setup> here;
+  std::vector<const Setup*> setups(of_all.begin(), of_all.end());
+  if (setup_.by_phase) {
+    here.reserve(setups.size());
+    for (const Setup*& s : setups) s = &here.emplace_back(in_phase(*s, recording_, window_.first));
+  }
   const std::size_t n = setup_.joints.size();
   const auto columns = static_cast<Index>(setups.size()), joints = static_cast<Index>(n);
   std::vector<std::size_t> all;
@@ -267,7 +275,7 @@ Eigen::MatrixXd Linearised::changes(std::span<const Setup* const> setups) const 
   }
   Torques as_run(setup_, recording_, window_.first, all);
   std::vector<Torques> others;
-  std::vector<std::vector<std::pair<std::size_t, Spring>>> springs(setups.size());
+  std::vector<std::vector<std::pair<std::size_t, DriveSpring>>> springs(setups.size());
   std::vector<bool> other_bodies;
   Eigen::MatrixXd x = Eigen::MatrixXd::Zero(intervals_.front().carried.rows(), columns);
   Eigen::MatrixXd read = Eigen::MatrixXd::Zero(joints, columns);  // angles, the encoder's change in them
@@ -277,7 +285,7 @@ Eigen::MatrixXd Linearised::changes(std::span<const Setup* const> setups) const 
     for (std::size_t i = 0; i < n; ++i) {
       if (s.joints[i] == setup_.joints[i] && s.model.laws[i] == setup_.model.laws[i]) continue;
       if (s.model.laws[i].elastic && !setup_.model.laws[i].elastic) {
-        springs[k].emplace_back(i, Spring(setup_, s, recording_, window_, i));
+        springs[k].emplace_back(i, DriveSpring(setup_, s, recording_, window_, i));
         continue;
       }
       differ.push_back(i);

@@ -43,7 +43,7 @@ class Linearised {
   /// What one tree makes of an interval, beside another.
   class Torques;
 
-  const Setup& setup_;
+  const Setup setup_;
   const Recording& recording_;
   const Window& window_;
   double step_s_;

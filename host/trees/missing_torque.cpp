@@ -6,8 +6,10 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <numeric>
 #include <utility>
 
+#include "furcula/dynamics/tree/foothold.hpp"
 #include "furcula/dynamics/tree/inverse_dynamics.hpp"
 #include "host/core/quantile.hpp"
 #include "host/trees/candidates.hpp"
@@ -50,6 +52,27 @@ struct Row {
   std::vector<double> angle, velocity, acceleration, drive, drive_rate, missing;
 };
 
+/// Of torques that are missing, less what a force on the standing foot makes up for: as much as no other rows than those without a drive
+/// decide, where there are any.
+void without_ground(const model::RobotModel& tree, const model::RobotModel::Joints& q,
+                    const model::RobotModel::Joints& v, const std::vector<bool>& driven,
+                    std::vector<double>& missing) {
+  constexpr double kDriven = 1e-3;
+  const auto point = point_motion(tree, tree.foothold, q, v);
+  const auto n = static_cast<Eigen::Index>(missing.size());
+  Eigen::MatrixXd by_force(n, 3);
+  Eigen::VectorXd weight(n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const auto& c = point.by_joint[static_cast<std::size_t>(i)];
+    by_force.row(i) << c.x, c.y, c.z;
+    weight(i) = driven[static_cast<std::size_t>(i)] ? kDriven : 1.0;
+  }
+  Eigen::Map<Eigen::VectorXd> all(missing.data(), n);
+  const Eigen::Vector3d force =
+      (weight.asDiagonal() * by_force).completeOrthogonalDecomposition().solve(weight.cwiseProduct(all));
+  all -= by_force * force;
+}
+
 Row at_row(const Setup& setup, const Recording& r, std::size_t k, double half_s) {
   const std::size_t n = setup.joints.size();
   Row out{std::vector<double>(n), std::vector<double>(n), std::vector<double>(n),
@@ -91,6 +114,11 @@ Row at_row(const Setup& setup, const Recording& r, std::size_t k, double half_s)
   for (std::size_t j = 0; j < n; ++j)
     out.missing[j] = needed[j] - out.drive[j] - setup.joints[j].offset_nm +
                      friction_torque(tree.laws[j], q[j], v[j], out.drive[j]);
+  if (tree.foothold.joint >= 0) {
+    std::vector<bool> driven;
+    for (const Setup::Joint& d : setup.joints) driven.push_back(d.law != DriveLaw::none);
+    without_ground(tree, q, v, driven, out.missing);
+  }
   return out;
 }
 
@@ -99,7 +127,7 @@ Row at_row(const Setup& setup, const Recording& r, std::size_t k, double half_s)
 std::vector<TorqueSamples> missing_torque(const Problem& problem, const std::vector<Recording>& recordings,
                                           const Hypothesis& h, double window_s, std::size_t most) {
   const std::size_t n = problem.joints();
-  const Setup setup = SetupMaker(problem.model()).make(h.drives, h.causes, h.bodies);
+  const Setup of_all = SetupMaker(problem.model()).make(h.drives, h.causes, h.bodies);
   std::vector<TorqueSamples> out(n);
   for (TorqueSamples& s : out) s.others.resize(n);
   std::size_t rows = 0;
@@ -114,18 +142,26 @@ std::vector<TorqueSamples> missing_torque(const Problem& problem, const std::vec
     const Recording& r = recordings[w.recording];
     const double half = std::max(kHalf_s, 3.5 * r.interval_s);
     // The same window as the model makes it: what smoothing does to it, it does to the measured one.
+    const Setup setup = in_phase(of_all, r, w.first);
     Recording simulated = part_of(r, w.first, w.last);
     std::vector<double> run_of((w.last - w.first + 1) * n);
-    run(setup, r, w.first, w.last, w.angle_rad, w.velocity_radps, run_of);
+    run(of_all, r, w.first, w.last, w.angle_rad, w.velocity_radps, run_of);
     const Recording measured = simulated;
     for (std::size_t k = 0; k < simulated.rows(); ++k)
       for (std::size_t j = 0; j < n; ++j) simulated.angle_rad[j][k] = run_of[k * n + j];
+    const std::vector<std::size_t> before_window = [&] {
+      std::vector<std::size_t> counts;
+      for (const TorqueSamples& s : out) counts.push_back(s.missing_nm.size());
+      return counts;
+    }();
     for (std::size_t k = step / 2; k < measured.rows(); k += step) {
       if (measured.time_s[k] - measured.time_s.front() < half ||
           measured.time_s.back() - measured.time_s[k] < half)
         continue;
       const Row m = at_row(setup, measured, k, half), s = at_row(setup, simulated, k, half);
       for (std::size_t j = 0; j < n; ++j) {
+        // What a foot that stands makes up for is not known there.
+        if (setup.model.foothold.joint >= 0 && setup.joints[j].law == DriveLaw::none) continue;
         // Dry friction has any value about a reversal.
         const double slow =
             std::max(0.05 * problem.scales().velocity_radps[j], std::abs(m.acceleration[j]) * half);
@@ -148,6 +184,17 @@ std::vector<TorqueSamples> missing_torque(const Problem& problem, const std::vec
           to.others[o].drive_nm.push_back(s.drive[o]);
         }
       }
+    }
+    // A spring that caught at a touch-down that is known to a row is off by a torque that lasts as long as the stance.
+    const Phase& phase = r.phase_at(w.first);
+    for (std::size_t j = 0; j < n && phase.stance; ++j) {
+      if (!setup.joints[j].switched) continue;
+      const auto begin = out[j].missing_nm.begin() + static_cast<std::ptrdiff_t>(before_window[j]),
+                 end = out[j].missing_nm.end();
+      if (begin == end) continue;
+      const double mean = std::accumulate(begin, end, 0.0) / static_cast<double>(end - begin),
+                   furthest = 2.0 * setup.joints[j].spring_nmprad * phase.touchdown_sd_rad[j];
+      for (auto x = begin; x != end; ++x) *x -= std::clamp(mean, -furthest, furthest);
     }
   }
   for (std::size_t j = 0; j < n; ++j) out[j].joint = j;

@@ -22,18 +22,24 @@ using core::shortest;
 
 constexpr double kMost = 1e9;
 constexpr std::string_view kInertial = "inertial";
+constexpr std::array<std::string_view, 3> kLaws{"torque", "position", "none"};  // as DriveLaw
 
 class Reader {
  public:
-  Reader(std::string_view text, const std::string& path) : name_(path), file_(core::parse_toml(text, path)) {
+  Reader(std::string_view text, const std::string& path, const std::string& urdf)
+      : name_(path), file_(core::parse_toml(text, path)) {
     model_.file = path;
+    model_.urdf_text = urdf;
   }
 
   TreeModel read() {
-    static constexpr std::array<std::string_view, 5> kSections{"model", "hold", "drive", "free", "effect"};
+    static constexpr std::array<std::string_view, 7> kSections{"model", "hold", "drive", "spring",
+                                                               "foot",  "free", "effect"};
     core::refuse_unknown_keys(file_, name_, "the model file of a tree", kSections);
     read_robot();
     read_drives();
+    read_springs();
+    if (const toml::node* feet = file_.get("foot")) read_foot(core::table(*feet, name_, "[foot]"));
     if (const toml::node* free = file_.get("free")) read_free(core::table(*free, name_, "[free]"));
     if (const toml::node* effects = file_.get("effect"))
       read_effects(core::table(*effects, name_, "[effect]"));
@@ -87,7 +93,8 @@ class Reader {
             core::number(node, name_, "[hold] " + std::string(joint.str()), -1e3, 1e3, "rad or m");
 
     const auto beside = std::filesystem::path(name_).parent_path() / model_.urdf_path;
-    model_.urdf = model::read_urdf(beside.string());
+    model_.urdf = model_.urdf_text.empty() ? model::read_urdf(beside.string())
+                                           : model::parse_urdf(model_.urdf_text, model_.urdf_path);
     model_.robot = model::tree_of(model_.urdf, model_.moving, model_.hold);
     model_.robot.model.gravity_mps2 = model_.gravity_mps2;
   }
@@ -136,9 +143,11 @@ class Reader {
                  core::listed(known) + ", or a joint's table" + core::did_you_mean(key.str(), known));
       if (key.str() == "law") {
         const std::string law = core::text(node, name_, "law");
-        if (law != "torque" && law != "position")
-          fail(name_, node.source(), "law = " + core::quoted(law) + "; expected \"torque\" or \"position\"");
-        drive.law = law == "torque" ? DriveLaw::torque : DriveLaw::position;
+        const auto which = std::find(kLaws.begin(), kLaws.end(), law);
+        if (which == kLaws.end())
+          fail(name_, node.source(),
+               "law = " + core::quoted(law) + "; expected one of " + core::listed(kLaws));
+        drive.law = static_cast<DriveLaw>(which - kLaws.begin());
         continue;
       }
       const auto which = static_cast<std::size_t>(
@@ -146,6 +155,71 @@ class Reader {
       drive.*kDriveMembers[which] =
           core::number(node, name_, where + " " + std::string(key.str()), 0.0, kMost);
     }
+  }
+
+  void read_springs() {
+    model_.springs.resize(model_.joints());
+    const toml::node* section = file_.get("spring");
+    if (section == nullptr) return;
+    for (const auto& [key, node] : core::table(*section, name_, "[spring]")) {
+      static constexpr std::array<std::string_view, 3> kKeys{"stiffness_nmprad", "rest", "rest_rad"};
+      const std::string where = "[spring." + std::string(key.str()) + "]";
+      const toml::table& table = core::table(node, name_, where);
+      core::refuse_unknown_keys(table, name_, where, kKeys);
+      Spring& spring = model_.springs[joint_named(std::string(key.str()), key.source(), where)];
+      const toml::node* rate = table.get("stiffness_nmprad");
+      if (rate == nullptr)
+        fail(name_, table.source(), "no key 'stiffness_nmprad' in " + where + "; expected one");
+      spring.stiffness_nmprad =
+          core::number(*rate, name_, where + " stiffness_nmprad", 1e-9, kMost, "N m/rad");
+      const toml::node *rest = table.get("rest"), *angle = table.get("rest_rad");
+      if ((rest == nullptr) == (angle == nullptr))
+        fail(name_, table.source(), where + "; expected either rest = \"touch_down\" or rest_rad");
+      if (angle != nullptr) {
+        spring.rest_rad = core::number(*angle, name_, where + " rest_rad", -1e3, 1e3, "rad");
+        continue;
+      }
+      if (const std::string when = core::text(*rest, name_, "rest"); when != "touch_down")
+        fail(name_, rest->source(), "rest = " + core::quoted(when) + "; expected \"touch_down\"");
+      if (!file_.contains("foot"))
+        fail(name_, rest->source(), where + " rests at the touch-down; expected a [foot.NAME] that has one");
+      spring.switched = true;
+    }
+  }
+
+  void read_foot(const toml::table& feet) {
+    if (feet.size() != 1)
+      fail(name_, feet.source(),
+           "[foot] has " + std::to_string(feet.size()) + " feet; expected one (this version has no more)");
+    const std::string foot_name(feet.begin()->first.str());
+    const toml::node& node = feet.begin()->second;
+    static constexpr std::array<std::string_view, 2> kKeys{"link", "point_m"};
+    const std::string where = "[foot." + foot_name + "]";
+    const toml::table& table = core::table(node, name_, where);
+    core::refuse_unknown_keys(table, name_, where, kKeys);
+    const toml::node *link = table.get("link"), *point = table.get("point_m");
+    if (link == nullptr || point == nullptr)
+      fail(name_, table.source(), where + " has no key 'link' or no key 'point_m'; expected both");
+    Foot foot;
+    foot.name = foot_name;
+    std::vector<std::string_view> names;
+    for (const auto& l : model_.robot.links)
+      if (l.joint >= 0) names.emplace_back(l.name);
+    const std::string which = core::text(*link, name_, "link");
+    while (foot.link < model_.robot.links.size() && model_.robot.links[foot.link].name != which) ++foot.link;
+    if (foot.link == model_.robot.links.size() || model_.robot.links[foot.link].joint < 0)
+      fail(name_, link->source(),
+           where + ": no link " + core::quoted(which) + " that moves; expected one of " +
+               core::listed(names) + core::did_you_mean(which, names));
+    const toml::array* list = point->as_array();
+    if (list == nullptr || list->size() != 3)
+      fail(name_, point->source(),
+           where + " point_m = " + core::value_text(*point) + "; expected three numbers, x y z");
+    const auto part = [&](std::size_t i) {
+      return core::number((*list)[i], name_, where + " point_m", -10.0, 10.0, "m");
+    };
+    foot.point_m = {part(0), part(1), part(2)};
+    model_.foot = foot;
   }
 
   void read_free(const toml::table& table) {
@@ -261,6 +335,8 @@ class Reader {
       cause.values[k] = core::number(*value, name_, where + " " + std::string(known[k]), p.lower, p.upper,
                                      unit_on(p, linear));
     }
+    if (e.seat == Seat::spring && effect != Effect::spring_rate_error && !model_.springs[*at].switched)
+      fail(name_, source, where + ": its spring has a fixed rest_rad; expected one of rest = \"touch_down\"");
     if (effect == Effect::position_gain_error && model_.drives[*at].law != DriveLaw::position)
       fail(name_, source, where + ": its drive has law \"torque\"; expected one of law \"position\"");
     if ((effect == Effect::mass_error || effect == Effect::com_error || effect == Effect::inertia_error) &&
@@ -276,7 +352,7 @@ class Reader {
 };
 
 std::string table_of(const std::string& heading, const Drive& drive) {
-  std::string out = heading + "\nlaw = \"" + (drive.law == DriveLaw::torque ? "torque" : "position") + "\"\n";
+  std::string out = heading + "\nlaw = \"" + std::string(kLaws[static_cast<std::size_t>(drive.law)]) + "\"\n";
   for (std::size_t k = 0; k < kDriveParameters.size(); ++k)
     if (k >= 2 || drive.law == DriveLaw::position)
       out += std::string(kDriveParameters[k]) + " = " + core::toml_float(drive.*kDriveMembers[k]) + "\n";
@@ -306,7 +382,11 @@ bool is_tree(std::string_view text) {
 }
 
 TreeModel parse_tree_model(std::string_view text, const std::string& path) {
-  return Reader(text, path).read();
+  return Reader(text, path, "").read();
+}
+
+TreeModel parse_tree_model(std::string_view text, const std::string& path, const std::string& urdf) {
+  return Reader(text, path, urdf).read();
 }
 
 TreeModel read_tree_model(const std::string& path) {
@@ -327,6 +407,19 @@ std::string format_tree_model(const TreeModel& m, const std::string& urdf) {
     out += toml_key(joint) + " = " + core::toml_float(position) + "\n";
   for (std::size_t i = 0; i < m.joints(); ++i)
     out += "\n" + table_of("[drive." + toml_key(m.robot.joints[i].name) + "]", m.drives[i]);
+  for (std::size_t i = 0; i < m.springs.size(); ++i) {
+    const Spring& s = m.springs[i];
+    if (s.stiffness_nmprad == 0.0) continue;
+    out +=
+        "\n[spring." + toml_key(m.robot.joints[i].name) +
+        "]\nstiffness_nmprad = " + core::toml_float(s.stiffness_nmprad) + "\n" +
+        (s.switched ? std::string("rest = \"touch_down\"") : "rest_rad = " + core::toml_float(s.rest_rad)) +
+        "\n";
+  }
+  if (m.foot)
+    out += "\n[foot." + toml_key(m.foot->name) + "]\nlink = " + text_of(m.robot.links[m.foot->link].name) +
+           "\npoint_m = [" + core::toml_float(m.foot->point_m.x) + ", " +
+           core::toml_float(m.foot->point_m.y) + ", " + core::toml_float(m.foot->point_m.z) + "]\n";
   if (!m.free.empty() || !m.free_bodies.empty()) out += "\n[free]\n";
   for (const FreeParameter& f : m.free)
     out += text_of(std::string(kDriveParameters[f.parameter]) + "." + m.robot.joints[f.joint].name) + " = [" +
@@ -347,6 +440,7 @@ std::string format_tree_model(const TreeModel& m, const std::string& urdf) {
 
 std::string urdf_seen_from(const TreeModel& model, const std::string& folder) {
   namespace fs = std::filesystem;
+  if (!model.urdf_text.empty()) return model.urdf_path;
   std::error_code error;
   const fs::path urdf = fs::weakly_canonical(fs::path(model.file).parent_path() / model.urdf_path, error);
   const fs::path from = fs::weakly_canonical(folder, error);
@@ -364,7 +458,10 @@ std::vector<std::size_t> sites(const TreeModel& model, Seat seat) {
         out.push_back(i);
     return out;
   }
-  for (std::size_t i = 0; i < model.joints(); ++i) out.push_back(i);
+  for (std::size_t i = 0; i < model.joints(); ++i) {
+    if (seat == Seat::spring && model.springs[i].stiffness_nmprad == 0.0) continue;
+    out.push_back(i);
+  }
   return out;
 }
 

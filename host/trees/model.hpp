@@ -2,6 +2,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -11,7 +12,21 @@
 
 namespace furcula::trees {
 
-enum class DriveLaw { torque, position };
+enum class DriveLaw { torque, position, none };
+
+/// Beside the drive of a joint: it gives -rate max(q - rest, 0).
+struct Spring {
+  double stiffness_nmprad = 0.0;  ///< 0: there is none
+  bool switched = false;          ///< in stance only, its rest the joint's angle at touch-down
+  double rest_rad = 0.0;          ///< else
+};
+
+/// A point of a link that stands on the ground while the log's column `contact_NAME` says so.
+struct Foot {
+  std::string name;
+  std::size_t link = 0;
+  dynamics::tree::Vec3<double> point_m{0.0, 0.0, 0.0};  ///< in the link's frame
+};
 
 /// Of one joint. Units of a revolute joint; of a prismatic one N for N m and m for rad.
 struct Drive {
@@ -55,12 +70,15 @@ struct FreeBody {
 struct TreeModel {
   std::string file;       ///< for messages
   std::string urdf_path;  ///< as in the model file
+  std::string urdf_text;  ///< where it is no file
   model::Urdf urdf;
   model::RobotTree robot;
   std::vector<std::string> moving;     ///< as in the model file; empty: all
   std::map<std::string, double> hold;  ///< of joints that do not move, rad or m
   dynamics::tree::Vec3<double> gravity_mps2{0.0, 0.0, -9.81};
-  std::vector<Drive> drives;  ///< of each joint of the tree
+  std::vector<Drive> drives;    ///< of each joint of the tree
+  std::vector<Spring> springs;  ///< of each joint
+  std::optional<Foot> foot;
   std::vector<FreeParameter> free;
   std::vector<FreeBody> free_bodies;
   std::vector<Cause> causes;  ///< that are switched on, each at one site
@@ -69,6 +87,8 @@ struct TreeModel {
   bool prismatic(std::size_t joint) const {
     return robot.joints[joint].kind == model::UrdfJoint::Kind::prismatic;
   }
+  /// Whether a drive moves the joint.
+  bool driven(std::size_t joint) const { return drives[joint].law != DriveLaw::none; }
   /// Whether one of a joint's drive parameters (of kDriveParameters) is fitted.
   bool is_free(std::size_t joint, std::size_t parameter) const {
     for (const FreeParameter& f : free)
@@ -90,6 +110,8 @@ bool is_tree(std::string_view text);
 /// lies beside the model file.
 TreeModel read_tree_model(const std::string& path);
 TreeModel parse_tree_model(std::string_view text, const std::string& path);
+/// The same with the URDF as text.
+TreeModel parse_tree_model(std::string_view text, const std::string& path, const std::string& urdf);
 
 /// As a file that reads back the same; `urdf` stands for the URDF's name in it. A cause at several sites becomes one a site.
 std::string format_tree_model(const TreeModel& model, const std::string& urdf);

@@ -83,11 +83,49 @@ std::string described(const TreeModel& m, const std::vector<Path>& paths) {
   return "Move " + moving + " with " + core::rounded(one->period_s, 2) + " s a period, and hold the others";
 }
 
+/// A robot on a foot has no paths that it could be told: of the motions that were recorded, the one that parts the causes most, and when.
+std::vector<Experiment> among_recorded(const TreeModel& m, const std::vector<Recording>& recordings,
+                                       const Hypothesis& named, const std::vector<Hypothesis>& others,
+                                       double window_s, std::size_t most) {
+  const std::size_t n = m.joints();
+  const SetupMaker maker(m);
+  const Setup setup = maker.make(named.drives, named.causes, named.bodies);
+  std::vector<Experiment> out;
+  for (const Recording& r : recordings)
+    for (const bool stance : {true, false}) {
+      const std::vector<Recording> one{r};
+      Experiment e{
+          "Record more like " + r.path + ", whose " + (stance ? "stances" : "flights") + " part them most",
+          {},
+          1e300};
+      for (const Hypothesis& other : others) {
+        const Setup another = maker.make(other.drives, other.causes, other.bodies);
+        double squares = 0.0, rows = 0.0;
+        for (const Window& w : windows_of(m, one, window_s)) {
+          if (r.phase_at(w.first).stance != stance) continue;
+          std::vector<double> a((w.last - w.first + 1) * n), b(a.size());
+          run(setup, r, w.first, w.last, w.angle_rad, w.velocity_radps, a);
+          run(another, r, w.first, w.last, w.angle_rad, w.velocity_radps, b);
+          for (std::size_t i = 0; i < a.size(); ++i)
+            if (!m.prismatic(i % n) && std::isfinite(a[i] - b[i]))
+              squares += std::pow(a[i] - b[i], 2), rows += 1.0;
+        }
+        e.apart_rad = std::min(e.apart_rad, std::sqrt(squares / std::max(rows, 1.0)));
+      }
+      if (e.apart_rad < 1e300) out.push_back(std::move(e));
+    }
+  std::stable_sort(out.begin(), out.end(),
+                   [](const Experiment& a, const Experiment& b) { return a.apart_rad > b.apart_rad; });
+  if (out.size() > most) out.resize(most);
+  return out;
+}
+
 }  // namespace
 
 std::vector<Experiment> next_experiments(const TreeModel& m, const std::vector<Recording>& recordings,
                                          const Hypothesis& named, const std::vector<Hypothesis>& others,
                                          double window_s, std::size_t most) {
+  if (m.foot) return among_recorded(m, recordings, named, others, window_s, most);
   const std::size_t n = m.joints();
   const Scales scales = scales_of(m, recordings);
   const SetupMaker maker(m);
@@ -162,6 +200,7 @@ std::vector<Experiment> next_experiments(const TreeModel& m, const std::vector<R
 }
 
 std::string scenario_of(const TreeModel& m, const Experiment& e) {
+  if (e.paths.empty()) return "";
   std::string out = "[run]\nduration_s = 10.0\nsample_rate_hz = 250.0\n";
   for (std::size_t j = 0; j < m.joints(); ++j) {
     const Path& p = e.paths[j];

@@ -89,6 +89,76 @@ std::vector<log::Watched> watched(const TreeModel& m) {
   return all;
 }
 
+const Phase& Recording::phase_at(std::size_t row) const {
+  const auto after = std::upper_bound(phases.begin(), phases.end(), row,
+                                      [](std::size_t k, const Phase& p) { return k < p.first; });
+  return after == phases.begin() ? phases.front() : *(after - 1);
+}
+
+namespace {
+
+/// Shorter ones are chatter of the switch, and belong to what is around them.
+constexpr double kShortestPhase_s = 0.004;
+
+/// Angles are read off parabolas through the rows of so long.
+constexpr double kFit_s = 0.03;
+
+/// The value at `t` of a parabola through a joint's angles in rows `first` to `last`.
+double parabola(const Recording& r, std::size_t joint, std::size_t first, std::size_t last, double t) {
+  if (last < first + 3) return r.angle_rad[joint][first];
+  Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d right = Eigen::Vector3d::Zero();
+  for (std::size_t k = first; k <= last; ++k) {
+    const double s = (r.time_s[k] - t) / kFit_s;
+    const Eigen::Vector3d row(1.0, s, s * s);
+    normal += row * row.transpose();
+    right += row * r.angle_rad[joint][k];
+  }
+  return normal.ldlt().solve(right)(0);
+}
+/// The last row up to `time_s`; at least five rows on, at most `last`.
+std::size_t last_before(const Recording& r, std::size_t first, double time_s, std::size_t last) {
+  std::size_t k = std::min(first + 5, last);
+  while (k < last && r.time_s[k + 1] <= time_s) ++k;
+  return k;
+}
+
+std::vector<Phase> phases_of(const Recording& r, const std::vector<double>& contact) {
+  struct Run {
+    std::size_t first, last;
+    bool stance;
+  };
+  std::vector<Run> runs;
+  for (std::size_t k = 0; k < r.rows(); ++k) {
+    const bool stance = contact[k] > 0.5;
+    if (runs.empty() || runs.back().stance != stance)
+      runs.push_back({k, k, stance});
+    else
+      runs.back().last = k;
+  }
+  std::vector<Run> lasting;
+  for (const Run& run : runs) {
+    const bool chatter = run.first > 0 && run.last + 1 < r.rows() &&
+                         r.time_s[run.last] - r.time_s[run.first] < kShortestPhase_s;
+    if (!lasting.empty() && (chatter || lasting.back().stance == run.stance))
+      lasting.back().last = run.last;
+    else
+      lasting.push_back(run);
+  }
+  std::vector<Phase> out;
+  for (std::size_t i = 0; i < lasting.size(); ++i) {
+    const Run& run = lasting[i];
+    Phase p{run.first, run.last, run.stance, i > 0, {}, {}, 0.0};
+    // The change lies between two rows, and its switch may be late by some of them: the row beside it is left out.
+    if (i > 0) ++p.first;
+    if (i + 1 < lasting.size() && p.last > p.first) --p.last;
+    if (p.last > p.first + 8) out.push_back(p);
+  }
+  return out;
+}
+
+}  // namespace
+
 void require_motion(const TreeModel& m, const std::vector<Recording>& recordings) {
   const auto one_value = [&](const auto& column, std::size_t j) {
     return std::all_of(recordings.begin(), recordings.end(), [&](const Recording& r) {
@@ -133,6 +203,12 @@ Recording recording_of(const TreeModel& m, const log::Log& given, const std::vec
     if (!log.has(angle)) missing(log, m, j, "'" + angle + "'");
     r.angle_rad.push_back(log.at(angle));
     refuse_degrees(log, m, j, r.angle_rad.back());
+    if (!m.driven(j)) {
+      r.input_measured.push_back(false);
+      r.input.emplace_back(r.rows(), 0.0);
+      r.angle_noise_rad.push_back(noise_of(r.angle_rad.back()));
+      continue;
+    }
     const bool position = m.drives[j].law == DriveLaw::position;
     const std::string measured = column_of(m, j, position ? "angle_cmd" : "torque");
     const std::string commanded = column_of(m, j, position ? "angle_cmd" : "torque_cmd");
@@ -142,6 +218,28 @@ Recording recording_of(const TreeModel& m, const log::Log& given, const std::vec
     r.input.push_back(log.at(log.has(measured) ? measured : commanded));
     r.angle_noise_rad.push_back(noise_of(r.angle_rad.back()));
   }
+  r.phases = {{0, r.rows() - 1, false, true, {}, {}, 0.0}};
+  if (!m.foot) return r;
+  const std::string contact = "contact_" + m.foot->name;
+  if (!log.has(contact))
+    throw core::DataError(log.path + ": foot " + core::quoted(m.foot->name) + " has no column " +
+                          core::quoted(contact) + "; expected 1 in rows in which it stands, else 0");
+  r.phases = phases_of(r, log.at(contact));
+  if (r.phases.empty())
+    throw core::DataError(
+        log.path + ": " + core::quoted(contact) +
+        " changes all the time; expected stances and flights of some hundredths of a second");
+  for (Phase& p : r.phases) {
+    if (!p.stance) continue;
+    // Somewhere in the interval before the first row that says so.
+    p.touchdown_s = r.time_s[p.first > 0 ? p.first - 1 : 0] - 0.5 * r.interval_s;
+    for (std::size_t j = 0; j < m.joints(); ++j) {
+      constexpr double kAfter_s = 5e-3;
+      p.at_touchdown_rad.push_back(angle_after_touchdown(r, p, j, 0.0));
+      const double rate = (angle_after_touchdown(r, p, j, kAfter_s) - p.at_touchdown_rad.back()) / kAfter_s;
+      p.touchdown_sd_rad.push_back(std::hypot(rate * r.interval_s / std::sqrt(12.0), r.angle_noise_rad[j]));
+    }
+  }
   return r;
 }
 
@@ -149,8 +247,11 @@ LocalState local_state(const Recording& r, std::size_t joint, std::size_t row, d
   constexpr std::size_t kLeast = 3;  // rows on each side, where there are
   const double t0 = r.time_s[row];
   std::size_t first = row, last = row;
-  while (first > 0 && (t0 - r.time_s[first - 1] <= half_s || row - first < kLeast)) --first;
-  while (last + 1 < r.rows() && (r.time_s[last + 1] - t0 <= half_s || last - row < kLeast)) ++last;
+  const Phase& phase = r.phase_at(row);
+  const std::size_t begin = row >= phase.first && row <= phase.last ? phase.first : 0,
+                    end = row >= phase.first && row <= phase.last ? phase.last + 1 : r.rows();
+  while (first > begin && (t0 - r.time_s[first - 1] <= half_s || row - first < kLeast)) --first;
+  while (last + 1 < end && (r.time_s[last + 1] - t0 <= half_s || last - row < kLeast)) ++last;
   const auto& x = r.angle_rad[joint];
   Eigen::Matrix4d normal = Eigen::Matrix4d::Zero();
   Eigen::Vector4d right = Eigen::Vector4d::Zero();
@@ -179,6 +280,13 @@ bool gap_after(const Recording& r, std::size_t row) {
   return r.time_s[row + 1] - r.time_s[row] >= 5.0 * r.interval_s + 1e-3;
 }
 
+double angle_after_touchdown(const Recording& r, const Phase& p, std::size_t joint, double delay_s) {
+  const double t = p.touchdown_s + delay_s, from = std::max(r.time_s[p.first], t - 0.5 * kFit_s);
+  std::size_t first = p.first;
+  while (first < p.last && r.time_s[first] < from) ++first;
+  return parabola(r, joint, first, last_before(r, first, from + kFit_s, p.last), t);
+}
+
 Recording part_of(const Recording& r, std::size_t first, std::size_t last) {
   const auto cut = [&](const std::vector<double>& x) {
     return std::vector<double>(x.begin() + static_cast<std::ptrdiff_t>(first),
@@ -192,6 +300,10 @@ Recording part_of(const Recording& r, std::size_t first, std::size_t last) {
   out.angle_noise_rad = r.angle_noise_rad;
   out.input_measured = r.input_measured;
   out.interval_s = r.interval_s;
+  Phase phase = r.phase_at(first);
+  phase.first = 0;
+  phase.last = last - first;
+  out.phases = {std::move(phase)};
   return out;
 }
 
@@ -207,7 +319,7 @@ std::vector<std::string> foreign_joints(const TreeModel& m, const log::Log& log)
     bool ours = false;
     for (const log::ColumnPattern& p : log::kTreeColumns) {
       const std::string_view joint = p.joint_in(column);
-      if (joint.empty()) continue;
+      if (joint.empty() || p.unit.empty()) continue;
       ours |= known(joint);
       if (first.empty()) first = joint;
     }

@@ -11,6 +11,16 @@
 
 namespace furcula::trees {
 
+/// Rows between two changes of the foot's contact: all of them where there is no foot.
+struct Phase {
+  std::size_t first = 0, last = 0;
+  bool stance = false;
+  bool whole = true;                     ///< the touch-down is in the recording
+  std::vector<double> at_touchdown_rad;  ///< of a stance: each joint's angle as its encoder reads it
+  std::vector<double> touchdown_sd_rad;  ///< how well that is known: the touch-down lies between two rows
+  double touchdown_s = 0.0;
+};
+
 /// Columns over joints of the tree. Units of a revolute joint; of a prismatic one m and N.
 struct Recording {
   std::string path;
@@ -25,7 +35,10 @@ struct Recording {
   std::vector<std::string> log_notes;    ///< what else was done to it, in sentences
   std::vector<std::size_t> log_row;      ///< of the log that it was made of, of each row
 
+  std::vector<Phase> phases;  ///< one after the other; rows that are in none are too near to a change
+
   std::size_t rows() const { return time_s.size(); }
+  const Phase& phase_at(std::size_t row) const;
 };
 
 /// "angle_elbow_rad", "torque_cmd_elbow_nm", ...: `quantity` is angle, velocity, torque, torque_cmd or angle_cmd.
@@ -50,9 +63,12 @@ struct LocalState {
 };
 LocalState local_state(const Recording& r, std::size_t joint, std::size_t row, double half_s);
 
+/// A joint's angle so long after a stance's touch-down, by the measured rows about then; below zero from what it does afterwards.
+double angle_after_touchdown(const Recording& r, const Phase& stance, std::size_t joint, double delay_s);
+
 /// The joint's velocity about a row, by the rows beside it.
 double velocity_about(const Recording& r, std::size_t joint, std::size_t row);
-/// Whether rows are missing between this one and the next.
+/// Whether rows are missing between this one and the next, or the foot's contact changes.
 bool gap_after(const Recording& r, std::size_t row);
 
 /// Rows `first` to `last`.

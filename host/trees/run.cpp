@@ -1,11 +1,13 @@
 // Trees in motion, see run.hpp.
 #include "host/trees/run.hpp"
 
+#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
 
+#include "furcula/dynamics/tree/foothold.hpp"
 #include "host/trees/rotor.hpp"
 
 namespace furcula::trees {
@@ -71,14 +73,45 @@ double neutral_value(const TreeModel& model, Effect effect, std::size_t paramete
     case Effect::torque_saturation:
     case Effect::joint_elasticity:
       return kAny;
+    case Effect::spring_rate_error:
+      return model.springs[site].stiffness_nmprad;
     default:
       return 0.0;
   }
 }
 
+bool Setup::differs_by_torque(const Setup& other) const {
+  if (!by_phase || foot.joint < 0) return true;
+  if (extension_m != other.extension_m) return false;
+  for (std::size_t i = 0; i < joints.size(); ++i)
+    if (joints[i].encoder_offset_rad != other.joints[i].encoder_offset_rad) return false;
+  return true;
+}
+
+Setup in_phase(const Setup& setup, const Recording& r, std::size_t row) {
+  Setup out = setup;
+  if (!setup.by_phase) return out;
+  const Phase& phase = r.phase_at(row);
+  if (phase.stance) out.model.foothold = setup.foot;
+  for (std::size_t i = 0; i < setup.joints.size(); ++i) {
+    Setup::Joint& j = out.joints[i];
+    auto& law = out.model.laws[i];
+    law.one_way_nmprad = j.switched && !phase.stance ? 0.0 : j.spring_nmprad;
+    law.one_way_rest_rad = j.spring_rest_rad;
+    if (j.switched && phase.stance)
+      law.one_way_rest_rad += (j.latch_delay_s != 0.0 ? angle_after_touchdown(r, phase, i, j.latch_delay_s)
+                                                      : phase.at_touchdown_rad[i]) -
+                              j.encoder_offset_rad;
+    if (!phase.stance) j.offset_nm -= j.flight_nm;
+  }
+  return out;
+}
+
 Setup SetupMaker::make(std::span<const Drive> drives, std::span<const Cause> causes,
                        std::span<const FittedBody> fitted) const {
-  Setup out{tree_.robot.model, std::vector<Setup::Joint>(tree_.joints())};
+  Setup out;
+  out.model = tree_.robot.model;
+  out.joints.resize(tree_.joints());
   std::vector<Friction> friction;
   std::vector<double> kd(tree_.joints());
   for (std::size_t i = 0; i < tree_.joints(); ++i) {
@@ -91,6 +124,16 @@ Setup SetupMaker::make(std::span<const Drive> drives, std::span<const Cause> cau
     j.law = d.law;
     j.kp_nmprad = d.kp_nmprad;
     j.kd_nmsprad = d.kd_nmsprad;
+    const Spring& s = tree_.springs[i];
+    j.spring_nmprad = s.stiffness_nmprad;
+    j.switched = s.switched;
+    j.spring_rest_rad = s.switched ? 0.0 : s.rest_rad;
+    out.by_phase |= s.stiffness_nmprad > 0.0;
+  }
+  if (tree_.foot) {
+    const auto& link = tree_.robot.links[tree_.foot->link];
+    out.by_phase = true;
+    out.foot = {link.joint, link.frame.point_back(tree_.foot->point_m)};
   }
   std::vector<Body> bodies;
   const auto body_of = [&](std::size_t link) -> Body& {
@@ -214,6 +257,30 @@ Setup SetupMaker::make(std::span<const Drive> drives, std::span<const Cause> cau
           // By the angles' clock the drives' inputs come so much later.
           for (Setup::Joint& j : out.joints) j.delay_s += v[0];
           break;
+        case Effect::spring_rate_error:
+          drive.spring_nmprad = v[0];
+          break;
+        case Effect::latch_delay:
+          drive.latch_delay_s += v[0];
+          break;
+        case Effect::latch_offset:
+          drive.spring_rest_rad += v[0];
+          break;
+        case Effect::second_spring:
+          drive.flight_nm += v[0];
+          break;
+        case Effect::length_error: {
+          const int of_link = tree_.robot.links[site].joint;
+          for (std::size_t i = 0; i < tree_.joints(); ++i)
+            if (out.model.shape().parent(i) == of_link) out.model.extend(i, v[0]);
+          out.extension_m.resize(tree_.joints());
+          if (of_link >= 0) out.extension_m[static_cast<std::size_t>(of_link)] += v[0];
+          if (out.foot.joint == of_link && of_link >= 0) {
+            const double length = std::sqrt(dot(out.foot.at_m, out.foot.at_m));
+            if (length > 0.0) out.foot.at_m = out.foot.at_m * (1.0 + v[0] / length);
+          }
+          break;
+        }
       }
     }
   for (std::size_t i = 0; i < tree_.joints(); ++i) {
@@ -259,8 +326,27 @@ void Runner::reset(std::span<const double> angle_rad, std::span<const double> ve
     q[i] = angle_rad[i] - setup_.joints[i].encoder_offset_rad;
     v[i] = velocity_radps[i];
   }
+  if (setup_.model.foothold.joint >= 0) follow(q, v);
   plant_.reset(q, v);
   std::fill(acceleration_.begin(), acceleration_.end(), 0.0);
+}
+
+void Runner::follow(const Plant::Joints& q, Plant::Joints& v) const {
+  const auto point = point_motion(setup_.model, setup_.model.foothold, q, v);
+  std::vector<std::size_t> led;
+  for (std::size_t i = 0; i < setup_.joints.size(); ++i)
+    if (setup_.joints[i].law == DriveLaw::none) led.push_back(i);
+  if (led.empty()) return;
+  Eigen::MatrixXd by(3, static_cast<Eigen::Index>(led.size()));
+  for (std::size_t k = 0; k < led.size(); ++k) {
+    const auto& c = point.by_joint[led[k]];
+    by.col(static_cast<Eigen::Index>(k)) << c.x, c.y, c.z;
+    v[led[k]] = 0.0;
+  }
+  const auto left = point.times(v, setup_.joints.size());
+  const Eigen::VectorXd rates =
+      by.completeOrthogonalDecomposition().solve(-Eigen::Vector3d(left.x, left.y, left.z));
+  for (std::size_t k = 0; k < led.size(); ++k) v[led[k]] = rates(static_cast<Eigen::Index>(k));
 }
 
 void Runner::go_to(const Place& place) {
@@ -362,9 +448,13 @@ void Runner::advance(std::span<const double> input, double dt_s) {
   }
 }
 
-std::size_t run(const Setup& setup, const Recording& r, std::size_t first, std::size_t last,
+std::size_t run(const Setup& of_all, const Recording& r, std::size_t first, std::size_t last,
                 std::span<const double> angle_rad, std::span<const double> velocity_radps,
-                std::span<double> out, std::span<const double> rotor_more) {
+                std::span<double> out, std::span<const double> rotor_more,
+                std::span<const double> rest_more_rad) {
+  Setup setup = in_phase(of_all, r, first);
+  for (std::size_t i = 0; i < rest_more_rad.size(); ++i)
+    setup.model.laws[i].one_way_rest_rad += rest_more_rad[i];
   const std::size_t n = setup.joints.size();
   Runner runner(setup);
   runner.reset(angle_rad, velocity_radps);

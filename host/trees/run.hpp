@@ -23,7 +23,11 @@ struct Setup {
     double delay_s = 0.0;   ///< below zero where the log's clocks are apart
     double limit_nm = 0.0;  ///< 0: none
     double ripple_nm = 0.0, ripple_cycles = 0.0, ripple_phase_rad = 0.0;
-    double offset_nm = 0.0;           ///< on the joint
+    double offset_nm = 0.0;  ///< on the joint
+    /// Of a spring beside the drive, as Spring has it: its rest less that of the touch-down, and the touch-down's delay.
+    double spring_nmprad = 0.0, spring_rest_rad = 0.0, latch_delay_s = 0.0;
+    bool switched = false;
+    double flight_nm = 0.0;           ///< while the foot is in the air
     double encoder_offset_rad = 0.0;  ///< measured less true
     /// A position law that is not the joint's own spring and damper: its torque is computed step by step.
     bool held_torque = false;
@@ -35,7 +39,16 @@ struct Setup {
   model::RobotModel model;
   std::vector<Joint> joints;
   double longest_step_s = 4e-3;
+  bool by_phase = false;                  ///< feet or springs depend on the phase of the recording (in_phase)
+  dynamics::tree::Foothold<double> foot;  ///< where it stands in a stance
+  std::vector<double> extension_m;  ///< of each joint's link, where links are longer than the model says
+
+  /// Whether a torque along the motion stands for what the other setup has more: not where its foot would have to move.
+  bool differs_by_torque(const Setup& other) const;
 };
+
+/// The setup as it is in the phase of a recording's row: the foot on the ground or not, springs at rest where they caught.
+Setup in_phase(const Setup& setup, const Recording& recording, std::size_t row);
 
 /// What does not change from one set of causes to the next is computed once.
 class SetupMaker {
@@ -61,13 +74,16 @@ class SetupMaker {
 /// The value with which an effect is not there: the model's own, 0, 1, or without end (NaN: any).
 double neutral_value(const TreeModel& model, Effect effect, std::size_t parameter, std::size_t site);
 
-/// Runs the tree from the states at `first`, positions as the encoders read them and velocities, on the recording's inputs to `last`;
+/// Runs the tree from the states at `first`, positions as the encoders read them and velocities, on the recording's inputs to `last`,
+/// in the phase of `first`;
 /// `measured[row - first][joint]` is what the encoders read. Inputs from before `first` are in the drives' delays and lags,
-/// and in the rotors of elastic drives (rotor.hpp), to which `rotor_more` is added (angles, then rates; empty: nothing).
+/// and in the rotors of elastic drives (rotor.hpp), to which `rotor_more` is added (angles, then rates; empty: nothing), as
+/// `rest_more_rad` is to the rests of switched springs.
 /// @return the steps of integration that it took.
 std::size_t run(const Setup& setup, const Recording& recording, std::size_t first, std::size_t last,
                 std::span<const double> angle_rad, std::span<const double> velocity_radps,
-                std::span<double> measured, std::span<const double> rotor_more = {});
+                std::span<double> measured, std::span<const double> rotor_more = {},
+                std::span<const double> rest_more_rad = {});
 
 /// The torque that a drive's law asks for where the encoder reads `measured_rad`.
 double asked_torque(const Setup::Joint& joint, double input, double measured_rad, double velocity_radps);
@@ -87,7 +103,8 @@ class Runner {
   using Plant = dynamics::tree::Plant<double, model::RobotShape>;
 
   explicit Runner(const Setup& setup);
-  /// `angle_rad` as the encoders read them.
+  /// `angle_rad` as the encoders read them. On a foot that stands, joints without a drive move as the others and the foot
+  /// make them.
   void reset(std::span<const double> angle_rad, std::span<const double> velocity_radps);
   /// Where a run is: it goes on from there as it did before.
   struct Place {
@@ -119,6 +136,7 @@ class Runner {
 
  private:
   double spring_torque(std::size_t joint, double input, double dt_s);
+  void follow(const Plant::Joints& q, Plant::Joints& v) const;
 
   const Setup& setup_;
   Plant plant_;

@@ -170,6 +170,10 @@ void skew_angles(log::Log& log, const TreeModel& model, double skew_s) {
 
 log::Log simulate(const TreeModel& model, const Scenario& scenario, std::uint64_t seed) {
   const std::size_t n = model.joints();
+  if (model.foot)
+    throw core::DataError(
+        model.file + ": foot " + core::quoted(model.foot->name) +
+        " has no ground in a simulation along paths; expected a robot without a foot, or a planar_leg with a gait");
   const SetupMaker maker(model);
   std::vector<Cause> of_robot;
   double skew_s = 0.0;  // of the log's clocks

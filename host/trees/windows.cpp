@@ -14,10 +14,14 @@ constexpr std::size_t kBins = 24;
 /// A start is known from the angles around it no better than so many times what their noise says: they bend, too.
 constexpr double kStartDoubt = 2.0;
 constexpr double kSmoothing_s = 0.02;
+/// A shorter stance or flight is no window.
+constexpr double kShortest_s = 0.08;
 /// A motion of no more than so many times the noise, from end to end, is that of a joint at rest.
 constexpr double kStill = 10.0;
 /// A joint that is driven by less than this share of what its motion takes is moved by gravity and the other joints: that share is its scale.
 constexpr double kOfMotion = 0.02;
+/// Of a joint that has no drive: there is nothing smaller to compare with.
+constexpr double kOfUndriven = 0.2;
 
 double root_mean_square(const std::vector<double>& x) {
   double sum = 0.0;
@@ -58,7 +62,8 @@ Scales scales_of(const TreeModel& model, std::span<const Recording> recordings) 
   for (std::size_t j = 0; j < n; ++j) {
     out.drive_nm.push_back(root_mean_square(torque[j]));
     out.torque_nm.push_back(
-        std::max({out.drive_nm.back(), kOfMotion * root_mean_square(of_motion[j]), 1e-6}));
+        std::max({out.drive_nm.back(),
+                  (model.driven(j) ? kOfMotion : kOfUndriven) * root_mean_square(of_motion[j]), 1e-6}));
     out.velocity_radps.push_back(std::max(root_mean_square(velocity[j]), 1e-3));
     out.acceleration_radps2.push_back(std::max(root_mean_square(acceleration[j]), 1e-2));
     out.lowest_rad.push_back(low[j]);
@@ -73,15 +78,24 @@ std::vector<Window> windows_of(const TreeModel& model, std::span<const Recording
   std::vector<Window> out;
   for (std::size_t i = 0; i < recordings.size(); ++i) {
     const Recording& r = recordings[i];
-    for (std::size_t first = 0; first + 1 < r.rows();) {
-      std::size_t last = first;
-      while (last + 1 < r.rows() && r.time_s[last + 1] - r.time_s[first] <= window_s * (1.0 + 1e-9) &&
-             !gap_after(r, last))
-        ++last;
-      const bool gap = last + 1 < r.rows() && gap_after(r, last);
-      if (r.time_s[last] - r.time_s[first] > 0.8 * window_s && last - first >= 8)
-        out.push_back({i, first, last, window_s, {}, {}, {}, {}, {}});
-      first = gap || last == first ? last + 1 : last;
+    for (const Phase& phase : r.phases) {
+      // Between two changes of contact the windows are of one length, whatever that is.
+      double span = window_s;
+      if (model.foot) {
+        const double all = r.time_s[phase.last] - r.time_s[phase.first];
+        if (all < std::min(kShortest_s, window_s) || (phase.stance && !phase.whole)) continue;
+        span = all / std::ceil(all / window_s - 1e-9);
+      }
+      for (std::size_t first = phase.first; first + 1 <= phase.last;) {
+        std::size_t last = first;
+        while (last + 1 <= phase.last && r.time_s[last + 1] - r.time_s[first] <= span * (1.0 + 1e-9) &&
+               !gap_after(r, last))
+          ++last;
+        const bool gap = last + 1 <= phase.last && gap_after(r, last);
+        if (r.time_s[last] - r.time_s[first] > 0.8 * span && last - first >= 8)
+          out.push_back({i, first, last, window_s, {}, {}, {}, {}, {}});
+        first = gap || last == first ? last + 1 : last;
+      }
     }
   }
   if (most > 0 && out.size() > most) {

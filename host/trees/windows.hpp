@@ -29,6 +29,8 @@ struct Window {
   std::vector<std::size_t> bin;                   ///< of each row from `first`
   /// Of elastic drives' rotors at the start, angles, then rates: added to what the recording says (rotor.hpp); empty: nothing.
   std::vector<double> rotor_more{};
+  /// Of switched springs' rest angles in a stance, added to what the recording says; empty: nothing.
+  std::vector<double> rest_more_rad{};
 };
 
 /// Windows of `window_s` side by side, none over a gap in the rows; at most `most` of them, evenly chosen (0: all).
