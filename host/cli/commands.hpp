@@ -4,15 +4,24 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <cstdint>
+#include <string>
+
+#include "host/log/log.hpp"
 
 namespace furcula::cli {
 
 /// Those of the program that main() is linked into (program.cpp, demo_program.cpp).
 void add_commands(CLI::App& app);
 
+/// What a planar leg does that plays a gait: model file and gait file, and the seed of ground and sensors. The program for models and logs
+/// alone has no gaits.
+using PlayGait = log::Log (*)(const std::string& model, const std::string& gait, std::uint64_t seed);
+log::Log play_gait(const std::string& model, const std::string& gait, std::uint64_t seed);
+
 /// Those for models and logs.
-void add_data_commands(CLI::App& app);
-void add_sim_command(CLI::App& app);
+void add_data_commands(CLI::App& app, PlayGait play = nullptr);
+void add_sim_command(CLI::App& app, PlayGait play);
 void add_identify_command(CLI::App& app);
 void add_diagnose_command(CLI::App& app);
 void add_demo_command(CLI::App& app);

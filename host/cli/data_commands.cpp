@@ -3,8 +3,8 @@
 
 namespace furcula::cli {
 
-void add_data_commands(CLI::App& app) {
-  add_sim_command(app);
+void add_data_commands(CLI::App& app, PlayGait play) {
+  add_sim_command(app, play);
   add_identify_command(app);
   add_diagnose_command(app);
   add_demo_command(app);

@@ -16,6 +16,7 @@
 #include "host/gait/evidence.hpp"
 #include "host/gait/gait_file.hpp"
 #include "host/gait/gait_json.hpp"
+#include "host/gait/gait_log.hpp"
 #include "host/gait/gait_report.hpp"
 #include "host/gait/machine_file.hpp"
 #include "host/gait/search.hpp"
@@ -166,6 +167,10 @@ void run(const GaitOptions& o) {
 }
 
 }  // namespace
+
+log::Log play_gait(const std::string& model, const std::string& gait, std::uint64_t seed) {
+  return gait::log_of_gait(gait::read_gait(gait), gait::read_machine(model), {.seed = seed});
+}
 
 void add_gait_command(CLI::App& app) {
   auto options = std::make_shared<GaitOptions>();

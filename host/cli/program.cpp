@@ -2,7 +2,7 @@
 #include "host/cli/commands.hpp"
 
 void furcula::cli::add_commands(CLI::App& app) {
-  add_data_commands(app);
+  add_data_commands(app, play_gait);
   add_bench_command(app);
   add_bus_command(app);
   add_flash_command(app);

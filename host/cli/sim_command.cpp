@@ -12,8 +12,6 @@
 #include "host/core/error.hpp"
 #include "host/core/message.hpp"
 #include "host/core/strict_toml.hpp"
-#include "host/gait/gait_file.hpp"
-#include "host/gait/gait_log.hpp"
 #include "host/gait/machine_file.hpp"
 #include "host/log/writer.hpp"
 #include "host/model/reader.hpp"
@@ -53,16 +51,17 @@ void check_expectation(const std::string& path, const model::Model& model, const
   if (!found.empty()) throw Refusal(path + ": " + found.front());
 }
 
-void run(const SimOptions& options) {
+void run(const SimOptions& options, PlayGait play) {
   const std::string text = core::read_small_file(options.model, "a model file (TOML)");
   if (gait::is_planar_leg(text)) {
+    if (play == nullptr)
+      throw UsageError("--model " + options.model +
+                       " is a planar leg; expected the program `furcula`, which has gaits");
     if (options.check || options.scenario.empty())
       throw UsageError(
           "--model " + options.model +
           " is a planar leg; expected --scenario with a gait that it plays (gait.toml), and no --check");
-    const gait::Machine machine = gait::parse_machine(text, options.model);
-    log::write_log(gait::log_of_gait(gait::read_gait(options.scenario), machine, {.seed = options.seed}),
-                   options.out);
+    log::write_log(play(options.model, options.scenario, options.seed), options.out);
     return;
   }
   if (const auto tree = tree_model(options.model)) {
@@ -95,7 +94,7 @@ void run(const SimOptions& options) {
 
 }  // namespace
 
-void add_sim_command(CLI::App& app) {
+void add_sim_command(CLI::App& app, PlayGait play) {
   auto options = std::make_shared<SimOptions>();
   CLI::App* command = app.add_subcommand("sim", "Simulate a model under a scenario and write its log");
   command->add_option("--model", options->model, "Model file (TOML)")->required();
@@ -107,7 +106,7 @@ void add_sim_command(CLI::App& app) {
   command->add_flag(
       "--check", options->check,
       "End with status 4 where what the scenario expects ([expect]) does not hold; on a hopper");
-  command->callback([options] { run(*options); });
+  command->callback([options, play] { run(*options, play); });
 }
 
 }  // namespace furcula::cli

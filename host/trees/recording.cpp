@@ -97,7 +97,7 @@ const Phase& Recording::phase_at(std::size_t row) const {
 
 namespace {
 
-/// Shorter ones are chatter of the switch, and belong to what is around them.
+/// Shorter ones are chatter of the switch.
 constexpr double kShortestPhase_s = 0.004;
 
 /// Angles are read off parabolas through the rows of so long.
@@ -128,22 +128,27 @@ std::vector<Phase> phases_of(const Recording& r, const std::vector<double>& cont
     std::size_t first, last;
     bool stance;
   };
-  std::vector<Run> runs;
+  std::vector<Run> lasting;
   for (std::size_t k = 0; k < r.rows(); ++k) {
     const bool stance = contact[k] > 0.5;
-    if (runs.empty() || runs.back().stance != stance)
-      runs.push_back({k, k, stance});
+    if (lasting.empty() || lasting.back().stance != stance)
+      lasting.push_back({k, k, stance});
     else
-      runs.back().last = k;
+      lasting.back().last = k;
   }
-  std::vector<Run> lasting;
-  for (const Run& run : runs) {
-    const bool chatter = run.first > 0 && run.last + 1 < r.rows() &&
-                         r.time_s[run.last] - r.time_s[run.first] < kShortestPhase_s;
-    if (!lasting.empty() && (chatter || lasting.back().stance == run.stance))
-      lasting.back().last = run.last;
-    else
-      lasting.push_back(run);
+  // A switch that opens for a moment was closed all the while; then, one that closes for a moment was open.
+  for (const bool stance : {false, true}) {
+    std::vector<Run> runs;
+    for (std::size_t i = 0; i < lasting.size(); ++i) {
+      const Run& run = lasting[i];
+      const bool chatter = run.stance == stance && i > 0 && i + 1 < lasting.size() &&
+                           r.time_s[run.last] - r.time_s[run.first] < kShortestPhase_s;
+      if (!runs.empty() && (chatter || runs.back().stance == run.stance))
+        runs.back().last = run.last;
+      else
+        runs.push_back(run);
+    }
+    lasting = std::move(runs);
   }
   std::vector<Phase> out;
   for (std::size_t i = 0; i < lasting.size(); ++i) {

@@ -22,6 +22,7 @@ constexpr double kStill = 10.0;
 constexpr double kOfMotion = 0.02;
 /// Of a joint that has no drive: there is nothing smaller to compare with.
 constexpr double kOfUndriven = 0.2;
+constexpr double kOfStep = 12.0;
 
 double root_mean_square(const std::vector<double>& x) {
   double sum = 0.0;
@@ -35,7 +36,7 @@ Scales scales_of(const TreeModel& model, std::span<const Recording> recordings) 
   const std::size_t n = model.joints();
   const auto bodies = SetupMaker(model).make(model.drives, model.causes).model;
   std::vector<std::vector<double>> torque(n), of_motion(n), velocity(n), acceleration(n);
-  std::vector<double> low(n, 1e300), high(n, -1e300), noise(n, 0.0);
+  std::vector<double> low(n, 1e300), high(n, -1e300), noise(n, 0.0), inertia(n, 0.0);
   for (const Recording& r : recordings) {
     const std::size_t step =
         std::max<std::size_t>(1, static_cast<std::size_t>(0.02 / std::max(r.interval_s, 1e-6)));
@@ -55,15 +56,21 @@ Scales scales_of(const TreeModel& model, std::span<const Recording> recordings) 
         high[j] = std::max(high[j], s.angle_rad);
       }
       const auto mass = dynamics::tree::mass_matrix(bodies, posture);
-      for (std::size_t j = 0; j < n; ++j) of_motion[j].push_back(mass[j][j] * acceleration[j].back());
+      for (std::size_t j = 0; j < n; ++j) {
+        of_motion[j].push_back(mass[j][j] * acceleration[j].back());
+        inertia[j] = std::max(inertia[j], mass[j][j]);
+      }
     }
   }
   Scales out;
   for (std::size_t j = 0; j < n; ++j) {
     out.drive_nm.push_back(root_mean_square(torque[j]));
-    out.torque_nm.push_back(
-        std::max({out.drive_nm.back(),
-                  (model.driven(j) ? kOfMotion : kOfUndriven) * root_mean_square(of_motion[j]), 1e-6}));
+    // What a step of its encoder makes of a joint without a drive.
+    const double of_step =
+        model.driven(j) ? 0.0 : kOfStep * inertia[j] * noise[j] / (kSmoothing_s * kSmoothing_s);
+    out.torque_nm.push_back(std::max(
+        {out.drive_nm.back(), (model.driven(j) ? kOfMotion : kOfUndriven) * root_mean_square(of_motion[j]),
+         of_step, 1e-6}));
     out.velocity_radps.push_back(std::max(root_mean_square(velocity[j]), 1e-3));
     out.acceleration_radps2.push_back(std::max(root_mean_square(acceleration[j]), 1e-2));
     out.lowest_rad.push_back(low[j]);
