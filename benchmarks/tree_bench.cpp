@@ -119,6 +119,25 @@ void tree_step_with_all_laws(benchmark::State& state) {
 }
 BENCHMARK(tree_step_with_all_laws);
 
+/// Six joints of which the outermost's tip stands.
+void tree_step_on_a_foot(benchmark::State& state) {
+  const bool stands = state.range(0) != 0;
+  state.SetLabel(stands ? "1 ms of six joints, the last one's tip on the ground" : "the same in the air");
+  auto m = chain<Model<double, DynamicTopology<12>>>(6);
+  if (stands) m.foothold = {5, {0.05, 0.1, 0.2}};
+  Plant<double, DynamicTopology<12>> plant(m);
+  double torque = 0.5;
+  plant.reset({0.3, 0.5, 0.7, 0.9, 1.1, 1.3}, {});
+  const auto start = plant.place();
+  std::size_t steps = 0;
+  for (auto _ : state) {
+    plant.advance({torque, torque, torque, torque, torque, torque}, 1e-3);
+    if (++steps % 200 == 0) plant.go_to(start);
+    benchmark::DoNotOptimize(plant.positions());
+  }
+}
+BENCHMARK(tree_step_on_a_foot)->Arg(0)->Arg(1);
+
 #ifdef FURCULA_MUJOCO
 /// The same chain as MJCF: child frames parallel to their parents', as placed above.
 std::string as_mjcf(std::size_t joints) {
