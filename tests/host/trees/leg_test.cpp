@@ -120,10 +120,11 @@ TEST_CASE("A recording is cut where the foot's contact changes; chatter of the s
   const trees::Recording r = trees::recording_of(m, h.log);
   REQUIRE(r.phases.size() == 3);
   CHECK_FALSE(r.phases[0].stance);
-  CHECK(r.phases[0].last == down - 2);
   CHECK(r.phases[1].stance);
   CHECK(r.phases[1].first == down + 1);
+  CHECK(r.phases[0].last == down - 2);
   CHECK(r.phases[1].last == up - 2);
+  CHECK(r.input[2][r.phases[0].first] == 0.5);
   CHECK(r.phases[1].touchdown_s == Approx(1e-3 * (static_cast<double>(down) - 0.5)));
   // The knee's angle does not jump.
   const auto& knee = h.log.at("angle_knee_rad");
@@ -153,7 +154,7 @@ TEST_CASE("Flight and stance run as the planar leg's own plant does") {
       std::vector<double> angle, rate, out((last - p.first + 1) * 4);
       for (std::size_t j = 0; j < 4; ++j) {
         angle.push_back(r.angle_rad[j][p.first]);
-        rate.push_back(h.rate[p.first][j]);
+        rate.push_back(h.rate[r.log_row[p.first]][j]);
       }
       trees::run(setup, r, p.first, last, angle, rate, out);
       double off = 0.0;
@@ -186,7 +187,7 @@ TEST_CASE("Effects of springs and links change what they say") {
   CHECK(at(Effect::spring_rate_error, 70.0, 3, stance).model.laws[3].one_way_nmprad == 70.0);
   CHECK(at(Effect::latch_offset, 0.1, 3, stance).model.laws[3].one_way_rest_rad ==
         Approx(stance.at_touchdown_rad[3] + 0.1));
-  const auto late = static_cast<std::size_t>(stance.first + 19);  // 20 ms and a half after the touch-down
+  const std::size_t late = stance.first + 20;
   CHECK(at(Effect::latch_delay, r.time_s[late] - stance.touchdown_s, 3, stance)
             .model.laws[3]
             .one_way_rest_rad == Approx(r.angle_rad[3][late]).margin(1e-3));

@@ -120,8 +120,8 @@ class Factor {
     return sqrt(x);
   }
   std::size_t count_;
-  std::array<std::array<T, N>, N> l_{};
-  std::array<T, N> inverse_{};
+  std::array<std::array<T, N>, N> l_;
+  std::array<T, N> inverse_;
 };
 
 /// What a force at the foot changes.
@@ -143,8 +143,13 @@ struct FootForce {
     const Factor<T, M::kCapacity> factor(
         free_count, [&](std::size_t i, std::size_t j) { return mass[free[i]][free[j]]; });
     for (std::size_t d = 0; d < 3; ++d) {
-      typename M::Joints x{};
-      for (std::size_t i = 0; i < free_count; ++i) x[i] = part(point.by_joint[free[i]], d);
+      typename M::Joints x;
+      bool moves = false;  // a planar robot's point does not across its plane
+      for (std::size_t i = 0; i < free_count; ++i) {
+        x[i] = part(point.by_joint[free[i]], d);
+        moves |= value_of(x[i]) != typename M::V(0);
+      }
+      if (!moves) continue;
       factor.solve(x);
       for (std::size_t i = 0; i < free_count; ++i) per_newton[d][free[i]] = x[i];
     }

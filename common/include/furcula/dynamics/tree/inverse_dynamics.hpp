@@ -72,7 +72,7 @@ typename M::Joints bias_forces(const M& model, const typename M::Joints& q, cons
   return body_torques(model, q, qd, none);
 }
 
-/// Rows of the joint-space inertia, kg m^2, armature included; symmetric, both halves filled.
+/// Rows of the joint-space inertia, kg m^2, armature included; symmetric, both halves filled. What is beyond the model's joints is not set.
 template <class M>
 using MassMatrix = std::array<typename M::Joints, M::kCapacity>;
 
@@ -82,9 +82,11 @@ MassMatrix<M> mass_matrix(const M& model, const typename M::Joints& q) {
   using V = typename M::V;
   std::array<Frame<T>, M::kCapacity> x;
   std::array<Inertia<T>, M::kCapacity> composite;
-  MassMatrix<M> out{};
+  MassMatrix<M> out;
   const auto& shape = model.shape();
   const T zero = T(V(0));
+  for (std::size_t i = 0; i < model.count(); ++i)
+    for (std::size_t j = 0; j < model.count(); ++j) out[i][j] = zero;
   const auto along = [&](const Force<T>& f, std::size_t i) {
     return shape.kind(i) == JointKind::prismatic ? f.f.z : f.n.z;
   };
