@@ -90,6 +90,8 @@ std::vector<log::Watched> watched(const TreeModel& m) {
 }
 
 const Phase& Recording::phase_at(std::size_t row) const {
+  static const Phase kAll;
+  if (phases.empty()) return kAll;
   const auto after = std::upper_bound(phases.begin(), phases.end(), row,
                                       [](std::size_t k, const Phase& p) { return k < p.first; });
   return after == phases.begin() ? phases.front() : *(after - 1);
@@ -97,8 +99,12 @@ const Phase& Recording::phase_at(std::size_t row) const {
 
 namespace {
 
-/// Shorter ones are chatter of the switch.
-constexpr double kShortestPhase_s = 0.004;
+/// Changes of contact that follow each other sooner are one: of a switch that chatters, or a foot that bounces.
+constexpr double kOneChange_s = 0.004;
+/// A switch may be late by as much: these rows before a change are in no phase.
+constexpr double kLate_s = 0.0025;
+/// A phase of fewer rows is none.
+constexpr std::size_t kFewestOfPhase = 10;
 
 /// Angles are read off parabolas through the rows of so long.
 constexpr double kFit_s = 0.03;
@@ -123,42 +129,68 @@ std::size_t last_before(const Recording& r, std::size_t first, double time_s, st
   return k;
 }
 
-std::vector<Phase> phases_of(const Recording& r, const std::vector<double>& contact) {
-  struct Run {
-    std::size_t first, last;
-    bool stance;
-  };
-  std::vector<Run> lasting;
-  for (std::size_t k = 0; k < r.rows(); ++k) {
-    const bool stance = contact[k] > 0.5;
-    if (lasting.empty() || lasting.back().stance != stance)
-      lasting.push_back({k, k, stance});
-    else
-      lasting.back().last = k;
-  }
-  // A switch that opens for a moment was closed all the while; then, one that closes for a moment was open.
-  for (const bool stance : {false, true}) {
-    std::vector<Run> runs;
-    for (std::size_t i = 0; i < lasting.size(); ++i) {
-      const Run& run = lasting[i];
-      const bool chatter = run.stance == stance && i > 0 && i + 1 < lasting.size() &&
-                           r.time_s[run.last] - r.time_s[run.first] < kShortestPhase_s;
-      if (!runs.empty() && (chatter || runs.back().stance == run.stance))
-        runs.back().last = run.last;
-      else
-        runs.push_back(run);
+/// How late the switch is, of all hard touch-downs together: where the angles of flight and stance, each carried on, meet. 0 where no
+/// rate jumps by enough to tell.
+double lateness(const Recording& r, const std::vector<Phase>& phases) {
+  constexpr double kLook_s = 1e-3, kClear = 12.0;
+  double weights = 0.0, sum = 0.0;
+  for (std::size_t i = 1; i < phases.size(); ++i) {
+    const Phase &flight = phases[i - 1], &stance = phases[i];
+    if (!stance.stance || flight.stance || r.time_s[stance.first] - r.time_s[flight.last] > 3.0 * kLate_s)
+      continue;
+    const auto start_of = [&](double span_s) {
+      std::size_t k = flight.last;
+      while (k > flight.first && (r.time_s[flight.last] - r.time_s[k] < span_s || flight.last - k < 5)) --k;
+      return k;
+    };
+    for (std::size_t j = 0; j < r.angle_rad.size(); ++j) {
+      // Parabolas of two lengths, now and a little earlier: they are off by as much as they differ.
+      double flies[2][2], stands[2][2];
+      for (int k = 0; k < 2; ++k)
+        for (int early = 0; early < 2; ++early) {
+          const double span_s = k == 0 ? kFit_s : 0.5 * kFit_s, t = stance.touchdown_s - early * kLook_s;
+          flies[k][early] = parabola(r, j, start_of(span_s), flight.last, t);
+          const std::size_t end = last_before(r, stance.first, r.time_s[stance.first] + span_s, stance.last);
+          stands[k][early] = parabola(r, j, stance.first, end, t);
+        }
+      const double apart = stands[1][0] - flies[1][0], earlier = stands[1][1] - flies[1][1],
+                   sd = std::hypot(r.angle_noise_rad[j],
+                                   std::hypot(flies[0][0] - flies[1][0], stands[0][0] - stands[1][0])),
+                   jump = apart - earlier;
+      if (!(std::abs(jump) > kClear * sd)) continue;
+      weights += jump * jump / (sd * sd);
+      sum += jump * jump / (sd * sd) * std::clamp(kLook_s * apart / jump, -r.interval_s, 2.0 * kLate_s);
     }
-    lasting = std::move(runs);
   }
+  return weights > 0.0 ? std::max(-0.5 * r.interval_s, sum / weights) : 0.0;
+}
+
+std::vector<Phase> phases_of(const Recording& r, const std::vector<double>& contact) {
+  const auto stands = [&](std::size_t k) { return contact[k] > 0.5; };
   std::vector<Phase> out;
-  for (std::size_t i = 0; i < lasting.size(); ++i) {
-    const Run& run = lasting[i];
-    Phase p{run.first, run.last, run.stance, i > 0, {}, {}, 0.0};
-    // The change lies between two rows, and its switch may be late by some of them: the row beside it is left out.
-    if (i > 0) ++p.first;
-    if (i + 1 < lasting.size() && p.last > p.first) --p.last;
-    if (p.last > p.first + 8) out.push_back(p);
+  Phase now{0, 0, stands(0), false, {}, {}, 0.0};
+  const auto end = [&](std::size_t last) {
+    now.last = last;
+    if (last >= now.first + kFewestOfPhase) out.push_back(now);
+  };
+  for (std::size_t k = 1; k < r.rows(); ++k) {
+    if (stands(k) == stands(k - 1)) continue;
+    const std::size_t first =
+        k;  // row after the first change, and after the last of those that are one with it
+    std::size_t last = k;
+    for (std::size_t i = k + 1; i < r.rows() && r.time_s[i] - r.time_s[last] < kOneChange_s; ++i)
+      if (stands(i) != stands(i - 1)) last = i;
+    k = last;
+    // A switch that opens for a moment under a foot that stands.
+    if (stands(first - 1) && stands(last)) continue;
+    // The change lies between two rows, too.
+    std::size_t before = first - 1;
+    while (before > now.first && r.time_s[first - 1] - r.time_s[before] < kLate_s) --before;
+    if (before > now.first) end(before);
+    // A touch-down is somewhere in the interval before the first row that says so.
+    now = {last + 1, 0, stands(last), true, {}, {}, r.time_s[first] - 0.5 * r.interval_s};
   }
+  end(r.rows() - 1);
   return out;
 }
 
@@ -223,7 +255,6 @@ Recording recording_of(const TreeModel& m, const log::Log& given, const std::vec
     r.input.push_back(log.at(log.has(measured) ? measured : commanded));
     r.angle_noise_rad.push_back(noise_of(r.angle_rad.back()));
   }
-  r.phases = {{0, r.rows() - 1, false, true, {}, {}, 0.0}};
   if (!m.foot) return r;
   const std::string contact = "contact_" + m.foot->name;
   if (!log.has(contact))
@@ -234,10 +265,11 @@ Recording recording_of(const TreeModel& m, const log::Log& given, const std::vec
     throw core::DataError(
         log.path + ": " + core::quoted(contact) +
         " changes all the time; expected stances and flights of some hundredths of a second");
+  const double late_s = lateness(r, r.phases);
   for (Phase& p : r.phases) {
     if (!p.stance) continue;
-    // Somewhere in the interval before the first row that says so.
-    p.touchdown_s = r.time_s[p.first > 0 ? p.first - 1 : 0] - 0.5 * r.interval_s;
+    p.touchdown_s -= late_s;
+    if (!p.whole) p.touchdown_s = r.time_s[p.first];
     for (std::size_t j = 0; j < m.joints(); ++j) {
       constexpr double kAfter_s = 5e-3;
       p.at_touchdown_rad.push_back(angle_after_touchdown(r, p, j, 0.0));
@@ -254,7 +286,8 @@ LocalState local_state(const Recording& r, std::size_t joint, std::size_t row, d
   std::size_t first = row, last = row;
   const Phase& phase = r.phase_at(row);
   const std::size_t begin = row >= phase.first && row <= phase.last ? phase.first : 0,
-                    end = row >= phase.first && row <= phase.last ? phase.last + 1 : r.rows();
+                    end = row >= phase.first && row <= phase.last ? std::min(phase.last, r.rows() - 1) + 1
+                                                                  : r.rows();
   while (first > begin && (t0 - r.time_s[first - 1] <= half_s || row - first < kLeast)) --first;
   while (last + 1 < end && (r.time_s[last + 1] - t0 <= half_s || last - row < kLeast)) ++last;
   const auto& x = r.angle_rad[joint];
@@ -305,6 +338,7 @@ Recording part_of(const Recording& r, std::size_t first, std::size_t last) {
   out.angle_noise_rad = r.angle_noise_rad;
   out.input_measured = r.input_measured;
   out.interval_s = r.interval_s;
+  if (r.phases.empty()) return out;
   Phase phase = r.phase_at(first);
   phase.first = 0;
   phase.last = last - first;

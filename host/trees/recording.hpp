@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -13,7 +14,7 @@ namespace furcula::trees {
 
 /// Rows between two changes of the foot's contact: all of them where there is no foot.
 struct Phase {
-  std::size_t first = 0, last = 0;
+  std::size_t first = 0, last = std::numeric_limits<std::size_t>::max() - 1;
   bool stance = false;
   bool whole = true;                     ///< the touch-down is in the recording
   std::vector<double> at_touchdown_rad;  ///< of a stance: each joint's angle as its encoder reads it
@@ -35,7 +36,8 @@ struct Recording {
   std::vector<std::string> log_notes;    ///< what else was done to it, in sentences
   std::vector<std::size_t> log_row;      ///< of the log that it was made of, of each row
 
-  std::vector<Phase> phases;  ///< one after the other; rows that are in none are too near to a change
+  std::vector<Phase>
+      phases;  ///< one after the other; none: all rows are one; rows that are in none are too near to a change
 
   std::size_t rows() const { return time_s.size(); }
   const Phase& phase_at(std::size_t row) const;

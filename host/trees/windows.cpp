@@ -85,13 +85,14 @@ std::vector<Window> windows_of(const TreeModel& model, std::span<const Recording
   std::vector<Window> out;
   for (std::size_t i = 0; i < recordings.size(); ++i) {
     const Recording& r = recordings[i];
-    for (const Phase& phase : r.phases) {
+    const std::vector<Phase> all{{0, r.rows() - 1, false, true, {}, {}, 0.0}};
+    for (const Phase& phase : r.phases.empty() ? all : r.phases) {
       // Between two changes of contact the windows are of one length, whatever that is.
       double span = window_s;
       if (model.foot) {
-        const double all = r.time_s[phase.last] - r.time_s[phase.first];
-        if (all < std::min(kShortest_s, window_s) || (phase.stance && !phase.whole)) continue;
-        span = all / std::ceil(all / window_s - 1e-9);
+        const double whole_s = r.time_s[phase.last] - r.time_s[phase.first];
+        if (whole_s < std::min(kShortest_s, window_s) || (phase.stance && !phase.whole)) continue;
+        span = whole_s / std::ceil(whole_s / window_s - 1e-9);
       }
       for (std::size_t first = phase.first; first + 1 <= phase.last;) {
         std::size_t last = first;
@@ -120,7 +121,13 @@ std::vector<Window> windows_of(const TreeModel& model, std::span<const Recording
       const LocalState s = local_state(r, j, w.first, kSmoothing_s);
       w.angle_rad.push_back(s.angle_rad);
       w.velocity_radps.push_back(s.velocity_radps);
-      const double a = kStartDoubt * s.angle_sd_rad, v = kStartDoubt * s.velocity_sd_radps + 1e-4;
+      double a = kStartDoubt * s.angle_sd_rad, v = kStartDoubt * s.velocity_sd_radps + 1e-4;
+      if (model.foot) {
+        // After a change of contact they bend more than a cubic does.
+        const LocalState near = local_state(r, j, w.first, 0.5 * kSmoothing_s);
+        a = std::hypot(a, kStartDoubt * (near.angle_rad - s.angle_rad));
+        v = std::hypot(v, kStartDoubt * (near.velocity_radps - s.velocity_radps));
+      }
       w.start_precision(static_cast<Eigen::Index>(j)) = 1.0 / (a * a);
       w.start_precision(static_cast<Eigen::Index>(n + j)) = 1.0 / (v * v);
     }

@@ -121,9 +121,9 @@ TEST_CASE("A recording is cut where the foot's contact changes; chatter of the s
   REQUIRE(r.phases.size() == 3);
   CHECK_FALSE(r.phases[0].stance);
   CHECK(r.phases[1].stance);
-  CHECK(r.phases[1].first == down + 1);
-  CHECK(r.phases[0].last == down - 2);
-  CHECK(r.phases[1].last == up - 2);
+  CHECK(r.phases[1].first == down + 5);  // after the last of these changes
+  CHECK(r.phases[0].last == down - 4);   // the switch may be late
+  CHECK(r.phases[1].last == up - 4);
   CHECK(r.input[2][r.phases[0].first] == 0.5);
   CHECK(r.phases[1].touchdown_s == Approx(1e-3 * (static_cast<double>(down) - 0.5)));
   // The knee's angle does not jump.
