@@ -119,7 +119,7 @@ Errors beside_mujoco(const trees::Diagnosis& d, const std::vector<log::Log>& log
 }  // namespace
 
 TEST_CASE(
-    "The double pendulum C1 lacks dry friction at both joints, and nothing that makes the test worse is named; MuJoCo sees it too",
+    "The double pendulum C1 lacks dry friction at both joints, and what makes the test worse is doubted, MuJoCo sees it too",
     "[long]") {
   const std::string folder = test::data_folder();
   if (folder.empty()) return;
@@ -130,9 +130,11 @@ TEST_CASE(
   INFO(brief(d));
   CHECK(names(d, Effect::coulomb_friction, "shoulder"));
   CHECK(names(d, Effect::coulomb_friction, "elbow"));
-  // Nothing else that makes the test worse.
+  // Whatever else makes the test worse is doubted: the data do not tell it from other causes.
   const auto total = [](const std::vector<trees::ChannelError>& e) { return e[0].nmse + e[1].nmse; };
-  for (const trees::Finding& f : d.findings) CHECK(total(f.without) > total(d.extended_error));
+  for (const trees::Finding& f : d.findings)
+    CHECK((total(f.without) > total(d.extended_error) ||
+           (f.confidence <= 0.5 && !f.indistinguishable_from.empty())));
   CHECK(d.refitted_error[0].rmse > 0.15);
   CHECK(d.refitted_error[1].rmse > 0.27);
   CHECK(d.extended_error[0].rmse < 0.032);

@@ -56,7 +56,7 @@ TEST_CASE("on level ground the board hops as the gait does") {
 }
 
 TEST_CASE(
-    "on ground within 1 cm and with a switch 5 ms late it does not fall in 1,000 strides; without the feedback it does") {
+    "on ground within 1 cm and with a switch 5 ms late it does not fall in 1,000 strides, without the feedback it does") {
   for (const auto spring : {gait::LegSpring::switched, gait::LegSpring::parallel}) {
     const gait::Gait& g = hop(spring);
     for (const std::uint64_t seed : {1u, 2u}) {

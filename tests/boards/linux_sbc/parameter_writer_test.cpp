@@ -197,7 +197,7 @@ TEST_CASE("during a save a second one is refused, and what is changed is not sai
   CHECK_FALSE(std::equal(asked_for.begin(), asked_for.end(), bus::to_image(changed).begin()));
 }
 
-TEST_CASE("a desk that asks for a save is answered when it is done, and when it failed; others are served") {
+TEST_CASE("a desk that asks for a save is answered when it is done, and when it failed, others are served") {
   ServedRobot robot;
   std::atomic<bool> returned{false};
   std::thread desk([&] {

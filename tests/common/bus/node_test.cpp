@@ -317,7 +317,7 @@ TEST_CASE("a controller whose configuration makes no sense is in its fault at on
   CHECK(b.node.request(Request::arm) == Refusal::not_in_this_state);
 }
 
-TEST_CASE("on the bench arm and hop make one trial, which is kept row by row; then it is idle and says so") {
+TEST_CASE("on the bench arm and hop make one trial, which is kept row by row, then it is idle and says so") {
   control::Config config;
   config.bench = {.on_bench = 1, .rest_ticks = 5, .window_ticks = 10, .watch_ticks = 20};
   config.clutch.metres_per_count = 1e-5f;
@@ -352,7 +352,7 @@ TEST_CASE("on the bench arm and hop make one trial, which is kept row by row; th
         bus::ModbusException::illegal_address);
 }
 
-TEST_CASE("a trial that is stopped switches the coil off; its rows end there") {
+TEST_CASE("a trial that is stopped switches the coil off, its rows end there") {
   control::Config config;
   config.bench.on_bench = 1;
   test::Bench b({}, config);

@@ -31,7 +31,7 @@ Inputs cable_at(std::uint32_t count) {
 
 }  // namespace
 
-TEST_CASE("A trial is rest, window and watch, once; the coil is on in the window alone") {
+TEST_CASE("A trial is rest, window and watch, once, the coil is on in the window alone") {
   const Config config = on_bench();
   State state = begin(config);
   for (std::uint32_t tick = 0; tick < 100; ++tick) {

@@ -145,7 +145,7 @@ TEST_CASE("a switch that is late tells when the toe landed, and so does the jump
   CHECK(step_gait(c, s, struck, kTick).phase.phase == GaitPhase::stance);
 }
 
-TEST_CASE("a toe that bounces early in stance stops its clock; one that leaves late rises") {
+TEST_CASE("a toe that bounces early in stance stops its clock, one that leaves late rises") {
   const GaitConfig c = config();
   GaitState s = begin_gait(c);
   float toe = drop(c, s, 0.05f);

@@ -113,7 +113,7 @@ class Harmonic {
 
 }  // namespace
 
-TEST_CASE("Document 002's links give its b and e; its a is less than its own figures add up to") {
+TEST_CASE("Document 002's links give its b and e, its a is less than its own figures add up to") {
   // The links' centres are not printed; b = 75e-4 puts the lower ones at their middle, and then
   // e = 38e-3 leaves 0.01175 kg m for the upper ones.
   const double upper = (38e-3 - 0.1 * (0.075 + 0.15)) / 0.8;

@@ -158,7 +158,7 @@ TEST_CASE("The planar leg on its toe, and its touch-down, are those of its own e
 }
 
 TEST_CASE(
-    "A stance keeps its toe and, without losses, its energy; a one-way spring is slack below its rest") {
+    "A stance keeps its toe and, without losses, its energy, a one-way spring is slack below its rest") {
   Tree m = planar_leg();
   for (auto& law : m.laws) law.damping_nmspr = 0.0;
   m.laws[3].one_way_nmprad = kLeg.stiffness_nmprad;

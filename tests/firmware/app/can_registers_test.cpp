@@ -163,7 +163,7 @@ TEST_CASE("over CAN a parameter is written, and the robot is armed, told to hop 
   CHECK(desk.bench.node.state() == NodeState::idle);
 }
 
-TEST_CASE("a request that is heard twice is done once and answered twice; a stop is done each time") {
+TEST_CASE("a request that is heard twice is done once and answered twice, a stop is done each time") {
   Desk desk;
   const RegisterRequest arm{.operation = RegisterOperation::request,
                             .sequence = 1,

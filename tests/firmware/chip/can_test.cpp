@@ -130,7 +130,7 @@ TEST_CASE("start sets timing and filters while the peripheral is initialising, a
 }
 
 TEST_CASE(
-    "a peripheral that does not answer is reported; a bus that is not there yet is waited for by nobody") {
+    "a peripheral that does not answer is reported, a bus that is not there yet is waited for by nobody") {
   CanModel model;
   model.answers = false;
   Can<Register> can(model.can);

@@ -52,7 +52,7 @@ TEST_CASE("Release, catch and drop are read from the encoder alone") {
   CHECK(t.readings.size() == 561);
 }
 
-TEST_CASE("A weight that moves again after it stood has slipped; one that never stands is not caught") {
+TEST_CASE("A weight that moves again after it stood has slipped, one that never stands is not caught") {
   Falling board;
   board.slips_s = 0.2;
   CHECK(run_trial(board, {}).slipped);

@@ -117,7 +117,7 @@ TEST_CASE("Rows at an end that the rows beside them do not foretell are found, a
 }
 
 TEST_CASE(
-    "An encoder that stands still while the body goes on is found; a body that stands still, and a slip there, are not") {
+    "An encoder that stands still while the body goes on is found, a body that stands still, and a slip there, are not") {
   const double count = 2.0 * std::numbers::pi / 16384.0;
   const auto counted = [count](double x) { return count * std::round(x / count); };
   Series s = sampled(3.0, 0.0, [&](double t) { return counted(1.2 * std::sin(4.0 * t)); });

@@ -24,7 +24,7 @@ TEST_CASE("A line's points lie within the picture, in their order, and its words
   }
 }
 
-TEST_CASE("Of less than two points there is no picture; a constant has one") {
+TEST_CASE("Of less than two points there is no picture, a constant has one") {
   CHECK(line_plot_html({"t", "x", {}}).empty());
   CHECK(line_plot_html({"t", "x", {{"one", {1.0}, {1.0}}}}).empty());
   const std::string html = line_plot_html({"t", "x", {{"flat", {0.0, 1.0}, {3.0, 3.0}}}});

@@ -8,7 +8,7 @@
 using namespace furcula;
 using namespace furcula::reproduce;
 
-TEST_CASE("The example of section 3.2.1 settles to an apex of 0.361 m; with the printed sign it dies") {
+TEST_CASE("The example of section 3.2.1 settles to an apex of 0.361 m, with the printed sign it dies") {
   const Trajectory t = hop(example_parameters(), {}, 0.35, 20.0);
   // 0.361 m: calculated elsewhere, with a general integrator.
   REQUIRE(t.apexes_m.size() > 30);

@@ -81,7 +81,7 @@ TEST_CASE("A cause at one joint of an arm is found there, within its interval") 
   }
 }
 
-TEST_CASE("Dry friction of a joint that nothing drives is found; that no inertia shows is said") {
+TEST_CASE("Dry friction of a joint that nothing drives is found, that no inertia shows is said") {
   const trees::TreeModel given = test::pendulum();
   // The same rod by its equation of motion, let go from some angle: m g l and the inertia about the hinge.
   const double gravity_nm = 0.8 * 9.80665 * 0.3, inertia_kgm2 = 0.025 + 0.8 * 0.3 * 0.3;
@@ -179,7 +179,7 @@ TEST_CASE("Friction of two sizes in the two directions is not a curve that falls
          names == std::set<Effect>{Effect::coulomb_friction, Effect::force_offset}));
 }
 
-TEST_CASE("Clocks that are apart are named; where a delay of all drives would do the same, both are") {
+TEST_CASE("Clocks that are apart are named, where a delay of all drives would do the same, both are") {
   for (const double skew_s : {-0.015, 0.015}) {
     INFO(skew_s);
     trees::TreeModel truth = test::arm3();

@@ -105,7 +105,7 @@ TEST_CASE("What is wrong with a foot or a spring is said, with its line") {
              Contains("its spring has a fixed rest_rad"));
 }
 
-TEST_CASE("A recording is cut where the foot's contact changes; chatter of the switch is no change") {
+TEST_CASE("A recording is cut where the foot's contact changes, chatter of the switch is no change") {
   const trees::TreeModel m = spear();
   Hop h = hop(gait::spear(gait::LegSpring::switched), 0.0);
   auto& contact = h.log.columns["contact_toe"];

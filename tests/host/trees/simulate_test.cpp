@@ -22,7 +22,7 @@ std::string refused(const std::string& text) {
 
 }  // namespace
 
-TEST_CASE("A scenario says duration, paths, disturbance and noise; joints without a path stand still") {
+TEST_CASE("A scenario says duration, paths, disturbance and noise, joints without a path stand still") {
   const trees::Scenario s = scenario(
       "[run]\nduration_s = 3.0\nsample_rate_hz = 500.0\n[path.elbow]\nprofile = \"steps\"\ncentre_rad = 0.2\namplitude_rad = 0.1\n"
       "period_s = 1.5\nphase_rad = 0.3\n[disturbance]\nshare = 0.05\ntime_s = 0.1\n[sensors]\nangle_noise_rad = 1e-3\ntorque_noise_share = 0.02\n");

@@ -52,7 +52,7 @@ TEST_CASE("what a robot does hangs on no lane, no neighbour and no thread") {
   }
 }
 
-TEST_CASE("energy is that of the motors, summed a second time; a passive hip's motor follows its link") {
+TEST_CASE("energy is that of the motors, summed a second time, a passive hip's motor follows its link") {
   for (const WalkMode mode : {WalkMode::active, WalkMode::semi_passive}) {
     RolloutOptions options = in(mode);
     options.step_s = 1e-3;
@@ -105,7 +105,7 @@ TEST_CASE("a robot that is told to stand stands, and gets nowhere") {
 }
 
 TEST_CASE(
-    "a fall, a joint beyond its range and a target that is no number end a run; a limit makes it worse") {
+    "a fall, a joint beyond its range and a target that is no number end a run, a limit makes it worse") {
   Parameters w = test::standing_walk();
   w.lean_rad = 0.3;
   w.start_s = 1.0;
