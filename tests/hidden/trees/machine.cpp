@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <stdexcept>
 
@@ -27,6 +28,23 @@ Body* body_named(Robot& robot, const std::string& name) {
 
 }  // namespace
 
+std::string linear_name(const std::string& rotary) {
+  static const std::map<std::string, std::string> kNames = {{"torque_nm", "force_n"},
+                                                            {"static_torque_nm", "static_force_n"},
+                                                            {"velocity_radps", "velocity_mps"},
+                                                            {"torque_up_nm", "force_up_n"},
+                                                            {"torque_down_nm", "force_down_n"},
+                                                            {"damping_nmspr", "damping_nspm"},
+                                                            {"drag_nms2prad2", "drag_ns2pm2"},
+                                                            {"centre_rad", "centre_m"},
+                                                            {"width_rad", "width_m"},
+                                                            {"inertia_kgm2", "mass_kg"},
+                                                            {"limit_nm", "limit_n"},
+                                                            {"offset_rad", "offset_m"}};
+  const auto found = kNames.find(rotary);
+  return found == kNames.end() ? rotary : found->second;
+}
+
 Machine::Machine(const Robot& robot, const std::vector<DriveData>& drives, bool position_law,
                  const std::vector<Cause>& causes)
     : robot_(robot), position_law_(position_law), dynamics_(robot, gravity_) {
@@ -47,13 +65,48 @@ std::size_t Machine::joint_named(const std::string& name) const {
   throw std::invalid_argument("no joint " + name);
 }
 
+// False: of a law that is no leg's.
+bool Machine::plant_in_leg(const Cause& c, const std::string& at) {
+  const bool on_length = c.effect == "length_error";
+  const bool on_switch =
+      c.effect == "latch_delay" || c.effect == "latch_offset" || c.effect == "second_spring";
+  if (!on_length && !on_switch && c.effect != "spring_rate_error") return false;
+  if (!robot_.leg) throw std::invalid_argument(c.effect + ": no leg");
+  Leg& leg = *robot_.leg;
+  Joint& knee = robot_.joints[leg.knee];
+  if (on_length) {
+    const auto longer = [&](Vec3 x) { return (1.0 + value_of(c, "extension_m") / length(x)) * x; };
+    const Body* b = body_named(robot_, at);
+    if (b != nullptr && b->name == leg.link)
+      leg.toe_m = longer(leg.toe_m);
+    else if (b != nullptr && b->joint == knee.parent)
+      knee.at = longer(knee.at);
+    else
+      throw std::invalid_argument(c.effect + ": not at " + at);
+    return true;
+  }
+  if (at != knee.name) throw std::invalid_argument(c.effect + ": not at " + at);
+  if (on_switch && !leg.switched) throw std::invalid_argument(c.effect + ": a spring without a switch");
+  if (c.effect == "spring_rate_error")
+    leg.spring_nmprad = value_of(c, "stiffness_nmprad");
+  else if (c.effect == "latch_delay")
+    switch_.delay_s = value_of(c, "delay_s");
+  else if (c.effect == "latch_offset")
+    switch_.offset_rad = value_of(c, "offset_rad");
+  else
+    switch_.second_nm = value_of(c, "torque_nm");
+  return true;
+}
+
 void Machine::plant(const Cause& c) {
-  const auto p = [&](const char* name) { return value_of(c, name); };
+  bool sliding = false;
+  const auto p = [&](const char* name) { return value_of(c, sliding ? linear_name(name) : name); };
   if (c.effect == "base_tilt") {
     gravity_ = transposed(turn_of({p("roll_rad"), p("pitch_rad"), 0})) * gravity_;
     return;
   }
   for (const std::string& at : c.at) {
+    if (plant_in_leg(c, at)) continue;
     if (c.effect == "mass_error" || c.effect == "inertia_error" || c.effect == "com_error" ||
         c.effect == "payload") {
       Body* b = body_named(robot_, at);
@@ -96,7 +149,9 @@ void Machine::plant(const Cause& c) {
       acts_.push_back(a);
       continue;
     }
-    Act& a = acts_[joint_named(at)];
+    const std::size_t joint = joint_named(at);
+    sliding = robot_.joints[joint].prismatic;
+    Act& a = acts_[joint];
     if (c.effect == "coulomb_friction") {
       // The model's own friction, where there is one, has this value then.
       a.up_nm = a.down_nm = p("torque_nm");
@@ -223,6 +278,7 @@ Values Machine::smooth_torque(const State& s, double t, const Values& torque,
     }
     if (a.crosstalk != 0) sum += a.crosstalk * torque[a.talker];
     if (a.periodic_nm != 0) sum += a.periodic_nm * std::sin(2 * std::numbers::pi * a.periodic_hz * t);
+    if (robot_.leg && robot_.leg->knee == j) sum += knee_torque(s);
     out[j] = sum;
   }
   return out;
@@ -259,7 +315,10 @@ Machine::Rates Machine::rates(const State& s, double t, const Values& input, con
     mass[j][j] = 1.0;
     rhs[j] = 0.0;
   }
-  out.a = solved(cholesky(mass, size()), rhs, size());
+  Pair drift;
+  const Pinned::Solution solution = pinned(mass, s, modes, drift).solve(rhs, drift);
+  out.a = solution.a;
+  out.force = solution.force;
   return out;
 }
 
@@ -293,14 +352,17 @@ Machine::Modes Machine::modes(const State& s, double t, const Values& input,
   std::erase_if(resting, [&](std::size_t j) {
     return level(j, s, t, torque[j], 1) <= 0.0 && level(j, s, t, torque[j], -1) <= 0.0;
   });
-  const Matrix factor = cholesky(mass, size());
-  Values a = solved(factor, rhs, size());
+  Pair drift;
+  const Pinned solver = pinned(mass, s, out, drift);
+  Values a = solver.solve(rhs, drift).a;
   Matrix response{};
   for (std::size_t j : resting) {
     Values unit{};
     unit[j] = 1.0;
-    response[j] = solved(factor, unit, size());
+    response[j] = solver.solve(unit, {}).a;
   }
+  // A joint that the toe's stand leaves no way to move takes no friction.
+  std::erase_if(resting, [&](std::size_t j) { return response[j][j] < 1e-9; });
   Values friction{};
   for (int sweep = 0; sweep < 1000; ++sweep) {
     double moved = 0.0;
@@ -366,8 +428,9 @@ double Machine::step(State& s, double t, double h, const Values& input, const Va
   const Modes m = modes(s, t, input, disturbance);
   State next = stepped(s, t, h, input, disturbance, m);
   if (!any_dry_) {
+    const double passed = robot_.leg ? with_contact(s, next, t, h, input, disturbance, m) : h;
     s = next;
-    return h;
+    return passed;
   }
   // The first joint that comes to rest ends the step.
   double share = 1.0;
@@ -390,15 +453,23 @@ double Machine::step(State& s, double t, double h, const Values& input, const Va
   // A joint that is at a bound of its friction at rest does not move against it.
   for (std::size_t j = 0; j < size(); ++j)
     if ((m[j] == Mode::forth && next.v[j] < 0.0) || (m[j] == Mode::back && next.v[j] > 0.0)) next.v[j] = 0.0;
+  const double passed = robot_.leg ? with_contact(s, next, t, share * h, input, disturbance, m) : share * h;
   s = next;
-  return share * h;
+  return passed;
 }
 
 void Machine::run(State& s, double t, double h, double longest, const Values& input,
                   const Values& disturbance) const {
   const double end = t + h;
   while (end - t > 1e-9) {
-    const double left = end - t;
+    double left = end - t;
+    if (robot_.leg) {
+      const double wait = next_catch_s(s) - t;
+      if (wait <= 1e-9)
+        catch_spring(s);
+      else
+        left = std::min(left, wait);
+    }
     const double whole = left / std::ceil(left / longest - 1e-6);
     t += std::max(step(s, t, std::min(whole, left), input, disturbance), 1e-9);
   }

@@ -13,6 +13,16 @@
 // - joint_elasticity: rotor, viscous damping and drive before the spring, dry friction at the joint.
 // - base_tilt: the base stands turned by roll about x, then pitch about y; gravity is turned back.
 // - com_error keeps the inertia about the moved centre.
+//
+// A leg flies, or its toe stands on one spot of the ground (contact.cpp). The toe comes down where its height falls
+// to the ground's: inelastic, all places kept, by an impulse in x and z. It leaves where the ground's force upwards
+// falls to zero and the toe would then rise. For 0.5 ms after either it does neither. The ground is so rough that
+// the toe never slips.
+// - The spring at the knee rests at the angle of touch-down, and acts in stance alone; a parallel one always.
+// - latch_delay: it catches so much after touch-down, at the angle of that instant. latch_offset: it rests so far
+//   from the angle at which it caught. second_spring: a constant torque while the toe is in the air.
+// - length_error: a link is that much longer from joint to joint, or from the knee to the toe; its mass stays.
+// - On a prismatic joint all parameters carry linear names.
 #pragma once
 
 #include <map>
@@ -20,6 +30,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/hidden/trees/pinned.hpp"
 #include "tests/hidden/trees/robot.hpp"
 
 namespace furcula::hidden::trees {
@@ -71,7 +82,26 @@ struct State {
   Values q{}, v{};
   Values lag{};               // torque behind the lag
   Values rotor{}, rotor_v{};  // of elastic joints
+  // Of a leg.
+  bool stance = false;
+  bool caught = false;                                  // the switched spring holds on
+  bool phase_kept = false;                              // neither touch-down nor lift-off: of a restart
+  double rest_rad = 0.0;                                // of the switched spring, once it has caught
+  Pair toe_m;                                           // where the toe stands
+  double ground_m = 0.0;                                // height of the ground where the toe comes down next
+  double touch_down_s = -1.0, lift_off_s = -1.0;        // the last ones
+  double touch_down_rad = 0.0, touch_down_radps = 0.0;  // the knee then, after the impact
+  Pair impulse_ns;                                      // of the last impact, on the toe
 };
+
+/// What is planted at the switch of a leg's spring.
+struct Switch {
+  double delay_s = 0.0, offset_rad = 0.0;
+  double second_nm = 0.0;  ///< of the second spring, towards the straight knee
+};
+
+/// The name that a parameter of a rotary joint has on a prismatic one; others stay as they are.
+std::string linear_name(const std::string& rotary);
 
 /// The robot with its causes in place.
 class Machine {
@@ -98,6 +128,16 @@ class Machine {
   Values drive_torque(const State& s, const Values& input) const;
   /// Accelerations at this instant, friction at rest solved for.
   Values acceleration(const State& s, double t, const Values& input, const Values& disturbance) const;
+  /// Of a leg: its toe's place and speed, and the ground's force on it (zero in flight, N).
+  Point toe(const State& s) const;
+  Pair ground_force(const State& s, double t, const Values& input, const Values& disturbance) const;
+  /// Stops the toe where it is by an impulse: the impact, without any spring's catch.
+  void stop_toe(State& s) const;
+  /// A leg that takes over in the midst of a stance: stands where its toe is, which must not move.
+  void stand(State& s) const;
+  const Switch& spring_switch() const { return switch_; }
+  /// Energy that the knee's spring holds, J.
+  double spring_energy_j(const State& s) const;
   /// The state of drives and springs of a robot that starts at rest or takes over with q and v.
   void settle(State& s, const Values& input) const;
 
@@ -106,9 +146,11 @@ class Machine {
   using Modes = std::array<Mode, kMost>;
   struct Rates {
     Values a{}, lag{}, rotor{};
+    Pair force;
   };
 
   void plant(const Cause& cause);
+  bool plant_in_leg(const Cause& cause, const std::string& at);
   std::size_t joint_named(const std::string& name) const;
   double raw_torque(std::size_t j, const State& s, double input) const;
   double motor_torque(std::size_t j, const State& s, double input) const;
@@ -122,6 +164,22 @@ class Machine {
   State stepped(const State& s, double t, double h, const Values& input, const Values& disturbance,
                 const Modes& modes) const;
   void mass_and_bias(const State& s, Matrix& mass, Values& bias) const;
+  /// As `mass` says, with the toe held where it stands; `still` joints do not move. Sets the toe's drift.
+  Pinned pinned(const Matrix& mass, const State& s, const Modes& modes, Pair& drift) const;
+
+  // Of a leg, in contact.cpp.
+  double knee_torque(const State& s) const;
+  double stretch_rad(const State& s) const;
+  double height_m(const State& s) const;
+  bool would_rise(const State& s, double t, const Values& input, const Values& disturbance) const;
+  void lift_off(State& s, double t) const;
+  void touch_down(State& s, double t) const;
+  void catch_spring(State& s) const;
+  double next_catch_s(const State& s) const;
+  void stay_put(State& s) const;
+  /// A step of `reached` seconds ends in `next`, or at an event before.
+  double with_contact(const State& s, State& next, double t, double reached, const Values& input,
+                      const Values& disturbance, const Modes& modes) const;
 
   Robot robot_;
   Vec3 gravity_{0, 0, -kGravity_mps2};
@@ -129,6 +187,7 @@ class Machine {
   std::vector<Act> acts_;
   Dynamics dynamics_;
   bool any_dry_ = false;
+  Switch switch_;
 };
 
 }  // namespace furcula::hidden::trees

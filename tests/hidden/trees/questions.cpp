@@ -46,19 +46,26 @@ bool go_together(const std::string& a, const std::string& b) {
   };
   if (a == "position_gain_error" && needs_torque(b)) return false;
   if (b == "position_gain_error" && needs_torque(a)) return false;
+  // The thigh of a leg turns as its hip's rotor does.
+  const auto turns = [](const std::string& e) { return e == "rotor_inertia_error" || e == "inertia_error"; };
+  if (turns(a) && turns(b)) return false;
   return family(a) != family(b);
 }
 
 }  // namespace
 
 std::vector<Question> draw_questions(std::uint64_t seed, std::size_t cases, std::vector<Tier> tiers,
-                                     const std::string& effect, std::size_t joints, bool brief) {
+                                     const std::string& effect, std::size_t joints, bool brief, bool leg) {
   Random random(seed);
-  const auto is_outside = [](const std::string& e) {
-    return std::find(outside_causes().begin(), outside_causes().end(), e) != outside_causes().end();
+  const std::vector<std::string>& all = leg ? leg_catalogue() : catalogue();
+  const std::vector<std::string>& unknown = leg ? leg_outside_causes() : outside_causes();
+  const auto is_outside = [&](const std::string& e) {
+    return std::find(unknown.begin(), unknown.end(), e) != unknown.end();
   };
   if (tiers.empty()) {
-    if (effect.empty())
+    if (effect.empty() && leg)
+      tiers = {Tier::clean, Tier::small, Tier::medium, Tier::large, Tier::pairs, Tier::outside};
+    else if (effect.empty())
       tiers.assign(std::begin(kTiers), std::end(kTiers));
     else if (is_outside(effect))
       tiers = {Tier::outside};
@@ -67,9 +74,7 @@ std::vector<Question> draw_questions(std::uint64_t seed, std::size_t cases, std:
   }
   std::vector<std::vector<std::string>> lists;
   for (Tier t : tiers) {
-    std::vector<std::string> list = t == Tier::tied      ? tied_effects()
-                                    : t == Tier::outside ? outside_causes()
-                                                         : catalogue();
+    std::vector<std::string> list = t == Tier::tied ? tied_effects() : t == Tier::outside ? unknown : all;
     if (!effect.empty()) list = {effect};
     lists.push_back(shuffled(list, random));
   }
@@ -87,13 +92,13 @@ std::vector<Question> draw_questions(std::uint64_t seed, std::size_t cases, std:
     q.seed = static_cast<std::uint64_t>(random.unit() * 1e9);
     q.joints = joints;
     q.brief = brief;
+    q.leg = leg;
     const std::size_t count = q.tier == Tier::clean    ? 0
                               : q.tier == Tier::pairs  ? 2
                               : q.tier == Tier::triple ? 3
                                                        : 1;
     if (count > 0) q.effects = {lists[next][asked[next]++ % lists[next].size()]};
     while (q.effects.size() < count) {
-      const auto& all = catalogue();
       const auto& more = all[static_cast<std::size_t>(random.uniform(0, static_cast<double>(all.size())))];
       if (std::all_of(q.effects.begin(), q.effects.end(),
                       [&](const std::string& e) { return go_together(e, more); }))

@@ -10,6 +10,53 @@ namespace {
 
 double quantised(double x, double step) { return step > 0 ? step * std::round(x / step) : x; }
 
+// Tells the recording of touch-downs and lift-offs, and gives the toe other ground for each stride.
+class Strides {
+ public:
+  Strides(const Machine& machine, double scatter_m) : machine_(machine), scatter_m_(scatter_m) {}
+
+  void after(State& s, Recording& out, Random& random) {
+    if (!machine_.robot().leg) return;
+    if (s.lift_off_s > lift_off_s_) {
+      lift_off_s_ = s.lift_off_s;
+      out.contacts.push_back({s.lift_off_s, false, {}});
+      same_ = true;
+    }
+    if (s.touch_down_s > touch_down_s_) {
+      touch_down_s_ = s.touch_down_s;
+      out.contacts.push_back({s.touch_down_s, true, s.impulse_ns});
+    }
+    // Once the toe is well off: it shall not be in the ground at once.
+    if (s.stance || !same_ || machine_.toe(s).at.z < s.ground_m + 0.01) return;
+    s.ground_m = scatter_m_ * random.normal();
+    same_ = false;
+  }
+
+ private:
+  const Machine& machine_;
+  double scatter_m_;
+  double touch_down_s_ = -1.0, lift_off_s_ = -1.0;
+  bool same_ = true;
+};
+
+// The true angle of the knee in the stance that goes on at row `row`: cubic between rows, and from the touch-down on.
+double knee_at(const Recording& r, std::size_t knee, std::size_t row, double time_s) {
+  const State& s = r.state[row];
+  std::size_t next = row;
+  while (next > 0 && r.time_s[next - 1] >= time_s && r.time_s[next - 1] >= s.touch_down_s) --next;
+  double t0 = s.touch_down_s, q0 = s.touch_down_rad, v0 = s.touch_down_radps;
+  if (next > 0 && r.time_s[next - 1] >= s.touch_down_s) {
+    t0 = r.time_s[next - 1];
+    q0 = r.state[next - 1].q[knee];
+    v0 = r.state[next - 1].v[knee];
+  }
+  const double h = r.time_s[next] - t0;
+  if (h < 1e-9) return q0;
+  const double q1 = r.state[next].q[knee], v1 = r.state[next].v[knee];
+  const double x = std::clamp((time_s - t0) / h, 0.0, 1.0), y = 1.0 - x;
+  return y * y * (1 + 2 * x) * q0 + x * x * (1 + 2 * y) * q1 + x * y * h * (y * v0 - x * v1);
+}
+
 // From row `row` to `until_s`; an input reaches its drive after the drive's delay.
 class Runner {
  public:
@@ -101,14 +148,48 @@ Experiment draw_experiment(Random& random, const Robot& robot, double duration_s
   return e;
 }
 
+Experiment draw_hops(Random& random, double duration_s, double fastest_mps) {
+  const bool in_place = fastest_mps <= 0.0;
+  Experiment e;
+  e.duration_s = duration_s;
+  Path speed, drop;
+  drop.centre = random.uniform(in_place ? 0.06 : 0.09, 0.15);
+  double t = random.uniform(0.2, 0.8), now = 0.0;
+  while (t < duration_s && !in_place) {
+    double to = fastest_mps * random.uniform(-0.67, 1.0);
+    if (std::fabs(to - now) < 0.3 * fastest_mps) to = now + (now > 0.2 ? -0.5 : 0.5) * fastest_mps;
+    speed.moves.push_back({t, std::fabs(to - now) * random.uniform(0.8, 1.4), now, to});
+    now = to;
+    t += speed.moves.back().duration_s + random.uniform(0.5, 1.6);
+  }
+  t = random.uniform(0.8, 2.0);
+  now = 0.0;
+  while (t < duration_s) {
+    const double to = random.uniform(in_place ? 0.06 : 0.09, 0.15) - drop.centre;
+    drop.moves.push_back({t, 0.3, now, to});
+    now = to;
+    t += random.uniform(0.8, 2.0);
+  }
+  e.paths = {speed, drop};
+  return e;
+}
+
 Recording record(const Machine& machine, const Dynamics& model, const Lab& lab, const Experiment& experiment,
                  bool disturbed, Random random) {
   Recording out;
-  const std::size_t n = machine.size(), visible = experiment.paths.size();
+  const auto& leg = machine.robot().leg;
+  const std::size_t n = machine.size(), visible = leg ? leg->knee + 1 : experiment.paths.size();
   const double period = 1.0 / lab.rate_hz;
   const auto rows = static_cast<std::size_t>(experiment.duration_s * lab.rate_hz);
   State s;
-  for (std::size_t j = 0; j < visible; ++j) s.q[j] = experiment.paths[j].at(0.0);
+  const auto hops = [&](double t) { return HopTarget{experiment.paths[0].at(t), experiment.paths[1].at(t)}; };
+  std::optional<Hopper> hopper = lab.hopper;
+  if (leg) {
+    s.q = hopper->start(hops(0.0));
+  } else {
+    for (std::size_t j = 0; j < visible; ++j) s.q[j] = experiment.paths[j].at(0.0);
+  }
+  Strides strides(machine, disturbed ? lab.ground_m : 0.0);
   Values noise{};
   if (disturbed)
     for (std::size_t j = 0; j < visible; ++j) noise[j] = lab.disturbance_nm[j] * random.normal();
@@ -125,6 +206,7 @@ Recording record(const Machine& machine, const Dynamics& model, const Lab& lab, 
       for (double c = 0; c < chunks; ++c) {
         runner.run(s, row - 1, from + chunk, noise, from);
         from += chunk;
+        strides.after(s, out, random);
         if (!disturbed) continue;
         for (std::size_t j = 0; j < visible; ++j) {
           const double keeps = std::exp(-chunk / lab.disturbance_s[j]);
@@ -138,11 +220,16 @@ Recording record(const Machine& machine, const Dynamics& model, const Lab& lab, 
       read[j] =
           quantised(s.q[j] + machine.act(j).encoder_rad + lab.noise[j] * random.normal(), lab.resolution[j]);
     Values gravity{};
-    if (!lab.position_law) {
+    if (!lab.position_law && !leg) {
       Matrix unused;
       model.evaluate(read, Values{}, unused, gravity);
     }
-    for (std::size_t j = 0; j < visible; ++j) {
+    if (leg) {
+      input = hopper->command(t, hops(t), read, s.v, switched_on(out, lab, t));
+      for (std::size_t j = 0; j < visible; ++j)
+        input[j] = quantised(std::clamp(input[j], -lab.effort[j], lab.effort[j]), 1e-6);
+    }
+    for (std::size_t j = 0; j < visible && !leg; ++j) {
       const Path& p = experiment.paths[j];
       if (lab.position_law)
         input[j] = quantised(p.at(t), 1e-6);
@@ -160,6 +247,7 @@ Recording record(const Machine& machine, const Dynamics& model, const Lab& lab, 
     out.input.push_back(input);
     out.state.push_back(s);
     out.torque_nm.push_back(machine.drive_torque(s, input));
+    if (leg) out.ground_n.push_back(machine.ground_force(s, t, input, noise));
     for (std::size_t j = 0; j < n; ++j)
       if (!std::isfinite(s.q[j]) || std::fabs(s.q[j]) > 1e3) return out;
   }
@@ -176,6 +264,44 @@ bool sound(const Recording& recording, const Robot& robot, std::size_t visible, 
   return recording.state.size() > 10;
 }
 
+bool hopped(const Recording& recording, const Robot& robot) {
+  const Leg& leg = *robot.leg;
+  double weight = 0.0;
+  for (const Body& b : robot.bodies) weight += kGravity_mps2 * b.mass_kg;
+  // Out of the cone for some ms a toe slips by less than the ground is uneven.
+  constexpr double kSlips_s = 0.004;
+  const double beside = 0.1 * weight;
+  double slips_from_s = 1e9;
+  for (std::size_t row = 0; row < recording.state.size(); ++row) {
+    const State& s = recording.state[row];
+    const double knee = s.q[leg.knee];
+    if (!(s.q[1] > 0.25 && s.q[1] < 1.2 && std::fabs(s.q[leg.hip]) < 1.8)) return false;
+    if (!(knee > 0.02 && knee < 2.44)) return false;
+    for (std::size_t j = 0; j <= leg.knee; ++j)
+      if (!(std::fabs(s.v[j]) < 40)) return false;
+    const Pair f = recording.ground_n[row];
+    if (!s.stance || std::fabs(f.x) < kGroundFriction * f.z + beside)
+      slips_from_s = 1e9;
+    else
+      slips_from_s = std::min(slips_from_s, recording.time_s[row]);
+    if (recording.time_s[row] - slips_from_s > kSlips_s) return false;
+  }
+  double last = 0.0;
+  for (const Contact& c : recording.contacts) {
+    if (c.time_s - last > 0.7) return false;
+    last = c.time_s;
+    if (c.down && !(std::fabs(c.impulse_ns.x) < kGroundFriction * c.impulse_ns.z + 0.01 * beside))
+      return false;
+  }
+  return recording.state.size() > 10 && recording.time_s.back() - last < 0.7;
+}
+
+bool switched_on(const Recording& recording, const Lab& lab, double time_s) {
+  for (auto c = recording.contacts.rbegin(); c != recording.contacts.rend(); ++c)
+    if (c->time_s + lab.switch_late_s <= time_s) return c->down;
+  return false;
+}
+
 std::vector<Values> restarted(const Machine& machine, const Machine& truth, const Recording& recording,
                               std::size_t begin, std::size_t end) {
   State s = recording.state[begin];
@@ -188,6 +314,18 @@ std::vector<Values> restarted(const Machine& machine, const Machine& truth, cons
     if (machine.act(j).spring_nmprad > 0 && truth.act(j).spring_nmprad <= 0) {
       s.rotor[j] = own.rotor[j];
       s.rotor_v[j] = own.rotor_v[j];
+    }
+  }
+  if (machine.robot().leg) {
+    s.phase_kept = true;
+    if (s.stance) {
+      const std::size_t knee = machine.robot().leg->knee;
+      const double catch_s = s.touch_down_s + machine.spring_switch().delay_s;
+      const double shift = truth.act(knee).encoder_rad - machine.act(knee).encoder_rad;
+      s.caught = machine.robot().leg->switched && catch_s <= recording.time_s[begin];
+      if (s.caught)
+        s.rest_rad = knee_at(recording, knee, begin, catch_s) + shift + machine.spring_switch().offset_rad;
+      machine.stand(s);
     }
   }
   const Runner runner(machine, recording.time_s, recording.input);
@@ -212,6 +350,7 @@ std::string log_of(const Machine& truth, const Lab& lab, const Recording& record
     const Joint& j = joints[i];
     column(j.prismatic ? "position" : "angle", j, "_rad", "_m");
     if (lab.velocity_column) column("velocity", j, "_radps", "_mps");
+    if (truth.robot().leg && j.prismatic) continue;  // a boom has no drive
     if (lab.position_law) {
       column(j.prismatic ? "position_cmd" : "angle_cmd", j, "_rad", "_m");
     } else {
@@ -219,6 +358,7 @@ std::string log_of(const Machine& truth, const Lab& lab, const Recording& record
       if (lab.command_column) column(j.prismatic ? "force_cmd" : "torque_cmd", j, "_nm", "_n");
     }
   }
+  if (truth.robot().leg) out += ",contact_toe";
   out += "\n";
   char number[40];
   const auto add = [&](const char* format, double value) {
@@ -235,6 +375,7 @@ std::string log_of(const Machine& truth, const Lab& lab, const Recording& record
       if (lab.velocity_column)
         add(",%.8g", quantised(s.v[i] + 0.3 * scale * lab.velocity_resolution * random.normal(),
                                scale * lab.velocity_resolution));
+      if (truth.robot().leg && joints[i].prismatic) continue;
       if (lab.position_law) {
         add(",%.8g", recording.input[row][i]);
       } else {
@@ -243,6 +384,7 @@ std::string log_of(const Machine& truth, const Lab& lab, const Recording& record
         if (lab.command_column) add(",%.8g", recording.input[row][i]);
       }
     }
+    if (truth.robot().leg) out += switched_on(recording, lab, recording.time_s[row]) ? ",1" : ",0";
     out += "\n";
   }
   return out;

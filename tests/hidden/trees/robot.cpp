@@ -127,6 +127,18 @@ double Dynamics::energy_j(const Values& q, const Values& v) const {
   return sum;
 }
 
+Point Dynamics::point(std::size_t joint, Vec3 in_frame, const Values& q, const Values& v) const {
+  const auto pose = poses(q, v);
+  const Pose& p = pose[joint];
+  const Vec3 c = p.r * in_frame;
+  Point out{p.p + c, p.v + cross(p.w, c), p.a + cross(p.alpha, c) + cross(p.w, cross(p.w, c)), {}};
+  for (int j = static_cast<int>(joint); j >= 0; j = joints_[static_cast<std::size_t>(j)].parent) {
+    const auto i = static_cast<std::size_t>(j);
+    out.move[i] = joints_[i].prismatic ? pose[i].axis : cross(pose[i].axis, out.at - pose[i].p);
+  }
+  return out;
+}
+
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -190,7 +202,7 @@ int grow(Growth& g, Random& r, const std::string& joint, const std::string& link
 std::string numbered(const char* stem, std::size_t number) { return stem + std::to_string(number); }
 
 Robot pendulum(Random& r, std::size_t n) {
-  Growth g{{"pendulum", {}, {}}, r.log_uniform(0.3, 4.0)};
+  Growth g{{"pendulum", {}, {}, {}}, r.log_uniform(0.3, 4.0)};
   Vec3 at{0, 0, 0};
   int parent = -1;
   for (std::size_t i = 0; i < n; ++i) {
@@ -203,7 +215,7 @@ Robot pendulum(Random& r, std::size_t n) {
 }
 
 Robot arm(Random& r, std::size_t n) {
-  Growth g{{"arm", {}, {}}, r.log_uniform(0.6, 6.0)};
+  Growth g{{"arm", {}, {}, {}}, r.log_uniform(0.6, 6.0)};
   Vec3 at{0, 0, r.uniform(0.0, 0.3)};
   int parent = -1;
   const bool skew = r.chance(0.3), slides = r.chance(0.15) && n > 2;
@@ -234,7 +246,7 @@ Robot arm(Random& r, std::size_t n) {
 }
 
 Robot leg(Random& r, std::size_t n) {
-  Growth g{{"leg", {}, {}}, r.log_uniform(0.5, 3.0)};
+  Growth g{{"leg", {}, {}, {}}, r.log_uniform(0.5, 3.0)};
   static const char* const kJoints[] = {"hip_roll", "hip_pitch", "knee", "ankle"};
   static const char* const kLinks[] = {"hip", "thigh", "shank", "foot"};
   const std::size_t from = n == 2 ? 1 : 0;
@@ -255,7 +267,7 @@ Robot leg(Random& r, std::size_t n) {
 }
 
 Robot branched(Random& r, std::size_t n) {
-  Growth g{{"branched", {}, {}}, r.log_uniform(0.8, 4.0)};
+  Growth g{{"branched", {}, {}, {}}, r.log_uniform(0.8, 4.0)};
   const double l = r.uniform(0.1, 0.3);
   const int torso = grow(g, r, "torso_yaw", "torso", -1, {0, 0, 0.2}, {}, {0, 0, 1}, {0, 0, l});
   int ends[2] = {torso, torso};
@@ -312,6 +324,53 @@ Robot draw_robot(Random& random, std::size_t joints) {
     tool.turned = {random.uniform(-1, 1), 0.3, 0.0};
     robot.bodies.push_back(tool);
   }
+  return robot;
+}
+
+// The values are those of section 4.1 of the leg's design.
+Robot draw_monopod(Random& r) {
+  const auto near = [&](double nominal) { return nominal * r.uniform(0.8, 1.2); };
+  Robot robot;
+  robot.form = "monopod";
+  const auto add = [&](const char* joint, const char* link, Vec3 at, Vec3 axis, bool prismatic, Body body) {
+    Joint j;
+    j.name = joint;
+    j.parent = static_cast<int>(robot.size()) - 1;
+    j.at = at;
+    j.axis = axis;
+    j.prismatic = prismatic;
+    body.name = link;
+    body.joint = static_cast<int>(robot.size());
+    robot.joints.push_back(j);
+    robot.bodies.push_back(body);
+  };
+  // Links of about the same moment all round; y is what shows.
+  const auto link = [&](double mass_kg, double centre_m, double moment) {
+    Body b;
+    b.mass_kg = near(mass_kg);
+    b.centre_m = {0, 0, -near(centre_m)};
+    const double y = near(moment);
+    b.moments = {y * r.uniform(0.8, 1.0), y, y * r.uniform(0.5, 0.8)};
+    return b;
+  };
+  Body boom, torso;
+  boom.mass_kg = r.uniform(0.2, 0.5);
+  boom.moments = {1e-4, 1e-4, 1e-4};
+  torso.mass_kg = near(3.55);
+  torso.moments = {1e-5, 1e-5, 1e-5};
+  const double thigh_m = near(0.320), shank_m = near(0.327);
+  add("boom_travel", "boom", {}, {1, 0, 0}, true, boom);
+  add("boom_height", "torso", {}, {0, 0, 1}, true, torso);
+  add("hip", "thigh", {}, {0, -1, 0}, false, link(2.43, 0.092, 0.06));
+  add("knee", "shank", {0, 0, -thigh_m}, {0, -1, 0}, false, link(0.73, 0.097, 0.02));
+  Leg leg;
+  leg.link = "shank";
+  leg.hip = 2;
+  leg.knee = 3;
+  leg.toe_m = {0, 0, -shank_m};
+  leg.spring_nmprad = near(60.67);
+  leg.rest_rad = 61 * kPi / 180 * r.uniform(0.9, 1.1);
+  robot.leg = leg;
   return robot;
 }
 

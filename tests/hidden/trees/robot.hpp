@@ -3,6 +3,7 @@
 // qdd = 0, which are the exact derivatives of the bodies' velocities.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -38,10 +39,22 @@ struct Body {
   double point_kg = 0.0;
 };
 
+/// What makes a robot one that hops: the toe, which stands on the ground, and the spring at the knee.
+struct Leg {
+  std::string link;          ///< that ends in the toe
+  std::size_t hip = 0;       ///< joint between torso and thigh
+  std::size_t knee = 0;      ///< joint before the link with the toe
+  Vec3 toe_m;                ///< in the link's frame
+  double spring_nmprad = 0;  ///< pulls the knee back to its rest angle, and never pushes
+  bool switched = true;  ///< acts in stance alone, from the angle at touch-down; else always, from rest_rad
+  double rest_rad = 0.0;
+};
+
 struct Robot {
-  std::string form;  ///< "pendulum", "arm", "leg", "branched"
+  std::string form;  ///< "pendulum", "arm", "leg", "branched", "monopod"
   std::vector<Joint> joints;
   std::vector<Body> bodies;
+  std::optional<Leg> leg;
   std::size_t size() const { return joints.size(); }
 };
 
@@ -51,6 +64,13 @@ struct Mass {
   double mass_kg;
   Vec3 centre_m;
   Mat3 inertia_kgm2;  ///< about the centre
+};
+
+/// A point of a body in world axes, m, m/s, m/s^2.
+struct Point {
+  Vec3 at, v;
+  Vec3 a;                        ///< at qdd = 0
+  std::array<Vec3, kMost> move;  ///< of each joint: what its speed adds to v
 };
 
 class Dynamics {
@@ -63,6 +83,8 @@ class Dynamics {
   Values torque(const Values& q, const Values& v, const Values& qdd) const;
   /// Kinetic and potential energy, J.
   double energy_j(const Values& q, const Values& v) const;
+  /// A point in the frame behind `joint`.
+  Point point(std::size_t joint, Vec3 in_frame, const Values& q, const Values& v) const;
   std::size_t size() const { return joints_.size(); }
 
  private:
@@ -86,6 +108,10 @@ class Dynamics {
 
 /// A robot of 2 to 7 joints; `joints` 0: any number.
 Robot draw_robot(Random& random, std::size_t joints);
+
+/// The monopod of document 001 on a boom that slides: each mass, length and inertia within 20 % of the printed
+/// one.
+Robot draw_monopod(Random& random);
 
 /// The robot as a URDF, resonators (joints from `visible` on) left out.
 std::string urdf_of(const Robot& robot, std::size_t visible);

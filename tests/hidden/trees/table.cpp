@@ -1,9 +1,9 @@
 // furcula_hidden_trees [--seed N] [--cases N] [--tier NAME]... [--effect NAME] [--joints N] [--program PATH]
-//                      [--out DIR] [--only-write] [--brief] [--timeout SECONDS]
+//                      [--legs] [--out DIR] [--only-write] [--brief] [--timeout SECONDS]
 // The blind suite for robots of several joints: draws robots with planted causes, writes them as files, lets
 // `furcula diagnose` find the causes and prints how often it did. It shares no code with the diagnosis.
 // --out keeps the cases in DIR/<tier>-<number>/ with truth.json, and writes cases.csv. --only-write asks
-// nothing. --brief: four logs of 4 s. Exit status: 0 where the suite has run, 2 for a wrong argument.
+// nothing. --brief: four logs of 4 s. --legs: a leg that hops and runs in place of robots. Exit status: 0 where the suite has run, 2 for a wrong argument.
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -29,7 +29,7 @@ struct Arguments {
   std::size_t cases = 40, joints = 0;
   std::vector<Tier> tiers;
   std::string effect, program, out;
-  bool only_write = false, brief = false;
+  bool only_write = false, brief = false, legs = false;
   double timeout_s = 1200;
 };
 
@@ -37,8 +37,8 @@ std::optional<Arguments> parsed(int argc, char** argv) {
   Arguments a;
   for (int i = 1; i < argc; ++i) {
     const std::string key = argv[i];
-    if (key == "--only-write" || key == "--brief") {
-      (key == "--brief" ? a.brief : a.only_write) = true;
+    if (key == "--only-write" || key == "--brief" || key == "--legs") {
+      (key == "--brief" ? a.brief : key == "--legs" ? a.legs : a.only_write) = true;
       continue;
     }
     if (++i == argc) return std::nullopt;
@@ -61,7 +61,7 @@ std::optional<Arguments> parsed(int argc, char** argv) {
       a.timeout_s = static_cast<double>(number);
     else if (key == "--tier" && tier != std::end(kTiers))
       a.tiers.push_back(*tier);
-    else if (key == "--effect" && (known(catalogue()) || known(outside_causes())))
+    else if (key == "--effect" && (known(catalogue()) || known(outside_causes()) || known(leg_catalogue())))
       a.effect = value;
     else if (key == "--program")
       a.program = value;
@@ -70,6 +70,13 @@ std::optional<Arguments> parsed(int argc, char** argv) {
     else
       return std::nullopt;
   }
+  const auto has = [](const auto& list, const auto& x) {
+    return std::find(list.begin(), list.end(), x) != list.end();
+  };
+  const bool of_robots = has(catalogue(), a.effect) || has(outside_causes(), a.effect);
+  const bool of_legs = has(leg_catalogue(), a.effect) || has(leg_outside_causes(), a.effect);
+  if (!a.effect.empty() && !(a.legs ? of_legs : of_robots)) return std::nullopt;
+  if (a.legs && (a.joints > 0 || has(a.tiers, Tier::tied) || has(a.tiers, Tier::triple))) return std::nullopt;
   if (a.program.empty() && !a.only_write) return std::nullopt;
   if (a.only_write && a.out.empty()) return std::nullopt;
   return a;
@@ -161,7 +168,7 @@ int run(const Arguments& a) {
   const std::string folder =
       keep ? a.out : (std::filesystem::temp_directory_path() / ("trees-" + std::to_string(a.seed))).string();
   std::filesystem::create_directories(folder);
-  const auto questions = draw_questions(a.seed, a.cases, a.tiers, a.effect, a.joints, a.brief);
+  const auto questions = draw_questions(a.seed, a.cases, a.tiers, a.effect, a.joints, a.brief, a.legs);
   std::vector<Answer> answers;
   std::map<Tier, std::size_t> asked;
   for (const Question& question : questions) {
@@ -207,9 +214,10 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "%s\n", e.what());
     return 1;
   }
-  std::fprintf(stderr,
-               "usage: furcula_hidden_trees --program PATH [--seed N] [--cases N]\n"
-               "         [--tier clean|small|medium|large|tied|pairs|triple|outside]... [--effect NAME]\n"
-               "         [--joints 2..7] [--out DIR] [--only-write] [--brief] [--timeout SECONDS]\n");
+  std::fprintf(
+      stderr,
+      "usage: furcula_hidden_trees --program PATH [--seed N] [--cases N]\n"
+      "         [--tier clean|small|medium|large|tied|pairs|triple|outside]... [--effect NAME]\n"
+      "         [--joints 2..7] [--legs] [--out DIR] [--only-write] [--brief] [--timeout SECONDS]\n");
   return 2;
 }
