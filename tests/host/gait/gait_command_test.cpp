@@ -89,10 +89,10 @@ TEST_CASE("furcula gait refuses what cannot be meant, with what was expected") {
   CHECK(folder.names() == std::vector<std::string>{"late.toml"});
 }
 
-TEST_CASE("a planar leg's model file is refused with a reason by commands that have no use for it") {
+TEST_CASE("a planar leg without a gait to play is refused with what it needs") {
   test::TemporaryFolder folder;
   const test::Ran ran =
       test::run_furcula({"sim", "--model", model("switched"), "--out", folder.path() + "/x.csv"});
-  CHECK(ran.status == 3);
-  CHECK_THAT(ran.err, Contains("planar_leg") && Contains("furcula gait"));
+  CHECK(ran.status == 2);
+  CHECK_THAT(ran.err, Contains("is a planar leg") && Contains("expected --scenario with a gait"));
 }

@@ -130,8 +130,8 @@ struct FootForce {
   using T = typename M::Scalar;
   PointMotion<M> point;
   MassMatrix<M> mass;
-  std::array<std::size_t, M::kCapacity> free{};
-  std::size_t free_count = 0;
+  std::array<std::size_t, M::kCapacity> movable{};
+  std::size_t movable_count = 0;
   std::array<typename M::Joints, 3> per_newton{};  ///< accelerations, of each direction
   std::array<std::array<T, 3>, 3> of_point{};      ///< of the point
 
@@ -139,25 +139,25 @@ struct FootForce {
             const typename M::Flags& held)
       : point(point_motion(model, model.foothold, q, qd)), mass(mass_matrix(model, q)) {
     for (std::size_t i = 0; i < model.count(); ++i)
-      if (!held[i]) free[free_count++] = i;
+      if (!held[i]) movable[movable_count++] = i;
     const Factor<T, M::kCapacity> factor(
-        free_count, [&](std::size_t i, std::size_t j) { return mass[free[i]][free[j]]; });
+        movable_count, [&](std::size_t i, std::size_t j) { return mass[movable[i]][movable[j]]; });
     for (std::size_t d = 0; d < 3; ++d) {
       typename M::Joints x;
       bool moves = false;  // a planar robot's point does not across its plane
-      for (std::size_t i = 0; i < free_count; ++i) {
-        x[i] = part(point.by_joint[free[i]], d);
+      for (std::size_t i = 0; i < movable_count; ++i) {
+        x[i] = part(point.by_joint[movable[i]], d);
         moves |= value_of(x[i]) != typename M::V(0);
       }
       if (!moves) continue;
       factor.solve(x);
-      for (std::size_t i = 0; i < free_count; ++i) per_newton[d][free[i]] = x[i];
+      for (std::size_t i = 0; i < movable_count; ++i) per_newton[d][movable[i]] = x[i];
     }
     for (std::size_t d = 0; d < 3; ++d)
       for (std::size_t e = 0; e < 3; ++e) {
         of_point[d][e] = T(typename M::V(0));
-        for (std::size_t i = 0; i < free_count; ++i)
-          of_point[d][e] += part(point.by_joint[free[i]], d) * per_newton[e][free[i]];
+        for (std::size_t i = 0; i < movable_count; ++i)
+          of_point[d][e] += part(point.by_joint[movable[i]], d) * per_newton[e][movable[i]];
       }
   }
   static const T& part(const Vec3<T>& v, std::size_t d) { return d == 0 ? v.x : d == 1 ? v.y : v.z; }
@@ -182,8 +182,8 @@ Vec3<typename M::Scalar> stand(const M& model, const typename M::Joints& q, cons
   const std::size_t n = model.count();
   const auto f = foot.force(-(foot.point.times(out.joint_radps2, n) + foot.point.drift_mps2));
   typename M::Joints change{};
-  for (std::size_t k = 0; k < foot.free_count; ++k) {
-    const std::size_t i = foot.free[k];
+  for (std::size_t k = 0; k < foot.movable_count; ++k) {
+    const std::size_t i = foot.movable[k];
     change[i] = foot.per_newton[0][i] * f[0] + foot.per_newton[1][i] * f[1] + foot.per_newton[2][i] * f[2];
     out.joint_radps2[i] += change[i];
   }
@@ -191,8 +191,8 @@ Vec3<typename M::Scalar> stand(const M& model, const typename M::Joints& q, cons
   for (std::size_t i = 0; i < n; ++i) {
     if (!held[i]) continue;
     out.holding_nm[i] -= dot(foot.point.by_joint[i], force);
-    for (std::size_t k = 0; k < foot.free_count; ++k)
-      out.holding_nm[i] += foot.mass[i][foot.free[k]] * change[foot.free[k]];
+    for (std::size_t k = 0; k < foot.movable_count; ++k)
+      out.holding_nm[i] += foot.mass[i][foot.movable[k]] * change[foot.movable[k]];
   }
   return force;
 }
