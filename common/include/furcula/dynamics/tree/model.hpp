@@ -51,7 +51,6 @@ template <class V>
 struct Foothold {
   int joint = -1;  ///< whose body it is of; -1: none
   Vec3<V> at_m{};  ///< in its link frame
-  friend bool operator==(const Foothold&, const Foothold&) = default;
 };
 
 /// Geometry is in plain numbers: it is measured, not fitted. Everything else is of the scalar T.

@@ -15,7 +15,6 @@ using Product = decltype(std::declval<A>() * std::declval<B>());
 template <class T>
 struct Vec3 {
   T x, y, z;
-  friend constexpr bool operator==(const Vec3&, const Vec3&) = default;
 };
 
 template <class A, class B>
