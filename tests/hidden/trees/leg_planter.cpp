@@ -177,7 +177,7 @@ double Planter::leg_timing_s(std::size_t joint, bool lag, double torque_nm) cons
   const auto changes = [&](double seconds) {
     double sum = 0.0, count = 0.0;
     for (const auto& h : held) {
-      const auto late = static_cast<std::size_t>(seconds / kFine_s + 0.5);
+      const auto late = static_cast<std::size_t>(std::lround(seconds / kFine_s));
       double behind = h.front();
       for (std::size_t i = late; i < h.size(); ++i) {
         behind = lag ? h[i] + (behind - h[i]) * std::exp(-kFine_s / seconds) : h[i - late];
