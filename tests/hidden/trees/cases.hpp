@@ -55,8 +55,9 @@ struct Case {
   std::size_t visible() const { return robot.size(); }
 };
 
-/// Restarts of 0.3 s in the held-out recordings; of a leg of 0.15 s, each within one flight or stance: rms difference of each joint between two predictions, or
-/// between a prediction and what was measured without noise.
+/// Restarts of 0.3 s in the held-out recordings; of a leg of 0.15 s, each within one flight or stance: rms
+/// difference of each joint between two predictions, or between a prediction and what was measured without
+/// noise.
 struct Restarts {
   explicit Restarts(const Case& c);
   std::vector<std::vector<Values>> of(const Machine& machine) const;

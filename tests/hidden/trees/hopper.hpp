@@ -21,7 +21,7 @@ struct Hopping {
   double push_most_nm = 40.0;
   double damps_nmspr = 0.3;   ///< stance: while the knee flexes
   double lifts_nm = 8.0;      ///< flexes the knee at the end of a stance
-  double sweeps_nms2 = 0.06;  ///< swings the thigh on there, over the square of the knee's speed
+  double sweeps_nms2 = 0.09;  ///< swings the thigh on there, over the square of the knee's speed
   double smooth_s = 0.003;    ///< low pass on the commands
   double most_nm = 150.0;
 };

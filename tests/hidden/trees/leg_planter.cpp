@@ -1,4 +1,5 @@
-// The planter's rules for a leg: laws of its spring and links, and shares of torques that the ground bears a part of.
+// The planter's rules for a leg: laws of its spring and links, and shares of torques of which the ground bears
+// a part.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -13,23 +14,28 @@ struct Range {
 };
 
 // Sizes of the laws that are no torque, by the effect that they have.
-struct Sizes {
+struct Law {
   const char* effect;
   const char* parameter;
   Range small, medium, large, pairs;
 };
-constexpr Sizes kSizes[] = {
+constexpr Law kLaws[] = {
     {"spring_rate_error", "stiffness_nmprad", {0.02, 0.04}, {0.06, 0.12}, {0.15, 0.30}, {0.08, 0.25}},
     {"latch_delay", "delay_s", {0.002, 0.004}, {0.006, 0.012}, {0.015, 0.025}, {0.008, 0.022}},
     {"latch_offset", "offset_rad", {0.02, 0.04}, {0.05, 0.1}, {0.12, 0.2}, {0.07, 0.17}},
     {"length_error", "extension_m", {0.002, 0.004}, {0.006, 0.012}, {0.015, 0.025}, {0.008, 0.022}},
+    // Where the toe stands, an angle that is wrong shows long before its torque does.
+    {"encoder_offset", "offset_rad", {0.003, 0.008}, {0.015, 0.03}, {0.04, 0.1}, {0.02, 0.07}},
 };
 
-Range of_tier(const Sizes& s, Tier tier) {
-  return tier == Tier::small    ? s.small
-         : tier == Tier::medium ? s.medium
-         : tier == Tier::pairs  ? s.pairs
-                                : s.large;
+// At the place in the law's range that the share has in the tier's.
+double size_of(const Law& law, Tier tier, double share) {
+  const Range range = tier == Tier::small    ? law.small
+                      : tier == Tier::medium ? law.medium
+                      : tier == Tier::pairs  ? law.pairs
+                                             : law.large;
+  const auto [least, most] = shares(tier);
+  return range.least * std::pow(range.most / range.least, std::log(share / least) / std::log(most / least));
 }
 
 }  // namespace
@@ -53,14 +59,7 @@ std::optional<Cause> Planter::in_a_leg(const std::string& effect, double share,
   const std::size_t j = joints[static_cast<std::size_t>(r_.uniform(0, static_cast<double>(joints.size())))];
   const Joint& joint = c_.robot.joints[j];
   cause.at = {joint.name};
-  if (effect == "encoder_offset") {
-    const double s = r_.sign();
-    return scaled(share, 0.2, [&](double x) {
-      Cause out = cause;
-      out.parameters = {{"offset_rad", s * x}};
-      return out;
-    });
-  }
+  if (effect == "encoder_offset") return sized(cause, share);
   if (!at_joints(cause, {j}, share)) return std::nullopt;
   if (joint.prismatic) {
     std::map<std::string, double> linear;
@@ -70,30 +69,24 @@ std::optional<Cause> Planter::in_a_leg(const std::string& effect, double share,
   return cause;
 }
 
+Cause Planter::sized(Cause cause, double share) {
+  const Law& law = *std::find_if(std::begin(kLaws), std::end(kLaws),
+                                 [&](const Law& l) { return cause.effect == l.effect; });
+  double size = size_of(law, c_.question.tier, share);
+  if (cause.effect != "latch_delay") size *= r_.sign();
+  if (cause.effect == "spring_rate_error") size = c_.robot.leg->spring_nmprad * (1.0 + size);
+  cause.parameters = {{law.parameter, size}};
+  return cause;
+}
+
 std::optional<Cause> Planter::law_of_a_leg(Cause cause, double share) {
   const Leg& leg = *c_.robot.leg;
-  const std::string& knee = c_.robot.joints[leg.knee].name;
-  cause.at = {knee};
   const bool of_switch = cause.effect != "spring_rate_error" && cause.effect != "length_error";
   if (of_switch && !leg.switched) return std::nullopt;
-  if (cause.effect == "second_spring") {
-    cause.parameters = {{"torque_nm", share * base_.rms_torque[leg.knee]}};
-    return cause;
-  }
-  // The same place in the law's range as the share has in the tier's.
-  const Sizes& sizes = *std::find_if(std::begin(kSizes), std::end(kSizes),
-                                     [&](const Sizes& s) { return cause.effect == s.effect; });
-  const auto [least, most] = shares(c_.question.tier);
-  const Range range = of_tier(sizes, c_.question.tier);
-  const double place = std::log(share / least) / std::log(most / least);
-  double size = range.least * std::pow(range.most / range.least, place);
-  if (cause.effect != "latch_delay") size *= r_.sign();
-  if (cause.effect == "spring_rate_error") size = leg.spring_nmprad * (1.0 + size);
-  if (cause.effect == "length_error" && r_.chance(0.5))
-    cause.at = {leg.link};
-  else if (cause.effect == "length_error")
-    cause.at = {c_.robot.bodies[leg.hip].name};
-  cause.parameters = {{sizes.parameter, size}};
+  cause.at = {c_.robot.joints[leg.knee].name};
+  if (cause.effect == "length_error") cause.at = {r_.chance(0.5) ? leg.link : c_.robot.bodies[leg.hip].name};
+  if (cause.effect != "second_spring") return sized(cause, share);
+  cause.parameters = {{"torque_nm", share * base_.rms_torque[leg.knee]}};
   return cause;
 }
 

@@ -14,14 +14,14 @@
 // - base_tilt: the base stands turned by roll about x, then pitch about y; gravity is turned back.
 // - com_error keeps the inertia about the moved centre.
 //
-// A leg flies, or its toe stands on one spot of the ground (contact.cpp). The toe comes down where its height falls
-// to the ground's: inelastic, all places kept, by an impulse in x and z. It leaves where the ground's force upwards
-// falls to zero and the toe would then rise. For 0.5 ms after either it does neither. The ground is so rough that
-// the toe never slips.
-// - The spring at the knee rests at the angle of touch-down, and acts in stance alone; a parallel one always.
-// - latch_delay: it catches so much after touch-down, at the angle of that instant. latch_offset: it rests so far
-//   from the angle at which it caught. second_spring: a constant torque while the toe is in the air.
-// - length_error: a link is that much longer from joint to joint, or from the knee to the toe; its mass stays.
+// A leg flies, or its toe stands on one spot of the ground (contact.cpp). The toe comes down where its height
+// falls to the ground's: inelastic, all places kept, by an impulse in x and z. It leaves where the ground's force
+// upwards falls to zero and the toe would then rise. For 0.5 ms after either it does neither. The ground is so
+// rough that the toe never slips.
+// - The spring at the knee rests at the angle of touch-down and acts in stance alone; a parallel one always.
+// - latch_delay: it catches so much after touch-down, at the angle of that instant. latch_offset: it rests so
+//   far from the angle at which it caught. second_spring: a constant torque while the toe is in the air.
+// - length_error: a link is that much longer from joint to joint, or from knee to toe; its mass stays.
 // - On a prismatic joint all parameters carry linear names.
 #pragma once
 

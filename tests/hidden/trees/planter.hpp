@@ -35,6 +35,8 @@ class Planter {
 
   // Of a leg, in leg_planter.cpp.
   std::optional<Cause> in_a_leg(const std::string& effect, double share, const std::vector<Cause>& others);
+  /// Sized by its effect, not by a torque.
+  Cause sized(Cause cause, double share);
   std::optional<Cause> law_of_a_leg(Cause cause, double share);
   std::optional<Cause> on_a_legs_link(Cause cause, double share, const std::vector<Cause>& others);
   double share_in_a_leg(const Machine& changed, const Machine& plain) const;

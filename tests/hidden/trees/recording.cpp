@@ -39,7 +39,7 @@ class Strides {
   bool same_ = true;
 };
 
-// The true angle of the knee in the stance that goes on at row `row`: cubic between rows, and from the touch-down on.
+// The true angle of the knee in the stance that goes on at row `row`: cubic between rows and from touch-down on.
 double knee_at(const Recording& r, std::size_t knee, std::size_t row, double time_s) {
   const State& s = r.state[row];
   std::size_t next = row;

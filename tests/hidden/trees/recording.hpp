@@ -1,5 +1,6 @@
 // A laboratory's recordings of a robot: reference paths, the computer that follows them, sensors, and what
-// disturbs the robot. A leg hops in place of following paths, over ground that is not level. Time stamps are those at which inputs change and sensors are read.
+// disturbs the robot. A leg hops in place of following paths, over ground that is not level. Time stamps are
+// those at which inputs change and sensors are read.
 #pragma once
 
 #include <cstdint>
@@ -87,17 +88,18 @@ Recording record(const Machine& machine, const Dynamics& model, const Lab& lab, 
 /// True if all numbers are finite, joints stay within `beyond` of the paths' ranges and below 40 rad/s.
 bool sound(const Recording& recording, const Robot& robot, std::size_t visible, double beyond);
 
-/// True if a leg has hopped all along: upright, without a slip on ground of this friction, the knee bent.
 inline constexpr double kGroundFriction = 1.2;
+/// True if a leg has hopped all along: upright, the knee bent, and without a slip on ground of that friction, but
+/// for at most 4 ms at a stretch, in which a toe slips by less than the ground is uneven.
 bool hopped(const Recording& recording, const Robot& robot);
 
 /// Whether the toe's switch says that it stands at a time.
 bool switched_on(const Recording& recording, const Lab& lab, double time_s);
 
 /// Measured angles that a machine predicts for the rows begin+1 .. end from the true state at row `begin`,
-/// without disturbance. The true machine `truth` says which measured angle the true one shows as. Of a leg the rows
-/// must be of one flight or stance, which the machine keeps; its spring rests at the angle that it then had, by
-/// its own rules of catching.
+/// without disturbance. The true machine `truth` says which measured angle the true one shows as. Of a leg the
+/// rows must be of one flight or stance, which the machine keeps; its spring rests where the true knee was when
+/// it would have caught by the machine's own rules.
 std::vector<Values> restarted(const Machine& machine, const Machine& truth, const Recording& recording,
                               std::size_t begin, std::size_t end);
 

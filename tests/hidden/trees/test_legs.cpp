@@ -194,8 +194,8 @@ TEST_CASE("A leg keeps its energy in flight and on its spring", "[trees]") {
 }
 
 TEST_CASE("Damping, drives and springs account for all energy of a leg that hops", "[trees]") {
-  // Over flights and stances alike the energy falls by what impacts and damping take, and by what the spring holds
-  // where it lets go.
+  // Over flights and stances alike the energy falls by what impacts and damping take, and by what the spring
+  // holds where it lets go.
   const Robot robot = leg_of(5);
   const double damping = 0.4;
   const Machine m(robot, {{}, {}, {.damping_nmspr = damping}, {}}, false, {});
