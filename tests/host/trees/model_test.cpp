@@ -171,7 +171,7 @@ TEST_CASE("A tree's model file is refused with file, line and what was expected"
 
 TEST_CASE("Wrong drives are refused") {
   CHECK_THAT(refused("[drive]\nlaw = \"speed\"\n"),
-             Contains("robot.toml:6: law = 'speed'; expected \"torque\" or \"position\""));
+             Contains("robot.toml:6: law = 'speed'; expected one of torque, position, none"));
   CHECK_THAT(refused("[drive]\nlaw = \"position\"\n"),
              Contains("has law \"position\" and no kp_nmprad; expected one above 0"));
   CHECK_THAT(refused("[drive.left_elbow]\nlaw = \"position\"\n"),
@@ -247,11 +247,15 @@ TEST_CASE("A file is a tree's only by its kind") {
 }
 
 TEST_CASE("Each effect of the catalogue reads back from a model file") {
-  const trees::TreeModel plain = test::arm3("[drive]\nlaw = \"position\"\nkp_nmprad = 20.0\n");
+  const trees::TreeModel plain = test::arm3(
+      "[drive]\nlaw = \"position\"\nkp_nmprad = 20.0\n"
+      "[spring.elbow]\nstiffness_nmprad = 30.0\nrest = \"touch_down\"\n"
+      "[foot.tip]\nlink = \"fore\"\npoint_m = [0.3, 0.0, 0.0]\n");
   for (const trees::EffectInfo& e : trees::catalogue()) {
     INFO(e.name);
     CHECK(trees::effect_named(e.name) == e.effect);
     trees::TreeModel m = plain;
+    REQUIRE_FALSE(trees::sites(m, e.seat).empty());
     trees::Cause c{e.effect, {trees::sites(m, e.seat).front()}, {}};
     for (std::size_t k = 0; k < e.parameter_count; ++k)
       c.values[k] = e.parameters()[k].lower +
