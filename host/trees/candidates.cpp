@@ -201,7 +201,9 @@ std::vector<Candidate> springs(const Problem& problem, const Hypothesis& h, std:
   constexpr double kSoftest_rad = 0.1;  // of twist by the drive's torque
   constexpr double kNext = 1.05;
   std::vector<Candidate> out;
-  if (problem.scales().still[joint] || has(h, Effect::joint_elasticity, {joint})) return out;
+  if (!problem.model().driven(joint) || problem.scales().still[joint] ||
+      has(h, Effect::joint_elasticity, {joint}))
+    return out;
   const Drive& given = problem.model().drives[joint];
   const bool moved =
       std::abs(h.drives[joint].damping_nmspr - given.damping_nmspr) > 0.05 * given.damping_nmspr;

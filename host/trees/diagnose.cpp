@@ -68,6 +68,7 @@ class Diagnoser {
       d_.held_out_files.push_back(log.path);
       d_.samples += log.rows();
     }
+    share_lateness(training_, held_out_);
     std::set<std::string> foreign;
     for (const auto* logs : {&training, &held_out})
       for (const log::Log& log : *logs)
@@ -113,6 +114,10 @@ class Diagnoser {
                                   options_.threads);
     if (disagreement_) return {};
     disputed_ = found.disputed;
+    ended_early_ = found.ended_early;
+    if (ended_early_)
+      d_.notes.push_back(
+          "The search was ended: after much more work than usual there was still something to add. More may be wrong than is named.");
     d_.refitted = found.refitted.at;
     d_.extended = found.fit.at;
     for (const auto& t : found.table) {
@@ -446,11 +451,11 @@ class Diagnoser {
     const bool another = std::any_of(d_.missing.begin(), d_.missing.end(),
                                      [](const MissingTorque& m) { return is_another(m) || lasts(m); });
     const bool left =
-        disputed || (!where.empty() && (d_.findings.empty() || d_.unexplained_share > kOfBefore || another));
+        disputed || ended_early_ || (!where.empty() && (d_.findings.empty() || d_.unexplained_share > kOfBefore || another));
     for (Finding& f : d_.findings) {
       if (left && !where.empty())
         f.confidence = std::min(f.confidence, std::max(0.3, 1.0 - d_.unexplained_share));
-      if (any_lost) f.confidence = std::min(f.confidence, 0.5);  // whatever the torques say
+      if (any_lost || ended_early_) f.confidence = std::min(f.confidence, 0.5);  // whatever the torques say
       if (std::any_of(f.cause.sites.begin(), f.cause.sites.end(), [&](std::size_t site) {
             const Seat seat = info(f.cause.effect).seat;
             if (seat == Seat::link) {  // it pulls at all joints down to the base
@@ -544,6 +549,7 @@ class Diagnoser {
   std::vector<ChannelError> training_error_;  ///< of the extended model
   std::vector<TorqueSamples> after_;          ///< of the extended model, a joint each
   double disputed_ = 0.0;                     ///< see Found
+  bool ended_early_ = false;
   std::vector<Hypothesis> undecided_;         ///< rivals that cannot be told from a finding
   Diagnosis d_;
 };

@@ -25,6 +25,9 @@ constexpr double kStill = 10.0;
 constexpr double kOneForAnother = 0.999;
 /// Of the loss, what a change that matters makes less of is not seen at all.
 constexpr double kNothing = 1e-9;
+/// Where the residuals are off a linear function of the start by this share of what is left of them, it moves; at most so often.
+constexpr double kBent = 0.01;
+constexpr int kMoves = 3;
 /// No fit goes on for less than so much of the loss.
 constexpr double kDone = 1e-4;
 
@@ -172,7 +175,9 @@ Eigen::VectorXd Problem::simulated(const Setup& setup, const Window& w) const {
 }
 
 Eigen::VectorXd Problem::residual(const Setup& setup, std::size_t window) const {
-  return weight_.cwiseProduct(windows_[window].measured - simulated(setup, windows_[window]));
+  Eigen::VectorXd out = weight_.cwiseProduct(windows_[window].measured - simulated(setup, windows_[window]));
+  if (starts_[window].of_more.size() > 0) out += starts_[window].of_more;
+  return out;
 }
 
 Eigen::MatrixXd Problem::product(std::size_t window, const Eigen::MatrixXd& columns) const {
@@ -182,94 +187,136 @@ Eigen::MatrixXd Problem::product(std::size_t window, const Eigen::MatrixXd& colu
          (columns.transpose() * columns - with_start.transpose() * (s.inverse * with_start));
 }
 
+Problem::Start Problem::start_of(const Setup& setup, Window w, const Eigen::VectorXd& base) const {
+  const std::size_t n = joints();
+  std::vector<std::size_t> elastic, caught;  // joints with elastic drives, with switched springs
+  for (std::size_t j = 0; j < n; ++j) {
+    if (setup.model.laws[j].elastic) elastic.push_back(j);
+    if (setup.joints[j].switched) caught.push_back(j);
+  }
+  const Phase& phase = recordings_[w.recording].phase_at(w.first);
+  const std::size_t rests = phase.stance ? caught.size() : 0;
+  Start s;
+  s.columns.resize(base.size(), static_cast<Eigen::Index>(2 * (n + elastic.size()) + rests));
+  s.precision.resize(s.columns.cols());
+  s.precision.head(static_cast<Eigen::Index>(2 * n)) = w.start_precision;
+  for (std::size_t k = 0; k < 2 * n; ++k) {
+    std::vector<double>& x = k < n ? w.angle_rad : w.velocity_radps;
+    const double step = k < n ? 1e-5 : 1e-4, before = x[k % n];
+    x[k % n] += step;
+    s.columns.col(static_cast<Eigen::Index>(k)) = (simulated(setup, w) - base) / step;
+    x[k % n] = before;
+  }
+  // What the rotor of an elastic drive does at the start is known from before, but not well: it is a start too.
+  w.rotor_more.assign(elastic.empty() ? 0 : 2 * n, 0.0);
+  for (std::size_t k = 0; k < 2 * elastic.size(); ++k) {
+    const std::size_t j = elastic[k / 2];
+    const double precision = rotor_precision(setup, j)(static_cast<Eigen::Index>(k % 2)),
+                 size_of = 1.0 / std::sqrt(precision);
+    double& x = w.rotor_more[k % 2 == 0 ? j : n + j];
+    x = 0.1 * size_of;
+    const auto column = static_cast<Eigen::Index>(2 * n + k);
+    s.columns.col(column) = (simulated(setup, w) - base) / x;
+    s.precision(column) = precision;
+    x = 0.0;
+  }
+  // Where a spring caught is known no better than the touch-down.
+  w.rest_more_rad.assign(rests > 0 ? n : 0, 0.0);
+  for (std::size_t k = 0; k < rests; ++k) {
+    const double sd = phase.touchdown_sd_rad[caught[k]];
+    w.rest_more_rad[caught[k]] = sd;
+    const auto column = static_cast<Eigen::Index>(2 * (n + elastic.size()) + k);
+    s.columns.col(column) = (simulated(setup, w) - base) / sd;
+    s.precision(column) = 1.0 / (sd * sd);
+    w.rest_more_rad[caught[k]] = 0.0;
+  }
+  return s;
+}
+
+Eigen::VectorXd Problem::best_start(std::size_t window, const Eigen::VectorXd& left) const {
+  const Eigen::MatrixXd s = weight_.asDiagonal() * starts_[window].columns;
+  Eigen::MatrixXd normal = s.transpose() * s;
+  normal.diagonal() += starts_[window].precision;
+  return normal.llt().solve(s.transpose() * weight_.cwiseProduct(left));
+}
+
+void Problem::weigh_bins(const std::vector<Eigen::VectorXd>& left) {
+  const std::size_t n = joints();
+  Eigen::MatrixXd squares(static_cast<Eigen::Index>(bins_ * n), static_cast<Eigen::Index>(windows_.size()));
+  for (std::size_t i = 0; i < windows_.size(); ++i)
+    squares.col(static_cast<Eigen::Index>(i)) =
+        (left[i] - starts_[i].columns * best_start(i, left[i])).cwiseAbs2();
+  for (std::size_t j = 0; j < n; ++j) {
+    double noise = 1e-9;
+    for (const Recording& r : recordings_) noise = std::max(noise, r.angle_noise_rad[j]);
+    for (std::size_t b = 0; b < bins_; ++b) {
+      // Of this bin and its neighbours, the mean without the largest tenth.
+      std::vector<double> all;
+      for (std::size_t k = b > 2 ? b - 2 : 0; k < std::min(bins_, b + 3); ++k)
+        for (Eigen::Index i = 0; i < squares.cols(); ++i)
+          all.push_back(squares(static_cast<Eigen::Index>(k * n + j), i));
+      std::sort(all.begin(), all.end());
+      all.resize(all.size() - all.size() / 10);
+      double mean = 0.0;
+      for (const double v : all) mean += v / static_cast<double>(all.size());
+      weight_(static_cast<Eigen::Index>(b * n + j)) = 1.0 / std::sqrt(mean + noise * noise / 4.0);
+    }
+  }
+}
+
+bool Problem::move_start(const Setup& setup, std::size_t window, const Eigen::VectorXd& left) {
+  const auto n = static_cast<Eigen::Index>(joints()), both = 2 * n;
+  Window& w = windows_[window];
+  Window there = w;
+  there.start_more = best_start(window, left).head(both);
+  for (Eigen::Index k = 0; k < both; ++k) {
+    const double way = there.start_more(k) - (w.start_more.size() > 0 ? w.start_more(k) : 0.0);
+    (k < n ? there.angle_rad[static_cast<std::size_t>(k)]
+           : there.velocity_radps[static_cast<std::size_t>(k - n)]) += way;
+  }
+  const Eigen::VectorXd straight = left - starts_[window].columns.leftCols(both) * there.start_more,
+                        is = there.measured - simulated(setup, there);
+  if (!(weight_.cwiseProduct(straight - is).squaredNorm() > kBent * static_cast<double>(left.size())))
+    return false;
+  w = std::move(there);
+  return true;
+}
+
 void Problem::weigh(const Hypothesis& h, const Hypothesis* of_starts) {
   ++weighing_;
-  const std::size_t n = joints();
-  const auto size = static_cast<Eigen::Index>(bins_ * n);
   const Setup weighed = make(h), setup = make(of_starts != nullptr ? *of_starts : h);
-  weight_ = Eigen::VectorXd::Ones(size);
-  std::vector<Eigen::VectorXd> left(windows_.size());
+  weight_ = Eigen::VectorXd::Ones(static_cast<Eigen::Index>(bins_ * joints()));
+  std::vector<Eigen::VectorXd> left(windows_.size());  // not weighted, as from the starts' measured places
   starts_.assign(windows_.size(), {});
-  std::vector<std::size_t> elastic;
-  for (std::size_t j = 0; j < n; ++j)
-    if (setup.model.laws[j].elastic) elastic.push_back(j);
-  std::vector<std::size_t> caught;  // joints with switched springs
-  for (std::size_t j = 0; j < n; ++j)
-    if (setup.joints[j].switched) caught.push_back(j);
-  core::parallel_for(windows_.size(), threads_, [&](std::size_t i) {
-    Window w = windows_[i];
-    const Eigen::VectorXd r = residual(weighed, i), base = simulated(setup, w);
-    Start& s = starts_[i];
-    const Phase& phase = recordings_[w.recording].phase_at(w.first);
-    const std::size_t rests = phase.stance ? caught.size() : 0;
-    s.columns.resize(size, static_cast<Eigen::Index>(2 * (n + elastic.size()) + rests));
-    s.precision.resize(s.columns.cols());
-    s.precision.head(static_cast<Eigen::Index>(2 * n)) = w.start_precision;
-    for (std::size_t k = 0; k < 2 * n; ++k) {
-      std::vector<double>& x = k < n ? w.angle_rad : w.velocity_radps;
-      const double step = k < n ? 1e-5 : 1e-4, before = x[k % n];
-      x[k % n] += step;
-      s.columns.col(static_cast<Eigen::Index>(k)) = (simulated(setup, w) - base) / step;
-      x[k % n] = before;
-    }
-    // What the rotor of an elastic drive does at the start is known from before, but not well: it is a start too.
-    w.rotor_more.assign(elastic.empty() ? 0 : 2 * n, 0.0);
-    for (std::size_t k = 0; k < 2 * elastic.size(); ++k) {
-      const std::size_t j = elastic[k / 2];
-      const double precision = rotor_precision(setup, j)(static_cast<Eigen::Index>(k % 2)),
-                   size_of = 1.0 / std::sqrt(precision);
-      double& x = w.rotor_more[k % 2 == 0 ? j : n + j];
-      x = 0.1 * size_of;
-      const auto column = static_cast<Eigen::Index>(2 * n + k);
-      s.columns.col(column) = (simulated(setup, w) - base) / x;
-      s.precision(column) = precision;
-      x = 0.0;
-    }
-    // Where a spring caught is known no better than the touch-down.
-    w.rest_more_rad.assign(rests > 0 ? n : 0, 0.0);
-    for (std::size_t k = 0; k < rests; ++k) {
-      const double sd = phase.touchdown_sd_rad[caught[k]];
-      w.rest_more_rad[caught[k]] = sd;
-      const auto column = static_cast<Eigen::Index>(2 * (n + elastic.size()) + k);
-      s.columns.col(column) = (simulated(setup, w) - base) / sd;
-      s.precision(column) = 1.0 / (sd * sd);
-      w.rest_more_rad[caught[k]] = 0.0;
-    }
-    left[i] = r;
-  });
-  // What each bin's residual is worth: from the residuals that are left once the starts are fitted; twice, since the weights decide on the starts.
-  for (int round = 0; round < 2; ++round) {
-    Eigen::MatrixXd squares(size, static_cast<Eigen::Index>(windows_.size()));
-    for (std::size_t i = 0; i < windows_.size(); ++i) {
-      const Eigen::MatrixXd s = weight_.asDiagonal() * starts_[i].columns;
-      Eigen::MatrixXd normal = s.transpose() * s;
-      normal.diagonal() += starts_[i].precision;
-      const Eigen::VectorXd start = normal.llt().solve(s.transpose() * weight_.cwiseProduct(left[i]));
-      squares.col(static_cast<Eigen::Index>(i)) = (left[i] - starts_[i].columns * start).cwiseAbs2();
-    }
-    for (std::size_t j = 0; j < n; ++j) {
-      double noise = 1e-9;
-      for (const Recording& r : recordings_) noise = std::max(noise, r.angle_noise_rad[j]);
-      for (std::size_t b = 0; b < bins_; ++b) {
-        // Of this bin and its neighbours, the mean without the largest tenth.
-        std::vector<double> all;
-        for (std::size_t k = b > 2 ? b - 2 : 0; k < std::min(bins_, b + 3); ++k)
-          for (Eigen::Index i = 0; i < squares.cols(); ++i)
-            all.push_back(squares(static_cast<Eigen::Index>(k * n + j), i));
-        std::sort(all.begin(), all.end());
-        all.resize(all.size() - all.size() / 10);
-        double mean = 0.0;
-        for (const double v : all) mean += v / static_cast<double>(all.size());
-        weight_(static_cast<Eigen::Index>(b * n + j)) = 1.0 / std::sqrt(mean + noise * noise / 4.0);
-      }
-    }
+  const auto start_at = [&](std::size_t i) {
+    const Window& w = windows_[i];
+    starts_[i] = start_of(setup, w, simulated(setup, w));
+    left[i] = w.measured - simulated(weighed, w);
+    if (w.start_more.size() > 0)
+      left[i] += starts_[i].columns.leftCols(w.start_more.size()) * w.start_more;
+  };
+  core::parallel_for(windows_.size(), threads_, start_at);
+  // Twice, since the weights decide on the starts.
+  weigh_bins(left);
+  weigh_bins(left);
+  for (int round = 0; round < kMoves; ++round) {
+    std::atomic<bool> moved = false;
+    core::parallel_for(windows_.size(), threads_, [&](std::size_t i) {
+      if (!move_start(weighed, i, left[i])) return;
+      start_at(i);
+      moved = true;
+    });
+    if (!moved) break;
+    weigh_bins(left);
   }
   for (std::size_t i = 0; i < windows_.size(); ++i) {
     Start& s = starts_[i];
     s.columns = weight_.asDiagonal() * s.columns;
     Eigen::MatrixXd normal = s.columns.transpose() * s.columns;
-    normal.diagonal() += starts_[i].precision;
+    normal.diagonal() += s.precision;
     s.inverse = normal.llt().solve(Eigen::MatrixXd::Identity(normal.rows(), normal.cols()));
+    const Eigen::VectorXd& more = windows_[i].start_more;
+    if (more.size() > 0) s.of_more = s.columns.leftCols(more.size()) * more;
   }
   window_weight_.assign(windows_.size(), 1.0);
   std::vector<double> loss;
@@ -491,6 +538,20 @@ void Problem::derive_beside(const Fit& beside, const std::vector<Eigen::VectorXd
   }
 }
 
+double Problem::latch_doubt(const Cause& cause) const {
+  if (cause.effect != Effect::latch_delay && cause.effect != Effect::latch_offset) return 0.0;
+  double sd_s = 0.0, rates = 0.0, stances = 0.0;
+  for (const Recording& r : recordings_) {
+    sd_s = std::max(sd_s, r.switch_late_sd_s);
+    for (const Phase& p : r.phases) {
+      if (!p.stance || !p.whole) continue;
+      rates += std::abs(velocity_after_touchdown(r, p, cause.sites.front()));
+      stances += 1.0;
+    }
+  }
+  return cause.effect == Effect::latch_delay ? sd_s : sd_s * rates / std::max(1.0, stances);
+}
+
 Fit Problem::fit(Hypothesis from, int iterations, const Fit* beside) const {
   Fit out;
   out.at = std::move(from);
@@ -632,6 +693,13 @@ Fit Problem::fit(Hypothesis from, int iterations, const Fit* beside) const {
       for (Eigen::Index b = 0; b < m; ++b)
         out.covariance(inside[static_cast<std::size_t>(a)] - 1, inside[static_cast<std::size_t>(b)] - 1) =
             c(a, b);
+  }
+  // All touch-downs may be later, or earlier, by one time: no window tells.
+  for (std::size_t k = 0; k < out.unknowns.size(); ++k) {
+    const Unknown& u = out.unknowns[k];
+    if (!u.of_cause || out.at_bound[k]) continue;
+    const double sd = latch_doubt(out.at.causes[u.cause]);
+    out.covariance(static_cast<Eigen::Index>(k), static_cast<Eigen::Index>(k)) += sd * sd;
   }
   // The curvature alone, of unknowns at a bound too; of what nothing depends on, nothing is known.
   std::vector<Eigen::Index> told;

@@ -2,7 +2,8 @@
 //
 // What is compared is the mean of a window's angles over bins of time. A window's start (positions and velocities)
 // is an unknown too; it has a prior from the angles around it, and is eliminated: every product of residuals and
-// columns below is one of what no start can explain.
+// columns below is one of what no start can explain. That is linear in the start; where the simulation is not, weigh()
+// moves the start to where it fits best, and is linear there. What is known of the start beforehand stays where it was.
 #pragma once
 
 #include <Eigen/Dense>
@@ -107,9 +108,23 @@ class Problem {
                     const std::vector<Hypothesis>& probes, const std::vector<Hypothesis>& runs = {}) const;
 
  private:
+  struct Start {
+    Eigen::MatrixXd columns;    ///< weighted derivatives by the start
+    Eigen::VectorXd precision;  ///< of its prior
+    Eigen::MatrixXd inverse;    ///< of the start's normal matrix, its prior in it
+    Eigen::VectorXd of_more;    ///< what the window's start_more takes off the residuals, to first order, weighted; empty: nothing
+  };
   /// What is known of an elastic drive's rotor at a window's start, beside where its own equation says that it is: angle, rate.
   Eigen::Vector2d rotor_precision(const Setup& setup, std::size_t joint) const;
   Eigen::VectorXd simulated(const Setup& setup, const Window& w) const;
+  /// How the start moves what is simulated.
+  Start start_of(const Setup& setup, Window w, const Eigen::VectorXd& simulated) const;
+  /// The start with which `left` (not weighted) is least, less the measured one; by the linear problem.
+  Eigen::VectorXd best_start(std::size_t window, const Eigen::VectorXd& left) const;
+  /// What each bin's residual is worth: from what is left once the starts are fitted.
+  void weigh_bins(const std::vector<Eigen::VectorXd>& left);
+  /// Moves the window's start to the best one, unless the linear problem is right about it. @return whether it did.
+  bool move_start(const Setup& setup, std::size_t window, const Eigen::VectorXd& left);
   Eigen::VectorXd residual(const Setup& setup, std::size_t window) const;
   std::vector<Eigen::VectorXd> residuals(const Hypothesis& h) const;  ///< of each window
   /// Of each window: columns as in Products, but for the residual.
@@ -118,6 +133,8 @@ class Problem {
                                        const std::vector<Hypothesis>& probes,
                                        const std::vector<Hypothesis>& runs,
                                        Eigen::MatrixXd* of_rotors = nullptr) const;
+  /// What a latch's delay or offset is not known by because the touch-downs' common lateness is not.
+  double latch_doubt(const Cause& cause) const;
   /// Derivatives of those unknowns that `beside` does not have; the others are taken from there.
   void derive_beside(const Fit& beside, const std::vector<Eigen::VectorXd>& residuals, Fit& out) const;
   Products products_of(const std::vector<Eigen::VectorXd>& residuals,
@@ -126,11 +143,6 @@ class Problem {
   /// a' b over what no start explains.
   Eigen::MatrixXd product(std::size_t window, const Eigen::MatrixXd& columns) const;
 
-  struct Start {
-    Eigen::MatrixXd columns;    ///< weighted derivatives by the start
-    Eigen::VectorXd precision;  ///< of its prior
-    Eigen::MatrixXd inverse;    ///< of the start's normal matrix, its prior in it
-  };
   struct Work {
     std::atomic<std::size_t> steps = 0;
     std::size_t most = std::numeric_limits<std::size_t>::max();

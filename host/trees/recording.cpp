@@ -129,13 +129,13 @@ std::size_t last_before(const Recording& r, std::size_t first, double time_s, st
   return k;
 }
 
-/// How late the switch is, of all hard touch-downs together: where the angles of flight and stance, each carried on, meet. 0 where no
+/// How late the switch is, of all hard touch-downs together: where the angles of flight and stance, each carried on, meet. Nothing where no
 /// rate jumps by enough to tell.
-double lateness(const Recording& r, const std::vector<Phase>& phases) {
+void find_lateness(Recording& r) {
   constexpr double kLook_s = 1e-3, kClear = 12.0;
   double weights = 0.0, sum = 0.0;
-  for (std::size_t i = 1; i < phases.size(); ++i) {
-    const Phase &flight = phases[i - 1], &stance = phases[i];
+  for (std::size_t i = 1; i < r.phases.size(); ++i) {
+    const Phase &flight = r.phases[i - 1], &stance = r.phases[i];
     if (!stance.stance || flight.stance || r.time_s[stance.first] - r.time_s[flight.last] > 3.0 * kLate_s)
       continue;
     const auto start_of = [&](double span_s) {
@@ -162,13 +162,30 @@ double lateness(const Recording& r, const std::vector<Phase>& phases) {
       sum += jump * jump / (sd * sd) * std::clamp(kLook_s * apart / jump, -r.interval_s, 2.0 * kLate_s);
     }
   }
-  return weights > 0.0 ? std::max(-0.5 * r.interval_s, sum / weights) : 0.0;
+  if (!(weights > 0.0)) return;
+  r.switch_late_s = std::max(-0.5 * r.interval_s, sum / weights);
+  r.switch_late_precision = weights / (kLook_s * kLook_s);
+}
+
+/// Moves the touch-downs to so much before the switch's change.
+void be_late(Recording& r, double late_s) {
+  for (Phase& p : r.phases) {
+    if (!p.stance) continue;
+    p.touchdown_s = p.whole ? p.switched_s - late_s : r.time_s[p.first];
+    p.at_touchdown_rad.clear();
+    p.touchdown_sd_rad.clear();
+    for (std::size_t j = 0; j < r.angle_rad.size(); ++j) {
+      p.at_touchdown_rad.push_back(angle_after_touchdown(r, p, j, 0.0));
+      p.touchdown_sd_rad.push_back(
+          std::hypot(velocity_after_touchdown(r, p, j) * r.interval_s / std::sqrt(12.0), r.angle_noise_rad[j]));
+    }
+  }
 }
 
 std::vector<Phase> phases_of(const Recording& r, const std::vector<double>& contact) {
   const auto stands = [&](std::size_t k) { return contact[k] > 0.5; };
   std::vector<Phase> out;
-  Phase now{0, 0, stands(0), false, {}, {}, 0.0};
+  Phase now{0, 0, stands(0), false, {}, {}, 0.0, 0.0};
   const auto end = [&](std::size_t last) {
     now.last = last;
     if (last >= now.first + kFewestOfPhase) out.push_back(now);
@@ -188,7 +205,8 @@ std::vector<Phase> phases_of(const Recording& r, const std::vector<double>& cont
     while (before > now.first && r.time_s[first - 1] - r.time_s[before] < kLate_s) --before;
     if (before > now.first) end(before);
     // A touch-down is somewhere in the interval before the first row that says so.
-    now = {last + 1, 0, stands(last), true, {}, {}, r.time_s[first] - 0.5 * r.interval_s};
+    const double change_s = r.time_s[first] - 0.5 * r.interval_s;
+    now = {last + 1, 0, stands(last), true, {}, {}, change_s, change_s};
   }
   end(r.rows() - 1);
   return out;
@@ -265,19 +283,30 @@ Recording recording_of(const TreeModel& m, const log::Log& given, const std::vec
     throw core::DataError(
         log.path + ": " + core::quoted(contact) +
         " changes all the time; expected stances and flights of some hundredths of a second");
-  const double late_s = lateness(r, r.phases);
-  for (Phase& p : r.phases) {
-    if (!p.stance) continue;
-    p.touchdown_s -= late_s;
-    if (!p.whole) p.touchdown_s = r.time_s[p.first];
-    for (std::size_t j = 0; j < m.joints(); ++j) {
-      constexpr double kAfter_s = 5e-3;
-      p.at_touchdown_rad.push_back(angle_after_touchdown(r, p, j, 0.0));
-      const double rate = (angle_after_touchdown(r, p, j, kAfter_s) - p.at_touchdown_rad.back()) / kAfter_s;
-      p.touchdown_sd_rad.push_back(std::hypot(rate * r.interval_s / std::sqrt(12.0), r.angle_noise_rad[j]));
-    }
-  }
+  find_lateness(r);
+  be_late(r, r.switch_late_s);
   return r;
+}
+
+void share_lateness(std::vector<Recording>& training, std::vector<Recording>& held_out) {
+  double weights = 0.0, sum = 0.0, squares = 0.0, count = 0.0;
+  for (const Recording& r : training) {
+    weights += r.switch_late_precision;
+    sum += r.switch_late_precision * r.switch_late_s;
+    count += r.switch_late_precision > 0.0 ? 1.0 : 0.0;
+  }
+  if (!(weights > 0.0)) return;
+  const double late_s = sum / weights;
+  for (const Recording& r : training)
+    squares += r.switch_late_precision * std::pow(r.switch_late_s - late_s, 2);
+  // By what each is said to be worth, or by how they scatter where that is more.
+  const double scatter = count > 1.0 ? squares / (count - 1.0) : 1.0,
+               sd_s = std::sqrt(std::max(1.0, scatter) / weights);
+  for (auto* recordings : {&training, &held_out})
+    for (Recording& r : *recordings) {
+      be_late(r, late_s);
+      r.switch_late_sd_s = sd_s;
+    }
 }
 
 LocalState local_state(const Recording& r, std::size_t joint, std::size_t row, double half_s) {
@@ -323,6 +352,11 @@ double angle_after_touchdown(const Recording& r, const Phase& p, std::size_t joi
   std::size_t first = p.first;
   while (first < p.last && r.time_s[first] < from) ++first;
   return parabola(r, joint, first, last_before(r, first, from + kFit_s, p.last), t);
+}
+
+double velocity_after_touchdown(const Recording& r, const Phase& p, std::size_t joint) {
+  constexpr double kAfter_s = 5e-3;
+  return (angle_after_touchdown(r, p, joint, kAfter_s) - angle_after_touchdown(r, p, joint, 0.0)) / kAfter_s;
 }
 
 Recording part_of(const Recording& r, std::size_t first, std::size_t last) {

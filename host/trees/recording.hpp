@@ -20,6 +20,7 @@ struct Phase {
   std::vector<double> at_touchdown_rad;  ///< of a stance: each joint's angle as its encoder reads it
   std::vector<double> touchdown_sd_rad;  ///< how well that is known: the touch-down lies between two rows
   double touchdown_s = 0.0;
+  double switched_s = 0.0;  ///< of a whole one: its switch's change
 };
 
 /// Columns over joints of the tree. Units of a revolute joint; of a prismatic one m and N.
@@ -36,6 +37,11 @@ struct Recording {
   std::vector<std::string> log_notes;    ///< what else was done to it, in sentences
   std::vector<std::size_t> log_row;      ///< of the log that it was made of, of each row
 
+  /// How late the foot's switch is by this recording's hard touch-downs, and what that is worth: one over a variance. 0: nothing tells.
+  double switch_late_s = 0.0, switch_late_precision = 0.0;
+  /// What all recordings' lateness together is not known by: it moves all their touch-downs alike.
+  double switch_late_sd_s = 0.0;
+
   std::vector<Phase>
       phases;  ///< one after the other; none: all rows are one; rows that are in none are too near to a change
 
@@ -50,6 +56,9 @@ std::string column_of(const TreeModel& model, std::size_t joint, const std::stri
 /// URDF's limits, fewer than 50 rows. Rows that their neighbours refute (host/log/clean.hpp) and those of `refuted` are left out.
 Recording recording_of(const TreeModel& model, const log::Log& log,
                        const std::vector<log::Refuted>& refuted = {});
+
+/// One switch is late by one time in all recordings: that of `training` together, in both. Those of one alone scatter by some 0.3 ms.
+void share_lateness(std::vector<Recording>& training, std::vector<Recording>& held_out);
 
 /// @throws core::DataError naming a joint whose angle is one value in all rows of all recordings, though its input is not: its encoder
 /// is dead, or it is held.
@@ -67,6 +76,9 @@ LocalState local_state(const Recording& r, std::size_t joint, std::size_t row, d
 
 /// A joint's angle so long after a stance's touch-down, by the measured rows about then; below zero from what it does afterwards.
 double angle_after_touchdown(const Recording& r, const Phase& stance, std::size_t joint, double delay_s);
+
+/// A joint's mean velocity in the 5 ms after a stance's touch-down.
+double velocity_after_touchdown(const Recording& r, const Phase& stance, std::size_t joint);
 
 /// The joint's velocity about a row, by the rows beside it.
 double velocity_about(const Recording& r, std::size_t joint, std::size_t row);

@@ -30,6 +30,9 @@ constexpr double kMissed = 2.0;
 constexpr double kHolds = 12.0, kAgree = 0.7, kForetells = 0.05;
 /// A cause alone that makes the recordings foretell each other better by this share is no chance, however few they are.
 constexpr double kForetellsMuch = 0.15;
+/// Of dry friction, in windows in which its joint moves: what it gains, in scatters from window to window. A joint at rest is slower than this
+/// share of its usual speed; where it is for this share of a window, it does not move there.
+constexpr double kInMotion = 2.0, kSlow = 0.1, kAtRest = 0.25;
 /// At the end a cause must be as far from none as chance is with this probability, all its parameters together, by windows and recordings:
 /// five standard deviations of one. A hundred causes are tried, and neighbouring windows are not independent.
 constexpr double kChance = 5.7e-7;
@@ -47,6 +50,9 @@ constexpr double kNearlyOneLaw = 0.5;
 constexpr double kStands = 2.0;
 /// One cause does as well as two if the loss is larger by no more than so much.
 constexpr double kAsWell = 0.02;
+/// A search ends after so many times the steps that led to its first point, and judging what it found after half of that. Usual ones take
+/// 3 to 20.
+constexpr std::size_t kMostWork = 40;
 /// A second search is given up after so many times the steps of the first.
 constexpr std::size_t kMoreWork = 2;
 /// What a parameter more must be worth, of the loss.
@@ -79,13 +85,20 @@ class Search {
       first_pick_ = on_short.first_pick_;
     }
     const std::size_t before = problem_.steps();
+    problem_.stop_after(kMostWork * before);
     fit = path(std::move(fit), &found);
-    fit = another_path(std::move(fit), found, problem_.steps() - before);
+    found.ended_early = problem_.spent();
+    problem_.stop_after(std::numeric_limits<std::size_t>::max());
+    if (!found.ended_early) fit = another_path(std::move(fit), found, problem_.steps() - before);
     for (Candidate& spring : springs_) spring.fitted_gain = 0.0;  // that was beside fewer causes
+    problem_.stop_after(problem_.steps() + kMostWork / 2 * before);
     judge(found, std::move(fit));
     // Rivals that took a place may be two wrong laws of friction, too.
-    if (Fit anew = without_falls(friction_anew(found.fit)); names(anew) != names(found.fit))
-      judge(found, std::move(anew));
+    if (!found.ended_early)
+      if (Fit anew = without_falls(friction_anew(found.fit)); names(anew) != names(found.fit))
+        judge(found, std::move(anew));
+    found.ended_early = found.ended_early || problem_.spent();
+    problem_.stop_after(std::numeric_limits<std::size_t>::max());
     found.disputed = std::max(disputed_, dropped_worth_);
     return found;
   }
@@ -400,7 +413,7 @@ class Search {
 
   /// Drops causes that do not hold, the weakest first. `strict`: the recordings must agree on what stays.
   Fit prune(Fit fit, bool strict) {
-    if (strict) fit = without_doubtful_springs(std::move(fit));
+    if (strict) fit = without_friction_at_rest(without_doubtful_springs(std::move(fit)));
     std::set<std::string> foretells;
     for (;;) {
       std::size_t weakest = fit.at.causes.size();
@@ -429,6 +442,57 @@ class Search {
       if (strict) dropped_.insert(name);
       fit = std::move(off);
     }
+  }
+
+  /// A drive that holds a joint still answers what disturbs it. Dry friction swallows that answer: in windows at rest it always looks right.
+  /// So it must gain where the joint moves.
+  Fit without_friction_at_rest(Fit fit) {
+    for (std::size_t c = problem_.model().causes.size(); c < fit.at.causes.size();) {
+      const Cause cause = fit.at.causes[c];
+      if (is_dry(cause.effect) && !is_still_in_none(cause)) {
+        const Fit off = problem_.fit(without(fit.at, c), 4, &fit);
+        double gain = 0.0, squares = 0.0;
+        for (std::size_t i = 0; i < problem_.windows().size(); ++i) {
+          if (!moves(i, cause)) continue;
+          const double of_window = off.window_loss[i] - fit.window_loss[i];
+          gain += of_window;
+          squares += of_window * of_window;
+        }
+        if (gain < kInMotion * std::sqrt(squares)) {
+          dropped_.insert(cause_name(problem_.model(), cause));
+          fit = off;
+          c = problem_.model().causes.size();
+          continue;
+        }
+      }
+      ++c;
+    }
+    return fit;
+  }
+  static bool is_dry(Effect e) {
+    return e == Effect::coulomb_friction || e == Effect::asymmetric_friction ||
+           e == Effect::stribeck_friction || e == Effect::load_friction || e == Effect::binding_spot;
+  }
+  /// Whether one of the cause's joints moves all through a window, or nearly so.
+  bool moves(std::size_t window, const Cause& cause) const {
+    const Window& w = problem_.windows()[window];
+    const Recording& r = problem_.recordings()[w.recording];
+    const auto n = static_cast<Index>(problem_.joints()), bins = w.measured.size() / n;
+    const double bin_s = (r.time_s[w.last] - r.time_s[w.first]) / static_cast<double>(bins);
+    return std::any_of(cause.sites.begin(), cause.sites.end(), [&](std::size_t j) {
+      const double slow_rad = kSlow * problem_.scales().velocity_radps[j] * bin_s;
+      Index at_rest = 0;
+      for (Index b = 1; b < bins; ++b) {
+        const auto k = b * n + static_cast<Index>(j);
+        at_rest += std::abs(w.measured(k) - w.measured(k - n)) < slow_rad ? 1 : 0;
+      }
+      return static_cast<double>(at_rest) < kAtRest * static_cast<double>(bins);
+    });
+  }
+  bool is_still_in_none(const Cause& cause) const {
+    for (std::size_t i = 0; i < problem_.windows().size(); ++i)
+      if (!moves(i, cause)) return false;
+    return true;
   }
 
   void drop(const std::string& name, const Fit& with, const Fit& off) {

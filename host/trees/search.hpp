@@ -46,6 +46,7 @@ struct Found {
   std::vector<Tried> table;  ///< the best of the first round
   /// What a candidate would gain at the end that the windows are sure of, and the recordings do not agree on: of the loss.
   double disputed = 0.0;
+  bool ended_early = false;  ///< it had not come to its end after much work
 };
 
 using Progress =

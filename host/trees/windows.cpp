@@ -85,7 +85,7 @@ std::vector<Window> windows_of(const TreeModel& model, std::span<const Recording
   std::vector<Window> out;
   for (std::size_t i = 0; i < recordings.size(); ++i) {
     const Recording& r = recordings[i];
-    const std::vector<Phase> all{{0, r.rows() - 1, false, true, {}, {}, 0.0}};
+    const std::vector<Phase> all{{0, r.rows() - 1, false, true, {}, {}, 0.0, 0.0}};
     for (const Phase& phase : r.phases.empty() ? all : r.phases) {
       // Between two changes of contact the windows are of one length, whatever that is.
       double span = window_s;

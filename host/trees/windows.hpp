@@ -23,10 +23,12 @@ Scales scales_of(const TreeModel& model, std::span<const Recording> recordings);
 struct Window {
   std::size_t recording, first, last;
   double span_s;                                  ///< asked for
-  std::vector<double> angle_rad, velocity_radps;  ///< start, as measured around it
+  std::vector<double> angle_rad, velocity_radps;  ///< start: as measured around it, and start_more
   Eigen::VectorXd start_precision;                ///< of angles, then velocities: one over the variance
   Eigen::VectorXd measured;                       ///< bin by bin, joint by joint
   std::vector<std::size_t> bin;                   ///< of each row from `first`
+  /// What a fit of the start, angles, then velocities, has added to what is measured around it; empty: nothing.
+  Eigen::VectorXd start_more{};
   /// Of elastic drives' rotors at the start, angles, then rates: added to what the recording says (rotor.hpp); empty: nothing.
   std::vector<double> rotor_more{};
   /// Of switched springs' rest angles in a stance, added to what the recording says; empty: nothing.

@@ -18,7 +18,7 @@ template <class M>
 struct PointMotion {
   using T = typename M::Scalar;
   Vec3<T> place_m;
-  std::array<Vec3<T>, M::kCapacity> by_joint;
+  std::array<Vec3<T>, M::kCapacity> by_joint;  ///< of the model's joints
   Vec3<T> drift_mps2;
 
   Vec3<T> times(const typename M::Joints& rates, std::size_t count) const {
@@ -41,7 +41,7 @@ PointMotion<M> point_motion(const M& model, const Foothold<typename M::V>& point
   for (int i = point.joint; i >= 0; i = shape.parent(static_cast<std::size_t>(i)))
     way[count++] = static_cast<std::size_t>(i);
   PointMotion<M> out;
-  out.by_joint.fill(none);
+  for (std::size_t i = 0; i < model.count(); ++i) out.by_joint[i] = none;
   // Body frames in the world; their turning, and the velocity and acceleration of their origins at rest of qd.
   Mat3<T> turn = {{T(V(1)), zero, zero}, {zero, T(V(1)), zero}, {zero, zero, T(V(1))}};  // world from body
   Vec3<T> at = none, w = none, alpha = none, a = none;
@@ -130,9 +130,9 @@ struct FootForce {
   using T = typename M::Scalar;
   PointMotion<M> point;
   MassMatrix<M> mass;
-  std::array<std::size_t, M::kCapacity> movable{};
+  std::array<std::size_t, M::kCapacity> movable;
   std::size_t movable_count = 0;
-  std::array<typename M::Joints, 3> per_newton{};  ///< accelerations, of each direction
+  std::array<typename M::Joints, 3> per_newton;  ///< accelerations of movable joints, of each direction
   std::array<std::array<T, 3>, 3> of_point{};      ///< of the point
 
   FootForce(const M& model, const typename M::Joints& q, const typename M::Joints& qd,
@@ -149,8 +149,7 @@ struct FootForce {
         x[i] = part(point.by_joint[movable[i]], d);
         moves |= value_of(x[i]) != typename M::V(0);
       }
-      if (!moves) continue;
-      factor.solve(x);
+      if (moves) factor.solve(x);
       for (std::size_t i = 0; i < movable_count; ++i) per_newton[d][movable[i]] = x[i];
     }
     for (std::size_t d = 0; d < 3; ++d)
