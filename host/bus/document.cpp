@@ -3,6 +3,7 @@
 
 #include <cstdio>
 
+#include "furcula/bus/walker_nodes.hpp"
 #include "host/bus/nodes.hpp"
 #include "host/bus/numbers.hpp"
 #include "host/core/message.hpp"
@@ -164,6 +165,49 @@ std::string message_text(const Message& m) {
   return out;
 }
 
+constexpr std::string_view kWalkerHead = R"(
+## The biped's twelve drives
+
+A frame of 8 bytes takes 135 bits with all the stuffing that there can be (`common/include/furcula/bus/load.hpp`), and a drive takes two of them, command and reply, each time. IMU, feet and pins are on the board itself.
+
+| buses | drives on each | rate | worst load of each |
+| --- | --- | --- | --- |
+)";
+
+constexpr std::string_view kWalkerNodes = R"(
+The biped has a bus a leg at 500 Hz: an STM32F405 has two CAN controllers. Three drives of each leg have their turn in even ticks of 1 ms, the others in odd ones; a drive holds its target between. With a desk's command each 10 ms and the board's heartbeat the left leg's bus comes to )";
+
+std::string percent(double share) {
+  char text[16];
+  std::snprintf(text, sizeof text, "%.1f %%", 100.0 * share);
+  return text;
+}
+
+std::string walker_text() {
+  std::string out(kWalkerHead);
+  struct Arrangement {
+    std::uint32_t buses, hz;
+  };
+  const auto drives = static_cast<std::uint32_t>(kWalkerDrives.size());
+  for (const Arrangement& a : {Arrangement{1, 1000}, Arrangement{2, 1000}, Arrangement{4, 1000},
+                               Arrangement{2, 500}, Arrangement{1, 250}}) {
+    const double load = walker_load(drives / a.buses, a.hz);
+    out += "| " + std::to_string(a.buses) + " | " + std::to_string(drives / a.buses) + " | " +
+           std::to_string(a.hz) + " Hz | " + percent(load) + (load > 1.0 ? ": does not hold it" : "") +
+           " |\n";
+  }
+  const std::array<Traffic, 4> left{{{&message::kMotorCommand, drives / 2 * kWalkerDrive_hz},
+                                     {&message::kMotorReply, drives / 2 * kWalkerDrive_hz},
+                                     {&message::kCommand, 100},
+                                     {&message::kHeartbeat, 10}}};
+  out += std::string(kWalkerNodes) + percent(worst_load(left)) +
+         ".\n\n| joint | bus | id | motor |\n| --- | --- | --- | --- |\n";
+  for (const WalkerDrive& d : kWalkerDrives)
+    out += "| `" + std::string(d.joint) + "` | " + std::to_string(d.bus) + " | " + std::to_string(d.node) +
+           " | `" + std::string(info(kWalkerMotor).name) + "` |\n";
+  return out;
+}
+
 }  // namespace
 
 std::string to_markdown() {
@@ -189,7 +233,7 @@ std::string to_markdown() {
            text(m.stiffness_max_nmpr) + " | 0 to " + text(m.damping_max_nmspr) + " | " +
            std::to_string(m.reply_bytes) + " |\n";
   }
-  return out + std::string(kSources);
+  return out + walker_text() + std::string(kSources);
 }
 
 }  // namespace furcula::bus

@@ -11,6 +11,7 @@
 #include "host/gait/leg_faults.hpp"
 #include "host/safety/fault_table.hpp"
 #include "host/safety/hil_ticks.hpp"
+#include "host/walk/walker_faults.hpp"
 
 namespace furcula::safety {
 namespace {
@@ -23,7 +24,7 @@ const char* const kIntroduction =
 This page is what `furcula safety docs` prints; the table itself is `host/safety/fault_table.cpp`, and the ticks are those of the simulated robot, which a test holds to this page
 (`tests/host/safety/document_test.cpp`).
 
-- **The safe state** is torque 0 and coil off. It is commanded on the very tick on which a fault is found, past every filter and rate limit, and stays until a person resets it. On a bus the motor is then switched off as well.
+- **The safe state** is torque 0 and coil off (a biped's drives [brake](#a-biped-that-walks)). It is commanded on the very tick on which a fault is found, past every filter and rate limit, and stays until a person resets it. On a bus the motor is then switched off as well.
 - **The spring** is caught by its own key when the coil is off: within 50 ms, by a spring and no current. Where the key or the coil is what is broken, the encoder on the cable shows a free spring as soon as the leg bears something.
 - **A robot that fell silent** is stopped by others: the controller by the board's watchdog after 5 ms, the drive by its own time-out, which must be set to 5 ms, when no command comes.
 - **Nothing in software stops a drive** that gives torque that nobody commanded: it is found (`drive_disobeys`), and a person must reach a switch in the drive's supply.
@@ -167,6 +168,7 @@ std::string to_markdown() {
   for (const RigRow& row : rig_rows())
     if (is_of_switch(row)) page += landing_rows(row);
   page += gait::leg_fault_section();
+  page += walk::walker_fault_section();
   page += R"(
 ## Parameters
 

@@ -20,6 +20,8 @@ class Sensors {
  public:
   Sensors(const SensorErrors& errors, std::uint64_t seed);
   void operator()(control::WalkSample<double>& sample, control::Imu<double>& imu);
+  /// Of joint `i`'s encoder, constant.
+  double offset_rad(std::size_t i) const { return offset_rad_[i]; }
 
  private:
   SensorErrors e_;

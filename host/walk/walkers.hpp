@@ -16,6 +16,7 @@
 #include "furcula/dynamics/biped/design.hpp"
 #include "furcula/dynamics/biped/energy.hpp"
 #include "furcula/dynamics/biped/step.hpp"
+#include "host/walk/posture.hpp"
 #include "host/walk/rollout.hpp"
 
 namespace furcula::walk {
@@ -139,25 +140,6 @@ class Walkers {
     return w;
   }
 
-  /// In the posture, at rest, its soles level on the ground. A passive hip begins at its spring's rest.
-  dynamics::biped::State<double> posture(const Parameters& w) const {
-    using namespace dynamics::biped;
-    State<double> s;
-    double pitch = 0.0;
-    for (const std::size_t side : {kLeft, kRight}) {
-      auto leg = control::leg_angles(w, {}, side);
-      if (o_.mode == WalkMode::semi_passive)
-        leg[kHipPitch] = robot_.clutches[side][kHipClutch].spring_rest_rad;
-      for (std::size_t j = 0; j < kLegJoints; ++j) set_joint<double>(s.q_rad, side * kLegJoints + j, leg[j]);
-      pitch = -(leg[kHipPitch] + leg[kKnee] + leg[kAnklePitch]);
-    }
-    s.attitude = {std::cos(0.5 * pitch), 0.0, std::sin(0.5 * pitch), 0.0};
-    Kinematics<double> k;
-    kinematics<DesignTopology>(plain_, s, k);
-    s.position_m.z = -(k.legs[0].foot_position_m.z[kLeft] + robot_.vertices_m[kLeft][0].z);
-    return s;
-  }
-
   void begin(std::size_t lane, const Parameters& w) {
     using namespace dynamics::biped;
     auto values = config_.walk.values();
@@ -166,7 +148,7 @@ class Walkers {
     config_.walk = control::WalkParameters<T>::of(values);
     control::begin_walk(config_, lane, walk_);
 
-    const State<double> still = posture(w);
+    const State<double> still = posture(robot_, plain_, o_.mode, w);
     Kinematics<double> k;
     kinematics<DesignTopology>(plain_, still, k);
     begins_m_[lane] = totals(plain_, still).centre_m().x;

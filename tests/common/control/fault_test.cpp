@@ -18,6 +18,9 @@ TEST_CASE("fault numbers are those that logs already carry") {
   CHECK(static_cast<int>(Fault::leg_angle_out_of_range) == 7);
   CHECK(static_cast<int>(Fault::encoder_implausible) == 8);
   CHECK(static_cast<int>(Fault::contact_implausible) == 9);
+  CHECK(static_cast<int>(Fault::falling) == 32);
+  CHECK(static_cast<int>(Fault::clutch_not_engaged) == 33);
+  CHECK(static_cast<int>(Fault::imu_implausible) == 34);
 }
 
 TEST_CASE("each fault has a name of its own, says what it means and what to do") {

@@ -21,6 +21,8 @@ enum class Motor : std::uint8_t {
   ak80_6 = 4,
   ak80_9 = 5,
   ak80_64 = 6,
+  biped_joint =
+      7,  ///< no product: a drive of the biped (docs/biped.md), whose gains and torque no AK drive's range holds
 };
 
 /// Position, velocity and torque go from minus to plus their maximum, the gains from 0.
@@ -35,7 +37,7 @@ struct MotorInfo {
   std::uint8_t reply_bytes;  ///< 6, or 8 with temperature and error code
 };
 
-inline constexpr std::array<MotorInfo, 7> kMotors{{
+inline constexpr std::array<MotorInfo, 8> kMotors{{
     {Motor::mini_cheetah, "mini_cheetah", 12.5f, 65.0f, 18.0f, 500.0f, 5.0f, 6},
     {Motor::ak10_9, "ak10_9", 12.5f, 50.0f, 65.0f, 500.0f, 5.0f, 8},
     {Motor::ak60_6, "ak60_6", 12.5f, 45.0f, 15.0f, 500.0f, 5.0f, 8},
@@ -43,6 +45,7 @@ inline constexpr std::array<MotorInfo, 7> kMotors{{
     {Motor::ak80_6, "ak80_6", 12.5f, 76.0f, 12.0f, 500.0f, 5.0f, 8},
     {Motor::ak80_9, "ak80_9", 12.5f, 50.0f, 18.0f, 500.0f, 5.0f, 8},
     {Motor::ak80_64, "ak80_64", 12.5f, 8.0f, 144.0f, 500.0f, 5.0f, 8},
+    {Motor::biped_joint, "biped_joint", 3.2f, 20.0f, 220.0f, 4000.0f, 100.0f, 8},
 }};
 
 constexpr const MotorInfo& info(Motor motor) { return kMotors[static_cast<std::size_t>(motor)]; }

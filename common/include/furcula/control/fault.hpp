@@ -44,6 +44,9 @@ enum class Fault : std::uint8_t {
   spring_loose = 29,
   beyond_envelope = 30,
   parameters_implausible = 31,
+  falling = 32,
+  clutch_not_engaged = 33,
+  imu_implausible = 34,
 };
 
 struct FaultInfo {
@@ -53,7 +56,7 @@ struct FaultInfo {
   std::string_view remedy;  ///< what a person should do
 };
 
-inline constexpr std::size_t kFaultCount = 32;
+inline constexpr std::size_t kFaultCount = 35;
 inline constexpr std::array<FaultInfo, kFaultCount> kFaults{{
     {Fault::none, "none", "No fault.", "Nothing."},
     {Fault::bad_configuration, "bad_configuration",
@@ -140,6 +143,14 @@ inline constexpr std::array<FaultInfo, kFaultCount> kFaults{{
      "than at touch-down, or a stance's spring is not the one of the parameters.",
      "Correct the parameters that describe the robot (height_metres_per_count, link_length_m, touchdown_height_m, "
      "spring_npm, spring_rest_m), or look at the height encoder and the leg angle's reference; then reset."},
+    {Fault::falling, "falling", "The walking robot tips over or sinks: its drives only brake.",
+     "Look at what pushed it or where it stepped; lift it onto its stand; then reset."},
+    {Fault::clutch_not_engaged, "clutch_not_engaged",
+     "A joint's pin did not come to its place in time, or left it in a walk.",
+     "Look at the pin, its servo and its supply, and at what lies in its hole; then reset."},
+    {Fault::imu_implausible, "imu_implausible",
+     "The IMU repeats itself, measures what cannot be, or contradicts the joints of the leg that stands.",
+     "Check that it is screwed on and which way, its supply and its range; then reset."},
 }};
 
 constexpr const FaultInfo& info(Fault fault) { return kFaults[static_cast<std::size_t>(fault)]; }

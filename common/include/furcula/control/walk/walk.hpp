@@ -64,7 +64,7 @@ struct WalkState {
   T total_s{}, since_s{};                      ///< of all; of the phase
   T inverse_blend_1ps{}, end_s{};              ///< of the phase
   T left{}, walks{}, stops{}, lands{};  ///< 1 or 0: stance on the left, in up or down, in stop, in down
-  dynamics::biped::Joints<T> from_rad, change_rad;
+  dynamics::biped::Joints<T> from_rad{}, change_rad{};
 };
 
 /// A leg's targets in plain numbers, as its joints come.
@@ -207,8 +207,9 @@ WalkState<T> begin_walk(const WalkConfig<T>& c) {
 template <class T>
 struct WalkOutputs {
   dynamics::biped::Joints<T> target_rad;  ///< of the drives
-  Balance<T> balance;  ///< about the stance foot's ankle; in `stop` about the middle of the feet
-  Vec3<T> apart_m;     ///< the left ankle from the right one, in the pelvis frame's axes
+  Balance<T> balance;    ///< about the stance foot's ankle; in `stop` about the middle of the feet
+  Vec3<T> apart_m;       ///< the left ankle from the right one, in the pelvis frame's axes
+  Vec3<T> left_ankle_m;  ///< from the pelvis frame's origin, in its axes
 };
 
 /// One tick, `dt_s` after the last.
@@ -239,6 +240,7 @@ FURCULA_INLINE void step_walk(const WalkConfig<T>& c, const WalkSample<T>& in, d
   const T middle = V(0.5) * s.stops, left = select(s.stops > V(0.5), middle, s.left), right = one - left;
   out.balance = balance(c.body, c.inverse_mass_1pkg, legs, in.attitude, in.gyro_radps, left, right);
   out.apart_m = ankles_apart<T>(legs);
+  out.left_ankle_m = left_ankle<T>(legs);
   const Balance<T>& b = out.balance;
   const auto& g = c.walk.gains;
   const T swings_left = one - V(2) * s.left;  // the swing leg's side

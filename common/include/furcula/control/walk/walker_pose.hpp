@@ -74,6 +74,15 @@ FURCULA_INLINE dynamics::tree::Vec3<T> ankles_apart(
           Legs<T>::read(l.z, kLeft) - Legs<T>::read(r.z, kRight)};
 }
 
+/// The left ankle from the pelvis frame's origin, in its axes.
+template <class T>
+FURCULA_INLINE dynamics::tree::Vec3<T> left_ankle(
+    const dynamics::biped::PerLeg<T, LegPose<dynamics::biped::LegScalar<T>>>& legs) {
+  using namespace dynamics::biped;
+  const auto& l = legs[Legs<T>::pass(kLeft)].ankle_m;
+  return {Legs<T>::read(l.x, kLeft), Legs<T>::read(l.y, kLeft), Legs<T>::read(l.z, kLeft)};
+}
+
 /// The centre of mass from a point of the feet, horizontally: along their heading and to its left; m and m/s.
 template <class T>
 struct Balance {

@@ -70,15 +70,15 @@ template <class T>
 struct Parameters {
   using L = LegScalar<T>;
 
-  Inertia<T> pelvis;                                    ///< about P's origin
-  PerLeg<T, std::array<Inertia<L>, kLegJoints>> links;  ///< about the links' origins
-  PerLeg<T, std::array<Vec3<L>, kLegJoints>> offsets_m;
-  PerLeg<T, std::array<Vec3<L>, kVertices>> vertices_m;  ///< front left, front right, rear left, rear right
-  PerLeg<T, std::array<Drive<L>, kLegJoints>> drives;
-  PerLeg<T, std::array<Clutch<L>, kClutches>> clutches;
-  Ground<T> ground;
-  T creep_radps;
-  Vec3<T> gravity_mps2;  ///< in the ground's frame
+  Inertia<T> pelvis{};                                    ///< about P's origin
+  PerLeg<T, std::array<Inertia<L>, kLegJoints>> links{};  ///< about the links' origins
+  PerLeg<T, std::array<Vec3<L>, kLegJoints>> offsets_m{};
+  PerLeg<T, std::array<Vec3<L>, kVertices>> vertices_m{};  ///< front left, front right, rear left, rear right
+  PerLeg<T, std::array<Drive<L>, kLegJoints>> drives{};
+  PerLeg<T, std::array<Clutch<L>, kClutches>> clutches{};
+  Ground<T> ground{};
+  T creep_radps{};
+  Vec3<T> gravity_mps2{};  ///< in the ground's frame
 
   Parameters() = default;
   explicit Parameters(const Description& d)
