@@ -1,4 +1,4 @@
-// The fixed part of the blind suite for robots: nine small cases that `furcula diagnose` must answer rightly.
+// The fixed part of the blind suite for robots: twelve small cases that `furcula diagnose` must answer rightly.
 #include <catch2/catch.hpp>
 #include <filesystem>
 
@@ -10,11 +10,12 @@
 namespace furcula::hidden::trees {
 namespace {
 
-void ask(std::uint64_t seed, Tier tier, std::size_t joints, const std::vector<std::string>& effects) {
-  const Case c = draw_case({.seed = seed, .tier = tier, .joints = joints, .effects = effects, .brief = true});
-  const std::string folder = (std::filesystem::temp_directory_path() /
-                              ("furcula-trees-" + std::string(name(tier)) + "-" + std::to_string(seed)))
-                                 .string();
+void ask(const Question& draw) {
+  const Case c = draw_case(draw);
+  const std::string folder =
+      (std::filesystem::temp_directory_path() / ("furcula-trees-" + std::string(draw.leg ? "leg-" : "") +
+                                                 std::string(name(draw.tier)) + "-" + std::to_string(draw.seed)))
+          .string();
   const auto logs = write_case(c, folder);
   const std::string refused = diagnosed(test::program("furcula"), folder, logs, c.held_out, 280);
   INFO("planted " << label(c.planted) << "; kept in " << folder << "; " << refused);
@@ -26,6 +27,14 @@ void ask(std::uint64_t seed, Tier tier, std::size_t joints, const std::vector<st
   INFO("verdict " << d.verdict << "; found " << label(found) << ": " << j.how);
   REQUIRE(j.right);
   std::filesystem::remove_all(folder);
+}
+
+void ask(std::uint64_t seed, Tier tier, std::size_t joints, const std::vector<std::string>& effects) {
+  ask({.seed = seed, .tier = tier, .joints = joints, .effects = effects, .brief = true});
+}
+
+void ask_of_leg(std::uint64_t seed, Tier tier, const std::vector<std::string>& effects) {
+  ask({.seed = seed, .tier = tier, .joints = 4, .effects = effects, .brief = true, .leg = true});
 }
 
 }  // namespace
@@ -58,6 +67,16 @@ TEST_CASE("A constant torque and a weak drive are named beside each other", "[tr
 
 TEST_CASE("A periodic torque at a robot gets no sure name", "[trees]") {
   ask(16, Tier::outside, 2, {"periodic_torque"});
+}
+
+TEST_CASE("A leg that hops as its model says is adequate", "[trees]") { ask_of_leg(31, Tier::clean, {}); }
+
+TEST_CASE("A spring that catches late at a hopping leg's knee is named", "[trees]") {
+  ask_of_leg(32, Tier::large, {"latch_delay"});
+}
+
+TEST_CASE("A longer shank of a hopping leg is named", "[trees]") {
+  ask_of_leg(33, Tier::large, {"length_error"});
 }
 
 }  // namespace furcula::hidden::trees

@@ -79,6 +79,36 @@ TEST_CASE("Windows lie side by side, none over a gap") {
              Contains("long enough for a window"));
 }
 
+TEST_CASE("Starts that are hardly known spoil no fit, though the motion is no linear function of them") {
+  const trees::TreeModel truth = test::double_pendulum("[drive.elbow]\ndamping_nmspr = 0.08\n");
+  const trees::TreeModel model =
+      test::double_pendulum("[free]\n\"damping_nmspr.elbow\" = [0.0, 1.0]\n");
+  const auto all = recordings(model, test::logs(truth, 3, 6.0, 10));
+  std::vector<trees::Window> windows = trees::windows_of(model, all, 0.3, 60);
+  std::mt19937_64 random(4);
+  std::normal_distribution<double> normal;
+  constexpr double kOff_radps = 6.0;
+  for (trees::Window& w : windows)
+    for (std::size_t j = 0; j < 2; ++j) {
+      w.velocity_radps[j] += kOff_radps * normal(random);
+      w.start_precision(static_cast<Eigen::Index>(2 + j)) = 1.0 / (kOff_radps * kOff_radps);
+    }
+  const auto fitted = [&](const std::vector<trees::Window>& of) {
+    trees::Problem problem(model, all, of, 2);
+    problem.weigh({model.drives, {}});
+    trees::Fit fit = problem.fit({model.drives, {}}, 6);
+    problem.weigh(fit.at);
+    return problem.fit(fit.at, 6);
+  };
+  const trees::Fit good = fitted(trees::windows_of(model, all, 0.3, 60)), spoilt = fitted(windows);
+  const double sd = std::sqrt(good.covariance(0, 0)), off = std::sqrt(spoilt.covariance(0, 0));
+  INFO(good.at.drives[1].damping_nmspr << " +- " << sd << ", " << spoilt.at.drives[1].damping_nmspr << " +- "
+                                       << off);
+  CHECK(off < 1.5 * sd);
+  CHECK(std::abs(spoilt.at.drives[1].damping_nmspr - good.at.drives[1].damping_nmspr) < 2.0 * sd);
+  CHECK(std::abs(spoilt.at.drives[1].damping_nmspr - 0.08) < 3.0 * off);
+}
+
 TEST_CASE("A fit finds the damping that logs were made with, within its interval") {
   trees::TreeModel truth = test::double_pendulum("[drive.elbow]\ndamping_nmspr = 0.08\n");
   const trees::TreeModel model = test::double_pendulum(
