@@ -265,7 +265,8 @@ void add_walk_command(CLI::App& app) {
   find->add_option("--mode", o->mode, "active, or semi_passive: both hips' pitch on their springs")
       ->check(CLI::IsMember({"active", "semi_passive"}))
       ->capture_default_str();
-  find->add_option("--method", o->method, "How it is sought")
+  find->add_option("--method", o->method,
+                   "How it is sought: CMA-ES, ESCH of NLopt, or mutation and Nelder-Mead in turns")
       ->check(CLI::IsMember(std::vector<std::string>(walk::kMethodNames.begin(), walk::kMethodNames.end())))
       ->capture_default_str();
   find->add_option("--seed", o->seed, "Of the search")->capture_default_str();

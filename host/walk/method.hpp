@@ -14,8 +14,8 @@
 
 namespace furcula::walk {
 
-enum class MethodKind : std::uint8_t { cmaes };
-inline constexpr std::array<std::string_view, 1> kMethodNames{"cmaes"};
+enum class MethodKind : std::uint8_t { cmaes, esch, mutation };
+inline constexpr std::array<std::string_view, 3> kMethodNames{"cmaes", "esch", "mutation"};
 
 class Method {
  public:

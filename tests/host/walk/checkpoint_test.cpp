@@ -1,6 +1,7 @@
 // Checkpoints: an interrupted search gives what it gives without; what cannot be gone on with is said.
 #include "host/walk/checkpoint.hpp"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <filesystem>
@@ -17,17 +18,18 @@ using Catch::Matchers::Contains;
 
 namespace {
 
-/// In place of simulation: the cost of transport is a bowl in shares of the ranges, and a third of space falls.
+/// In place of simulation: the cost of transport is a bowl in shares of the ranges, with a flat bottom, and some of space falls.
 std::vector<Rollout> bowl(const std::vector<Parameters>& walks) {
   std::vector<Rollout> out;
   for (const Parameters& w : walks) {
     Rollout r;
     const auto values = w.values();
-    r.cot = 2.0;
+    double away = 0.0;
     for (std::size_t i = 0; i < values.size(); ++i) {
       const auto& p = control::kWalkParameters[i];
-      r.cot += 10.0 * std::pow((values[i] - p.least) / (p.most - p.least) - 0.4, 2);
+      away += std::pow((values[i] - p.least) / (p.most - p.least) - 0.4, 2);
     }
+    r.cot = 2.0 + 10.0 * std::max(away, 0.2);
     r.ending = values[3] > 0.9 ? Ending::fell : Ending::stands;
     r.time_s = r.ending == Ending::fell ? 3.0 : 10.0;
     r.distance_m = 1.0;
@@ -89,8 +91,8 @@ TEST_CASE("a search that is interrupted and goes on is the one that was not, res
     INFO(kMethodNames[method]);
     const SearchResult whole = search_walk(dynamics::biped::design(), options);
     CHECK_FALSE(whole.interrupted);
-    CHECK(whole.state.history.size() > 20);
-    CHECK(whole.restarts > 0);
+    CHECK(whole.state.history.size() > 8);
+    if (options.method != MethodKind::esch) CHECK(whole.restarts > 0);
     const SearchResult pieces = in_pieces(options, 37);
     check_same(pieces.state, whole.state);
     CHECK(pieces.walk.values() == whole.walk.values());
