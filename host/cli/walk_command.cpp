@@ -1,4 +1,6 @@
 // `furcula walk`: walks of the biped, found without a first guess, and simulated.
+#include "host/cli/walk_command.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -10,6 +12,8 @@
 #include <string>
 #include <system_error>
 #include <thread>
+#include <utility>
+#include <vector>
 
 #include "host/cli/commands.hpp"
 #include "host/cli/errors.hpp"
@@ -109,7 +113,7 @@ void say_evidence(const walk::Evidence& evidence) {
                     : std::string(walk::kEndingNames[static_cast<std::size_t>(t.rollout.ending)]).c_str());
 }
 
-void search(const WalkOptions& o) {
+void search(const WalkOptions& o, const Distribute& distribute) {
   if (o.seconds.has_value() == o.steps.has_value()) throw UsageError("expected one of --seconds and --steps");
   if (o.seconds && !(*o.seconds > 0.0 && *o.seconds <= 1e6))
     throw UsageError("--seconds " + core::shortest(*o.seconds) +
@@ -145,6 +149,7 @@ void search(const WalkOptions& o) {
   };
   heed_signals();
   options.interrupted = [] { return search_interrupted != 0; };
+  if (distribute) distribute(model.robot, options);
   walk::SearchResult found;
   std::optional<walk::Evidence> evidence;
   {
@@ -252,8 +257,11 @@ void simulate(const WalkOptions& o) {
 
 }  // namespace
 
-void add_walk_command(CLI::App& app) {
+void add_walk_command(CLI::App& app) { add_walk_command(app, {}); }
+
+void add_walk_command(CLI::App& app, Distribute distribute) {
   auto o = std::make_shared<WalkOptions>();
+  if (distribute) o->threads = 1;
   o->mode = walk::kModeNames.front();
   o->method = walk::kMethodNames.front();
   CLI::App* command =
@@ -273,7 +281,8 @@ void add_walk_command(CLI::App& app) {
   find->add_option("--seconds", o->seconds, "How long");
   find->add_option("--steps", o->steps,
                    "How long, in steps of simulation: one seed then gives one walk, whatever --threads");
-  find->add_option("--threads", o->threads, "Without it as many as processors");
+  find->add_option("--threads", o->threads,
+                   distribute ? "Of each process; without it 1" : "Without it as many as processors");
   find->add_option(
       "--resume", o->resume,
       "Goes on from a checkpoint, DIR/search.checkpoint, of the same search; its budget is the whole one's");
@@ -282,7 +291,7 @@ void add_walk_command(CLI::App& app) {
           "Folder for walk.toml, walk.json, report.html and search.checkpoint, which is written every 10 s and at the end, "
           "on SIGINT (Ctrl-C) and SIGTERM too")
       ->required();
-  find->callback([o] { search(*o); });
+  find->callback([o, distribute = std::move(distribute)] { search(*o, distribute); });
 
   CLI::App* run = command->add_subcommand("sim", "A walk as a log");
   run->add_option("--model", o->model, "Model file of kind biped")->required();

@@ -143,7 +143,10 @@ class Search {
         break;
       }
       if (o_.progress) o_.progress(share, doing(best_, asked_s_));
-      generation();
+      if (!generation()) {
+        out.interrupted = true;
+        break;
+      }
       if (o_.keep && wall_s() - kept_s_ >= o_.keep_every_s) keep();
     }
     if (o_.keep) keep();
@@ -158,7 +161,9 @@ class Search {
   double wall_s() const {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count();
   }
-  double cpu_s() const { return before_cpu_s_ + cpu_now_s() - cpu_begin_s_; }
+  double cpu_s() const {
+    return before_cpu_s_ + cpu_now_s() - cpu_begin_s_ + (o_.cpu_elsewhere_s ? o_.cpu_elsewhere_s() : 0.0);
+  }
 
   double spent() const {
     double share = 0.0;
@@ -167,12 +172,14 @@ class Search {
     return share;
   }
 
-  void generation() {
+  /// False: it was given up.
+  bool generation() {
     const std::vector<Vector>& points = method_->ask();
     std::vector<Parameters> walks;
     for (const Vector& x : points) walks.push_back(space_.walk(x));
     const std::vector<Rollout> rollouts =
         o_.run ? o_.run(walks) : run_walks(robot_, o_.rollout, walks, o_.threads);
+    if (rollouts.size() != walks.size()) return false;
     std::vector<double> values;
     for (std::size_t i = 0; i < walks.size(); ++i) {
       const Rollout& r = rollouts[i];
@@ -195,6 +202,7 @@ class Search {
     }
     method_->tell(values,
                   s_.bests.empty() ? Vector(Vector::Zero(space_.size())) : space_.at(s_.bests.back()));
+    return true;
   }
 
   void update() {

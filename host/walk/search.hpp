@@ -62,8 +62,10 @@ struct SearchOptions {
   /// Gets the state every `keep_every_s` of wall time, and at the end.
   std::function<void(const SearchState&)> keep;
   double keep_every_s = 10.0;
-  /// Runs a generation; without it run_walks does.
+  /// Runs a generation; without it run_walks does. Nothing: the generation was given up, and the search ends as interrupted.
   std::function<std::vector<Rollout>(const std::vector<Parameters>&)> run;
+  /// Processor time that `run` has taken in other processes so far, s.
+  std::function<double()> cpu_elsewhere_s;
 };
 
 struct SearchResult {
