@@ -1,5 +1,10 @@
 // `furcula walk`: walks of the biped, found without a first guess, and simulated.
+#include "host/cli/walk_command.hpp"
+
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <csignal>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -7,14 +12,20 @@
 #include <string>
 #include <system_error>
 #include <thread>
+#include <utility>
+#include <vector>
 
 #include "host/cli/commands.hpp"
 #include "host/cli/errors.hpp"
 #include "host/cli/progress.hpp"
 #include "host/cli/recordings.hpp"
 #include "host/core/atomic_file.hpp"
+#include "host/core/error.hpp"
 #include "host/core/message.hpp"
+#include "host/core/own_build.hpp"
 #include "host/log/writer.hpp"
+#include "host/walk/checkpoint.hpp"
+#include "host/walk/postures.hpp"
 #include "host/walk/simulation.hpp"
 #include "host/walk/walk_file.hpp"
 #include "host/walk/walk_report.hpp"
@@ -23,7 +34,7 @@ namespace furcula::cli {
 namespace {
 
 struct WalkOptions {
-  std::string model, out, mode, method = "cmaes", walk;
+  std::string model, out, mode, method, walk, resume;
   std::optional<double> seconds;
   std::optional<std::int64_t> steps;
   std::optional<std::uint64_t> sensor_seed;
@@ -54,7 +65,55 @@ void say(const walk::Rollout& r, const walk::WalkLimits& limits) {
   for (const std::string& limit : walk::broken_limits(r, limits)) std::printf("limit: %s\n", limit.c_str());
 }
 
-void search(const WalkOptions& o) {
+constexpr const char* kCheckpoint = "/search.checkpoint";
+
+volatile std::sig_atomic_t search_interrupted = 0;
+
+/// The first one ends a search in order, the second one at once. One that is ignored (nohup) stays so.
+void heed_signals() {
+  const auto heard = [](int signal) {
+    search_interrupted = 1;
+    std::signal(signal, SIG_DFL);
+  };
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP})
+    if (std::signal(signal, heard) == SIG_IGN) std::signal(signal, SIG_IGN);
+}
+
+template <std::size_t N>
+std::size_t place_of(const std::string& name, const std::array<std::string_view, N>& names) {
+  return static_cast<std::size_t>(std::find(names.begin(), names.end(), name) - names.begin());
+}
+
+/// Where a search goes on.
+walk::SearchState state_of(const WalkOptions& o, const walk::Settings& settings) {
+  walk::FoundCheckpoint found = walk::read_checkpoint(o.resume);
+  if (!found.note.empty()) std::fprintf(stderr, "furcula: %s\n", core::printable(found.note).c_str());
+  if (const std::string other = walk::difference(found.checkpoint.settings, settings); !other.empty())
+    throw UsageError("--resume " + found.file + ": of another search: " + other);
+  if (found.checkpoint.build != core::own_build_id())
+    std::fprintf(
+        stderr,
+        "furcula: %s: written by another build of furcula; the search goes on, and need not give what one without an "
+        "interruption gives\n",
+        core::printable(found.file).c_str());
+  std::fprintf(stderr, "furcula: goes on after %.1f million steps\n",
+               1e-6 * static_cast<double>(found.checkpoint.state.steps));
+  return std::move(found.checkpoint.state);
+}
+
+void say_evidence(const walk::Evidence& evidence) {
+  std::printf("with steps of 1 to 0.125 ms: cost of transport");
+  for (const walk::Trial& t : evidence.steps) std::printf(" %.4g", t.rollout.cot);
+  std::printf("\nwith sensors that err: %u of %u stand, %u keep all limits\n", evidence.noisy_stand,
+              evidence.noisy, evidence.noisy_keep_limits);
+  for (const walk::Trial& t : evidence.changed)
+    std::printf("%s: %s\n", t.what.c_str(),
+                t.rollout.over > 0.0 && t.rollout.ending == walk::Ending::stands
+                    ? "stands, beyond a limit"
+                    : std::string(walk::kEndingNames[static_cast<std::size_t>(t.rollout.ending)]).c_str());
+}
+
+void search(const WalkOptions& o, const Distribute& distribute) {
   if (o.seconds.has_value() == o.steps.has_value()) throw UsageError("expected one of --seconds and --steps");
   if (o.seconds && !(*o.seconds > 0.0 && *o.seconds <= 1e6))
     throw UsageError("--seconds " + core::shortest(*o.seconds) +
@@ -64,14 +123,33 @@ void search(const WalkOptions& o) {
   if (o.threads > 1024)
     throw UsageError("--threads " + std::to_string(o.threads) + ": expected at most 1024");
   const walk::Model model = walk::read_model(o.model);
-  const OutFolder folder(o.out);
   walk::SearchOptions options;
-  options.rollout =
-      rollout_of(model, o.mode == "active" ? walk::WalkMode::active : walk::WalkMode::semi_passive, 5.0);
+  options.rollout = rollout_of(model, static_cast<walk::WalkMode>(place_of(o.mode, walk::kModeNames)), 5.0);
+  options.method = static_cast<walk::MethodKind>(place_of(o.method, walk::kMethodNames));
   options.seed = o.seed;
   options.seconds = o.seconds;
   if (o.steps) options.steps = static_cast<std::uint64_t>(*o.steps);
   options.threads = o.thread_count();
+  if (const std::string limit = walk::limit_of_no_posture(model.robot, options.rollout); !limit.empty())
+    throw core::DataError(o.model + ": " + limit);
+  const walk::Settings settings = walk::settings_of(model, options, "furcula " FURCULA_VERSION);
+  if (!o.resume.empty()) options.from = state_of(o, settings);
+
+  const OutFolder folder(o.out);
+  const std::string checkpoint = o.out + kCheckpoint;
+  std::string not_kept;
+  options.keep = [&](const walk::SearchState& state) {
+    // A disk that is full for a while is no reason to lose the search.
+    try {
+      walk::write_checkpoint({settings, core::own_build_id(), state}, checkpoint);
+      not_kept.clear();
+    } catch (const core::OutputError& e) {
+      not_kept = e.what();
+    }
+  };
+  heed_signals();
+  options.interrupted = [] { return search_interrupted != 0; };
+  if (distribute) distribute(model.robot, options);
   walk::SearchResult found;
   std::optional<walk::Evidence> evidence;
   {
@@ -85,39 +163,40 @@ void search(const WalkOptions& o) {
           model.robot, options.rollout, found.walk, options.threads,
           [&](double fraction) { progress.update(0.98 + 0.02 * fraction, "the walk again, with errors"); });
   }
+  if (!not_kept.empty()) throw core::OutputError(not_kept);
   const walk::Walk walk{model.name, options.rollout.mode, options.rollout.walk_until_s, found.walk};
   const std::string command =
-      "furcula walk search --model " + o.model + " --mode " + o.mode + " --seed " + std::to_string(o.seed) +
+      "furcula walk search --model " + o.model + " --mode " + o.mode + " --method " + o.method + " --seed " +
+      std::to_string(o.seed) +
       (o.steps ? " --steps " + std::to_string(*o.steps) : " --seconds " + core::shortest(*o.seconds)) +
       " --out " + o.out;
+  const walk::SearchState& end = found.state;
   core::write_files_together(std::vector<core::NewFile>{
       {o.out + "/walk.toml", walk::format_walk(walk)},
       {o.out + "/walk.json", walk::to_json_text(found, evidence, options, model)},
       {o.out + "/report.html", walk::render_walk_report(model, options.rollout, found.walk, found.rollout,
-                                                        found.history, evidence, command)}});
-  if (found.first_walk)
+                                                        end.history, evidence, command)}});
+  if (end.first_walk)
     std::printf("first walk of 10 s within all limits after %.1f s of one processor, %llu walks tried\n",
-                found.first_walk->cpu_s, static_cast<unsigned long long>(found.first_walk->rollouts));
+                end.first_walk->cpu_s, static_cast<unsigned long long>(end.first_walk->rollouts));
   say(found.rollout, model.limits);
-  if (evidence) {
-    std::printf("with steps of 1 to 0.125 ms: cost of transport");
-    for (const walk::Trial& t : evidence->steps) std::printf(" %.4g", t.rollout.cot);
-    std::printf("\nwith sensors that err: %u of %u stand, %u keep all limits\n", evidence->noisy_stand,
-                evidence->noisy, evidence->noisy_keep_limits);
-    for (const walk::Trial& t : evidence->changed)
-      std::printf("%s: %s\n", t.what.c_str(),
-                  t.rollout.over > 0.0 && t.rollout.ending == walk::Ending::stands
-                      ? "stands, beyond a limit"
-                      : std::string(walk::kEndingNames[static_cast<std::size_t>(t.rollout.ending)]).c_str());
-  }
+  if (evidence) say_evidence(*evidence);
+  if (end.not_finite > 0)
+    std::printf("%llu of %llu walks had an objective that is no number, and were left out\n",
+                static_cast<unsigned long long>(end.not_finite),
+                static_cast<unsigned long long>(end.rollouts));
   std::printf(
       "%.1f million steps in %.1f s of one processor, %.2f million a second; report: %s/report.html\n",
-      1e-6 * static_cast<double>(found.steps), found.cpu_s,
-      1e-6 * static_cast<double>(found.steps) / found.cpu_s, core::printable(o.out).c_str());
+      1e-6 * static_cast<double>(end.steps), end.cpu_s, 1e-6 * static_cast<double>(end.steps) / end.cpu_s,
+      core::printable(o.out).c_str());
+  if (found.interrupted)
+    std::printf("interrupted; the same command with --resume %s goes on\n",
+                core::printable(checkpoint).c_str());
   if (!found.found)
-    throw Refusal(
-        "no walk within all limits that gets ahead was found in this budget; walk.toml has what came nearest. Expected: more --seconds "
-        "or --steps, or wider [limits]");
+    throw Refusal(std::string("no walk within all limits that gets ahead was found ") +
+                  (found.interrupted ? "before the interruption" : "in this budget") +
+                  "; walk.toml has what came nearest. Expected: more --seconds or --steps (with --resume " +
+                  checkpoint + "), or wider [limits]");
 }
 
 /// The walk of `--walk`, which has to be the model's robot's.
@@ -178,9 +257,13 @@ void simulate(const WalkOptions& o) {
 
 }  // namespace
 
-void add_walk_command(CLI::App& app) {
+void add_walk_command(CLI::App& app) { add_walk_command(app, {}); }
+
+void add_walk_command(CLI::App& app, Distribute distribute) {
   auto o = std::make_shared<WalkOptions>();
+  if (distribute) o->threads = 1;
   o->mode = walk::kModeNames.front();
+  o->method = walk::kMethodNames.front();
   CLI::App* command =
       app.add_subcommand("walk", "Walks of the biped: found without a first guess, and simulated");
   command->require_subcommand(1);
@@ -190,16 +273,25 @@ void add_walk_command(CLI::App& app) {
   find->add_option("--mode", o->mode, "active, or semi_passive: both hips' pitch on their springs")
       ->check(CLI::IsMember({"active", "semi_passive"}))
       ->capture_default_str();
-  find->add_option("--method", o->method, "How it is sought")
-      ->check(CLI::IsMember({"cmaes"}))
+  find->add_option("--method", o->method,
+                   "How it is sought: CMA-ES, ESCH of NLopt, or mutation and Nelder-Mead in turns")
+      ->check(CLI::IsMember(std::vector<std::string>(walk::kMethodNames.begin(), walk::kMethodNames.end())))
       ->capture_default_str();
   find->add_option("--seed", o->seed, "Of the search")->capture_default_str();
   find->add_option("--seconds", o->seconds, "How long");
   find->add_option("--steps", o->steps,
                    "How long, in steps of simulation: one seed then gives one walk, whatever --threads");
-  find->add_option("--threads", o->threads, "Without it as many as processors");
-  find->add_option("--out", o->out, "Folder for walk.toml, walk.json and report.html")->required();
-  find->callback([o] { search(*o); });
+  find->add_option("--threads", o->threads,
+                   distribute ? "Of each process; without it 1" : "Without it as many as processors");
+  find->add_option(
+      "--resume", o->resume,
+      "Goes on from a checkpoint, DIR/search.checkpoint, of the same search; its budget is the whole one's");
+  find->add_option(
+          "--out", o->out,
+          "Folder for walk.toml, walk.json, report.html and search.checkpoint, which is written every 10 s and at the end, "
+          "on SIGINT (Ctrl-C) and SIGTERM too")
+      ->required();
+  find->callback([o, distribute = std::move(distribute)] { search(*o, distribute); });
 
   CLI::App* run = command->add_subcommand("sim", "A walk as a log");
   run->add_option("--model", o->model, "Model file of kind biped")->required();

@@ -11,30 +11,37 @@ namespace furcula::walk {
 
 class CmaEs {
  public:
+  /// All that it goes on from.
+  struct State {
+    std::size_t population = 4;
+    std::uint64_t seed = 1, generation = 0, decomposed = 0;
+    double sigma = 0.0;
+    Eigen::VectorXd mean, path, path_sigma, axes;
+    Eigen::MatrixXd covariance, directions;
+  };
+
   /// Of `population` points a generation, at least 4. A seed gives one sequence of points for one sequence of values.
   CmaEs(const Eigen::VectorXd& mean, double sigma, std::size_t population, std::uint64_t seed);
+  explicit CmaEs(State state);
 
-  /// The points of the next generation.
+  /// The points of the next generation; the same ones until it is told.
   const std::vector<Eigen::VectorXd>& ask();
   /// Their values, the least best; a tie is the earlier point's. What is not a number is the worst.
   void tell(std::span<const double> values);
 
-  const Eigen::VectorXd& mean() const { return mean_; }
-  double sigma() const { return sigma_; }
+  const State& state() const { return s_; }
+  const Eigen::VectorXd& mean() const { return s_.mean; }
+  double sigma() const { return s_.sigma; }
   /// The longest axis of the points' ellipsoid, one standard deviation.
-  double spread() const { return sigma_ * axes_.maxCoeff(); }
-  std::uint64_t generation() const { return generation_; }
+  double spread() const { return s_.sigma * s_.axes.maxCoeff(); }
+  std::uint64_t generation() const { return s_.generation; }
 
  private:
   void decompose();
 
-  std::size_t population_;
-  std::uint64_t seed_, generation_ = 0, decomposed_ = 0;
+  State s_;
   Eigen::VectorXd weights_;
   double mu_eff_, c_path_, c_sigma_, c_one_, c_mu_, damping_, expected_;
-  Eigen::VectorXd mean_, path_, path_sigma_, axes_;
-  Eigen::MatrixXd covariance_, directions_;
-  double sigma_;
   std::vector<Eigen::VectorXd> steps_, points_;
 };
 

@@ -67,20 +67,22 @@ struct Rollout {
 
   double energy_j() const { return work_j + copper_j + constant_j; }
   bool keeps_limits() const { return ending == Ending::stands && over == 0.0; }
-  /// 000 eq. 2, with grades where that has none: from 2 on a fall, 1 to 2 beyond a limit, below 1 a walk; 1 stands on the spot.
+  /// 000 eq. 2, with grades where that has none: from 2 on a fall, 1 to 2 beyond a limit, below 1 a walk; 1 stands on the spot. Not a
+  /// number where one of the figures is none.
   double objective(double time_asked_s) const {
     if (ending != Ending::stands) return 1.0 + time_asked_s / std::max(time_s, 1e-3);
-    if (over > 0.0) return 1.0 + std::min(1.0, 0.3 * over);
+    if (over != 0.0) return 1.0 + price();
     return ahead();
   }
   /// The same for a search to descend: what is beyond a limit is a price, and not a wall behind which the cost of transport counts for
   /// nothing.
   double value(double time_asked_s) const {
-    return ending == Ending::stands ? ahead() + std::min(1.0, 0.3 * over) : objective(time_asked_s);
+    return ending == Ending::stands ? ahead() + price() : objective(time_asked_s);
   }
 
  private:
-  double ahead() const { return std::isfinite(cot) ? 1.0 / (1.0 + 1.0 / cot) : 1.0; }
+  double ahead() const { return std::isinf(cot) ? 1.0 : 1.0 / (1.0 + 1.0 / cot); }
+  double price() const { return std::min(0.3 * over, 1.0); }  // in this order: what is no number stays none
 };
 
 }  // namespace furcula::walk

@@ -5,22 +5,20 @@
 #include <chrono>
 #include <cmath>
 #include <ctime>
+#include <exception>
 #include <limits>
+#include <memory>
+#include <utility>
 
+#include "host/core/error.hpp"
 #include "host/core/message.hpp"
 #include "host/core/parallel.hpp"
-#include "host/walk/cma_es.hpp"
 #include "host/walk/lanes.hpp"
 #include "host/walk/walkers.hpp"
 
 namespace furcula::walk {
 namespace {
 
-constexpr std::size_t kFirstPopulation = 32;
-constexpr double kFirstSpread = 0.2, kNextSpread = 0.1;  // of a parameter's range
-/// Converged: no better by so much in so many generations.
-constexpr double kBetter = 1e-3;
-constexpr std::uint64_t kPatience = 60;
 constexpr std::size_t kMostKept = 64;  // bests to fall back on
 
 using Vector = Eigen::VectorXd;
@@ -54,6 +52,10 @@ class Space {
     }
     return sum;
   }
+  /// The ranges' lower and upper ends.
+  Vector least() const { return end(&control::WalkParameterInfo::least); }
+  Vector most() const { return end(&control::WalkParameterInfo::most); }
+
   Vector at(const Parameters& walk) const {
     const auto values = walk.values();
     Vector x(size());
@@ -68,6 +70,14 @@ class Space {
   double value(const Vector& x, std::size_t k) const {
     const auto& p = control::kWalkParameters[used_[k]];
     return p.start + x(static_cast<Eigen::Index>(k)) * (p.most - p.least);
+  }
+  Vector end(double control::WalkParameterInfo::*which) const {
+    Vector x(size());
+    for (std::size_t k = 0; k < used_.size(); ++k) {
+      const auto& p = control::kWalkParameters[used_[k]];
+      x(static_cast<Eigen::Index>(k)) = (p.*which - p.start) / (p.most - p.least);
+    }
+    return x;
   }
   std::vector<std::size_t> used_;
 };
@@ -98,84 +108,148 @@ Rollout run_walk(const dynamics::biped::Description& robot, const RolloutOptions
   return Walkers<double>(robot, robot, options).run_one(walk);
 }
 
-SearchResult search_walk(const dynamics::biped::Description& robot, const SearchOptions& options) {
-  const Space space(options.rollout.mode);
-  const double asked_s = options.rollout.time_s, cpu_begin = cpu_now_s();
-  const auto begin = std::chrono::steady_clock::now();
-  SearchResult out;
-  // The bests so far, the last the best: float may keep a limit that double misses by a hair.
-  std::vector<Parameters> bests;
-  Rollout best;
-  best.time_s = 0.0;
-  double best_value = std::numeric_limits<double>::infinity();
+namespace {
 
-  std::size_t population = kFirstPopulation;
-  CmaEs strategy(Vector::Zero(space.size()), kFirstSpread, population, options.seed);
-  double round_best = best_value, last_better = best_value;
-  std::uint64_t waited = 0;
-  const auto spent = [&] {
+constexpr double kNone = std::numeric_limits<double>::infinity();
+
+/// A search as it goes on.
+class Search {
+ public:
+  Search(const dynamics::biped::Description& robot, const SearchOptions& options)
+      : robot_(robot),
+        o_(options),
+        space_(options.rollout.mode),
+        method_(make_method(options.method, space_.least(), space_.most(), options.seed)) {
+    best_.time_s = 0.0;
+    if (!o_.from) return;
+    s_ = *o_.from;
+    try {
+      method_->restore(s_.method);
+    } catch (const std::exception& e) {
+      throw core::DataError(std::string("the checkpoint holds no state of its method: ") + e.what());
+    }
+    before_cpu_s_ = s_.cpu_s;
+    before_s_ = s_.seconds;
+    if (s_.bests.empty()) return;
+    best_ = run_walks(robot_, o_.rollout, {s_.bests.back()}, 1).front();
+    best_objective_ = s_.history.back().objective;
+  }
+
+  SearchResult run() {
+    SearchResult out;
+    for (double share = spent(); share < 1.0; share = spent()) {
+      if (o_.interrupted && o_.interrupted()) {
+        out.interrupted = true;
+        break;
+      }
+      if (o_.progress) o_.progress(share, doing(best_, asked_s_));
+      if (!generation()) {
+        out.interrupted = true;
+        break;
+      }
+      if (o_.keep && wall_s() - kept_s_ >= o_.keep_every_s) keep();
+    }
+    if (o_.keep) keep();
+    choose(out);
+    update();
+    out.restarts = method_->restarts();
+    out.state = std::move(s_);
+    return out;
+  }
+
+ private:
+  double wall_s() const {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count();
+  }
+  double cpu_s() const {
+    return before_cpu_s_ + cpu_now_s() - cpu_begin_s_ + (o_.cpu_elsewhere_s ? o_.cpu_elsewhere_s() : 0.0);
+  }
+
+  double spent() const {
     double share = 0.0;
-    if (options.seconds)
-      share =
-          std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count() / *options.seconds;
-    if (options.steps)
-      share = std::max(share, static_cast<double>(out.steps) / static_cast<double>(*options.steps));
+    if (o_.seconds) share = (before_s_ + wall_s()) / *o_.seconds;
+    if (o_.steps) share = std::max(share, static_cast<double>(s_.steps) / static_cast<double>(*o_.steps));
     return share;
-  };
-  for (double share = 0.0; share < 1.0; share = spent()) {
-    if (options.progress) options.progress(share, doing(best, asked_s));
-    const std::vector<Vector>& points = strategy.ask();
+  }
+
+  /// False: it was given up.
+  bool generation() {
+    const std::vector<Vector>& points = method_->ask();
     std::vector<Parameters> walks;
-    for (const Vector& x : points) walks.push_back(space.walk(x));
-    const std::vector<Rollout> rollouts = run_walks(robot, options.rollout, walks, options.threads);
+    for (const Vector& x : points) walks.push_back(space_.walk(x));
+    const std::vector<Rollout> rollouts =
+        o_.run ? o_.run(walks) : run_walks(robot_, o_.rollout, walks, o_.threads);
+    if (rollouts.size() != walks.size()) return false;
     std::vector<double> values;
     for (std::size_t i = 0; i < walks.size(); ++i) {
       const Rollout& r = rollouts[i];
-      out.steps += r.steps;
-      ++out.rollouts;
-      const double value = r.objective(asked_s);
-      values.push_back(r.value(asked_s) + space.outside(points[i]));
-      round_best = std::min(round_best, values.back());
-      const auto here = [&] {
-        return SearchPoint{cpu_now_s() - cpu_begin, out.steps, out.rollouts, value, r.cot};
-      };
-      if (!out.first_walk && r.keeps_limits() && r.distance_m >= options.first_walk_m)
-        out.first_walk = here();
-      if (!(value < best_value)) continue;
-      best_value = value;
-      best = r;
-      out.history.push_back(here());
-      if (bests.size() == kMostKept) bests.erase(bests.begin());
-      bests.push_back(walks[i]);
+      s_.steps += r.steps;
+      ++s_.rollouts;
+      const double objective = r.objective(asked_s_), value = r.value(asked_s_) + space_.outside(points[i]);
+      values.push_back(std::isfinite(value) ? value : kNone);
+      if (!std::isfinite(objective)) {
+        ++s_.not_finite;
+        continue;
+      }
+      const SearchPoint here{cpu_s(), s_.steps, s_.rollouts, objective, r.cot};
+      if (!s_.first_walk && r.keeps_limits() && r.distance_m >= o_.first_walk_m) s_.first_walk = here;
+      if (!(objective < best_objective_)) continue;
+      best_objective_ = objective;
+      best_ = r;
+      s_.history.push_back(here);
+      if (s_.bests.size() == kMostKept) s_.bests.erase(s_.bests.begin());
+      s_.bests.push_back(walks[i]);
     }
-    strategy.tell(values);
-    if (round_best < last_better - kBetter) {
-      last_better = round_best;
-      waited = 0;
-    } else if (++waited >= kPatience) {
-      // About the best of all, a wider population; every second time from the start again.
-      ++out.restarts;
-      population += population / 4;
-      const bool anew = out.restarts % 2 == 0;
-      strategy = CmaEs(anew ? Vector(Vector::Zero(space.size())) : space.at(bests.back()),
-                       anew ? kFirstSpread : kNextSpread, population,
-                       options.seed + 0x9e3779b97f4a7c15u * out.restarts);
-      round_best = last_better = std::numeric_limits<double>::infinity();
-      waited = 0;
+    method_->tell(values,
+                  s_.bests.empty() ? Vector(Vector::Zero(space_.size())) : space_.at(s_.bests.back()));
+    return true;
+  }
+
+  void update() {
+    s_.cpu_s = cpu_s();
+    s_.seconds = before_s_ + wall_s();
+    s_.method = method_->state();
+  }
+  void keep() {
+    update();
+    o_.keep(s_);
+    kept_s_ = wall_s();
+  }
+
+  /// The best in double, or the best before it that keeps there what it kept in float.
+  void choose(SearchResult& out) const {
+    if (s_.bests.empty()) {
+      out.walk = space_.walk(Vector::Zero(space_.size()));
+      out.rollout = run_walk(robot_, o_.rollout, out.walk);
+    }
+    for (std::size_t i = s_.bests.size(); i-- > 0;) {
+      const Rollout r = run_walk(robot_, o_.rollout, s_.bests[i]);
+      const bool walks = r.keeps_limits() && r.distance_m >= o_.first_walk_m;
+      if (i + 1 == s_.bests.size() || walks) {
+        out.walk = s_.bests[i];
+        out.rollout = r;
+      }
+      out.found = walks;
+      if (walks) break;
     }
   }
-  for (std::size_t i = bests.size(); i-- > 0;) {
-    const Rollout r = run_walk(robot, options.rollout, bests[i]);
-    const bool walks = r.keeps_limits() && r.distance_m >= options.first_walk_m;
-    if (i + 1 == bests.size() || walks) {
-      out.walk = bests[i];
-      out.rollout = r;
-    }
-    out.found = walks;
-    if (walks) break;
-  }
-  out.cpu_s = cpu_now_s() - cpu_begin;
-  return out;
+
+  const dynamics::biped::Description& robot_;
+  const SearchOptions& o_;
+  const Space space_;
+  std::unique_ptr<Method> method_;
+  const double asked_s_ = o_.rollout.time_s, cpu_begin_s_ = cpu_now_s();
+  const std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
+  double before_cpu_s_ = 0.0, before_s_ = 0.0, kept_s_ = 0.0;
+  SearchState s_;
+  Rollout best_;
+  double best_objective_ = kNone;
+};
+
+}  // namespace
+
+SearchResult search_walk(const dynamics::biped::Description& robot, const SearchOptions& options) {
+  return Search(robot, options).run();
 }
 
 }  // namespace furcula::walk

@@ -1,6 +1,6 @@
-// The search for a walk without a first guess: CMA-ES over the parameters, from steps on the spot that fall, restarted where it has converged.
+// The search for a walk without a first guess, from steps on the spot that fall, by one of several methods (method.hpp).
 //
-// One seed gives one result on any number of threads, if the budget is of steps.
+// One seed gives one result on any number of threads, if the budget is of steps, and however often the search was interrupted.
 #pragma once
 
 #include <cstdint>
@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "furcula/dynamics/biped/parameters.hpp"
+#include "host/walk/method.hpp"
 #include "host/walk/rollout.hpp"
 
 namespace furcula::walk {
@@ -29,28 +30,54 @@ struct SearchPoint {
   double cot = 0.0;  ///< infinite where it does not get ahead
 };
 
+/// All that a search goes on from, between two generations.
+struct SearchState {
+  std::uint64_t steps = 0, rollouts = 0;
+  std::uint64_t not_finite = 0;  ///< rollouts whose objective was no number
+  double cpu_s = 0.0;            ///< of all threads
+  double seconds = 0.0;          ///< of wall time
+  std::optional<SearchPoint> first_walk;
+  std::vector<SearchPoint> history;  ///< whenever the best got better; in float
+  /// The bests so far, the last the best: float may keep a limit that double misses by a hair.
+  std::vector<Parameters> bests;
+  std::string method;  ///< Method::state
+};
+
 struct SearchOptions {
   RolloutOptions rollout;
+  MethodKind method = MethodKind::cmaes;
   std::uint64_t seed = 1;
+  // The whole search's, with what was done before an interruption.
   std::optional<double> seconds;       ///< of wall time
   std::optional<std::uint64_t> steps;  ///< of simulation, of all walks together
   unsigned threads = 1;
   /// A walk that gets this far counts as the first one, m.
   double first_walk_m = 0.1;
   std::function<void(double fraction, const std::string& doing)> progress;
+
+  /// Where it goes on.
+  std::optional<SearchState> from;
+  /// Asked between two generations: whether to end now.
+  std::function<bool()> interrupted;
+  /// Gets the state every `keep_every_s` of wall time, and at the end.
+  std::function<void(const SearchState&)> keep;
+  double keep_every_s = 10.0;
+  /// Runs a generation; without it run_walks does. Nothing: the generation was given up, and the search ends as interrupted.
+  std::function<std::vector<Rollout>(const std::vector<Parameters>&)> run;
+  /// Processor time that `run` has taken in other processes so far, s.
+  std::function<double()> cpu_elsewhere_s;
 };
 
 struct SearchResult {
-  bool found = false;  ///< a walk that keeps all limits, in double too
-  Parameters walk;     ///< the best; where none is found the one that came nearest
-  Rollout rollout;     ///< in double
-  std::optional<SearchPoint> first_walk;
-  std::uint64_t steps = 0, rollouts = 0;
+  bool found = false;        ///< a walk that keeps all limits, in double too
+  bool interrupted = false;  ///< before its budget was spent
+  Parameters walk;           ///< the best; where none is found the one that came nearest
+  Rollout rollout;           ///< in double
   unsigned restarts = 0;
-  double cpu_s = 0.0;                ///< of all threads
-  std::vector<SearchPoint> history;  ///< whenever the best got better; in float
+  SearchState state;  ///< at the end
 };
 
+/// @throws core::DataError where options.from holds no state of the method.
 SearchResult search_walk(const dynamics::biped::Description& robot, const SearchOptions& options);
 
 }  // namespace furcula::walk

@@ -17,19 +17,6 @@ namespace {
 
 using core::fail;
 
-struct LimitKey {
-  std::string_view name, unit;
-  double WalkLimits::*of;
-  double least, most;
-};
-constexpr std::array<LimitKey, 7> kLimits{{{"torque_nm", "N m", &WalkLimits::torque_nm, 1.0, 1e4},
-                                           {"speed_radps", "rad/s", &WalkLimits::speed_radps, 0.1, 100.0},
-                                           {"moment_nm", "N m", &WalkLimits::moment_nm, 1.0, 1e4},
-                                           {"height_m", "m", &WalkLimits::height_m, 0.1, 2.0},
-                                           {"range_rad", "rad", &WalkLimits::range_rad, 0.1, 3.1},
-                                           {"apart_m", "m", &WalkLimits::apart_m, 0.0, 1.0},
-                                           {"along_m", "m", &WalkLimits::along_m, 0.0, 1.0}}};
-
 const toml::table& section(const toml::table& file, const std::string& name, const char* key) {
   const toml::node* node = file.get(key);
   if (node == nullptr) fail(name, file.source(), "no section [" + std::string(key) + "]; expected one");
@@ -78,9 +65,9 @@ Model read_model(const std::string& path) {
   if (file.contains("limits")) {
     const toml::table& limits = section(file, path, "limits");
     std::vector<std::string_view> known;
-    for (const LimitKey& k : kLimits) known.push_back(k.name);
+    for (const LimitKey& k : kLimitKeys) known.push_back(k.name);
     core::refuse_unknown_keys(limits, path, "[limits]", known);
-    for (const LimitKey& k : kLimits)
+    for (const LimitKey& k : kLimitKeys)
       if (const toml::node* value = limits.get(k.name))
         out.limits.*k.of =
             core::number(*value, path, "[limits] " + std::string(k.name), k.least, k.most, k.unit);
@@ -202,22 +189,24 @@ std::string to_json_text(const SearchResult& found, const std::optional<Evidence
                 {"cot", number(t.rollout.cot)}};
   };
   Json history = Json::array();
-  for (const SearchPoint& p : found.history)
+  for (const SearchPoint& p : found.state.history)
     history.push_back({p.cpu_s, p.objective, number(p.cot), p.steps});
   Json out = {{"schema", "furcula-walk/1"},
               {"robot", model.name},
               {"mode", kModeNames[static_cast<std::size_t>(options.rollout.mode)]},
               {"seed", options.seed},
-              {"method", "cmaes"},
+              {"method", kMethodNames[static_cast<std::size_t>(options.method)]},
+              {"ended", found.interrupted ? "interrupted" : "budget"},
               {"found", found.found},
-              {"first_walk", found.first_walk ? Json{{"cpu_s", found.first_walk->cpu_s},
-                                                     {"steps", found.first_walk->steps},
-                                                     {"rollouts", found.first_walk->rollouts}}
-                                              : Json(nullptr)},
-              {"steps", found.steps},
-              {"rollouts", found.rollouts},
+              {"first_walk", found.state.first_walk ? Json{{"cpu_s", found.state.first_walk->cpu_s},
+                                                           {"steps", found.state.first_walk->steps},
+                                                           {"rollouts", found.state.first_walk->rollouts}}
+                                                    : Json(nullptr)},
+              {"steps", found.state.steps},
+              {"rollouts", found.state.rollouts},
+              {"not_finite", found.state.not_finite},
               {"restarts", found.restarts},
-              {"cpu_s", found.cpu_s},
+              {"cpu_s", found.state.cpu_s},
               {"objective", r.objective(asked_s)},
               {"cot", number(r.cot)},
               {"distance_m", r.distance_m},

@@ -1,8 +1,10 @@
 // The files of a walk: the model (TOML of kind biped, which names a URDF), walk.toml, and walk.json.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "furcula/dynamics/biped/parameters.hpp"
@@ -16,6 +18,21 @@ struct Model {
   dynamics::biped::Description robot;
   WalkLimits limits;
 };
+
+/// A limit as a key of [limits], and what it may be.
+struct LimitKey {
+  std::string_view name, unit;
+  double WalkLimits::*of;
+  double least, most;
+};
+inline constexpr std::array<LimitKey, 7> kLimitKeys{
+    {{"torque_nm", "N m", &WalkLimits::torque_nm, 1.0, 1e4},
+     {"speed_radps", "rad/s", &WalkLimits::speed_radps, 0.1, 100.0},
+     {"moment_nm", "N m", &WalkLimits::moment_nm, 1.0, 1e4},
+     {"height_m", "m", &WalkLimits::height_m, 0.1, 2.0},
+     {"range_rad", "rad", &WalkLimits::range_rad, 0.1, 3.1},
+     {"apart_m", "m", &WalkLimits::apart_m, 0.0, 1.0},
+     {"along_m", "m", &WalkLimits::along_m, 0.0, 1.0}}};
 
 /// A model file of kind biped (docs/biped.md). @throws core::DataError, and what biped::read_biped throws.
 Model read_model(const std::string& path);

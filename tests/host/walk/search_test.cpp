@@ -22,13 +22,13 @@ TEST_CASE("one seed gives one result on any number of threads, and the best only
   options.threads = 3;
   const SearchResult three = search_walk(robot, options);
   CHECK(one.walk.values() == three.walk.values());
-  CHECK(one.steps == three.steps);
-  CHECK(one.steps >= 2'000'000);
-  CHECK(one.steps < 2'000'000 + 32 * 20000);
-  REQUIRE(one.history.size() == three.history.size());
-  for (std::size_t i = 1; i < one.history.size(); ++i)
-    CHECK(one.history[i].objective < one.history[i - 1].objective);
-  CHECK(one.history.back().objective < one.history.front().objective);
+  CHECK(one.state.steps == three.state.steps);
+  CHECK(one.state.steps >= 2'000'000);
+  CHECK(one.state.steps < 2'000'000 + 32 * 20000);
+  REQUIRE(one.state.history.size() == three.state.history.size());
+  for (std::size_t i = 1; i < one.state.history.size(); ++i)
+    CHECK(one.state.history[i].objective < one.state.history[i - 1].objective);
+  CHECK(one.state.history.back().objective < one.state.history.front().objective);
   REQUIRE_FALSE(shares.empty());
   CHECK(shares.front() == 0.0);
   options.seed = 6;

@@ -82,6 +82,80 @@ TEST_CASE(
   CHECK(std::count(text.begin(), text.end(), '\n') > 1000);
 }
 
+TEST_CASE(
+    "a search that is interrupted leaves its best so far, and goes on to the walk that it finds without") {
+  test::TemporaryFolder folder;
+  const std::string out = folder.path() + "/out", whole = folder.path() + "/whole";
+  const auto text_of = [](const std::string& path) {
+    std::ifstream file(path);
+    return std::string(std::istreambuf_iterator<char>(file), {});
+  };
+  const std::vector<std::string> one{"walk", "search", "--model", kModel,   "--seed",
+                                     "3",    "--mode", "active",  "--steps"};
+  const auto with = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), one.begin(), one.end());
+    return more;
+  };
+  std::vector<std::string> command = with({"1000000000000", "--threads", "1", "--out", out});
+  command.insert(command.begin(), {"--signal=INT", "--preserve-status", "1", test::program("furcula")});
+  const test::Ran ended = test::run_program("/usr/bin/timeout", command);
+  INFO(ended.err);
+  CHECK(ended.status == 4);
+  CHECK_THAT(ended.out,
+             Contains("interrupted; the same command with --resume " + out + "/search.checkpoint"));
+  CHECK_THAT(ended.err, Contains("before the interruption"));
+  CHECK(text_of(out + "/walk.toml").size() > 1000);
+  CHECK(text_of(out + "/report.html").size() > 10000);
+  const auto interrupted = json_of(out + "/walk.json");
+  CHECK(interrupted["ended"] == "interrupted");
+
+  const auto steps = std::to_string(interrupted["steps"].get<std::uint64_t>() + 600'000);
+  const std::string checkpoint = out + "/search.checkpoint";
+  const test::Ran on =
+      test::run_furcula(with({steps, "--threads", "2", "--resume", checkpoint, "--out", out}));
+  CHECK_THAT(on.err, Contains("goes on after"));
+  test::run_furcula(with({steps, "--threads", "1", "--out", whole}));
+  CHECK(text_of(out + "/walk.toml") == text_of(whole + "/walk.toml"));
+  auto a = json_of(out + "/walk.json"), b = json_of(whole + "/walk.json");
+  CHECK(a["ended"] == "budget");
+  for (auto* j : {&a, &b}) {
+    // Times differ.
+    j->erase("cpu_s");
+    for (auto& point : (*j)["history"]) point[0] = 0.0;
+  }
+  CHECK(a == b);
+
+  const auto said = [&](const std::vector<std::string>& more, int status) {
+    std::vector<std::string> arguments{"walk",    "search", "--model", kModel,
+                                       "--steps", steps,    "--out",   folder.path() + "/none"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const test::Ran ran = test::run_furcula(arguments);
+    CHECK(ran.status == status);
+    CHECK_FALSE(std::filesystem::exists(folder.path() + "/none"));
+    return ran.err;
+  };
+  CHECK_THAT(said({"--seed", "4", "--resume", checkpoint}, 2),
+             Contains("search.checkpoint: of another search: seed '3', expected '4'"));
+  CHECK_THAT(said({"--seed", "3", "--mode", "semi_passive", "--resume", checkpoint}, 2),
+             Contains("mode 'active', expected 'semi_passive'"));
+  CHECK_THAT(said({"--resume", out}, 3), Contains("a folder; expected a checkpoint"));
+  CHECK_THAT(said({"--resume", out + "/walk.toml"}, 3),
+             Contains("walk.toml:1: begins with '[walk]'; expected 'furcula-walk-checkpoint/1'"));
+  CHECK_THAT(said({"--resume", out + "/nothing"}, 3), Contains("nothing: cannot be read"));
+}
+
+TEST_CASE("limits that no posture keeps end a search before it begins") {
+  test::TemporaryFolder folder;
+  const std::string tall = folder.file("tall.toml", "[model]\nkind = \"biped\"\nschema = 1\nurdf = \"" +
+                                                        test::source("models/biped/furcula_biped.urdf") +
+                                                        "\"\n[limits]\nheight_m = 1.1\n");
+  const test::Ran ran = test::run_furcula(
+      {"walk", "search", "--model", tall, "--steps", "1000000000000", "--out", folder.path() + "/out"});
+  CHECK(ran.status == 3);
+  CHECK_THAT(ran.err, Contains("tall.toml: [limits] height_m = 1.1") && Contains("at most 0.983 m"));
+  CHECK_FALSE(std::filesystem::exists(folder.path() + "/out"));
+}
+
 TEST_CASE("a longer simulation walks longer") {
   test::TemporaryFolder folder;
   const std::string walk = test::source("tests/host/walk/active_walk.toml");
