@@ -451,7 +451,8 @@ class Diagnoser {
     const bool another = std::any_of(d_.missing.begin(), d_.missing.end(),
                                      [](const MissingTorque& m) { return is_another(m) || lasts(m); });
     const bool left =
-        disputed || ended_early_ || (!where.empty() && (d_.findings.empty() || d_.unexplained_share > kOfBefore || another));
+        disputed || ended_early_ ||
+        (!where.empty() && (d_.findings.empty() || d_.unexplained_share > kOfBefore || another));
     for (Finding& f : d_.findings) {
       if (left && !where.empty())
         f.confidence = std::min(f.confidence, std::max(0.3, 1.0 - d_.unexplained_share));
@@ -550,7 +551,7 @@ class Diagnoser {
   std::vector<TorqueSamples> after_;          ///< of the extended model, a joint each
   double disputed_ = 0.0;                     ///< see Found
   bool ended_early_ = false;
-  std::vector<Hypothesis> undecided_;         ///< rivals that cannot be told from a finding
+  std::vector<Hypothesis> undecided_;  ///< rivals that cannot be told from a finding
   Diagnosis d_;
 };
 

@@ -292,8 +292,7 @@ void Problem::weigh(const Hypothesis& h, const Hypothesis* of_starts) {
     const Window& w = windows_[i];
     starts_[i] = start_of(setup, w, simulated(setup, w));
     left[i] = w.measured - simulated(weighed, w);
-    if (w.start_more.size() > 0)
-      left[i] += starts_[i].columns.leftCols(w.start_more.size()) * w.start_more;
+    if (w.start_more.size() > 0) left[i] += starts_[i].columns.leftCols(w.start_more.size()) * w.start_more;
   };
   core::parallel_for(windows_.size(), threads_, start_at);
   // Twice, since the weights decide on the starts.

@@ -112,7 +112,8 @@ class Problem {
     Eigen::MatrixXd columns;    ///< weighted derivatives by the start
     Eigen::VectorXd precision;  ///< of its prior
     Eigen::MatrixXd inverse;    ///< of the start's normal matrix, its prior in it
-    Eigen::VectorXd of_more;    ///< what the window's start_more takes off the residuals, to first order, weighted; empty: nothing
+    Eigen::VectorXd
+        of_more;  ///< what the window's start_more takes off the residuals, to first order, weighted; empty: nothing
   };
   /// What is known of an elastic drive's rotor at a window's start, beside where its own equation says that it is: angle, rate.
   Eigen::Vector2d rotor_precision(const Setup& setup, std::size_t joint) const;

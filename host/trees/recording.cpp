@@ -176,8 +176,8 @@ void be_late(Recording& r, double late_s) {
     p.touchdown_sd_rad.clear();
     for (std::size_t j = 0; j < r.angle_rad.size(); ++j) {
       p.at_touchdown_rad.push_back(angle_after_touchdown(r, p, j, 0.0));
-      p.touchdown_sd_rad.push_back(
-          std::hypot(velocity_after_touchdown(r, p, j) * r.interval_s / std::sqrt(12.0), r.angle_noise_rad[j]));
+      p.touchdown_sd_rad.push_back(std::hypot(
+          velocity_after_touchdown(r, p, j) * r.interval_s / std::sqrt(12.0), r.angle_noise_rad[j]));
     }
   }
 }

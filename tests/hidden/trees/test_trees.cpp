@@ -12,10 +12,10 @@ namespace {
 
 void ask(const Question& draw) {
   const Case c = draw_case(draw);
-  const std::string folder =
-      (std::filesystem::temp_directory_path() / ("furcula-trees-" + std::string(draw.leg ? "leg-" : "") +
-                                                 std::string(name(draw.tier)) + "-" + std::to_string(draw.seed)))
-          .string();
+  const std::string folder = (std::filesystem::temp_directory_path() /
+                              ("furcula-trees-" + std::string(draw.leg ? "leg-" : "") +
+                               std::string(name(draw.tier)) + "-" + std::to_string(draw.seed)))
+                                 .string();
   const auto logs = write_case(c, folder);
   const std::string refused = diagnosed(test::program("furcula"), folder, logs, c.held_out, 280);
   INFO("planted " << label(c.planted) << "; kept in " << folder << "; " << refused);

@@ -81,8 +81,7 @@ TEST_CASE("Windows lie side by side, none over a gap") {
 
 TEST_CASE("Starts that are hardly known spoil no fit, though the motion is no linear function of them") {
   const trees::TreeModel truth = test::double_pendulum("[drive.elbow]\ndamping_nmspr = 0.08\n");
-  const trees::TreeModel model =
-      test::double_pendulum("[free]\n\"damping_nmspr.elbow\" = [0.0, 1.0]\n");
+  const trees::TreeModel model = test::double_pendulum("[free]\n\"damping_nmspr.elbow\" = [0.0, 1.0]\n");
   const auto all = recordings(model, test::logs(truth, 3, 6.0, 10));
   std::vector<trees::Window> windows = trees::windows_of(model, all, 0.3, 60);
   std::mt19937_64 random(4);

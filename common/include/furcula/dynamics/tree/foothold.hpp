@@ -133,7 +133,7 @@ struct FootForce {
   std::array<std::size_t, M::kCapacity> movable;
   std::size_t movable_count = 0;
   std::array<typename M::Joints, 3> per_newton;  ///< accelerations of movable joints, of each direction
-  std::array<std::array<T, 3>, 3> of_point{};      ///< of the point
+  std::array<std::array<T, 3>, 3> of_point{};    ///< of the point
 
   FootForce(const M& model, const typename M::Joints& q, const typename M::Joints& qd,
             const typename M::Flags& held)
