@@ -116,7 +116,7 @@ TEST_CASE("what the board commands is what the walk and the attitude filter say 
 }
 
 TEST_CASE(
-    "what breaks in a walking robot is found in the time that is allowed; its drives only brake, within a limit") {
+    "what breaks in a walking robot is found in the time that is allowed, its drives only brake, within a limit") {
   for (const WalkerFaultRow& row : walker_fault_rows())
     for (const WalkerRigConfig& config : trials_of(row, rig_of("active", {}))) {
       const WalkerTrial t = try_walker_fault(config);

@@ -51,7 +51,7 @@ TEST_CASE("a frame has no more bits than with the stuffing of the worst one, whi
   CHECK(worst_bits(8) == 135);
 }
 
-TEST_CASE("twelve drives at 1 kHz are too many for one bus and for two; a bus a leg holds them at 500 Hz") {
+TEST_CASE("twelve drives at 1 kHz are too many for one bus and for two, a bus a leg holds them at 500 Hz") {
   // 135 bits, twice a drive and tick: by hand.
   CHECK(walker_load(12, 1000) == Approx(3.24));
   CHECK(walker_load(6, 1000) == Approx(1.62));
