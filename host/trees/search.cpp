@@ -33,6 +33,8 @@ constexpr double kForetellsMuch = 0.15;
 /// Of dry friction, in windows in which its joint moves: what it gains, in scatters from window to window. A joint at rest is slower than this
 /// share of its usual speed; where it is for this share of a window, it does not move there.
 constexpr double kInMotion = 2.0, kSlow = 0.1, kAtRest = 0.25;
+/// Friction that gains less than this in motion, a window, of what it gains at rest, is none.
+constexpr double kOfRest = 0.05;
 /// At the end a cause must be as far from none as chance is with this probability, all its parameters together, by windows and recordings:
 /// five standard deviations of one. A hundred causes are tried, and neighbouring windows are not independent.
 constexpr double kChance = 5.7e-7;
@@ -97,10 +99,23 @@ class Search {
     if (!found.ended_early)
       if (Fit anew = without_falls(friction_anew(found.fit)); names(anew) != names(found.fit))
         judge(found, std::move(anew));
+    if (Fit anew = without_doubtful_latches(found.fit); names(anew) != names(found.fit))
+      judge(found, std::move(anew));
     found.ended_early = found.ended_early || problem_.spent();
     problem_.stop_after(std::numeric_limits<std::size_t>::max());
     found.disputed = std::max(disputed_, dropped_worth_);
     return found;
+  }
+
+  /// A rival that took a cause's place may be a latch that the switch's own lateness accounts for.
+  Fit without_doubtful_latches(Fit fit) const {
+    for (std::size_t c = fit.at.causes.size(); c-- > problem_.model().causes.size();) {
+      const Effect e = fit.at.causes[c].effect;
+      if (e != Effect::latch_delay && e != Effect::latch_offset) continue;
+      if (away_from_none(problem_.model(), fit, c).squares < kHolds)
+        fit = problem_.fit(without(fit.at, c), 4, &fit);
+    }
+    return fit;
   }
 
   /// From a fit to what the recordings agree on.
@@ -451,14 +466,20 @@ class Search {
       const Cause cause = fit.at.causes[c];
       if (is_dry(cause.effect) && !is_still_in_none(cause)) {
         const Fit off = problem_.fit(without(fit.at, c), 4, &fit);
-        double gain = 0.0, squares = 0.0;
+        double gain = 0.0, squares = 0.0, windows = 0.0, gain_at_rest = 0.0, windows_at_rest = 0.0;
         for (std::size_t i = 0; i < problem_.windows().size(); ++i) {
-          if (!moves(i, cause)) continue;
           const double of_window = off.window_loss[i] - fit.window_loss[i];
-          gain += of_window;
-          squares += of_window * of_window;
+          if (moves(i, cause)) {
+            gain += of_window;
+            squares += of_window * of_window;
+            windows += 1.0;
+          } else {
+            gain_at_rest += of_window;
+            windows_at_rest += 1.0;
+          }
         }
-        if (gain < kInMotion * std::sqrt(squares)) {
+        if (gain < kInMotion * std::sqrt(squares) &&
+            gain * windows_at_rest < kOfRest * gain_at_rest * windows) {
           dropped_.insert(cause_name(problem_.model(), cause));
           fit = off;
           c = problem_.model().causes.size();
