@@ -108,7 +108,7 @@ class Diagnoser {
         windows_of(model_, training_, options_.window_s / 3.0, kMostSearchWindows);
     std::optional<Problem> coarse;
     if (!short_windows.empty()) coarse.emplace(model_, training_, std::move(short_windows), options_.threads);
-    const Found found = search(problem, coarse ? &*coarse : nullptr, options_.progress);
+    const Found found = search(problem, coarse ? &*coarse : nullptr, options_.progress, options_.most_work);
     if (may_disagree_)
       disagreement_ = disagreeing(model_, training_, found.fit.at, options_.window_s, kMostSearchWindows,
                                   options_.threads);
@@ -483,7 +483,9 @@ class Diagnoser {
     if (d_.findings.empty()) {
       d_.verdict = left ? Verdict::unexplained : Verdict::adequate;
       d_.summary =
-          left && where.empty()
+          left && where.empty() && ended_early_
+              ? "No cause of the catalogue was found before the search was ended."
+          : left && where.empty()
               ? "The model is wrong by more than chance, and the recordings do not agree on a cause of the catalogue."
           : left
               ? "The model lacks torque at " + joined(where) +
@@ -497,7 +499,9 @@ class Diagnoser {
                    (lacks.empty() || wrong.empty() ? "" : ", and ") +
                    (wrong.empty() ? "" : "has wrong values of " + joined(wrong)) + ".";
       if (undecided_ones) d_.summary += " The recordings cannot tell all of that from other causes.";
-      if (left && where.empty())
+      if (left && where.empty() && !disputed)
+        d_.summary += " The search for more was ended.";
+      else if (left && where.empty())
         d_.summary += " What is left is more than chance, and the recordings do not agree on a cause of it.";
       else if (left && d_.unexplained_share > kOfBefore)
         d_.summary += " " + percent(d_.unexplained_share) +
@@ -550,8 +554,8 @@ class Diagnoser {
   std::vector<ChannelError> training_error_;  ///< of the extended model
   std::vector<TorqueSamples> after_;          ///< of the extended model, a joint each
   double disputed_ = 0.0;                     ///< see Found
-  bool ended_early_ = false;
-  std::vector<Hypothesis> undecided_;  ///< rivals that cannot be told from a finding
+  bool ended_early_ = false;                  ///< see Found
+  std::vector<Hypothesis> undecided_;         ///< rivals that cannot be told from a finding
   Diagnosis d_;
 };
 

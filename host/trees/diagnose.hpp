@@ -7,6 +7,7 @@
 
 #include "host/log/log.hpp"
 #include "host/trees/diagnosis.hpp"
+#include "host/trees/search.hpp"
 
 namespace furcula::trees {
 
@@ -14,6 +15,7 @@ struct Options {
   double window_s = 0.3;
   unsigned threads = 2;
   std::function<void(double, std::string_view)> progress;
+  std::size_t most_work = kMostWork;  ///< see search.hpp
 };
 
 /// @throws core::DataError: what recording_of throws, no window in the training or the held-out logs.

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "host/core/quantile.hpp"
+#include "host/trees/friction_at_rest.hpp"
 #include "host/trees/linear.hpp"
 #include "host/trees/missing_torque.hpp"
 #include "host/trees/score_test.hpp"
@@ -30,11 +31,6 @@ constexpr double kMissed = 2.0;
 constexpr double kHolds = 12.0, kAgree = 0.7, kForetells = 0.05;
 /// A cause alone that makes the recordings foretell each other better by this share is no chance, however few they are.
 constexpr double kForetellsMuch = 0.15;
-/// Of dry friction, in windows in which its joint moves: what it gains, in scatters from window to window. A joint at rest is slower than this
-/// share of its usual speed; where it is for this share of a window, it does not move there.
-constexpr double kInMotion = 2.0, kSlow = 0.1, kAtRest = 0.25;
-/// Friction that gains less than this in motion, a window, of what it gains at rest, is none.
-constexpr double kOfRest = 0.05;
 /// At the end a cause must be as far from none as chance is with this probability, all its parameters together, by windows and recordings:
 /// five standard deviations of one. A hundred causes are tried, and neighbouring windows are not independent.
 constexpr double kChance = 5.7e-7;
@@ -52,9 +48,6 @@ constexpr double kNearlyOneLaw = 0.5;
 constexpr double kStands = 2.0;
 /// One cause does as well as two if the loss is larger by no more than so much.
 constexpr double kAsWell = 0.02;
-/// A search ends after so many times the steps that led to its first point, and judging what it found after half of that. Usual ones take
-/// 3 to 20.
-constexpr std::size_t kMostWork = 40;
 /// A second search is given up after so many times the steps of the first.
 constexpr std::size_t kMoreWork = 2;
 /// What a parameter more must be worth, of the loss.
@@ -68,8 +61,8 @@ double sum_of(const std::vector<double>& x) {
 
 class Search {
  public:
-  Search(Problem& problem, const Progress& progress, bool swings)
-      : problem_(problem), progress_(progress), swings_(swings) {}
+  Search(Problem& problem, const Progress& progress, bool swings, std::size_t most_work = kMostWork)
+      : problem_(problem), progress_(progress), swings_(swings), most_work_(most_work) {}
 
   Found run(Problem* coarse) {
     Found found;
@@ -87,13 +80,13 @@ class Search {
       first_pick_ = on_short.first_pick_;
     }
     const std::size_t before = problem_.steps();
-    problem_.stop_after(kMostWork * before);
+    problem_.stop_after(most_work_ * before);
     fit = path(std::move(fit), &found);
     found.ended_early = problem_.spent();
     problem_.stop_after(std::numeric_limits<std::size_t>::max());
     if (!found.ended_early) fit = another_path(std::move(fit), found, problem_.steps() - before);
     for (Candidate& spring : springs_) spring.fitted_gain = 0.0;  // that was beside fewer causes
-    problem_.stop_after(problem_.steps() + kMostWork / 2 * before);
+    problem_.stop_after(problem_.steps() + most_work_ * before / 2);
     judge(found, std::move(fit));
     // Rivals that took a place may be two wrong laws of friction, too.
     if (!found.ended_early)
@@ -459,61 +452,25 @@ class Search {
     }
   }
 
-  /// A drive that holds a joint still answers what disturbs it. Dry friction swallows that answer: in windows at rest it always looks right.
-  /// So it must gain where the joint moves.
+  /// Dry friction must gain where its joint moves.
   Fit without_friction_at_rest(Fit fit) {
-    for (std::size_t c = problem_.model().causes.size(); c < fit.at.causes.size();) {
+    const std::size_t given = problem_.model().causes.size();
+    for (std::size_t c = given; c < fit.at.causes.size();) {
       const Cause cause = fit.at.causes[c];
-      if (is_dry(cause.effect) && !is_still_in_none(cause)) {
-        const Fit off = problem_.fit(without(fit.at, c), 4, &fit);
-        double gain = 0.0, squares = 0.0, windows = 0.0, gain_at_rest = 0.0, windows_at_rest = 0.0;
-        for (std::size_t i = 0; i < problem_.windows().size(); ++i) {
-          const double of_window = off.window_loss[i] - fit.window_loss[i];
-          if (moves(i, cause)) {
-            gain += of_window;
-            squares += of_window * of_window;
-            windows += 1.0;
-          } else {
-            gain_at_rest += of_window;
-            windows_at_rest += 1.0;
-          }
-        }
-        if (gain < kInMotion * std::sqrt(squares) &&
-            gain * windows_at_rest < kOfRest * gain_at_rest * windows) {
+      const std::vector<bool> moves =
+          is_dry_friction(cause.effect) ? windows_in_motion(problem_, cause) : std::vector<bool>{};
+      if (std::find(moves.begin(), moves.end(), false) != moves.end()) {
+        Fit off = problem_.fit(without(fit.at, c), 4, &fit);
+        if (!gains_in_motion(fit, off, moves)) {
           dropped_.insert(cause_name(problem_.model(), cause));
-          fit = off;
-          c = problem_.model().causes.size();
+          fit = std::move(off);
+          c = given;
           continue;
         }
       }
       ++c;
     }
     return fit;
-  }
-  static bool is_dry(Effect e) {
-    return e == Effect::coulomb_friction || e == Effect::asymmetric_friction ||
-           e == Effect::stribeck_friction || e == Effect::load_friction || e == Effect::binding_spot;
-  }
-  /// Whether one of the cause's joints moves all through a window, or nearly so.
-  bool moves(std::size_t window, const Cause& cause) const {
-    const Window& w = problem_.windows()[window];
-    const Recording& r = problem_.recordings()[w.recording];
-    const auto n = static_cast<Index>(problem_.joints()), bins = w.measured.size() / n;
-    const double bin_s = (r.time_s[w.last] - r.time_s[w.first]) / static_cast<double>(bins);
-    return std::any_of(cause.sites.begin(), cause.sites.end(), [&](std::size_t j) {
-      const double slow_rad = kSlow * problem_.scales().velocity_radps[j] * bin_s;
-      Index at_rest = 0;
-      for (Index b = 1; b < bins; ++b) {
-        const auto k = b * n + static_cast<Index>(j);
-        at_rest += std::abs(w.measured(k) - w.measured(k - n)) < slow_rad ? 1 : 0;
-      }
-      return static_cast<double>(at_rest) < kAtRest * static_cast<double>(bins);
-    });
-  }
-  bool is_still_in_none(const Cause& cause) const {
-    for (std::size_t i = 0; i < problem_.windows().size(); ++i)
-      if (!moves(i, cause)) return false;
-    return true;
   }
 
   void drop(const std::string& name, const Fit& with, const Fit& off) {
@@ -779,6 +736,7 @@ class Search {
   const Progress& progress_;
   std::optional<Candidate> first_pick_, not_first_;  ///< of the first round; what must not be that
   bool swings_;                                      ///< are looked for
+  std::size_t most_work_;                            ///< see search()
   std::vector<Candidate> springs_, ripples_;         ///< that may be
   double disputed_ = 0.0;                            ///< see Found, of the last round
   double dropped_worth_ = 0.0;  ///< of causes that were dropped, and nothing came in their place: of the loss
@@ -787,8 +745,8 @@ class Search {
 
 }  // namespace
 
-Found search(Problem& problem, Problem* coarse, const Progress& progress) {
-  return Search(problem, progress, true).run(coarse);
+Found search(Problem& problem, Problem* coarse, const Progress& progress, std::size_t most_work) {
+  return Search(problem, progress, true, most_work).run(coarse);
 }
 
 }  // namespace furcula::trees

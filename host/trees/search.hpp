@@ -52,7 +52,11 @@ struct Found {
 using Progress =
     std::function<void(double, std::string_view)>;  ///< share that is done, and what is being done
 
+/// A search ends after so many times the steps of integration that led to its first point, and judging what it found after half of that.
+/// Usual ones take 3 to 20.
+inline constexpr std::size_t kMostWork = 40;
+
 /// `coarse`, the same recordings in short windows, is used where the model as given is grossly wrong; it may be null.
-Found search(Problem& problem, Problem* coarse, const Progress& progress);
+Found search(Problem& problem, Problem* coarse, const Progress& progress, std::size_t most_work = kMostWork);
 
 }  // namespace furcula::trees

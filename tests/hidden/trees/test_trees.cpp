@@ -1,4 +1,4 @@
-// The fixed part of the blind suite for robots: thirteen small cases, which `furcula diagnose` must answer rightly.
+// The fixed part of the blind suite for robots: fourteen cases, which `furcula diagnose` must answer rightly.
 #include <catch2/catch.hpp>
 #include <filesystem>
 
@@ -70,6 +70,11 @@ TEST_CASE("A periodic torque at a robot gets no sure name", "[trees]") {
 }
 
 TEST_CASE("A leg that hops as its model says is adequate", "[trees]") { ask_of_leg(35, Tier::clean, {}); }
+
+// Long logs of a parallel spring, whose knee its drive holds still before each landing.
+TEST_CASE("A leg that is held still in flight has no dry friction", "[trees]") {
+  ask({.seed = 387056266, .tier = Tier::clean, .joints = 4, .effects = {}, .leg = true});
+}
 
 // Not yet: its switch is late by 1.9 ms, and no touch-down is hard enough to tell. The spring's rest is then off in all stances alike, and
 // a rate of the spring is named, without confidence.

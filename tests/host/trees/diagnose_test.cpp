@@ -142,6 +142,25 @@ TEST_CASE("A drive that gives much less than its position law asks for has a lim
   CHECK(d.findings[0].parameters[0].value == Approx(limit_nm).epsilon(0.03));
 }
 
+TEST_CASE("A search that is ended says so, is sure of nothing and leaves room for more") {
+  const trees::TreeModel model = test::arm3();
+  trees::TreeModel truth = model;
+  truth.causes.push_back({Effect::coulomb_friction, {2}, {0.3, 0, 0, 0}});
+  const Logs logs = logs_of(truth, 5);
+  const trees::Diagnosis whole = trees::diagnose(model, logs.training, logs.held_out);
+  CHECK(whole.verdict == Verdict::explained);
+  trees::Options little;
+  little.most_work = 1;
+  const trees::Diagnosis d = trees::diagnose(model, logs.training, logs.held_out, little);
+  INFO(d.summary);
+  CHECK(d.verdict != Verdict::explained);
+  CHECK(d.verdict != Verdict::adequate);
+  for (const trees::Finding& f : d.findings) CHECK(f.confidence <= 0.5);
+  CHECK(std::any_of(d.notes.begin(), d.notes.end(), [](const std::string& note) {
+    return note.find("The search was ended") != std::string::npos;
+  }));
+}
+
 TEST_CASE("A Stribeck curve beside damping is not Coulomb friction beside drag") {
   const trees::TreeModel model = test::arm3();
   trees::TreeModel truth = model;

@@ -1,12 +1,15 @@
 // Fits of a tree by simulation, and the torque that a model lacks.
 #include "host/trees/fit.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 
+#include "host/trees/friction_at_rest.hpp"
 #include "host/trees/linear.hpp"
 #include "host/trees/missing_torque.hpp"
 #include "host/trees/score_test.hpp"
+#include "host/trees/simulate.hpp"
 #include "tests/host/error_message.hpp"
 #include "tests/host/trees/robot.hpp"
 
@@ -106,6 +109,45 @@ TEST_CASE("Starts that are hardly known spoil no fit, though the motion is no li
   CHECK(off < 1.5 * sd);
   CHECK(std::abs(spoilt.at.drives[1].damping_nmspr - good.at.drives[1].damping_nmspr) < 2.0 * sd);
   CHECK(std::abs(spoilt.at.drives[1].damping_nmspr - 0.08) < 3.0 * off);
+}
+
+TEST_CASE(
+    "Dry friction swallows what a drive answers to a push on a joint that it holds, in motion it gains nothing") {
+  const trees::TreeModel model = test::arm3("[free]\n\"damping_nmspr.elbow\" = [0.0, 1.0]\n");
+  trees::TreeModel rough = model;
+  rough.causes.push_back({Effect::coulomb_friction, {2}, {0.2, 0, 0, 0}});
+  trees::Scenario still = trees::default_scenario(model);
+  still.duration_s = 5.0;
+  for (trees::Path& path : still.paths) path = {trees::Path::Profile::hold, 0.3, 0.0, 1.0, 0.0};
+  // Whether friction is better than none at all, and in motion.
+  const auto gains = [&](const trees::TreeModel& truth) {
+    std::vector<log::Log> logs = test::logs(truth, 3, 5.0, 5);
+    std::mt19937_64 random(5);
+    std::normal_distribution<double> normal;
+    for (unsigned seed : {31u, 32u}) {
+      logs.push_back(trees::simulate(model, still, seed));
+      // What pushes the elbow is met by the drive: neither moves it, the log has the drive's part alone.
+      double pushed_nm = 0.0;
+      for (double& torque_nm : logs.back().columns.at("torque_elbow_nm")) {
+        pushed_nm += -0.02 * pushed_nm + 0.02 * normal(random);  // 0.1 N m, for 0.2 s
+        torque_nm += pushed_nm;
+      }
+    }
+    const auto all = recordings(model, logs);
+    trees::Problem problem(model, all, trees::windows_of(model, all, 0.3), 2);
+    const trees::Cause friction{Effect::coulomb_friction, {2}, {0.1, 0, 0, 0}};
+    const trees::Hypothesis bare{model.drives, {}}, dry{model.drives, {friction}};
+    problem.weigh(bare);
+    problem.weigh(problem.fit(bare, 6).at);
+    const trees::Fit without = problem.fit(bare, 6), with = problem.fit(dry, 8);
+    const std::vector<bool> moves = trees::windows_in_motion(problem, friction);
+    for (std::size_t i = 0; i < moves.size(); ++i)
+      if (problem.windows()[i].recording >= 3) CHECK_FALSE(moves[i]);
+    CHECK(std::count(moves.begin(), moves.end(), true) > 10);
+    return std::pair(with.loss < 0.8 * without.loss, trees::gains_in_motion(with, without, moves));
+  };
+  CHECK(gains(model) == std::pair(true, false));
+  CHECK(gains(rough) == std::pair(true, true));
 }
 
 TEST_CASE("A fit finds the damping that logs were made with, within its interval") {

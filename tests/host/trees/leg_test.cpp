@@ -209,6 +209,46 @@ TEST_CASE("Effects of springs and links change what they say") {
 }
 
 TEST_CASE(
+    "A switch is late by one time in all recordings, and what that is not known by widens a latch's intervals") {
+  const gait::Machine machine = gait::spear(gait::LegSpring::switched);
+  const trees::TreeModel m = tree(machine);
+  constexpr std::size_t kLate = 2;  // rows of 1 ms
+  const auto late = [&](bool tells) {
+    Hop h = hop(machine, 0.0);
+    auto& contact = h.log.columns["contact_toe"];
+    std::rotate(contact.rbegin(), contact.rbegin() + kLate, contact.rend());
+    std::fill(contact.begin(), contact.begin() + kLate, 0.0);
+    trees::Recording r = trees::recording_of(m, h.log);
+    REQUIRE(r.switch_late_precision > 0.0);  // the toe lands hard
+    if (!tells) r.switch_late_s = r.switch_late_precision = 0.0;
+    return r;
+  };
+  const auto stance = [](const trees::Recording& r) -> const trees::Phase& { return r.phases.at(1); };
+  // A recording that tells nothing learns it from the other; so do those that are held out.
+  std::vector<trees::Recording> training{late(true), late(false)}, held_out{late(false)};
+  // The toe lands somewhere between two rows.
+  CHECK(training[0].switch_late_s == Approx(1e-3 * kLate).margin(0.6e-3));
+  trees::share_lateness(training, held_out);
+  for (const trees::Recording* r : {&training[0], &training[1], &held_out[0]})
+    CHECK(stance(*r).touchdown_s == Approx(stance(*r).switched_s - training[0].switch_late_s).margin(2e-5));
+  CHECK(training[0].switch_late_sd_s < 0.3e-3);
+  // Where none tells it may be anything that is usual.
+  std::vector<trees::Recording> silent{late(false), late(false)}, none;
+  trees::share_lateness(silent, none);
+  CHECK(stance(silent[0]).touchdown_s == stance(silent[0]).switched_s);
+  CHECK(silent[0].switch_late_sd_s == Approx(1.2e-3));
+
+  const auto sd_of_delay = [&](const std::vector<trees::Recording>& all) {
+    trees::Problem problem(m, all, trees::windows_of(m, all, 0.3), 1);
+    const trees::Hypothesis h{m.drives, {{Effect::latch_delay, {3}, {2e-3, 0, 0, 0}}}};
+    problem.weigh(h);
+    return std::sqrt(trees::variance_of(problem.fit(h, 2), 0));
+  };
+  CHECK(sd_of_delay(silent) >= 1.2e-3);
+  CHECK(sd_of_delay(training) < 0.6e-3);
+}
+
+TEST_CASE(
     "The diagnosis names a softer spring of a leg that hops, and nothing on one that is as its model says") {
   const gait::Machine machine = gait::spear(gait::LegSpring::switched);
   const gait::Search low = test::found(gait::LegSpring::switched, test::in_place(0.075)),

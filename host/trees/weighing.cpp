@@ -1,0 +1,160 @@
+// What the windows of a fit start from, and what their residuals weigh, see fit.hpp.
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+
+#include "host/core/parallel.hpp"
+#include "host/trees/fit.hpp"
+
+namespace furcula::trees {
+namespace {
+
+/// Where the residuals are off a linear function of the start by this share of what is left of them, it moves; at most so often.
+constexpr double kBent = 0.01;
+constexpr int kMoves = 3;
+
+}  // namespace
+
+Problem::Start Problem::start_of(const Setup& setup, Window w, const Eigen::VectorXd& base) const {
+  const std::size_t n = joints();
+  std::vector<std::size_t> elastic, caught;  // joints with elastic drives, with switched springs
+  for (std::size_t j = 0; j < n; ++j) {
+    if (setup.model.laws[j].elastic) elastic.push_back(j);
+    if (setup.joints[j].switched) caught.push_back(j);
+  }
+  const Phase& phase = recordings_[w.recording].phase_at(w.first);
+  const std::size_t rests = phase.stance ? caught.size() : 0;
+  Start s;
+  s.columns.resize(base.size(), static_cast<Eigen::Index>(2 * (n + elastic.size()) + rests));
+  s.precision.resize(s.columns.cols());
+  s.precision.head(static_cast<Eigen::Index>(2 * n)) = w.start_precision;
+  for (std::size_t k = 0; k < 2 * n; ++k) {
+    std::vector<double>& x = k < n ? w.angle_rad : w.velocity_radps;
+    const double step = k < n ? 1e-5 : 1e-4, before = x[k % n];
+    x[k % n] += step;
+    s.columns.col(static_cast<Eigen::Index>(k)) = (simulated(setup, w) - base) / step;
+    x[k % n] = before;
+  }
+  // What the rotor of an elastic drive does at the start is known from before, but not well: it is a start too.
+  w.rotor_more.assign(elastic.empty() ? 0 : 2 * n, 0.0);
+  for (std::size_t k = 0; k < 2 * elastic.size(); ++k) {
+    const std::size_t j = elastic[k / 2];
+    const double precision = rotor_precision(setup, j)(static_cast<Eigen::Index>(k % 2)),
+                 size_of = 1.0 / std::sqrt(precision);
+    double& x = w.rotor_more[k % 2 == 0 ? j : n + j];
+    x = 0.1 * size_of;
+    const auto column = static_cast<Eigen::Index>(2 * n + k);
+    s.columns.col(column) = (simulated(setup, w) - base) / x;
+    s.precision(column) = precision;
+    x = 0.0;
+  }
+  // Where a spring caught is known no better than the touch-down.
+  w.rest_more_rad.assign(rests > 0 ? n : 0, 0.0);
+  for (std::size_t k = 0; k < rests; ++k) {
+    const double sd = phase.touchdown_sd_rad[caught[k]];
+    w.rest_more_rad[caught[k]] = sd;
+    const auto column = static_cast<Eigen::Index>(2 * (n + elastic.size()) + k);
+    s.columns.col(column) = (simulated(setup, w) - base) / sd;
+    s.precision(column) = 1.0 / (sd * sd);
+    w.rest_more_rad[caught[k]] = 0.0;
+  }
+  return s;
+}
+
+Eigen::VectorXd Problem::best_start(std::size_t window, const Eigen::VectorXd& left) const {
+  const Eigen::MatrixXd s = weight_.asDiagonal() * starts_[window].columns;
+  Eigen::MatrixXd normal = s.transpose() * s;
+  normal.diagonal() += starts_[window].precision;
+  return normal.llt().solve(s.transpose() * weight_.cwiseProduct(left));
+}
+
+void Problem::weigh_bins(const std::vector<Eigen::VectorXd>& left) {
+  const std::size_t n = joints();
+  Eigen::MatrixXd squares(static_cast<Eigen::Index>(bins_ * n), static_cast<Eigen::Index>(windows_.size()));
+  for (std::size_t i = 0; i < windows_.size(); ++i)
+    squares.col(static_cast<Eigen::Index>(i)) =
+        (left[i] - starts_[i].columns * best_start(i, left[i])).cwiseAbs2();
+  for (std::size_t j = 0; j < n; ++j) {
+    double noise = 1e-9;
+    for (const Recording& r : recordings_) noise = std::max(noise, r.angle_noise_rad[j]);
+    for (std::size_t b = 0; b < bins_; ++b) {
+      // Of this bin and its neighbours, the mean without the largest tenth.
+      std::vector<double> all;
+      for (std::size_t k = b > 2 ? b - 2 : 0; k < std::min(bins_, b + 3); ++k)
+        for (Eigen::Index i = 0; i < squares.cols(); ++i)
+          all.push_back(squares(static_cast<Eigen::Index>(k * n + j), i));
+      std::sort(all.begin(), all.end());
+      all.resize(all.size() - all.size() / 10);
+      double mean = 0.0;
+      for (const double v : all) mean += v / static_cast<double>(all.size());
+      weight_(static_cast<Eigen::Index>(b * n + j)) = 1.0 / std::sqrt(mean + noise * noise / 4.0);
+    }
+  }
+}
+
+bool Problem::move_start(const Setup& setup, std::size_t window, const Eigen::VectorXd& left) {
+  const auto n = static_cast<Eigen::Index>(joints()), both = 2 * n;
+  Window& w = windows_[window];
+  Window there = w;
+  there.start_more = best_start(window, left).head(both);
+  for (Eigen::Index k = 0; k < both; ++k) {
+    const double way = there.start_more(k) - (w.start_more.size() > 0 ? w.start_more(k) : 0.0);
+    (k < n ? there.angle_rad[static_cast<std::size_t>(k)]
+           : there.velocity_radps[static_cast<std::size_t>(k - n)]) += way;
+  }
+  const Eigen::VectorXd straight = left - starts_[window].columns.leftCols(both) * there.start_more,
+                        is = there.measured - simulated(setup, there);
+  if (!(weight_.cwiseProduct(straight - is).squaredNorm() > kBent * static_cast<double>(left.size())))
+    return false;
+  w = std::move(there);
+  return true;
+}
+
+void Problem::weigh(const Hypothesis& h, const Hypothesis* of_starts) {
+  ++weighing_;
+  const Setup weighed = make(h), setup = make(of_starts != nullptr ? *of_starts : h);
+  weight_ = Eigen::VectorXd::Ones(static_cast<Eigen::Index>(bins_ * joints()));
+  std::vector<Eigen::VectorXd> left(windows_.size());  // not weighted, as from the starts' measured places
+  starts_.assign(windows_.size(), {});
+  const auto start_at = [&](std::size_t i) {
+    const Window& w = windows_[i];
+    starts_[i] = start_of(setup, w, simulated(setup, w));
+    left[i] = w.measured - simulated(weighed, w);
+    if (w.start_more.size() > 0) left[i] += starts_[i].columns.leftCols(w.start_more.size()) * w.start_more;
+  };
+  core::parallel_for(windows_.size(), threads_, start_at);
+  // Twice, since the weights decide on the starts.
+  weigh_bins(left);
+  weigh_bins(left);
+  for (int round = 0; round < kMoves; ++round) {
+    std::atomic<bool> moved = false;
+    core::parallel_for(windows_.size(), threads_, [&](std::size_t i) {
+      if (!move_start(weighed, i, left[i])) return;
+      start_at(i);
+      moved = true;
+    });
+    if (!moved) break;
+    weigh_bins(left);
+  }
+  for (std::size_t i = 0; i < windows_.size(); ++i) {
+    Start& s = starts_[i];
+    s.columns = weight_.asDiagonal() * s.columns;
+    Eigen::MatrixXd normal = s.columns.transpose() * s.columns;
+    normal.diagonal() += s.precision;
+    s.inverse = normal.llt().solve(Eigen::MatrixXd::Identity(normal.rows(), normal.cols()));
+    const Eigen::VectorXd& more = windows_[i].start_more;
+    if (more.size() > 0) s.of_more = s.columns.leftCols(more.size()) * more;
+  }
+  window_weight_.assign(windows_.size(), 1.0);
+  std::vector<double> loss;
+  for (std::size_t i = 0; i < windows_.size(); ++i)
+    loss.push_back(product(i, weight_.cwiseProduct(left[i]))(0, 0));
+  std::vector<double> sorted = loss;
+  std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2),
+                   sorted.end());
+  const double typical = sorted[sorted.size() / 2];
+  for (std::size_t i = 0; i < windows_.size(); ++i)
+    window_weight_[i] = std::min(1.0, 25.0 * typical / std::max(loss[i], 1e-300));
+}
+
+}  // namespace furcula::trees
