@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <type_traits>
 
+#include "boards/qemu_netduinoplus2/pipes.hpp"
 #include "furcula/control/walk/walker.hpp"
 
 namespace furcula::pil {
@@ -22,7 +23,7 @@ struct WalkBegin {
 
 /// Host to board, each tick.
 struct WalkTick {
-  /// kWalkAnew: before this tick the board begins as after a start. kWalkEnd: no tick, the board answers with a WalkFarewell and stops.
+  /// kWalkAnew: before this tick the board begins as after a start. kWalkEnd: no tick, the board answers with a Measured and stops.
   std::uint32_t kind = kWalkTick;
   std::uint32_t reset = 0, run = 0, tick_interval_us = 0;
   control::WalkerSample sample;
@@ -53,13 +54,6 @@ inline WalkReply reply_of(const control::WalkerOutputs& out) {
   r.on_left = out.on_left ? 1 : 0;
   return r;
 }
-
-/// Board to host, last.
-struct WalkFarewell {
-  std::uint32_t deepest_stack_bytes = 0;
-  std::uint32_t hundred_nops =
-      0;  ///< what 100 instructions measure: 100, if the emulator counts as it should
-};
 
 static_assert(std::is_trivially_copyable_v<WalkBegin> && sizeof(WalkBegin) < 4096);
 static_assert(std::is_trivially_copyable_v<WalkTick> && sizeof(WalkTick) == 220);

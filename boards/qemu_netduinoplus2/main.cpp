@@ -2,8 +2,7 @@
 #include <cstdint>
 #include <cstring>
 
-#include "boards/qemu_netduinoplus2/instruction_counter.hpp"
-#include "boards/qemu_netduinoplus2/semihosting.hpp"
+#include "boards/qemu_netduinoplus2/lock_step.hpp"
 #include "boards/qemu_netduinoplus2/wire.hpp"
 #include "firmware/app/app.hpp"
 #include "firmware/startup/startup.hpp"
@@ -12,9 +11,6 @@ namespace {
 
 using namespace furcula;
 
-// Exit statuses of QEMU.
-enum Exit : std::uint32_t { kDone = 0, kNoPipes = 2, kPeerGone = 3, kBadMessage = 4, kException = 5 };
-
 /// Not on the stack, which would keep room for it all the time.
 constinit pil::Begin last_configuration;
 
@@ -22,27 +18,23 @@ class QemuBoard {
  public:
   /// Opens the pipes and waits for the host's first message.
   const control::Config& begin() {
-    using semihosting::Mode;
-    in_ = semihosting::open(pil::kToBoard, sizeof(pil::kToBoard) - 1, Mode::read_binary);
-    out_ = semihosting::open(pil::kFromBoard, sizeof(pil::kFromBoard) - 1, Mode::write_binary);
-    if (in_ < 0 || out_ < 0) semihosting::exit(kNoPipes);
-    receive(last_configuration);
-    if (last_configuration.kind != pil::kBegin) semihosting::exit(kBadMessage);
+    pipes_.open();
+    pipes_.receive(last_configuration);
+    if (last_configuration.kind != pil::kBegin) semihosting::exit(pil::kBadMessage);
     return last_configuration.config;
   }
 
   bool wait_for_tick() {
-    receive(tick_);
+    pipes_.receive(tick_);
     configured_ = tick_.kind == pil::kBegin;
     if (configured_) {
       // Its first bytes came in the place of a tick.
       auto* bytes = reinterpret_cast<std::uint8_t*>(&last_configuration);
       std::memcpy(bytes, &tick_, sizeof(tick_));
-      if (!semihosting::read(in_, bytes + sizeof(tick_), sizeof(last_configuration) - sizeof(tick_)))
-        semihosting::exit(kPeerGone);
-      receive(tick_);
+      pipes_.receive(bytes + sizeof(tick_), sizeof(last_configuration) - sizeof(tick_));
+      pipes_.receive(tick_);
     }
-    if (tick_.kind != pil::kTick && tick_.kind != pil::kEnd) semihosting::exit(kBadMessage);
+    if (tick_.kind != pil::kTick && tick_.kind != pil::kEnd) semihosting::exit(pil::kBadMessage);
     return tick_.kind == pil::kTick;
   }
   /// The configuration that came before this tick, or null.
@@ -65,23 +57,14 @@ class QemuBoard {
   /// Answers the host's tick. The command that travels is the one that was actuated.
   void reply(std::uint32_t instructions) {
     outputs_.command = command_;
-    send(pil::Reply{outputs_, instructions});
+    pipes_.send(pil::Reply{outputs_, instructions});
   }
   void farewell(std::uint32_t hundred_nops) {
-    send(pil::Farewell{watchdog_kicks_, firmware::deepest_stack_bytes(), hundred_nops});
+    pipes_.send(pil::Farewell{watchdog_kicks_, {firmware::deepest_stack_bytes(), hundred_nops}});
   }
 
  private:
-  template <class Message>
-  void receive(Message& message) {
-    if (!semihosting::read(in_, &message, sizeof(message))) semihosting::exit(kPeerGone);
-  }
-  template <class Message>
-  void send(const Message& message) {
-    if (!semihosting::write(out_, &message, sizeof(message))) semihosting::exit(kPeerGone);
-  }
-
-  std::int32_t in_ = -1, out_ = -1;
+  pil::Pipes pipes_;
   bool configured_ = false;
   pil::Tick tick_;
   pil::Outputs outputs_;
@@ -98,7 +81,7 @@ static_assert(firmware::Board<QemuBoard>);
 
 }  // namespace
 
-void furcula::firmware::on_exception() { semihosting::exit(kException); }
+void furcula::firmware::on_exception() { semihosting::exit(pil::kException); }
 
 int main() {
   QemuBoard board;
@@ -111,9 +94,6 @@ int main() {
     const std::uint32_t after = counter.read();
     board.reply(counter.between(before, after));
   }
-  const std::uint32_t before = counter.read();
-  asm volatile(".rept 100\n nop\n .endr");
-  const std::uint32_t after = counter.read();
-  board.farewell(counter.between(before, after));
-  semihosting::exit(kDone);
+  board.farewell(pil::hundred_nops(counter));
+  semihosting::exit(pil::kDone);
 }

@@ -5,13 +5,10 @@
 #include <cstdint>
 #include <type_traits>
 
+#include "boards/qemu_netduinoplus2/pipes.hpp"
 #include "firmware/app/app.hpp"
 
 namespace furcula::pil {
-
-/// Names of the pipes, in the directory that QEMU runs in.
-inline constexpr char kToBoard[] = "to_board";
-inline constexpr char kFromBoard[] = "from_board";
 
 inline constexpr std::uint32_t kBegin = 0x46423035;  // "FB05": first message, and its version
 inline constexpr std::uint32_t kTick = 1;
@@ -54,9 +51,7 @@ struct Reply {
 /// Board to host, last.
 struct Farewell {
   std::uint32_t watchdog_kicks = 0;
-  std::uint32_t deepest_stack_bytes = 0;
-  std::uint32_t hundred_nops =
-      0;  ///< what 100 instructions measure: 100, if the emulator counts as it should
+  Measured measured;
 };
 
 static_assert(std::is_trivially_copyable_v<Begin> && sizeof(Begin) == 432);

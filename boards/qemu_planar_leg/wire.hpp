@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <type_traits>
 
+#include "boards/qemu_netduinoplus2/pipes.hpp"
 #include "furcula/control/gait_player.hpp"
 
 namespace furcula::pil {
@@ -21,7 +22,7 @@ struct LegBegin {
 
 /// Host to board, each tick.
 struct LegTick {
-  std::uint32_t kind = kLegTick;  ///< kLegEnd: no tick, the board answers with a LegFarewell and stops
+  std::uint32_t kind = kLegTick;  ///< kLegEnd: no tick, the board answers with a Measured and stops
   std::uint32_t sample_valid = 0, reset = 0, run = 1, tick_interval_us = 0;
   control::GaitSample sample;
 };
@@ -50,13 +51,6 @@ inline LegReply reply_of(const control::GaitOutputs& out) {
                                        (out.phase.apex ? 4 : 0) | (out.phase.bounced ? 8 : 0));
   return r;
 }
-
-/// Board to host, last.
-struct LegFarewell {
-  std::uint32_t deepest_stack_bytes = 0;
-  std::uint32_t hundred_nops =
-      0;  ///< what 100 instructions measure: 100, if the emulator counts as it should
-};
 
 static_assert(std::is_trivially_copyable_v<LegBegin> && sizeof(LegBegin) < 4096);
 static_assert(std::is_trivially_copyable_v<LegTick> && sizeof(LegTick) == 52);

@@ -1,25 +1,18 @@
 // A gait of a planar leg on an emulated Cortex-M4F: the plant on the host obeys the board's torques alone, and beside it
 // the host's own controller gets the same samples.
 #include <algorithm>
-#include <array>
-#include <bit>
 #include <catch2/catch.hpp>
 #include <chrono>
-#include <filesystem>
 #include <fstream>
 #include <map>
-#include <sstream>
 #include <string>
 
 #include "boards/qemu_planar_leg/wire.hpp"
 #include "boards/sim_host/leg_rig.hpp"
 #include "host/gait/gait_table.hpp"
 #include "host/gait/stability.hpp"
-#include "host/pil/own_image.hpp"
-#include "host/pil/qemu.hpp"
 #include "tests/host/gait/legs.hpp"
-#include "tests/paths.hpp"
-#include "tests/skip.hpp"
+#include "tests/pil/lock_step.hpp"
 
 namespace {
 
@@ -28,24 +21,12 @@ using namespace std::chrono_literals;
 using control::Fault;
 using sim_host::LegFault;
 
-std::string image() {
-  return (std::filesystem::path(pil::own_image()).parent_path() / "qemu_planar_leg.elf").string();
-}
-bool cannot_run_here() {
-  const std::string reason = pil::why_not_here(image());
-  if (!reason.empty()) test::skip(reason.c_str());
-  return !reason.empty();
-}
+constexpr const char* kBoard = "qemu_planar_leg";
+std::string image() { return test::lock_step_image(kBoard); }
 
 const gait::Gait& hop() {
   static const gait::Search found = test::found(gait::LegSpring::switched, test::in_place(0.075));
   return *found.gait;
-}
-
-/// As they are in memory, but for what the tick took: 0 and -0 differ, and a NaN equals itself.
-std::array<std::uint32_t, 6> bits(pil::LegReply reply) {
-  const auto all = std::bit_cast<std::array<std::uint32_t, 7>>(reply);
-  return {all[0], all[1], all[2], all[3], all[4], all[5]};
 }
 
 struct Run {
@@ -54,7 +35,7 @@ struct Run {
   std::map<int, std::size_t> ticks_with_fault;
   double most_torque_after_fault = 0.0;
   unsigned strides = 0;
-  pil::LegFarewell farewell;
+  pil::Measured farewell;
 };
 
 Run run_in_lock_step(std::size_t ticks, LegFault fault, double fault_s) {
@@ -73,7 +54,7 @@ Run run_in_lock_step(std::size_t ticks, LegFault fault, double fault_s) {
     board.send(tick);
     const auto there = board.receive<pil::LegReply>();
     const pil::LegReply here = pil::reply_of(control::step_gait(config, state, pil::inputs_of(tick), 1e-3f));
-    if (bits(here) != bits(there)) ++run.differing;
+    if (test::bits(here) != test::bits(there)) ++run.differing;
     rig.advance(there.torque_nm);
     run.worst_instructions = std::max(run.worst_instructions, there.instructions);
     ++run.ticks_with_fault[there.fault];
@@ -86,28 +67,15 @@ Run run_in_lock_step(std::size_t ticks, LegFault fault, double fault_s) {
   pil::LegTick last;
   last.kind = pil::kLegEnd;
   board.send(last);
-  run.farewell = board.receive<pil::LegFarewell>();
+  run.farewell = board.receive<pil::Measured>();
   board.wait_for_end();
   return run;
-}
-
-std::map<std::string, double> read_budget() {
-  std::ifstream file(test::source("boards/qemu_planar_leg/budget.txt"));
-  REQUIRE(file);
-  std::map<std::string, double> budget;
-  for (std::string line; std::getline(file, line);) {
-    std::istringstream words(line);
-    std::string name;
-    double most = 0.0;
-    if (words >> name >> most) budget[name] = most;
-  }
-  return budget;
 }
 
 }  // namespace
 
 TEST_CASE("20,000 ticks of a gait are bit-equal on the Cortex-M4F and on the host, within the budgets") {
-  if (cannot_run_here()) return;
+  if (test::cannot_lock_step(image())) return;
   const Run run = run_in_lock_step(20000, LegFault::none, 0.0);
   CHECK(run.ticks == 20000);
   CHECK(run.differing == 0);
@@ -119,7 +87,7 @@ TEST_CASE("20,000 ticks of a gait are bit-equal on the Cortex-M4F and on the hos
   CHECK(run.farewell.hundred_nops == 100);
   std::ofstream(image() + ".measured") << "worst_tick " << run.worst_instructions << "\nstack_measured "
                                        << run.farewell.deepest_stack_bytes << "\n";
-  auto budget = read_budget();
+  auto budget = test::budget_of(kBoard);
   CHECK(run.worst_instructions > 100);
   CHECK(run.worst_instructions <= budget["worst_tick"]);
   CHECK(run.farewell.deepest_stack_bytes > 50);
@@ -128,7 +96,7 @@ TEST_CASE("20,000 ticks of a gait are bit-equal on the Cortex-M4F and on the hos
 
 TEST_CASE(
     "each fault of a leg's sensors is found on the Cortex-M4F as on the host, and takes the torque away") {
-  if (cannot_run_here()) return;
+  if (test::cannot_lock_step(image())) return;
   struct Case {
     LegFault breaks;
     Fault found;
@@ -143,6 +111,6 @@ TEST_CASE(
     CHECK(run.ticks_with_fault[static_cast<int>(c.found)] > 290);
     CHECK(run.ticks_with_fault.size() == 2);
     CHECK(run.most_torque_after_fault == 0.0);
-    CHECK(run.worst_instructions <= read_budget()["worst_tick"]);
+    CHECK(run.worst_instructions <= test::budget_of(kBoard)["worst_tick"]);
   }
 }

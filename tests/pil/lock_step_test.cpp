@@ -1,4 +1,6 @@
 // Processor in the loop: the controller on an emulated Cortex-M4F in lock step with the host's plant.
+#include "tests/pil/lock_step.hpp"
+
 #include <signal.h>
 
 #include <algorithm>
@@ -9,19 +11,14 @@
 #include <cmath>
 #include <fstream>
 #include <map>
-#include <sstream>
 #include <string>
 
 #include "boards/sim_host/board.hpp"
 #include "firmware/app/app.hpp"
 #include "host/model/reader.hpp"
-#include "host/pil/own_image.hpp"
-#include "host/pil/qemu.hpp"
 #include "host/safety/fault_table.hpp"
 #include "host/sim/scenario.hpp"
 #include "host/sim/simulate.hpp"
-#include "tests/paths.hpp"
-#include "tests/skip.hpp"
 
 namespace {
 
@@ -130,30 +127,10 @@ Run run_in_lock_step(const std::string& scenario_text, std::uint64_t seed, std::
                           reset_at_tick, rule);
 }
 
-std::map<std::string, double> read_budget() {
-  std::ifstream file(test::source("boards/qemu_netduinoplus2/budget.txt"));
-  REQUIRE(file);
-  std::map<std::string, double> budget;
-  for (std::string line; std::getline(file, line);) {
-    if (line.starts_with("#")) continue;
-    std::istringstream words(line);
-    std::string name;
-    double most = 0.0;
-    if (words >> name >> most) budget[name] = most;
-  }
-  return budget;
-}
-
-bool cannot_run_here() {
-  const std::string reason = pil::why_not_here(pil::own_image());
-  if (!reason.empty()) test::skip(reason.c_str());
-  return !reason.empty();
-}
-
 }  // namespace
 
 TEST_CASE("20,000 ticks of hopping with ideal sensors are bit-equal on the Cortex-M4F and on the host") {
-  if (cannot_run_here()) return;
+  if (test::cannot_lock_step(pil::own_image())) return;
   const Run run = run_in_lock_step(R"(
 start = { height_m = 0.35 }
 run = { duration_s = 20 }
@@ -174,7 +151,7 @@ torque = { profile = "harmonic", amplitude_nm = 2, period_s = 0.3 }
 
 TEST_CASE(
     "hopping with quantised, noisy, bouncing and jittering sensors is bit-equal, and within the budgets") {
-  if (cannot_run_here()) return;
+  if (test::cannot_lock_step(pil::own_image())) return;
   std::uint32_t worst_tick = 0, stack = 0;
   const std::string rough = R"(
 start = { height_m = 0.35 }
@@ -203,14 +180,14 @@ fault = [{ time_s = 5, kind = "coil_open", duration_s = 1 }, { time_s = 10, kind
     CHECK(run.differing_ticks == 0);
     CHECK(run.touchdowns > 30);
     CHECK(run.ticks_with_fault.size() == 1);
-    CHECK(run.farewell.hundred_nops == 100);  // the counter counts instructions
+    CHECK(run.farewell.measured.hundred_nops == 100);  // the counter counts instructions
     worst_tick = std::max(worst_tick, run.worst_instructions);
-    stack = std::max(stack, run.farewell.deepest_stack_bytes);
+    stack = std::max(stack, run.farewell.measured.deepest_stack_bytes);
   }
   // For the table of scripts/size-budget.
   std::ofstream(std::string(pil::own_image()) + ".measured")
       << "worst_tick " << worst_tick << "\nstack_measured " << stack << "\n";
-  auto budget = read_budget();
+  auto budget = test::budget_of("qemu_netduinoplus2");
   CHECK(worst_tick > 100);
   CHECK(worst_tick <= budget["worst_tick"]);
   CHECK(stack > 100);
@@ -219,7 +196,7 @@ fault = [{ time_s = 5, kind = "coil_open", duration_s = 1 }, { time_s = 10, kind
 
 TEST_CASE(
     "each fault brings the Cortex-M4F to the same safe state as the host, and a reset back to hopping") {
-  if (cannot_run_here()) return;
+  if (test::cannot_lock_step(pil::own_image())) return;
   struct Case {
     const char* kind;
     control::Fault fault;
@@ -248,12 +225,12 @@ kind = ")") + c.kind + (lasting ? "\"\nduration_s = 0.5\n" : "\"\n"),
   CHECK(run.ticks_with_fault[static_cast<int>(c.fault)] > 400);
   CHECK(run.ticks_with_fault[0] > 2400);  // before the fault, and after the reset at 3 s
   CHECK(run.ticks_with_fault.size() == 2);
-  CHECK(run.worst_instructions <= read_budget()["worst_tick"]);
+  CHECK(run.worst_instructions <= test::budget_of("qemu_netduinoplus2")["worst_tick"]);
 }
 
 TEST_CASE(
     "what breaks is found on the Cortex-M4F on the tick on which the simulation of docs/safety.md finds it") {
-  if (cannot_run_here()) return;
+  if (test::cannot_lock_step(pil::own_image())) return;
   std::size_t n = 0;
   for (const safety::RigRow& row : safety::rig_rows()) {
     const auto& what = sim_host::info(row.breaks);
@@ -268,7 +245,7 @@ TEST_CASE(
     const safety::Trial trial = safety::run_trial(safety::robot(), scenario, 1, safety::Rig::local);
     INFO(what.name << ": " << run.first_difference);
     CHECK(run.differing_ticks == 0);
-    CHECK(run.worst_instructions <= read_budget()["worst_tick"]);
+    CHECK(run.worst_instructions <= test::budget_of("qemu_netduinoplus2")["worst_tick"]);
     if (row.is_borne() || (row.may_come_to_rest && trial.fault == control::Fault::none)) {
       CHECK(run.ticks_with_fault.size() == 1);
       continue;
@@ -280,7 +257,7 @@ TEST_CASE(
 }
 
 TEST_CASE("a board whose configuration makes no sense stays in the safe state") {
-  if (cannot_run_here()) return;
+  if (test::cannot_lock_step(pil::own_image())) return;
   control::Config config;
   config.torque.shape = control::ProfileShape::constant;
   config.torque.amplitude_nm = 2.0f;
@@ -300,7 +277,7 @@ TEST_CASE("a board whose configuration makes no sense stays in the safe state") 
 }
 
 TEST_CASE("a board that falls silent ends the run with a reason within the time allowed") {
-  if (cannot_run_here()) return;
+  if (test::cannot_lock_step(pil::own_image())) return;
   pil::Qemu qemu(pil::own_image(), control::Config{}, 10s);
   for (int i = 0; i < 3; ++i) qemu.exchange({});
   pil::Qemu silent(pil::own_image(), control::Config{}, 500ms);
@@ -311,7 +288,7 @@ TEST_CASE("a board that falls silent ends the run with a reason within the time 
 }
 
 TEST_CASE("a board that dies ends the run with a reason") {
-  if (cannot_run_here()) return;
+  if (test::cannot_lock_step(pil::own_image())) return;
   pil::Qemu qemu(pil::own_image(), control::Config{}, 10s);
   for (int i = 0; i < 3; ++i) qemu.exchange({});
   REQUIRE(::kill(qemu.pid(), SIGKILL) == 0);
@@ -319,7 +296,7 @@ TEST_CASE("a board that dies ends the run with a reason") {
 }
 
 TEST_CASE("an image that is none ends the run with what QEMU says") {
-  if (cannot_run_here()) return;
+  if (test::cannot_lock_step(pil::own_image())) return;
   CHECK_THROWS_WITH(
       [] {
         pil::Qemu qemu("/nonexistent.elf", control::Config{}, 10s);
@@ -329,7 +306,7 @@ TEST_CASE("an image that is none ends the run with what QEMU says") {
 }
 
 TEST_CASE("a message that makes no sense ends the board with its own exit status") {
-  if (cannot_run_here()) return;
+  if (test::cannot_lock_step(pil::own_image())) return;
   pil::Qemu qemu(pil::own_image(), control::Config{}, 10s);
   pil::Tick nonsense;
   nonsense.kind = 99;

@@ -1,24 +1,17 @@
 // The walk of a biped on an emulated Cortex-M4F: the robot on the host obeys the board's commands alone, and beside it the host's own
 // controller gets the same samples.
 #include <algorithm>
-#include <array>
-#include <bit>
 #include <catch2/catch.hpp>
 #include <chrono>
-#include <filesystem>
 #include <fstream>
 #include <map>
-#include <sstream>
 #include <string>
 
 #include "boards/qemu_biped_walk/wire.hpp"
 #include "furcula/dynamics/biped/design.hpp"
-#include "host/pil/own_image.hpp"
-#include "host/pil/qemu.hpp"
 #include "host/walk/walker_faults.hpp"
 #include "tests/host/walk/walks.hpp"
-#include "tests/paths.hpp"
-#include "tests/skip.hpp"
+#include "tests/pil/lock_step.hpp"
 
 namespace {
 
@@ -27,26 +20,12 @@ using namespace std::chrono_literals;
 using control::Fault;
 using control::WalkerStage;
 
-std::string image() {
-  return (std::filesystem::path(pil::own_image()).parent_path() / "qemu_biped_walk.elf").string();
-}
-bool cannot_run_here() {
-  const std::string reason = pil::why_not_here(image());
-  if (!reason.empty()) test::skip(reason.c_str());
-  return !reason.empty();
-}
+constexpr const char* kBoard = "qemu_biped_walk";
+std::string image() { return test::lock_step_image(kBoard); }
 
 walk::WalkerRigConfig active_walk() {
   const walk::Walk found = test::found_walk();
   return {.robot = dynamics::biped::design(), .mode = found.mode, .walk = found.parameters, .seed = 1};
-}
-
-/// As they are in memory, but for what the tick took: 0 and -0 differ, and a NaN equals itself.
-std::array<std::uint32_t, 44> bits(const pil::WalkReply& reply) {
-  const auto all = std::bit_cast<std::array<std::uint32_t, 45>>(reply);
-  std::array<std::uint32_t, 44> out;
-  std::copy_n(all.begin(), out.size(), out.begin());
-  return out;
 }
 
 struct Run {
@@ -76,7 +55,7 @@ Run run_in_lock_step(pil::EmulatedBoard& board, const walk::WalkerRigConfig& con
     const auto there = board.receive<pil::WalkReply>();
     const pil::WalkReply here =
         pil::reply_of(control::step_walker(known, state, pil::inputs_of(tick), 1e-3f));
-    if (bits(here) != bits(there)) ++run.differing;
+    if (test::bits(here) != test::bits(there)) ++run.differing;
     control::WalkerOutputs told;
     told.joints = there.joints;
     told.pin_targets = there.pin_targets;
@@ -99,32 +78,19 @@ Run run_in_lock_step(pil::EmulatedBoard& board, const walk::WalkerRigConfig& con
   return run;
 }
 
-pil::WalkFarewell end(pil::EmulatedBoard& board) {
+pil::Measured end(pil::EmulatedBoard& board) {
   pil::WalkTick last;
   last.kind = pil::kWalkEnd;
   board.send(last);
-  const auto farewell = board.receive<pil::WalkFarewell>();
+  const auto farewell = board.receive<pil::Measured>();
   board.wait_for_end();
   return farewell;
-}
-
-std::map<std::string, double> read_budget() {
-  std::ifstream file(test::source("boards/qemu_biped_walk/budget.txt"));
-  REQUIRE(file);
-  std::map<std::string, double> budget;
-  for (std::string line; std::getline(file, line);) {
-    std::istringstream words(line);
-    std::string name;
-    double most = 0.0;
-    if (words >> name >> most) budget[name] = most;
-  }
-  return budget;
 }
 
 }  // namespace
 
 TEST_CASE("10 s of a biped's walk are bit-equal on the Cortex-M4F and on the host, within the budgets") {
-  if (cannot_run_here()) return;
+  if (test::cannot_lock_step(image())) return;
   const walk::WalkerRigConfig config = active_walk();
   pil::EmulatedBoard board(image(), 10s);
   board.send(pil::WalkBegin{pil::kWalkBegin, walk::walker_config(config, 5.0)});
@@ -135,12 +101,12 @@ TEST_CASE("10 s of a biped's walk are bit-equal on the Cortex-M4F and on the hos
   CHECK(run.found == Fault::none);
   CHECK(run.way_m > 0.5);
   CHECK(run.height_m > 0.9);
-  const pil::WalkFarewell farewell = end(board);
+  const pil::Measured farewell = end(board);
   CHECK(farewell.hundred_nops == 100);
   std::ofstream(image() + ".measured")
       << "worst_tick " << run.worst_instructions << "\nmean_tick " << run.mean_instructions()
       << "\nstack_measured " << farewell.deepest_stack_bytes << "\n";
-  auto budget = read_budget();
+  auto budget = test::budget_of(kBoard);
   CHECK(budget["worst_tick"] <= 12000.0);
   CHECK(run.mean_instructions() > 1000);
   CHECK(run.mean_instructions() <= budget["mean_tick"]);
@@ -151,7 +117,7 @@ TEST_CASE("10 s of a biped's walk are bit-equal on the Cortex-M4F and on the hos
 
 TEST_CASE(
     "what breaks in a walking robot is found on the Cortex-M4F as on the host, and its drives only brake") {
-  if (cannot_run_here()) return;
+  if (test::cannot_lock_step(image())) return;
   pil::EmulatedBoard board(image(), 10s);
   board.send(pil::WalkBegin{pil::kWalkBegin, walk::walker_config(active_walk(), 5.0)});
   for (const walk::WalkerFaultRow& row : walk::walker_fault_rows()) {
@@ -162,7 +128,7 @@ TEST_CASE(
     CHECK(std::find(row.finds.begin(), row.finds.end(), run.found) != row.finds.end());
     CHECK(run.after_ticks <= row.within_ticks);
     CHECK(run.work_after_j == 0.0);
-    CHECK(run.worst_instructions <= read_budget()["worst_tick"]);
+    CHECK(run.worst_instructions <= test::budget_of(kBoard)["worst_tick"]);
   }
   end(board);
 }

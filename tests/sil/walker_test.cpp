@@ -175,6 +175,15 @@ TEST_CASE("a walk with numbers that are none, and a state that nobody began, are
   const WalkerRigConfig rig = rig_of("active", 1);
   const control::WalkerConfig good = walker_config(rig, 5.0);
   CHECK(control::check(good) == Status::ok);
+  // What is divided by.
+  using Supervisor = control::WalkSupervisorConfig;
+  for (float Supervisor::*fades :
+       {&Supervisor::slip_fades_s, &Supervisor::torque_fades_s, &Supervisor::weight_fades_s,
+        &Supervisor::turn_fades_s, &Supervisor::vertical_fades_s}) {
+    control::WalkerConfig zero = good;
+    zero.supervisor.*fades = 0.0f;
+    CHECK(control::check(zero) == Status::invalid);
+  }
   control::WalkerConfig bad = good;
   bad.walk.walk.knee_rad = std::numeric_limits<float>::quiet_NaN();
   CHECK(control::check(bad) == Status::invalid);

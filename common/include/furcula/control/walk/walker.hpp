@@ -75,9 +75,10 @@ inline Status check(const WalkerConfig& c) {
   for (const float x : values)
     if (!is_finite(x)) return Status::invalid;
   const WalkParameters<float>& w = c.walk.walk;
-  for (const float x : {w.start_s, w.up_blend_s, w.down_blend_s, w.stop_blend_s, c.walk.inverse_mass_1pkg,
-                        c.foot_threshold_n, c.damped_most_nm, c.supervisor.slip_fades_s,
-                        c.supervisor.torque_fades_s, c.supervisor.weight_fades_s, c.supervisor.turn_fades_s})
+  for (const float x :
+       {w.start_s, w.up_blend_s, w.down_blend_s, w.stop_blend_s, c.walk.inverse_mass_1pkg, c.foot_threshold_n,
+        c.damped_most_nm, c.supervisor.slip_fades_s, c.supervisor.torque_fades_s, c.supervisor.weight_fades_s,
+        c.supervisor.turn_fades_s, c.supervisor.vertical_fades_s})
     if (!is_finite(x) || !(x > 0.0f)) return Status::invalid;
   for (const auto& leg : c.walk.body.drives)
     for (const auto& drive : leg)
