@@ -34,7 +34,7 @@ namespace furcula::cli {
 namespace {
 
 struct WalkOptions {
-  std::string model, out, mode, method, walk, resume;
+  std::string model, out, mode, method, walk, resume, from;
   std::optional<double> seconds;
   std::optional<std::int64_t> steps;
   std::optional<std::uint64_t> sensor_seed;
@@ -101,11 +101,28 @@ walk::SearchState state_of(const WalkOptions& o, const walk::Settings& settings)
   return std::move(found.checkpoint.state);
 }
 
+/// The walk that an option names, which has to be the model's robot's.
+walk::Walk walk_of(const char* option, const std::string& file, const WalkOptions& o,
+                   const walk::Model& model) {
+  walk::Walk walk = walk::read_walk(file);
+  if (walk.robot != model.name)
+    throw UsageError(option + (" " + core::printable(file)) + ": a walk of " + core::quoted(walk.robot) +
+                     "; expected one of " + core::quoted(model.name) + ", the robot of " +
+                     core::printable(o.model));
+  return walk;
+}
+
 void say_evidence(const walk::Evidence& evidence) {
   std::printf("with steps of 1 to 0.125 ms: cost of transport");
   for (const walk::Trial& t : evidence.steps) std::printf(" %.4g", t.rollout.cot);
   std::printf("\nwith sensors that err: %u of %u stand, %u keep all limits\n", evidence.noisy_stand,
               evidence.noisy, evidence.noisy_keep_limits);
+  if (const walk::ReturnMap& map = evidence.map; map.found)
+    std::printf(
+        "without end: a stride of %.4g s and %.4g m, cost of transport %.3f, largest multiplier %.3f\n",
+        map.stride_s, map.stride_m, map.cot, map.multipliers.front());
+  else
+    std::printf("without end: %s\n", map.none.c_str());
   for (const walk::Trial& t : evidence.changed)
     std::printf("%s: %s\n", t.what.c_str(),
                 t.rollout.over > 0.0 && t.rollout.ending == walk::Ending::stands
@@ -129,6 +146,7 @@ void search(const WalkOptions& o, const Distribute& distribute) {
   options.seed = o.seed;
   options.seconds = o.seconds;
   if (o.steps) options.steps = static_cast<std::uint64_t>(*o.steps);
+  if (!o.from.empty()) options.start = walk_of("--from", o.from, o, model).parameters;
   options.threads = o.thread_count();
   if (const std::string limit = walk::limit_of_no_posture(model.robot, options.rollout); !limit.empty())
     throw core::DataError(o.model + ": " + limit);
@@ -167,7 +185,7 @@ void search(const WalkOptions& o, const Distribute& distribute) {
   const walk::Walk walk{model.name, options.rollout.mode, options.rollout.walk_until_s, found.walk};
   const std::string command =
       "furcula walk search --model " + o.model + " --mode " + o.mode + " --method " + o.method + " --seed " +
-      std::to_string(o.seed) +
+      std::to_string(o.seed) + (o.from.empty() ? "" : " --from " + o.from) +
       (o.steps ? " --steps " + std::to_string(*o.steps) : " --seconds " + core::shortest(*o.seconds)) +
       " --out " + o.out;
   const walk::SearchState& end = found.state;
@@ -199,19 +217,9 @@ void search(const WalkOptions& o, const Distribute& distribute) {
                   checkpoint + "), or wider [limits]");
 }
 
-/// The walk of `--walk`, which has to be the model's robot's.
-walk::Walk walk_of(const WalkOptions& o, const walk::Model& model) {
-  walk::Walk walk = walk::read_walk(o.walk);
-  if (walk.robot != model.name)
-    throw UsageError("--walk " + core::printable(o.walk) + ": a walk of " + core::quoted(walk.robot) +
-                     "; expected one of " + core::quoted(model.name) + ", the robot of " +
-                     core::printable(o.model));
-  return walk;
-}
-
 void show(const WalkOptions& o) {
   const walk::Model model = walk::read_model(o.model);
-  const walk::Walk walk = walk_of(o, model);
+  const walk::Walk walk = walk_of("--walk", o.walk, o, model);
   const OutFolder folder(o.out);
   const walk::RolloutOptions rollout = rollout_of(model, walk.mode, walk.walk_until_s);
   const walk::Rollout r = walk::run_walk(model.robot, rollout, walk.parameters);
@@ -243,7 +251,7 @@ void simulate(const WalkOptions& o) {
   if (std::filesystem::equivalent(o.out, o.walk, none))
     throw UsageError("--out " + core::printable(o.out) + " is the walk; expected another file");
   const walk::Model model = walk::read_model(o.model);
-  const walk::Walk walk = walk_of(o, model);
+  const walk::Walk walk = walk_of("--walk", o.walk, o, model);
   // A longer run walks longer, and has as long to stand.
   walk::RolloutOptions rollout = rollout_of(model, walk.mode, walk.walk_until_s);
   rollout.walk_until_s = std::max(walk.walk_until_s, seconds - (rollout.time_s - walk.walk_until_s));
@@ -270,14 +278,20 @@ void add_walk_command(CLI::App& app, Distribute distribute) {
   CLI::App* find =
       command->add_subcommand("search", "The walk that costs least, from a robot that only steps and falls");
   find->add_option("--model", o->model, "Model file of kind biped")->required();
-  find->add_option("--mode", o->mode, "active, or semi_passive: both hips' pitch on their springs")
-      ->check(CLI::IsMember({"active", "semi_passive"}))
+  find->add_option(
+          "--mode", o->mode,
+          "active; semi_passive: both hips' pitch on their springs; knee_passive: the swing leg's knee swings free; "
+          "knee_braked: the stance leg's knee is held by its brake")
+      ->check(CLI::IsMember(std::vector<std::string>(walk::kModeNames.begin(), walk::kModeNames.end())))
       ->capture_default_str();
   find->add_option("--method", o->method,
                    "How it is sought: CMA-ES, ESCH of NLopt, or mutation and Nelder-Mead in turns")
       ->check(CLI::IsMember(std::vector<std::string>(walk::kMethodNames.begin(), walk::kMethodNames.end())))
       ->capture_default_str();
   find->add_option("--seed", o->seed, "Of the search")->capture_default_str();
+  find->add_option(
+      "--from", o->from,
+      "Begins with this walk.toml of the same robot, of any mode, in place of steps on the spot");
   find->add_option("--seconds", o->seconds, "How long");
   find->add_option("--steps", o->steps,
                    "How long, in steps of simulation: one seed then gives one walk, whatever --threads");

@@ -41,6 +41,12 @@ std::string hash_of(const dynamics::biped::Description& robot) {
   return core::hexadecimal(crc_of({bytes.data(), bytes.size()}));
 }
 
+std::string hash_of(const Parameters& walk) {
+  const auto values = walk.values();
+  return "a walk, " +
+         core::hexadecimal(crc_of({reinterpret_cast<const char*>(values.data()), sizeof values}));
+}
+
 Json point_json(const SearchPoint& p) {
   return {p.cpu_s, p.steps, p.rollouts, state_json(p.objective), state_json(p.cot)};
 }
@@ -100,6 +106,7 @@ Settings settings_of(const Model& model, const SearchOptions& options, const std
                {"mode", std::string(kModeNames[static_cast<std::size_t>(r.mode)])},
                {"method", std::string(kMethodNames[static_cast<std::size_t>(options.method)])},
                {"seed", std::to_string(options.seed)},
+               {"start", options.start ? hash_of(*options.start) : "steps on the spot"},
                {"time_s", core::shortest(r.time_s)},
                {"step_s", core::shortest(r.step_s)},
                {"steps a tick", std::to_string(r.steps_a_tick)},

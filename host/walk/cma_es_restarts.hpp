@@ -9,7 +9,8 @@ namespace furcula::walk {
 
 class CmaEsRestarts final : public Method {
  public:
-  CmaEsRestarts(Eigen::Index size, std::uint64_t seed);
+  /// `spread`: of the first round about the start, and of those that set out from it again; in shares of the ranges.
+  CmaEsRestarts(Eigen::Index size, std::uint64_t seed, double spread = 0.2);
 
   const std::vector<Vector>& ask() override { return strategy_.ask(); }
   void tell(std::span<const double> values, const Vector& best) override;
@@ -21,6 +22,7 @@ class CmaEsRestarts final : public Method {
   void restart(const Vector& best);
 
   std::uint64_t seed_, waited_ = 0;
+  double spread_;
   CmaEs strategy_;
   double round_best_, last_better_;
   unsigned restarts_ = 0;

@@ -56,9 +56,13 @@ Evidence evidence_of(const dynamics::biped::Description& robot, const RolloutOpt
   for (unsigned i = 0; i < kNoisy; ++i) jobs.push_back({"", robot, options, true});
 
   Evidence out;
-  std::vector<Rollout> rollouts(jobs.size());
+  std::vector<Rollout> rollouts(jobs.size());  // and one more, the return map
   std::atomic<std::size_t> finished{0};
-  core::parallel_for(jobs.size(), threads, [&](std::size_t i) {
+  core::parallel_for(jobs.size() + 1, threads, [&](std::size_t i) {
+    if (i == jobs.size()) {
+      out.map = return_map_of(robot, options, walk);
+      return;
+    }
     Walkers<double> walkers(jobs[i].robot, robot, jobs[i].options);
     if (jobs[i].noisy) walkers.senses = Sensors(out.errors, i - changed + 1);
     rollouts[i] = walkers.run_one(walk);

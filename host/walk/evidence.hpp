@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "furcula/dynamics/biped/parameters.hpp"
+#include "host/walk/return_map.hpp"
 #include "host/walk/rollout.hpp"
 #include "host/walk/sensors.hpp"
 
@@ -23,6 +24,7 @@ struct Evidence {
   unsigned noisy = 0;          ///< walks with sensors that err, each with errors of its own
   unsigned noisy_stand = 0, noisy_keep_limits = 0;
   SensorErrors errors;
+  ReturnMap map;
 };
 
 /// `told` from 0 to 1.

@@ -38,8 +38,9 @@ class Method {
   virtual void restore(const std::string& state) = 0;
 };
 
-/// Ranges are `least` to `most`; a seed gives one sequence of points for one sequence of values.
+/// Ranges are `least` to `most`; a seed gives one sequence of points for one sequence of values. `from_walk`: the start is a walk already, and
+/// the best is sought near it.
 std::unique_ptr<Method> make_method(MethodKind kind, const Eigen::VectorXd& least,
-                                    const Eigen::VectorXd& most, std::uint64_t seed);
+                                    const Eigen::VectorXd& most, std::uint64_t seed, bool from_walk = false);
 
 }  // namespace furcula::walk

@@ -15,10 +15,13 @@ namespace furcula::walk {
 using Parameters = control::WalkParameters<double>;
 
 enum class WalkMode : std::uint8_t {
-  active,       ///< all joints
-  semi_passive  ///< both hips' pitch on their springs, the other joints active
+  active,        ///< all joints
+  semi_passive,  ///< both hips' pitch on their springs, the other joints active
+  knee_passive,  ///< the swing leg's knee swings free while the foot goes up
+  knee_braked    ///< the stance leg's knee is held by its brake, both while the robot stands
 };
-inline constexpr std::array<std::string_view, 2> kModeNames{"active", "semi_passive"};
+inline constexpr std::array<std::string_view, 4> kModeNames{"active", "semi_passive", "knee_passive",
+                                                            "knee_braked"};
 
 /// What a walk must keep (000 section III); a collision of feet is chosen here.
 struct WalkLimits {
@@ -41,6 +44,7 @@ struct RolloutOptions {
   int steps_a_tick = 2;  ///< the controller's tick
   double walk_until_s = 5.0;
   double foot_threshold_n = 30.0;  ///< of the feet's switches
+  double pin_s = 0.06;             ///< a clutch's pin takes to go out, and to go in
   WalkLimits limits;
 
   double tick_s() const { return step_s * steps_a_tick; }

@@ -26,7 +26,9 @@ using Vector = Eigen::VectorXd;
 /// Between the walk's parameters and the search's coordinates: shares of their ranges from the start values, and only those that matter.
 class Space {
  public:
-  explicit Space(WalkMode mode) {
+  Space(WalkMode mode, const std::optional<Parameters>& start) {
+    for (std::size_t i = 0; i < start_.size(); ++i) start_[i] = control::kWalkParameters[i].start;
+    if (start) start_ = start->values();
     for (std::size_t i = 0; i < control::kWalkParameters.size(); ++i)
       if (mode == WalkMode::active || !control::kWalkParameters[i].of_hip_pitch) used_.push_back(i);
   }
@@ -34,8 +36,7 @@ class Space {
 
   /// Inside the ranges.
   Parameters walk(const Vector& x) const {
-    std::array<double, Parameters::kCount> values;
-    for (std::size_t i = 0; i < values.size(); ++i) values[i] = control::kWalkParameters[i].start;
+    auto values = start_;
     for (std::size_t k = 0; k < used_.size(); ++k) {
       const auto& p = control::kWalkParameters[used_[k]];
       values[used_[k]] = std::clamp(value(x, k), p.least, p.most);
@@ -61,7 +62,7 @@ class Space {
     Vector x(size());
     for (std::size_t k = 0; k < used_.size(); ++k) {
       const auto& p = control::kWalkParameters[used_[k]];
-      x(static_cast<Eigen::Index>(k)) = (values[used_[k]] - p.start) / (p.most - p.least);
+      x(static_cast<Eigen::Index>(k)) = (values[used_[k]] - start_[used_[k]]) / (p.most - p.least);
     }
     return x;
   }
@@ -69,16 +70,17 @@ class Space {
  private:
   double value(const Vector& x, std::size_t k) const {
     const auto& p = control::kWalkParameters[used_[k]];
-    return p.start + x(static_cast<Eigen::Index>(k)) * (p.most - p.least);
+    return start_[used_[k]] + x(static_cast<Eigen::Index>(k)) * (p.most - p.least);
   }
   Vector end(double control::WalkParameterInfo::*which) const {
     Vector x(size());
     for (std::size_t k = 0; k < used_.size(); ++k) {
       const auto& p = control::kWalkParameters[used_[k]];
-      x(static_cast<Eigen::Index>(k)) = (p.*which - p.start) / (p.most - p.least);
+      x(static_cast<Eigen::Index>(k)) = (p.*which - start_[used_[k]]) / (p.most - p.least);
     }
     return x;
   }
+  std::array<double, Parameters::kCount> start_;
   std::vector<std::size_t> used_;
 };
 
@@ -118,8 +120,9 @@ class Search {
   Search(const dynamics::biped::Description& robot, const SearchOptions& options)
       : robot_(robot),
         o_(options),
-        space_(options.rollout.mode),
-        method_(make_method(options.method, space_.least(), space_.most(), options.seed)) {
+        space_(options.rollout.mode, options.start),
+        method_(make_method(options.method, space_.least(), space_.most(), options.seed,
+                            options.start.has_value())) {
     best_.time_s = 0.0;
     if (!o_.from) return;
     s_ = *o_.from;
@@ -137,6 +140,11 @@ class Search {
 
   SearchResult run() {
     SearchResult out;
+    // A walk to begin with is the best until another is better.
+    if (o_.start && s_.rollouts == 0) {
+      const Parameters walk = space_.walk(Vector::Zero(space_.size()));
+      took(walk, run_walks(robot_, o_.rollout, {walk}, 1).front());
+    }
     for (double share = spent(); share < 1.0; share = spent()) {
       if (o_.interrupted && o_.interrupted()) {
         out.interrupted = true;
@@ -182,27 +190,32 @@ class Search {
     if (rollouts.size() != walks.size()) return false;
     std::vector<double> values;
     for (std::size_t i = 0; i < walks.size(); ++i) {
-      const Rollout& r = rollouts[i];
-      s_.steps += r.steps;
-      ++s_.rollouts;
-      const double objective = r.objective(asked_s_), value = r.value(asked_s_) + space_.outside(points[i]);
+      const double value = rollouts[i].value(asked_s_) + space_.outside(points[i]);
       values.push_back(std::isfinite(value) ? value : kNone);
-      if (!std::isfinite(objective)) {
-        ++s_.not_finite;
-        continue;
-      }
-      const SearchPoint here{cpu_s(), s_.steps, s_.rollouts, objective, r.cot};
-      if (!s_.first_walk && r.keeps_limits() && r.distance_m >= o_.first_walk_m) s_.first_walk = here;
-      if (!(objective < best_objective_)) continue;
-      best_objective_ = objective;
-      best_ = r;
-      s_.history.push_back(here);
-      if (s_.bests.size() == kMostKept) s_.bests.erase(s_.bests.begin());
-      s_.bests.push_back(walks[i]);
+      took(walks[i], rollouts[i]);
     }
     method_->tell(values,
                   s_.bests.empty() ? Vector(Vector::Zero(space_.size())) : space_.at(s_.bests.back()));
     return true;
+  }
+
+  /// A walk was simulated.
+  void took(const Parameters& walk, const Rollout& r) {
+    s_.steps += r.steps;
+    ++s_.rollouts;
+    const double objective = r.objective(asked_s_);
+    if (!std::isfinite(objective)) {
+      ++s_.not_finite;
+      return;
+    }
+    const SearchPoint here{cpu_s(), s_.steps, s_.rollouts, objective, r.cot};
+    if (!s_.first_walk && r.keeps_limits() && r.distance_m >= o_.first_walk_m) s_.first_walk = here;
+    if (!(objective < best_objective_)) return;
+    best_objective_ = objective;
+    best_ = r;
+    s_.history.push_back(here);
+    if (s_.bests.size() == kMostKept) s_.bests.erase(s_.bests.begin());
+    s_.bests.push_back(walk);
   }
 
   void update() {

@@ -1,4 +1,4 @@
-// The search for a walk without a first guess, from steps on the spot that fall, by one of several methods (method.hpp).
+// The search for a walk, without a first guess from steps on the spot that fall, by one of several methods (method.hpp).
 //
 // One seed gives one result on any number of threads, if the budget is of steps, and however often the search was interrupted.
 #pragma once
@@ -47,6 +47,8 @@ struct SearchOptions {
   RolloutOptions rollout;
   MethodKind method = MethodKind::cmaes;
   std::uint64_t seed = 1;
+  /// Where it begins; without it with steps on the spot, which fall.
+  std::optional<Parameters> start;
   // The whole search's, with what was done before an interruption.
   std::optional<double> seconds;       ///< of wall time
   std::optional<std::uint64_t> steps;  ///< of simulation, of all walks together

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <string>
 
+#include "host/walk/roll_pitch_yaw.hpp"
 #include "host/walk/sensors.hpp"
 
 namespace furcula::walk {
@@ -12,13 +13,6 @@ using namespace dynamics::biped;
 
 std::string joint_name(std::size_t i) {
   return (i < kLegJoints ? "left_" : "right_") + std::string(kLegJointNames[i % kLegJoints]);
-}
-
-/// Roll, pitch, yaw: turns about x, then y, then z of the level.
-std::array<double, 3> angles(const Quaternion<double>& a) {
-  const Mat3<double> r = rotation(a);
-  return {std::atan2(r.z.y, r.z.z), std::asin(std::fmin(1.0, std::fmax(-1.0, -r.z.x))),
-          std::atan2(r.y.x, r.x.x)};
 }
 
 }  // namespace
@@ -53,8 +47,8 @@ Simulation simulate_walk(const Description& robot, const RolloutOptions& options
     put("gyro_x_radps", imu.gyro_radps.x), put("gyro_y_radps", imu.gyro_radps.y),
         put("gyro_z_radps", imu.gyro_radps.z);
     put("acc_x_mps2", imu.acc_mps2.x), put("acc_y_mps2", imu.acc_mps2.y), put("acc_z_mps2", imu.acc_mps2.z);
-    const auto turn = angles(m.sample.attitude);
-    put("roll_rad", turn[0]), put("pitch_rad", turn[1]), put("yaw_rad", turn[2]);
+    const RollPitchYaw turn = roll_pitch_yaw(m.sample.attitude);
+    put("roll_rad", turn.roll_rad), put("pitch_rad", turn.pitch_rad), put("yaw_rad", turn.yaw_rad);
     put("contact_left_foot", m.sample.left_carries), put("contact_right_foot", m.sample.right_carries);
     put("base_x_m", m.position_m.x), put("base_y_m", m.position_m.y), put("base_z_m", m.position_m.z);
   };

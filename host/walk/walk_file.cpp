@@ -234,6 +234,16 @@ std::string to_json_text(const SearchResult& found, const std::optional<Evidence
                         {{"walks", evidence->noisy},
                          {"stand", evidence->noisy_stand},
                          {"keep_limits", evidence->noisy_keep_limits}}}};
+    const ReturnMap& map = evidence->map;
+    Json& to = out["evidence"]["return_map"];
+    if (map.found)
+      to = {{"stride_s", map.stride_s},
+            {"stride_m", map.stride_m},
+            {"cot", map.cot},
+            {"closure", map.closure},
+            {"multipliers", map.multipliers}};
+    else
+      to = {{"none", map.none}};
   }
   return out.dump(1) + "\n";
 }

@@ -8,6 +8,7 @@
 #include "host/report/html.hpp"
 #include "host/report/line_plot.hpp"
 #include "host/report/page.hpp"
+#include "host/walk/roll_pitch_yaw.hpp"
 #include "host/walk/walkers.hpp"
 
 namespace furcula::walk {
@@ -28,6 +29,8 @@ struct Frame {
   std::string phase;
   std::array<double, 2> normal_n;
   std::array<double, kLegJoints> power_w;  ///< of the left leg's motors
+  std::array<double, 2> knee;              ///< the left one's angle and rate, rad, rad/s
+  std::array<double, 2> pitch;             ///< the pelvis' and its rate
   double height_m;
 };
 
@@ -61,18 +64,24 @@ Frame frame_of(const Description& robot, const WalkMoment<double>& m) {
   }
   for (std::size_t j = 0; j < kLegJoints; ++j)
     f.power_w[j] = joint<double>(m.report.torque.motor_nm, j) * joint<double>(m.state.qd_radps, j);
+  f.knee = {joint<double>(m.state.q_rad, kKnee), joint<double>(m.state.qd_radps, kKnee)};
+  f.pitch = {roll_pitch_yaw(m.state.attitude).pitch_rad, m.state.w_radps.y};
   return f;
 }
 
-std::vector<Frame> frames_of(const Model& model, const RolloutOptions& options,
-                             const walk::Parameters& walk) {
-  std::vector<Frame> out;
+struct Filmed {
+  std::vector<Frame> frames;
+  std::array<JointEnergy, kJoints> joints;
+};
+Filmed film(const Model& model, const RolloutOptions& options, const walk::Parameters& walk) {
+  Filmed out;
   Walkers<double> walkers(model.robot, model.robot, options);
   int tick = 0;
   walkers.watch = [&](const WalkMoment<double>& m) {
-    if (tick++ % kTicksAFrame == 0) out.push_back(frame_of(model.robot, m));
+    if (tick++ % kTicksAFrame == 0) out.frames.push_back(frame_of(model.robot, m));
   };
   walkers.run_one(walk);
+  out.joints = walkers.joint_energy();
   return out;
 }
 
@@ -112,10 +121,17 @@ std::string plots(const std::vector<Frame>& frames, bool passive) {
   const auto plot = [](const char* title, std::vector<report::Line> lines) {
     return report::line_plot_html({title, "time, s", std::move(lines)});
   };
+  const auto phase = [&](const char* title, const char* over, std::array<double, 2> Frame::*of) {
+    report::Line l{"", {}, {}};
+    for (const Frame& f : frames) l.x.push_back((f.*of)[0]), l.y.push_back((f.*of)[1]);
+    return report::line_plot_html({title, over, {std::move(l)}});
+  };
   return plot("Force of the ground, N", {line("left foot", [](const Frame& f) { return f.normal_n[0]; }),
                                          line("right foot", [](const Frame& f) { return f.normal_n[1]; })}) +
          plot("Power of the left leg's motors, W", std::move(power)) +
-         plot("Height of the pelvis, m", {line("pelvis", [](const Frame& f) { return f.height_m; })});
+         plot("Height of the pelvis, m", {line("pelvis", [](const Frame& f) { return f.height_m; })}) +
+         phase("Rate of the left knee over its angle, rad/s", "angle, rad", &Frame::knee) +
+         phase("Rate of the pelvis' pitch over it, rad/s", "pitch, rad", &Frame::pitch);
 }
 
 std::string search_html(const std::vector<SearchPoint>& history) {
@@ -127,6 +143,16 @@ std::string search_html(const std::vector<SearchPoint>& history) {
   }
   return report::line_plot_html({"The best objective so far", "time of one processor, s", {objective}}) +
          report::line_plot_html({"Its cost of transport, where it walks", "time of one processor, s", {cot}});
+}
+
+std::string joints_html(const std::array<JointEnergy, kJoints>& joints) {
+  report::Table table({{"Motor"}, {"copper, J", true}, {"work, J", true}, {"its positive parts, J", true}});
+  for (std::size_t i = 0; i < kJoints; ++i)
+    table.add({std::string(i < kLegJoints ? "left " : "right ") +
+                   std::string(report::in_words(kLegJointNames[i % kLegJoints])),
+               number(joints[i].copper_j, 3), number(joints[i].work_j, 3),
+               number(joints[i].positive_work_j, 3)});
+  return table.html();
 }
 
 std::string evidence_html(const Evidence& e) {
@@ -144,16 +170,36 @@ std::string evidence_html(const Evidence& e) {
   return table.html() +
          report::paragraph("With sensors that err, each robot's by its own draw: " +
                            std::to_string(e.noisy_stand) + " of " + std::to_string(e.noisy) + " stand, " +
-                           std::to_string(e.noisy_keep_limits) + " keep all limits.");
+                           std::to_string(e.noisy_keep_limits) + " keep all limits.") +
+         report::paragraph(e.map.found
+                               ? "Without an end it comes to a stride of " + number(e.map.stride_s, 3) +
+                                     " s and " + number(e.map.stride_m, 3) + " m. Its cost of transport is " +
+                                     number(e.map.cot, 3) + ". The largest multiplier of its return map is " +
+                                     number(e.map.multipliers.front(), 3) + "."
+                               : "Without an end: " + e.map.none + ".");
 }
 
 }  // namespace
+
+std::string mode_in_words(WalkMode mode) {
+  switch (mode) {
+    case WalkMode::semi_passive:
+      return "Semi-passive";
+    case WalkMode::knee_passive:
+      return "Knee-passive";
+    case WalkMode::knee_braked:
+      return "Knee-braked";
+    case WalkMode::active:
+      break;
+  }
+  return "Active";
+}
 
 std::string render_walk_report(const Model& model, const RolloutOptions& options,
                                const walk::Parameters& walk, const Rollout& r,
                                const std::vector<SearchPoint>& history,
                                const std::optional<Evidence>& evidence, const std::string& command) {
-  const std::vector<Frame> frames = frames_of(model, options, walk);
+  const auto [frames, joints] = film(model, options, walk);
   const bool stands = r.ending == Ending::stands;
   report::Table limits({{"Limit"}, {"most", true}, {"allowed", true}, {"left"}});
   const auto limit = [&](const char* what, double most, double allowed, const char* unit) {
@@ -172,7 +218,7 @@ std::string render_walk_report(const Model& model, const RolloutOptions& options
 
   const bool semi = options.mode == WalkMode::semi_passive;
   report::Page page;
-  page.title = std::string(semi ? "Semi-passive" : "Active") + " walk of " + model.name;
+  page.title = mode_in_words(options.mode) + " walk of " + model.name;
   page.command = command;
   page.walk_json = walk_data(frames, semi);
   page.body_html =
@@ -207,6 +253,7 @@ std::string render_walk_report(const Model& model, const RolloutOptions& options
                   "Drag turns the view, the wheel comes nearer.")) +
       report::section("curves", "Curves", plots(frames, semi)) +
       report::section("limits", "Limits", limits.html()) +
+      report::section("joints", "Energy by motor", joints_html(joints)) +
       (evidence ? report::section("evidence", "What it stands", evidence_html(*evidence)) : "") +
       (history.size() > 1 ? report::section("search", "The search", search_html(history)) : "");
   return report::render(page);

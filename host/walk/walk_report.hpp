@@ -11,6 +11,8 @@
 
 namespace furcula::walk {
 
+std::string mode_in_words(WalkMode mode);
+
 /// One HTML file that works offline. `history` is the search's, empty where there was none; `command` writes the page again.
 std::string render_walk_report(const Model& model, const RolloutOptions& options, const Parameters& walk,
                                const Rollout& rollout, const std::vector<SearchPoint>& history,

@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "furcula/control/walk/walk.hpp"
+#include "furcula/dynamics/biped/clutching.hpp"
 #include "furcula/dynamics/biped/design.hpp"
 #include "furcula/dynamics/biped/energy.hpp"
 #include "furcula/dynamics/biped/step.hpp"
@@ -33,9 +34,17 @@ struct WalkMoment {
   double time_s;
 };
 
+class Strider;  // return_map.cpp
+
+/// Of one joint's motor over a walk.
+struct JointEnergy {
+  double work_j = 0.0, positive_work_j = 0.0, copper_j = 0.0;
+};
+
 /// T is a number in lanes, or double.
 template <class T>
 class Walkers {
+  friend class Strider;
   using V = dynamics::ValueOf<T>;
   using L = dynamics::biped::LegScalar<T>;
   static constexpr std::size_t kRobots = control::WalkState<T>::kRobots;
@@ -74,6 +83,13 @@ class Walkers {
     bool taken = false;
     run([&](std::size_t&) { return std::exchange(taken, true) ? nullptr : &walk; },
         [&](std::size_t, const Rollout& r) { out = r; });
+    return out;
+  }
+
+  /// Of run_one's robot, joints left then right. In double alone.
+  std::array<JointEnergy, dynamics::biped::kJoints> joint_energy() const requires std::is_same_v<T, double> {
+    auto out = ended_joints_;
+    for (JointEnergy& e : out) e.copper_j *= copper_factor();
     return out;
   }
 
@@ -161,6 +177,12 @@ class Walkers {
     for (auto* v : {&s_.w_radps, &s_.v_mps, &filter_.bias_radps}) put(*v, lane, {0.0, 0.0, 0.0});
     for (const std::size_t side : {kLeft, kRight}) {
       const std::size_t pass = Legs<T>::pass(side);
+      if (knees_switch()) {
+        T here = T(V(0));
+        put(here, lane, 1.0);
+        set_mode(plant_, side, kKneeClutch, Mode::active, laws_, s_, here > V(0.5));
+        put(knee_off_[side], lane, 0.0);
+      }
       for (std::size_t j = 0; j < kLegJoints; ++j) {
         put_leg(s_.q_rad[pass][j], side, lane, joint<double>(still.q_rad, side * kLegJoints + j));
         put_leg(s_.qd_radps[pass][j], side, lane, 0.0);
@@ -182,6 +204,7 @@ class Walkers {
     }
     for (T* x : {&work_, &positive_, &squares_, &torque_, &speed_, &moment_, &time_s_, &ended_, &off_})
       put(*x, lane, 0.0);
+    if constexpr (std::is_same_v<T, double>) ended_joints_ = std::exchange(joints_, {});
   }
 
   void tick() {
@@ -202,6 +225,7 @@ class Walkers {
     sample.attitude = filter_.attitude;
     control::step_attitude(control::AttitudeGains<T>{}, imu, T(dt), filter_);
     control::step_walk(config_, sample, dt, walk_, out_);
+    if (knees_switch()) switch_knees();
     Commands<T> command;
     command.target_rad = out_.target_rad;
 
@@ -253,11 +277,16 @@ class Walkers {
       power[pass] = positive[pass] = squares[pass] = torque[pass] = rate[pass] = angle[pass] = zero;
       for (std::size_t j = 0; j < kLegJoints; ++j) {
         L nm = report_.torque.motor_nm[pass][j], qd = speeds[pass][j];
-        if (o_.mode == WalkMode::semi_passive && j == kHipPitch) nm = qd = zero;  // the spring's, no motor's
+        // A spring's, a brake's, and no motor's.
+        if (o_.mode != WalkMode::active && (j == kHipPitch || j == kKnee)) {
+          const auto joined = laws_[pass][j].joined;
+          nm = dynamics::select(joined, nm, zero), qd = dynamics::select(joined, qd, zero);
+        }
         const L p = nm * qd;
         power[pass] += p;
         positive[pass] += larger(p, zero);
         squares[pass] += nm * nm;
+        account_joint(j, nm, p);
         L& smooth = motor_nm_[pass][j];
         smooth += smoothing * (nm - smooth);
         torque[pass] = larger(torque[pass], size(smooth));
@@ -271,30 +300,82 @@ class Walkers {
     work_ += Legs<T>::sum(power) * h;
     positive_ += Legs<T>::sum(positive) * h;
     squares_ += Legs<T>::sum(squares) * h;
-    if (o_.mode == WalkMode::semi_passive) account_motors(h);
+    if (o_.mode == WalkMode::semi_passive) account_motors(kHipClutch, h);
+    if (knees_switch()) account_motors(kKneeClutch, h);
     torque_ = larger(torque_, most_of(torque));
     speed_ = larger(speed_, most_of(rate));
     moment_ = larger(moment_, most_of(moment));
     return most_of(angle);
   }
-  /// A passive hip's motor follows its link by the drive's law: what that takes.
-  FURCULA_INLINE void account_motors(const T& h) {
+  /// A motor that is not joined follows its link by the drive's law: what that takes.
+  FURCULA_INLINE void account_motors(dynamics::biped::LegClutch c, const T& h) {
     using namespace dynamics::biped;
     using dynamics::clamped;
     using dynamics::larger;
+    using dynamics::select;
     const L zero = L(V(0));
+    const std::size_t j = kClutchJoints[c];
     PerLeg<T, L> power, positive, squares;
     for (std::size_t pass = 0; pass < Legs<T>::kPasses; ++pass) {
-      const Drive<L>& d = plant_.drives[pass][kHipPitch];
-      const L &q = s_.rotors_rad[pass][kHipClutch], &qd = s_.rotors_radps[pass][kHipClutch];
-      const L nm = clamped(L(d.kp_nmprad * (s_.q_rad[pass][kHipPitch] - q) - d.kd_nmsprad * qd), d.limit_nm);
+      const Drive<L>& d = plant_.drives[pass][j];
+      const L &q = s_.rotors_rad[pass][c], &qd = s_.rotors_radps[pass][c];
+      const L follows = clamped(L(d.kp_nmprad * (s_.q_rad[pass][j] - q) - d.kd_nmsprad * qd), d.limit_nm);
+      const L nm = select(laws_[pass][j].joined, zero, follows);
       power[pass] = nm * qd;
       positive[pass] = larger(power[pass], zero);
       squares[pass] = nm * nm;
+      account_joint(j, nm, power[pass]);
     }
     work_ += Legs<T>::sum(power) * h;
     positive_ += Legs<T>::sum(positive) * h;
     squares_ += Legs<T>::sum(squares) * h;
+  }
+
+  bool knees_switch() const { return o_.mode == WalkMode::knee_passive || o_.mode == WalkMode::knee_braked; }
+  /// Opens and closes the knees' clutches as the walk's phase asks. A pin that goes in is told so early that it is in when it is asked for.
+  void switch_knees() {
+    using namespace dynamics::biped;
+    using dynamics::any;
+    using dynamics::select;
+    const T zero = T(V(0)), one = T(V(1));
+    const V pin_s = static_cast<V>(o_.pin_s);
+    const T out = select(walk_.since_s > pin_s, one, zero);
+    for (const std::size_t side : {kLeft, kRight}) {
+      const T stands = side == kLeft ? walk_.left : T(one - walk_.left);
+      T off = walk_.walks * (one - walk_.lands) * (one - stands) * out;
+      if (o_.mode == WalkMode::knee_braked) {
+        // A stance's brake, once closed, holds until the leg swings; then, and in `stop`, its pin takes its time.
+        const T kept = knee_off_[side] * (one - out);
+        const T still = select(walk_.since_s * walk_.inverse_blend_1ps > T(V(1)), out, zero);
+        off = walk_.walks * select(stands > V(0.5), dynamics::larger(out, knee_off_[side]), kept) +
+              walk_.stops * dynamics::larger(still, kept);
+      }
+      const auto opens = T(off - knee_off_[side]) > V(0.5), closes = T(knee_off_[side] - off) > V(0.5);
+      if (any(opens))
+        set_mode(plant_, side, kKneeClutch, o_.mode == WalkMode::knee_passive ? Mode::released : Mode::braked,
+                 laws_, s_, opens);
+      if (any(closes)) engage(plant_, side, kKneeClutch, laws_, s_, closes);
+      knee_off_[side] = off;
+    }
+  }
+
+  /// One step's, of joint `j` of both legs.
+  FURCULA_INLINE void account_joint([[maybe_unused]] std::size_t j, [[maybe_unused]] const L& nm,
+                                    [[maybe_unused]] const L& watts) {
+    using namespace dynamics::biped;
+    if constexpr (std::is_same_v<T, double>)
+      for (const std::size_t side : {kLeft, kRight}) {
+        JointEnergy& e = joints_[side * kLegJoints + j];
+        const double w = watts[side], torque = nm[side];
+        e.work_j += w * o_.step_s;
+        e.positive_work_j += std::fmax(w, 0.0) * o_.step_s;
+        e.copper_j += torque * torque * o_.step_s;  // by copper_factor when it is asked for
+      }
+  }
+  /// (N m)^2 s at the joint to J in the winding.
+  double copper_factor() const {
+    const double nm_a_ampere = robot_.gear_ratio * robot_.torque_constant_nmpa;
+    return robot_.resistance_ohm / (nm_a_ampere * nm_a_ampere);
   }
 
   /// Of the capture point, seen along the world's axes from the middle of the ankles, as if the feet stood side by side.
@@ -326,8 +407,7 @@ class Walkers {
     r.torque_nm = plain(torque_, lane), r.speed_radps = plain(speed_, lane),
     r.moment_nm = plain(moment_, lane);
     r.work_j = plain(work_, lane), r.positive_work_j = plain(positive_, lane);
-    const double nm_a_ampere = robot_.gear_ratio * robot_.torque_constant_nmpa;
-    r.copper_j = plain(squares_, lane) * robot_.resistance_ohm / (nm_a_ampere * nm_a_ampere);
+    r.copper_j = plain(squares_, lane) * copper_factor();
     r.constant_j = robot_.constant_power_w * r.time_s;
     r.landings = walk_.steps[lane];
     r.steps = static_cast<std::uint64_t>(std::llround(r.time_s / o_.step_s));
@@ -366,11 +446,13 @@ class Walkers {
   dynamics::biped::StepReport<T> report_{};
   std::array<control::FootSwitch<T>, 2> switch_{};
   std::array<T, 2> normal_n_{};
+  std::array<T, 2> knee_off_{};  ///< 1 where the knee's motor is not joined
   dynamics::tree::Vec3<T> acc_mps2_{};
   dynamics::biped::Joints<T> motor_nm_{};                              ///< low-pass
   dynamics::biped::PerLeg<T, L> moment_x_{}, moment_y_{};              ///< the same
   T work_{}, positive_{}, squares_{}, torque_{}, speed_{}, moment_{};  ///< J; (N m)^2 s; the most so far
   T time_s_{}, ended_{}, off_{};
+  std::array<JointEnergy, dynamics::biped::kJoints> joints_{}, ended_joints_{};  ///< copper_j in (N m)^2 s
   std::array<double, kRobots> begins_m_{};
   double mass_kg_ = 0.0;
 };

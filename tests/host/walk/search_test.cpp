@@ -2,6 +2,7 @@
 #include "host/walk/search.hpp"
 
 #include <catch2/catch.hpp>
+#include <cmath>
 
 #include "tests/host/walk/walks.hpp"
 
@@ -48,4 +49,20 @@ TEST_CASE("a passive hip's pitch is not sought") {
   }
   CHECK(kept == 9);
   CHECK(changed == 37);
+}
+
+TEST_CASE("a search from a walk begins with it, and looks near it") {
+  SearchOptions options;
+  options.start = test::found_walk().parameters;
+  options.steps = 20'000;  // the walk itself, and one generation
+  const auto robot = dynamics::biped::design();
+  const SearchResult one = search_walk(robot, options);
+  REQUIRE(one.found);
+  REQUIRE_FALSE(one.state.bests.empty());
+  CHECK(one.state.bests.front().values() == options.start->values());
+  options.steps = 3'000'000;
+  const SearchResult more = search_walk(robot, options);
+  CHECK(more.state.history.back().objective <= one.state.history.front().objective);
+  // A joint's targets are still about those of the walk.
+  CHECK(std::abs(more.walk.up_s - options.start->up_s) < 0.2);
 }

@@ -198,6 +198,8 @@ TEST_CASE("what furcula walk cannot use is said") {
   const std::string other = folder.file("other.toml", text.replace(at, 13, "another_robot"));
   CHECK_THAT(said({"walk", "sim", "--model", kModel, "--walk", other, "--out", out}, 2),
              Contains("another_robot") && Contains("furcula_biped"));
+  CHECK_THAT(said({"walk", "search", "--model", kModel, "--steps", "1000", "--from", other, "--out", out}, 2),
+             Contains("--from") && Contains("another_robot"));
   const std::string copy = folder.file("copy.toml", [&] {
     std::ifstream again(walk);
     return std::string(std::istreambuf_iterator<char>(again), {});

@@ -39,7 +39,8 @@ Rollout watched(const RolloutOptions& options, const Parameters& walk, const F& 
 TEST_CASE("what a robot does hangs on no lane, no neighbour and no thread") {
   auto walks = test::walks_about_the_start(20);
   walks.push_back(test::found_walk().parameters);
-  for (const WalkMode mode : {WalkMode::active, WalkMode::semi_passive}) {
+  for (const WalkMode mode :
+       {WalkMode::active, WalkMode::semi_passive, WalkMode::knee_passive, WalkMode::knee_braked}) {
     const auto together = run_walks(robot(), in(mode), walks, 1);
     const auto threads = run_walks(robot(), in(mode), walks, 3);
     std::size_t fallen = 0;
@@ -91,6 +92,48 @@ TEST_CASE("energy is that of the motors, summed a second time, a passive hip's m
     CHECK((followed > 1e-4) == (mode == WalkMode::semi_passive));
     CHECK(followed < 0.1);
   }
+}
+
+TEST_CASE("a free knee feels its damper alone, a braked one stays, and each only in its time") {
+  using namespace dynamics::biped;
+  const walk::Parameters walk = test::found_walk().parameters;
+  std::size_t free = 0, driven = 0;
+  watched(in(WalkMode::knee_passive), walk, [&](const WalkMoment<double>& m) {
+    if (m.time_s > 6.0) return;
+    for (const std::size_t side : {kLeft, kRight}) {
+      const double nm = joint<double>(m.report.torque.motor_nm, side * kLegJoints + kKnee);
+      const double all = joint<double>(m.report.torque.joint_nm, side * kLegJoints + kKnee);
+      // The step ends with a joint rate that its torque has changed already, by no more than 1 rad/s.
+      const bool is_free = nm == 0.0 && std::abs(all) < 0.05 * 10.0;
+      const bool swings = m.walk.on_left[0] == (side == kRight);
+      const bool asked = m.walk.phase[0] == control::WalkPhase::up && swings && m.walk.since_s > 0.06;
+      CHECK(is_free == asked);
+      (is_free ? free : driven) += 1;
+    }
+  });
+  CHECK(free > 500);
+  CHECK(driven > 3000);
+
+  std::array<double, 2> held{};
+  std::array<bool, 2> holds{};
+  double most = 0.0;
+  std::size_t stances = 0;
+  const RolloutOptions braked = in(WalkMode::knee_braked);
+  watched(braked, walk, [&](const WalkMoment<double>& m) {
+    if (m.time_s > 5.0) return;
+    for (const std::size_t side : {kLeft, kRight}) {
+      const bool stands = m.walk.on_left[0] == (side == kLeft);
+      const bool up = m.walk.phase[0] == control::WalkPhase::up,
+                 down = m.walk.phase[0] == control::WalkPhase::down;
+      const bool now = stands && (down || (up && m.walk.since_s > braked.pin_s + 0.02));
+      const double q = joint<double>(m.state.q_rad, side * kLegJoints + kKnee);
+      if (now && !std::exchange(holds[side], true)) held[side] = q, ++stances;
+      if (!now) holds[side] = false;
+      if (now) most = std::max(most, std::abs(q - held[side]));
+    }
+  });
+  CHECK(stances > 10);
+  CHECK(most < 0.02);  // 220 N m over 2e4 N m/rad, and what is left of its speed
 }
 
 TEST_CASE("a robot that is told to stand stands, and gets nowhere") {
