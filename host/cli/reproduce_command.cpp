@@ -1,5 +1,6 @@
 // `furcula reproduce`: a source document's figures, computed anew.
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <memory>
 #include <string>
@@ -14,9 +15,11 @@
 #include "host/core/message.hpp"
 #include "host/report/html.hpp"
 #include "host/reproduce/reproduction.hpp"
+#include "host/reproduce/reproduction_000.hpp"
 #include "host/reproduce/reproduction_001.hpp"
 #include "host/reproduce/reproduction_json.hpp"
 #include "host/reproduce/reproduction_report.hpp"
+#include "host/walk/walk_report.hpp"
 
 namespace furcula::cli {
 namespace {
@@ -24,6 +27,9 @@ namespace {
 struct ReproduceOptions {
   unsigned starts = 3;  ///< of each gait of 001
   std::string document, out;
+  std::string model;               ///< of 000's robot
+  std::vector<std::string> walks;  ///< of 000
+  std::uint64_t steps = 300'000'000, case_steps = 30'000'000;
   reproduce::Options study;
 };
 
@@ -103,6 +109,63 @@ void run_001(const ReproduceOptions& o) {
     throw Refusal(std::to_string(r.count(Outcome::differs)) + " printed figures differ without a reason");
 }
 
+void run_000(const ReproduceOptions& o) {
+  if (o.model.empty()) throw UsageError("reproduce 000: expected --model, a model file of kind biped");
+  reproduce::WalkStudyOptions options;
+  options.seed = o.study.seed;
+  options.steps = o.steps;
+  options.case_steps = o.case_steps;
+  options.threads = o.study.threads > 0 ? o.study.threads : std::max(1u, std::thread::hardware_concurrency());
+  options.model = o.model;
+  for (const std::string& file : o.walks) options.walks.push_back(walk::read_walk(file));
+  const OutFolder folder(o.out);
+  reproduce::WalkReproduction r;
+  {
+    Progress progress("reproduce 000");
+    options.progress = [&](double fraction, std::string_view doing) { progress.update(fraction, doing); };
+    r = reproduce::reproduce_000(options);
+  }
+  std::string command = "furcula reproduce 000 --model '" + o.model + "' --seed " +
+                        std::to_string(options.seed) + " --steps " + std::to_string(o.steps) +
+                        " --case-steps " + std::to_string(o.case_steps);
+  for (const std::string& file : o.walks) command += " --walk '" + file + "'";
+  command += " --out '" + o.out + "'";
+  std::vector<core::NewFile> files{
+      {o.out + "/reproduction.json", reproduce::to_json_text(r)},
+      {o.out + "/report.html", reproduce::render_walk_reproduction_report(r, command)}};
+  for (const reproduce::StudiedWalk& w : r.walks) {
+    walk::RolloutOptions rollout;
+    rollout.mode = w.mode;
+    rollout.limits = r.model.limits;
+    const std::string name = o.out + "/" + std::string(walk::kModeNames[static_cast<std::size_t>(w.mode)]);
+    files.push_back({name + ".html",
+                     walk::render_walk_report(r.model, rollout, w.walk, w.energy.ten_s,
+                                              w.search ? w.search->history : std::vector<walk::SearchPoint>{},
+                                              {}, command)});
+    files.push_back(
+        {name + ".toml", walk::format_walk({r.model.name, w.mode, rollout.walk_until_s, w.walk})});
+  }
+  core::write_files_together(files);
+  const auto print = [](const std::vector<reproduce::Row>& rows) {
+    for (const reproduce::Row& row : rows) {
+      const std::string ours = std::isfinite(row.ours) ? report::number(row.ours, 4) : "none";
+      std::printf("%-14s %-82s %-24s %11s %-4s %s\n", row.where.c_str(), row.what.c_str(),
+                  row.published.c_str(), ours.c_str(), row.unit.c_str(), reproduce::name(row.outcome));
+    }
+  };
+  std::printf("%-14s %-82s %-24s %11s %-4s\n", "where", "what", "printed", "here", "unit");
+  print(r.rows);
+  print(r.times);
+  using reproduce::Outcome;
+  std::printf("%zu met, %zu differ; %zu by construction, %zu computed beside a picture or no figure\n",
+              r.count(Outcome::met), r.count(Outcome::differs), r.count(Outcome::by_construction),
+              r.count(Outcome::computed));
+  std::printf("%.1f s on %u threads; report: %s/report.html\n", r.seconds, options.threads,
+              core::printable(o.out).c_str());
+  if (r.count(Outcome::differs) > 0)
+    throw Refusal(std::to_string(r.count(Outcome::differs)) + " printed figures differ without a reason");
+}
+
 }  // namespace
 
 void add_reproduce_command(CLI::App& app) {
@@ -113,11 +176,13 @@ void add_reproduce_command(CLI::App& app) {
   command
       ->add_option(
           "document", options->document,
-          "001: the monopod with a switched spring at the knee; 002: the clutched parallel-elastic hopper")
+          "000: the biped that walks actively and semi-passively; 001: the monopod with a switched spring at the knee; 002: the "
+          "clutched parallel-elastic hopper")
       ->required()
-      ->check(CLI::IsMember({"001", "002"}));
+      ->check(CLI::IsMember({"000", "001", "002"}));
   command
-      ->add_option("--seed", options->study.seed, "Of the rig that is identified (002), of the starts (001)")
+      ->add_option("--seed", options->study.seed,
+                   "Of the rig that is identified (002), of the starts (001), of the searches (000)")
       ->capture_default_str();
   command->add_option("--threads", options->study.threads,
                       "Threads, of 001 processes; without it as many as processors");
@@ -125,8 +190,20 @@ void add_reproduce_command(CLI::App& app) {
   command->add_option("--starts", options->starts, "Of each gait of 001")
       ->check(CLI::Range(1u, 1000u))
       ->capture_default_str();
+  command->add_option("--model", options->model, "Of 000's robot: a model file of kind biped");
+  command->add_option("--walk", options->walks,
+                      "A walk.toml in place of its mode's search (000); may stand twice");
+  command->add_option("--steps", options->steps, "Of simulation, of each mode's search (000)")
+      ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1'000'000'000'000}))
+      ->capture_default_str();
+  command
+      ->add_option("--case-steps", options->case_steps,
+                   "Of simulation, of each case's search in the energy study (000); 0: none")
+      ->capture_default_str();
   command->callback([options] {
-    if (options->document == "001")
+    if (options->document == "000")
+      run_000(*options);
+    else if (options->document == "001")
       run_001(*options);
     else
       run(*options);
