@@ -112,6 +112,7 @@ Settings settings_of(const Model& model, const SearchOptions& options, const std
                {"steps a tick", std::to_string(r.steps_a_tick)},
                {"walk_until_s", core::shortest(r.walk_until_s)},
                {"foot_threshold_n", core::shortest(r.foot_threshold_n)},
+               {"motors of passive hips", r.hips_follow ? "follow" : "off"},
                {"first walk, m", core::shortest(options.first_walk_m)}};
   for (const LimitKey& k : kLimitKeys)
     out.emplace_back("[limits] " + std::string(k.name), core::shortest(r.limits.*k.of));

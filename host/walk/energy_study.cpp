@@ -49,7 +49,7 @@ Description with_drives(const Description& robot, const F& f) {
 std::vector<EnergyCase> cases_of(const Description& robot, WalkMode mode) {
   std::vector<EnergyCase> out;
   const auto add = [&](std::string what, Description r, WalkMode m) {
-    out.push_back({std::move(what), r, m, {}, {}, {}});
+    out.push_back({std::move(what), r, m, false, {}, {}, {}});
   };
   add("as it is", robot, mode);
   add("gear 500, the rotor's inertia as with 160", with_gear(robot, 500.0, false), mode);
@@ -78,7 +78,9 @@ std::vector<EnergyCase> cases_of(const Description& robot, WalkMode mode) {
       mode);
   add("50 W for computer and drives", changed(robot, [](Description& r) { r.constant_power_w = 50.0; }),
       mode);
-  if (mode == WalkMode::semi_passive)
+  if (mode == WalkMode::semi_passive) {
+    add("motors of the passive hips follow their links", robot, mode);
+    out.back().hips_follow = true;
     for (const double factor : {0.5, 2.0})
       add(factor < 1.0 ? "hip spring of half the rate" : "hip spring of twice the rate",
           changed(robot,
@@ -86,6 +88,7 @@ std::vector<EnergyCase> cases_of(const Description& robot, WalkMode mode) {
                     for (auto& leg : r.clutches) leg[kHipClutch].spring_nmprad *= factor;
                   }),
           mode);
+  }
   if (mode == WalkMode::active) {
     add("swing knee free (knee_passive)", robot, WalkMode::knee_passive);
     add("stance knee braked (knee_braked)", robot, WalkMode::knee_braked);
@@ -107,6 +110,7 @@ std::vector<EnergyCase> study_energy(const Model& model, const Walk& walk,
     tell(0.0, c.what);
     RolloutOptions rollout;
     rollout.mode = c.mode;
+    rollout.hips_follow = c.hips_follow;
     rollout.walk_until_s = walk.walk_until_s;
     rollout.limits = model.limits;
     c.walk = walk.parameters;

@@ -27,6 +27,7 @@ struct EnergyCase {
   std::string what;
   dynamics::biped::Description robot;
   WalkMode mode;
+  bool hips_follow;
   EnergyBalance same;                   ///< the walk as it was
   std::optional<EnergyBalance> sought;  ///< the best that a search from it found; within all limits
   Parameters walk;                      ///< of `sought`, else the walk as it was

@@ -45,6 +45,8 @@ struct RolloutOptions {
   double walk_until_s = 5.0;
   double foot_threshold_n = 30.0;  ///< of the feet's switches
   double pin_s = 0.06;             ///< a clutch's pin takes to go out, and to go in
+  /// semi_passive: whether the hips' motors follow their links all the while. Else they are off, as they are not joined before the end.
+  bool hips_follow = false;
   WalkLimits limits;
 
   double tick_s() const { return step_s * steps_a_tick; }

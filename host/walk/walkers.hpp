@@ -300,7 +300,7 @@ class Walkers {
     work_ += Legs<T>::sum(power) * h;
     positive_ += Legs<T>::sum(positive) * h;
     squares_ += Legs<T>::sum(squares) * h;
-    if (o_.mode == WalkMode::semi_passive) account_motors(kHipClutch, h);
+    if (o_.mode == WalkMode::semi_passive && o_.hips_follow) account_motors(kHipClutch, h);
     if (knees_switch()) account_motors(kKneeClutch, h);
     torque_ = larger(torque_, most_of(torque));
     speed_ = larger(speed_, most_of(rate));

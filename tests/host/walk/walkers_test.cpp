@@ -59,6 +59,7 @@ TEST_CASE("energy is that of the motors, summed a second time, a passive hip's m
     options.step_s = 1e-3;
     options.steps_a_tick = 1;
     options.time_s = 4.0;
+    options.hips_follow = true;
     using namespace dynamics::biped;
     std::array<double, kJoints> speed{};
     double work = 0.0, positive = 0.0, squares = 0.0, followed = 0.0;
