@@ -52,6 +52,10 @@ constexpr double kAsWell = 0.02;
 constexpr std::size_t kMoreWork = 2;
 /// What a parameter more must be worth, of the loss.
 constexpr double kOfParameter = 0.01;
+/// A Stribeck curve's rise towards standstill is one from so many standard errors on.
+constexpr double kRises = 3.0;
+/// Where it is none, dry friction of one size may be worse by so much of the loss, which a few windows make.
+constexpr double kHardlyWorse = 0.05;
 
 double sum_of(const std::vector<double>& x) {
   double out = 0.0;
@@ -126,16 +130,32 @@ class Search {
     return without_falls(friction_anew(std::move(fit)));
   }
 
-  /// A Stribeck curve that does not rise towards standstill is dry friction of one size, where that does as well.
+  /// Of a Stribeck curve's friction at standstill less that in motion.
+  static double variance_of_rise(const Fit& fit, std::size_t cause) {
+    double sum = 0.0;
+    for (std::size_t k = 0; k < fit.unknowns.size(); ++k)
+      for (std::size_t l = 0; l < fit.unknowns.size(); ++l) {
+        const Unknown &u = fit.unknowns[k], &w = fit.unknowns[l];
+        if (!u.of_cause || !w.of_cause || u.cause != cause || w.cause != cause || u.parameter > 1 ||
+            w.parameter > 1)
+          continue;
+        const double sign = u.parameter == w.parameter ? 1.0 : -1.0;
+        sum += sign * fit.covariance(static_cast<Index>(k), static_cast<Index>(l));
+      }
+    return sum;
+  }
+
+  /// A Stribeck curve that does not rise towards standstill by kRises standard errors is dry friction of one size, where that does about as well.
   Fit without_falls(Fit fit) const {
     for (std::size_t c = problem_.model().causes.size(); c < fit.at.causes.size(); ++c) {
       const Cause& curve = fit.at.causes[c];
-      if (curve.effect != Effect::stribeck_friction || curve.values[1] > curve.values[0]) continue;
+      if (curve.effect != Effect::stribeck_friction) continue;
+      const double rise_nm = curve.values[1] - curve.values[0];
+      if (rise_nm > 0.0 && rise_nm * rise_nm > kRises * kRises * variance_of_rise(fit, c)) continue;
       Hypothesis h = fit.at;
       h.causes[c] = {Effect::coulomb_friction, curve.sites, {curve.values[0], 0, 0, 0}};
       Fit plain = problem_.fit(h, 6);
-      const auto fewer = static_cast<double>(parameters(fit)) - static_cast<double>(parameters(plain));
-      if (plain.loss < (1.0 + kOfParameter * fewer) * fit.loss) fit = std::move(plain);
+      if (plain.loss < (1.0 + kHardlyWorse) * fit.loss) fit = std::move(plain);
     }
     return fit;
   }
