@@ -73,15 +73,17 @@ class WalkerLink {
   explicit WalkerLink(const WalkerLinkConfig& config)
       : config_(config), sound_(check(config) == Status::ok), desk_(config.requests) {}
 
-  /// A frame that came on bus `bus` at `now_us`, any frame at all.
+  /// A frame that came on bus `bus` at `now_us`, any frame at all. A length code of 9 to 15 means 8 bytes (ISO 11898-1).
   void receive(std::size_t bus, const bus::Frame& frame, std::uint32_t now_us) {
+    bus::Frame whole = frame;
+    if (whole.size > whole.data.size()) whole.size = static_cast<std::uint8_t>(whole.data.size());
     ++statistics_.received;
-    if (!sound_ || frame.extended || frame.remote || frame.size > frame.data.size())
+    if (!sound_ || whole.extended || whole.remote)
       ++statistics_.foreign;
     else if (bus == kBodyBus)
-      hear_body(frame, now_us);
+      hear_body(whole, now_us);
     else
-      hear_leg(bus, frame, now_us);
+      hear_leg(bus, whole, now_us);
   }
   /// What a CAN controller reports.
   void note(std::size_t bus, BusEvent event) { watches_[bus].note(event, statistics_); }

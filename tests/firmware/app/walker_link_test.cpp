@@ -110,6 +110,10 @@ TEST_CASE("feet and pins have the units of docs/bus.md") {
   CHECK(sample.foot_n == std::array<float, 2>{300.0f, 12.5f});
   CHECK(answered(sample, control::kPinsDevice));
   CHECK(sample.pins == std::array<float, 4>{1.0f, 0.97f, -1.0f, 0.0f});
+  // A node that says that it has no signal does not answer for it.
+  link.receive(kBodyBus, frame(0x581, 7, {0x21, 0x08, 0x00, 0xb8, 0x0b, 0x7d, 0x00}), 2000);
+  link.receive(kBodyBus, frame(0x5a1, 7, {0x21, 0x08, 0x00, 0x64, 0x61, 0x9c, 0x00}), 2000);
+  CHECK(link.sample(2000).answered == 0);
 }
 
 TEST_CASE("what a drive reports is its joint's fault, and a bus that was off nobody's") {

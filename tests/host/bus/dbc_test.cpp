@@ -48,6 +48,7 @@ TEST_CASE(
     "every line of the file has one of the forms that a DBC file knows, and names are no longer than 32") {
   std::vector<Node> nodes = usual_nodes();
   nodes.push_back({"Eight_ch", Protocol::odrive, 31});
+  nodes.push_back({"Body_8ch", Protocol::walker, 31});
   std::istringstream lines(to_dbc(nodes));
   const std::regex form(
       R"(|VERSION "[^"]*"|NS_ :|\t[A-Z_]+|BS_:|BU_:( \w{1,32})+|BO_ \d+ \w{1,32}: \d \w{1,32}|)"

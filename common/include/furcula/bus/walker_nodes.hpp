@@ -54,13 +54,14 @@ constexpr double walker_load(std::uint32_t drives, std::uint32_t hz) {
 }
 
 /// What the body's bus carries where IMU, feet and pins are on one, times a second: with it are a desk and what the board tells.
-inline constexpr std::array<Traffic, 8> kWalkerBodyTraffic{{{&message::kGyro, 1000},
+inline constexpr std::array<Traffic, 9> kWalkerBodyTraffic{{{&message::kGyro, 1000},
                                                             {&message::kAcceleration, 1000},
                                                             {&message::kFeet, 1000},
                                                             {&message::kPins, 1000},
                                                             {&message::kPinTargets, 100},
                                                             {&message::kWalkState, 100},
                                                             {&message::kCommand, 100},
-                                                            {&message::kHeartbeat, 10}}};
+                                                            {&message::kHeartbeat, 10},
+                                                            {&message::kIdentity, 10}}};
 
 }  // namespace furcula::bus
