@@ -3,17 +3,23 @@
 
 #include <toml++/toml.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <filesystem>
 #include <functional>
 #include <map>
 #include <vector>
 
 #include "furcula/bus/motors.hpp"
 #include "furcula/bus/parameters.hpp"
+#include "furcula/dynamics/biped/design.hpp"
 #include "host/core/error.hpp"
 #include "host/core/message.hpp"
 #include "host/core/strict_toml.hpp"
 #include "host/modbus/tcp_server.hpp"
+#include "host/walk/walk_toml.hpp"
+#include "host/walk/walker_config.hpp"
 
 namespace furcula::linux_sbc {
 namespace {
@@ -128,25 +134,102 @@ void take_parameters(const toml::table& table, const std::string& name, control:
         "[parameters] make no sense together (as a clutch whose tooth_play_m is more than its tooth_pitch_m)");
 }
 
+void take_node(Section& section, const char* key, int least, std::uint8_t& out) {
+  section.whole(key, least, bus::kLastNode, [&out](int n) { out = static_cast<std::uint8_t>(n); });
+}
+
+void take_loop(const toml::table& file, const std::string& name, int& priority) {
+  Section loop(file, name, "loop");
+  loop.whole("priority", 0, 99, [&priority](int given) { priority = given; });
+  loop.read();
+}
+
+/// Whether it is a walker's file; a hopper's has no such key, or says so.
+bool is_walker(const toml::table& file, const std::string& name) {
+  static constexpr std::array<std::string_view, 2> kRobots{"hopper", "biped_walker"};
+  const toml::node* node = file.get("robot");
+  if (node == nullptr) return false;
+  const std::string robot = core::text(*node, name, "robot");
+  if (std::find(kRobots.begin(), kRobots.end(), robot) == kRobots.end())
+    core::fail(name, node->source(),
+               "robot = " + core::quoted(robot) + "; expected one of " + core::listed(kRobots) +
+                   core::did_you_mean(robot, kRobots));
+  return robot == kRobots[1];
+}
+
+Configuration parse_walker(const toml::table& file, const std::string& name) {
+  static constexpr std::string_view kSections[] = {"robot", "can", "walk", "feet", "loop"};
+  core::refuse_unknown_keys(file, name, "the file of a biped_walker", kSections);
+  Configuration c;
+  WalkerConfiguration& w = c.walker.emplace();
+
+  static constexpr std::array<const char*, kMostBuses> kBuses{"left", "right", "body"};
+  Section can(file, name, "can");
+  if (!can.is_there())
+    throw core::DataError(name + ": no section [can]; expected the interfaces left, right and body");
+  for (std::size_t i = 0; i < kMostBuses; ++i) can.text(kBuses[i], w.can_interfaces[i]);
+  take_node(can, "own_node", bus::kFirstNode, w.link.self_node);
+  take_node(can, "body_node", bus::kFirstNode, w.link.body_node);
+  can.real("temperature_max_c", 1.0, 127.0, "degC", w.link.temperature_max_c);
+  can.read({"left", "right", "body"});
+  for (std::size_t i = 0; i < kMostBuses; ++i)
+    for (std::size_t k = 0; k < i; ++k)
+      if (w.can_interfaces[i] == w.can_interfaces[k])
+        core::fail(name, file.get_as<toml::table>("can")->get(kBuses[i])->source(),
+                   std::string("can.") + kBuses[i] + " = " + core::quoted(w.can_interfaces[i]) + " as can." +
+                       kBuses[k] + "; expected another interface: one bus does not hold both");
+
+  Section walk(file, name, "walk");
+  if (!walk.is_there()) throw core::DataError(name + ": no section [walk]; expected its file, a walk.toml");
+  walk.text("file", w.walk_file);
+  walk.read({"file"});
+
+  Section feet(file, name, "feet");
+  float threshold_n = static_cast<float>(w.foot_threshold_n);
+  feet.real("threshold_n", 1.0, 400.0, "N", threshold_n);
+  feet.read();
+  w.foot_threshold_n = static_cast<double>(threshold_n);
+
+  take_loop(file, name, c.priority);
+  return c;
+}
+
+/// The walk that a walker's file names.
+void read_walk_of(WalkerConfiguration& walker, const std::string& path) {
+  namespace biped = dynamics::biped;
+  const std::string file = (std::filesystem::path(path).parent_path() / walker.walk_file).string();
+  const walk::Walk found = walk::read_walk(file);
+  if (found.robot != biped::kDesignName)
+    throw core::DataError(file + ": a walk of " + core::quoted(found.robot) + "; expected one of " +
+                          core::quoted(biped::kDesignName) + ", the robot that furculad walks");
+  if (found.mode != walk::WalkMode::active && found.mode != walk::WalkMode::semi_passive)
+    throw core::DataError(
+        file + ": mode = " + core::quoted(walk::kModeNames[static_cast<std::size_t>(found.mode)]) +
+        "; expected \"active\" or \"semi_passive\": furculad switches no clutch during a walk");
+  walker.controller =
+      walk::walker_config(biped::design(), found, walker.foot_threshold_n, walk::DriveTurns::over_buses);
+  if (control::check(walker.controller) != Status::ok)
+    throw core::DataError(file + ": numbers that make no walk");
+}
+
 }  // namespace
 
 Configuration parse_configuration(std::string_view text, const std::string& name) {
   const toml::table file = core::parse_toml(text, name);
-  static constexpr std::string_view kSections[] = {"can",      "leg",    "height", "cable", "contact",
-                                                   "solenoid", "modbus", "loop",   "store", "parameters"};
+  if (is_walker(file, name)) return parse_walker(file, name);
+  static constexpr std::string_view kSections[] = {"robot", "can",     "leg",       "height",
+                                                   "cable", "contact", "solenoid",  "modbus",
+                                                   "loop",  "store",   "parameters"};
   core::refuse_unknown_keys(file, name, "the file", kSections);
   Configuration c;
 
   Section can(file, name, "can");
-  const auto node = [&](const char* key, int least, std::uint8_t& out) {
-    can.whole(key, least, bus::kLastNode, [&out](int n) { out = static_cast<std::uint8_t>(n); });
-  };
   can.text("interface", c.can_interface);
-  node("drive_node", bus::kFirstNode, c.link.drive_node);
-  node("height_encoder_node", bus::kFirstNode, c.link.height_node);
-  node("cable_encoder_node", 0, c.link.cable_node);
-  node("supply_node", 0, c.link.supply_node);
-  node("own_node", bus::kFirstNode, c.link.self_node);
+  take_node(can, "drive_node", bus::kFirstNode, c.link.drive_node);
+  take_node(can, "height_encoder_node", bus::kFirstNode, c.link.height_node);
+  take_node(can, "cable_encoder_node", 0, c.link.cable_node);
+  take_node(can, "supply_node", 0, c.link.supply_node);
+  take_node(can, "own_node", bus::kFirstNode, c.link.self_node);
   can.real("supply_max_v", 1.0, 600.0, "V", c.link.supply_max_v);
   can.real("temperature_max_c", 1.0, 127.0, "degC", c.link.temperature_max_c);
   can.any("motor", [&](const toml::node& n, const std::string& key) {
@@ -196,9 +279,7 @@ Configuration parse_configuration(std::string_view text, const std::string& name
   modbus.whole("port", 1, 65535, [&c](int port) { c.modbus_port = port; });
   modbus.read();
 
-  Section loop(file, name, "loop");
-  loop.whole("priority", 0, 99, [&c](int priority) { c.priority = priority; });
-  loop.read();
+  take_loop(file, name, c.priority);
 
   Section store(file, name, "store");
   store.text("file", c.store_file);
@@ -215,11 +296,14 @@ Configuration parse_configuration(std::string_view text, const std::string& name
 }
 
 std::string network_warning(const Configuration& configuration) {
-  return configuration.modbus ? modbus::network_warning(configuration.modbus_address) : "";
+  return configuration.modbus && !configuration.walker ? modbus::network_warning(configuration.modbus_address)
+                                                       : "";
 }
 
 Configuration read_configuration(const std::string& path) {
-  return parse_configuration(core::read_small_file(path, "a configuration file"), path);
+  Configuration c = parse_configuration(core::read_small_file(path, "a configuration file"), path);
+  if (c.walker) read_walk_of(*c.walker, path);
+  return c;
 }
 
 }  // namespace furcula::linux_sbc

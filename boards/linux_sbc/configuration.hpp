@@ -2,17 +2,33 @@
 // (docs/linux_board.md).
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 
+#include "boards/linux_sbc/figures.hpp"
 #include "boards/linux_sbc/gpio.hpp"
 #include "firmware/app/can_link.hpp"
+#include "firmware/app/walker_link.hpp"
 #include "furcula/control/controller.hpp"
+#include "furcula/control/walk/walker.hpp"
 
 namespace furcula::linux_sbc {
 
+/// Of a walking biped: the robot of dynamics/biped/design.hpp.
+struct WalkerConfiguration {
+  std::array<std::string, kMostBuses> can_interfaces;  ///< of the left leg, the right one, the body
+  firmware::WalkerLinkConfig link;
+  std::string walk_file;  ///< walk.toml; relative to the configuration file
+  double foot_threshold_n = 30.0;
+  control::WalkerConfig controller;  ///< the walk's, once it is read
+};
+
+/// Of a hopper, unless `walker` is there: then that and `priority`.
 struct Configuration {
+  std::optional<WalkerConfiguration> walker;
   std::string can_interface = "can0";
   firmware::CanLinkConfig link;
   GpioLine contact;
@@ -31,10 +47,10 @@ struct Configuration {
   control::Config controller;  ///< the parameters as the file has them, the others at their defaults
 };
 
-/// Reads and checks the file. @throws core::DataError naming file, line, key, value and what was expected.
+/// Reads and checks the file, and a walker's walk. @throws core::DataError naming file, line, key, value and what was expected.
 Configuration read_configuration(const std::string& path);
 
-/// The same on text; `name` stands for the path in messages.
+/// The same on text; `name` stands for the path in messages. A walk is not read.
 Configuration parse_configuration(std::string_view text, const std::string& name);
 
 /// What to warn of where Modbus listens on more than the loopback; empty: nothing.

@@ -8,9 +8,11 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <memory>
+#include <span>
 #include <sstream>
 #include <string>
 
@@ -22,8 +24,10 @@
 #include "boards/linux_sbc/realtime.hpp"
 #include "boards/linux_sbc/say.hpp"
 #include "boards/linux_sbc/signals.hpp"
+#include "boards/linux_sbc/walker_board.hpp"
 #include "firmware/app/node.hpp"
 #include "firmware/app/node_registers.hpp"
+#include "firmware/app/walker_node.hpp"
 #include "host/core/message.hpp"
 #include "host/core/own_build.hpp"
 #include "host/core/parameter_file.hpp"
@@ -42,59 +46,88 @@ static_assert(firmware::SavesAside<Store>);
 constexpr std::uint64_t kSettledTicks =
     100;  ///< until READY=1: the loop runs, and all that it needs is in memory
 
-struct Daemon {
-  Daemon(const Configuration& configuration, socketcan::CanSocket& can, Gpio& gpio)
-      : board(configuration, can, gpio, stop, figures),
-        store(configuration.store_file),
-        identity(own_identity(text)),
-        node(board, store, configuration.controller, identity,
-             static_cast<std::uint16_t>(core::monotonic_ns() / 1000), faults),
-        registers(node),
-        priority(configuration.priority) {
-    faults.begin();
-    board.introduce(identity, faults);
-    if (node.snapshot().parameter_origin == static_cast<std::uint16_t>(bus::ParameterOrigin::store_unusable))
-      board.report_start_fault(control::Fault::parameters_lost);
-  }
+/// What furculad has of any robot. A robot has besides `board`, tick() after the board's wait_for_tick(), and switch_off(), which
+/// tells its drives so.
+struct Common {
+  explicit Common(int its_priority) : identity(own_identity(text)), priority(its_priority) { faults.begin(); }
 
   std::atomic<bool> stop{false};
   LoopFigures figures;
-  Board board;
-  Store store;
   std::string text;
   bus::Identity identity;
   firmware::FaultLog faults{};
-  Node node;
-  firmware::NodeRegisters<Node> registers;
-  Hatch hatch;
-  std::unique_ptr<modbus::TcpServer> server;
   int priority;
   std::string warning;  ///< of the loop's thread; written before its first tick
 };
 
+struct Hopper : Common {
+  static constexpr int kSwitchOffTicks = 5;
+  Hopper(const Configuration& configuration, socketcan::CanSocket& can, Gpio& gpio)
+      : Common(configuration.priority),
+        board(configuration, can, gpio, stop, figures),
+        store(configuration.store_file),
+        node(board, store, configuration.controller, identity,
+             static_cast<std::uint16_t>(core::monotonic_ns() / 1000), faults),
+        registers(node) {
+    board.introduce(identity, faults);
+    if (node.snapshot().parameter_origin == static_cast<std::uint16_t>(bus::ParameterOrigin::store_unusable))
+      board.report_start_fault(control::Fault::parameters_lost);
+  }
+  void tick() { run_tick(board, node, registers, hatch); }
+  void switch_off() {
+    board.set_state(bus::NodeState::idle);
+    static_cast<void>(board.actuate(control::Command{}));
+  }
+
+  Board board;
+  Store store;
+  Node node;
+  firmware::NodeRegisters<Node> registers;
+  Hatch hatch;
+  std::unique_ptr<modbus::TcpServer> server;
+};
+
+struct Walker : Common {
+  static constexpr int kSwitchOffTicks = 10;  // each drive has its turn in every second one
+  Walker(const Configuration& configuration, const std::array<socketcan::CanSocket*, kMostBuses>& buses)
+      : Common(configuration.priority),
+        board(configuration.walker->link, buses, stop, figures),
+        node(board, configuration.walker->controller, faults) {
+    board.introduce(identity, faults);
+  }
+  void tick() { run_walker_tick(board, node); }
+  void switch_off() {
+    board.set_state(bus::NodeState::idle);
+    board.actuate(control::WalkerOutputs{});
+  }
+
+  WalkerBoard board;
+  firmware::WalkerNode<WalkerBoard> node;
+};
+
+template <class Robot>
 void* run_loop(void* argument) {
-  Daemon& d = *static_cast<Daemon*>(argument);
+  Robot& robot = *static_cast<Robot*>(argument);
   touch_stack();
-  if (d.priority > 0) d.warning = run_first_in_first_out(d.priority);
-  while (d.board.wait_for_tick()) run_tick(d.board, d.node, d.registers, d.hatch);
+  if (robot.priority > 0) robot.warning = run_first_in_first_out(robot.priority);
+  while (robot.board.wait_for_tick()) robot.tick();
   // Said several times: one frame may be lost.
-  d.board.set_state(bus::NodeState::idle);
-  for (int i = 0; i < 5; ++i) {
-    static_cast<void>(d.board.actuate(control::Command{}));
-    static_cast<void>(d.board.wait_for_tick());
+  for (int i = 0; i < Robot::kSwitchOffTicks; ++i) {
+    robot.switch_off();
+    static_cast<void>(robot.board.wait_for_tick());
   }
   return nullptr;
 }
 
 void* run_server(void* argument) {
-  Daemon& d = *static_cast<Daemon*>(argument);
+  Hopper& d = *static_cast<Hopper*>(argument);
   touch_stack();
   d.server->serve();
   return nullptr;
 }
 
 void* run_writer(void* argument) {
-  Daemon& d = *static_cast<Daemon*>(argument);
+  Hopper& d = *static_cast<Hopper*>(argument);
   touch_stack();
   d.store.serve();
   return nullptr;
@@ -148,27 +181,86 @@ std::string told_of_bus(socketcan::CanState state, const std::string& interface)
 }
 
 /// Waits for signals; the watchdog of the service manager hears of a loop that ticks, and of no other.
-void watch(Daemon& d, const std::string& interface, const ServiceManager& manager, const Signals& signals,
-           const Baseline& begin) {
+void watch(const Common& d, std::span<const std::string> interfaces, const ServiceManager& manager,
+           const Signals& signals, const Baseline& begin) {
   std::chrono::nanoseconds pause = std::chrono::milliseconds(100);
   if (manager.watchdog_period().count() > 0)
     pause = std::min<std::chrono::nanoseconds>(pause, manager.watchdog_period());
   const timespec wait{0, static_cast<long>(pause.count())};
   std::uint64_t seen = 0;
-  socketcan::CanState told = socketcan::CanState::on;
+  std::array<socketcan::CanState, kMostBuses> told{};
   for (;;) {
     const Signals::Asks asks = signals.wait(wait);
     if (asks == Signals::Asks::end) return;
     if (asks == Signals::Asks::figures) print_figures(d.figures, begin);
-    if (const socketcan::CanState state = d.figures.can_state.load(std::memory_order_relaxed);
-        state != told) {
-      static_cast<void>(say(STDERR_FILENO, told_of_bus(state, interface)));
-      told = state;
-    }
+    for (std::size_t bus = 0; bus < interfaces.size(); ++bus)
+      if (const socketcan::CanState state = d.figures.can_states[bus].load(std::memory_order_relaxed);
+          state != told[bus]) {
+        static_cast<void>(say(STDERR_FILENO, told_of_bus(state, core::printable(interfaces[bus]))));
+        told[bus] = state;
+      }
     const std::uint64_t ticks = d.figures.ticks.load(std::memory_order_relaxed);
     if (ticks != seen) manager.tell("WATCHDOG=1");
     seen = ticks;
   }
+}
+
+/// The loop's thread, from its start to its end on a signal.
+template <class Robot>
+void run_robot(Robot& robot, std::span<const std::string> interfaces, const Signals& signals) {
+  const ServiceManager manager;
+  warn(lock_memory());
+  const unsigned long loop = start_thread(run_loop<Robot>, &robot);
+  touch_stack();
+  while (robot.figures.ticks.load() < kSettledTicks) {
+    const timespec pause{0, 1'000'000};
+    ::nanosleep(&pause, nullptr);
+  }
+  warn(robot.warning);
+  std::string all;
+  for (const std::string& interface : interfaces)
+    all += (all.empty() ? "" : ", ") + core::printable(interface);
+  static_cast<void>(say(STDOUT_FILENO, "furculad: running on " + all + "\n"));
+  manager.tell("READY=1");
+  const Baseline begin = now();
+  watch(robot, interfaces, manager, signals, begin);
+  manager.tell("STOPPING=1");
+  robot.stop = true;
+  ::pthread_join(loop, nullptr);
+  print_figures(robot.figures, begin);
+}
+
+void run_hopper(const Configuration& configuration, const Signals& signals) {
+  const firmware::HeardIds ids(configuration.link);
+  socketcan::CanSocket can(configuration.can_interface, ids);
+  Gpio gpio(configuration.contact, configuration.has_solenoid ? &configuration.solenoid : nullptr);
+  const auto hopper = std::make_unique<Hopper>(configuration, can, gpio);
+  if (configuration.modbus)
+    hopper->server = std::make_unique<modbus::TcpServer>(
+        configuration.modbus_address, configuration.modbus_port,
+        [&hatch = hopper->hatch](std::span<const std::uint8_t> request) { return hatch.ask(request); });
+  warn(network_warning(configuration));
+  const unsigned long writer = start_thread(run_writer, hopper.get());
+  unsigned long server = 0;
+  if (hopper->server) server = start_thread(run_server, hopper.get());
+  run_robot(*hopper, std::span(&configuration.can_interface, 1), signals);
+  if (hopper->server) {
+    hopper->server->stop();
+    ::pthread_join(server, nullptr);
+  }
+  hopper->store.stop();
+  ::pthread_join(writer, nullptr);
+}
+
+void run_walker(const Configuration& configuration, const Signals& signals) {
+  const WalkerConfiguration& walker = *configuration.walker;
+  const auto opened = [&](std::size_t bus) {
+    const firmware::WalkerHeardIds ids(walker.link, bus);
+    return std::make_unique<socketcan::CanSocket>(walker.can_interfaces[bus], ids);
+  };
+  const auto left = opened(0), right = opened(1), body = opened(firmware::kBodyBus);
+  const auto robot = std::make_unique<Walker>(configuration, std::array{left.get(), right.get(), body.get()});
+  run_robot(*robot, walker.can_interfaces, signals);
 }
 
 }  // namespace
@@ -185,44 +277,10 @@ bus::Identity own_identity(std::string& text) {
 
 void run_daemon(const Configuration& configuration) {
   const Signals signals;  // the other threads inherit that
-  const firmware::HeardIds ids(configuration.link);
-  const ServiceManager manager;
-  socketcan::CanSocket can(configuration.can_interface, ids);
-  Gpio gpio(configuration.contact, configuration.has_solenoid ? &configuration.solenoid : nullptr);
-  const auto daemon = std::make_unique<Daemon>(configuration, can, gpio);
-  if (configuration.modbus)
-    daemon->server = std::make_unique<modbus::TcpServer>(
-        configuration.modbus_address, configuration.modbus_port,
-        [&hatch = daemon->hatch](std::span<const std::uint8_t> request) { return hatch.ask(request); });
-  warn(network_warning(configuration));
-  warn(lock_memory());
-
-  const unsigned long writer = start_thread(run_writer, daemon.get());
-  const unsigned long loop = start_thread(run_loop, daemon.get());
-  unsigned long server = 0;
-  if (daemon->server) server = start_thread(run_server, daemon.get());
-  touch_stack();
-  while (daemon->figures.ticks.load() < kSettledTicks) {
-    const timespec pause{0, 1'000'000};
-    ::nanosleep(&pause, nullptr);
-  }
-  warn(daemon->warning);
-  const std::string interface = core::printable(configuration.can_interface);
-  static_cast<void>(say(STDOUT_FILENO, "furculad: running on " + interface + "\n"));
-  manager.tell("READY=1");
-  const Baseline begin = now();
-  watch(*daemon, interface, manager, signals, begin);
-
-  manager.tell("STOPPING=1");
-  daemon->stop = true;
-  ::pthread_join(loop, nullptr);
-  if (daemon->server) {
-    daemon->server->stop();
-    ::pthread_join(server, nullptr);
-  }
-  daemon->store.stop();
-  ::pthread_join(writer, nullptr);
-  print_figures(daemon->figures, begin);
+  if (configuration.walker)
+    run_walker(configuration, signals);
+  else
+    run_hopper(configuration, signals);
 }
 
 }  // namespace furcula::linux_sbc

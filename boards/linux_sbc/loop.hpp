@@ -23,4 +23,11 @@ void run_tick(auto& board, auto& node, auto& registers, Hatch& hatch) {
   });
 }
 
+/// The same for a robot that walks, which has neither registers nor Modbus.
+void run_walker_tick(auto& board, auto& node) {
+  firmware::obey_stream(board.link(), node);
+  board.set_state(node.state());
+  node.tick();
+}
+
 }  // namespace furcula::linux_sbc

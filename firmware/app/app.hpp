@@ -13,6 +13,10 @@ namespace furcula::firmware {
 inline constexpr std::uint32_t kTickPeriodUs = 1000;
 inline constexpr float kTickPeriodS = 0.001f;
 
+// Of a node's start, in ticks, that is, ms.
+inline constexpr std::uint32_t kSettledTicks = 50;  ///< without a fault: the start is over
+inline constexpr std::uint32_t kStartTicks = 1000;  ///< a fault that still stands then is shown
+
 /// Since the start, or since clear_statistics().
 struct TickStatistics {
   std::uint32_t last_interval_us = 0;

@@ -7,9 +7,11 @@
 #include <array>
 #include <cstdint>
 
+#include "firmware/app/can_faults.hpp"
 #include "firmware/app/can_frames.hpp"
 #include "firmware/app/can_registers.hpp"
 #include "firmware/app/can_sources.hpp"
+#include "firmware/app/desk_stream.hpp"
 #include "firmware/app/drive_watch.hpp"
 #include "furcula/bus/codec.hpp"
 #include "furcula/bus/messages.hpp"
@@ -102,9 +104,6 @@ class HeardIds {
   std::size_t size_ = 0;
 };
 
-/// What a board's CAN controller says of itself.
-enum class BusEvent : std::uint8_t { error, off, recovered };
-
 /// The newest reply of the drive, in the leg's terms.
 struct DriveReading {
   float leg_angle_rad = 0.0f;
@@ -114,29 +113,14 @@ struct DriveReading {
   std::uint8_t error = 0;        ///< 0: none
 };
 
-/// Of a person's command frame.
-struct CanRequest {
-  enum class Kind : std::uint8_t { none = 0, stop = 1, hop = 2, reset = 3 };
-  Kind kind = Kind::none;
-  float torque_amplitude_nm = 0.0f;
-  float torque_period_s = 0.0f;
-  bool release_in_flight = false;
-  bool came = false;        ///< a frame of the stream came, be it one that asks for nothing
-  bool follows = false;     ///< no frame of the stream was lost before it
-  bool stop_apart = false;  ///< somebody said stop, beside the stream
-  bool stop_again = false;  ///< the stream's stop came once more
-  bool hop_said = false;    ///< somebody said hop, in the stream or beside it
-};
-
-/// What the error code of a CubeMars drive's reply means ("AK Series Actuator Driver Manual", the
-/// table of error codes); the rest is drive_fault.
-inline constexpr std::uint8_t kErrorMotorHot = 1, kErrorSupplyHigh = 3, kErrorInverterHot = 6;
-
 class CanLink {
  public:
   /// With a configuration that check() refuses it hears nothing and sends nothing.
   explicit CanLink(const CanLinkConfig& config)
-      : config_(config), sound_(check(config) == Status::ok), registers_(config.self_node) {}
+      : config_(config),
+        sound_(check(config) == Status::ok),
+        desk_(config.requests),
+        registers_(config.self_node) {}
 
   /// Where the counters read what is home, as control::Sample has it.
   void set_home(std::uint32_t height_count, float height_m, std::uint32_t cable_count) {
@@ -158,12 +142,7 @@ class CanLink {
   }
 
   /// What the CAN controller reports.
-  void note(BusEvent event) {
-    if (event == BusEvent::error) ++statistics_.error_frames;
-    if (event == BusEvent::off && !bus_off_) ++statistics_.bus_off;
-    if (event == BusEvent::off) went_off_ = true;
-    if (event != BusEvent::error) bus_off_ = event == BusEvent::off;
-  }
+  void note(BusEvent event) { bus_watch_.note(event, statistics_); }
 
   /// All that the bus knows of a sample: to be called on every tick, once. Fields of sensors that the board
   /// reads itself are 0, for the board to fill in. `disconnected`: a sensor or the drive was never heard.
@@ -176,12 +155,11 @@ class CanLink {
     const std::uint32_t drive_age_us = drive_heard_.age_us(now_us);
     sample.age_us = on_bench_ ? 0 : drive_age_us;
     const control::Fault of_drive = on_bench_ ? control::Fault::none : drive_fault(now_us);
-    control::Fault fault = bus_off_ || went_off_ ? control::Fault::bus_off
+    control::Fault fault = bus_watch_.take_off() ? control::Fault::bus_off
                            : own_ids_heard_.age_us(now_us) < kOwnIdsForgottenUs
                                ? control::Fault::node_id_taken
                                : of_drive;
-    went_off_ = false;  // one that ended before anybody asked is told once
-    static_cast<void>(requested_.age_us(now_us));
+    static_cast<void>(desk_.age_us(now_us));
     if (on_bench_) height_.let_pass(now_us);
     const bool unreliable = note_troubles();
     bool heard = on_bench_ || drive_heard_.heard;
@@ -224,7 +202,6 @@ class CanLink {
       awaited_ = batch.count;
       return batch;
     }
-    // Said several times: one of them may be lost, and no reply tells whether the motor is on.
     if (entered_ < kEnterTimes) {
       ++entered_;
       batch.add(bus::empty_frame(bus::message::kMotorEnter, config_.drive_node));
@@ -241,27 +218,18 @@ class CanLink {
   /// To be served between two ticks, and its answer sent, a frame a tick.
   CanRegisters& registers() { return registers_; }
   const DriveReading& drive() const { return drive_; }
-  bool bus_is_off() const { return bus_off_; }
+  bool bus_is_off() const { return bus_watch_.is_off(); }
 
   /// The newest request that was not taken yet; `kind` none where there is none.
-  CanRequest take_request() {
-    const CanRequest taken = request_;
-    request_ = {};
-    return taken;
-  }
+  CanRequest take_request() { return desk_.take(); }
   /// Whether somebody said stop since the last take_request().
-  bool stop_waits() const {
-    return request_.stop_apart || request_.stop_again || request_.kind == CanRequest::Kind::stop;
-  }
+  bool stop_waits() const { return desk_.stop_waits(); }
   /// Since the last command frame that counts, kForgottenUs where there was none for that long. To be asked
   /// once a second at least.
-  std::uint32_t request_age_us(std::uint32_t now_us) { return requested_.age_us(now_us); }
+  std::uint32_t request_age_us(std::uint32_t now_us) { return desk_.age_us(now_us); }
 
  private:
   static constexpr float kNotHomed = __builtin_nanf("");
-  static constexpr std::uint32_t kEnterTimes = 3;
-  /// Longer than two of another node's heartbeats: as long as it is there a reset does not help.
-  static constexpr std::uint32_t kOwnIdsForgottenUs = 250000;
   static constexpr std::uint32_t kCommandsKept = 4;
 
   void hear_drive(const bus::Frame& frame, std::uint32_t now_us) {
@@ -314,20 +282,13 @@ class CanLink {
     const bool was_heard = drive_heard_.heard;
     if (was_heard && drive_heard_.age_us(now_us) > config_.silent_us) return control::Fault::drive_silent;
     if (watch_.doubled()) return control::Fault::drive_doubled;
-    if (drive_.error != 0) return fault_of(drive_.error);
-    // A byte from 128 on is a temperature below zero.
-    if (drive_.temperature < 128 && static_cast<float>(drive_.temperature) > config_.temperature_max_c)
-      return control::Fault::drive_hot;
+    if (drive_.error != 0) return fault_of_drive(drive_.error);
+    if (is_hot(drive_.temperature, config_.temperature_max_c)) return control::Fault::drive_hot;
     if (disobeys_ && now_us - disobeys_since_us_ > config_.disobeys_us) return control::Fault::drive_disobeys;
     if (watch_.mean_off_nm() > config_.torque_offset_nm || watch_.mean_off_nm() < -config_.torque_offset_nm)
       return control::Fault::drive_disobeys;
     if (watch_.is_other_motor(config_.velocity_tolerance)) return control::Fault::drive_mismatch;
     return control::Fault::none;
-  }
-
-  static control::Fault fault_of(std::uint8_t error) {
-    if (error == kErrorMotorHot || error == kErrorInverterHot) return control::Fault::drive_hot;
-    return error == kErrorSupplyHigh ? control::Fault::supply_too_high : control::Fault::drive_fault;
   }
 
   void hear_supply(const bus::Frame& frame, std::uint32_t now_us) {
@@ -401,7 +362,7 @@ class CanLink {
     } else if (of(kSupply, config_.supply_node)) {
       hear_supply(frame, now_us);
     } else if (of(kCommand, config_.self_node)) {
-      hear_desk(frame, now_us);
+      desk_.hear(frame, now_us, statistics_);
     } else if (of(kRegisterRequest, config_.self_node)) {
       const CanRegisters::Heard heard = registers_.receive(frame);
       if (heard == CanRegisters::Heard::malformed) ++statistics_.malformed;
@@ -414,53 +375,6 @@ class CanLink {
     }
   }
 
-  /// A stop is obeyed, whoever says it, in whatever order, age and version: of such a frame the request alone is
-  /// looked at. Where it is not the very next one of the stream it is no part of it, so that a second desk neither
-  /// disturbs the first one's numbers nor is held to them. All else is judged by version, number and age.
-  void hear_desk(const bus::Frame& frame, std::uint32_t now_us) {
-    using bus::message::kCommand;
-    using Kind = CanRequest::Kind;
-    const auto raw = [&](const bus::Signal& s) { return bus::get_raw(frame, s); };
-    const Result<std::uint32_t> said = raw(bus::signal(kCommand, "Request"));
-    const auto kind = static_cast<Kind>(said.ok() ? said.value() : 0xffu);
-    const std::uint32_t since_us = requested_.age_us(now_us);
-    if (kind == Kind::hop) request_.hop_said = true;
-    if (kind == Kind::stop && !is_next(frame, since_us)) {
-      // The stream's last one once more is still the stream's.
-      const bool again = stream_says_ == Kind::stop && frame.size > 1 && request_stream_.begun &&
-                         frame.data[1] == request_stream_.sequence;
-      (again ? request_.stop_again : request_.stop_apart) = true;
-      ++statistics_.stops_apart;
-      return;
-    }
-    if (frame.size != kCommand.size || kind > Kind::reset) {
-      ++statistics_.malformed;
-      return;
-    }
-    const std::uint32_t lost_before = request_stream_.lost;
-    if (!judge(request_stream_, config_.requests, frame, since_us, statistics_).ok()) return;
-    requested_.note(now_us);
-    stream_says_ = kind;
-    // Nothing takes the place of a stop that waits.
-    if (request_.came && request_.kind == Kind::stop) return;
-    const auto value = [&](const bus::Signal& s) { return bus::get(frame, s).value(); };
-    request_.came = true;
-    request_.kind = kind;
-    request_.follows = request_stream_.lost == lost_before;
-    request_.torque_amplitude_nm = value(bus::signal(kCommand, "Torque_Amplitude"));
-    request_.torque_period_s = value(bus::signal(kCommand, "Torque_Period"));
-    request_.release_in_flight = raw(bus::signal(kCommand, "Clutch")).value() != 0;
-  }
-
-  /// Whether the stream's next frame is this one, with none lost between; or it begins anew with it.
-  bool is_next(const bus::Frame& frame, std::uint32_t since_us) const {
-    const Result<bus::Stamp> stamp = bus::get_stamp(frame);
-    if (frame.size != bus::message::kCommand.size || !stamp.ok()) return false;
-    bus::Stream stream = request_stream_;
-    return bus::arrive(stream, config_.requests, stamp.value(), static_cast<float>(since_us) * 1e-6f) ==
-           bus::Arrival::fresh;
-  }
-
   CanLinkConfig config_;
   bool sound_;
   CanStatistics statistics_;
@@ -469,16 +383,15 @@ class CanLink {
   float home_height_m_ = kNotHomed;
   DriveReading drive_;
   DriveWatch watch_;
-  LastHeard drive_heard_, requested_, own_ids_heard_, supply_heard_;
+  LastHeard drive_heard_, own_ids_heard_, supply_heard_;
   bus::Stream supply_stream_;
   float supply_v_ = 0.0f;
   std::array<float, kCommandsKept> commanded_{};  ///< N m, of the last ticks: the drive lags by one or two
   std::uint32_t next_commanded_ = 0, entered_ = 0, awaited_ = 0, disobeys_since_us_ = 0;
   std::uint32_t troubles_before_ = 0, trouble_tenths_ = 0;
-  bool disobeys_ = false, bus_off_ = false, went_off_ = false, on_bench_ = false;
-  bus::Stream request_stream_;
-  CanRequest::Kind stream_says_ = CanRequest::Kind::none;
-  CanRequest request_;
+  bool disobeys_ = false, on_bench_ = false;
+  BusWatch bus_watch_;
+  DeskStream desk_;
   CanRegisters registers_;
 };
 

@@ -8,6 +8,7 @@
 
 #include "firmware/app/app.hpp"
 #include "firmware/app/store.hpp"
+#include "firmware/app/stream_rules.hpp"
 #include "firmware/app/trial_record.hpp"
 #include "firmware/store/fault_log.hpp"
 #include "firmware/store/save_limit.hpp"
@@ -18,21 +19,7 @@
 namespace furcula::firmware {
 
 // In ticks, that is, ms.
-inline constexpr std::uint32_t kSettledTicks = 50;     ///< without a fault: the start is over
-inline constexpr std::uint32_t kStartTicks = 1000;     ///< a fault that still stands then is shown
-inline constexpr std::uint32_t kArmedTicks = 2000;     ///< that an armed robot waits for hop
-inline constexpr std::uint32_t kStreamTicks = 100;     ///< a silent stream of commands stops what it started
-inline constexpr std::uint32_t kLetGoTicks = 100;      ///< without a hop: a stream may start the robot again
-inline constexpr std::uint32_t kStopHoldsTicks = 100;  ///< after a stop beside the stream nothing starts
-
-/// A stream's request and what it wants the torque and the clutch to be (bus/messages.hpp, Command).
-struct StreamCommand {
-  bus::Request request = bus::Request::none;
-  float torque_amplitude_nm = 0.0f;
-  float torque_period_s = 0.3f;
-  bool release_in_flight = false;
-  bool follows = true;  ///< no command of the stream was lost before it
-};
+inline constexpr std::uint32_t kArmedTicks = 2000;  ///< that an armed robot waits for hop
 
 template <Board B, ParameterStore S>
 class Node {
@@ -56,14 +43,12 @@ class Node {
   void tick() {
     follow_save();
     if (ticks_in_state_ != 0xffffffffu) ++ticks_in_state_;
-    if (stream_age_ticks_ != 0xffffffffu) ++stream_age_ticks_;
-    if (state_ == bus::NodeState::running && by_stream_ && stream_age_ticks_ > kStreamTicks) {
+    rules_.tick();
+    if (state_ == bus::NodeState::running && by_stream_ && rules_.silent()) {
       ++stale_stops_;
       enter(bus::NodeState::idle, bus::Reason::stream_silent);
     }
     if (desk_age_ticks_ != 0xffffffffu) ++desk_age_ticks_;
-    if (hop_age_ticks_ <= kLetGoTicks) ++hop_age_ticks_;
-    if (stop_holds_ticks_ != 0) --stop_holds_ticks_;
     if constexpr (WearingStore<S>) save_limit_.tick();
     if (state_ == bus::NodeState::running && !by_stream_ && desk_is_silent()) {
       ++stale_stops_;
@@ -91,30 +76,23 @@ class Node {
   /// A stop that is not the next one of a stream, whoever said it. What streams hop must let go and say it anew.
   /// Nothing starts in the same tick; `holds`: nor for kStopHoldsTicks.
   void stop_from_anyone(bool holds) {
-    // At least to the end of this tick: a hop that came together with a stop starts nothing.
-    const std::uint32_t ticks = holds ? kStopHoldsTicks + 1 : 1;
-    if (ticks > stop_holds_ticks_) stop_holds_ticks_ = ticks;
+    rules_.hold(holds);
     stop();
   }
   /// Somebody said hop, in a command that counts or in one that does not.
-  void note_hop_said() { hop_age_ticks_ = 0; }
+  void note_hop_said() { rules_.note_hop_said(); }
 
   /// One command of a stream, fresh as bus/stream.hpp judges it. Its request counts where it changes; `hop`
   /// starts the robot without arming, if nobody has said hop for kLetGoTicks and the command before it, of which
   /// none is missing, said something else: two streams that are mixed start nothing. As long as they come, and
   /// say hop, it runs; amplitude, period and clutch are taken at the start.
   bus::Refusal stream(const StreamCommand& command) {
-    const bool fresh = stream_age_ticks_ <= kStreamTicks;
-    const bool changed = fresh && command.request != stream_request_;
-    const bool let_go = hop_age_ticks_ > kLetGoTicks;
-    stream_request_ = command.request;
-    stream_age_ticks_ = 0;
+    const StreamRules::Edge edge = rules_.hear(command.request, command.follows);
     switch (command.request) {
       case bus::Request::hop:
-        hop_age_ticks_ = 0;
         if (state_ == bus::NodeState::running && by_stream_) return bus::Refusal::none;
         // Not counted: it comes a hundred times a second.
-        if (!changed || !let_go || !command.follows) return bus::Refusal::no_edge;
+        if (!edge.starts) return bus::Refusal::no_edge;
         return note(start_by_stream(command));
       case bus::Request::stop:
         stop();
@@ -123,7 +101,7 @@ class Node {
         if (by_stream_) stop();
         return bus::Refusal::none;
       case bus::Request::reset:
-        return changed ? request(bus::Request::reset) : bus::Refusal::none;
+        return edge.changed ? request(bus::Request::reset) : bus::Refusal::none;
       default:
         return note(bus::Refusal::unknown_request);
     }
@@ -305,7 +283,7 @@ class Node {
     }
     if (wanted == bus::Request::hop) {
       if (state_ != State::armed) return Refusal::not_in_this_state;
-      if (stop_holds_ticks_ != 0) return Refusal::stop_stands;
+      if (rules_.held()) return Refusal::stop_stands;
       hear_desk();
       enter(State::running, bus::Reason::none);
       return Refusal::none;
@@ -330,7 +308,7 @@ class Node {
 
   bus::Refusal start_by_stream(const StreamCommand& command) {
     if (state_ != State::idle) return bus::Refusal::not_in_this_state;
-    if (stop_holds_ticks_ != 0) return bus::Refusal::stop_stands;
+    if (rules_.held()) return bus::Refusal::stop_stands;
     static constexpr const bus::Parameter& kAmplitude = *bus::parameter_named("torque_amplitude_nm");
     static constexpr const bus::Parameter& kPeriod = *bus::parameter_named("torque_period_s");
     if (!bus::allows(kAmplitude, command.torque_amplitude_nm) ||
@@ -418,13 +396,12 @@ class Node {
   bus::Reason reason_ = bus::Reason::starting;
   bus::Refusal last_refusal_ = bus::Refusal::none;
   bus::ParameterOrigin origin_ = bus::ParameterOrigin::defaults;
-  bus::Request stream_request_ = bus::Request::none;
+  StreamRules rules_;
   bool by_stream_ = false;
   bool saving_ = false, changed_since_ = false;  ///< of a store that saves aside: since that save began
   std::uint16_t session_ = 1;
   std::uint32_t ticks_in_state_ = 0, good_ticks_ = 0;
-  std::uint32_t stream_age_ticks_ = 0xffffffffu, desk_age_ticks_ = 0xffffffffu;
-  std::uint32_t hop_age_ticks_ = kLetGoTicks + 1, stop_holds_ticks_ = 0;
+  std::uint32_t desk_age_ticks_ = 0xffffffffu;
   std::uint32_t taken_ = 0, refused_ = 0, stale_stops_ = 0;
 };
 

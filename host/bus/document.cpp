@@ -29,12 +29,12 @@ Ids of nodes are from 1 to 31. In the tables an id is given for node `n`; the st
 significant bit; a physical value is the raw number times the factor, plus the offset. What is put into a frame and out of its range is clamped to the nearest end and
 reported; what is not a finite number is refused.
 
-Messages of `controller` and `encoder` carry the protocol's version ()";
+Messages of `controller`, `encoder` and `walker` carry the protocol's version ()";
 
 constexpr std::string_view kStream =
     R"(), a sequence number of their own for each kind, and the age of their content when they were sent. A receiver
 (`bus/stream.hpp`) takes what is fresh, tells a message that came again or out of order, counts what was lost, and takes nothing that is older than allowed or of another
-version. A sender that was silent for 100 ms counts as started anew. The heartbeat has no age; `Identity`, `Unique_Id` and `Logged_Fault`, which hardly change, have neither age nor number: ten
+version. A sender that was silent for 100 ms counts as started anew. Heartbeat, `Gyro` and `Walk_State` have no age; `Identity`, `Unique_Id` and `Logged_Fault`, which hardly change, have neither age nor number: ten
 of them a second come in turn, so that all of them came after 1.2 s.
 
 ## Stop
@@ -168,7 +168,7 @@ std::string message_text(const Message& m) {
 constexpr std::string_view kWalkerHead = R"(
 ## The biped's twelve drives
 
-A frame of 8 bytes takes 135 bits with all the stuffing that there can be (`common/include/furcula/bus/load.hpp`), and a drive takes two of them, command and reply, each time. IMU, feet and pins are on the board itself.
+A frame of 8 bytes takes 135 bits with all the stuffing that there can be (`common/include/furcula/bus/load.hpp`), and a drive takes two of them, command and reply, each time. IMU, feet and pins are on the board itself, or on a third bus (below).
 
 | buses | drives on each | rate | worst load of each |
 | --- | --- | --- | --- |
@@ -176,6 +176,9 @@ A frame of 8 bytes takes 135 bits with all the stuffing that there can be (`comm
 
 constexpr std::string_view kWalkerNodes = R"(
 The biped has a bus a leg at 500 Hz: an STM32F405 has two CAN controllers. Three drives of each leg have their turn in even ticks of 1 ms, the others in odd ones; a drive holds its target between. With a desk's command each 10 ms and the board's heartbeat the left leg's bus comes to )";
+
+constexpr std::string_view kWalkerBody =
+    R"(A board without an IMU of its own, as `furculad`, has a third bus, the body's, with a node of the protocol `walker`, the desk, and what the board tells of itself: a leg's bus has no room for an IMU. Its worst load is )";
 
 std::string percent(double share) {
   char text[16];
@@ -200,7 +203,8 @@ std::string walker_text() {
                                      {&message::kMotorReply, drives / 2 * kWalkerDrive_hz},
                                      {&message::kCommand, 100},
                                      {&message::kHeartbeat, 10}}};
-  out += std::string(kWalkerNodes) + percent(worst_load(left)) +
+  out += std::string(kWalkerNodes) + percent(worst_load(left)) + ".\n\n" + std::string(kWalkerBody) +
+         percent(worst_load(kWalkerBodyTraffic)) +
          ".\n\n| joint | bus | id | motor |\n| --- | --- | --- | --- |\n";
   for (const WalkerDrive& d : kWalkerDrives)
     out += "| `" + std::string(d.joint) + "` | " + std::to_string(d.bus) + " | " + std::to_string(d.node) +
@@ -219,8 +223,8 @@ std::string to_markdown() {
     between = ", ";
   }
   out += ".\n" + std::string(kRules) + std::to_string(kProtocolVersion) + std::string(kStream);
-  for (const Protocol p :
-       {Protocol::controller, Protocol::encoder, Protocol::mini_cheetah, Protocol::odrive}) {
+  for (const Protocol p : {Protocol::controller, Protocol::encoder, Protocol::mini_cheetah, Protocol::odrive,
+                           Protocol::walker}) {
     out += "\n## Protocol `" + std::string(name_of(p)) + "`\n";
     for (const Message* m : kMessages)
       if (m->protocol == p) out += message_text(*m);

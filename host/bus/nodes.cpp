@@ -12,7 +12,8 @@
 namespace furcula::bus {
 namespace {
 
-constexpr std::array<std::string_view, 4> kProtocols{"mini_cheetah", "odrive", "encoder", "controller"};
+constexpr std::array<std::string_view, 5> kProtocols{"mini_cheetah", "odrive", "encoder", "controller",
+                                                     "walker"};
 // "<node>_Get_Bus_Voltage_Current" is then within the 32 characters of a name in a DBC file.
 constexpr std::size_t kLongestName = 8;
 

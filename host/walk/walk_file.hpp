@@ -1,4 +1,4 @@
-// The files of a walk: the model (TOML of kind biped, which names a URDF), walk.toml, and walk.json.
+// The files of a walk: the model (TOML of kind biped, which names a URDF), walk.toml (walk_toml.hpp), and walk.json.
 #pragma once
 
 #include <array>
@@ -10,6 +10,7 @@
 #include "furcula/dynamics/biped/parameters.hpp"
 #include "host/walk/evidence.hpp"
 #include "host/walk/search.hpp"
+#include "host/walk/walk_toml.hpp"
 
 namespace furcula::walk {
 
@@ -36,18 +37,6 @@ inline constexpr std::array<LimitKey, 7> kLimitKeys{
 
 /// A model file of kind biped (docs/biped.md). @throws core::DataError, and what biped::read_biped throws.
 Model read_model(const std::string& path);
-
-struct Walk {
-  std::string robot;  ///< its name
-  WalkMode mode = WalkMode::active;
-  double walk_until_s = 5.0;
-  Parameters parameters;
-};
-
-std::string format_walk(const Walk& walk);
-/// @throws core::DataError: not a walk, a parameter that is missing or beyond what a joint can do.
-Walk read_walk(const std::string& path);
-Walk parse_walk(std::string_view text, const std::string& name);
 
 /// What of the limits is not kept, in words.
 std::vector<std::string> broken_limits(const Rollout& rollout, const WalkLimits& limits);

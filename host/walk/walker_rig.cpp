@@ -5,6 +5,7 @@
 
 #include "furcula/bus/walker_nodes.hpp"
 #include "host/walk/posture.hpp"
+#include "host/walk/walker_config.hpp"
 
 namespace furcula::walk {
 namespace {
@@ -18,10 +19,6 @@ constexpr std::size_t kBrokenPin = kKneeClutch;  // of the left leg
 
 double of(const Joints<double>& all, std::size_t i) { return joint<double>(all, i); }
 
-std::uint32_t passive_pins(WalkMode mode) {
-  return mode == WalkMode::semi_passive ? 1u << kHipClutch | 1u << (kClutches + kHipClutch) : 0u;
-}
-
 dynamics::tree::Vec3<float> rounded(const Vec3<double>& v) {
   return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
 }
@@ -29,18 +26,8 @@ dynamics::tree::Vec3<float> rounded(const Vec3<double>& v) {
 }  // namespace
 
 control::WalkerConfig walker_config(const WalkerRigConfig& rig, double walk_until_s) {
-  control::WalkerConfig c;
-  auto values = control::WalkParameters<float>{}.values();
-  const auto given = rig.walk.values();
-  for (std::size_t i = 0; i < values.size(); ++i) values[i] = static_cast<float>(given[i]);
-  c.walk = {control::WalkParameters<float>::of(values), dynamics::biped::Parameters<float>(rig.robot)};
-  c.walk.walk_until_s = static_cast<float>(walk_until_s);
-  c.passive_pins = passive_pins(rig.mode);
-  c.foot_threshold_n = static_cast<float>(rig.foot_threshold_n);
-  c.sole_m = static_cast<float>(-rig.robot.vertices_m[kLeft][0].z);
-  if (rig.two_buses) c.supervisor.missed_max = 3;  // one lost answer, as with answers in each tick
-  c.supervisor.gravity_mps2 = static_cast<float>(rig.robot.gravity_mps2);
-  return c;
+  return walker_config(rig.robot, {"", rig.mode, walk_until_s, rig.walk}, rig.foot_threshold_n,
+                       rig.two_buses ? DriveTurns::every_second_tick : DriveTurns::each_tick);
 }
 
 WalkerRig::WalkerRig(const WalkerRigConfig& config)

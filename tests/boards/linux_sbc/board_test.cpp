@@ -151,7 +151,7 @@ TEST_CASE("off the bus is a fault of the sample, and ends when the controller is
   bench.can.watch.note_error_frame(CAN_ERR_BUSOFF);
   CHECK(fault() == control::Fault::bus_off);
   CHECK(fault() == control::Fault::bus_off);
-  CHECK(bench.figures.can_state.load() == socketcan::CanState::off);
+  CHECK(bench.figures.can_states[0].load() == socketcan::CanState::off);
   bench.can.watch.note_error_frame(CAN_ERR_RESTARTED);
   CHECK(fault() == control::Fault::none);
   // Off and restarted between two ticks: told once, for the controller to keep.
@@ -159,7 +159,7 @@ TEST_CASE("off the bus is a fault of the sample, and ends when the controller is
   bench.can.watch.note_error_frame(CAN_ERR_RESTARTED);
   CHECK(fault() == control::Fault::bus_off);
   CHECK(fault() == control::Fault::none);
-  CHECK(bench.figures.can_state.load() == socketcan::CanState::on);
+  CHECK(bench.figures.can_states[0].load() == socketcan::CanState::on);
 }
 
 TEST_CASE("a robot whose link goes down and up again stays in its safe state until a person resets it") {

@@ -192,3 +192,103 @@ TEST_CASE(
   CHECK(ran.status == 3);
   CHECK_THAT(ran.err, Contains("f.toml:8: more than 16 names joined by dots"));
 }
+
+namespace {
+
+const std::string kWalker = R"(robot = "biped_walker"
+[can]
+left = "can0"
+right = "can1"
+body = "can2"
+[walk]
+file = "walk.toml"
+)";
+
+/// What furculad --check says of a walker's file beside a walk, and its status.
+test::Ran checked(const Folder& folder, const std::string& text, const std::string& walk) {
+  std::ofstream(folder.path / "f.toml") << text;
+  std::ofstream(folder.path / "walk.toml") << walk;
+  return test::run_program(test::program("furculad"), {"--check", (folder.path / "f.toml").string()});
+}
+
+std::string changed(std::string text, const std::string& from, const std::string& to) {
+  return text.replace(text.find(from), from.size(), to);
+}
+
+std::string found_walk() {
+  std::ifstream file(test::source("tests/host/walk/active_walk.toml"));
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+}  // namespace
+
+TEST_CASE("a walker's configuration has a bus a leg and the body's, and the walk that it names") {
+  const Folder folder;
+  std::ofstream(folder.path / "f.toml") << kWalker << "[feet]\nthreshold_n = 45\n[loop]\npriority = 7\n";
+  std::ofstream(folder.path / "walk.toml")
+      << changed(found_walk(), "walk_until_s = 5.0", "walk_until_s = 4.0");
+  const auto c = linux_sbc::read_configuration((folder.path / "f.toml").string());
+  REQUIRE(c.walker);
+  CHECK(c.walker->can_interfaces == std::array<std::string, 3>{"can0", "can1", "can2"});
+  CHECK(c.walker->controller.foot_threshold_n == 45.0f);
+  CHECK(c.walker->controller.walk.walk_until_s == 4.0f);
+  CHECK(c.walker->controller.walk.walk.knee_rad == 0.25f);  // posture.knee_rad of that file
+  CHECK(c.walker->controller.supervisor.missed_max == 3);
+  CHECK(c.priority == 7);
+  CHECK(linux_sbc::network_warning(c).empty());
+  CHECK(control::check(c.walker->controller) == Status::ok);
+}
+
+TEST_CASE("the example of a walker's configuration is sound") {
+  std::ifstream file(test::source("boards/linux_sbc/furculad_walker.toml"));
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  const auto c = parse_configuration(text, "f.toml");
+  REQUIRE(c.walker);
+  CHECK(c.walker->walk_file == "walk.toml");
+}
+
+TEST_CASE("what is wrong in a walker's configuration is one error that says where and what was expected") {
+  CHECK_THAT(
+      message_of("robot = \"biped_walk\"\n"),
+      Contains("f.toml:1: robot = 'biped_walk'; expected one of") && Contains("did you mean 'biped_walker'"));
+  CHECK_THAT(message_of(kWalker + "[leg]\nzero_rad = 1\n"),
+             Contains("f.toml:8: unknown key 'leg' in the file of a biped_walker"));
+  CHECK_THAT(message_of(changed(kWalker, "body =", "bdy =")),
+             Contains("f.toml:5: unknown key 'bdy' in [can]"));
+  CHECK_THAT(message_of(changed(kWalker, "body = \"can2\"\n", "")), Contains("[can] has no key 'body'"));
+  CHECK_THAT(message_of(changed(kWalker, "can1", "can0")),
+             Contains("f.toml:4: can.right = 'can0' as can.left; expected another interface"));
+  CHECK_THAT(message_of("robot = \"biped_walker\"\n[walk]\nfile = \"w\"\n"), Contains("no section [can]"));
+  CHECK_THAT(message_of(kWalker.substr(0, kWalker.find("[walk]"))), Contains("no section [walk]"));
+  CHECK_THAT(message_of(changed(kWalker, "file", "fiel")),
+             Contains("f.toml:7: unknown key 'fiel' in [walk]"));
+  CHECK_THAT(message_of(kWalker + "[feet]\nthreshold_n = 0\n"),
+             Contains("feet.threshold_n = 0") && Contains("1 to 400"));
+  CHECK_THAT(message_of("[can]\nleft = \"can0\"\n"), Contains("unknown key 'left'"));  // a hopper's
+}
+
+TEST_CASE("a walk of another robot, one with a typo and one that is not there are refused by --check") {
+  const Folder folder;
+  test::Ran ran = checked(folder, kWalker, found_walk());
+  CHECK(ran.status == 0);
+  ran = checked(folder, kWalker, changed(found_walk(), "furcula_biped", "other_biped"));
+  CHECK(ran.status == 3);
+  CHECK_THAT(ran.err, Contains("walk.toml: a walk of 'other_biped'; expected one of 'furcula_biped'"));
+  ran = checked(folder, kWalker, changed(found_walk(), "\"active\"", "\"knee_braked\""));
+  CHECK(ran.status == 3);
+  CHECK_THAT(ran.err, Contains("mode = 'knee_braked'") && Contains("semi_passive"));
+  ran = checked(folder, kWalker, changed(found_walk(), "knee_rad", "nee_rad"));
+  CHECK(ran.status == 3);
+  CHECK_THAT(ran.err, Contains("walk.toml:8: unknown key 'nee_rad' in [posture]"));
+  ran = checked(folder, changed(kWalker, "walk.toml", "no_such_walk.toml"), found_walk());
+  CHECK(ran.status == 3);
+  CHECK_THAT(ran.err, Contains("no_such_walk.toml"));
+}
+
+TEST_CASE("a walker's bus that is not there ends furculad with status 4 and its name") {
+  const Folder folder;
+  static_cast<void>(checked(folder, changed(kWalker, "can0", "nocan7"), found_walk()));
+  const test::Ran ran = test::run_program(test::program("furculad"), {(folder.path / "f.toml").string()});
+  CHECK(ran.status == 4);
+  CHECK_THAT(ran.err, Contains("nocan7") || Contains("SocketCAN"));
+}

@@ -58,6 +58,10 @@ TEST_CASE("twelve drives at 1 kHz are too many for one bus and for two, a bus a 
   CHECK(walker_load(6, 500) == Approx(0.81));
   CHECK(walker_load(3, 1000) == Approx(0.81));
   CHECK(walker_load(12, 250) == Approx(0.81));
+  // The body's bus: two frames of 135 bits and two of 125 each ms, 125 + 135 + 135 each 10 ms, 125 and 135 each 100 ms. A leg's bus has no
+  // room for the IMU beside its drives.
+  CHECK(worst_load(kWalkerBodyTraffic) == Approx(0.520 + 0.0395 + 0.0026));
+  CHECK(walker_load(6, 500) + 2 * 0.135 > 1.0);
 
   // The table, with what a desk and the board say on the first bus: a command each 10 ms, a heartbeat each 100 ms.
   for (std::uint8_t wire = 0; wire < kWalkerBuses; ++wire) {

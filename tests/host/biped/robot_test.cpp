@@ -62,6 +62,7 @@ TEST_CASE("The core's constants are the URDF's") {
       mass_kg += read.legs[side][j].mass_kg;
     }
   CHECK(mass_kg == Approx(49.8).epsilon(1e-12));  // document 000
+  CHECK(model::parse_urdf(urdf(), "b.urdf").name == dynamics::biped::kDesignName);
 }
 
 TEST_CASE("A drive's largest torque is the URDF's effort") {

@@ -38,7 +38,7 @@ struct Signal {
   Ranged ranged = Ranged::no;
 };
 
-enum class Protocol : std::uint8_t { mini_cheetah, odrive, encoder, controller };
+enum class Protocol : std::uint8_t { mini_cheetah, odrive, encoder, controller, walker };
 
 /// How the id of a node enters the id of its messages.
 enum class IdRule : std::uint8_t {

@@ -139,7 +139,8 @@ inline constexpr std::array<Signal, 5> kHeartbeat{{
 }};
 inline constexpr std::array<Signal, 7> kCommand{{
     version(),
-    code("Request", 4, 4, "0: none, 1: stop (here in every version), 2: hop, 3: reset the fault."),
+    code("Request", 4, 4,
+         "0: none, 1: stop (here in every version), 2: hop, of a biped walk, 3: reset the fault."),
     sequence(),
     age(),
     fixed_point("Torque_Amplitude", "N m", 24, 16, Encoding::signed_integer, 1000.0f,
@@ -224,6 +225,70 @@ inline constexpr std::array<Signal, 5> kRegisterAnswer{{
     code("Value", 32, 32,
          "Two registers, the first one high, the last one of an odd number alone; of a text four characters, "
          "and a 0 behind its last one. What was written, where nothing was read."),
+}};
+
+// A walking biped's body: IMU, feet, the pins of its clutches. What has three numbers of 16 bits has no room for an age.
+
+constexpr Signal device_status() { return code("Status", 4, 4, "0: good, 2: no signal."); }
+inline constexpr std::array<Signal, 6> kGyro{{
+    version(),
+    device_status(),
+    sequence(),
+    fixed_point("Rate_X", "rad/s", 16, 16, Encoding::signed_integer, 2000.0f, "Forward axis of the pelvis."),
+    fixed_point("Rate_Y", "rad/s", 32, 16, Encoding::signed_integer, 2000.0f, "To the left."),
+    fixed_point("Rate_Z", "rad/s", 48, 16, Encoding::signed_integer, 2000.0f, "Upwards."),
+}};
+inline constexpr std::array<Signal, 7> kAcceleration{{
+    version(),
+    device_status(),
+    sequence(),
+    age(),
+    fixed_point("Acceleration_X", "m/s^2", 24, 13, Encoding::signed_integer, 25.0f,
+                "Forward; what an accelerometer has: upwards 9.81 at rest."),
+    fixed_point("Acceleration_Y", "m/s^2", 37, 13, Encoding::signed_integer, 25.0f, "To the left."),
+    fixed_point("Acceleration_Z", "m/s^2", 50, 13, Encoding::signed_integer, 25.0f, "Upwards."),
+}};
+inline constexpr std::array<Signal, 6> kFeet{{
+    version(),
+    device_status(),
+    sequence(),
+    age(),
+    fixed_point("Left", "N", 24, 16, Encoding::unsigned_integer, 10.0f,
+                "Under the left sole; of a switch any force above the threshold."),
+    fixed_point("Right", "N", 40, 16, Encoding::unsigned_integer, 10.0f, "Under the right sole."),
+}};
+constexpr Signal pin(std::string_view name, std::uint8_t start, std::string_view meaning) {
+  return fixed_point(name, "", start, 8, Encoding::signed_integer, 100.0f, meaning);
+}
+inline constexpr std::array<Signal, 8> kPins{{
+    version(),
+    device_status(),
+    sequence(),
+    age(),
+    pin("Left_Hip", 24, "Of the hip's pitch. 1: in the motor's rotator, 0: in neither, -1: in the spring's."),
+    pin("Left_Knee", 32, "As above."),
+    pin("Right_Hip", 40, "As above."),
+    pin("Right_Knee", 48, "As above."),
+}};
+inline constexpr std::array<Signal, 7> kPinTargets{{
+    version(),
+    sequence(),
+    age(),
+    pin("Left_Hip", 24, "Where the pin's servo shall take it; numbers as in Pins."),
+    pin("Left_Knee", 32, "As above."),
+    pin("Right_Hip", 40, "As above."),
+    pin("Right_Knee", 48, "As above."),
+}};
+inline constexpr std::array<Signal, 8> kWalkState{{
+    version(),
+    code("Stage", 4, 4, "0: idle, 1: joining, 2: walking, 3: damped after a fault."),
+    sequence(),
+    code("Fault", 16, 8, "Number in the table of faults (docs/firmware.md); 0: none."),
+    code("Suspect", 24, 4, "The joint that the fault is of, from 0 on in the order of its ids; 12: none."),
+    code("Phase", 28, 4, "Of the walk: 0: start, 1: up, 2: down, 3: stop."),
+    fixed_point("Height", "m", 32, 16, Encoding::unsigned_integer, 10000.0f,
+                "Of the pelvis over the lower sole."),
+    fixed_point("Upright", "", 48, 16, Encoding::signed_integer, 10000.0f, "Cosine of the pelvis' tilt."),
 }};
 
 }  // namespace table
@@ -468,10 +533,66 @@ inline constexpr Message kEncoderHeartbeat{"Heartbeat",
                                            table::kHeartbeat,
                                            7};
 
+inline constexpr Message kGyro{"Gyro",
+                               Protocol::walker,
+                               IdRule::plus_node,
+                               0x540,
+                               8,
+                               Sender::node,
+                               "Angular rates, every millisecond; their age is that of the Acceleration with "
+                               "the same number, which follows.",
+                               table::kGyro,
+                               8};
+inline constexpr Message kAcceleration{"Acceleration",
+                                       Protocol::walker,
+                                       IdRule::plus_node,
+                                       0x560,
+                                       8,
+                                       Sender::node,
+                                       "The other half of the IMU's sample.",
+                                       table::kAcceleration,
+                                       8};
+inline constexpr Message kFeet{"Feet",
+                               Protocol::walker,
+                               IdRule::plus_node,
+                               0x580,
+                               7,
+                               Sender::node,
+                               "What the feet carry, every millisecond.",
+                               table::kFeet,
+                               7};
+inline constexpr Message kPins{"Pins",
+                               Protocol::walker,
+                               IdRule::plus_node,
+                               0x5a0,
+                               7,
+                               Sender::node,
+                               "Where the clutches' pins are, every millisecond.",
+                               table::kPins,
+                               7};
+inline constexpr Message kPinTargets{"Pin_Targets",
+                                     Protocol::walker,
+                                     IdRule::plus_node,
+                                     0x5c0,
+                                     7,
+                                     Sender::controller,
+                                     "Where the pins shall be, every 10 ms and when that changes.",
+                                     table::kPinTargets,
+                                     7};
+inline constexpr Message kWalkState{"Walk_State",
+                                    Protocol::walker,
+                                    IdRule::plus_node,
+                                    0x5e0,
+                                    8,
+                                    Sender::controller,
+                                    "What the board does, every 10 ms and when its stage changes.",
+                                    table::kWalkState,
+                                    8};
+
 }  // namespace message
 
 /// Those with a marker stand before what has the same id without one.
-inline constexpr std::array<const Message*, 31> kMessages{&message::kMotorEnter,
+inline constexpr std::array<const Message*, 37> kMessages{&message::kMotorEnter,
                                                           &message::kMotorExit,
                                                           &message::kMotorZero,
                                                           &message::kMotorCommand,
@@ -501,7 +622,13 @@ inline constexpr std::array<const Message*, 31> kMessages{&message::kMotorEnter,
                                                           &message::kRegisterAnswer,
                                                           &message::kEncoderSample,
                                                           &message::kSupply,
-                                                          &message::kEncoderHeartbeat};
+                                                          &message::kEncoderHeartbeat,
+                                                          &message::kGyro,
+                                                          &message::kAcceleration,
+                                                          &message::kFeet,
+                                                          &message::kPins,
+                                                          &message::kPinTargets,
+                                                          &message::kWalkState};
 
 /// For signals that are known when the program is compiled; a name that the message does not have does not
 /// compile.

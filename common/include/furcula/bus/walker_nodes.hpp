@@ -2,7 +2,7 @@
 // range of the motor biped_joint.
 //
 // One bus of 1 Mbit/s does not hold them at 1 kHz, nor do two: docs/bus.md has the loads. A bus a leg holds them at 500 Hz: three drives of a
-// leg in each even tick of 1 ms, the other three in each odd one. IMU, feet and pins are on the board itself.
+// leg in each even tick of 1 ms, the other three in each odd one. IMU, feet and pins are on the board itself, or on a third bus, the body's.
 #pragma once
 
 #include <array>
@@ -52,5 +52,16 @@ constexpr double walker_load(std::uint32_t drives, std::uint32_t hz) {
       {{&message::kMotorCommand, drives * hz}, {&message::kMotorReply, drives * hz}}};
   return worst_load(all);
 }
+
+/// What the body's bus carries where IMU, feet and pins are on one, times a second: with it are a desk and what the board tells.
+inline constexpr std::array<Traffic, 9> kWalkerBodyTraffic{{{&message::kGyro, 1000},
+                                                            {&message::kAcceleration, 1000},
+                                                            {&message::kFeet, 1000},
+                                                            {&message::kPins, 1000},
+                                                            {&message::kPinTargets, 100},
+                                                            {&message::kWalkState, 100},
+                                                            {&message::kCommand, 100},
+                                                            {&message::kHeartbeat, 10},
+                                                            {&message::kIdentity, 10}}};
 
 }  // namespace furcula::bus

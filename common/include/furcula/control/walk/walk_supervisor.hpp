@@ -23,6 +23,7 @@ struct WalkSupervisorConfig {
   float jump_rad = 5e-3f;        ///< by which a reading may be beyond that
   float range_rad = 1.57f;       ///< of a joint (000)
   float stuck_rad = 0.015f;      ///< that its target moves while the same angle is read: 45 N m of the drive
+  float stuck_s = 0.0f;          ///< that it is read at least: readings in steps are the same by chance too
   float slip_rad = 0.01f;        ///< between the angle and the sum of its rates
   float slip_fades_s = 0.1f;
 
@@ -32,6 +33,8 @@ struct WalkSupervisorConfig {
   float torque_off_nm = 15.0f;  ///< low-pass of the torque that is reported less the one that was told
   float torque_fades_s = 0.02f;
   float torque_most_nm = 220.0f;  ///< that the drive gives
+  /// Ticks by which the target of the torque that a drive reports is older than the one that it was told last; at most 2.
+  std::uint32_t torque_lag_ticks = 0;
 
   // The IMU.
   float gyro_max_radps = 15.0f, acc_max_mps2 = 150.0f;  ///< near the ends of 1000 degrees/s and 16 g
@@ -68,9 +71,10 @@ struct WalkSupervisorState {
   std::uint32_t heard = 0, known = 0;  ///< bits: devices that ever answered; joints with a reading before
   std::array<std::uint8_t, kWalkerDevices> missed{};  ///< answers that did not come, in a row
   std::array<float, kWalkerJoints> before_rad{}, followed_rad{}, slip_rad{}, wanted_nm{}, torque_off_nm{},
-      astray_s{};
-  std::array<bool, kWalkerJoints> held{};          ///< to a target, in the last tick
-  std::array<JointCommand, kWalkerJoints> told{};  ///< in the last tick
+      astray_s{}, still_s{};
+  std::array<bool, kWalkerJoints> held{};                             ///< to a target, in the last tick
+  std::array<JointCommand, kWalkerJoints> told{};                     ///< in the last tick
+  std::array<std::array<float, kWalkerJoints>, 2> told_before_rad{};  ///< targets, in the ticks before it
   dynamics::tree::Vec3<float> gyro_before{}, acc_before{};
   std::uint32_t imu_same = 0;
   float weight_mps2 = 0.0f;
@@ -149,16 +153,20 @@ inline Fault find_joint_fault(const WalkSupervisorConfig& c, WalkSupervisorState
   s.known |= 1u << i;
   // The last bits of a joint that moves change.
   if (turned != 0.0f || !held || !s.held[i]) s.followed_rad[i] = told.target_rad;
-  if (magnitude(told.target_rad - s.followed_rad[i]) > c.stuck_rad) return Fault::encoder_implausible;
+  if (lasting_s(s.still_s[i], turned == 0.0f, dt_s) > c.stuck_s &&
+      magnitude(told.target_rad - s.followed_rad[i]) > c.stuck_rad)
+    return Fault::encoder_implausible;
   if (magnitude(turned) > c.rate_max_radps * dt_s + c.jump_rad) return Fault::encoder_jump;
   if (magnitude(r.angle_rad) > c.range_rad) return Fault::leg_angle_out_of_range;
   s.slip_rad[i] += turned - dt_s * r.rate_radps - dt_s / c.slip_fades_s * s.slip_rad[i];
   if (magnitude(s.slip_rad[i]) > c.slip_rad) return Fault::encoder_implausible;
 
   const float off_rad = told.target_rad - r.angle_rad;
+  const float behind_rad =
+      c.torque_lag_ticks == 0 ? off_rad : s.told_before_rad[c.torque_lag_ticks - 1][i] - r.angle_rad;
   // Its torque is of some time within the last tick: between what the readings at both ends ask for.
   const float now_nm =
-      within_size(told.stiffness_nmprad * off_rad - told.damping_nmsprad * r.rate_radps, c.torque_most_nm);
+      within_size(told.stiffness_nmprad * behind_rad - told.damping_nmsprad * r.rate_radps, c.torque_most_nm);
   const float then_nm = s.held[i] ? s.wanted_nm[i] : now_nm;
   const float least = now_nm < then_nm ? now_nm : then_nm, most = now_nm < then_nm ? then_nm : now_nm;
   const float beyond_nm = r.torque_nm < least  ? r.torque_nm - least
@@ -269,6 +277,18 @@ inline Fault find_walk_fault(const WalkSupervisorConfig& c, WalkSupervisorState&
 }
 
 }  // namespace detail
+
+/// What the drives are told in this tick, for the next one. Where a drive held nothing before, it was always told so.
+inline void note_told(const WalkSupervisorConfig& c, WalkSupervisorState& s,
+                      const std::array<JointCommand, kWalkerJoints>& told) {
+  if (c.torque_lag_ticks != 0)
+    for (std::size_t i = 0; i < kWalkerJoints; ++i) {
+      const bool held = s.told[i].stiffness_nmprad > 0.0f;
+      s.told_before_rad[1][i] = held ? s.told_before_rad[0][i] : told[i].target_rad;
+      s.told_before_rad[0][i] = held ? s.told[i].target_rad : told[i].target_rad;
+    }
+  s.told = told;
+}
 
 /// One tick. `reset` clears a latched fault; one that is still there latches again at once. @returns the latched fault.
 inline Fault supervise_walk(const WalkSupervisorConfig& c, WalkSupervisorState& s,

@@ -83,7 +83,9 @@ inline Status check(const WalkerConfig& c) {
   for (const auto& leg : c.walk.body.drives)
     for (const auto& drive : leg)
       if (!(drive.kp_nmprad > 0.0f) || !(drive.kd_nmsprad >= 0.0f)) return Status::invalid;
-  return c.damping_nmsprad >= 0.0f && c.rest_ticks > 0 ? Status::ok : Status::invalid;
+  return c.damping_nmsprad >= 0.0f && c.rest_ticks > 0 && c.supervisor.torque_lag_ticks <= 2
+             ? Status::ok
+             : Status::invalid;
 }
 
 inline WalkerState begin_walker(const WalkerConfig& config) {
@@ -223,7 +225,7 @@ inline WalkerOutputs step_walker(const WalkerConfig& c, WalkerState& s, const Wa
       s.stage = WalkerStage::walking;
     }
   }
-  s.supervisor.told = out.joints;
+  note_told(c.supervisor, s.supervisor, out.joints);
   out.fault = s.supervisor.fault;
   out.suspect = s.supervisor.suspect;
   out.stage = s.stage;

@@ -4,10 +4,15 @@
 // From document 000: gear ratio, peak torque, total mass, the joints. The rest is chosen (docs/biped.md).
 #pragma once
 
+#include <string_view>
+
 #include "furcula/dynamics/biped/parameters.hpp"
 #include "furcula/dynamics/pin_clutch.hpp"
 
 namespace furcula::dynamics::biped {
+
+/// Of the robot in its URDF, and in the files of its walks.
+inline constexpr std::string_view kDesignName = "furcula_biped";
 
 /// Seen in a mirror: y of places, and the products of inertia with y, change their signs.
 constexpr LinkDescription mirrored(const LinkDescription& l) {

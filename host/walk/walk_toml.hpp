@@ -1,0 +1,23 @@
+// walk.toml in and out, apart from all that a search needs: furculad reads it too.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "host/walk/rollout.hpp"
+
+namespace furcula::walk {
+
+struct Walk {
+  std::string robot;  ///< its name
+  WalkMode mode = WalkMode::active;
+  double walk_until_s = 5.0;
+  Parameters parameters;
+};
+
+std::string format_walk(const Walk& walk);
+/// @throws core::DataError: not a walk, a parameter that is missing or beyond what a joint can do.
+Walk read_walk(const std::string& path);
+Walk parse_walk(std::string_view text, const std::string& name);
+
+}  // namespace furcula::walk
