@@ -106,6 +106,11 @@ Settings settings_of(const Model& model, const SearchOptions& options, const std
                {"walk_until_s", core::shortest(r.walk_until_s)},
                {"foot_threshold_n", core::shortest(r.foot_threshold_n)},
                {"first walk, m", core::shortest(options.first_walk_m)}};
+  if (options.start) {
+    std::string values;
+    for (const double v : options.start->values()) values += (values.empty() ? "" : " ") + core::shortest(v);
+    out.emplace_back("the walk it starts from", values);
+  }
   for (const LimitKey& k : kLimitKeys)
     out.emplace_back("[limits] " + std::string(k.name), core::shortest(r.limits.*k.of));
   return out;

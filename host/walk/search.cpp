@@ -23,10 +23,12 @@ constexpr std::size_t kMostKept = 64;  // bests to fall back on
 
 using Vector = Eigen::VectorXd;
 
-/// Between the walk's parameters and the search's coordinates: shares of their ranges from the start values, and only those that matter.
+/// Between the walk's parameters and the search's coordinates: shares of their ranges from the start, and only those that matter.
 class Space {
  public:
-  explicit Space(WalkMode mode) {
+  Space(WalkMode mode, const std::optional<Parameters>& start) {
+    for (std::size_t i = 0; i < start_.size(); ++i) start_[i] = control::kWalkParameters[i].start;
+    if (start) start_ = start->values();
     for (std::size_t i = 0; i < control::kWalkParameters.size(); ++i)
       if (mode == WalkMode::active || !control::kWalkParameters[i].of_hip_pitch) used_.push_back(i);
   }
@@ -34,8 +36,7 @@ class Space {
 
   /// Inside the ranges.
   Parameters walk(const Vector& x) const {
-    std::array<double, Parameters::kCount> values;
-    for (std::size_t i = 0; i < values.size(); ++i) values[i] = control::kWalkParameters[i].start;
+    std::array<double, Parameters::kCount> values = start_;
     for (std::size_t k = 0; k < used_.size(); ++k) {
       const auto& p = control::kWalkParameters[used_[k]];
       values[used_[k]] = std::clamp(value(x, k), p.least, p.most);
@@ -61,7 +62,7 @@ class Space {
     Vector x(size());
     for (std::size_t k = 0; k < used_.size(); ++k) {
       const auto& p = control::kWalkParameters[used_[k]];
-      x(static_cast<Eigen::Index>(k)) = (values[used_[k]] - p.start) / (p.most - p.least);
+      x(static_cast<Eigen::Index>(k)) = (values[used_[k]] - start_[used_[k]]) / (p.most - p.least);
     }
     return x;
   }
@@ -69,16 +70,17 @@ class Space {
  private:
   double value(const Vector& x, std::size_t k) const {
     const auto& p = control::kWalkParameters[used_[k]];
-    return p.start + x(static_cast<Eigen::Index>(k)) * (p.most - p.least);
+    return start_[used_[k]] + x(static_cast<Eigen::Index>(k)) * (p.most - p.least);
   }
   Vector end(double control::WalkParameterInfo::*which) const {
     Vector x(size());
     for (std::size_t k = 0; k < used_.size(); ++k) {
       const auto& p = control::kWalkParameters[used_[k]];
-      x(static_cast<Eigen::Index>(k)) = (p.*which - p.start) / (p.most - p.least);
+      x(static_cast<Eigen::Index>(k)) = (p.*which - start_[used_[k]]) / (p.most - p.least);
     }
     return x;
   }
+  std::array<double, Parameters::kCount> start_{};
   std::vector<std::size_t> used_;
 };
 
@@ -118,7 +120,7 @@ class Search {
   Search(const dynamics::biped::Description& robot, const SearchOptions& options)
       : robot_(robot),
         o_(options),
-        space_(options.rollout.mode),
+        space_(options.rollout.mode, options.start),
         method_(make_method(options.method, space_.least(), space_.most(), options.seed)) {
     best_.time_s = 0.0;
     if (!o_.from) return;

@@ -46,6 +46,7 @@ struct SearchState {
 struct SearchOptions {
   RolloutOptions rollout;
   MethodKind method = MethodKind::cmaes;
+  std::optional<Parameters> start;  ///< where it begins; without it at the start values (kWalkParameters)
   std::uint64_t seed = 1;
   // The whole search's, with what was done before an interruption.
   std::optional<double> seconds;       ///< of wall time
