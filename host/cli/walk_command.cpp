@@ -19,6 +19,7 @@
 #include "host/cli/errors.hpp"
 #include "host/cli/progress.hpp"
 #include "host/cli/recordings.hpp"
+#include "host/cli/walk_gait_command.hpp"
 #include "host/core/atomic_file.hpp"
 #include "host/core/error.hpp"
 #include "host/core/message.hpp"
@@ -34,7 +35,7 @@ namespace furcula::cli {
 namespace {
 
 struct WalkOptions {
-  std::string model, out, mode, method, walk, resume;
+  std::string model, out, mode, method, walk, resume, from;
   std::optional<double> seconds;
   std::optional<std::int64_t> steps;
   std::optional<std::uint64_t> sensor_seed;
@@ -101,6 +102,22 @@ walk::SearchState state_of(const WalkOptions& o, const walk::Settings& settings)
   return std::move(found.checkpoint.state);
 }
 
+/// The walk of `--from`, within the ranges of a search.
+walk::Parameters start_of(const WalkOptions& o, const walk::Model& model, walk::WalkMode mode) {
+  const walk::Walk walk = walk::read_walk(o.from);
+  const auto mode_name = [](walk::WalkMode of) {
+    return std::string(walk::kModeNames[static_cast<std::size_t>(of)]);
+  };
+  if (walk.robot != model.name || walk.mode != mode)
+    throw UsageError("--from " + core::printable(o.from) + ": a walk of " + core::quoted(walk.robot) + ", " +
+                     mode_name(walk.mode) + "; expected one of " + core::quoted(model.name) + ", " +
+                     mode_name(mode));
+  auto values = walk.parameters.values();
+  for (std::size_t i = 0; i < values.size(); ++i)
+    values[i] = std::clamp(values[i], control::kWalkParameters[i].least, control::kWalkParameters[i].most);
+  return walk::Parameters::of(values);
+}
+
 void say_evidence(const walk::Evidence& evidence) {
   std::printf("with steps of 1 to 0.125 ms: cost of transport");
   for (const walk::Trial& t : evidence.steps) std::printf(" %.4g", t.rollout.cot);
@@ -130,6 +147,7 @@ void search(const WalkOptions& o, const Distribute& distribute) {
   options.seconds = o.seconds;
   if (o.steps) options.steps = static_cast<std::uint64_t>(*o.steps);
   options.threads = o.thread_count();
+  if (!o.from.empty()) options.start = start_of(o, model, options.rollout.mode);
   if (const std::string limit = walk::limit_of_no_posture(model.robot, options.rollout); !limit.empty())
     throw core::DataError(o.model + ": " + limit);
   const walk::Settings settings = walk::settings_of(model, options, "furcula " FURCULA_VERSION);
@@ -167,7 +185,7 @@ void search(const WalkOptions& o, const Distribute& distribute) {
   const walk::Walk walk{model.name, options.rollout.mode, options.rollout.walk_until_s, found.walk};
   const std::string command =
       "furcula walk search --model " + o.model + " --mode " + o.mode + " --method " + o.method + " --seed " +
-      std::to_string(o.seed) +
+      std::to_string(o.seed) + (o.from.empty() ? "" : " --from " + o.from) +
       (o.steps ? " --steps " + std::to_string(*o.steps) : " --seconds " + core::shortest(*o.seconds)) +
       " --out " + o.out;
   const walk::SearchState& end = found.state;
@@ -283,6 +301,8 @@ void add_walk_command(CLI::App& app, Distribute distribute) {
                    "How long, in steps of simulation: one seed then gives one walk, whatever --threads");
   find->add_option("--threads", o->threads,
                    distribute ? "Of each process; without it 1" : "Without it as many as processors");
+  find->add_option("--from", o->from,
+                   "Starts at this walk.toml, of the same robot and mode, in place of steps on the spot");
   find->add_option(
       "--resume", o->resume,
       "Goes on from a checkpoint, DIR/search.checkpoint, of the same search; its budget is the whole one's");
@@ -292,6 +312,8 @@ void add_walk_command(CLI::App& app, Distribute distribute) {
           "on SIGINT (Ctrl-C) and SIGTERM too")
       ->required();
   find->callback([o, distribute = std::move(distribute)] { search(*o, distribute); });
+
+  add_walk_gait_command(*command);
 
   CLI::App* run = command->add_subcommand("sim", "A walk as a log");
   run->add_option("--model", o->model, "Model file of kind biped")->required();

@@ -13,6 +13,7 @@
 namespace furcula::gait {
 
 using dynamics::LegEquations;
+using optimise::GaussPoint;
 using optimise::kCostRow;
 using optimise::kGauss;
 using optimise::kNoBound;

@@ -23,10 +23,10 @@ using optimise::Sum;
 namespace {
 
 constexpr std::size_t kSwingIntervals = 6, kBothIntervals = 1;
-// Limits are kept with this at the moments, so that they hold between them; a gear's friction jumps where its joint turns back.
-constexpr double kRoom = 0.98, kTorqueRoom = 0.95;
-constexpr double kG_mps2 = 9.8;     // of 000 eq. 1
-constexpr double kForce_n = 100.0;  // a wrench's coefficients in the programme are shares of this
+constexpr double kRoom = 0.98;         // of limits, kept at the moments, so that they hold between them
+constexpr double kApartRoom_m = 0.02;  // what follows the gait is never quite on it
+constexpr double kG_mps2 = 9.8;        // of 000 eq. 1
+constexpr double kForce_n = 100.0;     // a wrench's coefficients in the programme are shares of this
 constexpr std::array<std::size_t, kJoints> kMirror{6, 7, 8, 9, 10, 11, 0, 1, 2, 3, 4, 5};
 
 bool passive(WalkMode mode, std::size_t joint) {
@@ -65,6 +65,13 @@ JointNumbers<T> motors(const Description& d, WalkMode mode, const JointNumbers<T
                                : s.torque_nm[i]) +
              gear_nm(d, i, qd[i]);
   return out;
+}
+
+/// What a passive hip needs beside its spring and its damping.
+template <class T>
+T spring_off_nm(const Description& d, std::size_t joint, const T& q, const T& qd, const Stance<T>& s) {
+  const Clutch<double>& c = d.clutches[joint / kLegJoints][kHipClutch];
+  return s.body_nm[joint] + (q - c.spring_rest_rad) * c.spring_nmprad + qd * c.damping_nmspr;
 }
 
 /// What stands in the way under a foot that stands, each at least 0; N or N m. `f` is about its ankle.
@@ -185,7 +192,7 @@ class StepProgramme {
   StepProgramme(const Description& robot, const GaitTask& task) : d_(robot), task_(task), dynamics_(robot) {
     cot_ = p_.variable(0.0, 1e3, 3.0);
     step_ = p_.variable(0.02, 1.0, 0.15);
-    wide_ = p_.variable(task.limits.apart_m, 0.6, 0.18);
+    wide_ = p_.variable(task.limits.apart_m, std::max(0.6, task.limits.apart_m), 0.18);
     p_.linear(0, {{cot_, 1.0}});
     energy_ = p_.row(optimise::kCostRow, 0.0, 0.0);
     // Energy in units of m g times a metre, which is what the cost of transport is times the step.
@@ -287,12 +294,14 @@ class StepProgramme {
       put(watts * x[PhaseInputs::kDuration], weight, optimise::kCostRow, -kNone, kNone);  // first: the energy
       for (std::size_t i = 0; i < kJoints; ++i)
         if (passive(task_.mode, i)) {
-          const Clutch<double>& c = d_.clutches[i / kLegJoints][kHipClutch];
-          put(s.body_nm[i] + (in.q[i] - c.spring_rest_rad) * c.spring_nmprad + in.qd[i] * c.damping_nmspr,
-              50.0, "a passive hip has no more than its spring", 0.0, 0.0);
+          put(spring_off_nm(d_, i, in.q[i], in.qd[i], s), 50.0, "a passive hip has no more than its spring",
+              0.0, 0.0);
         } else {
-          put(motor[i], 50.0, "the motors' torque", -kTorqueRoom * limits.torque_nm,
-              kTorqueRoom * limits.torque_nm);
+          // With the gear's friction against either direction: where the joint turns back it jumps, and would jump over the limit between
+          // two moments.
+          const Drive<double>& drive = d_.drives[i / kLegJoints][i % kLegJoints];
+          const double most = kRoom * limits.torque_nm - drive.friction_nm;
+          put(s.torque_nm[i] + in.qd[i] * drive.damping_nmspr, 50.0, "the motors' torque", -most, most);
         }
       const auto stands = [&](std::size_t side, const Force<Recorded>& f) {
         const auto c = contact(d_, task_, side, f);
@@ -307,7 +316,7 @@ class StepProgramme {
       stands(kLeft, s.foot);
       if (both) stands(kRight, in.other);
       put(s.pelvis.at_m.z - d_.vertices_m[kLeft][0].z, 1.0, "the pelvis' height", limits.height_m, kNone);
-      put(apart(s).y, 0.2, "the feet's distance", limits.apart_m, kNone);
+      put(apart(s).y, 0.2, "the feet's distance", limits.apart_m + kApartRoom_m, kNone);
       if (!both)
         for (const Recorded& z : corners_m(d_, s)) put(z, 0.05, "the swing foot's clearance", 0.0, kNone);
       return out;
@@ -505,7 +514,11 @@ GaitFigures figures_of(const Description& robot, const GaitTask& task, const Gai
         out.copper_j += motor[i] * motor[i] * heat * dt;
         out.range_rad = std::max(out.range_rad, std::abs(at.q[i]));
         if (i % kLegJoints == kKnee) out.least_knee_rad = std::min(out.least_knee_rad, at.q[i]);
-        if (passive(task.mode, i)) continue;
+        if (passive(task.mode, i)) {
+          out.spring_off_nm =
+              std::max(out.spring_off_nm, std::abs(spring_off_nm(robot, i, at.q[i], at.qd[i], s)));
+          continue;
+        }
         out.torque_nm = std::max(out.torque_nm, std::abs(motor[i]));
         out.speed_radps = std::max(out.speed_radps, std::abs(at.qd[i]));
       }

@@ -28,7 +28,7 @@ struct GaitTask {
   double both_s = 0.0;      ///< both feet stand at least that long; 0: the load changes feet at an instant
   double yaw_arm_m = 0.05;  ///< a sole's moment about the vertical is at most friction times load times this
   double sole_margin_m = 0.005;  ///< of the centre of pressure from the sole's edge
-  double cpu_s = 60.0;           ///< for the search
+  double cpu_s = 20.0;           ///< for the search
   std::function<void(int iteration, double cost, double violation)> progress;
 };
 
@@ -68,7 +68,8 @@ struct GaitFigures {
   double friction = 0.0;                 ///< shear over load, the most
   double pressure_m = 0.0;               ///< of a centre of pressure inside of the sole's edge, the least
   double least_knee_rad = 0.0;
-  double sole_m = 0.0;  ///< the lowest corner of the swing foot over the ground
+  double spring_off_nm = 0.0;  ///< of a passive hip: what it needs beside its spring
+  double sole_m = 0.0;         ///< the lowest corner of the swing foot over the ground
 };
 
 struct GaitResult {
