@@ -10,7 +10,7 @@ namespace furcula::walk {
 namespace {
 
 constexpr std::size_t kFirstPopulation = 32;
-constexpr double kFirstSpread = 0.2, kNextSpread = 0.1;  // of a parameter's range
+constexpr double kNextSpread = 0.1;  // of a parameter's range
 /// Converged: no better by so much in so many generations.
 constexpr double kBetter = 1e-3;
 constexpr std::uint64_t kPatience = 60;
@@ -22,9 +22,10 @@ bool is_finite(const CmaEs::State& s) {
 
 }  // namespace
 
-CmaEsRestarts::CmaEsRestarts(Eigen::Index size, std::uint64_t seed)
-    : seed_(seed),
-      strategy_(Vector::Zero(size), kFirstSpread, kFirstPopulation, seed),
+CmaEsRestarts::CmaEsRestarts(Eigen::Index size, std::uint64_t seed, double spread)
+    : spread_(spread),
+      seed_(seed),
+      strategy_(Vector::Zero(size), spread, kFirstPopulation, seed),
       round_best_(kNone),
       last_better_(kNone) {}
 
@@ -45,7 +46,7 @@ void CmaEsRestarts::restart(const Vector& best) {
   ++restarts_;
   const std::size_t population = strategy_.state().population;
   const bool anew = restarts_ % 2 == 0;
-  strategy_ = CmaEs(anew ? Vector(Vector::Zero(best.size())) : best, anew ? kFirstSpread : kNextSpread,
+  strategy_ = CmaEs(anew ? Vector(Vector::Zero(best.size())) : best, anew ? spread_ : kNextSpread,
                     population + population / 4, seed_ + 0x9e3779b97f4a7c15u * restarts_);
   round_best_ = last_better_ = kNone;
   waited_ = 0;

@@ -9,7 +9,7 @@ namespace furcula::walk {
 
 class CmaEsRestarts final : public Method {
  public:
-  CmaEsRestarts(Eigen::Index size, std::uint64_t seed);
+  CmaEsRestarts(Eigen::Index size, std::uint64_t seed, double spread = kSpread);
 
   const std::vector<Vector>& ask() override { return strategy_.ask(); }
   void tell(std::span<const double> values, const Vector& best) override;
@@ -20,6 +20,7 @@ class CmaEsRestarts final : public Method {
  private:
   void restart(const Vector& best);
 
+  double spread_;
   std::uint64_t seed_, waited_ = 0;
   CmaEs strategy_;
   double round_best_, last_better_;
