@@ -19,6 +19,7 @@
 #include "host/cli/errors.hpp"
 #include "host/cli/progress.hpp"
 #include "host/cli/recordings.hpp"
+#include "host/cli/walk_gait_command.hpp"
 #include "host/core/atomic_file.hpp"
 #include "host/core/error.hpp"
 #include "host/core/message.hpp"
@@ -289,14 +290,13 @@ void add_walk_command(CLI::App& app, Distribute distribute) {
       ->check(CLI::IsMember(std::vector<std::string>(walk::kMethodNames.begin(), walk::kMethodNames.end())))
       ->capture_default_str();
   find->add_option("--seed", o->seed, "Of the search")->capture_default_str();
-  find->add_option(
-      "--from", o->from,
-      "Begins with this walk.toml of the same robot, of any mode, in place of steps on the spot");
   find->add_option("--seconds", o->seconds, "How long");
   find->add_option("--steps", o->steps,
                    "How long, in steps of simulation: one seed then gives one walk, whatever --threads");
   find->add_option("--threads", o->threads,
                    distribute ? "Of each process; without it 1" : "Without it as many as processors");
+  find->add_option("--from", o->from,
+                   "Begins with this walk.toml of the same robot, of any mode, in place of steps on the spot");
   find->add_option(
       "--resume", o->resume,
       "Goes on from a checkpoint, DIR/search.checkpoint, of the same search; its budget is the whole one's");
@@ -306,6 +306,8 @@ void add_walk_command(CLI::App& app, Distribute distribute) {
           "on SIGINT (Ctrl-C) and SIGTERM too")
       ->required();
   find->callback([o, distribute = std::move(distribute)] { search(*o, distribute); });
+
+  add_walk_gait_command(*command);
 
   CLI::App* run = command->add_subcommand("sim", "A walk as a log");
   run->add_option("--model", o->model, "Model file of kind biped")->required();

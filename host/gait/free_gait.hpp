@@ -10,9 +10,11 @@
 #include <vector>
 
 #include "host/gait/machine.hpp"
-#include "host/gait/spline.hpp"
+#include "host/optimise/spline.hpp"
 
 namespace furcula::gait {
+
+using optimise::Spline;
 
 /// What a gait has to do: in place with a toe clearance, or forward with a speed.
 struct Task {

@@ -8,11 +8,20 @@
 #include <vector>
 
 #include "host/gait/free_gait.hpp"
-#include "host/gait/nlp.hpp"
+#include "host/optimise/nlp.hpp"
 
 namespace furcula::gait {
 
 using dynamics::LegEquations;
+using optimise::GaussPoint;
+using optimise::kCostRow;
+using optimise::kGauss;
+using optimise::kNoBound;
+using optimise::Programme;
+using optimise::Second;
+using optimise::Solution;
+using optimise::SolveOptions;
+using optimise::Sum;
 
 /// What parts two phases of a flight: the toe's highest point, the hip's.
 enum class Turn { top, apex };

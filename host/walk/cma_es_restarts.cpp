@@ -23,8 +23,8 @@ bool is_finite(const CmaEs::State& s) {
 }  // namespace
 
 CmaEsRestarts::CmaEsRestarts(Eigen::Index size, std::uint64_t seed, double spread)
-    : seed_(seed),
-      spread_(spread),
+    : spread_(spread),
+      seed_(seed),
       strategy_(Vector::Zero(size), spread, kFirstPopulation, seed),
       round_best_(kNone),
       last_better_(kNone) {}

@@ -7,7 +7,7 @@
 namespace furcula::walk {
 
 std::unique_ptr<Method> make_method(MethodKind kind, const Eigen::VectorXd& least,
-                                    const Eigen::VectorXd& most, std::uint64_t seed, bool from_walk) {
+                                    const Eigen::VectorXd& most, std::uint64_t seed, double spread) {
   switch (kind) {
     case MethodKind::esch:
       return std::make_unique<Esch>(least, most, seed);
@@ -16,8 +16,7 @@ std::unique_ptr<Method> make_method(MethodKind kind, const Eigen::VectorXd& leas
     case MethodKind::cmaes:
       break;
   }
-  return from_walk ? std::make_unique<CmaEsRestarts>(least.size(), seed, 0.05)
-                   : std::make_unique<CmaEsRestarts>(least.size(), seed);
+  return std::make_unique<CmaEsRestarts>(least.size(), seed, spread);
 }
 
 }  // namespace furcula::walk

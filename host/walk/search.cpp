@@ -23,7 +23,7 @@ constexpr std::size_t kMostKept = 64;  // bests to fall back on
 
 using Vector = Eigen::VectorXd;
 
-/// Between the walk's parameters and the search's coordinates: shares of their ranges from the start values, and only those that matter.
+/// Between the walk's parameters and the search's coordinates: shares of their ranges from the start, and only those that matter.
 class Space {
  public:
   Space(WalkMode mode, const std::optional<Parameters>& start) {
@@ -122,7 +122,7 @@ class Search {
         o_(options),
         space_(options.rollout.mode, options.start),
         method_(make_method(options.method, space_.least(), space_.most(), options.seed,
-                            options.start.has_value())) {
+                            options.start ? kSpreadAboutWalk : kSpread)) {
     best_.time_s = 0.0;
     if (!o_.from) return;
     s_ = *o_.from;

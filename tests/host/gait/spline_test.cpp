@@ -1,5 +1,5 @@
 // Splines and points of Gauss against polynomials, the Runge-Kutta step against a closed form.
-#include "host/gait/spline.hpp"
+#include "host/optimise/spline.hpp"
 
 #include <catch2/catch.hpp>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "host/gait/nlp.hpp"
+#include "host/optimise/nlp.hpp"
 
 #include <IpIpoptApplication.hpp>
 #include <IpIpoptCalculatedQuantities.hpp>
@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace furcula::gait {
+namespace furcula::optimise {
 namespace {
 
 /// The programme as Ipopt asks for it. Row 0 is its objective, row i + 1 its constraint i.
@@ -161,6 +161,8 @@ const char* word(Ipopt::ApplicationReturnStatus status) {
       return "infeasible";
     case Ipopt::Maximum_Iterations_Exceeded:
       return "too many iterations";
+    case Ipopt::Maximum_CpuTime_Exceeded:
+      return "too long";
     case Ipopt::Restoration_Failed:
       return "no way back to the constraints";
     case Ipopt::User_Requested_Stop:
@@ -216,6 +218,7 @@ Solution solve(Programme& programme, const SolveOptions& options) {
   set->SetNumericValue("acceptable_tol", 1e-5);
   set->SetNumericValue("acceptable_constr_viol_tol", 1e-8);
   set->SetIntegerValue("acceptable_iter", 10);
+  set->SetNumericValue("max_cpu_time", options.cpu_s);
   set->SetStringValue("mu_strategy", "adaptive");
   set->SetNumericValue("bound_relax_factor", 0.0);
   if (!programme.has_hessian()) {
@@ -249,4 +252,4 @@ Solution solve(Programme& programme, const SolveOptions& options) {
   return std::move(s);
 }
 
-}  // namespace furcula::gait
+}  // namespace furcula::optimise

@@ -1,9 +1,9 @@
-#include "host/gait/spline.hpp"
+#include "host/optimise/spline.hpp"
 
 #include <Eigen/Dense>
 #include <algorithm>
 
-namespace furcula::gait {
+namespace furcula::optimise {
 
 std::size_t Spline::interval_at(double s) const {
   const auto n = static_cast<double>(intervals_);
@@ -65,4 +65,4 @@ std::vector<double> Spline::fitted(const std::vector<double>& values) const {
   return {c.data(), c.data() + c.size()};
 }
 
-}  // namespace furcula::gait
+}  // namespace furcula::optimise

@@ -2,9 +2,9 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "host/gait/nlp.hpp"
+#include "host/optimise/nlp.hpp"
 
-using namespace furcula::gait;
+using namespace furcula::optimise;
 
 TEST_CASE("numbers carry first and second derivatives of the four operations and the functions") {
   using S = Second<2>;

@@ -10,9 +10,9 @@
 #include <utility>
 #include <vector>
 
-#include "host/gait/second.hpp"
+#include "host/optimise/second.hpp"
 
-namespace furcula::gait {
+namespace furcula::optimise {
 
 /// A sum of variables, each times a number.
 using Sum = std::vector<std::pair<int, double>>;
@@ -178,6 +178,8 @@ class Programme {
     elements_.push_back(std::make_unique<ElementOf<N, M, F>>(inputs, rows, std::move(f)));
   }
 
+  void add(std::unique_ptr<Element> element) { elements_.push_back(std::move(element)); }
+
   /// Of rows 0 to `rows` - 1. It takes the exact Hessian away.
   void whole(std::size_t rows, WholeElement::Function f) {
     elements_.push_back(std::make_unique<WholeElement>(variables_.size(), rows, std::move(f)));
@@ -215,6 +217,7 @@ class Programme {
 struct SolveOptions {
   int iterations = 400;
   double tolerance = 1e-7;
+  double cpu_s = 1e6;       ///< of processor time, then it ends
   double barrier = 0.1;  ///< where the barrier parameter begins; small for a start near a solution
   /// Called once an iteration with the cost and the largest violation; false stops.
   std::function<bool(int iteration, double cost, double violation)> progress;
@@ -233,4 +236,4 @@ struct Solution {
 /// From the variables' starts.
 Solution solve(Programme& programme, const SolveOptions& options);
 
-}  // namespace furcula::gait
+}  // namespace furcula::optimise

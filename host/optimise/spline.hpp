@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <vector>
 
-namespace furcula::gait {
+namespace furcula::optimise {
 
 /// Of degree 5 with four continuous derivatives, clamped at both ends: the first coefficient is the first value,
 /// and the last the last. The argument runs from 0 to 1.
@@ -44,4 +44,4 @@ inline constexpr std::array<GaussPoint, 4> kGauss{{{0.06943184420297371, 0.17392
                                                    {0.66999052179242813, 0.32607257743127307},
                                                    {0.93056815579702629, 0.17392742256872692}}};
 
-}  // namespace furcula::gait
+}  // namespace furcula::optimise

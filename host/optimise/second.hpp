@@ -7,7 +7,7 @@
 
 #include "furcula/dynamics/scalar.hpp"
 
-namespace furcula::gait {
+namespace furcula::optimise {
 
 /// `g` has the first derivatives, `h` the second ones of i >= j at i (i + 1) / 2 + j.
 template <std::size_t N>
@@ -130,14 +130,14 @@ Second<N> sqrt(const Second<N>& x) {
   return x.chain(r, 0.5 / r, -0.25 / (r * x.a));
 }
 
-}  // namespace furcula::gait
+}  // namespace furcula::optimise
 
 namespace furcula::dynamics {
 
 template <std::size_t N>
-struct ScalarTraits<gait::Second<N>> {
+struct ScalarTraits<optimise::Second<N>> {
   using Value = double;
-  static constexpr double value(const gait::Second<N>& x) { return x.a; }
+  static constexpr double value(const optimise::Second<N>& x) { return x.a; }
 };
 
 }  // namespace furcula::dynamics
