@@ -300,7 +300,7 @@ class StepProgramme {
           // With the gear's friction against either direction: where the joint turns back it jumps, and would jump over the limit between
           // two moments.
           const Drive<double>& drive = d_.drives[i / kLegJoints][i % kLegJoints];
-          const double most = kRoom * limits.torque_nm - drive.friction_nm;
+          const double most = std::max(kRoom * limits.torque_nm - drive.friction_nm, 0.01);
           put(s.torque_nm[i] + in.qd[i] * drive.damping_nmspr, 50.0, "the motors' torque", -most, most);
         }
       const auto stands = [&](std::size_t side, const Force<Recorded>& f) {

@@ -8,6 +8,8 @@
 #include "host/gait/runge_kutta.hpp"
 
 using namespace furcula::gait;
+using furcula::optimise::GaussPoint;
+using furcula::optimise::kGauss;
 
 TEST_CASE("a spline gives back a polynomial of its degree with all derivatives") {
   const Spline spline(7);
