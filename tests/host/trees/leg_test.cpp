@@ -284,7 +284,8 @@ TEST_CASE(
 TEST_CASE("Where all recordings are in place a run is proposed, and the other way round") {
   const gait::Machine machine = gait::spear(gait::LegSpring::switched);
   const trees::TreeModel m = tree(machine);
-  const trees::Recording near = trees::recording_of(m, hop(machine, 0.0).log);
+  trees::Recording near = trees::recording_of(m, hop(machine, 0.0).log);
+  for (double& x : near.angle_rad[0]) x = 0.3;
   trees::Recording far = near;
   for (std::size_t k = 0; k < far.rows(); ++k) far.angle_rad[0][k] += 1.0 * far.time_s[k];
   CHECK_THAT(trees::other_way_of_moving(m, {near, near}),
