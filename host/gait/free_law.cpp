@@ -10,7 +10,11 @@ namespace furcula::gait {
 using dynamics::LegEquations;
 
 FreeLaw::FreeLaw(const Machine& machine, const FreeGait& gait, const FlightGains& gains)
-    : m_(machine), gait_(gait), gains_(gains), spring_rest_rad_(gait.spring_rest_rad(machine.catching)) {
+    : m_(machine),
+      joints_(machine.leg),
+      gait_(gait),
+      gains_(gains),
+      spring_rest_rad_(gait.spring_rest_rad(machine.catching)) {
   find_apex();
   find_breaks();
 }

@@ -30,14 +30,14 @@ class FreeLaw {
                     const Joints2<T>& rate) const {
     const bool stance = phase == LegPhase::stance;
     const PathState<T> path = pieces_[static_cast<std::size_t>(phase)].at(time, middle);
-    const dynamics::LegEquations<T, double> leg(m_.leg);
-    const auto pose = leg.pose(path[0]);
-    Joints2<T> u = stance ? leg.needed_in_stance(pose, path[1], path[2]).torque
-                          : leg.needed_in_flight(pose, path[1], path[2]).torque;
-    if (m_.spring == LegSpring::switched && stance)
-      u.knee = u.knee - leg.spring_torque(path[0].knee, T(spring_rest_rad_));
-    if (m_.spring == LegSpring::parallel)
-      u.knee = u.knee - leg.spring_torque(path[0].knee, T(m_.leg.rest_angle_rad));
+    const auto pose = joints_.pose(path[0]);
+    Joints2<T> u =
+        stance ? joints_.torque<true>(pose, path[1], path[2]) : joints_.torque<false>(pose, path[1], path[2]);
+    if (m_.spring == LegSpring::parallel || (m_.spring == LegSpring::switched && stance)) {
+      const T stretch =
+          path[0].knee - (m_.spring == LegSpring::parallel ? m_.leg.rest_angle_rad : spring_rest_rad_);
+      if (dynamics::value_of(stretch) > 0.0) u.knee = u.knee + m_.leg.stiffness_nmprad * stretch;
+    }
     if (stance) return u;
     u.hip =
         u.hip + gains_.kp_nmprad * (path[0].hip - angle.hip) + gains_.kd_nmsprad * (path[1].hip - rate.hip);
@@ -52,6 +52,7 @@ class FreeLaw {
   void find_breaks();
 
   const Machine& m_;
+  dynamics::LegJoints<double> joints_;
   FreeGait gait_;
   FlightGains gains_;
   double spring_rest_rad_;

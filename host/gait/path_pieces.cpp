@@ -15,8 +15,14 @@ void PathPieces::add(const JointPath& path, double from) {
     for (std::size_t d = 0; d < Spline::kOrder; ++d) {
       if (d > 0) factorial *= static_cast<double>(d);
       const Joints2<double> v = path.derivative(begin, d, i);
-      piece.power[d] = {v.hip / factorial, v.knee / factorial};
+      piece.hip[0][d] = v.hip / factorial;
+      piece.knee[0][d] = v.knee / factorial;
     }
+    for (std::size_t k = 1; k < piece.hip.size(); ++k)
+      for (std::size_t d = 0; d + 1 < Spline::kOrder; ++d) {
+        piece.hip[k][d] = static_cast<double>(d + 1) * piece.hip[k - 1][d + 1];
+        piece.knee[k][d] = static_cast<double>(d + 1) * piece.knee[k - 1][d + 1];
+      }
     pieces_.push_back(piece);
   }
 }

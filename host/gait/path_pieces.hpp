@@ -45,20 +45,21 @@ class PathPieces {
     std::size_t i = 0;
     while (i + 1 < pieces_.size() && middle >= pieces_[i].end_s) ++i;
     const Piece& p = pieces_[i];
-    const T t(time - p.begin_s);
-    PathState<T> out{Joints2<T>{T(p.power[Spline::kDegree].hip), T(p.power[Spline::kDegree].knee)}, {}, {}};
-    for (std::size_t k = Spline::kDegree; k-- > 0;) {
-      out[2] = {out[2].hip * t + out[1].hip, out[2].knee * t + out[1].knee};
-      out[1] = {out[1].hip * t + out[0].hip, out[1].knee * t + out[0].knee};
-      out[0] = {out[0].hip * t + p.power[k].hip, out[0].knee * t + p.power[k].knee};
-    }
-    out[2] = {2.0 * out[2].hip, 2.0 * out[2].knee};
+    const T t(time - p.begin_s), t2 = t * t;
+    // In halves of two terms each, which do not wait for one another.
+    const auto sum = [&](const std::array<double, Spline::kOrder>& c) {
+      return T((c[0] + c[1] * t) + t2 * ((c[2] + c[3] * t) + t2 * (c[4] + c[5] * t)));
+    };
+    PathState<T> out;
+    for (std::size_t d = 0; d < out.size(); ++d) out[d] = {sum(p.hip[d]), sum(p.knee[d])};
     return out;
   }
 
+  /// Factors of 1, t, t^2, ... of the angle, its rate and its acceleration.
+  using Powers = std::array<std::array<double, Spline::kOrder>, 3>;
   struct Piece {
     double begin_s = 0.0, end_s = 0.0;
-    std::array<Joints2<double>, Spline::kOrder> power{};
+    Powers hip{}, knee{};
   };
   std::vector<Piece> pieces_;
 };

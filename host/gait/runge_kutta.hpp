@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstddef>
+#include <type_traits>
 #include <utility>
 
 #include "furcula/dynamics/scalar.hpp"
@@ -67,7 +68,8 @@ inline constexpr Row kWeight{5.42937341165687622380535766363e-2,
                              2.01365400804030348374776537501e-1,
                              4.47106157277725905176885569043e-2};
 
-/// The state plus h times the sum of the first `count` stages.
+/// Numbers with many derivatives take their time in themselves: for them nothing is laid out stage by stage, which a compiler
+/// would take minutes for.
 template <class T, std::size_t N>
 std::array<T, N> moved(const std::array<T, N>& state, const std::array<std::array<T, N>, kStages>& k,
                        const Row& by, const T& h, std::size_t count) {
@@ -80,17 +82,48 @@ std::array<T, N> moved(const std::array<T, N>& state, const std::array<std::arra
   for (std::size_t i = 0; i < N; ++i) out[i] = state[i] + h * out[i];
   return out;
 }
+/// The state plus h times the sum of the stages before `kUpTo`; of all, by their weights, where that is kStages.
+template <std::size_t kUpTo, class T, std::size_t N>
+std::array<T, N> moved(const std::array<T, N>& state, const std::array<std::array<T, N>, kStages>& k,
+                       const T& h) {
+  constexpr Row kBy = kUpTo < kStages ? kStage[kUpTo < kStages ? kUpTo : 0] : kWeight;
+  std::array<T, N> out;
+  for (std::size_t i = 0; i < N; ++i) out[i] = kBy[0] * k[0][i];
+  const auto add = [&]<std::size_t J>(std::integral_constant<std::size_t, J>) {
+    if constexpr (kBy[J] != 0.0)
+      for (std::size_t i = 0; i < N; ++i) out[i] = out[i] + kBy[J] * k[J][i];
+  };
+  [&]<std::size_t... J>(std::index_sequence<J...>) {
+    (add(std::integral_constant<std::size_t, J + 1>{}), ...);
+  }
+  (std::make_index_sequence<kUpTo - 1>{});
+  for (std::size_t i = 0; i < N; ++i) out[i] = state[i] + h * out[i];
+  return out;
+}
 
 }  // namespace detail
 
-/// The state `h` after `time`; f(time, state) -> rates.
+/// The state `h` after `time`, where its rates are `first`; f(time, state) -> rates.
+template <class T, std::size_t N, class F>
+std::array<T, N> runge_kutta_8(const T& time, const std::array<T, N>& state, const std::array<T, N>& first,
+                               const T& h, const F& f) {
+  std::array<std::array<T, N>, detail::kStages> k;
+  k[0] = first;
+  if constexpr (!std::is_floating_point_v<T>) {
+    for (std::size_t s = 1; s < detail::kStages; ++s)
+      k[s] = f(T(time + detail::kNode[s] * h), detail::moved(state, k, detail::kStage[s], h, s));
+    return detail::moved(state, k, detail::kWeight, h, detail::kStages);
+  } else {
+    [&]<std::size_t... S>(std::index_sequence<S...>) {
+      ((k[S + 1] = f(T(time + detail::kNode[S + 1] * h), detail::moved<S + 1>(state, k, h))), ...);
+    }
+    (std::make_index_sequence<detail::kStages - 1>{});
+    return detail::moved<detail::kStages>(state, k, h);
+  }
+}
 template <class T, std::size_t N, class F>
 std::array<T, N> runge_kutta_8(const T& time, const std::array<T, N>& state, const T& h, const F& f) {
-  std::array<std::array<T, N>, detail::kStages> k;
-  k[0] = f(time, state);
-  for (std::size_t s = 1; s < detail::kStages; ++s)
-    k[s] = f(T(time + detail::kNode[s] * h), detail::moved(state, k, detail::kStage[s], h, s));
-  return detail::moved(state, k, detail::kWeight, h, detail::kStages);
+  return runge_kutta_8<T, N>(time, state, f(time, state), h, f);
 }
 
 }  // namespace furcula::gait

@@ -33,6 +33,18 @@ Query query_of(const Machine& robot, const StudyRow& row) {
   return q;
 }
 
+/// For whoever waits: "parallel, 2 m/s, friction 0.6"
+std::string name_of(const StudyRow& r) {
+  std::string out(dynamics::kLegSpringNames[static_cast<std::size_t>(r.spring)]);
+  out += r.speed_mps ? ", " + core::rounded(*r.speed_mps, 3) + " m/s" : ", in place";
+  if (r.friction) out += ", friction " + core::rounded(*r.friction, 3);
+  if (r.catch_delay_s > 0.0) out += ", caught after " + core::rounded(1e3 * r.catch_delay_s, 3) + " ms";
+  if (r.tooth_m > 0.0) out += ", teeth of " + core::rounded(1e3 * r.tooth_m, 3) + " mm";
+  if (r.spring == LegSpring::parallel)
+    out += ", rest angle " + core::rounded(180.0 / std::numbers::pi * r.rest_rad, 3) + " degrees";
+  return out;
+}
+
 Json json_of(const StudyRow& r) {
   const auto maybe = [](const std::optional<double>& v) { return v ? Json(*v) : Json(nullptr); };
   Json out{{"spring", dynamics::kLegSpringNames[static_cast<std::size_t>(r.spring)]},
@@ -118,7 +130,7 @@ std::vector<StudyRow> run_study(const Machine& robot, const StudyOptions& option
     std::optional<FreeGait> from;
     for (const StudyRow& row : chains[i]) {
       Query q = query_of(robot, row);
-      tell(row.speed_mps ? core::rounded(*row.speed_mps, 3) + " m/s" : "in place");
+      tell(name_of(row));
       q.from = from;
       Search s = find_gait(q);
       if (!s.gait && from) {
@@ -131,12 +143,12 @@ std::vector<StudyRow> run_study(const Machine& robot, const StudyOptions& option
     }
     return out.dump();
   };
-  std::size_t done = 0;
+  std::size_t all = 0, begun = 0;
+  for (const Chain& chain : chains) all += chain.size();
   const auto texts =
-      in_processes(chains.size(), options.processes, job, [&](std::size_t i, std::string_view line) {
-        done = std::max(done, i);
-        if (options.progress)
-          options.progress(static_cast<double>(done) / static_cast<double>(chains.size()), line);
+      in_processes(chains.size(), options.processes, job, [&](std::size_t, std::string_view line) {
+        if (options.progress) options.progress(static_cast<double>(begun) / static_cast<double>(all), line);
+        ++begun;
       });
   std::vector<StudyRow> rows;
   for (std::size_t i = 0; i < chains.size(); ++i) {

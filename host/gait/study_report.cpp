@@ -169,11 +169,27 @@ std::string rest_html(const std::vector<StudyRow>& rows, double print_rad) {
       [&](const StudyRow& r) {
         return r.cost ? *r.cost / *best[r.speed_mps.value_or(0.0)]->cost : std::nan("");
       });
-  if (lines.size() > 6) lines.resize(6);
+  std::vector<Table::Column> columns{{"Rest angle, degrees", true}};
+  for (const auto& [speed, b] : best) columns.push_back({where(*b), true});
+  Table each(columns);
+  for (auto row = sorted.begin(); row != sorted.end();) {
+    const double angle = row->rest_rad;
+    std::map<double, std::string> costs;
+    for (; row != sorted.end() && std::abs(row->rest_rad - angle) < 1e-9; ++row)
+      costs[row->speed_mps.value_or(0.0)] = cost_of(*row);
+    std::vector<std::string> cells{number(degrees(angle), 3)};
+    for (const auto& [speed, b] : best) cells.push_back(costs.contains(speed) ? costs[speed] : kNone);
+    each.add(cells);
+  }
   return report::section(
-      "best", "The best rest angle",
-      table.html() + report::line_plot_html({"Cost over that of the best angle",
-                                             "rest angle of the parallel spring, degrees", lines}));
+             "best", "The best rest angle",
+             table.html() + report::line_plot_html({"Cost over that of the best angle",
+                                                    "rest angle of the parallel spring, degrees", lines})) +
+         report::section(
+             "table", "Each gait",
+             each.html() +
+                 report::paragraph(
+                     "Joules a stride in place, else costs of transport. A dash: no gait was found."));
 }
 
 }  // namespace

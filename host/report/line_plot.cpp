@@ -11,7 +11,8 @@ namespace furcula::report {
 namespace {
 
 constexpr double kWidth = 640, kHeight = 260, kLeft = 64, kRight = 20, kTop = 12, kBottom = 34;
-constexpr const char* kColours[] = {"#b45309", "#047857", "#1d4ed8", "#a21caf", "#0e7490", "#b91c1c"};
+constexpr const char* kColours[] = {"#b45309", "#047857", "#1d4ed8", "#a21caf",
+                                    "#0e7490", "#b91c1c", "#4d7c0f", "#475569"};
 
 /// Round numbers, some four of them, that lie within [low, high].
 std::vector<double> ticks(double low, double high) {

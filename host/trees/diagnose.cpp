@@ -517,6 +517,8 @@ class Diagnoser {
             ": the predictions of the causes that these recordings cannot tell apart then differ by " +
             core::rounded(1e3 * d_.experiments.front().apart_rad, 3) + " mrad at least, RMS over " +
             core::shortest(options_.window_s) + " s.";
+      if (const std::string other = other_way_of_moving(model_, training_); !other.empty())
+        d_.next_experiment += (d_.next_experiment.empty() ? "" : " ") + other;
     }
     if (d_.next_experiment.empty() && !d_.findings.empty())
       d_.next_experiment = d_.findings.front().next_experiment;

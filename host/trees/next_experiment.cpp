@@ -199,6 +199,30 @@ std::vector<Experiment> next_experiments(const TreeModel& m, const std::vector<R
   return out;
 }
 
+std::string other_way_of_moving(const TreeModel& m, const std::vector<Recording>& recordings) {
+  // In place a leg drifts, and a hop begins and ends at the same height.
+  constexpr double kRuns_mps = 0.15, kLevel = 0.1;
+  if (!m.foot) return "";
+  for (std::size_t j = 0; j < m.joints(); ++j) {
+    const auto &axis = m.robot.joints[j].axis, &g = m.gravity_mps2;
+    const double down = std::abs(dot(axis, g)) / std::sqrt(std::max(dot(g, g), 1e-12));
+    if (m.driven(j) || !m.prismatic(j) || down > kLevel) continue;
+    std::size_t running = 0;
+    for (const Recording& r : recordings)
+      running += std::abs(r.angle_rad[j].back() - r.angle_rad[j].front()) >
+                 kRuns_mps * (r.time_s.back() - r.time_s.front());
+    const std::string& name = m.robot.joints[j].name;
+    if (running == 0)
+      return "All recordings are in place, where " + name +
+             " hardly moves and the leg hardly swings: friction and masses along the way, and what grows with the swing, show in a run. Record one as "
+             "well.";
+    if (running == recordings.size())
+      return "In all recordings the robot runs, and " + name +
+             " moves whenever the leg swings: hops in place, of two heights, leave both out, and load leg and spring alone. Record some as well.";
+  }
+  return "";
+}
+
 std::string scenario_of(const TreeModel& m, const Experiment& e) {
   if (e.paths.empty()) return "";
   std::string out = "[run]\nduration_s = 10.0\nsample_rate_hz = 250.0\n";

@@ -4,6 +4,7 @@
 #include <catch2/catch.hpp>
 #include <numbers>
 
+#include "furcula/dynamics/leg_joints.hpp"
 #include "furcula/dynamics/planar_leg_plant.hpp"
 #include "tests/common/dynamics/jet.hpp"
 
@@ -350,5 +351,44 @@ TEST_CASE("derivatives pass through touch-down") {
     const auto up = fallen(0.6 + dh, 0.3 + dr), down = fallen(0.6 - dh, 0.3 - dr);
     for (std::size_t i = 0; i < 3; ++i)
       CHECK(with[i].v(k) == Approx((up[i] - down[i]) / (2.0 * kStep)).epsilon(1e-5).margin(1e-6));
+  }
+}
+
+TEST_CASE("the joints alone move as in the whole equations, and need the same torques") {
+  const Equations whole(spear());
+  const LegJoints<double> joints(spear());
+  Random random(11);
+  const auto same = [](double a, double b) { CHECK(a == Approx(b).epsilon(1e-10).margin(1e-9)); };
+  for (int i = 0; i < 200; ++i) {
+    const Joints angle = random.joints(2.5), rate = random.joints(8.0), torque = random.joints(40.0);
+    const auto o = whole.pose(angle);
+    const auto k = joints.pose(angle);
+    const auto stands = whole.in_stance(o, rate, torque);
+    const Joints standing = joints.acceleration<true>(k, rate, torque);
+    same(standing.hip, stands.acceleration.hip);
+    same(standing.knee, stands.acceleration.knee);
+    const Vec force = joints.ground_force(k, rate, standing);
+    same(force.x, stands.ground_force.x);
+    same(force.y, stands.ground_force.y);
+    const auto flies = whole.in_flight(o, rate, torque);
+    const Joints flying = joints.acceleration<false>(k, rate, torque);
+    same(flying.hip, flies.acceleration.hip);
+    same(flying.knee, flies.acceleration.knee);
+    for (const Joints& needed :
+         {joints.torque<true>(k, rate, standing), joints.torque<false>(k, rate, flying)}) {
+      same(needed.hip, torque.hip);
+      same(needed.knee, torque.knee);
+    }
+    // Places against the centre of all mass.
+    const Vec centre = whole.centre(o), velocity = whole.centre_velocity(o, rate);
+    const Vec toe = whole.toe(o), toe_velocity = whole.toe_velocity(o, rate);
+    same(joints.hip(k).x, -centre.x);
+    same(joints.hip(k).y, -centre.y);
+    same(joints.hip_velocity(k, rate).x, -velocity.x);
+    same(joints.hip_velocity(k, rate).y, -velocity.y);
+    same(joints.toe(k).x, toe.x - centre.x);
+    same(joints.toe(k).y, toe.y - centre.y);
+    same(joints.toe_velocity(k, rate).x, toe_velocity.x - velocity.x);
+    same(joints.toe_velocity(k, rate).y, toe_velocity.y - velocity.y);
   }
 }

@@ -3,6 +3,7 @@
 #include "host/gait/stride.hpp"
 
 #include <catch2/catch.hpp>
+#include <optional>
 
 #include "furcula/dynamics/planar_leg_plant.hpp"
 #include "host/identify/dual.hpp"
@@ -71,6 +72,69 @@ TEST_CASE("a stride's end is that of steps of a quarter to 1e-9") {
   for (std::size_t i = 0; i < 6; ++i)
     CHECK(coarse.apex.values()[i] == Approx(fine.apex.values()[i]).margin(1e-9));
   CHECK(coarse.electric == Approx(fine.electric).margin(1e-8));
+}
+
+TEST_CASE("energies are the sums of the moments' powers, however often these change their signs in a step") {
+  const Machine machine = spear(LegSpring::switched);
+  // Torques that swing with a period of 31 ms beside those of Springy.
+  struct Shaken : Springy {
+    static double swing(double time) { return std::sin(200.0 * time); }
+    Joints2<double> motors(LegPhase phase, double time, double middle, const Joints2<double>& angle,
+                           const Joints2<double>& rate) const {
+      Joints2<double> u = Springy::motors<double>(phase, time, middle, angle, rate);
+      u.hip += 4.0 * swing(time);
+      u.knee += 6.0 * swing(time);
+      return u;
+    }
+  };
+  const Shaken law;
+  StrideOptions options;
+  const auto coarse = run_stride<double>(machine, law, law, start(), options);
+  REQUIRE(coarse.whole);
+  // The trapezoid's rule over moments that lie close together; events have one moment on each side.
+  const Joints2<double> heat = machine.motors.heat();
+  const auto powers = [&](const Moment& m) {
+    const auto positive = [](double p) { return std::max(p, 0.0); };
+    const auto &u = m.torque, &w = m.rate;
+    const double motor = u.hip * w.hip + u.knee * w.knee;
+    return std::array{
+        positive(u.hip * (heat.hip * u.hip + w.hip)) + positive(u.knee * (heat.knee * u.knee + w.knee)),
+        positive(motor), positive(motor + m.spring_nm * w.knee)};
+  };
+  std::array<double, 3> sums{};
+  std::optional<Moment> before;
+  options.longest_step_s = 1e-5;
+  options.moment = [&](const Moment& m) {
+    if (before) {
+      const auto a = powers(*before), b = powers(m);
+      for (std::size_t i = 0; i < 3; ++i) sums[i] += 0.5 * (m.time_s - before->time_s) * (a[i] + b[i]);
+    }
+    before = m;
+  };
+  run_stride<double>(machine, law, law, start(), options);
+  CHECK(coarse.electric == Approx(sums[0]).epsilon(2e-5));
+  CHECK(coarse.motor == Approx(sums[1]).epsilon(2e-5));
+  CHECK(coarse.joint == Approx(sums[2]).epsilon(2e-5));
+}
+
+TEST_CASE("without a feedback a step of the stance may be three times as long") {
+  const Machine machine = spear(LegSpring::switched);
+  // Torques over time in stance.
+  struct Timed : Springy {
+    Joints2<double> motors(LegPhase phase, double time, double middle, const Joints2<double>& angle,
+                           const Joints2<double>& rate) const {
+      if (phase != LegPhase::stance) return Springy::motors<double>(phase, time, middle, angle, rate);
+      return {3.0 * std::sin(9.0 * time), 2.0 * std::cos(17.0 * time)};
+    }
+  };
+  const Timed law;
+  StrideOptions options;
+  const auto fine = run_stride<double>(machine, law, law, start(), options);
+  options.stance_step_s = 12e-3;
+  const auto coarse = run_stride<double>(machine, law, law, start(), options);
+  REQUIRE(coarse.whole);
+  for (std::size_t i = 0; i < 6; ++i)
+    CHECK(coarse.apex.values()[i] == Approx(fine.apex.values()[i]).margin(1e-9));
 }
 
 TEST_CASE("derivatives of a stride pass through touch-down, lift-off and apex") {

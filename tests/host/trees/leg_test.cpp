@@ -281,6 +281,19 @@ TEST_CASE(
   CHECK(clean.findings.empty());
 }
 
+TEST_CASE("Where all recordings are in place a run is proposed, and the other way round") {
+  const gait::Machine machine = gait::spear(gait::LegSpring::switched);
+  const trees::TreeModel m = tree(machine);
+  trees::Recording near = trees::recording_of(m, hop(machine, 0.0).log);
+  for (double& x : near.angle_rad[0]) x = 0.3;
+  trees::Recording far = near;
+  for (std::size_t k = 0; k < far.rows(); ++k) far.angle_rad[0][k] += 1.0 * far.time_s[k];
+  CHECK_THAT(trees::other_way_of_moving(m, {near, near}),
+             Contains("All recordings are in place, where boom_travel"));
+  CHECK_THAT(trees::other_way_of_moving(m, {far}), Contains("hops in place"));
+  CHECK(trees::other_way_of_moving(m, {near, far}).empty());
+}
+
 TEST_CASE("A leg that plays a gait it cannot keep says when it fell") {
   gait::Machine weak = gait::spear(gait::LegSpring::switched);
   const gait::Search found = test::found(gait::LegSpring::switched, test::in_place(0.075));
