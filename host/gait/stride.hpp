@@ -15,7 +15,7 @@
 #include "furcula/dynamics/leg_joints.hpp"
 #include "host/gait/machine.hpp"
 #include "host/gait/runge_kutta.hpp"
-#include "host/gait/spline.hpp"
+#include "host/optimise/spline.hpp"
 
 namespace furcula::gait {
 
@@ -434,7 +434,7 @@ class StrideRun {
         else if (second > 0.0)
           high -=
               crossing(kPart, first, 1e-6, [&](double by) { return sign(i) * at(begin + kPart - by)[i]; });
-        for (const GaussPoint& g : kGauss) {
+        for (const optimise::GaussPoint& g : optimise::kGauss) {
           const double s = low + g.at * (high - low);
           const S power = powers<S>(look<kStands, S>(phase, S(S(t) + s * x.h), between(x, s)))[i];
           S& sum = to[i < 2 ? 4 : 3 + i];

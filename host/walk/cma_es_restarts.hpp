@@ -9,8 +9,7 @@ namespace furcula::walk {
 
 class CmaEsRestarts final : public Method {
  public:
-  /// `spread`: of the first round about the start, and of those that set out from it again; in shares of the ranges.
-  CmaEsRestarts(Eigen::Index size, std::uint64_t seed, double spread = kSpread);
+  CmaEsRestarts(Eigen::Index size, std::uint64_t seed);
 
   const std::vector<Vector>& ask() override { return strategy_.ask(); }
   void tell(std::span<const double> values, const Vector& best) override;
@@ -21,7 +20,6 @@ class CmaEsRestarts final : public Method {
  private:
   void restart(const Vector& best);
 
-  double spread_;
   std::uint64_t seed_, waited_ = 0;
   CmaEs strategy_;
   double round_best_, last_better_;

@@ -7,7 +7,7 @@
 namespace furcula::walk {
 
 std::unique_ptr<Method> make_method(MethodKind kind, const Eigen::VectorXd& least,
-                                    const Eigen::VectorXd& most, std::uint64_t seed, double spread) {
+                                    const Eigen::VectorXd& most, std::uint64_t seed) {
   switch (kind) {
     case MethodKind::esch:
       return std::make_unique<Esch>(least, most, seed);
@@ -16,7 +16,7 @@ std::unique_ptr<Method> make_method(MethodKind kind, const Eigen::VectorXd& leas
     case MethodKind::cmaes:
       break;
   }
-  return std::make_unique<CmaEsRestarts>(least.size(), seed, spread);
+  return std::make_unique<CmaEsRestarts>(least.size(), seed);
 }
 
 }  // namespace furcula::walk

@@ -38,11 +38,8 @@ class Method {
   virtual void restore(const std::string& state) = 0;
 };
 
-/// Of a parameter's range: how wide CMA-ES looks at first, about steps on the spot, and about a walk to start from.
-inline constexpr double kSpread = 0.2, kSpreadAboutWalk = 0.05;
-
 /// Ranges are `least` to `most`; a seed gives one sequence of points for one sequence of values.
 std::unique_ptr<Method> make_method(MethodKind kind, const Eigen::VectorXd& least,
-                                    const Eigen::VectorXd& most, std::uint64_t seed, double spread = kSpread);
+                                    const Eigen::VectorXd& most, std::uint64_t seed);
 
 }  // namespace furcula::walk

@@ -121,8 +121,7 @@ class Search {
       : robot_(robot),
         o_(options),
         space_(options.rollout.mode, options.start),
-        method_(make_method(options.method, space_.least(), space_.most(), options.seed,
-                            options.start ? kSpreadAboutWalk : kSpread)) {
+        method_(make_method(options.method, space_.least(), space_.most(), options.seed)) {
     best_.time_s = 0.0;
     if (!o_.from) return;
     s_ = *o_.from;
