@@ -295,8 +295,9 @@ void add_walk_command(CLI::App& app, Distribute distribute) {
                    "How long, in steps of simulation: one seed then gives one walk, whatever --threads");
   find->add_option("--threads", o->threads,
                    distribute ? "Of each process; without it 1" : "Without it as many as processors");
-  find->add_option("--from", o->from,
-                   "Begins with this walk.toml of the same robot, of any mode, in place of steps on the spot");
+  find->add_option(
+      "--from", o->from,
+      "Begins with this walk.toml of the same robot, of any mode, in place of steps on the spot");
   find->add_option(
       "--resume", o->resume,
       "Goes on from a checkpoint, DIR/search.checkpoint, of the same search; its budget is the whole one's");

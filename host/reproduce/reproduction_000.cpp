@@ -388,11 +388,10 @@ std::string joints_html(const StudiedWalk& w) {
   for (std::size_t i = 0; i < kJoints; ++i) {
     const walk::JointEnergy& e = w.energy.joints[i];
     t.add(
-        {std::string(i < kLegJoints ? "left " : "right ") + report::in_words(kLegJointNames[i % kLegJoints]),
-         number(e.copper_j, 3), number(e.work_j, 3), number(e.positive_work_j, 3)});
+        {walk::joint_in_words(i), number(e.copper_j, 3), number(e.work_j, 3), number(e.positive_work_j, 3)});
   }
   const walk::Rollout& r = w.energy.ten_s;
-  t.add({"all", number(r.copper_j, 4), number(r.work_j, 4), number(r.positive_work_j, 4)});
+  t.add({"All", number(r.copper_j, 4), number(r.work_j, 4), number(r.positive_work_j, 4)});
   return t.html();
 }
 
@@ -428,7 +427,7 @@ std::string render_walk_reproduction_report(const WalkReproduction& r, const std
       std::to_string(printed) + " printed figures " + std::to_string(r.count(Outcome::met)) + " are met, " +
       std::to_string(r.count(Outcome::differs)) + " differ.</h1>\n</header>\n" +
       report::section("table", "Printed and computed", rows_html(r.rows)) +
-      report::section("times", "Times, on this machine", rows_html(r.times)) +
+      report::section("times", "Times, on this machine", r.times.empty() ? "" : rows_html(r.times)) +
       report::section(
           "search", "Fig. 6: the search",
           report::line_plot_html({"The best objective so far", "time of one processor, s", objective}) +

@@ -1,5 +1,6 @@
 #include "host/walk/walk_report.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -148,9 +149,7 @@ std::string search_html(const std::vector<SearchPoint>& history) {
 std::string joints_html(const std::array<JointEnergy, kJoints>& joints) {
   report::Table table({{"Motor"}, {"copper, J", true}, {"work, J", true}, {"its positive parts, J", true}});
   for (std::size_t i = 0; i < kJoints; ++i)
-    table.add({std::string(i < kLegJoints ? "left " : "right ") +
-                   std::string(report::in_words(kLegJointNames[i % kLegJoints])),
-               number(joints[i].copper_j, 3), number(joints[i].work_j, 3),
+    table.add({joint_in_words(i), number(joints[i].copper_j, 3), number(joints[i].work_j, 3),
                number(joints[i].positive_work_j, 3)});
   return table.html();
 }
@@ -180,6 +179,12 @@ std::string evidence_html(const Evidence& e) {
 }
 
 }  // namespace
+
+std::string joint_in_words(std::size_t i) {
+  std::string name(kLegJointNames[i % kLegJoints]);
+  std::replace(name.begin(), name.end(), '_', ' ');
+  return (i < kLegJoints ? "Left " : "Right ") + name;
+}
 
 std::string mode_in_words(WalkMode mode) {
   switch (mode) {

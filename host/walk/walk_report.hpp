@@ -12,6 +12,8 @@
 namespace furcula::walk {
 
 std::string mode_in_words(WalkMode mode);
+/// "Left hip pitch": of joint `i`, left then right.
+std::string joint_in_words(std::size_t i);
 
 /// One HTML file that works offline. `history` is the search's, empty where there was none; `command` writes the page again.
 std::string render_walk_report(const Model& model, const RolloutOptions& options, const Parameters& walk,

@@ -69,8 +69,9 @@ TEST_CASE("the biped of a walk is drawn, its passive hips orange, and moves with
                                                 std::nullopt, "furcula walk");
     page.insert(page.find("<meta name=\"viewport\""), test::kFrames);
     const int width = walk.mode == walk::WalkMode::active ? 1400 : 500;
-    const nlohmann::json seen =
-        test::look_at(*browser, page, std::string(test::kPictureTools) + kProbe, width);
+    std::string script = test::kPictureTools;
+    script += kProbe;
+    const nlohmann::json seen = test::look_at(*browser, page, script, width);
     INFO(seen.dump(1));
     CHECK(seen["problems"].empty());
     CHECK(seen["fetched"].empty());
