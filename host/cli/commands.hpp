@@ -42,6 +42,6 @@ void add_request_command(CLI::App& app);
 void add_serve_command(CLI::App& app);
 void add_safety_command(CLI::App& app);
 void add_rig_command(CLI::App& app);
-void add_walk_command(CLI::App& app);
+CLI::App* add_walk_command(CLI::App& app);  ///< the command itself, for `walk gait`
 
 }  // namespace furcula::cli

@@ -19,7 +19,6 @@
 #include "host/cli/errors.hpp"
 #include "host/cli/progress.hpp"
 #include "host/cli/recordings.hpp"
-#include "host/cli/walk_gait_command.hpp"
 #include "host/core/atomic_file.hpp"
 #include "host/core/error.hpp"
 #include "host/core/message.hpp"
@@ -266,9 +265,9 @@ void simulate(const WalkOptions& o) {
 
 }  // namespace
 
-void add_walk_command(CLI::App& app) { add_walk_command(app, {}); }
+CLI::App* add_walk_command(CLI::App& app) { return add_walk_command(app, {}); }
 
-void add_walk_command(CLI::App& app, Distribute distribute) {
+CLI::App* add_walk_command(CLI::App& app, Distribute distribute) {
   auto o = std::make_shared<WalkOptions>();
   if (distribute) o->threads = 1;
   o->mode = walk::kModeNames.front();
@@ -308,8 +307,6 @@ void add_walk_command(CLI::App& app, Distribute distribute) {
       ->required();
   find->callback([o, distribute = std::move(distribute)] { search(*o, distribute); });
 
-  add_walk_gait_command(*command);
-
   CLI::App* run = command->add_subcommand("sim", "A walk as a log");
   run->add_option("--model", o->model, "Model file of kind biped")->required();
   run->add_option("--walk", o->walk, "walk.toml")->required();
@@ -325,6 +322,7 @@ void add_walk_command(CLI::App& app, Distribute distribute) {
   page->add_option("--threads", o->threads, "Without it as many as processors");
   page->add_option("--out", o->out, "Folder for report.html")->required();
   page->callback([o] { show(*o); });
+  return command;
 }
 
 }  // namespace furcula::cli

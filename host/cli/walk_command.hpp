@@ -10,7 +10,7 @@ namespace furcula::cli {
 
 /// Has a search's generations run elsewhere (SearchOptions::run).
 using Distribute = std::function<void(const dynamics::biped::Description&, walk::SearchOptions&)>;
-/// Without --threads a search that is distributed has one thread a process.
-void add_walk_command(CLI::App& app, Distribute distribute);
+/// The command `walk`. Without --threads a search that is distributed has one thread a process.
+CLI::App* add_walk_command(CLI::App& app, Distribute distribute);
 
 }  // namespace furcula::cli

@@ -83,7 +83,7 @@ TEST_CASE("the biped of a walk is drawn, its passive hips orange, and moves with
     CHECK(seen["paused"] == "Play");
     CHECK(seen["played"].get<double>() > 0.1);
     CHECK(seen["turned"].get<double>() == Approx(0.8).margin(1e-9));
-    CHECK(seen["plots"] == 5);
+    CHECK(seen["plots"] == 7);
     CHECK(seen["page_width"] <= width);
     // The pelvis where the simulation has it; a foot stands on the ground and carries: on a single corner it sinks by a centimetre.
     const auto log = walk::simulate_walk(model.robot, options, walk.parameters, 0.001, std::nullopt).log;
