@@ -326,7 +326,9 @@ class StepProgramme {
 
   void add_points(std::size_t which) {
     const Phase& phase = phases_[which];
-    const auto [graph, kinds] = moment(phase.both);
+    const auto recorded = moment(phase.both);
+    const auto& graph = recorded.first;  // clang 14 lets no lambda have a structured binding
+    const auto& kinds = recorded.second;
     const Spline spline(phase.intervals);
     const auto n = static_cast<double>(phase.intervals);
     const auto point = [&](double s, std::size_t interval, double weight) {
