@@ -97,10 +97,13 @@ TEST_CASE("a graph as an element has the derivatives of an element of the same f
     e.derivatives(x, by, jacobian.value.data(), hessian.value.data());
     std::array<double, 17> out{};  // rows, Jacobian 2 x 3, Hessian 3 x 3
     e.values(x, out.data());
+    const auto place = [](std::size_t from, int row, int column) {
+      return from + 3 * static_cast<std::size_t>(row) + static_cast<std::size_t>(column);
+    };
     for (std::size_t k = 0; k < jacobian.row.size(); ++k)
-      out[static_cast<std::size_t>(2 + 3 * jacobian.row[k] + jacobian.column[k])] += jacobian.value[k];
+      out[place(2, jacobian.row[k], jacobian.column[k])] += jacobian.value[k];
     for (std::size_t k = 0; k < hessian.row.size(); ++k)
-      out[static_cast<std::size_t>(8 + 3 * hessian.row[k] + hessian.column[k])] += hessian.value[k];
+      out[place(8, hessian.row[k], hessian.column[k])] += hessian.value[k];
     return out;
   };
   const auto is = dense(element), should = dense(expected);
