@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <initializer_list>
 #include <memory>
 #include <string>
 #include <thread>
@@ -33,6 +34,19 @@ struct ReproduceOptions {
   reproduce::Options study;
 };
 
+void print_rows(std::initializer_list<const std::vector<reproduce::Row>*> tables) {
+  using reproduce::Outcome;
+  std::printf("%-18s %-82s %-32s %11s %-7s\n", "where", "what", "printed", "here", "unit");
+  for (const auto* rows : tables)
+    for (const reproduce::Row& row : *rows) {
+      const std::string ours = std::isfinite(row.ours) ? report::number(row.ours, 4) : "none";
+      std::printf("%-18s %-82s %-32s %11s %-7s %s\n", row.where.c_str(), row.what.c_str(),
+                  row.published.c_str(), ours.c_str(), row.unit.c_str(), reproduce::name(row.outcome));
+      if (row.outcome == Outcome::explained || row.outcome == Outcome::smaller)
+        std::printf("%-18s   %s\n", "", row.remark.c_str());
+    }
+}
+
 void run(const ReproduceOptions& o) {
   const OutFolder folder(o.out);
   reproduce::Options options = o.study;
@@ -49,20 +63,14 @@ void run(const ReproduceOptions& o) {
       {o.out + "/reproduction.json", reproduce::to_json_text(r)},
       {o.out + "/report.html", reproduce::render_reproduction_report(r, command)}});
 
-  std::printf("%-18s %-82s %-32s %11s %-7s\n", "where", "what", "printed", "here", "unit");
-  for (const reproduce::Row& row : r.rows) {
-    std::printf("%-18s %-82s %-32s %11.4g %-7s %s\n", row.where.c_str(), row.what.c_str(),
-                row.published.c_str(), row.ours, row.unit.c_str(), reproduce::name(row.outcome));
-    if (row.outcome == reproduce::Outcome::explained || row.outcome == reproduce::Outcome::smaller)
-      std::printf("%-18s   %s\n", "", row.remark.c_str());
-  }
+  print_rows({&r.rows});
   using reproduce::Outcome;
   std::printf(
       "%zu met, %zu errors smaller than printed, %zu explained, %zu differ; %zu by construction, %zu computed "
       "beside a picture or no figure; %zu omissions, listed on the page\n",
-      r.count(Outcome::met), r.count(Outcome::smaller), r.count(Outcome::explained),
-      r.count(Outcome::differs), r.count(Outcome::by_construction), r.count(Outcome::computed),
-      r.omissions.size());
+      count(r.rows, Outcome::met), count(r.rows, Outcome::smaller), count(r.rows, Outcome::explained),
+      count(r.rows, Outcome::differs), count(r.rows, Outcome::by_construction),
+      count(r.rows, Outcome::computed), r.omissions.size());
   std::printf(
       "identification study %.1f s, with one cause switched %.1f s, energy study %.1f s, on %u threads; the fits alone on one thread:\n",
       r.study.seconds, r.switched_s, r.energy_s, options.threads);
@@ -71,8 +79,9 @@ void run(const ReproduceOptions& o) {
                 c.estimates.phase.c_str(), c.fits, c.ours_s, c.plain_s, c.converged, c.ours_nmse,
                 c.plain_nmse);
   std::printf("report: %s/report.html\n", core::printable(o.out).c_str());
-  if (r.count(Outcome::differs) > 0)
-    throw Refusal(std::to_string(r.count(Outcome::differs)) + " printed figures differ without a reason");
+  if (count(r.rows, Outcome::differs) > 0)
+    throw Refusal(std::to_string(count(r.rows, Outcome::differs)) +
+                  " printed figures differ without a reason");
 }
 
 void run_001(const ReproduceOptions& o) {
@@ -93,20 +102,16 @@ void run_001(const ReproduceOptions& o) {
   core::write_files_together(std::vector<core::NewFile>{
       {o.out + "/reproduction.json", reproduce::to_json_text(r)},
       {o.out + "/report.html", reproduce::render_gait_reproduction_report(r, command)}});
-  std::printf("%-14s %-60s %-22s %11s %-5s\n", "where", "what", "printed", "here", "unit");
-  for (const reproduce::Row& row : r.rows) {
-    std::printf("%-14s %-60s %-22s %11.4g %-5s %s\n", row.where.c_str(), row.what.c_str(),
-                row.published.c_str(), row.ours, row.unit.c_str(), reproduce::name(row.outcome));
-    if (row.outcome == reproduce::Outcome::explained) std::printf("%-14s   %s\n", "", row.remark.c_str());
-  }
+  print_rows({&r.rows});
   using reproduce::Outcome;
   std::printf("%zu met, %zu explained, %zu differ; %zu computed beside a picture or no figure\n",
-              r.count(Outcome::met), r.count(Outcome::explained), r.count(Outcome::differs),
-              r.count(Outcome::computed));
+              count(r.rows, Outcome::met), count(r.rows, Outcome::explained), count(r.rows, Outcome::differs),
+              count(r.rows, Outcome::computed));
   std::printf("%zu gaits, %u starts each: %.1f s on %u processes\nreport: %s/report.html\n", r.gaits.size(),
               o.starts, r.seconds, options.processes, core::printable(o.out).c_str());
-  if (r.count(Outcome::differs) > 0)
-    throw Refusal(std::to_string(r.count(Outcome::differs)) + " printed figures differ without a reason");
+  if (count(r.rows, Outcome::differs) > 0)
+    throw Refusal(std::to_string(count(r.rows, Outcome::differs)) +
+                  " printed figures differ without a reason");
 }
 
 void run_000(const ReproduceOptions& o) {
@@ -146,24 +151,16 @@ void run_000(const ReproduceOptions& o) {
         {name + ".toml", walk::format_walk({r.model.name, w.mode, rollout.walk_until_s, w.walk})});
   }
   core::write_files_together(files);
-  const auto print = [](const std::vector<reproduce::Row>& rows) {
-    for (const reproduce::Row& row : rows) {
-      const std::string ours = std::isfinite(row.ours) ? report::number(row.ours, 4) : "none";
-      std::printf("%-14s %-82s %-24s %11s %-4s %s\n", row.where.c_str(), row.what.c_str(),
-                  row.published.c_str(), ours.c_str(), row.unit.c_str(), reproduce::name(row.outcome));
-    }
-  };
-  std::printf("%-14s %-82s %-24s %11s %-4s\n", "where", "what", "printed", "here", "unit");
-  print(r.rows);
-  print(r.times);
+  print_rows({&r.rows, &r.times});
   using reproduce::Outcome;
   std::printf("%zu met, %zu differ; %zu by construction, %zu computed beside a picture or no figure\n",
-              r.count(Outcome::met), r.count(Outcome::differs), r.count(Outcome::by_construction),
-              r.count(Outcome::computed));
+              count(r.rows, Outcome::met), count(r.rows, Outcome::differs),
+              count(r.rows, Outcome::by_construction), count(r.rows, Outcome::computed));
   std::printf("%.1f s on %u threads; report: %s/report.html\n", r.seconds, options.threads,
               core::printable(o.out).c_str());
-  if (r.count(Outcome::differs) > 0)
-    throw Refusal(std::to_string(r.count(Outcome::differs)) + " printed figures differ without a reason");
+  if (count(r.rows, Outcome::differs) > 0)
+    throw Refusal(std::to_string(count(r.rows, Outcome::differs)) +
+                  " printed figures differ without a reason");
 }
 
 }  // namespace

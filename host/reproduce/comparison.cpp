@@ -52,6 +52,11 @@ const char* name(Outcome outcome) {
   return "computed";
 }
 
+std::size_t count(const std::vector<Row>& rows, Outcome outcome) {
+  return static_cast<std::size_t>(
+      std::count_if(rows.begin(), rows.end(), [&](const Row& r) { return r.outcome == outcome; }));
+}
+
 Row compare(Row row, Range accepted, const std::optional<Reason>& reason) {
   row.accepted = accepted;
   const bool explained = reason && reason->holds && std::isfinite(row.ours);

@@ -49,6 +49,8 @@ struct Reason {
   std::vector<Counterfactual> shown_by = {};
 };
 
+std::size_t count(const std::vector<Row>& rows, Outcome outcome);
+
 /// A number against the range that the printed one allows for.
 Row compare(Row row, Range accepted, const std::optional<Reason>& reason = std::nullopt);
 

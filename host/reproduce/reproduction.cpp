@@ -343,11 +343,6 @@ void clutch(Reproduction& out) {
 
 }  // namespace
 
-std::size_t Reproduction::count(Outcome outcome) const {
-  return static_cast<std::size_t>(
-      std::count_if(rows.begin(), rows.end(), [&](const Row& r) { return r.outcome == outcome; }));
-}
-
 Reproduction reproduce_002(const Options& options) {
   const auto part = [&](double from, double to) {
     return [&options, from, to](double fraction, std::string_view doing) {

@@ -33,8 +33,6 @@ struct Reproduction {
   double energy_s = 0.0;                             ///< wall time of `energy`
   std::vector<Row> rows;
   std::vector<Omission> omissions;
-
-  std::size_t count(Outcome outcome) const;
 };
 
 /// Table 3.1 and the strides that it gives, which are written to `linear` and `nonlinear`.

@@ -13,6 +13,7 @@
 #include "host/report/html.hpp"
 #include "host/report/line_plot.hpp"
 #include "host/report/page.hpp"
+#include "host/reproduce/rows.hpp"
 #include "host/walk/search.hpp"
 #include "host/walk/walk_report.hpp"
 
@@ -93,10 +94,9 @@ std::vector<Omission> omissions_of_000() {
   };
 }
 
-const walk::EnergyCase* case_of(const StudiedWalk& w, std::string_view what) {
-  for (const walk::EnergyCase& c : w.cases)
-    if (c.what == what) return &c;
-  return nullptr;
+const walk::EnergyCase& case_of(const StudiedWalk& w, std::string_view what) {
+  return *std::find_if(w.cases.begin(), w.cases.end(),
+                       [&](const walk::EnergyCase& c) { return c.what == what; });
 }
 
 void add_rows(WalkReproduction& r) {
@@ -132,14 +132,12 @@ void add_rows(WalkReproduction& r) {
         none + (w.energy.hundred_s.ending == walk::Ending::stands ? w.energy.hundred_s.cot : kNothing)};
     rows.push_back(k == 1 ? compare(hundred, {0.0, 1.05 * 1.41}) : hundred);
     for (const bool charged : {false, true}) {
-      const walk::EnergyCase* c = case_of(w, charged ? "gear 500, the rotor's inertia charged for"
-                                                     : "gear 500, the rotor's inertia as with 160");
-      if (c == nullptr) continue;
-      const walk::EnergyBalance& e = c->sought ? *c->sought : c->same;
-      const bool walks = c->sought.has_value();
+      const walk::EnergyCase& c = case_of(w, charged ? walk::kGear500Charged : walk::kGear500);
+      const walk::EnergyBalance& e = c.sought ? *c.sought : c.same;
+      const bool walks = c.sought.has_value();
       const double over_100_s =
           walks && e.hundred_s.ending == walk::Ending::stands ? e.hundred_s.cot : kNothing;
-      Row row{"III", mode + ": " + c->what + ", cost of transport over 100 s", "",
+      Row row{"III", mode + ": " + c.what + ", cost of transport over 100 s", "",
               k == 1 && !charged ? "0.9" : "", over_100_s};
       row.remark =
           "Over 10 s " + (walks ? number(e.ten_s.cot, 3) : std::string("none within all limits")) + ".";
@@ -203,11 +201,6 @@ void add_rows(WalkReproduction& r) {
 }
 
 }  // namespace
-
-std::size_t WalkReproduction::count(Outcome outcome) const {
-  return static_cast<std::size_t>(
-      std::count_if(rows.begin(), rows.end(), [&](const Row& r) { return r.outcome == outcome; }));
-}
 
 WalkReproduction reproduce_000(const WalkStudyOptions& options) {
   const auto begin = std::chrono::steady_clock::now();
@@ -275,17 +268,8 @@ std::string to_json_text(const WalkReproduction& r) {
            {"case_steps", r.options.case_steps}};
   for (const Outcome o : {Outcome::met, Outcome::smaller, Outcome::explained, Outcome::differs,
                           Outcome::by_construction, Outcome::computed})
-    out["count"][name(o)] = r.count(o);
-  for (const Row& row : r.rows)
-    out["rows"].push_back(
-        {{"where", row.where},
-         {"what", row.what},
-         {"unit", row.unit},
-         {"published", row.published},
-         {"ours", finite(row.ours)},
-         {"accepted", row.accepted ? Json{row.accepted->low, row.accepted->high} : Json(nullptr)},
-         {"outcome", name(row.outcome)},
-         {"remark", row.remark}});
+    out["count"][name(o)] = count(r.rows, o);
+  for (const Row& row : r.rows) out["rows"].push_back(json_of(row));
   const auto balance = [&](const walk::EnergyBalance& e) {
     const auto one = [&](const walk::Rollout& t) {
       return Json{{"ending", walk::kEndingNames[static_cast<std::size_t>(t.ending)]},
@@ -327,24 +311,6 @@ std::string to_json_text(const WalkReproduction& r) {
 
 namespace {
 
-std::string rows_html(const std::vector<Row>& rows) {
-  report::Table t({{"Where"}, {"What"}, {"Printed", true}, {"Here", true}, {""}, {"Remark"}});
-  for (const Row& row : rows) {
-    const auto tone = row.outcome == Outcome::met         ? report::Tone::good
-                      : row.outcome == Outcome::explained ? report::Tone::notice
-                      : row.outcome == Outcome::differs   ? report::Tone::bad
-                                                          : report::Tone::neutral;
-    t.add({report::escape(row.where), report::escape(row.what), report::escape(row.published),
-           std::isfinite(row.ours)
-               ? number(row.ours, 4) +
-                     (row.unit.empty() ? "" : "&#8239;<small>" + report::escape(row.unit) + "</small>")
-               : std::string("none"),
-           report::badge(name(row.outcome), tone), report::escape(row.remark)},
-          row.outcome == Outcome::differs);
-  }
-  return t.html();
-}
-
 std::string cases_html(const StudiedWalk& w) {
   report::Table t({{"One thing otherwise"},
                    {"the same walk"},
@@ -382,19 +348,6 @@ std::string cases_html(const StudiedWalk& w) {
   return t.html();
 }
 
-std::string joints_html(const StudiedWalk& w) {
-  using namespace dynamics::biped;
-  report::Table t({{"Joint"}, {"copper, J", true}, {"work, J", true}, {"its positive parts, J", true}});
-  for (std::size_t i = 0; i < kJoints; ++i) {
-    const walk::JointEnergy& e = w.energy.joints[i];
-    t.add(
-        {walk::joint_in_words(i), number(e.copper_j, 3), number(e.work_j, 3), number(e.positive_work_j, 3)});
-  }
-  const walk::Rollout& r = w.energy.ten_s;
-  t.add({"All", number(r.copper_j, 4), number(r.work_j, 4), number(r.positive_work_j, 4)});
-  return t.html();
-}
-
 }  // namespace
 
 std::string render_walk_reproduction_report(const WalkReproduction& r, const std::string& command) {
@@ -412,10 +365,12 @@ std::string render_walk_reproduction_report(const WalkReproduction& r, const std
   report::Page page;
   page.title = "Document 000, reproduced";
   page.command = command;
-  const std::size_t printed = r.count(Outcome::met) + r.count(Outcome::explained) + r.count(Outcome::differs);
+  const std::size_t printed =
+      count(r.rows, Outcome::met) + count(r.rows, Outcome::explained) + count(r.rows, Outcome::differs);
   std::string energies, cases;
   for (const StudiedWalk& w : r.walks) {
-    energies += "<h3>" + report::escape(name_of(w.mode)) + ", 10 s</h3>\n" + joints_html(w);
+    energies += "<h3>" + report::escape(name_of(w.mode)) + ", 10 s</h3>\n" +
+                walk::motors_html(w.energy.joints, w.energy.ten_s);
     cases += "<h3>" + report::escape(name_of(w.mode)) + "</h3>\n" + cases_html(w);
   }
   report::Table omitted({{"Where"}, {"Printed"}, {""}, {"Why it is not computed"}});
@@ -424,10 +379,10 @@ std::string render_walk_reproduction_report(const WalkReproduction& r, const std
                  report::badge(name(o.because), report::Tone::neutral), report::escape(o.why)});
   page.body_html =
       "<header>\n<p class=\"eyebrow\">Semi-passive walk and active walk by one bipedal robot</p>\n<h1>Of " +
-      std::to_string(printed) + " printed figures " + std::to_string(r.count(Outcome::met)) + " are met, " +
-      std::to_string(r.count(Outcome::differs)) + " differ.</h1>\n</header>\n" +
+      std::to_string(printed) + " printed figures " + std::to_string(count(r.rows, Outcome::met)) +
+      " are met, " + std::to_string(count(r.rows, Outcome::differs)) + " differ.</h1>\n</header>\n" +
       report::section("table", "Printed and computed", rows_html(r.rows)) +
-      report::section("times", "Times, on this machine", r.times.empty() ? "" : rows_html(r.times)) +
+      report::section("times", "Times, on this machine", rows_html(r.times)) +
       report::section(
           "search", "Fig. 6: the search",
           report::line_plot_html({"The best objective so far", "time of one processor, s", objective}) +

@@ -56,8 +56,6 @@ struct WalkReproduction {
   std::vector<Row> times;  ///< what hangs on this machine, not in the JSON
   std::vector<Omission> omissions;
   double seconds = 0.0;
-
-  std::size_t count(Outcome outcome) const;
 };
 
 /// The same for any number of threads, but for the times. @throws core::DataError, and what walk::read_model throws.

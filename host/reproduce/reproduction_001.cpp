@@ -15,6 +15,7 @@
 #include "host/report/html.hpp"
 #include "host/report/line_plot.hpp"
 #include "host/report/page.hpp"
+#include "host/reproduce/rows.hpp"
 
 namespace furcula::reproduce {
 namespace {
@@ -132,11 +133,6 @@ void carry(const StudiedGait& from, StudiedGait& to) {
 }
 
 }  // namespace
-
-std::size_t GaitReproduction::count(Outcome outcome) const {
-  return static_cast<std::size_t>(
-      std::count_if(rows.begin(), rows.end(), [&](const Row& r) { return r.outcome == outcome; }));
-}
 
 GaitReproduction reproduce_001(const GaitStudyOptions& options) {
   const auto begin = std::chrono::steady_clock::now();
@@ -354,17 +350,8 @@ std::string to_json_text(const GaitReproduction& r) {
   Json out{{"schema", "furcula-reproduction/1"}, {"document", "001"}, {"seed", r.options.seed}};
   for (const Outcome o :
        {Outcome::met, Outcome::smaller, Outcome::explained, Outcome::differs, Outcome::computed})
-    out["count"][name(o)] = r.count(o);
-  for (const Row& row : r.rows)
-    out["rows"].push_back(
-        {{"where", row.where},
-         {"what", row.what},
-         {"unit", row.unit},
-         {"published", row.published},
-         {"ours", row.ours},
-         {"accepted", row.accepted ? Json{row.accepted->low, row.accepted->high} : Json(nullptr)},
-         {"outcome", name(row.outcome)},
-         {"remark", row.remark}});
+    out["count"][name(o)] = count(r.rows, o);
+  for (const Row& row : r.rows) out["rows"].push_back(json_of(row));
   for (const StudiedGait& g : r.gaits) {
     Json optima = Json::array();
     for (const gait::Optimum& o : g.optima) optima.push_back({{"cost", o.cost}, {"starts", o.starts}});
@@ -393,18 +380,6 @@ std::string to_json_text(const GaitReproduction& r) {
 }
 
 std::string render_gait_reproduction_report(const GaitReproduction& r, const std::string& command) {
-  report::Table figures({{"Where"}, {"What"}, {"Printed", true}, {"Here", true}, {""}, {"Remark"}});
-  for (const Row& row : r.rows) {
-    const auto tone = row.outcome == Outcome::met         ? report::Tone::good
-                      : row.outcome == Outcome::explained ? report::Tone::notice
-                      : row.outcome == Outcome::differs   ? report::Tone::bad
-                                                          : report::Tone::neutral;
-    figures.add({report::escape(row.where), report::escape(row.what), report::escape(row.published),
-                 number(row.ours, 4) +
-                     (row.unit.empty() ? "" : "&#8239;<small>" + report::escape(row.unit) + "</small>"),
-                 report::badge(name(row.outcome), tone), report::escape(row.remark)},
-                row.outcome == Outcome::differs);
-  }
   report::Table gaits({{"Gait"},
                        {"J", true},
                        {"COT", true},
@@ -481,14 +456,17 @@ std::string render_gait_reproduction_report(const GaitReproduction& r, const std
   page.title = "Document 001, reproduced";
   page.command = command;
   if (!strides.empty()) page.leg_json = gait::leg_data(r.gaits.front().machine, strides);
-  const std::size_t printed = r.rows.size() - r.count(Outcome::computed);
+  const std::size_t printed = r.rows.size() - count(r.rows, Outcome::computed);
   page.body_html =
       "<header>\n<p class=\"eyebrow\">On the energetics of a switchable parallel elastic actuator design for monopedal "
       "running</p>\n<h1>Of " +
-      std::to_string(printed) + " printed figures " + std::to_string(r.count(Outcome::met)) + " are met, " +
-      std::to_string(r.count(Outcome::explained)) + " differ for a reason that was computed" +
-      (r.count(Outcome::differs) == 0 ? "." : ", " + std::to_string(r.count(Outcome::differs)) + " differ.") +
-      "</h1>\n</header>\n" + report::section("table", "Printed and computed", figures.html()) +
+      std::to_string(printed) + " printed figures " + std::to_string(count(r.rows, Outcome::met)) +
+      " are met, " + std::to_string(count(r.rows, Outcome::explained)) +
+      " differ for a reason that was computed" +
+      (count(r.rows, Outcome::differs) == 0
+           ? "."
+           : ", " + std::to_string(count(r.rows, Outcome::differs)) + " differ.") +
+      "</h1>\n</header>\n" + report::section("table", "Printed and computed", rows_html(r.rows)) +
       (strides.empty() ? "" : report::section("leg", "The gaits", gait::leg_html())) +
       report::section("curves", "Figures 4 to 8", curves) +
       report::section("gaits", "Every gait", gaits.html());

@@ -38,8 +38,6 @@ struct GaitReproduction {
   std::vector<StudiedGait> gaits;
   std::vector<Row> rows;
   double seconds = 0.0;
-
-  std::size_t count(Outcome outcome) const;
 };
 
 /// The same for any number of processes, but for the time.

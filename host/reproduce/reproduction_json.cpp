@@ -1,6 +1,9 @@
 #include "host/reproduce/reproduction_json.hpp"
 
 #include <nlohmann/json.hpp>
+#include <utility>
+
+#include "host/reproduce/rows.hpp"
 
 namespace furcula::reproduce {
 namespace {
@@ -29,7 +32,7 @@ std::string to_json_text(const Reproduction& r) {
   Json out{{"schema", "furcula-reproduction/1"}, {"document", "002"}, {"seed", r.options.seed}};
   for (const Outcome o : {Outcome::met, Outcome::smaller, Outcome::explained, Outcome::differs,
                           Outcome::computed, Outcome::by_construction})
-    out["count"][name(o)] = r.count(o);
+    out["count"][name(o)] = count(r.rows, o);
   for (const Row& row : r.rows) {
     Json counterfactuals = Json::array();
     for (const Counterfactual& c : row.counterfactuals)
@@ -37,16 +40,9 @@ std::string to_json_text(const Reproduction& r) {
                                  {"value", c.value},
                                  {"unit", c.unit.empty() ? row.unit : c.unit},
                                  {"guessed", c.guessed}});
-    out["rows"].push_back(
-        {{"where", row.where},
-         {"what", row.what},
-         {"unit", row.unit},
-         {"published", row.published},
-         {"ours", row.ours},
-         {"accepted", row.accepted ? Json{row.accepted->low, row.accepted->high} : Json(nullptr)},
-         {"outcome", name(row.outcome)},
-         {"remark", row.remark},
-         {"counterfactuals", counterfactuals}});
+    Json out_row = json_of(row);
+    out_row["counterfactuals"] = counterfactuals;
+    out["rows"].push_back(std::move(out_row));
   }
   for (const Omission& o : r.omissions)
     out["omissions"].push_back(

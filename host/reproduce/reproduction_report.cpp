@@ -7,6 +7,7 @@
 #include "host/report/html.hpp"
 #include "host/report/line_plot.hpp"
 #include "host/report/page.hpp"
+#include "host/reproduce/rows.hpp"
 
 namespace furcula::reproduce {
 namespace {
@@ -16,34 +17,6 @@ using report::line_plot_html;
 using report::number;
 using report::Table;
 using report::Tone;
-
-Tone tone(Outcome o) {
-  switch (o) {
-    case Outcome::met:
-    case Outcome::smaller:
-      return Tone::good;
-    case Outcome::explained:
-      return Tone::notice;
-    case Outcome::differs:
-      return Tone::bad;
-    case Outcome::computed:
-    case Outcome::by_construction:
-      break;
-  }
-  return Tone::neutral;
-}
-
-std::string table(const Reproduction& r) {
-  Table t({{"Where"}, {"What"}, {"Printed"}, {"Accepted"}, {"Here", true}, {""}, {"Remark"}});
-  for (const Row& row : r.rows)
-    t.add({report::escape(row.where), report::escape(row.what), report::escape(row.published),
-           row.accepted ? number(row.accepted->low, 3) + " to " + number(row.accepted->high, 3) : "",
-           number(row.ours, 4) +
-               (row.unit.empty() ? "" : "&#8239;<small>" + report::escape(row.unit) + "</small>"),
-           report::badge(name(row.outcome), tone(row.outcome)), report::escape(row.remark)},
-          row.outcome == Outcome::differs);
-  return t.html();
-}
 
 /// What shows the reasons: each number again, one cause another.
 std::string causes_table(const Reproduction& r) {
@@ -303,17 +276,19 @@ std::string render_reproduction_report(const Reproduction& r, const std::string&
   report::Page page;
   page.title = "Document 002, reproduced";
   page.command = command;
-  const std::size_t put_in = r.count(Outcome::by_construction);
-  const std::size_t printed = r.rows.size() - r.count(Outcome::computed) - put_in;
+  const std::size_t put_in = count(r.rows, Outcome::by_construction);
+  const std::size_t printed = r.rows.size() - count(r.rows, Outcome::computed) - put_in;
   const IdentificationStudy& s = r.study;
   page.body_html =
       "<header>\n<p class=\"eyebrow\">Design and experimental verification of a clutched parallel elastic "
       "actuation mechanism for legged locomotion</p>\n<h1>Of " +
       std::to_string(printed) + " printed figures that were computed " +
-      std::to_string(r.count(Outcome::met)) + " are met, " + std::to_string(r.count(Outcome::smaller)) +
-      " errors are smaller, " + std::to_string(r.count(Outcome::explained)) +
-      " differ for a reason that was computed" +
-      (r.count(Outcome::differs) == 0 ? "." : ", " + std::to_string(r.count(Outcome::differs)) + " differ.") +
+      std::to_string(count(r.rows, Outcome::met)) + " are met, " +
+      std::to_string(count(r.rows, Outcome::smaller)) + " errors are smaller, " +
+      std::to_string(count(r.rows, Outcome::explained)) + " differ for a reason that was computed" +
+      (count(r.rows, Outcome::differs) == 0
+           ? "."
+           : ", " + std::to_string(count(r.rows, Outcome::differs)) + " differ.") +
       "</h1>\n<p>" + std::to_string(put_in) +
       " more come out by construction: they were put in, or chosen to come out so, and do not count. What is not "
       "computed is <a href=\"#omissions\">listed below</a>.</p>\n</header>\n" +
@@ -328,7 +303,7 @@ std::string render_reproduction_report(const Reproduction& r, const std::string&
             "1 kg, 40 ms after the release; printed 20 to 50 (by construction)"},
            {"Break-even", number(100.0 * r.energy.published.break_even_m, 3) + "&#8239;<small>cm</small>",
             "of contraction, by the document's accounting; printed near 10 (by construction)"}}) +
-      report::section("table", "Printed and computed", table(r)) +
+      report::section("table", "Printed and computed", rows_html(r.rows)) +
       report::section("causes", "Cause by cause", causes_table(r)) +
       report::section("omissions", "Not computed", omissions_table(r)) +
       report::section("chapter-3", "Chapter 3: the models", chapter_3(r)) +

@@ -4,6 +4,7 @@
 
 #include "host/core/message.hpp"
 #include "host/walk/search.hpp"
+#include "host/walk/walkers.hpp"
 
 namespace furcula::walk {
 
@@ -52,8 +53,8 @@ std::vector<EnergyCase> cases_of(const Description& robot, WalkMode mode) {
     out.push_back({std::move(what), r, m, false, {}, {}, {}});
   };
   add("as it is", robot, mode);
-  add("gear 500, the rotor's inertia as with 160", with_gear(robot, 500.0, false), mode);
-  add("gear 500, the rotor's inertia charged for", with_gear(robot, 500.0, true), mode);
+  add(std::string(kGear500), with_gear(robot, 500.0, false), mode);
+  add(std::string(kGear500Charged), with_gear(robot, 500.0, true), mode);
   add("winding of half the resistance", changed(robot, [](Description& r) { r.resistance_ohm *= 0.5; }),
       mode);
   add("rotor of half the inertia",

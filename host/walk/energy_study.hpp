@@ -6,10 +6,10 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "host/walk/walk_file.hpp"
-#include "host/walk/walkers.hpp"
 
 namespace furcula::walk {
 
@@ -21,6 +21,10 @@ struct EnergyBalance {
 };
 EnergyBalance energy_of(const dynamics::biped::Description& robot, const RolloutOptions& options,
                         const Parameters& walk);
+
+/// Cases that document 000 prints something of.
+inline constexpr std::string_view kGear500 = "gear 500, the rotor's inertia as with 160",
+                                  kGear500Charged = "gear 500, the rotor's inertia charged for";
 
 /// One thing otherwise.
 struct EnergyCase {

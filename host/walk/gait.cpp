@@ -25,7 +25,6 @@ namespace {
 constexpr std::size_t kSwingIntervals = 6, kBothIntervals = 1;
 constexpr double kRoom = 0.98;         // of limits, kept at the moments, so that they hold between them
 constexpr double kApartRoom_m = 0.02;  // what follows the gait is never quite on it
-constexpr double kG_mps2 = 9.8;        // of 000 eq. 1
 constexpr double kForce_n = 100.0;     // a wrench's coefficients in the programme are shares of this
 constexpr std::array<std::size_t, kJoints> kMirror{6, 7, 8, 9, 10, 11, 0, 1, 2, 3, 4, 5};
 
@@ -35,16 +34,6 @@ bool passive(WalkMode mode, std::size_t joint) {
 /// Of an angle in a mirror: yaw and roll change sign.
 double mirror_sign(std::size_t joint) {
   return DesignTopology::kAxes[joint % kLegJoints] == Axis::y ? 1.0 : -1.0;
-}
-double mass_kg(const Description& d) {
-  double m = d.pelvis.mass_kg;
-  for (const auto& leg : d.legs)
-    for (const LinkDescription& l : leg) m += l.mass_kg;
-  return m;
-}
-double heat_w_pnm2(const Description& d) {
-  const double nm_a_ampere = d.gear_ratio * d.torque_constant_nmpa;
-  return d.resistance_ohm / (nm_a_ampere * nm_a_ampere);
 }
 
 /// Gear friction, rounded where the joint turns back.
@@ -277,7 +266,7 @@ class StepProgramme {
   std::pair<std::shared_ptr<const Graph>, std::vector<Kind>> moment(bool both) const {
     std::vector<Kind> kinds;
     const WalkLimits& limits = task_.limits;
-    const double heat = heat_w_pnm2(d_), weight = mass_kg(d_) * kG_mps2;
+    const double heat = d_.copper_w_pnm2(), weight = d_.mass_kg() * kCotGravity_mps2;
     auto graph = std::make_shared<const Graph>(PhaseInputs::count(both), [&](const std::vector<Recorded>& x) {
       std::vector<Recorded> out;
       const auto put = [&](const Recorded& value, double scale, const char* what, double lower,
@@ -498,7 +487,7 @@ GaitFigures figures_of(const Description& robot, const GaitTask& task, const Gai
   out.height_m = out.apart_m = out.load_n = out.pressure_m = out.least_knee_rad = out.sole_m =
       std::numeric_limits<double>::infinity();
   const StanceDynamics<double> dynamics(robot);
-  const double heat = heat_w_pnm2(robot);
+  const double heat = robot.copper_w_pnm2();
   GaitTask bare = task;
   bare.sole_margin_m = 0.0;
   constexpr int kFine = 400;
@@ -539,7 +528,7 @@ GaitFigures figures_of(const Description& robot, const GaitTask& task, const Gai
       for (const double z : corners_m(robot, s)) out.sole_m = std::min(out.sole_m, z);
     }
   out.energy_j = out.work_j + out.copper_j + out.constant_j;
-  out.cot = out.energy_j / (mass_kg(robot) * kG_mps2 * gait.step_m);
+  out.cot = out.energy_j / (robot.mass_kg() * kCotGravity_mps2 * gait.step_m);
   return out;
 }
 

@@ -64,9 +64,9 @@ class Strider {
   bool stands_on_left_next() const { return !r_.walk_.on_left[0]; }
   double time_s() const { return r_.time_s_; }
   double energy_j() const {
-    return r_.work_ + r_.squares_ * r_.copper_factor() + r_.robot_.constant_power_w * r_.time_s_;
+    return r_.work_ + r_.squares_ * r_.robot_.copper_w_pnm2() + r_.robot_.constant_power_w * r_.time_s_;
   }
-  double weight_n() const { return r_.mass_kg_ * 9.8; }
+  double weight_n() const { return r_.mass_kg_ * kCotGravity_mps2; }
   dynamics::tree::Vec3<double> position_m() const { return r_.s_.position_m; }
 
   Vector state() const {

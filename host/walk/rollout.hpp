@@ -36,6 +36,7 @@ struct WalkLimits {
 };
 
 inline constexpr double kSoleMargin_m = 0.03;
+inline constexpr double kCotGravity_mps2 = 9.8;  ///< of 000 eq. 1
 
 struct RolloutOptions {
   WalkMode mode = WalkMode::active;
@@ -50,6 +51,11 @@ struct RolloutOptions {
   WalkLimits limits;
 
   double tick_s() const { return step_s * steps_a_tick; }
+};
+
+/// Of one joint's motor over a walk.
+struct JointEnergy {
+  double work_j = 0.0, positive_work_j = 0.0, copper_j = 0.0;
 };
 
 enum class Ending : std::uint8_t { stands, fell, range, collision };

@@ -146,14 +146,6 @@ std::string search_html(const std::vector<SearchPoint>& history) {
          report::line_plot_html({"Its cost of transport, where it walks", "time of one processor, s", {cot}});
 }
 
-std::string joints_html(const std::array<JointEnergy, kJoints>& joints) {
-  report::Table table({{"Motor"}, {"copper, J", true}, {"work, J", true}, {"its positive parts, J", true}});
-  for (std::size_t i = 0; i < kJoints; ++i)
-    table.add({joint_in_words(i), number(joints[i].copper_j, 3), number(joints[i].work_j, 3),
-               number(joints[i].positive_work_j, 3)});
-  return table.html();
-}
-
 std::string evidence_html(const Evidence& e) {
   report::Table table({{"Again in double"}, {"ends"}, {"m", true}, {"cost of transport", true}});
   for (const auto* trials : {&e.steps, &e.changed})
@@ -180,10 +172,19 @@ std::string evidence_html(const Evidence& e) {
 
 }  // namespace
 
-std::string joint_in_words(std::size_t i) {
-  std::string name(kLegJointNames[i % kLegJoints]);
-  std::replace(name.begin(), name.end(), '_', ' ');
-  return (i < kLegJoints ? "Left " : "Right ") + name;
+std::string motors_html(const std::array<JointEnergy, kJoints>& joints, const Rollout& all) {
+  report::Table table({{"Motor"}, {"copper, J", true}, {"work, J", true}, {"its positive parts, J", true}});
+  const auto row = [&](const std::string& name, double copper_j, double work_j, double positive_j) {
+    table.add({name, number(copper_j, 3), number(work_j, 3), number(positive_j, 3)});
+  };
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    std::string name(kLegJointNames[i % kLegJoints]);
+    std::replace(name.begin(), name.end(), '_', ' ');
+    row((i < kLegJoints ? "Left " : "Right ") + name, joints[i].copper_j, joints[i].work_j,
+        joints[i].positive_work_j);
+  }
+  row("All", all.copper_j, all.work_j, all.positive_work_j);
+  return table.html();
 }
 
 std::string mode_in_words(WalkMode mode) {
@@ -258,7 +259,7 @@ std::string render_walk_report(const Model& model, const RolloutOptions& options
                   "Drag turns the view, the wheel comes nearer.")) +
       report::section("curves", "Curves", plots(frames, semi)) +
       report::section("limits", "Limits", limits.html()) +
-      report::section("joints", "Energy by motor", joints_html(joints)) +
+      report::section("joints", "Energy by motor", motors_html(joints, r)) +
       (evidence ? report::section("evidence", "What it stands", evidence_html(*evidence)) : "") +
       (history.size() > 1 ? report::section("search", "The search", search_html(history)) : "");
   return report::render(page);

@@ -1,6 +1,7 @@
 // The page of a walk: the robot walking, what it costs, its margins to the limits, what it stands, and the search.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -12,8 +13,8 @@
 namespace furcula::walk {
 
 std::string mode_in_words(WalkMode mode);
-/// "Left hip pitch": of joint `i`, left then right.
-std::string joint_in_words(std::size_t i);
+/// Energy by motor, left then right, and of all of them: a table.
+std::string motors_html(const std::array<JointEnergy, dynamics::biped::kJoints>& joints, const Rollout& all);
 
 /// One HTML file that works offline. `history` is the search's, empty where there was none; `command` writes the page again.
 std::string render_walk_report(const Model& model, const RolloutOptions& options, const Parameters& walk,

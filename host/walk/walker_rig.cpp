@@ -38,7 +38,6 @@ WalkerRig::WalkerRig(const WalkerRigConfig& config)
   if (c_.seed) sensors_.emplace(SensorErrors{}, *c_.seed);
   Kinematics<double> k;
   kinematics<DesignTopology>(plant_, s_, k);
-  double mass_kg = c_.robot.pelvis.mass_kg;
   for (const std::size_t side : {kLeft, kRight}) {
     for (std::size_t i = 0; i < kVertices; ++i) {
       const auto& at = c_.robot.vertices_m[side][i];
@@ -47,10 +46,9 @@ WalkerRig::WalkerRig(const WalkerRigConfig& config)
     }
     for (std::size_t p = 0; p < kClutches; ++p)
       s_.rotors_rad[0][p].set(side, of(s_.q_rad, side * kLegJoints + kClutchJoints[p]));
-    for (const auto& link : c_.robot.legs[side]) mass_kg += link.mass_kg;
     if (c_.mode == WalkMode::semi_passive) set_mode(plant_, side, kHipClutch, Mode::passive, laws_, s_);
   }
-  normal_n_.fill(0.5 * mass_kg * c_.robot.gravity_mps2);
+  normal_n_.fill(0.5 * c_.robot.mass_kg() * c_.robot.gravity_mps2);
   acc_mps2_ = -transposed_times(rotation(s_.attitude), plant_.gravity_mps2);
 }
 

@@ -36,11 +36,6 @@ struct WalkMoment {
 
 class Strider;  // return_map.cpp
 
-/// Of one joint's motor over a walk.
-struct JointEnergy {
-  double work_j = 0.0, positive_work_j = 0.0, copper_j = 0.0;
-};
-
 /// T is a number in lanes, or double.
 template <class T>
 class Walkers {
@@ -67,9 +62,7 @@ class Walkers {
     if (o_.mode == WalkMode::semi_passive)
       for (const std::size_t side : {kLeft, kRight})
         set_mode(plant_, side, kHipClutch, Mode::passive, laws_, s_);
-    mass_kg_ = robot.pelvis.mass_kg;
-    for (const auto& leg : robot.legs)
-      for (const auto& link : leg) mass_kg_ += link.mass_kg;
+    mass_kg_ = robot.mass_kg();
   }
 
   /// What a robot's sensors make of a tick, before the filter and the controller see it.
@@ -89,7 +82,7 @@ class Walkers {
   /// Of run_one's robot, joints left then right. In double alone.
   std::array<JointEnergy, dynamics::biped::kJoints> joint_energy() const requires std::is_same_v<T, double> {
     auto out = ended_joints_;
-    for (JointEnergy& e : out) e.copper_j *= copper_factor();
+    for (JointEnergy& e : out) e.copper_j *= robot_.copper_w_pnm2();
     return out;
   }
 
@@ -369,15 +362,9 @@ class Walkers {
         const double w = watts[side], torque = nm[side];
         e.work_j += w * o_.step_s;
         e.positive_work_j += std::fmax(w, 0.0) * o_.step_s;
-        e.copper_j += torque * torque * o_.step_s;  // by copper_factor when it is asked for
+        e.copper_j += torque * torque * o_.step_s;  // by copper_w_pnm2 when it is asked for
       }
   }
-  /// (N m)^2 s at the joint to J in the winding.
-  double copper_factor() const {
-    const double nm_a_ampere = robot_.gear_ratio * robot_.torque_constant_nmpa;
-    return robot_.resistance_ohm / (nm_a_ampere * nm_a_ampere);
-  }
-
   /// Of the capture point, seen along the world's axes from the middle of the ankles, as if the feet stood side by side.
   double outside_of_soles(const dynamics::biped::State<double>& s,
                           const dynamics::biped::Totals<double>& sums) const {
@@ -407,7 +394,7 @@ class Walkers {
     r.torque_nm = plain(torque_, lane), r.speed_radps = plain(speed_, lane),
     r.moment_nm = plain(moment_, lane);
     r.work_j = plain(work_, lane), r.positive_work_j = plain(positive_, lane);
-    r.copper_j = plain(squares_, lane) * copper_factor();
+    r.copper_j = plain(squares_, lane) * robot_.copper_w_pnm2();
     r.constant_j = robot_.constant_power_w * r.time_s;
     r.landings = walk_.steps[lane];
     r.steps = static_cast<std::uint64_t>(std::llround(r.time_s / o_.step_s));
@@ -429,7 +416,7 @@ class Walkers {
          {r.torque_nm / m.torque_nm, r.speed_radps / m.speed_radps, r.moment_nm / m.moment_nm})
       if (!(share <= 1.0)) r.over += share - 1.0;
     if (!(r.outside_m <= 0.0)) r.over += r.outside_m / 0.1;
-    if (r.distance_m > 0.0) r.cot = r.energy_j() / (mass_kg_ * 9.8 * r.distance_m);  // g of 000 eq. 1
+    if (r.distance_m > 0.0) r.cot = r.energy_j() / (mass_kg_ * kCotGravity_mps2 * r.distance_m);
     return r;
   }
 

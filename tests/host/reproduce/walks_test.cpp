@@ -4,19 +4,11 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/host/cli/run_program.hpp"
+#include "tests/host/walk/files.hpp"
 #include "tests/paths.hpp"
 
 using namespace furcula;
 using Catch::Contains;
-
-namespace {
-
-std::string text_of(const std::string& path) {
-  std::ifstream file(path);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
-}  // namespace
 
 TEST_CASE("reproduce 000 puts walks beside the printed figures, and says which it does not reach") {
   test::TemporaryFolder folder;
@@ -32,7 +24,7 @@ TEST_CASE("reproduce 000 puts walks beside the printed figures, and says which i
   // These walks are cheap to find, and dearer than the document's.
   CHECK(ran.status == 4);
   CHECK_THAT(ran.err, Contains("differ without a reason"));
-  const auto j = nlohmann::json::parse(text_of(folder.path() + "/reproduction.json"));
+  const auto j = test::json_of(folder.path() + "/reproduction.json");
   CHECK(j["document"] == "000");
   const auto row = [&](const std::string& what) {
     for (const auto& r : j["rows"])
@@ -57,9 +49,10 @@ TEST_CASE("reproduce 000 puts walks beside the printed figures, and says which i
   const double copper = active["cases"][0]["same"]["10_s"]["copper_j"],
                geared = active["cases"][1]["same"]["10_s"]["copper_j"];
   CHECK(geared == Approx(copper * 160.0 * 160.0 / (500.0 * 500.0)).epsilon(1e-9));
-  CHECK_THAT(text_of(folder.path() + "/report.html"), Contains("active.html") && Contains("Energy by joint"));
-  CHECK_THAT(text_of(folder.path() + "/semi_passive.html"), Contains("Semi-passive walk"));
-  CHECK_THAT(text_of(folder.path() + "/active.toml"), Contains("mode = \"active\""));
+  CHECK_THAT(test::text_of(folder.path() + "/report.html"),
+             Contains("active.html") && Contains("Energy by joint"));
+  CHECK_THAT(test::text_of(folder.path() + "/semi_passive.html"), Contains("Semi-passive walk"));
+  CHECK_THAT(test::text_of(folder.path() + "/active.toml"), Contains("mode = \"active\""));
 }
 
 TEST_CASE("reproduce 000 without a robot, and with another robot's walk, says so") {
@@ -67,7 +60,7 @@ TEST_CASE("reproduce 000 without a robot, and with another robot's walk, says so
   const test::Ran none = test::run_furcula({"reproduce", "000", "--out", folder.path()});
   CHECK(none.status == 2);
   CHECK_THAT(none.err, Contains("--model"));
-  std::string text = text_of(test::source("tests/host/walk/active_walk.toml"));
+  std::string text = test::text_of(test::source("tests/host/walk/active_walk.toml"));
   text.replace(text.find("furcula_biped"), 13, "another_robot");
   const test::Ran other =
       test::run_furcula({"reproduce", "000", "--model", test::source("models/biped/biped.toml"), "--walk",

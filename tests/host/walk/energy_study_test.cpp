@@ -23,7 +23,20 @@ TEST_CASE("the joints' energies sum up to the walk's, those of motors that follo
     CHECK(positive == Approx(e.ten_s.positive_work_j).epsilon(1e-9));
     CHECK(copper == Approx(e.ten_s.copper_j).epsilon(1e-9));
     CHECK(e.hundred_s.time_s <= Approx(100.0));
-    if (walk.mode == WalkMode::active) CHECK(e.joints[2].copper_j > 100.0);
+    if (walk.mode == WalkMode::active) {
+      CHECK(e.joints[2].copper_j > 100.0);
+      continue;
+    }
+    // A passive hip's motor is off, unless it is to follow: then it moves its own inertia and friction.
+    CHECK(e.joints[2].copper_j == 0.0);
+    CHECK(e.joints[8].work_j == 0.0);
+    options.hips_follow = true;
+    const EnergyBalance follows = energy_of(robot, options, walk.parameters);
+    CHECK(follows.joints[2].copper_j > 10.0);
+    CHECK(follows.ten_s.distance_m == e.ten_s.distance_m);
+    CHECK(follows.ten_s.energy_j() - e.ten_s.energy_j() ==
+          Approx(follows.joints[2].copper_j + follows.joints[2].work_j + follows.joints[8].copper_j +
+                 follows.joints[8].work_j));
   }
 }
 

@@ -6,19 +6,13 @@
 #include <vector>
 
 #include "tests/host/cli/run_program.hpp"
+#include "tests/host/walk/files.hpp"
 #include "tests/paths.hpp"
 
 using namespace furcula;
 using Catch::Matchers::Contains;
 
 namespace {
-
-std::string text_of(const std::string& path) {
-  std::ifstream file(path);
-  return std::string(std::istreambuf_iterator<char>(file), {});
-}
-
-nlohmann::json json_of(const std::string& path) { return nlohmann::json::parse(text_of(path)); }
 
 /// As root too, and with more ranks than processors.
 test::Ran mpirun(std::vector<std::string> arguments) {
@@ -47,7 +41,7 @@ TEST_CASE("one seed gives one walk on any number of MPI ranks, the one of furcul
   std::vector<std::string> alone = search("700000", folder.path() + "/alone");
   alone.erase(alone.begin());
   CHECK(test::run_furcula(alone).status == 4);  // too few steps for a walk
-  const std::string walk = text_of(folder.path() + "/alone/walk.toml");
+  const std::string walk = test::text_of(folder.path() + "/alone/walk.toml");
   CHECK(walk.size() > 1000);
   for (const char* ranks : {"1", "2", "4"}) {
     std::vector<std::string> arguments = search("700000", folder.path() + "/" + ranks);
@@ -55,9 +49,9 @@ TEST_CASE("one seed gives one walk on any number of MPI ranks, the one of furcul
     const test::Ran ran = mpirun(arguments);
     INFO(ranks << " ranks: " << ran.err);
     CHECK_THAT(ran.err, Contains("no walk within all limits that gets ahead was found in this budget"));
-    CHECK(text_of(folder.path() + "/" + ranks + "/walk.toml") == walk);
-    CHECK(json_of(folder.path() + "/" + ranks + "/walk.json")["rollouts"] ==
-          json_of(folder.path() + "/alone/walk.json")["rollouts"]);
+    CHECK(test::text_of(folder.path() + "/" + ranks + "/walk.toml") == walk);
+    CHECK(test::json_of(folder.path() + "/" + ranks + "/walk.json")["rollouts"] ==
+          test::json_of(folder.path() + "/alone/walk.json")["rollouts"]);
   }
 }
 
@@ -79,14 +73,14 @@ TEST_CASE(
   INFO(died.out << died.err);
   CHECK(died.status > 0);
   CHECK_THAT(died.out + died.err, Contains("rank 1") && Contains("signal 9"));
-  CHECK_FALSE(text_of(out + "/search.checkpoint").empty());
+  CHECK_FALSE(test::text_of(out + "/search.checkpoint").empty());
 
   std::vector<std::string> on = search("100000", folder.path() + "/on");
   on.erase(on.begin());
   on.insert(on.end(), {"--resume", out + "/search.checkpoint"});
   const test::Ran ran = test::run_furcula(on);
   CHECK_THAT(ran.err, Contains("goes on after") && Contains("another build"));
-  CHECK(json_of(folder.path() + "/on/walk.json")["steps"].get<double>() >= 100000);
+  CHECK(test::json_of(folder.path() + "/on/walk.json")["steps"].get<double>() >= 100000);
 }
 
 TEST_CASE("a mistake ends every rank") {

@@ -66,3 +66,24 @@ TEST_CASE("a search from a walk begins with it, and looks near it") {
   // A joint's targets are still about those of the walk.
   CHECK(std::abs(more.walk.up_s - options.start->up_s) < 0.2);
 }
+
+TEST_CASE("from steps on the spot a search soon gets ahead within all limits, whatever its seed and mode") {
+  const auto robot = dynamics::biped::design();
+  for (const WalkMode mode : {WalkMode::active, WalkMode::semi_passive})
+    for (const std::uint64_t seed : {11u, 12u, 13u}) {
+      SearchOptions options;
+      options.rollout.mode = mode;
+      options.seed = seed;
+      options.steps = 20'000'000;  // some 4 s of a processor
+      options.threads = 2;
+      // The first walk ends it.
+      bool found = false;
+      options.interrupted = [&] { return found; };
+      options.keep_every_s = 0.0;
+      options.keep = [&](const SearchState& state) { found = state.first_walk.has_value(); };
+      const SearchResult r = search_walk(robot, options);
+      INFO(kModeNames[static_cast<std::size_t>(mode)] << ", seed " << seed);
+      REQUIRE(r.state.first_walk);
+      CHECK(r.state.first_walk->objective < 1.0);
+    }
+}

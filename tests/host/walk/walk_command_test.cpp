@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/host/cli/run_program.hpp"
+#include "tests/host/walk/files.hpp"
 #include "tests/host/walk/walks.hpp"
 #include "tests/paths.hpp"
 #include "tests/skip.hpp"
@@ -16,12 +17,6 @@ namespace {
 
 const std::string kModel = test::source("models/biped/biped.toml");
 
-nlohmann::json json_of(const std::string& path) {
-  nlohmann::json j;
-  std::ifstream(path) >> j;
-  return j;
-}
-
 }  // namespace
 
 TEST_CASE(
@@ -32,7 +27,7 @@ TEST_CASE(
       test::run_furcula({"walk", "search", "--model", kModel, "--steps", "400000", "--out", out});
   CHECK(few.status == 4);
   CHECK_THAT(few.err, Contains("no walk within all limits that gets ahead"));
-  const auto none = json_of(out + "/walk.json");
+  const auto none = test::json_of(out + "/walk.json");
   CHECK(none["found"] == false);
   CHECK(none["first_walk"].is_null());
   CHECK_FALSE(none["limits"].empty());
@@ -44,7 +39,7 @@ TEST_CASE(
   REQUIRE(ran.status == 0);
   CHECK_THAT(ran.out, Contains("first walk of 10 s within all limits") && Contains("cost of transport") &&
                           Contains("of 64 stand"));
-  const auto j = json_of(out + "/walk.json");
+  const auto j = test::json_of(out + "/walk.json");
   CHECK(j["schema"] == "furcula-walk/1");
   CHECK(j["mode"] == "active");
   CHECK(j["method"] == "cmaes");
@@ -86,10 +81,6 @@ TEST_CASE(
     "a search that is interrupted leaves its best so far, and goes on to the walk that it finds without") {
   test::TemporaryFolder folder;
   const std::string out = folder.path() + "/out", whole = folder.path() + "/whole";
-  const auto text_of = [](const std::string& path) {
-    std::ifstream file(path);
-    return std::string(std::istreambuf_iterator<char>(file), {});
-  };
   const std::vector<std::string> one{"walk", "search", "--model", kModel,   "--seed",
                                      "3",    "--mode", "active",  "--steps"};
   const auto with = [&](std::vector<std::string> more) {
@@ -104,9 +95,9 @@ TEST_CASE(
   CHECK_THAT(ended.out,
              Contains("interrupted; the same command with --resume " + out + "/search.checkpoint"));
   CHECK_THAT(ended.err, Contains("before the interruption"));
-  CHECK(text_of(out + "/walk.toml").size() > 1000);
-  CHECK(text_of(out + "/report.html").size() > 10000);
-  const auto interrupted = json_of(out + "/walk.json");
+  CHECK(test::text_of(out + "/walk.toml").size() > 1000);
+  CHECK(test::text_of(out + "/report.html").size() > 10000);
+  const auto interrupted = test::json_of(out + "/walk.json");
   CHECK(interrupted["ended"] == "interrupted");
 
   const auto steps = std::to_string(interrupted["steps"].get<std::uint64_t>() + 600'000);
@@ -115,8 +106,8 @@ TEST_CASE(
       test::run_furcula(with({steps, "--threads", "2", "--resume", checkpoint, "--out", out}));
   CHECK_THAT(on.err, Contains("goes on after"));
   test::run_furcula(with({steps, "--threads", "1", "--out", whole}));
-  CHECK(text_of(out + "/walk.toml") == text_of(whole + "/walk.toml"));
-  auto a = json_of(out + "/walk.json"), b = json_of(whole + "/walk.json");
+  CHECK(test::text_of(out + "/walk.toml") == test::text_of(whole + "/walk.toml"));
+  auto a = test::json_of(out + "/walk.json"), b = test::json_of(whole + "/walk.json");
   CHECK(a["ended"] == "budget");
   for (auto* j : {&a, &b}) {
     // Times differ.

@@ -5,6 +5,7 @@
 
 #include "host/walk/walk_file.hpp"
 #include "tests/host/cli/run_program.hpp"
+#include "tests/host/walk/files.hpp"
 #include "tests/host/walk/walks.hpp"
 #include "tests/paths.hpp"
 
@@ -14,12 +15,6 @@ using Catch::Matchers::Contains;
 namespace {
 
 const std::string kModel = test::source("models/biped/biped.toml");
-
-nlohmann::json json_of(const std::string& path) {
-  nlohmann::json j;
-  std::ifstream(path) >> j;
-  return j;
-}
 
 }  // namespace
 
@@ -31,7 +26,7 @@ TEST_CASE("furcula walk gait writes a gait's figures and a walk to start a searc
   INFO(ran.err);
   REQUIRE(ran.status == 0);
   CHECK_THAT(ran.out, Contains("cost of transport") && Contains("at 0.300 m/s") && Contains("--from"));
-  const auto j = json_of(out + "/gait.json");
+  const auto j = test::json_of(out + "/gait.json");
   CHECK(j["schema"] == "furcula-walk-gait/1");
   CHECK(j["found"] == true);
   CHECK(j["speed_mps"].get<double>() == Approx(0.3));
@@ -50,7 +45,7 @@ TEST_CASE("a search that starts from a walk has it from its first generations on
                                  "--steps", "2000000", "--out",   folder.path()};
     all.insert(all.end(), more.begin(), more.end());
     test::run_furcula(all, 120);
-    return json_of(folder.path() + "/walk.json")["objective"].get<double>();
+    return test::json_of(folder.path() + "/walk.json")["objective"].get<double>();
   };
   CHECK(objective({"--from", walk}) < objective({}));
 }
@@ -67,7 +62,7 @@ TEST_CASE("where no gait is found furcula walk gait says what stands against it"
       test::run_furcula({"walk", "gait", "--model", weak, "--out", folder.path() + "/out"}, 240);
   CHECK(ran.status == 4);
   CHECK_THAT(ran.err, Contains("no gait was found") && Contains("the pelvis' height"));
-  CHECK(json_of(folder.path() + "/out/gait.json")["found"] == false);
+  CHECK(test::json_of(folder.path() + "/out/gait.json")["found"] == false);
   const test::Ran fast = test::run_furcula(
       {"walk", "gait", "--model", kModel, "--speed-mps", "50", "--out", folder.path() + "/out"});
   CHECK(fast.status == 2);

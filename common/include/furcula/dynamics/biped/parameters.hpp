@@ -56,6 +56,18 @@ struct Description {
   double creep_radps;  ///< below which gear friction is a damper
   double gravity_mps2;
   double slope_x_rad, slope_y_rad;  ///< ground against the level: R_lg = Ry(slope_y) Rx(slope_x)
+
+  constexpr double mass_kg() const {
+    double out = pelvis.mass_kg;
+    for (const auto& leg : legs)
+      for (const LinkDescription& link : leg) out += link.mass_kg;
+    return out;
+  }
+  /// Heat of a motor's winding over the square of its torque at the joint, W/(N m)^2 (document 000, eq. 1).
+  constexpr double copper_w_pnm2() const {
+    const double nm_a_ampere = gear_ratio * torque_constant_nmpa;
+    return resistance_ohm / (nm_a_ampere * nm_a_ampere);
+  }
 };
 
 /// Acceleration of free fall in the ground's frame: R_lg' (0, 0, -g).
