@@ -20,7 +20,7 @@ class Strider {
   using Robot = Walkers<double>;
   using Vector = Eigen::VectorXd;
   static constexpr Eigen::Index kBias = 3 + 6 + 2 * kJoints + 4 * kVertices + 2;
-  static constexpr Eigen::Index kSize = kBias + 3 + kJoints;
+  static constexpr Eigen::Index kSize = kBias + 3 + kJoints + 3;
 
   Strider(const Description& robot, const RolloutOptions& options, const Parameters& walk, int strides)
       : r_(robot, robot, options), step_s_(options.step_s), steps_(2 * strides) {
@@ -41,27 +41,29 @@ class Strider {
       if (!step()) return false;
     return true;
   }
-  /// To the next landing.
+  /// Through a landing, to where the other leg begins to come down.
   bool step() {
-    // From a section the landing is still to be acted upon, by the first tick.
-    const std::uint32_t before = r_.walk_.steps[0] + (at_landing_ ? 1u : 0u);
-    at_landing_ = false;
-    Robot last = r_, one_before = r_;
-    for (const double begun_s = r_.time_s_; r_.time_s_ - begun_s < kLongest_s;) {
-      one_before = std::exchange(last, r_);
+    const std::uint32_t before = r_.walk_.steps[0];
+    std::vector<Robot> past(3, r_);  // before the last three ticks, in turn
+    bool landed = false;
+    const double begun_s = r_.time_s_;
+    for (std::size_t n = 0; r_.time_s_ - begun_s < kLongest_s; ++n) {
+      if (!landed) past[n % 3] = r_;
       r_.tick();
+      if (!landed && r_.walk_.steps[0] > before) {
+        // The tick that acted upon the landing began at it.
+        r_ = past[n % 3];
+        locate(past[(n + 1) % 3], past[(n + 2) % 3]);
+        r_.tick();
+        landed = true;
+      }
       if (r_.off_ > 0.5) return false;
-      if (r_.walk_.steps[0] <= before) continue;
-      // The tick that acted upon the landing began at it. The one before is cut.
-      r_ = last;
-      locate(one_before);
-      at_landing_ = true;
-      return true;
+      if (landed && r_.walk_.phase[0] == control::WalkPhase::down) return true;
     }
     return false;
   }
 
-  bool stands_on_left_next() const { return !r_.walk_.on_left[0]; }
+  bool stands_on_left() const { return r_.walk_.on_left[0]; }
   double time_s() const { return r_.time_s_; }
   double energy_j() const {
     return r_.work_ + r_.squares_ * r_.robot_.copper_w_pnm2() + r_.robot_.constant_power_w * r_.time_s_;
@@ -92,24 +94,37 @@ class Strider {
  private:
   static constexpr double kLongest_s = 5.0;  ///< of a step
 
-  /// The tick to the landing is cut where the foot's force crosses its threshold. A step that ends by its time ends where it ended.
-  void locate(const Robot& last) {
+  /// A tick tells the force of where it began. So the one before the last is cut, that from `first` to `second`: where it ends the foot's force
+  /// crosses its threshold. A step that ends by a time ends where it ended.
+  void locate(const Robot& first, const Robot& second) {
     const std::size_t foot = r_.walk_.on_left[0] ? kRight : kLeft;
     const double threshold_n = r_.o_.foot_threshold_n;
-    const auto carries = [&](double h_s) {
-      Robot one = last;
+    if (second.normal_n_[foot] >= threshold_n || r_.normal_n_[foot] <= threshold_n) return;
+    const auto cut = [&](double h_s) {
+      Robot one = first;
       one.o_.step_s = h_s;
       one.tick();
-      return std::pair(one.normal_n_[foot] - threshold_n, one);
+      one.o_.step_s = step_s_;
+      one.tick();
+      return one;
     };
-    if (last.normal_n_[foot] >= threshold_n || r_.normal_n_[foot] <= threshold_n) return;
+    // The Illinois rule: an end that has stayed twice counts half.
     double low = 0.0, high = step_s_;
-    for (int k = 0; k < 50 && high - low > 1e-15; ++k) {
-      const double middle = 0.5 * (low + high);
-      (carries(middle).first > 0.0 ? high : low) = middle;
+    double below_n = second.normal_n_[foot] - threshold_n, above_n = r_.normal_n_[foot] - threshold_n;
+    double off_n = above_n;
+    bool was_above = false;
+    for (int k = 0; k < 60 && high - low > 1e-16 && !(was_above && off_n < 1e-10); ++k) {
+      const double h_s = low + std::clamp(below_n / (below_n - above_n), 0.01, 0.99) * (high - low);
+      const double over_n = cut(h_s).normal_n_[foot] - threshold_n;
+      const bool above = over_n > 0.0;
+      if (above && k > 0 && was_above) below_n *= 0.5;
+      if (!above && k > 0 && !was_above) above_n *= 0.5;
+      (above ? high : low) = h_s;
+      (above ? above_n : below_n) = over_n;
+      was_above = above;
+      off_n = over_n;
     }
-    r_ = carries(high).second;
-    r_.o_.step_s = step_s_;
+    r_ = cut(high);
   }
 
   /// Each number of the state goes through f and becomes what that gives.
@@ -157,12 +172,13 @@ class Strider {
       one(here);
       set_joint<double>(r_.walk_.from_rad, i, here - rest);
     }
+    // What the accelerometer has felt and the filter has not been told yet.
+    for (double* a : {&r_.acc_mps2_.x, &r_.acc_mps2_.y, &r_.acc_mps2_.z}) one(*a);
   }
 
   Robot r_;
   double step_s_;
   int steps_;
-  bool at_landing_ = false;
 };
 
 namespace {
@@ -172,8 +188,8 @@ using Matrix = Eigen::MatrixXd;
 
 constexpr int kStridesBefore = 12;
 constexpr int kMostNewton = 30;
-constexpr double kClosed = 1e-8;
-constexpr double kDifference = 1e-6;  // of a state, SI units
+constexpr double kClosed = 5e-8;
+constexpr double kDifference = 1e-7;  // of a state, SI units
 
 /// Columns by one stride each, from where `s` is.
 std::optional<Matrix> derivatives(const Strider& s) {
@@ -225,7 +241,7 @@ ReturnMap return_map_of(const Description& robot, const RolloutOptions& options,
   };
   do {
     if (!s.step()) return fell();
-  } while (!s.stands_on_left_next());
+  } while (!s.stands_on_left());
   for (int k = 0; k < kStridesBefore; ++k)
     if (!s.stride()) return fell();
 

@@ -3,7 +3,8 @@
 // With sink d = -x_z, velocity u and anchor a of a vertex:
 //   N = d > 0 ? max(0, kn d - dn u_z min(1, d/d0)) : 0       no jump at touch-down, no pull at lift-off
 //   t = kt (a - x_xy) - dt u_xy;  F = t min(1, mu N / |t|),  |t| = sqrt(t.t + 1e-12)
-//   a <- d > 0 ? x_xy + (F + dt u_xy) / kt : x_xy            stays while it sticks, is dragged in slip, follows in the air
+//   a <- x_xy + (F + dt u_xy) / kt                           stays while it sticks, is dragged in slip
+// In the air F = 0: the anchor is where the friction is none, as it is in the limit of a touch-down (docs/decisions/0034).
 #pragma once
 
 #include "furcula/dynamics/biped/forward_dynamics.hpp"
@@ -32,9 +33,7 @@ FURCULA_INLINE VertexForce<L> vertex_force(const Ground<L>& g, const L& inverse_
   const L size = square_root(L(tx * tx + ty * ty + V(1e-12)));
   const L share = smaller(L(g.friction * n / size), one);
   const L fx = tx * share, fy = ty * share;
-  return {{fx, fy, n},
-          {select(touches, L(x.x + (fx + ux) * inverse_shear), x.x),
-           select(touches, L(x.y + (fy + uy) * inverse_shear), x.y)}};
+  return {{fx, fy, n}, {x.x + (fx + ux) * inverse_shear, x.y + (fy + uy) * inverse_shear}};
 }
 
 /// Of each leg.
