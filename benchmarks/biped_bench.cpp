@@ -5,7 +5,9 @@
 // (-march=x86-64-v3 -mno-fma: of 4 doubles). Neither contracts, so that both give the same bits.
 #include <benchmark/benchmark.h>
 
+#include <cmath>
 #include <string>
+#include <type_traits>
 
 #include "furcula/dynamics/biped/design.hpp"
 #include "furcula/dynamics/biped/step.hpp"
@@ -39,10 +41,26 @@ void count_robots(benchmark::State& state) {
       benchmark::Counter(static_cast<double>(state.iterations()) * robots<T>(), benchmark::Counter::kIsRate);
 }
 
+/// The design, and its joints turned against their parents by angles as a URDF may have them.
 template <class T>
+TurnedParameters<T> turned_design() {
+  furcula::dynamics::biped::JointFrames frames;
+  const double c = std::cos(0.3), s = std::sin(0.3);
+  for (auto& leg : frames) leg.fill({{c, s * c, s * s}, {-s, c * c, s * c}, {0.0, -s, c}});
+  return {design(), frames};
+}
+
+/// kTurned: with general frames, anywhere in their parents.
+template <class T, bool kTurned>
 void biped_forward(benchmark::State& state) {
-  state.SetLabel("accelerations of the biped, turns and velocities included" + of_lanes<T>());
-  const Parameters<T> p(design());
+  state.SetLabel((kTurned ? "the same with joints turned anyhow and anywhere in their parents"
+                          : "accelerations of the biped, turns and velocities included") +
+                 of_lanes<T>());
+  using Topology = std::conditional_t<kTurned, AnywhereTopology, DesignTopology>;
+  const std::conditional_t<kTurned, TurnedParameters<T>, Parameters<T>> p = [] {
+    if constexpr (kTurned) return turned_design<T>();
+    if constexpr (!kTurned) return Parameters<T>(design());
+  }();
   const JointLaws<T> laws = active_laws(p);
   State<T> s;
   Actions<T> act{};
@@ -60,17 +78,49 @@ void biped_forward(benchmark::State& state) {
   Kinematics<T> k;
   Accelerations<T> out;
   for (auto _ : state) {
-    kinematics<DesignTopology>(p, s, k);
-    forward_dynamics<DesignTopology>(p, s, k, act, out);
+    kinematics<Topology>(p, s, k);
+    forward_dynamics<Topology>(p, s, k, act, out);
     benchmark::DoNotOptimize(out);
     s.q_rad[0][0] +=
         out.qdd_radps2[0][0] * static_cast<ValueOf<T>>(1e-9);  // so that no call is the last one's
   }
   count_robots<T>(state);
 }
-BENCHMARK(biped_forward<double>)->Name("biped_accelerations");
-BENCHMARK(biped_forward<Lanes<double, 4>>)->Name("biped_accelerations/4_double");
-BENCHMARK(biped_forward<Lanes<float, 8>>)->Name("biped_accelerations/8_float");
+BENCHMARK(biped_forward<double, false>)->Name("biped_accelerations");
+BENCHMARK(biped_forward<double, true>)->Name("biped_accelerations_turned");
+BENCHMARK(biped_forward<Lanes<double, 4>, false>)->Name("biped_accelerations/4_double");
+BENCHMARK(biped_forward<Lanes<float, 8>, false>)->Name("biped_accelerations/8_float");
+
+/// Drives, accelerations and integration of a robot with turned joints, its 8 vertices 1 mm in the ground at the start of each step.
+void biped_step_turned(benchmark::State& state) {
+  state.SetLabel(
+      "a step on 8 vertices with joints turned anyhow and anywhere in their parents, drives included");
+  // The soles are level: what turns a joint is turned back by the next.
+  furcula::dynamics::biped::JointFrames frames;
+  const double c = std::cos(0.3), s = std::sin(0.3);
+  for (auto& leg : frames)
+    for (std::size_t j = 0; j < kLegJoints; ++j) {
+      const double t = j % 2 == 0 ? s : -s;
+      leg[j] = {{1.0, 0.0, 0.0}, {0.0, c, t}, {0.0, -t, c}};
+    }
+  const TurnedParameters<double> p(design(), frames);
+  const JointLaws<double> laws = active_laws(p);
+  const Commands<double> straight;
+  State<double> begin;
+  Kinematics<double> k;
+  kinematics<AnywhereTopology>(p, begin, k);
+  begin.position_m.z = -(k.legs[0].foot_position_m.z[0] + p.vertices_m[0][0].z[0]) - 1e-3;
+  StepReport<double> report;
+  State<double> now = begin;
+  for (auto _ : state) {
+    now = begin;
+    step<false, AnywhereTopology>(p, laws, straight, kStep_s, now, report);
+    benchmark::DoNotOptimize(now);
+  }
+  if (report.contact.normal_n[0][0] < 100.0) state.SkipWithError("the feet do not carry");
+  count_robots<double>(state);
+}
+BENCHMARK(biped_step_turned);
 
 /// Stands: drives, 8 vertices in contact, accelerations, integration.
 template <class T, bool kSwitched>

@@ -15,10 +15,8 @@ using namespace furcula::test;
 namespace {
 
 /// The largest error of the torques that inverse dynamics asks for at the biped's accelerations, over the largest term.
-template <class Topology>
-double inverse_dynamics_error(Random& r, const biped::Description& d) {
-  const Tree18 tree = as_tree(d);
-  const biped::Parameters<double> p(d);
+template <class Topology, class P>
+double inverse_dynamics_error(Random& r, const biped::Description& d, const Tree18& tree, const P& p) {
   const Coordinates c = random_coordinates(r);
   const auto torque = random_torques(r, 200.0);
   const auto a = biped::accelerations<Topology>(p, state_of(c), in_flight(d, torque));
@@ -38,6 +36,19 @@ biped::JointLaws<double> limp(const biped::Parameters<double>& p) {
   for (auto& l : laws[0])
     l.kp_nmprad = l.kd_nmsprad = l.damping_nmspr = l.friction_nm = dynamics::Lanes<double, 2>(0.0);
   return laws;
+}
+
+/// The design with other links, their joints anywhere in their parents.
+biped::Description any_robot(Random& r) {
+  biped::Description d = biped::design();
+  for (auto& leg : d.legs)
+    for (auto& l : leg) {
+      const Vec3<double> aside = r.vector(0.1), c = r.vector(0.1);
+      l.offset_m += aside;
+      l.centre_m += c;
+      l.mass_kg *= r.within(0.5, 2.0);
+    }
+  return d;
 }
 
 struct Flight {
@@ -80,24 +91,63 @@ TEST_CASE("The biped's accelerations ask for the torques that made them") {
   Random r(11);
   for (int n = 0; n < 200; ++n) {
     CAPTURE(n);
-    REQUIRE(inverse_dynamics_error<biped::DesignTopology>(r, biped::design()) < 1e-9);
+    const biped::Description d = biped::design();
+    const biped::Parameters<double> p(d);
+    REQUIRE(inverse_dynamics_error<biped::DesignTopology>(r, d, as_tree(d), p) < 1e-9);
   }
 }
 
-TEST_CASE("Links of any inertia on joints anywhere ask for the torques that made them") {
+TEST_CASE("Links of any inertia on joints anywhere, and turned, ask for the torques that made them") {
   Random r(12);
   for (int n = 0; n < 200; ++n) {
-    biped::Description d = biped::design();
-    for (auto& leg : d.legs)
-      for (auto& l : leg) {
-        const Vec3<double> aside = r.vector(0.1), c = r.vector(0.1);
-        l.offset_m += aside;
-        l.centre_m += c;
-        l.mass_kg *= r.within(0.5, 2.0);
-      }
+    const biped::Description d = any_robot(r);
     CAPTURE(n);
-    REQUIRE(inverse_dynamics_error<biped::AnywhereTopology>(r, d) < 1e-9);
+    const biped::Parameters<double> p(d);
+    REQUIRE(inverse_dynamics_error<biped::AnywhereTopology>(r, d, as_tree(d), p) < 1e-9);
+    const biped::JointFrames frames = random_frames(r);
+    const biped::TurnedParameters<double> turned(d, frames);
+    REQUIRE(inverse_dynamics_error<biped::AnywhereTopology>(r, d, as_tree(d, frames), turned) < 1e-9);
   }
+}
+
+TEST_CASE("Joints that are turned by nothing move as those that are not") {
+  const biped::Description d = biped::design();
+  const biped::Parameters<double> p(d);
+  const biped::TurnedParameters<double> turned(d, straight_frames());
+  Random r(15);
+  for (int n = 0; n < 20; ++n) {
+    const biped::State<double> s = state_of(random_coordinates(r));
+    const auto act = in_flight(d, random_torques(r, 100.0));
+    const auto a = biped::accelerations(p, s, act);
+    const auto b = biped::accelerations<biped::AnywhereTopology>(turned, s, act);
+    for (std::size_t i = 0; i < biped::kJoints; ++i)
+      CHECK(biped::joint<double>(b.qdd_radps2, i) ==
+            Approx(biped::joint<double>(a.qdd_radps2, i)).epsilon(1e-9).margin(1e-9));
+  }
+}
+
+TEST_CASE("A robot of turned joints keeps its energy and momentum in free flight") {
+  Random r(16);
+  const biped::Description d = any_robot(r);
+  const biped::TurnedParameters<double> p(d, random_frames(r));
+  const auto laws = limp(p);
+  const biped::Commands<double> none;
+  biped::State<double> s = state_of(random_coordinates(r, 2.0));
+  const auto energy = [&] {
+    const auto t = biped::totals(p, s);
+    return t.kinetic_j + biped::motors_kinetic_j(p, laws, s) + biped::height_energy_j(p, t);
+  };
+  s.position_m.z = 5.0;
+  const double before = energy();
+  const auto start = biped::totals(p, s);
+  for (int n = 0; n < 400; ++n)
+    biped::check_step<biped::Rule::runge_kutta, biped::AnywhereTopology>(p, laws, none, 2.5e-4, s);
+  CHECK(energy() == Approx(before).margin(1e-6));
+  const auto end = biped::totals(p, s);
+  const Vec3<double> linear = end.linear_ns - start.linear_ns - p.gravity_mps2 * (start.mass_kg * 0.1),
+                     spin = end.spin_nms() - start.spin_nms();
+  CHECK(std::sqrt(dot(linear, linear)) < 1e-7);
+  CHECK(std::sqrt(dot(spin, spin)) < 1e-7);
 }
 
 TEST_CASE("A wrench at a foot and a torque in a joint see each other's motion (Maxwell's reciprocity)") {
@@ -155,20 +205,22 @@ TEST_CASE("In free flight energy drifts by the step to the power 1, 2 and 4, and
 }
 
 #ifndef FURCULA_MUJOCO
-TEST_CASE("The biped accelerates as MuJoCo's does") { test::skip("libmujoco-dev is not installed"); }
+TEST_CASE("The biped accelerates as MuJoCo's does, and so does one of turned joints") {
+  test::skip("libmujoco-dev is not installed");
+}
 #else
-TEST_CASE("The biped accelerates as MuJoCo's does") {
-  Random r(14);
-  const biped::Description d = biped::design();
-  const biped::Parameters<double> p(d);
-  const MujocoPeer peer(biped_mjcf(d));
+namespace {
+
+/// The largest difference of 1000 random states' accelerations over the largest of a state.
+template <class Topology, class P>
+double apart_from_mujoco(Random& r, const biped::Description& d, const P& p, const MujocoPeer& peer) {
   REQUIRE(peer.model().nv == 18);
   double worst = 0.0;
   for (int n = 0; n < 1000; ++n) {
     const Coordinates c = random_coordinates(r);
     const biped::State<double> s = state_of(c);
     const auto torque = random_torques(r, 200.0);
-    const auto a = biped::accelerations(p, s, in_flight(d, torque));
+    const auto a = biped::accelerations<Topology>(p, s, in_flight(d, torque));
     const Mat3<double> rotation = biped::rotation(s.attitude);
     // MuJoCo's free joint: linear in world axes, angular in the body's.
     const Vec3<double> v = rotation * s.v_mps, linear = rotation * (a.vd_mps2 + cross(s.w_radps, s.v_mps));
@@ -192,8 +244,22 @@ TEST_CASE("The biped accelerates as MuJoCo's does") {
     }
     worst = std::max(worst, apart / scale);
   }
+  return worst;
+}
+
+}  // namespace
+
+TEST_CASE("The biped accelerates as MuJoCo's does, and so does one of turned joints") {
+  Random r(14);
+  const biped::Description d = biped::design();
+  const double worst =
+      apart_from_mujoco<biped::DesignTopology>(r, d, biped::Parameters<double>(d), MujocoPeer(biped_mjcf(d)));
   CHECK(worst < 1e-9);
+  const biped::JointFrames frames = random_frames(r);
+  const double turned = apart_from_mujoco<biped::AnywhereTopology>(
+      r, d, biped::TurnedParameters<double>(d, frames), MujocoPeer(biped_mjcf(d, &frames)));
+  CHECK(turned < 1e-9);
   if (std::getenv("FURCULA_FIGURES") != nullptr)
-    std::printf("MuJoCo: largest relative difference %.2e\n", worst);
+    std::printf("MuJoCo: largest relative difference %.2e, of turned joints %.2e\n", worst, turned);
 }
 #endif

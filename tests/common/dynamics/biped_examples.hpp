@@ -77,8 +77,26 @@ inline std::array<double, 18> second_derivatives(const Coordinates& c,
 
 using Tree18 = Model<double, DynamicTopology<18>>;
 
+/// Joints as they are in the design, and turned against their parents by any angles.
+inline biped::JointFrames straight_frames() {
+  biped::JointFrames out;
+  for (auto& leg : out) leg.fill(identity<double>());
+  return out;
+}
+inline biped::JointFrames random_frames(Random& r) {
+  biped::JointFrames out;
+  for (auto& leg : out)
+    for (Mat3<double>& m : leg) {
+      const double a = r.within(-3.1, 3.1), b = r.within(-3.1, 3.1), c = r.within(-3.1, 3.1);
+      m = Mat3<double>{{std::cos(a), std::sin(a), 0}, {-std::sin(a), std::cos(a), 0}, {0, 0, 1}} *
+          (Mat3<double>{{std::cos(b), 0, -std::sin(b)}, {0, 1, 0}, {std::sin(b), 0, std::cos(b)}} *
+           Mat3<double>{{1, 0, 0}, {0, std::cos(c), std::sin(c)}, {0, -std::sin(c), std::cos(c)}});
+    }
+  return out;
+}
+
 /// The same robot as a tree: three sliding and three turning joints without mass under the pelvis.
-inline Tree18 as_tree(const biped::Description& d) {
+inline Tree18 as_tree(const biped::Description& d, const biped::JointFrames& frames = straight_frames()) {
   Tree18 m;
   m.gravity_mps2 = {0.0, 0.0, -d.gravity_mps2};
   const Inertia<double> none{};
@@ -94,8 +112,8 @@ inline Tree18 as_tree(const biped::Description& d) {
     for (std::size_t j = 0; j < biped::kLegJoints; ++j) {
       const biped::LinkDescription& l = d.legs[side][j];
       const auto axis = static_cast<std::size_t>(biped::DesignTopology::kAxes[j]);
-      add(m, j == 0 ? 5 : static_cast<int>(m.count()) - 1, JointKind::revolute,
-          at(l.offset_m.x, l.offset_m.y, l.offset_m.z), axes[axis], body(l));
+      add(m, j == 0 ? 5 : static_cast<int>(m.count()) - 1, JointKind::revolute, {frames[side][j], l.offset_m},
+          axes[axis], body(l));
       m.laws[m.count() - 1].armature_kgm2 = d.drives[side][j].armature_kgm2;
     }
   return m;

@@ -53,8 +53,8 @@ void begin(std::size_t k, biped::State<T>& s, const Set& set) {
 
 /// 600 steps, with right knee's and left hip's clutches open in the robots `odd`; the knee's closes after half of them. Returns
 /// what that impact takes.
-template <class T>
-T run(biped::State<T>& s, const biped::Parameters<T>& p, const dynamics::MaskOf<T>& odd) {
+template <class Topology, class P, class T>
+T run(biped::State<T>& s, const P& p, const dynamics::MaskOf<T>& odd) {
   auto laws = biped::active_laws(p);
   biped::set_mode(p, biped::kRight, biped::kKneeClutch, biped::Mode::released, laws, s, odd);
   biped::set_mode(p, biped::kLeft, biped::kHipClutch, biped::Mode::passive, laws, s, odd);
@@ -62,29 +62,27 @@ T run(biped::State<T>& s, const biped::Parameters<T>& p, const dynamics::MaskOf<
   biped::StepReport<T> report;
   T loss_j{};
   for (int n = 0; n < 600; ++n) {
-    if (n == 300) loss_j = biped::engage(p, biped::kRight, biped::kKneeClutch, laws, s, odd);
-    biped::step<true>(p, laws, straight, T(static_cast<ValueOf<T>>(biped::kStep_s)), s, report);
+    if (n == 300) loss_j = biped::engage<Topology>(p, biped::kRight, biped::kKneeClutch, laws, s, odd);
+    biped::step<true, Topology>(p, laws, straight, T(static_cast<ValueOf<T>>(biped::kStep_s)), s, report);
   }
   return loss_j;
 }
 
 /// Robots 0 to N-1 together, and each by itself: the same to the bit?
-template <class V, int N>
-void check_lanes() {
+template <class V, int N, class Topology = biped::DesignTopology, class P, class PAlone>
+void check_lanes(const P& together, const PAlone& alone) {
   using T = Lanes<V, N>;
-  const biped::Parameters<T> together(biped::design());
-  const biped::Parameters<V> alone(biped::design());
   biped::State<T> all;
   T number(V(0));
   for (std::size_t k = 0; k < static_cast<std::size_t>(N); ++k) {
     begin(k, all, [k](T& x, V value) { x.set(k, value); });
     number.set(k, static_cast<V>(k % 2));
   }
-  const T losses_j = run(all, together, number > V(0));
+  const T losses_j = run<Topology>(all, together, number > V(0));
   for (std::size_t k = 0; k < static_cast<std::size_t>(N); ++k) {
     biped::State<V> one;
     begin(k, one, [](V& x, V value) { x = value; });
-    const V loss_j = run(one, alone, k % 2 == 1);
+    const V loss_j = run<Topology>(one, alone, k % 2 == 1);
     CAPTURE(k);
     CHECK(losses_j[k] == loss_j);
     CHECK((loss_j > V(0)) == (k % 2 == 1));
@@ -133,9 +131,27 @@ TEST_CASE("Sine and cosine hold over their range, and what is not a number stays
 }
 
 TEST_CASE("Four bipeds in lanes of double are each by itself to the bit, in contact and with clutches open") {
-  check_lanes<double, 4>();
+  const biped::Description d = biped::design();
+  check_lanes<double, 4>(biped::Parameters<Lanes<double, 4>>(d), biped::Parameters<double>(d));
 }
-TEST_CASE("Eight bipeds in lanes of float are each by itself to the bit") { check_lanes<float, 8>(); }
+TEST_CASE("Eight bipeds in lanes of float are each by itself to the bit") {
+  const biped::Description d = biped::design();
+  check_lanes<float, 8>(biped::Parameters<Lanes<float, 8>>(d), biped::Parameters<float>(d));
+}
+TEST_CASE("Bipeds of turned joints in lanes are each by itself to the bit") {
+  // Hips that are canted outwards by 0.2 rad, knees turned back by as much.
+  biped::JointFrames frames = straight_frames();
+  for (const std::size_t side : {biped::kLeft, biped::kRight})
+    for (const std::size_t j : {biped::kHipRoll, biped::kKnee}) {
+      const double a = (side == biped::kLeft ? 0.2 : -0.2) * (j == biped::kKnee ? -1.0 : 1.0);
+      frames[side][j] = {{1, 0, 0}, {0, std::cos(a), std::sin(a)}, {0, -std::sin(a), std::cos(a)}};
+    }
+  const biped::Description d = biped::design();
+  check_lanes<double, 4, biped::AnywhereTopology>(biped::TurnedParameters<Lanes<double, 4>>(d, frames),
+                                                  biped::TurnedParameters<double>(d, frames));
+  check_lanes<float, 8, biped::AnywhereTopology>(biped::TurnedParameters<Lanes<float, 8>>(d, frames),
+                                                 biped::TurnedParameters<float>(d, frames));
+}
 
 TEST_CASE("In float the biped accelerates as in double to six digits") {
   Random r(31);

@@ -8,7 +8,9 @@
 
 namespace furcula::test {
 
-inline std::string biped_mjcf(const dynamics::biped::Description& d) {
+/// With `frames`, its joints are turned so.
+inline std::string biped_mjcf(const dynamics::biped::Description& d,
+                              const dynamics::biped::JointFrames* frames = nullptr) {
   using dynamics::biped::kLegJoints;
   using dynamics::biped::LinkDescription;
   std::ostringstream out;
@@ -27,9 +29,15 @@ inline std::string biped_mjcf(const dynamics::biped::Description& d) {
   for (std::size_t side = 0; side < 2; ++side) {
     for (std::size_t j = 0; j < kLegJoints; ++j) {
       const auto& at = d.legs[side][j].offset_m;
-      out << "<body pos=\"" << at.x << " " << at.y << " " << at.z << "\"><joint axis=\""
-          << kAxes[static_cast<std::size_t>(dynamics::biped::DesignTopology::kAxes[j])] << "\" armature=\""
-          << d.drives[side][j].armature_kgm2 << "\"/>";
+      out << "<body pos=\"" << at.x << " " << at.y << " " << at.z;
+      if (frames != nullptr) {
+        // The link's x and y axes in the parent.
+        const auto& m = (*frames)[side][j];
+        out << "\" xyaxes=\"" << m.x.x << " " << m.x.y << " " << m.x.z << " " << m.y.x << " " << m.y.y << " "
+            << m.y.z;
+      }
+      out << "\"><joint axis=\"" << kAxes[static_cast<std::size_t>(dynamics::biped::DesignTopology::kAxes[j])]
+          << "\" armature=\"" << d.drives[side][j].armature_kgm2 << "\"/>";
       body(d.legs[side][j]);
     }
     for (std::size_t j = 0; j < kLegJoints; ++j) out << "</body>";

@@ -7,9 +7,9 @@
 namespace furcula::dynamics::biped {
 
 /// What a unit of impulse in a joint's coordinate makes of all velocities: M^-1 e_j, M with the armatures of `laws`.
-template <class Topology = DesignTopology, class T>
-Accelerations<T> unit_response(const Parameters<T>& p, const JointLaws<T>& laws, const State<T>& s,
-                               std::size_t side, std::size_t j) {
+template <class Topology = DesignTopology, class P, class T>
+Accelerations<T> unit_response(const P& p, const JointLaws<T>& laws, const State<T>& s, std::size_t side,
+                               std::size_t j) {
   using V = ValueOf<T>;
   using L = LegScalar<T>;
   State<T> rest = s;
@@ -34,8 +34,8 @@ Accelerations<T> unit_response(const Parameters<T>& p, const JointLaws<T>& laws,
 /// on the link, its opposite on the motor, leaves both with one speed. The mode is active afterwards, the play is forgotten.
 /// Returns what the impact takes, L (qd_r - qd_j) / 2, J. Not the joint's term in the articulated-body algorithm: that one holds for a
 /// parent that stands still.
-template <class Topology = DesignTopology, class T>
-T engage(const Parameters<T>& p, std::size_t side, LegClutch c, JointLaws<T>& laws, State<T>& s,
+template <class Topology = DesignTopology, class P, class T>
+T engage(const P& p, std::size_t side, LegClutch c, JointLaws<T>& laws, State<T>& s,
          const MaskOf<T>& robots = all_of<T>()) {
   using V = ValueOf<T>;
   const std::size_t pass = Legs<T>::pass(side), j = kClutchJoints[c];

@@ -40,8 +40,8 @@ void add(Totals<T>& sum, const Inertia<T>& b, const Mat3<T>& r, const Vec3<T>& a
 }  // namespace detail
 
 /// One leg after the other in the robot's scalar: plain loops, not for speed.
-template <class T>
-Totals<T> totals(const Parameters<T>& p, const State<T>& s) {
+template <class P, class T>
+Totals<T> totals(const P& p, const State<T>& s) {
   using V = ValueOf<T>;
   const T zero = T(V(0));
   const Vec3<T> none{zero, zero, zero};
@@ -55,14 +55,25 @@ Totals<T> totals(const Parameters<T>& p, const State<T>& s) {
       constexpr std::size_t J = index;
       constexpr Axis kAxis = DesignTopology::kAxes[J];
       const auto& o = p.offsets_m[Legs<T>::pass(side)][J];
-      const Vec3<T> offset{Legs<T>::read(o.x, side), Legs<T>::read(o.y, side), Legs<T>::read(o.z, side)};
+      const auto of_side = [&](const auto& x) {
+        return Vec3<T>{Legs<T>::read(x.x, side), Legs<T>::read(x.y, side), Legs<T>::read(x.z, side)};
+      };
+      const Vec3<T> offset = of_side(o);
       const auto angle = sine_cosine(joint<T>(s.q_rad, side * kLegJoints + J));
-      const Turn<kAxis, T> turn{angle.cosine, angle.sine};
-      v = turn.in(v + cross(w, offset));
-      w = turn.in(w);
+      const auto turn_in = [&](const Vec3<T>& parents) {
+        const Turn<kAxis, T> turn{angle.cosine, angle.sine};
+        if constexpr (requires { p.frames; }) {
+          const auto& f = p.frames[Legs<T>::pass(side)][J];
+          return turn.in(Mat3<T>{of_side(f.x), of_side(f.y), of_side(f.z)} * parents);
+        } else {
+          return turn.in(parents);
+        }
+      };
+      v = turn_in(v + cross(w, offset));
+      w = turn_in(w);
       along<kAxis>(w) += joint<T>(s.qd_radps, side * kLegJoints + J);
       at += r * offset;
-      r = {turn.in(r.x), turn.in(r.y), turn.in(r.z)};
+      r = {turn_in(r.x), turn_in(r.y), turn_in(r.z)};
       detail::add(sum, p.link(side, J), r, at, w, v);
     });
   }

@@ -47,8 +47,8 @@ FURCULA_INLINE tree::Motion<T> solved(const Articulated<T>& a) {
 }  // namespace detail
 
 /// `k` is kinematics() of the same state.
-template <class Topology, class T>
-FURCULA_INLINE void forward_dynamics(const Parameters<T>& p, const State<T>& s, const Kinematics<T>& k,
+template <class Topology, class P, class T>
+FURCULA_INLINE void forward_dynamics(const P& p, const State<T>& s, const Kinematics<T>& k,
                                      const Actions<T>& act, Accelerations<T>& out) {
   using L = LegScalar<T>;
   constexpr std::size_t kPasses = Legs<T>::kPasses;
@@ -65,7 +65,7 @@ FURCULA_INLINE void forward_dynamics(const Parameters<T>& p, const State<T>& s, 
       constexpr std::size_t J = index;
       terms[pass][J] = reduce<Topology::kAxes[J]>(a, leg.w_radps[J], s.qd_radps[pass][J],
                                                   act.torque_nm[pass][J], act.armature_kgm2[pass][J]);
-      const auto turn = leg.template turned<Topology, J>();
+      const auto turn = leg.template turned<Topology, J>(p, pass);
       if constexpr (J > 0) {
         to_parent<Topology::kOffsets[J]>(turn, p.offsets_m[pass][J], leg.w_radps[J - 1], a);
         add_body(a, p.links[pass][J - 1], leg.w_radps[J - 1]);
@@ -107,7 +107,7 @@ FURCULA_INLINE void forward_dynamics(const Parameters<T>& p, const State<T>& s, 
       constexpr Axis kAxis = Topology::kAxes[J];
       constexpr unsigned kMask = Topology::kOffsets[J];
       const Vec3<L>& r = p.offsets_m[pass][J];
-      const auto turn = leg.template turned<Topology, J>();
+      const auto turn = leg.template turned<Topology, J>(p, pass);
       if constexpr (kMask != 0) av = plus_cross<kMask>(av, -r, aw) + centripetal<kMask>(w, r);
       av = turn.in(av);
       aw = axis_to_z<kAxis>(turn.in(aw));
@@ -126,8 +126,8 @@ FURCULA_INLINE void forward_dynamics(const Parameters<T>& p, const State<T>& s, 
 }
 
 /// Of the state, its kinematics included.
-template <class Topology = DesignTopology, class T>
-Accelerations<T> accelerations(const Parameters<T>& p, const State<T>& s, const Actions<T>& act) {
+template <class Topology = DesignTopology, class P, class T>
+Accelerations<T> accelerations(const P& p, const State<T>& s, const Actions<T>& act) {
   Kinematics<T> k;
   kinematics<Topology>(p, s, k);
   Accelerations<T> out;

@@ -53,9 +53,12 @@ struct LegKinematics {
   Mat3<L> foot_rotation;                    ///< foot's coordinates to the world's
   Vec3<L> foot_position_m;                  ///< of the foot's origin, world
 
-  template <class Topology, std::size_t J>
-  FURCULA_INLINE Turn<Topology::kAxes[J], L> turned() const {
-    return {turn[J].cosine, turn[J].sine};
+  /// From joint J's parent to its link, of parameters `P` in pass `pass`.
+  template <class Topology, std::size_t J, class P>
+  FURCULA_INLINE auto turned(const P& p, std::size_t pass) const {
+    const Turn<Topology::kAxes[J], L> by{turn[J].cosine, turn[J].sine};
+    if constexpr (requires { p.frames; }) return TurnBehind<Topology::kAxes[J], L>{by, p.frames[pass][J]};
+    if constexpr (!requires { p.frames; }) return by;
   }
 };
 
@@ -65,8 +68,9 @@ struct Kinematics {
   PerLeg<T, LegKinematics<LegScalar<T>>> legs;
 };
 
-template <class Topology, class T>
-FURCULA_INLINE void kinematics(const Parameters<T>& p, const State<T>& s, Kinematics<T>& out) {
+/// `p`: Parameters or TurnedParameters, here and wherever a P is.
+template <class Topology, class P, class T>
+FURCULA_INLINE void kinematics(const P& p, const State<T>& s, Kinematics<T>& out) {
   using L = LegScalar<T>;
   out.pelvis_rotation = rotation(s.attitude);
   for (std::size_t pass = 0; pass < Legs<T>::kPasses; ++pass) {
@@ -79,7 +83,7 @@ FURCULA_INLINE void kinematics(const Parameters<T>& p, const State<T>& s, Kinema
       constexpr Axis kAxis = Topology::kAxes[J];
       constexpr unsigned kMask = Topology::kOffsets[J];
       const Vec3<L>& offset = p.offsets_m[pass][J];
-      const auto turn = leg.template turned<Topology, J>();
+      const auto turn = leg.template turned<Topology, J>(p, pass);
       v = turn.in(plus_cross<kMask>(v, -offset, w));
       w = turn.in(w);
       along<kAxis>(w) += s.qd_radps[pass][J];

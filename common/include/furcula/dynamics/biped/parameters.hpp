@@ -126,7 +126,7 @@ struct Parameters {
     put(links[Legs<T>::pass(side)][j], side, body);
   }
 
- private:
+ protected:
   using V = ValueOf<T>;
   static constexpr V as(double x) { return static_cast<V>(x); }
   template <class S>
@@ -164,6 +164,30 @@ struct Parameters {
         put(to.spring_rest_rad, side, T(as(x.spring_rest_rad)));
     put(to.damping_nmspr, side, T(as(x.damping_nmspr))), put(to.brake_nmprad, side, T(as(x.brake_nmprad)));
     put(to.brake_nmspr, side, T(as(x.brake_nmspr))), put(to.brake_limit_nm, side, T(as(x.brake_limit_nm)));
+  }
+};
+
+/// Rotations of a leg's joints, parent's coordinates to the joint's at angle zero; left, right.
+using JointFrames = std::array<std::array<Mat3<double>, kLegJoints>, 2>;
+
+/// A robot whose joints are turned against their parents, as a URDF's <origin rpy="..."> turns them. Kinematics, accelerations and steps
+/// take it in place of Parameters; what is of a link is in that link's axes.
+template <class T>
+struct TurnedParameters : Parameters<T> {
+  using typename Parameters<T>::L;
+
+  PerLeg<T, std::array<Mat3<L>, kLegJoints>> frames{};
+
+  TurnedParameters() = default;
+  TurnedParameters(const Description& d, const JointFrames& of) : Parameters<T>(d) {
+    for (const std::size_t side : {kLeft, kRight})
+      for (std::size_t j = 0; j < kLegJoints; ++j) {
+        Mat3<L>& to = frames[Legs<T>::pass(side)][j];
+        const Mat3<double>& from = of[side][j];
+        this->put(to.x, side, this->template vector<T>(from.x));
+        this->put(to.y, side, this->template vector<T>(from.y));
+        this->put(to.z, side, this->template vector<T>(from.z));
+      }
   }
 };
 

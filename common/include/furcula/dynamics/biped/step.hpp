@@ -70,9 +70,9 @@ FURCULA_INLINE void step_motors(const Parameters<T>& p, const JointLaws<T>& laws
 }
 
 /// The accelerations at a state under the joints' laws, with what acts.
-template <bool kSwitched, class Topology, class T>
-FURCULA_INLINE void evaluate(const Parameters<T>& p, const JointLaws<T>& laws, const Commands<T>& c,
-                             const State<T>& s, Kinematics<T>& k, StepReport<T>& out) {
+template <bool kSwitched, class Topology, class P, class T>
+FURCULA_INLINE void evaluate(const P& p, const JointLaws<T>& laws, const Commands<T>& c, const State<T>& s,
+                             Kinematics<T>& k, StepReport<T>& out) {
   kinematics<Topology>(p, s, k);
   Actions<T> act;
   contact(p, s, k, act.foot, out.contact);
@@ -89,8 +89,8 @@ FURCULA_INLINE void evaluate(const Parameters<T>& p, const JointLaws<T>& laws, c
 }
 
 /// Semi-implicit Euler. kSwitched: joints may be in other modes than active.
-template <bool kSwitched = false, class Topology = DesignTopology, class T>
-void step(const Parameters<T>& p, const JointLaws<T>& laws, const Commands<T>& c, const T& h_s, State<T>& s,
+template <bool kSwitched = false, class Topology = DesignTopology, class P, class T>
+void step(const P& p, const JointLaws<T>& laws, const Commands<T>& c, const T& h_s, State<T>& s,
           StepReport<T>& out) {
   Kinematics<T> k;
   evaluate<kSwitched, Topology>(p, laws, c, s, k, out);
@@ -142,9 +142,8 @@ enum class Rule : unsigned char { midpoint, runge_kutta };
 
 /// Explicit midpoint (order 2) or classic Runge-Kutta (order 4). Anchors are held over the step and moved once after it, as by
 /// the state then; motors behind open clutches are not moved.
-template <Rule kRule, class Topology = DesignTopology, class T>
-void check_step(const Parameters<T>& p, const JointLaws<T>& laws, const Commands<T>& c, const T& h_s,
-                State<T>& s) {
+template <Rule kRule, class Topology = DesignTopology, class P, class T>
+void check_step(const P& p, const JointLaws<T>& laws, const Commands<T>& c, const T& h_s, State<T>& s) {
   using V = ValueOf<T>;
   Kinematics<T> k;
   StepReport<T> report;

@@ -43,7 +43,8 @@ struct DesignTopology {
   static constexpr std::array<Axis, kLegJoints> kAxes{Axis::z, Axis::x, Axis::y, Axis::y, Axis::y, Axis::x};
   static constexpr std::array<unsigned, kLegJoints> kOffsets{6, 4, 0, 4, 4, 0};
 };
-/// The same with joints anywhere in their parents: for fits of their places.
+/// The same with joints anywhere in their parents: for fits of their places, and for joints that are turned against their parents
+/// (TurnedParameters).
 struct AnywhereTopology {
   static constexpr std::array<Axis, kLegJoints> kAxes = DesignTopology::kAxes;
   static constexpr std::array<unsigned, kLegJoints> kOffsets{7, 7, 7, 7, 7, 7};
@@ -184,6 +185,33 @@ struct Turn {
     return z_to_axis<A>(Mat3<T>{{m.x.x - su, cu - m.y.x, c * m.x.z - s * m.y.z},
                                 {cu - m.x.y, m.y.y + su, s * m.x.z + c * m.y.z},
                                 {c * m.z.x - s * m.z.y, s * m.z.x + c * m.z.y, m.z.z}});
+  }
+};
+
+/// A turn by an angle behind a fixed one: `frame` takes the parent's coordinates to the joint's at angle zero.
+template <Axis A, class T>
+struct TurnBehind {
+  Turn<A, T> turn;
+  const Mat3<T>& frame;
+
+  FURCULA_INLINE Vec3<T> in(const Vec3<T>& parents) const { return turn.in(frame * parents); }
+  FURCULA_INLINE Vec3<T> back(const Vec3<T>& links) const {
+    return transposed_times(frame, turn.back(links));
+  }
+  FURCULA_INLINE Sym3<T> back(const Sym3<T>& links) const {
+    const Sym3<T> s = turn.back(links);
+    // Rows of S F, of which F' takes the upper half.
+    const Mat3<T> m = Mat3<T>{{s.xx, s.xy, s.xz}, {s.xy, s.yy, s.yz}, {s.xz, s.yz, s.zz}} * frame;
+    const Mat3<T>& f = frame;
+    const auto at = [](const T& a, const T& b, const T& c, const T& x, const T& y, const T& z) {
+      return T(a * x + b * y + c * z);
+    };
+    return {at(f.x.x, f.y.x, f.z.x, m.x.x, m.y.x, m.z.x), at(f.x.x, f.y.x, f.z.x, m.x.y, m.y.y, m.z.y),
+            at(f.x.x, f.y.x, f.z.x, m.x.z, m.y.z, m.z.z), at(f.x.y, f.y.y, f.z.y, m.x.y, m.y.y, m.z.y),
+            at(f.x.y, f.y.y, f.z.y, m.x.z, m.y.z, m.z.z), at(f.x.z, f.y.z, f.z.z, m.x.z, m.y.z, m.z.z)};
+  }
+  FURCULA_INLINE Mat3<T> back(const Mat3<T>& links) const {
+    return transposed(frame) * (turn.back(links) * frame);
   }
 };
 
