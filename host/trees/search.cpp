@@ -145,17 +145,19 @@ class Search {
     return sum;
   }
 
-  /// A Stribeck curve that does not rise towards standstill by kRises standard errors is dry friction of one size, where that does about as well.
+  /// A Stribeck curve is dry friction of one size where that does as well; where it does not rise towards standstill by kRises standard errors,
+  /// about as well.
   Fit without_falls(Fit fit) const {
     for (std::size_t c = problem_.model().causes.size(); c < fit.at.causes.size(); ++c) {
       const Cause& curve = fit.at.causes[c];
       if (curve.effect != Effect::stribeck_friction) continue;
       const double rise_nm = curve.values[1] - curve.values[0];
-      if (rise_nm > 0.0 && rise_nm * rise_nm > kRises * kRises * variance_of_rise(fit, c)) continue;
+      const bool rises = rise_nm > 0.0 && rise_nm * rise_nm > kRises * kRises * variance_of_rise(fit, c);
       Hypothesis h = fit.at;
-      h.causes[c] = {Effect::coulomb_friction, curve.sites, {curve.values[0], 0, 0, 0}};
+      h.causes[c] = {
+          Effect::coulomb_friction, curve.sites, {0.5 * (curve.values[0] + curve.values[1]), 0, 0, 0}};
       Fit plain = problem_.fit(h, 6);
-      if (plain.loss < (1.0 + kHardlyWorse) * fit.loss) fit = std::move(plain);
+      if (plain.loss < (rises ? 1.0 : 1.0 + kHardlyWorse) * fit.loss) fit = std::move(plain);
     }
     return fit;
   }
@@ -504,14 +506,16 @@ class Search {
     return out;
   }
 
-  /// Dry friction beside another resistance of the same joint or a constant torque, or of two sizes in the two directions, may be a Stribeck
-  /// curve, alone or beside a third: once two wrong laws are in, the right ones gain little, one by one.
+  /// Dry friction beside another resistance of the same joint or a constant torque, or of two sizes in the two directions, or a Stribeck curve
+  /// may be other laws: dry friction or a Stribeck curve, alone or beside a third. Once two wrong laws are in, the right ones gain little, one
+  /// by one.
   Fit friction_anew(Fit fit) {
     const std::size_t given = problem_.model().causes.size();
     for (std::size_t j = 0; j < problem_.joints(); ++j) {
       Hypothesis bare{fit.at.drives, {}, fit.at.bodies};
       double dry_nm = 0.0, offset_nm = 0.0;  // the latter of friction that has two sizes
       std::size_t resistances = 0, constants = 0;
+      bool curved = false;
       for (std::size_t c = 0; c < fit.at.causes.size(); ++c) {
         const Cause& cause = fit.at.causes[c];
         if (c < given || cause.sites != std::vector<std::size_t>{j} || !is_resistance(cause.effect)) {
@@ -525,8 +529,12 @@ class Search {
           dry_nm = 0.5 * (cause.values[0] + cause.values[1]);
           offset_nm = 0.5 * (cause.values[1] - cause.values[0]);
         }
+        if (cause.effect == Effect::stribeck_friction) {
+          dry_nm = 0.5 * (cause.values[0] + cause.values[1]);
+          curved = true;
+        }
       }
-      if ((resistances + constants < 2 && offset_nm == 0.0) || dry_nm <= 0.0) continue;
+      if ((resistances + constants < 2 && offset_nm == 0.0 && !curved) || dry_nm <= 0.0) continue;
       say(0.7, "trying other laws of friction at " + problem_.model().robot.joints[j].name);
       const Scales& scales = problem_.scales();
       const double speed = scales.velocity_radps[j], little_nm = 0.05 * scales.torque_nm[j];
@@ -537,24 +545,37 @@ class Search {
       if (!problem_.model().is_free(j, 3))
         beside.push_back(
             Cause{Effect::damping_error, {j}, {drive.damping_nmspr + little_nm / speed, 0, 0, 0}});
+      const Cause laws[] = {{Effect::coulomb_friction, {j}, {dry_nm, 0, 0, 0}},
+                            {Effect::stribeck_friction, {j}, {dry_nm, 1.5 * dry_nm, 0.2 * speed, 0}},
+                            {Effect::stribeck_friction, {j}, {dry_nm, 1.5 * dry_nm, 0.6 * speed, 0}}};
       for (const auto& other : beside)
-        for (const double part : {0.2, 0.6}) {
+        for (const Cause& law : laws) {
+          // A curve alone has been fitted; so has friction of two sizes, which is dry friction beside a constant torque.
+          if (!other &&
+              (law.effect == Effect::stribeck_friction ? curved && resistances == 1 : offset_nm != 0.0))
+            continue;
           Hypothesis h = bare;
-          h.causes.push_back({Effect::stribeck_friction, {j}, {dry_nm, 1.5 * dry_nm, part * speed, 0}});
+          h.causes.push_back(law);
           if (other) h.causes.push_back(*other);
           // Of two sizes in the two directions: a curve beside a constant torque.
           if (offset_nm != 0.0) h.causes.push_back({Effect::force_offset, {j}, {offset_nm, 0, 0, 0}});
           Fit anew = problem_.fit(h, 6);
-          const double more =
-              static_cast<double>(anew.unknowns.size()) - static_cast<double>(fit.unknowns.size());
-          if (anew.loss * (1.0 + kOfParameter * more) < fit.loss) fit = prune(std::move(anew), true);
+          if (takes_place(anew, fit)) fit = prune(std::move(anew), true);
         }
     }
     return fit;
   }
+  /// Other laws of friction take the place of those of `fit`: more parameters where they are worth it by more than windows scatter, fewer where
+  /// they do as well within that.
+  bool takes_place(const Fit& anew, const Fit& fit) const {
+    const double more = static_cast<double>(anew.unknowns.size()) - static_cast<double>(fit.unknowns.size());
+    if (more < 0.0) return anew.loss < (1.0 + kHardlyWorse) * fit.loss && against(fit, anew) < kStands;
+    if (anew.loss * (1.0 + kOfParameter * more) >= fit.loss) return false;
+    return more == 0.0 || against(anew, fit) > kStands;
+  }
   static bool is_resistance(Effect e) {
     return e == Effect::coulomb_friction || e == Effect::asymmetric_friction || e == Effect::damping_error ||
-           e == Effect::quadratic_drag || e == Effect::load_friction;
+           e == Effect::quadratic_drag || e == Effect::load_friction || e == Effect::stribeck_friction;
   }
   /// A stiffness is never near to having no effect: what tells is how much is lost without it. The least first.
   Fit without_doubtful_springs(Fit fit) {

@@ -198,6 +198,24 @@ TEST_CASE("Friction of two sizes in the two directions is not a curve that falls
          names == std::set<Effect>{Effect::coulomb_friction, Effect::force_offset}));
 }
 
+TEST_CASE(
+    "Dry friction beside a drag is not a Stribeck curve beside damping, and a curve that does not rise is none") {
+  trees::TreeModel truth = test::arm3();
+  const std::size_t elbow = test::joint(truth, "elbow");
+  truth.causes = {{Effect::coulomb_friction, {elbow}, {0.137, 0, 0, 0}},
+                  {Effect::quadratic_drag, {elbow}, {0.0885, 0, 0, 0}}};
+  Logs logs = logs_of(truth, 113);
+  const trees::Diagnosis drag = trees::diagnose(test::arm3(), logs.training, logs.held_out);
+  INFO(drag.summary);
+  CHECK(effects_named(drag) == std::set<Effect>{Effect::coulomb_friction, Effect::quadratic_drag});
+
+  truth.causes = {{Effect::asymmetric_friction, {elbow}, {0.178, 0.682, 0, 0}}};
+  logs = logs_of(truth, 103);
+  const trees::Diagnosis two_sizes = trees::diagnose(test::arm3(), logs.training, logs.held_out);
+  INFO(two_sizes.summary);
+  CHECK(effects_named(two_sizes).count(Effect::stribeck_friction) == 0);
+}
+
 TEST_CASE("Clocks that are apart are named, where a delay of all drives would do the same, both are") {
   for (const double skew_s : {-0.015, 0.015}) {
     INFO(skew_s);

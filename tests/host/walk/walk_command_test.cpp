@@ -34,7 +34,7 @@ TEST_CASE(
   CHECK(none["steps"].get<double>() >= 400000);
 
   const test::Ran ran = test::run_furcula(
-      {"walk", "search", "--model", kModel, "--steps", "110000000", "--seed", "2", "--out", out}, 240);
+      {"walk", "search", "--model", kModel, "--steps", "20000000", "--seed", "2", "--out", out}, 120);
   INFO(ran.err);
   REQUIRE(ran.status == 0);
   CHECK_THAT(ran.out, Contains("first walk of 10 s within all limits") && Contains("cost of transport") &&
