@@ -54,8 +54,10 @@ constexpr std::size_t kMoreWork = 2;
 constexpr double kOfParameter = 0.01;
 /// A Stribeck curve's rise towards standstill is one from so many standard errors on.
 constexpr double kRises = 3.0;
-/// Where it is none, dry friction of one size may be worse by so much of the loss, which a few windows make.
+/// Laws of friction with fewer parameters may be worse by so much of the loss, which a few windows make.
 constexpr double kHardlyWorse = 0.05;
+/// Laws of friction with as many parameters must be better by so much of the loss.
+constexpr double kBetter = 0.003;
 
 double sum_of(const std::vector<double>& x) {
   double out = 0.0;
@@ -94,9 +96,9 @@ class Search {
     judge(found, std::move(fit));
     // Rivals that took a place may be two wrong laws of friction, too.
     if (!found.ended_early)
-      if (Fit anew = without_falls(friction_anew(found.fit)); names(anew) != names(found.fit))
+      if (Fit anew = without_falls(friction_anew(found.fit)); names(anew.at) != names(found.fit.at))
         judge(found, std::move(anew));
-    if (Fit anew = without_doubtful_latches(found.fit); names(anew) != names(found.fit))
+    if (Fit anew = without_doubtful_latches(found.fit); names(anew.at) != names(found.fit.at))
       judge(found, std::move(anew));
     found.ended_early = found.ended_early || problem_.spent();
     problem_.stop_after(std::numeric_limits<std::size_t>::max());
@@ -145,8 +147,8 @@ class Search {
     return sum;
   }
 
-  /// A Stribeck curve is dry friction of one size where that does as well; where it does not rise towards standstill by kRises standard errors,
-  /// about as well.
+  /// Dry friction of one size takes a Stribeck curve's place where its loss is less. Where the curve does not rise towards standstill by kRises
+  /// standard errors, the loss may be more by kHardlyWorse.
   Fit without_falls(Fit fit) const {
     for (std::size_t c = problem_.model().causes.size(); c < fit.at.causes.size(); ++c) {
       const Cause& curve = fit.at.causes[c];
@@ -500,9 +502,9 @@ class Search {
     dropped_worth_ = std::max(dropped_worth_, (off.loss - with.loss) / off.loss);
   }
 
-  std::set<std::string> names(const Fit& fit) const {
+  std::set<std::string> names(const Hypothesis& at) const {
     std::set<std::string> out;
-    for (const Cause& c : fit.at.causes) out.insert(cause_name(problem_.model(), c));
+    for (const Cause& c : at.causes) out.insert(cause_name(problem_.model(), c));
     return out;
   }
 
@@ -559,19 +561,29 @@ class Search {
           if (other) h.causes.push_back(*other);
           // Of two sizes in the two directions: a curve beside a constant torque.
           if (offset_nm != 0.0) h.causes.push_back({Effect::force_offset, {j}, {offset_nm, 0, 0, 0}});
+          if (names(h) == names(fit.at)) continue;
           Fit anew = problem_.fit(h, 6);
-          if (takes_place(anew, fit)) fit = prune(std::move(anew), true);
+          if (!takes_place(anew, fit)) continue;
+          const auto dropped = dropped_;
+          const double worth = dropped_worth_;
+          if (Fit kept = prune(std::move(anew), true); takes_place(kept, fit)) {
+            fit = std::move(kept);
+          } else {
+            dropped_ = dropped;
+            dropped_worth_ = worth;
+          }
         }
     }
     return fit;
   }
-  /// Other laws of friction take the place of those of `fit`: more parameters where they are worth it by more than windows scatter, fewer where
-  /// they do as well within that.
-  bool takes_place(const Fit& anew, const Fit& fit) const {
+  /// Whether other laws of friction take the place of those of `fit`. With fewer parameters: where they are worse by less than kHardlyWorse and
+  /// than kStands times the scatter from window to window. With as many: where they are better by kBetter. With more: where they are better by
+  /// kOfParameter each, and by kStands times the scatter.
+  static bool takes_place(const Fit& anew, const Fit& fit) {
     const double more = static_cast<double>(anew.unknowns.size()) - static_cast<double>(fit.unknowns.size());
     if (more < 0.0) return anew.loss < (1.0 + kHardlyWorse) * fit.loss && against(fit, anew) < kStands;
-    if (anew.loss * (1.0 + kOfParameter * more) >= fit.loss) return false;
-    return more == 0.0 || against(anew, fit) > kStands;
+    if (more == 0.0) return anew.loss < (1.0 - kBetter) * fit.loss;
+    return anew.loss * (1.0 + kOfParameter * more) < fit.loss && against(anew, fit) > kStands;
   }
   static bool is_resistance(Effect e) {
     return e == Effect::coulomb_friction || e == Effect::asymmetric_friction || e == Effect::damping_error ||
@@ -715,7 +727,7 @@ class Search {
           const double more = static_cast<double>(parameters(other)) - static_cast<double>(parameters(fit));
           // With more parameters only what the windows agree on, and what is worth them.
           const bool preferred = more <= 0.0
-                                     ? r.loss_more < -0.003 * fit.loss
+                                     ? r.loss_more < -kBetter * fit.loss
                                      : r.z < -kStands && r.loss_more < -kOfParameter * more * fit.loss;
           if (swaps < kMostSwaps && preferred) {
             // Its derivatives are of several places.

@@ -20,7 +20,7 @@ class Strider {
   using Robot = Walkers<double>;
   using Vector = Eigen::VectorXd;
   static constexpr Eigen::Index kBias = 3 + 6 + 2 * kJoints + 4 * kVertices + 2;
-  static constexpr Eigen::Index kSize = kBias + 3 + kJoints + 3;
+  static constexpr Eigen::Index kSize = kBias + 3 + kJoints + 3 + 6;
 
   Strider(const Description& robot, const RolloutOptions& options, const Parameters& walk, int strides)
       : r_(robot, robot, options), step_s_(options.step_s), steps_(2 * strides) {
@@ -51,11 +51,15 @@ class Strider {
       if (!landed) past[n % 3] = r_;
       r_.tick();
       if (!landed && r_.walk_.steps[0] > before) {
-        // The tick that acted upon the landing began at it.
-        r_ = past[n % 3];
-        locate(past[(n + 1) % 3], past[(n + 2) % 3]);
-        r_.tick();
         landed = true;
+        // Where a foot made the landing it carried a tick before the one that acted upon it.
+        if (const Robot whole = r_; n >= 2) {
+          r_ = past[n % 3];
+          locate(past[(n + 1) % 3], past[(n + 2) % 3]);
+          r_.tick();
+          // A landing that is not yet allowed, a part of a tick earlier.
+          if (r_.walk_.steps[0] == before) r_ = whole;
+        }
       }
       if (r_.off_ > 0.5) return false;
       if (landed && r_.walk_.phase[0] == control::WalkPhase::down) return true;
@@ -171,6 +175,16 @@ class Strider {
       double here = joint<double>(r_.walk_.from_rad, i) + rest;
       one(here);
       set_joint<double>(r_.walk_.from_rad, i, here - rest);
+    }
+    // Where a knee is braked, and the motor that is not joined to it; else they are not used, and count as 0.
+    for (const std::size_t side : {kLeft, kRight}) {
+      const bool open = r_.knees_switch() && r_.knee_off_[side] > 0.5;
+      for (auto* x :
+           {&r_.laws_[0][kKnee].rest_rad, &s.rotors_rad[0][kKneeClutch], &s.rotors_radps[0][kKneeClutch]}) {
+        double v = open ? (*x)[side] : 0.0;
+        one(v);
+        if (open) x->set(side, v);
+      }
     }
     // What the accelerometer has felt and the filter has not been told yet.
     for (double* a : {&r_.acc_mps2_.x, &r_.acc_mps2_.y, &r_.acc_mps2_.z}) one(*a);

@@ -1,8 +1,8 @@
 // Whether a walk keeps itself: the periodic stride to which it comes, and what a deviation from it is after a stride.
 //
 // The section is where the right leg begins to come down, a fixed time after a landing: the impact has died away there. Landings are located
-// between two ticks. The state is the robot's, the feet's anchors, the filter's vertical and bias, the accelerometer's last sample, and the
-// targets. Place and heading, and the filter's heading, are left out: nothing hangs on them.
+// between two ticks. The state is the robot's, the feet's anchors, the filter's vertical and bias, the accelerometer's last sample, the
+// targets, and what is of an open knee alone. Place and heading, and the filter's heading, are left out: nothing hangs on them.
 #pragma once
 
 #include <string>

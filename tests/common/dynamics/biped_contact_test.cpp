@@ -215,6 +215,7 @@ TEST_CASE("A vertex neither jumps at touch-down nor pulls at lift-off, and its f
       CHECK(size == 0.0);
       // Where spring and damper together give none.
       CHECK(3e4 * (f.anchor_m[0] - x.x) == Approx(300 * u.x).margin(1e-9));
+      CHECK(3e4 * (f.anchor_m[1] - x.y) == Approx(300 * u.y).margin(1e-9));
     } else if (std::hypot(tx, ty) < most * (1 - 1e-9)) {
       CHECK(f.force_n.x == Approx(tx));
       CHECK(f.anchor_m[0] == Approx(anchor[0]).margin(1e-12));

