@@ -48,7 +48,7 @@ std::array<double, 2> split(const Vec3<double>& arm, const Vec3<double>& heading
 
 TEST_CASE("the balance is the plant's centre of mass from a foot, and its rates those of differences") {
   test::Random random(1);
-  const double mass = totals(robot(), {}).mass_kg;
+  const double mass = totals(robot(), dynamics::biped::State<double>{}).mass_kg;
   for (int i = 0; i < 50; ++i) {
     const auto s = test::state_of(test::random_coordinates(random));
     // A step on and back along the motion.
