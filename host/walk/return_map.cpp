@@ -2,7 +2,9 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <boost/math/tools/toms748_solve.hpp>
 #include <cmath>
+#include <cstdint>
 #include <ctime>
 #include <optional>
 
@@ -102,7 +104,8 @@ class Strider {
   /// crosses its threshold. A step that ends by a time ends where it ended.
   void locate(const Robot& first, const Robot& second) {
     const std::size_t foot = r_.walk_.on_left[0] ? kRight : kLeft;
-    const double threshold_n = r_.o_.foot_threshold_n;
+    // A foot carries above its threshold, not at it.
+    const double threshold_n = r_.o_.foot_threshold_n * (1.0 + 1e-12);
     if (second.normal_n_[foot] >= threshold_n || r_.normal_n_[foot] <= threshold_n) return;
     const auto cut = [&](double h_s) {
       Robot one = first;
@@ -112,22 +115,13 @@ class Strider {
       one.tick();
       return one;
     };
-    // The Illinois rule: an end that has stayed twice counts half.
-    double low = 0.0, high = step_s_;
-    double below_n = second.normal_n_[foot] - threshold_n, above_n = r_.normal_n_[foot] - threshold_n;
-    double off_n = above_n;
-    bool was_above = false;
-    for (int k = 0; k < 60 && high - low > 1e-16 && !(was_above && off_n < 1e-10); ++k) {
-      const double h_s = low + std::clamp(below_n / (below_n - above_n), 0.01, 0.99) * (high - low);
-      const double over_n = cut(h_s).normal_n_[foot] - threshold_n;
-      const bool above = over_n > 0.0;
-      if (above && k > 0 && was_above) below_n *= 0.5;
-      if (!above && k > 0 && !was_above) above_n *= 0.5;
-      (above ? high : low) = h_s;
-      (above ? above_n : below_n) = over_n;
-      was_above = above;
-      off_n = over_n;
-    }
+    const auto over_n = [&](double h_s) { return cut(h_s).normal_n_[foot] - threshold_n; };
+    std::uintmax_t most = 60;
+    const double high =
+        boost::math::tools::toms748_solve(over_n, 0.0, step_s_, second.normal_n_[foot] - threshold_n,
+                                          r_.normal_n_[foot] - threshold_n,
+                                          boost::math::tools::eps_tolerance<double>(), most)
+            .second;
     r_ = cut(high);
   }
 

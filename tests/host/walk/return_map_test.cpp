@@ -56,7 +56,7 @@ TEST_CASE("a walk comes to a periodic stride, and two of its deviations die away
 
 TEST_CASE("a landing is where the foot meets the ground, between two ticks, whatever their length") {
   const auto robot = dynamics::biped::design();
-  const Walk walk = read_walk(test::source("models/biped/active_walk.toml"));
+  const Walk walk = read_walk(test::source("models/biped/semi_passive_walk.toml"));
   RolloutOptions options;
   options.mode = walk.mode;
   const ReturnMap map = return_map_of(robot, options, walk.parameters);
@@ -68,10 +68,9 @@ TEST_CASE("a landing is where the foot meets the ground, between two ticks, what
   const ReturnMap finer = return_map_of(robot, options, walk.parameters);
   INFO(finer.none);
   REQUIRE(finer.found);
-  CHECK(finer.stride_s == Approx(map.stride_s).epsilon(1e-3));
-  CHECK(finer.stride_m == Approx(map.stride_m).epsilon(1e-3));
-  // The walk's own pair, and the filter's four.
-  for (std::size_t i = 0; i < 6; ++i) CHECK(finer.multipliers[i] == Approx(map.multipliers[i]).margin(0.01));
+  CHECK(finer.stride_s == Approx(map.stride_s).epsilon(2e-3));
+  CHECK(finer.stride_m == Approx(map.stride_m).epsilon(1e-2));
+  for (std::size_t i = 0; i < 2; ++i) CHECK(finer.multipliers[i] == Approx(map.multipliers[i]).margin(1e-3));
 }
 
 TEST_CASE("a walk that falls has no stride, and it is said when it falls") {
