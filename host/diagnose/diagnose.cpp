@@ -14,6 +14,7 @@
 #include "host/diagnose/residual_force.hpp"
 #include "host/diagnose/selection.hpp"
 #include "host/diagnose/wording.hpp"
+#include "host/identify/conventions.hpp"
 #include "host/identify/disagreement.hpp"
 #include "host/identify/informative_windows.hpp"
 #include "host/identify/manoeuvres.hpp"
@@ -108,10 +109,8 @@ class Assembly {
   Assembly(const model::Model& model, const std::vector<log::Log>& training,
            const std::vector<log::Log>& held_out, const Options& options)
       : model_(model), options_(options), training_logs_(training), held_out_logs_(held_out) {
+    if (!options.trust_columns) identify::require_conventions(model, identify::make_recordings(training, model.kind));
     take({}, {});
-    for (const auto* list : {&training_, &held_out_})
-      identify::require_named_unit(model, *list,
-                                   identify::prediction_windows(*list, model, options.window_s));
     refuse_by_residuals();
     crossed_.emplace(training_, training_windows_,
                      evenly(identify::prediction_windows(training_, model, options.window_s)));

@@ -19,6 +19,7 @@ struct Options {
   std::function<void(double, std::string_view)>
       progress;  ///< share done, what is being tried; from any thread
   WithoutRules without;
+  bool trust_columns = false;  ///< units, signs and zeros are not tried (host/conventions/trial.hpp)
 };
 
 /// Diagnoses a model on training recordings, judged on held-out ones. Both at least one log of the model's

@@ -5,6 +5,7 @@
 
 #include "host/core/error.hpp"
 #include "host/core/parallel.hpp"
+#include "host/identify/conventions.hpp"
 #include "host/identify/equation_fit.hpp"
 #include "host/identify/manoeuvres.hpp"
 #include "host/identify/plausible.hpp"
@@ -52,9 +53,8 @@ class Work {
     if (unknowns_.empty())
       throw core::DataError(
           "the model has no [free] table: nothing to identify; expected at least one parameter with bounds in it");
+    if (!options.trust_columns) require_conventions(model, make_recordings(training, model.kind));
     take(training, held_out, {}, {});
-    for (const auto* list : {&training_, &held_out_})
-      require_named_unit(model, *list, prediction_windows(*list, model, options.window_s));
     refuse_by_residuals(training, held_out);
     const machines::Rules& rules = machines::rules(model.kind);
     if (rules.held && options.by_equation)

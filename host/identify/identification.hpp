@@ -74,6 +74,7 @@ struct IdentifyOptions {
   double window_s = 0.5;
   unsigned threads = 2;
   std::function<void(double, std::string_view)> progress;
+  bool trust_columns = false;  ///< units, signs and zeros are not tried (host/conventions/trial.hpp)
 };
 
 /// Identifies the model's free parameters. On the hopper the windows are stances and flights, each alone (002

@@ -10,8 +10,8 @@
 #include "host/core/error.hpp"
 #include "host/core/message.hpp"
 #include "host/core/quantile.hpp"
-#include "host/trees/arrangement.hpp"
 #include "host/trees/base_parameters.hpp"
+#include "host/trees/conventions.hpp"
 #include "host/trees/disagreement.hpp"
 #include "host/trees/linear.hpp"
 #include "host/trees/missing_torque.hpp"
@@ -36,8 +36,6 @@ constexpr double kOfDrive = 0.1, kNearlyAll = 0.9;
 /// Held-out windows that are so many times as far off as those that were fitted show something else.
 constexpr double kOnlyThere = 4.0;
 constexpr std::size_t kMostSearchWindows = 160;
-/// Runs that are off by so many times the motion have flown apart.
-constexpr double kNoRun = 10.0;
 
 std::string percent(double share) {
   const double p = 100.0 * share;
@@ -63,6 +61,7 @@ class Diagnoser {
       d_.samples += log.rows();
     }
     require_motion(model, training_);
+    if (!options.trust_columns) require_conventions(model, training_);
     for (const log::Log& log : held_out) {
       held_out_.push_back(recording_of(model, log));
       d_.held_out_files.push_back(log.path);
@@ -100,10 +99,6 @@ class Diagnoser {
                             " s without a gap; expected longer logs, or a smaller --window-s");
     d_.windows = windows.size();
     Problem problem(model_, training_, std::move(windows), options_.threads);
-    if (const auto arranged = other_arrangement(model_, training_, options_.threads)) {
-      misread(problem, *arranged);
-      return std::move(d_);
-    }
     std::vector<Window> short_windows =
         windows_of(model_, training_, options_.window_s / 3.0, kMostSearchWindows);
     std::optional<Problem> coarse;
@@ -136,24 +131,6 @@ class Diagnoser {
     verdict(problem);
     motions();
     return std::move(d_);
-  }
-
-  /// Columns that stand for each other have no causes.
-  void misread(const Problem& problem, const Arrangement& arranged) {
-    d_.refitted = d_.extended = {model_.drives, model_.causes};
-    errors();
-    torques(problem);
-    motions();
-    d_.verdict = Verdict::not_identifiable;
-    d_.unexplained_share = 1.0;
-    const double as_given = std::sqrt(arranged.off_as_given);
-    d_.summary = "It seems that " + arranged.what + ". So read, runs of the model are off by " +
-                 percent(std::sqrt(arranged.off_arranged)) + " of the motion, as it is by " +
-                 (as_given < kNoRun ? percent(as_given) : "many times the motion") +
-                 ". No cause was looked for.";
-    d_.next_experiment =
-        "Move one joint after the other by hand and see which column moves, and to which side: the URDF says which it is to be. Then mend "
-        "the map file (columns, or scale).";
   }
 
  private:

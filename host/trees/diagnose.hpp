@@ -16,9 +16,10 @@ struct Options {
   unsigned threads = 2;
   std::function<void(double, std::string_view)> progress;
   std::size_t most_work = kMostWork;  ///< see search.hpp
+  bool trust_columns = false;         ///< units, signs and zeros are not tried (host/conventions/trial.hpp)
 };
 
-/// @throws core::DataError: what recording_of throws, no window in the training or the held-out logs.
+/// @throws core::DataError: what recording_of and require_conventions throw, no window in the training or the held-out logs.
 Diagnosis diagnose(const TreeModel& model, const std::vector<log::Log>& training,
                    const std::vector<log::Log>& held_out, const Options& options = {});
 

@@ -1,0 +1,727 @@
+// The trial of conventions, see trial.hpp.
+#include "host/conventions/trial.hpp"
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <numbers>
+#include <numeric>
+
+#include "host/conventions/instants.hpp"
+#include "host/core/error.hpp"
+#include "host/core/message.hpp"
+
+namespace furcula::conventions {
+namespace {
+
+/// More instants cost time and say the same.
+constexpr std::size_t kMostInstants = 500, kFewestInstants = 40;
+/// Log likelihood an instant by which each change of the reading must be ahead: the rest of a joint's equation falls to a third. What is
+/// left after the right reading is what the model lacks, which is no noise; so how far it falls counts, not how many instants say so.
+/// Causes of the catalogue do not look like that by chance (docs/blind_suite.md has the distributions of both).
+const double kFarBetter = std::log(3.0);
+/// An estimated number counts for half a change more: it would fit many a thing.
+constexpr double kEstimated = 0.5;
+/// Readings so near to the best one cannot be told from it: a twentieth of the rest.
+constexpr double kAsGood = 0.05;
+/// A rotor's inertia, reflected through its gear, over what the joint moves: of a motor with a gear of 160 that moves a finger.
+constexpr double kMostRotor = 100.0;
+/// What is left with the reading that is named, over the force: a model that leaves more says nothing of units.
+constexpr double kFits = 0.5;
+/// The largest twentieth of the rests is left out: an impact, a knock.
+constexpr double kTrimmed = 0.05;
+/// A scale or a zero this near to one, or to none, is a cause of the catalogue, not a convention.
+constexpr double kNearOne = 1.8, kNearZero_rad = 0.75;
+/// An estimated scale by which the input gives less than this share of the force says that the input does not matter, not what it is in.
+constexpr double kPushes = 0.2;
+constexpr double kNearUnit = 0.05, kBesideUnit = 0.3;
+constexpr double kQuarter = std::numbers::pi / 2.0;
+
+enum class InputScale { as_logged, turned, estimated, as_position };
+
+struct Rest {
+  double mean_square = 0.0;  ///< trimmed
+  double input_scale = 1.0;
+  double force = 0.0;        ///< RMS of what is asked for, or given
+  double pushed = 0.0;       ///< RMS of what is given
+  double log_inertia = 0.0;  ///< of what was fitted to the inertia, over what it was
+};
+
+/// A column of a joint's equation, with the bounds of its coefficient.
+struct Column {
+  std::vector<double> values;
+  double lower, upper;
+  double inertia = 0.0;  ///< what one of it adds to the joint's inertia, as a share
+};
+
+/// Least squares within bounds, by cyclic descent on the normal equations.
+Eigen::VectorXd bounded_least_squares(const Eigen::MatrixXd& gram, const Eigen::VectorXd& right,
+                                      const Eigen::VectorXd& lower, const Eigen::VectorXd& upper) {
+  constexpr int kRounds = 300;
+  Eigen::VectorXd x = Eigen::VectorXd::Zero(right.size()).cwiseMax(lower).cwiseMin(upper);
+  for (int round = 0; round < kRounds; ++round) {
+    double moved = 0.0;
+    for (Eigen::Index i = 0; i < x.size(); ++i) {
+      if (!(gram(i, i) > 0.0)) continue;
+      const double next =
+          std::clamp(x(i) + (right(i) - gram.row(i).dot(x)) / gram(i, i), lower(i), upper(i));
+      moved = std::max(moved, std::abs(next - x(i)) * std::sqrt(gram(i, i)));
+      x(i) = next;
+    }
+    if (moved < 1e-7 * std::sqrt(right.cwiseAbs().maxCoeff() + 1e-300)) break;
+  }
+  return x;
+}
+
+/// A joint's equation over the instants: input scale x given = needed + columns x coefficients.
+struct Equation {
+  std::vector<double> needed, given;
+  std::vector<Column> columns;
+
+  Rest solve(InputScale how, double position_scale) const {
+    const double fixed = how == InputScale::turned        ? -1.0
+                         : how == InputScale::as_position ? position_scale
+                                                          : 1.0;
+    const bool free = how == InputScale::estimated;
+    const auto rows = static_cast<Eigen::Index>(needed.size());
+    const auto count = static_cast<Eigen::Index>(columns.size());
+    Eigen::MatrixXd all(rows, count + 1);
+    Eigen::VectorXd size(count + 1), lower(count + 1), upper(count + 1);
+    const Eigen::Map<const Eigen::VectorXd> asked(needed.data(), rows), pushed(given.data(), rows);
+    constexpr double kUnbounded = std::numeric_limits<double>::infinity();
+    for (Eigen::Index c = 0; c <= count; ++c) {
+      const bool input = c == count;
+      // Of unit size, so that descent is quick.
+      const Eigen::VectorXd values = input ? Eigen::VectorXd(-pushed)
+                                           : Eigen::VectorXd(Eigen::Map<const Eigen::VectorXd>(
+                                                 columns[static_cast<std::size_t>(c)].values.data(), rows));
+      size(c) = values.norm() / std::sqrt(static_cast<double>(rows));
+      const bool used = size(c) > 0.0 && (!input || free);
+      if (used)
+        all.col(c) = values / size(c);
+      else
+        all.col(c).setZero();
+      lower(c) = input ? -kUnbounded : columns[static_cast<std::size_t>(c)].lower * size(c);
+      upper(c) = input ? kUnbounded : columns[static_cast<std::size_t>(c)].upper * size(c);
+      if (!used) lower(c) = upper(c) = 0.0;
+    }
+    const Eigen::VectorXd target = (free ? 0.0 : fixed) * pushed - asked;
+    const Eigen::VectorXd x =
+        bounded_least_squares(all.transpose() * all, all.transpose() * target, lower, upper);
+    Rest rest;
+    rest.input_scale = free && size(count) > 0.0 ? x(count) / size(count) : fixed;
+    const Eigen::VectorXd left = target - all * x;
+    std::vector<double> squares(needed.size());
+    Eigen::Map<Eigen::VectorXd>(squares.data(), rows) = left.cwiseAbs2();
+    std::sort(squares.begin(), squares.end());
+    const std::size_t kept = std::max<std::size_t>(
+        1, static_cast<std::size_t>((1.0 - kTrimmed) * static_cast<double>(squares.size())));
+    rest.mean_square = std::accumulate(squares.begin(), squares.begin() + static_cast<std::ptrdiff_t>(kept), 0.0) /
+                       static_cast<double>(kept);
+    rest.pushed = std::abs(rest.input_scale) * pushed.norm() / std::sqrt(static_cast<double>(rows));
+    rest.force = std::max(rest.pushed, asked.norm() / std::sqrt(static_cast<double>(rows)));
+    double inertia = 1.0;
+    for (Eigen::Index c = 0; c < count; ++c)
+      if (size(c) > 0.0) inertia += columns[static_cast<std::size_t>(c)].inertia * x(c) / size(c);
+    rest.log_inertia = std::log(std::max(inertia, 1e-9));
+    return rest;
+  }
+};
+
+/// A change of how columns are read, of the machine's side or of its inputs.
+struct Change {
+  Reading reading;
+  std::string what, map;
+  std::vector<std::string> same;  ///< what of the machine would look the same
+  double changes = 1.0;           ///< each estimated number counts for kEstimated more
+};
+
+struct Scored {
+  double score = -std::numeric_limits<double>::infinity();  ///< the fit, less what its changes cost
+  double fit = 0.0;
+  std::string what, map;
+  std::vector<std::string> same;
+  double off = 0.0;
+  bool given = false;
+};
+
+std::string line_of(const std::string& ours, const std::string& theirs, double scale, double offset) {
+  std::string out = ours + " = { column = \"" + theirs + "\"";
+  if (scale != 1.0) out += ", scale = " + core::rounded(scale, 7);
+  if (offset != 0.0) out += ", offset = " + core::rounded(offset, 7);
+  return out + " }";
+}
+
+std::string and_list(const std::vector<std::string>& all) {
+  std::string out;
+  for (std::size_t i = 0; i < all.size(); ++i) out += (i == 0 ? "" : i + 1 == all.size() ? " and " : ", ") + all[i];
+  return out;
+}
+
+bool whole_numbers(std::span<const Columns> recordings, std::size_t joint) {
+  bool any = false;
+  for (const Columns& c : recordings)
+    for (const double x : c.position[joint]) {
+      if (x != std::round(x)) return false;
+      any = any || x != 0.0;
+    }
+  return any;
+}
+
+class Trial {
+ public:
+  Trial(const Family& family, std::span<const Columns> recordings)
+      : family_(family), joints_(family.joints()), free_(family.free_parameters()), recordings_(recordings), n_(joints_.size()) {
+    collect_signals();
+    std::vector<std::size_t> moving(n_);
+    std::iota(moving.begin(), moving.end(), std::size_t{0});
+    std::erase_if(moving, [&](std::size_t j) { return !moves(j); });
+    if (!moving.empty()) instants_ = instants_of(recordings_, signals_, moving, kMostInstants);
+    moving_ = moving;
+  }
+
+  std::optional<Finding> run() {
+    if (instants_.size() < kFewestInstants) return std::nullopt;
+    weigh({given(), "", "", {}, 0.0});
+    if (all_.empty()) return std::nullopt;
+    const double as_given = all_.front().score, off_given = all_.front().off;
+    for (const Change& c : changes()) weigh(c);
+    estimate_scales();
+    estimate_zeros();
+    const auto best =
+        std::max_element(all_.begin(), all_.end(), [](const Scored& a, const Scored& b) { return a.score < b.score; });
+#ifdef TRIAL_DEBUG
+    {
+      std::vector<const Scored*> order;
+      for (const Scored& x : all_) order.push_back(&x);
+      std::sort(order.begin(), order.end(), [](auto* a, auto* b) { return a->score > b->score; });
+      std::fprintf(stderr, "instants %zu candidates %zu given %g off %g\n", instants_.size(), all_.size(), as_given, off_given);
+      for (std::size_t k = 0; k < std::min<std::size_t>(12, order.size()); ++k)
+        std::fprintf(stderr, "  %8.3f off %.4f %s\n", order[k]->score - as_given, order[k]->off, order[k]->what.substr(0, 150).c_str());
+    }
+#endif
+    if (best->given || !(best->score > as_given) || !(best->off < kFits)) return std::nullopt;
+    Finding f{best->what, best->map, best->same, off_given, best->off};
+    std::vector<const Scored*> near;
+    for (const Scored& s : all_)
+      if (&s != &*best && !s.given && s.score > best->score - kAsGood) near.push_back(&s);
+    std::stable_sort(near.begin(), near.end(), [](const Scored* a, const Scored* b) { return a->score > b->score; });
+    for (const Scored* s : near)
+      if (f.others.size() < 3 && !s->what.starts_with(f.what)) f.others.push_back(s->what);
+    return f;
+  }
+
+ private:
+  enum Pool { kPosition, kInput, kVelocity };
+
+  void collect_signals() {
+    std::vector<std::vector<const std::vector<double>*>> of(3 * n_);
+    for (const Columns& c : recordings_)
+      for (std::size_t j = 0; j < n_; ++j) {
+        of[j].push_back(&c.position[j]);
+        of[n_ + j].push_back(&c.input[j]);
+        const bool has = j < c.velocity.size() && !c.velocity[j].empty();
+        of[2 * n_ + j].push_back(has ? &c.velocity[j] : nullptr);
+      }
+    for (std::size_t j = 0; j < n_; ++j) {
+      auto& velocity = of[2 * n_ + j];
+      has_velocity_.push_back(std::none_of(velocity.begin(), velocity.end(), [](auto* p) { return p == nullptr; }));
+      if (!has_velocity_.back()) velocity = of[j];
+    }
+    signals_ = std::move(of);
+    decode_inputs();
+  }
+
+  /// A signed number that was read as an unsigned one, sign and magnitude or two's complement, never is negative and jumps by one
+  /// amount where the sign changes.
+  void decode_inputs() {
+    for (std::size_t j = 0; j < n_; ++j) {
+      if (joints_[j].input_column.empty()) continue;
+      double low = std::numeric_limits<double>::infinity(), longest = 0.0;
+      for (const auto* column : signals_[n_ + j])
+        for (std::size_t i = 0; i < column->size(); ++i) {
+          low = std::min(low, (*column)[i]);
+          if (i > 0) longest = std::max(longest, std::abs((*column)[i] - (*column)[i - 1]));
+        }
+      // Values after a jump upwards are the sign's worth, and a little of the signal.
+      const double jump = 0.5 * longest;
+      double least = std::numeric_limits<double>::infinity(), most = 0.0;
+      std::size_t jumps = 0;
+      for (const auto* column : signals_[n_ + j])
+        for (std::size_t i = 1; i < column->size(); ++i)
+          if ((*column)[i] - (*column)[i - 1] > jump) {
+            ++jumps;
+            least = std::min(least, (*column)[i]), most = std::max(most, (*column)[i]);
+          }
+      if (!(low >= 0.0) || jumps < 2) continue;
+      for (const bool complement : {false, true}) {
+        const double worth = complement ? most : least;
+        std::vector<const std::vector<double>*> decoded;
+        for (const auto* column : signals_[n_ + j]) {
+          auto& out = owned_.emplace_back(std::make_unique<std::vector<double>>(*column));
+          bool negative = column->front() > worth;
+          for (std::size_t i = 0; i < column->size(); ++i) {
+            const double x = (*column)[i], step = i > 0 ? x - (*column)[i - 1] : 0.0;
+            if (step > jump) negative = true;
+            if (step < -jump) negative = false;
+            if (negative) (*out)[i] = complement ? x - worth : worth - x;
+          }
+          decoded.push_back(out.get());
+        }
+        const std::string at = joints_[j].input_column + " never is negative and jumps by " + core::rounded(worth, 4) +
+                               " where its sign changes: ";
+        decoded_.push_back({j, signals_.size(),
+                            at + (complement ? "it is signed (two's complement) and was read as unsigned"
+                                             : "it is sign and magnitude, and the sign's bit was read as " +
+                                                   core::rounded(worth, 4))});
+        signals_.push_back(std::move(decoded));
+      }
+    }
+  }
+
+  bool moves(std::size_t j) const {
+    for (const auto* column : signals_[j]) {
+      const auto [low, high] = std::minmax_element(column->begin(), column->end());
+      if (*high > *low) return true;
+    }
+    return false;
+  }
+
+  Reading given() const {
+    Reading r{std::vector<std::size_t>(n_), std::vector<std::size_t>(n_), std::vector<double>(n_, 1.0),
+              std::vector<double>(n_, 0.0)};
+    for (std::size_t j = 0; j < n_; ++j) r.position_of[j] = j, r.input_of[j] = n_ + j;
+    return r;
+  }
+
+  /// The equations of all joints as so read; false where the model says nothing of so many instants.
+  bool equations(const Reading& r, std::vector<Equation>& out, double& log_det) const {
+    constexpr double kUnbounded = std::numeric_limits<double>::infinity();
+    enum { kCoulomb, kViscous, kRotor, kConstant, kFree };
+    out.assign(n_, {});
+    for (Equation& e : out) {
+      e.columns = {{{}, 0.0, kUnbounded}, {{}, 0.0, kUnbounded}, {{}, 0.0, kUnbounded}, {{}, -kUnbounded, kUnbounded}};
+      for (const FreeParameter& p : free_) e.columns.push_back({{}, p.lower, p.upper});
+    }
+    log_det = 0.0;
+    State s{std::vector<double>(n_), std::vector<double>(n_), std::vector<double>(n_), std::vector<double>(n_),
+            std::vector<double>(n_)};
+    Forces f;
+    std::size_t used = 0;
+    for (const Instant& instant : instants_) {
+      for (std::size_t j = 0; j < n_; ++j) {
+        const Sample& x = instant[r.position_of[j]];
+        s.position[j] = r.scale[j] * x.value + r.offset[j];
+        s.velocity[j] = r.scale[j] * x.slope / r.time_scale;
+        s.acceleration[j] = r.scale[j] * x.curvature / (r.time_scale * r.time_scale);
+        s.low[j] = r.scale[j] * (r.scale[j] > 0.0 ? x.low : x.high) + r.offset[j];
+        s.high[j] = r.scale[j] * (r.scale[j] > 0.0 ? x.high : x.low) + r.offset[j];
+      }
+      if (!family_.forces(s, r.gravity, f)) continue;
+      double finite = f.log_det;
+      for (std::size_t j = 0; j < n_; ++j) finite += f.needed[j];
+      if (!std::isfinite(finite)) return false;
+      ++used;
+      log_det += f.log_det;
+      for (std::size_t j = 0; j < n_; ++j) {
+        Equation& e = out[j];
+        e.needed.push_back(f.needed[j]);
+        e.given.push_back(f.input_gain[j] * instant[r.input_of[j]].mean);
+        e.columns[kCoulomb].values.push_back(s.velocity[j] > 0.0 ? 1.0 : s.velocity[j] < 0.0 ? -1.0 : 0.0);
+        e.columns[kViscous].values.push_back(s.velocity[j]);
+        e.columns[kRotor].values.push_back(s.acceleration[j]);
+        e.columns[kRotor].inertia += 1.0 / f.inertia[j];
+        e.columns[kConstant].values.push_back(1.0);
+        for (std::size_t k = 0; k < free_.size(); ++k) {
+          e.columns[kFree + k].values.push_back(f.by_free[k][j]);
+          e.columns[kFree + k].inertia += f.inertia_by_free[k][j] / f.inertia[j];
+        }
+      }
+    }
+    if (used < kFewestInstants) return false;
+    log_det /= static_cast<double>(used);
+    for (Equation& e : out) {
+      for (Column& c : e.columns) c.inertia /= static_cast<double>(used);
+      e.columns[kRotor].upper = kMostRotor / e.columns[kRotor].inertia;
+    }
+    return true;
+  }
+
+  /// What another signal in place of a position would have been worth without a model: so much less it says if it is explained.
+  double null_of(const Reading& r) const {
+    double sum = 0.0;
+    for (std::size_t j = 0; j < n_; ++j) {
+      double squares = 0.0;
+      for (const Instant& i : instants_) squares += std::pow(i[r.position_of[j]].curvature, 2);
+      sum += 0.5 * std::log(squares / static_cast<double>(instants_.size()) + 1e-300);
+    }
+    return sum;
+  }
+
+  /// Adds what the change is worth with the inputs as logged, and with other signs and scales of them.
+  double weigh(const Change& change) {
+    std::vector<Equation> e;
+    double log_det = 0.0;
+    if (!equations(change.reading, e, log_det)) return -std::numeric_limits<double>::infinity();
+    double base = null_of(change.reading) + log_det - 2.0 * static_cast<double>(n_) * std::log(change.reading.time_scale);
+    for (const double scale : change.reading.scale) base += std::log(std::abs(scale));
+    std::array<std::vector<Rest>, 4> rest;
+    for (std::size_t j = 0; j < n_; ++j)
+      for (const InputScale how :
+           {InputScale::as_logged, InputScale::turned, InputScale::estimated, InputScale::as_position})
+        rest[static_cast<std::size_t>(how)].push_back(e[j].solve(how, change.reading.scale[j]));
+    const auto score = [&](const std::function<InputScale(std::size_t)>& how, double& off) {
+      double sum = base;
+      off = 0.0;
+      for (std::size_t j = 0; j < n_; ++j) {
+        const Rest& r = rest[static_cast<std::size_t>(how(j))][j];
+        const double floor = std::max(1e-12 * r.force * r.force, 1e-300);
+        sum += r.log_inertia - 0.5 * std::log(std::max(r.mean_square, floor));
+        if (r.force > 0.0) off = std::max(off, std::sqrt(r.mean_square) / r.force);
+      }
+      return sum;
+    };
+    double best = -std::numeric_limits<double>::infinity();
+    const auto add = [&](const std::function<InputScale(std::size_t)>& how, double more, const std::string& what,
+                         const std::string& map, const std::vector<std::string>& same) {
+      Scored s;
+      s.fit = score(how, s.off);
+      s.score = s.fit - kFarBetter * (change.changes + more);
+      s.what = change.what + (change.what.empty() || what.empty() ? "" : ", and ") + what;
+      s.map = change.map + (change.map.empty() || map.empty() ? "" : "\n") + map;
+      s.same = change.same;
+      s.same.insert(s.same.end(), same.begin(), same.end());
+      s.given = s.what.empty();
+      best = std::max(best, s.score);
+      all_.push_back(std::move(s));
+    };
+    const bool set_points = std::any_of(joints_.begin(), joints_.end(), [](const Joint& j) { return j.sets_position; });
+    add([](std::size_t) { return InputScale::as_logged; }, 0.0, "", "", {});
+    if (set_points && !change.what.empty())
+      add([&](std::size_t j) { return joints_[j].sets_position ? InputScale::as_position : InputScale::as_logged; }, 0.0,
+          "the set points likewise", "", {});
+    std::vector<std::size_t> driven;
+    for (std::size_t j = 0; j < n_; ++j)
+      if (!joints_[j].input_column.empty()) driven.push_back(j);
+    if (driven.empty()) return best;
+    std::vector<std::string> names;
+    std::string turned_map;
+    for (const std::size_t j : driven) {
+      names.push_back(joints_[j].input_column);
+      turned_map += (turned_map.empty() ? "" : "\n") + line_of(joints_[j].input_column, joints_[j].input_column, -1.0, 0.0);
+    }
+    if (driven.size() > 1) {
+      add([](std::size_t) { return InputScale::turned; }, 1.0, "the inputs of all joints (" + and_list(names) +
+          ") have the other sign", turned_map, {});
+      const Scaled all = scaled_inputs(driven, rest[2]);
+      if (!all.what.empty()) add([](std::size_t) { return InputScale::estimated; }, all.changes, all.what, all.map, all.same);
+    }
+    for (const std::size_t j : driven) {
+      add([j](std::size_t k) { return k == j ? InputScale::turned : InputScale::as_logged; }, 1.0,
+          joints_[j].input_column + " has the other sign",
+          line_of(joints_[j].input_column, joints_[j].input_column, -1.0, 0.0), {});
+      const Scaled one = scaled_inputs({j}, rest[2]);
+      if (!one.what.empty())
+        add([j](std::size_t k) { return k == j ? InputScale::estimated : InputScale::as_logged; }, one.changes, one.what,
+            one.map, one.same);
+    }
+    return best;
+  }
+
+  struct Scaled {
+    std::string what, map;
+    std::vector<std::string> same;
+    double changes = 0.0;  ///< one for all inputs in one known unit, or of about one scale
+  };
+  /// What inputs with estimated scales seem to be; nothing where a scale is near to one.
+  Scaled scaled_inputs(const std::vector<std::size_t>& which, const std::vector<Rest>& rest) const {
+    Scaled out;
+    std::vector<std::string> parts;
+    std::vector<double> scales;
+    bool all_known = true;
+    for (const std::size_t j : which) {
+      const double scale = rest[j].input_scale, size = std::abs(scale);
+      if (!(size > kNearOne || size < 1.0 / kNearOne) || rest[j].pushed < kPushes * rest[j].force) return {};
+      const Unit* unit = nullptr;
+      std::vector<std::string> beside;
+      for (const Unit& u : units_of(joints_[j].input)) {
+        const double away = std::abs(std::log(size / u.si));
+        if (away < std::log1p(kNearUnit) && (unit == nullptr || away < std::abs(std::log(size / unit->si)))) unit = &u;
+        if (away < std::log1p(kBesideUnit)) beside.push_back(std::string(u.name) + " (x " + core::rounded(u.si, 3) + ")");
+      }
+      scales.push_back(scale);
+      all_known = all_known && unit != nullptr;
+      const std::string sign = scale < 0.0 ? " and has the other sign" : "";
+      const std::string si(si_unit(joints_[j].input));
+      if (unit != nullptr) {
+        parts.push_back(joints_[j].input_column + " is in " + std::string(unit->name) + sign);
+      } else {
+        std::string text = joints_[j].input_column + " is " + core::rounded(1.0 / scale, 3) + " times what it is in " + si;
+        if (joints_[j].sets_position)
+          text += ": another unit?";
+        else
+          text += ": is it a current (A)? With a torque constant times gear ratio of " + core::rounded(size, 3) + " " + si +
+                  "/A. Or a share of the rated torque? With a rated torque of " + core::rounded(1000.0 * size, 3) + " " + si +
+                  " for per mille";
+        if (!beside.empty()) text += ". Units near to it: " + and_list(beside);
+        parts.push_back(text);
+      }
+      const double rounded = std::copysign(unit != nullptr ? unit->si : size, scale);
+      out.map += (out.map.empty() ? "" : "\n") +
+                 line_of(joints_[j].input_column, joints_[j].input_column, rounded, 0.0);
+    }
+    out.what = and_list(parts);
+    const auto [low, high] = std::minmax_element(scales.begin(), scales.end());
+    constexpr double kAlike = 1.25;
+    const bool alike = *low * *high > 0.0 && std::max(*high / *low, *low / *high) < kAlike;
+    out.changes = alike ? 1.0 + (all_known ? 0.0 : kEstimated) : static_cast<double>(which.size()) * (1.0 + kEstimated);
+    if (which.size() == driven_count() && n_ == which.size() && !joints_[which.front()].sets_position)
+      out.same.push_back("all masses, inertias, dampings and stiffnesses of the model, times " +
+                         core::rounded(1.0 / std::abs(rest[which.front()].input_scale), 3) +
+                         (which.size() > 1 ? " or so" : ""));
+    return out;
+  }
+  std::size_t driven_count() const {
+    return static_cast<std::size_t>(
+        std::count_if(joints_.begin(), joints_.end(), [](const Joint& j) { return !j.input_column.empty(); }));
+  }
+
+  std::vector<std::size_t> of_quantity(Quantity q) const {
+    std::vector<std::size_t> out;
+    for (const std::size_t j : moving_)
+      if (joints_[j].position == q) out.push_back(j);
+    return out;
+  }
+
+  Change scaled_positions(const std::vector<std::size_t>& which, double scale, const std::string& unit) const {
+    Change c{given(), "", "", {}};
+    std::vector<std::string> names;
+    for (const std::size_t j : which) {
+      c.reading.scale[j] = scale;
+      names.push_back(joints_[j].position_column);
+      c.map += (c.map.empty() ? "" : "\n") + line_of(joints_[j].position_column, joints_[j].position_column, scale, 0.0);
+    }
+    c.what = and_list(names) + (names.size() > 1 ? " are " : " is ") + unit;
+    return c;
+  }
+
+  std::vector<Change> changes() const {
+    std::vector<Change> out;
+    for (const Quantity q : {Quantity::angle, Quantity::length}) {
+      const std::vector<std::size_t> which = of_quantity(q);
+      if (which.empty()) continue;
+      for (const Unit& u : units_of(q)) {
+        const std::string in = "in " + std::string(u.name);
+        out.push_back(scaled_positions(which, u.si, in));
+        if (which.size() > 1)
+          for (const std::size_t j : which) out.push_back(scaled_positions({j}, u.si, in));
+      }
+      const bool whole = std::all_of(which.begin(), which.end(), [&](std::size_t j) { return whole_numbers(recordings_, j); });
+      if (q == Quantity::angle && whole)
+        for (int bits = 8; bits <= 24; ++bits)
+          out.push_back(scaled_positions(which, 2.0 * std::numbers::pi / std::ldexp(1.0, bits),
+                                         "in encoder counts, every value a whole number, " +
+                                             core::shortest(std::ldexp(1.0, bits)) + " a turn"));
+      out.push_back(scaled_positions(which, -1.0, "of the other sign"));
+      if (which.size() > 1)
+        for (const std::size_t j : which) out.push_back(scaled_positions({j}, -1.0, "of the other sign"));
+    }
+    for (const Unit& u : units_of_time()) {
+      Change c{given(), "time_s is in " + std::string(u.name), line_of("time_s", "time_s", u.si, 0.0), {}};
+      c.reading.time_scale = u.si;
+      out.push_back(c);
+    }
+    const std::vector<std::string> gravities = family_.other_gravities();
+    for (std::size_t g = 0; g < gravities.size(); ++g) {
+      Change c{given(), gravities[g], "", {}};
+      c.reading.gravity = g + 1;
+      out.push_back(c);
+    }
+    for (const auto& d : decoded_) {
+      Change c{given(), d.what, "", {}};
+      c.reading.input_of[d.joint] = d.signal;
+      out.push_back(c);
+    }
+    exchanges(out);
+    return out;
+  }
+
+  void exchanges(std::vector<Change>& out) const {
+    const auto add = [&](const std::vector<std::pair<std::size_t, std::size_t>>& positions,
+                         const std::vector<std::pair<std::size_t, std::size_t>>& inputs, const std::string& what,
+                         const std::string& map) {
+      Change c{given(), what, map, {}};
+      for (const auto& [j, signal] : positions) c.reading.position_of[j] = signal;
+      for (const auto& [j, signal] : inputs) c.reading.input_of[j] = signal;
+      out.push_back(c);
+    };
+    const auto exchanged = [&](const std::string& a, const std::string& b) {
+      return std::pair(a + " and " + b + " are exchanged", line_of(a, b, 1.0, 0.0) + "\n" + line_of(b, a, 1.0, 0.0));
+    };
+    for (std::size_t j = 0; j < n_; ++j) {
+      const Joint& a = joints_[j];
+      if (!a.input_column.empty()) {
+        const auto [what, map] = exchanged(a.position_column, a.input_column);
+        add({{j, n_ + j}}, {{j, j}}, what, map);
+      }
+      if (has_velocity_[j]) add({{j, 2 * n_ + j}}, {}, a.position_column + " and the velocity are exchanged", "");
+      for (std::size_t k = j + 1; k < n_; ++k) {
+        const Joint& b = joints_[k];
+        if (a.position != b.position) continue;
+        const auto [place, place_map] = exchanged(a.position_column, b.position_column);
+        add({{j, k}, {k, j}}, {}, place, place_map);
+        if (a.input_column.empty() || b.input_column.empty() || a.sets_position != b.sets_position) continue;
+        const auto [input, input_map] = exchanged(a.input_column, b.input_column);
+        add({}, {{j, n_ + k}, {k, n_ + j}}, input, input_map);
+        add({{j, k}, {k, j}}, {{j, n_ + k}, {k, n_ + j}}, place + ", and " + input, place_map + "\n" + input_map);
+      }
+    }
+  }
+
+  /// Scales of positions that are no known unit: a gear's ratio, counts of an encoder.
+  void estimate_scales() {
+    for (const Quantity q : {Quantity::angle, Quantity::length}) {
+      const std::vector<std::size_t> all = of_quantity(q);
+      if (all.empty()) continue;
+      std::vector<std::vector<std::size_t>> groups{all};
+      if (all.size() > 1)
+        for (const std::size_t j : all) groups.push_back({j});
+      for (const auto& which : groups) {
+        const auto value = [&](double log_scale) {
+          const std::size_t before = all_.size();
+          Change c = scaled_positions(which, std::exp(log_scale), "");
+          const double score = weigh(c);
+          all_.resize(before);
+          return score;
+        };
+        constexpr double kStep = 0.25;
+        double at = 0.0, most = -std::numeric_limits<double>::infinity();
+        for (double x = std::log(1e-6); x <= std::log(1e3); x += kStep) {
+          if (std::abs(x) < std::log(kNearOne)) continue;
+          const double score = value(x);
+          if (score > most) most = score, at = x;
+        }
+        at = refined(value, at, kStep);
+        const double scale = std::exp(at);
+        if (scale < kNearOne && scale > 1.0 / kNearOne) continue;
+        const bool whole = std::all_of(which.begin(), which.end(), [&](std::size_t j) { return whole_numbers(recordings_, j); });
+        std::string text = core::rounded(1.0 / scale, 4) + " times what is expected in " + std::string(si_unit(q));
+        if (whole && q == Quantity::angle)
+          text += ", every value a whole number: encoder counts, about " +
+                  core::rounded(2.0 * std::numbers::pi / scale, 3) + " a turn";
+        else if (whole)
+          text += ", every value a whole number: encoder counts";
+        else
+          text += ": the motor's side of a gear?";
+        Change c = scaled_positions(which, scale, text);
+        c.changes = 1.0 + kEstimated;
+        weigh(c);
+      }
+    }
+  }
+
+  /// Zeros of angles: a quarter or half turn, or whatever fits.
+  void estimate_zeros() {
+    for (const std::size_t j : of_quantity(Quantity::angle)) {
+      const Joint& joint = joints_[j];
+      const auto change = [&](double offset) {
+        Change c{given(), "", line_of(joint.position_column, joint.position_column, 1.0, offset), {}};
+        c.reading.offset[j] = offset;
+        const double degrees = offset * 180.0 / std::numbers::pi;
+        c.what = "the zero of " + joint.position_column + " is off by " +
+                 (std::abs(std::abs(offset) - kQuarter) < 1e-9         ? std::string("a quarter turn")
+                  : std::abs(offset) > 2.0 * kQuarter - 1e-9 ? std::string("half a turn")
+                                                             : core::rounded(degrees, 3) + " degrees") +
+                 " (the model's angle is the log's " + (offset < 0.0 ? "- " : "+ ") + core::rounded(std::abs(offset), 5) +
+                 " rad)";
+        if (joint.last && !joint.link.empty())
+          c.same.push_back("the body of link " + joint.link + ", turned by " + core::rounded(degrees, 3) +
+                           " degrees about the joint's axis: no recording tells them apart");
+        return c;
+      };
+      const auto value = [&](double offset) {
+        const std::size_t before = all_.size();
+        const double score = weigh(change(offset));
+        all_.resize(before);
+        return score;
+      };
+      for (const double quarter : {kQuarter, 2.0 * kQuarter, -kQuarter}) weigh(change(quarter));
+      constexpr double kStep = std::numbers::pi / 12.0;
+      double at = 0.0, most = -std::numeric_limits<double>::infinity();
+      for (int k = 3; k <= 21; ++k) {
+        const double score = value(k * kStep);
+        if (score > most) most = score, at = k * kStep;
+      }
+      at = refined(value, at, kStep);
+      if (at > std::numbers::pi) at -= 2.0 * std::numbers::pi;
+      const double from_quarter = std::abs(at - kQuarter * std::round(at / kQuarter));
+      // A quarter is the likelier reading of what is nearly one.
+      if (std::abs(at) < kNearZero_rad || from_quarter < 0.1) continue;
+      Change c = change(at);
+      c.changes = 1.0 + kEstimated;
+      weigh(c);
+    }
+  }
+
+  /// The best place within a step of a grid's best, by golden sections.
+  static double refined(const std::function<double(double)>& value, double at, double step) {
+    const double golden = 0.5 * (std::sqrt(5.0) - 1.0);
+    double low = at - step, high = at + step;
+    double a = high - golden * (high - low), b = low + golden * (high - low), fa = value(a), fb = value(b);
+    constexpr int kRounds = 14;
+    for (int round = 0; round < kRounds; ++round) {
+      if (fa > fb)
+        high = b, b = a, fb = fa, a = high - golden * (high - low), fa = value(a);
+      else
+        low = a, a = b, fa = fb, b = low + golden * (high - low), fb = value(b);
+    }
+    return 0.5 * (low + high);
+  }
+
+  struct Decoded {
+    std::size_t joint, signal;
+    std::string what;
+  };
+  const Family& family_;
+  const std::vector<Joint>& joints_;
+  const std::vector<FreeParameter> free_;
+  std::span<const Columns> recordings_;
+  std::size_t n_;
+  std::vector<std::vector<const std::vector<double>*>> signals_;
+  std::vector<bool> has_velocity_;
+  std::vector<std::unique_ptr<std::vector<double>>> owned_;
+  std::vector<Decoded> decoded_;
+  std::vector<std::size_t> moving_;
+  std::vector<Instant> instants_;
+  std::vector<Scored> all_;
+};
+
+}  // namespace
+
+std::optional<Finding> find_convention(const Family& family, std::span<const Columns> recordings) {
+  return Trial(family, recordings).run();
+}
+
+void require_convention(const Family& family, std::span<const Columns> recordings) {
+  const std::optional<Finding> f = find_convention(family, recordings);
+  if (!f) return;
+  const auto percent = [](double share) { return core::rounded(100.0 * share, 2) + " %"; };
+  std::string message = recordings.front().path;
+  if (recordings.size() > 1) message += " and " + std::to_string(recordings.size() - 1) + " more";
+  message += ": it seems that " + f->what + ". So read, the model is off by " + percent(f->off_read) +
+             " of the force; as named it is off by " + percent(f->off_given);
+  for (const std::string& other : f->others) message += "; cannot be told from: " + other;
+  message += ". No cause was looked for. Expected columns as their names say";
+  if (!f->map.empty()) {
+    std::string lines = f->map;
+    for (std::size_t i = 0; (i = lines.find('\n', i)) != lines.npos; i += 2) lines.replace(i, 1, ", ");
+    message += ": write in a map file (--map) " + lines;
+  }
+  throw core::DataError(message + "; or, where the columns are right, --trust-columns skips this check");
+}
+
+}  // namespace furcula::conventions

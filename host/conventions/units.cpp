@@ -1,0 +1,67 @@
+// The table of units, see units.hpp.
+#include "host/conventions/units.hpp"
+
+#include <array>
+#include <numbers>
+
+namespace furcula::conventions {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180.0, kTurn = 2.0 * std::numbers::pi;
+constexpr double kKilopond = 9.80665, kPound = 4.4482216152605, kInch = 0.0254;
+
+constexpr std::array<Unit, 8> kAngles{{{"degrees", kDegree},
+                                       {"turns", kTurn},
+                                       {"half turns", kTurn / 2.0},
+                                       {"tenths of a degree", kDegree / 10.0},
+                                       {"hundredths of a degree", kDegree / 100.0},
+                                       {"millidegrees", kDegree / 1000.0},
+                                       {"milliradians", 1e-3},
+                                       {"gradians", kTurn / 400.0}}};
+constexpr std::array<Unit, 5> kLengths{
+    {{"millimetres", 1e-3}, {"centimetres", 1e-2}, {"micrometres", 1e-6}, {"inches", kInch}, {"feet", 12.0 * kInch}}};
+constexpr std::array<Unit, 9> kTorques{{{"N mm", 1e-3},
+                                        {"N cm", 1e-2},
+                                        {"uN m", 1e-6},
+                                        {"kN m", 1e3},
+                                        {"kgf cm", kKilopond / 100.0},
+                                        {"kgf m", kKilopond},
+                                        {"ozf in", kPound / 16.0 * kInch},
+                                        {"lbf in", kPound * kInch},
+                                        {"lbf ft", kPound * 12.0 * kInch}}};
+constexpr std::array<Unit, 5> kForces{
+    {{"mN", 1e-3}, {"kN", 1e3}, {"kgf", kKilopond}, {"gf", kKilopond / 1000.0}, {"lbf", kPound}}};
+constexpr std::array<Unit, 4> kTimes{
+    {{"milliseconds", 1e-3}, {"microseconds", 1e-6}, {"nanoseconds", 1e-9}, {"minutes", 60.0}}};
+
+}  // namespace
+
+std::span<const Unit> units_of(Quantity quantity) {
+  switch (quantity) {
+    case Quantity::angle:
+      return kAngles;
+    case Quantity::length:
+      return kLengths;
+    case Quantity::torque:
+      return kTorques;
+    default:
+      return kForces;
+  }
+}
+
+std::span<const Unit> units_of_time() { return kTimes; }
+
+std::string_view si_unit(Quantity quantity) {
+  switch (quantity) {
+    case Quantity::angle:
+      return "rad";
+    case Quantity::length:
+      return "m";
+    case Quantity::torque:
+      return "N m";
+    default:
+      return "N";
+  }
+}
+
+}  // namespace furcula::conventions

@@ -1,0 +1,14 @@
+// A tree's columns for the trial of conventions (host/conventions/trial.hpp).
+#pragma once
+
+#include <vector>
+
+#include "host/trees/recording.hpp"
+
+namespace furcula::trees {
+
+/// @throws core::DataError that says what the columns of these recordings seem to be, where that is not what their names say: another
+/// unit, sign or zero, columns that are exchanged, gravity along another axis of the base. Of a robot with a foot, rows in flight count.
+void require_conventions(const TreeModel& model, const std::vector<Recording>& recordings);
+
+}  // namespace furcula::trees
