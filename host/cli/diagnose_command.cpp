@@ -31,6 +31,7 @@ diagnose::Diagnosis run_diagnose(const RecordingOptions& o) {
     diagnose::Options options;
     options.window_s = o.window(false);
     options.threads = o.thread_count();
+    options.trust_columns = o.trust_columns;
     options.progress = [&](double fraction, std::string_view doing) { progress.update(fraction, doing); };
     d = diagnose::diagnose(r.model, r.training, r.held_out, options);
   }
@@ -66,6 +67,7 @@ void run_on_tree(const RecordingOptions& o, const trees::TreeModel& model) {
     trees::Options options;
     options.window_s = o.window(true);
     options.threads = o.thread_count();
+    options.trust_columns = o.trust_columns;
     options.progress = [&](double fraction, std::string_view doing) { progress.update(fraction, doing); };
     d = trees::diagnose(model, logs.training, logs.held_out, options);
   }

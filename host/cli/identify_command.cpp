@@ -35,6 +35,7 @@ void run_on_tree(const IdentifyOptions& o, const trees::TreeModel& model) {
     trees::Options options;
     options.window_s = o.window(true);
     options.threads = o.thread_count();
+    options.trust_columns = o.trust_columns;
     options.progress = [&](double fraction, std::string_view doing) { progress.update(fraction, doing); };
     found = trees::identify(model, logs.training, logs.held_out, options);
   }
@@ -84,6 +85,7 @@ void run(const IdentifyOptions& o) {
     options.folds = o.folds;
     options.window_s = o.window(false);
     options.threads = o.thread_count();
+    options.trust_columns = o.trust_columns;
     options.progress = [&](double fraction, std::string_view doing) { progress.update(fraction, doing); };
     found = identify::identify(r.model, r.training, r.held_out, options);
   }

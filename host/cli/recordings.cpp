@@ -44,6 +44,9 @@ void RecordingOptions::add_to(CLI::App& command) {
                          " and a hopper that stays on the ground, 0.3 on a tree");
   command.add_option("--out", out, "Folder for the results")->required();
   command.add_flag("--skip-bad-rows", skip_bad_rows, kSkipBadRows);
+  command.add_flag(
+      "--trust-columns", trust_columns,
+      "Do not try whether the columns have other units, signs, zeros or joints than their names say");
   command.add_option("--threads", threads, "Threads; the result is the same for any number");
   command.add_option("--seed", seed, "Seed of the choice of held-out logs")->capture_default_str();
   command.add_option("logs", logs, "Logs (furcula-log/1, or as the map says), at least one");
@@ -73,6 +76,7 @@ std::string RecordingOptions::command_line(const std::string& command, bool tree
   option("--model", model);
   if (!map.empty()) option("--map", map);
   if (skip_bad_rows) add("--skip-bad-rows");
+  if (trust_columns) add("--trust-columns");
   option("--window-s", core::shortest(window(tree)));
   option("--seed", std::to_string(seed));
   for (const std::string& path : logs) add(path);

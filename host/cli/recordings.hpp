@@ -24,6 +24,7 @@ struct RecordingOptions {
   unsigned threads = 0;   ///< 0: as many as the machine has
   std::uint64_t seed = 1;
   bool skip_bad_rows = false;
+  bool trust_columns = false;
 
   void add_to(CLI::App& command);
   /// `threads`, or what the machine has.

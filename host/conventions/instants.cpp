@@ -157,18 +157,6 @@ std::vector<Instant> instants_of(std::span<const Columns> recordings,
       }
       seen = seen && of_noise <= kNoiseShare * kNoiseShare * squares;
     }
-#ifdef TRIAL_DEBUG
-    std::fprintf(stderr, "reach %zu instants %zu", reach, now.size());
-    for (std::size_t k = 0; k < moving.size(); ++k) {
-      double squares = 0.0, of_noise = 0.0;
-      for (std::size_t i = 0; i < now.size(); ++i) {
-        squares += std::pow(now[i][moving[k]].curvature, 2);
-        of_noise += variance[i] * noise[k] * noise[k];
-      }
-      std::fprintf(stderr, "  noise %g share %g", noise[k], std::sqrt(of_noise / squares));
-    }
-    std::fprintf(stderr, "\n");
-#endif
     best = std::move(now);
     if (seen) break;
   }

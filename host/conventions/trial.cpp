@@ -1,7 +1,7 @@
 // The trial of conventions, see trial.hpp.
 #include "host/conventions/trial.hpp"
 
-#include <Eigen/Core>
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -14,6 +14,7 @@
 #include "host/conventions/instants.hpp"
 #include "host/core/error.hpp"
 #include "host/core/message.hpp"
+#include "host/core/quantile.hpp"
 
 namespace furcula::conventions {
 namespace {
@@ -26,37 +27,61 @@ constexpr std::size_t kMostInstants = 500, kFewestInstants = 40;
 const double kFarBetter = std::log(3.0);
 /// An estimated number counts for half a change more: it would fit many a thing.
 constexpr double kEstimated = 0.5;
-/// Readings so near to the best one cannot be told from it: a twentieth of the rest.
-constexpr double kAsGood = 0.05;
+/// Readings that are no further behind the best one than an estimated number costs are mentioned beside it.
+const double kAsGood = kEstimated * kFarBetter;
+/// Friction and constant forces over the forces that act (RMS of the drive's and of gravity and springs): what moves is not held.
+constexpr double kMostFriction = 0.3;
 /// A rotor's inertia, reflected through its gear, over what the joint moves: of a motor with a gear of 160 that moves a finger.
 constexpr double kMostRotor = 100.0;
-/// What is left with the reading that is named, over the force: a model that leaves more says nothing of units.
-constexpr double kFits = 0.5;
+/// With the columns as named: a scale of kNearOne or a zero of kNearZero_rad leaves half of the force; a part of that is fitted away by
+/// what the trial fits in any case. A model that leaves less has no wrong unit, however much better another reading is.
+constexpr double kAsked = 0.2;
 /// The largest twentieth of the rests is left out: an impact, a knock.
 constexpr double kTrimmed = 0.05;
 /// A scale or a zero this near to one, or to none, is a cause of the catalogue, not a convention.
 constexpr double kNearOne = 1.8, kNearZero_rad = 0.75;
-/// An estimated scale by which the input gives less than this share of the force says that the input does not matter, not what it is in.
-constexpr double kPushes = 0.2;
-constexpr double kNearUnit = 0.05, kBesideUnit = 0.3;
+/// Estimates of scales are off by what the model lacks: units within this factor are tried, and named as near.
+constexpr double kWithin = 2.0, kBesideUnit = 1.3;
+/// Between two rows of a log of a machine that is moved by drives.
+constexpr double kShortest_s = 1e-5, kLongest_s = 1.0;
 constexpr double kQuarter = std::numbers::pi / 2.0;
 
-enum class InputScale { as_logged, turned, estimated, as_position };
+/// How a joint's input is read.
+struct InputScale {
+  double scale = 1.0;
+  bool estimated = false;
+};
 
 struct Rest {
   double mean_square = 0.0;  ///< trimmed
   double input_scale = 1.0;
-  double force = 0.0;        ///< RMS of what is asked for, or given
-  double pushed = 0.0;       ///< RMS of what is given
+  double force = 0.0;   ///< RMS of what is asked for with what was fitted, or given
+  double pushed = 0.0;  ///< RMS of what is given
+  double rotor = 0.0;   ///< inertia that was fitted
+  /// Log likelihood an instant that the drive's force is worth: without it the rest would be so much larger.
+  double worth_of_drive() const { return 0.5 * std::log1p(pushed * pushed / std::max(mean_square, 1e-300)); }
   double log_inertia = 0.0;  ///< of what was fitted to the inertia, over what it was
 };
+
+/// Without the largest kTrimmed of them.
+double trimmed_mean(std::vector<double> squares) {
+  const std::size_t kept = std::max<std::size_t>(
+      1, static_cast<std::size_t>((1.0 - kTrimmed) * static_cast<double>(squares.size())));
+  std::nth_element(squares.begin(), squares.begin() + static_cast<std::ptrdiff_t>(kept) - 1, squares.end());
+  return std::accumulate(squares.begin(), squares.begin() + static_cast<std::ptrdiff_t>(kept), 0.0) /
+         static_cast<double>(kept);
+}
 
 /// A column of a joint's equation, with the bounds of its coefficient.
 struct Column {
   std::vector<double> values;
   double lower, upper;
-  double inertia = 0.0;  ///< what one of it adds to the joint's inertia, as a share
+  bool friction = false;  ///< or a constant force
+  double inertia = 0.0;   ///< what one of it adds to the joint's inertia, as a share
 };
+
+/// The columns of each joint's equation, in their order; from kFree on the free parameters.
+enum : Eigen::Index { kCoulomb, kViscous, kRotor, kConstant, kFree };
 
 /// Least squares within bounds, by cyclic descent on the normal equations.
 Eigen::VectorXd bounded_least_squares(const Eigen::MatrixXd& gram, const Eigen::VectorXd& right,
@@ -67,8 +92,7 @@ Eigen::VectorXd bounded_least_squares(const Eigen::MatrixXd& gram, const Eigen::
     double moved = 0.0;
     for (Eigen::Index i = 0; i < x.size(); ++i) {
       if (!(gram(i, i) > 0.0)) continue;
-      const double next =
-          std::clamp(x(i) + (right(i) - gram.row(i).dot(x)) / gram(i, i), lower(i), upper(i));
+      const double next = std::clamp(x(i) + (right(i) - gram.row(i).dot(x)) / gram(i, i), lower(i), upper(i));
       moved = std::max(moved, std::abs(next - x(i)) * std::sqrt(gram(i, i)));
       x(i) = next;
     }
@@ -79,19 +103,30 @@ Eigen::VectorXd bounded_least_squares(const Eigen::MatrixXd& gram, const Eigen::
 
 /// A joint's equation over the instants: input scale x given = needed + columns x coefficients.
 struct Equation {
-  std::vector<double> needed, given;
+  std::vector<double> needed, given, of_drive;
   std::vector<Column> columns;
+  double rotor_share =
+      0.0;  ///< what one of a rotor's inertia adds to the joint's, as a share; summed over the instants
+  double acting = 0.0;  ///< RMS of what acts beside the drive: gravity, springs
 
-  Rest solve(InputScale how, double position_scale) const {
-    const double fixed = how == InputScale::turned        ? -1.0
-                         : how == InputScale::as_position ? position_scale
-                                                          : 1.0;
-    const bool free = how == InputScale::estimated;
+  /// Of the input, to move as it does without friction.
+  double likely_scale() const {
+    double both = 0.0, squares = 0.0;
+    for (std::size_t i = 0; i < needed.size(); ++i)
+      both += needed[i] * given[i], squares += given[i] * given[i];
+    return squares > 0.0 ? both / squares : 0.0;
+  }
+
+  Rest solve(InputScale how) const {
+    const double fixed = how.scale;
+    const bool free = how.estimated;
     const auto rows = static_cast<Eigen::Index>(needed.size());
     const auto count = static_cast<Eigen::Index>(columns.size());
     Eigen::MatrixXd all(rows, count + 1);
     Eigen::VectorXd size(count + 1), lower(count + 1), upper(count + 1);
-    const Eigen::Map<const Eigen::VectorXd> asked(needed.data(), rows), pushed(given.data(), rows);
+    const Eigen::Map<const Eigen::VectorXd> asked(needed.data(), rows), pushed(given.data(), rows),
+        drive(of_drive.data(), rows);
+    const double root = 1.0 / std::sqrt(static_cast<double>(rows));
     constexpr double kUnbounded = std::numeric_limits<double>::infinity();
     for (Eigen::Index c = 0; c <= count; ++c) {
       const bool input = c == count;
@@ -107,6 +142,13 @@ struct Equation {
         all.col(c).setZero();
       lower(c) = input ? -kUnbounded : columns[static_cast<std::size_t>(c)].lower * size(c);
       upper(c) = input ? kUnbounded : columns[static_cast<std::size_t>(c)].upper * size(c);
+      if (!input && columns[static_cast<std::size_t>(c)].friction) {
+        const double most =
+            kMostFriction *
+            std::max(((free ? likely_scale() : fixed) * pushed - drive).norm() * root, acting);
+        lower(c) = std::max(lower(c), -most);
+        upper(c) = std::min(upper(c), most);
+      }
       if (!used) lower(c) = upper(c) = 0.0;
     }
     const Eigen::VectorXd target = (free ? 0.0 : fixed) * pushed - asked;
@@ -117,15 +159,15 @@ struct Equation {
     const Eigen::VectorXd left = target - all * x;
     std::vector<double> squares(needed.size());
     Eigen::Map<Eigen::VectorXd>(squares.data(), rows) = left.cwiseAbs2();
-    std::sort(squares.begin(), squares.end());
-    const std::size_t kept = std::max<std::size_t>(
-        1, static_cast<std::size_t>((1.0 - kTrimmed) * static_cast<double>(squares.size())));
-    rest.mean_square = std::accumulate(squares.begin(), squares.begin() + static_cast<std::ptrdiff_t>(kept), 0.0) /
-                       static_cast<double>(kept);
-    rest.pushed = std::abs(rest.input_scale) * pushed.norm() / std::sqrt(static_cast<double>(rows));
-    rest.force = std::max(rest.pushed, asked.norm() / std::sqrt(static_cast<double>(rows)));
-    double inertia = 1.0;
+    rest.mean_square = trimmed_mean(std::move(squares));
+    rest.pushed = (rest.input_scale * pushed - drive).norm() * root;
+    Eigen::VectorXd fitted = asked - drive;  // with what was fitted to the bodies
     for (Eigen::Index c = 0; c < count; ++c)
+      if (!columns[static_cast<std::size_t>(c)].friction) fitted += all.col(c) * x(c);
+    rest.force = std::max({rest.pushed, fitted.norm() * root, acting});
+    if (size(kRotor) > 0.0) rest.rotor = x(kRotor) / size(kRotor);
+    double inertia = 1.0;
+    for (Eigen::Index c = kFree; c < count; ++c)
       if (size(c) > 0.0) inertia += columns[static_cast<std::size_t>(c)].inertia * x(c) / size(c);
     rest.log_inertia = std::log(std::max(inertia, 1e-9));
     return rest;
@@ -158,7 +200,8 @@ std::string line_of(const std::string& ours, const std::string& theirs, double s
 
 std::string and_list(const std::vector<std::string>& all) {
   std::string out;
-  for (std::size_t i = 0; i < all.size(); ++i) out += (i == 0 ? "" : i + 1 == all.size() ? " and " : ", ") + all[i];
+  for (std::size_t i = 0; i < all.size(); ++i)
+    out += (i == 0 ? "" : i + 1 == all.size() ? " and " : ", ") + all[i];
   return out;
 }
 
@@ -175,8 +218,16 @@ bool whole_numbers(std::span<const Columns> recordings, std::size_t joint) {
 class Trial {
  public:
   Trial(const Family& family, std::span<const Columns> recordings)
-      : family_(family), joints_(family.joints()), free_(family.free_parameters()), recordings_(recordings), n_(joints_.size()) {
+      : family_(family),
+        joints_(family.joints()),
+        free_(family.free_parameters()),
+        recordings_(recordings),
+        n_(joints_.size()) {
     collect_signals();
+    std::vector<double> intervals;
+    for (const Columns& c : recordings_)
+      for (std::size_t i = 1; i < c.time_s.size(); ++i) intervals.push_back(c.time_s[i] - c.time_s[i - 1]);
+    if (!intervals.empty()) interval_ = core::median(std::move(intervals));
     std::vector<std::size_t> moving(n_);
     std::iota(moving.begin(), moving.end(), std::size_t{0});
     std::erase_if(moving, [&](std::size_t j) { return !moves(j); });
@@ -189,27 +240,19 @@ class Trial {
     weigh({given(), "", "", {}, 0.0});
     if (all_.empty()) return std::nullopt;
     const double as_given = all_.front().score, off_given = all_.front().off;
+    if (off_given < kAsked) return std::nullopt;
     for (const Change& c : changes()) weigh(c);
     estimate_scales();
     estimate_zeros();
-    const auto best =
-        std::max_element(all_.begin(), all_.end(), [](const Scored& a, const Scored& b) { return a.score < b.score; });
-#ifdef TRIAL_DEBUG
-    {
-      std::vector<const Scored*> order;
-      for (const Scored& x : all_) order.push_back(&x);
-      std::sort(order.begin(), order.end(), [](auto* a, auto* b) { return a->score > b->score; });
-      std::fprintf(stderr, "instants %zu candidates %zu given %g off %g\n", instants_.size(), all_.size(), as_given, off_given);
-      for (std::size_t k = 0; k < std::min<std::size_t>(12, order.size()); ++k)
-        std::fprintf(stderr, "  %8.3f off %.4f %s\n", order[k]->score - as_given, order[k]->off, order[k]->what.substr(0, 150).c_str());
-    }
-#endif
-    if (best->given || !(best->score > as_given) || !(best->off < kFits)) return std::nullopt;
-    Finding f{best->what, best->map, best->same, off_given, best->off};
+    const auto best = std::max_element(all_.begin(), all_.end(),
+                                       [](const Scored& a, const Scored& b) { return a.score < b.score; });
+    if (best->given || !(best->score > as_given) || !(best->fit > kFarBetter)) return std::nullopt;
+    Finding f{best->what, best->map, best->same, {}, off_given, best->off};
     std::vector<const Scored*> near;
     for (const Scored& s : all_)
       if (&s != &*best && !s.given && s.score > best->score - kAsGood) near.push_back(&s);
-    std::stable_sort(near.begin(), near.end(), [](const Scored* a, const Scored* b) { return a->score > b->score; });
+    std::stable_sort(near.begin(), near.end(),
+                     [](const Scored* a, const Scored* b) { return a->score > b->score; });
     for (const Scored* s : near)
       if (f.others.size() < 3 && !s->what.starts_with(f.what)) f.others.push_back(s->what);
     return f;
@@ -229,7 +272,8 @@ class Trial {
       }
     for (std::size_t j = 0; j < n_; ++j) {
       auto& velocity = of[2 * n_ + j];
-      has_velocity_.push_back(std::none_of(velocity.begin(), velocity.end(), [](auto* p) { return p == nullptr; }));
+      has_velocity_.push_back(
+          std::none_of(velocity.begin(), velocity.end(), [](auto* p) { return p == nullptr; }));
       if (!has_velocity_.back()) velocity = of[j];
     }
     signals_ = std::move(of);
@@ -272,8 +316,8 @@ class Trial {
           }
           decoded.push_back(out.get());
         }
-        const std::string at = joints_[j].input_column + " never is negative and jumps by " + core::rounded(worth, 4) +
-                               " where its sign changes: ";
+        const std::string at = joints_[j].input_column + " never is negative and jumps by " +
+                               core::rounded(worth, 4) + " where its sign changes: ";
         decoded_.push_back({j, signals_.size(),
                             at + (complement ? "it is signed (two's complement) and was read as unsigned"
                                              : "it is sign and magnitude, and the sign's bit was read as " +
@@ -298,18 +342,24 @@ class Trial {
     return r;
   }
 
-  /// The equations of all joints as so read; false where the model says nothing of so many instants.
-  bool equations(const Reading& r, std::vector<Equation>& out, double& log_det) const {
+  /// The equations of all joints as so read, and what their instants' likelihood has beside the rests: the Jacobian, and what the signals
+  /// that stand for positions would be worth without a model (another signal says so much less if it is explained). False where the
+  /// model says nothing of so many instants.
+  bool equations(const Reading& r, std::vector<Equation>& out, double& beside) {
     constexpr double kUnbounded = std::numeric_limits<double>::infinity();
-    enum { kCoulomb, kViscous, kRotor, kConstant, kFree };
     out.assign(n_, {});
     for (Equation& e : out) {
-      e.columns = {{{}, 0.0, kUnbounded}, {{}, 0.0, kUnbounded}, {{}, 0.0, kUnbounded}, {{}, -kUnbounded, kUnbounded}};
+      e.columns = {{{}, 0.0, kUnbounded, true},
+                   {{}, 0.0, kUnbounded, true},
+                   {{}, 0.0, kUnbounded},
+                   {{}, -kUnbounded, kUnbounded, true}};
       for (const FreeParameter& p : free_) e.columns.push_back({{}, p.lower, p.upper});
     }
-    log_det = 0.0;
-    State s{std::vector<double>(n_), std::vector<double>(n_), std::vector<double>(n_), std::vector<double>(n_),
-            std::vector<double>(n_)};
+    double log_det = 0.0;
+    mass_.setZero(static_cast<Eigen::Index>(n_), static_cast<Eigen::Index>(n_));
+    std::vector<std::vector<double>> curvatures(n_);
+    State s{std::vector<double>(n_), std::vector<double>(n_), std::vector<double>(n_),
+            std::vector<double>(n_), std::vector<double>(n_)};
     Forces f;
     std::size_t used = 0;
     for (const Instant& instant : instants_) {
@@ -327,14 +377,18 @@ class Trial {
       if (!std::isfinite(finite)) return false;
       ++used;
       log_det += f.log_det;
+      mass_ += Eigen::Map<const Eigen::MatrixXd>(f.mass.data(), mass_.rows(), mass_.cols());
       for (std::size_t j = 0; j < n_; ++j) {
+        curvatures[j].push_back(std::pow(instant[r.position_of[j]].curvature, 2));
         Equation& e = out[j];
         e.needed.push_back(f.needed[j]);
+        e.of_drive.push_back(f.of_drive[j]);
+        e.acting += std::pow(f.needed[j] - f.of_drive[j] - f.inertia[j] * s.acceleration[j], 2);
         e.given.push_back(f.input_gain[j] * instant[r.input_of[j]].mean);
         e.columns[kCoulomb].values.push_back(s.velocity[j] > 0.0 ? 1.0 : s.velocity[j] < 0.0 ? -1.0 : 0.0);
         e.columns[kViscous].values.push_back(s.velocity[j]);
         e.columns[kRotor].values.push_back(s.acceleration[j]);
-        e.columns[kRotor].inertia += 1.0 / f.inertia[j];
+        e.rotor_share += 1.0 / f.inertia[j];
         e.columns[kConstant].values.push_back(1.0);
         for (std::size_t k = 0; k < free_.size(); ++k) {
           e.columns[kFree + k].values.push_back(f.by_free[k][j]);
@@ -343,53 +397,39 @@ class Trial {
       }
     }
     if (used < kFewestInstants) return false;
-    log_det /= static_cast<double>(used);
+    mass_ /= static_cast<double>(used);
+    beside = log_det / static_cast<double>(used) - 2.0 * static_cast<double>(n_) * std::log(r.time_scale);
+    for (std::size_t j = 0; j < n_; ++j)
+      beside += std::log(std::abs(r.scale[j])) + 0.5 * std::log(trimmed_mean(curvatures[j]) + 1e-300);
     for (Equation& e : out) {
       for (Column& c : e.columns) c.inertia /= static_cast<double>(used);
-      e.columns[kRotor].upper = kMostRotor / e.columns[kRotor].inertia;
+      e.acting = std::sqrt(e.acting / static_cast<double>(used));
+      e.columns[kRotor].upper = kMostRotor * static_cast<double>(used) / e.rotor_share;
     }
     return true;
-  }
-
-  /// What another signal in place of a position would have been worth without a model: so much less it says if it is explained.
-  double null_of(const Reading& r) const {
-    double sum = 0.0;
-    for (std::size_t j = 0; j < n_; ++j) {
-      double squares = 0.0;
-      for (const Instant& i : instants_) squares += std::pow(i[r.position_of[j]].curvature, 2);
-      sum += 0.5 * std::log(squares / static_cast<double>(instants_.size()) + 1e-300);
-    }
-    return sum;
   }
 
   /// Adds what the change is worth with the inputs as logged, and with other signs and scales of them.
   double weigh(const Change& change) {
     std::vector<Equation> e;
-    double log_det = 0.0;
-    if (!equations(change.reading, e, log_det)) return -std::numeric_limits<double>::infinity();
-    double base = null_of(change.reading) + log_det - 2.0 * static_cast<double>(n_) * std::log(change.reading.time_scale);
-    for (const double scale : change.reading.scale) base += std::log(std::abs(scale));
-    std::array<std::vector<Rest>, 4> rest;
-    for (std::size_t j = 0; j < n_; ++j)
-      for (const InputScale how :
-           {InputScale::as_logged, InputScale::turned, InputScale::estimated, InputScale::as_position})
-        rest[static_cast<std::size_t>(how)].push_back(e[j].solve(how, change.reading.scale[j]));
-    const auto score = [&](const std::function<InputScale(std::size_t)>& how, double& off) {
-      double sum = base;
-      off = 0.0;
-      for (std::size_t j = 0; j < n_; ++j) {
-        const Rest& r = rest[static_cast<std::size_t>(how(j))][j];
-        const double floor = std::max(1e-12 * r.force * r.force, 1e-300);
-        sum += r.log_inertia - 0.5 * std::log(std::max(r.mean_square, floor));
-        if (r.force > 0.0) off = std::max(off, std::sqrt(r.mean_square) / r.force);
-      }
-      return sum;
-    };
+    double base = 0.0;
+    if (!equations(change.reading, e, base)) return -std::numeric_limits<double>::infinity();
     double best = -std::numeric_limits<double>::infinity();
-    const auto add = [&](const std::function<InputScale(std::size_t)>& how, double more, const std::string& what,
+    // One input scale a joint.
+    const auto add = [&](const std::vector<InputScale>& how, double more, const std::string& what,
                          const std::string& map, const std::vector<std::string>& same) {
       Scored s;
-      s.fit = score(how, s.off);
+      s.fit = base;
+      for (std::size_t j = 0; j < n_; ++j) {
+        const Rest& r = rest_of(e[j], j, how[j]);
+        s.fit += r.log_inertia - 0.5 * std::log(std::max({r.mean_square, 1e-12 * r.force * r.force, 1e-300}));
+        if (r.force > 0.0) s.off = std::max(s.off, std::sqrt(r.mean_square) / r.force);
+      }
+      Eigen::MatrixXd with_rotors = mass_;
+      for (std::size_t j = 0; j < n_; ++j)
+        with_rotors(static_cast<Eigen::Index>(j), static_cast<Eigen::Index>(j)) +=
+            rest_of(e[j], j, how[j]).rotor;
+      s.fit += log_determinant(with_rotors) - log_determinant(mass_);
       s.score = s.fit - kFarBetter * (change.changes + more);
       s.what = change.what + (change.what.empty() || what.empty() ? "" : ", and ") + what;
       s.map = change.map + (change.map.empty() || map.empty() ? "" : "\n") + map;
@@ -399,37 +439,82 @@ class Trial {
       best = std::max(best, s.score);
       all_.push_back(std::move(s));
     };
-    const bool set_points = std::any_of(joints_.begin(), joints_.end(), [](const Joint& j) { return j.sets_position; });
-    add([](std::size_t) { return InputScale::as_logged; }, 0.0, "", "", {});
-    if (set_points && !change.what.empty())
-      add([&](std::size_t j) { return joints_[j].sets_position ? InputScale::as_position : InputScale::as_logged; }, 0.0,
-          "the set points likewise", "", {});
+    solved_.assign(n_, {});
+    const std::vector<InputScale> as_logged(n_);
+    add(as_logged, 0.0, "", "", {});
+    if (!change.what.empty()) {
+      std::vector<InputScale> likewise = as_logged;
+      for (std::size_t j = 0; j < n_; ++j)
+        if (joints_[j].sets_position) likewise[j].scale = change.reading.scale[j];
+      if (std::any_of(likewise.begin(), likewise.end(), [](const InputScale& s) { return s.scale != 1.0; }))
+        add(likewise, 0.0, "the set points likewise", "", {});
+    }
     std::vector<std::size_t> driven;
     for (std::size_t j = 0; j < n_; ++j)
       if (!joints_[j].input_column.empty()) driven.push_back(j);
-    if (driven.empty()) return best;
-    std::vector<std::string> names;
-    std::string turned_map;
-    for (const std::size_t j : driven) {
-      names.push_back(joints_[j].input_column);
-      turned_map += (turned_map.empty() ? "" : "\n") + line_of(joints_[j].input_column, joints_[j].input_column, -1.0, 0.0);
-    }
-    if (driven.size() > 1) {
-      add([](std::size_t) { return InputScale::turned; }, 1.0, "the inputs of all joints (" + and_list(names) +
-          ") have the other sign", turned_map, {});
-      const Scaled all = scaled_inputs(driven, rest[2]);
-      if (!all.what.empty()) add([](std::size_t) { return InputScale::estimated; }, all.changes, all.what, all.map, all.same);
-    }
-    for (const std::size_t j : driven) {
-      add([j](std::size_t k) { return k == j ? InputScale::turned : InputScale::as_logged; }, 1.0,
-          joints_[j].input_column + " has the other sign",
-          line_of(joints_[j].input_column, joints_[j].input_column, -1.0, 0.0), {});
-      const Scaled one = scaled_inputs({j}, rest[2]);
-      if (!one.what.empty())
-        add([j](std::size_t k) { return k == j ? InputScale::estimated : InputScale::as_logged; }, one.changes, one.what,
-            one.map, one.same);
+    std::vector<std::vector<std::size_t>> groups;
+    if (driven.size() > 1) groups.push_back(driven);
+    for (const std::size_t j : driven) groups.push_back({j});
+    for (const auto& group : groups) {
+      const auto scaled = [&](double scale, bool estimated) {
+        std::vector<InputScale> how = as_logged;
+        for (const std::size_t j : group) how[j] = {scale, estimated};
+        return how;
+      };
+      std::vector<std::string> names;
+      for (const std::size_t j : group) names.push_back(joints_[j].input_column);
+      const auto map = [&](double scale) {
+        std::string lines;
+        for (const std::string& name : names)
+          lines += (lines.empty() ? "" : "\n") + line_of(name, name, scale, 0.0);
+        return lines;
+      };
+      const std::string they = and_list(names);
+      add(scaled(-1.0, false), 1.0,
+          they + (group.size() > 1 ? " have the other sign" : " has the other sign"), map(-1.0), {});
+      const Scaled estimated = scaled_inputs(group, e);
+      if (!estimated.what.empty())
+        add(scaled(1.0, true), estimated.changes, estimated.what, estimated.map, estimated.same);
+      // Known units that are near to what is estimated, of one joint and so of all.
+      const Quantity quantity = joints_[group.front()].input;
+      if (std::any_of(group.begin(), group.end(),
+                      [&](std::size_t j) { return joints_[j].input != quantity; }))
+        continue;
+      const double likely = std::abs(rest_of(e[group.front()], group.front(), {1.0, true}).input_scale);
+      for (const Unit& u : units_of(quantity)) {
+        double worth = 0.0;
+        for (const std::size_t j : group) worth += rest_of(e[j], j, {u.si, false}).worth_of_drive();
+        if (worth < kEstimated * kFarBetter) continue;
+        if (!(std::abs(std::log(likely / u.si)) < std::log(kWithin))) continue;
+        for (const double sign : {1.0, -1.0})
+          add(scaled(sign * u.si, false), (u.rare ? 1.0 + kEstimated : 1.0) + (sign < 0.0 ? 1.0 : 0.0),
+              they + (group.size() > 1 ? " are in " : " is in ") + std::string(u.name) +
+                  (sign < 0.0 ? ", of the other sign" : ""),
+              map(sign * u.si), same_of_scale(group, u.si));
+      }
     }
     return best;
+  }
+
+  /// Of a positive definite matrix.
+  static double log_determinant(const Eigen::MatrixXd& m) {
+    return 2.0 * Eigen::MatrixXd(m.llt().matrixL()).diagonal().array().log().sum();
+  }
+
+  /// Solved once for each scale that is asked for.
+  const Rest& rest_of(const Equation& e, std::size_t joint, InputScale how) {
+    auto& known = solved_[joint];
+    for (const auto& [key, rest] : known)
+      if (key.estimated == how.estimated && (how.estimated || key.scale == how.scale)) return rest;
+    return known.emplace_back(how, e.solve(how)).second;
+  }
+
+  /// What of the machine would look like another scale of its inputs.
+  std::vector<std::string> same_of_scale(const std::vector<std::size_t>& group, double scale) const {
+    if (group.size() != driven_count() || n_ != group.size() || joints_[group.front()].sets_position)
+      return {};
+    return {"all masses, inertias, dampings and stiffnesses of the model, times " +
+            core::rounded(1.0 / scale, 3)};
   }
 
   struct Scaled {
@@ -438,56 +523,47 @@ class Trial {
     double changes = 0.0;  ///< one for all inputs in one known unit, or of about one scale
   };
   /// What inputs with estimated scales seem to be; nothing where a scale is near to one.
-  Scaled scaled_inputs(const std::vector<std::size_t>& which, const std::vector<Rest>& rest) const {
+  Scaled scaled_inputs(const std::vector<std::size_t>& which, const std::vector<Equation>& e) {
     Scaled out;
     std::vector<std::string> parts;
     std::vector<double> scales;
-    bool all_known = true;
+    double worth = 0.0;
     for (const std::size_t j : which) {
-      const double scale = rest[j].input_scale, size = std::abs(scale);
-      if (!(size > kNearOne || size < 1.0 / kNearOne) || rest[j].pushed < kPushes * rest[j].force) return {};
-      const Unit* unit = nullptr;
+      const Rest& rest = rest_of(e[j], j, {1.0, true});
+      const double scale = rest.input_scale, size = std::abs(scale);
+      if (!(size > kNearOne || size < 1.0 / kNearOne)) return {};
+      worth += rest.worth_of_drive();
       std::vector<std::string> beside;
-      for (const Unit& u : units_of(joints_[j].input)) {
-        const double away = std::abs(std::log(size / u.si));
-        if (away < std::log1p(kNearUnit) && (unit == nullptr || away < std::abs(std::log(size / unit->si)))) unit = &u;
-        if (away < std::log1p(kBesideUnit)) beside.push_back(std::string(u.name) + " (x " + core::rounded(u.si, 3) + ")");
-      }
+      for (const Unit& u : units_of(joints_[j].input))
+        if (std::abs(std::log(size / u.si)) < std::log(kBesideUnit))
+          beside.push_back(std::string(u.name) + " (x " + core::rounded(u.si, 3) + ")");
       scales.push_back(scale);
-      all_known = all_known && unit != nullptr;
-      const std::string sign = scale < 0.0 ? " and has the other sign" : "";
       const std::string si(si_unit(joints_[j].input));
-      if (unit != nullptr) {
-        parts.push_back(joints_[j].input_column + " is in " + std::string(unit->name) + sign);
-      } else {
-        std::string text = joints_[j].input_column + " is " + core::rounded(1.0 / scale, 3) + " times what it is in " + si;
-        if (joints_[j].sets_position)
-          text += ": another unit?";
-        else
-          text += ": is it a current (A)? With a torque constant times gear ratio of " + core::rounded(size, 3) + " " + si +
-                  "/A. Or a share of the rated torque? With a rated torque of " + core::rounded(1000.0 * size, 3) + " " + si +
-                  " for per mille";
-        if (!beside.empty()) text += ". Units near to it: " + and_list(beside);
-        parts.push_back(text);
-      }
-      const double rounded = std::copysign(unit != nullptr ? unit->si : size, scale);
+      std::string text =
+          joints_[j].input_column + " is " + core::rounded(1.0 / scale, 3) + " times what it is in " + si;
+      if (joints_[j].sets_position)
+        text += ": another unit?";
+      else
+        text += ": is it a current (A)? With a torque constant times gear ratio of " +
+                core::rounded(size, 3) + " " + si +
+                "/A. Or a share of the rated torque? With a rated torque of " +
+                core::rounded(1000.0 * size, 3) + " " + si + " for per mille";
+      if (!beside.empty()) text += ". Units near to it: " + and_list(beside);
+      parts.push_back(text);
       out.map += (out.map.empty() ? "" : "\n") +
-                 line_of(joints_[j].input_column, joints_[j].input_column, rounded, 0.0);
+                 line_of(joints_[j].input_column, joints_[j].input_column, scale, 0.0);
     }
+    if (worth < kEstimated * kFarBetter) return {};  // the input hardly matters: nothing is said of its unit
     out.what = and_list(parts);
     const auto [low, high] = std::minmax_element(scales.begin(), scales.end());
-    constexpr double kAlike = 1.25;
-    const bool alike = *low * *high > 0.0 && std::max(*high / *low, *low / *high) < kAlike;
-    out.changes = alike ? 1.0 + (all_known ? 0.0 : kEstimated) : static_cast<double>(which.size()) * (1.0 + kEstimated);
-    if (which.size() == driven_count() && n_ == which.size() && !joints_[which.front()].sets_position)
-      out.same.push_back("all masses, inertias, dampings and stiffnesses of the model, times " +
-                         core::rounded(1.0 / std::abs(rest[which.front()].input_scale), 3) +
-                         (which.size() > 1 ? " or so" : ""));
+    const bool alike = *low * *high > 0.0 && std::max(*high / *low, *low / *high) < kWithin;
+    out.changes = (1.0 + kEstimated) * (alike ? 1.0 : static_cast<double>(which.size()));
+    out.same = same_of_scale(which, std::abs(scales.front()));
     return out;
   }
   std::size_t driven_count() const {
-    return static_cast<std::size_t>(
-        std::count_if(joints_.begin(), joints_.end(), [](const Joint& j) { return !j.input_column.empty(); }));
+    return static_cast<std::size_t>(std::count_if(joints_.begin(), joints_.end(),
+                                                  [](const Joint& j) { return !j.input_column.empty(); }));
   }
 
   std::vector<std::size_t> of_quantity(Quantity q) const {
@@ -497,13 +573,15 @@ class Trial {
     return out;
   }
 
-  Change scaled_positions(const std::vector<std::size_t>& which, double scale, const std::string& unit) const {
+  Change scaled_positions(const std::vector<std::size_t>& which, double scale,
+                          const std::string& unit) const {
     Change c{given(), "", "", {}};
     std::vector<std::string> names;
     for (const std::size_t j : which) {
       c.reading.scale[j] = scale;
       names.push_back(joints_[j].position_column);
-      c.map += (c.map.empty() ? "" : "\n") + line_of(joints_[j].position_column, joints_[j].position_column, scale, 0.0);
+      c.map += (c.map.empty() ? "" : "\n") +
+               line_of(joints_[j].position_column, joints_[j].position_column, scale, 0.0);
     }
     c.what = and_list(names) + (names.size() > 1 ? " are " : " is ") + unit;
     return c;
@@ -516,11 +594,16 @@ class Trial {
       if (which.empty()) continue;
       for (const Unit& u : units_of(q)) {
         const std::string in = "in " + std::string(u.name);
-        out.push_back(scaled_positions(which, u.si, in));
+        const auto push = [&](Change c) {
+          if (u.rare) c.changes += kEstimated;
+          out.push_back(std::move(c));
+        };
+        push(scaled_positions(which, u.si, in));
         if (which.size() > 1)
-          for (const std::size_t j : which) out.push_back(scaled_positions({j}, u.si, in));
+          for (const std::size_t j : which) push(scaled_positions({j}, u.si, in));
       }
-      const bool whole = std::all_of(which.begin(), which.end(), [&](std::size_t j) { return whole_numbers(recordings_, j); });
+      const bool whole = std::all_of(which.begin(), which.end(),
+                                     [&](std::size_t j) { return whole_numbers(recordings_, j); });
       if (q == Quantity::angle && whole)
         for (int bits = 8; bits <= 24; ++bits)
           out.push_back(scaled_positions(which, 2.0 * std::numbers::pi / std::ldexp(1.0, bits),
@@ -531,14 +614,17 @@ class Trial {
         for (const std::size_t j : which) out.push_back(scaled_positions({j}, -1.0, "of the other sign"));
     }
     for (const Unit& u : units_of_time()) {
+      if (const double interval = u.si * interval_; interval < kShortest_s || interval > kLongest_s) continue;
       Change c{given(), "time_s is in " + std::string(u.name), line_of("time_s", "time_s", u.si, 0.0), {}};
       c.reading.time_scale = u.si;
+      if (u.rare) c.changes += kEstimated;
       out.push_back(c);
     }
     const std::vector<std::string> gravities = family_.other_gravities();
     for (std::size_t g = 0; g < gravities.size(); ++g) {
       Change c{given(), gravities[g], "", {}};
       c.reading.gravity = g + 1;
+      if (n_ == 1) c.changes += kEstimated;  // a rail or a joint is rarely turned over
       out.push_back(c);
     }
     for (const auto& d : decoded_) {
@@ -552,15 +638,16 @@ class Trial {
 
   void exchanges(std::vector<Change>& out) const {
     const auto add = [&](const std::vector<std::pair<std::size_t, std::size_t>>& positions,
-                         const std::vector<std::pair<std::size_t, std::size_t>>& inputs, const std::string& what,
-                         const std::string& map) {
+                         const std::vector<std::pair<std::size_t, std::size_t>>& inputs,
+                         const std::string& what, const std::string& map) {
       Change c{given(), what, map, {}};
       for (const auto& [j, signal] : positions) c.reading.position_of[j] = signal;
       for (const auto& [j, signal] : inputs) c.reading.input_of[j] = signal;
       out.push_back(c);
     };
     const auto exchanged = [&](const std::string& a, const std::string& b) {
-      return std::pair(a + " and " + b + " are exchanged", line_of(a, b, 1.0, 0.0) + "\n" + line_of(b, a, 1.0, 0.0));
+      return std::pair(a + " and " + b + " are exchanged",
+                       line_of(a, b, 1.0, 0.0) + "\n" + line_of(b, a, 1.0, 0.0));
     };
     for (std::size_t j = 0; j < n_; ++j) {
       const Joint& a = joints_[j];
@@ -568,7 +655,8 @@ class Trial {
         const auto [what, map] = exchanged(a.position_column, a.input_column);
         add({{j, n_ + j}}, {{j, j}}, what, map);
       }
-      if (has_velocity_[j]) add({{j, 2 * n_ + j}}, {}, a.position_column + " and the velocity are exchanged", "");
+      if (has_velocity_[j])
+        add({{j, 2 * n_ + j}}, {}, a.position_column + " and the velocity are exchanged", "");
       for (std::size_t k = j + 1; k < n_; ++k) {
         const Joint& b = joints_[k];
         if (a.position != b.position) continue;
@@ -577,7 +665,8 @@ class Trial {
         if (a.input_column.empty() || b.input_column.empty() || a.sets_position != b.sets_position) continue;
         const auto [input, input_map] = exchanged(a.input_column, b.input_column);
         add({}, {{j, n_ + k}, {k, n_ + j}}, input, input_map);
-        add({{j, k}, {k, j}}, {{j, n_ + k}, {k, n_ + j}}, place + ", and " + input, place_map + "\n" + input_map);
+        add({{j, k}, {k, j}}, {{j, n_ + k}, {k, n_ + j}}, place + ", and " + input,
+            place_map + "\n" + input_map);
       }
     }
   }
@@ -608,8 +697,10 @@ class Trial {
         at = refined(value, at, kStep);
         const double scale = std::exp(at);
         if (scale < kNearOne && scale > 1.0 / kNearOne) continue;
-        const bool whole = std::all_of(which.begin(), which.end(), [&](std::size_t j) { return whole_numbers(recordings_, j); });
-        std::string text = core::rounded(1.0 / scale, 4) + " times what is expected in " + std::string(si_unit(q));
+        const bool whole = std::all_of(which.begin(), which.end(),
+                                       [&](std::size_t j) { return whole_numbers(recordings_, j); });
+        std::string text =
+            core::rounded(1.0 / scale, 4) + " times what is expected in " + std::string(si_unit(q));
         if (whole && q == Quantity::angle)
           text += ", every value a whole number: encoder counts, about " +
                   core::rounded(2.0 * std::numbers::pi / scale, 3) + " a turn";
@@ -633,11 +724,11 @@ class Trial {
         c.reading.offset[j] = offset;
         const double degrees = offset * 180.0 / std::numbers::pi;
         c.what = "the zero of " + joint.position_column + " is off by " +
-                 (std::abs(std::abs(offset) - kQuarter) < 1e-9         ? std::string("a quarter turn")
-                  : std::abs(offset) > 2.0 * kQuarter - 1e-9 ? std::string("half a turn")
-                                                             : core::rounded(degrees, 3) + " degrees") +
-                 " (the model's angle is the log's " + (offset < 0.0 ? "- " : "+ ") + core::rounded(std::abs(offset), 5) +
-                 " rad)";
+                 (std::abs(std::abs(offset) - kQuarter) < 1e-9 ? std::string("a quarter turn")
+                  : std::abs(offset) > 2.0 * kQuarter - 1e-9   ? std::string("half a turn")
+                                                               : core::rounded(degrees, 3) + " degrees") +
+                 " (the model's angle is the log's " + (offset < 0.0 ? "- " : "+ ") +
+                 core::rounded(std::abs(offset), 5) + " rad)";
         if (joint.last && !joint.link.empty())
           c.same.push_back("the body of link " + joint.link + ", turned by " + core::rounded(degrees, 3) +
                            " degrees about the joint's axis: no recording tells them apart");
@@ -691,6 +782,7 @@ class Trial {
   const std::vector<FreeParameter> free_;
   std::span<const Columns> recordings_;
   std::size_t n_;
+  double interval_ = 0.0;  ///< median, in the log's unit of time
   std::vector<std::vector<const std::vector<double>*>> signals_;
   std::vector<bool> has_velocity_;
   std::vector<std::unique_ptr<std::vector<double>>> owned_;
@@ -698,6 +790,9 @@ class Trial {
   std::vector<std::size_t> moving_;
   std::vector<Instant> instants_;
   std::vector<Scored> all_;
+  Eigen::MatrixXd mass_;  ///< mean over the instants, of the equations that are weighed
+  std::vector<std::vector<std::pair<InputScale, Rest>>>
+      solved_;  ///< [joint], of the equations that are weighed
 };
 
 }  // namespace
@@ -714,8 +809,11 @@ void require_convention(const Family& family, std::span<const Columns> recording
   if (recordings.size() > 1) message += " and " + std::to_string(recordings.size() - 1) + " more";
   message += ": it seems that " + f->what + ". So read, the model is off by " + percent(f->off_read) +
              " of the force; as named it is off by " + percent(f->off_given);
-  for (const std::string& other : f->others) message += "; cannot be told from: " + other;
-  message += ". No cause was looked for. Expected columns as their names say";
+  message += ".";
+  for (const std::string& same : f->same) message += " The same would look like: " + same + ".";
+  for (std::size_t i = 0; i < f->others.size(); ++i)
+    message += (i == 0 ? " Nearly as good: " : "; ") + f->others[i] + (i + 1 == f->others.size() ? "." : "");
+  message += " No cause was looked for. Expected columns as their names say";
   if (!f->map.empty()) {
     std::string lines = f->map;
     for (std::size_t i = 0; (i = lines.find('\n', i)) != lines.npos; i += 2) lines.replace(i, 1, ", ");

@@ -2,16 +2,16 @@
 // One trial for all machines, before any cause is looked for.
 //
 // Each joint's equation of motion is written at instants of the recordings: the force that the model asks for at the measured position,
-// velocity and acceleration, less the force that its drive gives. What a joint may have beside the model in any case (Coulomb and viscous
-// friction, rotor inertia, a constant force), and the model's free parameters within their bounds, are fitted by least squares, and
-// the rest counts. Another reading of the columns changes
-// positions, velocities, accelerations and inputs by algebra alone, so that hundreds of readings cost as much as some runs of the model.
+// velocity and acceleration, less the force that its drive gives. What a joint may have beside the model in any case (Coulomb and
+// viscous friction, rotor inertia, a constant force), and the model's free parameters within their bounds, are fitted by least squares.
+// The rest counts. Another reading of the columns changes positions, velocities, accelerations and inputs by algebra alone, so that
+// hundreds of readings cost as much as some runs of the model.
 //
-// Likelihood: given position, velocity and input, the accelerations as logged are Gaussian with one variance a joint. With rest r of the
-// force, r = (what does not depend on the acceleration) - M a, and a = (scale / time scale^2) a_logged, an instant's log likelihood is
+// Likelihood: given position, velocity and input, the accelerations as logged are Gaussian, each joint's by itself. The rest of a joint's
+// force is r = (what does not depend on the acceleration) - M a, and a = (scale / time scale^2) a_logged. So an instant's log likelihood is
 //     -1/2 sum_joints log(mean r^2) + log det M + sum_joints log(scale) - 2 joints log(time scale),
-// (M with what was fitted: each joint's fitted inertia by the matrix determinant lemma)
-// so that readings in different units can be compared.
+// and readings in different units can be compared. M has the rotors' inertias that were fitted. Where a free parameter changes a joint's
+// inertia, the matrix determinant lemma gives the change.
 #pragma once
 
 #include <cstddef>
@@ -43,7 +43,8 @@ struct Columns {
   std::vector<double> time_s;
   std::vector<std::vector<double>> position, input;
   std::vector<std::vector<double>> velocity{};  ///< where the log has such a column; empty where not
-  std::vector<bool> breaks{};                   ///< per row: no equation may reach over the step from it to the next; empty: none
+  std::vector<bool>
+      breaks{};  ///< per row: no equation may reach over the step from it to the next; empty: none
 };
 
 /// How the columns are read. Position = scale x logged + offset.
@@ -61,11 +62,13 @@ struct FreeParameter {
 
 /// What the family says of a machine at one instant. The rest of a joint's equation is input_gain x input - needed.
 struct Forces {
-  std::vector<double> needed;             ///< without the drive's, N m or N
-  std::vector<double> input_gain;         ///< 1, of a position law kp
-  std::vector<double> inertia;            ///< that a joint's acceleration meets, all others being free, kg m^2 or kg
-  double log_det = 0.0;                   ///< of the inertia matrix
-  std::vector<std::vector<double>> by_free;          ///< [free parameter][joint]: what one of it adds to `needed`
+  std::vector<double> needed;      ///< without the drive's, N m or N
+  std::vector<double> input_gain;  ///< 1, of a position law kp
+  std::vector<double> of_drive;    ///< part of `needed` that is the drive's: kp q + kd v of a position law
+  std::vector<double> inertia;     ///< that a joint's acceleration meets, all others being free, kg m^2 or kg
+  double log_det = 0.0;            ///< of the inertia matrix
+  std::vector<double> mass;        ///< that matrix, row by row
+  std::vector<std::vector<double>> by_free;  ///< [free parameter][joint]: what one of it adds to `needed`
   std::vector<std::vector<double>> inertia_by_free;  ///< the same to `inertia`
 };
 
@@ -88,10 +91,12 @@ class Family {
 
 /// What the columns seem to be.
 struct Finding {
-  std::string what;                        ///< "torque_nm is in N mm"
-  std::string map;                         ///< what to write, as lines of a map or model file
-  std::vector<std::string> others;         ///< readings that fit as well, and what of the machine would look the same
-  double off_given = 0.0, off_read = 0.0;  ///< RMS of the rest over that of the force, at the joint where that is most
+  std::string what;                 ///< "torque_nm is in N mm"
+  std::string map;                  ///< what to write, as lines of a map or model file
+  std::vector<std::string> same;    ///< what of the machine would look just the same in any recording
+  std::vector<std::string> others;  ///< readings that fit nearly as well
+  double off_given = 0.0,
+         off_read = 0.0;  ///< RMS of the rest over that of the force, at the joint where that is most
 };
 
 /// The reading that fits far better than the columns as named, if there is one. `threads`: of the search.

@@ -12,27 +12,33 @@ constexpr double kKilopond = 9.80665, kPound = 4.4482216152605, kInch = 0.0254;
 
 constexpr std::array<Unit, 8> kAngles{{{"degrees", kDegree},
                                        {"turns", kTurn},
-                                       {"half turns", kTurn / 2.0},
+                                       {"half turns", kTurn / 2.0, true},
                                        {"tenths of a degree", kDegree / 10.0},
                                        {"hundredths of a degree", kDegree / 100.0},
                                        {"millidegrees", kDegree / 1000.0},
                                        {"milliradians", 1e-3},
-                                       {"gradians", kTurn / 400.0}}};
-constexpr std::array<Unit, 5> kLengths{
-    {{"millimetres", 1e-3}, {"centimetres", 1e-2}, {"micrometres", 1e-6}, {"inches", kInch}, {"feet", 12.0 * kInch}}};
+                                       {"gradians", kTurn / 400.0, true}}};
+constexpr std::array<Unit, 5> kLengths{{{"millimetres", 1e-3},
+                                        {"centimetres", 1e-2},
+                                        {"micrometres", 1e-6, true},
+                                        {"inches", kInch, true},
+                                        {"feet", 12.0 * kInch, true}}};
 constexpr std::array<Unit, 9> kTorques{{{"N mm", 1e-3},
                                         {"N cm", 1e-2},
-                                        {"uN m", 1e-6},
-                                        {"kN m", 1e3},
-                                        {"kgf cm", kKilopond / 100.0},
-                                        {"kgf m", kKilopond},
-                                        {"ozf in", kPound / 16.0 * kInch},
-                                        {"lbf in", kPound * kInch},
-                                        {"lbf ft", kPound * 12.0 * kInch}}};
-constexpr std::array<Unit, 5> kForces{
-    {{"mN", 1e-3}, {"kN", 1e3}, {"kgf", kKilopond}, {"gf", kKilopond / 1000.0}, {"lbf", kPound}}};
+                                        {"uN m", 1e-6, true},
+                                        {"kN m", 1e3, true},
+                                        {"kgf cm", kKilopond / 100.0, true},
+                                        {"kgf m", kKilopond, true},
+                                        {"ozf in", kPound / 16.0 * kInch, true},
+                                        {"lbf in", kPound* kInch, true},
+                                        {"lbf ft", kPound * 12.0 * kInch, true}}};
+constexpr std::array<Unit, 5> kForces{{{"mN", 1e-3, true},
+                                       {"kN", 1e3},
+                                       {"kgf", kKilopond},
+                                       {"gf", kKilopond / 1000.0, true},
+                                       {"lbf", kPound, true}}};
 constexpr std::array<Unit, 4> kTimes{
-    {{"milliseconds", 1e-3}, {"microseconds", 1e-6}, {"nanoseconds", 1e-9}, {"minutes", 60.0}}};
+    {{"milliseconds", 1e-3}, {"microseconds", 1e-6}, {"nanoseconds", 1e-9}, {"minutes", 60.0, true}}};
 
 }  // namespace
 

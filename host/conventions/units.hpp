@@ -11,6 +11,7 @@ enum class Quantity { angle, length, torque, force };
 struct Unit {
   std::string_view name;  ///< "degrees"
   double si;              ///< one of it in rad, m, N m or N
+  bool rare = false;      ///< in logs of robots
 };
 
 /// Of a quantity, without the SI unit itself.

@@ -109,7 +109,8 @@ class Assembly {
   Assembly(const model::Model& model, const std::vector<log::Log>& training,
            const std::vector<log::Log>& held_out, const Options& options)
       : model_(model), options_(options), training_logs_(training), held_out_logs_(held_out) {
-    if (!options.trust_columns) identify::require_conventions(model, identify::make_recordings(training, model.kind));
+    if (!options.trust_columns)
+      identify::require_conventions(model, identify::make_recordings(training, model.kind));
     take({}, {});
     refuse_by_residuals();
     crossed_.emplace(training_, training_windows_,
@@ -582,6 +583,7 @@ class Assembly {
     }
     const double none = share_of_none(std::max(unnamed, d_.unnamed_share));
     d_.none_of_catalogue = none;
+    const double beside = most_beside(nmse(d_.extended), nmse(d_.noise_floor));
     const bool all_contradicted = !other_channels_alone() && !helps_held_out();
     for (Finding& f : d_.findings) {
       const double share = posterior.share_with(f.effect);
@@ -613,10 +615,29 @@ class Assembly {
                 (f.explainable_nmse_removed < kConfidence.least_confirmation ||
                  f.squares_removed < kConfidence.least_gain),
             kConfidence.not_confirmed, "the held-out recordings hardly show it");
+      if (f.channel.empty() && told)
+        limit(beside < kConfidence.clear, beside,
+              "held-out runs are off by " + number(100.0 * std::sqrt(nmse(d_.extended))) +
+                  " % of the motion with all that is named");
+      limit(clips_nearly_all(f), kConfidence.clips_nearly_all,
+            "the limit clips nearly every sample: it stands for another scale of the input");
       if (const auto little = too_little_seen(f.effect, chosen.fitted, training_, crossed_->windows()))
         limit(true, kConfidence.little_seen, *little);
     }
     for (Candidate& c : d_.candidates) c.weight = posterior.weight_of(effects_named(c.effects));
+  }
+
+  /// Whether a drive's limit clips more of the samples in which it is driven than a limit does.
+  bool clips_nearly_all(const Finding& f) const {
+    if (f.effect != Effect::torque_saturation || f.parameters.empty()) return false;
+    const double limit = f.parameters.begin()->second.value;
+    std::size_t driven = 0, clipped = 0;
+    for (const Recording& r : training_)
+      for (const double u : r.drive_commands().command) {
+        driven += u != 0.0;
+        clipped += std::abs(u) > limit;
+      }
+    return static_cast<double>(clipped) > kConfidence.most_clipped * static_cast<double>(driven);
   }
 
   static EffectSet effects_named(const std::vector<std::string>& names) {
@@ -801,6 +822,8 @@ class Assembly {
     }
     // What helps on the training recordings, the held-out ones may refute.
     if (undecided_ || !better_held_out) return Verdict::not_identifiable;
+    const bool far_off = most_beside(nmse(d_.extended), nmse(d_.noise_floor)) < 0.5;
+    if (far_off && !noise_alone) return Verdict::partly_explained;
     return noise_alone || little_remains ? Verdict::explained : Verdict::partly_explained;
   }
 

@@ -24,6 +24,11 @@ struct ConfidenceRules {
   /// None of the catalogue: odds by how much of what there is to explain no name explains. A fifth makes them
   /// even: in the blind suite such names were right less often still, and real machines have more than one cause.
   double odds_of_none_by_share = 5.0;
+  /// None of the catalogue, again: odds by the share of the motion (RMS over its own, noise apart) that held-out runs are off by with all
+  /// that is named. A tenth makes them even: names beside such an error stand for something else as often as not.
+  double even_at_share_of_motion = 0.1;
+  /// A drive's limit that clips more of the samples than this is no limit but another scale of the input.
+  double most_clipped = 0.9, clips_nearly_all = 0.3;
   /// Below this share of all sets, or with more than the rest of it unexplained, it is said why.
   double clear = 0.9;
   /// Fewer stretches to predict than three say nothing of how an estimate scatters.
@@ -53,6 +58,12 @@ struct ConfidenceRules {
   double fewest_slow_rows = 20.0, fewest_slow_windows = 3.0;
 };
 inline constexpr ConfidenceRules kConfidence{};
+
+/// The most that a name may be believed where held-out runs are off by so much: their NMSE and that of noise alone.
+inline double most_beside(double nmse, double noise_nmse) {
+  const double left = nmse > noise_nmse ? nmse - noise_nmse : 0.0;
+  return 1.0 / (1.0 + left / (kConfidence.even_at_share_of_motion * kConfidence.even_at_share_of_motion));
+}
 
 /// How the sets share what is to be believed, if one of them is right. Names of one law count once.
 class Posterior {

@@ -22,9 +22,11 @@ class OneJoint final : public conventions::Family {
     const bool rotary = dynamics::info(model.kind).rotary;
     conventions::Joint joint;
     joint.position_column = rules.columns.position;
-    if (rules.cut != machines::Cut::releases) joint.input_column = rules.columns.input;  // there the input is a coil
+    if (rules.cut != machines::Cut::releases)
+      joint.input_column = rules.columns.input;  // there the input is a coil
     joint.position = rotary ? Quantity::angle : Quantity::length;
-    joint.input = rotary || dynamics::has(model.kind, dynamics::Seat::leg) ? Quantity::torque : Quantity::force;
+    joint.input =
+        rotary || dynamics::has(model.kind, dynamics::Seat::leg) ? Quantity::torque : Quantity::force;
     joints_.push_back(joint);
     leg_ = dynamics::has(model.kind, dynamics::Seat::leg);
     belt_ = dynamics::has(model.kind, dynamics::Seat::belt);
@@ -43,14 +45,16 @@ class OneJoint final : public conventions::Family {
       }
     // What pulls at it without a pause: turned, or across.
     for (const char* name : {"gravity_mps2", "gravity_torque_nm"})
-      if (const auto at = dynamics::parameter_index(model.kind, name); at && !leg_ && model.parameters[*at] != 0.0)
+      if (const auto at = dynamics::parameter_index(model.kind, name);
+          at && !leg_ && model.parameters[*at] != 0.0)
         for (const double factor : {-1.0, 0.0}) {
           model::Model other = model;
           other.parameters[*at] *= factor;
           setups_.emplace_back(other, std::vector<Unknown>{}, nullptr);
-          gravities_.push_back(factor == 0.0
-                                   ? "gravity acts across the axis of motion and not along it (" + std::string(name) + " = 0)"
-                                   : "gravity acts the other way (" + std::string(name) + " of the other sign)");
+          gravities_.push_back(
+              factor == 0.0
+                  ? "gravity acts across the axis of motion and not along it (" + std::string(name) + " = 0)"
+                  : "gravity acts the other way (" + std::string(name) + " of the other sign)");
         }
   }
 
@@ -61,11 +65,14 @@ class OneJoint final : public conventions::Family {
   bool forces(const State& s, std::size_t gravity, Forces& out) const override {
     constexpr double kNear_m = 0.010;  // of the touch-down height: an impact
     if (leg_ && s.low[0] < touchdown_m_ + kNear_m && s.high[0] > touchdown_m_ - kNear_m) return false;
-    const double free = acceleration(setups_[gravity], s, 0.0), pushed = acceleration(setups_[gravity], s, 1.0);
+    const double free = acceleration(setups_[gravity], s, 0.0),
+                 pushed = acceleration(setups_[gravity], s, 1.0);
     out.needed.assign(1, inertia_ * (s.acceleration[0] - free));
     out.input_gain.assign(1, inertia_ * (pushed - free));
+    out.of_drive.assign(1, 0.0);
     out.inertia.assign(1, inertia_);
     out.log_det = std::log(inertia_);
+    out.mass.assign(1, inertia_);
     out.by_free.resize(probes_.size());
     out.inertia_by_free.resize(probes_.size());
     for (std::size_t k = 0; k < probes_.size(); ++k) {

@@ -21,8 +21,7 @@ using Direction = dynamics::tree::Vec3<double>;
 
 class TreeFamily final : public conventions::Family {
  public:
-  explicit TreeFamily(const TreeModel& model)
-      : setup_(SetupMaker(model).make(model.drives, model.causes)) {
+  explicit TreeFamily(const TreeModel& model) : setup_(SetupMaker(model).make(model.drives, model.causes)) {
     const SetupMaker maker(model);
     for (const FreeBody& body : model.free_bodies)
       for (std::size_t k = 0; k < BodyCoordinates{}.size(); ++k) {
@@ -69,8 +68,8 @@ class TreeFamily final : public conventions::Family {
       const Direction& g = gravities_[i];
       const std::string axis = g.x != 0.0 ? "x" : g.y != 0.0 ? "y" : "z";
       out.push_back("gravity points along " + std::string(g.x + g.y + g.z > 0.0 ? "+" : "-") + axis +
-                    " of the base (gravity_mps2 = [" + core::shortest(g.x) + ", " + core::shortest(g.y) + ", " +
-                    core::shortest(g.z) + "] in [model])");
+                    " of the base (gravity_mps2 = [" + core::shortest(g.x) + ", " + core::shortest(g.y) +
+                    ", " + core::shortest(g.z) + "] in [model])");
     }
     return out;
   }
@@ -85,6 +84,7 @@ class TreeFamily final : public conventions::Family {
     const auto mass = dynamics::tree::mass_matrix(tree, q);
     out.needed.resize(n);
     out.input_gain.resize(n);
+    out.of_drive.assign(n, 0.0);
     Eigen::MatrixXd m(static_cast<Eigen::Index>(n), static_cast<Eigen::Index>(n));
     for (std::size_t j = 0; j < n; ++j) {
       const Setup::Joint& d = setup_.joints[j];
@@ -93,9 +93,11 @@ class TreeFamily final : public conventions::Family {
       const bool sets = d.law == DriveLaw::position;
       out.needed[j] = needed[j] - d.offset_nm;
       // Else the joint's law has kp and kd as a spring and a damper.
-      if (sets && !Runner::is_spring(d)) out.needed[j] += d.gain * (d.kp_nmprad * q[j] + d.kd_nmsprad * v[j]);
+      if (sets) out.of_drive[j] = d.gain * (d.kp_nmprad * q[j] + d.kd_nmsprad * v[j]);
+      if (sets && !Runner::is_spring(d)) out.needed[j] += out.of_drive[j];
       out.input_gain[j] = d.law == DriveLaw::none ? 0.0 : d.gain * (sets ? d.kp_nmprad : 1.0);
     }
+    out.mass.assign(m.data(), m.data() + m.size());
     const Eigen::LLT<Eigen::MatrixXd> factors(m);
     if (factors.info() != Eigen::Success) return false;
     const Eigen::MatrixXd inverse = factors.solve(Eigen::MatrixXd::Identity(m.rows(), m.cols()));

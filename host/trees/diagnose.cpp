@@ -401,6 +401,22 @@ class Diagnoser {
           "No drive acts in them: twice all inertias, with twice all that is named, would move alike. Sizes are for the inertias given.");
   }
 
+  /// The most that a name may be believed where held-out runs are off at its joints, noise apart: odds of even where that is a tenth of
+  /// their motion (RMS), as on machines of one joint (host/diagnose/posterior.hpp).
+  double most_beside(const Cause& cause) const {
+    constexpr double kEven = 0.1;
+    const Seat seat = info(cause.effect).seat;
+    double left = 0.0;
+    for (const std::size_t site : cause.sites) {
+      if (seat != Seat::link && !is_of_joints(seat)) continue;
+      const int joint = seat == Seat::link ? model_.robot.links[site].joint : static_cast<int>(site);
+      if (joint < 0) continue;
+      const auto j = static_cast<std::size_t>(joint);
+      left = std::max(left, d_.extended_error[j].nmse - d_.noise_floor[j]);
+    }
+    return 1.0 / (1.0 + std::max(0.0, left) / (kEven * kEven));
+  }
+
   void verdict(const Problem& problem) {
     double before = 0.0, after = 0.0;
     std::vector<std::string> where;
@@ -433,6 +449,7 @@ class Diagnoser {
     for (Finding& f : d_.findings) {
       if (left && !where.empty())
         f.confidence = std::min(f.confidence, std::max(0.3, 1.0 - d_.unexplained_share));
+      f.confidence = std::min(f.confidence, most_beside(f.cause));
       if (any_lost || ended_early_) f.confidence = std::min(f.confidence, 0.5);  // whatever the torques say
       if (std::any_of(f.cause.sites.begin(), f.cause.sites.end(), [&](std::size_t site) {
             const Seat seat = info(f.cause.effect).seat;
