@@ -70,6 +70,9 @@ void run(const CheckOptions& options) {
   if (!options.map.empty()) map = log::read_column_map(options.map);
   const std::string rig = rig_of(options, map ? &*map : nullptr);
   const auto tree = options.model.empty() ? std::nullopt : tree_model(options.model);
+  if (tree)
+    for (const std::string& note : tree->notes)
+      std::cerr << core::printable(tree->urdf.file) << ": note: " << core::printable(note) << "\n";
   const log::BadRows bad = options.skip_bad_rows ? log::BadRows::skipped : log::BadRows::refused;
   std::string errors;
   for (const std::string& path : options.logs) {

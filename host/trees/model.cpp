@@ -38,6 +38,7 @@ class Reader {
     core::refuse_unknown_keys(file_, name_, "the model file of a tree", kSections);
     read_robot();
     read_drives();
+    require_inertia();
     read_springs();
     if (const toml::node* feet = file_.get("foot")) read_foot(core::table(*feet, name_, "[foot]"));
     if (const toml::node* free = file_.get("free")) read_free(core::table(*free, name_, "[free]"));
@@ -48,8 +49,8 @@ class Reader {
 
  private:
   void read_robot() {
-    static constexpr std::array<std::string_view, 6> kKeys{"kind", "schema", "urdf",
-                                                           "base", "joints", "gravity_mps2"};
+    static constexpr std::array<std::string_view, 7> kKeys{"kind",   "schema",       "urdf",           "base",
+                                                           "joints", "gravity_mps2", "accept_inertias"};
     const toml::node* section = file_.get("model");
     if (section == nullptr) fail(name_, file_.source(), "no section [model]; expected one");
     const toml::table& table = core::table(*section, name_, "[model]");
@@ -77,6 +78,12 @@ class Reader {
              "joints = " + core::value_text(*joints) + "; expected names of joints that move");
       for (const toml::node& joint : *list) model_.moving.push_back(core::text(joint, name_, "joints"));
     }
+    if (const toml::node* accept = table.get("accept_inertias")) {
+      if (!accept->is_boolean())
+        fail(name_, accept->source(),
+             "accept_inertias = " + core::value_text(*accept) + "; expected true or false");
+      model_.accept_inertias |= accept->value<bool>().value_or(false);
+    }
     if (const toml::node* gravity = table.get("gravity_mps2")) {
       const toml::array* list = gravity->as_array();
       if (list == nullptr || list->size() != 3)
@@ -95,8 +102,19 @@ class Reader {
     const auto beside = std::filesystem::path(name_).parent_path() / model_.urdf_path;
     model_.urdf = model_.urdf_text.empty() ? model::read_urdf(beside.string())
                                            : model::parse_urdf(model_.urdf_text, model_.urdf_path);
-    model_.robot = model::tree_of(model_.urdf, model_.moving, model_.hold);
+    model::TreeOptions options;
+    options.accept_inertias = model_.accept_inertias;
+    options.judge_motion = false;  // the rotors are not read yet
+    model_.robot = model::tree_of(model_.urdf, model_.moving, model_.hold, options);
     model_.robot.model.gravity_mps2 = model_.gravity_mps2;
+  }
+
+  void require_inertia() {
+    std::vector<double> rotors_kgm2;
+    for (const Drive& drive : model_.drives) rotors_kgm2.push_back(drive.rotor_inertia_kgm2);
+    model::require_joint_inertia(model_.robot, model_.urdf.file, rotors_kgm2);
+    model_.notes = model_.urdf.notes;
+    model_.notes.insert(model_.notes.end(), model_.robot.notes.begin(), model_.robot.notes.end());
   }
 
   std::size_t joint_named(const std::string& joint, const toml::source_region& where,
@@ -402,6 +420,7 @@ std::string format_tree_model(const TreeModel& m, const std::string& urdf) {
   }
   out += "gravity_mps2 = [" + core::toml_float(m.gravity_mps2.x) + ", " + core::toml_float(m.gravity_mps2.y) +
          ", " + core::toml_float(m.gravity_mps2.z) + "]\n";
+  if (m.accept_inertias) out += "accept_inertias = true\n";
   if (!m.hold.empty()) out += "\n[hold]\n";
   for (const auto& [joint, position] : m.hold)
     out += toml_key(joint) + " = " + core::toml_float(position) + "\n";

@@ -76,8 +76,10 @@ struct TreeModel {
   std::vector<std::string> moving;     ///< as in the model file; empty: all
   std::map<std::string, double> hold;  ///< of joints that do not move, rad or m
   dynamics::tree::Vec3<double> gravity_mps2{0.0, 0.0, -9.81};
-  std::vector<Drive> drives;    ///< of each joint of the tree
-  std::vector<Spring> springs;  ///< of each joint
+  bool accept_inertias = false;    ///< masses and moments that no body has are taken as they are
+  std::vector<std::string> notes;  ///< what of the URDF was taken, left out and repaired, in sentences
+  std::vector<Drive> drives;       ///< of each joint of the tree
+  std::vector<Spring> springs;     ///< of each joint
   std::optional<Foot> foot;
   std::vector<FreeParameter> free;
   std::vector<FreeBody> free_bodies;
