@@ -33,7 +33,8 @@ constexpr double kLong_m = 10.0;
 struct Body {
   std::size_t link;  ///< with the largest moments of those that are one
   double mass_kg, largest_kgm2, sum_kgm2;
-  double size_m;  ///< how far centre and next joints are from its joint
+  double size_m;    ///< how far centre and next joints are from its joint
+  double length_m;  ///< as if the centre were half-way along it, or up to the next joint
 
   double radius_m(double mass_scale = 1.0, double inertia_scale = 1.0) const {
     return std::sqrt(largest_kgm2 * inertia_scale / (mass_kg * mass_scale));
@@ -173,12 +174,13 @@ class Judge {
   }
   Body body(std::size_t joint) const {
     const auto merged = tree_.model.body(joint);
-    Body out{0, merged.mass_kg, 0.0, 0.0, 0.0};
+    Body out{0, merged.mass_kg, 0.0, 0.0, 0.0, 0.0};
     for (std::size_t i = 0; i < tree_.links.size(); ++i)
       if (tree_.links[i].name == tree_.joints[joint].link) out.link = i;
     if (merged.mass_kg > 0.0) {
       const Vec3<double> centre = merged.moment_kgm * (1.0 / merged.mass_kg);
       out.size_m = length(centre);
+      out.length_m = 2.0 * out.size_m;
       const auto s = dynamics::tree::minus_squared_cross(centre);
       const auto& o = merged.inertia_kgm2;
       const double m = merged.mass_kg;
@@ -202,9 +204,12 @@ class Judge {
         }
       }
     }
-    for (std::size_t k = joint + 1; k < tree_.joints.size(); ++k)
-      if (tree_.model.shape().parent(k) == static_cast<int>(joint))
-        out.size_m = std::max(out.size_m, length(tree_.joints[k].placement.at));
+    for (std::size_t k = joint + 1; k < tree_.joints.size(); ++k) {
+      if (tree_.model.shape().parent(k) != static_cast<int>(joint)) continue;
+      const double away_m = length(tree_.joints[k].placement.at);
+      out.size_m = std::max(out.size_m, away_m);
+      out.length_m = std::max(out.length_m, away_m);
+    }
     return out;
   }
 
@@ -214,16 +219,17 @@ class Judge {
     double best_off = std::log(10.0);
     for (const Unit& u : kUnits) {
       if ((u.inertia / u.mass < 1.0) != smaller) continue;
-      std::vector<double> off;
+      double off = 0.0;
       bool fits = true;
       for (const Body* b : all) {
         fits &= !too_dense(*b, u.mass, u.inertia) && b->radius_m(u.mass, u.inertia) < reach_m_;
         // A rod's radius of gyration is 0.29 of its length; of a body whose length is not known, four times that of its ball of osmium, which is that of a
         // ball of a machine's mean density.
-        const double usual_m = b->size_m > 0.0 ? 0.29 * b->size_m : 4.0 * ball_radius_m(b->mass_kg * u.mass);
-        off.push_back(std::log(b->radius_m(u.mass, u.inertia) / usual_m));
+        const double usual_m =
+            b->length_m > 0.0 ? 0.29 * b->length_m : 4.0 * ball_radius_m(b->mass_kg * u.mass);
+        off += std::log(b->radius_m(u.mass, u.inertia) / usual_m) / static_cast<double>(all.size());
       }
-      const double middle = std::abs(median(off));
+      const double middle = std::abs(off);
       if (!fits || middle >= best_off) continue;
       best = &u;
       best_off = middle;

@@ -120,8 +120,8 @@ class Reader {
   }
   /// "torque_cmd_x_nm" is the command of a joint x, and the torque of a joint cmd_x.
   void refuse_shared_columns() const {
-    static constexpr std::array<const char*, 5> kQuantities{"angle", "angle_cmd", "velocity", "torque",
-                                                            "torque_cmd"};
+    static constexpr std::array<const char*, 5> kQuantities{"torque", "torque_cmd", "angle", "angle_cmd",
+                                                            "velocity"};
     std::map<std::string, std::size_t> whose;
     for (std::size_t j = 0; j < model_.joints(); ++j)
       for (const char* quantity : kQuantities) {
