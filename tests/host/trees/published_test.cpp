@@ -270,6 +270,16 @@ std::string recording(const Raw& robot, Words columns) {
   return out.str() + "\n";
 }
 
+/// The names of the columns of that recording.
+Words columns_of(const Published& p) {
+  std::istringstream in(recording(raw(p), p.columns));
+  std::string line;
+  std::getline(in, line);
+  std::getline(in, line);
+  std::replace(line.begin(), line.end(), ',', ' ');
+  return split(line);
+}
+
 /// What `furcula check` says of the robot and such a recording.
 test::Ran checked(const Published& p) {
   const test::TemporaryFolder folder;
@@ -363,6 +373,19 @@ TEST_CASE("Published robots are read or refused as they should be, and what is o
       INFO("expected to be said: " << w);
       CHECK(says(said, w));
     }
+  }
+}
+
+TEST_CASE("Without a key joints, those move that the recording has columns of") {
+  for (const Published& p : all_published()) {
+    if (p.fate != Published::Fate::read || !p.key.empty()) continue;
+    INFO(p.name);
+    std::optional<trees::TreeModel> m;
+    CHECK_NOTHROW(m = trees::parse_tree_model(model_text({}), p.path + ".toml",
+                                              trees::TreeContext{.urdf = p.text, .columns = columns_of(p)}));
+    if (!m) continue;
+    CHECK(sorted(joints_of(*m)) == sorted(p.joints));
+    if (p.silent) CHECK(m->notes.empty());
   }
 }
 
