@@ -1,9 +1,12 @@
 // `furcula check`: reads logs as the other commands would, in bounded memory, and says what is in them.
 #include <cstdio>
+#include <filesystem>
 #include <iostream>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include "host/cli/commands.hpp"
@@ -23,6 +26,7 @@ struct CheckOptions {
   std::string model;
   std::string map;
   bool skip_bad_rows = false;
+  bool accept_inertias = false;
   std::vector<std::string> logs;
 };
 
@@ -35,7 +39,7 @@ std::vector<std::string_view> rig_names() {
 /// What the options say, or the map; empty: each log must tell its own.
 std::string rig_of(const CheckOptions& options, const log::ColumnMap* map) {
   if (!options.model.empty()) {
-    if (tree_model(options.model)) return "tree";
+    if (is_tree_model(options.model)) return "tree";
     const model::Model m = model::read_model(options.model);
     return std::string(dynamics::info(m.kind).rig);
   }
@@ -45,6 +49,26 @@ std::string rig_of(const CheckOptions& options, const log::ColumnMap* map) {
     throw UsageError("--rig " + options.rig + ": no such rig; expected one of " + core::listed(rigs) +
                      core::did_you_mean(options.rig, rigs));
   return options.rig;
+}
+
+/// Of all logs: what their header rows say. A log that has none is told of where it is read.
+std::vector<std::string> header_columns(const CheckOptions& options, const log::ColumnMap* map) {
+  struct Enough {};
+  std::set<std::string> names;
+  for (const std::string& path : options.logs) {
+    // What is read of a pipe is gone.
+    std::error_code error;
+    if (!std::filesystem::is_regular_file(path, error)) continue;
+    try {
+      log::visit_log(path, "tree", map, [&](const log::LogHeader& header) -> log::RowVisitor {
+        names.insert(header.columns.begin(), header.columns.end());
+        throw Enough{};
+      });
+    } catch (const Enough&) {
+    } catch (const core::DataError&) {
+    }
+  }
+  return {names.begin(), names.end()};
 }
 
 void print(const std::string& file, const log::LogSummary& s) {
@@ -69,7 +93,12 @@ void run(const CheckOptions& options) {
   std::optional<log::ColumnMap> map;
   if (!options.map.empty()) map = log::read_column_map(options.map);
   const std::string rig = rig_of(options, map ? &*map : nullptr);
-  const auto tree = options.model.empty() ? std::nullopt : tree_model(options.model);
+  std::optional<trees::TreeModel> tree;
+  if (!options.model.empty() && rig == "tree") {
+    tree = tree_model(options.model,
+                      {{}, header_columns(options, map ? &*map : nullptr), options.accept_inertias});
+    print_notes(*tree);
+  }
   const log::BadRows bad = options.skip_bad_rows ? log::BadRows::skipped : log::BadRows::refused;
   std::string errors;
   for (const std::string& path : options.logs) {
@@ -100,6 +129,7 @@ void add_check_command(CLI::App& app) {
   command->add_option("--model", options->model, "Model file, whose kind tells the rig");
   command->add_option("--map", options->map, "Map file, for logs with other columns");
   command->add_flag("--skip-bad-rows", options->skip_bad_rows, kSkipBadRows);
+  command->add_flag("--accept-inertias", options->accept_inertias, kAcceptInertias);
   command->add_option("LOG", options->logs, "Logs (CSV)")->required();
   command->callback([options] { run(*options); });
 }

@@ -58,8 +58,9 @@ diagnose::Diagnosis run_diagnose(const RecordingOptions& o) {
 
 namespace {
 
-void run_on_tree(const RecordingOptions& o, const trees::TreeModel& model) {
+void run_on_tree(const RecordingOptions& o) {
   const Logs logs = read_logs(o, "tree");
+  const trees::TreeModel model = tree_model(o.model, {{}, columns_of(logs), o.accept_inertias}).value();
   const OutFolder folder(o.out);
   trees::Diagnosis d;
   {
@@ -71,6 +72,7 @@ void run_on_tree(const RecordingOptions& o, const trees::TreeModel& model) {
     options.progress = [&](double fraction, std::string_view doing) { progress.update(fraction, doing); };
     d = trees::diagnose(model, logs.training, logs.held_out, options);
   }
+  d.notes.insert(d.notes.begin(), model.notes.begin(), model.notes.end());
   trees::TreeModel extended = model;
   extended.drives = d.extended.drives;
   extended.causes = d.extended.causes;
@@ -125,8 +127,8 @@ void add_diagnose_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand("diagnose", "Name what a model gets wrong about measured logs");
   options->add_to(*command);
   command->callback([options] {
-    if (const auto tree = tree_model(options->model))
-      run_on_tree(*options, *tree);
+    if (is_tree_model(options->model))
+      run_on_tree(*options);
     else
       run_diagnose(*options);
   });

@@ -26,8 +26,9 @@ struct IdentifyOptions : RecordingOptions {
   std::size_t folds = 0;
 };
 
-void run_on_tree(const IdentifyOptions& o, const trees::TreeModel& model) {
+void run_on_tree(const IdentifyOptions& o) {
   const Logs logs = read_logs(o, "tree");
+  const trees::TreeModel model = tree_model(o.model, {{}, columns_of(logs), o.accept_inertias}).value();
   const OutFolder folder(o.out);
   trees::Identification found;
   {
@@ -39,6 +40,7 @@ void run_on_tree(const IdentifyOptions& o, const trees::TreeModel& model) {
     options.progress = [&](double fraction, std::string_view doing) { progress.update(fraction, doing); };
     found = trees::identify(model, logs.training, logs.held_out, options);
   }
+  found.notes = model.notes;
   // Fitted bodies are in a URDF of their own, which the model file then names.
   const bool bodies = !found.bodies.empty();
   const std::string urdf = "identified.urdf";
@@ -58,17 +60,18 @@ void run_on_tree(const IdentifyOptions& o, const trees::TreeModel& model) {
                 core::printable(model.robot.joints[j].name).c_str(), found.as_given_error[j].rmse,
                 found.identified_error[j].rmse, std::string(trees::channel_unit(model, j)).c_str());
   std::printf("\n");
+  for (const std::string& note : found.notes) std::printf("%s\n", core::printable(note).c_str());
   std::fflush(stdout);
   print_dirt(found.dirt);
 }
 
 void run(const IdentifyOptions& o) {
-  if (const auto tree = tree_model(o.model)) {
+  if (is_tree_model(o.model)) {
     if (o.method != "simulation")
       throw UsageError("--method " + o.method + ": a tree is identified by simulation");
     if (o.folds != 0)
       throw UsageError("--folds " + std::to_string(o.folds) + ": on a tree nothing is cross-validated");
-    return run_on_tree(o, *tree);
+    return run_on_tree(o);
   }
   const Recordings r = read_recordings(o);
   if (r.model.free.empty())

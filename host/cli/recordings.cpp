@@ -47,6 +47,7 @@ void RecordingOptions::add_to(CLI::App& command) {
   command.add_flag(
       "--trust-columns", trust_columns,
       "Do not try whether the columns have other units, signs, zeros or joints than their names say");
+  command.add_flag("--accept-inertias", accept_inertias, kAcceptInertias);
   command.add_option("--threads", threads, "Threads; the result is the same for any number");
   command.add_option("--seed", seed, "Seed of the choice of held-out logs")->capture_default_str();
   command.add_option("logs", logs, "Logs (furcula-log/1, or as the map says), at least one");
@@ -77,6 +78,7 @@ std::string RecordingOptions::command_line(const std::string& command, bool tree
   if (!map.empty()) option("--map", map);
   if (skip_bad_rows) add("--skip-bad-rows");
   if (trust_columns) add("--trust-columns");
+  if (accept_inertias) add("--accept-inertias");
   option("--window-s", core::shortest(window(tree)));
   option("--seed", std::to_string(seed));
   for (const std::string& path : logs) add(path);
@@ -126,14 +128,33 @@ Recordings read_recordings(const RecordingOptions& options) {
   return r;
 }
 
-std::optional<trees::TreeModel> tree_model(const std::string& path) {
+bool is_tree_model(const std::string& path) {
+  const std::string text = core::read_small_file(path, "a model file (TOML)");
+  return gait::is_planar_leg(text) || trees::is_tree(text);
+}
+
+std::optional<trees::TreeModel> tree_model(const std::string& path, trees::TreeContext context) {
   const std::string text = core::read_small_file(path, "a model file (TOML)");
   if (gait::is_planar_leg(text)) {
     const gait::LegAsTree leg = gait::leg_as_tree(gait::parse_machine(text, path));
-    return trees::parse_tree_model(leg.model, path, leg.urdf);
+    context.urdf = leg.urdf;
+    return trees::parse_tree_model(leg.model, path, context);
   }
   if (!trees::is_tree(text)) return std::nullopt;
-  return trees::parse_tree_model(text, path);
+  return trees::parse_tree_model(text, path, context);
+}
+
+std::vector<std::string> columns_of(const Logs& logs) {
+  std::set<std::string> names;
+  for (const auto* list : {&logs.training, &logs.held_out})
+    for (const log::Log& log : *list)
+      for (const auto& [name, values] : log.columns) names.insert(name);
+  return {names.begin(), names.end()};
+}
+
+void print_notes(const trees::TreeModel& model) {
+  for (const std::string& note : model.notes)
+    std::cerr << core::printable(model.urdf.file) << ": note: " << core::printable(note) << "\n";
 }
 
 void print_dirt(const log::Dirt& dirt) {

@@ -25,6 +25,7 @@ struct RecordingOptions {
   std::uint64_t seed = 1;
   bool skip_bad_rows = false;
   bool trust_columns = false;
+  bool accept_inertias = false;  ///< of a tree
 
   void add_to(CLI::App& command);
   /// `threads`, or what the machine has.
@@ -52,8 +53,21 @@ struct Recordings : Logs {
 /// Reads the model and the logs. @throws UsageError, core::DataError
 Recordings read_recordings(const RecordingOptions& options);
 
+/// Whether the file is a model of a tree. @throws core::DataError
+bool is_tree_model(const std::string& path);
+
 /// The model, where the file is one of a tree. @throws core::DataError
-std::optional<trees::TreeModel> tree_model(const std::string& path);
+std::optional<trees::TreeModel> tree_model(const std::string& path, trees::TreeContext context = {});
+
+/// The names of all columns of the logs.
+std::vector<std::string> columns_of(const Logs& logs);
+
+/// Prints what a model's URDF was taken for to standard error, a line each.
+void print_notes(const trees::TreeModel& model);
+
+/// What `--accept-inertias` is.
+inline constexpr const char* kAcceptInertias =
+    "Take masses and moments of inertia of a URDF as they are, also those that no body has, as long as each joint has an inertia above 0";
 
 /// Prints what was wrong with the recordings, a line each.
 void print_dirt(const log::Dirt& dirt);

@@ -28,6 +28,7 @@ struct SimOptions {
   std::string out;
   std::uint64_t seed = 0;
   bool check = false;
+  bool accept_inertias = false;
 };
 
 /// One line on stderr where the controller went to its safe state, and what to do about it.
@@ -64,9 +65,10 @@ void run(const SimOptions& options, PlayGait play) {
     log::write_log(play(options.model, options.scenario, options.seed), options.out);
     return;
   }
-  if (const auto tree = tree_model(options.model)) {
+  if (const auto tree = tree_model(options.model, {{}, {}, options.accept_inertias})) {
     if (options.check)
       throw UsageError("--check: a scenario of a tree has no [expect]; expected none with kind tree");
+    print_notes(*tree);
     const trees::Scenario scenario = options.scenario.empty() ? trees::default_scenario(*tree)
                                                               : trees::read_scenario(options.scenario, *tree);
     log::write_log(trees::simulate(*tree, scenario, options.seed), options.out);
@@ -106,6 +108,7 @@ void add_sim_command(CLI::App& app, PlayGait play) {
   command->add_flag(
       "--check", options->check,
       "End with status 4 where what the scenario expects ([expect]) does not hold; on a hopper");
+  command->add_flag("--accept-inertias", options->accept_inertias, kAcceptInertias);
   command->callback([options, play] { run(*options, play); });
 }
 

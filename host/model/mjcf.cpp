@@ -1,6 +1,7 @@
 // Writing MJCF, see mjcf.hpp.
 #include "host/model/mjcf.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
@@ -41,16 +42,38 @@ std::string place(const Frame<double>& f) {
   return attribute("pos", f.at) + attribute("quat", quaternion);
 }
 
+/// Moments as MuJoCo takes them: above mjMINVAL (1e-15), and none more than the sum of the others. Those of points, rods, sheets and bodies
+/// without mass are raised by what no simulation sees; all others stay bit by bit.
+void raise(Eigen::Matrix3d& about_centre) {
+  constexpr double kLeast = 1e-12, kShare = 1e-9;
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(about_centre);
+  Eigen::Vector3d m = solver.eigenvalues();
+  if (m(0) >= kLeast && m(0) + m(1) >= m(2) * (1.0 + kShare)) return;
+  const double least = std::max(kLeast, kShare * m(2));
+  m = m.cwiseMax(least);
+  if (const double beyond = m(2) * (1.0 + 2.0 * kShare) - m(0) - m(1); beyond > 0.0) {
+    m(0) += 0.5 * beyond;
+    m(1) += 0.5 * beyond;
+  }
+  about_centre = solver.eigenvectors() * m.asDiagonal() * solver.eigenvectors().transpose();
+}
+
 std::string inertial(const Inertia<double>& b) {
-  const Vec3<double> c = b.moment_kgm * (1.0 / b.mass_kg);
+  constexpr double kLeast_kg = 1e-12;
+  const bool weighs = b.mass_kg > kLeast_kg;
+  const Vec3<double> c = weighs ? b.moment_kgm * (1.0 / b.mass_kg) : Vec3<double>{0.0, 0.0, 0.0};
   const Sym3<double>& o = b.inertia_kgm2;
   const Sym3<double> s = dynamics::tree::minus_squared_cross(c);
-  const double full[6] = {o.xx - s.xx * b.mass_kg, o.yy - s.yy * b.mass_kg, o.zz - s.zz * b.mass_kg,
-                          o.xy - s.xy * b.mass_kg, o.xz - s.xz * b.mass_kg, o.yz - s.yz * b.mass_kg};
+  const double m = b.mass_kg;
+  Eigen::Matrix3d about;
+  about << o.xx - s.xx * m, o.xy - s.xy * m, o.xz - s.xz * m, o.xy - s.xy * m, o.yy - s.yy * m,
+      o.yz - s.yz * m, o.xz - s.xz * m, o.yz - s.yz * m, o.zz - s.zz * m;
+  raise(about);
+  const double full[6] = {about(0, 0), about(1, 1), about(2, 2), about(0, 1), about(0, 2), about(1, 2)};
   std::string text;
   for (const double part : full) text += (text.empty() ? "" : " ") + shortest(part);
-  return "<inertial" + attribute("pos", c) + attribute("mass", b.mass_kg) + attribute("fullinertia", text) +
-         "/>\n";
+  return "<inertial" + attribute("pos", c) + attribute("mass", weighs ? m : kLeast_kg) +
+         attribute("fullinertia", text) + "/>\n";
 }
 
 class Writer {

@@ -8,12 +8,16 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <mutex>
 #include <set>
 
+#include "furcula/dynamics/tree/inverse_dynamics.hpp"
 #include "host/core/error.hpp"
 #include "host/core/message.hpp"
 #include "host/core/strict_toml.hpp"
+#include "host/model/plausible.hpp"
+#include "host/model/urdf_filter.hpp"
 #include "host/model/xml_check.hpp"
 
 namespace furcula::model {
@@ -71,48 +75,71 @@ urdf::ModelInterfaceSharedPtr parsed(std::string_view text, const std::string& n
   return robot;
 }
 
-/// Before urdfdom sees them: of two parents it keeps one, and what hangs in a loop it never frees.
-void refuse_loops(const std::vector<XmlElement>& elements, const std::string& name) {
-  struct Joint {
-    std::size_t line = 0;
-    std::string_view name, parent, child;
+/// Ascending, with their axes in columns.
+struct Principal {
+  Eigen::Vector3d moments;
+  Eigen::Matrix3d axes;
+};
+Principal principal(const Sym3<double>& s) {
+  Eigen::Matrix3d m;
+  m << s.xx, s.xy, s.xz, s.xy, s.yy, s.yz, s.xz, s.yz, s.zz;
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(m);
+  return {solver.eigenvalues(), solver.eigenvectors()};
+}
+
+/// What single precision, in which programs compute moments, and their axes' turns leave of them: some ten times 6e-8.
+constexpr double kRounding = 1e-6;
+
+/// By how much the largest moment is more than the sum of the others.
+double beyond_triangle(const Eigen::Vector3d& moments) { return moments(2) - moments(1) - moments(0); }
+bool is_possible(const Eigen::Vector3d& moments, double error) {
+  return moments(0) >= -error && beyond_triangle(moments) <= error;
+}
+bool is_possible(const Eigen::Vector3d& moments) {
+  return is_possible(moments, kRounding * std::max(moments(2), 0.0));
+}
+
+/// Moves moments that are below 0, or off the triangle inequality, by no more than they are rounded, to its limit. An error E of the six numbers
+/// moves a moment of axis v by v'Ev, and what is beyond the triangle, 2 v'Iv - trace I, by the sum of (2 vv' - 1) E.
+bool repair(UrdfInertia& body, const std::array<double, 6>& rounding) {
+  Principal p = principal(body.about_centre_kgm2);
+  const double largest = p.moments(2);
+  if (!(largest > 0.0)) return false;
+  Eigen::Matrix3d error;
+  error << rounding[0], rounding[1], rounding[2], rounding[1], rounding[3], rounding[4], rounding[2],
+      rounding[4], rounding[5];
+  const auto moved_by = [&](const Eigen::Matrix3d& weights) {
+    return weights.cwiseAbs().cwiseProduct(error).sum();
   };
-  std::vector<Joint> joints;
-  bool in_joint = false;
-  for (const XmlElement& e : elements) {
-    if (e.depth == 1) {
-      in_joint = e.tag == "joint";
-      if (in_joint) joints.push_back({e.line, e.attribute("name"), {}, {}});
-    } else if (e.depth == 2 && in_joint) {
-      if (e.tag == "parent") joints.back().parent = e.attribute("link");
-      if (e.tag == "child") joints.back().child = e.attribute("link");
-    }
+  bool repaired = false;
+  for (int k = 0; k < 2; ++k) {
+    if (p.moments(k) >= 0.0) continue;
+    const double most = std::max(kRounding * largest, moved_by(p.axes.col(k) * p.axes.col(k).transpose()));
+    if (-p.moments(k) > most) return false;
+    p.moments(k) = 0.0;
+    repaired = true;
   }
-  const auto refuse = [&](const Joint& j, const std::string& message) {
-    throw core::DataError(name + ":" + std::to_string(j.line) + ": " + message);
-  };
-  std::map<std::string_view, const Joint*> above;  // of links
-  for (const Joint& j : joints) {
-    if (j.child.empty()) continue;  // urdfdom says what it lacks
-    const auto [other, is_first] = above.emplace(j.child, &j);
-    if (!is_first)
-      refuse(j, "link " + quoted(j.child) + " is the child of joint " + quoted(other->second->name) +
-                    " and of joint " + quoted(j.name) + ", expected one parent (a tree)");
+  const double beyond = beyond_triangle(p.moments);
+  const Eigen::Vector3d axis = p.axes.col(2);
+  // Equal to it but for the last bit of a decimal.
+  constexpr double kLastBit = 1e-9;
+  if (beyond > kRounding * largest &&
+      beyond <= (1.0 + kLastBit) * moved_by(2.0 * axis * axis.transpose() - Eigen::Matrix3d::Identity())) {
+    p.moments += Eigen::Vector3d(beyond / 3.0, beyond / 3.0, -beyond / 3.0);
+    repaired = true;
   }
-  std::set<std::string_view> rooted;
-  for (const Joint& j : joints) {
-    std::set<std::string_view> way;
-    for (auto up = above.find(j.child); up != above.end() && !rooted.contains(up->first);
-         up = above.find(up->second->parent))
-      if (!way.insert(up->first).second)
-        refuse(*up->second, "link " + quoted(up->first) + " is in a loop of joints, expected a tree");
-    rooted.merge(way);
-  }
+  if (!repaired) return false;
+  const Eigen::Matrix3d m = p.axes * p.moments.asDiagonal() * p.axes.transpose();
+  body.about_centre_kgm2 = {m(0, 0), m(0, 1), m(0, 2), m(1, 1), m(1, 2), m(2, 2)};
+  return true;
 }
 
 class Reader {
  public:
-  Reader(std::string_view text, const std::string& name) : robot_(parsed(text, name)) { out_.file = name; }
+  Reader(FilteredUrdf filtered, const std::string& name)
+      : filtered_(std::move(filtered)), robot_(parsed(filtered_.text, name)) {
+    out_.file = name;
+  }
 
   Urdf read() {
     out_.name = word(robot_->getName(), "the robot's name");
@@ -127,7 +154,8 @@ class Reader {
       for (const auto& [name, link] : robot_->links_)
         if (!index_.contains(name))
           fail(out_.file, "link " + quoted(name) + " is in a loop of joints, expected a tree");
-    check_mimics();
+    out_.closures = std::move(filtered_.closures);
+    out_.notes = std::move(filtered_.notes);
     return std::move(out_);
   }
 
@@ -138,10 +166,6 @@ class Reader {
   }
   Vec3<double> finite(const urdf::Vector3& v, const std::string& what) const {
     return {finite(v.x, what), finite(v.y, what), finite(v.z, what)};
-  }
-  double not_negative(double x, const std::string& what) const {
-    if (finite(x, what) < 0.0) fail(out_.file, what + " is " + shortest(x) + ", expected at least 0");
-    return x;
   }
   Frame<double> frame(const urdf::Pose& pose, const std::string& what) const {
     double x, y, z, w;
@@ -166,7 +190,10 @@ class Reader {
     static_cast<void>(word(link.name, "a link's name"));
     if (!index_.emplace(link.name, out_.links.size()).second)
       fail(out_.file, "link " + quoted(link.name) + " is the child of two joints, expected a tree");
-    out_.links.push_back({link.name, inertia(link)});
+    const FilteredLink& from = filtered_.links[link.name];
+    UrdfLink out{link.name, inertia(link), from.line, from.flaw, false};
+    if (out.inertia) out.repaired = repair(*out.inertia, from.rounding_kgm2);
+    out_.links.push_back(std::move(out));
     ahead_.insert(ahead_.end(), link.child_joints.rbegin(), link.child_joints.rend());
   }
   std::optional<UrdfInertia> inertia(const urdf::Link& link) const {
@@ -174,7 +201,7 @@ class Reader {
     const urdf::Inertial& i = *link.inertial;
     const std::string what = "link " + quoted(link.name);
     const std::string moment = what + ": its <inertia>";
-    return UrdfInertia{not_negative(i.mass, what + ": its <mass>"),
+    return UrdfInertia{finite(i.mass, what + ": its <mass>"),
                        frame(i.origin, what + ": its <inertial>"),
                        {finite(i.ixx, moment), finite(i.ixy, moment), finite(i.ixz, moment),
                         finite(i.iyy, moment), finite(i.iyz, moment), finite(i.izz, moment)}};
@@ -182,94 +209,64 @@ class Reader {
   void add(const urdf::Joint& joint) {
     const std::string what = "joint " + quoted(joint.name);
     static_cast<void>(word(joint.name, "a joint's name"));
+    const FilteredJoint& from = filtered_.joints[joint.name];
     UrdfJoint out;
     out.name = joint.name;
-    switch (joint.type) {
-      case urdf::Joint::FIXED:
-        out.kind = UrdfJoint::Kind::fixed;
-        break;
-      case urdf::Joint::REVOLUTE:
-        out.kind = UrdfJoint::Kind::revolute;
-        break;
-      case urdf::Joint::CONTINUOUS:
-        out.kind = UrdfJoint::Kind::continuous;
-        break;
-      case urdf::Joint::PRISMATIC:
-        out.kind = UrdfJoint::Kind::prismatic;
-        break;
-      default:
-        fail(out_.file, what + " is " + (joint.type == urdf::Joint::PLANAR ? "planar" : "floating") +
-                            ", expected revolute, continuous, prismatic or fixed");
-    }
+    out.kind = from.kind;
     out.parent = index_.at(joint.parent_link_name);
     out.placement = frame(joint.parent_to_joint_origin_transform, what);
     out.axis = {0.0, 0.0, 1.0};
-    if (out.kind != UrdfJoint::Kind::fixed) {
+    if (out.kind != UrdfJoint::Kind::fixed && out.kind != UrdfJoint::Kind::other) {
       const Vec3<double> axis = finite(joint.axis, what + ": its <axis>");
-      const double length = std::sqrt(dot(axis, axis));
-      if (!(length > 1e-9) || !std::isfinite(length))
-        fail(out_.file, what + ": its <axis> is " + shortest(axis.x) + " " + shortest(axis.y) + " " +
-                            shortest(axis.z) + ", expected a direction");
-      out.axis = axis * (1.0 / length);
+      out.axis = axis * (1.0 / std::sqrt(dot(axis, axis)));
     }
-    if (joint.limits && out.kind != UrdfJoint::Kind::fixed) {
-      const std::string limit = what + ": its <limit>";
-      const urdf::JointLimits& l = *joint.limits;
-      out.limits = UrdfLimits{finite(l.lower, limit), finite(l.upper, limit), finite(l.effort, limit),
-                              finite(l.velocity, limit)};
-      if (l.lower > l.upper)
-        fail(out_.file, limit + " has lower " + shortest(l.lower) + " above upper " + shortest(l.upper));
-    }
-    if (joint.dynamics) {
-      out.damping = not_negative(joint.dynamics->damping, what + ": its <dynamics> damping");
-      out.friction = not_negative(joint.dynamics->friction, what + ": its <dynamics> friction");
-    }
-    if (joint.mimic) out.mimics = joint.mimic->joint_name;
+    out.limits = from.limits;
+    out.damping = from.damping;
+    out.friction = from.friction;
+    out.mimics = from.mimics;
+    out.line = from.line;
+    out.type = from.type;
+    out.flaw = from.flaw;
+    out.limit_flaw = from.limit_flaw;
+    out.reduction = from.reduction;
+    out.rotor_inertia_kgm2 = from.rotor_inertia_kgm2;
+    out.spring_nmprad = from.spring_nmprad;
     out.child = out_.links.size();
     add(*robot_->links_.at(joint.child_link_name));
     out_.joints.push_back(std::move(out));
   }
-  void check_mimics() const {
-    for (const UrdfJoint& j : out_.joints)
-      if (!j.mimics.empty() && !robot_->joints_.contains(j.mimics))
-        fail(out_.file,
-             "joint " + quoted(j.name) + " mimics " + quoted(j.mimics) + ", which is no joint of the robot");
-  }
 
+  FilteredUrdf filtered_;
   urdf::ModelInterfaceSharedPtr robot_;
   Urdf out_;
   std::map<std::string, std::size_t> index_;  ///< of links
   std::vector<urdf::JointSharedPtr> ahead_;
 };
 
-/// Ascending.
-std::array<double, 3> principal_moments(const Sym3<double>& s) {
-  Eigen::Matrix3d m;
-  m << s.xx, s.xy, s.xz, s.xy, s.yy, s.yz, s.xz, s.yz, s.zz;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(m, Eigen::EigenvaluesOnly);
-  return {solver.eigenvalues()(0), solver.eigenvalues()(1), solver.eigenvalues()(2)};
+bool can_move(const UrdfJoint& j) {
+  return j.kind != UrdfJoint::Kind::fixed && j.kind != UrdfJoint::Kind::other;
 }
-
-/// Of a link that moves: about its own frame.
-Inertia<double> checked_inertia(const Urdf& robot, const UrdfLink& link) {
-  const UrdfInertia& i = *link.inertia;
-  const std::string what = "link " + quoted(link.name);
-  if (!(i.mass_kg > 0.0))
-    fail(robot.file, what + ": its <mass> is " + shortest(i.mass_kg) + ", expected more than 0");
-  const auto moments = principal_moments(i.about_centre_kgm2);
-  const std::string values =
-      core::rounded(moments[0]) + ", " + core::rounded(moments[1]) + ", " + core::rounded(moments[2]);
-  if (!(moments[0] > 0.0))
-    fail(robot.file,
-         what + ": its <inertia> has the principal moments " + values + " kg m^2, expected all above 0");
-  // What the printed digits of a thin sheet may be off by.
-  constexpr double kRounding = 1e-6;
-  if (moments[0] + moments[1] < moments[2] * (1.0 - kRounding))
-    fail(robot.file,
-         what + ": its <inertia> has the principal moments " + values +
-             " kg m^2, which no body has; expected that none is more than the sum of the other two");
-  return inertia_back(
-      i.frame, dynamics::tree::inertia_of(i.mass_kg, Vec3<double>{0.0, 0.0, 0.0}, i.about_centre_kgm2));
+const UrdfJoint* found(const Urdf& robot, const std::string& name) {
+  for (const UrdfJoint& j : robot.joints)
+    if (j.name == name) return &j;
+  return nullptr;
+}
+/// Those that follow another joint, and those that are followed.
+std::set<std::string> tied_joints(const Urdf& robot) {
+  std::set<std::string> out;
+  for (const UrdfJoint& j : robot.joints)
+    if (!j.mimics.empty() && can_move(j)) {
+      out.insert(j.name);
+      if (found(robot, j.mimics) != nullptr) out.insert(j.mimics);
+    }
+  return out;
+}
+/// `joints = ["a", "b"]`, as a model file has it.
+std::string joints_line(const std::vector<std::string>& names) {
+  std::string out = "joints = [";
+  for (std::size_t i = 0; i < names.size(); ++i)
+    out += (i == 0 ? "\"" : ", \"") + core::printable(names[i]) + "\"";
+  return out + "]";
 }
 
 /// The link's frame after the joint has moved to `position`, in the parent.
@@ -285,9 +282,13 @@ Frame<double> held_at(const UrdfJoint& joint, double position) {
   return within(joint.placement, Frame<double>{turn, {0.0, 0.0, 0.0}});
 }
 
+constexpr const char* kAcceptThem =
+    " (--accept-inertias, or accept_inertias = true in [model], takes it as it is)";
+
 class TreeBuilder {
  public:
-  TreeBuilder(const Urdf& robot, const std::map<std::string, double>& hold) : robot_(robot), hold_(hold) {}
+  TreeBuilder(const Urdf& robot, const std::map<std::string, double>& hold, const TreeOptions& options)
+      : robot_(robot), hold_(hold), options_(options) {}
 
   RobotTree build(const std::vector<std::string>& wanted) {
     choose(wanted);
@@ -296,18 +297,29 @@ class TreeBuilder {
     std::vector<const UrdfJoint*> over(robot_.links.size(), nullptr);  // the joint of each link
     for (const UrdfJoint& j : robot_.joints) over[j.child] = &j;
     place_links(over);
+    check_closures();
     std::vector<Inertia<double>> bodies(out_.joints.size());
     for (std::size_t i = 0; i < robot_.links.size(); ++i) {
       const RobotTree::Link& at = out_.links[i];
-      if (at.joint < 0 || !robot_.links[i].inertia) continue;
+      if (at.joint < 0) continue;
+      if (!robot_.links[i].flaw.empty()) throw core::DataError(robot_.links[i].flaw);
+      if (!robot_.links[i].inertia) continue;
       auto& body = bodies[static_cast<std::size_t>(at.joint)];
-      body = body + inertia_back(at.frame, checked_inertia(robot_, robot_.links[i]));
+      body = body + inertia_back(at.frame, judged(i));
     }
+    for (std::size_t i = 0; i < out_.joints.size(); ++i) judge_body(i, bodies[i]);
     for (std::size_t i = 0; i < out_.joints.size(); ++i) add(i, bodies[i]);
+    note_joints();
+    note_bodies();
+    judge_units(out_, robot_, options_.accept_inertias);
+    if (options_.judge_motion) require_joint_inertia(out_, robot_.file);
     return std::move(out_);
   }
 
  private:
+  [[noreturn]] void fail_at(std::size_t line, const std::string& message) const {
+    fail(robot_.file + ":" + std::to_string(line), message);
+  }
   const UrdfJoint& joint(const std::string& name) const {
     constexpr std::size_t kMostNamed = 24;
     std::vector<std::string_view> names;
@@ -319,30 +331,62 @@ class TreeBuilder {
     if (names.size() <= kMostNamed) message += "; expected one of " + core::listed(names);
     fail(robot_.file, core::printable(message));
   }
+  /// What to write instead: those of the joints that move by themselves.
+  std::string instead(const std::vector<std::string>& wanted) const {
+    const std::set<std::string> tied = tied_joints(robot_);
+    std::vector<std::string> rest;
+    for (const std::string& name : wanted)
+      if (const UrdfJoint* j = found(robot_, name); j != nullptr && can_move(*j) && !tied.contains(name))
+        rest.push_back(name);
+    if (rest.empty()) rest = default_joints(robot_, hold_);
+    if (rest.empty()) return "";
+    return ": write " + joints_line(rest) + " in [model], and the others are held";
+  }
   void choose(const std::vector<std::string>& wanted) {
     for (const std::string& name : wanted) {
       const UrdfJoint& j = joint(name);
-      if (j.kind == UrdfJoint::Kind::fixed)
-        fail(robot_.file, "joint " + quoted(name) + " is fixed, expected one that moves");
+      if (!can_move(j))
+        fail_at(j.line, "joint " + quoted(name) + " is " + core::printable(j.type) +
+                            ", expected one that moves (revolute, continuous or prismatic)" +
+                            instead(wanted));
       if (!moving_.insert(name).second) fail(robot_.file, "joint " + quoted(name) + " is named twice");
     }
     if (wanted.empty())
-      for (const UrdfJoint& j : robot_.joints)
-        if (j.kind != UrdfJoint::Kind::fixed) moving_.insert(j.name);
-    for (const UrdfJoint& j : robot_.joints)
-      if (!j.mimics.empty() && (moving_.contains(j.name) || moving_.contains(j.mimics)))
-        fail(robot_.file, "joint " + quoted(j.name) + " mimics " + quoted(j.mimics) +
-                              ", expected joints that move by themselves (or both held)");
-    if (moving_.empty()) fail(robot_.file, "no joint that moves, expected at least one");
+      for (const std::string& name : default_joints(robot_, hold_)) moving_.insert(name);
+    for (const UrdfJoint& j : robot_.joints) {
+      if (j.mimics.empty() || !can_move(j)) continue;
+      if (moving_.contains(j.name) && found(robot_, j.mimics) == nullptr)
+        fail_at(
+            j.line,
+            "joint " + quoted(j.name) + " mimics " + quoted(j.mimics) +
+                ", which is no joint of the robot; expected no <mimic> if it moves by itself, or the joint held" +
+                instead(wanted));
+      if (moving_.contains(j.name) || moving_.contains(j.mimics))
+        fail_at(j.line, "joint " + quoted(j.name) + " mimics " + quoted(j.mimics) +
+                            ", expected joints that move by themselves (or both held)" + instead(wanted));
+    }
+    if (moving_.empty()) {
+      const bool tied = !tied_joints(robot_).empty();
+      fail(robot_.file, "no joint that moves" + std::string(tied ? " by itself" : "") +
+                            ", expected at least one" +
+                            (tied ? " that mimics no other and is mimicked by none" : ""));
+    }
     if (moving_.size() > kMostJoints)
       fail(robot_.file, std::to_string(moving_.size()) + " joints that move, expected at most " +
-                            std::to_string(kMostJoints) + " (name those that do)");
+                            std::to_string(kMostJoints) +
+                            " (joints = [...] in [model] names those that do, the others are held)");
+    for (const UrdfJoint& j : robot_.joints) {
+      const auto held = hold_.find(j.name);
+      const bool at_zero = held == hold_.end() || held->second == 0.0;
+      if (!j.flaw.empty() && (moving_.contains(j.name) || !at_zero)) throw core::DataError(j.flaw);
+    }
   }
   void check_holds() const {
     for (const auto& [name, position] : hold_) {
       const UrdfJoint& j = joint(name);
-      if (moving_.contains(name) || j.kind == UrdfJoint::Kind::fixed)
-        fail(robot_.file, "joint " + quoted(name) + (moving_.contains(name) ? " moves" : " is fixed") +
+      if (moving_.contains(name) || !can_move(j))
+        fail(robot_.file, "joint " + quoted(name) + " " +
+                              (moving_.contains(name) ? "moves" : "is " + core::printable(j.type)) +
                               ", expected to be held one that else could move");
       if (!std::isfinite(position))
         fail(robot_.file,
@@ -369,11 +413,168 @@ class TreeBuilder {
       out_.links.push_back(std::move(link));
     }
   }
+  /// What joins two links that move against each other, or links that are not known, changes the dynamics.
+  void check_closures() {
+    std::vector<std::string> rigid;
+    for (const UrdfClosure& c : robot_.closures) {
+      std::vector<std::string> names;
+      std::set<int> bodies;
+      for (const std::string& name : c.links) {
+        names.push_back(name.empty() ? "the world" : quoted(name));
+        int body = -1;
+        for (const RobotTree::Link& l : out_.links)
+          if (l.name == name) body = l.joint;
+        bodies.insert(body);
+      }
+      if (names.size() >= 2 && bodies.size() == 1) {
+        rigid.push_back("<" + c.tag + "> in line " + std::to_string(c.line));
+        continue;
+      }
+      std::string message = "<" + c.tag + ">";
+      if (names.size() >= 2)
+        message += " joins the links " + first_names(names) + ", which move against each other";
+      else
+        message += " joins links that are not known";
+      std::vector<std::string> outside;
+      for (const RobotTree::Joint& j : out_.joints)
+        if (!is_within(c, j.name)) outside.push_back(j.name);
+      message +=
+          ": a closed loop is not supported, expected a tree of joints; hold the joints within the loop";
+      message += outside.empty() || outside.size() == out_.joints.size()
+                     ? " (joints = [...] in [model] names those that move)"
+                     : " (" + joints_line(outside) + " in [model])";
+      message += ", or take the element out of the URDF where the robot has no such loop";
+      fail_at(c.line, message);
+    }
+    if (!rigid.empty())
+      out_.notes.push_back("No joint within the loop moves that is closed by " + first_names(rigid) +
+                           ": left out.");
+  }
+  /// Whether a joint is on the way between the links of a loop.
+  bool is_within(const UrdfClosure& c, const std::string& name) const {
+    // Beyond it are some of the links, and not all.
+    std::size_t beyond = 0;
+    for (const std::string& link : c.links) {
+      int at = -1;
+      for (const RobotTree::Link& l : out_.links)
+        if (l.name == link) at = l.joint;
+      while (at >= 0 && out_.joints[static_cast<std::size_t>(at)].name != name)
+        at = parents_[static_cast<std::size_t>(at)];
+      beyond += at >= 0 ? 1 : 0;
+    }
+    return beyond > 0 && beyond < c.links.size();
+  }
+
+  std::string link_at(std::size_t i) const { return "link " + quoted(robot_.links[i].name); }
+  static std::string listed(const Eigen::Vector3d& m) {
+    return core::rounded(m(0)) + ", " + core::rounded(m(1)) + ", " + core::rounded(m(2));
+  }
+  /// Of a link that moves: about its own frame.
+  Inertia<double> judged(std::size_t i) {
+    const UrdfLink& link = robot_.links[i];
+    const UrdfInertia& b = *link.inertia;
+    if (b.mass_kg < 0.0) {
+      if (!options_.accept_inertias)
+        fail_at(link.line, link_at(i) + ": its <mass> is " + shortest(b.mass_kg) + ", expected at least 0" +
+                               kAcceptThem);
+      accepted_.push_back("the <mass> " + shortest(b.mass_kg) + " of " + link_at(i));
+    }
+    const Eigen::Vector3d moments = principal(b.about_centre_kgm2).moments;
+    if (!is_possible(moments)) impossible_.push_back(i);
+    if (link.repaired) repaired_.push_back(quoted(link.name));
+    if (b.mass_kg == 0.0 && moments.cwiseAbs().maxCoeff() > 0.0) massless_.push_back(quoted(link.name));
+    return inertia_back(
+        b.frame, dynamics::tree::inertia_of(b.mass_kg, Vec3<double>{0.0, 0.0, 0.0}, b.about_centre_kgm2));
+  }
+  /// Links that are fixed to each other are one body. A sum of bodies is one, so only where one of them is none can theirs be none.
+  void judge_body(std::size_t joint, const Inertia<double>& body) {
+    std::vector<std::size_t> wrong;
+    for (const std::size_t i : impossible_)
+      if (out_.links[i].joint == static_cast<int>(joint)) wrong.push_back(i);
+    if (wrong.empty()) return;
+    const Sym3<double>& o = body.inertia_kgm2;
+    Sym3<double> about = o;
+    if (body.mass_kg != 0.0) {
+      const Sym3<double> s = dynamics::tree::minus_squared_cross(body.moment_kgm * (1.0 / body.mass_kg));
+      const double m = body.mass_kg;
+      about = {o.xx - m * s.xx, o.xy - m * s.xy, o.xz - m * s.xz,
+               o.yy - m * s.yy, o.yz - m * s.yz, o.zz - m * s.zz};
+    }
+    const Eigen::Vector3d moments = principal(about).moments;
+    // What is left of the difference of two large numbers, in double precision.
+    constexpr double kCancelled = 1e-12;
+    if (is_possible(moments,
+                    kRounding * std::max(moments(2), 0.0) + kCancelled * std::abs(o.xx + o.yy + o.zz))) {
+      for (const std::size_t i : wrong) merged_.push_back(quoted(robot_.links[i].name));
+      return;
+    }
+    const auto shortfall = [&](std::size_t i) {
+      const Eigen::Vector3d m = principal(robot_.links[i].inertia->about_centre_kgm2).moments;
+      return std::max(-m(0), beyond_triangle(m));
+    };
+    const std::size_t worst =
+        *std::max_element(wrong.begin(), wrong.end(),
+                          [&](std::size_t a, std::size_t b) { return shortfall(a) < shortfall(b); });
+    const Eigen::Vector3d m = principal(robot_.links[worst].inertia->about_centre_kgm2).moments;
+    const std::string what =
+        link_at(worst) + ": its <inertia> has the principal moments " + listed(m) + " kg m^2, ";
+    if (!options_.accept_inertias)
+      fail_at(robot_.links[worst].line,
+              what +
+                  (m(0) < -kRounding * std::max(m(2), 0.0)
+                       ? "expected none below 0"
+                       : "which no body has; expected that none is more than the sum of the other two") +
+                  kAcceptThem);
+    accepted_.push_back("the <inertia> of " + link_at(worst));
+  }
+  void note_joints() {
+    std::vector<std::string> others, unknown, ranges, reductions;
+    for (const UrdfJoint& j : robot_.joints) {
+      if (j.kind == UrdfJoint::Kind::other)
+        others.push_back(quoted(j.name) + " (" + core::printable(j.type) + ")");
+      if (!j.mimics.empty() && found(robot_, j.mimics) == nullptr)
+        unknown.push_back(quoted(j.name) + " (" + quoted(j.mimics) + ")");
+    }
+    for (const UrdfJoint* j : from_) {
+      if (!j->limit_flaw.empty())
+        ranges.push_back(quoted(j->name) + " (" + core::printable(j->limit_flaw) + ")");
+      if (j->reduction != 0.0 && j->reduction != 1.0)
+        reductions.push_back(quoted(j->name) + " (" + shortest(j->reduction) + ")");
+    }
+    if (!others.empty()) out_.notes.push_back("Held at 0: joint " + first_names(others) + ".");
+    if (!unknown.empty())
+      out_.notes.push_back("Held, its <mimic> of a joint that the robot does not have is left out: " +
+                           first_names(unknown) + ".");
+    if (!ranges.empty())
+      out_.notes.push_back("Without a range, its <limit> is not used: joint " + first_names(ranges) + ".");
+    if (!reductions.empty())
+      out_.notes.push_back(
+          "A <transmission> has a reduction: joint " + first_names(reductions) +
+          ". Torque and rotor inertia of the model are at the joint: the motor's times the reduction, and times its square.");
+  }
+  void note_bodies() {
+    const auto note = [&](const std::string& what, const std::vector<std::string>& names,
+                          const std::string& after) {
+      if (!names.empty()) out_.notes.push_back(what + first_names(names) + after);
+    };
+    std::vector<std::string> empty;
+    for (std::size_t i = 0; i < out_.joints.size(); ++i) {
+      bool any = false;
+      for (std::size_t k = 0; k < robot_.links.size(); ++k)
+        any |= out_.links[k].joint == static_cast<int>(i) && robot_.links[k].inertia.has_value();
+      if (!any) empty.push_back(quoted(out_.joints[i].link));
+    }
+    note("No <inertial>, moves without mass: link ", empty, ".");
+    note("An <inertia> and no mass: link ", massless_, ". The inertia is kept.");
+    note(
+        "Moments of inertia were off by less than they are rounded, and are moved to the nearest that a body has: link ",
+        repaired_, ".");
+    note("Moments of inertia that no body has alone: link ", merged_,
+         ". Together with the links that it is fixed to it is one.");
+    note("Accepted as they are: ", accepted_, ".");
+  }
   void add(std::size_t i, const Inertia<double>& body) {
     const RobotTree::Joint& j = out_.joints[i];
-    if (!(body.mass_kg > 0.0))
-      fail(robot_.file, "link " + quoted(j.link) + " moves (joint " + quoted(j.name) +
-                            ") and neither it nor a link fixed to it has an <inertial>, expected one");
     const JointKind kind = j.kind == UrdfJoint::Kind::prismatic ? JointKind::prismatic : JointKind::revolute;
     if (out_.model.add({parents_[i], kind}, j.placement, j.axis, body) != Status::ok)
       fail(robot_.file, "joint " + quoted(j.name) + " has no place in the tree");
@@ -384,17 +585,62 @@ class TreeBuilder {
 
   const Urdf& robot_;
   const std::map<std::string, double>& hold_;
+  const TreeOptions& options_;
   RobotTree out_;
   std::set<std::string> moving_;
   std::vector<const UrdfJoint*> from_;
   std::vector<int> parents_;
+  std::vector<std::size_t> impossible_;  ///< links
+  std::vector<std::string> repaired_, merged_, massless_, accepted_;
 };
+
+/// The joint-space inertia at a pose, scaled by what each joint could have at most.
+struct JointInertia {
+  double least =
+      0.0;  ///< eigenvalue, the matrix scaled to a diagonal of ones; 0 where a joint has none at all
+  std::size_t joint = 0;  ///< that lacks it
+  bool negative = false;
+};
+JointInertia joint_inertia(const RobotModel& model, const RobotModel::Joints& q) {
+  const auto h = dynamics::tree::mass_matrix(model, q);
+  const std::size_t n = model.count();
+  // Of a revolute joint: the trace of all that is outwards of it, about its origin. That of some other axis there is at least half of it.
+  std::vector<Inertia<double>> composite(n);
+  std::vector<double> most(n);
+  for (std::size_t i = n; i-- > 0;) {
+    composite[i] = composite[i] + model.aligned_inertia(i);
+    const Inertia<double>& c = composite[i];
+    most[i] = model.laws[i].armature_kgm2 +
+              (model.shape().kind(i) == JointKind::prismatic
+                   ? std::abs(c.mass_kg)
+                   : std::abs(c.inertia_kgm2.xx) + std::abs(c.inertia_kgm2.yy) + std::abs(c.inertia_kgm2.zz));
+    if (const int p = model.shape().parent(i); p >= 0) {
+      auto& up = composite[static_cast<std::size_t>(p)];
+      up = up + inertia_back(model.frame(i, q[i]), c);
+    }
+  }
+  // Sums of n products of doubles: what is less is zero.
+  constexpr double kZero = 1e-12;
+  JointInertia out{1.0, 0, false};
+  for (std::size_t i = 0; i < n; ++i)
+    if (!(h[i][i] > kZero * most[i])) return {0.0, i, h[i][i] < -kZero * most[i]};
+  Eigen::MatrixXd scaled(n, n);
+  for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t k = 0; k < n; ++k)
+      scaled(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k)) =
+          h[i][k] / std::sqrt(h[i][i] * h[k][k]);
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(scaled);
+  out.least = solver.eigenvalues()(0);
+  Eigen::Index worst = 0;
+  solver.eigenvectors().col(0).cwiseAbs().maxCoeff(&worst);
+  out.joint = static_cast<std::size_t>(worst);
+  return out;
+}
 
 }  // namespace
 
 Urdf parse_urdf(std::string_view text, const std::string& name) {
-  refuse_loops(check_xml(text, name), name);
-  return Reader(text, name).read();
+  return Reader(filter_urdf(check_xml(text, name), name), name).read();
 }
 
 Urdf read_urdf(const std::string& path) {
@@ -402,8 +648,66 @@ Urdf read_urdf(const std::string& path) {
 }
 
 RobotTree tree_of(const Urdf& robot, const std::vector<std::string>& moving,
-                  const std::map<std::string, double>& hold) {
-  return TreeBuilder(robot, hold).build(moving);
+                  const std::map<std::string, double>& hold, const TreeOptions& options) {
+  return TreeBuilder(robot, hold, options).build(moving);
+}
+
+std::vector<std::string> default_joints(const Urdf& robot, const std::map<std::string, double>& hold) {
+  const std::set<std::string> tied = tied_joints(robot);
+  std::vector<std::string> out;
+  for (const UrdfJoint& j : robot.joints)
+    if (can_move(j) && !tied.contains(j.name) && !hold.contains(j.name)) out.push_back(j.name);
+  return out;
+}
+
+void require_joint_inertia(RobotTree& tree, const std::string& file, const std::vector<double>& rotors_kgm2) {
+  RobotModel model = tree.model;
+  for (std::size_t i = 0; i < rotors_kgm2.size(); ++i) model.laws[i].armature_kgm2 = rotors_kgm2[i];
+  // Below, more than nine of the sixteen digits of an acceleration are lost, and it is coarser than an encoder of 24 bits.
+  constexpr double kRegular = 1e-9;
+  // A singular pose may lie among regular ones (a wrist whose axes line up). It is the dynamics that are singular where all poses are.
+  constexpr int kPoses = 5;
+  constexpr double kGolden = 0.6180339887498949, kPlastic = 0.7548776662466927;
+  JointInertia best = joint_inertia(model, {});
+  const JointInertia at_zero = best;
+  for (int pose = 1; pose < kPoses; ++pose) {
+    RobotModel::Joints q{};
+    for (std::size_t i = 0; i < model.count(); ++i) {
+      const double share = std::fmod(pose * kGolden + static_cast<double>(i) * kPlastic, 1.0);
+      const auto& l = tree.joints[i].limits;
+      const bool slides = tree.joints[i].kind == UrdfJoint::Kind::prismatic;
+      double lower = slides ? -1.0 : -3.0, upper = -lower;
+      if (l && l->lower < l->upper) {
+        lower = std::max(lower, l->lower);
+        upper = std::min(upper, l->upper);
+      }
+      q[i] = lower + share * (upper - lower);
+    }
+    const JointInertia here = joint_inertia(model, q);
+    if (here.negative || here.least < -kRegular) {
+      best = {here.least, here.joint, true};
+      break;
+    }
+    if (here.least > best.least) best = here;
+  }
+  const auto who = [&](const JointInertia& j) { return "joint " + quoted(tree.joints[j.joint].name); };
+  const auto drive = [&](const JointInertia& j) {
+    return "rotor_inertia_kgm2 in [drive." + core::printable(tree.joints[j.joint].name) +
+           "] of the model file";
+  };
+  if (best.negative || !(best.least > kRegular)) {
+    const std::string link = quoted(tree.joints[best.joint].link);
+    fail(file,
+         "link " + link + " moves (" + who(best) + ") and " +
+             (best.negative ? "its inertia about the joint is below 0"
+                            : "nothing gives the joint an inertia: not it, no link beyond it, no rotor") +
+             "; expected an <inertial> that does, or " + drive(best) +
+             " above 0, or the joint held (not in joints = [...])");
+  }
+  if (at_zero.least <= kRegular)
+    tree.notes.push_back("With all joints at 0 nothing gives " + who(at_zero) +
+                         " an inertia of its own, and its motion is not determined there; " + drive(at_zero) +
+                         " gives it one.");
 }
 
 }  // namespace furcula::model

@@ -5,6 +5,7 @@
 // the joint's frame, which is the child link's.
 #pragma once
 
+#include <array>
 #include <map>
 #include <optional>
 #include <string>
@@ -28,16 +29,28 @@ struct UrdfInertia {
 struct UrdfLink {
   std::string name;
   std::optional<UrdfInertia> inertia;
+  std::size_t line = 0;  ///< of the file
+  std::string
+      flaw{};  ///< what is wrong with its <inertial>, which then is not in `inertia`; with file and line
+  bool repaired =
+      false;  ///< its moments were below 0 or off the triangle inequality by less than they are rounded, and are moved to the limit
 };
 
 struct UrdfLimits {
-  double lower = 0.0, upper = 0.0;  ///< rad or m; both zero on a continuous joint
-  double effort = 0.0;              ///< N m or N
-  double velocity = 0.0;            ///< rad/s or m/s
+  double lower = 0.0,
+         upper = 0.0;     ///< rad or m; both zero on a continuous joint, and where they are of no use
+  double effort = 0.0;    ///< N m or N
+  double velocity = 0.0;  ///< rad/s or m/s
 };
 
 struct UrdfJoint {
-  enum class Kind { fixed, revolute, continuous, prismatic };
+  enum class Kind {
+    fixed,
+    revolute,
+    continuous,
+    prismatic,
+    other
+  };  ///< other: floating, planar, spherical, ...
 
   std::string name;
   Kind kind = Kind::fixed;
@@ -48,6 +61,22 @@ struct UrdfJoint {
   double damping = 0.0;   ///< N m s/rad or N s/m
   double friction = 0.0;  ///< N m or N
   std::string mimics;     ///< the joint that it follows, or empty
+  std::size_t line = 0;   ///< of the file
+  std::string type{};     ///< as the file calls it
+  std::string
+      flaw{};  ///< what is wrong with its axis or <dynamics>, which then have their defaults; with file and line
+  std::string limit_flaw{};  ///< why its range is of no use
+  double reduction = 0.0;    ///< of its <transmission>, motor's speed over the joint's; 0: none is given
+  double rotor_inertia_kgm2 =
+      0.0;  ///< at the joint, by extensions of the format; 0: none is given. Not in the tree
+  double spring_nmprad = 0.0;  ///< likewise
+};
+
+/// What joins links beside the tree of joints: <loop_joint>, bushings and constraints of Drake, <joint> in <gazebo>.
+struct UrdfClosure {
+  std::size_t line = 0;
+  std::string tag;
+  std::vector<std::string> links;  ///< those of its links that are known; an empty name: the world
 };
 
 /// From the root, links[0], outwards; a link's branches one after the other, by their joints' names.
@@ -56,12 +85,13 @@ struct Urdf {
   std::string name;
   std::vector<UrdfLink> links;
   std::vector<UrdfJoint> joints;
+  std::vector<UrdfClosure> closures{};
+  std::vector<std::string> notes{};  ///< what of the file is not used, in sentences
 };
 
-/// @throws core::DataError naming file, element and what was expected: not readable, larger than 1 MiB, empty,
-/// not XML, nested too deep, not a robot, a link with two parents, a loop, a floating or planar joint, an axis
-/// of no length, a number that is missing or not finite, a negative mass, damping or friction, limits the
-/// wrong way round.
+/// @throws core::DataError naming file, line, element and what was expected: not readable, larger than 1 MiB, empty,
+/// not XML, nested too deep, not a robot, a xacro file, a link with two parents, a loop, more than one root, a joint's place that is no number.
+/// What is wrong with a link's <inertial>, a joint's axis or <dynamics> is told by tree_of, where the link or joint moves; limits are never refused.
 Urdf read_urdf(const std::string& path);
 
 /// The same on text; `name` stands for the path in messages.
@@ -90,15 +120,31 @@ struct RobotTree {
   RobotModel model;  ///< damping and friction from the file; static friction is that of motion
   std::vector<Joint> joints;
   std::vector<Link> links;
+  std::vector<std::string> notes{};  ///< what was taken, left out and repaired, in sentences
 };
 
-/// The tree in which the joints `moving` move (their order there does not matter; empty: all that can), and
+struct TreeOptions {
+  bool accept_inertias = false;  ///< take masses and moments as they are that no body has, or none of a robot
+  bool judge_motion = true;      ///< require_joint_inertia, without rotors
+};
+
+/// The tree in which the joints `moving` move (their order there does not matter; empty: default_joints), and
 /// the others are fixed at the positions in `hold` (0 where they are not in it). Its joints are in the order of
 /// Urdf::joints.
-/// @throws core::DataError: a joint that is not in the robot, that is fixed, or that follows another or is
-/// followed by one; a moving joint in `hold`; no joint that moves or more than kMostJoints; a
-/// body that moves without an inertia or with one that no body can have, the link and its principal moments named.
+/// @throws core::DataError: a joint that is not in the robot, that is fixed, floating or the like, or that follows another or is
+/// followed by one; a moving joint in `hold`; no joint that moves or more than kMostJoints; a closed loop that moves; a link, joint or body
+/// that moves and has a flaw: a number that is none, moments that no body can have once the links that are fixed to each other are one,
+/// lengths or moments in another unit (plausible.hpp).
 RobotTree tree_of(const Urdf& robot, const std::vector<std::string>& moving = {},
-                  const std::map<std::string, double>& hold = {});
+                  const std::map<std::string, double>& hold = {}, const TreeOptions& options = {});
+
+/// Those that can move by themselves: not fixed, floating or the like, not in `hold`, not following a joint nor followed by one.
+std::vector<std::string> default_joints(const Urdf& robot, const std::map<std::string, double>& hold = {});
+
+/// Refuses a tree whose joint-space inertia is singular wherever its joints are, `rotors_kgm2` (a number a joint, or none at all) included: a joint
+/// that nothing gives an inertia. Notes where it is so only with all joints at 0.
+/// @throws core::DataError naming `file`, joint, link and what to do
+void require_joint_inertia(RobotTree& tree, const std::string& file,
+                           const std::vector<double>& rotors_kgm2 = {});
 
 }  // namespace furcula::model

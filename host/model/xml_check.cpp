@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cctype>
+#include <charconv>
+#include <utility>
 #include <vector>
 
 #include "host/core/error.hpp"
@@ -11,12 +13,20 @@
 namespace furcula::model {
 namespace {
 
+std::string_view trimmed(std::string_view text) {
+  const std::size_t first = text.find_first_not_of(" \t\r\n");
+  if (first == text.npos) return {};
+  return text.substr(first, text.find_last_not_of(" \t\r\n") + 1 - first);
+}
+
 class Scanner {
  public:
   Scanner(std::string_view text, const std::string& name) : text_(text), name_(name) {}
 
   std::vector<XmlElement> run() {
     if (text_.starts_with("\xef\xbb\xbf")) at_ = 3;
+    if (text_.starts_with("\xff\xfe") || text_.starts_with("\xfe\xff"))
+      fail(0, "the text is UTF-16, expected UTF-8 (iconv -f UTF-16 -t UTF-8 FILE > robot.urdf makes it)");
     while (at_ < text_.size()) {
       const std::size_t open = text_.find('<', at_);
       const std::string_view between = text_.substr(at_, std::min(open, text_.size()) - at_);
@@ -24,6 +34,9 @@ class Scanner {
         fail(at_ + between.find_first_not_of(" \t\r\n"),
              (elements_.empty() ? "not XML" : "text after the root element") + std::string(": ") +
                  core::quoted(between) + ", expected an XML document (URDF)");
+      // What an element holds, once it has begun and before an element within it has.
+      if (!open_.empty() && elements_.back().depth + 1 == open_.size() && elements_.back().text.empty())
+        elements_.back().text = trimmed(between);
       if (open == text_.npos) break;
       at_ = open;
       markup();
@@ -71,6 +84,7 @@ class Scanner {
       return skip_past("-->", "a comment");
     }
     if (here("<?")) return skip_past("?>", "a processing instruction");
+    if (here("<![CDATA[") && !open_.empty()) return skip_past("]]>", "a CDATA section");
     if (here("<!")) fail(at_, "a document type or CDATA section, expected elements and comments alone");
     if (here("</")) return close();
     ++at_;
@@ -78,7 +92,7 @@ class Scanner {
     const std::string_view tag = word();
     if (open_.empty() && !elements_.empty())
       fail(from, "a second root element <" + core::printable(tag) + ">, expected one");
-    elements_.push_back({line(from), open_.size(), tag, {}});
+    elements_.push_back({line(from), open_.size(), tag, {}, {}});
     for (;;) {
       const std::size_t before = at_;
       skip_space();
@@ -136,10 +150,47 @@ class Scanner {
   std::vector<std::string_view> open_;
 };
 
+std::string utf8(unsigned code) {
+  const auto byte = [](unsigned value) { return static_cast<char>(static_cast<unsigned char>(value)); };
+  const auto more = [&](unsigned shift) { return byte(0x80U | ((code >> shift) & 0x3FU)); };
+  if (code < 0x80U) return {byte(code)};
+  if (code < 0x800U) return {byte(0xC0U | (code >> 6U)), more(0)};
+  if (code < 0x10000U) return {byte(0xE0U | (code >> 12U)), more(6), more(0)};
+  return {byte(0xF0U | (code >> 18U)), more(12), more(6), more(0)};
+}
+
 }  // namespace
 
 std::vector<XmlElement> check_xml(std::string_view text, const std::string& name) {
   return Scanner(text, name).run();
+}
+
+std::string resolved(std::string_view raw) {
+  constexpr std::pair<std::string_view, char> kNamed[] = {
+      {"&amp;", '&'}, {"&lt;", '<'}, {"&gt;", '>'}, {"&quot;", '"'}, {"&apos;", '\''}};
+  std::string out;
+  while (!raw.empty()) {
+    const auto* const found = std::find_if(std::begin(kNamed), std::end(kNamed),
+                                           [&](const auto& entity) { return raw.starts_with(entity.first); });
+    std::size_t length = found != std::end(kNamed) ? found->first.size() : 1;
+    std::string character(1, found != std::end(kNamed) ? found->second : raw.front());
+    if (raw.starts_with("&#")) {
+      const bool hex = raw.substr(2).starts_with("x");
+      const std::string_view digits = raw.substr(hex ? 3 : 2);
+      unsigned code = 0;
+      const auto [end, error] =
+          std::from_chars(digits.data(), digits.data() + digits.size(), code, hex ? 16 : 10);
+      constexpr unsigned kMostUnicode = 0x10FFFF;
+      if (error == std::errc{} && end < digits.data() + digits.size() && *end == ';' && code > 0 &&
+          code <= kMostUnicode) {
+        length = static_cast<std::size_t>(end + 1 - raw.data());
+        character = utf8(code);
+      }
+    }
+    out += character;
+    raw.remove_prefix(length);
+  }
+  return out;
 }
 
 }  // namespace furcula::model

@@ -19,6 +19,7 @@ struct XmlElement {
   std::size_t depth = 0;  ///< 0: the root
   std::string_view tag;
   std::vector<std::pair<std::string_view, std::string_view>> attributes;
+  std::string_view text = {};  ///< from its start tag to the next tag, without the blanks around it
 
   /// Empty if it has none of that name.
   std::string_view attribute(std::string_view name) const {
@@ -32,5 +33,8 @@ struct XmlElement {
 /// that do not match, attributes without quotes, more or less than one root element, nested deeper than
 /// kXmlDepthMax, a document type (entities of its own).
 std::vector<XmlElement> check_xml(std::string_view text, const std::string& name);
+
+/// An attribute's value with its entities resolved, as an XML reader hands it out.
+std::string resolved(std::string_view raw);
 
 }  // namespace furcula::model

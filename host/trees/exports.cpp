@@ -2,7 +2,6 @@
 #include "host/trees/exports.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <filesystem>
 #include <optional>
 
@@ -167,44 +166,6 @@ class Edits {
   std::vector<Edit> list_;
 };
 
-std::string utf8(unsigned code) {
-  const auto byte = [](unsigned value) { return static_cast<char>(static_cast<unsigned char>(value)); };
-  const auto more = [&](unsigned shift) { return byte(0x80U | ((code >> shift) & 0x3FU)); };
-  if (code < 0x80U) return {byte(code)};
-  if (code < 0x800U) return {byte(0xC0U | (code >> 6U)), more(0)};
-  if (code < 0x10000U) return {byte(0xE0U | (code >> 12U)), more(6), more(0)};
-  return {byte(0xF0U | (code >> 18U)), more(12), more(6), more(0)};
-}
-
-/// An attribute's value with its entities resolved, as an XML reader hands it out.
-std::string resolved(std::string_view raw) {
-  constexpr std::pair<std::string_view, char> kNamed[] = {
-      {"&amp;", '&'}, {"&lt;", '<'}, {"&gt;", '>'}, {"&quot;", '"'}, {"&apos;", '\''}};
-  std::string out;
-  while (!raw.empty()) {
-    const auto* const found = std::find_if(std::begin(kNamed), std::end(kNamed),
-                                           [&](const auto& entity) { return raw.starts_with(entity.first); });
-    std::size_t length = found != std::end(kNamed) ? found->first.size() : 1;
-    std::string character(1, found != std::end(kNamed) ? found->second : raw.front());
-    if (raw.starts_with("&#")) {
-      const bool hex = raw.substr(2).starts_with("x");
-      const std::string_view digits = raw.substr(hex ? 3 : 2);
-      unsigned code = 0;
-      const auto [end, error] =
-          std::from_chars(digits.data(), digits.data() + digits.size(), code, hex ? 16 : 10);
-      constexpr unsigned kMostUnicode = 0x10FFFF;
-      if (error == std::errc{} && end < digits.data() + digits.size() && *end == ';' && code > 0 &&
-          code <= kMostUnicode) {
-        length = static_cast<std::size_t>(end + 1 - raw.data());
-        character = utf8(code);
-      }
-    }
-    out += character;
-    raw.remove_prefix(length);
-  }
-  return out;
-}
-
 std::string text_of(const Vec3<double>& v) {
   return shortest(v.x) + " " + shortest(v.y) + " " + shortest(v.z);
 }
@@ -248,7 +209,7 @@ class UrdfWriter {
   std::size_t named(std::string_view tag, const std::string& name) const {
     for (std::size_t i = 0; i < elements_.size(); ++i)
       if (elements_[i].depth == 1 && elements_[i].tag == tag &&
-          resolved(elements_[i].attribute("name")) == name)
+          model::resolved(elements_[i].attribute("name")) == name)
         return i;
     throw core::DataError(file_ + ": no " + std::string(tag) + " " + core::quoted(name) +
                           ", expected the file that was diagnosed");

@@ -107,13 +107,14 @@ std::string to_json_text(const Identification& found) {
   }
   Json data = {{"logs", found.logs}, {"held_out_logs", found.held_out_logs}, {"windows", found.windows}};
   log::add_dirt(data, found.dirt);
-  const Json out = {{"schema", "furcula-identification/1"},
-                    {"method", "simulation"},
-                    {"kind", "tree"},
-                    {"data", data},
-                    {"parameters", parameters},
-                    {"as_given", {{"held_out", held_out(found.model, found.as_given_error)}}},
-                    {"held_out", held_out(found.model, found.identified_error)}};
+  Json out = {{"schema", "furcula-identification/1"},
+              {"method", "simulation"},
+              {"kind", "tree"},
+              {"data", data},
+              {"parameters", parameters},
+              {"as_given", {{"held_out", held_out(found.model, found.as_given_error)}}},
+              {"held_out", held_out(found.model, found.identified_error)}};
+  if (!found.notes.empty()) out["notes"] = found.notes;
   return out.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

@@ -25,6 +25,7 @@ struct Identification {
   std::vector<ChannelError> as_given_error, identified_error;  ///< held out, of each joint
   std::size_t logs = 0, held_out_logs = 0, windows = 0;
   log::Dirt dirt;
+  std::vector<std::string> notes;  ///< what the model was taken for
 };
 
 /// @throws core::DataError: no free parameter, and what diagnose() throws.

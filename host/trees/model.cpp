@@ -12,7 +12,10 @@
 #include "host/core/error.hpp"
 #include "host/core/message.hpp"
 #include "host/core/strict_toml.hpp"
+#include "host/model/urdf_filter.hpp"
 #include "host/trees/inertial.hpp"
+#include "host/trees/joint_choice.hpp"
+#include "host/trees/recording.hpp"
 
 namespace furcula::trees {
 namespace {
@@ -26,10 +29,11 @@ constexpr std::array<std::string_view, 3> kLaws{"torque", "position", "none"};  
 
 class Reader {
  public:
-  Reader(std::string_view text, const std::string& path, const std::string& urdf)
-      : name_(path), file_(core::parse_toml(text, path)) {
+  Reader(std::string_view text, const std::string& path, const TreeContext& context)
+      : name_(path), file_(core::parse_toml(text, path)), columns_(context.columns) {
     model_.file = path;
-    model_.urdf_text = urdf;
+    model_.urdf_text = context.urdf;
+    model_.accept_inertias = context.accept_inertias;
   }
 
   TreeModel read() {
@@ -38,6 +42,7 @@ class Reader {
     core::refuse_unknown_keys(file_, name_, "the model file of a tree", kSections);
     read_robot();
     read_drives();
+    require_inertia();
     read_springs();
     if (const toml::node* feet = file_.get("foot")) read_foot(core::table(*feet, name_, "[foot]"));
     if (const toml::node* free = file_.get("free")) read_free(core::table(*free, name_, "[free]"));
@@ -48,8 +53,8 @@ class Reader {
 
  private:
   void read_robot() {
-    static constexpr std::array<std::string_view, 6> kKeys{"kind", "schema", "urdf",
-                                                           "base", "joints", "gravity_mps2"};
+    static constexpr std::array<std::string_view, 7> kKeys{"kind",   "schema",       "urdf",           "base",
+                                                           "joints", "gravity_mps2", "accept_inertias"};
     const toml::node* section = file_.get("model");
     if (section == nullptr) fail(name_, file_.source(), "no section [model]; expected one");
     const toml::table& table = core::table(*section, name_, "[model]");
@@ -77,6 +82,12 @@ class Reader {
              "joints = " + core::value_text(*joints) + "; expected names of joints that move");
       for (const toml::node& joint : *list) model_.moving.push_back(core::text(joint, name_, "joints"));
     }
+    if (const toml::node* accept = table.get("accept_inertias")) {
+      if (!accept->is_boolean())
+        fail(name_, accept->source(),
+             "accept_inertias = " + core::value_text(*accept) + "; expected true or false");
+      model_.accept_inertias |= accept->value<bool>().value_or(false);
+    }
     if (const toml::node* gravity = table.get("gravity_mps2")) {
       const toml::array* list = gravity->as_array();
       if (list == nullptr || list->size() != 3)
@@ -95,8 +106,68 @@ class Reader {
     const auto beside = std::filesystem::path(name_).parent_path() / model_.urdf_path;
     model_.urdf = model_.urdf_text.empty() ? model::read_urdf(beside.string())
                                            : model::parse_urdf(model_.urdf_text, model_.urdf_path);
-    model_.robot = model::tree_of(model_.urdf, model_.moving, model_.hold);
+    JointChoice choice = choose_joints(model_.urdf, model_.moving, model_.hold, columns_);
+    if (model_.moving.empty()) model_.moving = std::move(choice.moving);
+    model_.logged_names = std::move(choice.logged);
+    model_.map_lines = std::move(choice.map_lines);
+    model_.notes = std::move(choice.notes);
+    model::TreeOptions options;
+    options.accept_inertias = model_.accept_inertias;
+    options.judge_motion = false;  // the rotors are not read yet
+    model_.robot = model::tree_of(model_.urdf, model_.moving, model_.hold, options);
     model_.robot.model.gravity_mps2 = model_.gravity_mps2;
+    refuse_shared_columns();
+  }
+  /// "torque_cmd_x_nm" is the command of a joint x, and the torque of a joint cmd_x.
+  void refuse_shared_columns() const {
+    static constexpr std::array<const char*, 5> kQuantities{"torque", "torque_cmd", "angle", "angle_cmd",
+                                                            "velocity"};
+    std::map<std::string, std::size_t> whose;
+    for (std::size_t j = 0; j < model_.joints(); ++j)
+      for (const char* quantity : kQuantities) {
+        const auto [other, is_new] = whose.emplace(column_of(model_, j, quantity), j);
+        if (is_new || other->second == j) continue;
+        const std::string a = model_.robot.joints[other->second].name, b = model_.robot.joints[j].name;
+        std::string rest;
+        for (const auto& joint : model_.robot.joints)
+          if (joint.name != b) rest += (rest.empty() ? "\"" : ", \"") + core::printable(joint.name) + "\"";
+        throw core::DataError(
+            model_.urdf.file + ": the joints " + core::quoted(a) + " and " + core::quoted(b) +
+            " would have a column of a log in common, " + core::quoted(other->first) +
+            "; expected names that do not begin with \"cmd_\": rename one in the URDF, or hold one (joints = [" +
+            rest + "] in [model])");
+      }
+  }
+
+  void require_inertia() {
+    std::vector<double> rotors_kgm2;
+    for (const Drive& drive : model_.drives) rotors_kgm2.push_back(drive.rotor_inertia_kgm2);
+    model::require_joint_inertia(model_.robot, model_.urdf.file, rotors_kgm2);
+    for (const auto* notes : {&model_.urdf.notes, &model_.robot.notes})
+      model_.notes.insert(model_.notes.end(), notes->begin(), notes->end());
+    note_drives();
+  }
+  /// What extensions of the format say of drives is the model file's to say.
+  void note_drives() {
+    std::vector<std::string> rotors, springs;
+    for (std::size_t i = 0; i < model_.joints(); ++i)
+      for (const model::UrdfJoint& j : model_.urdf.joints) {
+        if (j.name != model_.robot.joints[i].name) continue;
+        if (j.rotor_inertia_kgm2 != 0.0 && model_.drives[i].rotor_inertia_kgm2 == 0.0)
+          rotors.push_back("[drive." + toml_key(j.name) +
+                           "] rotor_inertia_kgm2 = " + core::toml_float(j.rotor_inertia_kgm2));
+        if (j.spring_nmprad != 0.0 &&
+            (!file_["spring"].is_table() || !file_["spring"].as_table()->contains(j.name)))
+          springs.push_back("[spring." + toml_key(j.name) +
+                            "] stiffness_nmprad = " + core::toml_float(j.spring_nmprad));
+      }
+    if (!rotors.empty())
+      model_.notes.push_back(
+          "The URDF gives rotors an inertia, which is not used; the model file would say, at the joint: " +
+          model::first_names(rotors) + ".");
+    if (!springs.empty())
+      model_.notes.push_back("The URDF gives joints a spring, which is not used; the model file would say: " +
+                             model::first_names(springs) + " (with rest_rad).");
   }
 
   std::size_t joint_named(const std::string& joint, const toml::source_region& where,
@@ -348,6 +419,7 @@ class Reader {
 
   const std::string name_;
   toml::table file_;
+  const std::vector<std::string>& columns_;
   TreeModel model_;
 };
 
@@ -381,12 +453,12 @@ bool is_tree(std::string_view text) {
   }
 }
 
-TreeModel parse_tree_model(std::string_view text, const std::string& path) {
-  return Reader(text, path, "").read();
+TreeModel parse_tree_model(std::string_view text, const std::string& path, const TreeContext& context) {
+  return Reader(text, path, context).read();
 }
 
 TreeModel parse_tree_model(std::string_view text, const std::string& path, const std::string& urdf) {
-  return Reader(text, path, urdf).read();
+  return Reader(text, path, TreeContext{urdf, {}, false}).read();
 }
 
 TreeModel read_tree_model(const std::string& path) {
@@ -402,6 +474,7 @@ std::string format_tree_model(const TreeModel& m, const std::string& urdf) {
   }
   out += "gravity_mps2 = [" + core::toml_float(m.gravity_mps2.x) + ", " + core::toml_float(m.gravity_mps2.y) +
          ", " + core::toml_float(m.gravity_mps2.z) + "]\n";
+  if (m.accept_inertias) out += "accept_inertias = true\n";
   if (!m.hold.empty()) out += "\n[hold]\n";
   for (const auto& [joint, position] : m.hold)
     out += toml_key(joint) + " = " + core::toml_float(position) + "\n";

@@ -73,9 +73,14 @@ struct TreeModel {
   std::string urdf_text;  ///< where it is no file
   model::Urdf urdf;
   model::RobotTree robot;
-  std::vector<std::string> moving;     ///< as in the model file; empty: all
+  std::vector<std::string>
+      moving;  ///< as in the model file, or by the recordings; empty: all that can by themselves
   std::map<std::string, double> hold;  ///< of joints that do not move, rad or m
   dynamics::tree::Vec3<double> gravity_mps2{0.0, 0.0, -9.81};
+  bool accept_inertias = false;    ///< masses and moments that no body has are taken as they are
+  std::vector<std::string> notes;  ///< what of the URDF was taken, left out and repaired, in sentences
+  std::map<std::string, std::string> logged_names;  ///< of joints that the recordings call otherwise
+  std::string map_lines;        ///< what a map file could say of joints that no recording has columns of
   std::vector<Drive> drives;    ///< of each joint of the tree
   std::vector<Spring> springs;  ///< of each joint
   std::optional<Foot> foot;
@@ -106,10 +111,18 @@ struct TreeModel {
 /// Whether the text says kind = "tree" in [model]; false where it is no TOML at all.
 bool is_tree(std::string_view text);
 
+/// What is known beside the model file.
+struct TreeContext {
+  std::string urdf{};  ///< its text, where it is no file
+  std::vector<std::string>
+      columns{};  ///< of the recordings: they say which joints move where the file does not, and what they are called
+  bool accept_inertias = false;  ///< as the key of that name
+};
+
 /// @throws core::DataError naming file, line and what was expected; and what read_urdf and tree_of throw. The URDF
 /// lies beside the model file.
 TreeModel read_tree_model(const std::string& path);
-TreeModel parse_tree_model(std::string_view text, const std::string& path);
+TreeModel parse_tree_model(std::string_view text, const std::string& path, const TreeContext& context = {});
 /// The same with the URDF as text.
 TreeModel parse_tree_model(std::string_view text, const std::string& path, const std::string& urdf);
 

@@ -40,7 +40,8 @@ double noise_of(const std::vector<double>& x) {
   throw core::DataError(log.path + ": joint " + core::quoted(m.robot.joints[joint].name) + " has no column " +
                         core::printable(columns) +
                         "; expected one of each joint that moves (joints = [...] in " + m.file +
-                        " says which do)");
+                        " says which do)" +
+                        (m.map_lines.empty() ? "" : "; or in a --map file: " + core::printable(m.map_lines)));
 }
 
 void refuse_degrees(const log::Log& log, const TreeModel& m, std::size_t joint,
@@ -75,7 +76,9 @@ std::string column_of(const TreeModel& m, std::size_t joint, const std::string& 
       unit = "mps";
     }
   }
-  return prefix + "_" + m.robot.joints[joint].name + "_" + unit;
+  const std::string& name = m.robot.joints[joint].name;
+  const auto logged = m.logged_names.find(name);
+  return prefix + "_" + (logged == m.logged_names.end() ? name : logged->second) + "_" + unit;
 }
 
 /// The log's columns of the model's joints. What it lacks is told where it is read.
@@ -387,7 +390,9 @@ std::vector<std::string> foreign_joints(const TreeModel& m, const log::Log& log)
   std::vector<std::string> out;
   const auto known = [&](std::string_view joint) {
     return std::any_of(m.urdf.joints.begin(), m.urdf.joints.end(),
-                       [&](const model::UrdfJoint& j) { return j.name == joint; });
+                       [&](const model::UrdfJoint& j) { return j.name == joint; }) ||
+           std::any_of(m.logged_names.begin(), m.logged_names.end(),
+                       [&](const auto& pair) { return pair.second == joint; });
   };
   for (const auto& [column, values] : log.columns) {
     // angle_cmd_y_rad is the angle of a joint cmd_y where there is one.

@@ -10,6 +10,7 @@
 #include <fstream>
 
 #include "furcula/dynamics/tree/energy.hpp"
+#include "furcula/dynamics/tree/forward_dynamics.hpp"
 #include "furcula/dynamics/tree/inverse_dynamics.hpp"
 #include "tests/host/error_message.hpp"
 #include "tests/host/model/example.hpp"
@@ -145,52 +146,354 @@ TEST_CASE("A link with two parents, and loops, are refused") {
 
 TEST_CASE("Inertias that no body can have are refused, with link and principal moments") {
   CHECK_THAT(refused_with("<mass value=\"2\"/>", "<mass value=\"-2\"/>"),
-             Contains("link 'upper': its <mass> is -2, expected at least 0"));
-  CHECK_THAT(refused_with("<mass value=\"2\"/>", "<mass value=\"0\"/>"),
-             Contains("link 'upper': its <mass> is 0, expected more than 0"));
+             Contains("r.urdf:3: link 'upper': its <mass> is -2, expected at least 0") &&
+                 Contains("--accept-inertias"));
   CHECK_THAT(
-      refused_with("izz=\"0.015\"/></inertial></link>\n<joint", "izz=\"0.021\"/></inertial></link>\n<joint"),
+      refused_with("izz=\"0.015\"/></inertial></link>\n<joint", "izz=\"0.025\"/></inertial></link>\n<joint"),
       Contains(
-          "link 'lower': its <inertia> has the principal moments 0.01, 0.01, 0.021 kg m^2, which no body has"));
+          "r.urdf:4: link 'lower': its <inertia> has the principal moments 0.01, 0.01, 0.025 kg m^2, which no body has") &&
+          Contains("--accept-inertias"));
   CHECK_THAT(
       refused_with("ixx=\"0.01\" ixy=\"0\" ixz=\"0\" iyy=\"0.02\"",
                    "ixx=\"0.01\" ixy=\"0.02\" ixz=\"0\" iyy=\"0.02\""),
       Contains(
-          "link 'upper': its <inertia> has the principal moments -0.005616, 0.015, 0.03562 kg m^2, expected all above 0"));
+          "link 'upper': its <inertia> has the principal moments -0.005616, 0.015, 0.03562 kg m^2, expected none below 0"));
   const std::size_t from = kRobot.find("<link name=\"lower\">"), to = kRobot.find("<joint");
+  CHECK_THAT(refused(with(kRobot, kRobot.substr(from, to - from), "<link name=\"lower\"/>\n")),
+             Contains("link 'lower' moves (joint 'elbow') and nothing gives the joint an inertia") &&
+                 Contains("rotor_inertia_kgm2 in [drive.elbow]"));
+}
+
+TEST_CASE("Inertias that no body has are taken as they are where that is asked for, and said to be") {
+  model::TreeOptions accept;
+  accept.accept_inertias = true;
+  const std::string odd =
+      with(kRobot, "izz=\"0.015\"/></inertial></link>\n<joint", "izz=\"0.025\"/></inertial></link>\n<joint");
+  const model::RobotTree t = model::tree_of(model::parse_urdf(odd, "r.urdf"), {}, {}, accept);
+  CHECK(t.model.body(1).inertia_kgm2.zz == 0.025);
+  REQUIRE(t.notes.size() == 1);
+  CHECK_THAT(t.notes[0], Contains("Accepted as they are: the <inertia> of link 'lower'"));
+  // About the elbow's axis, y, it is iyy: below 0 nothing makes it move as a body does.
+  const std::string negative =
+      with(kRobot, "iyy=\"0.01\" iyz=\"0\" izz=\"0.015\"/></inertial></link>\n<joint",
+           "iyy=\"-0.01\" iyz=\"0\" izz=\"0.015\"/></inertial></link>\n<joint");
   CHECK_THAT(
-      refused(with(kRobot, kRobot.substr(from, to - from), "<link name=\"lower\"/>\n")),
-      Contains("link 'lower' moves (joint 'elbow') and neither it nor a link fixed to it has an <inertial>"));
+      test::error_message([&] { model::tree_of(model::parse_urdf(negative, "r.urdf"), {}, {}, accept); }),
+      Contains("joint 'elbow'") && Contains("inertia about the joint is below 0"));
+}
+
+TEST_CASE("A point, a rod and a sheet are bodies") {
+  const auto tree = [](const std::string& inertia) {
+    return model::tree_of(model::parse_urdf(
+        with(
+            with(kRobot, "<link name=\"lower\"><inertial>",
+                 "<link name=\"lower\"><inertial><origin xyz=\"0 0 -0.3\"/>"),
+            "<inertia ixx=\"0.01\" ixy=\"0\" ixz=\"0\" iyy=\"0.01\" iyz=\"0\" izz=\"0.015\"/></inertial></link>\n<joint",
+            inertia + "</inertial></link>\n<joint"),
+        "r.urdf"));
+  };
+  const auto about_elbow = [](const model::RobotTree& t) {
+    return dynamics::tree::mass_matrix(t.model, {0.0, 0.0})[1][1];
+  };
+  // 1 kg at 0.3 m.
+  const model::RobotTree point =
+      tree("<inertia ixx=\"0\" ixy=\"0\" ixz=\"0\" iyy=\"0\" iyz=\"0\" izz=\"0\"/>");
+  CHECK(about_elbow(point) == Approx(0.09).epsilon(1e-12));
+  CHECK(point.notes.empty());
+  const model::RobotTree rod =
+      tree("<inertia ixx=\"0.03\" ixy=\"0\" ixz=\"0\" iyy=\"0.03\" iyz=\"0\" izz=\"0\"/>");
+  CHECK(about_elbow(rod) == Approx(0.12).epsilon(1e-12));
+  CHECK(rod.notes.empty());
+  const model::RobotTree sheet =
+      tree("<inertia ixx=\"0.03\" ixy=\"0\" ixz=\"0\" iyy=\"0.01\" iyz=\"0\" izz=\"0.02\"/>");
+  CHECK(about_elbow(sheet) == Approx(0.10).epsilon(1e-12));
+  CHECK(sheet.notes.empty());
+  // A mass alone is a point, which is said.
+  const model::RobotTree bare = tree("");
+  CHECK(about_elbow(bare) == Approx(0.09).epsilon(1e-12));
+  // On the axis a point has no inertia about it.
+  const std::string on_axis = with(
+      kRobot,
+      "<inertia ixx=\"0.01\" ixy=\"0\" ixz=\"0\" iyy=\"0.01\" iyz=\"0\" izz=\"0.015\"/></inertial></link>\n<joint",
+      "<inertia ixx=\"0\" ixy=\"0\" ixz=\"0\" iyy=\"0\" iyz=\"0\" izz=\"0\"/></inertial></link>\n<joint");
+  CHECK_THAT(refused(on_axis), Contains("joint 'elbow'") && Contains("nothing gives the joint an inertia"));
+}
+
+TEST_CASE("Moments that miss what a body has by less than they are rounded are moved there, and said once") {
+  const auto lower = [](const std::string& xx, const std::string& yy, const std::string& zz) {
+    return with(
+        kRobot,
+        "<inertia ixx=\"0.01\" ixy=\"0\" ixz=\"0\" iyy=\"0.01\" iyz=\"0\" izz=\"0.015\"/></inertial></link>\n<joint",
+        "<inertia ixx=\"" + xx + "\" ixy=\"0\" ixz=\"0\" iyy=\"" + yy + "\" iyz=\"0\" izz=\"" + zz +
+            "\"/></inertial></link>\n<joint");
+  };
+  // A sheet of 0.000123496, 0.000213496 and 0.000336992, printed to six decimals: 123 + 213 < 337.
+  const model::Urdf printed = model::parse_urdf(lower("0.000123", "0.000213", "0.000337"), "r.urdf");
+  CHECK(printed.links[2].repaired);
+  const auto& moments = printed.links[2].inertia->about_centre_kgm2;
+  CHECK(moments.xx + moments.yy == Approx(moments.zz).epsilon(1e-9));
+  // A third of the missing 1e-6 at each, below the half of a digit by which each is off.
+  CHECK(moments.xx == Approx(0.000123 + 1e-6 / 3.0).epsilon(1e-9));
+  const model::RobotTree t = model::tree_of(printed);
+  REQUIRE(t.notes.size() == 1);
+  CHECK_THAT(t.notes[0], Contains("off by less than they are rounded") && Contains("'lower'"));
+  // To four digits, zeros at the end dropped: 0.00009999 + 0.0030 against 0.0031.
+  CHECK(model::parse_urdf(lower("0.00009999", "0.0030", "0.0031"), "r.urdf").links[2].repaired);
+  CHECK(model::parse_urdf(lower("-1.3e-10", "0.0030", "0.0030"), "r.urdf").links[2].repaired);
+  // With seven decimals the same is no rounding; nor are typed numbers rounded.
+  CHECK_THAT(refused(lower("0.0001230", "0.0002130", "0.0003370")), Contains("which no body has"));
+  CHECK_THAT(refused(lower("1", "1", "3")), Contains("which no body has"));
+  CHECK_THAT(refused(lower("0.01", "0.01", "0.03")), Contains("which no body has"));
+  CHECK_THAT(refused(lower("-0.001", "0.01", "0.01")), Contains("expected none below 0"));
+  // What has been right stays as it is, bit by bit.
+  const model::Urdf good = model::parse_urdf(kRobot, "r.urdf");
+  CHECK_FALSE(good.links[2].repaired);
+  CHECK(good.links[2].inertia->about_centre_kgm2.zz == 0.015);
+}
+
+TEST_CASE("Links that are fixed to each other are judged as one body, those of the base not at all") {
+  const auto fixed_to = [](const std::string& link, const std::string& inertial) {
+    return with(kRobot, "</robot>",
+                "<link name=\"tip\"><inertial>" + inertial +
+                    "</inertial></link><joint name=\"tip_joint\" type=\"fixed\"><parent link=\"" + link +
+                    "\"/><child link=\"tip\"/></joint></robot>");
+  };
+  const std::string none =
+      "<mass value=\"0\"/><inertia ixx=\"0\" ixy=\"0\" ixz=\"0\" iyy=\"0\" iyz=\"0\" izz=\"0\"/>";
+  const std::string small =
+      "<mass value=\"0\"/><inertia ixx=\"1e-6\" ixy=\"0\" ixz=\"0\" iyy=\"1e-6\" iyz=\"0\" izz=\"1e-6\"/>";
+  const std::string odd =
+      "<mass value=\"1e-8\"/><inertia ixx=\"0\" ixy=\"0\" ixz=\"0\" iyy=\"0\" iyz=\"0\" izz=\"3e-8\"/>";
+  const std::string wrong =
+      "<mass value=\"-1\"/><inertia ixx=\"-1\" ixy=\"0\" ixz=\"0\" iyy=\"0\" iyz=\"0\" izz=\"x\"/>";
+  CHECK(model::tree_of(model::parse_urdf(fixed_to("lower", none), "r.urdf")).notes.empty());
+  const model::RobotTree kept = model::tree_of(model::parse_urdf(fixed_to("lower", small), "r.urdf"));
+  CHECK(kept.model.body(1).inertia_kgm2.xx == Approx(0.010001).epsilon(1e-12));
+  REQUIRE(kept.notes.size() == 1);
+  CHECK_THAT(kept.notes[0], Contains("An <inertia> and no mass: link 'tip'"));
+  const model::RobotTree merged = model::tree_of(model::parse_urdf(fixed_to("lower", odd), "r.urdf"));
+  REQUIRE(merged.notes.size() == 1);
+  CHECK_THAT(merged.notes[0], Contains("no body has alone: link 'tip'"));
+  CHECK(model::tree_of(model::parse_urdf(fixed_to("base", wrong), "r.urdf")).notes.empty());
+  CHECK_THAT(refused(fixed_to("lower", wrong)),
+             Contains("link 'tip': its <inertia> izz 'x' is no finite number"));
+}
+
+TEST_CASE("A link without mass between two joints takes its inertia from the links beyond it") {
+  // A cardan joint: two axes at a right angle in one place, the body beyond them.
+  const std::string cardan = with(
+      with(kRobot, "<parent link=\"upper\"/>", "<parent link=\"cross\"/>"), "</robot>",
+      "<link name=\"cross\"/><joint name=\"roll\" type=\"continuous\"><parent link=\"upper\"/><child link=\"cross\"/>"
+      "<axis xyz=\"1 0 0\"/></joint></robot>");
+  const model::RobotTree t = model::tree_of(model::parse_urdf(cardan, "r.urdf"));
+  REQUIRE(t.joints.size() == 3);
+  REQUIRE(t.notes.size() == 1);
+  CHECK_THAT(t.notes[0], Contains("moves without mass: link 'cross'"));
+  // The torques of an acceleration give that acceleration back.
+  const model::RobotModel::Joints q{0.3, 0.5, -0.7}, qd{0.1, -0.4, 0.2}, qdd{1.0, -2.0, 3.0};
+  const auto tau = dynamics::tree::inverse_dynamics(t.model, q, qd, qdd);
+  const auto back = dynamics::tree::accelerations(t.model, q, qd, tau);
+  for (std::size_t i = 0; i < 3; ++i) CHECK(back[i] == Approx(qdd[i]).epsilon(1e-9));
+  // Turned to one axis, nothing tells one joint's angle from the other's.
+  const std::string aligned =
+      with(with(cardan, "<axis xyz=\"1 0 0\"/>", "<axis xyz=\"0 1 0\"/>"), "<origin xyz=\"0 0 -0.4\"/>", "");
+  CHECK_THAT(refused(aligned), Contains("nothing gives the joint an inertia"));
+}
+
+TEST_CASE(
+    "Numbers in another unit are named when they are read, with the unit that makes all bodies plausible") {
+  const auto inertias = [](double by) {
+    const auto n = [&](double x) { return "\"" + std::to_string(x * by) + "\""; };
+    return "<robot name=\"arm\"><link name=\"base\"/><link name=\"upper\"><inertial><origin xyz=\"0.12 0 0\"/><mass value=\"1.2\"/>"
+           "<inertia ixx=" +
+           n(0.0012) + " ixy=\"0\" ixz=\"0\" iyy=" + n(0.0075) + " iyz=\"0\" izz=" + n(0.0073) +
+           "/></inertial></link>"
+           "<link name=\"fore\"><inertial><origin xyz=\"0.1 0 0\"/><mass value=\"0.7\"/>"
+           "<inertia ixx=" +
+           n(0.0005) + " ixy=\"0\" ixz=\"0\" iyy=" + n(0.0031) + " iyz=\"0\" izz=" + n(0.0030) +
+           "/></inertial></link>"
+           "<joint name=\"a\" type=\"continuous\"><parent link=\"base\"/><child link=\"upper\"/><axis xyz=\"0 1 0\"/></joint>"
+           "<joint name=\"b\" type=\"continuous\"><parent link=\"upper\"/><child link=\"fore\"/><origin xyz=\"0.25 0 0\"/><axis xyz=\"0 1 0\"/></joint></robot>";
+  };
+  CHECK(model::tree_of(model::parse_urdf(inertias(1.0), "r.urdf")).notes.empty());
+  CHECK_THAT(refused(inertias(1e9)), Contains("link 'upper'") && Contains("a radius of 2.5 km") &&
+                                         Contains("g mm^2: x 1e-9") && Contains("--accept-inertias"));
+  CHECK_THAT(refused(inertias(1e6)), Contains("kg mm^2: x 1e-6"));
+  CHECK_THAT(refused(inertias(1e7)), Contains("g cm^2: x 1e-7"));
+  model::TreeOptions accept;
+  accept.accept_inertias = true;
+  CHECK(model::tree_of(model::parse_urdf(inertias(1e9), "r.urdf"), {}, {}, accept).notes.size() == 1);
+  // Masses in grams: 1.2 t in a hand.
+  const std::string grams =
+      with(with(inertias(1.0), "value=\"1.2\"", "value=\"1200\""), "value=\"0.7\"", "value=\"700\"");
+  CHECK_THAT(refused(grams), Contains("denser than any matter") && Contains("the masses are in g, x 1e-3"));
+  const auto lengths = [&](const std::string& a, const std::string& b, const std::string& c) {
+    return with(
+        with(with(inertias(1.0), "\"0.12 0 0\"", "\"" + a + " 0 0\""), "\"0.1 0 0\"", "\"" + b + " 0 0\""),
+        "\"0.25 0 0\"", "\"" + c + " 0 0\"");
+  };
+  CHECK_THAT(refused(lengths("120", "100", "250")), Contains("mm: x 0.001") && Contains("expected metres"));
+  CHECK_THAT(refused(lengths("12", "10", "25")), Contains("cm: x 0.01"));
+  // A wheel on a bench of a large hall is none of that: where the base's joint is does not matter.
+  CHECK(model::tree_of(model::parse_urdf(with(inertias(1.0), "<child link=\"upper\"/>",
+                                              "<child link=\"upper\"/><origin xyz=\"150 0 0\"/>"),
+                                         "r.urdf"))
+            .notes.empty());
 }
 
 TEST_CASE("Axes, limits and numbers that make no sense are refused") {
   CHECK_THAT(refused_with("<axis xyz=\"0 2 0\"/>", "<axis xyz=\"0 0 0\"/>"),
              Contains("joint 'shoulder': its <axis> is 0 0 0, expected a direction"));
-  CHECK_THAT(refused_with("lower=\"-1\" upper=\"2\"", "lower=\"3\" upper=\"2\""),
-             Contains("joint 'shoulder': its <limit> has lower 3 above upper 2"));
   CHECK_THAT(refused_with("damping=\"0.1\"", "damping=\"-0.1\""),
              Contains("joint 'shoulder': its <dynamics> damping is -0.1"));
-  CHECK_THAT(refused_with("<mass value=\"2\"/>", "<mass value=\"nan\"/>"), Contains("not a robot (URDF)"));
-  CHECK_THAT(refused_with("<mass value=\"2\"/>", "<mass value=\"1e999\"/>"), Contains("r.urdf"));
+  CHECK_THAT(refused_with("<mass value=\"2\"/>", "<mass value=\"nan\"/>"),
+             Contains("r.urdf:3: link 'upper': its <mass> 'nan' is no finite number"));
+  CHECK_THAT(refused_with("<mass value=\"2\"/>", "<mass value=\"1e999\"/>"), Contains("r.urdf:3: "));
   CHECK_THAT(refused_with("<mass value=\"2\"/>", "<mass value=\"two\"/>"), Contains("upper"));
-  CHECK_THAT(refused_with("xyz=\"0.1 0 1\"", "xyz=\"0.1 inf 1\""), Contains("r.urdf"));
-  CHECK_THAT(refused_with("xyz=\"0.1 0 1\"", "xyz=\"0.1 1\""), Contains("r.urdf"));
-  CHECK_THAT(refused_with("<mass value=\"2\"/>", ""), Contains("upper"));
-  CHECK_THAT(refused_with("<limit lower=\"-1\" upper=\"2\" effort=\"5\" velocity=\"7\"/>", ""),
-             Contains("limit"));
+  CHECK_THAT(refused_with("<mass value=\"2\"/>", "<mass value=\"2,5\"/>"),
+             Contains("'2,5'") && Contains("with a decimal point"));
+  CHECK_THAT(refused_with("<mass value=\"2\"/>", "<mass value=\"0x10\"/>"), Contains("decimal"));
+  CHECK_THAT(refused_with("<mass value=\"2\"/>", "<mass value=\"2kg\"/>"), Contains("without unit"));
+  CHECK_THAT(refused_with("xyz=\"0.1 0 1\"", "xyz=\"0.1 inf 1\""),
+             Contains("r.urdf:5: joint 'shoulder': <origin> xyz is '0.1 inf 1'"));
+  CHECK_THAT(refused_with("xyz=\"0.1 0 1\"", "xyz=\"0.1 1\""),
+             Contains("r.urdf:5: joint 'shoulder': <origin> xyz is '0.1 1', expected three numbers"));
+  CHECK_THAT(refused_with("<mass value=\"2\"/>", ""), Contains("link 'upper': its <inertial> has no mass"));
+  // Blanks of all kinds, a plus and exponents are numbers as any.
+  const model::Urdf r = model::parse_urdf(with(with(kRobot, "\"0.1 0 1\"", "\" +1e-1\t0\n1.0 \""),
+                                               "<mass value=\"2\"/>", "<mass value=\" 20E-1 \"/>"),
+                                          "r.urdf");
+  CHECK(r.joints[0].placement.at.x == 0.1);
+  CHECK(r.links[1].inertia->mass_kg == 2.0);
 }
 
-TEST_CASE("Joints that this tree does not have are refused") {
-  CHECK_THAT(refused_with("type=\"continuous\"", "type=\"floating\""),
-             Contains("joint 'elbow' is floating, expected revolute, continuous, prismatic or fixed"));
-  CHECK_THAT(refused_with("type=\"continuous\"", "type=\"planar\""), Contains("joint 'elbow' is planar"));
-  CHECK_THAT(refused_with("type=\"continuous\"", "type=\"hinge\""), Contains("elbow"));
-  const std::string mimic = "<axis xyz=\"0 1 0\"/><mimic joint=\"shoulder\" multiplier=\"2\"/></joint>";
-  CHECK_THAT(refused_with("<axis xyz=\"0 1 0\"/></joint>", mimic),
-             Contains("joint 'elbow' mimics 'shoulder', expected joints that move by themselves"));
-  CHECK_THAT(refused_with("<axis xyz=\"0 1 0\"/></joint>", with(mimic, "shoulder", "wrist")),
-             Contains("joint 'elbow' mimics 'wrist', which is no joint of the robot"));
+TEST_CASE("A limit is never refused: what is of no use is not used, and said") {
+  const auto limit = [](const std::string& text) {
+    return model::tree_of(model::parse_urdf(
+        with(kRobot, "<limit lower=\"-1\" upper=\"2\" effort=\"5\" velocity=\"7\"/>", text), "r.urdf"));
+  };
+  for (const char* text :
+       {"", "<limit/>", "<limit lower=\"-inf\" upper=\"inf\" effort=\"5\" velocity=\"7\"/>",
+        "<limit lower=\"-1\" upper=\"inf\" effort=\"5\" velocity=\"7\"/>",
+        "<limit lower=\"nan\" upper=\"2\" effort=\"5\" velocity=\"7\"/>",
+        "<limit lower=\"3\" upper=\"2\" effort=\"5\" velocity=\"7\"/>",
+        "<limit effort=\"5\" velocity=\"7\"/>"}) {
+    INFO(text);
+    const model::RobotTree t = limit(text);
+    REQUIRE(t.notes.size() == 1);
+    CHECK_THAT(t.notes[0], Contains("its <limit> is not used: joint 'shoulder'"));
+    CHECK_FALSE((t.joints[0].limits && t.joints[0].limits->lower < t.joints[0].limits->upper));
+  }
+  // Those of force and speed are not needed.
+  const model::RobotTree t = limit("<limit lower=\"-1\" upper=\"2\"/>");
+  CHECK(t.notes.empty());
+  CHECK(t.joints[0].limits->upper == 2.0);
+}
+
+TEST_CASE("What dynamics do not use is not judged, and does not move the lines of messages") {
+  const std::string dressed = with(
+      with(
+          kRobot, "<link name=\"base\"/>\n",
+          "<material name=\"red\"><color rgba=\"1 0 0 1\"/></material><material name=\"red\"><color rgba=\"red\"/></material>\n"
+          "<link name=\"base\"><visual/><collision><geometry><capsule radius=\"x\"/><mesh scale=\"1 1 1 1\"/></geometry></collision></link>\n"),
+      "<robot name=\"arm\">",
+      "<robot version=\"7.3\" xmlns:xacro=\"http://www.ros.org/wiki/xacro\"><gazebo><plugin name=\"p\"><![CDATA[<x>]]></plugin></gazebo>"
+      "<ros2_control name=\"c\"><joint name=\"none\"/></ros2_control>");
+  const model::RobotTree t = model::tree_of(model::parse_urdf(dressed, "r.urdf")),
+                         plain = model::tree_of(model::parse_urdf(kRobot, "r.urdf"));
+  CHECK(t.notes.empty());
+  CHECK(t.model.body(0).inertia_kgm2.xx == plain.model.body(0).inertia_kgm2.xx);
+  CHECK_THAT(refused(with(dressed, "<mass value=\"1\"/>", "<mass value=\"one\"/>")),
+             Contains("r.urdf:5: link 'lower'"));
+}
+
+TEST_CASE(
+    "Joints that this tree does not have are held where nobody asks for them, and refused where somebody does") {
+  for (const std::string type : {"floating", "planar", "spherical"}) {
+    const std::string text = with(kRobot, "type=\"continuous\"", "type=\"" + type + "\"");
+    const model::RobotTree t = model::tree_of(model::parse_urdf(text, "r.urdf"));
+    REQUIRE(t.joints.size() == 1);
+    CHECK(t.links[2].joint == 0);
+    REQUIRE(t.notes.size() == 1);
+    CHECK_THAT(t.notes[0], Contains("Held at 0: joint 'elbow' (" + type + ")"));
+    CHECK_THAT(refused(text, {"shoulder", "elbow"}),
+               Contains("joint 'elbow' is " + type + ", expected one that moves") &&
+                   Contains("write joints = [\"shoulder\"]"));
+  }
+  CHECK_THAT(refused_with("type=\"continuous\"", "type=\"hinge\""),
+             Contains("joint 'elbow' has the type 'hinge'"));
+  CHECK_THAT(refused_with("type=\"continuous\"", "type=\"Continuous\""),
+             Contains("did you mean 'continuous'"));
   CHECK_THAT(refused("<robot name=\"stone\"><link name=\"base\"/></robot>"), Contains("no joint that moves"));
+}
+
+TEST_CASE("Joints that follow each other are held, and the message says which line to write") {
+  const std::string finger =
+      "<link name=\"f1\"/><link name=\"f2\"/><joint name=\"finger\" type=\"prismatic\"><parent link=\"lower\"/><child link=\"f1\"/></joint>"
+      "<joint name=\"finger2\" type=\"prismatic\"><parent link=\"lower\"/><child link=\"f2\"/><mimic joint=\"finger\"/></joint></robot>";
+  const std::string text = with(kRobot, "</robot>", finger);
+  CHECK(model::tree_of(model::parse_urdf(text, "r.urdf")).joints.size() == 2);
+  for (const char* name : {"finger", "finger2"})
+    CHECK_THAT(refused(text, {"shoulder", "elbow", name}),
+               Contains("joint 'finger2' mimics 'finger'") &&
+                   Contains("write joints = [\"shoulder\", \"elbow\"] in [model]"));
+  const std::string unknown = with(text, "mimic joint=\"finger\"", "mimic joint=\"nowhere\"");
+  const model::RobotTree t = model::tree_of(model::parse_urdf(unknown, "r.urdf"), {"shoulder", "elbow"});
+  REQUIRE(t.notes.size() == 1);
+  CHECK_THAT(t.notes[0], Contains("'finger2' ('nowhere')"));
+  CHECK_THAT(refused(unknown, {"shoulder", "finger2"}),
+             Contains("joint 'finger2' mimics 'nowhere', which is no joint of the robot"));
+}
+
+TEST_CASE("A xacro file is refused with what to do") {
+  for (const std::string piece :
+       {"<link name=\"tool\"><xacro:box m=\"1\"/></link>", "<xacro:include filename=\"a.xacro\"/>",
+        "<link name=\"${prefix}tool\"/>",
+        "<link name=\"tool\"><inertial><mass value=\"$(arg m)\"/></inertial></link>",
+        "<include filename=\"a.xacro\"/>"})
+    CHECK_THAT(refused_with("</robot>", piece + "</robot>"),
+               Contains("r.urdf:7: ") && Contains("this is a xacro file") &&
+                   Contains("expand it: xacro r.urdf > robot.urdf"));
+  // The name space alone is left in files that were expanded.
+  CHECK_NOTHROW(model::parse_urdf(
+      with(kRobot, "<robot ", "<robot xmlns:xacro=\"http://ros.org/wiki/xacro\" "), "r.urdf"));
+}
+
+TEST_CASE("A closed loop is refused where it moves, and left out where it does not") {
+  for (
+      const std::string loop :
+      {"<loop_joint name=\"l\" type=\"revolute\"><link1 link=\"lower\"/><link2 link=\"base\"/></loop_joint>",
+       "<gazebo><joint name=\"l\" type=\"revolute\"><parent>base</parent><child>lower</child></joint></gazebo>",
+       "<frame name=\"tip\" link=\"lower\"/><drake:linear_bushing_rpy><drake:bushing_frameA name=\"tip\"/><drake:bushing_frameC name=\"base\"/></drake:linear_bushing_rpy>"}) {
+    const std::string text = with(kRobot, "</robot>", loop + "</robot>");
+    CHECK_THAT(refused(text), Contains("r.urdf:7: ") && Contains("a closed loop is not supported"));
+    // The shoulder alone moves the lower link against the base.
+    CHECK_THAT(refused(text, {"shoulder"}), Contains("a closed loop is not supported"));
+  }
+  const std::string inner =
+      "<loop_joint name=\"l\" type=\"revolute\"><link1 link=\"upper\"/><link2 link=\"lower\"/></loop_joint></robot>";
+  CHECK_THAT(refused_with("</robot>", inner), Contains("(joints = [\"shoulder\"] in [model])"));
+  const model::RobotTree t =
+      model::tree_of(model::parse_urdf(with(kRobot, "</robot>", inner), "r.urdf"), {"shoulder"});
+  REQUIRE(t.notes.size() == 1);
+  CHECK_THAT(t.notes[0], Contains("<loop_joint> in line 7"));
+}
+
+TEST_CASE("Reductions, rotors and elements that nothing reads are named") {
+  const std::string text = with(
+      kRobot, "</robot>",
+      "<transmission name=\"t\"><joint name=\"elbow\"/><actuator name=\"m\"><mechanicalReduction>-100</mechanicalReduction></actuator></transmission>\n"
+      "<transmission name=\"u\"><joint name=\"shoulder\"/><actuator name=\"n\"><drake:rotor_inertia value=\"2e-5\"/><drake:gear_ratio value=\"50\"/></actuator></transmission>\n"
+      "<spring_between link1=\"base\"/></robot>");
+  const model::Urdf r = model::parse_urdf(text, "r.urdf");
+  CHECK(r.joints[1].reduction == -100.0);
+  CHECK(r.joints[0].reduction == 50.0);
+  CHECK(r.joints[0].rotor_inertia_kgm2 == Approx(2e-5 * 2500.0));
+  REQUIRE(r.notes.size() == 1);
+  CHECK_THAT(r.notes[0], Contains("<spring_between> in line 9"));
+  const model::RobotTree t = model::tree_of(r);
+  REQUIRE(t.notes.size() == 1);
+  CHECK_THAT(t.notes[0], Contains("'shoulder' (50) and 'elbow' (-100)"));
 }
 
 TEST_CASE("What is not XML, not a robot, or too deep is refused with its line") {
