@@ -4,11 +4,11 @@
 #include <string>
 #include <vector>
 
-#include "host/bus/candump.hpp"
 #include "host/bus/dbc.hpp"
 #include "host/bus/decoder.hpp"
 #include "host/bus/document.hpp"
 #include "host/bus/modbus_document.hpp"
+#include "host/bus/recording.hpp"
 #include "host/cli/commands.hpp"
 #include "host/cli/errors.hpp"
 #include "host/core/byte_source.hpp"
@@ -38,22 +38,22 @@ std::vector<bus::Node> nodes_of(const BusOptions& options) {
 
 void decode(const BusOptions& options) {
   bus::Decoder decoder(nodes_of(options));
-  core::FileSource source(options.log, "a log of candump -L");
-  bus::CandumpReader reader(source, options.log);
+  core::FileSource source(options.log, "a recording of candump -L");
+  bus::RecordingReader reader(source, options.log);
   bus::LogFrame frame;
   std::string rows(bus::kDecodedHeader);
-  std::uint64_t frames = 0;
-  for (; reader.next(frame); ++frames) {
+  while (reader.next(frame)) {
     decoder.decode(frame, rows);
     if (rows.size() < 60000) continue;
     std::cout << rows;
     rows.clear();
   }
-  if (frames == 0) throw core::DataError(options.log + ": no frame in it; expected a log of candump -L");
+  if (reader.frames() == 0)
+    throw core::DataError(options.log + ": no frame in it; " + std::string(bus::kRecordWith));
   std::cout << rows;
-  std::cerr << core::printable(options.log) << ": " << frames << " frames, " << decoder.decoded()
+  std::cerr << core::printable(options.log) << ": " << reader.frames() << " frames, " << decoder.decoded()
             << " decoded\n"
-            << decoder.remarks();
+            << decoder.remarks() << core::printable_lines(reader.remarks());
 }
 
 }  // namespace
@@ -65,13 +65,13 @@ void add_bus_command(CLI::App& app) {
   group->require_subcommand(1);
   CLI::App* dbc = group->add_subcommand("dbc", "Print the DBC file of a bus");
   CLI::App* docs = group->add_subcommand("docs", "Print docs/bus.md, or docs/modbus.md");
-  CLI::App* decoding = group->add_subcommand("decode", "Print the signals of a candump log as CSV");
+  CLI::App* decoding = group->add_subcommand("decode", "Print the signals of a recording as CSV");
   for (CLI::App* command : {dbc, decoding})
     command
         ->add_option("--node", options->nodes,
                      "A node, NAME=PROTOCOL:ID or NAME=mini_cheetah:ID:MOTOR; one option for each")
         ->allow_extra_args(false);
-  decoding->add_option("LOG", options->log, "Log of candump -L")->required();
+  decoding->add_option("LOG", options->log, "Recording of candump (-L, or its screen), or Vector's .asc")->required();
   dbc->callback([options] { std::cout << bus::to_dbc(nodes_of(*options)); });
   docs->add_option("PAGE", options->page, "can or modbus")->check(CLI::IsMember({"can", "modbus"}));
   docs->callback(
