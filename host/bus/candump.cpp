@@ -115,24 +115,24 @@ bool is_direction(std::string_view word) { return word == "RX" || word == "TX"; 
 
 }  // namespace
 
-Stamp parse_candump(std::string_view line, LogFrame& out) {
+TimeFrom parse_candump(std::string_view line, LogFrame& out) {
   std::string_view rest = line;
   text::skip_spaces(rest);
   out.frame = Frame{};
   out.error = out.longer = false;
-  Stamp stamp = Stamp::none;
+  TimeFrom stamp = TimeFrom::none;
   std::string_view time;
   if (rest.starts_with('(')) {
     const std::size_t close = rest.find(')');
     if (close == rest.npos) throw DataError(quoted(line) + "; expected (SECONDS) INTERFACE ID#DATA");
     time = rest.substr(1, close - 1);
     out.time_ns = parse_time(time);
-    stamp = Stamp::absolute;
+    stamp = TimeFrom::absolute;
     rest.remove_prefix(close + 1);
   }
   const std::string_view interface = text::take_word(rest);
   text::skip_spaces(rest);
-  if (rest.empty() && stamp == Stamp::none)
+  if (rest.empty() && stamp == TimeFrom::none)
     throw DataError(quoted(line) + "; expected (SECONDS) INTERFACE ID#DATA");
   if (rest.empty())
     throw DataError("interface " + quoted(interface) +
@@ -140,7 +140,7 @@ Stamp parse_candump(std::string_view line, LogFrame& out) {
   text::parse_interface(interface, out);
   const std::string_view behind = rest;
   const std::string_view word = text::take_word(rest);
-  if (const std::size_t hash = word.find('#'); hash != word.npos && stamp != Stamp::none) {
+  if (const std::size_t hash = word.find('#'); hash != word.npos && stamp != TimeFrom::none) {
     text::skip_spaces(rest);
     if (!rest.empty() && rest != "R" && rest != "T")  // -x
       throw DataError(quoted(rest) + " after the frame; expected nothing");
@@ -158,7 +158,7 @@ Stamp parse_candump(std::string_view line, LogFrame& out) {
     parse_candump_screen(behind, out);
   }
   // Seconds since 1970 have ten digits there, differences three or a few more.
-  if (stamp == Stamp::absolute && std::min(time.find('.'), time.size()) < 10) stamp = Stamp::relative;
+  if (stamp == TimeFrom::absolute && std::min(time.find('.'), time.size()) < 10) stamp = TimeFrom::relative;
   return stamp;
 }
 

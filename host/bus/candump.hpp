@@ -22,7 +22,7 @@ struct LogFrame {
 };
 
 /// What a line's time stamp counts from.
-enum class Stamp : std::uint8_t {
+enum class TimeFrom : std::uint8_t {
   absolute,  ///< an instant: 1970, or that of `candump -L`, whichever a writer takes
   relative,  ///< on a screen: the start (`candump -tz`), or the frame before (-td)
   none,
@@ -30,7 +30,7 @@ enum class Stamp : std::uint8_t {
 
 /// A line without its end, of the log format or of a screen. @throws core::DataError: what is wrong with it, without file
 /// and line; `out` is then in no defined state.
-Stamp parse_candump(std::string_view line, LogFrame& out);
+TimeFrom parse_candump(std::string_view line, LogFrame& out);
 LogFrame parse_candump(std::string_view line);
 
 /// The line of the log format, with its end; of a frame that is not `longer`.

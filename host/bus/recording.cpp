@@ -130,7 +130,7 @@ void RecordingReader::judge(bool at_end) const {
                   ")");
 }
 
-bool RecordingReader::next_frame(LogFrame& frame, Stamp& stamp) {
+bool RecordingReader::next_frame(LogFrame& frame, TimeFrom& stamp) {
   std::string_view line;
   bool whole = true;
   while (next_line(line, whole)) {
@@ -146,7 +146,7 @@ bool RecordingReader::next_frame(LogFrame& frame, Stamp& stamp) {
       const char c = line[first];
       if (c != '(' && (asc_.begun() || c == '/' || (c >= '0' && c <= '9') || c == 'd' || c == 'b' || c == 'B')) {
         const AscParser::Line kind = asc_.parse(line, frame);
-        stamp = Stamp::absolute;
+        stamp = TimeFrom::absolute;
         if (kind == AscParser::Line::frame) {
           after_error_ = false;
           return true;
@@ -164,7 +164,7 @@ bool RecordingReader::next_frame(LogFrame& frame, Stamp& stamp) {
         continue;
       }
       stamp = parse_candump(line, frame);
-      if (stamp == Stamp::none) throw DataError(quoted(line) + " has no time stamp");
+      if (stamp == TimeFrom::none) throw DataError(quoted(line) + " has no time stamp");
       after_error_ = frame.error;
       return true;
     } catch (const DataError& e) {
@@ -188,12 +188,12 @@ void RecordingReader::look_ahead() {
   while (ahead_.size() < kAhead && next_frame(a.frame, a.stamp)) {
     a.line = line_;
     ahead_.push_back(a);
-    if (a.stamp != Stamp::relative) break;
+    if (a.stamp != TimeFrom::relative) break;
   }
   std::int64_t furthest_ns = -1;
   std::size_t behind = 0, rises = 0, n = 0;
   for (const Ahead& one : ahead_) {
-    if (one.stamp != Stamp::relative) break;
+    if (one.stamp != TimeFrom::relative) break;
     // The first one is 0 either way.
     if (n++ == 0) continue;
     behind += one.frame.time_ns < furthest_ns ? 1 : 0;
@@ -204,8 +204,8 @@ void RecordingReader::look_ahead() {
   differences_ = n > 2 && (2 * behind > n || (rises == 1 && behind == 0 && furthest_ns > 0));
 }
 
-void RecordingReader::take_time(LogFrame& frame, Stamp stamp) {
-  if (stamp == Stamp::relative) {
+void RecordingReader::take_time(LogFrame& frame, TimeFrom stamp) {
+  if (stamp == TimeFrom::relative) {
     relative_ = true;
     if (differences_) frame.time_ns = sum_ns_ += frame.time_ns;
   }
@@ -229,7 +229,7 @@ bool RecordingReader::next(LogFrame& frame) {
     line_ = line;
     return true;
   }
-  Stamp stamp = Stamp::none;
+  TimeFrom stamp = TimeFrom::none;
   if (!next_frame(frame, stamp)) return false;
   take_time(frame, stamp);
   return true;

@@ -44,12 +44,12 @@ class RecordingReader {
   static constexpr std::size_t kAhead = 64;
 
   bool next_line(std::string_view& line, bool& whole);
-  bool next_frame(LogFrame& frame, Stamp& stamp);
+  bool next_frame(LogFrame& frame, TimeFrom& stamp);
   void refuse_other_files(std::string_view start) const;
   void note_odd(std::string why);
   void judge(bool at_end) const;
   void look_ahead();
-  void take_time(LogFrame& frame, Stamp stamp);
+  void take_time(LogFrame& frame, TimeFrom stamp);
 
   core::ByteSource& source_;
   std::string name_;
@@ -63,7 +63,7 @@ class RecordingReader {
   bool after_error_ = false;
   struct Ahead {
     LogFrame frame;
-    Stamp stamp;
+    TimeFrom stamp;
     std::uint64_t line;
   };
   std::deque<Ahead> ahead_;
