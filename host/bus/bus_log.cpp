@@ -60,7 +60,7 @@ std::string times(std::uint64_t n, std::string_view what) {
 
 }  // namespace
 
-void LineFit::add(double x, double y) {
+void LineFit::add(double x, double y, double x_error) {
   if (n_++ == 0) {
     x0_ = x;
     y0_ = y;
@@ -68,29 +68,27 @@ void LineFit::add(double x, double y) {
   // From the first pair: counts of an encoder may be large, and their differences matter.
   x -= x0_;
   y -= y0_;
-  x_ += x;
-  y_ += y;
-  xx_ += x * x;
-  xy_ += x * y;
-  yy_ += y * y;
+  const double w = 1.0 / (x_error * x_error);
+  w_ += w;
+  x_ += w * x;
+  y_ += w * y;
+  xx_ += w * x * x;
+  xy_ += w * x * y;
+  yy_ += w * y * y;
 }
 
-double LineFit::spread() const { return n_ < 2 ? 0.0 : xx_ - x_ * x_ / static_cast<double>(n_); }
+double LineFit::spread() const { return n_ < 2 ? 0.0 : xx_ - x_ * x_ / w_; }
 
-double LineFit::slope() const {
-  return spread() > 0.0 ? (xy_ - x_ * y_ / static_cast<double>(n_)) / spread() : kNone;
-}
+double LineFit::slope() const { return spread() > 0.0 ? (xy_ - x_ * y_ / w_) / spread() : kNone; }
 
-double LineFit::offset(double slope) const {
-  const auto n = static_cast<double>(n_);
-  return y0_ + y_ / n - slope * (x0_ + x_ / n);
-}
+double LineFit::offset(double slope) const { return y0_ + y_ / w_ - slope * (x0_ + x_ / w_); }
 
-double LineFit::standard_error(double step) const {
+double LineFit::standard_error() const {
   if (n_ < 3 || !(spread() > 0.0)) return std::numeric_limits<double>::infinity();
-  const auto n = static_cast<double>(n_);
-  const double squares = yy_ - y_ * y_ / n - slope() * slope() * spread();
-  return std::sqrt(std::max(squares / (n - 2.0), step * step / 12.0) / spread());
+  // What is left, or what the errors of x make of it where by chance less is.
+  const double squares = yy_ - y_ * y_ / w_ - slope() * slope() * spread();
+  const double variance = std::max(squares / static_cast<double>(n_ - 2), slope() * slope() / 12.0);
+  return std::sqrt(variance / spread());
 }
 
 MessageFinder::MessageFinder(std::vector<Node> nodes) : nodes_(std::move(nodes)) {
@@ -123,10 +121,8 @@ Survey::Survey(const MessageFinder& finder, const Arrangement& arrangement)
     if (column == arrangement.columns.end()) continue;
     const NodeMessage &of = finder.named(column->node, column->message),
                       &from = finder.named(told.node, told.message);
-    const Signal* still = signal_of(from, told.still);
-    if (still == nullptr) still = signal_of(of, told.still);
-    pairs_.push_back({&told, &of, &from, *signal_of(of, column->signal), *signal_of(from, told.signal), *still,
-                      {}, {}, true, {}});
+    pairs_.push_back(
+        {&told, &of, &from, *signal_of(of, column->signal), *signal_of(from, told.signal), {}, {}, true, {}});
   }
 }
 
@@ -134,15 +130,18 @@ void Survey::take_pairs(const LogFrame& frame, const NodeMessage& message) {
   for (Pair& p : pairs_) {
     const bool told = &message == p.from;
     if (!told && &message != p.of) continue;
-    if (signal_of(message, p.told->still) != nullptr) p.speed = value_of(frame.frame, p.still);
     if (!told) {
       // A node that is not homed, or has no signal, says so.
       const Signal* status = signal_of(message, "Status");
       p.usable = status == nullptr || value_of(frame.frame, *status) == 0.0;
+      p.before = p.last;
       p.last = value_of(frame.frame, p.value);
-    } else if (p.last && p.usable && p.speed && std::abs(*p.speed) < p.told->still_below) {
+    } else if (p.last && p.before && p.usable) {
       const double y = value_of(frame.frame, p.told_value);
-      if (std::isfinite(*p.last) && std::isfinite(y)) p.fit.add(*p.last, y);
+      // Of which of two ticks the board tells is not known: the value may be off by a step and what it moved between them.
+      const double moved = *p.last - *p.before;
+      if (std::isfinite(moved) && std::isfinite(y))
+        p.fit.add(*p.last, y, std::hypot(factor(p.value), moved));
     }
   }
 }
@@ -162,7 +161,7 @@ void Survey::calibrate(const Pair& p, Arrangement& out, std::vector<std::string>
                                    [&](const Column& c) { return c.name == p.told->column; });
   if (column == out.columns.end()) return;
   double slope = p.fit.slope();
-  const double error = p.fit.standard_error(factor(p.told_value));
+  const double error = p.fit.standard_error();
   const std::string of = p.of->name + "." + std::string(p.value.name),
                     from = p.from->name + "." + std::string(p.told_value.name);
   if (!(error < kScaleError * std::abs(slope))) {
@@ -172,7 +171,7 @@ void Survey::calibrate(const Pair& p, Arrangement& out, std::vector<std::string>
       return;
     }
     throw DataError(column->name + ": what " + of + " means is not told: " + times(p.fit.pairs(), "value") +
-                    " of " + from + " while it was slow, too few or over too small a range; record a hop, or add --column " +
+                    " of " + from + ", too few or over too small a range; record a hop, or add --column " +
                     column->name + "=" + column->node + "." + column->message + "." + column->signal +
                     "*METRES_PER_COUNT+HEIGHT_AT_0");
   }

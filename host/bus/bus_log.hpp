@@ -18,22 +18,23 @@
 
 namespace furcula::bus {
 
-/// A straight line through pairs, from sums.
+/// A straight line through pairs by weighted least squares, from sums.
 class LineFit {
  public:
-  void add(double x, double y);
+  /// `x_error`: what x may be off by.
+  void add(double x, double y, double x_error);
   std::uint64_t pairs() const { return n_; }
   double slope() const;
   /// Of a line with this slope through the middle of the pairs.
   double offset(double slope) const;
-  /// Of the slope, where y has steps of `step`; infinite where it is not known.
-  double standard_error(double step) const;
+  /// Of the slope; infinite where it is not known.
+  double standard_error() const;
 
  private:
   double spread() const;
 
   std::uint64_t n_ = 0;
-  double x0_ = 0.0, y0_ = 0.0, x_ = 0.0, y_ = 0.0, xx_ = 0.0, xy_ = 0.0, yy_ = 0.0;
+  double x0_ = 0.0, y0_ = 0.0, w_ = 0.0, x_ = 0.0, y_ = 0.0, xx_ = 0.0, xy_ = 0.0, yy_ = 0.0;
 };
 
 /// Finds the messages of a bus' nodes among frames.
@@ -64,8 +65,8 @@ class Survey {
   struct Pair {
     const Calibration* told;
     const NodeMessage *of, *from;
-    Signal value, told_value, still;
-    std::optional<double> last, speed;
+    Signal value, told_value;
+    std::optional<double> before, last;
     bool usable = true;
     LineFit fit;
   };

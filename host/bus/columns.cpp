@@ -54,11 +54,10 @@ Arrangement hopper(const std::vector<Node>& nodes, const std::vector<JointDrive>
                {"torque_cmd_nm", drive, "Command", "Torque", ratio, 0.0, Join::hold},
                {"torque_nm", drive, "Reply", "Torque", ratio, 0.0, Join::tick, false},
                {"solenoid", board.name, "Leg_State", "Solenoid", 1.0, 0.0, Join::step, false}};
-  // 0.05 m/s and 0.05 rad/s: in 1 ms half a step of Height and Leg_Angle.
-  a.calibrations = {{"height_m", board.name, "Body_State", "Height", "Velocity", 0.05, {}}};
+  a.calibrations = {{"height_m", board.name, "Body_State", "Height", {}}};
   if (joints.empty())
     a.calibrations.push_back(
-        {"leg_angle_rad", board.name, "Leg_State", "Leg_Angle", "Velocity", 0.05, {"torque_cmd_nm", "torque_nm"}});
+        {"leg_angle_rad", board.name, "Leg_State", "Leg_Angle", {"torque_cmd_nm", "torque_nm"}});
   return a;
 }
 

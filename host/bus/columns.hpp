@@ -29,8 +29,6 @@ struct Column {
 struct Calibration {
   std::string column;
   std::string node, message, signal;  ///< what the board tells
-  std::string still;  ///< a velocity in one of both messages
-  double still_below;  ///< where that is smaller, a tick of 1 ms does not move the value by half a step
   std::vector<std::string> torques;  ///< columns whose scale is then 1 / that of `column`
 };
 

@@ -55,7 +55,7 @@ void strip_colours(std::string_view line, std::string& out) {
   }
 }
 
-std::string seconds(std::int64_t ns) { return core::shortest(static_cast<double>(ns) * 1e-9) + " s"; }
+std::string seconds(std::int64_t ns) { return core::rounded(static_cast<double>(ns) * 1e-9, 6) + " s"; }
 
 std::string counted(std::uint64_t n, std::string_view one, std::string_view many) {
   return std::to_string(n) + " " + std::string(n == 1 ? one : many);
