@@ -23,6 +23,12 @@ bool is_any(std::string_view word, std::initializer_list<std::string_view> of) {
   return std::find(of.begin(), of.end(), word) != of.end();
 }
 
+/// What the controller reports is not written: an error frame as candump has it, without a class.
+AscParser::Line error_frame(LogFrame& out) {
+  out.error = out.frame.extended = true;
+  return AscParser::Line::frame;
+}
+
 std::string lower(std::string_view word) {
   std::string out(word);
   for (char& c : out) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
@@ -94,10 +100,7 @@ AscParser::Line AscParser::parse_event(std::string_view rest, LogFrame& out) con
   if (fd) {
     if (!is_any(text::take_word(rest), {"Rx", "Tx", "TxRq"})) return Line::event;
     word = text::take_word(rest);
-    if (word.starts_with("ErrorFrame")) {
-      out.error = true;
-      return Line::frame;
-    }
+    if (word.starts_with("ErrorFrame")) return error_frame(out);
     if (!take_id(word, out)) return Line::event;
     word = text::take_word(rest);
     if (word != "0" && word != "1") word = text::take_word(rest);  // the id's name stands before the two flags
@@ -116,10 +119,7 @@ AscParser::Line AscParser::parse_event(std::string_view rest, LogFrame& out) con
     return Line::frame;
   }
   word = text::take_word(rest);
-  if (word.starts_with("ErrorFrame")) {
-    out.error = true;
-    return Line::frame;
-  }
+  if (word.starts_with("ErrorFrame")) return error_frame(out);
   if (!is_any(text::take_word(rest), {"Rx", "Tx", "TxRq"})) return Line::event;
   if (!take_id(word, out)) return Line::event;
   const std::string_view kind = text::take_word(rest);
