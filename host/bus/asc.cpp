@@ -103,7 +103,8 @@ AscParser::Line AscParser::parse_event(std::string_view rest, LogFrame& out) con
     if (word.starts_with("ErrorFrame")) return error_frame(out);
     if (!take_id(word, out)) return Line::event;
     word = text::take_word(rest);
-    if (word != "0" && word != "1") word = text::take_word(rest);  // the id's name stands before the two flags
+    if (word != "0" && word != "1")
+      word = text::take_word(rest);  // the id's name stands before the two flags
     text::take_word(rest);
     std::uint32_t code = 0, size = 0, flags = kFlagFd;
     if (!parse_number(text::take_word(rest), 16, code) || !parse_number(text::take_word(rest), 10, size) ||
@@ -115,6 +116,8 @@ AscParser::Line AscParser::parse_event(std::string_view rest, LogFrame& out) con
     if (word = text::take_word(rest); !word.empty() && !parse_number(word, 16, flags)) flags = kFlagFd;
     out.longer = (flags & kFlagFd) != 0 || size > 8;
     out.frame.remote = !out.longer && (flags & kFlagRemote) != 0;
+    if (out.longer || out.frame.remote) out.frame.data = {};
+    if (out.longer) out.frame.size = 0;
     if (out.frame.remote) out.frame.size = static_cast<std::uint8_t>(std::min<std::uint32_t>(code, 8));
     return Line::frame;
   }
@@ -142,6 +145,8 @@ AscParser::Line AscParser::parse(std::string_view line, LogFrame& out) {
   const std::string_view time = text::take_word(rest);
   std::int64_t ns = 0;
   if (!take_time(time, ns)) return parse_header(line) ? Line::header : Line::other;
+  if (relative_ && ns > text::kLatestNs - time_ns_)
+    throw DataError("time " + quoted(time) + "; expected less");
   time_ns_ = relative_ ? time_ns_ + ns : ns;
   out.time_ns = time_ns_;
   return parse_event(rest, out);

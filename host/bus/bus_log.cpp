@@ -8,6 +8,7 @@
 
 #include "furcula/bus/codec.hpp"
 #include "furcula/bus/messages.hpp"
+#include "host/bus/candump_text.hpp"
 #include "host/bus/numbers.hpp"
 #include "host/core/error.hpp"
 #include "host/core/message.hpp"
@@ -140,8 +141,7 @@ void Survey::take_pairs(const LogFrame& frame, const NodeMessage& message) {
       const double y = value_of(frame.frame, p.told_value);
       // Of which of two ticks the board tells is not known: the value may be off by a step and what it moved between them.
       const double moved = *p.last - *p.before;
-      if (std::isfinite(moved) && std::isfinite(y))
-        p.fit.add(*p.last, y, std::hypot(factor(p.value), moved));
+      if (std::isfinite(moved) && std::isfinite(y)) p.fit.add(*p.last, y, std::hypot(factor(p.value), moved));
     }
   }
 }
@@ -185,7 +185,8 @@ void Survey::calibrate(const Pair& p, Arrangement& out, std::vector<std::string>
     if (std::find(p.told->torques.begin(), p.told->torques.end(), c.name) != p.told->torques.end())
       c.scale /= slope;
   notes.push_back(column->name + " = " + digits(slope) + " x " + of + (column->offset < 0.0 ? " - " : " + ") +
-                  digits(std::abs(column->offset)) + ", from " + times(p.fit.pairs(), "value") + " of " + from);
+                  digits(std::abs(column->offset)) + ", from " + times(p.fit.pairs(), "value") + " of " +
+                  from);
 }
 
 Arrangement Survey::finish(std::vector<std::string>& notes) const {
@@ -199,9 +200,11 @@ Arrangement Survey::finish(std::vector<std::string>& notes) const {
     }
     const NodeMessage& m = finder_.named(c.node, c.message);
     if (c.required)
-      throw DataError("no frame of " + name_and_id(m) + " in it, of which " + c.name +
-                      " is made; record all of the bus (candump -L can0 > can.log), or name its node with --node or the "
-                      "signal with --column " + c.name + "=NODE.MESSAGE.SIGNAL");
+      throw DataError(
+          "no frame of " + name_and_id(m) + " in it, of which " + c.name +
+          " is made; record all of the bus (candump -L can0 > can.log), or name its node with --node or the "
+          "signal with --column " +
+          c.name + "=NODE.MESSAGE.SIGNAL");
     notes.push_back(c.name + " is left out: no frame of " + name_and_id(m) + " in it");
   }
   for (const Pair& p : pairs_) calibrate(p, out, notes);
@@ -241,7 +244,8 @@ bool RowMaker::tick_of(const LogFrame& in, std::int64_t& time_ns) {
     return false;
   }
   time_ns -= std::int64_t{100'000} * std::lround(stamp.age_s * 1e4f);
-  if (const Signal* status = signal_of(*tick_, "Status"); status != nullptr && value_of(in.frame, *status) != 0.0) {
+  if (const Signal* status = signal_of(*tick_, "Status");
+      status != nullptr && value_of(in.frame, *status) != 0.0) {
     ++not_good_;
     return false;
   }
@@ -257,6 +261,8 @@ void RowMaker::open_row(const LogFrame& in, std::int64_t time_ns) {
     }
     // The clock was set back: time goes on from here.
     const std::int64_t back_ns = last_row_ns_ + std::max<std::int64_t>(interval_ns_, 1'000'000) - time_ns;
+    if (back_ns > text::kLatestNs - shift_ns_)
+      throw DataError("its time goes back and forth by years; " + std::string(kRecordWith));
     shift_ns_ += back_ns;
     last_tick_ns_ += back_ns;
     time_ns += back_ns;
@@ -297,7 +303,7 @@ void RowMaker::take(Cell& c, double value, std::int64_t time_ns) {
   const auto index = static_cast<std::size_t>(&c - cells_.data());
   const std::int64_t gap_ns = time_ns - c.last_ns;
   const bool gap = c.join == Join::step ? gap_ns > kSilenceNs
-                                        : c.interval_ns != 0 && gap_ns > kGapIntervals * c.interval_ns;
+                                        : c.interval_ns != 0 && gap_ns / kGapIntervals > c.interval_ns;
   for (auto row = waiting_.rbegin(); row != waiting_.rend(); ++row) {
     if (row->time_ns > time_ns) continue;
     if (row->time_ns == time_ns) {
@@ -306,7 +312,8 @@ void RowMaker::take(Cell& c, double value, std::int64_t time_ns) {
     }
     if (!c.last || gap || row->time_ns <= c.last_ns) break;
     const double share = static_cast<double>(row->time_ns - c.last_ns) / static_cast<double>(gap_ns);
-    row->values[index] = c.join == Join::step ? (share < 0.5 ? *c.last : value) : *c.last + share * (value - *c.last);
+    row->values[index] =
+        c.join == Join::step ? (share < 0.5 ? *c.last : value) : *c.last + share * (value - *c.last);
     if (c.join == Join::tick) ++c.filled;
   }
   if (gap_ns > 0 && !gap) c.interval_ns = gap_ns;
@@ -380,7 +387,8 @@ void RowMaker::flush(bool at_end) {
       if (const Cell& c = cells_[i]; c.join == Join::step && c.last && std::isnan(row.values[i]) &&
                                      row.time_ns > c.last_ns && row.time_ns - c.last_ns < kSilenceNs)
         row.values[i] = *c.last;
-    const bool whole = std::none_of(row.values.begin(), row.values.end(), [](double v) { return std::isnan(v); });
+    const bool whole =
+        std::none_of(row.values.begin(), row.values.end(), [](double v) { return std::isnan(v); });
     if (!whole && !at_end && last_row_ns_ - row.time_ns < 2 * kSilenceNs) return;
     write_row(row);
     waiting_.pop_front();
@@ -396,28 +404,31 @@ std::vector<std::string> RowMaker::notes() const {
   std::vector<std::string> out;
   const std::string tick = tick_->name;
   if (stream_.lost != 0)
-    out.push_back(times(stream_.lost, "frame") + " of " + tick + " did not come, and their rows are left out");
+    out.push_back(times(stream_.lost, "frame") + " of " + tick +
+                  " did not come, and their rows are left out");
   if (repeated_ != 0)
     out.push_back(times(repeated_, "frame") + " of " + tick +
                   " came again, late, out of order or of another version, and gave no row");
   if (not_good_ != 0)
-    out.push_back(times(not_good_, "frame") + " of " + tick + " said that the count is not good, and gave no row");
+    out.push_back(times(not_good_, "frame") + " of " + tick +
+                  " said that the count is not good, and gave no row");
   if (set_back_ != 0)
-    out.push_back("the clock of the stamps was set back " + times(set_back_, "time") + ": time goes on from there");
+    out.push_back("the clock of the stamps was set back " + times(set_back_, "time") +
+                  ": time goes on from there");
   if (off_ != 0)
-    out.push_back(times(off_, "row") + " with the drive off or just being switched on " + (off_ == 1 ? "is" : "are") +
-                  " left out");
+    out.push_back(times(off_, "row") + " with the drive off or just being switched on " +
+                  (off_ == 1 ? "is" : "are") + " left out");
   if (incomplete_ != 0)
     out.push_back(times(incomplete_, "row") + " without a value for each column, at the ends or in gaps, " +
                   (incomplete_ == 1 ? "is" : "are") + " left out");
   for (std::size_t i = 0; i < cells_.size(); ++i) {
     const std::string& name = arrangement_.columns[i].name;
     if (cells_[i].join == Join::hold && cells_[i].held != 0)
-      out.push_back(times(cells_[i].held, "row") + " without a frame of " + cells_[i].message->name + ": " + name +
-                    " holds the value of the row before");
+      out.push_back(times(cells_[i].held, "row") + " without a frame of " + cells_[i].message->name + ": " +
+                    name + " holds the value of the row before");
     if (cells_[i].filled != 0)
-      out.push_back(times(cells_[i].filled, "row") + " without a frame of " + cells_[i].message->name + ": " + name +
-                    " is on the line between its neighbours");
+      out.push_back(times(cells_[i].filled, "row") + " without a frame of " + cells_[i].message->name + ": " +
+                    name + " is on the line between its neighbours");
   }
   return out;
 }

@@ -126,7 +126,8 @@ class RowMaker {
   std::vector<Cell> cells_;
   const NodeMessage* tick_;
   std::deque<Row> waiting_;
-  bool row_open_ = false, break_ = true, break_before_write_ = false, drive_on_ = false, switched_on_ = false, any_tick_ = false;
+  bool row_open_ = false, break_ = true, break_before_write_ = false, drive_on_ = false, switched_on_ = false,
+       any_tick_ = false;
   Stream stream_;
   std::int64_t last_tick_ns_ = 0, last_row_ns_ = 0, last_command_ns_ = 0, last_written_ns_ = 0;
   std::int64_t shift_ns_ = 0, interval_ns_ = 0, start_ns_ = 0;

@@ -38,7 +38,7 @@ bool date_to_ns(std::string_view t, std::int64_t& ns) {
   };
   const std::int64_t year = number(0, 4), month = number(5, 2), day = number(8, 2);
   std::int64_t part_ns = 0;
-  if (year < 1970 || year > 2261 || month < 1 || month > 12 || day < 1 || day > 31 ||
+  if (year < 1970 || year > 2095 || month < 1 || month > 12 || day < 1 || day > 31 ||
       !text::seconds_to_ns("0" + std::string(t.substr(kForm.size())), part_ns))
     return false;
   const std::int64_t s =

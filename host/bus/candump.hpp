@@ -15,7 +15,7 @@ struct LogFrame {
   std::int64_t time_ns = 0;  ///< since 1970 or since the start of the recording
   std::string interface;     ///< 1 to 64 characters
   Frame frame;
-  bool error = false;  ///< the controller reports a state of the bus (id and data: linux/can/error.h)
+  bool error = false;   ///< the controller reports a state of the bus (id and data: linux/can/error.h)
   bool longer = false;  ///< CAN FD or CAN XL: its data is not kept
 
   bool operator==(const LogFrame&) const = default;

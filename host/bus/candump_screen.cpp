@@ -10,7 +10,8 @@ using core::DataError;
 using core::quoted;
 
 bool is_binary(std::string_view word) {
-  return word.size() == 8 && std::all_of(word.begin(), word.end(), [](char c) { return c == '0' || c == '1'; });
+  return word.size() == 8 &&
+         std::all_of(word.begin(), word.end(), [](char c) { return c == '0' || c == '1'; });
 }
 
 /// The next byte: two hexadecimal digits, or eight binary ones.
@@ -24,7 +25,8 @@ std::uint8_t take_byte(std::string_view& rest) {
   } else if (is_binary(word)) {
     for (const char c : word) byte = byte << 1 | static_cast<unsigned>(c - '0');
   } else {
-    throw DataError("data " + quoted(word) + "; expected as many bytes of two hexadecimal digits as [ ] says");
+    throw DataError("data " + quoted(word) +
+                    "; expected as many bytes of two hexadecimal digits as [ ] says");
   }
   return static_cast<std::uint8_t>(byte);
 }

@@ -41,7 +41,10 @@ inline std::string_view take_word(std::string_view& rest) {
   return word;
 }
 
-/// Seconds with 1 to 9 decimals as nanoseconds. false: it is no such text, or beyond what 64 bits hold (the year 2262).
+/// The latest stamp, in the year 2096: differences and sums of two are then within 64 bits.
+inline constexpr std::int64_t kLatestNs = 4'000'000'000'000'000'000;
+
+/// Seconds with 1 to 9 decimals as nanoseconds. false: it is no such text, or later.
 inline bool seconds_to_ns(std::string_view text, std::int64_t& ns) {
   const std::size_t point = text.find('.');
   if (point == text.npos || point == 0 || point > 10) return false;
@@ -51,7 +54,7 @@ inline bool seconds_to_ns(std::string_view text, std::int64_t& ns) {
   for (const char c : seconds) whole = 10 * whole + (c - '0');
   for (const char c : rest) part = 10 * part + (c - '0');
   for (std::size_t i = rest.size(); i < 9; ++i) part *= 10;
-  if (whole >= 9'223'372'036) return false;
+  if (whole >= kLatestNs / 1'000'000'000) return false;
   ns = whole * 1'000'000'000 + part;
   return true;
 }

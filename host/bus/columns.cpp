@@ -35,7 +35,8 @@ std::optional<double> number(std::string_view text) {
   if (text.starts_with('+')) text.remove_prefix(1);
   double value = 0.0;
   const auto read = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (text.empty() || read.ec != std::errc() || read.ptr != text.data() + text.size() || !std::isfinite(value))
+  if (text.empty() || read.ec != std::errc() || read.ptr != text.data() + text.size() ||
+      !std::isfinite(value))
     return std::nullopt;
   return value;
 }
@@ -129,7 +130,8 @@ Column parse_column(std::string_view text, const std::vector<NodeMessage>& messa
   rest.remove_prefix(end);
   if (rest.starts_with('*')) {
     std::size_t n = 1;
-    while (n < rest.size() && ((rest[n] != '+' && rest[n] != '-') || n == 1 || rest[n - 1] == 'e' || rest[n - 1] == 'E'))
+    while (n < rest.size() &&
+           ((rest[n] != '+' && rest[n] != '-') || n == 1 || rest[n - 1] == 'e' || rest[n - 1] == 'E'))
       ++n;
     const std::optional<double> scale = number(rest.substr(1, n - 1));
     if (!scale || *scale == 0.0)
@@ -162,8 +164,8 @@ Column parse_column(std::string_view text, const std::vector<NodeMessage>& messa
                   core::did_you_mean(path, names));
 }
 
-Arrangement arrange(std::string_view rig, const std::vector<Node>& nodes, const std::vector<JointDrive>& joints,
-                    const std::vector<Column>& extra) {
+Arrangement arrange(std::string_view rig, const std::vector<Node>& nodes,
+                    const std::vector<JointDrive>& joints, const std::vector<Column>& extra) {
   const log::RigInfo* info = log::rig_named(rig);
   if (info == nullptr) {
     std::vector<std::string_view> names;
@@ -181,7 +183,8 @@ Arrangement arrange(std::string_view rig, const std::vector<Node>& nodes, const 
     if (!joints.empty() || ((rig == "tree" || rig == "rotary_joint") && extra.empty()))
       add_joints(a, nodes, joints);
     if (a.columns.empty() && extra.empty())
-      throw DataError("the columns of a " + a.rig + " are not known; add them with --column NAME=NODE.MESSAGE.SIGNAL");
+      throw DataError("the columns of a " + a.rig +
+                      " are not known; add them with --column NAME=NODE.MESSAGE.SIGNAL");
   }
   for (const Column& c : extra) {
     std::erase_if(a.columns, [&](const Column& old) { return old.name == c.name; });

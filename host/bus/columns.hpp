@@ -11,8 +11,8 @@
 namespace furcula::bus {
 
 enum class Join : std::uint8_t {
-  hold,     ///< a command: from the row in which it was sent on, until the next one
-  tick,     ///< measured once a tick: of the row in which its frame came; of a lost one, on the line between its neighbours
+  hold,  ///< a command: from the row in which it was sent on, until the next one
+  tick,  ///< measured once a tick: of the row in which its frame came; of a lost one, on the line between its neighbours
   between,  ///< measured at its frame's stamp: on the line between the frames before and behind the row
   step,     ///< a switch that is told now and then: a change is in the middle of the two frames around it
 };
@@ -29,7 +29,7 @@ struct Column {
 struct Calibration {
   std::string column;
   std::string node, message, signal;  ///< what the board tells
-  std::vector<std::string> torques;  ///< columns whose scale is then 1 / that of `column`
+  std::vector<std::string> torques;   ///< columns whose scale is then 1 / that of `column`
 };
 
 /// A log of a bus: its columns, and the message of which each is a row.
@@ -38,8 +38,8 @@ struct Arrangement {
   std::vector<Column> columns;
   std::vector<Calibration> calibrations;
   std::string tick_node, tick_message;
-  std::string drive_node;       ///< commands of 0 where it is switched off
-  bool only_while_on = false;   ///< rows with this drive off are left out: somebody holds the robot
+  std::string drive_node;      ///< commands of 0 where it is switched off
+  bool only_while_on = false;  ///< rows with this drive off are left out: somebody holds the robot
 };
 
 /// A robot's joint and the drive at it.
@@ -56,7 +56,7 @@ Column parse_column(std::string_view text, const std::vector<NodeMessage>& messa
 
 /// The columns of a rig: of a hopper those of furculad's bus, of a rotary_joint or a tree those of its drives, and of any rig
 /// the `extra` ones, which take the place of one with the same name. @throws core::DataError: no such rig or node, nothing to make rows of.
-Arrangement arrange(std::string_view rig, const std::vector<Node>& nodes, const std::vector<JointDrive>& joints,
-                    const std::vector<Column>& extra);
+Arrangement arrange(std::string_view rig, const std::vector<Node>& nodes,
+                    const std::vector<JointDrive>& joints, const std::vector<Column>& extra);
 
 }  // namespace furcula::bus

@@ -14,8 +14,7 @@ namespace {
 using core::DataError;
 using core::quoted;
 
-constexpr std::string_view kConvert =
-    "convert it with python-can: python3 -m can.logconvert FILE can.log";
+constexpr std::string_view kConvert = "convert it with python-can: python3 -m can.logconvert FILE can.log";
 
 /// How a file begins that is a recording, but not one of lines that are read here, and what to do.
 struct OtherFile {
@@ -144,7 +143,8 @@ bool RecordingReader::next_frame(LogFrame& frame, TimeFrom& stamp) {
     if (after_error_ && line.front() == '\t') continue;
     try {
       const char c = line[first];
-      if (c != '(' && (asc_.begun() || c == '/' || (c >= '0' && c <= '9') || c == 'd' || c == 'b' || c == 'B')) {
+      if (c != '(' &&
+          (asc_.begun() || c == '/' || (c >= '0' && c <= '9') || c == 'd' || c == 'b' || c == 'B')) {
         const AscParser::Line kind = asc_.parse(line, frame);
         stamp = TimeFrom::absolute;
         if (kind == AscParser::Line::frame) {
@@ -207,7 +207,12 @@ void RecordingReader::look_ahead() {
 void RecordingReader::take_time(LogFrame& frame, TimeFrom stamp) {
   if (stamp == TimeFrom::relative) {
     relative_ = true;
-    if (differences_) frame.time_ns = sum_ns_ += frame.time_ns;
+    if (differences_) {
+      if (frame.time_ns > text::kLatestNs - sum_ns_)
+        throw DataError(name_ + ": its time stamps, taken as differences, make a century; " +
+                        std::string(kRecordWith));
+      frame.time_ns = sum_ns_ += frame.time_ns;
+    }
   }
   if (frames_ != 0 && frame.time_ns < last_ns_) {
     if (back_++ == 0) first_back_line_ = line_;

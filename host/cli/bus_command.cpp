@@ -93,7 +93,8 @@ class RunFiles {
       // A device or a pipe is written to as it is.
       const std::string path = of_run(files_.size() + 1);
       std::error_code ignored;
-      const bool plain = !std::filesystem::exists(path, ignored) || std::filesystem::is_regular_file(path, ignored);
+      const bool plain =
+          !std::filesystem::exists(path, ignored) || std::filesystem::is_regular_file(path, ignored);
       files_.push_back({path, plain ? path + "." + std::to_string(::getpid()) : ""});
       stream_.open(plain ? files_.back().part : path, std::ios::binary | std::ios::trunc);
       stream_ << header_;
@@ -129,7 +130,8 @@ class RunFiles {
   std::string of_run(std::size_t n) const {
     if (n == 1) return path_;
     const std::filesystem::path path(path_);
-    return (path.parent_path() / (path.stem().string() + "-" + std::to_string(n) + path.extension().string())).string();
+    return (path.parent_path() / (path.stem().string() + "-" + std::to_string(n) + path.extension().string()))
+        .string();
   }
   static void remove(const File& f) {
     std::error_code ignored;
@@ -169,7 +171,8 @@ void make_log(const BusOptions& options) {
   std::error_code ignored;
   if (fs::exists(options.log, ignored) && !fs::is_regular_file(options.log, ignored) &&
       !fs::is_directory(options.log, ignored))
-    throw core::DataError(options.log + ": it is read twice, which a pipe cannot be; save the recording in a file");
+    throw core::DataError(options.log +
+                          ": it is read twice, which a pipe cannot be; save the recording in a file");
   if (fs::equivalent(options.log, options.out, ignored))
     throw UsageError("--out: " + options.out + " is the recording itself; expected another file");
   const bus::MessageFinder finder(nodes_of(options));
@@ -178,7 +181,8 @@ void make_log(const BusOptions& options) {
     std::vector<bus::JointDrive> joints;
     for (const std::string& text : options.joints) joints.push_back(bus::parse_joint(text));
     std::vector<bus::Column> columns;
-    for (const std::string& text : options.columns) columns.push_back(bus::parse_column(text, finder.messages()));
+    for (const std::string& text : options.columns)
+      columns.push_back(bus::parse_column(text, finder.messages()));
     arrangement = bus::arrange(options.rig, nodes_of(options), joints, columns);
   } catch (const core::DataError& e) {
     throw UsageError(e.what());
@@ -206,8 +210,9 @@ void make_log(const BusOptions& options) {
   std::string all = remarks;
   for (const std::string& note : notes) all += note + "\n";
   if (written.empty())
-    throw core::DataError(options.log + ": no rows come of it; expected a robot that runs while all of its bus is recorded\n" +
-                          all);
+    throw core::DataError(
+        options.log + ": no rows come of it; expected a robot that runs while all of its bus is recorded\n" +
+        all);
   for (const RunFiles::File& f : written)
     std::cout << core::printable(f.path) << ": " << f.rows << " rows, " << core::rounded(f.seconds) << " s\n";
   std::cerr << core::printable_lines(all);
@@ -230,15 +235,19 @@ void add_bus_command(CLI::App& app) {
         ->add_option("--node", options->nodes,
                      "A node, NAME=PROTOCOL:ID or NAME=mini_cheetah:ID:MOTOR; one option for each")
         ->allow_extra_args(false);
-  decoding->add_option("LOG", options->log, "Recording of candump (-L, or its screen), or Vector's .asc")->required();
+  decoding->add_option("LOG", options->log, "Recording of candump (-L, or its screen), or Vector's .asc")
+      ->required();
   logging->add_option("LOG", options->log, "Recording, as of decode")->required();
-  logging->add_option("--out", options->out, "The log; of a recording of several runs the first, then NAME-2 and so on")
+  logging
+      ->add_option("--out", options->out,
+                   "The log; of a recording of several runs the first, then NAME-2 and so on")
       ->required();
   logging->add_option("--rig", options->rig, "Of which machine: hopper, rotary_joint, tree, motor_axis, ...")
       ->capture_default_str();
   logging
-      ->add_option("--joint", options->joints,
-                   "The drive at a joint, JOINT=NODE or JOINT=NODE:RATIO (turns of the motor to one of the joint)")
+      ->add_option(
+          "--joint", options->joints,
+          "The drive at a joint, JOINT=NODE or JOINT=NODE:RATIO (turns of the motor to one of the joint)")
       ->allow_extra_args(false);
   logging
       ->add_option("--column", options->columns,

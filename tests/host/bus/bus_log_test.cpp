@@ -58,7 +58,8 @@ Made log_of(const std::vector<LogFrame>& frames, const std::vector<JointDrive>& 
     made.runs.resize(run);
     log::Log& log = made.runs.back();
     log.columns["time_s"].push_back(row[0]);
-    for (std::size_t i = 0; i < found.columns.size(); ++i) log.columns[found.columns[i].name].push_back(row[i + 1]);
+    for (std::size_t i = 0; i < found.columns.size(); ++i)
+      log.columns[found.columns[i].name].push_back(row[i + 1]);
   });
   for (const LogFrame& f : frames) rows.add(f);
   rows.finish();
@@ -87,7 +88,8 @@ std::string all(const std::vector<std::string>& notes) {
 
 }  // namespace
 
-TEST_CASE("a recording of a hopper's bus gives the log that the bus carried, within the steps of its signals") {
+TEST_CASE(
+    "a recording of a hopper's bus gives the log that the bus carried, within the steps of its signals") {
   const log::Log truth = bouncing(3000);
   const Made made = log_of(frames_of({}, truth));
   REQUIRE(made.runs.size() == 1);
@@ -132,7 +134,8 @@ TEST_CASE("zero, sense and gear of the drive come from what the board tells, and
   bus.leg_zero_rad = 0.12;
   const Made made = log_of(frames_of(bus, truth));
   CHECK(largest_difference(made.runs.at(0).at("leg_angle_rad"), truth.at("leg_angle_rad")) < 0.0005);
-  CHECK(largest_difference(made.runs.at(0).at("torque_cmd_nm"), truth.at("torque_cmd_nm")) < 6 * 36.0 / 4095 + 0.002);
+  CHECK(largest_difference(made.runs.at(0).at("torque_cmd_nm"), truth.at("torque_cmd_nm")) <
+        6 * 36.0 / 4095 + 0.002);
 }
 
 TEST_CASE("lost frames cost a row, a held command or an interpolated angle, and each is counted") {
@@ -145,9 +148,10 @@ TEST_CASE("lost frames cost a row, a held command or an interpolated angle, and 
   const Made made = log_of(frames_of(bus, truth));
   REQUIRE(made.runs.size() == 1);
   CHECK(made.runs[0].rows() == 2000 - 20);
-  CHECK_THAT(all(made.notes), Contains("20 frames of Rail_Sample did not come") &&
-                                  Contains("20 rows without a frame of Knee_Command: torque_cmd_nm holds") &&
-                                  Contains("20 rows without a frame of Knee_Reply: leg_angle_rad is on the line"));
+  CHECK_THAT(all(made.notes),
+             Contains("20 frames of Rail_Sample did not come") &&
+                 Contains("20 rows without a frame of Knee_Command: torque_cmd_nm holds") &&
+                 Contains("20 rows without a frame of Knee_Reply: leg_angle_rad is on the line"));
 }
 
 TEST_CASE("frames that came again or out of order give no row of their own") {
@@ -192,10 +196,12 @@ TEST_CASE("what a log needs and the recording has not is said, with what to do")
     return bus;
   };
   CHECK_THAT(refusal(without("Leg_State"), bouncing(500)),
-             Contains("no frame of Board_Leg_State (id 0x441)") && Contains("contact") && Contains("candump -L can0"));
+             Contains("no frame of Board_Leg_State (id 0x441)") && Contains("contact") &&
+                 Contains("candump -L can0"));
   CHECK_THAT(refusal(without("Sample"), bouncing(500)), Contains("no frame of Rail_Sample (id 0x461)"));
   CHECK_THAT(refusal(without("Body_State"), bouncing(500)),
-             Contains("what Rail_Sample.Count means is not told") && Contains("--column height_m=Rail.Sample.Count*"));
+             Contains("what Rail_Sample.Count means is not told") &&
+                 Contains("--column height_m=Rail.Sample.Count*"));
   log::Log still = bouncing(500);
   std::fill(still.columns["height_m"].begin(), still.columns["height_m"].end(), 0.3);
   CHECK_THAT(refusal({}, still), Contains("over too small a range"));
@@ -210,7 +216,9 @@ TEST_CASE("joints and columns are taken from options, and what is wrong with one
   CHECK(c.offset == 0.28);
   CHECK(parse_column("contact=Board.Leg_State.Contact", messages).join == Join::step);
   CHECK(parse_column("torque_cmd_nm=Knee.Command.Torque", messages).join == Join::hold);
-  const auto refusal = [&](const char* text) { return test::error_message([&] { parse_column(text, messages); }); };
+  const auto refusal = [&](const char* text) {
+    return test::error_message([&] { parse_column(text, messages); });
+  };
   CHECK_THAT(refusal("height_m"), Contains("expected NAME=NODE.MESSAGE.SIGNAL"));
   CHECK_THAT(refusal("height_m=Rail.Sample"), Contains("expected NODE.MESSAGE.SIGNAL"));
   CHECK_THAT(refusal("h=Rail.Sample.Cuont"), Contains("did you mean 'Rail.Sample.Count'"));
@@ -219,10 +227,16 @@ TEST_CASE("joints and columns are taken from options, and what is wrong with one
   CHECK_THAT(refusal("time_s=Rail.Sample.Count"), Contains("column 'time_s'"));
   CHECK(parse_joint("knee=Knee:-6").ratio == -6.0);
   CHECK_THAT(test::error_message([] { parse_joint("knee=Knee:0"); }), Contains("ratio '0'"));
-  CHECK_THAT(test::error_message([] { arrange("tree", usual_nodes(), {{"k", "Kne"}}, {}); }),
+  CHECK_THAT(test::error_message([] {
+               arrange("tree", usual_nodes(), {{"k", "Kne"}}, {});
+             }),
              Contains("did you mean 'Knee'"));
-  CHECK_THAT(test::error_message([] { arrange("tree", usual_nodes(), {{"k", "Rail"}}, {}); }), Contains("expected a drive"));
-  CHECK_THAT(test::error_message([] { arrange("hoper", usual_nodes(), {}, {}); }), Contains("did you mean 'hopper'"));
+  CHECK_THAT(test::error_message([] {
+               arrange("tree", usual_nodes(), {{"k", "Rail"}}, {});
+             }),
+             Contains("expected a drive"));
+  CHECK_THAT(test::error_message([] { arrange("hoper", usual_nodes(), {}, {}); }),
+             Contains("did you mean 'hopper'"));
   CHECK_THAT(test::error_message([] { arrange("motor_axis", usual_nodes(), {}, {}); }), Contains("--column"));
 }
 
@@ -236,10 +250,12 @@ TEST_CASE("two drives of a tree share the instants of the first, and angles of a
       text += format_candump({static_cast<std::int64_t>(std::llround(at_s * 1e9)), "can0", frame});
     };
     Frame command = empty_frame(message::kMotorCommand, 1);
-    static_cast<void>(put(command, with_range(table::kMotorCommand[4], info(Motor::ak80_9)), i < 100 ? 1.0f : -2.0f));
+    static_cast<void>(
+        put(command, with_range(table::kMotorCommand[4], info(Motor::ak80_9)), i < 100 ? 1.0f : -2.0f));
     write(t, command);
     Frame reply = empty_frame(message::kMotorReply, 1);
-    static_cast<void>(put(reply, with_range(table::kMotorReply[1], info(Motor::ak80_9)), static_cast<float>(2.0 * (t + 0.0002))));
+    static_cast<void>(put(reply, with_range(table::kMotorReply[1], info(Motor::ak80_9)),
+                          static_cast<float>(2.0 * (t + 0.0002))));
     write(t + 0.0002, reply);
     Frame axis = empty_frame(message::kOdriveEncoderEstimates, 2);
     static_cast<void>(put(axis, table::kOdriveEncoderEstimates[0], static_cast<float>(0.25 * (t + 0.0007))));
@@ -247,8 +263,8 @@ TEST_CASE("two drives of a tree share the instants of the first, and angles of a
     write(t + 0.0007, axis);
   }
   const std::string recording = folder.file("arm.log", text), out = folder.path() + "/arm.csv";
-  const test::Ran ran = test::run_furcula({"bus", "log", recording, "--rig", "tree", "--joint", "upper=Knee", "--joint",
-                                           "fore=Axis:2", "--out", out});
+  const test::Ran ran = test::run_furcula({"bus", "log", recording, "--rig", "tree", "--joint", "upper=Knee",
+                                           "--joint", "fore=Axis:2", "--out", out});
   INFO(ran.err);
   REQUIRE(ran.status == 0);
   const log::Log log = log::read_log(out, "tree");
@@ -278,7 +294,8 @@ TEST_CASE("furcula bus log writes logs that check reads, and ends with the contr
   // Two runs are two files.
   test::HopperBus later;
   later.start_ns += 10'000'000'000;
-  const std::string both = folder.file("both.log", test::HopperBus{}.candump(bouncing(1500)) + later.candump(bouncing(600)));
+  const std::string both =
+      folder.file("both.log", test::HopperBus{}.candump(bouncing(1500)) + later.candump(bouncing(600)));
   const test::Ran two = test::run_furcula({"bus", "log", both, "--out", out});
   CHECK_THAT(two.out, Contains("run.csv: 1500 rows") && Contains("run-2.csv: 600 rows"));
 
@@ -286,8 +303,9 @@ TEST_CASE("furcula bus log writes logs that check reads, and ends with the contr
   CHECK(test::run_furcula({"bus", "log", recording}).status == 2);
   CHECK(test::run_furcula({"bus", "log", recording, "--out", out, "--rig", "tree"}).status == 2);
   CHECK(test::run_furcula({"bus", "log", recording, "--out", folder.path() + "/none/run.csv"}).status == 2);
-  const test::Ran other = test::run_furcula(
-      {"bus", "log", recording, "--out", out, "--node", "B=controller:2", "--node", "K=mini_cheetah:1:ak80_9", "--node", "R=encoder:1"});
+  const test::Ran other =
+      test::run_furcula({"bus", "log", recording, "--out", out, "--node", "B=controller:2", "--node",
+                         "K=mini_cheetah:1:ak80_9", "--node", "R=encoder:1"});
   CHECK(other.status == 3);
   CHECK_THAT(other.err, Contains("no frame of B_Leg_State (id 0x442)"));
 }
@@ -297,8 +315,9 @@ TEST_CASE("a hopper's hidden cause is named through recordings of its bus as thr
   // Seed 4 draws a spring of another rate.
   const sim::Mystery hopper = sim::draw_mystery(4);
   REQUIRE(hopper.cause == dynamics::Effect::stiffness_error);
-  std::vector<std::string> command{"diagnose", "--model", folder.file("model.toml", model::format_model(hopper.model)),
-                                   "--out", folder.path() + "/found"};
+  std::vector<std::string> command{"diagnose", "--model",
+                                   folder.file("model.toml", model::format_model(hopper.model)), "--out",
+                                   folder.path() + "/found"};
   for (const log::Log& log : hopper.logs) {
     const std::string name = log.metadata.at("experiment");
     const std::string recording = folder.file(name + ".log", test::HopperBus{}.candump(log));
@@ -312,6 +331,7 @@ TEST_CASE("a hopper's hidden cause is named through recordings of its bus as thr
   CHECK(found.status == 0);
   // The truth's own rate, to three digits.
   const double stiffness_npm = hopper.truth.effects.at(hopper.cause)[0];
-  CHECK_THAT(found.out + found.err,
-             Contains("explained: ") && Contains("(stiffness_error: " + core::rounded(stiffness_npm, 3) + " N/m"));
+  CHECK_THAT(
+      found.out + found.err,
+      Contains("explained: ") && Contains("(stiffness_error: " + core::rounded(stiffness_npm, 3) + " N/m"));
 }

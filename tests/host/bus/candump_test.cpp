@@ -37,9 +37,10 @@ TEST_CASE("a time stamp has 1 to 9 decimals, or a date") {
   // 2024-02-29 is day 19782 since 1970: 54 years, 13 leap days, 59 days.
   CHECK(parse_candump(" (2024-02-29 01:02:03.000004)  can0  123   [0] ").time_ns ==
         (19782LL * 86400 + 3723) * 1'000'000'000 + 4000);
-  for (const char* time : {"1", "1.", ".5", "1.0000000000", "-1.000000", "9999999999999.000000", "2024-13-01 00:00:00.0",
-                           "2024-01-01 00:00:00", "1.5e3"})
-    CHECK_THAT(refusal_of("(" + std::string(time) + ") can0 123#00"), Contains("expected seconds with 1 to 9 decimals"));
+  for (const char* time : {"1", "1.", ".5", "1.0000000000", "-1.000000", "9999999999999.000000",
+                           "2024-13-01 00:00:00.0", "2024-01-01 00:00:00", "1.5e3"})
+    CHECK_THAT(refusal_of("(" + std::string(time) + ") can0 123#00"),
+               Contains("expected seconds with 1 to 9 decimals"));
 }
 
 TEST_CASE("extended ids, remote frames, empty ones and errors are told apart") {
@@ -71,7 +72,8 @@ TEST_CASE("directions, raw length codes, points between bytes and aligned names 
 }
 
 TEST_CASE("a frame of CAN FD or CAN XL is told from a classical one, and its data is not kept") {
-  for (const char* frame : {"123##0", "123##1112233", "1FFFFFFF##3AA.BB", "45123#81:00:12345678#11223344.556677"}) {
+  for (const char* frame :
+       {"123##0", "123##1112233", "1FFFFFFF##3AA.BB", "45123#81:00:12345678#11223344.556677"}) {
     const LogFrame f = parse_candump("(1.000000) can0 " + std::string(frame));
     CHECK(f.longer);
     CHECK(f.frame.size == 0);
@@ -82,8 +84,10 @@ TEST_CASE("a frame of CAN FD or CAN XL is told from a classical one, and its dat
 
 TEST_CASE("what candump prints on a screen is the same frame with each of its options") {
   for (const char* line :
-       {" (1436509052.249713)  can0  044   [5]  2A 36 6C 2B BA", " (1436509052.249713)  can0  044   {5}  2A 36 6C 2B BA",
-        " (1436509052.249713)  can0       044   [5]  2A 36 6C 2B BA", "(1436509052.249713)  can0  044   [5]  2A 36 6C 2B BA",
+       {" (1436509052.249713)  can0  044   [5]  2A 36 6C 2B BA",
+        " (1436509052.249713)  can0  044   {5}  2A 36 6C 2B BA",
+        " (1436509052.249713)  can0       044   [5]  2A 36 6C 2B BA",
+        "(1436509052.249713)  can0  044   [5]  2A 36 6C 2B BA",
         " (1436509052.249713)  can0  RX - -  044   [5]  2A 36 6C 2B BA",
         " (1436509052.249713)  can0  TX B E  044   [5]  2A 36 6C 2B BA",
         " (1436509052.249713)  can0  044   [5]  BA`2B`6C`36`2A",
@@ -112,14 +116,16 @@ TEST_CASE("what is wrong with a line is said with its value and what was expecte
   CHECK_THAT(refusal_of("(1.000000) can0123#00"), Contains("interface 'can0123#00'; expected"));
   CHECK_THAT(refusal_of("(1.000000) " + std::string(65, 'c') + " 123#00"), Contains("up to 64 characters"));
   CHECK_THAT(refusal_of("(1.000000) can0 123"), Contains("frame '123'; expected ID#DATA"));
-  CHECK_THAT(refusal_of("(1.000000) can0 1234#00"), Contains("id '1234'; expected 3 hexadecimal digits, or 8"));
+  CHECK_THAT(refusal_of("(1.000000) can0 1234#00"),
+             Contains("id '1234'; expected 3 hexadecimal digits, or 8"));
   CHECK_THAT(refusal_of("(1.000000) can0 12G#00"), Contains("id '12G'"));
   CHECK_THAT(refusal_of("(1.000000) can0 800#00"), Contains("id '800'; expected at most 7FF"));
   CHECK_THAT(refusal_of("(1.000000) can0 40000000#00"), Contains("expected at most 1FFFFFFF"));
   CHECK_THAT(refusal_of("(1.000000) can0 123#0"), Contains("data '0'; expected up to 8 bytes"));
   CHECK_THAT(refusal_of("(1.000000) can0 123#001122334455667788"), Contains("expected up to 8 bytes"));
   CHECK_THAT(refusal_of("(1.000000) can0 123#0x"), Contains("data '0x'"));
-  CHECK_THAT(refusal_of("(1.000000) can0 123#R9"), Contains("remote frame 'R9'; expected R, or R and a length"));
+  CHECK_THAT(refusal_of("(1.000000) can0 123#R9"),
+             Contains("remote frame 'R9'; expected R, or R and a length"));
   CHECK_THAT(refusal_of("(1.000000) can0 123#00 what"), Contains("'what' after the frame"));
   CHECK_THAT(refusal_of(" (1.5)  can0  123   [9]  00"), Contains("length '[9]'; expected bytes of data"));
   CHECK_THAT(refusal_of(" (1.5)  can0  123   [3]  00 01"), Contains("data ''; expected as many bytes"));

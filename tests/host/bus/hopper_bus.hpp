@@ -23,7 +23,9 @@ struct HopperBus {
   std::int64_t start_ns = 1'732'672'000'000'000'000;
   std::uint32_t telemetry_ticks = 10;  ///< of Body_State and Leg_State
   /// false: the frame is lost. Of the tick, and the message's name.
-  std::function<bool(std::size_t tick, std::string_view message)> comes = [](std::size_t, std::string_view) { return true; };
+  std::function<bool(std::size_t tick, std::string_view message)> comes = [](std::size_t, std::string_view) {
+    return true;
+  };
 
   /// The recording, in the order of its stamps: 20 ticks with the drive off, the log's rows, 20 ticks with it off again.
   template <typename Take>

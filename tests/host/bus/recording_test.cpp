@@ -51,7 +51,8 @@ class Drops final : public core::ByteSource {
 std::string good_lines(int n, int first = 0) {
   std::string text;
   for (int i = first; i < first + n; ++i)
-    text += format_candump({1000LL * i, "can0", {static_cast<std::uint32_t>(i % 0x800), 1, false, false, {1}}});
+    text +=
+        format_candump({1000LL * i, "can0", {static_cast<std::uint32_t>(i % 0x800), 1, false, false, {1}}});
   return text;
 }
 
@@ -69,12 +70,15 @@ TEST_CASE("a long recording is read line by line, the last one without a line en
   Drops source(text);
   const Recording r = read(source);
   REQUIRE(r.frames.size() == 3000);
-  for (std::size_t i = 0; i < r.frames.size(); ++i) REQUIRE(r.frames[i].time_ns == 1000 * static_cast<std::int64_t>(i));
+  for (std::size_t i = 0; i < r.frames.size(); ++i)
+    REQUIRE(r.frames[i].time_ns == 1000 * static_cast<std::int64_t>(i));
   CHECK(r.remarks.empty());
 }
 
-TEST_CASE("line ends of other systems, a byte order mark, empty lines and comments are passed over without a word") {
-  const Recording r = read("\xef\xbb\xbf# bench 3\r\n" + good_lines(1) + "\r\n\n; a note\n" + good_lines(1, 1));
+TEST_CASE(
+    "line ends of other systems, a byte order mark, empty lines and comments are passed over without a word") {
+  const Recording r =
+      read("\xef\xbb\xbf# bench 3\r\n" + good_lines(1) + "\r\n\n; a note\n" + good_lines(1, 1));
   CHECK(r.frames.size() == 2);
   CHECK(r.remarks.empty());
   CHECK(r.error.empty());
@@ -91,8 +95,8 @@ TEST_CASE("an odd line costs itself alone and is named") {
   CHECK(read(good_lines(2) + "(0.00(0.000002) can0 123#00\n" + good_lines(2)).frames.size() == 4);
   const Recording many = read(good_lines(60) + "a\nb\nc\nd\ne\n" + good_lines(60));
   CHECK(many.frames.size() == 120);
-  CHECK_THAT(many.remarks, Contains("5 lines that are no frames") && Contains("line 61: 'a'") && Contains("line 63: 'c'") &&
-                               !Contains("line 64") && Contains("; ...\n"));
+  CHECK_THAT(many.remarks, Contains("5 lines that are no frames") && Contains("line 61: 'a'") &&
+                               Contains("line 63: 'c'") && !Contains("line 64") && Contains("; ...\n"));
 }
 
 TEST_CASE("an overlong line is one odd line, in bounded memory") {
@@ -115,8 +119,9 @@ TEST_CASE("a torn last line is said, and the frames before it are kept") {
 
 TEST_CASE("a file of which too much is no frame is refused with what was expected and how to record") {
   const Recording r = read(good_lines(40) + "a\nb\nc\nd\ne\nf\n");
-  CHECK_THAT(r.error, Contains("can.log:41: 'a'; expected (SECONDS) INTERFACE ID#DATA (6 of 46 lines are no frames") &&
-                          Contains("record with: candump -L can0 > can.log"));
+  CHECK_THAT(r.error,
+             Contains("can.log:41: 'a'; expected (SECONDS) INTERFACE ID#DATA (6 of 46 lines are no frames") &&
+                 Contains("record with: candump -L can0 > can.log"));
   CHECK_THAT(read(good_lines(1) + "what\n").error, Contains("can.log:2: 'what'"));
   CHECK_THAT(read("what").error, Contains("can.log:1: 'what'"));
   // A file of something else is known before its end.
@@ -176,17 +181,21 @@ TEST_CASE("time stamps of a screen count from the start, or are differences and 
 }
 
 TEST_CASE("time that goes back is said, with the line") {
-  const Recording r = read("(10.000000) can0 123#00\n(10.500000) can0 123#00\n(8.250000) can1 123#00\n(8.250000) can0 123#00\n");
+  const Recording r = read(
+      "(10.000000) can0 123#00\n(10.500000) can0 123#00\n(8.250000) can1 123#00\n(8.250000) can0 123#00\n");
   CHECK(r.frames.size() == 4);
-  CHECK(r.remarks ==
-        "time goes back 1 time, by 2.25 s at most, first in line 3 (was the clock set, or are these two recordings?)\n");
+  CHECK(
+      r.remarks ==
+      "time goes back 1 time, by 2.25 s at most, first in line 3 (was the clock set, or are these two recordings?)\n");
   CHECK_THAT(read("(1.000300) can0 123#00\n(1.000100) can1 123#00\n").remarks, Contains("two interfaces"));
 }
 
 TEST_CASE("Vector's text format is read: ids, remote frames, errors, CAN FD and events between them") {
-  const std::string header = "date Wed Nov 27 01:46:40.123 am 2024\nbase hex  timestamps absolute\ninternal events logged\n// version 9.0.0\n";
+  const std::string header =
+      "date Wed Nov 27 01:46:40.123 am 2024\nbase hex  timestamps absolute\ninternal events logged\n// version 9.0.0\n";
   const Recording r = read(
-      header + "Begin Triggerblock Wed Nov 27 01:46:40.123 am 2024\n"
+      header +
+      "Begin Triggerblock Wed Nov 27 01:46:40.123 am 2024\n"
       "   0.000000 Start of measurement\n"
       "   0.012345 1  123             Rx   d 8 01 02 03 04 05 06 07 08  Length = 242000 BitCount = 124 ID = 291\n"
       "   0.012500 1  Statistic: D 0 R 0 XD 0 XR 0 E 0 O 0 B 0.00%\n"
