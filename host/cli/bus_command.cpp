@@ -73,7 +73,9 @@ class RunFiles {
   // docs/contracts.md, section 1: of a tree's log. A run of 0.05 s is none.
   static constexpr std::size_t kFewestRows = 50;
   struct File {
-    std::string path, part;
+    std::string path;
+    std::string target;  ///< what a link names
+    std::string part;    ///< until it is whole; empty: written as it is
     std::size_t rows = 0;
     double seconds = 0.0;
   };
@@ -90,13 +92,19 @@ class RunFiles {
       close();
       run_ = run;
       begin_s_ = row.front();
-      // A device or a pipe is written to as it is.
+      namespace fs = std::filesystem;
       const std::string path = of_run(files_.size() + 1);
       std::error_code ignored;
-      const bool plain =
-          !std::filesystem::exists(path, ignored) || std::filesystem::is_regular_file(path, ignored);
-      files_.push_back({path, plain ? path + "." + std::to_string(::getpid()) : ""});
-      stream_.open(plain ? files_.back().part : path, std::ios::binary | std::ios::trunc);
+      const bool exists = fs::exists(path, ignored);
+      if (exists && fs::is_directory(path, ignored))
+        throw core::OutputError(path + ": cannot be written: it is a directory");
+      File file{path, path, ""};
+      // A link's target is replaced, not the link (/dev/stdout is one); a device or a pipe is written to as it is.
+      if (exists) file.target = fs::canonical(path, ignored).string();
+      if (!exists || (!file.target.empty() && fs::is_regular_file(file.target, ignored)))
+        file.part = file.target + ".part-" + std::to_string(::getpid());
+      stream_.open(file.part.empty() ? path : file.part, std::ios::binary | std::ios::trunc);
+      files_.push_back(std::move(file));
       stream_ << header_;
     }
     text_.clear();
@@ -118,8 +126,8 @@ class RunFiles {
     for (File& f : files_) {
       if (f.part.empty()) continue;
       std::error_code error;
-      std::filesystem::rename(f.part, f.path, error);
-      if (error) throw core::OutputError(f.path + " cannot be written: " + error.message());
+      std::filesystem::rename(f.part, f.target, error);
+      if (error) throw core::OutputError(f.path + ": cannot be written: " + error.message());
       f.part.clear();
     }
     return std::move(files_);
@@ -141,7 +149,7 @@ class RunFiles {
     if (run_ == 0) return;
     run_ = 0;
     stream_.close();
-    if (!stream_) throw core::OutputError(files_.back().path + " cannot be written");
+    if (!stream_) throw core::OutputError(files_.back().path + ": cannot be written");
     if (files_.back().rows >= kFewestRows) return;
     ++short_;
     remove(files_.back());

@@ -2,6 +2,7 @@
 #include "host/bus/bus_log.hpp"
 
 #include <catch2/catch.hpp>
+#include <filesystem>
 #include <numbers>
 
 #include "host/core/message.hpp"
@@ -298,6 +299,17 @@ TEST_CASE("furcula bus log writes logs that check reads, and ends with the contr
       folder.file("both.log", test::HopperBus{}.candump(bouncing(1500)) + later.candump(bouncing(600)));
   const test::Ran two = test::run_furcula({"bus", "log", both, "--out", out});
   CHECK_THAT(two.out, Contains("run.csv: 1500 rows") && Contains("run-2.csv: 600 rows"));
+
+  // A link stays one, and what it names is replaced; /dev/stdout is such a link.
+  const std::string link = folder.path() + "/link.csv";
+  std::filesystem::create_symlink(out, link);
+  CHECK(test::run_furcula({"bus", "log", recording, "--out", link}).status == 0);
+  CHECK(std::filesystem::is_symlink(link));
+  CHECK(log::read_log(out, "hopper").rows() == 1500);
+  const test::Ran to_pipe = test::run_furcula({"bus", "log", recording, "--out", "/dev/stdout"});
+  CHECK_THAT(to_pipe.out, Catch::Matchers::StartsWith("# format: furcula-log/1\n"));
+  CHECK(std::filesystem::is_symlink("/dev/stdout"));
+  CHECK(test::run_furcula({"bus", "log", recording, "--out", folder.path()}).status == 2);
 
   CHECK(test::run_furcula({"bus", "log", recording, "--out", recording}).status == 2);
   CHECK(test::run_furcula({"bus", "log", recording}).status == 2);
