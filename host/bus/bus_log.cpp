@@ -61,37 +61,6 @@ std::string times(std::uint64_t n, std::string_view what) {
 
 }  // namespace
 
-void LineFit::add(double x, double y, double x_error) {
-  if (n_++ == 0) {
-    x0_ = x;
-    y0_ = y;
-  }
-  // From the first pair: counts of an encoder may be large, and their differences matter.
-  x -= x0_;
-  y -= y0_;
-  const double w = 1.0 / (x_error * x_error);
-  w_ += w;
-  x_ += w * x;
-  y_ += w * y;
-  xx_ += w * x * x;
-  xy_ += w * x * y;
-  yy_ += w * y * y;
-}
-
-double LineFit::spread() const { return n_ < 2 ? 0.0 : xx_ - x_ * x_ / w_; }
-
-double LineFit::slope() const { return spread() > 0.0 ? (xy_ - x_ * y_ / w_) / spread() : kNone; }
-
-double LineFit::offset(double slope) const { return y0_ + y_ / w_ - slope * (x0_ + x_ / w_); }
-
-double LineFit::standard_error() const {
-  if (n_ < 3 || !(spread() > 0.0)) return std::numeric_limits<double>::infinity();
-  // What is left, or what the errors of x make of it where by chance less is.
-  const double squares = yy_ - y_ * y_ / w_ - slope() * slope() * spread();
-  const double variance = std::max(squares / static_cast<double>(n_ - 2), slope() * slope() / 12.0);
-  return std::sqrt(variance / spread());
-}
-
 MessageFinder::MessageFinder(std::vector<Node> nodes) : nodes_(std::move(nodes)) {
   check_nodes(nodes_);
   messages_ = messages_of(nodes_);
@@ -122,13 +91,13 @@ Survey::Survey(const MessageFinder& finder, const Arrangement& arrangement)
     if (column == arrangement.columns.end()) continue;
     const NodeMessage &of = finder.named(column->node, column->message),
                       &from = finder.named(told.node, told.message);
-    pairs_.push_back(
+    told_.push_back(
         {&told, &of, &from, *signal_of(of, column->signal), *signal_of(from, told.signal), {}, {}, true, {}});
   }
 }
 
 void Survey::take_pairs(const LogFrame& frame, const NodeMessage& message) {
-  for (Pair& p : pairs_) {
+  for (Told& p : told_) {
     const bool told = &message == p.from;
     if (!told && &message != p.of) continue;
     if (!told) {
@@ -141,7 +110,8 @@ void Survey::take_pairs(const LogFrame& frame, const NodeMessage& message) {
       const double y = value_of(frame.frame, p.told_value);
       // Of which of two ticks the board tells is not known: the value may be off by a step and what it moved between them.
       const double moved = *p.last - *p.before;
-      if (std::isfinite(moved) && std::isfinite(y)) p.fit.add(*p.last, y, std::hypot(factor(p.value), moved));
+      if (std::isfinite(moved) && std::isfinite(y))
+        p.sample.add({*p.last, y, std::hypot(factor(p.value), moved)});
     }
   }
 }
@@ -156,37 +126,41 @@ void Survey::add(const LogFrame& frame) {
   take_pairs(frame, *message);
 }
 
-void Survey::calibrate(const Pair& p, Arrangement& out, std::vector<std::string>& notes) const {
+void Survey::calibrate(const Told& t, Arrangement& out, std::vector<std::string>& notes) const {
   const auto column = std::find_if(out.columns.begin(), out.columns.end(),
-                                   [&](const Column& c) { return c.name == p.told->column; });
+                                   [&](const Column& c) { return c.name == t.calibration->column; });
   if (column == out.columns.end()) return;
-  double slope = p.fit.slope();
-  const double error = p.fit.standard_error();
-  const std::string of = p.of->name + "." + std::string(p.value.name),
-                    from = p.from->name + "." + std::string(p.told_value.name);
-  if (!(error < kScaleError * std::abs(slope))) {
+  const std::vector<std::string>& torques = t.calibration->torques;
+  const std::string of = t.of->name + "." + std::string(t.value.name),
+                    from = t.from->name + "." + std::string(t.told_value.name);
+  const double step = factor(t.told_value);
+  const std::optional<Line> line = fit_line(t.sample.pairs(), step);
+  if (!line || !(line->slope_error < kScaleError * std::abs(line->slope))) {
     if (!column->required) {
       notes.push_back(column->name + " is " + of + " as it stands: " + from +
                       " does not move enough to tell zero and gear");
       return;
     }
-    throw DataError(column->name + ": what " + of + " means is not told: " + times(p.fit.pairs(), "value") +
-                    " of " + from + ", too few or over too small a range; record a hop, or add --column " +
+    throw DataError(column->name + ": what " + of +
+                    " means is not told: " + times(t.sample.pairs().size(), "value") + " of " + from +
+                    ", too few, over too small a range or on no line; record a hop, or add --column " +
                     column->name + "=" + column->node + "." + column->message + "." + column->signal +
                     "*METRES_PER_COUNT+HEIGHT_AT_0");
   }
+  double slope = line->slope;
   // The drive turns with the leg, or against it: nearer than what counts it is exactly so.
-  if (!p.told->torques.empty() && std::abs(std::abs(slope) - 1.0) < std::max(kScaleError, 3.0 * error))
+  if (!torques.empty() && std::abs(std::abs(slope) - 1.0) < std::max(kScaleError, 3.0 * line->slope_error))
     slope = slope > 0.0 ? 1.0 : -1.0;
   column->scale = slope;
-  column->offset = p.fit.offset(slope);
-  if (!p.told->torques.empty() && std::abs(column->offset) < factor(p.told_value)) column->offset = 0.0;
+  column->offset = line->offset_at(slope);
+  // Nor is a zero told that is nearer to none than a step of either.
+  if (!torques.empty() && std::abs(column->offset) < std::max(step, factor(t.value))) column->offset = 0.0;
   for (Column& c : out.columns)
-    if (std::find(p.told->torques.begin(), p.told->torques.end(), c.name) != p.told->torques.end())
-      c.scale /= slope;
-  notes.push_back(column->name + " = " + digits(slope) + " x " + of + (column->offset < 0.0 ? " - " : " + ") +
-                  digits(std::abs(column->offset)) + ", from " + times(p.fit.pairs(), "value") + " of " +
-                  from);
+    if (std::find(torques.begin(), torques.end(), c.name) != torques.end()) c.scale /= slope;
+  notes.push_back(
+      column->name + " = " + digits(slope) + " x " + of + (column->offset < 0.0 ? " - " : " + ") +
+      digits(std::abs(column->offset)) + ", from " + times(line->pairs, "value") + " of " + from +
+      (line->left_out == 0 ? "" : "; " + std::to_string(line->left_out) + " on no line with them left out"));
 }
 
 Arrangement Survey::finish(std::vector<std::string>& notes) const {
@@ -207,7 +181,7 @@ Arrangement Survey::finish(std::vector<std::string>& notes) const {
           c.name + "=NODE.MESSAGE.SIGNAL");
     notes.push_back(c.name + " is left out: no frame of " + name_and_id(m) + " in it");
   }
-  for (const Pair& p : pairs_) calibrate(p, out, notes);
+  for (const Told& t : told_) calibrate(t, out, notes);
   for (const Column& c : out.columns)
     if (c.join == Join::step)
       notes.push_back(c.name + " is told by " + c.node + "_" + c.message +

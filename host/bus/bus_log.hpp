@@ -14,28 +14,10 @@
 #include "furcula/bus/stream.hpp"
 #include "host/bus/candump.hpp"
 #include "host/bus/columns.hpp"
+#include "host/bus/line_fit.hpp"
 #include "host/bus/nodes.hpp"
 
 namespace furcula::bus {
-
-/// A straight line through pairs by weighted least squares, from sums.
-class LineFit {
- public:
-  /// `x_error`: what x may be off by.
-  void add(double x, double y, double x_error);
-  std::uint64_t pairs() const { return n_; }
-  double slope() const;
-  /// Of a line with this slope through the middle of the pairs.
-  double offset(double slope) const;
-  /// Of the slope; infinite where it is not known.
-  double standard_error() const;
-
- private:
-  double spread() const;
-
-  std::uint64_t n_ = 0;
-  double x0_ = 0.0, y0_ = 0.0, w_ = 0.0, x_ = 0.0, y_ = 0.0, xx_ = 0.0, xy_ = 0.0, yy_ = 0.0;
-};
 
 /// Finds the messages of a bus' nodes among frames.
 class MessageFinder {
@@ -62,21 +44,21 @@ class Survey {
   Arrangement finish(std::vector<std::string>& notes) const;
 
  private:
-  struct Pair {
-    const Calibration* told;
+  struct Told {
+    const Calibration* calibration;
     const NodeMessage *of, *from;
     Signal value, told_value;
     std::optional<double> before, last;
     bool usable = true;
-    LineFit fit;
+    PairSample sample;
   };
   void take_pairs(const LogFrame& frame, const NodeMessage& message);
-  void calibrate(const Pair& pair, Arrangement& out, std::vector<std::string>& notes) const;
+  void calibrate(const Told& told, Arrangement& out, std::vector<std::string>& notes) const;
 
   const MessageFinder& finder_;
   const Arrangement& arrangement_;
   std::vector<std::uint64_t> counts_;  ///< of the columns' messages
-  std::vector<Pair> pairs_;
+  std::vector<Told> told_;
 };
 
 /// Second reading: rows.

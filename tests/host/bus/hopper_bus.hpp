@@ -71,7 +71,8 @@ struct HopperBus {
 
       if (tick % telemetry_ticks == 0) {
         Frame body = stamped(kBodyState, body_number++, 0.0005);
-        set(body, kBodyState, "Height", count_0_m + count * metres_per_count);
+        // Before its first sample a board has no height, and says 0.
+        set(body, kBodyState, "Height", tick == 0 ? 0.0 : count_0_m + count * metres_per_count);
         set(body, kBodyState, "Velocity", at("velocity_mps"));
         send(body, "Body_State", 700'000);
       }
