@@ -160,7 +160,7 @@ void Survey::calibrate(const Told& t, Arrangement& out, std::vector<std::string>
   notes.push_back(
       column->name + " = " + digits(slope) + " x " + of + (column->offset < 0.0 ? " - " : " + ") +
       digits(std::abs(column->offset)) + ", from " + times(line->pairs, "value") + " of " + from +
-      (line->left_out == 0 ? "" : "; " + std::to_string(line->left_out) + " on no line with them left out"));
+      (line->left_out == 0 ? "" : "; " + std::to_string(line->left_out) + " off this line left out"));
 }
 
 Arrangement Survey::finish(std::vector<std::string>& notes) const {
