@@ -191,7 +191,7 @@ TEST_CASE("what a log needs and the recording has not is said, with what to do")
   const auto refusal = [](test::HopperBus bus, log::Log log) {
     return test::error_message([&] { log_of(frames_of(bus, log)); });
   };
-  const auto without = [](std::string name) {
+  const auto without = [](const std::string& name) {
     test::HopperBus bus;
     bus.comes = [name](std::size_t, std::string_view message) { return message != name; };
     return bus;

@@ -8,7 +8,7 @@ using namespace furcula::bus;
 TEST_CASE("a line is found with its error, and what lies off it is left out") {
   std::vector<Pair> pairs;
   for (int i = 0; i < 100; ++i) pairs.push_back({1e6 + i, 0.5 - 2.0 * i, 1.0});
-  for (int i = 0; i < 20; ++i) pairs[static_cast<std::size_t>(5 * i)].y = 1e4;
+  for (std::size_t i = 0; i < 100; i += 5) pairs[i].y = 1e4;
   const auto line = fit_line(pairs, 0.1);
   REQUIRE(line);
   CHECK(line->slope == Approx(-2.0));

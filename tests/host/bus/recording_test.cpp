@@ -133,7 +133,7 @@ TEST_CASE("a file of which too much is no frame is refused with what was expecte
 }
 
 TEST_CASE("files of other programs are named, with the way to convert them") {
-  const auto refused = [](std::string start) { return read(start + std::string(100, ' ')).error; };
+  const auto refused = [](const std::string& start) { return read(start + std::string(100, ' ')).error; };
   CHECK_THAT(refused("LOGG"), Contains("(.blf)") && Contains("can.logconvert"));
   CHECK_THAT(refused("MDF "), Contains("can.logconvert"));
   CHECK_THAT(refused(";$FILEVERSION=2.1"), Contains(".trc"));
