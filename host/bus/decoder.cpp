@@ -60,8 +60,8 @@ void Decoder::count(Counts& counts, const LogFrame& frame) {
 
 void Decoder::decode(const LogFrame& in, std::string& rows) {
   const Frame& frame = in.frame;
-  if (in.error || frame.remote) {
-    ++(in.error ? error_ : remote_);
+  if (in.error || frame.remote || in.longer) {
+    ++(in.error ? error_ : in.longer ? longer_ : remote_);
     return;
   }
   const NodeMessage* found = nullptr;
@@ -81,8 +81,13 @@ void Decoder::decode(const LogFrame& in, std::string& rows) {
   }
   ++decoded_;
   char time[40];
-  std::snprintf(time, sizeof time, "%lld.%06lld", static_cast<long long>(in.time_us / 1000000),
-                static_cast<long long>(in.time_us % 1000000));
+  // Nanoseconds where they are there.
+  const auto whole_s = static_cast<long long>(in.time_ns / 1'000'000'000),
+             part_ns = static_cast<long long>(in.time_ns % 1'000'000'000);
+  if (part_ns % 1000 == 0)
+    std::snprintf(time, sizeof time, "%lld.%06lld", whole_s, part_ns / 1000);
+  else
+    std::snprintf(time, sizeof time, "%lld.%09lld", whole_s, part_ns);
   // Quotes and commas in an interface's name: CSV's rules.
   std::string interface = in.interface;
   if (interface.find_first_of(",\"") != interface.npos) {
@@ -110,6 +115,7 @@ std::string Decoder::remarks() const {
   add(total(unknown_), "of ids that no message has: " + listed(unknown_, kListed));
   add(total(wrong_length_),
       "of a length that their message does not have: " + listed(wrong_length_, kListed));
+  add(longer_, "of CAN FD, not decoded");
   add(remote_, "asking for data (remote)");
   add(error_, "reporting an error of the bus");
   return out;

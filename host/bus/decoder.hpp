@@ -34,7 +34,7 @@ class Decoder {
 
   std::vector<Node> nodes_;
   std::vector<NodeMessage> messages_;
-  std::uint64_t decoded_ = 0, remote_ = 0, error_ = 0;
+  std::uint64_t decoded_ = 0, remote_ = 0, error_ = 0, longer_ = 0;
   Counts unknown_, wrong_length_;
 };
 

@@ -20,9 +20,51 @@ Classical CAN, 1 Mbit/s, 11-bit ids. This page is what `furcula bus docs` prints
 
     furcula bus dbc > furcula.dbc            # for other tools: SavvyCAN, cantools, Wireshark, …
     furcula bus decode can.log > can.csv     # a recording of `candump -L can0 > can.log`, one row a signal
+    furcula bus log can.log --out run.csv    # the same recording as a log, one row a tick, for check, identify and diagnose
 
-Both take the nodes of the bus as `--node NAME=PROTOCOL:ID`, once for each, and for a motor `--node NAME=mini_cheetah:ID:MOTOR`; without
+All take the nodes of the bus as `--node NAME=PROTOCOL:ID`, once for each, and for a motor `--node NAME=mini_cheetah:ID:MOTOR`; without
 it: )";
+
+constexpr std::string_view kRecordings = R"(
+## Recordings
+
+Record with `candump -L can0 > can.log`. What is read:
+
+| format | of |
+| --- | --- |
+| log: `(SECONDS) INTERFACE ID#DATA` | `candump -L`, `-l`, `-f`, with `-x`, `-8`, nanoseconds (1 to 9 decimals); python-can's `.log` |
+| screen: `(SECONDS)  INTERFACE  ID   [LENGTH]  BYTES` | `candump -ta`, `-tA`, `-tz`, `-td`, with `-x`, `-8`, `-i`, `-a`, `-S`, `-e`, `-c`, `-d`; `log2long` |
+| Vector's text, `.asc` | CANoe, CANalyzer, `log2asc`, python-can |
+
+- Frames of CAN FD and CAN XL, remote frames, error frames, unknown ids and wrong lengths are counted and not decoded.
+- A line that is no frame is left out, and the first three are named. A torn last line is left out and said. More than 3 and a twentieth of the lines, or as many as there are frames, are status 3.
+- Stamps of `-tz` and `-td` look alike: they are taken as differences where most are smaller than an earlier one. A recording without time stamps is status 3.
+- Other files (`.blf`, `.mf4`, `.trc`, `.pcap`, UTF-16, compressed ones) are status 3, with the way to convert them.
+
+## From a recording to a log
+
+`furcula bus log` makes a log `furcula-log/1` ([contracts](contracts.md)) of a recording, which it reads twice. A row is a frame of the encoder's `Sample`, at the instant of its content: stamp less age. For a hopper:
+
+| column | from | in a row |
+| --- | --- | --- |
+| `height_m` | `Sample.Count` of the first `encoder` node | of the frame |
+| `torque_cmd_nm` | `Command.Torque` of the first `mini_cheetah` drive | sent before the next `Sample`; a lost one is the row before's |
+| `leg_angle_rad`, `torque_nm` | `Reply.Position`, `Reply.Torque` of that drive | came before the next `Sample`; a lost one is interpolated |
+| `contact`, `solenoid` | `Leg_State` of the first `controller` node, every 10 ms | a change is taken in the middle between two frames: 5 ms early or late at most |
+
+What a count is in metres, and the zero, sense and gear between drive and leg, follow from `Body_State.Height` and `Leg_State.Leg_Angle`, which the board tells of the same numbers. The command says what it found, held, interpolated, lost and left out.
+Rows with the drive off are left out, because somebody then holds the robot. Each time that it is switched on is a run with a file of its own: `run.csv`, `run-2.csv` and so on. A delay of the contact switch of a few milliseconds does not show in such a log.
+
+Other machines:
+
+    furcula bus log can.log --out run.csv --rig rotary_joint --joint angle=Axis
+    furcula bus log can.log --out run.csv --rig tree --joint knee=Knee --joint hip=Axis:-6      # turns of the motor to one of the joint
+    furcula bus log can.log --out run.csv --rig motor_axis --column position_m=Axis.Get_Encoder_Estimates.Position*0.01 --column force_n=Axis.Set_Input_Torque.Torque*628.3
+
+A row is then a reply of the first drive; values of the others are interpolated to its stamp. `--column NAME=NODE.MESSAGE.SIGNAL*SCALE+OFFSET` adds a column or takes the place of one.
+
+## Rules
+)";
 
 constexpr std::string_view kRules = R"(
 Ids of nodes are from 1 to 31. In the tables an id is given for node `n`; the start bit is that of a DBC file, big-endian signals start at their most
@@ -222,7 +264,8 @@ std::string to_markdown() {
            (n.protocol == Protocol::mini_cheetah ? ":" + std::string(info(n.motor).name) : "") + "`";
     between = ", ";
   }
-  out += ".\n" + std::string(kRules) + std::to_string(kProtocolVersion) + std::string(kStream);
+  out += ".\n" + std::string(kRecordings) + std::string(kRules) + std::to_string(kProtocolVersion) +
+         std::string(kStream);
   for (const Protocol p : {Protocol::controller, Protocol::encoder, Protocol::mini_cheetah, Protocol::odrive,
                            Protocol::walker}) {
     out += "\n## Protocol `" + std::string(name_of(p)) + "`\n";

@@ -1,10 +1,12 @@
-// The reader of candump's logs, and the decoder of what it reads.
+// The reader of recordings of a bus, and what is made of what it reads: signals, and rows of a log.
 #include <string>
 #include <vector>
 
 #include "furcula/bus/codec.hpp"
-#include "host/bus/candump.hpp"
+#include "host/bus/bus_log.hpp"
+#include "host/bus/columns.hpp"
 #include "host/bus/decoder.hpp"
+#include "host/bus/recording.hpp"
 #include "host/core/error.hpp"
 #include "tests/fuzz/target.hpp"
 
@@ -24,29 +26,57 @@ void check_signals(const bus::Frame& frame, const std::vector<bus::NodeMessage>&
     }
 }
 
+/// A hopper's columns whose counts are known.
+bus::Arrangement hopper(const bus::MessageFinder& finder) {
+  return bus::arrange("hopper", bus::usual_nodes(), {},
+                      {bus::parse_column("height_m=Rail.Sample.Count*0.0001+0.1", finder.messages())});
+}
+
 }  // namespace
 
 bool accepts(std::string_view input) {
   static const std::vector<bus::Node> nodes = bus::usual_nodes();
   static const std::vector<bus::NodeMessage> messages = bus::messages_of(nodes);
+  static const bus::MessageFinder finder(nodes);
+  static const bus::Arrangement arrangement = hopper(finder);
   bus::Decoder decoder(nodes);
+  bus::Survey survey(finder, arrangement);
+  double last_s = -1.0;
+  std::size_t last_run = 1;
+  bus::RowMaker maker(finder, arrangement, [&](std::size_t run, const std::vector<double>& row) {
+    require(row.size() == arrangement.columns.size() + 1, "a row has a value for each column");
+    for (const double value : row) require(value - value == 0.0, "a row holds numbers");
+    require(row.front() > last_s && run >= last_run, "time goes on");
+    last_s = row.front();
+    last_run = run;
+  });
   core::TextSource source(input);
-  bus::CandumpReader reader(source, "input");
+  bus::RecordingReader reader(source, "input");
   std::string rows;
   try {
     bus::LogFrame frame;
     while (reader.next(frame)) {
       std::string line = bus::format_candump(frame);
       line.pop_back();
-      require(bus::parse_candump(line) == frame, "a written frame reads back the same");
+      require(frame.longer || bus::parse_candump(line) == frame, "a written frame reads back the same");
       check_signals(frame.frame, messages);
+      survey.add(frame);
+      maker.add(frame);
       rows.clear();
       decoder.decode(frame, rows);
     }
   } catch (const core::DataError&) {
     return false;
   }
+  maker.finish();
+  maker.notes();
+  std::vector<std::string> notes;
+  try {
+    survey.finish(notes);
+  } catch (const core::DataError&) {  // no hopper's
+  }
   decoder.remarks();
+  reader.remarks();
   return true;
 }
 

@@ -32,6 +32,13 @@ TEST_CASE("a frame becomes a row for each of its signals") {
   CHECK_THAT(rows_of("049#0000C07F00000000"), Contains("Position,nan,rev"));
 }
 
+TEST_CASE("nanoseconds of a stamp stay where they are there") {
+  Decoder decoder(usual_nodes());
+  std::string rows;
+  decoder.decode(parse_candump("(12.000345678) can0 001#FFFFFFFFFFFFFFFC"), rows);
+  CHECK(rows == "12.000345678,can0,Knee_Enter_Motor_Mode,,,\n");
+}
+
 TEST_CASE("a motor's special frames are named, and its reply is read at both lengths") {
   CHECK(rows_of("001#FFFFFFFFFFFFFFFC") == "12.000345,can0,Knee_Enter_Motor_Mode,,,\n");
   CHECK(rows_of("001#FFFFFFFFFFFFFFFD") == "12.000345,can0,Knee_Exit_Motor_Mode,,,\n");
@@ -54,6 +61,7 @@ TEST_CASE("what cannot be decoded is counted, with its id") {
   CHECK(rows_of("049#00") == "1 frame of a length that their message does not have: 0x049 (1)\n");
   CHECK(rows_of("000#01FFFF") == "1 frame of a length that their message does not have: 0x000 (1)\n");
   CHECK(rows_of("049#R8") == "1 frame asking for data (remote)\n");
+  CHECK(rows_of("049##10000803F000000C0") == "1 frame of CAN FD, not decoded\n");
   CHECK(rows_of("20000004#0000000000000000") == "1 frame reporting an error of the bus\n");
 }
 
