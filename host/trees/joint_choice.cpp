@@ -180,20 +180,22 @@ class Chooser {
       }
     }
   }
-  /// Names with most words in common, for those that are left.
+  /// Names with most words in common, for those that are left; the first that nobody has where none has any.
   void propose(const std::vector<std::string>& all) {
     constexpr std::size_t kMost = 4;
     std::vector<std::string> lines;
+    std::set<std::string> proposed;
     for (const std::string& name : all) {
       const UrdfJoint* j = joint(name);
       if (j == nullptr || is_recorded(name)) continue;
       const Words own = sorted(telling(words_of(name)));
-      std::string best;
+      std::string best, first;
       std::size_t most = 0;
       for (const std::string& other : foreign(slides(*j))) {
         const bool taken = std::any_of(out_.logged.begin(), out_.logged.end(),
                                        [&](const auto& pair) { return pair.second == other; });
         if (taken) continue;
+        if (first.empty() && !proposed.contains(other)) first = other;
         const Words its = sorted(telling(words_of(other)));
         Words common;
         std::set_intersection(own.begin(), own.end(), its.begin(), its.end(), std::back_inserter(common));
@@ -202,6 +204,8 @@ class Chooser {
           best = other;
         }
       }
+      if (best.empty()) best = first;
+      proposed.insert(best);
       if (!best.empty())
         lines.push_back(angle_column(name, slides(*j)) + " = { column = \"" + angle_column(best, slides(*j)) +
                         "\" }");
