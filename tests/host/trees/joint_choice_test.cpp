@@ -139,6 +139,16 @@ TEST_CASE("Where several names fit, or none, a line of a map file is proposed") 
                  Contains("in a --map file: angle_left_hip_rad = { column = \"angle_hip_rad\" }"));
 }
 
+TEST_CASE("A log that counts joints from 0 is not taken for one that counts from 1") {
+  const trees::TreeModel m =
+      model_of({"joint_1", "joint_2", "joint_3"}, {{}, angles({"joint_0", "joint_1", "joint_2"}), false});
+  CHECK(m.joints() == 3);
+  CHECK_THAT(m.map_lines, Contains("angle_joint_1_rad = { column = \"angle_joint_0_rad\" }") &&
+                              Contains("angle_joint_3_rad = { column = \"angle_joint_2_rad\" }"));
+  // Both have them all, or the log has more: no counting is needed.
+  CHECK(choose({"joint_1", "joint_2"}, angles({"joint_0", "joint_1", "joint_2"})).map_lines.empty());
+}
+
 TEST_CASE("All columns of a joint have the name that the log calls it by") {
   const trees::TreeModel m =
       model_of({"l_hip", "l_reach|"}, {{}, {"angle_left_hip_rad", "position_left_reach_m"}, false});
