@@ -28,6 +28,9 @@ std::string read_small_file(const std::string& path, std::string_view what) {
   if (size == 0) throw DataError(path + ":1: the file is empty; expected " + std::string(what));
   if (size > kMost) throw DataError(path + ": the file is larger than 1 MiB; expected " + std::string(what));
   text.resize(size);
+  if (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff"))
+    throw DataError(path + ":1: the text is UTF-16; expected " + std::string(what) +
+                    " in UTF-8 (iconv -f UTF-16 -t UTF-8 makes it)");
   if (const std::size_t nul = text.find('\0'); nul != std::string::npos)
     throw DataError(path + ": byte " + std::to_string(nul + 1) + " is NUL, so this is no text; expected " +
                     std::string(what));

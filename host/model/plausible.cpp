@@ -30,6 +30,9 @@ constexpr double kLongest_m = 100.0;
 /// Robots whose joints are further apart are machines of such a size, and their bodies are, too.
 constexpr double kLong_m = 10.0;
 
+/// Smaller ones are parts of robots: fingers, wrists, wheels that turn about their centre.
+constexpr double kSmallest_m = 0.3;
+
 struct Body {
   std::size_t link;  ///< with the largest moments of those that are one
   double mass_kg, largest_kgm2, sum_kgm2;
@@ -80,12 +83,14 @@ struct LengthUnit {
 };
 constexpr LengthUnit kLengths[] = {{"mm: x 0.001", 1e-3}, {"cm: x 0.01", 1e-2}, {"inches: x 0.0254", 0.0254}};
 
+using Bodies = std::vector<const Body*>;
+
 class Judge {
  public:
   Judge(RobotTree& tree, const Urdf& robot) : tree_(tree), robot_(robot) {
     for (std::size_t i = 0; i < tree.joints.size(); ++i) bodies_.push_back(body(i));
     for (const Body& b : bodies_) reach_m_ += b.size_m;
-    reach_m_ = std::max(reach_m_, 1.0);
+    reach_m_ = std::max(reach_m_, kSmallest_m);
   }
 
   void lengths() const {
@@ -123,15 +128,17 @@ class Judge {
   }
 
   void inertias(bool accept) {
-    // A body ten times as large as the robot, and more of an inertia than the whole robot at full reach.
+    // A body ten times as large as the robot, and more of an inertia than the whole robot at full reach. Ten is half of the way, in factors, to kg cm^2,
+    // the nearest of the units. Round numbers that somebody put in for all bodies come that far, too, on small robots: below a radius of ten metres it
+    // is said and taken.
+    constexpr double kBeyond = 10.0;
     double mass_kg = 0.0;
     for (const Body& b : bodies_) mass_kg += std::max(b.mass_kg, 0.0);
-    std::vector<const Body*> large, dense, all;
+    Bodies large, dense, all;
     for (const Body& b : bodies_) {
       if (!b.has_volume()) continue;
       all.push_back(&b);
       if (too_dense(b)) dense.push_back(&b);
-      constexpr double kBeyond = 10.0;
       if (b.radius_m() > kBeyond * reach_m_ && b.largest_kgm2 > mass_kg * reach_m_ * reach_m_)
         large.push_back(&b);
     }
@@ -139,38 +146,51 @@ class Judge {
       const Body& b = **std::max_element(large.begin(), large.end(), [](const Body* x, const Body* y) {
         return x->radius_m() < y->radius_m();
       });
-      say(b, accept,
-          "its <inertia> of " + core::rounded(b.largest_kgm2, 3) + " kg m^2 with " +
-              core::rounded(b.mass_kg, 3) + " kg asks for a body with a radius of " + metres(b.radius_m()) +
-              "; expected kg m^2" + unit(all, true));
-    } else if (!dense.empty() && dense.size() == all.size()) {
-      const Body& b = *dense.front();
-      const double r = ball_radius_m(b.mass_kg);
-      say(b, accept,
-          "its <inertia> of " + core::rounded(b.largest_kgm2, 3) + " kg m^2 with " +
-              core::rounded(b.mass_kg, 3) +
-              " kg asks for a body denser than any matter (a ball of osmium has " +
-              core::rounded(0.4 * b.mass_kg * r * r, 3) + " kg m^2), and so do those of all links" +
-              "; expected kg and kg m^2" + unit(all, false));
-    } else if (!dense.empty()) {
-      std::vector<std::string> names;
-      for (const Body* b : dense) names.push_back(core::quoted(robot_.links[b->link].name));
-      tree_.notes.push_back(
-          "Moments of inertia so small that they ask for a body denser than any matter: link " +
-          first_names(names) + ". Each is hardly more than a point mass.");
+      std::string unit = asked(unit_of(all, true).unit);
+      if (unit.empty()) unit = asked(unit_of(large, true).unit);
+      say(b, accept || b.radius_m() < kLong_m,
+          figures(b) + " asks for a body with a radius of " + metres(b.radius_m()), "expected kg m^2" + unit);
+      return;
     }
+    if (dense.empty()) return;
+    if (dense.size() == all.size()) {
+      // In a unit that is nearer to what bodies are by more than half the way; else the moments are small for another reason.
+      const Fitting now = unit_of(all, false, true), other = unit_of(all, false);
+      if (other.unit != nullptr && other.off < 0.5 * now.off) {
+        const Body& b = *dense.front();
+        const double r = ball_radius_m(b.mass_kg);
+        say(b, accept,
+            figures(b) + " asks for a body denser than any matter (a ball of osmium has " +
+                core::rounded(0.4 * b.mass_kg * r * r, 3) + " kg m^2), as those of all links do",
+            "expected kg and kg m^2" + asked(other.unit));
+        return;
+      }
+    }
+    std::vector<std::string> names;
+    for (const Body* b : dense) names.push_back(core::quoted(robot_.links[b->link].name));
+    tree_.notes.push_back(
+        "Moments of inertia so small that they ask for a body denser than any matter: link " +
+        first_names(names) + ". Each is hardly more than a point mass.");
   }
 
  private:
   [[noreturn]] void fail(std::size_t link, const std::string& message) const {
     throw core::DataError(robot_.file + ":" + std::to_string(robot_.links[link].line) + ": " + message);
   }
-  void say(const Body& b, bool accept, const std::string& what) {
-    const std::string message = "link " + core::quoted(robot_.links[b.link].name) + ": " + what;
+  static std::string figures(const Body& b) {
+    return "its <inertia> of " + core::rounded(b.largest_kgm2, 3) + " kg m^2 with " +
+           core::rounded(b.mass_kg, 3) + " kg";
+  }
+  static std::string asked(const Unit* unit) {
+    return unit == nullptr ? "" : "; are they in another unit (" + std::string(unit->name) + ")?";
+  }
+  void say(const Body& b, bool accept, const std::string& what, const std::string& expected) {
+    const std::string who = "link " + core::quoted(robot_.links[b.link].name) + ": ";
     if (!accept)
-      fail(b.link,
-           message + " (--accept-inertias, or accept_inertias = true in [model], takes them as they are)");
-    tree_.notes.push_back("Accepted as it is: " + message + ".");
+      fail(b.link, who + what + "; " + expected +
+                       " (--accept-inertias, or accept_inertias = true in [model], takes them as they are)");
+    tree_.notes.push_back("Taken as it is, " + who + what + "; " + expected +
+                          (expected.ends_with('?') ? "" : "."));
   }
   Body body(std::size_t joint) const {
     const auto merged = tree_.model.body(joint);
@@ -213,28 +233,35 @@ class Judge {
     return out;
   }
 
-  /// The unit in which all bodies are of a size that goes with that of the links, or nothing.
-  std::string unit(const std::vector<const Body*>& all, bool smaller) const {
-    const Unit* best = nullptr;
-    double best_off = std::log(10.0);
-    for (const Unit& u : kUnits) {
-      if ((u.inertia / u.mass < 1.0) != smaller) continue;
+  struct Fitting {
+    const Unit* unit;
+    double off;  ///< logarithm of the radii of gyration over usual ones, without its sign
+  };
+  /// The unit in which all bodies are of a size that goes with that of the links, within a factor of ten; or how they are as they stand.
+  Fitting unit_of(const Bodies& bodies, bool smaller, bool as_it_is = false) const {
+    static constexpr Unit kSi{"SI", 1.0, 1.0};
+    Fitting best{nullptr, std::log(10.0)};
+    const auto judge = [&](const Unit& u) {
       double off = 0.0;
       bool fits = true;
-      for (const Body* b : all) {
-        fits &= !too_dense(*b, u.mass, u.inertia) && b->radius_m(u.mass, u.inertia) < reach_m_;
-        // A rod's radius of gyration is 0.29 of its length; of a body whose length is not known, four times that of its ball of osmium, which is that of a
-        // ball of a machine's mean density.
+      for (const Body* b : bodies) {
+        const double radius_m = b->radius_m(u.mass, u.inertia);
+        fits &= !too_dense(*b, u.mass, u.inertia) && radius_m < std::max(reach_m_, 1.0);
+        // A rod's radius of gyration is 0.29 of its length; of a body whose length is not known, four times that of its ball of osmium, which is that of
+        // a ball of a machine's mean density.
         const double usual_m =
             b->length_m > 0.0 ? 0.29 * b->length_m : 4.0 * ball_radius_m(b->mass_kg * u.mass);
-        off += std::log(b->radius_m(u.mass, u.inertia) / usual_m) / static_cast<double>(all.size());
+        off += std::log(radius_m / usual_m) / static_cast<double>(bodies.size());
       }
-      const double middle = std::abs(off);
-      if (!fits || middle >= best_off) continue;
-      best = &u;
-      best_off = middle;
+      if (as_it_is || (fits && std::abs(off) < best.off)) best = {&u, std::abs(off)};
+    };
+    if (as_it_is) {
+      judge(kSi);
+      return best;
     }
-    return best == nullptr ? "" : "; are they in another unit (" + std::string(best->name) + ")?";
+    for (const Unit& u : kUnits)
+      if ((u.inertia / u.mass < 1.0) == smaller) judge(u);
+    return best;
   }
 
   RobotTree& tree_;

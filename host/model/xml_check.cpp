@@ -85,6 +85,13 @@ class Scanner {
     }
     if (here("<?")) return skip_past("?>", "a processing instruction");
     if (here("<![CDATA[") && !open_.empty()) return skip_past("]]>", "a CDATA section");
+    // Without entities of its own.
+    if (const std::size_t end = text_.find('>', at_); here("<!DOCTYPE") && elements_.empty() &&
+                                                      end != text_.npos &&
+                                                      text_.substr(at_, end - at_).find('[') == text_.npos) {
+      at_ = end + 1;
+      return;
+    }
     if (here("<!")) fail(at_, "a document type or CDATA section, expected elements and comments alone");
     if (here("</")) return close();
     ++at_;

@@ -31,7 +31,7 @@ struct XmlElement {
 
 /// The elements in their order. @throws core::DataError naming file, line, element and what was expected: tags
 /// that do not match, attributes without quotes, more or less than one root element, nested deeper than
-/// kXmlDepthMax, a document type (entities of its own).
+/// kXmlDepthMax, a document type with entities of its own.
 std::vector<XmlElement> check_xml(std::string_view text, const std::string& name);
 
 /// An attribute's value with its entities resolved, as an XML reader hands it out.

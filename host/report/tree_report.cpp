@@ -163,7 +163,7 @@ json bones(const Diagnosis& d) {
     const auto far = [](const Vec3<double>& v) { return dot(v, v) > 1e-8; };
     if (joint >= 0 && std::none_of(ends.begin(), ends.end(), far)) {
       const auto body = robot.model.body(static_cast<std::size_t>(joint));
-      ends = {body.moment_kgm * (1.0 / body.mass_kg)};
+      if (body.mass_kg != 0.0) ends = {body.moment_kgm * (1.0 / body.mass_kg)};
     }
     for (const Vec3<double>& end : ends)
       if (far(end))

@@ -340,16 +340,20 @@ class UrdfWriter {
       say("mass", shortest(given.mass_kg), shortest(b.mass_kg), "kg");
     }
     if (!fuller) return;
-    const XmlElement& inertia = needed(inertial, "inertia");
-    std::string before, after;
+    const XmlElement* inertia = child(inertial, "inertia");
+    std::string before, after, whole = "<inertia";
     constexpr std::pair<const char*, double Sym3<double>::*> kMoments[] = {
         {"ixx", &Sym3<double>::xx}, {"ixy", &Sym3<double>::xy}, {"ixz", &Sym3<double>::xz},
         {"iyy", &Sym3<double>::yy}, {"iyz", &Sym3<double>::yz}, {"izz", &Sym3<double>::zz}};
     for (const auto& [moment, member] : kMoments) {
-      edits_.set(inertia, moment, shortest(b.about_centre_kgm2.*member));
+      const std::string value = shortest(b.about_centre_kgm2.*member);
+      if (inertia != nullptr) edits_.set(*inertia, moment, value);
+      whole += " " + std::string(moment) + "=\"" + value + "\"";
       before += (before.empty() ? "" : " ") + shortest(given.about_centre_kgm2.*member);
-      after += (after.empty() ? "" : " ") + shortest(b.about_centre_kgm2.*member);
+      after += (after.empty() ? "" : " ") + value;
     }
+    // A mass without it is a point.
+    if (inertia == nullptr) edits_.add_before(needed(inertial, "mass"), whole + "/>");
     say("inertia xx xy xz yy yz zz", before, after, "kg m^2");
   }
 

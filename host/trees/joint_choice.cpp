@@ -110,7 +110,10 @@ class Chooser {
     if (!columns_.empty()) {
       match(all);
       std::erase_if(recorded, [&](const std::string& name) { return !is_recorded(name); });
-      propose(all);
+      if (count_from_another(all))
+        recorded = all;
+      else
+        propose(all);
     }
     if (wanted.empty()) take(recorded.empty() ? all : recorded, hold);
     if (!out_.logged.empty()) {
@@ -180,20 +183,21 @@ class Chooser {
       }
     }
   }
-  /// Names with most words in common, for those that are left.
+  /// Names with most words in common, for those that are left; the first that nobody has where none has any.
   void propose(const std::vector<std::string>& all) {
-    constexpr std::size_t kMost = 4;
     std::vector<std::string> lines;
+    std::set<std::string> proposed;
     for (const std::string& name : all) {
       const UrdfJoint* j = joint(name);
       if (j == nullptr || is_recorded(name)) continue;
       const Words own = sorted(telling(words_of(name)));
-      std::string best;
+      std::string best, first;
       std::size_t most = 0;
       for (const std::string& other : foreign(slides(*j))) {
         const bool taken = std::any_of(out_.logged.begin(), out_.logged.end(),
                                        [&](const auto& pair) { return pair.second == other; });
         if (taken) continue;
+        if (first.empty() && !proposed.contains(other)) first = other;
         const Words its = sorted(telling(words_of(other)));
         Words common;
         std::set_intersection(own.begin(), own.end(), its.begin(), its.end(), std::back_inserter(common));
@@ -202,11 +206,43 @@ class Chooser {
           best = other;
         }
       }
+      if (best.empty()) best = first;
+      proposed.insert(best);
       if (!best.empty())
         lines.push_back(angle_column(name, slides(*j)) + " = { column = \"" + angle_column(best, slides(*j)) +
                         "\" }");
     }
-    if (lines.empty()) return;
+    if (!lines.empty()) set_lines(lines);
+  }
+  /// A log that counts from 0 joints that the URDF counts from 1 has columns of nearly all of them, and each is another's. Where it has a number
+  /// before the first and lacks the last, all are wanted, and lines for a map file are given.
+  bool count_from_another(const std::vector<std::string>& all) {
+    std::map<std::string, std::map<long, std::string>> ours;
+    const auto parts = [](const std::string& name) -> std::pair<std::string, long> {
+      std::size_t at = name.size();
+      while (at > 0 && is_digit(name[at - 1]) && name.size() - at < 4) --at;
+      return {name.substr(0, at), at == name.size() ? -1 : std::stol(name.substr(at))};
+    };
+    for (const std::string& name : all)
+      if (const auto [stem, number] = parts(name); number >= 0) ours[stem].emplace(number, name);
+    std::vector<std::string> lines;
+    for (const bool prismatic : {false, true})
+      for (const std::string& other : foreign(prismatic)) {
+        const auto [stem, number] = parts(other);
+        const auto found = ours.find(stem);
+        if (found == ours.end() || found->second.size() < 2) continue;
+        const auto& joints = found->second;
+        if (number != joints.begin()->first - 1 || is_recorded(joints.rbegin()->second)) continue;
+        for (const auto& [n, name] : joints)
+          lines.push_back(angle_column(name, prismatic) + " = { column = \"" +
+                          angle_column(stem + std::to_string(n - 1), prismatic) + "\" }");
+      }
+    if (lines.empty()) return false;
+    set_lines(lines);
+    return true;
+  }
+  void set_lines(const std::vector<std::string>& lines) {
+    constexpr std::size_t kMost = 4;
     const std::size_t shown = std::min(kMost, lines.size());
     for (std::size_t i = 0; i < shown; ++i) out_.map_lines += (i == 0 ? "" : ", ") + lines[i];
     if (shown < lines.size())

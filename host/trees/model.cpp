@@ -317,6 +317,26 @@ class Reader {
                  "]; expected lower < upper around the model's value " + shortest(value));
       model_.free.push_back(f);
     }
+    require_inertia_within_bounds();
+  }
+  /// A fit may go to the bounds.
+  void require_inertia_within_bounds() const {
+    constexpr std::size_t kRotor = 2;  // of kDriveParameters
+    for (const FreeParameter& f : model_.free) {
+      if (f.parameter != kRotor || f.lower > 0.0) continue;
+      std::vector<double> rotors_kgm2;
+      for (const Drive& drive : model_.drives) rotors_kgm2.push_back(drive.rotor_inertia_kgm2);
+      rotors_kgm2[f.joint] = f.lower;
+      model::RobotTree tree = model_.robot;
+      try {
+        model::require_joint_inertia(tree, model_.urdf.file, rotors_kgm2);
+      } catch (const core::DataError&) {
+        const std::string joint = model_.robot.joints[f.joint].name;
+        throw core::DataError(name_ + ": [free] rotor_inertia_kgm2." + joint + " has the lower bound " +
+                              shortest(f.lower) + ", and nothing else gives joint " + core::quoted(joint) +
+                              " an inertia; expected a lower bound above 0");
+      }
+    }
   }
 
   std::pair<double, double> bounds(const std::string& who, const toml::node& node) const {

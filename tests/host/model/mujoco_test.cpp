@@ -157,6 +157,33 @@ TEST_CASE("Published robots accelerate as MuJoCo's do") {
   compare("go2, front left", recorded("go2/go2.urdf"), {"FL_hip", "FL_thigh", "FL_calf"});
 }
 
+TEST_CASE("A tree with a link without mass, a point, a rod and a sheet is one that MuJoCo reads") {
+  const auto link = [](const std::string& name, const std::string& inertial) {
+    return "<link name=\"" + name + "\"><inertial><origin xyz=\"0.02 0.01 -0.2\"/>" + inertial +
+           "</inertial></link>";
+  };
+  const auto inertia = [](const std::string& xx, const std::string& yy, const std::string& zz) {
+    return "<inertia ixx=\"" + xx + "\" ixy=\"0\" ixz=\"0\" iyy=\"" + yy + "\" iyz=\"0\" izz=\"" + zz +
+           "\"/>";
+  };
+  const auto joint = [](const std::string& name, const std::string& parent, const std::string& child,
+                        const std::string& axis) {
+    return "<joint name=\"" + name + "\" type=\"continuous\"><parent link=\"" + parent +
+           "\"/><child link=\"" + child + "\"/><origin xyz=\"0 0 -0.3\"/><axis xyz=\"" + axis +
+           "\"/></joint>";
+  };
+  const std::string urdf =
+      "<robot name=\"odd\"><link name=\"base\"/>" +
+      link("rod", "<mass value=\"1\"/>" + inertia("0.01", "0.01", "0")) + "<link name=\"cross\"/>" +
+      link("sheet", "<mass value=\"0.5\"/>" + inertia("0.003", "0.001", "0.002")) +
+      link("point", "<mass value=\"0.3\"/>" + inertia("0", "0", "0")) + joint("a", "base", "rod", "0 1 0") +
+      joint("b", "rod", "cross", "1 0 0") + joint("c", "cross", "sheet", "0 1 0") +
+      joint("d", "sheet", "point", "0 1 0") + "</robot>";
+  const model::RobotTree tree = model::tree_of(model::parse_urdf(urdf, "odd.urdf"));
+  const Difference d = compare(tree, test::MujocoPeer(model::format_mjcf(tree)));
+  CHECK(d.relative < kAsRead);
+}
+
 TEST_CASE("The trajectory of an arm is MuJoCo's, and gains in the MJCF are the drive's law") {
   model::RobotTree tree = model::tree_of(model::parse_urdf(own("arm"), "arm.urdf"));
   const std::vector<model::PositionGains> gains{{"joint_2", 40.0, 3.0}};

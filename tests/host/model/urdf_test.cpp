@@ -334,6 +334,14 @@ TEST_CASE(
   };
   CHECK_THAT(refused(lengths("120", "100", "250")), Contains("mm: x 0.001") && Contains("expected metres"));
   CHECK_THAT(refused(lengths("12", "10", "25")), Contains("cm: x 0.01"));
+  // Of one link alone, and where it is hardly certain it is said and taken.
+  CHECK_THAT(refused(with(inertias(1.0),
+                          "ixx=\"0.000500\" ixy=\"0\" ixz=\"0\" iyy=\"0.003100\" iyz=\"0\" izz=\"0.003000\"",
+                          "ixx=\"500000\" ixy=\"0\" ixz=\"0\" iyy=\"3100000\" iyz=\"0\" izz=\"3000000\"")),
+             Contains("link 'fore'") && Contains("g mm^2: x 1e-9"));
+  const auto odd = model::tree_of(model::parse_urdf(inertias(1e4), "r.urdf"));
+  REQUIRE(odd.notes.size() == 1);
+  CHECK_THAT(odd.notes[0], Contains("kg cm^2: x 1e-4"));
   // A wheel on a bench of a large hall is none of that: where the base's joint is does not matter.
   CHECK(model::tree_of(model::parse_urdf(with(inertias(1.0), "<child link=\"upper\"/>",
                                               "<child link=\"upper\"/><origin xyz=\"150 0 0\"/>"),

@@ -272,3 +272,38 @@ TEST_CASE("A URDF's name with control characters is refused, not printed") {
       refused_text("[model]\nkind = \"tree\"\nschema = 1\nurdf = \"br\\nanched\\u001b.urdf\"\n"),
       Contains("br\\x0aanched\\x1b.urdf") && Contains("printable") && !Contains("\n") && !Contains("\x1b"));
 }
+
+TEST_CASE("A point on its axis moves where a rotor gives the joint an inertia") {
+  const std::string urdf =
+      "<robot name=\"p\"><link name=\"base\"/><link name=\"disc\"><inertial><mass value=\"1\"/><inertia ixx=\"0\" ixy=\"0\" ixz=\"0\" "
+      "iyy=\"0\" iyz=\"0\" izz=\"0\"/></inertial></link><joint name=\"axle\" type=\"continuous\"><parent link=\"base\"/><child "
+      "link=\"disc\"/></joint></robot>";
+  const auto read = [&](const std::string& more) {
+    return trees::parse_tree_model("[model]\nkind = \"tree\"\nschema = 1\nurdf = \"p.urdf\"\n" + more,
+                                   "p.toml", urdf);
+  };
+  CHECK_THAT(test::error_message([&] { read(""); }), Contains("rotor_inertia_kgm2 in [drive.axle]"));
+  CHECK(read("[drive]\nrotor_inertia_kgm2 = 0.01\n").joints() == 1);
+  CHECK_THAT(test::error_message([&] {
+               read("[drive]\nrotor_inertia_kgm2 = 0.01\n[free]\n\"rotor_inertia_kgm2.axle\" = [0.0, 1.0]\n");
+             }),
+             Contains("expected a lower bound above 0"));
+  CHECK(read("[drive]\nrotor_inertia_kgm2 = 0.01\n[free]\n\"rotor_inertia_kgm2.axle\" = [1e-4, 1.0]\n")
+            .free.size() == 1);
+}
+
+TEST_CASE("Inertias that were accepted are accepted again in the file that is written") {
+  const std::string urdf =
+      "<robot name=\"p\"><link name=\"base\"/><link name=\"rod\"><inertial><mass value=\"1\"/><inertia ixx=\"0.01\" ixy=\"0\" ixz=\"0\" "
+      "iyy=\"0.02\" iyz=\"0\" izz=\"0.08\"/></inertial></link><joint name=\"axle\" type=\"continuous\"><parent link=\"base\"/><child "
+      "link=\"rod\"/></joint></robot>";
+  const std::string text = "[model]\nkind = \"tree\"\nschema = 1\nurdf = \"p.urdf\"\n";
+  CHECK_THAT(test::error_message([&] { trees::parse_tree_model(text, "p.toml", urdf); }),
+             Contains("accept_inertias = true in [model]"));
+  const trees::TreeModel m = trees::parse_tree_model(text, "p.toml", trees::TreeContext{urdf, {}, true});
+  REQUIRE(m.notes.size() == 1);
+  const std::string written = trees::format_tree_model(m, "p.urdf");
+  CHECK_THAT(written, Contains("accept_inertias = true"));
+  CHECK(trees::parse_tree_model(written, "p.toml", urdf).accept_inertias);
+  CHECK_THAT(refused("accept_inertias = 1\n"), Contains("accept_inertias = 1; expected true or false"));
+}
