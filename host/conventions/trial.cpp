@@ -239,14 +239,36 @@ class Trial {
   }
 
   std::optional<Finding> run() {
+    if (const auto found = judged([&] {
+          for (const Change& c : changes()) weigh(c);
+          estimate_scales();
+          estimate_zeros();
+        }))
+      return found;
+    // Where a position and an input are exchanged, the input's noise says how many rows an instant takes.
+    std::vector<std::size_t> inputs;
+    for (const std::size_t j : moving_)
+      if (!joints_[j].input_column.empty()) inputs.push_back(n_ + j);
+    if (inputs.empty()) return std::nullopt;
+    instants_ = instants_of(recordings_, signals_, inputs, kMostInstants);
+    return judged([&] {
+      std::vector<Change> all;
+      exchanges(all);
+      for (const Change& c : all) weigh(c);
+    });
+  }
+
+ private:
+  /// The best of what `weigh_all` weighs beside the columns as named, if it is far better than those.
+  template <class WeighAll>
+  std::optional<Finding> judged(const WeighAll& weigh_all) {
+    all_.clear();
     if (instants_.size() < kFewestInstants) return std::nullopt;
     weigh({given(), "", "", {}, 0.0});
     if (all_.empty()) return std::nullopt;
     const double as_given = all_.front().score, off_given = all_.front().off;
     if (off_given < kAsked) return std::nullopt;
-    for (const Change& c : changes()) weigh(c);
-    estimate_scales();
-    estimate_zeros();
+    weigh_all();
     const auto best = std::max_element(all_.begin(), all_.end(),
                                        [](const Scored& a, const Scored& b) { return a.score < b.score; });
     if (best->given || !(best->score > as_given) || !(best->fit > kFarBetter)) return std::nullopt;
@@ -260,9 +282,6 @@ class Trial {
       if (f.others.size() < 3 && !s->what.starts_with(f.what)) f.others.push_back(s->what);
     return f;
   }
-
- private:
-  enum Pool { kPosition, kInput, kVelocity };
 
   void collect_signals() {
     std::vector<std::vector<const std::vector<double>*>> of(3 * n_);

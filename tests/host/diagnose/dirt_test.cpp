@@ -6,8 +6,8 @@
 #include "host/core/error.hpp"
 #include "host/diagnose/diagnose.hpp"
 #include "host/diagnose/diagnosis_json.hpp"
+#include "host/identify/conventions.hpp"
 #include "host/identify/identification.hpp"
-#include "host/identify/units.hpp"
 #include "host/log/writer.hpp"
 #include "host/model/writer.hpp"
 #include "tests/host/cli/run_program.hpp"
@@ -128,7 +128,7 @@ TEST_CASE("Degrees where radians are named are refused, with what would mend the
   for (unsigned seed = 1; seed <= 3; ++seed) logs.push_back(joint_log(seed));
   const auto look = [&](const model::Model& m) {
     const auto recordings = identify::make_recordings(logs, m.kind);
-    identify::require_named_unit(m, recordings, identify::prediction_windows(recordings, m, 0.5));
+    identify::require_conventions(m, recordings);
   };
   // However wrong the model is within reason.
   for (const double inertia : {30.0, 60.0, 95.0, 150.0, 300.0}) CHECK_NOTHROW(look(joint_model(inertia)));
@@ -136,12 +136,12 @@ TEST_CASE("Degrees where radians are named are refused, with what would mend the
     for (double& angle : log.columns["angle_rad"]) angle *= 180.0 / std::numbers::pi;
   for (const double inertia : {30.0, 60.0, 95.0, 150.0, 300.0})
     CHECK_THROWS_WITH(look(joint_model(inertia)),
-                      Catch::Contains("joint-1.csv: angle_rad moves as degrees would") &&
-                          Catch::Contains("scale = 0.0174533"));
+                      Catch::Contains("joint-1.csv and 2 more: it seems that angle_rad is in degrees") &&
+                          Catch::Contains("scale = 0.01745329"));
   CHECK_THROWS_WITH(diagnose::diagnose(joint_model(), {logs[0], logs[1]}, {logs[2]}),
-                    Catch::Contains("moves as degrees would"));
+                    Catch::Contains("angle_rad is in degrees"));
   CHECK_THROWS_WITH(identify::identify(joint_model(), {logs[0], logs[1]}, {logs[2]}),
-                    Catch::Contains("moves as degrees would"));
+                    Catch::Contains("angle_rad is in degrees"));
 }
 
 TEST_CASE("A torque of the other sign is refused, with what would mend it") {
@@ -149,9 +149,8 @@ TEST_CASE("A torque of the other sign is refused, with what would mend it") {
   for (unsigned seed = 1; seed <= 3; ++seed) logs.push_back(joint_log(seed));
   for (log::Log& log : logs)
     for (double& torque : log.columns["torque_nm"]) torque = -torque;
-  CHECK_THROWS_WITH(
-      diagnose::diagnose(joint_model(), {logs[0], logs[1]}, {logs[2]}),
-      Catch::Contains("joint-1.csv: torque_nm has the other sign") && Catch::Contains("scale = -1.0"));
+  CHECK_THROWS_WITH(diagnose::diagnose(joint_model(), {logs[0], logs[1]}, {logs[2]}),
+                    Catch::Contains("torque_nm has the other sign") && Catch::Contains("scale = -1"));
   CHECK_THROWS_WITH(identify::identify(joint_model(), {logs[0], logs[1]}, {logs[2]}),
                     Catch::Contains("torque_nm has the other sign"));
 }

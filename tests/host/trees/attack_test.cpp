@@ -209,7 +209,8 @@ TEST_CASE("Logs that are too short for a window are refused, and do no harm besi
   // A row a second.
   log::Log slow = logs[0];
   for (std::size_t k = 0; k < slow.rows(); ++k) slow.columns["time_s"][k] = static_cast<double>(k);
-  CHECK_THAT(refused(test::pendulum(), {slow}, {logs[1]}), Contains("without a gap"));
+  CHECK_THAT(refused(test::pendulum(), {slow}, {logs[1]}),
+             Contains("gap") || Contains("time_s is in milliseconds"));
   CHECK_THAT(test::error_message([&] {
                trees::identify(test::pendulum("[free]\n\"damping_nmspr.hinge\" = [0, 1]\n"), {slow},
                                {logs[1]});
@@ -237,22 +238,21 @@ TEST_CASE("A joint of the other sign and joints whose columns are swapped are sa
     std::function<void(log::Log&)> mistake;
   };
   const std::vector<Case> cases{
-      {"the angle of elbow has the other sign", [&](log::Log& log) { negate(log, "angle_elbow_rad"); }},
-      {"the torque of shoulder has the other sign",
-       [&](log::Log& log) { negate(log, "torque_shoulder_nm"); }},
-      {"the torques of shoulder and elbow are swapped",
+      {"angle_elbow_rad is of the other sign", [&](log::Log& log) { negate(log, "angle_elbow_rad"); }},
+      {"torque_shoulder_nm has the other sign", [&](log::Log& log) { negate(log, "torque_shoulder_nm"); }},
+      {"torque_shoulder_nm and torque_elbow_nm are exchanged",
        [](log::Log& log) { std::swap(log.columns["torque_shoulder_nm"], log.columns["torque_elbow_nm"]); }},
-      {"shoulder and elbow are swapped",
+      {"angle_shoulder_rad and angle_elbow_rad are exchanged, and torque_shoulder_nm and torque_elbow_nm are exchanged",
        [](log::Log& log) {
          std::swap(log.columns["torque_shoulder_nm"], log.columns["torque_elbow_nm"]);
          std::swap(log.columns["angle_shoulder_rad"], log.columns["angle_elbow_rad"]);
        }},
-      {"the torques of all joints have the other sign",
+      {"torque_yaw_nm, torque_shoulder_nm and torque_elbow_nm have the other sign",
        [&](log::Log& log) {
          for (const char* column : {"torque_yaw_nm", "torque_shoulder_nm", "torque_elbow_nm"})
            negate(log, column);
        }},
-      {"the torque of elbow is in N mm",
+      {"torque_elbow_nm is in N mm",
        [](log::Log& log) {
          for (double& torque : log.columns["torque_elbow_nm"]) torque *= 1e3;
        }},
@@ -260,11 +260,8 @@ TEST_CASE("A joint of the other sign and joints whose columns are swapped are sa
   for (const Case& c : cases) {
     Logs logs = as_they_are;
     for (log::Log& log : logs) c.mistake(log);
-    const trees::Diagnosis d = diagnosed(test::arm3(), {logs[0], logs[1]}, {logs[2]});
-    INFO(d.summary);
-    CHECK_THAT(d.summary, Contains(c.said));
-    CHECK(d.verdict == Verdict::not_identifiable);
-    CHECK(d.findings.empty());
+    const std::string said = refused(test::arm3(), {logs[0], logs[1]}, {logs[2]});
+    CHECK_THAT(said, Contains("it seems that " + std::string(c.said)) && Contains("--trust-columns"));
   }
   const trees::Diagnosis d = diagnosed(test::arm3(), {as_they_are[0], as_they_are[1]}, {as_they_are[2]});
   CHECK(!d.findings.empty());
