@@ -622,7 +622,7 @@ class Filter {
         i = end;
       } else {
         if (is_reduction(e.tag) || (e.tag == "param" && is_reduction(e.attribute("name"))))
-          unread(tag(e) + " " + quoted(value_of(e)) + " of no joint", e);
+          unread("a reduction of no joint", e);
         ++i;
       }
     }
@@ -665,7 +665,9 @@ class Filter {
         inside_name = quoted(resolved(trimmed(e.attribute("name"))));
         inside_end = end_of(i);
         inside = joint_named(e.attribute("name"));
-        if (inside == nullptr)
+        if (trimmed(e.attribute("name")).empty())
+          inside_name.clear();
+        else if (inside == nullptr)
           unknown.push_back(inside_name);
         else if (std::find(joints.begin(), joints.end(), inside) == joints.end())
           joints.push_back(inside);
@@ -683,7 +685,12 @@ class Filter {
       const auto value = number(value_of(e));
       if (!value) continue;
       if (e.tag == "drake:rotor_inertia" || e.tag == "rotor_inertia") rotor = *value;
-      if (e.tag == "drake:gear_ratio" || e.tag == "gear_ratio") gear = *value;
+      if (e.tag == "drake:gear_ratio" || e.tag == "gear_ratio") {
+        if (*value == 0.0)
+          unread(tag(e) + " " + quoted(value_of(e)) + " (no ratio)", e);
+        else
+          gear = *value;
+      }
     }
     any |= rotor != 0.0 || gear != 1.0;
     if (is_transmission || any)
@@ -694,7 +701,7 @@ class Filter {
       if (shared_reductions == 1) joint.reduction = shared;
       if (shared_reductions > 1)
         unread("a <transmission> with " + std::to_string(shared_reductions) + " reductions", elements_[at]);
-      if (gear != 1.0 && gear != 0.0 && joint.reduction == 0.0) joint.reduction = gear;
+      if (gear != 1.0 && joint.reduction == 0.0) joint.reduction = gear;
       joint.rotor_inertia_kgm2 += rotor * gear * gear;
     } else if (coupled || (joints.size() > 1 && (shared_reductions > 0 || rotor != 0.0))) {
       unread("a <transmission> that couples joints", elements_[at]);

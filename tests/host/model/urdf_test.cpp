@@ -538,6 +538,10 @@ TEST_CASE("A transmission that gives no joint of the robot a reduction is named"
                Contains("<mechanicalReduction> '" + none + "' (no ratio) of joint 'shoulder'"));
   CHECK_THAT(note(transmission("<joint name=\"shoulder\"/><mechanicalReduction>0</mechanicalReduction>")),
              Contains("<mechanicalReduction> '0' (no ratio) in line 7"));
+  CHECK_THAT(note(transmission("<joint name=\"shoulder\"/><drake:gear_ratio value=\"0\"/>")),
+             Contains("<drake:gear_ratio> '0' (no ratio) in line 7"));
+  CHECK_THAT(note(transmission("<joint/><mechanicalReduction>50</mechanicalReduction>")),
+             Contains("a <transmission> of no joint in line 7"));
   CHECK_THAT(note(transmission("<mechanicalReduction>50</mechanicalReduction>")),
              Contains("a <transmission> of no joint in line 7"));
   CHECK_THAT(
