@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <optional>
 #include <span>
@@ -142,16 +143,18 @@ class Judge {
       if (b.radius_m() > kBeyond * reach_m_ && b.largest_kgm2 > mass_kg * reach_m_ * reach_m_)
         large.push_back(&b);
     }
+    std::string unit;
     if (!large.empty()) {
       const Body& b = **std::max_element(large.begin(), large.end(), [](const Body* x, const Body* y) {
         return x->radius_m() < y->radius_m();
       });
-      std::string unit = asked(unit_of(all, true).unit);
+      unit = asked(unit_of(all, true).unit);
       if (unit.empty()) unit = asked(unit_of(large, true).unit);
-      say(b, accept || b.radius_m() < kLong_m,
-          figures(b) + " asks for a body with a radius of " + metres(b.radius_m()), "expected kg m^2" + unit);
-      return;
+      if (!accept && b.radius_m() >= kLong_m)
+        refuse(b, figures(b) + " asks for a body with a radius of " + metres(b.radius_m()),
+               "expected kg m^2" + unit);
     }
+    note_oversized(large, unit);
     if (dense.empty()) return;
     if (dense.size() == all.size()) {
       // In a unit that is nearer to what bodies are by more than half the way; else the moments are small for another reason.
@@ -159,10 +162,12 @@ class Judge {
       if (other.unit != nullptr && other.off < 0.5 * now.off) {
         const Body& b = *dense.front();
         const double r = ball_radius_m(b.mass_kg);
-        say(b, accept,
+        const std::string what =
             figures(b) + " asks for a body denser than any matter (a ball of osmium has " +
-                core::rounded(0.4 * b.mass_kg * r * r, 3) + " kg m^2), as those of all links do",
-            "expected kg and kg m^2" + asked(other.unit));
+            core::rounded(0.4 * b.mass_kg * r * r, 3) + " kg m^2), as those of all links do";
+        const std::string expected = "expected kg and kg m^2" + asked(other.unit);
+        if (!accept) refuse(b, what, expected);
+        tree_.notes.push_back("Taken as it is, " + who(b) + what + "; " + expected);
         return;
       }
     }
@@ -184,13 +189,40 @@ class Judge {
   static std::string asked(const Unit* unit) {
     return unit == nullptr ? "" : "; are they in another unit (" + std::string(unit->name) + ")?";
   }
-  void say(const Body& b, bool accept, const std::string& what, const std::string& expected) {
-    const std::string who = "link " + core::quoted(robot_.links[b.link].name) + ": ";
-    if (!accept)
-      fail(b.link, who + what + "; " + expected +
-                       " (--accept-inertias, or accept_inertias = true in [model], takes them as they are)");
-    tree_.notes.push_back("Taken as it is, " + who + what + "; " + expected +
-                          (expected.ends_with('?') ? "" : "."));
+  std::string who(const Body& b) const { return "link " + core::quoted(robot_.links[b.link].name) + ": "; }
+  [[noreturn]] void refuse(const Body& b, const std::string& what, const std::string& expected) const {
+    fail(b.link, who(b) + what + "; " + expected +
+                     " (--accept-inertias, or accept_inertias = true in [model], takes them as they are)");
+  }
+  /// Three moments that are equal are those of a ball or a cube: with a radius of gyration above the length of the whole robot it has all of the robot within it.
+  /// A program that exports links without their inertias puts such numbers in.
+  bool is_placeholder(const UrdfInertia& i) const {
+    const auto& o = i.about_centre_kgm2;
+    return i.mass_kg > 0.0 && o.xx == o.yy && o.yy == o.zz && o.xy == 0.0 && o.xz == 0.0 && o.yz == 0.0 &&
+           o.xx > i.mass_kg * reach_m_ * reach_m_;
+  }
+  void note_oversized(const Bodies& large, const std::string& unit) {
+    std::map<std::size_t, std::string> of_links;
+    const auto add = [&](std::size_t link, double inertia_kgm2, double mass_kg) {
+      of_links.emplace(link, core::quoted(robot_.links[link].name) + " (" + core::rounded(inertia_kgm2, 3) +
+                                 " kg m^2 with " + core::rounded(mass_kg, 3) + " kg, " +
+                                 metres(std::sqrt(inertia_kgm2 / mass_kg)) + ")");
+    };
+    for (std::size_t i = 0; i < robot_.links.size(); ++i)
+      if (const auto& its = robot_.links[i].inertia; tree_.links[i].joint >= 0 && its && is_placeholder(*its))
+        add(i, its->about_centre_kgm2.xx, its->mass_kg);
+    const bool placeholders = !of_links.empty();
+    for (const Body* b : large) add(b->link, b->largest_kgm2, b->mass_kg);
+    if (of_links.empty()) return;
+    std::vector<std::string> links;
+    for (const auto& [link, text] : of_links) links.push_back(text);
+    tree_.notes.push_back(
+        "Moments of inertia whose radius of gyration is larger than the robot: link " + first_names(links) +
+        ". Taken as they are; expected those of the links, in kg m^2" +
+        (placeholders ? "; are they placeholders" +
+                            (unit.empty() ? "?" : ", or" + unit.substr(std::string_view("; are they").size()))
+         : unit.empty() ? "."
+                        : unit));
   }
   Body body(std::size_t joint) const {
     const auto merged = tree_.model.body(joint);

@@ -384,10 +384,17 @@ class TreeBuilder {
   void check_holds() const {
     for (const auto& [name, position] : hold_) {
       const UrdfJoint& j = joint(name);
-      if (moving_.contains(name) || !can_move(j))
-        fail(robot_.file, "joint " + quoted(name) + " " +
-                              (moving_.contains(name) ? "moves" : "is " + core::printable(j.type)) +
-                              ", expected to be held one that else could move");
+      if (moving_.contains(name))
+        fail(robot_.file, "joint " + quoted(name) +
+                              " moves, expected to be held one that else could move (take it out of "
+                              "[hold], or out of joints in [model])");
+      if (j.kind == UrdfJoint::Kind::other)
+        fail(robot_.file, "joint " + quoted(name) + " is " + core::printable(j.type) +
+                              ": such a joint is held at 0 without an entry; take it out of [hold]" +
+                              (position == 0.0 ? "" : ", and put a place that is not 0 into its <origin>"));
+      if (!can_move(j))
+        fail(robot_.file, "joint " + quoted(name) + " is " + core::printable(j.type) +
+                              " and stays where it is without an entry; take it out of [hold]");
       if (!std::isfinite(position))
         fail(robot_.file,
              "joint " + quoted(name) + " is held at " + shortest(position) + ", expected a finite number");

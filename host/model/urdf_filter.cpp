@@ -116,7 +116,6 @@ std::array<double, 6> rounding_of(const std::array<std::string_view, 6>& printed
 /// Depth-1 elements of which the dynamics use nothing.
 constexpr std::string_view kWithoutMechanics[] = {"material",
                                                   "sensor",
-                                                  "ros2_control",
                                                   "mujoco",
                                                   "plugin",
                                                   "collision_filter_group",
@@ -133,7 +132,8 @@ constexpr std::string_view kWithoutMechanics[] = {"material",
                                                   "license",
                                                   "description",
                                                   "version"};
-/// Those that join two links beside the tree of joints: Drake's, and what others call it.
+/// Those that join two links beside the tree of joints: Drake's, and what others call it. A spring between links joins none: it is an element that is
+/// not used. A bushing is one, but stands for a joint that closes a loop.
 constexpr std::string_view kClosures[] = {"loop_joint",
                                           "drake:loop_joint",
                                           "loop",
@@ -141,11 +141,8 @@ constexpr std::string_view kClosures[] = {"loop_joint",
                                           "constraint",
                                           "cut_joint",
                                           "cable_length_constraint",
-                                          "force_element",
-                                          "linear_spring_damper",
                                           "linear_bushing_rpy",
                                           "drake:linear_bushing_rpy",
-                                          "drake:linear_spring_damper",
                                           "drake:ball_constraint",
                                           "drake:distance_constraint",
                                           "drake:weld_constraint",
@@ -211,6 +208,11 @@ class Filter {
     std::size_t line;
     std::string name, parent, child;
   };
+  struct Unread {
+    std::string what;
+    std::string whose;  ///< "joint"; empty: names are lines
+    std::vector<std::string> names;
+  };
 
   static std::string tag(const XmlElement& e) { return "<" + core::printable(e.tag) + ">"; }
   std::string place(const XmlElement& e) const { return file_ + ":" + std::to_string(e.line) + ": "; }
@@ -233,7 +235,7 @@ class Filter {
   }
   /// The first child of that tag, or null.
   const XmlElement* child(std::size_t of, std::string_view its_tag) const {
-    for (std::size_t i = of + 1; i < end_of(of); ++i)
+    for (std::size_t i = of + 1, end = end_of(of); i < end; ++i)
       if (elements_[i].depth == elements_[of].depth + 1 && elements_[i].tag == its_tag) return &elements_[i];
     return nullptr;
   }
@@ -315,13 +317,13 @@ class Filter {
                   std::to_string(known->second.line) + "; expected names that differ");
     links_text_ += "<link name=" + in_quotes(e.attribute("name"));
     std::size_t inertials = 0;
-    for (std::size_t i = at + 1; i < end_of(at); ++i) {
+    for (std::size_t i = at + 1, end = end_of(at); i < end; ++i) {
       if (elements_[i].depth != e.depth + 1) continue;
       if (elements_[i].tag == "mass" || elements_[i].tag == "inertia")
-        unread_.push_back(tag(elements_[i]) + " of link " + quoted(name) + " outside of <inertial>");
+        unread(tag(elements_[i]) + " outside of <inertial>", "link", quoted(name));
       inertials += elements_[i].tag == "inertial" ? 1 : 0;
     }
-    if (inertials > 1) unread_.push_back("all but the first <inertial> of link " + quoted(name));
+    if (inertials > 1) unread("all but the first <inertial>", "link", quoted(name));
     const XmlElement* inertial = child(at, "inertial");
     const std::string text = inertial == nullptr ? "" : inertial_text(*inertial, name, known->second);
     links_text_ += text.empty() ? "/>\n" : ">" + text + "</link>\n";
@@ -448,9 +450,9 @@ class Filter {
     }
     joints_text_ += "</joint>\n";
     if (const XmlElement* mimic = child(at, "mimic")) j.mimics = resolved(mimic->attribute("joint"));
-    for (std::size_t i = at + 1; i < end_of(at); ++i)
+    for (std::size_t i = at + 1, end = end_of(at); i < end; ++i)
       if (elements_[i].depth == e.depth + 1 && !among(elements_[i].tag, kOfJoints))
-        unread_.push_back(tag(elements_[i]) + " of joint " + who);
+        unread(tag(elements_[i]), "joint", who);
   }
   std::string axis_text(std::size_t at, const std::string& who, FilteredJoint& j) const {
     const XmlElement* e = child(at, "axis");
@@ -507,7 +509,6 @@ class Filter {
   void read_dynamics(const XmlElement& e, const std::string& who, FilteredJoint& j) {
     for (const auto& [name, raw] : e.attributes) {
       const auto value = number(raw);
-      const std::string of_joint = " of <dynamics> of joint " + who;
       if (name == "damping" || name == "friction") {
         double& into = name == "damping" ? j.damping : j.friction;
         const std::string its = "joint " + who + ": its <dynamics> " + std::string(name) + " ";
@@ -524,7 +525,7 @@ class Filter {
       } else if (name == "spring_stiffness" || name == "stiffness") {
         j.spring_nmprad = *value;
       } else {
-        unread_.push_back(std::string(core::printable(name)) + of_joint);
+        unread(core::printable(name) + " of <dynamics>", "joint", who);
       }
     }
   }
@@ -561,11 +562,12 @@ class Filter {
   void other(std::size_t at) {
     const XmlElement& e = elements_[at];
     if (e.tag == "link" || e.tag == "joint" || e.tag == "drake:joint") return;
-    if (e.tag == "transmission") return transmission(at);
+    if (e.tag == "transmission") return transmission(at, end_of(at), true);
+    if (e.tag == "ros2_control") return ros2_control(at);
     if (e.tag == "gazebo") return gazebo(at);
     if (e.tag == "frame" || e.tag == "drake:frame") return;  // read where it is used
     if (among(e.tag, kClosures)) return closure(at);
-    if (!among(e.tag, kWithoutMechanics)) unread_.push_back(tag(e) + " in line " + std::to_string(e.line));
+    if (!among(e.tag, kWithoutMechanics)) unread(tag(e), e);
   }
 
   /// The link that a name stands for: its own, or that of a <frame>.
@@ -587,7 +589,7 @@ class Filter {
       const std::string link = link_named(raw);
       if (!link.empty() && seen.insert(link).second) c.links.push_back(link);
     };
-    for (std::size_t i = at; i < end_of(at); ++i) {
+    for (std::size_t i = at, end = end_of(at); i < end; ++i) {
       add(elements_[i].text);
       for (const auto& [name, value] : elements_[i].attributes)
         if (i != at || name != "name") add(value);
@@ -603,77 +605,163 @@ class Filter {
   static std::string_view value_of(const XmlElement& e) {
     return e.text.empty() ? e.attribute("value") : e.text;
   }
-  void transmission(std::size_t at) {
-    std::vector<FilteredJoint*> joints;
-    double shared = 0.0, rotor = 0.0, gear = 1.0;
-    std::size_t reductions = 0;
-    FilteredJoint* inside = nullptr;  // of the <joint> that is open
-    std::size_t inside_end = 0;
-    for (std::size_t i = at + 1; i < end_of(at); ++i) {
+  static bool is_reduction(std::string_view name) {
+    return name == "mechanicalReduction" || name == "mechanical_reduction" || name == "reduction";
+  }
+  /// Its reductions, with those of the joints beside its transmissions.
+  void ros2_control(std::size_t at) {
+    const std::size_t end_of_all = end_of(at);
+    for (std::size_t i = at + 1; i < end_of_all;) {
       const XmlElement& e = elements_[i];
-      if (i >= inside_end) inside = nullptr;
-      if (e.tag == "joint") {
-        inside = joint_named(e.attribute("name"));
-        inside_end = end_of(i);
-        if (inside != nullptr) joints.push_back(inside);
-        continue;
-      }
-      const bool is_reduction = e.tag == "mechanicalReduction" || e.tag == "mechanical_reduction" ||
-                                (e.tag == "param" && e.attribute("name") == "mechanical_reduction") ||
-                                (e.tag == "reduction");
-      const auto value = number(value_of(e));
-      if (!value) {
-        if (is_reduction)
-          unread_.push_back(tag(e) + " in line " + std::to_string(e.line) + ", which is " +
-                            quoted(value_of(e)));
-        continue;
-      }
-      if (e.tag == "drake:rotor_inertia" || e.tag == "rotor_inertia") rotor = *value;
-      if (e.tag == "drake:gear_ratio" || e.tag == "gear_ratio") gear = *value;
-      if (!is_reduction) continue;
-      if (inside != nullptr) {
-        inside->reduction = *value;
+      const std::size_t end = end_of(i);
+      if (e.tag == "transmission") {
+        transmission(i, end, true);
+        i = end;
+      } else if (e.tag == "joint") {
+        transmission(i - 1, end, false);
+        i = end;
       } else {
-        shared = *value;
-        ++reductions;
+        if (is_reduction(e.tag) || (e.tag == "param" && is_reduction(e.attribute("name"))))
+          unread("a reduction of no joint", e);
+        ++i;
       }
     }
-    if (joints.size() == 1) {
-      if (reductions == 1) joints.front()->reduction = shared;
-      if (gear != 1.0 && joints.front()->reduction == 0.0) joints.front()->reduction = gear;
-      joints.front()->rotor_inertia_kgm2 += rotor * gear * gear;
-    } else if (joints.size() > 1 && (reductions > 0 || rotor != 0.0)) {
-      unread_.push_back("the <transmission> in line " + std::to_string(elements_[at].line) + " of " +
-                        std::to_string(joints.size()) + " joints");
+  }
+  /// The elements after `at`: of a <transmission>, or a joint that may have a reduction.
+  void transmission(std::size_t at, std::size_t end, bool is_transmission) {
+    std::vector<FilteredJoint*> joints;
+    std::vector<std::string> unknown;
+    double shared = 0.0, rotor = 0.0, gear = 1.0;
+    std::size_t shared_reductions = 0;
+    bool any = false, coupled = false;
+    FilteredJoint* inside = nullptr;  // of the <joint> that is open
+    std::string inside_name;
+    std::size_t inside_end = 0;
+    const auto reduction = [&](std::string_view raw, const std::string& what, const XmlElement& e) {
+      const auto value = number(raw);
+      if (!value || *value == 0.0) {
+        const std::string no_ratio = what + " " + quoted(raw) + " (no ratio)";
+        if (inside_name.empty())
+          unread(no_ratio, e);
+        else
+          unread(no_ratio, "joint", inside_name);
+        return;
+      }
+      any = true;
+      if (inside != nullptr) {
+        inside->reduction = *value;
+      } else if (inside_name.empty()) {
+        shared = *value;
+        ++shared_reductions;
+      }
+    };
+    for (std::size_t i = at + 1; i < end; ++i) {
+      const XmlElement& e = elements_[i];
+      if (i >= inside_end) {
+        inside = nullptr;
+        inside_name.clear();
+      }
+      if (e.tag == "joint") {
+        inside_name = quoted(resolved(trimmed(e.attribute("name"))));
+        inside_end = end_of(i);
+        inside = joint_named(e.attribute("name"));
+        if (trimmed(e.attribute("name")).empty())
+          inside_name.clear();
+        else if (inside == nullptr)
+          unknown.push_back(inside_name);
+        else if (std::find(joints.begin(), joints.end(), inside) == joints.end())
+          joints.push_back(inside);
+      }
+      for (const auto& [name, raw] : e.attributes) {
+        if (!is_reduction(name)) continue;
+        // <flexJoint>, <gap_joint>: of wrists and grippers, where several motors and joints hang together.
+        if (e.tag != "joint" && e.tag.ends_with("oint"))
+          coupled = true;
+        else
+          reduction(raw, "the " + core::printable(name) + " of " + tag(e), e);
+      }
+      if (is_reduction(e.tag) || (e.tag == "param" && is_reduction(e.attribute("name"))))
+        reduction(value_of(e), tag(e), e);
+      const auto value = number(value_of(e));
+      if (!value) continue;
+      if (e.tag == "drake:rotor_inertia" || e.tag == "rotor_inertia") rotor = *value;
+      if (e.tag == "drake:gear_ratio" || e.tag == "gear_ratio") {
+        if (*value == 0.0)
+          unread(tag(e) + " " + quoted(value_of(e)) + " (no ratio)", e);
+        else
+          gear = *value;
+      }
+    }
+    any |= rotor != 0.0 || gear != 1.0;
+    if (is_transmission || any)
+      for (const std::string& name : unknown)
+        unread(is_transmission ? "a <transmission>" : "a reduction", "unknown joint", name);
+    if (joints.size() == 1 && !coupled) {
+      FilteredJoint& joint = *joints.front();
+      if (shared_reductions == 1) joint.reduction = shared;
+      if (shared_reductions > 1)
+        unread("a <transmission> with " + std::to_string(shared_reductions) + " reductions", elements_[at]);
+      if (gear != 1.0 && joint.reduction == 0.0) joint.reduction = gear;
+      joint.rotor_inertia_kgm2 += rotor * gear * gear;
+    } else if (coupled || (joints.size() > 1 && (shared_reductions > 0 || rotor != 0.0))) {
+      unread("a <transmission> that couples joints", elements_[at]);
+    } else if (joints.empty() && unknown.empty() && any) {
+      unread("a <transmission> of no joint", elements_[at]);
     }
   }
 
   void gazebo(std::size_t at) {
     const XmlElement& e = elements_[at];
-    FilteredJoint* joint = joint_named(e.attribute("reference"));
-    for (std::size_t i = at + 1; i < end_of(at); ++i) {
+    const std::string_view reference = e.attribute("reference");
+    const bool is_link = out_.links.contains(resolved(trimmed(reference)));
+    const std::size_t end = end_of(at);
+    std::string_view joint = reference;
+    for (std::size_t i = at + 1; i < end; ++i) {
       const XmlElement& inner = elements_[i];
-      const std::string where = " in line " + std::to_string(inner.line);
+      if (inner.depth == e.depth + 1) joint = reference;
       if (inner.tag == "joint" && inner.depth == e.depth + 1) {
-        const XmlElement *parent = child(i, "parent"), *child_link = child(i, "child");
-        if (parent == nullptr || child_link == nullptr) continue;
-        UrdfClosure c{inner.line, "joint> in <gazebo", {}};
-        for (const XmlElement* end : {parent, child_link}) {
-          const std::string_view name = end->text.empty() ? end->attribute("link") : end->text;
-          if (const std::string link = link_named(name); !link.empty())
-            c.links.push_back(link);
-          else if (trimmed(name) == "world")
-            c.links.emplace_back();  // the base
-        }
-        out_.closures.push_back(std::move(c));
-      } else if (inner.tag == "plugin") {
+        if (closes_loop(i))
+          i = end_of(i) - 1;
+        else  // what it adds to a joint of the robot
+          joint = inner.attribute("name");
+      } else if (inner.tag == "plugin" || inner.tag == "sensor") {
         mimic_plugin(i);
-      } else if (inner.tag == "springStiffness" && joint != nullptr) {
-        if (const auto value = number(value_of(inner)); value && *value != 0.0) joint->spring_nmprad = *value;
+        i = end_of(i) - 1;
+      } else if (inner.tag == "springStiffness" || inner.tag == "spring_stiffness" ||
+                 inner.tag == "friction" || inner.tag == "damping") {
+        of_joint_in_gazebo(inner, joint, is_link);
       } else if ((inner.tag == "turnGravityOff" && (inner.text == "true" || inner.text == "1")) ||
                  (inner.tag == "gravity" && (inner.text == "false" || inner.text == "0"))) {
-        unread_.push_back("that gravity is off, " + tag(inner) + where);
+        unread(tag(inner) + " (no gravity)", inner);
       }
+    }
+  }
+  /// A <joint> in <gazebo> between two links of the robot.
+  bool closes_loop(std::size_t at) {
+    const XmlElement *parent = child(at, "parent"), *child_link = child(at, "child");
+    if (parent == nullptr || child_link == nullptr) return false;
+    UrdfClosure c{elements_[at].line, "joint> in <gazebo", {}};
+    for (const XmlElement* end : {parent, child_link}) {
+      const std::string_view name = end->text.empty() ? end->attribute("link") : end->text;
+      if (const std::string link = link_named(name); !link.empty())
+        c.links.push_back(link);
+      else if (trimmed(name) == "world")
+        c.links.emplace_back();  // the base
+    }
+    out_.closures.push_back(std::move(c));
+    return true;
+  }
+  /// A spring, friction or damping; of a link they are its surface's.
+  void of_joint_in_gazebo(const XmlElement& e, std::string_view name, bool is_link) {
+    const auto value = number(value_of(e));
+    if (!value || *value == 0.0) return;
+    FilteredJoint* joint = joint_named(name);
+    if (joint == nullptr) {
+      if (!is_link) unread(tag(e) + " in <gazebo>", e);
+    } else if (e.tag.starts_with("spring")) {
+      joint->spring_nmprad = *value;
+    } else if (joint->kind != Kind::fixed) {
+      unread(tag(e) + " in <gazebo>", "joint", quoted(resolved(trimmed(name))));
     }
   }
   /// A plugin that makes one joint follow another.
@@ -685,9 +773,27 @@ class Filter {
     if (joint != nullptr && joint->mimics.empty()) joint->mimics = resolved(leader->text);
   }
 
+  /// An element or attribute that nothing reads, of a joint or link, or in a line.
+  void unread(const std::string& what, const std::string& whose, const std::string& name) {
+    const auto [known, is_new] = unread_at_.emplace(std::pair(what, whose), unread_.size());
+    if (is_new) unread_.push_back({what, whose, {}});
+    unread_[known->second].names.push_back(name);
+  }
+  void unread(const std::string& what, const XmlElement& e) { unread(what, "", std::to_string(e.line)); }
+  static std::string text_of(const Unread& u) {
+    const std::string count = std::to_string(u.names.size());
+    if (u.names.size() == 1)
+      return u.what + (u.whose.empty() ? " in line " : " of " + u.whose + " ") + u.names.front();
+    if (u.whose.empty()) return u.what + " (" + count + " times, first in line " + u.names.front() + ")";
+    return u.what + " (" + count + " times: " + u.whose + " " + first_names(u.names) + ")";
+  }
+
   void unread_notes() {
-    if (!unread_.empty())
-      out_.notes.push_back("The dynamics do not use " + joined(unread_) + " of the URDF.");
+    if (!unread_.empty()) {
+      std::vector<std::string> texts;
+      for (const Unread& u : unread_) texts.push_back(text_of(u));
+      out_.notes.push_back("The dynamics do not use " + first_names(texts) + " of the URDF.");
+    }
     if (!without_inertia_.empty())
       out_.notes.push_back("No <inertia> beside the mass of link " + first_names(without_inertia_) +
                            ": taken as a point mass.");
@@ -695,14 +801,15 @@ class Filter {
       out_.notes.push_back("No products of inertia (ixy, ixz, iyz) of link " +
                            first_names(without_products_) + ": taken as 0.");
   }
-  static std::string joined(const std::vector<std::string>& parts) { return first_names(parts); }
 
   const std::vector<XmlElement>& elements_;
   const std::string& file_;
   FilteredUrdf out_;
   std::string links_text_, joints_text_;
   std::vector<Edge> edges_;
-  std::vector<std::string> unread_, without_inertia_, without_products_;
+  std::vector<Unread> unread_;  ///< in the order of the file
+  std::map<std::pair<std::string, std::string>, std::size_t> unread_at_;
+  std::vector<std::string> without_inertia_, without_products_;
 };
 
 }  // namespace

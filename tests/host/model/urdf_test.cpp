@@ -504,6 +504,107 @@ TEST_CASE("Reductions, rotors and elements that nothing reads are named") {
   CHECK_THAT(t.notes[0], Contains("'shoulder' (50) and 'elbow' (-100)"));
 }
 
+TEST_CASE("A reduction in a ros2_control block is that of its joint") {
+  for (
+      const std::string block :
+      {"<transmission name=\"t\"><joint name=\"elbow\"><mechanical_reduction>30</mechanical_reduction></joint></transmission>",
+       "<joint name=\"shoulder\"/><transmission name=\"t\"><joint name=\"elbow\"/><mechanicalReduction>30</mechanicalReduction></transmission>",
+       "<joint name=\"elbow\"><param name=\"mechanical_reduction\">30</param></joint><joint name=\"none\"/>"}) {
+    CAPTURE(block);
+    const model::Urdf r = model::parse_urdf(
+        with(kRobot, "</robot>", "<ros2_control name=\"c\">" + block + "</ros2_control></robot>"), "r.urdf");
+    CHECK(r.joints[0].reduction == 0.0);
+    CHECK(r.joints[1].reduction == 30.0);
+    CHECK(r.notes.empty());
+  }
+}
+
+TEST_CASE("A transmission that gives no joint of the robot a reduction is named") {
+  const auto note = [](const std::string& what) {
+    const model::Urdf r = model::parse_urdf(with(kRobot, "</robot>", what + "</robot>"), "r.urdf");
+    CHECK(r.joints[0].reduction == 0.0);
+    return r.notes.empty() ? std::string() : r.notes[0];
+  };
+  const auto transmission = [](const std::string& inner) {
+    return "<transmission name=\"t\">" + inner + "</transmission>";
+  };
+  const std::string wheel = transmission("<joint name=\"wheel\"/>");
+  CHECK_THAT(note(wheel), Contains("<transmission> of unknown joint 'wheel'"));
+  CHECK_THAT(note("<ros2_control>" + wheel + "</ros2_control>"),
+             Contains("<transmission> of unknown joint 'wheel'"));
+  for (const std::string none : {"0", "0.0", "fifty", ""})
+    CHECK_THAT(note(transmission("<joint name=\"shoulder\"><mechanicalReduction>" + none +
+                                 "</mechanicalReduction></joint>")),
+               Contains("<mechanicalReduction> '" + none + "' (no ratio) of joint 'shoulder'"));
+  CHECK_THAT(note(transmission("<joint name=\"shoulder\"/><mechanicalReduction>0</mechanicalReduction>")),
+             Contains("<mechanicalReduction> '0' (no ratio) in line 7"));
+  CHECK_THAT(note(transmission("<joint name=\"shoulder\"/><drake:gear_ratio value=\"0\"/>")),
+             Contains("<drake:gear_ratio> '0' (no ratio) in line 7"));
+  CHECK_THAT(note(transmission("<joint/><mechanicalReduction>50</mechanicalReduction>")),
+             Contains("a <transmission> of no joint in line 7"));
+  CHECK_THAT(note(transmission("<mechanicalReduction>50</mechanicalReduction>")),
+             Contains("a <transmission> of no joint in line 7"));
+  CHECK_THAT(
+      note(transmission(
+          "<motor mechanicalReduction=\"60\"/><flexJoint mechanicalReduction=\"-1\" name=\"shoulder\"/>")),
+      Contains("a <transmission> that couples joints in line 7"));
+}
+
+TEST_CASE("What a simulator's block says of a joint, or a spring between links, is named once") {
+  const auto read = [](const std::string& what) {
+    return model::parse_urdf(with(kRobot, "</robot>", what + "</robot>"), "r.urdf");
+  };
+  const model::Urdf ode = read(
+      "<gazebo reference=\"elbow\"><physics><ode><friction>0.4</friction><spring_stiffness>8</spring_stiffness></ode></physics></gazebo>");
+  CHECK(ode.joints[1].spring_nmprad == 8.0);
+  REQUIRE(ode.notes.size() == 1);
+  CHECK_THAT(ode.notes[0], Contains("<friction> in <gazebo> of joint 'elbow'"));
+  CHECK(read("<gazebo reference=\"elbow\"><physics><ode><friction>0</friction></ode></physics></gazebo>"
+             "<gazebo reference=\"upper\"><friction>0.9</friction></gazebo>"
+             "<gazebo><plugin name=\"p\"><friction>0.4</friction></plugin></gazebo>")
+            .notes.empty());
+  for (const std::string spring : {"linear_spring_damper", "drake:linear_spring_damper", "force_element"}) {
+    const model::Urdf r =
+        read("<" + spring + "><body name=\"base\"/><body name=\"lower\"/></" + spring + ">");
+    CHECK(r.closures.empty());
+    REQUIRE(r.notes.size() == 1);
+    CHECK_THAT(r.notes[0], Contains("<" + spring + "> in line 7"));
+  }
+  std::string weightless;
+  for (int i = 0; i < 42; ++i)
+    weightless += "<gazebo reference=\"upper\"><turnGravityOff>true</turnGravityOff></gazebo>\n";
+  const model::Urdf r = read(weightless + "<tendon/>");
+  REQUIRE(r.notes.size() == 1);
+  CHECK(
+      r.notes[0] ==
+      "The dynamics do not use <turnGravityOff> (no gravity) (42 times, first in line 7) and <tendon> in line 49 of the URDF.");
+}
+
+TEST_CASE("A floating or planar joint in [hold] is told to be held without an entry") {
+  for (const std::string type : {"floating", "planar"}) {
+    const std::string text = with(kRobot, "type=\"continuous\"", "type=\"" + type + "\"");
+    CHECK_THAT(refused(text, {}, {{"elbow", 0.0}}), Contains("joint 'elbow' is " + type) &&
+                                                        Contains("held at 0 without an entry") &&
+                                                        Contains("take it out of [hold]"));
+    CHECK_THAT(refused(text, {}, {{"elbow", 0.5}}), Contains("into its <origin>"));
+  }
+}
+
+TEST_CASE("Inertias larger than the robot that are equal in all directions are named in one sentence") {
+  // sqrt(1 kg m^2 / 1 kg) is 1 m, sqrt(1 / 2) is 0.71 m; the robot is 0.4 m long, from shoulder to elbow.
+  std::string text = kRobot;
+  std::size_t at = 0;
+  while ((at = text.find("<inertia ", at)) != text.npos) {
+    text.replace(at, text.find("/>", at) - at,
+                 "<inertia ixx=\"1\" ixy=\"0\" ixz=\"0\" iyy=\"1\" iyz=\"0\" izz=\"1\"");
+    ++at;
+  }
+  const model::RobotTree t = model::tree_of(model::parse_urdf(text, "r.urdf"));
+  REQUIRE(t.notes.size() == 1);
+  CHECK_THAT(t.notes[0], Contains("'upper' (1 kg m^2 with") && Contains("'lower' (1 kg m^2 with") &&
+                             Contains("0.71 m") && Contains("placeholders"));
+}
+
 TEST_CASE("What is not XML, not a robot, or too deep is refused with its line") {
   CHECK_THAT(refused("time_s,angle\n0,1\n"), Contains("r.urdf:1: not XML"));
   CHECK_THAT(refused("<robot name=\"a\">\n<link name=\"b\">\n</robot>"),
