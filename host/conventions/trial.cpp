@@ -155,11 +155,19 @@ struct Equation {
       if (!used) lower(c) = upper(c) = 0.0;
     }
     const Eigen::VectorXd target = (free ? 0.0 : fixed) * pushed - asked;
-    const Eigen::VectorXd x =
-        bounded_least_squares(all.transpose() * all, all.transpose() * target, lower, upper);
+    // Twice: what stands out of the first time, a slip or an impact, does not bend the second.
+    Eigen::VectorXd x, left, kept = Eigen::VectorXd::Ones(rows);
+    for (int round = 0; round < 2; ++round) {
+      const Eigen::MatrixXd weighed = kept.asDiagonal() * all;
+      x = bounded_least_squares(weighed.transpose() * weighed, weighed.transpose() * target, lower, upper);
+      left = target - all * x;
+      std::vector<double> sizes(needed.size());
+      Eigen::Map<Eigen::VectorXd>(sizes.data(), rows) = left.cwiseAbs();
+      const double far = core::quantile(std::move(sizes), 1.0 - kTrimmed);
+      for (Eigen::Index i = 0; i < rows; ++i) kept(i) = std::abs(left(i)) <= far ? 1.0 : 0.0;
+    }
     Rest rest;
     rest.input_scale = free && size(count) > 0.0 ? x(count) / size(count) : fixed;
-    const Eigen::VectorXd left = target - all * x;
     std::vector<double> squares(needed.size());
     Eigen::Map<Eigen::VectorXd>(squares.data(), rows) = left.cwiseAbs2();
     rest.mean_square = trimmed_mean(std::move(squares));
