@@ -23,10 +23,10 @@ namespace {
 constexpr std::size_t kMostInstants = 500, kFewestInstants = 40;
 /// Log likelihood an instant by which each change of the reading must be ahead: the rest of a joint's equation falls to a third. What is
 /// left after the right reading is what the model lacks, which is no noise; so how far it falls counts, not how many instants say so.
-/// Causes of the catalogue do not look like that by chance (docs/blind_suite.md has the distributions of both).
+/// Causes of the catalogue do not look like that by chance (docs/decisions/0035-conventions-before-causes.md).
 const double kFarBetter = std::log(3.0);
 /// Signs and exchanged columns are the commonest faults: each counts for half a change. Of 404 machines with causes of the catalogue and
-/// without, none gains more than 0.38 by a wrong one (docs/blind_suite.md); half a change is 0.55.
+/// without, none gains more than 0.38 by a wrong one (docs/decisions/0035-conventions-before-causes.md); half a change is 0.55.
 constexpr double kSignOrExchange = 0.5;
 /// An estimated number counts for half a change more: it would fit many a thing.
 constexpr double kEstimated = 0.5;
