@@ -392,7 +392,8 @@ class Trial {
             std::vector<double>(n_), std::vector<double>(n_)};
     Forces f;
     std::size_t used = 0;
-    for (const Instant& instant : instants_) {
+    for (std::size_t at = 0; at < instants_.size(); at += scans_ ? step_of_scan() : 1) {
+      const Instant& instant = instants_[at];
       for (std::size_t j = 0; j < n_; ++j) {
         const Sample& x = instant[r.position_of[j]];
         s.position[j] = r.scale[j] * x.value + r.offset[j];
@@ -451,7 +452,7 @@ class Trial {
       Scored s;
       s.fit = base;
       for (std::size_t j = 0; j < n_; ++j) {
-        const Rest& r = rest_of(e[j], j, how[j]);
+        const Rest r = rest_of(e[j], j, how[j]);
         s.fit += r.log_inertia - 0.5 * std::log(std::max({r.mean_square, 1e-12 * r.force * r.force, 1e-300}));
         if (r.force > 0.0) s.off = std::max(s.off, std::sqrt(r.mean_square) / r.force);
       }
@@ -479,6 +480,7 @@ class Trial {
       if (std::any_of(likewise.begin(), likewise.end(), [](const InputScale& s) { return s.scale != 1.0; }))
         add(likewise, 0.0, "the set points likewise", "", {});
     }
+    if (scans_) return best;
     std::vector<std::size_t> driven;
     for (std::size_t j = 0; j < n_; ++j)
       if (!joints_[j].input_column.empty()) driven.push_back(j);
@@ -527,13 +529,27 @@ class Trial {
     return best;
   }
 
+  /// What a change is worth while a scale or a zero is sought: with inputs as logged, on some of the instants, kept nowhere.
+  double scanned(const Change& change) {
+    const std::size_t before = all_.size();
+    scans_ = true;
+    const double score = weigh(change);
+    scans_ = false;
+    all_.resize(before);
+    return score;
+  }
+  std::size_t step_of_scan() const {
+    constexpr std::size_t kInstantsOfScan = 120;
+    return std::max<std::size_t>(1, instants_.size() / kInstantsOfScan);
+  }
+
   /// Of a positive definite matrix.
   static double log_determinant(const Eigen::MatrixXd& m) {
     return 2.0 * Eigen::MatrixXd(m.llt().matrixL()).diagonal().array().log().sum();
   }
 
   /// Solved once for each scale that is asked for.
-  const Rest& rest_of(const Equation& e, std::size_t joint, InputScale how) {
+  Rest rest_of(const Equation& e, std::size_t joint, InputScale how) {
     auto& known = solved_[joint];
     for (const auto& [key, rest] : known)
       if (key.estimated == how.estimated && (how.estimated || key.scale == how.scale)) return rest;
@@ -560,7 +576,7 @@ class Trial {
     std::vector<double> scales;
     double worth = 0.0;
     for (const std::size_t j : which) {
-      const Rest& rest = rest_of(e[j], j, {1.0, true});
+      const Rest rest = rest_of(e[j], j, {1.0, true});
       const double scale = rest.input_scale, size = std::abs(scale);
       if (!(size > kNearOne || size < 1.0 / kNearOne)) return {};
       worth += rest.worth_of_drive();
@@ -718,11 +734,8 @@ class Trial {
         for (const std::size_t j : all) groups.push_back({j});
       for (const auto& which : groups) {
         const auto value = [&](double log_scale) {
-          const std::size_t before = all_.size();
-          Change c = scaled_positions(which, std::exp(log_scale), "");
-          const double score = weigh(c);
-          all_.resize(before);
-          return score;
+          // With words, so that set points are read likewise.
+          return scanned(scaled_positions(which, std::exp(log_scale), "scaled"));
         };
         constexpr double kStep = 0.25;
         double at = 0.0, most = -std::numeric_limits<double>::infinity();
@@ -771,12 +784,7 @@ class Trial {
                            " degrees about the joint's axis: no recording tells them apart");
         return c;
       };
-      const auto value = [&](double offset) {
-        const std::size_t before = all_.size();
-        const double score = weigh(change(offset));
-        all_.resize(before);
-        return score;
-      };
+      const auto value = [&](double offset) { return scanned(change(offset)); };
       for (const double quarter : {kQuarter, 2.0 * kQuarter, -kQuarter}) weigh(change(quarter));
       constexpr double kStep = std::numbers::pi / 12.0;
       double at = 0.0, most = -std::numeric_limits<double>::infinity();
@@ -826,6 +834,7 @@ class Trial {
   std::vector<Decoded> decoded_;
   std::vector<std::size_t> moving_;
   std::vector<Instant> instants_;
+  bool scans_ = false;  ///< a number is being sought
   std::vector<Scored> all_;
   Eigen::MatrixXd mass_;  ///< mean over the instants, of the equations that are weighed
   std::vector<std::vector<std::pair<InputScale, Rest>>>

@@ -54,6 +54,10 @@ class TreeFamily final : public conventions::Family {
         (axis == 0 ? g.x : axis == 1 ? g.y : g.z) = sign * size;
         if (dot(g, gravities_[0]) < kSame * size * size) gravities_.push_back(g);
       }
+    for (const Direction& g : gravities_) {
+      models_.push_back(setup_.model);
+      models_.back().gravity_mps2 = g;
+    }
   }
 
   const std::vector<conventions::Joint>& joints() const override { return joints_; }
@@ -76,8 +80,7 @@ class TreeFamily final : public conventions::Family {
 
   bool forces(const State& s, std::size_t gravity, Forces& out) const override {
     const std::size_t n = joints_.size();
-    model::RobotModel tree = setup_.model;
-    tree.gravity_mps2 = gravities_[gravity];
+    const model::RobotModel& tree = models_[gravity];
     model::RobotModel::Joints q{}, v{}, a{};
     for (std::size_t j = 0; j < n; ++j) q[j] = s.position[j], v[j] = s.velocity[j], a[j] = s.acceleration[j];
     const auto needed = dynamics::tree::inverse_dynamics(tree, q, v, a);
@@ -125,7 +128,8 @@ class TreeFamily final : public conventions::Family {
   std::vector<model::RobotModel> probes_;  ///< each with one coordinate of a free body changed
   std::vector<conventions::FreeParameter> free_;
   std::vector<conventions::Joint> joints_;
-  std::vector<Direction> gravities_;  ///< the model's first
+  std::vector<Direction> gravities_;       ///< the model's first
+  std::vector<model::RobotModel> models_;  ///< one for each of them
 };
 
 /// Columns of rows in a row that a foot does not stand in.
