@@ -152,9 +152,15 @@ TEST_CASE("A zero that is off by a quarter or half turn is named, and what of th
 }
 
 TEST_CASE("Milliseconds that are called seconds, and columns that are exchanged, are named") {
-  CHECK(found(changed([](Columns& c) {
-          for (double& t : c.time_s) t *= 1000.0;
-        })) == "time_s is in milliseconds");
+  const auto milliseconds = find_convention(Pendulum(), changed([](Columns& c) {
+                                              for (double& t : c.time_s) t *= 1000.0;
+                                            }));
+  REQUIRE(milliseconds);
+  CHECK(milliseconds->what == "time_s is in milliseconds");
+  // So read it is the log that it was before.
+  const auto degrees = find_convention(Pendulum(), angles(1.0 / kDegree));
+  REQUIRE(degrees);
+  CHECK(milliseconds->off_read == Approx(degrees->off_read).epsilon(1e-3));
   CHECK(found(changed([](Columns& c) { std::swap(c.position, c.input); })) ==
         "angle_rad and torque_nm are exchanged");
 }
