@@ -10,6 +10,7 @@
 #include <memory>
 #include <numbers>
 #include <numeric>
+#include <set>
 
 #include "host/conventions/instants.hpp"
 #include "host/core/error.hpp"
@@ -25,8 +26,8 @@ constexpr std::size_t kMostInstants = 500, kFewestInstants = 40;
 /// left after the right reading is what the model lacks, which is no noise; so how far it falls counts, not how many instants say so.
 /// Causes of the catalogue do not look like that by chance (docs/decisions/0035-conventions-before-causes.md).
 const double kFarBetter = std::log(3.0);
-/// Signs and exchanged columns are the commonest faults: each counts for half a change. Of 404 machines with causes of the catalogue and
-/// without, none gains more than 0.38 by a wrong one (docs/decisions/0035-conventions-before-causes.md); half a change is 0.55.
+/// Signs and columns of two joints that are exchanged are the commonest faults: each counts for half a change. Of 404 machines with causes of the catalogue and
+/// without, none gains more than 0.14 by a wrong one (docs/decisions/0035-conventions-before-causes.md); half a change is 0.55.
 constexpr double kSignOrExchange = 0.5;
 /// An estimated number counts for half a change more: it would fit many a thing.
 constexpr double kEstimated = 0.5;
@@ -36,8 +37,11 @@ const double kAsGood = kEstimated * kFarBetter;
 constexpr double kMostFriction = 0.3;
 /// A rotor's inertia, reflected through its gear, over what the joint moves: of a motor with a gear of 160 that moves a finger.
 constexpr double kMostRotor = 100.0;
+/// A model's inertia may be off by so much before a unit is blamed: masses and radii are guessed within two.
+constexpr double kInertiaWithin = 4.0;
 /// With the columns as named: a scale of kNearOne or a zero of kNearZero_rad leaves half of the force; a part of that is fitted away by
-/// what the trial fits in any case. A model that leaves less has no wrong unit, however much better another reading is.
+/// what the trial fits in any case. A model that leaves less, and explains the accelerations, has no wrong unit, however much better
+/// another reading is.
 constexpr double kAsked = 0.2;
 /// The largest twentieth of the rests is left out: an impact, a knock.
 constexpr double kTrimmed = 0.05;
@@ -58,12 +62,11 @@ struct InputScale {
 struct Rest {
   double mean_square = 0.0;  ///< trimmed
   double input_scale = 1.0;
-  double force = 0.0;   ///< RMS of what is asked for with what was fitted, or given
-  double pushed = 0.0;  ///< RMS of what is given
-  double rotor = 0.0;   ///< inertia that was fitted
+  double force = 0.0;    ///< RMS of what is asked for with what was fitted, or given
+  double pushed = 0.0;   ///< RMS of what is given
+  double inertia = 0.0;  ///< that was fitted beside the joint's
   /// Log likelihood an instant that the drive's force is worth: without it the rest would be so much larger.
   double worth_of_drive() const { return 0.5 * std::log1p(pushed * pushed / std::max(mean_square, 1e-300)); }
-  double log_inertia = 0.0;  ///< of what was fitted to the inertia, over what it was
 };
 
 /// Without the largest kTrimmed of them.
@@ -176,11 +179,12 @@ struct Equation {
     for (Eigen::Index c = 0; c < count; ++c)
       if (!columns[static_cast<std::size_t>(c)].friction) fitted += all.col(c) * x(c);
     rest.force = std::max({rest.pushed, fitted.norm() * root, acting});
-    if (size(kRotor) > 0.0) rest.rotor = x(kRotor) / size(kRotor);
-    double inertia = 1.0;
+    // Of a free parameter that changes the inertia the same part counts as of a rotor.
+    if (size(kRotor) > 0.0) rest.inertia = x(kRotor) / size(kRotor);
     for (Eigen::Index c = kFree; c < count; ++c)
-      if (size(c) > 0.0) inertia += columns[static_cast<std::size_t>(c)].inertia * x(c) / size(c);
-    rest.log_inertia = std::log(std::max(inertia, 1e-9));
+      if (size(c) > 0.0)
+        rest.inertia += columns[static_cast<std::size_t>(c)].inertia * x(c) / size(c) *
+                        static_cast<double>(rows) / rotor_share;
     return rest;
   }
 };
@@ -275,7 +279,7 @@ class Trial {
     weigh({given(), "", "", {}, 0.0});
     if (all_.empty()) return std::nullopt;
     const double as_given = all_.front().score, off_given = all_.front().off;
-    if (off_given < kAsked) return std::nullopt;
+    if (off_given < kAsked && all_.front().fit > kFarBetter) return std::nullopt;
     weigh_all();
     const auto best = std::max_element(all_.begin(), all_.end(),
                                        [](const Scored& a, const Scored& b) { return a.score < b.score; });
@@ -286,10 +290,19 @@ class Trial {
       if (&s != &*best && !s.given && s.score > best->score - kAsGood) near.push_back(&s);
     std::stable_sort(near.begin(), near.end(),
                      [](const Scored* a, const Scored* b) { return a->score > b->score; });
-    for (const Scored* s : near)
-      if (f.others.size() < 3 && !s->what.starts_with(f.what)) f.others.push_back(s->what);
+    // Other columns first, then other readings of the same.
+    std::set<std::string> columns{first_word(f.what)};
+    for (const bool of_new_column : {true, false})
+      for (const Scored* s : near) {
+        const bool again = s->what.starts_with(f.what) ||
+                           std::find(f.others.begin(), f.others.end(), s->what) != f.others.end();
+        if (f.others.size() == 3 || again) continue;
+        if (columns.insert(first_word(s->what)).second || !of_new_column) f.others.push_back(s->what);
+      }
     return f;
   }
+
+  static std::string first_word(const std::string& text) { return text.substr(0, text.find(' ')); }
 
   void collect_signals() {
     std::vector<std::vector<const std::vector<double>*>> of(3 * n_);
@@ -381,7 +394,7 @@ class Trial {
     for (Equation& e : out) {
       e.columns = {{{}, 0.0, kUnbounded, true},
                    {{}, 0.0, kUnbounded, true},
-                   {{}, 0.0, kUnbounded},
+                   {{}, -kUnbounded, kUnbounded},
                    {{}, -kUnbounded, kUnbounded, true}};
       for (const FreeParameter& p : free_) e.columns.push_back({{}, p.lower, p.upper});
     }
@@ -432,10 +445,20 @@ class Trial {
     beside = log_det / static_cast<double>(used) - 2.0 * static_cast<double>(n_) * std::log(r.time_scale);
     for (std::size_t j = 0; j < n_; ++j)
       beside += std::log(std::abs(r.scale[j])) + 0.5 * std::log(trimmed_mean(curvatures[j]) + 1e-300);
-    for (Equation& e : out) {
+    for (std::size_t j = 0; j < n_; ++j) {
+      Equation& e = out[j];
       for (Column& c : e.columns) c.inertia /= static_cast<double>(used);
       e.acting = std::sqrt(e.acting / static_cast<double>(used));
-      e.columns[kRotor].upper = kMostRotor * static_cast<double>(used) / e.rotor_share;
+      const double inertia = static_cast<double>(used) / e.rotor_share;
+      e.columns[kRotor].upper = (joints_[j].has_rotor ? kInertiaWithin - 1.0 : kMostRotor) * inertia;
+      // Of what the free parameters leave of the inertia at least a part remains. An n-th of each joint's may be taken from all n at
+      // once: the inertia matrix stays positive definite.
+      double least = 1.0;
+      for (auto c = static_cast<std::size_t>(kFree); c < e.columns.size(); ++c)
+        least +=
+            std::min(e.columns[c].lower * e.columns[c].inertia, e.columns[c].upper * e.columns[c].inertia);
+      e.columns[kRotor].lower =
+          (1.0 / kInertiaWithin - 1.0) * std::max(0.0, least) * inertia / static_cast<double>(n_);
     }
     return true;
   }
@@ -453,14 +476,14 @@ class Trial {
       s.fit = base;
       for (std::size_t j = 0; j < n_; ++j) {
         const Rest r = rest_of(e[j], j, how[j]);
-        s.fit += r.log_inertia - 0.5 * std::log(std::max({r.mean_square, 1e-12 * r.force * r.force, 1e-300}));
+        s.fit -= 0.5 * std::log(std::max({r.mean_square, 1e-12 * r.force * r.force, 1e-300}));
         if (r.force > 0.0) s.off = std::max(s.off, std::sqrt(r.mean_square) / r.force);
       }
-      Eigen::MatrixXd with_rotors = mass_;
+      Eigen::MatrixXd with_fitted = mass_;
       for (std::size_t j = 0; j < n_; ++j)
-        with_rotors(static_cast<Eigen::Index>(j), static_cast<Eigen::Index>(j)) +=
-            rest_of(e[j], j, how[j]).rotor;
-      s.fit += log_determinant(with_rotors) - log_determinant(mass_);
+        with_fitted(static_cast<Eigen::Index>(j), static_cast<Eigen::Index>(j)) +=
+            rest_of(e[j], j, how[j]).inertia;
+      s.fit += log_determinant(with_fitted) - log_determinant(mass_);
       s.score = s.fit - kFarBetter * (change.changes + more);
       s.what = change.what + (change.what.empty() || what.empty() ? "" : ", and ") + what;
       s.map = change.map + (change.map.empty() || map.empty() ? "" : "\n") + map;
@@ -695,7 +718,10 @@ class Trial {
       Change c{given(), what, map, {}};
       for (const auto& [j, signal] : positions) c.reading.position_of[j] = signal;
       for (const auto& [j, signal] : inputs) c.reading.input_of[j] = signal;
-      c.changes = kSignOrExchange;
+      // A position in place of an input is another kind of thing: a whole change, as two signals are compared that have nothing in common.
+      const bool alike =
+          std::all_of(positions.begin(), positions.end(), [&](const auto& of) { return of.second < n_; });
+      c.changes = alike ? kSignOrExchange : 1.0;
       out.push_back(c);
     };
     const auto exchanged = [&](const std::string& a, const std::string& b) {

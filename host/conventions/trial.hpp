@@ -3,15 +3,14 @@
 //
 // Each joint's equation of motion is written at instants of the recordings: the force that the model asks for at the measured position,
 // velocity and acceleration, less the force that its drive gives. What a joint may have beside the model in any case (Coulomb and
-// viscous friction, rotor inertia, a constant force), and the model's free parameters within their bounds, are fitted by least squares.
+// viscous friction, rotor inertia, an inertia that is off by up to four, a constant force), and the model's free parameters within their bounds, are fitted by least squares.
 // The rest counts. Another reading of the columns changes positions, velocities, accelerations and inputs by algebra alone, so that
 // hundreds of readings cost as much as some runs of the model.
 //
 // Likelihood: given position, velocity and input, the accelerations as logged are Gaussian, each joint's by itself. The rest of a joint's
 // force is r = (what does not depend on the acceleration) - M a, and a = (scale / time scale^2) a_logged. So an instant's log likelihood is
 //     -1/2 sum_joints log(mean r^2) + log det M + sum_joints log(scale) - 2 joints log(time scale),
-// and readings in different units can be compared. M has the rotors' inertias that were fitted. Where a free parameter changes a joint's
-// inertia, the matrix determinant lemma gives the change.
+// and readings in different units can be compared. M has the inertias that were fitted.
 #pragma once
 
 #include <cstddef>
@@ -33,6 +32,7 @@ struct Joint {
   Quantity position = Quantity::angle;
   Quantity input = Quantity::torque;
   bool sets_position = false;  ///< the input is a set point of the position
+  bool has_rotor = false;      ///< the model's inertia is with the rotor's
   bool last = false;           ///< its body carries no further joint
   std::string link;            ///< that it moves; may be empty
 };

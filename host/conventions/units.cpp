@@ -13,10 +13,10 @@ constexpr double kKilopond = 9.80665, kPound = 4.4482216152605, kInch = 0.0254;
 constexpr std::array<Unit, 8> kAngles{{{"degrees", kDegree},
                                        {"turns", kTurn},
                                        {"half turns", kTurn / 2.0, true},
-                                       {"tenths of a degree", kDegree / 10.0},
+                                       {"tenths of a degree", kDegree / 10.0, true},
                                        {"hundredths of a degree", kDegree / 100.0},
                                        {"millidegrees", kDegree / 1000.0},
-                                       {"milliradians", 1e-3},
+                                       {"milliradians", 1e-3, true},
                                        {"gradians", kTurn / 400.0, true}}};
 constexpr std::array<Unit, 5> kLengths{{{"millimetres", 1e-3},
                                         {"centimetres", 1e-2},

@@ -27,6 +27,7 @@ class OneJoint final : public conventions::Family {
     joint.position = rotary ? Quantity::angle : Quantity::length;
     joint.input =
         rotary || dynamics::has(model.kind, dynamics::Seat::leg) ? Quantity::torque : Quantity::force;
+    joint.has_rotor = true;
     joints_.push_back(joint);
     leg_ = dynamics::has(model.kind, dynamics::Seat::leg);
     belt_ = dynamics::has(model.kind, dynamics::Seat::belt);

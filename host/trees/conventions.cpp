@@ -21,13 +21,14 @@ using Direction = dynamics::tree::Vec3<double>;
 
 class TreeFamily final : public conventions::Family {
  public:
-  explicit TreeFamily(const TreeModel& model) : setup_(SetupMaker(model).make(model.drives, model.causes)) {
+  explicit TreeFamily(const TreeModel& model)
+      : setup_(in_flight(SetupMaker(model).make(model.drives, model.causes))) {
     const SetupMaker maker(model);
     for (const FreeBody& body : model.free_bodies)
       for (std::size_t k = 0; k < BodyCoordinates{}.size(); ++k) {
         FittedBody other{body.link, {}};
         other.at[k] = kProbe;
-        probes_.push_back(maker.make(model.drives, model.causes, std::span(&other, 1)).model);
+        probes_.push_back(in_flight(maker.make(model.drives, model.causes, std::span(&other, 1))).model);
         free_.push_back({-2.0 * kBodyPrior, 2.0 * kBodyPrior});
       }
     for (std::size_t j = 0; j < model.joints(); ++j) {
@@ -122,6 +123,9 @@ class TreeFamily final : public conventions::Family {
   }
 
  private:
+  /// Its springs are in their laws by phase; a recording without phases is in the air.
+  static Setup in_flight(const Setup& setup) { return in_phase(setup, Recording{}, 0); }
+
   static constexpr double kProbe = 0.1;  ///< of a body's coordinate
 
   Setup setup_;

@@ -40,7 +40,7 @@ class Pendulum final : public Family {
 
  private:
   std::vector<Joint> joints_{
-      {"hinge", "angle_rad", "torque_nm", Quantity::angle, Quantity::torque, false, true, "bob"}};
+      {"hinge", "angle_rad", "torque_nm", Quantity::angle, Quantity::torque, false, true, true, "bob"}};
   std::vector<FreeParameter> free_;
 };
 
