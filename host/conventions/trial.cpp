@@ -31,8 +31,8 @@ const double kFarBetter = std::log(3.0);
 constexpr double kSignOrExchange = 0.5;
 /// An estimated number counts for half a change more: it would fit many a thing.
 constexpr double kEstimated = 0.5;
-/// Readings that are no further behind the best one than an estimated number costs are mentioned beside it.
-const double kAsGood = kEstimated * kFarBetter;
+/// Readings that are hardly further behind the best one than an estimated number, or a rare unit, costs are mentioned beside it.
+const double kAsGood = 1.2 * kEstimated * kFarBetter;
 /// Friction and constant forces over the forces that act (RMS of the drive's and of gravity and springs): what moves is not held.
 constexpr double kMostFriction = 0.3;
 /// A rotor's inertia, reflected through its gear, over what the joint moves: of a motor with a gear of 160 that moves a finger.
@@ -47,8 +47,10 @@ constexpr double kAsked = 0.2;
 constexpr double kTrimmed = 0.05;
 /// A scale or a zero this near to one, or to none, is a cause of the catalogue, not a convention.
 constexpr double kNearOne = 1.8, kNearZero_rad = 0.75;
-/// Estimates of scales are off by what the model lacks: units within this factor are tried, and named as near.
-constexpr double kWithin = 2.0, kBesideUnit = 1.3;
+/// Estimates of scales are off by what the model's inertia may be: units within that factor are tried, and those near by are named.
+constexpr double kBesideUnit = 1.3;
+/// Scales of several joints within this factor are one.
+constexpr double kAlike = 2.0;
 /// Between two rows of a log of a machine that is moved by drives.
 constexpr double kShortest_s = 1e-5, kLongest_s = 1.0;
 constexpr double kQuarter = std::numbers::pi / 2.0;
@@ -540,7 +542,7 @@ class Trial {
         double worth = 0.0;
         for (const std::size_t j : group) worth += rest_of(e[j], j, {u.si, false}).worth_of_drive();
         if (worth < kEstimated * kFarBetter) continue;
-        if (!(std::abs(std::log(likely / u.si)) < std::log(kWithin))) continue;
+        if (!(std::abs(std::log(likely / u.si)) < std::log(kInertiaWithin))) continue;
         for (const double sign : {1.0, -1.0})
           add(scaled(sign * u.si, false),
               (u.rare ? 1.0 + kEstimated : 1.0) + (sign < 0.0 ? kSignOrExchange : 0.0),
@@ -626,7 +628,7 @@ class Trial {
     if (worth < kEstimated * kFarBetter) return {};  // the input hardly matters: nothing is said of its unit
     out.what = and_list(parts);
     const auto [low, high] = std::minmax_element(scales.begin(), scales.end());
-    const bool alike = *low * *high > 0.0 && std::max(*high / *low, *low / *high) < kWithin;
+    const bool alike = *low * *high > 0.0 && std::max(*high / *low, *low / *high) < kAlike;
     out.changes = (1.0 + kEstimated) * (alike ? 1.0 : static_cast<double>(which.size()));
     out.same = same_of_scale(which, std::abs(scales.front()));
     return out;
