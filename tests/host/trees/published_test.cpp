@@ -196,7 +196,7 @@ AtRest at_rest(const Raw& robot, const Words& moving, const Eigen::VectorXd& q) 
     Eigen::Vector3d axis, at;
   };
   const auto add = [&](const auto& self, const std::string& name, const Eigen::Isometry3d& frame,
-                       std::vector<Column> before) -> void {
+                       const std::vector<Column>& before) -> void {
     if (const auto found = robot.links.find(name); found != robot.links.end() && !before.empty()) {
       const Raw::Link& link = found->second;
       const Eigen::Isometry3d body = frame * link.frame;
