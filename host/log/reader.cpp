@@ -5,106 +5,136 @@
 #include <charconv>
 #include <cmath>
 #include <cstdlib>
+#include <deque>
+#include <functional>
 #include <limits>
+#include <optional>
+#include <set>
+#include <span>
 #include <utility>
 
 #include "host/core/byte_source.hpp"
 #include "host/core/message.hpp"
-#include "host/log/interval_median.hpp"
 #include "host/log/layout.hpp"
+#include "host/log/number.hpp"
 #include "host/log/record_stream.hpp"
 #include "host/log/rigs.hpp"
+#include "host/log/stamp.hpp"
+#include "host/log/time_order.hpp"
 
 namespace furcula::log {
 namespace {
 
 constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
 
-// A whole field as a double, "inf" and "nan" included; false if it is no number.
-bool parse_number(const std::string& field, double& value) {
-  const char* begin = field.data();
-  const char* const end = begin + field.size();
-  if (end - begin > 1 && *begin == '+' && begin[1] != '-') ++begin;
-  const auto [stopped, error] = std::from_chars(begin, end, value);
-  if (stopped != end || begin == end) return false;
-  if (error == std::errc::result_out_of_range) value = std::strtod(begin, nullptr);  // 0 or infinity
-  return true;
-}
+/// Called for each row with the values in the order of LogHeader::columns, NaN where a column that is not required holds
+/// something else than a number, and the line at which it begins.
+using RowVisitor = std::function<void(std::span<const double>, std::uint64_t line)>;
 
 /// A row that is not as the others: what is wrong with it beside the message.
 struct BadRow : core::DataError {
-  BadRow(const std::string& message, std::string its_column, std::string its_text, std::string its_why)
-      : core::DataError(message),
-        column(std::move(its_column)),
-        text(std::move(its_text)),
-        why(std::move(its_why)) {}
-  std::string column, text, why;
+  BadRow(const std::string& message, std::string its_column, std::string its_why)
+      : core::DataError(message), column(std::move(its_column)), why(std::move(its_why)) {}
+  std::string column, why;
 };
 
 class RowReader {
  public:
-  RowReader(RecordStream& records, const Layout& layout, BadRows bad)
+  RowReader(RecordStream& records, const Layout& layout)
       : records_(records),
         layout_(layout),
-        hint_(bad == BadRows::refused ? " (--skip-bad-rows leaves such a row out)" : ""),
-        ignored_(layout.file_columns.size(), false),
+        kinds_(layout.file_columns.size(), Kind::unknown),
         raw_(layout.file_columns.size()),
-        values_(layout.channels.size()) {}
+        values_(layout.channels.size()),
+        holes_(layout.file_columns.size(), false) {
+    for (const Channel& c : layout.channels)
+      for (const Source& s : c.sources) {
+        if (c.known && !c.optional() && kinds_[s.column] != Kind::time) kinds_[s.column] = Kind::required;
+        if (c.known && c.optional() && kinds_[s.column] == Kind::unknown) kinds_[s.column] = Kind::optional;
+        if (c.kind == ColumnKind::time) kinds_[s.column] = Kind::time;
+      }
+    time_fields_.resize(layout.channels[layout.time_channel].sources.size());
+  }
 
   std::span<double> parse(std::string_view record) {
+    if (layout_.separator == ' ') {
+      join_blanks(record, joined_);
+      record = joined_;
+    }
     fill_raw(record);
     for (std::size_t i = 0; i < values_.size(); ++i) {
       const Channel& channel = layout_.channels[i];
-      if (channel.source == kConstant) {
-        values_[i] = channel.offset;
-        continue;
+      if (!channel.mapped) {
+        values_[i] = raw_[channel.sources.front().column];
+      } else {
+        double value = channel.offset;
+        for (const Source& s : channel.sources) value = raw_[s.column] * s.scale + value;
+        if (!channel.sources.empty() && !std::isfinite(value) && channel.known)
+          fail(channel.sources.front().column, "not finite after the map; expected a scale and offset that suit it");
+        values_[i] = value;
       }
-      double value = raw_[channel.source];
-      if (channel.mapped) value = value * channel.scale + channel.offset;
-      if (channel.kind == ColumnKind::flag && value != 0.0 && value != 1.0)
-        fail(channel.source,
+      const double value = values_[i];
+      if (channel.kind == ColumnKind::flag && value != 0.0 && value != 1.0 && !(std::isnan(value) && channel.optional()))
+        fail(channel.sources.front().column,
              core::shortest(value) + (channel.mapped ? " after the map" : "") + "; expected 0 or 1");
-      if (channel.mapped && !std::isfinite(value))
-        fail(channel.source, "not finite after the map; expected a scale and offset that suit it");
-      values_[i] = value;
     }
     return values_;
   }
 
+  /// The time of the last row, exactly.
+  Stamp stamp() const {
+    const Channel& time = layout_.channels[layout_.time_channel];
+    Stamp sum;
+    for (std::size_t k = 0; k < time.sources.size(); ++k)
+      sum.add(stamp_of(time_fields_[k], time.sources[k].scale, raw_[time.sources[k].column], layout_.decimal));
+    return sum;
+  }
+
+  /// Columns that the rig does not know and that hold something else than numbers somewhere.
   std::vector<std::string> ignored_columns() const {
     std::vector<std::string> names;
     for (const Channel& c : layout_.channels)
-      if (c.source != kConstant && ignored_[c.source]) names.push_back(c.name);
+      for (const Source& s : c.sources)
+        if (kinds_[s.column] == Kind::ignored) names.push_back(c.name);
     return names;
   }
+
+  /// Whether an optional column of the last row holds no number.
+  bool has_holes() const { return has_holes_; }
+  bool hole(std::size_t file_column) const { return holes_[file_column]; }
 
   [[noreturn]] void fail(std::size_t file_column, const std::string& message) const {
     std::string who = "column " + core::quoted(layout_.file_columns[file_column]), ours;
     for (const Channel& c : layout_.channels)
-      if (c.source == file_column && c.known && c.name != layout_.file_columns[file_column])
-        who += " (mapped to '" + c.name + "')";
-    for (const Channel& c : layout_.channels)
-      if (c.source == file_column && (c.known || ours.empty())) ours = c.name;
+      for (const Source& s : c.sources) {
+        if (s.column != file_column) continue;
+        if (c.known && c.name != layout_.file_columns[file_column]) who += " (mapped to '" + core::printable(c.name) + "')";
+        if (c.known || ours.empty()) ours = c.name;
+      }
     fail_row(who + ": " + message, ours, message);
   }
 
   [[noreturn]] void fail_row(const std::string& message, const std::string& column = {},
                              const std::string& why = {}) const {
-    throw BadRow(records_.name() + ":" + std::to_string(records_.line()) + ": " + message + hint_, column, {},
-                 why.empty() ? message : why);
+    throw BadRow(message, column, why.empty() ? message : why);
   }
 
  private:
+  enum class Kind : unsigned char { unknown, ignored, optional, required, time };
+
   void fill_raw(std::string_view record) {
     const char* at = record.data();
     const char* const end = at + record.size();
     const std::size_t columns = raw_.size();
+    time_copies_.clear();
+    has_holes_ = false;
     for (std::size_t i = 0; i < columns; ++i) {
       double value = 0.0;
       const auto [stopped, error] = std::from_chars(at, end, value);
       const bool last = i + 1 == columns;
       if (error == std::errc{} && std::isfinite(value) &&
           (last ? stopped == end : stopped != end && *stopped == layout_.separator)) {
+        if (kinds_[i] == Kind::time) keep_time(i, {at, static_cast<std::size_t>(stopped - at)});
         at = stopped + (last ? 0 : 1);
       } else {
         std::string_view rest(at, static_cast<std::size_t>(end - at));
@@ -116,21 +146,36 @@ class RowReader {
     }
   }
 
+  void keep_time(std::size_t file_column, std::string_view field) {
+    const std::vector<Source>& sources = layout_.channels[layout_.time_channel].sources;
+    for (std::size_t k = 0; k < sources.size(); ++k)
+      if (sources[k].column == file_column) time_fields_[k] = field;
+  }
+
   // Spaces, quotes, a plus sign, an extreme exponent; or no number at all.
   double unusual_field(std::string_view& rest, std::size_t i, bool& more, std::string_view record) {
     std::string field = take_field(rest, more, layout_.separator);
     if (more == (i + 1 == raw_.size())) wrong_field_count(record);
-    if (layout_.decimal != '.') std::replace(field.begin(), field.end(), layout_.decimal, '.');
+    std::string number = field;
+    if (layout_.decimal != '.') std::replace(number.begin(), number.end(), layout_.decimal, '.');
     double value = 0.0;
-    const bool is_number = parse_number(field, value);
-    if (is_number && std::isfinite(value)) return value;
-    if (!layout_.needed[i]) {
-      ignored_[i] = true;
+    const bool is_number = parse_number(number, value);
+    if (is_number && std::isfinite(value)) {
+      if (kinds_[i] == Kind::time) keep_time(i, time_copies_.emplace_back(number));
+      return value;
+    }
+    if (kinds_[i] == Kind::unknown || kinds_[i] == Kind::ignored) {
+      kinds_[i] = Kind::ignored;
       return kNoNumber;
     }
     const std::string expected = "; expected a finite decimal number";
     if (!records_.ended() && i + 1 == raw_.size())
       fail(i, core::quoted(field) + " is where the file ends: the last row is torn" + expected);
+    if (kinds_[i] == Kind::optional) {
+      if (!has_holes_) holes_.assign(holes_.size(), false);
+      has_holes_ = holes_[i] = true;
+      return kNoNumber;
+    }
     if (is_number) fail(i, core::quoted(field) + " is not finite" + expected);
     if (field.empty()) fail(i, "no value ('')" + expected);
     fail(i, core::quoted(field) + " is not a number" + expected +
@@ -138,16 +183,13 @@ class RowReader {
   }
 
   [[noreturn]] void wrong_field_count(std::string_view record) const {
-    std::size_t fields = 0;
-    std::string_view rest = record;
-    for (bool more = true; more; ++fields) take_field(rest, more, layout_.separator);
+    const std::size_t fields = fields_of(record, layout_.separator).size();
     const std::string expected = "; expected " + std::to_string(raw_.size()) + " fields as in the header row";
     if (record.find('\0') != record.npos)
       fail_row("NUL bytes, " + core::quoted(record.substr(record.find('\0'), 1)) + expected);
-    if (record.starts_with('#'))
-      fail_row("a comment " + core::quoted(record) +
-               " among the rows; expected comments before the header row only");
     const std::string has = std::to_string(fields) + (fields == 1 ? " field" : " fields");
+    if (records_.open_quote())
+      fail_row("a quote is not closed, " + core::quoted(record) + "; expected a closing '\"'");
     if (!records_.ended() && fields < raw_.size())
       fail_row("the file ends in the middle of a row: the last row is torn, it has " + has + ", " +
                core::quoted(record) + expected);
@@ -156,122 +198,186 @@ class RowReader {
 
   RecordStream& records_;
   const Layout& layout_;
-  std::string hint_;
-  std::vector<bool> ignored_;  // per file column
+  std::vector<Kind> kinds_;  // per file column
   std::vector<double> raw_;
   std::vector<double> values_;
+  std::vector<bool> holes_;  // of the last row that has any
+  bool has_holes_ = false;
+  std::string joined_;
+  std::vector<std::string_view> time_fields_;
+  std::deque<std::string> time_copies_;  // of fields that are no plain numbers
 };
 
-/// Counters of time that wrap.
-struct TimeCounter {
-  double span_s;
-  const char* what;
+/// Rows that are left out of one log: counted, named, and how many there may be.
+class BadRows {
+ public:
+  BadRows(const Layout& layout, std::string name, std::size_t most_named)
+      : layout_(layout), name_(std::move(name)), most_named_(most_named) {}
+
+  void add(std::uint64_t line, const std::string& message, const std::string& column, const std::string& why) {
+    if (count_ == 0 || line < first_line_) {
+      first_line_ = line;
+      first_ = message;
+    }
+    ++count_;
+    if (column == layout_.channels[layout_.time_channel].name) ++of_time_;
+    if (rows_.size() < most_named_)
+      rows_.push_back({name_, static_cast<std::size_t>(line - layout_.header.line), line, column, kNoNumber, {}, why});
+  }
+
+  /// An optional column without a number in a row that is otherwise good.
+  void add_hole(std::size_t channel, std::uint64_t line) {
+    std::vector<std::uint64_t>& lines = holes_[channel];
+    if (lines.size() < kMostHoles) lines.push_back(line);
+    ++hole_count_[channel];
+  }
+
+  /// Columns with so many holes that they are not used; the other holes' rows are bad. Of `rows` that were read.
+  std::set<std::uint64_t> settle_holes(std::uint64_t rows, LogSummary& summary) {
+    std::set<std::uint64_t> bad;
+    for (const auto& [channel, lines] : holes_) {
+      const std::string& column = layout_.channels[channel].name;
+      if (static_cast<double>(hole_count_[channel]) > kMostRefused * static_cast<double>(rows)) {
+        const std::string why = "no finite number in " + std::to_string(hole_count_[channel]) + " of " + std::to_string(rows) +
+                                " rows, the first in line " + std::to_string(lines.front());
+        summary.unusable.emplace(column, why);
+        summary.notes.push_back(name_ + ": column " + core::quoted(column) + " was not used: " + why + ".");
+        continue;
+      }
+      for (const std::uint64_t line : lines)
+        if (bad.insert(line).second)
+          add(line, "column " + core::quoted(column) + ": no finite number; expected a finite decimal number", column,
+              "no finite number; expected a finite decimal number");
+    }
+    return bad;
+  }
+
+  /// @throws core::DataError where there are too many, beside `good` rows.
+  void refuse_too_many(std::uint64_t good) const {
+    const std::uint64_t rows = good + count_;
+    if (static_cast<double>(count_) <= kMostRefused * static_cast<double>(rows)) return;
+    const bool time = 2 * of_time_ > count_;
+    std::string message = name_ + ":" + std::to_string(first_line_) + ": " + first_ + (time ? layout_.time_hint : layout_.rows_hint);
+    if (count_ > 1 || rows > 1)
+      message += "; " + std::to_string(count_) + " of " + std::to_string(rows) +
+                 (count_ == 1 ? " rows is" : " rows are") + " bad, and at most a twentieth is left out";
+    if (time && layout_.time_hint.empty() && count_ > 1)
+      message += " (a time that repeats is written with too few digits, one that jumps to and fro is of several recordings: write more "
+                 "digits, or a file for each)";
+    throw core::DataError(message);
+  }
+  /// The same before the end where nearly nothing is good, so that memory stays bounded.
+  void give_up_early(std::uint64_t good) const {
+    if (count_ > kMostHoles && count_ > good) refuse_too_many(good);
+  }
+
+  std::uint64_t count() const { return count_; }
+  std::vector<RefusedRow> take_rows() {
+    std::stable_sort(rows_.begin(), rows_.end(), [](const RefusedRow& a, const RefusedRow& b) { return a.line < b.line; });
+    return std::move(rows_);
+  }
+
+ private:
+  static constexpr std::size_t kMostHoles = 100'000;
+
+  const Layout& layout_;
+  std::string name_;
+  std::size_t most_named_;
+  std::uint64_t count_ = 0, of_time_ = 0, first_line_ = 0;
+  std::string first_;  // its message
+  std::vector<RefusedRow> rows_;
+  std::map<std::size_t, std::vector<std::uint64_t>> holes_;  // per channel the first lines
+  std::map<std::size_t, std::uint64_t> hole_count_;
 };
-constexpr TimeCounter kTimeCounters[]{{65.536, "a counter of 16 bits of milliseconds"},
-                                      {0.065536, "a counter of 16 bits of microseconds"},
-                                      {4294967.296, "a counter of 32 bits of milliseconds"},
-                                      {4294.967296, "a counter of 32 bits of microseconds"}};
 
-/// The counter that wrapped where time goes back by so much, or null: going on, it would be within a few of the
-/// longest interval so far.
-const TimeCounter* wrapped(double interval_s, double longest_s) {
-  constexpr double kLongest = 5.0;
-  for (const TimeCounter& c : kTimeCounters)
-    if (interval_s < -0.5 * c.span_s && interval_s + c.span_s > 0.0 &&
-        interval_s + c.span_s <= kLongest * longest_s)
-      return &c;
-  return nullptr;
-}
+struct Visited {
+  LogSummary summary;
+  std::set<std::uint64_t> holes;  ///< lines that the visitor has seen and that are among the refused
+};
 
-void refuse_too_many(const LogSummary& s, const std::string& name) {
-  const auto bad = static_cast<double>(s.refused.size()), rows = bad + static_cast<double>(s.rows);
-  if (bad <= kMostRefused * rows) return;
-  throw core::DataError(name + ":" + std::to_string(s.refused.front().line) + ": the first of " +
-                        std::to_string(s.refused.size()) + " bad rows of " + core::shortest(rows) + ", " +
-                        s.refused.front().why +
-                        "; expected at most a twentieth that --skip-bad-rows leaves out");
-}
-
-LogSummary visit(core::ByteSource& source, const std::string& name, const std::string& rig_name,
-                 const ColumnMap* map, const std::function<RowVisitor(const LogHeader&)>& on_header,
-                 BadRows bad) {
+Visited visit(core::ByteSource& source, const std::string& name, const std::string& rig_name, const ColumnMap* map,
+              const std::function<RowVisitor(const LogHeader&)>& on_header, std::size_t most_named) {
   const RigInfo* rig = rig_named(rig_name);
   if (rig == nullptr) throw std::invalid_argument("no rig is called " + core::quoted(rig_name));
   RecordStream records(source, name);
   const Layout layout = read_layout(records, *rig, map);
   const RowVisitor visitor = on_header(layout.header);
-  RowReader rows(records, layout, bad);
-  IntervalMedian median;
-  LogSummary summary;
-  summary.header = layout.header;
-  double first_s = 0.0, last_s = 0.0, turns_s = 0.0;
+  RowReader rows(records, layout);
+  BadRows bad(layout, name, most_named);
+  const Channel& time_channel = layout.channels[layout.time_channel];
+  const std::string time_is = "column " + core::quoted(layout.file_columns[time_channel.sources.front().column]) +
+                              (time_channel.mapped ? " (mapped to 'time_s'): " : ": ");
+  TimeOrder order(
+      name, time_channel.sources.front().scale,
+      [&](std::span<double> values, std::uint64_t line, double time_s) {
+        values[layout.time_channel] = time_s;
+        visitor(values, line);
+      },
+      [&](const TimeOrder::Row& row, const std::string& why) { bad.add(row.line, time_is + why, time_channel.name, why); });
 
   std::string_view record;
-  std::uint64_t blank_line = 0;
+  std::uint64_t comments = 0, first_comment = 0;
   while (records.next(record)) {
-    // Blank lines may stand at the end of the file only.
-    if (record.empty()) {
-      if (blank_line == 0) blank_line = records.line();
+    if (records.fault() != nullptr) {
+      bad.add(records.line(), records.fault(), {}, records.fault());
       continue;
     }
-    if (blank_line != 0 && bad == BadRows::refused)
-      throw core::DataError(
-          name + ":" + std::to_string(blank_line) +
-          ": a blank line among the rows, ''; expected a row (--skip-bad-rows leaves it out)");
-    try {
-      const std::span<double> values = rows.parse(record);
-      double time_s = values[layout.time_channel] + turns_s;
-      if (summary.rows == 0) {
-        first_s = time_s;
-      } else {
-        double interval_s = time_s - last_s;
-        if (!(interval_s > 0.0) || !std::isfinite(interval_s)) {
-          const TimeCounter* counter = wrapped(interval_s, summary.interval_max_s);
-          if (counter == nullptr || bad == BadRows::refused)
-            rows.fail(layout.channels[layout.time_channel].source,
-                      core::shortest(time_s) + " s after " + core::shortest(last_s) +
-                          " s in the row before; expected time to increase" +
-                          (counter == nullptr ? ""
-                                              : std::string(": it seems that ") + counter->what +
-                                                    " wraps here, and --skip-bad-rows goes on over it"));
-          turns_s += counter->span_s;
-          time_s += counter->span_s;
-          interval_s += counter->span_s;
-          summary.notes.push_back(name + " line " + std::to_string(records.line()) + ": time goes back by " +
-                                  core::rounded(counter->span_s - interval_s, 7) + " s, as " + counter->what +
-                                  " does that wraps: taken to go on.");
-        }
-        median.add(interval_s);
-        summary.interval_min_s =
-            summary.rows == 1 ? interval_s : std::min(summary.interval_min_s, interval_s);
-        summary.interval_max_s = std::max(summary.interval_max_s, interval_s);
+    for (;;) {
+      if (record.find_first_not_of(" \t") == record.npos) break;  // a blank line
+      if (record.front() == '#') {
+        if (comments++ == 0) first_comment = records.line();
+        break;
       }
-      values[layout.time_channel] = time_s;
-      last_s = time_s;
-      ++summary.rows;
-      visitor(values, records.line());
-    } catch (const BadRow& row) {
-      if (bad == BadRows::refused) throw;
-      summary.refused.push_back({name, static_cast<std::size_t>(records.line() - layout.header.line),
-                                 records.line(), row.column, kNoNumber, row.text, row.why});
+      try {
+        const std::span<double> values = rows.parse(record);
+        const double time_s = values[layout.time_channel];
+        order.add(values, records.line(), time_s, std::abs(time_s) < kLargeTime_s ? Stamp{} : rows.stamp());
+        if (rows.has_holes())
+          for (std::size_t i = 0; i < layout.channels.size(); ++i)
+            if (const auto& s = layout.channels[i].sources; s.size() == 1 && rows.hole(s.front().column))
+              bad.add_hole(i, records.line());
+      } catch (const BadRow& row) {
+        // A quote that is closed in another line may have swallowed good rows.
+        if (records.first_line_alone(record)) continue;
+        bad.add(records.line(), row.what(), row.column, row.why);
+        bad.give_up_early(order.rows());
+      }
+      break;
     }
   }
-  if (summary.rows != 0) refuse_too_many(summary, name);
+  order.finish();
+  Visited v;
+  LogSummary& summary = v.summary;
+  summary.header = layout.header;
+  summary.notes = layout.notes;
+  for (std::string& note : order.notes()) summary.notes.push_back(std::move(note));
+  if (comments != 0)
+    summary.notes.push_back(name + ": " + std::to_string(comments) + (comments == 1 ? " comment line" : " comment lines") +
+                            " among the rows, from line " + std::to_string(first_comment) + " on, left out.");
+  v.holes = bad.settle_holes(order.rows(), summary);
+  summary.rows = order.rows() - v.holes.size();
+  bad.refuse_too_many(summary.rows);
   if (summary.rows == 0)
     throw core::DataError(name + ":" + std::to_string(records.line()) +
                           ": no rows after the header row; expected at least one");
-  summary.duration_s = last_s - first_s;
-  summary.interval_median_s = median.value();
+  summary.refused = bad.take_rows();
+  summary.refused_rows = bad.count();
+  summary.duration_s = order.duration_s();
+  summary.interval_min_s = order.shortest_s();
+  summary.interval_max_s = order.longest_s();
+  summary.interval_mean_s = order.rows() > order.steps() + 1
+                                ? order.duration_s() / static_cast<double>(order.rows() - 1 - order.steps())
+                                : 0.0;
+  summary.interval_median_s = order.intervals().value();
   summary.ignored_columns = rows.ignored_columns();
   summary.last_row_ends = records.ended();
-  return summary;
+  return v;
 }
 
-Log collect(core::ByteSource& source, const std::string& name, const std::string& rig, const ColumnMap* map,
-            BadRows bad) {
+Log collect(core::ByteSource& source, const std::string& name, const std::string& rig, const ColumnMap* map) {
   std::vector<std::vector<double>> columns;
   std::vector<std::uint32_t> lines;
-  LogSummary summary = visit(
+  Visited v = visit(
       source, name, rig, map,
       [&](const LogHeader& header) {
         columns.resize(header.columns.size());
@@ -280,7 +386,18 @@ Log collect(core::ByteSource& source, const std::string& name, const std::string
           lines.push_back(static_cast<std::uint32_t>(line));
         };
       },
-      bad);
+      std::numeric_limits<std::size_t>::max());
+  LogSummary& summary = v.summary;
+  if (!v.holes.empty()) {
+    const auto keep = [&](std::vector<double>& values) {
+      std::size_t to = 0;
+      for (std::size_t i = 0; i < values.size(); ++i)
+        if (!v.holes.contains(lines[i])) values[to++] = values[i];
+      values.resize(to);
+    };
+    for (std::vector<double>& column : columns) keep(column);
+    std::erase_if(lines, [&](std::uint32_t line) { return v.holes.contains(line); });
+  }
   Log log{name,
           rig,
           std::move(summary.header.metadata),
@@ -288,11 +405,12 @@ Log collect(core::ByteSource& source, const std::string& name, const std::string
           summary.header.line,
           std::move(lines),
           std::move(summary.refused),
-          std::move(summary.notes)};
+          std::move(summary.notes),
+          std::move(summary.unusable)};
   for (std::size_t i = 0; i < columns.size(); ++i) {
     const std::string& column = summary.header.columns[i];
     const auto& ignored = summary.ignored_columns;
-    if (std::find(ignored.begin(), ignored.end(), column) == ignored.end())
+    if (std::find(ignored.begin(), ignored.end(), column) == ignored.end() && !log.unusable.contains(column))
       log.columns.emplace(column, std::move(columns[i]));
   }
   return log;
@@ -300,20 +418,34 @@ Log collect(core::ByteSource& source, const std::string& name, const std::string
 
 }  // namespace
 
-LogSummary visit_log(const std::string& path, const std::string& rig, const ColumnMap* map,
-                     const std::function<RowVisitor(const LogHeader&)>& on_header, BadRows bad) {
+Log read_log(const std::string& path, const std::string& rig, const ColumnMap* map) {
   core::FileSource source(path, "a log (CSV)");
-  return visit(source, path, rig, map, on_header, bad);
+  return collect(source, path, rig, map);
 }
 
-Log read_log(const std::string& path, const std::string& rig, const ColumnMap* map, BadRows bad) {
+LogSummary check_log(const std::string& path, const std::string& rig, const ColumnMap* map) {
   core::FileSource source(path, "a log (CSV)");
-  return collect(source, path, rig, map, bad);
-}
-
-LogSummary check_log(const std::string& path, const std::string& rig, const ColumnMap* map, BadRows bad) {
-  return visit_log(
-      path, rig, map, [](const LogHeader&) { return [](std::span<const double>, std::uint64_t) {}; }, bad);
+  std::optional<StampJudge> judge;
+  std::vector<std::size_t> positions;
+  LogSummary summary = visit(
+                           source, path, rig, map,
+                           [&](const LogHeader& header) {
+                             const auto at = [&](const std::string& name) {
+                               return static_cast<std::size_t>(
+                                   std::find(header.columns.begin(), header.columns.end(), name) -
+                                   header.columns.begin());
+                             };
+                             for (const std::string& name : position_columns(rig, header.columns))
+                               positions.push_back(at(name));
+                             judge.emplace(path, positions.size(), map);
+                             return [&, time = at("time_s")](std::span<const double> values, std::uint64_t line) {
+                               judge->add(values[time], line, [&](std::size_t j) { return values[positions[j]]; });
+                             };
+                           },
+                           kMostNamed)
+                           .summary;
+  summary.stamps = judge->finish();
+  return summary;
 }
 
 std::string rig_line(const std::string& path) {
@@ -322,10 +454,9 @@ std::string rig_line(const std::string& path) {
   return read_rig_line(records);
 }
 
-Log parse_log(std::string_view text, const std::string& name, const std::string& rig, const ColumnMap* map,
-              BadRows bad) {
+Log parse_log(std::string_view text, const std::string& name, const std::string& rig, const ColumnMap* map) {
   core::TextSource source(text);
-  return collect(source, name, rig, map, bad);
+  return collect(source, name, rig, map);
 }
 
 }  // namespace furcula::log
