@@ -73,7 +73,7 @@ class StampJudge {
   std::vector<std::string> step_words_;
   std::uint64_t steps_ = 0;
   std::vector<std::size_t> gaps_;
-  std::uint64_t receipt_blocks_ = 0, uneven_blocks_ = 0;
+  std::uint64_t receipt_blocks_ = 0, receipt_looked_ = 0, uneven_blocks_ = 0;
   double receipt_low_s_ = 0.0, receipt_high_s_ = 0.0, receipt_mean_s_ = 0.0;
 };
 
