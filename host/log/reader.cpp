@@ -6,7 +6,6 @@
 #include <cmath>
 #include <cstdlib>
 #include <deque>
-#include <functional>
 #include <limits>
 #include <optional>
 #include <set>
@@ -26,10 +25,6 @@ namespace furcula::log {
 namespace {
 
 constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
-
-/// Called for each row with the values in the order of LogHeader::columns, NaN where a column that is not required holds
-/// something else than a number, and the line at which it begins.
-using RowVisitor = std::function<void(std::span<const double>, std::uint64_t line)>;
 
 /// A row that is not as the others: what is wrong with it beside the message.
 struct BadRow : core::DataError {
@@ -53,6 +48,11 @@ class RowReader {
         if (c.known && c.optional() && kinds_[s.column] == Kind::unknown) kinds_[s.column] = Kind::optional;
         if (c.kind == ColumnKind::time) kinds_[s.column] = Kind::time;
       }
+    for (std::size_t i = 0; i < layout.channels.size(); ++i) {
+      const Channel& c = layout.channels[i];
+      plain_.push_back(c.mapped ? kMapped : c.sources.front().column);
+      if (c.kind == ColumnKind::flag && !c.sources.empty()) flags_.push_back(i);
+    }
     time_fields_.resize(layout.channels[layout.time_channel].sources.size());
   }
 
@@ -62,19 +62,12 @@ class RowReader {
       record = joined_;
     }
     fill_raw(record);
-    for (std::size_t i = 0; i < values_.size(); ++i) {
+    for (std::size_t i = 0; i < values_.size(); ++i)
+      values_[i] = plain_[i] != kMapped ? raw_[plain_[i]] : mapped(layout_.channels[i]);
+    for (const std::size_t i : flags_) {
       const Channel& channel = layout_.channels[i];
-      if (!channel.mapped) {
-        values_[i] = raw_[channel.sources.front().column];
-      } else {
-        double value = channel.offset;
-        for (const Source& s : channel.sources) value = raw_[s.column] * s.scale + value;
-        if (!channel.sources.empty() && !std::isfinite(value) && channel.known)
-          fail(channel.sources.front().column, "not finite after the map; expected a scale and offset that suit it");
-        values_[i] = value;
-      }
       const double value = values_[i];
-      if (channel.kind == ColumnKind::flag && value != 0.0 && value != 1.0 && !(std::isnan(value) && channel.optional()))
+      if (value != 0.0 && value != 1.0 && !(std::isnan(value) && channel.optional()))
         fail(channel.sources.front().column,
              core::shortest(value) + (channel.mapped ? " after the map" : "") + "; expected 0 or 1");
     }
@@ -120,13 +113,22 @@ class RowReader {
   }
 
  private:
+  static constexpr std::size_t kMapped = static_cast<std::size_t>(-1);
   enum class Kind : unsigned char { unknown, ignored, optional, required, time };
+
+  double mapped(const Channel& channel) const {
+    double value = channel.offset;
+    for (const Source& s : channel.sources) value = raw_[s.column] * s.scale + value;
+    if (!channel.sources.empty() && !std::isfinite(value) && channel.known)
+      fail(channel.sources.front().column, "not finite after the map; expected a scale and offset that suit it");
+    return value;
+  }
 
   void fill_raw(std::string_view record) {
     const char* at = record.data();
     const char* const end = at + record.size();
     const std::size_t columns = raw_.size();
-    time_copies_.clear();
+    if (!time_copies_.empty()) time_copies_.clear();
     has_holes_ = false;
     for (std::size_t i = 0; i < columns; ++i) {
       double value = 0.0;
@@ -199,6 +201,8 @@ class RowReader {
   RecordStream& records_;
   const Layout& layout_;
   std::vector<Kind> kinds_;  // per file column
+  std::vector<std::size_t> plain_;  // per channel its file column, or kMapped
+  std::vector<std::size_t> flags_;  // channels
   std::vector<double> raw_;
   std::vector<double> values_;
   std::vector<bool> holes_;  // of the last row that has any
@@ -295,13 +299,16 @@ struct Visited {
   std::set<std::uint64_t> holes;  ///< lines that the visitor has seen and that are among the refused
 };
 
+/// Goes through a log row by row. What `on_header` gives is called for each row with the values in the order of LogHeader::columns, NaN where
+/// a column that is not required holds something else than a number, and the line at which it begins.
+template <class OnHeader>
 Visited visit(core::ByteSource& source, const std::string& name, const std::string& rig_name, const ColumnMap* map,
-              const std::function<RowVisitor(const LogHeader&)>& on_header, std::size_t most_named) {
+              const OnHeader& on_header, std::size_t most_named) {
   const RigInfo* rig = rig_named(rig_name);
   if (rig == nullptr) throw std::invalid_argument("no rig is called " + core::quoted(rig_name));
   RecordStream records(source, name);
   const Layout layout = read_layout(records, *rig, map);
-  const RowVisitor visitor = on_header(layout.header);
+  const auto visitor = on_header(layout.header);
   RowReader rows(records, layout);
   BadRows bad(layout, name, most_named);
   const Channel& time_channel = layout.channels[layout.time_channel];

@@ -36,7 +36,7 @@ constexpr Unit kTooSmall[]{{1e3, "ks", "1000"}, {1e6, "Ms", "1e6"}};
 
 /// Deviation of what neighbouring rows of a column do not share: third differences (a smooth motion has hardly any); at least that of its
 /// smallest step.
-double noise_of(const std::vector<double>& x) {
+double noise_of(std::span<const double> x) {
   std::vector<double> third;
   double step = 0.0;
   for (std::size_t i = 1; i < x.size(); ++i) {
@@ -61,11 +61,18 @@ struct StampJudge::Block {
 StampJudge::StampJudge(std::string name, std::size_t positions, const ColumnMap* map)
     : name_(std::move(name)), map_(map), x_(positions) {}
 
+void StampJudge::grow() {
+  const std::size_t size = std::min(kBlock, std::max<std::size_t>(256, 4 * time_s_.size()));
+  time_s_.resize(size);
+  lines_.resize(size);
+  for (auto& x : x_) x.resize(size);
+}
+
 void StampJudge::end_block() {
-  const std::size_t n = time_s_.size();
+  const std::size_t n = rows_;
   if (n < 2) return;
   if (intervals_ == 0) first_s_ = time_s_.front();
-  last_s_ = time_s_.back();
+  last_s_ = time_s_[n - 1];
   double shortest = std::numeric_limits<double>::infinity(), longest = 0.0;
   for (std::size_t i = 1; i < n; ++i) {
     const double d = time_s_[i] - time_s_[i - 1];
@@ -73,15 +80,15 @@ void StampJudge::end_block() {
     longest = std::max(longest, d);
   }
   intervals_ += n - 1;
-  const double mean = (time_s_.back() - time_s_.front()) / static_cast<double>(n - 1);
+  const double mean = (time_s_[n - 1] - time_s_.front()) / static_cast<double>(n - 1);
   if (longest < kEven * shortest) {
     medians_.emplace_back(mean, n - 1);
   } else {
     Block b;
     b.interval_s.resize(n);
     for (std::size_t i = 1; i < n; ++i) b.interval_s[i] = time_s_[i] - time_s_[i - 1];
-    // A thousand or two tell the distribution; a prime step meets no period.
-    constexpr std::size_t kSample = 2048, kStep = 7919;
+    // A thousand tell the distribution; a prime step meets no period.
+    constexpr std::size_t kSample = 1024, kStep = 7919;
     std::vector<double> sorted(b.interval_s.begin() + 1, b.interval_s.end());
     if (sorted.size() > 2 * kSample) {
       for (std::size_t k = 0; k < kSample; ++k) sorted[k] = b.interval_s[1 + k * kStep % (n - 1)];
@@ -105,13 +112,10 @@ void StampJudge::end_block() {
   }
   // The last row begins the next block.
   before_ += n - 1;
-  const auto last_alone = [](auto& values) {
-    values.front() = values.back();
-    values.resize(1);
-  };
-  last_alone(time_s_);
-  last_alone(lines_);
-  for (auto& x : x_) last_alone(x);
+  time_s_.front() = time_s_[n - 1];
+  lines_.front() = lines_[n - 1];
+  for (auto& x : x_) x.front() = x[n - 1];
+  rows_ = 1;
 }
 
 /// Rows that leave a buffer together bear stamps that lie close together, and a pause follows until the next are read. Such stamps are wrong
@@ -120,6 +124,7 @@ void StampJudge::end_block() {
 void StampJudge::look_for_bursts(const Block& b) {
   constexpr std::size_t kFewestPauses = 10;
   constexpr double kShort = 0.25, kShareOfTime = 0.8, kInBursts = 0.5;
+  if (b.low_s > kShort * b.mean_s) return;
   std::vector<std::size_t> pauses;  // rows after one
   double pause_s = 0.0, within_s = 0.0;
   std::size_t within = 0;
@@ -162,7 +167,7 @@ void StampJudge::look_for_bursts(const Block& b) {
 /// Rows are missing where nearly all intervals are alike, and the others whole multiples of them.
 void StampJudge::look_for_missing(const Block& b) {
   constexpr double kAlike = 0.1, kWhole = 0.15, kMost = 0.9, kPause = 100.0;
-  if (b.high_s > (1.0 + kAlike) * b.median_s && b.high_s < 1.5 * b.median_s) return;
+  if (b.low_s < (1.0 - 2.0 * kAlike) * b.median_s) return;
   std::size_t alike = 0, long_ones = 0, whole = 0, missing = 0;
   for (std::size_t i = 1; i < b.rows(); ++i) {
     const double ratio = b.interval_s[i] / b.median_s;
@@ -194,7 +199,7 @@ void StampJudge::look_for_steps(const Block& b) {
     if (!usual(i)) odd.push_back(i);
   if (odd.empty() || static_cast<double>(odd.size()) > kMostOdd * static_cast<double>(b.rows())) return;
   std::vector<double> noise;
-  for (const std::vector<double>& x : x_) noise.push_back(noise_of(x));
+  for (const std::vector<double>& x : x_) noise.push_back(noise_of(std::span(x).first(b.rows())));
   for (const std::size_t i : odd) {
     if (i < kRows + 1 || i + kRows >= b.rows()) continue;
     bool alone = true;
@@ -232,7 +237,7 @@ void StampJudge::look_for_receipt(const Block& b) {
   if (b.high_s - b.low_s < kUneven * b.mean_s) return;
   // Where a body is still, or goes evenly within its noise, every clock fits.
   ++receipt_looked_;
-  const auto residual = [](const std::array<double, 5>& t, const std::vector<double>& x, std::size_t i) {
+  const auto residual = [](const std::array<double, 5>& t, std::span<const double> x, std::size_t i) {
     double value = 0.0;
     for (const std::size_t k : {0U, 1U, 3U, 4U}) {
       double weight = 1.0;
@@ -244,7 +249,7 @@ void StampJudge::look_for_receipt(const Block& b) {
   };
   for (const std::vector<double>& x : x_) {
     std::vector<double> by_stamp, even;
-    const double noise = noise_of(x);
+    const double noise = noise_of(std::span(x).first(b.rows()));
     for (std::size_t i = 2; i + 2 < b.rows(); ++i) {
       bool together = true;
       for (std::size_t k = i - 1; k <= i + 2; ++k) together = together && b.interval_s[k] < 3.0 * b.high_s;

@@ -35,10 +35,12 @@ class StampJudge {
   /// `position(j)` of the row.
   template <class Position>
   void add(double time_s, std::uint64_t line, const Position& position) {
-    if (time_s_.size() == kBlock) end_block();
-    time_s_.push_back(time_s);
-    lines_.push_back(line);
-    for (std::size_t j = 0; j < x_.size(); ++j) x_[j].push_back(position(j));
+    if (rows_ == kBlock) end_block();
+    if (rows_ == time_s_.size()) grow();
+    time_s_[rows_] = time_s;
+    lines_[rows_] = line;
+    for (std::size_t j = 0; j < x_.size(); ++j) x_[j][rows_] = position(j);
+    ++rows_;
   }
   TimeStamps finish();
 
@@ -46,6 +48,7 @@ class StampJudge {
   static constexpr std::size_t kBlock = std::size_t{1} << 14;
 
   struct Block;
+  void grow();
   void end_block();
   void look_for_bursts(const Block& b);
   void look_for_missing(const Block& b);
@@ -57,6 +60,7 @@ class StampJudge {
 
   std::string name_;
   const ColumnMap* map_;
+  std::size_t rows_ = 0;  ///< of the block so far, in vectors that are longer
   std::vector<double> time_s_;
   std::vector<std::uint64_t> lines_;
   std::vector<std::vector<double>> x_;
