@@ -117,7 +117,7 @@ struct Top {
   std::optional<char> separator;  ///< that "sep=" names
   std::vector<Comment> comments;  ///< the last few
   std::string row;                ///< the first record
-  bool latin1 = false;            ///< something was not UTF-8
+  std::string not_utf8;           ///< what was not, as a message; empty: all was UTF-8
 };
 
 /// Excel's first line "sep=;".
@@ -156,12 +156,10 @@ Top read_top(RecordStream& records, const RigInfo* rig, LogHeader& header) {
       throw core::DataError(at(records) + "a NUL byte; expected the text of a CSV log");
     std::string text(record);
     if (const std::size_t bad = first_not_utf8(record); bad != std::string_view::npos) {
-      // A control character: no text at all.
-      if (std::any_of(record.begin(), record.end(), [](char c) { return static_cast<unsigned char>(c) < 0x20 && c != '\t'; }))
-        throw core::DataError(at(records) + "byte " + std::to_string(bad + 1) + " of the line, " +
-                              core::quoted(record.substr(bad, 1)) + ", is not UTF-8; expected UTF-8 text");
+      if (top.not_utf8.empty())
+        top.not_utf8 = at(records) + "byte " + std::to_string(bad + 1) + " of the line, " +
+                       core::quoted(record.substr(bad, 1)) + ", is not UTF-8; expected UTF-8 text";
       text = from_latin1(record);
-      top.latin1 = true;
     }
     const std::string_view content = trimmed(text);
     if (content.empty()) continue;
@@ -477,7 +475,8 @@ void refuse_units_row(const std::vector<std::string>& units, const Layout& layou
   const std::string hint = core::did_you_mean(name, names);
   const std::string adds = name == "time_s" || mapped_to == "time_s" ? line_that_adds(layout.file_columns) : "";
   throw core::DataError(message + hint +
-                        (adds.empty() ? " (names of foreign logs: --map)"
+                        (adds.empty() ? " (a --map file says which column is which: " + core::printable(mapped_to.empty() ? name : mapped_to) +
+                                          " = { column = \"theirs\" })"
                                       : " (seconds and their fraction: a --map file with the line " + adds + ")"));
 }
 
@@ -571,7 +570,6 @@ Layout read_layout(RecordStream& records, const RigInfo& rig, const ColumnMap* m
   if (map != nullptr) layout.decimal = map->decimal;
   Top top = read_top(records, &rig, layout.header);
   const std::string path = core::printable(records.name()) + ": ";
-  if (top.latin1) layout.notes.push_back(path + "bytes above the rows that are not UTF-8 were read as Latin-1.");
   const std::vector<std::string> asked = names_asked_for(rig, map);
   const std::optional<char> in_map = map == nullptr ? std::nullopt : map->separator;
   if (in_map && top.separator && in_map != top.separator)
@@ -590,6 +588,10 @@ Layout read_layout(RecordStream& records, const RigInfo& rig, const ColumnMap* m
   } else if (all_numbers(names)) {
     refuse_no_header(top, names, layout.separator, asked, records);
   }
+  // Of another file than a log anything may begin so.
+  if (!top.not_utf8.empty() && found_among(names, asked) == 0) throw core::DataError(top.not_utf8);
+  if (!top.not_utf8.empty())
+    layout.notes.push_back(path + "bytes above the rows that are not UTF-8 were read as Latin-1.");
   const std::vector<std::vector<std::string>> rows = first_rows(records, layout.separator);
   fit_to_rows(names, rows, layout, records);
   layout.file_columns = std::move(names);

@@ -159,6 +159,8 @@ class RowReader {
     std::string field = take_field(rest, more, layout_.separator);
     if (more == (i + 1 == raw_.size())) wrong_field_count(record);
     std::string number = field;
+    if (const std::size_t first = number.find_first_not_of(" \t"); first != number.npos)
+      number = number.substr(first, number.find_last_not_of(" \t") + 1 - first);
     if (layout_.decimal != '.') std::replace(number.begin(), number.end(), layout_.decimal, '.');
     double value = 0.0;
     const bool is_number = parse_number(number, value);

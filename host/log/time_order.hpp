@@ -66,7 +66,7 @@ class TimeOrder {
             double interval_s) {
     if (rows_ > 0 && interval_s > 0.0) {
       intervals_.add(interval_s);
-      shortest_s_ = rows_ == 1 || interval_s < shortest_s_ ? interval_s : shortest_s_;
+      shortest_s_ = shortest_s_ == 0.0 || interval_s < shortest_s_ ? interval_s : shortest_s_;
       longest_s_ = interval_s > longest_s_ ? interval_s : longest_s_;
     }
     last_s_ = time_s;

@@ -24,7 +24,7 @@ constexpr double kFlight_s = 0.03;     // the shortest piece of a log that anyth
 constexpr double kEven = 1.5;          // longest over shortest interval of a block of which nothing is to be said
 constexpr std::size_t kNamed = 3;      // intervals that are named
 
-std::string ms(double s) { return core::rounded(1e3 * s, 4) + " ms"; }
+std::string ms(double s) { return s < 100.0 ? core::rounded(1e3 * s, 4) + " ms" : core::rounded(s, 4) + " s"; }
 
 struct Unit {
   double seconds;
@@ -81,12 +81,19 @@ void StampJudge::end_block() {
   }
   intervals_ += n - 1;
   const double mean = (time_s_[n - 1] - time_s_.front()) / static_cast<double>(n - 1);
-  if (longest < kEven * shortest) {
-    medians_.emplace_back(mean, n - 1);
-  } else {
-    Block b;
+  const bool even = longest < kEven * shortest, whole = lines_[n - 1] - lines_.front() == n - 1;
+  Block b;
+  if (!even || !whole) {
     b.interval_s.resize(n);
     for (std::size_t i = 1; i < n; ++i) b.interval_s[i] = time_s_[i] - time_s_[i - 1];
+  }
+  if (even) {
+    medians_.emplace_back(mean, n - 1);
+    b.median_s = b.mean_s = mean;
+    b.low_s = shortest;
+    b.high_s = longest;
+    if (!whole && n > kFewest) look_for_steps(b);
+  } else {
     // A thousand tell the distribution; a prime step meets no period.
     constexpr std::size_t kSample = 1024, kStep = 7919;
     std::vector<double> sorted(b.interval_s.begin() + 1, b.interval_s.end());
@@ -104,8 +111,8 @@ void StampJudge::end_block() {
     if (sorted.size() >= kFewest) {
       ++uneven_blocks_;
       look_for_bursts(b);
-      look_for_missing(b);
       look_for_steps(b);
+      look_for_missing(b);
       // Takes longest: on fewer and fewer blocks.
       if (std::has_single_bit(uneven_blocks_)) look_for_receipt(b);
     }
@@ -158,21 +165,23 @@ void StampJudge::look_for_bursts(const Block& b) {
   if (moves && !as_rows) return;
   ++bursts_.blocks;
   if (as_rows) ++bursts_.by_motion;
-  bursts_.rows += b.rows() - 1;
-  bursts_.bursts += pauses.size();
-  bursts_.within_s += within_s * intervals / static_cast<double>(std::max<std::size_t>(within, 1));
-  bursts_.period_s += b.mean_s * intervals;
+  const std::size_t rows = pauses.back() - pauses.front();  // of whole bursts
+  bursts_.rows += rows;
+  bursts_.bursts += pauses.size() - 1;
+  bursts_.within_s += within_s * static_cast<double>(rows) / static_cast<double>(std::max<std::size_t>(within, 1));
+  bursts_.period_s += time_s_[pauses.back()] - time_s_[pauses.front()];
 }
 
 /// Rows are missing where nearly all intervals are alike, and the others whole multiples of them.
 void StampJudge::look_for_missing(const Block& b) {
   constexpr double kAlike = 0.1, kWhole = 0.15, kMost = 0.9, kPause = 100.0;
   if (b.low_s < (1.0 - 2.0 * kAlike) * b.median_s) return;
+  const auto is_gap = [&](std::size_t row) { return std::binary_search(gaps_.begin(), gaps_.end(), row); };
   std::size_t alike = 0, long_ones = 0, whole = 0, missing = 0;
   for (std::size_t i = 1; i < b.rows(); ++i) {
     const double ratio = b.interval_s[i] / b.median_s;
     if (std::abs(ratio - 1.0) < kAlike) ++alike;
-    if (ratio < 1.5 || ratio > kPause) continue;
+    if (ratio < 1.5 || ratio > kPause || is_gap(before_ + i) || lines_[i] != lines_[i - 1] + 1) continue;
     ++long_ones;
     if (std::abs(ratio - std::round(ratio)) >= kWhole) continue;
     ++whole;
@@ -186,17 +195,19 @@ void StampJudge::look_for_missing(const Block& b) {
   missing_places_ += whole;
 }
 
-/// An interval that is far longer or shorter than the others, while the body goes as far as over one of them at the velocity that it has
-/// before and after: the clock was set there.
+/// An interval that is far longer or shorter than the others, or over which rows were left out, while the body goes as far as its rows at the
+/// usual pace at the velocity that it has before and after: the clock was set there.
 void StampJudge::look_for_steps(const Block& b) {
   constexpr std::size_t kRows = 5;     // on either side
   constexpr double kFar = 2.0;         // times what all but a twentieth have
   constexpr double kMostOdd = 0.05;    // more of them are the distribution itself
   constexpr double kClear = 4.0, kSure = 5.0;
   const auto usual = [&](std::size_t i) { return b.interval_s[i] <= kFar * b.high_s && b.interval_s[i] >= b.low_s / kFar; };
+  // Where the clock was known to be set, time_order.hpp has told it.
+  const auto told = [&](std::size_t i) { return std::abs(b.interval_s[i] - kUnknownInterval_s) < 1e-9; };
   std::vector<std::size_t> odd;
   for (std::size_t i = 1; i < b.rows(); ++i)
-    if (!usual(i)) odd.push_back(i);
+    if ((!usual(i) || lines_[i] != lines_[i - 1] + 1) && !told(i)) odd.push_back(i);
   if (odd.empty() || static_cast<double>(odd.size()) > kMostOdd * static_cast<double>(b.rows())) return;
   std::vector<double> noise;
   for (const std::vector<double>& x : x_) noise.push_back(noise_of(std::span(x).first(b.rows())));
@@ -205,15 +216,16 @@ void StampJudge::look_for_steps(const Block& b) {
     bool alone = true;
     for (std::size_t k = i - kRows; k <= i + kRows; ++k) alone = alone && (k == i || usual(k));
     if (!alone) continue;
+    const double pace_s = b.median_s * static_cast<double>(lines_[i] - lines_[i - 1]);
     bool contradicts = false, agrees = false;
     for (std::size_t j = 0; j < x_.size(); ++j) {
       const std::vector<double>& x = x_[j];
       const double before = (x[i - 1] - x[i - 1 - kRows]) / (time_s_[i - 1] - time_s_[i - 1 - kRows]);
       const double after = (x[i + kRows] - x[i]) / (time_s_[i + kRows] - time_s_[i]);
       const double velocity = 0.5 * (before + after), step = x[i] - x[i - 1];
-      const double off_stamp = std::abs(step - velocity * b.interval_s[i]), off_usual = std::abs(step - velocity * b.median_s);
+      const double off_stamp = std::abs(step - velocity * b.interval_s[i]), off_usual = std::abs(step - velocity * pace_s);
       // A velocity that changes meanwhile, and noise in the step and both velocities.
-      const double longer = std::max(b.interval_s[i], b.median_s);
+      const double longer = std::max(b.interval_s[i], pace_s);
       const double unsure = std::abs(after - before) * longer + noise[j] * (std::sqrt(2.0) + longer / (static_cast<double>(kRows) * b.median_s));
       if (off_stamp > kSure * unsure && off_usual * kClear < off_stamp) contradicts = true;
       if (off_usual > kSure * unsure && off_stamp * kClear < off_usual) agrees = true;
@@ -223,7 +235,7 @@ void StampJudge::look_for_steps(const Block& b) {
     gaps_.push_back(before_ + i);
     if (step_words_.size() < kNamed)
       step_words_.push_back(name_ + " line " + std::to_string(lines_[i]) + ": " + ms(b.interval_s[i]) +
-                            " after the row before, and the motion is that of " + ms(b.median_s) +
+                            " after the row before, and the motion is that of " + ms(pace_s) +
                             ": the clock was set there, the interval was left out.");
   }
 }
@@ -273,7 +285,7 @@ void StampJudge::look_for_receipt(const Block& b) {
 std::string StampJudge::burst_words() const {
   const double rows = static_cast<double>(bursts_.rows), each = rows / static_cast<double>(bursts_.bursts);
   const double mean_s = bursts_.period_s / rows, within_s = bursts_.within_s / rows;
-  return name_ + ": time stamps come in bursts: about " + core::rounded(each, 3) + " rows " + ms(within_s) +
+  return name_ + ": time stamps come in bursts: about " + core::rounded(std::abs(each - std::round(each)) < 0.02 * each ? std::round(each) : each, 3) + " rows " + ms(within_s) +
          " apart, then nothing until " + ms(each * mean_s) + " after the first of them (mean interval " + ms(mean_s) + ", " +
          core::rounded(mean_s / within_s, 2) + " times that within a burst)";
 }
@@ -331,14 +343,15 @@ TimeStamps StampJudge::finish() {
   if (on_receipt)
     s.notes.push_back(name_ + ": intervals of " + ms(receipt_low_s_) + " to " + ms(receipt_high_s_) +
                       " do not fit the motion, rows " + ms(receipt_mean_s_) +
-                      " apart do: it seems that rows were stamped when they arrived. Record the device's own clock.");
+                      " apart do: it seems that stamps were rounded, or given when rows arrived. Record the device's own clock, with "
+                      "all its digits.");
   if (s.bursts.empty() && !on_receipt) {
     s.notes.insert(s.notes.end(), step_words_.begin(), step_words_.end());
     if (steps_ > step_words_.size())
       s.notes.push_back(name_ + ": " + std::to_string(steps_ - step_words_.size()) + " more intervals were left out for the same reason.");
     s.gaps = gaps_;
   }
-  if (missing_ != 0 && s.bursts.empty())
+  if (missing_ != 0 && s.bursts.empty() && !on_receipt)
     s.remarks.push_back(name_ + ": " + std::to_string(missing_) + (missing_ == 1 ? " row seems" : " rows seem") + " to be missing in " +
                         std::to_string(missing_places_) + (missing_places_ == 1 ? " place" : " places") +
                         " (intervals that are whole multiples of " + ms(medians_.front().first) + ").");
