@@ -160,8 +160,8 @@ ColumnMap parse_column_map(std::string_view text_of_file, const std::string& nam
     known.erase(std::unique(known.begin() + 3, known.end()), known.end());
   }
   core::refuse_unknown_keys(file, name, rig == nullptr ? "the map" : "the map of rig " + map.rig, known);
-  map.separator = sign_of(file, name, "separator", ",;\t ",
-                          R"("," or ";" or "\t" or " " (any blanks), what stands between columns)");
+  map.separator = sign_of(file, name, "separator", ",;|\t ",
+                          R"("," or ";" or "|" or "\t" or " " (any blanks), what stands between columns)");
   map.decimal =
       sign_of(file, name, "decimal", ".,", R"("." or ",", what stands before the decimals)").value_or('.');
   if (map.separator == map.decimal)

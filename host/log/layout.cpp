@@ -223,7 +223,7 @@ std::size_t found_among(const std::vector<std::string>& fields, const std::vecto
 char separator_in(std::string_view row, const std::vector<std::string>& asked) {
   char best = ',';
   std::size_t best_found = 0, best_fields = 1;
-  for (const char separator : {',', ';', '\t', ' '}) {
+  for (const char separator : {',', ';', '\t', '|', ' '}) {
     if (separator == ' ' && best_fields > 1) break;
     const std::vector<std::string> fields = fields_of(row, separator);
     const std::size_t found = found_among(fields, asked);
@@ -462,12 +462,12 @@ void refuse_units_row(const std::vector<std::string>& units, const Layout& layou
   else
     message += map->path + " maps to " + core::quoted(mapped_to);
   const std::string row = names.empty() ? std::string{} : std::string(names.front());
-  if (names.size() == 1 && row.find_first_of(",;\t ") != std::string::npos)
+  if (names.size() == 1 && row.find_first_of(",;|\t ") != std::string::npos)
     throw core::DataError(message + "; the header row is " + core::quoted(row) + ": " +
                           (layout.separator == ',' ? "expected columns separated by commas"
                                                    : "the map says that " + name_of(layout.separator) +
                                                          " separates the columns") +
-                          " (in a --map file separator = \";\" or \"\\t\" or \" \", any blanks, says what separates them, "
+                          " (in a --map file separator = \";\" or \"|\" or \"\\t\" or \" \", any blanks, says what separates them, "
                           "and decimal = \",\" that numbers have a comma)");
   constexpr std::size_t kMostListed = 20;
   message += "; the file has " + core::listed(std::span(names).first(std::min(names.size(), kMostListed))) +
@@ -594,7 +594,7 @@ Layout read_layout(RecordStream& records, const RigInfo& rig, const ColumnMap* m
     layout.notes.push_back(path + "bytes above the rows that are not UTF-8 were read as Latin-1.");
   const std::vector<std::vector<std::string>> rows = first_rows(records, layout.separator);
   fit_to_rows(names, rows, layout, records);
-  layout.file_columns = std::move(names);
+  for (const std::string& name : names) layout.file_columns.emplace_back(trimmed(name));  // quotes may hold blanks
   if (map == nullptr || map->columns.empty()) refuse_wrong_units(layout, rig, records);
   add_channels(layout, rig, map, records);
 

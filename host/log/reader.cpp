@@ -156,6 +156,7 @@ class RowReader {
 
   // Spaces, quotes, a plus sign, an extreme exponent; or no number at all.
   double unusual_field(std::string_view& rest, std::size_t i, bool& more, std::string_view record) {
+    const bool quoted = rest.find('"') <= rest.find_first_not_of(" \t");
     std::string field = take_field(rest, more, layout_.separator);
     if (more == (i + 1 == raw_.size())) wrong_field_count(record);
     std::string number = field;
@@ -164,6 +165,7 @@ class RowReader {
     if (layout_.decimal != '.') std::replace(number.begin(), number.end(), layout_.decimal, '.');
     double value = 0.0;
     const bool is_number = parse_number(number, value);
+    if (quoted && records_.open_quote() && kinds_[i] > Kind::ignored) fail(i, "a quote is not closed");
     if (is_number && std::isfinite(value)) {
       if (kinds_[i] == Kind::time) keep_time(i, time_copies_.emplace_back(number));
       return value;
@@ -192,8 +194,6 @@ class RowReader {
     if (record.find('\0') != record.npos)
       fail_row("NUL bytes, " + core::quoted(record.substr(record.find('\0'), 1)) + expected);
     const std::string has = std::to_string(fields) + (fields == 1 ? " field" : " fields");
-    if (records_.open_quote())
-      fail_row("a quote is not closed, " + core::quoted(record) + "; expected a closing '\"'");
     if (!records_.ended() && fields < raw_.size())
       fail_row("the file ends in the middle of a row: the last row is torn, it has " + has + ", " +
                core::quoted(record) + expected);
@@ -340,7 +340,7 @@ Visited visit(core::ByteSource& source, const std::string& name, const std::stri
       try {
         const std::span<double> values = rows.parse(record);
         const double time_s = values[layout.time_channel];
-        order.add(values, records.line(), time_s, std::abs(time_s) < kLargeTime_s ? Stamp{} : rows.stamp());
+        order.add(values, records.line(), time_s, order.needs_stamp(time_s) ? rows.stamp() : Stamp{});
         if (rows.has_holes())
           for (std::size_t i = 0; i < layout.channels.size(); ++i)
             if (const auto& s = layout.channels[i].sources; s.size() == 1 && rows.hole(s.front().column))
@@ -348,7 +348,11 @@ Visited visit(core::ByteSource& source, const std::string& name, const std::stri
       } catch (const BadRow& row) {
         // A quote that is closed in another line may have swallowed good rows.
         if (records.first_line_alone(record)) continue;
-        bad.add(records.line(), row.what(), row.column, row.why);
+        const std::string quote = "a quote is not closed, " + core::quoted(record) + "; expected a closing '\"'";
+        if (records.open_quote())
+          bad.add(records.line(), quote, {}, quote);
+        else
+          bad.add(records.line(), row.what(), row.column, row.why);
         bad.give_up_early(order.rows());
       }
       break;

@@ -10,6 +10,9 @@ namespace furcula::log {
 /// From here on doubles are more than a nanosecond apart: 2^53 ns, 104 days. Times since the epoch are beyond it, those since a start are not.
 inline constexpr double kLargeTime_s = 9007199.254740992;
 
+/// Whether a time needs a Stamp. What is beyond an int64 of seconds is no clock's.
+inline bool is_large_time(double time_s) { return std::abs(time_s) >= kLargeTime_s && std::abs(time_s) < 9e18; }
+
 /// whole + part seconds, 0 <= part < 1.
 struct Stamp {
   std::int64_t whole = 0;

@@ -16,10 +16,8 @@ constexpr double kFarAhead = 2.0;      // times the longest interval so far: the
 constexpr double kClockSet_s = 1e6;    // twelve days: no recording pauses so long
 constexpr double kMargin = 0.1;        // about the intervals of the last rows
 
-/// Between two rows; NaN where one is since the epoch and the other is not.
 double between(const TimeOrder::Row& from, const TimeOrder::Row& to) {
-  if (from.large() != to.large()) return std::numeric_limits<double>::quiet_NaN();
-  return from.large() ? to.stamp.since(from.stamp) : to.raw_s - from.raw_s;
+  return from.large() && to.large() ? to.stamp.since(from.stamp) : to.raw_s - from.raw_s;
 }
 
 /// Counters of time that wrap.
@@ -48,14 +46,9 @@ double TimeOrder::time_of(const Row& row) const {
   return on_epoch_ ? start_s_ + row.stamp.since(start_) : row.raw_s + shift_s_;
 }
 
-/// NaN where the row and the last one cannot be compared.
-double TimeOrder::after_last(const Row& row) const {
-  if (row.large() != on_epoch_) return std::numeric_limits<double>::quiet_NaN();
-  return time_of(row) - last_s_;
-}
+double TimeOrder::after_last(const Row& row) const { return time_of(row) - last_s_; }
 
 bool TimeOrder::repeats(const Row& row) const {
-  if (row.large() != on_epoch_) return false;
   const auto count = static_cast<std::ptrdiff_t>(std::min<std::uint64_t>(rows_, recent_s_.size()));
   return std::find(recent_s_.begin(), recent_s_.begin() + count, time_of(row)) != recent_s_.begin() + count;
 }
@@ -107,11 +100,8 @@ void TimeOrder::step_to_front(double step_s) {
   const Row& row = waiting_.front();
   ++steps_;
   if (notes_.size() < kNotes) {
-    const double from_s = last_raw_s_, to_s = row.raw_s;
-    const bool known = std::isfinite(step_s);
     notes_.push_back(name_ + " line " + std::to_string(row.line) + ": time steps " +
-                     (to_s < from_s ? "back" : "forward") + " by " +
-                     core::rounded(std::abs(known ? step_s : to_s - from_s), 7) +
+                     (step_s < 0.0 ? "back" : "forward") + " by " + core::rounded(std::abs(step_s), 7) +
                      " s and goes on from there, as where the clock is set or another recording begins: the interval was left out.");
   }
   on_epoch_ = row.large();
@@ -127,7 +117,7 @@ void TimeOrder::step_to_front(double step_s) {
 /// Where a counter wrapped before the row, time goes on over it.
 bool TimeOrder::wraps(const Row& row) {
   constexpr double kLongest = 5.0;  // times the longest interval so far
-  if (on_epoch_ || row.large()) return false;
+  if (on_epoch_) return false;
   const double interval_s = after_last(row);
   const auto fits = [&](double span_s) {
     return interval_s < -0.5 * span_s && interval_s + span_s > 0.0 && interval_s + span_s <= kLongest * longest_s_;
@@ -161,7 +151,7 @@ void TimeOrder::resolve(bool end) {
         refuse_front(core::rounded(interval_s, 7) + " s after the row before, and the next row goes back; expected time to increase");
         continue;
       }
-      if (interval_s > kClockSet_s)
+      if (interval_s > kClockSet_s && can_step())
         step_to_front(interval_s);
       else
         pass_front(interval_s);
@@ -185,7 +175,7 @@ bool TimeOrder::resolve_back(bool end) {
   std::size_t ahead = 1;  // the first that comes after the last row again
   while (ahead < waiting_.size() && !(after_last(waiting_[ahead]) > 0.0)) ++ahead;
   if (ahead < waiting_.size()) {
-    bool at_pace = !repeats(row);
+    bool at_pace = !repeats(row) && can_step();
     for (std::size_t k = 1; k <= ahead; ++k) at_pace = at_pace && usual(between(waiting_[k - 1], waiting_[k]));
     if (!at_pace) return refuse();
     step_to_front(interval_s);
@@ -195,7 +185,7 @@ bool TimeOrder::resolve_back(bool end) {
   std::size_t increasing = 0;
   for (std::size_t k = 1; k < waiting_.size(); ++k)
     if (between(waiting_[k - 1], waiting_[k]) > 0.0) ++increasing;
-  if (waiting_.size() < 3 || 2 * increasing < waiting_.size()) return refuse();
+  if (waiting_.size() < 3 || 2 * increasing < waiting_.size() || !can_step()) return refuse();
   step_to_front(interval_s);
   return true;
 }

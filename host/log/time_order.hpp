@@ -27,8 +27,8 @@ class TimeOrder {
     std::vector<double> values;
     std::uint64_t line;
     double raw_s;  ///< as the file says
-    Stamp stamp;   ///< the same, of a time beyond kLargeTime_s
-    bool large() const { return std::abs(raw_s) >= kLargeTime_s; }
+    Stamp stamp;   ///< the same, where needs_stamp() asked for it
+    bool large() const { return is_large_time(raw_s); }
   };
   /// A row in its turn, with its time.
   using Pass = std::function<void(std::span<double> values, std::uint64_t line, double time_s)>;
@@ -38,9 +38,12 @@ class TimeOrder {
   /// `raw_unit_s`: what one of the time column's numbers is worth, for counters that wrap.
   TimeOrder(std::string name, double raw_unit_s, Pass pass, Refuse refuse);
 
+  /// Whether the stamp of a row of this time is needed, beside the number.
+  bool needs_stamp(double raw_s) const { return on_epoch_ || is_large_time(raw_s); }
+
   void add(std::span<double> values, std::uint64_t line, double raw_s, const Stamp& stamp) {
     // As a rule.
-    if (waiting_.empty() && rows_ > 1 && (std::abs(raw_s) >= kLargeTime_s) == on_epoch_) {
+    if (waiting_.empty() && rows_ > 1) {
       const double time_s = on_epoch_ ? start_s_ + stamp.since(start_) : raw_s + shift_s_, interval_s = time_s - last_s_;
       if (interval_s > 0.0 && interval_s <= 2.0 * longest_s_) {
         pass(values, line, time_s, raw_s, stamp, interval_s);
@@ -79,6 +82,7 @@ class TimeOrder {
   void add_odd(std::span<double> values, std::uint64_t line, double raw_s, const Stamp& stamp);
   void resolve(bool end);
   bool resolve_back(bool end);
+  bool can_step() const { return last_s_ + kUnknownInterval_s > last_s_; }
   bool wraps(const Row& row);
   void pass_front(double interval_s);
   void refuse_front(const std::string& why);
@@ -100,7 +104,7 @@ class TimeOrder {
   double shortest_s_ = 0.0, longest_s_ = 0.0;
   IntervalMedian intervals_;
   double shift_s_ = 0.0;   ///< of small times
-  bool on_epoch_ = false;  ///< times are beyond kLargeTime_s: since start_, and from start_s_ on
+  bool on_epoch_ = false;  ///< times began beyond kLargeTime_s: since start_, and from start_s_ on
   Stamp start_;
   double start_s_ = 0.0;
   std::size_t steps_ = 0, wraps_ = 0;

@@ -201,7 +201,7 @@ void StampJudge::look_for_steps(const Block& b) {
   constexpr std::size_t kRows = 5;     // on either side
   constexpr double kFar = 2.0;         // times what all but a twentieth have
   constexpr double kMostOdd = 0.05;    // more of them are the distribution itself
-  constexpr double kClear = 4.0, kSure = 5.0;
+  constexpr double kSure = 5.0;        // standard deviations
   const auto usual = [&](std::size_t i) { return b.interval_s[i] <= kFar * b.high_s && b.interval_s[i] >= b.low_s / kFar; };
   // Where the clock was known to be set, time_order.hpp has told it.
   const auto told = [&](std::size_t i) { return std::abs(b.interval_s[i] - kUnknownInterval_s) < 1e-9; };
@@ -224,11 +224,13 @@ void StampJudge::look_for_steps(const Block& b) {
       const double after = (x[i + kRows] - x[i]) / (time_s_[i + kRows] - time_s_[i]);
       const double velocity = 0.5 * (before + after), step = x[i] - x[i - 1];
       const double off_stamp = std::abs(step - velocity * b.interval_s[i]), off_usual = std::abs(step - velocity * pace_s);
-      // A velocity that changes meanwhile, and noise in the step and both velocities.
-      const double longer = std::max(b.interval_s[i], pace_s);
-      const double unsure = std::abs(after - before) * longer + noise[j] * (std::sqrt(2.0) + longer / (static_cast<double>(kRows) * b.median_s));
-      if (off_stamp > kSure * unsure && off_usual * kClear < off_stamp) contradicts = true;
-      if (off_usual > kSure * unsure && off_stamp * kClear < off_usual) agrees = true;
+      // Over `s` seconds: noise in the step and in both velocities, and the velocity that changes meanwhile.
+      const auto tolerance = [&](double s) {
+        return kSure * noise[j] * (std::sqrt(2.0) + s / (static_cast<double>(kRows) * b.median_s)) + std::abs(after - before) * s;
+      };
+      const bool as_stamped = off_stamp <= tolerance(b.interval_s[i]), as_usual = off_usual <= tolerance(pace_s);
+      if (!as_stamped && as_usual) contradicts = true;
+      if (as_stamped && !as_usual) agrees = true;
     }
     if (!contradicts || agrees) continue;
     ++steps_;
