@@ -49,7 +49,8 @@ std::string rig_of(const CheckOptions& options, const log::ColumnMap* map) {
 void print(const std::string& file, const log::LogSummary& s) {
   const std::string path = core::printable(file);
   char figures[200];
-  std::snprintf(figures, sizeof figures, "%llu rows, %.6g s, interval min %.6g, median %.6g, mean %.6g, max %.6g ms",
+  std::snprintf(figures, sizeof figures,
+                "%llu rows, %.6g s, interval min %.6g, median %.6g, mean %.6g, max %.6g ms",
                 static_cast<unsigned long long>(s.rows), s.duration_s, 1e3 * s.interval_min_s,
                 1e3 * s.interval_median_s, 1e3 * s.interval_mean_s, 1e3 * s.interval_max_s);
   std::cout << path << ": " << figures << "\n";

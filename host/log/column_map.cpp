@@ -20,8 +20,7 @@ constexpr double kLargest = 1e12;  // of a scale or offset: beyond it a file is 
 double scale_of(const toml::node& node, const std::string& name, const std::string& key) {
   const double scale = core::number(node, name, key, -kLargest, kLargest);
   if (scale == 0.0)
-    fail(name, node.source(),
-         key + " = " + core::value_text(node) + "; expected another number than zero");
+    fail(name, node.source(), key + " = " + core::value_text(node) + "; expected another number than zero");
   return scale;
 }
 
@@ -48,7 +47,8 @@ std::vector<MappedPart> parts_of(const toml::table& entry, const std::string& na
            ours + " has the key '" + single + "' beside 'columns'; expected " + ours +
                " = { columns = [\"first\", \"second\"], scales = [1, 1e-9] }, a scale for each column");
   std::vector<MappedPart> parts;
-  for (const toml::node& column : array(columns, name, ours + ".columns", "names of columns to add, as in [\"secs\", \"nsecs\"]")) {
+  for (const toml::node& column :
+       array(columns, name, ours + ".columns", "names of columns to add, as in [\"secs\", \"nsecs\"]")) {
     parts.push_back({column_name(column, name, ours + ".columns"), 1.0});
     for (std::size_t i = 0; i + 1 < parts.size(); ++i)
       if (parts[i].column == parts.back().column)
@@ -57,7 +57,8 @@ std::vector<MappedPart> parts_of(const toml::table& entry, const std::string& na
   }
   const toml::node* scales = entry.get("scales");
   if (scales == nullptr) return parts;
-  const toml::array& values = array(*scales, name, ours + ".scales", "a scale for each column, as in [1, 1e-9]");
+  const toml::array& values =
+      array(*scales, name, ours + ".scales", "a scale for each column, as in [1, 1e-9]");
   if (values.size() != parts.size())
     fail(name, scales->source(),
          ours + " has " + std::to_string(parts.size()) + " columns and " + std::to_string(values.size()) +
@@ -69,7 +70,8 @@ std::vector<MappedPart> parts_of(const toml::table& entry, const std::string& na
 
 MappedColumn parse_mapped(const toml::node& node, const std::string& name, const std::string& ours,
                           ColumnKind kind) {
-  static constexpr std::array<std::string_view, 6> kKeys{"column", "columns", "scale", "scales", "offset", "value"};
+  static constexpr std::array<std::string_view, 6> kKeys{"column", "columns", "scale",
+                                                         "scales", "offset",  "value"};
   const toml::table& entry = core::table(node, name, ours);
   core::refuse_unknown_keys(entry, name, ours, kKeys);
   MappedColumn mapped;

@@ -29,8 +29,9 @@ struct ColumnMap {
   std::string path;                             ///< where it was read from, for messages
   std::string rig;                              ///< one of kRigs; empty: the map does not say
   std::map<std::string, MappedColumn> columns;  ///< our name -> theirs
-  std::optional<char> separator;                ///< between columns: ',', ';', '|', a tab, or ' ' for runs of blanks; none: seen in the log
-  char decimal = '.';                           ///< '.' or ','
+  std::optional<char>
+      separator;  ///< between columns: ',', ';', '|', a tab, or ' ' for runs of blanks; none: seen in the log
+  char decimal = '.';  ///< '.' or ','
 };
 
 /// Reads a map file. @throws DataError: not readable, not TOML, unknown rig or column, wrong type, scale 0,

@@ -145,7 +145,8 @@ Top read_top(RecordStream& records, const RigInfo* rig, LogHeader& header) {
   while (records.next(record)) {
     if (records.fault() != nullptr) throw core::DataError(at(records) + records.fault());
     if (records.open_quote() && !record.starts_with('#'))
-      throw core::DataError(at(records) + "a quote is not closed; expected a header row of a CSV log, with a closing '\"'");
+      throw core::DataError(at(records) +
+                            "a quote is not closed; expected a header row of a CSV log, with a closing '\"'");
     if (!anything) top.separator = separator_line(record);
     if (!anything && top.separator) {
       anything = true;
@@ -186,7 +187,8 @@ bool is_number(std::string field, char decimal = '.') {
 }
 
 bool any_number(const std::vector<std::string>& fields) {
-  return std::any_of(fields.begin(), fields.end(), [](const std::string& f) { return is_number(f) || is_number(f, ','); });
+  return std::any_of(fields.begin(), fields.end(),
+                     [](const std::string& f) { return is_number(f) || is_number(f, ','); });
 }
 
 /// A row of numbers, empty fields among them.
@@ -244,7 +246,8 @@ std::vector<std::vector<std::string>> first_rows(RecordStream& records, char sep
   std::vector<std::vector<std::string>> rows;
   std::string_view record;
   while (rows.size() < kRows && ahead.next(record))
-    if (!trimmed(record).empty() && !trimmed(record).starts_with('#') && (ahead.ended() || text.size() < kBytes))
+    if (!trimmed(record).empty() && !trimmed(record).starts_with('#') &&
+        (ahead.ended() || text.size() < kBytes))
       rows.push_back(fields_of(record, separator));
   return rows;
 }
@@ -293,8 +296,8 @@ const Top::Comment* header_comment(const Top& top, const std::vector<std::string
 
 /// Ends of rows: a separator that stands behind the last field in the header row and not in the rows, or the other way round; an index in
 /// front of the rows alone (R's write.table).
-void fit_to_rows(std::vector<std::string>& names, const std::vector<std::vector<std::string>>& rows, Layout& layout,
-                 const RecordStream& records) {
+void fit_to_rows(std::vector<std::string>& names, const std::vector<std::vector<std::string>>& rows,
+                 Layout& layout, const RecordStream& records) {
   const auto most = [&](const auto& is) {
     return 2 * static_cast<std::size_t>(std::count_if(rows.begin(), rows.end(), is)) > rows.size();
   };
@@ -344,8 +347,8 @@ bool units_row(const std::vector<std::vector<std::string>>& rows, std::size_t co
 }
 
 /// Numbers such as 0,001 where a point is expected.
-void refuse_decimal_commas(const std::vector<std::vector<std::string>>& rows, const Layout& layout, const ColumnMap* map,
-                           const RecordStream& records) {
+void refuse_decimal_commas(const std::vector<std::vector<std::string>>& rows, const Layout& layout,
+                           const ColumnMap* map, const RecordStream& records) {
   if (layout.decimal != '.' || layout.separator == ',') return;
   const std::string* example = nullptr;
   std::size_t with = 0;
@@ -359,8 +362,8 @@ void refuse_decimal_commas(const std::vector<std::vector<std::string>>& rows, co
   }
   if (2 * with <= rows.size() || example == nullptr) return;
   const std::string separator = layout.separator == '\t' ? "\\t" : std::string(1, layout.separator);
-  throw core::DataError(at(records) + "the numbers below this header row have a decimal comma, " + core::quoted(*example) +
-                        "; expected '.', or " +
+  throw core::DataError(at(records) + "the numbers below this header row have a decimal comma, " +
+                        core::quoted(*example) + "; expected '.', or " +
                         (map != nullptr ? "in " + map->path + " the line decimal = \",\""
                                         : "a --map file with the two lines separator = \"" + separator +
                                               "\" and decimal = \",\""));
@@ -371,18 +374,34 @@ struct OtherUnit {
   std::string_view unit, ours;
   const char* scale;
 };
-constexpr OtherUnit kOtherUnits[]{
-    {"ms", "s", "1e-3"},     {"us", "s", "1e-6"},       {"ns", "s", "1e-9"},
-    {"min", "s", "60"},      {"mm", "m", "1e-3"},       {"cm", "m", "1e-2"},
-    {"um", "m", "1e-6"},     {"km", "m", "1e3"},        {"deg", "rad", "0.0174532925199433"},
-    {"degrees", "rad", "0.0174532925199433"},           {"mrad", "rad", "1e-3"},
-    {"turns", "rad", "6.28318530717959"},               {"rev", "rad", "6.28318530717959"},
-    {"mmps", "mps", "1e-3"}, {"cmps", "mps", "1e-2"},   {"degps", "radps", "0.0174532925199433"},
-    {"rpm", "radps", "0.104719755119660"},              {"rps", "radps", "6.28318530717959"},
-    {"mnm", "nm", "1e-3"},   {"nmm", "nm", "1e-3"},     {"ncm", "nm", "1e-2"},
-    {"knm", "nm", "1e3"},    {"kn", "n", "1e3"},        {"mn", "n", "1e-3"},
-    {"kgf", "n", "9.80665"}, {"gf", "n", "9.80665e-3"}, {"mv", "v", "1e-3"},
-    {"ma", "a", "1e-3"}};
+constexpr OtherUnit kOtherUnits[]{{"ms", "s", "1e-3"},
+                                  {"us", "s", "1e-6"},
+                                  {"ns", "s", "1e-9"},
+                                  {"min", "s", "60"},
+                                  {"mm", "m", "1e-3"},
+                                  {"cm", "m", "1e-2"},
+                                  {"um", "m", "1e-6"},
+                                  {"km", "m", "1e3"},
+                                  {"deg", "rad", "0.0174532925199433"},
+                                  {"degrees", "rad", "0.0174532925199433"},
+                                  {"mrad", "rad", "1e-3"},
+                                  {"turns", "rad", "6.28318530717959"},
+                                  {"rev", "rad", "6.28318530717959"},
+                                  {"mmps", "mps", "1e-3"},
+                                  {"cmps", "mps", "1e-2"},
+                                  {"degps", "radps", "0.0174532925199433"},
+                                  {"rpm", "radps", "0.104719755119660"},
+                                  {"rps", "radps", "6.28318530717959"},
+                                  {"mnm", "nm", "1e-3"},
+                                  {"nmm", "nm", "1e-3"},
+                                  {"ncm", "nm", "1e-2"},
+                                  {"knm", "nm", "1e3"},
+                                  {"kn", "n", "1e3"},
+                                  {"mn", "n", "1e-3"},
+                                  {"kgf", "n", "9.80665"},
+                                  {"gf", "n", "9.80665e-3"},
+                                  {"mv", "v", "1e-3"},
+                                  {"ma", "a", "1e-3"}};
 
 const OtherUnit* other_unit(std::string_view unit, std::string_view ours) {
   for (const OtherUnit& u : kOtherUnits)
@@ -393,12 +412,13 @@ const OtherUnit* other_unit(std::string_view unit, std::string_view ours) {
 [[noreturn]] void refuse_unit(const std::string& name, std::string_view unit, const std::string& ours,
                               const RecordStream& records) {
   const OtherUnit* known = other_unit(unit, parts(ours).unit);
-  throw core::DataError(at(records) + "column " + core::quoted(name) + " has the unit '" + std::string(unit) +
-                        "'; expected '" + core::printable(ours) + "' (convert it, or give a --map file with " +
-                        (known == nullptr ? "a scale"
-                                          : "the line " + core::printable(ours) + " = { column = \"" +
-                                                core::printable(name) + "\", scale = " + known->scale + " }") +
-                        ")");
+  throw core::DataError(
+      at(records) + "column " + core::quoted(name) + " has the unit '" + std::string(unit) + "'; expected '" +
+      core::printable(ours) + "' (convert it, or give a --map file with " +
+      (known == nullptr ? "a scale"
+                        : "the line " + core::printable(ours) + " = { column = \"" + core::printable(name) +
+                              "\", scale = " + known->scale + " }") +
+      ")");
 }
 
 // Refuses `height_mm` where the rig has `height_m` and the file has not.
@@ -443,10 +463,11 @@ void refuse_units_row(const std::vector<std::string>& units, const Layout& layou
     const OtherUnit* other = other_unit(unit, parts(c.name).unit);
     if (other == nullptr) continue;
     const std::string& theirs = layout.file_columns[c.sources.front().column];
-    throw core::DataError(at(records) + "the row of units below the header row says '" + unit + "' of column " +
-                          core::quoted(theirs) + "; expected '" + std::string(other->ours) + "' (in " +
-                          (map != nullptr ? map->path : "a --map file") + " the line " + core::printable(c.name) +
-                          " = { column = \"" + core::printable(theirs) + "\", scale = " + other->scale + " })");
+    throw core::DataError(at(records) + "the row of units below the header row says '" + unit +
+                          "' of column " + core::quoted(theirs) + "; expected '" + std::string(other->ours) +
+                          "' (in " + (map != nullptr ? map->path : "a --map file") + " the line " +
+                          core::printable(c.name) + " = { column = \"" + core::printable(theirs) +
+                          "\", scale = " + other->scale + " })");
   }
 }
 
@@ -463,37 +484,43 @@ void refuse_units_row(const std::vector<std::string>& units, const Layout& layou
     message += map->path + " maps to " + core::quoted(mapped_to);
   const std::string row = names.empty() ? std::string{} : std::string(names.front());
   if (names.size() == 1 && row.find_first_of(",;|\t ") != std::string::npos)
-    throw core::DataError(message + "; the header row is " + core::quoted(row) + ": " +
-                          (layout.separator == ',' ? "expected columns separated by commas"
-                                                   : "the map says that " + name_of(layout.separator) +
-                                                         " separates the columns") +
-                          " (in a --map file separator = \";\" or \"|\" or \"\\t\" or \" \", any blanks, says what separates them, "
-                          "and decimal = \",\" that numbers have a comma)");
+    throw core::DataError(
+        message + "; the header row is " + core::quoted(row) + ": " +
+        (layout.separator == ','
+             ? "expected columns separated by commas"
+             : "the map says that " + name_of(layout.separator) + " separates the columns") +
+        " (in a --map file separator = \";\" or \"|\" or \"\\t\" or \" \", any blanks, says what separates them, "
+        "and decimal = \",\" that numbers have a comma)");
   constexpr std::size_t kMostListed = 20;
   message += "; the file has " + core::listed(std::span(names).first(std::min(names.size(), kMostListed))) +
              (names.size() > kMostListed ? ", ..." : "");
   const std::string hint = core::did_you_mean(name, names);
-  const std::string adds = name == "time_s" || mapped_to == "time_s" ? line_that_adds(layout.file_columns) : "";
+  const std::string adds =
+      name == "time_s" || mapped_to == "time_s" ? line_that_adds(layout.file_columns) : "";
   throw core::DataError(message + hint +
-                        (adds.empty() ? " (a --map file says which column is which: " + core::printable(mapped_to.empty() ? name : mapped_to) +
-                                          " = { column = \"theirs\" })"
-                                      : " (seconds and their fraction: a --map file with the line " + adds + ")"));
+                        (adds.empty()
+                             ? " (a --map file says which column is which: " +
+                                   core::printable(mapped_to.empty() ? name : mapped_to) +
+                                   " = { column = \"theirs\" })"
+                             : " (seconds and their fraction: a --map file with the line " + adds + ")"));
 }
 
 /// A note of the columns that nothing asks for: without a name, or with one that another has.
-void note_odd_names(const std::vector<std::size_t>& unnamed, const std::vector<std::string>& twice, Layout& layout,
-                    const RecordStream& records) {
+void note_odd_names(const std::vector<std::size_t>& unnamed, const std::vector<std::string>& twice,
+                    Layout& layout, const RecordStream& records) {
   const std::string path = core::printable(records.name()) + ": ";
   constexpr std::size_t kListed = 5;
   const auto list = [&](const auto& all, const auto& text) {
     std::string out;
-    for (std::size_t i = 0; i < std::min(kListed, all.size()); ++i) out += (i == 0 ? "" : ", ") + text(all[i]);
+    for (std::size_t i = 0; i < std::min(kListed, all.size()); ++i)
+      out += (i == 0 ? "" : ", ") + text(all[i]);
     return out + (all.size() > kListed ? ", ..." : "");
   };
   if (!unnamed.empty())
-    layout.notes.push_back(path + counted(unnamed.size(), "column without a name was", "columns without a name were") +
-                           " ignored: " + (unnamed.size() == 1 ? "column " : "columns ") +
-                           list(unnamed, [](std::size_t i) { return std::to_string(i + 1); }) + ".");
+    layout.notes.push_back(
+        path + counted(unnamed.size(), "column without a name was", "columns without a name were") +
+        " ignored: " + (unnamed.size() == 1 ? "column " : "columns ") +
+        list(unnamed, [](std::size_t i) { return std::to_string(i + 1); }) + ".");
   if (!twice.empty())
     layout.notes.push_back(path + list(twice, [](const std::string& n) { return core::quoted(n); }) +
                            (twice.size() == 1 ? " stands" : " stand") +
@@ -515,8 +542,8 @@ void add_channels(Layout& layout, const RigInfo& rig, const ColumnMap* map, cons
         layout.needed[s.column] = true;
       }
     layout.channels.push_back({name, info != nullptr ? info->kind : ColumnKind::quantity, info != nullptr,
-                               std::move(sources), mapped != nullptr, mapped != nullptr ? mapped->offset : 0.0,
-                               info != nullptr && info->required});
+                               std::move(sources), mapped != nullptr,
+                               mapped != nullptr ? mapped->offset : 0.0, info != nullptr && info->required});
     layout.header.columns.push_back(name);
   };
   std::vector<bool> taken(columns.size(), false);
@@ -549,16 +576,16 @@ void add_channels(Layout& layout, const RigInfo& rig, const ColumnMap* map, cons
 
 void refuse_map_of_another_rig(const ColumnMap& map, const RigInfo& rig) {
   if (!map.rig.empty() && map.rig != rig.name)
-    throw core::DataError(map.path + ": rig is " + core::quoted(map.rig) + "; expected " + std::string(rig.name) +
-                          ", as the model or --rig says");
+    throw core::DataError(map.path + ": rig is " + core::quoted(map.rig) + "; expected " +
+                          std::string(rig.name) + ", as the model or --rig says");
   for (const auto& [ours, mapped] : map.columns) {
     if (rig.column(ours) != nullptr) continue;
     std::vector<std::string_view> known;
     for (const ColumnInfo& c : rig.columns) known.push_back(c.name);
     for (const ColumnPattern& p : rig.patterns) known.push_back(p.info.name);
     throw core::DataError(map.path + ":" + std::to_string(mapped.line) + ": rig " + std::string(rig.name) +
-                          " has no column " + core::quoted(ours) + "; expected one of " + core::listed(known) +
-                          core::did_you_mean(ours, known));
+                          " has no column " + core::quoted(ours) + "; expected one of " +
+                          core::listed(known) + core::did_you_mean(ours, known));
   }
 }
 
@@ -573,8 +600,9 @@ Layout read_layout(RecordStream& records, const RigInfo& rig, const ColumnMap* m
   const std::vector<std::string> asked = names_asked_for(rig, map);
   const std::optional<char> in_map = map == nullptr ? std::nullopt : map->separator;
   if (in_map && top.separator && in_map != top.separator)
-    layout.notes.push_back(path + "its first line says that " + name_of(*top.separator) + " separates the columns, " +
-                           map->path + " says " + name_of(*in_map) + ": the map was followed.");
+    layout.notes.push_back(path + "its first line says that " + name_of(*top.separator) +
+                           " separates the columns, " + map->path + " says " + name_of(*in_map) +
+                           ": the map was followed.");
   layout.separator = in_map ? *in_map : top.separator ? *top.separator : separator_in(top.row, asked);
 
   std::vector<std::string> names = fields_of(top.row, layout.separator);
@@ -594,7 +622,8 @@ Layout read_layout(RecordStream& records, const RigInfo& rig, const ColumnMap* m
     layout.notes.push_back(path + "bytes above the rows that are not UTF-8 were read as Latin-1.");
   const std::vector<std::vector<std::string>> rows = first_rows(records, layout.separator);
   fit_to_rows(names, rows, layout, records);
-  for (const std::string& name : names) layout.file_columns.emplace_back(trimmed(name));  // quotes may hold blanks
+  for (const std::string& name : names)
+    layout.file_columns.emplace_back(trimmed(name));  // quotes may hold blanks
   if (map == nullptr || map->columns.empty()) refuse_wrong_units(layout, rig, records);
   add_channels(layout, rig, map, records);
 
@@ -605,7 +634,8 @@ Layout read_layout(RecordStream& records, const RigInfo& rig, const ColumnMap* m
   layout.time_channel =
       static_cast<std::size_t>(std::find(ours.begin(), ours.end(), "time_s") - ours.begin());
   if (const auto& sources = layout.channels[layout.time_channel].sources; sources.size() == 1)
-    if (const std::string line = line_that_adds(layout.file_columns, layout.file_columns[sources.front().column]);
+    if (const std::string line =
+            line_that_adds(layout.file_columns, layout.file_columns[sources.front().column]);
         !line.empty())
       layout.time_hint = " (seconds and their fraction stand in two columns: in " +
                          (map != nullptr ? map->path : "a --map file") + " the line " + line + " adds them)";

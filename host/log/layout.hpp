@@ -22,7 +22,7 @@ struct Source {
 struct Channel {
   std::string name;
   ColumnKind kind;
-  bool known;                    ///< to the rig: must hold finite numbers
+  bool known;                   ///< to the rig: must hold finite numbers
   std::vector<Source> sources;  ///< which are added; none: it is `offset` in every row
   bool mapped;
   double offset;
@@ -41,8 +41,9 @@ struct Layout {
   char separator = ',';  ///< ' ': runs of blanks
   char decimal = '.';
   std::vector<std::string> notes;  ///< what is odd about the header row, in sentences
-  std::string rows_hint;           ///< what the first rows' number of fields suggests where it is not the header's; to follow a message
-  std::string time_hint;           ///< the same of a time that stands still
+  std::string
+      rows_hint;  ///< what the first rows' number of fields suggests where it is not the header's; to follow a message
+  std::string time_hint;  ///< the same of a time that stands still
 };
 
 /// Reads up to and with the header row, and a row of units below it. Without a separator in the map or a first line `sep=;` it is seen in

@@ -79,7 +79,8 @@ class RowReader {
     const Channel& time = layout_.channels[layout_.time_channel];
     Stamp sum;
     for (std::size_t k = 0; k < time.sources.size(); ++k)
-      sum.add(stamp_of(time_fields_[k], time.sources[k].scale, raw_[time.sources[k].column], layout_.decimal));
+      sum.add(
+          stamp_of(time_fields_[k], time.sources[k].scale, raw_[time.sources[k].column], layout_.decimal));
     return sum;
   }
 
@@ -101,7 +102,8 @@ class RowReader {
     for (const Channel& c : layout_.channels)
       for (const Source& s : c.sources) {
         if (s.column != file_column) continue;
-        if (c.known && c.name != layout_.file_columns[file_column]) who += " (mapped to '" + core::printable(c.name) + "')";
+        if (c.known && c.name != layout_.file_columns[file_column])
+          who += " (mapped to '" + core::printable(c.name) + "')";
         if (c.known || ours.empty()) ours = c.name;
       }
     fail_row(who + ": " + message, ours, message);
@@ -120,7 +122,8 @@ class RowReader {
     double value = channel.offset;
     for (const Source& s : channel.sources) value = raw_[s.column] * s.scale + value;
     if (!channel.sources.empty() && !std::isfinite(value) && channel.known)
-      fail(channel.sources.front().column, "not finite after the map; expected a scale and offset that suit it");
+      fail(channel.sources.front().column,
+           "not finite after the map; expected a scale and offset that suit it");
     return value;
   }
 
@@ -202,7 +205,7 @@ class RowReader {
 
   RecordStream& records_;
   const Layout& layout_;
-  std::vector<Kind> kinds_;  // per file column
+  std::vector<Kind> kinds_;         // per file column
   std::vector<std::size_t> plain_;  // per channel its file column, or kMapped
   std::vector<std::size_t> flags_;  // channels
   std::vector<double> raw_;
@@ -220,7 +223,8 @@ class BadRows {
   BadRows(const Layout& layout, std::string name, std::size_t most_named)
       : layout_(layout), name_(std::move(name)), most_named_(most_named) {}
 
-  void add(std::uint64_t line, const std::string& message, const std::string& column, const std::string& why) {
+  void add(std::uint64_t line, const std::string& message, const std::string& column,
+           const std::string& why) {
     if (count_ == 0 || line < first_line_) {
       first_line_ = line;
       first_ = message;
@@ -228,7 +232,8 @@ class BadRows {
     ++count_;
     if (column == layout_.channels[layout_.time_channel].name) ++of_time_;
     if (rows_.size() < most_named_)
-      rows_.push_back({name_, static_cast<std::size_t>(line - layout_.header.line), line, column, kNoNumber, {}, why});
+      rows_.push_back(
+          {name_, static_cast<std::size_t>(line - layout_.header.line), line, column, kNoNumber, {}, why});
   }
 
   /// An optional column without a number in a row that is otherwise good.
@@ -244,16 +249,17 @@ class BadRows {
     for (const auto& [channel, lines] : holes_) {
       const std::string& column = layout_.channels[channel].name;
       if (static_cast<double>(hole_count_[channel]) > kMostRefused * static_cast<double>(rows)) {
-        const std::string why = "no finite number in " + std::to_string(hole_count_[channel]) + " of " + std::to_string(rows) +
-                                " rows, the first in line " + std::to_string(lines.front());
+        const std::string why = "no finite number in " + std::to_string(hole_count_[channel]) + " of " +
+                                std::to_string(rows) + " rows, the first in line " +
+                                std::to_string(lines.front());
         summary.unusable.emplace(column, why);
         summary.notes.push_back(name_ + ": column " + core::quoted(column) + " was not used: " + why + ".");
         continue;
       }
       for (const std::uint64_t line : lines)
         if (bad.insert(line).second)
-          add(line, "column " + core::quoted(column) + ": no finite number; expected a finite decimal number", column,
-              "no finite number; expected a finite decimal number");
+          add(line, "column " + core::quoted(column) + ": no finite number; expected a finite decimal number",
+              column, "no finite number; expected a finite decimal number");
     }
     return bad;
   }
@@ -263,13 +269,15 @@ class BadRows {
     const std::uint64_t rows = good + count_;
     if (static_cast<double>(count_) <= kMostRefused * static_cast<double>(rows)) return;
     const bool time = 2 * of_time_ > count_;
-    std::string message = name_ + ":" + std::to_string(first_line_) + ": " + first_ + (time ? layout_.time_hint : layout_.rows_hint);
+    std::string message = name_ + ":" + std::to_string(first_line_) + ": " + first_ +
+                          (time ? layout_.time_hint : layout_.rows_hint);
     if (count_ > 1 || rows > 1)
       message += "; " + std::to_string(count_) + " of " + std::to_string(rows) +
                  (count_ == 1 ? " rows is" : " rows are") + " bad, and at most a twentieth is left out";
     if (time && layout_.time_hint.empty() && count_ > 1)
-      message += " (a time that repeats is written with too few digits, one that jumps to and fro is of several recordings: write more "
-                 "digits, or a file for each)";
+      message +=
+          " (a time that repeats is written with too few digits, one that jumps to and fro is of several recordings: write more "
+          "digits, or a file for each)";
     throw core::DataError(message);
   }
   /// The same before the end where nearly nothing is good, so that memory stays bounded.
@@ -279,7 +287,8 @@ class BadRows {
 
   std::uint64_t count() const { return count_; }
   std::vector<RefusedRow> take_rows() {
-    std::stable_sort(rows_.begin(), rows_.end(), [](const RefusedRow& a, const RefusedRow& b) { return a.line < b.line; });
+    std::stable_sort(rows_.begin(), rows_.end(),
+                     [](const RefusedRow& a, const RefusedRow& b) { return a.line < b.line; });
     return std::move(rows_);
   }
 
@@ -304,8 +313,8 @@ struct Visited {
 /// Goes through a log row by row. What `on_header` gives is called for each row with the values in the order of LogHeader::columns, NaN where
 /// a column that is not required holds something else than a number, and the line at which it begins.
 template <class OnHeader>
-Visited visit(core::ByteSource& source, const std::string& name, const std::string& rig_name, const ColumnMap* map,
-              const OnHeader& on_header, std::size_t most_named) {
+Visited visit(core::ByteSource& source, const std::string& name, const std::string& rig_name,
+              const ColumnMap* map, const OnHeader& on_header, std::size_t most_named) {
   const RigInfo* rig = rig_named(rig_name);
   if (rig == nullptr) throw std::invalid_argument("no rig is called " + core::quoted(rig_name));
   RecordStream records(source, name);
@@ -314,7 +323,8 @@ Visited visit(core::ByteSource& source, const std::string& name, const std::stri
   RowReader rows(records, layout);
   BadRows bad(layout, name, most_named);
   const Channel& time_channel = layout.channels[layout.time_channel];
-  const std::string time_is = "column " + core::quoted(layout.file_columns[time_channel.sources.front().column]) +
+  const std::string time_is = "column " +
+                              core::quoted(layout.file_columns[time_channel.sources.front().column]) +
                               (time_channel.mapped ? " (mapped to 'time_s'): " : ": ");
   TimeOrder order(
       name, time_channel.sources.front().scale,
@@ -322,7 +332,9 @@ Visited visit(core::ByteSource& source, const std::string& name, const std::stri
         values[layout.time_channel] = time_s;
         visitor(values, line);
       },
-      [&](const TimeOrder::Row& row, const std::string& why) { bad.add(row.line, time_is + why, time_channel.name, why); });
+      [&](const TimeOrder::Row& row, const std::string& why) {
+        bad.add(row.line, time_is + why, time_channel.name, why);
+      });
 
   std::string_view record;
   std::uint64_t comments = 0, first_comment = 0;
@@ -348,7 +360,8 @@ Visited visit(core::ByteSource& source, const std::string& name, const std::stri
       } catch (const BadRow& row) {
         // A quote that is closed in another line may have swallowed good rows.
         if (records.first_line_alone(record)) continue;
-        const std::string quote = "a quote is not closed, " + core::quoted(record) + "; expected a closing '\"'";
+        const std::string quote =
+            "a quote is not closed, " + core::quoted(record) + "; expected a closing '\"'";
         if (records.open_quote())
           bad.add(records.line(), quote, {}, quote);
         else
@@ -365,7 +378,8 @@ Visited visit(core::ByteSource& source, const std::string& name, const std::stri
   summary.notes = layout.notes;
   for (std::string& note : order.notes()) summary.notes.push_back(std::move(note));
   if (comments != 0)
-    summary.notes.push_back(name + ": " + std::to_string(comments) + (comments == 1 ? " comment line" : " comment lines") +
+    summary.notes.push_back(name + ": " + std::to_string(comments) +
+                            (comments == 1 ? " comment line" : " comment lines") +
                             " among the rows, from line " + std::to_string(first_comment) + " on, left out.");
   v.holes = bad.settle_holes(order.rows(), summary);
   summary.rows = order.rows() - v.holes.size();
@@ -440,23 +454,23 @@ LogSummary check_log(const std::string& path, const std::string& rig, const Colu
   core::FileSource source(path, "a log (CSV)");
   std::optional<StampJudge> judge;
   std::vector<std::size_t> positions;
-  LogSummary summary = visit(
-                           source, path, rig, map,
-                           [&](const LogHeader& header) {
-                             const auto at = [&](const std::string& name) {
-                               return static_cast<std::size_t>(
-                                   std::find(header.columns.begin(), header.columns.end(), name) -
-                                   header.columns.begin());
-                             };
-                             for (const std::string& name : position_columns(rig, header.columns))
-                               positions.push_back(at(name));
-                             judge.emplace(path, positions.size(), map);
-                             return [&, time = at("time_s")](std::span<const double> values, std::uint64_t line) {
-                               judge->add(values[time], line, [&](std::size_t j) { return values[positions[j]]; });
-                             };
-                           },
-                           kMostNamed)
-                           .summary;
+  LogSummary summary =
+      visit(
+          source, path, rig, map,
+          [&](const LogHeader& header) {
+            const auto at = [&](const std::string& name) {
+              return static_cast<std::size_t>(std::find(header.columns.begin(), header.columns.end(), name) -
+                                              header.columns.begin());
+            };
+            for (const std::string& name : position_columns(rig, header.columns))
+              positions.push_back(at(name));
+            judge.emplace(path, positions.size(), map);
+            return [&, time = at("time_s")](std::span<const double> values, std::uint64_t line) {
+              judge->add(values[time], line, [&](std::size_t j) { return values[positions[j]]; });
+            };
+          },
+          kMostNamed)
+          .summary;
   summary.stamps = judge->finish();
   return summary;
 }

@@ -32,11 +32,11 @@ struct LogSummary {
   double interval_median_s = 0.0;  ///< to 0.1 %
   double interval_mean_s = 0.0;
   double interval_max_s = 0.0;
-  std::vector<RefusedRow> refused;  ///< rows that were left out, the first kMostNamed of them
-  std::uint64_t refused_rows = 0;   ///< how many there are
-  std::vector<std::string> notes;   ///< what else was done to it
+  std::vector<RefusedRow> refused;              ///< rows that were left out, the first kMostNamed of them
+  std::uint64_t refused_rows = 0;               ///< how many there are
+  std::vector<std::string> notes;               ///< what else was done to it
   std::map<std::string, std::string> unusable;  ///< optional columns that were left out, and why
-  TimeStamps stamps;          ///< what they imply
+  TimeStamps stamps;                            ///< what they imply
   bool last_row_ends = true;  ///< false: no line end after the last row, so its last number may have been cut
 };
 
@@ -60,6 +60,7 @@ LogSummary check_log(const std::string& path, const std::string& rig, const Colu
 std::string rig_line(const std::string& path);
 
 /// As read_log, on text; `name` stands for the path in messages.
-Log parse_log(std::string_view text, const std::string& name, const std::string& rig, const ColumnMap* map = nullptr);
+Log parse_log(std::string_view text, const std::string& name, const std::string& rig,
+              const ColumnMap* map = nullptr);
 
 }  // namespace furcula::log

@@ -13,7 +13,8 @@ RecordStream::RecordStream(core::ByteSource& source, std::string name)
   // What ends a line is seen in the first 64 KiB.
   while (end_ < buffer_.size() && std::memchr(buffer_.data(), '\n', end_) == nullptr && fill()) {
   }
-  if (std::memchr(buffer_.data(), '\n', end_) == nullptr && std::memchr(buffer_.data(), '\r', end_) != nullptr)
+  if (std::memchr(buffer_.data(), '\n', end_) == nullptr &&
+      std::memchr(buffer_.data(), '\r', end_) != nullptr)
     line_end_ = '\r';
 }
 
@@ -51,7 +52,8 @@ bool RecordStream::next(std::string_view& record) {
   for (;;) {
     const char* const from = buffer_.data() + begin_ + searched;
     const std::size_t left = end_ - begin_ - searched;
-    const auto* const newline = left == 0 ? nullptr : static_cast<const char*>(std::memchr(from, line_end_, left));
+    const auto* const newline =
+        left == 0 ? nullptr : static_cast<const char*>(std::memchr(from, line_end_, left));
     const std::size_t stretch = newline != nullptr ? static_cast<std::size_t>(newline - from) : left;
     // A comment is one line, whatever quotes stand in it.
     if (stretch != 0 && std::memchr(from, '"', stretch) != nullptr && buffer_[begin_] != '#')

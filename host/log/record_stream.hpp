@@ -33,10 +33,10 @@ class RecordStream {
   /// What comes next in the file: `size` bytes, or all there are. The view lives until the next call.
   std::string_view ahead(std::size_t size);
 
-  std::uint64_t line() const { return line_; }      ///< at which the last record began, from 1
-  bool ended() const { return ended_; }             ///< whether a line end stood after it
-  bool open_quote() const { return open_quote_; }   ///< whether it has a quote that is not closed
-  const char* fault() const { return fault_; }      ///< of a line that is no record; null: it is one
+  std::uint64_t line() const { return line_; }     ///< at which the last record began, from 1
+  bool ended() const { return ended_; }            ///< whether a line end stood after it
+  bool open_quote() const { return open_quote_; }  ///< whether it has a quote that is not closed
+  const char* fault() const { return fault_; }     ///< of a line that is no record; null: it is one
   const std::string& name() const { return name_; }
 
  private:

@@ -11,7 +11,9 @@ namespace furcula::log {
 inline constexpr double kLargeTime_s = 9007199.254740992;
 
 /// Whether a time needs a Stamp. What is beyond an int64 of seconds is no clock's.
-inline bool is_large_time(double time_s) { return std::abs(time_s) >= kLargeTime_s && std::abs(time_s) < 9e18; }
+inline bool is_large_time(double time_s) {
+  return std::abs(time_s) >= kLargeTime_s && std::abs(time_s) < 9e18;
+}
 
 /// whole + part seconds, 0 <= part < 1.
 struct Stamp {
@@ -40,7 +42,11 @@ inline Stamp stamp_of(std::string_view digits, double scale, double value, char 
     if (!(std::abs(whole) < 9e18)) return Stamp{};
     return Stamp{static_cast<std::int64_t>(whole), s - whole};
   };
-  const std::int64_t divisor = scale == 1.0 ? 1 : scale == 1e-3 ? 1000 : scale == 1e-6 ? 1000000 : scale == 1e-9 ? 1000000000 : 0;
+  const std::int64_t divisor = scale == 1.0    ? 1
+                               : scale == 1e-3 ? 1000
+                               : scale == 1e-6 ? 1000000
+                               : scale == 1e-9 ? 1000000000
+                                               : 0;
   if (divisor == 0) return of_double();
   constexpr std::size_t kDigits = 18;  // of an int64, any
   std::int64_t whole = 0;

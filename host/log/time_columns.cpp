@@ -15,11 +15,12 @@ struct Word {
   const char* scale;
 };
 /// ROS 1 (secs, nsecs), ROS 2 (sec, nanosec), timespec (tv_sec, tv_nsec), timeval (tv_sec, tv_usec), and what people write.
-constexpr Word kFractions[]{{"nsec", "1e-9"},     {"nsecs", "1e-9"},        {"nanosec", "1e-9"},      {"nanosecs", "1e-9"},
-                            {"nanoseconds", "1e-9"}, {"ns", "1e-9"},        {"usec", "1e-6"},         {"usecs", "1e-6"},
-                            {"microsec", "1e-6"}, {"microsecs", "1e-6"},    {"microseconds", "1e-6"}, {"us", "1e-6"},
-                            {"msec", "1e-3"},     {"msecs", "1e-3"},        {"millisec", "1e-3"},     {"milliseconds", "1e-3"},
-                            {"ms", "1e-3"}};
+constexpr Word kFractions[]{
+    {"nsec", "1e-9"},        {"nsecs", "1e-9"},     {"nanosec", "1e-9"},      {"nanosecs", "1e-9"},
+    {"nanoseconds", "1e-9"}, {"ns", "1e-9"},        {"usec", "1e-6"},         {"usecs", "1e-6"},
+    {"microsec", "1e-6"},    {"microsecs", "1e-6"}, {"microseconds", "1e-6"}, {"us", "1e-6"},
+    {"msec", "1e-3"},        {"msecs", "1e-3"},     {"millisec", "1e-3"},     {"milliseconds", "1e-3"},
+    {"ms", "1e-3"}};
 constexpr std::string_view kSeconds[]{"sec", "secs", "second", "seconds", "s"};
 
 std::string lower(std::string_view text) {

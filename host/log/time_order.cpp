@@ -10,11 +10,11 @@
 namespace furcula::log {
 namespace {
 
-constexpr std::size_t kLook = 8;       // rows that show whether time goes on from an odd one
-constexpr std::size_t kNotes = 3;      // steps that are named
-constexpr double kFarAhead = 2.0;      // times the longest interval so far: the next row must confirm it
-constexpr double kClockSet_s = 1e6;    // twelve days: no recording pauses so long
-constexpr double kMargin = 0.1;        // about the intervals of the last rows
+constexpr std::size_t kLook = 8;     // rows that show whether time goes on from an odd one
+constexpr std::size_t kNotes = 3;    // steps that are named
+constexpr double kFarAhead = 2.0;    // times the longest interval so far: the next row must confirm it
+constexpr double kClockSet_s = 1e6;  // twelve days: no recording pauses so long
+constexpr double kMargin = 0.1;      // about the intervals of the last rows
 
 double between(const TimeOrder::Row& from, const TimeOrder::Row& to) {
   return from.large() && to.large() ? to.stamp.since(from.stamp) : to.raw_s - from.raw_s;
@@ -40,7 +40,10 @@ constexpr TimeCounter kRawCounters[]{{65536.0, "a counter of 16 bits"},
 }  // namespace
 
 TimeOrder::TimeOrder(std::string name, double raw_unit_s, Pass pass, Refuse refuse)
-    : name_(std::move(name)), raw_unit_s_(std::abs(raw_unit_s)), pass_(std::move(pass)), refuse_(std::move(refuse)) {}
+    : name_(std::move(name)),
+      raw_unit_s_(std::abs(raw_unit_s)),
+      pass_(std::move(pass)),
+      refuse_(std::move(refuse)) {}
 
 double TimeOrder::time_of(const Row& row) const {
   return on_epoch_ ? start_s_ + row.stamp.since(start_) : row.raw_s + shift_s_;
@@ -59,7 +62,8 @@ bool TimeOrder::usual(double interval_s) const {
   if (count < 2) return true;
   double low = std::numeric_limits<double>::infinity(), high = 0.0;
   for (std::size_t k = 1; k < count; ++k) {
-    const double d = recent_s_[(rows_ - k) % recent_s_.size()] - recent_s_[(rows_ - k - 1) % recent_s_.size()];
+    const double d =
+        recent_s_[(rows_ - k) % recent_s_.size()] - recent_s_[(rows_ - k - 1) % recent_s_.size()];
     low = std::min(low, d);
     high = std::max(high, d);
   }
@@ -100,9 +104,10 @@ void TimeOrder::step_to_front(double step_s) {
   const Row& row = waiting_.front();
   ++steps_;
   if (notes_.size() < kNotes) {
-    notes_.push_back(name_ + " line " + std::to_string(row.line) + ": time steps " +
-                     (step_s < 0.0 ? "back" : "forward") + " by " + core::rounded(std::abs(step_s), 7) +
-                     " s and goes on from there, as where the clock is set or another recording begins: the interval was left out.");
+    notes_.push_back(
+        name_ + " line " + std::to_string(row.line) + ": time steps " + (step_s < 0.0 ? "back" : "forward") +
+        " by " + core::rounded(std::abs(step_s), 7) +
+        " s and goes on from there, as where the clock is set or another recording begins: the interval was left out.");
   }
   on_epoch_ = row.large();
   if (on_epoch_) {
@@ -120,14 +125,16 @@ bool TimeOrder::wraps(const Row& row) {
   if (on_epoch_) return false;
   const double interval_s = after_last(row);
   const auto fits = [&](double span_s) {
-    return interval_s < -0.5 * span_s && interval_s + span_s > 0.0 && interval_s + span_s <= kLongest * longest_s_;
+    return interval_s < -0.5 * span_s && interval_s + span_s > 0.0 &&
+           interval_s + span_s <= kLongest * longest_s_;
   };
   const auto go_on = [&](double span_s, const char* what) {
     shift_s_ += span_s;
     ++wraps_;
     if (notes_.size() < kNotes)
       notes_.push_back(name_ + " line " + std::to_string(row.line) + ": time goes back by " +
-                       core::rounded(-interval_s, 7) + " s, as " + what + " does that wraps: taken to go on.");
+                       core::rounded(-interval_s, 7) + " s, as " + what +
+                       " does that wraps: taken to go on.");
     return true;
   };
   for (const TimeCounter& c : kTimeCounters)
@@ -147,8 +154,10 @@ void TimeOrder::resolve(bool end) {
     }
     if (interval_s > 0.0) {
       if (waiting_.size() < 2 && !end) return;
-      if (waiting_.size() > 1 && after_last(waiting_[1]) > 0.0 && between(row, waiting_[1]) <= 0.0 && rows_ > 1) {
-        refuse_front(core::rounded(interval_s, 7) + " s after the row before, and the next row goes back; expected time to increase");
+      if (waiting_.size() > 1 && after_last(waiting_[1]) > 0.0 && between(row, waiting_[1]) <= 0.0 &&
+          rows_ > 1) {
+        refuse_front(core::rounded(interval_s, 7) +
+                     " s after the row before, and the next row goes back; expected time to increase");
         continue;
       }
       if (interval_s > kClockSet_s && can_step())
@@ -176,7 +185,8 @@ bool TimeOrder::resolve_back(bool end) {
   while (ahead < waiting_.size() && !(after_last(waiting_[ahead]) > 0.0)) ++ahead;
   if (ahead < waiting_.size()) {
     bool at_pace = !repeats(row) && can_step();
-    for (std::size_t k = 1; k <= ahead; ++k) at_pace = at_pace && usual(between(waiting_[k - 1], waiting_[k]));
+    for (std::size_t k = 1; k <= ahead; ++k)
+      at_pace = at_pace && usual(between(waiting_[k - 1], waiting_[k]));
     if (!at_pace) return refuse();
     step_to_front(interval_s);
     return true;

@@ -44,7 +44,8 @@ class TimeOrder {
   void add(std::span<double> values, std::uint64_t line, double raw_s, const Stamp& stamp) {
     // As a rule.
     if (waiting_.empty() && rows_ > 1) {
-      const double time_s = on_epoch_ ? start_s_ + stamp.since(start_) : raw_s + shift_s_, interval_s = time_s - last_s_;
+      const double time_s = on_epoch_ ? start_s_ + stamp.since(start_) : raw_s + shift_s_,
+                   interval_s = time_s - last_s_;
       if (interval_s > 0.0 && interval_s <= 2.0 * longest_s_) {
         pass(values, line, time_s, raw_s, stamp, interval_s);
         return;

@@ -19,12 +19,14 @@ constexpr std::size_t kFewest = 20;  // intervals, of which a distribution is ju
 /// Machines that this is for are sampled at 10 Hz to 10 kHz: their modes lie between 1 and 100 Hz, drives close their loops at up to some
 /// 10 kHz, and below ten rows a second a swing of a leg (0.3 s) has three rows.
 constexpr double kShortest_s = 1e-4, kLongest_s = 0.1;
-constexpr double kRounding = 1.05;     // a log at 10 Hz whose clock is a little slow
-constexpr double kFlight_s = 0.03;     // the shortest piece of a log that anything is learnt from
-constexpr double kEven = 1.5;          // longest over shortest interval of a block of which nothing is to be said
-constexpr std::size_t kNamed = 3;      // intervals that are named
+constexpr double kRounding = 1.05;  // a log at 10 Hz whose clock is a little slow
+constexpr double kFlight_s = 0.03;  // the shortest piece of a log that anything is learnt from
+constexpr double kEven = 1.5;      // longest over shortest interval of a block of which nothing is to be said
+constexpr std::size_t kNamed = 3;  // intervals that are named
 
-std::string ms(double s) { return s < 100.0 ? core::rounded(1e3 * s, 4) + " ms" : core::rounded(s, 4) + " s"; }
+std::string ms(double s) {
+  return s < 100.0 ? core::rounded(1e3 * s, 4) + " ms" : core::rounded(s, 4) + " s";
+}
 
 struct Unit {
   double seconds;
@@ -54,7 +56,8 @@ double noise_of(std::span<const double> x) {
 /// Intervals of a block: interval i lies before row i.
 struct StampJudge::Block {
   std::vector<double> interval_s;  ///< [0] is none
-  double median_s = 0.0, mean_s = 0.0, low_s = 0.0, high_s = 0.0;  ///< low and high: all but a twentieth at either end
+  double median_s = 0.0, mean_s = 0.0, low_s = 0.0,
+         high_s = 0.0;  ///< low and high: all but a twentieth at either end
   std::size_t rows() const { return interval_s.size(); }
 };
 
@@ -102,7 +105,9 @@ void StampJudge::end_block() {
       sorted.resize(kSample);
     }
     std::sort(sorted.begin(), sorted.end());
-    const auto at = [&](double share) { return sorted[static_cast<std::size_t>(share * static_cast<double>(sorted.size() - 1))]; };
+    const auto at = [&](double share) {
+      return sorted[static_cast<std::size_t>(share * static_cast<double>(sorted.size() - 1))];
+    };
     b.median_s = at(0.5);
     b.low_s = at(0.05);
     b.high_s = at(0.95);
@@ -145,8 +150,10 @@ void StampJudge::look_for_bursts(const Block& b) {
     }
   }
   const auto intervals = static_cast<double>(b.rows() - 1);
-  const double share_of_time = pause_s / (b.mean_s * intervals), share_of_rows = static_cast<double>(pauses.size()) / intervals;
-  if (pauses.size() < kFewestPauses || share_of_time < kShareOfTime || share_of_rows > 0.5 + 1.0 / intervals ||
+  const double share_of_time = pause_s / (b.mean_s * intervals),
+               share_of_rows = static_cast<double>(pauses.size()) / intervals;
+  if (pauses.size() < kFewestPauses || share_of_time < kShareOfTime ||
+      share_of_rows > 0.5 + 1.0 / intervals ||
       static_cast<double>(within + pauses.size()) < kInBursts * intervals)
     return;
   bool moves = false, as_rows = false;
@@ -168,7 +175,8 @@ void StampJudge::look_for_bursts(const Block& b) {
   const std::size_t rows = pauses.back() - pauses.front();  // of whole bursts
   bursts_.rows += rows;
   bursts_.bursts += pauses.size() - 1;
-  bursts_.within_s += within_s * static_cast<double>(rows) / static_cast<double>(std::max<std::size_t>(within, 1));
+  bursts_.within_s +=
+      within_s * static_cast<double>(rows) / static_cast<double>(std::max<std::size_t>(within, 1));
   bursts_.period_s += time_s_[pauses.back()] - time_s_[pauses.front()];
 }
 
@@ -198,11 +206,13 @@ void StampJudge::look_for_missing(const Block& b) {
 /// An interval that is far longer or shorter than the others, or over which rows were left out, while the body goes as far as its rows at the
 /// usual pace at the velocity that it has before and after: the clock was set there.
 void StampJudge::look_for_steps(const Block& b) {
-  constexpr std::size_t kRows = 5;     // on either side
-  constexpr double kFar = 2.0;         // times what all but a twentieth have
-  constexpr double kMostOdd = 0.05;    // more of them are the distribution itself
-  constexpr double kSure = 5.0;        // standard deviations
-  const auto usual = [&](std::size_t i) { return b.interval_s[i] <= kFar * b.high_s && b.interval_s[i] >= b.low_s / kFar; };
+  constexpr std::size_t kRows = 5;   // on either side
+  constexpr double kFar = 2.0;       // times what all but a twentieth have
+  constexpr double kMostOdd = 0.05;  // more of them are the distribution itself
+  constexpr double kSure = 5.0;      // standard deviations
+  const auto usual = [&](std::size_t i) {
+    return b.interval_s[i] <= kFar * b.high_s && b.interval_s[i] >= b.low_s / kFar;
+  };
   // Where the clock was known to be set, time_order.hpp has told it.
   const auto told = [&](std::size_t i) { return std::abs(b.interval_s[i] - kUnknownInterval_s) < 1e-9; };
   std::vector<std::size_t> odd;
@@ -223,12 +233,15 @@ void StampJudge::look_for_steps(const Block& b) {
       const double before = (x[i - 1] - x[i - 1 - kRows]) / (time_s_[i - 1] - time_s_[i - 1 - kRows]);
       const double after = (x[i + kRows] - x[i]) / (time_s_[i + kRows] - time_s_[i]);
       const double velocity = 0.5 * (before + after), step = x[i] - x[i - 1];
-      const double off_stamp = std::abs(step - velocity * b.interval_s[i]), off_usual = std::abs(step - velocity * pace_s);
+      const double off_stamp = std::abs(step - velocity * b.interval_s[i]),
+                   off_usual = std::abs(step - velocity * pace_s);
       // Over `s` seconds: noise in the step and in both velocities, and the velocity that changes meanwhile.
       const auto tolerance = [&](double s) {
-        return kSure * noise[j] * (std::sqrt(2.0) + s / (static_cast<double>(kRows) * b.median_s)) + std::abs(after - before) * s;
+        return kSure * noise[j] * (std::sqrt(2.0) + s / (static_cast<double>(kRows) * b.median_s)) +
+               std::abs(after - before) * s;
       };
-      const bool as_stamped = off_stamp <= tolerance(b.interval_s[i]), as_usual = off_usual <= tolerance(pace_s);
+      const bool as_stamped = off_stamp <= tolerance(b.interval_s[i]),
+                 as_usual = off_usual <= tolerance(pace_s);
       if (!as_stamped && as_usual) contradicts = true;
       if (as_stamped && !as_usual) agrees = true;
     }
@@ -245,8 +258,8 @@ void StampJudge::look_for_steps(const Block& b) {
 /// Stamps that are given when a row arrives are late by varying times. Then rows that are taken as even fit the motion better than the
 /// stamps do: each row is compared with the cubic through two rows on either side.
 void StampJudge::look_for_receipt(const Block& b) {
-  constexpr double kUneven = 0.2;    // of the mean interval
-  constexpr double kBetter = 0.7;    // of the residuals by the stamps
+  constexpr double kUneven = 0.2;  // of the mean interval
+  constexpr double kBetter = 0.7;  // of the residuals by the stamps
   constexpr std::size_t kFewestRows = 200;
   if (b.high_s - b.low_s < kUneven * b.mean_s) return;
   // Where a body is still, or goes evenly within its noise, every clock fits.
@@ -287,8 +300,10 @@ void StampJudge::look_for_receipt(const Block& b) {
 std::string StampJudge::burst_words() const {
   const double rows = static_cast<double>(bursts_.rows), each = rows / static_cast<double>(bursts_.bursts);
   const double mean_s = bursts_.period_s / rows, within_s = bursts_.within_s / rows;
-  return name_ + ": time stamps come in bursts: about " + core::rounded(std::abs(each - std::round(each)) < 0.02 * each ? std::round(each) : each, 3) + " rows " + ms(within_s) +
-         " apart, then nothing until " + ms(each * mean_s) + " after the first of them (mean interval " + ms(mean_s) + ", " +
+  return name_ + ": time stamps come in bursts: about " +
+         core::rounded(std::abs(each - std::round(each)) < 0.02 * each ? std::round(each) : each, 3) +
+         " rows " + ms(within_s) + " apart, then nothing until " + ms(each * mean_s) +
+         " after the first of them (mean interval " + ms(mean_s) + ", " +
          core::rounded(mean_s / within_s, 2) + " times that within a burst)";
 }
 
@@ -304,7 +319,9 @@ std::string StampJudge::unit_words() const {
   const double median_s = this->median_s(), duration_s = last_s_ - first_s_;
   const auto words = [&](std::span<const Unit> units, const std::string& why) -> std::string {
     const Unit* best = nullptr;
-    const auto off = [&](const Unit& u) { return std::abs(std::log(median_s * u.seconds / std::sqrt(kShortest_s * kLongest_s))); };
+    const auto off = [&](const Unit& u) {
+      return std::abs(std::log(median_s * u.seconds / std::sqrt(kShortest_s * kLongest_s)));
+    };
     for (const Unit& u : units)
       if (median_s * u.seconds >= kShortest_s / kRounding && median_s * u.seconds <= kLongest_s * kRounding &&
           (best == nullptr || off(u) < off(*best)))
@@ -312,17 +329,21 @@ std::string StampJudge::unit_words() const {
     if (best == nullptr) return {};
     std::string column = "time_s", scale = best->scale;
     if (map_ != nullptr)
-      if (const auto mapped = map_->columns.find("time_s"); mapped != map_->columns.end() && mapped->second.parts.size() == 1) {
+      if (const auto mapped = map_->columns.find("time_s");
+          mapped != map_->columns.end() && mapped->second.parts.size() == 1) {
         column = mapped->second.parts.front().column;
         scale = core::rounded(mapped->second.parts.front().scale * best->seconds, 12);
       }
-    return name_ + ": " + why + "; is time_s in " + best->name + "? Then a --map file with the line time_s = { column = \"" +
-           core::printable(column) + "\", scale = " + scale + " } reads it, with rows " + ms(median_s * best->seconds) + " apart";
+    return name_ + ": " + why + "; is time_s in " + best->name +
+           "? Then a --map file with the line time_s = { column = \"" + core::printable(column) +
+           "\", scale = " + scale + " } reads it, with rows " + ms(median_s * best->seconds) + " apart";
   };
   if (median_s > kRounding * kLongest_s)
-    return words(kUnits, "rows are " + ms(median_s) + " apart, so that each interval is a gap that ends a window");
+    return words(kUnits,
+                 "rows are " + ms(median_s) + " apart, so that each interval is a gap that ends a window");
   if (duration_s < kFlight_s && intervals_ > 5 * kFewest && median_s < kShortest_s)
-    return words(kTooSmall, "rows are " + core::rounded(1e6 * median_s, 4) + " us apart, and all of them take " + ms(duration_s));
+    return words(kTooSmall, "rows are " + core::rounded(1e6 * median_s, 4) +
+                                " us apart, and all of them take " + ms(duration_s));
   return {};
 }
 
@@ -335,33 +356,40 @@ TimeStamps StampJudge::finish() {
   if (intervals_ < kFewest) return s;
   s.unit = unit_words();
   if (2 * bursts_.by_motion > uneven_blocks_)
-    s.bursts = burst_words() +
-               ", while the motion goes on evenly from row to row: rows were stamped when a buffer was read, not when they were "
-               "measured. Expected the device's own clock in time_s, or rows spread evenly over each burst";
+    s.bursts =
+        burst_words() +
+        ", while the motion goes on evenly from row to row: rows were stamped when a buffer was read, not when they were "
+        "measured. Expected the device's own clock in time_s, or rows spread evenly over each burst";
   else if (2 * bursts_.blocks > uneven_blocks_)
-    s.notes.push_back(burst_words() + ". If a buffer was read so, they say nothing of when a row was measured; the motion is too small to tell.");
+    s.notes.push_back(
+        burst_words() +
+        ". If a buffer was read so, they say nothing of when a row was measured; the motion is too small to tell.");
   // Then an interval that does not fit is no step of the clock.
   const bool on_receipt = s.bursts.empty() && 2 * receipt_blocks_ > receipt_looked_;
   if (on_receipt)
-    s.notes.push_back(name_ + ": intervals of " + ms(receipt_low_s_) + " to " + ms(receipt_high_s_) +
-                      " do not fit the motion, rows " + ms(receipt_mean_s_) +
-                      " apart do: it seems that stamps were rounded, or given when rows arrived. Record the device's own clock, with "
-                      "all its digits.");
+    s.notes.push_back(
+        name_ + ": intervals of " + ms(receipt_low_s_) + " to " + ms(receipt_high_s_) +
+        " do not fit the motion, rows " + ms(receipt_mean_s_) +
+        " apart do: it seems that stamps were rounded, or given when rows arrived. Record the device's own clock, with "
+        "all its digits.");
   if (s.bursts.empty() && !on_receipt) {
     s.notes.insert(s.notes.end(), step_words_.begin(), step_words_.end());
     if (steps_ > step_words_.size())
-      s.notes.push_back(name_ + ": " + std::to_string(steps_ - step_words_.size()) + " more intervals were left out for the same reason.");
+      s.notes.push_back(name_ + ": " + std::to_string(steps_ - step_words_.size()) +
+                        " more intervals were left out for the same reason.");
     s.gaps = gaps_;
   }
   if (missing_ != 0 && s.bursts.empty() && !on_receipt)
-    s.remarks.push_back(name_ + ": " + std::to_string(missing_) + (missing_ == 1 ? " row seems" : " rows seem") + " to be missing in " +
+    s.remarks.push_back(name_ + ": " + std::to_string(missing_) +
+                        (missing_ == 1 ? " row seems" : " rows seem") + " to be missing in " +
                         std::to_string(missing_places_) + (missing_places_ == 1 ? " place" : " places") +
                         " (intervals that are whole multiples of " + ms(medians_.front().first) + ").");
   return s;
 }
 
 std::vector<std::string> position_columns(const std::string& rig, std::span<const std::string> columns) {
-  constexpr std::string_view kPositions[]{"height_m", "position_m", "angle_rad", "pulley_angle_rad", "leg_angle_rad"};
+  constexpr std::string_view kPositions[]{"height_m", "position_m", "angle_rad", "pulley_angle_rad",
+                                          "leg_angle_rad"};
   std::vector<std::string> found;
   const RigInfo* info = rig_named(rig);
   if (info == nullptr) return found;
@@ -384,7 +412,8 @@ TimeStamps judge(const Log& log, const ColumnMap* map) {
   for (const std::string& name : position_columns(log.rig, names)) positions.push_back(&log.at(name));
   StampJudge judge(log.path, positions.size(), map);
   for (std::size_t i = 0; i < log.rows(); ++i)
-    judge.add(log.time_s()[i], log.lines.empty() ? i + 1 : log.lines[i], [&](std::size_t j) { return (*positions[j])[i]; });
+    judge.add(log.time_s()[i], log.lines.empty() ? i + 1 : log.lines[i],
+              [&](std::size_t j) { return (*positions[j])[i]; });
   return judge.finish();
 }
 

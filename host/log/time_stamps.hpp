@@ -19,8 +19,8 @@ struct TimeStamps {
   double mean_s = 0.0;
   std::vector<std::string> notes;    ///< what is wrong, a sentence each
   std::vector<std::string> remarks;  ///< what may be of interest, as rows that are missing
-  std::string bursts;                ///< why nothing can be learnt from the log, and what to do; empty: no bursts
-  std::string unit;                  ///< the same of a time in another unit than seconds
+  std::string bursts;  ///< why nothing can be learnt from the log, and what to do; empty: no bursts
+  std::string unit;    ///< the same of a time in another unit than seconds
   /// Rows whose interval to the row before contradicts the motion.
   std::vector<std::size_t> gaps;
 

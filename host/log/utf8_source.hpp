@@ -25,11 +25,11 @@ class Utf8Source final : public core::ByteSource {
 
   core::ByteSource& source_;
   Encoding encoding_ = Encoding::unknown;
-  std::string out_;        ///< converted, from begin_ on not yet given
+  std::string out_;  ///< converted, from begin_ on not yet given
   std::size_t begin_ = 0;
-  bool has_odd_ = false;   ///< the first byte of a unit whose second is not read yet
+  bool has_odd_ = false;  ///< the first byte of a unit whose second is not read yet
   unsigned char odd_ = 0;
-  std::uint32_t high_ = 0; ///< first half of a surrogate pair; 0: none
+  std::uint32_t high_ = 0;  ///< first half of a surrogate pair; 0: none
 };
 
 }  // namespace furcula::log

@@ -90,8 +90,8 @@ TEST_CASE("bad logs end with status 3 and one message: file, line, value, what w
       {"a wrong unit suffix", "time_s,height_mm,contact,torque_cmd_nm\n0,1,0,0\n", ":1:", "'height_mm'",
        "expected 'height_m'"},
       {"a contact that is no flag", kHeader + "0,1,2,0\n", ":2:", "2", "expected 0 or 1"},
-      {"a column twice that is asked for", "time_s,height_m,contact,contact,torque_cmd_nm\n0,1,0,0,0\n", ":1:", "'contact'",
-       "expected each column once"},
+      {"a column twice that is asked for", "time_s,height_m,contact,contact,torque_cmd_nm\n0,1,0,0,0\n",
+       ":1:", "'contact'", "expected each column once"},
       {"an empty file", "", ":1:", "the file is empty", "expected a CSV log"},
       {"a header alone", kHeader, ":2:", "no rows", "expected at least one"},
       {"a file of zero bytes", std::string(100000, '\0'), ":1:", "NUL", "expected the text of a CSV log"},
@@ -119,7 +119,8 @@ TEST_CASE("odd rows of a long log are told of, and its status is 0") {
   for (int i = 0; i < 100; ++i) text += std::to_string(0.001 * i) + (i == 50 ? ",nan" : ",1") + ",0,0\n";
   const test::Ran ran = run_furcula({"check", "--rig", "hopper", folder.file("a.csv", text + "0.1,1")});
   CHECK(ran.status == 0);
-  CHECK_THAT(ran.out, Contains("99 rows") && Contains("2 rows refused: ") && Contains("(line 52) height_m: 'nan' is not finite") &&
+  CHECK_THAT(ran.out, Contains("99 rows") && Contains("2 rows refused: ") &&
+                          Contains("(line 52) height_m: 'nan' is not finite") &&
                           Contains("the last row is torn"));
 }
 
@@ -131,7 +132,8 @@ TEST_CASE("stamps from which nothing can be learnt end with status 3 and no figu
     in_ms += std::to_string(i) + rest;
     bursts += std::to_string(0.008 * (i / 8) + 2e-5 * (i % 8)) + rest;
   }
-  for (const auto& [text, expected] : {std::pair{in_ms, "time_s in ms"}, std::pair{bursts, "come in bursts: about 8 rows"}}) {
+  for (const auto& [text, expected] :
+       {std::pair{in_ms, "time_s in ms"}, std::pair{bursts, "come in bursts: about 8 rows"}}) {
     const test::Ran ran = run_furcula({"check", "--rig", "hopper", folder.file("a.csv", text)});
     CHECK(ran.status == 3);
     CHECK(ran.out.empty());

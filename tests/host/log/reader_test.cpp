@@ -1,6 +1,5 @@
 // Logs that are read, and logs that are refused: each with file, line, column, value and what was expected.
 #include "host/log/reader.hpp"
-#include "host/log/time_order.hpp"
 
 #include <sys/resource.h>
 
@@ -9,6 +8,7 @@
 #include <fstream>
 #include <random>
 
+#include "host/log/time_order.hpp"
 #include "tests/host/cli/run_program.hpp"
 #include "tests/host/error_message.hpp"
 
@@ -126,7 +126,8 @@ TEST_CASE("a missing required column is refused, and the nearest name shown") {
   CHECK_THAT(refused("time_s,hieght_m,contact,torque_cmd_nm\n0,1,1,0\n"),
              Contains("did you mean 'hieght_m'?"));
   CHECK_THAT(refused("time_s|height_m|contact\n0|1|1\n"),
-             Contains("the file has time_s, height_m, contact") && Contains("torque_cmd_nm = { column = \"theirs\" }"));
+             Contains("the file has time_s, height_m, contact") &&
+                 Contains("torque_cmd_nm = { column = \"theirs\" }"));
 }
 
 TEST_CASE("each rig asks for the columns of its table in the contract") {
@@ -148,8 +149,10 @@ TEST_CASE("a unit suffix that is not the expected one is refused, of optional co
 }
 
 TEST_CASE("a column that is asked for and stands twice is refused, any other is kept once") {
-  CHECK_THAT(refused("time_s,height_m,contact,height_m,torque_cmd_nm\n0,1,1,1,0\n"),
-             Contains("a.csv:1: column 'height_m' stands twice; expected each column once (give one of them another name)"));
+  CHECK_THAT(
+      refused("time_s,height_m,contact,height_m,torque_cmd_nm\n0,1,1,1,0\n"),
+      Contains(
+          "a.csv:1: column 'height_m' stands twice; expected each column once (give one of them another name)"));
   const log::Log log = hopper("time_s,x,height_m,x,contact,x,torque_cmd_nm\n0,7,1,8,1,9,0\n");
   CHECK(log.at("x") == std::vector<double>{7.0});
   REQUIRE(log.notes.size() == 1);
@@ -217,8 +220,9 @@ TEST_CASE("metadata that contradicts the reader is refused") {
 }
 
 TEST_CASE("a header that is not UTF-8 is read as Latin-1 where it names the columns, else refused") {
-  const log::Log log = hopper("time_s,height_m,contact,torque_cmd_nm,gr\xF6\xDF"
-                              "e\n0,1,0,0,1\n");
+  const log::Log log = hopper(
+      "time_s,height_m,contact,torque_cmd_nm,gr\xF6\xDF"
+      "e\n0,1,0,0,1\n");
   CHECK(log.at("gr\xC3\xB6\xC3\x9F"
                "e") == std::vector<double>{1.0});
   CHECK_THAT(log.notes.at(0), Contains("read as Latin-1"));
@@ -336,7 +340,8 @@ TEST_CASE("odd rows are left out, each with line, column and reason, up to a twe
 
 TEST_CASE("a torn last row, zeros at the end and a line of a megabyte cost no more than themselves") {
   const std::string text = kHeader + rows_of(100);
-  for (const std::string& tail : {std::string("0.1,0.3"), std::string(700, '\0'), std::string(2 << 20, '1'), std::string("0.1,\"0.3")}) {
+  for (const std::string& tail : {std::string("0.1,0.3"), std::string(700, '\0'), std::string(2 << 20, '1'),
+                                  std::string("0.1,\"0.3")}) {
     const log::Log log = hopper(text + tail);
     CHECK(log.rows() == 100);
     REQUIRE(log.refused.size() == 1);
@@ -355,7 +360,8 @@ TEST_CASE("a quote that is closed rows later costs its own row, not those betwee
   CHECK(log.refused[1].line == 50);
 }
 
-TEST_CASE("an optional column with many holes is left out in place of its rows, one with few costs those rows") {
+TEST_CASE(
+    "an optional column with many holes is left out in place of its rows, one with few costs those rows") {
   std::string text = "time_s,height_m,contact,torque_cmd_nm,motor_temp_c\n" + rows_of(100, ",0.3,0,1,25");
   replace_line(text, 30, "0.028000,0.3,0,1,");
   log::Log log = hopper(text);
@@ -369,7 +375,8 @@ TEST_CASE("an optional column with many holes is left out in place of its rows, 
   CHECK(log.rows() == 100);
   CHECK(log.refused.empty());
   CHECK_FALSE(log.has("motor_temp_c"));
-  CHECK_THAT(log.notes.at(0), Contains("column 'motor_temp_c' was not used: no finite number in 91 of 100 rows"));
+  CHECK_THAT(log.notes.at(0),
+             Contains("column 'motor_temp_c' was not used: no finite number in 91 of 100 rows"));
 }
 
 TEST_CASE("time that goes back by a counter's span is said to wrap, and goes on") {
@@ -398,9 +405,11 @@ TEST_CASE("a clock that is set costs an interval, whichever way it is set") {
     REQUIRE(log.rows() == 400);
     CHECK(log.refused.empty());
     REQUIRE(log.notes.size() == 1);
-    CHECK_THAT(log.notes[0], Contains("a.csv line 202: time steps " + std::string(step_s < 0.0 ? "back" : "forward")));
+    CHECK_THAT(log.notes[0],
+               Contains("a.csv line 202: time steps " + std::string(step_s < 0.0 ? "back" : "forward")));
     for (std::size_t i = 1; i < 400; ++i)
-      CHECK(log.time_s()[i] - log.time_s()[i - 1] == Approx(i == 200 ? log::kUnknownInterval_s : 0.001).epsilon(1e-6));
+      CHECK(log.time_s()[i] - log.time_s()[i - 1] ==
+            Approx(i == 200 ? log::kUnknownInterval_s : 0.001).epsilon(1e-6));
   }
 }
 
@@ -433,8 +442,8 @@ TEST_CASE("a time that is written with too few digits is refused with what to do
     std::snprintf(row, sizeof row, "%.2f,0.3,0,1\n", 0.001 * i);
     text += row;
   }
-  CHECK_THAT(refused(text), Contains("a.csv:3: column 'time_s': 0 s after 0 s") && Contains("269 of 300 rows are bad") &&
-                                Contains("write more digits"));
+  CHECK_THAT(refused(text), Contains("a.csv:3: column 'time_s': 0 s after 0 s") &&
+                                Contains("269 of 300 rows are bad") && Contains("write more digits"));
 }
 
 TEST_CASE("epoch seconds keep their nanoseconds") {
@@ -450,14 +459,18 @@ TEST_CASE("epoch seconds keep their nanoseconds") {
     REQUIRE(log.notes.size() == 1);
     CHECK_THAT(log.notes[0], Contains("time_s counts from the first row"));
   };
-  check("t,height_m\n1732672000.123456789,1\n1732672000.123456790,1\n1732672000.124456792,1\n1732672001.000000001,1\n",
-        "time_s = { column = \"t\" }\n");
-  check("t,height_m\n1732672000123456789,1\n1732672000123456790,1\n1732672000124456792,1\n1732672001000000001,1\n",
-        "time_s = { column = \"t\", scale = 1e-9 }\n");
-  check("t,height_m\n1732672000123456.789,1\n1732672000123456.790,1\n1732672000124456.792,1\n1732672001000000.001,1\n",
-        "time_s = { column = \"t\", scale = 1e-6 }\n");
-  check("s,ns,height_m\n1732672000,123456789,1\n1732672000,123456790,1\n\"1732672000\", 124456792,1\n1732672001,1,1\n",
-        "time_s = { columns = [\"s\", \"ns\"], scales = [1, 1e-9] }\n");
+  check(
+      "t,height_m\n1732672000.123456789,1\n1732672000.123456790,1\n1732672000.124456792,1\n1732672001.000000001,1\n",
+      "time_s = { column = \"t\" }\n");
+  check(
+      "t,height_m\n1732672000123456789,1\n1732672000123456790,1\n1732672000124456792,1\n1732672001000000001,1\n",
+      "time_s = { column = \"t\", scale = 1e-9 }\n");
+  check(
+      "t,height_m\n1732672000123456.789,1\n1732672000123456.790,1\n1732672000124456.792,1\n1732672001000000.001,1\n",
+      "time_s = { column = \"t\", scale = 1e-6 }\n");
+  check(
+      "s,ns,height_m\n1732672000,123456789,1\n1732672000,123456790,1\n\"1732672000\", 124456792,1\n1732672001,1,1\n",
+      "time_s = { columns = [\"s\", \"ns\"], scales = [1, 1e-9] }\n");
 }
 
 namespace {
@@ -502,8 +515,8 @@ TEST_CASE("UTF-16 is read, with and without its mark") {
   check_rail(rail(utf16(kRail, true)));
   check_rail(rail(utf16(kRail, false)));
   // U+00E9 and, in two units, U+1F98E.
-  const log::Log log = rail(std::string("\xFF\xFE") + utf16("time_s,height_m,", true) + "\xE9" + std::string(1, '\0') + "\x3E\xD8\x8E\xDD" +
-                            utf16("\n0,1,2\n", true));
+  const log::Log log = rail(std::string("\xFF\xFE") + utf16("time_s,height_m,", true) + "\xE9" +
+                            std::string(1, '\0') + "\x3E\xD8\x8E\xDD" + utf16("\n0,1,2\n", true));
   CHECK(log.has("\xC3\xA9\xF0\x9F\xA6\x8E"));
 }
 
@@ -512,13 +525,15 @@ TEST_CASE("lines end in LF, CRLF, CR, LF CR or CR CR LF") {
 }
 
 TEST_CASE("what separates the columns is seen in the header row, or said by a first line sep=") {
-  for (const std::string separator : {";", "|", "\t", " ", "   ", " \t "}) check_rail(rail(with_separator(separator)));
+  for (const std::string separator : {";", "|", "\t", " ", "   ", " \t "})
+    check_rail(rail(with_separator(separator)));
   check_rail(rail("sep=:\n" + with_separator(":")));
   check_rail(rail("\"sep=;\"\r\n# rig: rail_carriage\n" + with_separator(";")));
   const log::ColumnMap map = log::parse_column_map("separator = \"\\t\"\n", "map.toml");
   const log::Log log = log::parse_log("sep=;\n" + with_separator("\t"), "a.csv", "rail_carriage", &map);
   check_rail(log);
-  CHECK_THAT(log.notes.at(0), Contains("';' separates the columns, map.toml says a tab: the map was followed"));
+  CHECK_THAT(log.notes.at(0),
+             Contains("';' separates the columns, map.toml says a tab: the map was followed"));
 }
 
 TEST_CASE("decimal commas are refused with the two lines of a map that read them") {
@@ -529,12 +544,13 @@ TEST_CASE("decimal commas are refused with the two lines of a map that read them
   const log::ColumnMap map = log::parse_column_map("decimal = \",\"\n", "map.toml");
   CHECK(log::parse_log(text, "a.csv", "rail_carriage", &map).at("height_m") == std::vector<double>{1.5, 2.5});
   // As pandas writes them: commas between the columns, and numbers in quotes.
-  CHECK(log::parse_log("time_s,height_m\n0,\"1,5\"\n\"0,001\",\"2,5\"\n", "a.csv", "rail_carriage", &map).at("height_m") ==
-        std::vector<double>{1.5, 2.5});
+  CHECK(log::parse_log("time_s,height_m\n0,\"1,5\"\n\"0,001\",\"2,5\"\n", "a.csv", "rail_carriage", &map)
+            .at("height_m") == std::vector<double>{1.5, 2.5});
 }
 
 TEST_CASE("a header row in a comment is taken, with a note") {
-  for (const std::string head : {"# time_s,height_m\n", "# rig: rail_carriage\n#time_s, height_m\n", "# time_s,height_m\n# s,m\n"}) {
+  for (const std::string head :
+       {"# time_s,height_m\n", "# rig: rail_carriage\n#time_s, height_m\n", "# time_s,height_m\n# s,m\n"}) {
     const log::Log log = rail(head + "0,1\n0.001,2\n0.002,3\n");
     check_rail(log);
     CHECK_THAT(log.notes.at(0), Contains("was taken as the header row"));
@@ -544,14 +560,17 @@ TEST_CASE("a header row in a comment is taken, with a note") {
 
 TEST_CASE("rows without a header row are refused with what is expected above them") {
   CHECK_THAT(refused("0,1\n0.001,2\n", "rail_carriage"),
-             Contains("a.csv:1: there is no header row: the first row holds numbers, '0,1'") && Contains("as in 'time_s,height_m'"));
-  CHECK_THAT(refused("# made today\n0,1\n", "rail_carriage"), Contains("the last comment above, '# made today', has 1 field"));
+             Contains("a.csv:1: there is no header row: the first row holds numbers, '0,1'") &&
+                 Contains("as in 'time_s,height_m'"));
+  CHECK_THAT(refused("# made today\n0,1\n", "rail_carriage"),
+             Contains("the last comment above, '# made today', has 1 field"));
 }
 
 TEST_CASE("columns without a name and separators at the ends of rows are ignored with one note") {
   for (const std::string text :
-       {",time_s,,height_m,\n0,0,7,1,\n1,0.001,7,2,\n2,0.002,7,3,\n", "time_s,height_m\n0,1,\n0.001,2,\n0.002,3,\n",
-        "time_s,height_m,\n0,1\n0.001,2\n0.002,3\n", "time_s,height_m\n1,0,1\n2,0.001,2\n3,0.002,3\n"}) {
+       {",time_s,,height_m,\n0,0,7,1,\n1,0.001,7,2,\n2,0.002,7,3,\n",
+        "time_s,height_m\n0,1,\n0.001,2,\n0.002,3,\n", "time_s,height_m,\n0,1\n0.001,2\n0.002,3\n",
+        "time_s,height_m\n1,0,1\n2,0.001,2\n3,0.002,3\n"}) {
     INFO(text);
     const log::Log log = rail(text);
     check_rail(log);
@@ -565,7 +584,8 @@ TEST_CASE("a row of units below the header row is left out, and one that says an
   check_rail(log);
   CHECK_THAT(log.notes.at(0), Contains("line 2, '[s],[m]', holds units and was left out"));
   CHECK_THAT(refused("time_s,height_m\ns,mm\n0,1\n", "rail_carriage"),
-             Contains("says 'mm' of column 'height_m'; expected 'm'") && Contains("height_m = { column = \"height_m\", scale = 1e-3 }"));
+             Contains("says 'mm' of column 'height_m'; expected 'm'") &&
+                 Contains("height_m = { column = \"height_m\", scale = 1e-3 }"));
 }
 
 TEST_CASE("a number in quotes may have blanks about it") {
@@ -575,5 +595,6 @@ TEST_CASE("a number in quotes may have blanks about it") {
 TEST_CASE("rows with other numbers of fields than the header row are refused with what that may be") {
   std::string text = "time_s,height_m\n";
   for (int i = 0; i < 30; ++i) text += "0," + std::to_string(1000 + i) + ",1,5\n";
-  CHECK_THAT(refused(text, "rail_carriage"), Contains("most rows have 4 fields, the header row 2") && Contains("decimals behind commas"));
+  CHECK_THAT(refused(text, "rail_carriage"),
+             Contains("most rows have 4 fields, the header row 2") && Contains("decimals behind commas"));
 }
