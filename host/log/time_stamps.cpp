@@ -134,7 +134,7 @@ void StampJudge::end_block() {
 /// where the body goes as far over the pause as over any other interval: of all its way the pauses then have their share of the rows, and
 /// if the stamps were right, their share of the time. Between the two the geometric mean decides.
 void StampJudge::look_for_bursts(const Block& b) {
-  constexpr std::size_t kFewestPauses = 10;
+  constexpr std::size_t kFewestPauses = 10;  // and bursts in which a body moves
   constexpr double kShort = 0.25, kShareOfTime = 0.8, kInBursts = 0.5;
   if (b.low_s > kShort * b.mean_s) return;
   std::vector<std::size_t> pauses;  // rows after one
@@ -156,22 +156,26 @@ void StampJudge::look_for_bursts(const Block& b) {
       share_of_rows > 0.5 + 1.0 / intervals ||
       static_cast<double>(within + pauses.size()) < kInBursts * intervals)
     return;
-  bool moves = false, as_rows = false;
+  std::size_t moving = 0, as_rows = 0;  // positions
   for (const std::vector<double>& x : x_) {
-    double over_pauses = 0.0, over_rows = 0.0, over_bursts = 0.0;
+    double over_pauses = 0.0, over_rows = 0.0, over_bursts = 0.0, squares = 0.0;
     for (std::size_t i = pauses.front(); i < pauses.back(); ++i) over_rows += std::abs(x[i + 1] - x[i]);
     for (std::size_t k = 1; k < pauses.size(); ++k) {
       over_pauses += std::abs(x[pauses[k]] - x[pauses[k] - 1]);
-      over_bursts += std::abs(x[pauses[k]] - x[pauses[k - 1]]);
+      const double way = std::abs(x[pauses[k]] - x[pauses[k - 1]]);
+      over_bursts += way;
+      squares += way * way;
     }
-    // Noise goes to and fro from row to row, and nowhere from burst to burst.
-    if (!(over_bursts > 0.5 * over_rows)) continue;
-    moves = true;
-    if (over_pauses < std::sqrt(share_of_rows * share_of_time) * over_rows) as_rows = true;
+    // Noise goes to and fro from row to row, and nowhere from burst to burst; and a few steps of a body that else is still fall anywhere.
+    if (!(over_bursts > 0.5 * over_rows) ||
+        over_bursts * over_bursts < static_cast<double>(kFewestPauses) * squares)
+      continue;
+    ++moving;
+    if (over_pauses < std::sqrt(share_of_rows * share_of_time) * over_rows) ++as_rows;
   }
-  if (moves && !as_rows) return;
+  if (moving > 0 && 2 * as_rows < moving) return;
   ++bursts_.blocks;
-  if (as_rows) ++bursts_.by_motion;
+  if (as_rows > 0) ++bursts_.by_motion;
   const std::size_t rows = pauses.back() - pauses.front();  // of whole bursts
   bursts_.rows += rows;
   bursts_.bursts += pauses.size() - 1;

@@ -40,7 +40,8 @@ double noise_of(const std::vector<double>& x) {
   std::string unusable;
   for (const auto& [column, why] : log.unusable)
     if (columns.find("'" + column + "'") != columns.npos)
-      unusable += " that can be used (" + core::printable(column) + ": " + core::printable(why) + ")";
+      unusable += " that can be used (" + core::printable(column) + ": " + core::printable(why) +
+                  "; rows in which the drive does not answer yet may be cut off)";
   throw core::DataError(log.path + ": joint " + core::quoted(m.robot.joints[joint].name) + " has no column " +
                         core::printable(columns) + unusable +
                         "; expected one of each joint that moves (joints = [...] in " + m.file +
