@@ -61,7 +61,7 @@ Visited visit(core::ByteSource& source, const std::string& name, const std::stri
       continue;
     }
     for (;;) {
-      if (record.find_first_not_of(" \t") == record.npos) break;  // a blank line
+      if (record.empty() || (record.front() <= ' ' && record.find_first_not_of(" \t") == record.npos)) break;
       if (record.front() == '#') {
         if (comments++ == 0) first_comment = records.line();
         break;
@@ -69,7 +69,11 @@ Visited visit(core::ByteSource& source, const std::string& name, const std::stri
       try {
         const std::span<double> values = rows.parse(record);
         const double time_s = values[layout.time_channel];
-        order.add(values, records.line(), time_s, order.needs_stamp(time_s) ? rows.stamp() : Stamp{});
+        const Stamp stamp = order.needs_stamp(time_s) ? rows.stamp() : Stamp{};
+        if (order.follows(time_s, stamp, values[layout.time_channel]))
+          visitor(values, records.line());
+        else
+          order.add(values, records.line(), time_s, stamp);
         if (rows.has_holes())
           for (std::size_t i = 0; i < layout.channels.size(); ++i)
             if (const auto& s = layout.channels[i].sources; s.size() == 1 && rows.hole(s.front().column))

@@ -18,6 +18,16 @@ RecordStream::RecordStream(core::ByteSource& source, std::string name)
     line_end_ = '\r';
 }
 
+/// The record of so many bytes from begin_ on, which goes behind it and its line end. A serial line's LF CR and CR CR LF are line ends, too.
+inline std::string_view RecordStream::cut(std::size_t size, std::size_t line_end) {
+  record_ = begin_;
+  begin_ += size + line_end;
+  std::string_view record{buffer_.data() + record_, size};
+  while (!record.empty() && record.back() == '\r') record.remove_suffix(1);
+  while (!record.empty() && record.front() == '\r') record.remove_prefix(1);
+  return record;
+}
+
 bool RecordStream::fill() {
   if (at_end_) return false;
   if (begin_ > 0) {
@@ -32,20 +42,23 @@ bool RecordStream::fill() {
   return n != 0;
 }
 
-/// The record of so many bytes from begin_ on, which goes behind it and its line end. A serial line's LF CR and CR CR LF are line ends, too.
-std::string_view RecordStream::cut(std::size_t size, std::size_t line_end) {
-  record_ = begin_;
-  begin_ += size + line_end;
-  std::string_view record{buffer_.data() + record_, size};
-  while (record.ends_with('\r')) record.remove_suffix(1);
-  while (record.starts_with('\r')) record.remove_prefix(1);
-  return record;
-}
-
 bool RecordStream::next(std::string_view& record) {
   line_ = next_line_;
   open_quote_ = false;
   fault_ = nullptr;
+  // As a rule a line is there as a whole, and has no quotes.
+  const char* const begin = buffer_.data() + begin_;
+  if (const auto* const end = static_cast<const char*>(std::memchr(begin, line_end_, end_ - begin_));
+      end != nullptr) {
+    const auto size = static_cast<std::size_t>(end - begin);
+    if (size <= kLongestLine && std::memchr(begin, '"', size) == nullptr) {
+      ++next_line_;
+      ended_ = true;
+      first_line_ = size;
+      record = cut(size, 1);
+      return true;
+    }
+  }
   std::size_t searched = 0;  // bytes of this record without its end and without a quote not counted yet
   std::size_t lines = 0;     // line ends within quotes
   bool in_quotes = false;

@@ -148,8 +148,9 @@ class RowReader {
 
   void keep_time(std::size_t file_column, std::string_view field) {
     const std::vector<Source>& sources = layout_.channels[layout_.time_channel].sources;
-    for (std::size_t k = 0; k < sources.size(); ++k)
-      if (sources[k].column == file_column) time_fields_[k] = field;
+    std::size_t k = 0;
+    while (sources[k].column != file_column) ++k;
+    time_fields_[k] = field;
   }
 
   // Spaces, quotes, a plus sign, an extreme exponent; or no number at all.

@@ -70,7 +70,7 @@ bool TimeOrder::usual(double interval_s) const {
   return interval_s >= (1.0 - kMargin) * low && interval_s <= (1.0 + kMargin) * high;
 }
 
-void TimeOrder::add_odd(std::span<double> values, std::uint64_t line, double raw_s, const Stamp& stamp) {
+void TimeOrder::add(std::span<double> values, std::uint64_t line, double raw_s, const Stamp& stamp) {
   waiting_.push_back({{values.begin(), values.end()}, line, raw_s, stamp});
   if (rows_ == 0) {
     Row& first = waiting_.front();
@@ -92,7 +92,9 @@ void TimeOrder::finish() { resolve(true); }
 void TimeOrder::pass_front(double interval_s) {
   Row row = std::move(waiting_.front());
   waiting_.pop_front();
-  pass(row.values, row.line, time_of(row), row.raw_s, row.stamp, interval_s);
+  const double time_s = time_of(row);
+  count(time_s, row.raw_s, interval_s);
+  pass_(row.values, row.line, time_s);
 }
 
 void TimeOrder::refuse_front(const std::string& why) {

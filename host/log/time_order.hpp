@@ -41,18 +41,17 @@ class TimeOrder {
   /// Whether the stamp of a row of this time is needed, beside the number.
   bool needs_stamp(double raw_s) const { return on_epoch_ || is_large_time(raw_s); }
 
-  void add(std::span<double> values, std::uint64_t line, double raw_s, const Stamp& stamp) {
-    // As a rule.
-    if (waiting_.empty() && rows_ > 1) {
-      const double time_s = on_epoch_ ? start_s_ + stamp.since(start_) : raw_s + shift_s_,
-                   interval_s = time_s - last_s_;
-      if (interval_s > 0.0 && interval_s <= 2.0 * longest_s_) {
-        pass(values, line, time_s, raw_s, stamp, interval_s);
-        return;
-      }
-    }
-    add_odd(values, line, raw_s, stamp);
+  /// A row that simply follows the last one, as nearly all do: true, and `time_s` is its time. Else it must be added.
+  bool follows(double raw_s, const Stamp& stamp, double& time_s) {
+    if (!waiting_.empty() || rows_ < 2) return false;
+    time_s = on_epoch_ ? start_s_ + stamp.since(start_) : raw_s + shift_s_;
+    const double interval_s = time_s - last_s_;
+    if (!(interval_s > 0.0 && interval_s <= 2.0 * longest_s_)) return false;
+    count(time_s, raw_s, interval_s);
+    return true;
   }
+  /// Any other. It and those that waited for it are passed or refused, or it waits.
+  void add(std::span<double> values, std::uint64_t line, double raw_s, const Stamp& stamp);
   /// After the last row.
   void finish();
 
@@ -66,21 +65,17 @@ class TimeOrder {
   std::vector<std::string> notes() const;
 
  private:
-  void pass(std::span<double> values, std::uint64_t line, double time_s, double raw_s, const Stamp& stamp,
-            double interval_s) {
-    if (rows_ > 0 && interval_s > 0.0) {
+  void count(double time_s, double raw_s, double interval_s) {
+    if (interval_s > 0.0) {
       intervals_.add(interval_s);
       shortest_s_ = shortest_s_ == 0.0 || interval_s < shortest_s_ ? interval_s : shortest_s_;
       longest_s_ = interval_s > longest_s_ ? interval_s : longest_s_;
     }
     last_s_ = time_s;
     last_raw_s_ = raw_s;
-    last_stamp_ = stamp;
     recent_s_[rows_ % recent_s_.size()] = time_s;
     ++rows_;
-    pass_(values, line, time_s);
   }
-  void add_odd(std::span<double> values, std::uint64_t line, double raw_s, const Stamp& stamp);
   void resolve(bool end);
   bool resolve_back(bool end);
   bool can_step() const { return last_s_ + kUnknownInterval_s > last_s_; }
@@ -100,7 +95,6 @@ class TimeOrder {
   std::deque<Row> waiting_;
   std::uint64_t rows_ = 0;
   double first_s_ = 0.0, last_s_ = 0.0, last_raw_s_ = 0.0;
-  Stamp last_stamp_;
   std::array<double, 16> recent_s_{};
   double shortest_s_ = 0.0, longest_s_ = 0.0;
   IntervalMedian intervals_;
