@@ -62,7 +62,7 @@ TEST_CASE("a time in another unit than seconds is named, with the scale that mak
         std::tuple{1e-9, "in ns", "scale = 1e-9"}})
     for (const double interval_s : {5e-4, 1e-3, 2e-3, 1e-2}) {
       const log::Log log =
-          recorded(300, every(interval_s), [&](std::size_t, double t) { return t / unit_s; });
+          recorded(300, every(interval_s), [seconds = unit_s](std::size_t, double t) { return t / seconds; });
       const log::TimeStamps s = log::judge(log);
       CHECK_THAT(s.unit, Contains(name) && Contains(scale) && Contains("column = \"time_s\""));
     }
@@ -76,7 +76,7 @@ TEST_CASE("a time in another unit than seconds is named, with the scale that mak
 TEST_CASE("rows that leave a buffer in bursts are told of, with the number of rows and both intervals") {
   for (const std::size_t rows : {2U, 3U, 8U, 16U, 62U}) {
     const log::Log log = recorded(4000, every(1e-3), [&](std::size_t i, double) {
-      return 1e-3 * static_cast<double>(i / rows * rows) + 1e-5 * static_cast<double>(i % rows);
+      return 1e-3 * static_cast<double>(i - i % rows) + 1e-5 * static_cast<double>(i % rows);
     });
     const log::TimeStamps s = log::judge(log);
     INFO(s.bursts);
@@ -89,14 +89,16 @@ TEST_CASE("rows that leave a buffer in bursts are told of, with the number of ro
 TEST_CASE("rows that were measured in bursts are no bursts of stamps") {
   const log::Log log = recorded(
       4000,
-      [](std::size_t i) { return 0.1 * static_cast<double>(i / 16) + 1e-3 * static_cast<double>(i % 16); },
+      [](std::size_t i) {
+        return 0.1 / 16.0 * static_cast<double>(i - i % 16) + 1e-3 * static_cast<double>(i % 16);
+      },
       as_it_is);
   CHECK(log::judge(log).fatal().empty());
 }
 
 TEST_CASE("bursts of a body that stands still are a note") {
   log::Log log = recorded(800, every(1e-3), [](std::size_t i, double) {
-    return 1e-3 * static_cast<double>(i / 8 * 8) + 1e-5 * static_cast<double>(i % 8);
+    return 1e-3 * static_cast<double>(i - i % 8) + 1e-5 * static_cast<double>(i % 8);
   });
   log.columns["angle_rad"].assign(800, 0.5);
   const log::TimeStamps s = log::judge(log);
@@ -149,7 +151,7 @@ TEST_CASE("rows that were stamped when they arrived, or rounded, are told by the
 
 TEST_CASE("a log of many blocks is judged as one") {
   const log::Log bursts = recorded(70000, every(1e-3), [](std::size_t i, double) {
-    return 1e-3 * static_cast<double>(i / 16 * 16) + 1e-5 * static_cast<double>(i % 16);
+    return 1e-3 * static_cast<double>(i - i % 16) + 1e-5 * static_cast<double>(i % 16);
   });
   CHECK_THAT(log::judge(bursts).bursts, Contains("about 16 rows 0.01 ms apart"));
   const log::Log stepped =
