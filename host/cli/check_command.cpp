@@ -25,7 +25,6 @@ struct CheckOptions {
   std::string rig;
   std::string model;
   std::string map;
-  bool skip_bad_rows = false;
   bool accept_inertias = false;
   std::vector<std::string> logs;
 };
@@ -43,7 +42,7 @@ std::string rig_of(const CheckOptions& options, const log::ColumnMap* map) {
     const model::Model m = model::read_model(options.model);
     return std::string(dynamics::info(m.kind).rig);
   }
-  if (options.rig.empty()) return map != nullptr ? map->rig : "";
+  if (options.rig.empty()) return map != nullptr ? map->rig : "";  // which may not say
   const std::vector<std::string_view> rigs = rig_names();
   if (log::rig_named(options.rig) == nullptr)
     throw UsageError("--rig " + options.rig + ": no such rig; expected one of " + core::listed(rigs) +
@@ -53,19 +52,14 @@ std::string rig_of(const CheckOptions& options, const log::ColumnMap* map) {
 
 /// Of all logs: what their header rows say. A log that has none is told of where it is read.
 std::vector<std::string> header_columns(const CheckOptions& options, const log::ColumnMap* map) {
-  struct Enough {};
   std::set<std::string> names;
   for (const std::string& path : options.logs) {
     // What is read of a pipe is gone.
     std::error_code error;
     if (!std::filesystem::is_regular_file(path, error)) continue;
     try {
-      log::visit_log(path, "tree", map, [&](const log::LogHeader& header) -> log::RowVisitor {
-        names.insert(header.columns.begin(), header.columns.end());
-        throw Enough{};
-      });
-    } catch (const Enough&) {
-    } catch (const core::DataError&) {
+      for (std::string& name : log::column_names(path, "tree", map)) names.insert(std::move(name));
+    } catch (const core::DataError&) {  // which reading it says, too
     }
   }
   return {names.begin(), names.end()};
@@ -74,15 +68,17 @@ std::vector<std::string> header_columns(const CheckOptions& options, const log::
 void print(const std::string& file, const log::LogSummary& s) {
   const std::string path = core::printable(file);
   char figures[200];
-  std::snprintf(figures, sizeof figures, "%llu rows, %.6g s, interval min %.6g, median %.6g, max %.6g ms",
+  std::snprintf(figures, sizeof figures,
+                "%llu rows, %.6g s, interval min %.6g, median %.6g, mean %.6g, max %.6g ms",
                 static_cast<unsigned long long>(s.rows), s.duration_s, 1e3 * s.interval_min_s,
-                1e3 * s.interval_median_s, 1e3 * s.interval_max_s);
+                1e3 * s.interval_median_s, 1e3 * s.interval_mean_s, 1e3 * s.interval_max_s);
   std::cout << path << ": " << figures << "\n";
   for (const std::string& column : s.ignored_columns)
     std::cerr << path << ": note: column " << core::quoted(column)
               << " is not of this rig and not numeric: ignored\n";
-  for (const std::string& line : log::lines_of({s.refused, s.notes, {}}))
-    std::cout << core::printable(line) << "\n";
+  if (!s.refused.empty()) std::cout << core::printable(log::in_words(s.refused, s.refused_rows)) << "\n";
+  for (const auto* notes : {&s.notes, &s.stamps.notes, &s.stamps.remarks})
+    for (const std::string& note : *notes) std::cout << core::printable(note) << "\n";
   if (!s.last_row_ends)
     std::cerr << path << ": note: no line end after the last row: its last number may have been cut\n";
 }
@@ -99,7 +95,6 @@ void run(const CheckOptions& options) {
                       {{}, header_columns(options, map ? &*map : nullptr), options.accept_inertias});
     print_notes(*tree);
   }
-  const log::BadRows bad = options.skip_bad_rows ? log::BadRows::skipped : log::BadRows::refused;
   std::string errors;
   for (const std::string& path : options.logs) {
     try {
@@ -107,9 +102,11 @@ void run(const CheckOptions& options) {
       if (own.empty())
         throw core::DataError(
             path + ":1: no line '# rig: ...' tells the rig; expected one, or --rig, --model or --map");
-      print(path, log::check_log(path, own, map ? &*map : nullptr, bad));
+      const log::LogSummary summary = log::check_log(path, own, map ? &*map : nullptr);
+      if (!summary.stamps.fatal().empty()) throw core::DataError(summary.stamps.fatal());
       // Which columns a robot's log must have, its joints say.
-      if (tree) trees::recording_of(*tree, log::read_log(path, own, map ? &*map : nullptr, bad));
+      if (tree) trees::recording_of(*tree, log::read_log(path, own, map ? &*map : nullptr));
+      print(path, summary);
     } catch (const core::DataError& e) {
       // One line for each bad log; the good ones after it are checked all the same.
       errors += (errors.empty() ? "" : "\nfurcula: ") + std::string(e.what());
@@ -128,7 +125,6 @@ void add_check_command(CLI::App& app) {
                           "; without it that of the model, of the map, or of the log's own line");
   command->add_option("--model", options->model, "Model file, whose kind tells the rig");
   command->add_option("--map", options->map, "Map file, for logs with other columns");
-  command->add_flag("--skip-bad-rows", options->skip_bad_rows, kSkipBadRows);
   command->add_flag("--accept-inertias", options->accept_inertias, kAcceptInertias);
   command->add_option("LOG", options->logs, "Logs (CSV)")->required();
   command->callback([options] { run(*options); });

@@ -15,6 +15,7 @@
 #include "host/gait/machine_file.hpp"
 #include "host/identify/split.hpp"
 #include "host/log/reader.hpp"
+#include "host/log/time_stamps.hpp"
 #include "host/machines/rules.hpp"
 #include "host/model/reader.hpp"
 
@@ -31,6 +32,17 @@ std::string kinds_in_intervals() {
   return out;
 }
 
+/// What the log's time stamps imply. A slow log whose windows were chosen for it (`window_s`, 0: they were not) is not in a wrong unit.
+void take_stamps(log::Log& log, const log::ColumnMap* map, double window_s) {
+  constexpr double kRows = 5.0;  // of a window
+  const log::TimeStamps stamps = log::judge(log, map);
+  const bool chosen = window_s >= kRows * stamps.median_s;
+  if (!stamps.unit.empty() && !chosen) throw core::DataError(stamps.unit);
+  if (!stamps.bursts.empty()) throw core::DataError(stamps.bursts);
+  log.notes.insert(log.notes.end(), stamps.notes.begin(), stamps.notes.end());
+  log::open_gaps(log, stamps.gaps);
+}
+
 }  // namespace
 
 void RecordingOptions::add_to(CLI::App& command) {
@@ -43,7 +55,6 @@ void RecordingOptions::add_to(CLI::App& command) {
                      "Length of a prediction, s: 0.5 if not given on " + kinds_in_intervals() +
                          " and a hopper that stays on the ground, 0.3 on a tree");
   command.add_option("--out", out, "Folder for the results")->required();
-  command.add_flag("--skip-bad-rows", skip_bad_rows, kSkipBadRows);
   command.add_flag(
       "--trust-columns", trust_columns,
       "Do not try whether the columns have other units, signs, zeros or joints than their names say");
@@ -76,7 +87,6 @@ std::string RecordingOptions::command_line(const std::string& command, bool tree
   };
   option("--model", model);
   if (!map.empty()) option("--map", map);
-  if (skip_bad_rows) add("--skip-bad-rows");
   if (trust_columns) add("--trust-columns");
   if (accept_inertias) add("--accept-inertias");
   option("--window-s", core::shortest(window(tree)));
@@ -107,11 +117,12 @@ Logs read_logs(const RecordingOptions& options, const std::string& rig) {
   Logs r;
   std::optional<log::ColumnMap> map;
   if (!options.map.empty()) map = log::read_column_map(options.map);
-  const log::BadRows bad = options.skip_bad_rows ? log::BadRows::skipped : log::BadRows::refused;
   const auto read = [&](const std::vector<std::string>& paths) {
     std::vector<log::Log> logs;
-    for (const std::string& path : paths)
-      logs.push_back(log::read_log(path, rig, map ? &*map : nullptr, bad));
+    for (const std::string& path : paths) {
+      logs.push_back(log::read_log(path, rig, map ? &*map : nullptr));
+      take_stamps(logs.back(), map ? &*map : nullptr, options.window_s);
+    }
     return logs;
   };
   r.training = read(options.logs);

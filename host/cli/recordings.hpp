@@ -23,7 +23,6 @@ struct RecordingOptions {
   double window_s = 0.0;  ///< 0: 0.5 s, on a tree 0.3 s
   unsigned threads = 0;   ///< 0: as many as the machine has
   std::uint64_t seed = 1;
-  bool skip_bad_rows = false;
   bool trust_columns = false;
   bool accept_inertias = false;  ///< of a tree
 
@@ -42,8 +41,9 @@ struct Logs {
   std::vector<log::Log> held_out;
 };
 
-/// Reads the logs of a rig, and splits them where no held-out logs are named.
-/// @throws UsageError (no log to fit, a log named twice, a bad window), core::DataError
+/// Reads the logs of a rig, and splits them where no held-out logs are named. What their time stamps imply is among their notes, and
+/// intervals that contradict the motion are gaps.
+/// @throws UsageError (no log to fit, a log named twice, a bad window), core::DataError, also of stamps from which nothing can be learnt.
 Logs read_logs(const RecordingOptions& options, const std::string& rig);
 
 struct Recordings : Logs {
@@ -71,11 +71,6 @@ inline constexpr const char* kAcceptInertias =
 
 /// Prints what was wrong with the recordings, a line each.
 void print_dirt(const log::Dirt& dirt);
-
-/// What `--skip-bad-rows` is.
-inline constexpr const char* kSkipBadRows =
-    "Leave out rows that are torn, hold no numbers or do not increase in time, up to a twentieth of a log, and name them; "
-    "without it such a log is refused";
 
 /// The folder of the results, there from construction on. Where nothing has been written into it by the end
 /// of its life, the folders that it has made are gone again: a run that fails leaves nothing behind.

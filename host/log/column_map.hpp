@@ -1,26 +1,37 @@
-// The map file (`--map MAP.toml`): which column of a foreign log is which of ours, with scale and offset, or a
+// The map file (`--map MAP.toml`): which columns of a foreign log are which of ours, with scale and offset, or a
 // constant in place of one; and how the foreign log writes its numbers.
 #pragma once
 
+#include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace furcula::log {
 
-/// ours = theirs * scale + offset
-struct MappedColumn {
-  std::string column;  ///< the foreign log's name; empty: none, ours is the constant `offset`
+/// A column of the foreign log in one of ours.
+struct MappedPart {
+  std::string column;  ///< the foreign log's name
   double scale = 1.0;
-  double offset = 0.0;
 };
 
+/// ours = sum of theirs * scale, + offset
+struct MappedColumn {
+  std::vector<MappedPart> parts;  ///< none: ours is the constant `offset`
+  double offset = 0.0;
+  std::uint64_t line = 0;  ///< of the map file, for messages
+};
+
+/// Columns that it does not name are looked up under their own names.
 struct ColumnMap {
   std::string path;                             ///< where it was read from, for messages
-  std::string rig;                              ///< one of kRigs
+  std::string rig;                              ///< one of kRigs; empty: the map does not say
   std::map<std::string, MappedColumn> columns;  ///< our name -> theirs
-  char separator = ',';                         ///< between columns: ',', ';' or a tab
-  char decimal = '.';                           ///< '.' or ','
+  std::optional<char>
+      separator;  ///< between columns: ',', ';', '|', a tab, or ' ' for runs of blanks; none: seen in the log
+  char decimal = '.';  ///< '.' or ','
 };
 
 /// Reads a map file. @throws DataError: not readable, not TOML, unknown rig or column, wrong type, scale 0,

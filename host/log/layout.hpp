@@ -12,17 +12,24 @@
 
 namespace furcula::log {
 
-inline constexpr std::size_t kConstant = static_cast<std::size_t>(-1);
+/// A column of the file in one of ours.
+struct Source {
+  std::size_t column;  ///< index among the file's columns
+  double scale;
+};
 
 /// One of our columns, and how it comes from the file's.
 struct Channel {
   std::string name;
   ColumnKind kind;
-  bool known;          ///< to the rig: must hold finite numbers
-  std::size_t source;  ///< index among the file's columns; kConstant: none, it is `offset` in every row
+  bool known;                   ///< to the rig: must hold finite numbers
+  std::vector<Source> sources;  ///< which are added; none: it is `offset` in every row
   bool mapped;
-  double scale;
   double offset;
+  bool required;  ///< by the rig
+
+  /// A row that lacks it may be used, if most have it.
+  bool optional() const { return !required && !mapped; }
 };
 
 struct Layout {
@@ -31,11 +38,17 @@ struct Layout {
   std::vector<bool> needed;               ///< per file column: a known channel comes from it
   std::vector<Channel> channels;          ///< in the order of header.columns
   std::size_t time_channel = 0;
-  char separator = ',';
+  char separator = ',';  ///< ' ': runs of blanks
   char decimal = '.';
+  std::vector<std::string> notes;  ///< what is odd about the header row, in sentences
+  std::string
+      rows_hint;  ///< what the first rows' number of fields suggests where it is not the header's; to follow a message
+  std::string time_hint;  ///< the same of a time that stands still
 };
 
-/// Reads up to and with the header row. @throws DataError, see read_log.
+/// Reads up to and with the header row, and a row of units below it. Without a separator in the map or a first line `sep=;` it is seen in
+/// the header row. A header row may stand in a comment (numpy.savetxt). Columns that nothing asks for may lack a name or stand twice.
+/// @throws DataError, see read_log.
 Layout read_layout(RecordStream& records, const RigInfo& rig, const ColumnMap* map);
 
 /// The rig that a `# rig:` line before the header row names, or nothing. @throws DataError, see rig_line.

@@ -22,6 +22,7 @@ struct Log {
   std::vector<std::uint32_t> lines{};  ///< of the file, at which each row begins; empty: not from a file
   std::vector<RefusedRow> refused{};   ///< rows that are not among these
   std::vector<std::string> notes{};    ///< what else was done to it, in sentences
+  std::map<std::string, std::string> unusable{};  ///< columns that are not among these, and why
 
   std::size_t rows() const { return columns.empty() ? 0 : columns.begin()->second.size(); }
   bool has(const std::string& name) const { return columns.contains(name); }

@@ -3,9 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <map>
-#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -13,6 +11,7 @@
 #include "host/core/error.hpp"
 #include "host/log/column_map.hpp"
 #include "host/log/log.hpp"
+#include "host/log/time_stamps.hpp"
 
 namespace furcula::log {
 
@@ -31,44 +30,41 @@ struct LogSummary {
   double duration_s = 0.0;         ///< last time minus first
   double interval_min_s = 0.0;     ///< between neighbouring rows; 0 for a single row
   double interval_median_s = 0.0;  ///< to 0.1 %
+  double interval_mean_s = 0.0;
   double interval_max_s = 0.0;
-  std::vector<RefusedRow> refused;  ///< bad rows that were skipped, where that was asked for
-  std::vector<std::string> notes;   ///< what else was done to it
+  std::vector<RefusedRow> refused;              ///< rows that were left out, the first kMostNamed of them
+  std::uint64_t refused_rows = 0;               ///< how many there are
+  std::vector<std::string> notes;               ///< what else was done to it
+  std::map<std::string, std::string> unusable;  ///< optional columns that were left out, and why
+  TimeStamps stamps;                            ///< what they imply
   bool last_row_ends = true;  ///< false: no line end after the last row, so its last number may have been cut
 };
 
-/// Called for each row with the values in the order of LogHeader::columns, NaN where an ignored column holds
-/// something else than a number, and the line at which it begins.
-using RowVisitor = std::function<void(std::span<const double>, std::uint64_t line)>;
-
-/// What becomes of a row that is torn, holds something else than numbers or an empty cell, or whose time does
-/// not increase: the log is refused, or the row is left out and told of. Of a twentieth of the rows and more
-/// the log is refused all the same. Where rows are skipped a counter of time that wraps (16 or 32 bits of
-/// milli- or microseconds) is taken to go on.
-enum class BadRows { refused, skipped };
+/// Of a log whose rows are not kept.
+inline constexpr std::size_t kMostNamed = 1000;
 
 /// Reads a log into memory. `rig` is that of the model's kind; the `# rig:` line, if there, must agree.
+///
+/// A row that is ragged or torn, holds something else than finite numbers, an empty cell or a flag that is not 0 or 1, or whose time does not
+/// increase (time_order.hpp) is left out and named in `refused`. If there are more of them than a twentieth of the rows (kMostRefused), the
+/// log is refused. An optional column that lacks a number in more than that share of the rows is left out in place of the rows.
 /// @throws core::DataError naming file, line, column, value and what was expected: not readable, empty, no rows,
-/// missing required column, wrong unit suffix, duplicate column, ragged or torn row, no number, NaN or
-/// infinity, flag that is not 0 or 1, time that does not increase, line above 1 MiB.
-Log read_log(const std::string& path, const std::string& rig, const ColumnMap* map = nullptr,
-             BadRows bad = BadRows::refused);
+/// missing required column, wrong unit suffix, a column that is asked for and stands twice, too many bad rows.
+Log read_log(const std::string& path, const std::string& rig, const ColumnMap* map = nullptr);
 
 /// Checks a log as read_log does, in memory that does not grow with the file.
-LogSummary check_log(const std::string& path, const std::string& rig, const ColumnMap* map = nullptr,
-                     BadRows bad = BadRows::refused);
+LogSummary check_log(const std::string& path, const std::string& rig, const ColumnMap* map = nullptr);
 
 /// The rig that the log's own `# rig:` line names, or nothing where it has none. Reads up to the header row.
 /// @throws core::DataError naming file and line: not readable, empty, no such rig.
 std::string rig_line(const std::string& path);
 
-/// Goes through a log row by row, in memory that does not grow with the file; what the two above stand on.
-LogSummary visit_log(const std::string& path, const std::string& rig, const ColumnMap* map,
-                     const std::function<RowVisitor(const LogHeader&)>& on_header,
-                     BadRows bad = BadRows::refused);
+/// The names of a log's columns, after the map. Reads up to the header row. @throws core::DataError, as read_log does of a header row.
+std::vector<std::string> column_names(const std::string& path, const std::string& rig,
+                                      const ColumnMap* map = nullptr);
 
 /// As read_log, on text; `name` stands for the path in messages.
 Log parse_log(std::string_view text, const std::string& name, const std::string& rig,
-              const ColumnMap* map = nullptr, BadRows bad = BadRows::refused);
+              const ColumnMap* map = nullptr);
 
 }  // namespace furcula::log

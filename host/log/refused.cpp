@@ -19,13 +19,14 @@ std::string in_words(const RefusedRow& r) {
   return out + ": " + r.why;
 }
 
-std::string in_words(const std::vector<RefusedRow>& rows) {
+std::string in_words(const std::vector<RefusedRow>& rows, std::uint64_t count) {
   constexpr std::size_t kShown = 3;
   if (rows.empty()) return {};
-  std::string out = std::to_string(rows.size()) + (rows.size() == 1 ? " row" : " rows") + " refused: ";
+  count = std::max<std::uint64_t>(count, rows.size());
+  std::string out = std::to_string(count) + (count == 1 ? " row" : " rows") + " refused: ";
   for (std::size_t i = 0; i < std::min(rows.size(), kShown); ++i)
     out += (i == 0 ? "" : "; ") + in_words(rows[i]);
-  return out + (rows.size() > kShown ? "; ..." : "");
+  return out + (count > kShown ? "; ..." : "");
 }
 
 std::vector<std::string> lines_of(const Dirt& dirt) {

@@ -23,8 +23,9 @@ struct RefusedRow {
 /// "run02.csv row 417 height_m 9.99 (steps out of the rows around and back)"
 std::string in_words(const RefusedRow& row);
 
-/// Of rows that were left out, from one log or many: how many, and the first few by name. Empty: none.
-std::string in_words(const std::vector<RefusedRow>& rows);
+/// Of rows that were left out, from one log or many: how many, and the first few by name. Empty: none. `count`: how many there are, where
+/// that is more than are listed.
+std::string in_words(const std::vector<RefusedRow>& rows, std::uint64_t count = 0);
 
 /// What was wrong with recordings, and what was done about it.
 struct Dirt {

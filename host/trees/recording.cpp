@@ -37,8 +37,13 @@ double noise_of(const std::vector<double>& x) {
 
 [[noreturn]] void missing(const log::Log& log, const TreeModel& m, std::size_t joint,
                           const std::string& columns) {
+  std::string unusable;
+  for (const auto& [column, why] : log.unusable)
+    if (columns.find("'" + column + "'") != columns.npos)
+      unusable += " that can be used (" + core::printable(column) + ": " + core::printable(why) +
+                  "; rows in which the drive does not answer yet may be cut off)";
   throw core::DataError(log.path + ": joint " + core::quoted(m.robot.joints[joint].name) + " has no column " +
-                        core::printable(columns) +
+                        core::printable(columns) + unusable +
                         "; expected one of each joint that moves (joints = [...] in " + m.file +
                         " says which do)" +
                         (m.map_lines.empty() ? "" : "; or in a --map file: " + core::printable(m.map_lines)));

@@ -13,7 +13,9 @@ bool accepts(std::string_view input) {
   } catch (const core::DataError&) {
     return false;
   }
-  require(!map.columns.empty(), "a map maps something");
+  require(!map.columns.empty() || map.separator || map.decimal == ',' || input.find("decimal") != input.npos,
+          "a map says something");
+  if (map.rig.empty()) map.rig = "rotary_joint";
   try {
     log::parse_log("time,position,velocity,torque,a\n0,1,2,0,1\n1,2,3,1,0\n", "log", map.rig, &map);
   } catch (const core::DataError&) {

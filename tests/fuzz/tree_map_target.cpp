@@ -35,6 +35,7 @@ bool accepts(std::string_view input) {
   log::ColumnMap map;
   try {
     map = log::parse_column_map(input, "input");
+    if (map.rig.empty()) map.rig = "tree";
     if (map.rig != "tree") return true;
   } catch (const core::DataError& e) {
     require_printable(e);

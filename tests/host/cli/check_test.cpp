@@ -1,5 +1,7 @@
 // `furcula check` at the program's edge: what it prints, and each kind of bad input.
 #include <catch2/catch.hpp>
+#include <cmath>
+#include <utility>
 
 #include "tests/host/cli/run_program.hpp"
 #include "tests/host/model/example.hpp"
@@ -30,7 +32,7 @@ TEST_CASE("a good log is told of in figures") {
   const std::string path = folder.file("a.csv", kHeader + "0,1,0,0\n0.001,1,0,0\n0.003,1,1,0\n");
   const test::Ran ran = run_furcula({"check", "--rig", "hopper", path});
   CHECK(ran.status == 0);
-  CHECK(ran.out == path + ": 3 rows, 0.003 s, interval min 1, median 1, max 2 ms\n");
+  CHECK(ran.out == path + ": 3 rows, 0.003 s, interval min 1, median 1, mean 1.5, max 2 ms\n");
   CHECK(ran.err.empty());
 }
 
@@ -88,8 +90,8 @@ TEST_CASE("bad logs end with status 3 and one message: file, line, value, what w
       {"a wrong unit suffix", "time_s,height_mm,contact,torque_cmd_nm\n0,1,0,0\n", ":1:", "'height_mm'",
        "expected 'height_m'"},
       {"a contact that is no flag", kHeader + "0,1,2,0\n", ":2:", "2", "expected 0 or 1"},
-      {"a column twice", "time_s,height_m,contact,contact,torque_cmd_nm\n0,1,0,0,0\n", ":1:", "'contact'",
-       "expected each column once"},
+      {"a column twice that is asked for", "time_s,height_m,contact,contact,torque_cmd_nm\n0,1,0,0,0\n",
+       ":1:", "'contact'", "expected each column once"},
       {"an empty file", "", ":1:", "the file is empty", "expected a CSV log"},
       {"a header alone", kHeader, ":2:", "no rows", "expected at least one"},
       {"a file of zero bytes", std::string(100000, '\0'), ":1:", "NUL", "expected the text of a CSV log"},
@@ -109,6 +111,43 @@ TEST_CASE("bad logs end with status 3 and one message: file, line, value, what w
     check_one_message(ran);
     CHECK_THAT(ran.err, Contains(path + c.place) && Contains(c.value) && Contains(c.expected));
   }
+}
+
+TEST_CASE("odd rows of a long log are told of, and its status is 0") {
+  test::TemporaryFolder folder;
+  std::string text = kHeader;
+  for (int i = 0; i < 100; ++i) text += std::to_string(0.001 * i) + (i == 50 ? ",nan" : ",1") + ",0,0\n";
+  const test::Ran ran = run_furcula({"check", "--rig", "hopper", folder.file("a.csv", text + "0.1,1")});
+  CHECK(ran.status == 0);
+  CHECK_THAT(ran.out, Contains("99 rows") && Contains("2 rows refused: ") &&
+                          Contains("(line 52) height_m: 'nan' is not finite") &&
+                          Contains("the last row is torn"));
+}
+
+TEST_CASE("stamps from which nothing can be learnt end with status 3 and no figures") {
+  test::TemporaryFolder folder;
+  std::string in_ms = kHeader, bursts = kHeader;
+  for (int i = 0; i < 400; ++i) {
+    const std::string rest = "," + std::to_string(0.3 + 0.1 * std::sin(0.01 * i)) + ",0,0\n";
+    in_ms += std::to_string(i) + rest;
+    bursts += std::to_string(0.008 * (i / 8) + 2e-5 * (i % 8)) + rest;
+  }
+  for (const auto& [text, expected] :
+       {std::pair{in_ms, "time_s in ms"}, std::pair{bursts, "come in bursts: about 8 rows"}}) {
+    const test::Ran ran = run_furcula({"check", "--rig", "hopper", folder.file("a.csv", text)});
+    CHECK(ran.status == 3);
+    CHECK(ran.out.empty());
+    check_one_message(ran);
+    CHECK_THAT(ran.err, Contains(expected));
+  }
+}
+
+TEST_CASE("a map that does not name a rig leaves that to the option or the log") {
+  test::TemporaryFolder folder;
+  const std::string map = folder.file("map.toml", "separator = \";\"\n");
+  const std::string log = folder.file("a.csv", "time_s;angle_rad;torque_nm\n0;1;0\n");
+  CHECK(run_furcula({"check", "--rig", "rotary_joint", "--map", map, log}).status == 0);
+  CHECK_THAT(run_furcula({"check", "--map", map, log}).err, Contains("tells the rig"));
 }
 
 TEST_CASE("a directory, and a file that is not there, end with status 3") {

@@ -60,7 +60,6 @@ TEST_CASE("a foreign log that does not suit the map is refused") {
 }
 
 TEST_CASE("a map file that is not strict is refused with its line") {
-  CHECK_THAT(refused("time_s = { column = \"t\" }\n"), Contains("map.toml:1: no key 'rig'; expected"));
   CHECK_THAT(refused("rig = \"hoper\"\n"),
              Contains("map.toml:1: unknown rig 'hoper'; expected one of hopper") &&
                  Contains("did you mean 'hopper'?"));
@@ -108,18 +107,69 @@ TEST_CASE("a map reads decimal commas between semicolons, and a constant in plac
 }
 
 TEST_CASE("a foreign log with semicolons or decimal commas is told what the map may say") {
-  CHECK_THAT(refused_log(kMap, "time;pos;tau\n0;1;2\n"), Contains("expected separator = \";\" in the map"));
-  CHECK_THAT(test::error_message([] { log::parse_log("time_s;angle_rad\n0;1\n", "a.csv", "rotary_joint"); }),
+  CHECK_THAT(refused_log(kMap, "time;pos;tau\n0;1,5;2\n"), Contains("in map.toml the line decimal = \",\""));
+  CHECK_THAT(refused_log("separator = \",\"\n" + kMap, "time;pos;tau\n0;1;2\n"),
              Contains("separator = \";\""));
   CHECK_THAT(refused_log(kMap, "time,pos,tau\n0,\"1,5\",2\n"), Contains("decimal = \",\""));
 }
 
 TEST_CASE("a map that contradicts itself is refused") {
   const std::string rig = "rig = \"hopper\"\n";
-  CHECK_THAT(refused(rig + "decimal = \",\"\nheight_m = { column = \"z\" }\n"),
+  CHECK_THAT(refused(rig + "separator = \",\"\ndecimal = \",\"\nheight_m = { column = \"z\" }\n"),
              Contains("expected separator"));
-  CHECK_THAT(refused(rig + "separator = \"|\"\nheight_m = { column = \"z\" }\n"), Contains("separator = "));
+  CHECK_THAT(refused(rig + "separator = \"x\"\nheight_m = { column = \"z\" }\n"), Contains("separator = "));
   CHECK_THAT(refused(rig + "height_m = { value = 0, column = \"z\" }\n"), Contains("a constant alone"));
   CHECK_THAT(refused(rig + "time_s = { value = 0 }\n"), Contains("time_s is a constant"));
   CHECK_THAT(refused(rig + "contact = { value = 0.5 }\n"), Contains("expected 0 or 1"));
+}
+
+TEST_CASE("a map without a rig, or with a separator alone, is complete") {
+  const log::ColumnMap map = log::parse_column_map("angle_rad = { column = \"q\" }\n", "map.toml");
+  CHECK(map.rig.empty());
+  CHECK(log::parse_log("time_s,q,torque_nm\n0,4,1\n", "a.csv", "rotary_joint", &map).at("angle_rad") ==
+        std::vector<double>{4.0});
+  CHECK_THAT(
+      test::error_message([&] { log::parse_log("t,height_m\n0,4\n", "a.csv", "rail_carriage", &map); }),
+      Contains("map.toml:1: rig rail_carriage has no column 'angle_rad'; expected one of time_s, height_m"));
+  const log::ColumnMap alone =
+      log::parse_column_map("rig = \"rail_carriage\"\nseparator = \" \"\n", "map.toml");
+  CHECK(
+      log::parse_log("  time_s   height_m\n  0 \t  4 \n", "a.csv", "rail_carriage", &alone).at("height_m") ==
+      std::vector<double>{4.0});
+}
+
+TEST_CASE("several columns are added, each with its scale, and the offset once") {
+  const log::ColumnMap map = log::parse_column_map(
+      "torque_nm = { columns = [\"a\", \"b\", \"c\"], scales = [2, -1, 0.5], offset = 10 }\n"
+      "time_s = { columns = [\"sec\", \"nsec\"], scales = [1, 1e-9] }\n",
+      "map.toml");
+  const log::Log log = log::parse_log("sec,nsec,angle_rad,a,b,c\n3,500000000,1,1,2,4\n4,0,1,0,1,0\n", "a.csv",
+                                      "rotary_joint", &map);
+  CHECK(log.at("torque_nm") == std::vector<double>{2.0 - 2.0 + 2.0 + 10.0, -1.0 + 10.0});
+  CHECK(log.time_s() == std::vector<double>{3.5, 4.0});
+}
+
+TEST_CASE("time in two columns is answered with the line that adds them") {
+  const std::string line = "time_s = { columns = [\"stamp.secs\", \"stamp.nsecs\"], scales = [1, 1e-9] }";
+  std::string text = "stamp.secs,stamp.nsecs,angle_rad,torque_nm\n";
+  for (int i = 0; i < 30; ++i) text += "1732672000," + std::to_string(1000000 * i) + ",0,0\n";
+  CHECK_THAT(refused_log("time_s = { column = \"stamp.secs\" }\n", text),
+             Contains("a.csv:3: ") && Contains("in map.toml the line " + line));
+  CHECK_THAT(test::error_message([&] { log::parse_log(text, "a.csv", "rotary_joint"); }),
+             Contains("no column 'time_s'") && Contains("a --map file with the line " + line));
+}
+
+TEST_CASE("columns to add that do not fit together are refused") {
+  CHECK_THAT(refused("time_s = { columns = [\"a\", \"b\"], scales = [1] }\n"),
+             Contains("map.toml:1: time_s has 2 columns and 1 scales"));
+  CHECK_THAT(refused("time_s = { columns = [\"a\"], scale = 2 }\n"), Contains("'scale' beside 'columns'"));
+  CHECK_THAT(refused("time_s = { columns = [\"a\"], column = \"b\" }\n"),
+             Contains("'column' beside 'columns'"));
+  CHECK_THAT(refused("time_s = { column = \"a\", scales = [1] }\n"),
+             Contains("'scales' beside 'column'; expected 'scale'"));
+  CHECK_THAT(refused("time_s = { columns = [] }\n"), Contains("time_s.columns is an array; expected names"));
+  CHECK_THAT(refused("time_s = { columns = [\"a\", \"a\"] }\n"), Contains("has 'a' twice"));
+  CHECK_THAT(refused("time_s = { columns = [\"a\", \"b\"], scales = [1, 0] }\n"),
+             Contains("expected another number than zero"));
+  CHECK_THAT(refused("time_s = { columns = \"a\" }\n"), Contains("time_s.columns is 'a'; expected names"));
 }

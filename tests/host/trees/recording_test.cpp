@@ -69,9 +69,14 @@ TEST_CASE("Torn and foreign tree logs are refused with file and line") {
   CHECK_THAT(refused_log("time_s,angle_knee_rad\n"), Contains("a.csv"));
   CHECK_THAT(refused_log("angle_knee_rad\n0\n"), Contains("no column 'time_s'"));
   CHECK_THAT(refused_log("time_s,angle_knee_rad\n0,1\n0.1\n"), Contains("a.csv:3"));
-  CHECK_THAT(refused_log("time_s,angle_knee_rad\n0,nan\n"),
-             Contains("a.csv:2") && Contains("angle_knee_rad"));
-  CHECK_THAT(refused_log("time_s,angle_knee_rad\n0,inf\n"), Contains("a.csv:2"));
+  CHECK_THAT(refused_log("time_s,angle_knee_rad\n0,1\nnan,1\n"), Contains("a.csv:3") && Contains("'time_s'"));
+  // Whether a joint's column is asked for, its model says.
+  for (const char* bad : {"nan", "inf", "", "off"}) {
+    const log::Log log =
+        log::parse_log("time_s,angle_knee_rad\n0," + std::string(bad) + "\n", "a.csv", "tree");
+    CHECK_THAT(log.unusable.at("angle_knee_rad"),
+               Contains("no finite number in 1 of 1 rows, the first in line 2"));
+  }
   CHECK_THAT(refused_log("time_s,angle_knee_rad\n0,1\n0,1\n"), Contains("a.csv:3"));
   CHECK_THAT(refused_log("# rig: hopper\ntime_s,angle_knee_rad\n0,1\n"),
              Contains("rig is 'hopper'; expected tree"));
@@ -133,6 +138,11 @@ TEST_CASE("A recording that lacks a joint, is too short or in degrees is refused
   log.columns.erase("angle_elbow_rad");
   CHECK_THAT(refused(log), Contains("swing.csv: joint 'elbow' has no column 'angle_elbow_rad'") &&
                                Contains("joints = [...]"));
+  log.unusable["angle_elbow_rad"] = "no finite number in 60 of 600 rows, the first in line 2";
+  CHECK_THAT(
+      refused(log),
+      Contains(
+          "has no column 'angle_elbow_rad' that can be used (angle_elbow_rad: no finite number in 60 of 600"));
   CHECK(refused(log, "joints = [\"shoulder\"]\n").empty());
   log = pendulum_log();
   log.columns.erase("torque_shoulder_nm");

@@ -1,0 +1,113 @@
+// Rows of a log that cannot be read: counted, named, and how many there may be.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+#include <map>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "host/core/error.hpp"
+#include "host/core/message.hpp"
+#include "host/log/layout.hpp"
+#include "host/log/reader.hpp"
+#include "host/log/refused.hpp"
+
+namespace furcula::log {
+
+class BadRows {
+ public:
+  BadRows(const Layout& layout, std::string name, std::size_t most_named)
+      : layout_(layout), name_(std::move(name)), most_named_(most_named) {}
+
+  void add(std::uint64_t line, const std::string& message, const std::string& column,
+           const std::string& why) {
+    if (count_ == 0 || line < first_line_) {
+      first_line_ = line;
+      first_ = message;
+    }
+    ++count_;
+    if (column == layout_.channels[layout_.time_channel].name) ++of_time_;
+    if (rows_.size() < most_named_)
+      rows_.push_back({name_,
+                       static_cast<std::size_t>(line - layout_.header.line),
+                       line,
+                       column,
+                       std::numeric_limits<double>::quiet_NaN(),
+                       {},
+                       why});
+  }
+
+  /// An optional column without a number in a row that is otherwise good.
+  void add_hole(std::size_t channel, std::uint64_t line) {
+    std::vector<std::uint64_t>& lines = holes_[channel];
+    if (lines.size() < kMostHoles) lines.push_back(line);
+    ++hole_count_[channel];
+  }
+
+  /// Columns with so many holes that they are not used; the other holes' rows are bad. Of `rows` that were read.
+  std::set<std::uint64_t> settle_holes(std::uint64_t rows, LogSummary& summary) {
+    std::set<std::uint64_t> bad;
+    for (const auto& [channel, lines] : holes_) {
+      const std::string& column = layout_.channels[channel].name;
+      if (static_cast<double>(hole_count_[channel]) > kMostRefused * static_cast<double>(rows)) {
+        const std::string why = "no finite number in " + std::to_string(hole_count_[channel]) + " of " +
+                                std::to_string(rows) + " rows, the first in line " +
+                                std::to_string(lines.front());
+        summary.unusable.emplace(column, why);
+        summary.notes.push_back(name_ + ": column " + core::quoted(column) + " was not used: " + why + ".");
+        continue;
+      }
+      for (const std::uint64_t line : lines)
+        if (bad.insert(line).second)
+          add(line, "column " + core::quoted(column) + ": no finite number; expected a finite decimal number",
+              column, "no finite number; expected a finite decimal number");
+    }
+    return bad;
+  }
+
+  /// @throws core::DataError where there are too many, beside `good` rows.
+  void refuse_too_many(std::uint64_t good) const {
+    const std::uint64_t rows = good + count_;
+    if (static_cast<double>(count_) <= kMostRefused * static_cast<double>(rows)) return;
+    const bool time = 2 * of_time_ > count_;
+    std::string message = name_ + ":" + std::to_string(first_line_) + ": " + first_ +
+                          (time ? layout_.time_hint : layout_.rows_hint);
+    if (count_ > 1 || rows > 1)
+      message += "; " + std::to_string(count_) + " of " + std::to_string(rows) +
+                 (count_ == 1 ? " rows is" : " rows are") + " bad, and at most a twentieth is left out";
+    if (time && layout_.time_hint.empty() && count_ > 1)
+      message +=
+          " (a time that repeats is written with too few digits, one that jumps to and fro is of several recordings: write more "
+          "digits, or a file for each)";
+    throw core::DataError(message);
+  }
+  /// The same before the end where nearly nothing is good, so that memory stays bounded.
+  void give_up_early(std::uint64_t good) const {
+    if (count_ > kMostHoles && count_ > good) refuse_too_many(good);
+  }
+
+  std::uint64_t count() const { return count_; }
+  std::vector<RefusedRow> take_rows() {
+    std::stable_sort(rows_.begin(), rows_.end(),
+                     [](const RefusedRow& a, const RefusedRow& b) { return a.line < b.line; });
+    return std::move(rows_);
+  }
+
+ private:
+  static constexpr std::size_t kMostHoles = 100'000;
+
+  const Layout& layout_;
+  std::string name_;
+  std::size_t most_named_;
+  std::uint64_t count_ = 0, of_time_ = 0, first_line_ = 0;
+  std::string first_;  // its message
+  std::vector<RefusedRow> rows_;
+  std::map<std::size_t, std::vector<std::uint64_t>> holes_;  // per channel the first lines
+  std::map<std::size_t, std::uint64_t> hole_count_;
+};
+
+}  // namespace furcula::log

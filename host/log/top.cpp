@@ -1,0 +1,144 @@
+// What stands above the rows, see top.hpp.
+#include "host/log/top.hpp"
+
+#include <algorithm>
+#include <cctype>
+
+#include "host/core/message.hpp"
+
+namespace furcula::log {
+namespace {
+
+constexpr std::size_t kMostMetadata = std::size_t{1} << 20;  // bytes, so that memory stays bounded
+
+// Offset of the first byte that is not UTF-8, or npos.
+std::size_t first_not_utf8(std::string_view text) {
+  for (std::size_t i = 0; i < text.size();) {
+    const auto byte = [&](std::size_t k) { return static_cast<unsigned char>(text[k]); };
+    const unsigned char lead = byte(i);
+    const std::size_t length = lead < 0x80                    ? 1
+                               : lead >= 0xC2 && lead <= 0xDF ? 2
+                               : lead >= 0xE0 && lead <= 0xEF ? 3
+                               : lead >= 0xF0 && lead <= 0xF4 ? 4
+                                                              : 0;
+    if (length == 0 || i + length > text.size()) return i;
+    for (std::size_t k = i + 1; k < i + length; ++k)
+      if ((byte(k) & 0xC0) != 0x80) return i;
+    // Overlong forms, surrogates, and what lies beyond the last code point.
+    if ((lead == 0xE0 && byte(i + 1) < 0xA0) || (lead == 0xED && byte(i + 1) > 0x9F) ||
+        (lead == 0xF0 && byte(i + 1) < 0x90) || (lead == 0xF4 && byte(i + 1) > 0x8F))
+      return i;
+    i += length;
+  }
+  return std::string_view::npos;
+}
+
+void take_metadata(std::string_view record, const RecordStream& records, const RigInfo* rig,
+                   LogHeader& header) {
+  const std::size_t colon = record.find(':');
+  if (colon == std::string_view::npos) return;
+  const std::string key(trimmed(record.substr(1, colon - 1)));
+  if (key.empty()) return;
+  const std::string value(trimmed(record.substr(colon + 1)));
+  if (key == "format" && value != "furcula-log/1")
+    throw core::DataError(place(records) + "format is " + core::quoted(value) + "; expected furcula-log/1");
+  if (key == "rig" && rig != nullptr && value != rig->name)
+    throw core::DataError(place(records) + "rig is " + core::quoted(value) + "; expected " +
+                          std::string(rig->name) + ", as the model, the map or --rig says");
+  if (key == "rig" && rig_named(value) == nullptr) {
+    std::vector<std::string_view> rigs;
+    for (const RigInfo& r : kRigs) rigs.push_back(r.name);
+    throw core::DataError(place(records) + "rig is " + core::quoted(value) + "; expected one of " +
+                          core::listed(rigs) + core::did_you_mean(value, rigs));
+  }
+  header.metadata.insert_or_assign(key, value);
+}
+
+/// Bytes that are no UTF-8 are taken as Latin-1, in which each byte is the code point of its number.
+std::string from_latin1(std::string_view text) {
+  std::string out;
+  for (const char c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (byte < 0x80) {
+      out += c;
+    } else {
+      out += static_cast<char>(0xC0 | (byte >> 6));
+      out += static_cast<char>(0x80 | (byte & 0x3F));
+    }
+  }
+  return out;
+}
+
+/// Excel's first line "sep=;".
+std::optional<char> separator_line(std::string_view record) {
+  if (record.size() > 2 && record.front() == '"' && record.back() == '"')
+    record = record.substr(1, record.size() - 2);
+  if (record.size() != 5 || std::tolower(static_cast<unsigned char>(record[0])) != 's' ||
+      std::tolower(static_cast<unsigned char>(record[1])) != 'e' ||
+      std::tolower(static_cast<unsigned char>(record[2])) != 'p' || record[3] != '=')
+    return std::nullopt;
+  const char sign = record[4];
+  constexpr std::string_view kOfNumbers = "+-.\"";
+  if (std::isalnum(static_cast<unsigned char>(sign)) != 0 || kOfNumbers.find(sign) != kOfNumbers.npos)
+    return std::nullopt;
+  return sign;
+}
+
+}  // namespace
+
+std::string_view trimmed(std::string_view text) {
+  constexpr std::string_view kSpace = " \t\r";
+  const std::size_t first = text.find_first_not_of(kSpace);
+  if (first == std::string_view::npos) return {};
+  return text.substr(first, text.find_last_not_of(kSpace) + 1 - first);
+}
+
+std::string place(const RecordStream& records) {
+  return records.name() + ":" + std::to_string(records.line()) + ": ";
+}
+
+Top read_top(RecordStream& records, const RigInfo* rig, LogHeader& header) {
+  constexpr std::size_t kComments = 8;
+  Top top;
+  std::string_view record;
+  std::size_t metadata_bytes = 0;
+  bool anything = false;
+  while (records.next(record)) {
+    if (records.fault() != nullptr) throw core::DataError(place(records) + records.fault());
+    if (records.open_quote() && !record.starts_with('#'))
+      throw core::DataError(place(records) +
+                            "a quote is not closed; expected a header row of a CSV log, with a closing '\"'");
+    if (!anything) top.separator = separator_line(record);
+    if (!anything && top.separator) {
+      anything = true;
+      continue;
+    }
+    anything = true;
+    if (record.find('\0') != std::string_view::npos)
+      throw core::DataError(place(records) + "a NUL byte; expected the text of a CSV log");
+    std::string text(record);
+    if (const std::size_t bad = first_not_utf8(record); bad != std::string_view::npos) {
+      if (top.not_utf8.empty())
+        top.not_utf8 = place(records) + "byte " + std::to_string(bad + 1) + " of the line, " +
+                       core::quoted(record.substr(bad, 1)) + ", is not UTF-8; expected UTF-8 text";
+      text = from_latin1(record);
+    }
+    const std::string_view content = trimmed(text);
+    if (content.empty()) continue;
+    if (content.front() != '#') {
+      top.row = std::move(text);
+      return top;
+    }
+    metadata_bytes += text.size();
+    if (metadata_bytes > kMostMetadata)
+      throw core::DataError(place(records) + "more than 1 MiB of '#' lines; expected a header row");
+    take_metadata(content, records, rig, header);
+    if (top.comments.size() == kComments) top.comments.erase(top.comments.begin());
+    top.comments.push_back({std::string(trimmed(content.substr(1))), records.line()});
+  }
+  throw core::DataError(records.name() +
+                        ":1: " + (anything ? "there is no header row" : "the file is empty") +
+                        "; expected a CSV log with a header row");
+}
+
+}  // namespace furcula::log
