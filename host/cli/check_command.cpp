@@ -1,4 +1,5 @@
 // `furcula check`: reads logs as the other commands would, in bounded memory, and says what is in them.
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <iostream>
@@ -105,8 +106,15 @@ void run(const CheckOptions& options) {
       const log::LogSummary summary = log::check_log(path, own, map ? &*map : nullptr);
       if (!summary.stamps.fatal().empty()) throw core::DataError(summary.stamps.fatal());
       // Which columns a robot's log must have, its joints say.
-      if (tree) trees::recording_of(*tree, log::read_log(path, own, map ? &*map : nullptr));
+      std::vector<std::string> of_robot;
+      if (tree) {
+        const log::Log log = log::read_log(path, own, map ? &*map : nullptr);
+        for (const std::string& note : trees::recording_of(*tree, log).log_notes)
+          if (std::find(log.notes.begin(), log.notes.end(), note) == log.notes.end())
+            of_robot.push_back(note);
+      }
       print(path, summary);
+      for (const std::string& note : of_robot) std::cout << core::printable(note) << "\n";
     } catch (const core::DataError& e) {
       // One line for each bad log; the good ones after it are checked all the same.
       errors += (errors.empty() ? "" : "\nfurcula: ") + std::string(e.what());

@@ -35,10 +35,6 @@ constexpr double kEstimated = 0.5;
 const double kAsGood = 1.2 * kEstimated * kFarBetter;
 /// Friction and constant forces over the forces that act (RMS of the drive's and of gravity and springs): what moves is not held.
 constexpr double kMostFriction = 0.3;
-/// A rotor's inertia, reflected through its gear, over what the joint moves: of a motor with a gear of 160 that moves a finger.
-constexpr double kMostRotor = 100.0;
-/// A model's inertia may be off by so much before a unit is blamed: masses and radii are guessed within two.
-constexpr double kInertiaWithin = 4.0;
 /// With the columns as named: a scale of kNearOne or a zero of kNearZero_rad leaves half of the force; a part of that is fitted away by
 /// what the trial fits in any case. A model that leaves less, and explains the accelerations, has no wrong unit, however much better
 /// another reading is.
@@ -64,9 +60,10 @@ struct InputScale {
 struct Rest {
   double mean_square = 0.0;  ///< trimmed
   double input_scale = 1.0;
-  double force = 0.0;    ///< RMS of what is asked for with what was fitted, or given
-  double pushed = 0.0;   ///< RMS of what is given
-  double inertia = 0.0;  ///< that was fitted beside the joint's
+  double force = 0.0;           ///< RMS of what is asked for with what was fitted, or given
+  double pushed = 0.0;          ///< RMS of what is given
+  double inertia = 0.0;         ///< that was fitted beside the joint's
+  double inertia_factor = 1.0;  ///< by which the joint's is so much more, or less
   /// Log likelihood an instant that the drive's force is worth: without it the rest would be so much larger.
   double worth_of_drive() const { return 0.5 * std::log1p(pushed * pushed / std::max(mean_square, 1e-300)); }
 };
@@ -91,11 +88,15 @@ struct Column {
 /// The columns of each joint's equation, in their order; from kFree on the free parameters.
 enum : Eigen::Index { kCoulomb, kViscous, kRotor, kConstant, kFree };
 
-/// Least squares within bounds, by cyclic descent on the normal equations.
+/// Least squares within bounds, by cyclic descent on the normal equations. It begins with the last coefficient, an input's scale: where the
+/// inertia and that scale undo each other, the inertia stays as it is.
 Eigen::VectorXd bounded_least_squares(const Eigen::MatrixXd& gram, const Eigen::VectorXd& right,
                                       const Eigen::VectorXd& lower, const Eigen::VectorXd& upper) {
   constexpr int kRounds = 300;
   Eigen::VectorXd x = Eigen::VectorXd::Zero(right.size()).cwiseMax(lower).cwiseMin(upper);
+  const Eigen::Index input = x.size() - 1;
+  if (gram(input, input) > 0.0)
+    x(input) = std::clamp(right(input) / gram(input, input), lower(input), upper(input));
   for (int round = 0; round < kRounds; ++round) {
     double moved = 0.0;
     for (Eigen::Index i = 0; i < x.size(); ++i) {
@@ -187,6 +188,7 @@ struct Equation {
       if (size(c) > 0.0)
         rest.inertia += columns[static_cast<std::size_t>(c)].inertia * x(c) / size(c) *
                         static_cast<double>(rows) / rotor_share;
+    rest.inertia_factor = 1.0 + rest.inertia * rotor_share / static_cast<double>(rows);
     return rest;
   }
 };
@@ -197,6 +199,7 @@ struct Change {
   std::string what, map;
   std::vector<std::string> same;  ///< what of the machine would look the same
   double changes = 1.0;           ///< each estimated number counts for kEstimated more
+  bool any_scale = false;  ///< of a position: its known units need not be named beside it, nor it beside them
 };
 
 struct Scored {
@@ -205,7 +208,7 @@ struct Scored {
   std::string what, map;
   std::vector<std::string> same;
   double off = 0.0;
-  bool given = false;
+  bool given = false, any_scale = false;
 };
 
 std::string line_of(const std::string& ours, const std::string& theirs, double scale, double offset) {
@@ -298,7 +301,9 @@ class Trial {
       for (const Scored* s : near) {
         const bool again = s->what.starts_with(f.what) ||
                            std::find(f.others.begin(), f.others.end(), s->what) != f.others.end();
-        if (f.others.size() == 3 || again) continue;
+        const bool unit_and_scale =
+            s->any_scale != best->any_scale && first_word(s->what) == first_word(f.what);
+        if (f.others.size() == 3 || again || unit_and_scale) continue;
         if (columns.insert(first_word(s->what)).second || !of_new_column) f.others.push_back(s->what);
       }
     return f;
@@ -427,8 +432,9 @@ class Trial {
       for (std::size_t j = 0; j < n_; ++j) {
         curvatures[j].push_back(std::pow(instant[r.position_of[j]].curvature, 2));
         Equation& e = out[j];
-        e.needed.push_back(f.needed[j]);
-        e.of_drive.push_back(f.of_drive[j]);
+        const double shifted = r.input_offset.empty() ? 0.0 : f.input_gain[j] * r.input_offset[j];
+        e.needed.push_back(f.needed[j] - shifted);
+        e.of_drive.push_back(f.of_drive[j] - shifted);
         e.acting += std::pow(f.needed[j] - f.of_drive[j] - f.inertia[j] * s.acceleration[j], 2);
         e.given.push_back(f.input_gain[j] * instant[r.input_of[j]].mean);
         e.columns[kCoulomb].values.push_back(s.velocity[j] > 0.0 ? 1.0 : s.velocity[j] < 0.0 ? -1.0 : 0.0);
@@ -452,7 +458,7 @@ class Trial {
       for (Column& c : e.columns) c.inertia /= static_cast<double>(used);
       e.acting = std::sqrt(e.acting / static_cast<double>(used));
       const double inertia = static_cast<double>(used) / e.rotor_share;
-      e.columns[kRotor].upper = (joints_[j].has_rotor ? kInertiaWithin - 1.0 : kMostRotor) * inertia;
+      e.columns[kRotor].upper = (joints_[j].heaviest - 1.0) * inertia;
       // Of what the free parameters leave of the inertia at least a part remains. An n-th of each joint's may be taken from all n at
       // once: the inertia matrix stays positive definite.
       double least = 1.0;
@@ -460,7 +466,7 @@ class Trial {
         least +=
             std::min(e.columns[c].lower * e.columns[c].inertia, e.columns[c].upper * e.columns[c].inertia);
       e.columns[kRotor].lower =
-          (1.0 / kInertiaWithin - 1.0) * std::max(0.0, least) * inertia / static_cast<double>(n_);
+          (joints_[j].lightest - 1.0) * std::max(0.0, least) * inertia / static_cast<double>(n_);
     }
     return true;
   }
@@ -479,6 +485,7 @@ class Trial {
       for (std::size_t j = 0; j < n_; ++j) {
         const Rest r = rest_of(e[j], j, how[j]);
         s.fit -= 0.5 * std::log(std::max({r.mean_square, 1e-12 * r.force * r.force, 1e-300}));
+        s.fit -= cost_of_inertia(r.inertia_factor) / static_cast<double>(instants_.size());
         if (r.force > 0.0) s.off = std::max(s.off, std::sqrt(r.mean_square) / r.force);
       }
       Eigen::MatrixXd with_fitted = mass_;
@@ -492,6 +499,7 @@ class Trial {
       s.same = change.same;
       s.same.insert(s.same.end(), same.begin(), same.end());
       s.given = s.what.empty();
+      s.any_scale = change.any_scale;
       best = std::max(best, s.score);
       all_.push_back(std::move(s));
     };
@@ -500,10 +508,15 @@ class Trial {
     add(as_logged, 0.0, "", "", {});
     if (!change.what.empty()) {
       std::vector<InputScale> likewise = as_logged;
-      for (std::size_t j = 0; j < n_; ++j)
-        if (joints_[j].sets_position) likewise[j].scale = change.reading.scale[j];
-      if (std::any_of(likewise.begin(), likewise.end(), [](const InputScale& s) { return s.scale != 1.0; }))
-        add(likewise, 0.0, "the set points likewise", "", {});
+      std::string lines;
+      for (std::size_t j = 0; j < n_; ++j) {
+        const double scale = change.reading.scale[j];
+        if (!joints_[j].sets_position || scale == 1.0) continue;
+        likewise[j].scale = scale;
+        const std::string& column = joints_[j].input_column;
+        lines += (lines.empty() ? "" : "\n") + line_of(column, column, scale, 0.0);
+      }
+      if (!lines.empty()) add(likewise, 0.0, "the set points likewise", lines, {});
     }
     if (scans_) return best;
     std::vector<std::size_t> driven;
@@ -566,6 +579,13 @@ class Trial {
   std::size_t step_of_scan() const {
     constexpr std::size_t kInstantsOfScan = 120;
     return std::max<std::size_t>(1, instants_.size() / kInstantsOfScan);
+  }
+
+  /// Minus the log likelihood of an inertia that is off by a factor, once for all instants: log-normal, kInertiaWithin is two standard
+  /// deviations. It decides where a scale and the inertia undo each other.
+  static double cost_of_inertia(double factor) {
+    const double deviations = 2.0 * std::log(std::max(factor, 1e-3)) / std::log(kInertiaWithin);
+    return 0.5 * deviations * deviations;
   }
 
   /// Of a positive definite matrix.
@@ -788,6 +808,7 @@ class Trial {
           text += ": the motor's side of a gear?";
         Change c = scaled_positions(which, scale, text);
         c.changes = 1.0 + kEstimated;
+        c.any_scale = true;
         weigh(c);
       }
     }
@@ -797,37 +818,47 @@ class Trial {
   void estimate_zeros() {
     for (const std::size_t j : of_quantity(Quantity::angle)) {
       const Joint& joint = joints_[j];
-      const auto change = [&](double offset) {
+      // The drive counts its set points from the same zero, if not its own encoder is read.
+      const auto change = [&](double offset, bool set_points) {
         Change c{given(), "", line_of(joint.position_column, joint.position_column, 1.0, offset), {}};
         c.reading.offset[j] = offset;
+        if (set_points) {
+          c.reading.input_offset.assign(n_, 0.0);
+          c.reading.input_offset[j] = offset;
+          c.map += "\n" + line_of(joint.input_column, joint.input_column, 1.0, offset);
+        }
         const double degrees = offset * 180.0 / std::numbers::pi;
         c.what = "the zero of " + joint.position_column + " is off by " +
                  (std::abs(std::abs(offset) - kQuarter) < 1e-9 ? std::string("a quarter turn")
                   : std::abs(offset) > 2.0 * kQuarter - 1e-9   ? std::string("half a turn")
                                                                : core::rounded(degrees, 3) + " degrees") +
                  " (the model's angle is the log's " + (offset < 0.0 ? "- " : "+ ") +
-                 core::rounded(std::abs(offset), 5) + " rad)";
+                 core::rounded(std::abs(offset), 5) + " rad)" +
+                 (set_points ? ", and that of " + joint.input_column + " likewise" : "");
         if (joint.last && !joint.link.empty())
           c.same.push_back("the body of link " + joint.link + ", turned by " + core::rounded(degrees, 3) +
                            " degrees about the joint's axis: no recording tells them apart");
         return c;
       };
-      const auto value = [&](double offset) { return scanned(change(offset)); };
-      for (const double quarter : {kQuarter, 2.0 * kQuarter, -kQuarter}) weigh(change(quarter));
-      constexpr double kStep = std::numbers::pi / 12.0;
-      double at = 0.0, most = -std::numeric_limits<double>::infinity();
-      for (int k = 3; k <= 21; ++k) {
-        const double score = value(k * kStep);
-        if (score > most) most = score, at = k * kStep;
+      for (const bool set_points : {false, true}) {
+        if (set_points && !joint.sets_position) continue;
+        const auto value = [&](double offset) { return scanned(change(offset, set_points)); };
+        for (const double quarter : {kQuarter, 2.0 * kQuarter, -kQuarter}) weigh(change(quarter, set_points));
+        constexpr double kStep = std::numbers::pi / 12.0;
+        double at = 0.0, most = -std::numeric_limits<double>::infinity();
+        for (int k = 3; k <= 21; ++k) {
+          const double score = value(k * kStep);
+          if (score > most) most = score, at = k * kStep;
+        }
+        at = refined(value, at, kStep);
+        if (at > std::numbers::pi) at -= 2.0 * std::numbers::pi;
+        const double from_quarter = std::abs(at - kQuarter * std::round(at / kQuarter));
+        // A quarter is the likelier reading of what is nearly one.
+        if (std::abs(at) < kNearZero_rad || from_quarter < 0.1) continue;
+        Change c = change(at, set_points);
+        c.changes = 1.0 + kEstimated;
+        weigh(c);
       }
-      at = refined(value, at, kStep);
-      if (at > std::numbers::pi) at -= 2.0 * std::numbers::pi;
-      const double from_quarter = std::abs(at - kQuarter * std::round(at / kQuarter));
-      // A quarter is the likelier reading of what is nearly one.
-      if (std::abs(at) < kNearZero_rad || from_quarter < 0.1) continue;
-      Change c = change(at);
-      c.changes = 1.0 + kEstimated;
-      weigh(c);
     }
   }
 

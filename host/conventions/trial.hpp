@@ -24,6 +24,11 @@
 
 namespace furcula::conventions {
 
+/// A model's inertia may be off by so much before a unit is blamed: masses and radii are guessed within two.
+inline constexpr double kInertiaWithin = 4.0;
+/// With a rotor that the model does not have, reflected through its gear: of a motor with a gear of 160 that moves a finger.
+inline constexpr double kWithRotor = 100.0;
+
 /// One joint or axis, as its columns are logged.
 struct Joint {
   std::string name;             ///< "elbow"; empty on a machine of one
@@ -32,9 +37,10 @@ struct Joint {
   Quantity position = Quantity::angle;
   Quantity input = Quantity::torque;
   bool sets_position = false;  ///< the input is a set point of the position
-  bool has_rotor = false;      ///< the model's inertia is with the rotor's
   bool last = false;           ///< its body carries no further joint
   std::string link;            ///< that it moves; may be empty
+  /// Its inertia may be so much of the model's, its weight being as in the model. What falls freely falls with g: both are 1.
+  double lightest = 1.0 / kInertiaWithin, heaviest = kWithRotor;
 };
 
 /// One recording's columns, a vector a joint.
@@ -51,6 +57,7 @@ struct Columns {
 struct Reading {
   std::vector<std::size_t> position_of, input_of;  ///< per joint: whose column
   std::vector<double> scale, offset;               ///< of positions
+  std::vector<double> input_offset{};              ///< of set points, in the position's unit; empty: none
   double time_scale = 1.0;
   std::size_t gravity = 0;  ///< 0: the model's; else an entry of Family::other_gravities(), from 1
 };

@@ -27,7 +27,14 @@ class OneJoint final : public conventions::Family {
     joint.position = rotary ? Quantity::angle : Quantity::length;
     joint.input =
         rotary || dynamics::has(model.kind, dynamics::Seat::leg) ? Quantity::torque : Quantity::force;
-    joint.has_rotor = true;
+    joint.heaviest = conventions::kInertiaWithin;  // with the motor's rotor
+    // Weight and inertia are of one mass.
+    const bool falls = dynamics::parameter_index(model.kind, "gravity_mps2").has_value() ||
+                       dynamics::has(model.kind, dynamics::Seat::belt);
+    if (falls) joint.lightest = 1.0;
+    if (falls && !dynamics::has(model.kind, dynamics::Seat::drive) &&
+        !dynamics::has(model.kind, dynamics::Seat::belt))
+      joint.heaviest = 1.0;
     joints_.push_back(joint);
     leg_ = dynamics::has(model.kind, dynamics::Seat::leg);
     belt_ = dynamics::has(model.kind, dynamics::Seat::belt);
@@ -44,19 +51,18 @@ class OneJoint final : public conventions::Family {
         probes_.push_back({PlantSetup<double>(other, {}, nullptr), rules.inertia(other)});
         free_.push_back({0.0, 1.0});
       }
-    // What pulls at it without a pause: turned, or across.
-    for (const char* name : {"gravity_mps2", "gravity_torque_nm"})
-      if (const auto at = dynamics::parameter_index(model.kind, name);
-          at && !leg_ && model.parameters[*at] != 0.0)
-        for (const double factor : {-1.0, 0.0}) {
-          model::Model other = model;
-          other.parameters[*at] *= factor;
-          setups_.emplace_back(other, std::vector<Unknown>{}, nullptr);
-          gravities_.push_back(
-              factor == 0.0
-                  ? "gravity acts across the axis of motion and not along it (" + std::string(name) + " = 0)"
-                  : "gravity acts the other way (" + std::string(name) + " of the other sign)");
-        }
+    // A rail may lie, or stand where the model says that it lies. (Turned over it is its position that has the other sign.)
+    constexpr double kGravity_mps2 = 9.81;
+    if (const auto at = dynamics::parameter_index(model.kind, "gravity_mps2"); at && !leg_) {
+      model::Model other = model;
+      const bool lies = model.parameters[*at] == 0.0;
+      other.parameters[*at] = lies ? kGravity_mps2 : 0.0;
+      setups_.emplace_back(other, std::vector<Unknown>{}, nullptr);
+      gravities_.emplace_back(
+          lies
+              ? "gravity acts along the axis of motion (gravity_mps2 = 9.81 in [parameters])"
+              : "gravity acts across the axis of motion and not along it (gravity_mps2 = 0 in [parameters])");
+    }
   }
 
   const std::vector<conventions::Joint>& joints() const override { return joints_; }

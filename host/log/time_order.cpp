@@ -10,11 +10,12 @@
 namespace furcula::log {
 namespace {
 
-constexpr std::size_t kLook = 8;     // rows that show whether time goes on from an odd one
-constexpr std::size_t kNotes = 3;    // steps that are named
-constexpr double kFarAhead = 2.0;    // times the longest interval so far: the next row must confirm it
-constexpr double kClockSet_s = 1e6;  // twelve days: no recording pauses so long
-constexpr double kMargin = 0.1;      // about the intervals of the last rows
+constexpr std::size_t kLook = 8;      // rows that show whether time goes on from an odd one
+constexpr std::size_t kNotes = 3;     // steps that are named
+constexpr double kFarAhead = 2.0;     // times the longest interval so far: the next row must confirm it
+constexpr double kClockSet_s = 1e6;   // twelve days: no recording pauses so long
+constexpr double kFarFromPace = 1e3;  // times the interval to the next row
+constexpr double kMargin = 0.1;       // about the intervals of the last rows
 
 double between(const TimeOrder::Row& from, const TimeOrder::Row& to) {
   return from.large() && to.large() ? to.stamp.since(from.stamp) : to.raw_s - from.raw_s;
@@ -162,7 +163,10 @@ void TimeOrder::resolve(bool end) {
                      " s after the row before, and the next row goes back; expected time to increase");
         continue;
       }
-      if (interval_s > kClockSet_s && can_step())
+      // Not where all rows are so far apart: nanoseconds called seconds.
+      const bool alone =
+          waiting_.size() < 2 || interval_s > kFarFromPace * std::abs(between(row, waiting_[1]));
+      if (interval_s > kClockSet_s && alone && can_step())
         step_to_front(interval_s);
       else
         pass_front(interval_s);

@@ -21,7 +21,8 @@ using Direction = dynamics::tree::Vec3<double>;
 
 class TreeFamily final : public conventions::Family {
  public:
-  explicit TreeFamily(const TreeModel& model)
+  /// `measured`: of each joint, whether its input is the torque that the drive reports.
+  TreeFamily(const TreeModel& model, const std::vector<bool>& measured)
       : setup_(in_flight(SetupMaker(model).make(model.drives, model.causes))) {
     const SetupMaker maker(model);
     for (const FreeBody& body : model.free_bodies)
@@ -36,7 +37,8 @@ class TreeFamily final : public conventions::Family {
       conventions::Joint joint;
       joint.name = model.robot.joints[j].name;
       joint.position_column = column_of(model, j, "angle");
-      if (model.driven(j)) joint.input_column = column_of(model, j, sets ? "angle_cmd" : "torque");
+      if (model.driven(j))
+        joint.input_column = column_of(model, j, sets ? "angle_cmd" : measured[j] ? "torque" : "torque_cmd");
       joint.position = linear ? Quantity::length : Quantity::angle;
       joint.input = sets ? joint.position : linear ? Quantity::force : Quantity::torque;
       joint.sets_position = sets;
@@ -151,7 +153,9 @@ std::vector<conventions::Columns> columns_of(const std::vector<Recording>& recor
 }  // namespace
 
 void require_conventions(const TreeModel& model, const std::vector<Recording>& recordings) {
-  conventions::require_convention(TreeFamily(model), columns_of(recordings));
+  if (recordings.empty()) return;
+  conventions::require_convention(TreeFamily(model, recordings.front().input_measured),
+                                  columns_of(recordings));
 }
 
 }  // namespace furcula::trees

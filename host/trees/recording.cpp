@@ -49,19 +49,21 @@ double noise_of(const std::vector<double>& x) {
                         (m.map_lines.empty() ? "" : "; or in a --map file: " + core::printable(m.map_lines)));
 }
 
-void refuse_degrees(const log::Log& log, const TreeModel& m, std::size_t joint,
-                    const std::vector<double>& angle) {
+/// That an angle goes far beyond the URDF's limit; empty: it does not. Limits of URDFs are placeholders too often to refuse it.
+std::string beyond_limit(const log::Log& log, const TreeModel& m, std::size_t joint,
+                         const std::vector<double>& angle) {
+  constexpr double kBeyond = 4.0;  // times the limit
   const auto& j = m.robot.joints[joint];
-  if (m.prismatic(joint) || !j.limits || !(j.limits->lower < j.limits->upper)) return;
+  if (m.prismatic(joint) || !j.limits || !(j.limits->lower < j.limits->upper)) return {};
   const double reach = std::max(std::abs(j.limits->lower), std::abs(j.limits->upper));
   double largest = 0.0;
   for (const double a : angle) largest = std::max(largest, std::abs(a));
-  const double as_degrees = largest * std::numbers::pi / 180.0;
-  if (largest > 4.0 * reach && as_degrees < 1.2 * reach)
-    throw core::DataError(
-        log.path + ": " + core::printable(column_of(m, joint, "angle")) + " reaches " +
-        core::rounded(largest) + ", and the URDF's limit is " + core::rounded(reach) +
-        " rad: these are degrees; expected radians (a --map file with scale = 0.0174533 makes them)");
+  if (largest <= kBeyond * reach) return {};
+  const bool degrees = largest * std::numbers::pi / 180.0 < 1.2 * reach;
+  return log.path + ": " + core::printable(column_of(m, joint, "angle")) + " reaches " +
+         core::rounded(largest) + " rad, and the URDF's limit is " + core::rounded(reach) + " rad" +
+         (degrees ? ": is it in degrees? (a --map file with scale = 0.0174533 makes them radians)" : "") +
+         ".";
 }
 
 }  // namespace
@@ -265,7 +267,8 @@ Recording recording_of(const TreeModel& m, const log::Log& given, const std::vec
     const std::string angle = column_of(m, j, "angle");
     if (!log.has(angle)) missing(log, m, j, "'" + angle + "'");
     r.angle_rad.push_back(log.at(angle));
-    refuse_degrees(log, m, j, r.angle_rad.back());
+    if (std::string note = beyond_limit(log, m, j, r.angle_rad.back()); !note.empty())
+      r.log_notes.push_back(std::move(note));
     if (!m.driven(j)) {
       r.input_measured.push_back(false);
       r.input.emplace_back(r.rows(), 0.0);

@@ -52,8 +52,7 @@ struct Recording {
 /// "angle_elbow_rad", "torque_cmd_elbow_nm", ...: `quantity` is angle, velocity, torque, torque_cmd or angle_cmd.
 std::string column_of(const TreeModel& model, std::size_t joint, const std::string& quantity);
 
-/// @throws core::DataError naming file, joint and what was expected: a joint without its columns, angles that are degrees by the
-/// URDF's limits, fewer than 50 rows. Rows that their neighbours refute (host/log/clean.hpp) and those of `refuted` are left out.
+/// @throws core::DataError naming file, joint and what was expected: a joint without its columns, fewer than 50 rows. Rows that their neighbours refute (host/log/clean.hpp) and those of `refuted` are left out.
 Recording recording_of(const TreeModel& model, const log::Log& log,
                        const std::vector<log::Refuted>& refuted = {});
 

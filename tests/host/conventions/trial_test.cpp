@@ -40,7 +40,7 @@ class Pendulum final : public Family {
 
  private:
   std::vector<Joint> joints_{
-      {"hinge", "angle_rad", "torque_nm", Quantity::angle, Quantity::torque, false, true, true, "bob"}};
+      {"hinge", "angle_rad", "torque_nm", Quantity::angle, Quantity::torque, false, true, "bob", 0.25, 4.0}};
   std::vector<FreeParameter> free_;
 };
 
@@ -93,6 +93,97 @@ std::string found(const std::vector<Columns>& columns) {
 }
 
 constexpr double kDegree = std::numbers::pi / 180.0;
+
+/// mass x'' + damping x' = force, or under a drive's law force = stiffness (set point - x).
+class Axle final : public Family {
+ public:
+  explicit Axle(double stiffness_npm = 0.0) : stiffness_(stiffness_npm) {
+    joints_ = {{"", "position_m", stiffness_ > 0.0 ? "reference_m" : "force_n", Quantity::length,
+                stiffness_ > 0.0 ? Quantity::length : Quantity::force, stiffness_ > 0.0, true, "", 0.25,
+                4.0}};
+  }
+  const std::vector<Joint>& joints() const override { return joints_; }
+  std::vector<FreeParameter> free_parameters() const override { return {}; }
+  std::vector<std::string> other_gravities() const override { return {}; }
+  bool forces(const State& s, std::size_t, Forces& out) const override {
+    out = {};
+    out.of_drive = {stiffness_ * s.position[0]};
+    out.needed = {kMass * s.acceleration[0] + kDrag * s.velocity[0] + out.of_drive[0]};
+    out.input_gain = {stiffness_ > 0.0 ? stiffness_ : 1.0};
+    out.inertia = {kMass};
+    out.mass = {kMass};
+    out.log_det = std::log(kMass);
+    return true;
+  }
+  /// The inputs times `scale`, positions and set points moved by `offset`.
+  std::vector<Columns> recordings(double scale, double offset) const {
+    Columns c{"axle.csv", {}, {{}}, {{}}};
+    double x = 0.0, v = 0.0;
+    for (int i = 0; i < 5000; ++i) {
+      const double t = i * kStep_s;
+      const double input = stiffness_ > 0.0 ? 0.2 * std::sin(3.0 * t) + 0.1 * std::sin(8.3 * t)
+                                            : 9.0 * std::sin(3.0 * t) + 6.0 * std::sin(8.3 * t);
+      c.time_s.push_back(t);
+      c.position[0].push_back(std::round((x + offset) * 1e6) * 1e-6);
+      c.input[0].push_back(scale * input + offset);
+      constexpr int kParts = 20;
+      for (int p = 0; p < kParts; ++p) {
+        v += ((stiffness_ > 0.0 ? stiffness_ * (input - x) : input) - kDrag * v) / kMass * kStep_s / kParts;
+        x += v * kStep_s / kParts;
+      }
+    }
+    return {c};
+  }
+
+ private:
+  static constexpr double kMass = 3.0, kDrag = 2.0;
+  double stiffness_;
+  std::vector<Joint> joints_;
+};
+
+/// mass z'' + drag z' + mass g = 0, thrown up every half second.
+class Falling final : public Family {
+ public:
+  const std::vector<Joint>& joints() const override { return joints_; }
+  std::vector<FreeParameter> free_parameters() const override { return {}; }
+  std::vector<std::string> other_gravities() const override { return {}; }
+  bool forces(const State& s, std::size_t, Forces& out) const override {
+    out = {};
+    out.needed = {kMass * (s.acceleration[0] + kG) + kDrag * s.velocity[0]};
+    out.of_drive = {0.0};
+    out.input_gain = {0.0};
+    out.inertia = {kMass};
+    out.mass = {kMass};
+    out.log_det = std::log(kMass);
+    return true;
+  }
+  std::vector<Columns> recordings(double scale) const {
+    std::vector<Columns> out;
+    std::mt19937 random(7);
+    std::normal_distribution<double> noise(0.0, 5e-5);
+    for (int k = 0; k < 8; ++k) {
+      Columns c{"throw.csv", {}, {{}}, {{}}};
+      double z = 0.0, v = 2.0 + 0.1 * k;
+      for (int i = 0; i < 200; ++i) {
+        c.time_s.push_back(i * kStep_s);
+        c.position[0].push_back(scale * (z + noise(random)));
+        c.input[0].push_back(0.0);
+        constexpr int kParts = 20;
+        for (int p = 0; p < kParts; ++p) {
+          v += (-kG - kDrag * v / kMass) * kStep_s / kParts;
+          z += v * kStep_s / kParts;
+        }
+      }
+      out.push_back(std::move(c));
+    }
+    return out;
+  }
+
+ private:
+  static constexpr double kMass = 1.5, kDrag = 0.4, kG = 9.81;
+  std::vector<Joint> joints_{
+      {"", "height_m", "", Quantity::length, Quantity::force, false, true, "", 1.0, 1.0}};
+};
 
 }  // namespace
 
@@ -177,6 +268,32 @@ TEST_CASE("A signed torque that was read as unsigned is named") {
   };
   CHECK_THAT(found(read_as_unsigned(false)), Contains("it is sign and magnitude"));
   CHECK_THAT(found(read_as_unsigned(true)), Contains("two's complement"));
+}
+
+TEST_CASE(
+    "Where only the ratio of input and mass is known, the mass stays as it is, and the input's unit is named") {
+  const Axle family;
+  for (const auto& [scale, unit] : {std::pair{1.0 / 9.80665, "kgf"}, {1.0 / 1000.0, "kN"}}) {
+    const auto f = find_convention(family, family.recordings(scale, 0.0));
+    REQUIRE(f);
+    CHECK(f->what == "force_n is in " + std::string(unit));
+  }
+  CHECK(!find_convention(family, family.recordings(1.0, 0.0)));
+}
+
+TEST_CASE("A drive's set points are counted from the same zero as its positions") {
+  const Axle family(30.0);
+  CHECK(!find_convention(family, family.recordings(1.0, 0.0)));
+  // Both moved alike: nothing can be seen of it on an axis without gravity, and nothing is said.
+  CHECK(!find_convention(family, family.recordings(1.0, 1.0)));
+}
+
+TEST_CASE("What falls, falls with g: a position that falls six times as fast is in another unit") {
+  const Falling family;
+  const auto f = find_convention(family, family.recordings(6.0));
+  REQUIRE(f);
+  CHECK_THAT(f->what, Catch::Contains("height_m is 6"));
+  CHECK(!find_convention(family, family.recordings(1.0)));
 }
 
 TEST_CASE("The message says what to write, and how to go on where the columns are right") {

@@ -133,7 +133,8 @@ TEST_CASE("A recording has each joint's angle and what its drive was given") {
   CHECK(trees::recording_of(led, log).input[elbow] == std::vector<double>(100, 0.4));
 }
 
-TEST_CASE("A recording that lacks a joint, is too short or in degrees is refused") {
+TEST_CASE(
+    "A recording that lacks a joint or is too short is refused, and one in degrees is asked about") {
   log::Log log = pendulum_log();
   log.columns.erase("angle_elbow_rad");
   CHECK_THAT(refused(log), Contains("swing.csv: joint 'elbow' has no column 'angle_elbow_rad'") &&
@@ -159,8 +160,10 @@ TEST_CASE("A recording that lacks a joint, is too short or in degrees is refused
   // The limits are 3 rad; 170 degrees fit in there, and 20 rad is only a continuous joint's.
   log = pendulum_log();
   for (double& a : log.columns["angle_shoulder_rad"]) a *= 170.0 / 0.5;
-  CHECK_THAT(refused(log),
-             Contains("angle_shoulder_rad reaches") && Contains("these are degrees; expected radians"));
+  CHECK(refused(log).empty());
+  const auto notes = trees::recording_of(test::double_pendulum(), log).log_notes;
+  REQUIRE(notes.size() == 1);
+  CHECK_THAT(notes.front(), Contains("angle_shoulder_rad reaches") && Contains("is it in degrees?"));
 }
 
 TEST_CASE("A joint's state about a row is that of a cubic") {

@@ -1,0 +1,307 @@
+// furcula_convention_table --program PATH [--seed N] [--machines N] [--robots N] [--kind NAME] [--threads N] [--out DIR] [--timeout SECONDS]
+// The conventions' table: recordings of virtual machines and robots without any hidden cause get one wrong convention each (fault.hpp), and
+// the program is asked for a diagnosis. Printed is how often it named the convention, listed it, named another one, named a cause, or nothing.
+// Exit status: 0 where the table was made, 2 for a wrong argument.
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <numbers>
+#include <optional>
+#include <regex>
+#include <sstream>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "host/log/reader.hpp"
+#include "host/log/writer.hpp"
+#include "host/model/writer.hpp"
+#include "tests/hidden/cases.hpp"
+#include "tests/hidden/conventions/fault.hpp"
+#include "tests/hidden/trees/cases.hpp"
+#include "tests/hidden/trees/program.hpp"
+#include "tests/hidden/trees/questions.hpp"
+
+namespace furcula::hidden::conventions {
+namespace {
+
+struct Arguments {
+  std::string program, out, kind;
+  std::uint64_t seed = 1;
+  std::size_t machines = 1, robots = 2;
+  unsigned threads = 2;
+  double timeout_s = 600.0;
+};
+
+std::optional<Arguments> parsed(int argc, char** argv) {
+  Arguments a;
+  for (int i = 1; i < argc; i += 2) {
+    const std::string key = argv[i];
+    if (i + 1 == argc) return std::nullopt;
+    const std::string value = argv[i + 1];
+    char* end = nullptr;
+    const auto number = std::strtoull(value.c_str(), &end, 10);
+    const bool is_number = !value.empty() && *end == '\0';
+    if (key == "--program")
+      a.program = value;
+    else if (key == "--out")
+      a.out = value;
+    else if (key == "--kind")
+      a.kind = value;
+    else if (key == "--seed" && is_number)
+      a.seed = number;
+    else if (key == "--machines" && is_number)
+      a.machines = number;
+    else if (key == "--robots" && is_number)
+      a.robots = number;
+    else if (key == "--threads" && is_number && number > 0)
+      a.threads = static_cast<unsigned>(number);
+    else if (key == "--timeout" && is_number)
+      a.timeout_s = static_cast<double>(number);
+    else
+      return std::nullopt;
+  }
+  if (a.program.empty() || a.out.empty()) return std::nullopt;
+  return a;
+}
+
+struct Subject {
+  std::string name, kind, model;  ///< the model file's text
+  std::vector<log::Log> logs;     ///< the held-out ones last
+  std::size_t held_out = 0;
+  std::string folder;  ///< with the files that the model names
+};
+
+struct Row {
+  std::size_t subject = 0;
+  Fault fault;
+  std::string answer, said;
+  double seconds = 0.0;
+};
+
+std::string text_of(const std::string& path) {
+  std::ifstream file(path);
+  std::stringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
+
+std::vector<Subject> subjects(const Arguments& a) {
+  std::vector<Subject> out;
+  for (const auto& machine : dynamics::kMachines)
+    for (std::size_t i = 0; i < a.machines; ++i) {
+      if (!a.kind.empty() && a.kind != machine.name) continue;
+      Question q;
+      q.seed = a.seed + i;
+      q.kind = machine.kind;
+      q.disturbed = true;
+      Subject s;
+      s.kind = machine.name;
+      s.name = s.kind + "-" + std::to_string(i);
+      s.folder = a.out + "/" + s.name;
+      Case c;
+      try {
+        c = hidden::draw_case(q);
+      } catch (const std::exception& e) {
+        std::printf("%s: no case: %s\n", s.name.c_str(), e.what());
+        break;
+      }
+      std::filesystem::create_directories(s.folder);
+      model::write_model(c.model, s.folder + "/model.toml");
+      for (auto* logs : {&c.training, &c.held_out}) s.logs.insert(s.logs.end(), logs->begin(), logs->end());
+      s.held_out = c.held_out.size();
+      out.push_back(s);
+    }
+  const auto questions = trees::draw_questions(a.seed, a.robots, {trees::Tier::clean}, "", 0, true);
+  for (std::size_t i = 0; i < questions.size(); ++i) {
+    if (!a.kind.empty() && a.kind != "tree") break;
+    const trees::Case c = trees::draw_case(questions[i]);
+    Subject s;
+    s.kind = "tree";
+    s.name = "tree-" + std::to_string(i) + "-" + c.robot.form + "-" + std::to_string(c.visible());
+    s.folder = a.out + "/" + s.name;
+    for (const std::string& log : trees::write_case(c, s.folder))
+      s.logs.push_back(log::read_log(s.folder + "/" + log, "tree"));
+    s.held_out = c.held_out;
+    out.push_back(s);
+  }
+  for (Subject& s : out) s.model = text_of(s.folder + "/model.toml");
+  return out;
+}
+
+bool near(double a, double b) { return std::abs(a - b) <= 0.05 * std::abs(b); }
+
+/// Whether the lines of a map file in `text` undo the fault, and nothing else.
+bool undoes(const Fault& fault, const std::string& text) {
+  static const std::regex line(
+      R"re((\w+) = \{ column = "([^"]+)"(?:, scale = ([-+\d.e]+))?(?:, offset = ([-+\d.e]+))? \})re");
+  std::map<std::string, Change> written;
+  for (std::sregex_iterator m(text.begin(), text.end(), line), end; m != end; ++m) {
+    const std::string ours = (*m)[1], theirs = (*m)[2];
+    Change c{(*m)[3].matched ? std::stod((*m)[3]) : 1.0, (*m)[4].matched ? std::stod((*m)[4]) : 0.0};
+    if (theirs != ours) c.from = theirs;
+    written[ours] = c;
+  }
+  if (written.empty()) return false;
+  for (const auto& [name, c] : written) {
+    const auto right = fault.undone.find(name);
+    if (right == fault.undone.end() || right->second.from != c.from || !near(c.scale, right->second.scale))
+      return false;
+    const double off = std::remainder(c.offset - right->second.offset, 2.0 * std::numbers::pi);
+    if (std::abs(off) > 0.1) return false;
+  }
+  // Of several inputs that are logged of one joint those are named that are used.
+  std::size_t positions = 0, named = 0;
+  for (const auto& [name, c] : fault.undone)
+    if (name.find("cmd") == name.npos) ++positions, named += written.contains(name);
+  return named == positions || written.size() >= fault.undone.size() / 2;
+}
+
+/// One reading and its equal in every recording: of one joint the other sign of position and input, and, where nothing else has a scale,
+/// a position times x and an input times 1 / x.
+std::optional<Fault> equal(const Fault& f, const log::Log& log) {
+  if (log.rig == "tree" || f.undone.size() > 2 || f.group == "exchange" || f.group == "zero")
+    return std::nullopt;
+  Fault out = f;
+  out.undone.clear();
+  const bool of_position = f.undone.begin()->first.find("torque") == std::string::npos &&
+                           f.undone.begin()->first.find("force") == std::string::npos;
+  const double scale = f.undone.begin()->second.scale;
+  if (f.group != "sign" && log.rig != "motor_axis") return std::nullopt;
+  for (const char* name : {"angle_rad", "position_m", "torque_nm", "torque_cmd_nm", "force_n"}) {
+    const bool position =
+        std::string_view(name).starts_with("angle") || std::string_view(name).starts_with("position");
+    if (log.has(name) && position != of_position) out.undone[name] = {1.0 / scale};
+  }
+  if (out.undone.empty()) return std::nullopt;
+  return out;
+}
+
+void ask(Row& row, const Subject& s, const Arguments& a, const std::string& folder) {
+  std::filesystem::create_directories(folder);
+  for (const auto& file : std::filesystem::directory_iterator(s.folder))
+    if (file.path().extension() == ".urdf")
+      std::filesystem::copy(file.path(), folder, std::filesystem::copy_options::overwrite_existing);
+  std::string model = s.model;
+  if (!row.fault.model_from.empty())
+    model.replace(model.find(row.fault.model_from), row.fault.model_from.size(), row.fault.model_to);
+  std::ofstream(folder + "/model.toml") << model;
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < s.logs.size(); ++i) {
+    names.push_back("log_" + std::to_string(i) + ".csv");
+    log::write_log(faulty(s.logs[i], row.fault), folder + "/" + names.back());
+  }
+  const auto begin = std::chrono::steady_clock::now();
+  const std::string refused = trees::diagnosed(a.program, folder, names, s.held_out, a.timeout_s);
+  row.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  if (refused.empty()) {
+    const auto json = nlohmann::json::parse(text_of(folder + "/diagnosis/diagnosis.json"));
+    row.answer = "nothing";
+    row.said = json.at("verdict");
+    for (const auto& f : json.at("findings")) {
+      const double confidence = f.at("confidence");
+      row.said += " " + f.at("effect").get<std::string>() + " " + std::to_string(confidence).substr(0, 4);
+      if (confidence > 0.5) row.answer = "cause";
+    }
+    return;
+  }
+  row.said = refused;
+  const auto rest = std::min(refused.find(". So read"), refused.size());
+  const bool listed = std::any_of(row.fault.words.begin(), row.fault.words.end(), [&](const std::string& w) {
+    return refused.find(w, rest) != refused.npos;
+  });
+  const bool in_words =
+      row.fault.undone.empty() &&
+      std::any_of(row.fault.words.begin(), row.fault.words.end(),
+                  [&](const std::string& w) { return refused.substr(0, rest).find(w) != refused.npos; });
+  const auto same = row.fault.undone.empty() ? std::nullopt : equal(row.fault, s.logs.front());
+  if (refused.find("timed out") != refused.npos || refused.starts_with("status 124"))
+    row.answer = "time";
+  else if (in_words || undoes(row.fault, refused))
+    row.answer = "named";
+  else if (same && undoes(*same, refused))
+    row.answer = "equal";
+  else if (listed)
+    row.answer = "listed";
+  else if (refused.find("it seems that") != refused.npos)
+    row.answer = "other";
+  else
+    row.answer = "refused";
+}
+
+constexpr const char* kAnswers[] = {"named", "equal",   "listed",  "other",
+                                    "cause", "nothing", "refused", "time"};
+
+void print_table(const std::vector<Subject>& subjects, const std::vector<Row>& rows) {
+  std::map<std::pair<std::string, std::string>, std::map<std::string, int>> counts;
+  for (const Row& r : rows)
+    for (const std::string& kind : {subjects[r.subject].kind, std::string("all")})
+      ++counts[{kind, r.fault.group}][r.answer];
+  std::printf("\n%-18s %-9s", "kind", "fault");
+  for (const char* answer : kAnswers) std::printf(" %8s", answer);
+  std::printf("\n");
+  for (const auto& [of, by] : counts) {
+    std::printf("%-18s %-9s", of.first.c_str(), of.second.c_str());
+    for (const char* answer : kAnswers) std::printf(" %8d", by.contains(answer) ? by.at(answer) : 0);
+    std::printf("\n");
+  }
+}
+
+int run(const Arguments& a) {
+  const std::vector<Subject> all = subjects(a);
+  std::vector<Row> rows;
+  for (std::size_t i = 0; i < all.size(); ++i)
+    for (Fault& f : faults_of(all[i].logs.front(), all[i].model)) rows.push_back({i, std::move(f), {}, {}});
+  std::atomic<std::size_t> next = 0;
+  std::mutex mutex;
+  std::size_t finished = 0;
+  const auto work = [&] {
+    for (std::size_t i = next++; i < rows.size(); i = next++) {
+      const Subject& s = all[rows[i].subject];
+      const std::string folder = s.folder + "/" + std::to_string(i);
+      try {
+        ask(rows[i], s, a, folder);
+      } catch (const std::exception& e) {
+        rows[i].answer = "refused", rows[i].said = e.what();
+      }
+      const std::lock_guard lock(mutex);
+      std::printf("%-22s %-9s %-28s %-8s %5.1f s  %s\n", s.name.c_str(), rows[i].fault.group.c_str(),
+                  rows[i].fault.name.c_str(), rows[i].answer.c_str(), rows[i].seconds,
+                  rows[i].said.substr(0, 400).c_str());
+      std::fflush(stdout);
+      std::fprintf(stderr, "\r%zu of %zu ", ++finished, rows.size());
+    }
+  };
+  std::vector<std::jthread> others;
+  for (unsigned t = 1; t < a.threads; ++t) others.emplace_back(work);
+  work();
+  others.clear();
+  print_table(all, rows);
+  return 0;
+}
+
+}  // namespace
+}  // namespace furcula::hidden::conventions
+
+int main(int argc, char** argv) {
+  namespace conventions = furcula::hidden::conventions;
+  try {
+    if (const auto arguments = conventions::parsed(argc, argv)) return conventions::run(*arguments);
+  } catch (const std::exception& e) {
+    std::fprintf(stderr, "%s\n", e.what());
+    return 1;
+  }
+  std::fprintf(
+      stderr,
+      "usage: furcula_convention_table --program PATH --out DIR [--seed N] [--machines N] [--robots N] [--kind NAME]\n"
+      "         [--threads N] [--timeout SECONDS]\n");
+  return 2;
+}
