@@ -35,6 +35,10 @@ constexpr double kEstimated = 0.5;
 const double kAsGood = 1.2 * kEstimated * kFarBetter;
 /// Friction and constant forces over the forces that act (RMS of the drive's and of gravity and springs): what moves is not held.
 constexpr double kMostFriction = 0.3;
+/// At the joint where it is most, a reading leaves at most so much of what the columns as named leave of the force: a third of its mean square.
+const double kLeft = std::sqrt(1.0 / 3.0);
+/// Usually an inertia is known within a tenth, and a constant force is a twentieth of what acts.
+constexpr double kInertiaKnown = 0.1, kConstantUsual = 0.05;
 /// With the columns as named: a scale of kNearOne or a zero of kNearZero_rad leaves half of the force; a part of that is fitted away by
 /// what the trial fits in any case. A model that leaves less, and explains the accelerations, has no wrong unit, however much better
 /// another reading is.
@@ -63,6 +67,7 @@ struct Rest {
   double force = 0.0;           ///< RMS of what is asked for with what was fitted, or given
   double pushed = 0.0;          ///< RMS of what is given
   double inertia = 0.0;         ///< that was fitted beside the joint's
+  double constant = 0.0;        ///< force that was fitted
   double inertia_factor = 1.0;  ///< by which the joint's is so much more, or less
   /// Log likelihood an instant that the drive's force is worth: without it the rest would be so much larger.
   double worth_of_drive() const { return 0.5 * std::log1p(pushed * pushed / std::max(mean_square, 1e-300)); }
@@ -113,9 +118,11 @@ Eigen::VectorXd bounded_least_squares(const Eigen::MatrixXd& gram, const Eigen::
 /// A joint's equation over the instants: input scale x given = needed + columns x coefficients.
 struct Equation {
   std::vector<double> needed, given, of_drive;
+  std::vector<double> passive;  ///< gravity, springs: `needed` without the drive's part and the inertia's
   std::vector<Column> columns;
   double rotor_share =
       0.0;  ///< what one of a rotor's inertia adds to the joint's, as a share; summed over the instants
+  bool falls = false;   ///< freely: nothing but its friction can be off
   double acting = 0.0;  ///< RMS of what acts beside the drive: gravity, springs
 
   /// Of the input, to move as it does without friction.
@@ -126,11 +133,16 @@ struct Equation {
     return squares > 0.0 ? both / squares : 0.0;
   }
 
-  Rest solve(InputScale how) const {
+  /// With `any_cause`, whatever a cause of the catalogue may be: friction of any size, and gravity and springs that are off by as much as an
+  /// inertia may be.
+  Rest solve(InputScale how, bool any_cause = false) const {
     const double fixed = how.scale;
     const bool free = how.estimated;
+    std::vector<Column> used_columns = columns;
+    if (any_cause && !falls)
+      used_columns.push_back({passive, 1.0 / kInertiaWithin - 1.0, kInertiaWithin - 1.0});
     const auto rows = static_cast<Eigen::Index>(needed.size());
-    const auto count = static_cast<Eigen::Index>(columns.size());
+    const auto count = static_cast<Eigen::Index>(used_columns.size());
     Eigen::MatrixXd all(rows, count + 1);
     Eigen::VectorXd size(count + 1), lower(count + 1), upper(count + 1);
     const Eigen::Map<const Eigen::VectorXd> asked(needed.data(), rows), pushed(given.data(), rows),
@@ -140,18 +152,19 @@ struct Equation {
     for (Eigen::Index c = 0; c <= count; ++c) {
       const bool input = c == count;
       // Of unit size, so that descent is quick.
-      const Eigen::VectorXd values = input ? Eigen::VectorXd(-pushed)
-                                           : Eigen::VectorXd(Eigen::Map<const Eigen::VectorXd>(
-                                                 columns[static_cast<std::size_t>(c)].values.data(), rows));
+      const Eigen::VectorXd values =
+          input ? Eigen::VectorXd(-pushed)
+                : Eigen::VectorXd(Eigen::Map<const Eigen::VectorXd>(
+                      used_columns[static_cast<std::size_t>(c)].values.data(), rows));
       size(c) = values.norm() / std::sqrt(static_cast<double>(rows));
       const bool used = size(c) > 0.0 && (!input || free);
       if (used)
         all.col(c) = values / size(c);
       else
         all.col(c).setZero();
-      lower(c) = input ? -kUnbounded : columns[static_cast<std::size_t>(c)].lower * size(c);
-      upper(c) = input ? kUnbounded : columns[static_cast<std::size_t>(c)].upper * size(c);
-      if (!input && columns[static_cast<std::size_t>(c)].friction) {
+      lower(c) = input ? -kUnbounded : used_columns[static_cast<std::size_t>(c)].lower * size(c);
+      upper(c) = input ? kUnbounded : used_columns[static_cast<std::size_t>(c)].upper * size(c);
+      if ((!any_cause || c == kConstant) && !input && used_columns[static_cast<std::size_t>(c)].friction) {
         const double most =
             kMostFriction *
             std::max(((free ? likely_scale() : fixed) * pushed - drive).norm() * root, acting);
@@ -162,13 +175,24 @@ struct Equation {
     }
     const Eigen::VectorXd target = (free ? 0.0 : fixed) * pushed - asked;
     // Twice: what stands out of the first time, a slip or an impact, does not bend the second.
+    constexpr double kFirstRest = 0.05;  // of the force: what a model usually lacks
+    double rest_square = 0.0;
     Eigen::VectorXd x, left, kept = Eigen::VectorXd::Ones(rows);
     for (int round = 0; round < 2; ++round) {
       const Eigen::MatrixXd weighed = kept.asDiagonal() * all;
-      x = bounded_least_squares(weighed.transpose() * weighed, weighed.transpose() * target, lower, upper);
+      Eigen::MatrixXd gram = weighed.transpose() * weighed;
+      // Where the equations do not tell, inertia and constant force stay as they usually are.
+      const double noise = round == 0 ? std::pow(kFirstRest * target.norm() * root, 2) : rest_square;
+      const double force = std::max((fixed * pushed - drive).norm() * root, acting);
+      gram(kRotor, kRotor) +=
+          noise /
+          std::pow(kInertiaKnown * static_cast<double>(rows) / rotor_share * size(kRotor) + 1e-300, 2);
+      if (force > 0.0) gram(kConstant, kConstant) += noise / std::pow(kConstantUsual * force, 2);
+      x = bounded_least_squares(gram, weighed.transpose() * target, lower, upper);
       left = target - all * x;
       std::vector<double> sizes(needed.size());
       Eigen::Map<Eigen::VectorXd>(sizes.data(), rows) = left.cwiseAbs();
+      rest_square = left.cwiseAbs2().cwiseProduct(kept).mean();
       const double far = core::quantile(std::move(sizes), 1.0 - kTrimmed);
       for (Eigen::Index i = 0; i < rows; ++i) kept(i) = std::abs(left(i)) <= far ? 1.0 : 0.0;
     }
@@ -180,13 +204,14 @@ struct Equation {
     rest.pushed = (rest.input_scale * pushed - drive).norm() * root;
     Eigen::VectorXd fitted = asked - drive;  // with what was fitted to the bodies
     for (Eigen::Index c = 0; c < count; ++c)
-      if (!columns[static_cast<std::size_t>(c)].friction) fitted += all.col(c) * x(c);
+      if (!used_columns[static_cast<std::size_t>(c)].friction) fitted += all.col(c) * x(c);
     rest.force = std::max({rest.pushed, fitted.norm() * root, acting});
+    if (size(kConstant) > 0.0) rest.constant = x(kConstant) / size(kConstant);
     // Of a free parameter that changes the inertia the same part counts as of a rotor.
     if (size(kRotor) > 0.0) rest.inertia = x(kRotor) / size(kRotor);
     for (Eigen::Index c = kFree; c < count; ++c)
       if (size(c) > 0.0)
-        rest.inertia += columns[static_cast<std::size_t>(c)].inertia * x(c) / size(c) *
+        rest.inertia += used_columns[static_cast<std::size_t>(c)].inertia * x(c) / size(c) *
                         static_cast<double>(rows) / rotor_share;
     rest.inertia_factor = 1.0 + rest.inertia * rotor_share / static_cast<double>(rows);
     return rest;
@@ -283,12 +308,13 @@ class Trial {
     if (instants_.size() < kFewestInstants) return std::nullopt;
     weigh({given(), "", "", {}, 0.0});
     if (all_.empty()) return std::nullopt;
-    const double as_given = all_.front().score, off_given = all_.front().off;
-    if (off_given < kAsked && all_.front().fit > kFarBetter) return std::nullopt;
+    if (all_.front().off < kAsked && all_.front().fit > kFarBetter) return std::nullopt;
+    const double as_given = all_[1].score, off_given = all_[1].off;
     weigh_all();
     const auto best = std::max_element(all_.begin(), all_.end(),
                                        [](const Scored& a, const Scored& b) { return a.score < b.score; });
     if (best->given || !(best->score > as_given) || !(best->fit > kFarBetter)) return std::nullopt;
+    if (!(best->off < off_given * kLeft)) return std::nullopt;
     Finding f{best->what, best->map, best->same, {}, off_given, best->off};
     std::vector<const Scored*> near;
     for (const Scored& s : all_)
@@ -423,6 +449,14 @@ class Trial {
         s.high[j] = r.scale[j] * (r.scale[j] > 0.0 ? x.high : x.low) + r.offset[j];
       }
       if (!family_.forces(s, r.gravity, f)) continue;
+      if (n_ == 1) {
+        const double inertial = f.inertia[0] * s.acceleration[0];
+        f.needed[0] = f.of_drive[0] + r.passive_scale * (f.needed[0] - f.of_drive[0] - inertial) +
+                      r.inertia_scale * inertial;
+        f.inertia[0] *= r.inertia_scale;
+        f.mass[0] *= r.inertia_scale;
+        f.log_det += std::log(r.inertia_scale);
+      }
       double finite = f.log_det;
       for (std::size_t j = 0; j < n_; ++j) finite += f.needed[j];
       if (!std::isfinite(finite)) return false;
@@ -435,7 +469,9 @@ class Trial {
         const double shifted = r.input_offset.empty() ? 0.0 : f.input_gain[j] * r.input_offset[j];
         e.needed.push_back(f.needed[j] - shifted);
         e.of_drive.push_back(f.of_drive[j] - shifted);
-        e.acting += std::pow(f.needed[j] - f.of_drive[j] - f.inertia[j] * s.acceleration[j], 2);
+        e.falls = !(joints_[j].heaviest > 1.0);
+        e.passive.push_back(f.needed[j] - f.of_drive[j] - f.inertia[j] * s.acceleration[j]);
+        e.acting += e.passive.back() * e.passive.back();
         e.given.push_back(f.input_gain[j] * instant[r.input_of[j]].mean);
         e.columns[kCoulomb].values.push_back(s.velocity[j] > 0.0 ? 1.0 : s.velocity[j] < 0.0 ? -1.0 : 0.0);
         e.columns[kViscous].values.push_back(s.velocity[j]);
@@ -479,19 +515,21 @@ class Trial {
     double best = -std::numeric_limits<double>::infinity();
     // One input scale a joint.
     const auto add = [&](const std::vector<InputScale>& how, double more, const std::string& what,
-                         const std::string& map, const std::vector<std::string>& same) {
+                         const std::string& map, const std::vector<std::string>& same,
+                         bool any_cause = false) {
       Scored s;
       s.fit = base;
+      std::vector<double> inertias;
       for (std::size_t j = 0; j < n_; ++j) {
-        const Rest r = rest_of(e[j], j, how[j]);
+        const Rest r = any_cause ? e[j].solve(how[j], true) : rest_of(e[j], j, how[j]);
         s.fit -= 0.5 * std::log(std::max({r.mean_square, 1e-12 * r.force * r.force, 1e-300}));
-        s.fit -= cost_of_inertia(r.inertia_factor) / static_cast<double>(instants_.size());
+        inertias.push_back(r.inertia);
+        s.fit -= cost_of_fitted(r) / static_cast<double>(instants_.size());
         if (r.force > 0.0) s.off = std::max(s.off, std::sqrt(r.mean_square) / r.force);
       }
       Eigen::MatrixXd with_fitted = mass_;
       for (std::size_t j = 0; j < n_; ++j)
-        with_fitted(static_cast<Eigen::Index>(j), static_cast<Eigen::Index>(j)) +=
-            rest_of(e[j], j, how[j]).inertia;
+        with_fitted(static_cast<Eigen::Index>(j), static_cast<Eigen::Index>(j)) += inertias[j];
       s.fit += log_determinant(with_fitted) - log_determinant(mass_);
       s.score = s.fit - kFarBetter * (change.changes + more);
       s.what = change.what + (change.what.empty() || what.empty() ? "" : ", and ") + what;
@@ -506,6 +544,8 @@ class Trial {
     solved_.assign(n_, {});
     const std::vector<InputScale> as_logged(n_);
     add(as_logged, 0.0, "", "", {});
+    // As named the columns have the benefit of any cause, too, so that what is left speaks against the names.
+    if (change.what.empty()) add(as_logged, 0.0, "", "", {}, true);
     if (!change.what.empty()) {
       std::vector<InputScale> likewise = as_logged;
       std::string lines;
@@ -545,6 +585,15 @@ class Trial {
       const Scaled estimated = scaled_inputs(group, e);
       if (!estimated.what.empty())
         add(scaled(1.0, true), estimated.changes, estimated.what, estimated.map, estimated.same);
+      if (estimated.common != 0.0) {
+        add(scaled(estimated.common, false), 1.0 + kEstimated, about(group, {estimated.common}),
+            map(estimated.common), same_of_scale(group, std::abs(estimated.common)));
+        constexpr double kGrams = 1e-3;
+        if (group.size() == n_ && group == driven &&
+            std::abs(std::log(kGrams * estimated.common)) < std::log(kInertiaWithin))
+          add(scaled(1.0 / kGrams, false), 1.0,
+              "the model's masses are in g and its inertias in g m^2 (times 0.001)", "", {});
+      }
       // Known units that are near to what is estimated, of one joint and so of all.
       const Quantity quantity = joints_[group.front()].input;
       if (std::any_of(group.begin(), group.end(),
@@ -581,11 +630,12 @@ class Trial {
     return std::max<std::size_t>(1, instants_.size() / kInstantsOfScan);
   }
 
-  /// Minus the log likelihood of an inertia that is off by a factor, once for all instants: log-normal, kInertiaWithin is two standard
-  /// deviations. It decides where a scale and the inertia undo each other.
-  static double cost_of_inertia(double factor) {
-    const double deviations = 2.0 * std::log(std::max(factor, 1e-3)) / std::log(kInertiaWithin);
-    return 0.5 * deviations * deviations;
+  /// Minus the log prior density of what was fitted beside the reading, once for all instants: it decides where a scale, an inertia and a
+  /// constant force undo each other. Cauchy: either may be far more than usual.
+  static double cost_of_fitted(const Rest& r) {
+    const double inertia = std::log(std::max(r.inertia_factor, 1e-3)) / kInertiaKnown;
+    const double constant = r.force > 0.0 ? r.constant / (kConstantUsual * r.force) : 0.0;
+    return std::log1p(inertia * inertia) + std::log1p(constant * constant);
   }
 
   /// Of a positive definite matrix.
@@ -605,19 +655,19 @@ class Trial {
   std::vector<std::string> same_of_scale(const std::vector<std::size_t>& group, double scale) const {
     if (group.size() != driven_count() || n_ != group.size() || joints_[group.front()].sets_position)
       return {};
-    return {"all masses, inertias, dampings and stiffnesses of the model, times " +
-            core::rounded(1.0 / scale, 3)};
+    return {"all masses, inertias, dampings and stiffnesses " + core::rounded(1.0 / scale, 3) +
+            " times those of the model"};
   }
 
   struct Scaled {
     std::string what, map;
     std::vector<std::string> same;
     double changes = 0.0;  ///< one for all inputs in one known unit, or of about one scale
+    double common = 0.0;   ///< of several inputs, all torques or all forces: one scale for all
   };
   /// What inputs with estimated scales seem to be; nothing where a scale is near to one.
   Scaled scaled_inputs(const std::vector<std::size_t>& which, const std::vector<Equation>& e) {
     Scaled out;
-    std::vector<std::string> parts;
     std::vector<double> scales;
     double worth = 0.0;
     for (const std::size_t j : which) {
@@ -625,33 +675,57 @@ class Trial {
       const double scale = rest.input_scale, size = std::abs(scale);
       if (!(size > kNearOne || size < 1.0 / kNearOne)) return {};
       worth += rest.worth_of_drive();
-      std::vector<std::string> beside;
-      for (const Unit& u : units_of(joints_[j].input))
-        if (std::abs(std::log(size / u.si)) < std::log(kBesideUnit))
-          beside.push_back(std::string(u.name) + " (x " + core::rounded(u.si, 3) + ")");
       scales.push_back(scale);
-      const std::string si(si_unit(joints_[j].input));
-      std::string text =
-          joints_[j].input_column + " is " + core::rounded(1.0 / scale, 3) + " times what it is in " + si;
-      if (joints_[j].sets_position)
-        text += ": another unit?";
-      else
-        text += ": is it a current (A)? With a torque constant times gear ratio of " +
-                core::rounded(size, 3) + " " + si +
-                "/A. Or a share of the rated torque? With a rated torque of " +
-                core::rounded(1000.0 * size, 3) + " " + si + " for per mille";
-      if (!beside.empty()) text += ". Units near to it: " + and_list(beside);
-      parts.push_back(text);
       out.map += (out.map.empty() ? "" : "\n") +
                  line_of(joints_[j].input_column, joints_[j].input_column, scale, 0.0);
     }
     if (worth < kEstimated * kFarBetter) return {};  // the input hardly matters: nothing is said of its unit
-    out.what = and_list(parts);
     const auto [low, high] = std::minmax_element(scales.begin(), scales.end());
     const bool alike = *low * *high > 0.0 && std::max(*high / *low, *low / *high) < kAlike;
+    const bool like = std::all_of(which.begin(), which.end(), [&](std::size_t j) {
+      return joints_[j].input == joints_[which.front()].input && !joints_[j].sets_position;
+    });
+    if (which.size() > 1 && like) out.common = core::median(scales);
+    out.what = about(which, alike ? std::vector<double>{core::median(scales)} : scales);
     out.changes = (1.0 + kEstimated) * (alike ? 1.0 : static_cast<double>(which.size()));
     out.same = same_of_scale(which, std::abs(scales.front()));
     return out;
+  }
+
+  /// That inputs have these scales, or one for all, and what that may be.
+  std::string about(const std::vector<std::size_t>& which, const std::vector<double>& scales) const {
+    std::vector<std::string> names, factors;
+    for (const std::size_t j : which) names.push_back(joints_[j].input_column);
+    for (const double s : scales) factors.push_back(core::rounded(1.0 / s, 2));
+    const bool many = which.size() > 1;
+    return and_list(names) + (many ? " are " : " is ") + "about " + and_list(factors) + " times what " +
+           (many ? "they are" : "it is") + " in " + std::string(si_unit(joints_[which.front()].input)) +
+           ": " + questions(which, std::abs(core::median(scales)));
+  }
+
+  /// What inputs with this scale may be.
+  std::string questions(const std::vector<std::size_t>& which, double scale) const {
+    const Joint& joint = joints_[which.front()];
+    if (joint.sets_position) return "another unit?";
+    const std::string si(si_unit(joint.input)), size = core::rounded(scale, 3);
+    std::vector<std::string> out;
+    if (scale > 1.0) out.push_back("the motor's, before a gear of " + size);
+    out.push_back("a current, with " + size + " " + si + "/A (torque constant times gear)");
+    // Per mille of the rated torque reach some hundreds.
+    double most = 0.0;
+    for (const std::size_t j : which)
+      for (const auto* column : signals_[n_ + j])
+        for (const double x : *column) most = std::max(most, std::abs(x));
+    constexpr double kFewPerMille = 50.0, kMostPerMille = 3000.0;
+    if (most > kFewPerMille && most < kMostPerMille)
+      out.push_back("per mille of a rated " + core::rounded(1000.0 * scale, 3) + " " + si);
+    for (const Unit& u : units_of(joint.input))
+      if (std::abs(std::log(scale / u.si)) < std::log(kBesideUnit))
+        out.push_back(std::string(u.name) + " (" + core::rounded(u.si, 3) + " " + si + ")");
+    std::string text;
+    for (std::size_t i = 0; i < out.size(); ++i)
+      text += (i == 0 ? "" : i + 1 == out.size() ? ", or " : ", ") + out[i];
+    return text + "?";
   }
   std::size_t driven_count() const {
     return static_cast<std::size_t>(std::count_if(joints_.begin(), joints_.end(),
@@ -721,9 +795,9 @@ class Trial {
     for (std::size_t g = 0; g < gravities.size(); ++g) {
       Change c{given(), gravities[g], "", {}};
       c.reading.gravity = g + 1;
-      if (n_ == 1) c.changes += kEstimated;  // a rail or a joint is rarely turned over
       out.push_back(c);
     }
+    if (n_ == 1) numbers_of_the_model(out);
     for (const auto& d : decoded_) {
       Change c{given(), d.what, "", {}};
       c.reading.input_of[d.joint] = d.signal;
@@ -731,6 +805,33 @@ class Trial {
     }
     exchanges(out);
     return out;
+  }
+
+  /// Those in other units than SI. (A URDF's are looked at when it is read.)
+  void numbers_of_the_model(std::vector<Change>& out) const {
+    const Joint& joint = joints_.front();
+    if (joint.heaviest > 1.0)
+      for (const Unit& u : units_of_inertia(joint.position)) {
+        Change c{
+            given(),
+            std::string(joint.position == Quantity::length ? "the model's mass" : "the model's inertia") +
+                " is in " + std::string(u.name) + " (times " + core::shortest(u.si) + ")",
+            "",
+            {}};
+        c.reading.inertia_scale = u.si;
+        out.push_back(std::move(c));
+      }
+    if (joint.position == Quantity::angle)
+      for (const Unit& u : units_of(Quantity::torque)) {
+        if (u.rare) continue;
+        Change c{given(),
+                 "the model's gravity or stiffness is in " + std::string(u.name) + " (times " +
+                     core::shortest(u.si) + ")",
+                 "",
+                 {}};
+        c.reading.passive_scale = u.si;
+        out.push_back(std::move(c));
+      }
   }
 
   void exchanges(std::vector<Change>& out) const {
@@ -837,7 +938,7 @@ class Trial {
                  (set_points ? ", and that of " + joint.input_column + " likewise" : "");
         if (joint.last && !joint.link.empty())
           c.same.push_back("the body of link " + joint.link + ", turned by " + core::rounded(degrees, 3) +
-                           " degrees about the joint's axis: no recording tells them apart");
+                           " degrees about the joint's axis");
         return c;
       };
       for (const bool set_points : {false, true}) {
@@ -912,19 +1013,19 @@ void require_convention(const Family& family, std::span<const Columns> recording
   const auto percent = [](double share) { return core::rounded(100.0 * share, 2) + " %"; };
   std::string message = recordings.front().path;
   if (recordings.size() > 1) message += " and " + std::to_string(recordings.size() - 1) + " more";
-  message += ": it seems that " + f->what + ". So read, the model is off by " + percent(f->off_read) +
-             " of the force; as named it is off by " + percent(f->off_given);
-  message += ".";
-  for (const std::string& same : f->same) message += " The same would look like: " + same + ".";
+  message += ": it seems that " + f->what + (f->what.ends_with('?') ? "" : ".") + " So read, " +
+             percent(f->off_read) + " of the joint's force (RMS) stays unexplained; as named " +
+             percent(f->off_given) + ".";
+  for (const std::string& same : f->same) message += " The recordings would be the same with " + same + ".";
   for (std::size_t i = 0; i < f->others.size(); ++i)
     message += (i == 0 ? " Nearly as good: " : "; ") + f->others[i] + (i + 1 == f->others.size() ? "." : "");
-  message += " No cause was looked for. Expected columns as their names say";
+  message += " No cause was looked for.";
   if (!f->map.empty()) {
     std::string lines = f->map;
     for (std::size_t i = 0; (i = lines.find('\n', i)) != lines.npos; i += 2) lines.replace(i, 1, ", ");
-    message += ": write in a map file (--map) " + lines;
+    message += " To read it so, write in a map file (--map) " + lines + ".";
   }
-  throw core::DataError(message + "; or, where the columns are right, --trust-columns skips this check");
+  throw core::DataError(message + " Where model and columns are right, --trust-columns skips this check");
 }
 
 }  // namespace furcula::conventions

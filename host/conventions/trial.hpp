@@ -59,6 +59,8 @@ struct Reading {
   std::vector<double> scale, offset;               ///< of positions
   std::vector<double> input_offset{};              ///< of set points, in the position's unit; empty: none
   double time_scale = 1.0;
+  /// Of a machine of one joint: what its model's inertia, and its gravity and springs, are multiplied by.
+  double inertia_scale = 1.0, passive_scale = 1.0;
   std::size_t gravity = 0;  ///< 0: the model's; else an entry of Family::other_gravities(), from 1
 };
 

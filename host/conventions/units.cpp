@@ -40,6 +40,10 @@ constexpr std::array<Unit, 5> kForces{{{"mN", 1e-3, true},
 constexpr std::array<Unit, 4> kTimes{
     {{"milliseconds", 1e-3}, {"microseconds", 1e-6}, {"nanoseconds", 1e-9}, {"minutes", 60.0, true}}};
 
+constexpr std::array<Unit, 4> kInertias{
+    {{"kg cm^2", 1e-4}, {"g m^2", 1e-3}, {"kg mm^2", 1e-6}, {"g cm^2", 1e-7}}};
+constexpr std::array<Unit, 1> kMasses{{{"g", 1e-3}}};
+
 }  // namespace
 
 std::span<const Unit> units_of(Quantity quantity) {
@@ -56,6 +60,11 @@ std::span<const Unit> units_of(Quantity quantity) {
 }
 
 std::span<const Unit> units_of_time() { return kTimes; }
+
+std::span<const Unit> units_of_inertia(Quantity position) {
+  if (position == Quantity::length) return kMasses;
+  return kInertias;
+}
 
 std::string_view si_unit(Quantity quantity) {
   switch (quantity) {

@@ -20,6 +20,9 @@ std::span<const Unit> units_of(Quantity quantity);
 /// Of time, in s.
 std::span<const Unit> units_of_time();
 
+/// Of a model's inertia: of mass where the position is a length.
+std::span<const Unit> units_of_inertia(Quantity position);
+
 /// "rad", "m", "N m", "N"
 std::string_view si_unit(Quantity quantity);
 

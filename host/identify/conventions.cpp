@@ -51,6 +51,15 @@ class OneJoint final : public conventions::Family {
         probes_.push_back({PlantSetup<double>(other, {}, nullptr), rules.inertia(other)});
         free_.push_back({0.0, 1.0});
       }
+    // A joint's axis may stand upright.
+    if (const auto at = dynamics::parameter_index(model.kind, "gravity_torque_nm");
+        at && model.parameters[*at] != 0.0) {
+      model::Model other = model;
+      other.parameters[*at] = 0.0;
+      setups_.emplace_back(other, std::vector<Unknown>{}, nullptr);
+      gravities_.emplace_back(
+          "gravity does not turn the joint, as if its axis were upright (gravity_torque_nm = 0 in [parameters])");
+    }
     // A rail may lie, or stand where the model says that it lies. (Turned over it is its position that has the other sign.)
     constexpr double kGravity_mps2 = 9.81;
     if (const auto at = dynamics::parameter_index(model.kind, "gravity_mps2"); at && !leg_) {

@@ -1,6 +1,8 @@
-// furcula_convention_table --program PATH [--seed N] [--machines N] [--robots N] [--kind NAME] [--threads N] [--out DIR] [--timeout SECONDS]
+// furcula_convention_table --program PATH [--seed N] [--machines N] [--robots N] [--kind NAME] [--threads N] [--out DIR] [--timeout SECONDS] [--alarms N]
 // The conventions' table: recordings of virtual machines and robots without any hidden cause get one wrong convention each (fault.hpp), and
 // the program is asked for a diagnosis. Printed is how often it named the convention, listed it, named another one, named a cause, or nothing.
+// With --alarms N in its place: the trial of conventions is asked about N machines, N / 3 robots and N / 10 legs with and without causes of
+// the catalogue, whose columns are right; each that it refuses is printed.
 // Exit status: 0 where the table was made, 2 for a wrong argument.
 #include <atomic>
 #include <chrono>
@@ -10,6 +12,7 @@
 #include <exception>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <map>
 #include <mutex>
 #include <nlohmann/json.hpp>
@@ -21,9 +24,13 @@
 #include <thread>
 #include <vector>
 
+#include "host/core/error.hpp"
+#include "host/identify/conventions.hpp"
 #include "host/log/reader.hpp"
 #include "host/log/writer.hpp"
 #include "host/model/writer.hpp"
+#include "host/trees/conventions.hpp"
+#include "host/trees/model.hpp"
 #include "tests/hidden/cases.hpp"
 #include "tests/hidden/conventions/fault.hpp"
 #include "tests/hidden/trees/cases.hpp"
@@ -36,7 +43,7 @@ namespace {
 struct Arguments {
   std::string program, out, kind;
   std::uint64_t seed = 1;
-  std::size_t machines = 1, robots = 2;
+  std::size_t machines = 1, robots = 2, alarms = 0;
   unsigned threads = 2;
   double timeout_s = 600.0;
 };
@@ -62,6 +69,8 @@ std::optional<Arguments> parsed(int argc, char** argv) {
       a.machines = number;
     else if (key == "--robots" && is_number)
       a.robots = number;
+    else if (key == "--alarms" && is_number)
+      a.alarms = number;
     else if (key == "--threads" && is_number && number > 0)
       a.threads = static_cast<unsigned>(number);
     else if (key == "--timeout" && is_number)
@@ -69,7 +78,7 @@ std::optional<Arguments> parsed(int argc, char** argv) {
     else
       return std::nullopt;
   }
-  if (a.program.empty() || a.out.empty()) return std::nullopt;
+  if ((a.program.empty() && a.alarms == 0) || a.out.empty()) return std::nullopt;
   return a;
 }
 
@@ -255,7 +264,73 @@ void print_table(const std::vector<Subject>& subjects, const std::vector<Row>& r
   }
 }
 
+/// One whose columns are right.
+struct Right {
+  std::string name;
+  std::function<void()> ask;  ///< throws core::DataError where the trial refuses it
+};
+
+void ask_robot(const trees::Question& question, const std::string& folder) {
+  const trees::Case c = trees::draw_case(question);
+  const std::vector<std::string> names = trees::write_case(c, folder);
+  const auto model = furcula::trees::parse_tree_model(text_of(folder + "/model.toml"), folder + "/model.toml",
+                                                      furcula::trees::TreeContext{});
+  std::vector<furcula::trees::Recording> recordings;
+  for (std::size_t i = 0; i + c.held_out < names.size(); ++i)
+    recordings.push_back(furcula::trees::recording_of(model, log::read_log(folder + "/" + names[i], "tree")));
+  std::filesystem::remove_all(folder);
+  furcula::trees::require_conventions(model, recordings);
+}
+
+int alarms(const Arguments& a) {
+  std::vector<Right> all;
+  constexpr std::size_t kTierCount = std::size(kTiers);
+  for (std::size_t i = 0; i < a.alarms; ++i) {
+    const Question q = question_of(kTiers[i % kTierCount], a.seed, i / kTierCount, a.kind);
+    all.push_back({"machine " + std::string(name(kTiers[i % kTierCount])) + " " + std::to_string(i), [q] {
+                     Case c = draw_case(q);
+                     const auto recordings = identify::make_recordings(c.training, c.kind);
+                     try {
+                       identify::require_conventions(c.model, recordings);
+                     } catch (const core::DataError& e) {
+                       throw core::DataError(c.description() + ": " + e.what());
+                     }
+                   }});
+  }
+  for (const bool legs : {false, true})
+    for (const trees::Question& q :
+         trees::draw_questions(a.seed, a.alarms / (legs ? 10 : 3), {}, "", 0, !legs, legs))
+      all.push_back({std::string(legs ? "leg " : "robot ") + std::string(trees::name(q.tier)) + " " +
+                         std::to_string(all.size()),
+                     [q, folder = a.out + "/right-" + std::to_string(all.size())] { ask_robot(q, folder); }});
+  std::atomic<std::size_t> next = 0, refused = 0, not_drawn = 0;
+  std::mutex mutex;
+  const auto work = [&] {
+    for (std::size_t i = next++; i < all.size(); i = next++) {
+      std::string said;
+      try {
+        all[i].ask();
+      } catch (const core::DataError& e) {
+        ++refused, said = std::string("REFUSED ") + e.what();
+      } catch (const std::exception& e) {
+        ++not_drawn, said = std::string("not drawn: ") + e.what();
+      }
+      const std::lock_guard lock(mutex);
+      if (!said.empty()) std::printf("%s: %s\n", all[i].name.c_str(), said.c_str());
+      std::fflush(stdout);
+    }
+  };
+  std::vector<std::jthread> others;
+  for (unsigned t = 1; t < a.threads; ++t) others.emplace_back(work);
+  work();
+  others.clear();
+  std::printf("%zu with right columns, %zu refused, %zu not drawn\n", all.size(), refused.load(),
+              not_drawn.load());
+  return 0;
+}
+
 int run(const Arguments& a) {
+  if (a.alarms > 0) return alarms(a);
   const std::vector<Subject> all = subjects(a);
   std::vector<Row> rows;
   for (std::size_t i = 0; i < all.size(); ++i)
@@ -302,6 +377,7 @@ int main(int argc, char** argv) {
   std::fprintf(
       stderr,
       "usage: furcula_convention_table --program PATH --out DIR [--seed N] [--machines N] [--robots N] [--kind NAME]\n"
-      "         [--threads N] [--timeout SECONDS]\n");
+      "         [--threads N] [--timeout SECONDS]\n"
+      "       furcula_convention_table --alarms N --out DIR [--seed N] [--threads N]\n");
   return 2;
 }

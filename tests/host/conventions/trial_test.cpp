@@ -218,7 +218,7 @@ TEST_CASE("A torque in another unit is named, and a current by its torque consta
   CHECK(found(torques(1000.0)) == "torque_nm is in N mm");
   CHECK(found(torques(-1.0)) == "torque_nm has the other sign");
   const std::string current = found(torques(1.0 / 0.06));
-  CHECK_THAT(current, Contains("is it a current (A)? With a torque constant times gear ratio of 0.0"));
+  CHECK_THAT(current, Contains("torque_nm is about 17 times what it is in N m: a current, with 0.06"));
   const auto f = find_convention(Pendulum(), torques(1.0 / 0.06));
   REQUIRE(f);
   REQUIRE(!f->same.empty());  // a lighter machine under the torque as named moves alike
