@@ -171,9 +171,9 @@ void Survey::calibrate(const Told& t, Arrangement& out, std::vector<std::string>
       (line->left_out == 0 ? "" : "; " + std::to_string(line->left_out) + " off this line left out"));
 }
 
-/// What else the recording has of which a column can be made, as the option to write; empty: nothing.
+/// What else the recording has of which a torque can be made, as the option to write; empty: nothing.
 std::string Survey::instead_of(const Column& column, const NodeMessage& missing) const {
-  const std::string_view unit = signal_of(missing, column.signal)->unit;
+  if (signal_of(missing, column.signal)->unit != "N m") return {};
   const std::string scale = column.scale == 1.0 ? "" : "*" + digits(column.scale);
   std::string out;
   const auto propose = [&](const NodeMessage& m, const Signal& s, std::string_view kind,
@@ -192,12 +192,12 @@ std::string Survey::instead_of(const Column& column, const NodeMessage& missing)
                    c.signal == s.name;
           });
       if (is_column) continue;
-      // A set point can stand for a torque, not for where a joint is. Beside other set points it is their feed-forward.
-      if (s.unit == unit && m.message->sender == Sender::node)
+      // Beside other set points a torque is their feed-forward.
+      if (s.unit == "N m" && m.message->sender == Sender::node)
         propose(m, s, "another measurement", scale);
-      else if (s.unit == unit && unit == "N m" && m.signals.size() == 1)
+      else if (s.unit == "N m" && m.signals.size() == 1)
         propose(m, s, "the set point, with which what the drive does wrong counts as the robot's", scale);
-      else if (s.name == "Iq_Measured" && unit == "N m")
+      else if (s.name == "Iq_Measured")
         propose(m, s, "the current (TORQUE_CONSTANT is in N m/A)", "*TORQUE_CONSTANT" + scale);
     }
   }
