@@ -345,6 +345,35 @@ TEST_CASE("a row holds what acted from it to the next, whichever of command and 
   CHECK_THAT(all(joint_of(asked.run(1.0).frames).notes), Contains("answers remote frames after 0.2 ms"));
 }
 
+TEST_CASE("a diagnosis of a drive's recording names no delay that the drive does not have, in either order") {
+  const test::TemporaryFolder folder;
+  const std::string model = folder.file("model.toml",
+                                        "[model]\nkind = \"rotary_joint\"\nschema = 1\n[parameters]\n"
+                                        "inertia_kgm2 = 0.05\ngravity_torque_nm = 1.5\ndamping_nmspr = 0.1\n"
+                                        "[free]\ninertia_kgm2 = [0.02, 0.1]\ndamping_nmspr = [0.0, 0.5]\n");
+  test::PolledDrive answers, behind;
+  answers.measured_ns = 300'000;
+  behind.command_ns = 300'000;
+  behind.state_ns = 0;
+  for (test::PolledDrive drive : {answers, behind}) {
+    drive.counts_per_turn = 8192.0;
+    std::string text;
+    for (const LogFrame& f : drive.run(8.0).frames) text += format_candump(f);
+    const std::string out = folder.path() + "/axis.csv";
+    REQUIRE(
+        test::run_furcula({"bus", "log", folder.file("axis.log", text), "--rig", "rotary_joint", "--joint",
+                           "angle=Axis", "--column", "torque_nm=Axis.Set_Input_Torque.Torque", "--out", out})
+            .status == 0);
+    const test::Ran found =
+        test::run_furcula({"diagnose", "--model", model, "--out", folder.path() + "/found", out});
+    INFO(found.out << found.err);
+    // The friction that it has, and no other cause.
+    CHECK_THAT(found.out + found.err,
+               Contains("The model lacks dry friction (coulomb_friction: 0.12 N m): with it"));
+    CHECK_THAT(found.out + found.err, !Contains("actuator_delay"));
+  }
+}
+
 TEST_CASE("a lost command leaves the rows where they were, and the one before it acts on") {
   test::PolledDrive drive;
   drive.measured_ns = 300'000;

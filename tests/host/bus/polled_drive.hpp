@@ -16,6 +16,7 @@ namespace furcula::test {
 
 struct PolledDrive {
   double inertia_kgm2 = 0.05, gravity_torque_nm = 1.5, damping_nmspr = 0.1, friction_nm = 0.12;
+  double counts_per_turn = 0.0;  ///< of the encoder; 0: it has no steps
   std::int64_t command_period_ns = 5'000'000, state_period_ns = 5'000'000;
   std::int64_t command_ns = 0;      ///< of the first set point
   std::int64_t state_ns = 300'000;  ///< of the first estimate
@@ -57,8 +58,9 @@ struct PolledDrive {
       }
       if (t >= next_measured_ns) {
         Frame frame = empty_frame(message::kOdriveEncoderEstimates, 2);
-        static_cast<void>(
-            put(frame, table::kOdriveEncoderEstimates[0], static_cast<float>(q / (2 * std::numbers::pi))));
+        double turns = q / (2 * std::numbers::pi);
+        if (counts_per_turn > 0.0) turns = std::round(turns * counts_per_turn) / counts_per_turn;
+        static_cast<void>(put(frame, table::kOdriveEncoderEstimates[0], static_cast<float>(turns)));
         static_cast<void>(
             put(frame, table::kOdriveEncoderEstimates[1], static_cast<float>(v / (2 * std::numbers::pi))));
         if (asked_ns >= 0) {
