@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <map>
 
 #include "furcula/bus/codec.hpp"
 #include "furcula/bus/messages.hpp"
@@ -81,10 +82,19 @@ const NodeMessage& MessageFinder::named(const std::string& node, const std::stri
 }
 
 Survey::Survey(const MessageFinder& finder, const Arrangement& arrangement)
-    : finder_(finder), arrangement_(arrangement), counts_(arrangement.columns.size()) {
+    : finder_(finder), arrangement_(arrangement), counts_(finder.messages().size()) {
   for (const Column& c : arrangement.columns)
     if (signal_of(finder.named(c.node, c.message), c.signal) == nullptr)
       throw DataError(c.node + "_" + c.message + " has no signal " + core::quoted(c.signal));
+  for (const Column& c : arrangement.columns) {
+    const NodeMessage& m = finder.named(c.node, c.message);
+    // What has an age tells by it when it was measured.
+    const bool measured =
+        c.join == Join::between || (c.node == arrangement.tick_node && c.message == arrangement.tick_message);
+    if (measured && !is_stamped(m) &&
+        std::none_of(answers_.begin(), answers_.end(), [&](const AnswerFinder& a) { return &a.of() == &m; }))
+      answers_.emplace_back(m);
+  }
   for (const Calibration& told : arrangement.calibrations) {
     const auto column = std::find_if(arrangement.columns.begin(), arrangement.columns.end(),
                                      [&](const Column& c) { return c.name == told.column; });
@@ -118,11 +128,9 @@ void Survey::take_pairs(const LogFrame& frame, const NodeMessage& message) {
 
 void Survey::add(const LogFrame& frame) {
   const NodeMessage* message = finder_.find(frame);
+  for (AnswerFinder& a : answers_) a.add(frame, message);
   if (message == nullptr) return;
-  for (std::size_t i = 0; i < counts_.size(); ++i) {
-    const Column& c = arrangement_.columns[i];
-    if (message->node->name == c.node && message->message->name == c.message) ++counts_[i];
-  }
+  ++counts_[static_cast<std::size_t>(message - finder_.messages().data())];
   take_pairs(frame, *message);
 }
 
@@ -163,23 +171,70 @@ void Survey::calibrate(const Told& t, Arrangement& out, std::vector<std::string>
       (line->left_out == 0 ? "" : "; " + std::to_string(line->left_out) + " off this line left out"));
 }
 
+/// What else the recording has of which a torque can be made, as the option to write; empty: nothing.
+std::string Survey::instead_of(const Column& column, const NodeMessage& missing) const {
+  if (signal_of(missing, column.signal)->unit != "N m") return {};
+  const std::string scale = column.scale == 1.0 ? "" : "*" + digits(column.scale);
+  std::string out;
+  const auto propose = [&](const NodeMessage& m, const Signal& s, std::string_view kind,
+                           const std::string& times) {
+    const std::string path = column.node + "." + std::string(m.message->name) + "." + std::string(s.name);
+    out += (out.empty() ? "; it has " : ", and ") + std::string(kind) + ": --column " + column.name + "=" +
+           path + times;
+  };
+  for (std::size_t i = 0; i < counts_.size(); ++i) {
+    const NodeMessage& m = finder_.messages()[i];
+    if (counts_[i] == 0 || m.node != missing.node) continue;
+    for (const Signal& s : m.signals) {
+      const bool is_column =
+          std::any_of(arrangement_.columns.begin(), arrangement_.columns.end(), [&](const Column& c) {
+            return !column.required && c.node == column.node && c.message == m.message->name &&
+                   c.signal == s.name;
+          });
+      if (is_column) continue;
+      // Beside other set points a torque is their feed-forward.
+      if (s.unit == "N m" && m.message->sender == Sender::node)
+        propose(m, s, "another measurement", scale);
+      else if (s.unit == "N m" && m.signals.size() == 1)
+        propose(m, s, "the set point, with which what the drive does wrong counts as the robot's", scale);
+      else if (s.name == "Iq_Measured")
+        propose(m, s, "the current (TORQUE_CONSTANT is in N m/A)", "*TORQUE_CONSTANT" + scale);
+    }
+  }
+  return out;
+}
+
 Arrangement Survey::finish(std::vector<std::string>& notes) const {
   Arrangement out = arrangement_;
   out.columns.clear();
-  for (std::size_t i = 0; i < counts_.size(); ++i) {
-    const Column& c = arrangement_.columns[i];
-    if (counts_[i] != 0) {
+  for (const Column& c : arrangement_.columns) {
+    const NodeMessage& m = finder_.named(c.node, c.message);
+    if (counts_[static_cast<std::size_t>(&m - finder_.messages().data())] != 0) {
       out.columns.push_back(c);
       continue;
     }
-    const NodeMessage& m = finder_.named(c.node, c.message);
+    const std::string instead = instead_of(c, m);
+    if (c.required && !instead.empty())
+      throw DataError("no frame of " + name_and_id(m) + " in it, of which " + c.name + " is made" + instead +
+                      "; or have the drive send " + m.name + ", and record again");
     if (c.required)
       throw DataError(
           "no frame of " + name_and_id(m) + " in it, of which " + c.name +
           " is made; record all of the bus (candump -L can0 > can.log), or name its node with --node or the "
           "signal with --column " +
           c.name + "=NODE.MESSAGE.SIGNAL");
-    notes.push_back(c.name + " is left out: no frame of " + name_and_id(m) + " in it");
+    notes.push_back(c.name + " is left out: no frame of " + name_and_id(m) + " in it" + instead);
+  }
+  for (const AnswerFinder& a : answers_) {
+    const std::optional<Answer> answer = a.found();
+    if (!answer) continue;
+    out.answers.push_back(*answer);
+    notes.push_back(a.of().name + " answers " +
+                    (answer->asked_by == nullptr
+                         ? "remote frames"
+                         : a.of().node->name + "_" + std::string(answer->asked_by->name)) +
+                    " after " + core::rounded(static_cast<double>(answer->gap_ns) * 1e-6, 3) +
+                    " ms: what it says was measured when that came");
   }
   for (const Told& t : told_) calibrate(t, out, notes);
   for (const Column& c : out.columns)
@@ -203,12 +258,80 @@ RowMaker::RowMaker(const MessageFinder& finder, const Arrangement& arrangement, 
     cell.offset = c.offset;
     cell.join = c.join;
   }
+  for (const Answer& a : arrangement_.answers) asked_.push_back({a, {}});
+}
+
+/// When the content of a frame without an age was measured: when it was asked for, or else when it was sent.
+std::int64_t RowMaker::instant_of(const NodeMessage& message, const LogFrame& in) {
+  for (Asked& a : asked_) {
+    if (a.answer.of != &message) continue;
+    const std::int64_t gap_ns = a.at_ns ? in.time_ns - *a.at_ns : -1;
+    a.at_ns.reset();
+    // The frame that asked is lost: it came as long before as the others do.
+    const bool seen = gap_ns >= 0 && gap_ns <= kLatestAnswerNs;
+    return in.time_ns + shift_ns_ - (seen ? gap_ns : a.answer.gap_ns);
+  }
+  return in.time_ns + shift_ns_;
+}
+
+void RowMaker::note_sent(Cell& c, double value, std::int64_t time_ns) {
+  // Two interfaces in one recording cross; a clock that is set back counts anew.
+  while (!c.sent.empty() && c.sent.back().time_ns - time_ns >= kSilenceNs) c.sent.pop_back();
+  if (!c.sent.empty()) time_ns = std::max(time_ns, c.sent.back().time_ns);
+  // No row comes any more, or none yet: what acted long ago is no longer needed.
+  if (time_ns - last_row_ns_ > 2 * kSilenceNs) {
+    complete_row(last_row_ns_ + 2 * kSilenceNs);
+    while (c.sent.size() > 1 && c.sent[1].time_ns < time_ns - kSilenceNs) c.sent.pop_front();
+  }
+  c.sent.push_back({time_ns, value});
+}
+
+/// What was commanded between two instants, as one value that gives the same impulse; NaN: not known from the first one on.
+double RowMaker::acting(const Cell& c, std::int64_t from_ns, std::int64_t to_ns) {
+  std::map<double, double> shares;  // of the values, in ns
+  double sum = 0.0, whole_ns = 0.0;
+  for (std::size_t i = 0; i < c.sent.size(); ++i) {
+    const std::int64_t begin_ns = std::max(c.sent[i].time_ns, from_ns),
+                       end_ns = i + 1 < c.sent.size() ? std::min(c.sent[i + 1].time_ns, to_ns) : to_ns;
+    if (i == 0 && begin_ns > from_ns) return kNone;
+    if (end_ns <= begin_ns) continue;
+    const auto share_ns = static_cast<double>(end_ns - begin_ns);
+    if (c.signal.encoding != Encoding::real && c.signal.span == c.signal.counts)
+      shares[c.sent[i].value] += share_ns;
+    sum += share_ns * c.sent[i].value;
+    whole_ns += share_ns;
+  }
+  if (shares.empty()) return whole_ns > 0.0 ? sum / whole_ns : kNone;
+  return std::max_element(shares.begin(), shares.end(),
+                          [](const auto& a, const auto& b) { return a.second < b.second; })
+      ->first;
+}
+
+/// Gives the last row what acted from it to `end_ns`, which is where the next one begins.
+void RowMaker::complete_row(std::int64_t end_ns) {
+  if (waiting_.empty() || waiting_.back().time_ns != last_row_ns_) return;
+  Row& row = waiting_.back();
+  // A row in front of a gap stands for as long as the one before.
+  if (end_ns - row.time_ns >= kSilenceNs) end_ns = row.time_ns + std::max<std::int64_t>(interval_ns_, 1);
+  for (std::size_t i = 0; i < cells_.size(); ++i) {
+    Cell& c = cells_[i];
+    if (c.join != Join::acting || !std::isnan(row.values[i])) continue;
+    row.values[i] = acting(c, row.time_ns, end_ns);
+    if (!std::isnan(row.values[i]) && std::none_of(c.sent.begin(), c.sent.end(), [&](const Sent& s) {
+          return s.time_ns >= row.time_ns && s.time_ns < end_ns;
+        }))
+      ++c.held;
+    while (c.sent.size() > 1 && c.sent[1].time_ns <= end_ns) c.sent.pop_front();
+  }
 }
 
 /// Whether the frame is the next of the tick's message, and of when its content is.
 bool RowMaker::tick_of(const LogFrame& in, std::int64_t& time_ns) {
+  if (!is_stamped(*tick_)) {
+    time_ns = instant_of(*tick_, in);
+    return true;
+  }
   time_ns = in.time_ns + shift_ns_;
-  if (!is_stamped(*tick_)) return true;
   const auto stamp = get_stamp(in.frame).value();
   const double since_s = any_tick_ ? static_cast<double>(time_ns - last_tick_ns_) * 1e-9 : 1.0;
   any_tick_ = true;
@@ -244,6 +367,7 @@ void RowMaker::open_row(const LogFrame& in, std::int64_t time_ns) {
   }
   if (any && time_ns - last_row_ns_ < kSilenceNs) interval_ns_ = time_ns - last_row_ns_;
   if (any && time_ns - last_row_ns_ >= kSilenceNs) break_ = true;
+  if (any) complete_row(time_ns);
   last_row_ns_ = time_ns;
   Row& row = waiting_.emplace_back(Row{time_ns, std::vector<double>(cells_.size(), kNone), break_});
   break_ = false;
@@ -253,6 +377,9 @@ void RowMaker::open_row(const LogFrame& in, std::int64_t time_ns) {
     Cell& c = cells_[i];
     c.in_row = false;
     if (c.join == Join::hold && c.last) row.values[i] = *c.last;
+    // An answer comes behind others that were asked for later.
+    if ((c.join == Join::between || c.join == Join::step) && c.last && time_ns <= c.last_ns)
+      row.values[i] = between(c, time_ns);
     if (c.message == tick_) row.values[i] = c.scale * value_of(in.frame, c.signal) + c.offset;
   }
 }
@@ -272,27 +399,33 @@ void RowMaker::close_row() {
     if (c.join == Join::hold && !c.in_row) ++c.held;
 }
 
+/// On the line between the last two measurements, or of a switch the nearer one; NaN: not between them, or a gap is.
+double RowMaker::between(const Cell& c, std::int64_t time_ns) {
+  if (time_ns == c.last_ns) return *c.last;
+  if (!c.before || time_ns <= c.before_ns || time_ns > c.last_ns) return kNone;
+  const double share =
+      static_cast<double>(time_ns - c.before_ns) / static_cast<double>(c.last_ns - c.before_ns);
+  if (c.join == Join::step) return share < 0.5 ? *c.before : *c.last;
+  return *c.before + share * (*c.last - *c.before);
+}
+
 /// A measurement: gives the rows since the one before their values.
 void RowMaker::take(Cell& c, double value, std::int64_t time_ns) {
   const auto index = static_cast<std::size_t>(&c - cells_.data());
   const std::int64_t gap_ns = time_ns - c.last_ns;
   const bool gap = c.join == Join::step ? gap_ns > kSilenceNs
                                         : c.interval_ns != 0 && gap_ns / kGapIntervals > c.interval_ns;
-  for (auto row = waiting_.rbegin(); row != waiting_.rend(); ++row) {
-    if (row->time_ns > time_ns) continue;
-    if (row->time_ns == time_ns) {
-      row->values[index] = value;
-      continue;
-    }
-    if (!c.last || gap || row->time_ns <= c.last_ns) break;
-    const double share = static_cast<double>(row->time_ns - c.last_ns) / static_cast<double>(gap_ns);
-    row->values[index] =
-        c.join == Join::step ? (share < 0.5 ? *c.last : value) : *c.last + share * (value - *c.last);
-    if (c.join == Join::tick) ++c.filled;
-  }
   if (gap_ns > 0 && !gap) c.interval_ns = gap_ns;
+  c.before = gap ? std::nullopt : c.last;
+  c.before_ns = c.last_ns;
   c.last = value;
   c.last_ns = time_ns;
+  for (auto row = waiting_.rbegin(); row != waiting_.rend(); ++row) {
+    if (row->time_ns > time_ns) continue;
+    if (row->time_ns < time_ns && (!c.before || row->time_ns <= c.before_ns)) break;
+    row->values[index] = between(c, row->time_ns);
+    if (c.join == Join::tick && row->time_ns < time_ns) ++c.filled;
+  }
 }
 
 void RowMaker::note_drive(const Message& message) {
@@ -308,6 +441,9 @@ void RowMaker::note_drive(const Message& message) {
 
 void RowMaker::add(const LogFrame& in) {
   const NodeMessage* message = finder_.find(in);
+  for (Asked& a : asked_)
+    if (const Message* by = nullptr; asks(in, message, *a.answer.of, by) && by == a.answer.asked_by)
+      a.at_ns = in.time_ns;
   if (message == nullptr) return;
   std::int64_t time_ns = in.time_ns + shift_ns_;
   if (message == tick_) {
@@ -317,12 +453,16 @@ void RowMaker::add(const LogFrame& in) {
     open_row(in, time_ns);
     return;
   }
+  if (std::any_of(cells_.begin(), cells_.end(),
+                  [&](const Cell& c) { return c.message == message && c.join == Join::between; }))
+    time_ns = instant_of(*message, in);
   if (message->node->name == arrangement_.drive_node) note_drive(*message->message);
   const bool off = message->message == &message::kMotorEnter || message->message == &message::kMotorExit;
   for (std::size_t i = 0; i < cells_.size(); ++i) {
     Cell& c = cells_[i];
     // A drive that is switched on or off gives no torque, whatever it was told before.
-    const bool zero = off && c.join == Join::hold && c.message->node == message->node;
+    const bool zero =
+        off && (c.join == Join::hold || c.join == Join::acting) && c.message->node == message->node;
     if (c.message != message && !zero) continue;
     const double raw = zero ? 0.0 : value_of(in.frame, c.signal);
     if (!std::isfinite(raw)) continue;
@@ -331,6 +471,8 @@ void RowMaker::add(const LogFrame& in) {
       c.last = value;
       c.in_row = true;
       if (row_open_) waiting_.back().values[i] = value;
+    } else if (c.join == Join::acting) {
+      note_sent(c, value, time_ns);
     } else {
       take(c, value, c.join == Join::tick && row_open_ ? waiting_.back().time_ns : time_ns);
     }
@@ -371,6 +513,7 @@ void RowMaker::flush(bool at_end) {
 
 void RowMaker::finish() {
   close_row();
+  complete_row(last_row_ns_ + kSilenceNs);
   flush(true);
 }
 
@@ -397,7 +540,7 @@ std::vector<std::string> RowMaker::notes() const {
                   (incomplete_ == 1 ? "is" : "are") + " left out");
   for (std::size_t i = 0; i < cells_.size(); ++i) {
     const std::string& name = arrangement_.columns[i].name;
-    if (cells_[i].join == Join::hold && cells_[i].held != 0)
+    if (cells_[i].held != 0)
       out.push_back(times(cells_[i].held, "row") + " without a frame of " + cells_[i].message->name + ": " +
                     name + " holds the value of the row before");
     if (cells_[i].filled != 0)

@@ -55,9 +55,12 @@ class Survey {
   void take_pairs(const LogFrame& frame, const NodeMessage& message);
   void calibrate(const Told& told, Arrangement& out, std::vector<std::string>& notes) const;
 
+  std::string instead_of(const Column& column, const NodeMessage& missing) const;
+
   const MessageFinder& finder_;
   const Arrangement& arrangement_;
-  std::vector<std::uint64_t> counts_;  ///< of the columns' messages
+  std::vector<std::uint64_t> counts_;  ///< of the finder's messages
+  std::vector<AnswerFinder> answers_;
   std::vector<Told> told_;
 };
 
@@ -78,15 +81,24 @@ class RowMaker {
   std::vector<std::string> notes() const;
 
  private:
+  struct Sent {
+    std::int64_t time_ns;
+    double value;
+  };
   struct Cell {
     const NodeMessage* message;
     Signal signal;
     double scale, offset;
     Join join;
-    std::optional<double> last;
-    std::int64_t last_ns = 0, interval_ns = 0;
+    std::optional<double> before, last;  ///< measurements; before: none where a gap is between both
+    std::int64_t before_ns = 0, last_ns = 0, interval_ns = 0;
     bool in_row = false;
+    std::deque<Sent> sent;  ///< of Join::acting, since the last row at least
     std::uint64_t held = 0, filled = 0;
+  };
+  struct Asked {
+    Answer answer;
+    std::optional<std::int64_t> at_ns;  ///< as stamped
   };
   struct Row {
     std::int64_t time_ns;
@@ -97,6 +109,11 @@ class RowMaker {
   bool tick_of(const LogFrame& frame, std::int64_t& time_ns);
   void open_row(const LogFrame& frame, std::int64_t time_ns);
   void close_row();
+  std::int64_t instant_of(const NodeMessage& message, const LogFrame& frame);
+  void note_sent(Cell& cell, double value, std::int64_t time_ns);
+  void complete_row(std::int64_t end_ns);
+  static double acting(const Cell& cell, std::int64_t from_ns, std::int64_t to_ns);
+  static double between(const Cell& cell, std::int64_t time_ns);
   void take(Cell& cell, double value, std::int64_t time_ns);
   void note_drive(const Message& message);
   void flush(bool at_end);
@@ -106,6 +123,7 @@ class RowMaker {
   Arrangement arrangement_;
   Write write_;
   std::vector<Cell> cells_;
+  std::vector<Asked> asked_;
   const NodeMessage* tick_;
   std::deque<Row> waiting_;
   bool row_open_ = false, break_ = true, break_before_write_ = false, drive_on_ = false, switched_on_ = false,

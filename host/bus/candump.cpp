@@ -134,6 +134,12 @@ TimeFrom parse_candump(std::string_view line, LogFrame& out) {
   text::skip_spaces(rest);
   if (rest.empty() && stamp == TimeFrom::none)
     throw DataError(quoted(line) + "; expected (SECONDS) INTERFACE ID#DATA");
+  // "read: Network is down", "can0: interface down".
+  if (stamp == TimeFrom::none && interface.ends_with(':'))
+    throw DataError(
+        quoted(line) +
+        " is a program's message, not a frame; if the interface failed there, frames are missing: "
+        "look at it with ip -details -statistics link show can0, and record again");
   if (rest.empty())
     throw DataError("interface " + quoted(interface) +
                     "; expected a name of up to 64 characters and a frame");
@@ -147,6 +153,10 @@ TimeFrom parse_candump(std::string_view line, LogFrame& out) {
     parse_log_frame(word, hash, out);
     return stamp;
   }
+  // Without a time it is a screen's line if it has an id.
+  if (stamp == TimeFrom::none && !is_direction(word) &&
+      !(text::all_hex(word) && (word.size() == 3 || word.size() == 8)))
+    throw DataError(quoted(line) + "; expected (SECONDS) INTERFACE ID#DATA");
   text::skip_spaces(rest);
   if (rest.empty()) throw DataError("frame " + quoted(word) + "; expected ID#DATA");
   if (is_direction(word)) {

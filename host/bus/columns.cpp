@@ -74,7 +74,7 @@ void add_joint(Arrangement& a, const Node& node, const JointDrive& j, const std:
   a.columns.push_back({"torque" + middle + "_nm", node.name, odrive ? "Get_Torques" : "Reply",
                        odrive ? "Torque_Estimate" : "Torque", j.ratio, 0.0, Join::between, false});
   a.columns.push_back({"torque_cmd" + middle + "_nm", node.name, odrive ? "Set_Input_Torque" : "Command",
-                       "Torque", j.ratio, 0.0, Join::hold, false});
+                       "Torque", j.ratio, 0.0, Join::acting, false});
 }
 
 void add_joints(Arrangement& a, const std::vector<Node>& nodes, const std::vector<JointDrive>& joints) {
@@ -190,6 +190,7 @@ Arrangement arrange(std::string_view rig, const std::vector<Node>& nodes,
     std::erase_if(a.columns, [&](const Column& old) { return old.name == c.name; });
     std::erase_if(a.calibrations, [&](const Calibration& old) { return old.column == c.name; });
     a.columns.push_back(c);
+    if (rig != "hopper" && c.join == Join::hold) a.columns.back().join = Join::acting;
     // The tick's own message gives its values to their row.
     if (c.node == a.tick_node && c.message == a.tick_message) a.columns.back().join = Join::tick;
   }

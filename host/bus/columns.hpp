@@ -6,12 +6,14 @@
 #include <string_view>
 #include <vector>
 
+#include "host/bus/answers.hpp"
 #include "host/bus/nodes.hpp"
 
 namespace furcula::bus {
 
 enum class Join : std::uint8_t {
-  hold,  ///< a command: from the row in which it was sent on, until the next one
+  hold,  ///< a command, where a row is a tick of who sends it: from the row in which it was sent on, until the next one
+  acting,  ///< a command: the mean of what acted from the row to the next; of a whole number, what acted longest
   tick,  ///< measured once a tick: of the row in which its frame came; of a lost one, on the line between its neighbours
   between,  ///< measured at its frame's stamp: on the line between the frames before and behind the row
   step,     ///< a switch that is told now and then: a change is in the middle of the two frames around it
@@ -38,8 +40,9 @@ struct Arrangement {
   std::vector<Column> columns;
   std::vector<Calibration> calibrations;
   std::string tick_node, tick_message;
-  std::string drive_node;      ///< commands of 0 where it is switched off
-  bool only_while_on = false;  ///< rows with this drive off are left out: somebody holds the robot
+  std::string drive_node;            ///< commands of 0 where it is switched off
+  bool only_while_on = false;        ///< rows with this drive off are left out: somebody holds the robot
+  std::vector<Answer> answers = {};  ///< of the columns' messages, as the recording tells
 };
 
 /// A robot's joint and the drive at it.

@@ -1,6 +1,7 @@
 // Decoding, see decoder.hpp.
 #include "host/bus/decoder.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <cstdio>
 
@@ -49,7 +50,7 @@ Decoder::Decoder(std::vector<Node> nodes) : nodes_(std::move(nodes)) {
   messages_ = messages_of(nodes_);
 }
 
-void Decoder::count(Counts& counts, const LogFrame& frame) {
+void Undecoded::count_id(Counts& counts, const LogFrame& frame) {
   const std::string id = id_text(frame.frame);
   const auto known = counts.find(id);
   if (known != counts.end())
@@ -58,25 +59,27 @@ void Decoder::count(Counts& counts, const LogFrame& frame) {
     ++counts[counts.size() < kMostIds ? id : "others"];
 }
 
-void Decoder::decode(const LogFrame& in, std::string& rows) {
+void Undecoded::count(const LogFrame& in, const std::vector<NodeMessage>& messages) {
   const Frame& frame = in.frame;
   if (in.error || frame.remote || in.longer) {
     ++(in.error ? error_ : in.longer ? longer_ : remote_);
     return;
   }
-  const NodeMessage* found = nullptr;
-  bool id_known = false;
-  for (const NodeMessage& m : messages_) {
+  const bool id_known = std::any_of(messages.begin(), messages.end(), [&](const NodeMessage& m) {
     // Who a message of a shared id is from stands in its first byte.
     const bool same_node = m.message->rule != IdRule::fixed || frame.size == 0 || frame.data[0] == m.node->id;
-    id_known = id_known || (m.id == frame.id && !frame.extended && same_node);
-    if (is(frame, *m.message, m.node->id)) {
-      found = &m;
-      break;
-    }
-  }
-  if (found == nullptr) {
-    count(id_known ? wrong_length_ : unknown_, in);
+    return m.id == frame.id && !frame.extended && same_node;
+  });
+  count_id(id_known ? wrong_length_ : unknown_, in);
+}
+
+void Decoder::decode(const LogFrame& in, std::string& rows) {
+  const Frame& frame = in.frame;
+  const auto found = std::find_if(messages_.begin(), messages_.end(), [&](const NodeMessage& m) {
+    return !in.error && !in.longer && is(frame, *m.message, m.node->id);
+  });
+  if (found == messages_.end()) {
+    undecoded_.count(in, messages_);
     return;
   }
   ++decoded_;
@@ -106,7 +109,7 @@ void Decoder::decode(const LogFrame& in, std::string& rows) {
   }
 }
 
-std::string Decoder::remarks() const {
+std::string Undecoded::remarks() const {
   std::string out;
   const auto add = [&](std::uint64_t n, const std::string& what) {
     if (n != 0) out += std::to_string(n) + (n == 1 ? " frame " : " frames ") + what + "\n";

@@ -37,7 +37,7 @@ Record with `candump -L can0 > can.log`. What is read:
 | Vector's text, `.asc` | CANoe, CANalyzer, `log2asc`, python-can |
 
 - Frames of CAN FD and CAN XL, remote frames, error frames, unknown ids and wrong lengths are counted and not decoded.
-- A line that is no frame is left out, and the first three are named. A torn last line is left out and said. More than 3 and a twentieth of the lines, or as many as there are frames, are status 3.
+- A line that is no frame is left out, and the first three are named; of programs' messages (`read: Network is down`) it is said what to look at. A torn last line is left out and said. More than 3 and a twentieth of the lines, or as many as there are frames, are status 3.
 - Stamps of `-tz` and `-td` look alike: they are taken as differences where most are smaller than an earlier one. A recording without time stamps is status 3.
 - Other files (`.blf`, `.mf4`, `.trc`, `.pcap`, UTF-16, compressed ones) are status 3, with the way to convert them.
 
@@ -61,7 +61,15 @@ Other machines:
     furcula bus log can.log --out run.csv --rig tree --joint knee=Knee --joint hip=Axis:-6      # turns of the motor to one of the joint
     furcula bus log can.log --out run.csv --rig motor_axis --column position_m=Axis.Get_Encoder_Estimates.Position*0.01 --column force_n=Axis.Set_Input_Torque.Torque*628.3
 
-A row is then a reply of the first drive; values of the others are interpolated to its stamp. `--column NAME=NODE.MESSAGE.SIGNAL*SCALE+OFFSET` adds a column or takes the place of one.
+A row is then a reply of the first drive, and values of the others are interpolated to its instant:
+
+- **When a reply was measured.** If a drive answers, it was measured when it was asked: at the stamp of the command, or of the remote frame that asks an ODrive. A message is taken for an answer if, but for a twentieth of its frames, one frame to its node came since the frame before it, within 1 ms, and nearer to this frame than to the one before. What is sent at times of its own was measured at its own stamp. The command says which message answers which.
+- **Commands.** A row holds what acted from the row to the next: the mean over this time, which gives the same impulse, wherever in it the commands came. Of a whole number (a mode, a switch) it is what acted longest. A lost command's row holds the one before.
+- **An ODrive that does not send `Get_Torques`** is refused on a `rotary_joint`, with the signal of the recording that can stand for it: `--column torque_nm=Axis.Set_Input_Torque.Torque`. Then what the drive does wrong counts as the robot's.
+
+Frames of CAN FD, remote and error frames, unknown ids and wrong lengths are counted, as by `furcula bus decode`.
+
+`--column NAME=NODE.MESSAGE.SIGNAL*SCALE+OFFSET` adds a column or takes the place of one.
 
 ## Rules
 )";

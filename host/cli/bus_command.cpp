@@ -174,6 +174,14 @@ std::string read_frames(const std::string& path, const std::function<void(const 
   return reader.remarks();
 }
 
+/// Lines as one remark behind a message; nothing where there are none.
+std::string in_brackets(std::string lines) {
+  if (lines.empty()) return lines;
+  lines.pop_back();
+  for (std::size_t i = 0; (i = lines.find('\n', i)) != lines.npos; i += 2) lines.replace(i, 1, "; ");
+  return " (" + lines + ")";
+}
+
 void make_log(const BusOptions& options) {
   namespace fs = std::filesystem;
   std::error_code ignored;
@@ -197,11 +205,15 @@ void make_log(const BusOptions& options) {
   }
   std::vector<std::string> notes;
   bus::Survey survey(finder, arrangement);
-  const std::string remarks = read_frames(options.log, [&](const bus::LogFrame& f) { survey.add(f); });
+  bus::Undecoded undecoded;
+  const std::string remarks = read_frames(options.log, [&](const bus::LogFrame& f) {
+    survey.add(f);
+    if (finder.find(f) == nullptr) undecoded.count(f, finder.messages());
+  });
   try {
     arrangement = survey.finish(notes);
   } catch (const core::DataError& e) {
-    throw core::DataError(options.log + ": " + e.what());
+    throw core::DataError(options.log + ": " + e.what() + in_brackets(undecoded.remarks()));
   }
   std::string header = "# format: furcula-log/1\n# rig: " + arrangement.rig + "\ntime_s";
   for (const bus::Column& c : arrangement.columns) header += "," + c.name;
@@ -215,7 +227,7 @@ void make_log(const BusOptions& options) {
   if (files.short_runs() != 0)
     notes.push_back(std::to_string(files.short_runs()) + " run(s) of fewer than " +
                     std::to_string(RunFiles::kFewestRows) + " rows are left out");
-  std::string all = remarks;
+  std::string all = remarks + undecoded.remarks();
   for (const std::string& note : notes) all += note + "\n";
   if (written.empty())
     throw core::DataError(

@@ -32,6 +32,30 @@ bus::Arrangement hopper(const bus::MessageFinder& finder) {
                       {bus::parse_column("height_m=Rail.Sample.Count*0.0001+0.1", finder.messages())});
 }
 
+/// Rows of a robot's two drives, by what the recording tells of them.
+void make_joints(const std::vector<bus::LogFrame>& frames, const bus::MessageFinder& finder) {
+  bus::Arrangement wanted =
+      bus::arrange("tree", bus::usual_nodes(), {{"knee", "Knee"}, {"hip", "Axis", -6.0}},
+                   {bus::parse_column("mode=Axis.Set_Controller_Mode.Control_Mode", finder.messages())});
+  for (bus::Column& c : wanted.columns) c.required = false;
+  bus::Survey survey(finder, wanted);
+  for (const bus::LogFrame& f : frames) survey.add(f);
+  std::vector<std::string> notes;
+  try {
+    const bus::Arrangement found = survey.finish(notes);
+    double last_s = -1.0;
+    bus::RowMaker maker(finder, found, [&](std::size_t, const std::vector<double>& row) {
+      for (const double value : row) require(value - value == 0.0, "a row holds numbers");
+      require(row.front() > last_s, "time goes on");
+      last_s = row.front();
+    });
+    for (const bus::LogFrame& f : frames) maker.add(f);
+    maker.finish();
+    maker.notes();
+  } catch (const core::DataError&) {  // no such robot's
+  }
+}
+
 }  // namespace
 
 bool accepts(std::string_view input) {
@@ -53,6 +77,7 @@ bool accepts(std::string_view input) {
   core::TextSource source(input);
   bus::RecordingReader reader(source, "input");
   std::string rows;
+  std::vector<bus::LogFrame> frames;
   try {
     bus::LogFrame frame;
     while (reader.next(frame)) {
@@ -62,6 +87,7 @@ bool accepts(std::string_view input) {
       check_signals(frame.frame, messages);
       survey.add(frame);
       maker.add(frame);
+      frames.push_back(frame);
       rows.clear();
       decoder.decode(frame, rows);
     }
@@ -77,6 +103,7 @@ bool accepts(std::string_view input) {
   }
   decoder.remarks();
   reader.remarks();
+  make_joints(frames, finder);
   return true;
 }
 

@@ -10,6 +10,7 @@
 #include "host/model/writer.hpp"
 #include "host/sim/mystery.hpp"
 #include "tests/host/bus/hopper_bus.hpp"
+#include "tests/host/bus/polled_drive.hpp"
 #include "tests/host/cli/run_program.hpp"
 #include "tests/host/error_message.hpp"
 
@@ -48,10 +49,8 @@ struct Made {
   std::vector<std::string> notes;
 };
 
-Made log_of(const std::vector<LogFrame>& frames, const std::vector<JointDrive>& joints = {}) {
+Made made_of(const std::vector<LogFrame>& frames, const MessageFinder& finder, const Arrangement& wanted) {
   Made made;
-  const MessageFinder finder(usual_nodes());
-  const Arrangement wanted = arrange("hopper", usual_nodes(), joints, {});
   Survey survey(finder, wanted);
   for (const LogFrame& f : frames) survey.add(f);
   const Arrangement found = survey.finish(made.notes);
@@ -66,6 +65,35 @@ Made log_of(const std::vector<LogFrame>& frames, const std::vector<JointDrive>& 
   rows.finish();
   for (const std::string& note : rows.notes()) made.notes.push_back(note);
   return made;
+}
+
+Made log_of(const std::vector<LogFrame>& frames, const std::vector<JointDrive>& joints = {}) {
+  const MessageFinder finder(usual_nodes());
+  return made_of(frames, finder, arrange("hopper", usual_nodes(), joints, {}));
+}
+
+/// A rotary_joint of the ODrive, driven by its set points.
+Made joint_of(const std::vector<LogFrame>& frames, const std::vector<std::string>& more = {}) {
+  const MessageFinder finder(usual_nodes());
+  std::vector<Column> columns{parse_column("torque_nm=Axis.Set_Input_Torque.Torque", finder.messages())};
+  for (const std::string& text : more) columns.push_back(parse_column(text, finder.messages()));
+  return made_of(frames, finder, arrange("rotary_joint", usual_nodes(), {{"angle", "Axis"}}, columns));
+}
+
+/// By how much a row's torque is off from what acted from the row's measurement to the next one's, at most.
+double largest_error_nm(const test::PolledDrive::Truth& truth, const log::Log& log) {
+  double largest = 0.0;
+  for (std::size_t row = 0, k = 0; row + 1 < log.rows(); ++row) {
+    // The row's own measurement: that angle, to the digits of a 32-bit number of turns.
+    while (k + 1 < truth.angle_rad.size() && std::abs(truth.angle_rad[k] - log.at("angle_rad")[row]) > 2e-7)
+      ++k;
+    REQUIRE(k + 1 < truth.angle_rad.size());
+    const double acted_nm = (truth.impulse_nms[k + 1] - truth.impulse_nms[k]) * 1e9 /
+                            static_cast<double>(truth.measured_ns[k + 1] - truth.measured_ns[k]);
+    largest = std::max(largest, std::abs(log.at("torque_nm")[row] - acted_nm));
+    ++k;
+  }
+  return largest;
 }
 
 std::vector<LogFrame> frames_of(const test::HopperBus& bus, const log::Log& log) {
@@ -242,7 +270,7 @@ TEST_CASE("joints and columns are taken from options, and what is wrong with one
 }
 
 TEST_CASE("two drives of a tree share the instants of the first, and angles of an ODrive become radians") {
-  // Both joints turn at a constant rate, so that the line between two replies is exact.
+  // Both joints turn at a constant rate, so that the line between two replies is exact. A reply tells of when its command came.
   const test::TemporaryFolder folder;
   std::string text;
   for (int i = 0; i < 200; ++i) {
@@ -255,8 +283,8 @@ TEST_CASE("two drives of a tree share the instants of the first, and angles of a
         put(command, with_range(table::kMotorCommand[4], info(Motor::ak80_9)), i < 100 ? 1.0f : -2.0f));
     write(t, command);
     Frame reply = empty_frame(message::kMotorReply, 1);
-    static_cast<void>(put(reply, with_range(table::kMotorReply[1], info(Motor::ak80_9)),
-                          static_cast<float>(2.0 * (t + 0.0002))));
+    static_cast<void>(
+        put(reply, with_range(table::kMotorReply[1], info(Motor::ak80_9)), static_cast<float>(2.0 * t)));
     write(t + 0.0002, reply);
     Frame axis = empty_frame(message::kOdriveEncoderEstimates, 2);
     static_cast<void>(put(axis, table::kOdriveEncoderEstimates[0], static_cast<float>(0.25 * (t + 0.0007))));
@@ -279,6 +307,153 @@ TEST_CASE("two drives of a tree share the instants of the first, and angles of a
   CHECK(log.at("torque_cmd_upper_nm").front() == Approx(1.0).margin(0.01));
   CHECK(log.at("torque_cmd_upper_nm").back() == Approx(-2.0).margin(0.01));
   CHECK_THAT(ran.err, Contains("torque_fore_nm is left out: no frame of Axis_Get_Torques (id 0x05C)"));
+}
+
+TEST_CASE("a row holds what acted from it to the next, whichever of command and measurement comes first") {
+  // Stamps are whole steps of the truth, so that 32-bit torques of a few N m are all that is rounded.
+  constexpr double kRoundedNm = 1e-6;
+  test::PolledDrive answers;  // each set point is answered 0.3 ms later, with what was measured when it came
+  answers.measured_ns = 300'000;
+  test::PolledDrive asked = answers;  // by remote frames
+  asked.measured_ns = 200'000;
+  asked.asked_ns = 200'000;
+  test::PolledDrive behind;  // the set point is made of the estimate, 0.3 ms later
+  behind.command_ns = 300'000;
+  behind.state_ns = 0;
+  test::PolledDrive middle;  // both in periods of their own, which stay half a period apart
+  middle.state_ns = 2'500'000;
+  test::PolledDrive free = middle;  // clocks that are 0.8 % apart pass through each other
+  free.state_period_ns = 5'040'000;
+  test::PolledDrive often = middle;  // five set points an estimate, always 0.3 ms before it
+  often.command_period_ns = 1'000'000;
+  often.state_ns = 300'000;
+  test::PolledDrive seldom = middle;  // a set point every ten estimates
+  seldom.state_period_ns = 500'000;
+  seldom.state_ns = 200'000;
+  for (const test::PolledDrive& drive : {answers, asked, behind, middle, free, often, seldom}) {
+    INFO(drive.command_ns << " " << drive.state_ns << " " << drive.asked_ns << " " << drive.state_period_ns);
+    const test::PolledDrive::Truth truth = drive.run(4.0);
+    const Made made = joint_of(truth.frames);
+    REQUIRE(made.runs.size() == 1);
+    CHECK(made.runs[0].rows() >= truth.angle_rad.size() - 2);
+    CHECK(largest_error_nm(truth, made.runs[0]) < kRoundedNm);
+    const bool answered = drive.measured_ns != 0;
+    CHECK((all(made.notes).find("answers") != std::string::npos) == answered);
+  }
+  CHECK_THAT(all(joint_of(answers.run(1.0).frames).notes),
+             Contains("Axis_Get_Encoder_Estimates answers Axis_Set_Input_Torque after 0.3 ms"));
+  CHECK_THAT(all(joint_of(asked.run(1.0).frames).notes), Contains("answers remote frames after 0.2 ms"));
+}
+
+TEST_CASE("a diagnosis of a drive's recording names no delay that the drive does not have, in either order") {
+  const test::TemporaryFolder folder;
+  const std::string model = folder.file("model.toml",
+                                        "[model]\nkind = \"rotary_joint\"\nschema = 1\n[parameters]\n"
+                                        "inertia_kgm2 = 0.05\ngravity_torque_nm = 1.5\ndamping_nmspr = 0.1\n"
+                                        "[free]\ninertia_kgm2 = [0.02, 0.1]\ndamping_nmspr = [0.0, 0.5]\n");
+  test::PolledDrive answers, behind;
+  answers.measured_ns = 300'000;
+  behind.command_ns = 300'000;
+  behind.state_ns = 0;
+  for (test::PolledDrive drive : {answers, behind}) {
+    drive.counts_per_turn = 8192.0;
+    std::string text;
+    for (const LogFrame& f : drive.run(8.0).frames) text += format_candump(f);
+    const std::string out = folder.path() + "/axis.csv";
+    REQUIRE(
+        test::run_furcula({"bus", "log", folder.file("axis.log", text), "--rig", "rotary_joint", "--joint",
+                           "angle=Axis", "--column", "torque_nm=Axis.Set_Input_Torque.Torque", "--out", out})
+            .status == 0);
+    const test::Ran found =
+        test::run_furcula({"diagnose", "--model", model, "--out", folder.path() + "/found", out});
+    INFO(found.out << found.err);
+    // The friction that it has, and no other cause.
+    CHECK_THAT(found.out + found.err,
+               Contains("The model lacks dry friction (coulomb_friction: 0.12 N m): with it"));
+    CHECK_THAT(found.out + found.err, !Contains("actuator_delay"));
+  }
+}
+
+TEST_CASE("a lost command leaves the rows where they were, and the one before it acts on") {
+  test::PolledDrive drive;
+  drive.measured_ns = 300'000;
+  const Made whole = joint_of(drive.run(2.0).frames);
+  drive.command_comes = [](std::size_t i) { return i % 50 != 20; };
+  const Made lost = joint_of(drive.run(2.0).frames);
+  REQUIRE(lost.runs.at(0).rows() == whole.runs.at(0).rows());
+  CHECK(largest_difference(lost.runs[0].at("time_s"), whole.runs[0].at("time_s")) < 1e-9);
+  const std::vector<double>& u = lost.runs[0].at("torque_nm");
+  for (std::size_t row = 20; row < u.size(); row += 50) CHECK(u[row] == u[row - 1]);
+  CHECK_THAT(all(lost.notes), Contains("8 rows without a frame of Axis_Set_Input_Torque: torque_nm holds"));
+}
+
+TEST_CASE("a command that is a whole number is what acted longest, not a mean") {
+  test::PolledDrive drive;
+  drive.state_ns = 2'000'000;
+  std::vector<LogFrame> frames = drive.run(1.0).frames;
+  for (const double change_s : {0.2, 0.6}) {
+    Frame mode = empty_frame(message::kOdriveControllerMode, 2);
+    static_cast<void>(put_raw(mode, table::kOdriveControllerMode[0], change_s < 0.5 ? 1 : 3));
+    const LogFrame f{1'000'000'000 + std::llround(change_s * 1e9), "can0", mode};
+    frames.insert(
+        std::upper_bound(frames.begin(), frames.end(), f,
+                         [](const LogFrame& a, const LogFrame& b) { return a.time_ns < b.time_ns; }),
+        f);
+  }
+  const Made made = joint_of(frames, {"mode=Axis.Set_Controller_Mode.Control_Mode"});
+  REQUIRE(made.runs.at(0).rows() > 100);
+  for (const double mode : made.runs[0].at("mode")) CHECK((mode == 1.0 || mode == 3.0));
+}
+
+TEST_CASE("an answer that comes behind others' is joined at the instant of which it tells") {
+  // Both are asked at once, the second one first, and answer in the other order.
+  const std::vector<Node> nodes{{"A", Protocol::mini_cheetah, 1, Motor::ak80_9},
+                                {"B", Protocol::mini_cheetah, 2, Motor::ak80_9}};
+  std::vector<LogFrame> frames;
+  for (int i = 0; i < 300; ++i) {
+    const auto send = [&](int node, double at_s, bool reply, double told_s) {
+      const auto id = static_cast<std::uint8_t>(node);
+      Frame f = empty_frame(reply ? message::kMotorReply : message::kMotorCommand, id);
+      const auto& position = reply ? table::kMotorReply[1] : table::kMotorCommand[0];
+      static_cast<void>(put(f, with_range(position, info(Motor::ak80_9)), static_cast<float>(told_s)));
+      frames.push_back({std::llround((1.0 + at_s) * 1e9), "can0", f});
+    };
+    const double t = 0.002 * i;
+    send(1, t, false, 0.0);
+    send(2, t + 0.0001, false, 0.0);
+    send(2, t + 0.00025, true, t + 0.0001);
+    send(1, t + 0.0004, true, t);
+  }
+  const MessageFinder finder(nodes);
+  const Made made = made_of(frames, finder, arrange("tree", nodes, {{"a", "A"}, {"b", "B"}}, {}));
+  const log::Log& log = made.runs.at(0);
+  CHECK(log.rows() >= 298);
+  // Steps of the position are 25 rad / 65535.
+  CHECK(largest_difference(log.at("angle_a_rad"), log.at("angle_b_rad")) < 0.0004);
+}
+
+TEST_CASE("a drive that does not tell its torque is logged by the line that the message has") {
+  const test::TemporaryFolder folder;
+  std::string text;
+  for (const LogFrame& f : test::PolledDrive{}.run(1.0).frames) text += format_candump(f);
+  text += "(2.000000) can0 20000004#0004000000000000\n(2.000000) can0 04E##11122334455667788990011\n";
+  const std::string recording = folder.file("axis.log", text), out = folder.path() + "/axis.csv";
+  const std::vector<std::string> command{"bus",     "log",           recording, "--rig", "rotary_joint",
+                                         "--joint", "angle=Axis:-8", "--out",   out};
+  const test::Ran refused = test::run_furcula(command);
+  CHECK(refused.status == 3);
+  const std::string line = "torque_nm=Axis.Set_Input_Torque.Torque*-8";
+  CHECK_THAT(refused.err,
+             Contains("no frame of Axis_Get_Torques (id 0x05C)") && Contains("--column " + line + ";"));
+  std::vector<std::string> again = command;
+  again.insert(again.end(), {"--column", line});
+  const test::Ran ran = test::run_furcula(again);
+  INFO(ran.err);
+  CHECK(ran.status == 0);
+  // As decode counts them.
+  CHECK_THAT(ran.err,
+             Contains("1 frame of CAN FD, not decoded") && Contains("1 frame reporting an error of the bus"));
+  CHECK_THAT(refused.err, Contains("1 frame of CAN FD, not decoded"));
 }
 
 TEST_CASE("furcula bus log writes logs that check reads, and ends with the contract's statuses") {

@@ -90,6 +90,14 @@ TEST_CASE("an odd line costs itself alone and is named") {
   CHECK(r.frames.size() == 6);
   CHECK(r.remarks ==
         "1 line that is no frame was left out: line 4: 'what'; expected (SECONDS) INTERFACE ID#DATA\n");
+  // candump's own words, where the screen went into a file with its errors.
+  CHECK_THAT(read(good_lines(3) + "read: Network is down\n" + good_lines(3)).remarks,
+             Contains("line 4: 'read: Network is down' is a program's message, not a frame") &&
+                 Contains("ip -details -statistics link show"));
+  CHECK_THAT(read(good_lines(3) + "can0: interface down\n" + good_lines(3)).remarks,
+             Contains("is a program's message"));
+  CHECK_THAT(read(good_lines(3) + "[ 12.3] bus is off\n" + good_lines(3)).remarks,
+             Contains("line 4: '[ 12.3] bus is off'; expected (SECONDS) INTERFACE ID#DATA"));
   // The first of a recording that was cut, and two that were written into each other.
   CHECK(read("00123) can0 123#00\n" + good_lines(3)).frames.size() == 3);
   CHECK(read(good_lines(2) + "(0.00(0.000002) can0 123#00\n" + good_lines(2)).frames.size() == 4);
