@@ -191,8 +191,8 @@ class Reader {
       return std::nullopt;
     }
     fail(name_, where,
-         who + ": no joint " + core::quoted(joint) + " that moves" + why_held(joint) + "; expected one of " +
-             core::listed(names) + core::did_you_mean(joint, names));
+         who + ": no joint " + core::quoted(joint) + " that moves; expected one of " + core::listed(names) +
+             (why_held(joint).empty() ? core::did_you_mean(joint, names) : why_held(joint)));
   }
   /// " (why)", of a joint of the robot that does not move because the model file or the URDF says so; else nothing.
   std::string why_held(const std::string& joint) const {
@@ -461,9 +461,9 @@ class Reader {
     }
     if (!at)
       fail(name_, source,
-           where + ": no " + std::string(name(e.seat)) + " " + core::quoted(site) +
-               (is_of_joints(e.seat) ? why_held(site) : "") + "; expected one of " + core::listed(views) +
-               core::did_you_mean(site, views));
+           where + ": no " + std::string(name(e.seat)) + " " + core::quoted(site) + "; expected one of " +
+               core::listed(views) + core::did_you_mean(site, views) +
+               (is_of_joints(e.seat) ? why_held(site) : ""));
     const bool linear = is_linear(model_, e.seat, *at);
     const toml::table& table = core::table(node, name_, where);
     std::vector<std::string_view> known;
