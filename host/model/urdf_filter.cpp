@@ -719,7 +719,7 @@ class Filter {
     // "pr2_mechanism_model/SimpleTransmission", "transmission_interface/FourBarLinkageTransmission"
     const std::string_view law = type.substr(type.find_last_of("/:") + 1);
     if (!law.empty() && law.find("imple") == law.npos)
-      unread("more than a reduction of a <transmission> of the type " + quoted(law), elements_[at]);
+      unread("a <transmission> of the type " + quoted(law) + " (it does more than reduce)", elements_[at]);
     if (is_transmission || any)
       for (const std::string& name : unknown)
         unread(is_transmission ? "a <transmission>" : "a reduction", "unknown joint", name);

@@ -139,7 +139,7 @@ class Chooser {
     for (const bool prismatic : {false, true}) {
       Names n = names(all, prismatic);
       if (n.ours.empty() || n.theirs.empty()) continue;
-      for (std::size_t way = 0; way < Likeness::kWays; ++way) {
+      for (std::size_t way = 0; way < Likeness::kAsked; ++way) {
         std::vector<std::pair<std::size_t, std::size_t>> pairs;
         std::set<std::vector<std::string>> sides;
         for (std::size_t i = 0; i < n.ours.size(); ++i)
@@ -149,7 +149,7 @@ class Chooser {
               sides.insert(Likeness::further_sides(n.ours[i], n.theirs[*k]));
             }
         // A side that names of one robot leave out is one: "hip" and "knee" are not "left_hip" and "right_knee".
-        if (way + 1 == Likeness::kWays && sides.size() > 1) continue;
+        if (way + 1 == Likeness::kAsked && sides.size() > 1) continue;
         for (const auto& [i, k] : pairs) {
           out_.logged.emplace(n.ours[i].name(), n.theirs[k].name());
           n.ours_left[i] = n.theirs_left[k] = false;
@@ -215,6 +215,19 @@ class Chooser {
       }
     }
     if (!lines.empty()) set_lines(lines);
+    if (lines.empty() && out_.logged.empty()) show_form(all);
+  }
+  /// What a line looks like, where nothing tells which column is whose.
+  void show_form(const std::vector<std::string>& all) {
+    for (const bool prismatic : {false, true}) {
+      const Names n = names(all, prismatic);
+      if (n.ours.empty() || n.theirs.empty()) continue;
+      std::vector<std::string> theirs;
+      for (const JointName& name : n.theirs) theirs.push_back(quoted(name.name()));
+      out_.map_lines =
+          lines_for(n.ours.front().name(), "NAME", prismatic) + " with NAME one of " + listed(theirs);
+      return;
+    }
   }
   /// A log that counts from 0 joints that the URDF counts from 1 has columns of nearly all of them, and each is another's. Where it has a number
   /// before the first and lacks the last, all are wanted, and lines for a map file are given.
@@ -248,7 +261,7 @@ class Chooser {
     const std::size_t shown = std::min(kMost, lines.size());
     for (std::size_t i = 0; i < shown; ++i) out_.map_lines += (i == 0 ? "" : ", ") + lines[i];
     if (shown < lines.size())
-      out_.map_lines += " and " + std::to_string(lines.size() - shown) + " more such lines";
+      out_.map_lines += " and the like of " + std::to_string(lines.size() - shown) + " more joints";
   }
   static std::string needs(const UrdfJoint& j) {
     const auto [measured, told, set_point] = input_columns(j.name, slides(j));

@@ -44,17 +44,23 @@ bool begins(const std::string& a, const std::string& b) {
   if (is_digit(a.front()) || is_digit(b.front())) return a == b;
   return a.starts_with(b) || b.starts_with(a);
 }
-double letters_in_common(const std::string& a, const std::string& b) {
-  if (a == b) return 1.0;
-  if (is_digit(a.front()) || is_digit(b.front()) || a.front() != b.front()) return 0.0;
-  // Letters of the shorter one in their order, as "shldr" is of "shoulder"; all of them, else those that both begin with.
+/// "shldr" of "shoulder": the same first letter, and all letters of one in their order in the other.
+bool is_drawn_from(const std::string& a, const std::string& b) {
+  if (is_digit(a.front()) || is_digit(b.front())) return a == b;
+  if (a.front() != b.front()) return false;
   const std::string &less = a.size() < b.size() ? a : b, &more = a.size() < b.size() ? b : a;
   std::size_t at = 0;
   for (const char c : more)
     if (at < less.size() && less[at] == c) ++at;
-  if (at < less.size())
-    at = static_cast<std::size_t>(std::mismatch(less.begin(), less.end(), more.begin()).first - less.begin());
-  return static_cast<double>(at) / static_cast<double>(more.size());
+  return at == less.size();
+}
+double letters_in_common(const std::string& a, const std::string& b) {
+  if (is_digit(a.front()) || is_digit(b.front())) return a == b ? 1.0 : 0.0;
+  const std::string &less = a.size() < b.size() ? a : b, &more = a.size() < b.size() ? b : a;
+  const auto common = is_drawn_from(a, b)
+                          ? static_cast<std::ptrdiff_t>(less.size())
+                          : std::mismatch(less.begin(), less.end(), more.begin()).first - less.begin();
+  return static_cast<double>(common) / static_cast<double>(more.size());
 }
 
 }  // namespace
@@ -114,8 +120,10 @@ bool Likeness::alike(std::size_t way, const JointName& a, const JointName& b) {
     case 2:
       return a.sorted_ == b.sorted_;
     case 3:
+    case 5:
       return !a.bare_.empty() && a.sides_ == b.sides_ &&
-             std::equal(a.bare_.begin(), a.bare_.end(), b.bare_.begin(), b.bare_.end(), begins);
+             std::equal(a.bare_.begin(), a.bare_.end(), b.bare_.begin(), b.bare_.end(),
+                        way == 3 ? begins : is_drawn_from);
     default:
       return is_end_of(a.telling_, b.telling_) || is_end_of(b.telling_, a.telling_);
   }

@@ -28,12 +28,15 @@ class JointName {
 /// Ways in which two names are taken for one joint's, the surest first.
 class Likeness {
  public:
-  static constexpr std::size_t kWays = 5;
+  static constexpr std::size_t kWays = 6;
   /// From here on one name says less than the other, so that a third may be meant: they are taken only where no other name is as alike.
   static constexpr std::size_t kLessSaid = 3;
+  /// These say too little to take one name for the other unasked.
+  static constexpr std::size_t kAsked = 5;
 
   /// 0: the same words. 1: without "joint" and the like, also where words are written together. 2: in another order. 3: each word of one begins that
   /// of the other, "sh_p" and "shoulder_pitch". 4: one has further words in front, "robot/elbow" and "elbow".
+  /// 5: each word of one has the other's letters in their order, "shldr" and "shoulder".
   static bool alike(std::size_t way, const JointName& a, const JointName& b);
   /// The sides (left, right, front, rear) that one of two names alike by way 4 has and the other lacks.
   static std::vector<std::string> further_sides(const JointName& a, const JointName& b);

@@ -159,7 +159,7 @@ class Reader {
         if (j.name != model_.robot.joints[i].name) continue;
         if (j.rotor_inertia_kgm2 != 0.0 && model_.drives[i].rotor_inertia_kgm2 == 0.0)
           rotors.push_back("[drive." + toml_key(j.name) +
-                           "] rotor_inertia_kgm2 = " + core::toml_float(j.rotor_inertia_kgm2));
+                           "] rotor_inertia_kgm2 = " + core::rounded(j.rotor_inertia_kgm2, 6));
         if (j.spring_nmprad != 0.0 &&
             (!file_["spring"].is_table() || !file_["spring"].as_table()->contains(j.name)))
           springs.push_back("[spring." + toml_key(j.name) +
@@ -190,9 +190,11 @@ class Reader {
       of_held_[joint].push_back(who);
       return std::nullopt;
     }
+    std::vector<std::string_view> near = names;
+    for (const auto& [held, why] : held_) near.emplace_back(held);
     fail(name_, where,
          who + ": no joint " + core::quoted(joint) + " that moves; expected one of " + core::listed(names) +
-             (why_held(joint).empty() ? core::did_you_mean(joint, names) : why_held(joint)));
+             (why_held(joint).empty() ? core::did_you_mean(joint, near) : why_held(joint)));
   }
   /// " (why)", of a joint of the robot that does not move because the model file or the URDF says so; else nothing.
   std::string why_held(const std::string& joint) const {

@@ -515,7 +515,10 @@ TEST_CASE(
   CHECK(r.joints[1].reduction == 60.0);
   CHECK(r.joints[1].rotor_inertia_kgm2 == Approx(2e-5 * 3600.0));
   REQUIRE(r.notes.size() == 1);
-  CHECK_THAT(r.notes[0], Contains("<transmission> of the type 'FourBarLinkageTransmission' in line 7"));
+  CHECK_THAT(
+      r.notes[0],
+      Contains(
+          "<transmission> of the type 'FourBarLinkageTransmission' (it does more than reduce) in line 7"));
   for (const std::string type : {"pr2_mechanism_model/SimpleTransmission",
                                  "transmission_interface/SimpleTransmission", "SimpleTransmission"}) {
     CAPTURE(type);

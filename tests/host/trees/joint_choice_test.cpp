@@ -237,6 +237,17 @@ TEST_CASE("A joint whose column may be either of two is not held, it is asked fo
                  Contains("(or those of 'right_elbow')"));
 }
 
+TEST_CASE("A joint whose name is perhaps shortened in the log is not held, it is asked for") {
+  const JointChoice c = choose({"shoulder", "elbow", "gripper"}, angles({"shldr", "elbow"}));
+  CHECK(c.logged.empty());
+  CHECK(c.moving == std::vector<std::string>{"shoulder", "elbow"});
+  CHECK_THAT(c.map_lines, Contains("angle_shoulder_rad = { column = \"angle_shldr_rad\" }"));
+  // Where nothing is alike and the numbers differ: what a line looks like.
+  CHECK_THAT(
+      choose({"hip", "knee"}, angles({"u", "v", "w"})).map_lines,
+      Contains("angle_hip_rad = { column = \"angle_NAME_rad\" }") && Contains("NAME one of 'u', 'v', 'w'"));
+}
+
 TEST_CASE("The best assignment has the largest sum that any one has") {
   unsigned seed = 1;
   const auto next = [&seed] {
@@ -292,6 +303,10 @@ TEST_CASE("What a model file says of joints that the recordings leave out is not
   CHECK_THAT(model_of({"a", "f", "g>f"}, {{}, angles({"a", "f"}), false}, "[drive.f]\nlaw = \"torque\"\n")
                  .notes.back(),
              Contains("[drive.f]") && Contains("it is mimicked by 'g'"));
+  CHECK_THAT(test::error_message([&] {
+               model_of({"a", "wheel"}, {{}, angles({"a"}), false}, "[drive.whel]\nlaw = \"torque\"\n");
+             }),
+             Contains("no joint 'whel' that moves") && Contains("did you mean 'wheel'?"));
   // What the file itself holds is an error, which says so; and a key that is none.
   CHECK_THAT(test::error_message([&] {
                model_of({"a", "wheel"}, {}, "joints = [\"a\"]\n" + more);
