@@ -17,6 +17,7 @@
 #include "host/log/reader.hpp"
 #include "host/log/rigs.hpp"
 #include "host/model/reader.hpp"
+#include "host/trees/joint_choice.hpp"
 #include "host/trees/recording.hpp"
 
 namespace furcula::cli {
@@ -109,6 +110,9 @@ void run(const CheckOptions& options) {
       std::vector<std::string> of_robot;
       if (tree) {
         const log::Log log = log::read_log(path, own, map ? &*map : nullptr);
+        // Before what may refuse the log.
+        for (const std::string& note : trees::notes_on_held(*tree, {&log}))
+          std::cerr << core::printable(path) << ": note: " << core::printable(note) << "\n";
         for (const std::string& note : trees::recording_of(*tree, log).log_notes)
           if (std::find(log.notes.begin(), log.notes.end(), note) == log.notes.end())
             of_robot.push_back(note);

@@ -60,10 +60,10 @@ namespace {
 
 void run_on_tree(const RecordingOptions& o) {
   const Logs logs = read_logs(o, "tree");
-  const trees::TreeModel model = tree_model(o.model, {{}, columns_of(logs), o.accept_inertias}).value();
+  const trees::TreeModel model = tree_of(o, logs);
   const OutFolder folder(o.out);
   trees::Diagnosis d;
-  {
+  with_notes(model, [&] {
     Progress progress("diagnosing");
     trees::Options options;
     options.window_s = o.window(true);
@@ -71,7 +71,7 @@ void run_on_tree(const RecordingOptions& o) {
     options.trust_columns = o.trust_columns;
     options.progress = [&](double fraction, std::string_view doing) { progress.update(fraction, doing); };
     d = trees::diagnose(model, logs.training, logs.held_out, options);
-  }
+  });
   d.notes.insert(d.notes.begin(), model.notes.begin(), model.notes.end());
   trees::TreeModel extended = model;
   extended.drives = d.extended.drives;

@@ -28,10 +28,10 @@ struct IdentifyOptions : RecordingOptions {
 
 void run_on_tree(const IdentifyOptions& o) {
   const Logs logs = read_logs(o, "tree");
-  const trees::TreeModel model = tree_model(o.model, {{}, columns_of(logs), o.accept_inertias}).value();
+  const trees::TreeModel model = tree_of(o, logs);
   const OutFolder folder(o.out);
   trees::Identification found;
-  {
+  with_notes(model, [&] {
     Progress progress("identifying");
     trees::Options options;
     options.window_s = o.window(true);
@@ -39,7 +39,7 @@ void run_on_tree(const IdentifyOptions& o) {
     options.trust_columns = o.trust_columns;
     options.progress = [&](double fraction, std::string_view doing) { progress.update(fraction, doing); };
     found = trees::identify(model, logs.training, logs.held_out, options);
-  }
+  });
   found.notes = model.notes;
   // Fitted bodies are in a URDF of their own, which the model file then names.
   const bool bodies = !found.bodies.empty();

@@ -18,6 +18,7 @@
 #include "host/log/time_stamps.hpp"
 #include "host/machines/rules.hpp"
 #include "host/model/reader.hpp"
+#include "host/trees/joint_choice.hpp"
 
 namespace furcula::cli {
 
@@ -153,6 +154,15 @@ std::optional<trees::TreeModel> tree_model(const std::string& path, trees::TreeC
   }
   if (!trees::is_tree(text)) return std::nullopt;
   return trees::parse_tree_model(text, path, context);
+}
+
+trees::TreeModel tree_of(const RecordingOptions& options, const Logs& logs) {
+  trees::TreeModel model = tree_model(options.model, {{}, columns_of(logs), options.accept_inertias}).value();
+  std::vector<const log::Log*> all;
+  for (const auto* list : {&logs.training, &logs.held_out})
+    for (const log::Log& log : *list) all.push_back(&log);
+  for (std::string& note : trees::notes_on_held(model, all)) model.notes.push_back(std::move(note));
+  return model;
 }
 
 std::vector<std::string> columns_of(const Logs& logs) {

@@ -62,8 +62,22 @@ std::optional<trees::TreeModel> tree_model(const std::string& path, trees::TreeC
 /// The names of all columns of the logs.
 std::vector<std::string> columns_of(const Logs& logs);
 
+/// The model of a tree, its joints by what the logs have columns of; what else they say of joints that are held is among its notes. @throws core::DataError
+trees::TreeModel tree_of(const RecordingOptions& options, const Logs& logs);
+
 /// Prints what a model's URDF was taken for to standard error, a line each.
 void print_notes(const trees::TreeModel& model);
+
+/// Does the work. Where it throws, the model's notes are printed to standard error: they may be why, and no report has them.
+template <class Work>
+void with_notes(const trees::TreeModel& model, const Work& work) {
+  try {
+    work();
+  } catch (...) {
+    print_notes(model);
+    throw;
+  }
+}
 
 /// What `--accept-inertias` is.
 inline constexpr const char* kAcceptInertias =

@@ -231,6 +231,7 @@ class Reader {
     out.reduction = from.reduction;
     out.rotor_inertia_kgm2 = from.rotor_inertia_kgm2;
     out.spring_nmprad = from.spring_nmprad;
+    out.spring_rest_rad = from.spring_rest_rad;
     out.child = out_.links.size();
     add(*robot_->links_.at(joint.child_link_name));
     out_.joints.push_back(std::move(out));
@@ -644,14 +645,62 @@ JointInertia joint_inertia(const RobotModel& model, const RobotModel::Joints& q)
   return out;
 }
 
+/// Files that come in the place of a URDF when it is downloaded or linked: each with what to do.
+void refuse_other_files(std::string_view text, const std::string& name) {
+  constexpr std::string_view kBlank = " \t\r\n";
+  if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);
+  const std::size_t first = text.find_first_not_of(kBlank);
+  const auto refuse = [&](const std::string& what) {
+    const auto lines = std::count(
+        text.begin(), text.begin() + static_cast<std::ptrdiff_t>(std::min(first, text.size())), '\n');
+    fail(name + ":" + std::to_string(lines + 1), what);
+  };
+  if (first == text.npos)
+    refuse("the file has nothing but blanks, expected a robot (URDF); copy the robot's file here again");
+  std::string begin(text.substr(first, 4096));
+  std::transform(begin.begin(), begin.end(), begin.begin(),
+                 [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+  // Comments and the like may stand before the first element.
+  std::string_view rest = begin;
+  while (rest.starts_with("<!--") || rest.starts_with("<?")) {
+    const std::string_view end = rest.starts_with("<?") ? "?>" : "-->";
+    const std::size_t at = rest.find(end);
+    rest = at == rest.npos ? std::string_view{} : rest.substr(at + end.size());
+    rest.remove_prefix(std::min(rest.find_first_not_of(kBlank), rest.size()));
+  }
+  const auto is_tag = [&](std::string_view tag) {
+    return rest.starts_with(tag) &&
+           (rest.size() == tag.size() || std::string_view(" \t\r\n>/").find(rest[tag.size()]) != rest.npos);
+  };
+  if (is_tag("<!doctype html") || is_tag("<html") || is_tag("<head") || is_tag("<body"))
+    refuse(
+        "a web page (HTML), expected a URDF; it was downloaded from a page that shows the file: download the file itself "
+        "(\"Raw\" on the page, or git clone)");
+  if (begin.starts_with("version https://git-lfs"))
+    refuse("a pointer of Git LFS, expected a URDF; git lfs pull fetches the file itself");
+  if (begin.starts_with("404"))
+    refuse("the answer of a server that has no such file, " + quoted(text.substr(first, 40)) +
+           ", expected a URDF; download it again from its right address");
+  // What a link is where a system has none, or a page shows it.
+  const std::string_view line = text.substr(first, text.find_last_not_of(kBlank) + 1 - first);
+  if (line.size() < 256 && line.find_first_of("<> \t\r\n") == line.npos &&
+      (line.ends_with(".urdf") || line.ends_with(".xacro") || line.ends_with(".xml")))
+    refuse("nothing but a path, " + quoted(line) +
+           ", expected a URDF; the file is a link to that one: name that one in urdf of [model]");
+}
+
 }  // namespace
 
 Urdf parse_urdf(std::string_view text, const std::string& name) {
+  refuse_other_files(text, name);
   return Reader(filter_urdf(check_xml(text, name), name), name).read();
 }
 
 Urdf read_urdf(const std::string& path) {
-  return parse_urdf(core::read_small_file(path, "a robot (URDF)"), path);
+  return parse_urdf(core::read_small_file(path,
+                                          "a robot (URDF); copy the robot's file here again, or let xacro "
+                                          "write it, and see that urdf in [model] names it"),
+                    path);
 }
 
 RobotTree tree_of(const Urdf& robot, const std::vector<std::string>& moving,

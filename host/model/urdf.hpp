@@ -69,7 +69,8 @@ struct UrdfJoint {
   double reduction = 0.0;    ///< of its <transmission>, motor's speed over the joint's; 0: none is given
   double rotor_inertia_kgm2 =
       0.0;  ///< at the joint, by extensions of the format; 0: none is given. Not in the tree
-  double spring_nmprad = 0.0;  ///< likewise
+  double spring_nmprad = 0.0;    ///< likewise; it acts both ways
+  double spring_rest_rad = 0.0;  ///< where that spring is relaxed
 };
 
 /// What joins links beside the tree of joints: <loop_joint>, bushings and constraints of Drake, <joint> in <gazebo>.

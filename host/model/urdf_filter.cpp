@@ -179,9 +179,17 @@ class Filter {
   FilteredUrdf run() {
     const XmlElement& root = elements_.front();
     if (root.tag != "robot") {
-      const std::string_view what = root.tag == "sdf"      ? " (this is SDF; a converter makes a URDF of it)"
-                                    : root.tag == "mujoco" ? " (this is MJCF; a converter makes a URDF of it)"
-                                                           : "";
+      constexpr std::pair<std::string_view, std::string_view> kOthers[] = {
+          {"sdf", "SDF; a converter makes a URDF of it"},
+          {"mujoco", "MJCF; a converter makes a URDF of it"},
+          {"mujocoinclude", "a part of an MJCF file; a converter makes a URDF of the whole"},
+          {"COLLADA", "a mesh (COLLADA); the URDF is the file that names it"},
+          {"package",
+           "a package's description; the URDF is another file of the package, often in its folder urdf"},
+          {"launch", "a launch file; the URDF is the file that it loads"}};
+      std::string what = "; see that urdf in [model] names the robot's file";
+      for (const auto& [other, is] : kOthers)
+        if (root.tag == other) what = " (this is " + std::string(is) + ")";
       fail(root,
            "not a robot (URDF): the root element is " + tag(root) + ", expected <robot>" + std::string(what));
     }
@@ -192,7 +200,15 @@ class Filter {
     for (std::size_t i = 1; i < elements_.size(); ++i)
       if (elements_[i].depth == 1 && (elements_[i].tag == "joint" || elements_[i].tag == "drake:joint"))
         joint(i);
-    if (out_.links.empty()) fail(root, "not a robot (URDF): no <link>, expected links and joints");
+    if (out_.links.empty()) {
+      const bool groups = std::any_of(elements_.begin(), elements_.end(), [](const XmlElement& e) {
+        return e.depth == 1 &&
+               (e.tag == "group" || e.tag == "virtual_joint" || e.tag == "disable_collisions");
+      });
+      fail(root, std::string("not a robot (URDF): no <link>, expected links and joints") +
+                     (groups ? " (this is SRDF, MoveIt's groups of joints; name the URDF that it goes with)"
+                             : "; see that urdf in [model] names the robot's file"));
+    }
     check_tree();
     for (std::size_t i = 1; i < elements_.size(); ++i)
       if (elements_[i].depth == 1) other(i);
@@ -524,6 +540,8 @@ class Filter {
         j.rotor_inertia_kgm2 = *value;
       } else if (name == "spring_stiffness" || name == "stiffness") {
         j.spring_nmprad = *value;
+      } else if (name == "spring_reference") {
+        j.spring_rest_rad = *value;
       } else {
         unread(core::printable(name) + " of <dynamics>", "joint", who);
       }
@@ -631,7 +649,8 @@ class Filter {
   void transmission(std::size_t at, std::size_t end, bool is_transmission) {
     std::vector<FilteredJoint*> joints;
     std::vector<std::string> unknown;
-    double shared = 0.0, rotor = 0.0, gear = 1.0;
+    double shared = 0.0, rotor = 0.0, gear = 1.0, rotor_of_actuator = 0.0;
+    std::string_view type = is_transmission ? elements_[at].attribute("type") : std::string_view{};
     std::size_t shared_reductions = 0;
     bool any = false, coupled = false;
     FilteredJoint* inside = nullptr;  // of the <joint> that is open
@@ -682,9 +701,13 @@ class Filter {
       }
       if (is_reduction(e.tag) || (e.tag == "param" && is_reduction(e.attribute("name"))))
         reduction(value_of(e), tag(e), e);
+      if (is_transmission && type.empty() && (e.tag == "type" || e.tag == "plugin")) type = trimmed(e.text);
+      if (is_transmission && e.tag == "compensator") unread(tag(e) + " (a belt)", e);
       const auto value = number(value_of(e));
       if (!value) continue;
       if (e.tag == "drake:rotor_inertia" || e.tag == "rotor_inertia") rotor = *value;
+      if (e.tag == "rotorInertia" || (e.tag == "param" && e.attribute("name") == "rotor_inertia"))
+        rotor_of_actuator = *value;
       if (e.tag == "drake:gear_ratio" || e.tag == "gear_ratio") {
         if (*value == 0.0)
           unread(tag(e) + " " + quoted(value_of(e)) + " (no ratio)", e);
@@ -692,7 +715,11 @@ class Filter {
           gear = *value;
       }
     }
-    any |= rotor != 0.0 || gear != 1.0;
+    any |= rotor != 0.0 || gear != 1.0 || rotor_of_actuator != 0.0;
+    // "pr2_mechanism_model/SimpleTransmission", "transmission_interface/FourBarLinkageTransmission"
+    const std::string_view law = type.substr(type.find_last_of("/:") + 1);
+    if (!law.empty() && law.find("imple") == law.npos)
+      unread("a <transmission> of the type " + quoted(law) + " (it does more than reduce)", elements_[at]);
     if (is_transmission || any)
       for (const std::string& name : unknown)
         unread(is_transmission ? "a <transmission>" : "a reduction", "unknown joint", name);
@@ -703,7 +730,11 @@ class Filter {
         unread("a <transmission> with " + std::to_string(shared_reductions) + " reductions", elements_[at]);
       if (gear != 1.0 && joint.reduction == 0.0) joint.reduction = gear;
       joint.rotor_inertia_kgm2 += rotor * gear * gear;
-    } else if (coupled || (joints.size() > 1 && (shared_reductions > 0 || rotor != 0.0))) {
+      // An actuator's is on the motor's side of the reduction.
+      const double ratio = joint.reduction == 0.0 ? 1.0 : joint.reduction;
+      joint.rotor_inertia_kgm2 += rotor_of_actuator * ratio * ratio;
+    } else if (coupled ||
+               (joints.size() > 1 && (shared_reductions > 0 || rotor != 0.0 || rotor_of_actuator != 0.0))) {
       unread("a <transmission> that couples joints", elements_[at]);
     } else if (joints.empty() && unknown.empty() && any) {
       unread("a <transmission> of no joint", elements_[at]);
@@ -728,6 +759,7 @@ class Filter {
         mimic_plugin(i);
         i = end_of(i) - 1;
       } else if (inner.tag == "springStiffness" || inner.tag == "spring_stiffness" ||
+                 inner.tag == "springReference" || inner.tag == "spring_reference" ||
                  inner.tag == "friction" || inner.tag == "damping") {
         of_joint_in_gazebo(inner, joint, is_link);
       } else if ((inner.tag == "turnGravityOff" && (inner.text == "true" || inner.text == "1")) ||
@@ -758,6 +790,8 @@ class Filter {
     FilteredJoint* joint = joint_named(name);
     if (joint == nullptr) {
       if (!is_link) unread(tag(e) + " in <gazebo>", e);
+    } else if (e.tag == "springReference" || e.tag == "spring_reference") {
+      joint->spring_rest_rad = *value;
     } else if (e.tag.starts_with("spring")) {
       joint->spring_nmprad = *value;
     } else if (joint->kind != Kind::fixed) {

@@ -30,7 +30,8 @@ struct FilteredJoint {
   std::optional<UrdfLimits> limits;
   std::string limit_flaw;
   std::string mimics;
-  double damping = 0.0, friction = 0.0, reduction = 0.0, rotor_inertia_kgm2 = 0.0, spring_nmprad = 0.0;
+  double damping = 0.0, friction = 0.0, reduction = 0.0, rotor_inertia_kgm2 = 0.0, spring_nmprad = 0.0,
+         spring_rest_rad = 0.0;
 };
 
 struct FilteredUrdf {

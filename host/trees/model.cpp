@@ -48,6 +48,9 @@ class Reader {
     if (const toml::node* free = file_.get("free")) read_free(core::table(*free, name_, "[free]"));
     if (const toml::node* effects = file_.get("effect"))
       read_effects(core::table(*effects, name_, "[effect]"));
+    for (const auto& [joint, keys] : of_held_)
+      model_.notes.push_back("Not used: " + model::first_names(keys) + ". Joint " + core::quoted(joint) +
+                             " is held at 0: " + held_.at(joint) + ".");
     return std::move(model_);
   }
 
@@ -111,6 +114,7 @@ class Reader {
     model_.logged_names = std::move(choice.logged);
     model_.map_lines = std::move(choice.map_lines);
     model_.notes = std::move(choice.notes);
+    held_ = std::move(choice.held);
     model::TreeOptions options;
     options.accept_inertias = model_.accept_inertias;
     options.judge_motion = false;  // the rotors are not read yet
@@ -155,31 +159,74 @@ class Reader {
         if (j.name != model_.robot.joints[i].name) continue;
         if (j.rotor_inertia_kgm2 != 0.0 && model_.drives[i].rotor_inertia_kgm2 == 0.0)
           rotors.push_back("[drive." + toml_key(j.name) +
-                           "] rotor_inertia_kgm2 = " + core::toml_float(j.rotor_inertia_kgm2));
+                           "] rotor_inertia_kgm2 = " + core::rounded(j.rotor_inertia_kgm2, 6));
         if (j.spring_nmprad != 0.0 &&
             (!file_["spring"].is_table() || !file_["spring"].as_table()->contains(j.name)))
           springs.push_back("[spring." + toml_key(j.name) +
-                            "] stiffness_nmprad = " + core::toml_float(j.spring_nmprad));
+                            "] stiffness_nmprad = " + core::toml_float(j.spring_nmprad) +
+                            ", rest_rad = " + core::toml_float(j.spring_rest_rad));
       }
     if (!rotors.empty())
       model_.notes.push_back(
           "The URDF gives rotors an inertia, which is not used; the model file would say, at the joint: " +
           model::first_names(rotors) + ".");
     if (!springs.empty())
-      model_.notes.push_back("The URDF gives joints a spring, which is not used; the model file would say: " +
-                             model::first_names(springs) + " (with rest_rad).");
+      model_.notes.push_back(
+          "The URDF gives joints a spring, which is not used: missing torque may be this spring's. The model file would say: " +
+          model::first_names(springs) +
+          ". That spring pushes back above rest_rad alone, and the URDF's both ways: it is the same where the joint stays above rest_rad, "
+          "and a model file has no other.");
   }
 
-  std::size_t joint_named(const std::string& joint, const toml::source_region& where,
-                          const std::string& who) const {
+  /// The joint; none where it is held though the model file does not say so: then `who` is not used, and a note says why.
+  std::optional<std::size_t> joint_named(const std::string& joint, const toml::source_region& where,
+                                         const std::string& who) {
     std::vector<std::string_view> names;
     for (std::size_t i = 0; i < model_.joints(); ++i) {
       if (model_.robot.joints[i].name == joint) return i;
       names.emplace_back(model_.robot.joints[i].name);
     }
+    if (held_.contains(joint)) {
+      of_held_[joint].push_back(who);
+      return std::nullopt;
+    }
+    std::vector<std::string_view> near = names;
+    for (const auto& [held, why] : held_) near.emplace_back(held);
     fail(name_, where,
          who + ": no joint " + core::quoted(joint) + " that moves; expected one of " + core::listed(names) +
-             core::did_you_mean(joint, names));
+             (why_held(joint).empty() ? core::did_you_mean(joint, near) : why_held(joint)));
+  }
+  /// " (why)", of a joint of the robot that does not move because the model file or the URDF says so; else nothing.
+  std::string why_held(const std::string& joint) const {
+    for (const model::UrdfJoint& j : model_.urdf.joints) {
+      if (j.name != joint) continue;
+      if (model_.hold.contains(joint)) return " (it is in [hold])";
+      if (j.kind == model::UrdfJoint::Kind::fixed || j.kind == model::UrdfJoint::Kind::other)
+        return " (it is " + core::printable(j.type) + ")";
+      return " (it is held: joints in [model] does not name it)";
+    }
+    return {};
+  }
+  /// Whether a link stands still because of a joint that is held though the model file does not say so: then `who` is not used.
+  bool is_of_held(const std::string& link, const std::string& who) {
+    const auto& links = model_.urdf.links;
+    std::size_t at = 0;
+    while (at < links.size() && links[at].name != link) ++at;
+    if (at == links.size() || model_.robot.links[at].joint >= 0) return false;
+    for (bool up = true; up;) {
+      up = false;
+      for (const model::UrdfJoint& j : model_.urdf.joints) {
+        if (j.child != at) continue;
+        if (held_.contains(j.name)) {
+          of_held_[j.name].push_back(who);
+          return true;
+        }
+        at = j.parent;
+        up = true;
+        break;
+      }
+    }
+    return false;
   }
 
   void read_drives() {
@@ -194,8 +241,9 @@ class Reader {
       const std::string joint(key.str());
       if (!node.is_table()) continue;
       const std::string where = "[drive." + joint + "]";
-      read_drive(core::table(node, name_, where), where,
-                 model_.drives[joint_named(joint, key.source(), where)]);
+      const auto at = joint_named(joint, key.source(), where);
+      Drive unused;
+      read_drive(core::table(node, name_, where), where, at ? model_.drives[*at] : unused);
     }
     for (std::size_t i = 0; i < model_.joints(); ++i)
       if (model_.drives[i].law == DriveLaw::position && model_.drives[i].kp_nmprad == 0.0)
@@ -237,7 +285,9 @@ class Reader {
       const std::string where = "[spring." + std::string(key.str()) + "]";
       const toml::table& table = core::table(node, name_, where);
       core::refuse_unknown_keys(table, name_, where, kKeys);
-      Spring& spring = model_.springs[joint_named(std::string(key.str()), key.source(), where)];
+      const auto at = joint_named(std::string(key.str()), key.source(), where);
+      Spring unused;
+      Spring& spring = at ? model_.springs[*at] : unused;
       const toml::node* rate = table.get("stiffness_nmprad");
       if (rate == nullptr)
         fail(name_, table.source(), "no key 'stiffness_nmprad' in " + where + "; expected one");
@@ -307,9 +357,10 @@ class Reader {
         fail(name_, key.source(),
              "unknown key " + core::quoted(whole) + " in [free]; expected \"NAME.JOINT\" with NAME one of " +
                  core::listed(kDriveParameters) + ", or \"inertial.LINK\"");
-      FreeParameter f{static_cast<std::size_t>(which - kDriveParameters.begin()),
-                      joint_named(whole.substr(dot + 1), key.source(), who), 0.0, 0.0};
+      const auto at = joint_named(whole.substr(dot + 1), key.source(), who);
+      FreeParameter f{static_cast<std::size_t>(which - kDriveParameters.begin()), at.value_or(0), 0.0, 0.0};
       std::tie(f.lower, f.upper) = bounds(who, node);
+      if (!at) continue;
       const double value = model_.drives[f.joint].*kDriveMembers[f.parameter];
       if (!(f.lower < f.upper) || value < f.lower || value > f.upper)
         fail(name_, node.source(),
@@ -356,6 +407,10 @@ class Reader {
     while (i < model_.robot.links.size() && model_.robot.links[i].name != link) ++i;
     if (i == model_.robot.links.size())
       fail(name_, where, who + ": no link " + core::quoted(link) + one_of + core::did_you_mean(link, names));
+    if (is_of_held(link, who)) {
+      bounds(who, node);
+      return;
+    }
     if (model_.robot.links[i].joint < 0)
       fail(name_, where, who + ": link " + core::quoted(link) + " does not move" + one_of);
     if (std::find(names.begin(), names.end(), link) == names.end())
@@ -401,10 +456,16 @@ class Reader {
       if (names.back() == site) at = i;
     }
     const std::vector<std::string_view> views(names.begin(), names.end());
+    if (!at && e.seat == Seat::link && is_of_held(site, where)) return;
+    if (!at && is_of_joints(e.seat) && held_.contains(site)) {
+      of_held_[site].push_back(where);
+      return;
+    }
     if (!at)
       fail(name_, source,
            where + ": no " + std::string(name(e.seat)) + " " + core::quoted(site) + "; expected one of " +
-               core::listed(views) + core::did_you_mean(site, views));
+               core::listed(views) + core::did_you_mean(site, views) +
+               (is_of_joints(e.seat) ? why_held(site) : ""));
     const bool linear = is_linear(model_, e.seat, *at);
     const toml::table& table = core::table(node, name_, where);
     std::vector<std::string_view> known;
@@ -440,6 +501,9 @@ class Reader {
   const std::string name_;
   toml::table file_;
   const std::vector<std::string>& columns_;
+  std::map<std::string, std::string>
+      held_;  ///< joints that are held though the file does not say so, and why
+  std::map<std::string, std::vector<std::string>> of_held_;  ///< what the file says of these
   TreeModel model_;
 };
 

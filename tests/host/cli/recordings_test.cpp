@@ -86,3 +86,31 @@ TEST_CASE("the help of --window-s names each kind that is cut into windows of th
   }
   CHECK_THAT(help, Contains("torsion_pendulum") && Contains("tree"));
 }
+
+TEST_CASE("what a robot's file was taken for is printed when the recordings are then refused") {
+  test::TemporaryFolder folder;
+  folder.file(
+      "r.urdf",
+      "<robot name=\"r\"><link name=\"base\"/><link name=\"arm\"><inertial><origin xyz=\"0 0 -0.2\"/><mass value=\"1\"/>"
+      "<inertia ixx=\"0.01\" ixy=\"0\" ixz=\"0\" iyy=\"0.01\" iyz=\"0\" izz=\"0.01\"/></inertial></link>"
+      "<joint name=\"hip\" type=\"continuous\"><parent link=\"base\"/><child link=\"arm\"/><axis xyz=\"0 1 0\"/></joint>"
+      "<gazebo reference=\"hip\"><springStiffness>4</springStiffness><springReference>0.3</springReference></gazebo></robot>");
+  const std::string model = folder.file(
+      "m.toml",
+      "[model]\nkind = \"tree\"\nschema = 1\nurdf = \"r.urdf\"\n[free]\n\"damping_nmspr.hip\" = [0.0, 1.0]\n");
+  // Its angle without its torque.
+  std::string text = "# rig: tree\ntime_s,angle_hip_rad\n";
+  for (int i = 0; i < 200; ++i)
+    text += std::to_string(1e-2 * i) + "," + std::to_string(0.001 * (i % 50)) + "\n";
+  const std::string log = folder.file("a.csv", text), other = folder.file("b.csv", text);
+  for (const std::string command : {"diagnose", "identify", "check"}) {
+    INFO(command);
+    std::vector<std::string> arguments{command, "--model", model};
+    if (command != "check") arguments.insert(arguments.end(), {"--out", folder.path() + "/out"});
+    arguments.insert(arguments.end(), {log, other});
+    const test::Ran ran = run_furcula(arguments);
+    CHECK(ran.status == 3);
+    CHECK_THAT(ran.err, Contains("r.urdf: note: The URDF gives joints a spring") &&
+                            Contains("rest_rad = 0.3") && Contains("joint 'hip' has no column"));
+  }
+}

@@ -504,6 +504,34 @@ TEST_CASE("Reductions, rotors and elements that nothing reads are named") {
   CHECK_THAT(t.notes[0], Contains("'shoulder' (50) and 'elbow' (-100)"));
 }
 
+TEST_CASE(
+    "An actuator's rotor is reflected by its reduction, and transmissions that are more than one are named") {
+  const auto read = [](const std::string& what) {
+    return model::parse_urdf(with(kRobot, "</robot>", what + "</robot>"), "r.urdf");
+  };
+  const model::Urdf r = read(
+      "<transmission name=\"t\"><type>transmission_interface/FourBarLinkageTransmission</type><joint name=\"elbow\">"
+      "<mechanicalReduction>60</mechanicalReduction></joint><actuator name=\"m\"><rotorInertia>2e-5</rotorInertia></actuator></transmission>");
+  CHECK(r.joints[1].reduction == 60.0);
+  CHECK(r.joints[1].rotor_inertia_kgm2 == Approx(2e-5 * 3600.0));
+  REQUIRE(r.notes.size() == 1);
+  CHECK_THAT(
+      r.notes[0],
+      Contains(
+          "<transmission> of the type 'FourBarLinkageTransmission' (it does more than reduce) in line 7"));
+  for (const std::string type : {"pr2_mechanism_model/SimpleTransmission",
+                                 "transmission_interface/SimpleTransmission", "SimpleTransmission"}) {
+    CAPTURE(type);
+    CHECK(read("<transmission type=\"" + type + "\" name=\"t\"><joint name=\"elbow\"/></transmission>")
+              .notes.empty());
+    CHECK(read("<ros2_control name=\"c\"><transmission name=\"t\"><plugin>" + type +
+               "</plugin><joint name=\"elbow\"/></transmission></ros2_control>")
+              .notes.empty());
+  }
+  CHECK_THAT(read("<transmission type=\"pr2_mechanism_model/WristTransmission\" name=\"t\"/>").notes.at(0),
+             Contains("'WristTransmission'"));
+}
+
 TEST_CASE("A reduction in a ros2_control block is that of its joint") {
   for (
       const std::string block :
@@ -557,6 +585,11 @@ TEST_CASE("What a simulator's block says of a joint, or a spring between links, 
   const model::Urdf ode = read(
       "<gazebo reference=\"elbow\"><physics><ode><friction>0.4</friction><spring_stiffness>8</spring_stiffness></ode></physics></gazebo>");
   CHECK(ode.joints[1].spring_nmprad == 8.0);
+  const model::Urdf spring_at = read(
+      "<gazebo reference=\"elbow\"><springReference>-0.4</springReference><springStiffness>8</springStiffness></gazebo>");
+  CHECK(spring_at.joints[1].spring_nmprad == 8.0);
+  CHECK(spring_at.joints[1].spring_rest_rad == -0.4);
+  CHECK(spring_at.notes.empty());
   REQUIRE(ode.notes.size() == 1);
   CHECK_THAT(ode.notes[0], Contains("<friction> in <gazebo> of joint 'elbow'"));
   CHECK(read("<gazebo reference=\"elbow\"><physics><ode><friction>0</friction></ode></physics></gazebo>"
@@ -621,6 +654,28 @@ TEST_CASE("What is not XML, not a robot, or too deep is refused with its line") 
   CHECK_THAT(refused(deep), Contains("nest deeper than 32"));
 }
 
+TEST_CASE("A file that came in the place of a URDF is named with what to do") {
+  for (const std::string page :
+       {"\n\n<!DOCTYPE html>\n<html><head><meta charset=\"utf-8\"><title>r.urdf</title></head></html>",
+        "<?xml version=\"1.0\"?><!-- a page --><HTML lang=\"en\"></HTML>", "<html>"}) {
+    CAPTURE(page);
+    CHECK_THAT(refused(page), Contains("a web page (HTML), expected a URDF") && Contains("\"Raw\""));
+  }
+  CHECK_THAT(refused("\n\n<!doctype HTML><p>"), Contains("r.urdf:3: a web page"));
+  CHECK_THAT(refused("version https://git-lfs.github.com/spec/v1\noid sha256:00\nsize 12345\n"),
+             Contains("git lfs pull"));
+  CHECK_THAT(refused("404: Not Found"), Contains("the answer of a server that has no such file"));
+  CHECK_THAT(refused("../urdf/arm.urdf\n"), Contains("nothing but a path, '../urdf/arm.urdf'"));
+  CHECK_THAT(refused(" \n \n"), Contains("nothing but blanks") && Contains("copy the robot's file"));
+  CHECK_THAT(refused(""), Contains("nothing but blanks"));
+  CHECK_THAT(refused("<!--"), Contains("a comment has no end"));
+  CHECK_THAT(refused("<COLLADA/>"), Contains("a mesh (COLLADA)"));
+  CHECK_THAT(refused("<package><name>arm</name></package>"), Contains("a package's description"));
+  CHECK_THAT(refused("<robot name=\"a\"><group name=\"arm\"/></robot>"), Contains("this is SRDF"));
+  // A document type may stand before a robot.
+  CHECK(model::parse_urdf("<!DOCTYPE robot>\n" + kRobot, "r.urdf").joints.size() == 2);
+}
+
 TEST_CASE("Names come out printable, whatever they hold") {
   const std::string name = "el\x1b[31mbow";
   CHECK_THAT(refused_with("name=\"elbow\" type=\"continuous\"", "name=\"" + name + "\" type=\"planar\""),
@@ -632,8 +687,9 @@ TEST_CASE("Files that are empty, too large or not there are refused") {
   const auto folder = std::filesystem::temp_directory_path();
   const std::string path = folder / "furcula_urdf_test.urdf";
   std::ofstream(path) << "";
-  CHECK_THAT(test::error_message([&] { model::read_urdf(path); }),
-             Contains("the file is empty; expected a robot (URDF)"));
+  CHECK_THAT(
+      test::error_message([&] { model::read_urdf(path); }),
+      Contains("the file is empty; expected a robot (URDF)") && Contains("copy the robot's file here again"));
   std::ofstream(path) << std::string(50u << 20, ' ');
   CHECK_THAT(test::error_message([&] { model::read_urdf(path); }), Contains("larger than 1 MiB"));
   std::filesystem::remove(path);
