@@ -122,7 +122,7 @@ struct Equation {
   std::vector<Column> columns;
   double rotor_share =
       0.0;  ///< what one of a rotor's inertia adds to the joint's, as a share; summed over the instants
-  bool falls = false;   ///< freely: nothing but its friction can be off
+  bool falls = false;   ///< its weight and its inertia are of one mass
   double acting = 0.0;  ///< RMS of what acts beside the drive: gravity, springs
 
   /// Of the input, to move as it does without friction.
@@ -469,7 +469,7 @@ class Trial {
         const double shifted = r.input_offset.empty() ? 0.0 : f.input_gain[j] * r.input_offset[j];
         e.needed.push_back(f.needed[j] - shifted);
         e.of_drive.push_back(f.of_drive[j] - shifted);
-        e.falls = !(joints_[j].heaviest > 1.0);
+        e.falls = !(joints_[j].lightest < 1.0);
         e.passive.push_back(f.needed[j] - f.of_drive[j] - f.inertia[j] * s.acceleration[j]);
         e.acting += e.passive.back() * e.passive.back();
         e.given.push_back(f.input_gain[j] * instant[r.input_of[j]].mean);

@@ -133,8 +133,7 @@ TEST_CASE("A recording has each joint's angle and what its drive was given") {
   CHECK(trees::recording_of(led, log).input[elbow] == std::vector<double>(100, 0.4));
 }
 
-TEST_CASE(
-    "A recording that lacks a joint or is too short is refused, and one in degrees is asked about") {
+TEST_CASE("A recording that lacks a joint or is too short is refused, and one in degrees is asked about") {
   log::Log log = pendulum_log();
   log.columns.erase("angle_elbow_rad");
   CHECK_THAT(refused(log), Contains("swing.csv: joint 'elbow' has no column 'angle_elbow_rad'") &&
