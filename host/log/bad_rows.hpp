@@ -141,8 +141,8 @@ class BadRows {
       message += "; " + std::to_string(count_) + " of " + std::to_string(rows) +
                  (count_ == 1 ? " rows is" : " rows are") + " bad, and at most a twentieth is left out";
     if (no_value && count_ > 1)
-      message += " (signals with times of their own in one table? Interpolate them" +
-                 interpolation(layout_, name_) + ")";
+      message +=
+          " (if the signals have times of their own, interpolate them" + interpolation(layout_, name_) + ")";
     if (time && layout_.time_hint.empty() && count_ > 1)
       message +=
           " (a time that repeats is written with too few digits, one that jumps to and fro is of several recordings: write more "

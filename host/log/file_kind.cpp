@@ -125,7 +125,7 @@ std::string zip_file(std::string_view head, const std::string& path) {
     return sentence("an Excel workbook (.xlsx)", kExcel, kExcelBy, path);
   if (contains(head, ".npy"))
     return sentence(
-        "NumPy arrays (.npz)", kConvert,
+        "a file of NumPy arrays (.npz)", kConvert,
         "py import numpy as np, pandas as pd; pd.DataFrame(dict(np.load(FILE))).to_csv(CSV, index=False)",
         path);
   return sentence("a zip archive", kUnpack, "unzip FILE", path);
@@ -180,7 +180,8 @@ std::string other_text(std::string_view head, const std::string& path) {
     if (begins("<!doctype html") || contains(text, "<html"))
       return sentence("a web page (HTML)", "download the file itself (on GitHub: \"Raw\")", {}, path);
     if (contains(text, "<workbook")) return sentence("a workbook (XML)", kExcel, kExcelBy, path);
-    if (begins("<?xml") || begins("<!--") || begins("<!doctype")) return sentence("XML", kExport, {}, path);
+    if (begins("<?xml") || begins("<!--") || begins("<!doctype"))
+      return sentence("an XML file", kExport, {}, path);
     return {};
   }
   const std::size_t second = text.find_first_not_of(" \t\r\n", 1);
@@ -191,7 +192,7 @@ std::string other_text(std::string_view head, const std::string& path) {
     const bool lines =
         begins("{") && end != text.npos && text.find_last_not_of(" \t\r", end - 1) != text.npos &&
         text[text.find_last_not_of(" \t\r", end - 1)] == '}' && text.compare(end + 1, 1, "{") == 0;
-    return sentence("JSON", kConvert,
+    return sentence("a JSON file", kConvert,
                     lines ? "py import pandas as pd; pd.read_json(FILE, lines=True).to_csv(CSV, index=False)"
                           : "py import pandas as pd; pd.read_json(FILE).to_csv(CSV, index=False)",
                     path);
@@ -205,8 +206,8 @@ std::string other_text(std::string_view head, const std::string& path) {
         return sentence("a map file (TOML)", "give it with --map, and the log beside it", {}, path);
     }
   if (begins("header:\n") || begins("header:\r\n") || begins("---\nheader:"))
-    return sentence("messages as ros2 topic echo prints them (YAML)",
-                    "write them with --csv (ROS 1: rostopic echo -p)", {}, path);
+    return sentence("a print of ros2 topic echo (YAML)",
+                    "print the messages with --csv (ROS 1: rostopic echo -p)", {}, path);
   // "(1732672000.123456) can0 123#0011", of candump -L and -ta; " can0  123   [8]  11 22", of candump.
   const bool stamp = begins("(") && text.size() > 1 &&
                      std::isdigit(static_cast<unsigned char>(text[1])) != 0 &&

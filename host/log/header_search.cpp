@@ -93,9 +93,9 @@ const Line* row_above_numbers(const std::vector<Line>& lines, const Wanted& want
   const auto names = [&](std::size_t i) {
     Fields f = fields(i);
     if (f.size() > 1 && f.back().empty()) f.pop_back();
-    return (f.size() == columns || f.size() + 1 == columns) &&
-           std::none_of(f.begin(), f.end(),
-                        [](const std::string& s) { return s.empty() || is_any_number(s); });
+    const bool fits = f.size() == columns || (f.size() > 1 && f.size() + 1 == columns);
+    return fits && std::none_of(f.begin(), f.end(),
+                                [](const std::string& s) { return s.empty() || is_any_number(s); });
   };
   std::size_t row = 0;
   while (row < lines.size() && !(numbers(row) && (row + 1 == lines.size() || numbers(row + 1)))) ++row;

@@ -35,7 +35,11 @@ namespace {
         " (in a --map file separator = \";\" or \"|\" or \"\\t\" or \" \", any blanks, says what separates them, "
         "and decimal = \",\" that numbers have a comma)");
   constexpr std::size_t kMostListed = 20;
-  message += "; the file has " + core::listed(std::span(names).first(std::min(names.size(), kMostListed))) +
+  constexpr std::size_t kLongest = 80;  // what stands there may be no name
+  std::vector<std::string> shown;
+  for (std::size_t i = 0; i < std::min(names.size(), kMostListed); ++i)
+    shown.push_back(std::string(names[i].substr(0, kLongest)) + (names[i].size() > kLongest ? "..." : ""));
+  message += "; the file has " + core::listed(std::vector<std::string_view>(shown.begin(), shown.end())) +
              (names.size() > kMostListed ? ", ..." : "");
   const std::string hint = core::did_you_mean(name, names);
   const std::string adds =
@@ -176,7 +180,7 @@ Layout read_layout(RecordStream& records, const RigInfo& rig, const ColumnMap* m
       layout.notes.push_back(path + left_out_above(first, found->line, top.row));
     } else if (!top.flaw.empty()) {
       throw core::DataError(top.flaw);
-    } else if (all_numbers(names)) {
+    } else if (all_numbers(names) || (is_any_number(names.front()) && wanted.found_among(names) == 0)) {
       refuse_no_header(top, {first, top.row, layout.separator}, wanted, records);
     }
   }

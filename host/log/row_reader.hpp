@@ -256,12 +256,14 @@ class RowReader {
     if (is_number) fail(i, core::quoted(field) + " is not finite" + expected, no_value);
     if (field.empty()) fail(i, "no value ('')" + expected, true);
     const bool thousands = has_thousands(field);
-    fail(i,
-         core::quoted(field) + " is not a number" + expected +
-             (thousands                       ? " without separators of thousands"
-              : field.find(',') != field.npos ? " with '.' (or decimal = \",\" in a --map file)"
-                                              : ""),
-         no_value);
+    fail(
+        i,
+        core::quoted(field) + " is not a number" + expected +
+            (thousands
+                 ? " without separators of thousands (in Python, pandas.read_csv(..., thousands=\",\") reads them)"
+             : field.find(',') != field.npos ? " with '.' (or decimal = \",\" in a --map file)"
+                                             : ""),
+        no_value);
   }
 
   [[noreturn]] void wrong_field_count(std::string_view record) const {
