@@ -20,7 +20,7 @@
 
 namespace furcula::log {
 
-/// ", in Python: ..." which makes rows of one signal's times, with the others interpolated; empty where the time is of several columns.
+/// ": python3 ...", a command that makes rows of one signal's times, with the others interpolated; empty where the time is of several columns.
 inline std::string interpolation(const Layout& layout, const std::string& path) {
   const std::vector<Source>& time = layout.channels[layout.time_channel].sources;
   if (time.size() != 1) return {};
@@ -38,7 +38,7 @@ inline std::string interpolation(const Layout& layout, const std::string& path) 
       (layout.separator == ',' ? "" : ", sep=" + python_string(std::string(1, layout.separator))) +
       (layout.decimal == '.' ? "" : ", decimal=" + python_string(std::string(1, layout.decimal))) +
       (layout.header.line > 1 ? ", skiprows=" + std::to_string(layout.header.line - 1) : "");
-  return ", " + core::printable(python_command(
+  return ": " + core::printable(python_command(
                     "import pandas as pd; d = pd.read_csv(" + python_string(path) +
                     ", index_col=" + python_string(layout.file_columns[time.front().column]) + options +
                     ").select_dtypes(\"number\"); " + flags + "d.interpolate(\"index\")[" + base +
@@ -141,8 +141,7 @@ class BadRows {
       message += "; " + std::to_string(count_) + " of " + std::to_string(rows) +
                  (count_ == 1 ? " rows is" : " rows are") + " bad, and at most a twentieth is left out";
     if (no_value && count_ > 1)
-      message +=
-          " (if the signals have times of their own, interpolate them" + interpolation(layout_, name_) + ")";
+      message += "; if the signals have times of their own, interpolate them" + interpolation(layout_, name_);
     if (time && layout_.time_hint.empty() && count_ > 1)
       message +=
           " (a time that repeats is written with too few digits, one that jumps to and fro is of several recordings: write more "
