@@ -12,25 +12,56 @@
 
 #include "host/core/error.hpp"
 #include "host/core/message.hpp"
+#include "host/log/commands.hpp"
 #include "host/log/layout.hpp"
 #include "host/log/reader.hpp"
 #include "host/log/refused.hpp"
+#include "host/log/row_reader.hpp"
 
 namespace furcula::log {
+
+/// ": python3 ...", a command that makes rows of one signal's times, with the others interpolated; empty where the time is of several columns.
+inline std::string interpolation(const Layout& layout, const std::string& path) {
+  const std::vector<Source>& time = layout.channels[layout.time_channel].sources;
+  if (time.size() != 1) return {};
+  std::string base, flags;
+  for (const Channel& c : layout.channels) {
+    if (!c.known || c.kind == ColumnKind::time || c.sources.empty()) continue;
+    const std::string name = "d[" + python_string(layout.file_columns[c.sources.front().column]) + "]";
+    if (c.kind == ColumnKind::flag)
+      flags += name + " = " + name + ".ffill(); ";
+    else if (base.empty())
+      base = name;
+  }
+  if (base.empty()) return {};
+  const std::string options =
+      (layout.separator == ',' ? "" : ", sep=" + python_string(std::string(1, layout.separator))) +
+      (layout.decimal == '.' ? "" : ", decimal=" + python_string(std::string(1, layout.decimal))) +
+      (layout.header.line > 1 ? ", skiprows=" + std::to_string(layout.header.line - 1) : "");
+  return ": " + core::printable(python_command(
+                    "import pandas as pd; d = pd.read_csv(" + python_string(path) +
+                    ", index_col=" + python_string(layout.file_columns[time.front().column]) + options +
+                    ").select_dtypes(\"number\"); " + flags + "d.interpolate(\"index\")[" + base +
+                    ".notna()].to_csv(" + python_string(with_ending(path, "_even.csv")) + ")"));
+}
 
 class BadRows {
  public:
   BadRows(const Layout& layout, std::string name, std::size_t most_named)
       : layout_(layout), name_(std::move(name)), most_named_(most_named) {}
 
-  void add(std::uint64_t line, const std::string& message, const std::string& column,
-           const std::string& why) {
+  /// What is wrong with it, where a hint depends on that.
+  enum class Fault { other, no_value, time_order };
+
+  void add(std::uint64_t line, const std::string& message, const std::string& column, const std::string& why,
+           Fault fault = Fault::other) {
     if (count_ == 0 || line < first_line_) {
       first_line_ = line;
       first_ = message;
     }
     ++count_;
-    if (column == layout_.channels[layout_.time_channel].name) ++of_time_;
+    if (fault == Fault::time_order) ++of_time_;
+    if (fault == Fault::no_value) ++without_value_;
     if (rows_.size() < most_named_)
       rows_.push_back({name_,
                        static_cast<std::size_t>(line - layout_.header.line),
@@ -39,6 +70,35 @@ class BadRows {
                        std::numeric_limits<double>::quiet_NaN(),
                        {},
                        why});
+  }
+
+  /// A row that holds values of other signals than those asked for. `bad` gives what would be wrong with it.
+  void add_of_others(std::uint64_t line, const BadRow& bad) {
+    if (of_others_.empty()) first_of_others_ = bad;
+    if (of_others_.size() < kMostHoles) of_others_.push_back(line);
+    ++of_others_count_;
+  }
+
+  /// Few rows of others are bad; many are noted. Beside `rows` that were read.
+  void settle_others(std::uint64_t rows, LogSummary& summary) {
+    if (of_others_count_ == 0) return;
+    const std::uint64_t all = rows + count_ + of_others_count_;
+    if (rows == 0)
+      throw core::DataError(
+          name_ + ":" + std::to_string(of_others_.front()) + ": " + first_of_others_.what() + "; " +
+          (of_others_count_ == 1 ? "the row holds"
+                                 : "all " + std::to_string(of_others_count_) + " rows hold") +
+          " values of other columns only (does the file hold the signals that are asked for?)");
+    if (static_cast<double>(of_others_count_) > kMostRefused * static_cast<double>(all)) {
+      summary.notes.push_back(
+          name_ + ": " + std::to_string(of_others_count_) + " of " + std::to_string(all) +
+          " rows, from line " + std::to_string(of_others_.front()) +
+          " on, have values of other columns only, with times of their own, and were left out.");
+    } else {
+      for (const std::uint64_t line : of_others_)
+        add(line, first_of_others_.what(), first_of_others_.column, first_of_others_.why, Fault::no_value);
+      count_ += of_others_count_ - of_others_.size();
+    }
   }
 
   /// An optional column without a number in a row that is otherwise good.
@@ -74,11 +134,14 @@ class BadRows {
     const std::uint64_t rows = good + count_;
     if (static_cast<double>(count_) <= kMostRefused * static_cast<double>(rows)) return;
     const bool time = 2 * of_time_ > count_;
+    const bool no_value = 2 * without_value_ > count_;
     std::string message = name_ + ":" + std::to_string(first_line_) + ": " + first_ +
                           (time ? layout_.time_hint : layout_.rows_hint);
     if (count_ > 1 || rows > 1)
       message += "; " + std::to_string(count_) + " of " + std::to_string(rows) +
                  (count_ == 1 ? " rows is" : " rows are") + " bad, and at most a twentieth is left out";
+    if (no_value && count_ > 1)
+      message += "; if the signals have times of their own, interpolate them" + interpolation(layout_, name_);
     if (time && layout_.time_hint.empty() && count_ > 1)
       message +=
           " (a time that repeats is written with too few digits, one that jumps to and fro is of several recordings: write more "
@@ -103,7 +166,9 @@ class BadRows {
   const Layout& layout_;
   std::string name_;
   std::size_t most_named_;
-  std::uint64_t count_ = 0, of_time_ = 0, first_line_ = 0;
+  std::uint64_t count_ = 0, of_time_ = 0, without_value_ = 0, of_others_count_ = 0, first_line_ = 0;
+  std::vector<std::uint64_t> of_others_;  // lines of the first of them
+  BadRow first_of_others_{"", "", ""};
   std::string first_;  // its message
   std::vector<RefusedRow> rows_;
   std::map<std::size_t, std::vector<std::uint64_t>> holes_;  // per channel the first lines

@@ -29,35 +29,21 @@ bool all_numbers(const std::vector<std::string>& fields) {
          });
 }
 
-std::vector<std::string> names_asked_for(const RigInfo& rig, const ColumnMap* map) {
-  std::vector<std::string> names;
-  const auto add = [&](const std::string& ours) {
-    if (map != nullptr)
-      if (const auto mapped = map->columns.find(ours); mapped != map->columns.end()) {
-        for (const MappedPart& p : mapped->second.parts) names.push_back(p.column);
-        return;
-      }
-    names.push_back(ours);
-  };
-  for (const ColumnInfo& c : rig.columns)
-    if (c.required) add(std::string(c.name));
-  return names;
-}
-
-std::size_t found_among(const std::vector<std::string>& fields, const std::vector<std::string>& asked) {
-  return static_cast<std::size_t>(std::count_if(asked.begin(), asked.end(), [&](const std::string& name) {
-    return std::find(fields.begin(), fields.end(), name) != fields.end();
-  }));
-}
+bool is_any_number(const std::string& field) { return is_number(field) || is_number(field, ','); }
 
 char separator_in(std::string_view row, const std::vector<std::string>& asked) {
+  const auto found_in = [&](const Fields& fields) {
+    return static_cast<std::size_t>(std::count_if(asked.begin(), asked.end(), [&](const std::string& name) {
+      return std::find(fields.begin(), fields.end(), name) != fields.end();
+    }));
+  };
   char best = ',';
   std::size_t best_found = 0, best_fields = 1;
   for (const char separator : {',', ';', '\t', '|', ' '}) {
-    if (separator == ' ' && best_fields > 1) break;
     const std::vector<std::string> fields = fields_of(row, separator);
-    const std::size_t found = found_among(fields, asked);
-    if (found < best_found || (found == best_found && fields.size() <= best_fields)) continue;
+    const std::size_t found = found_in(fields);
+    const bool more_fields = fields.size() > best_fields && (separator != ' ' || best_fields == 1);
+    if (found < best_found || (found == best_found && !more_fields)) continue;
     best = separator;
     best_found = found;
     best_fields = fields.size();
@@ -73,8 +59,7 @@ std::vector<std::vector<std::string>> first_rows(RecordStream& records, char sep
   std::vector<std::vector<std::string>> rows;
   std::string_view record;
   while (rows.size() < kRows && ahead.next(record))
-    if (!trimmed(record).empty() && !trimmed(record).starts_with('#') &&
-        (ahead.ended() || text.size() < kBytes))
+    if (!trimmed(record).empty() && !is_comment(trimmed(record)) && (ahead.ended() || text.size() < kBytes))
       rows.push_back(fields_of(record, separator));
   return rows;
 }
@@ -87,37 +72,62 @@ std::string name_of(char separator) {
   return separator == '\t' ? "a tab" : separator == ' ' ? "blanks" : "'" + std::string(1, separator) + "'";
 }
 
-const Top::Comment* header_comment(const Top& top, const std::vector<std::string>& row, char separator,
-                                   const std::vector<std::string>& asked) {
-  const auto named = [&](const Top::Comment& c) {
-    const std::vector<std::string> fields = fields_of(c.text, separator);
-    return fields.size() == row.size() && !any_number(fields) ? found_among(fields, asked) : 0;
+const Top::Comment* header_comment(const Top& top, const Fields& row, char separator, const Wanted& wanted) {
+  const auto named = [&](const Top::Comment& c) -> std::size_t {
+    const Fields fields = fields_of(c.text, separator);
+    if (any_number(fields)) return 0;
+    // A separator at the end of the rows, or an index in front of them.
+    const bool fits =
+        fields.size() == row.size() || (fields.size() + 1 == row.size() && wanted.all_among(fields));
+    return fits ? wanted.found_among(fields) : 0;
   };
   const Top::Comment* best = nullptr;
   for (const Top::Comment& c : top.comments)
     if (named(c) > (best == nullptr ? 0 : named(*best))) best = &c;
-  if (best != nullptr && found_among(row, asked) == 0) return best;
+  if (best != nullptr && wanted.found_among(row) == 0) return best;
   if (!all_numbers(row) || top.comments.empty()) return nullptr;
-  const std::vector<std::string> last = fields_of(top.comments.back().text, separator);
+  const Fields last = fields_of(top.comments.back().text, separator);
   return last.size() == row.size() && last.size() > 1 && !any_number(last) ? &top.comments.back() : nullptr;
 }
 
-[[noreturn]] void refuse_no_header(const Top& top, const std::vector<std::string>& row, char separator,
-                                   const std::vector<std::string>& asked, const RecordStream& records) {
-  std::string message = place(records) + "there is no header row: the first row holds numbers, " +
-                        core::quoted(top.row) + "; expected a line above it that names the " +
-                        counted(row.size(), "column", "columns") + ", as in ";
-  const std::string between(1, separator);
+[[noreturn]] void refuse_no_header(const Top& top, const Headless& first, const Wanted& wanted,
+                                   const RecordStream& records) {
+  const std::size_t columns = fields_of(first.row, first.separator).size();
+  const bool titles = first.row != top.row;
+  std::string message = records.name() + ":" + std::to_string(first.line) +
+                        ": there is no header row: the first row holds numbers, " + core::quoted(first.row) +
+                        (titles ? ", below " + core::quoted(top.row) : "") +
+                        "; expected a line above it that names the " + counted(columns, "column", "columns") +
+                        ", as in ";
+  const std::string between(1, first.separator);
   std::string names;
-  for (const std::string& name : asked) names += (names.empty() ? "" : between) + name;
-  if (asked.size() < row.size()) names += between + "...";
+  for (const std::string& name : wanted.asked()) names += (names.empty() ? "" : between) + name;
+  if (wanted.asked().size() < columns) names += between + "...";
   message += core::quoted(names);
   if (!top.comments.empty()) {
-    const std::size_t fields = fields_of(top.comments.back().text, separator).size();
+    const std::size_t fields = fields_of(top.comments.back().text, first.separator).size();
     message += "; the last comment above, " + core::quoted("# " + top.comments.back().text) + ", has " +
                counted(fields, "field", "fields");
   }
   throw core::DataError(message);
+}
+
+void strip_sign(Fields& names, const std::vector<Fields>& rows, const Wanted& wanted, Layout& layout,
+                const RecordStream& records) {
+  constexpr std::string_view kSigns = "#%/!;*'\"-$&@ \t";
+  std::string& first = names.front();
+  const std::size_t sign = std::min(first.find_first_not_of(kSigns), first.size());
+  if (sign == 0 || wanted.uses(first)) return;
+  const std::string found = first;
+  if (sign < first.size() && wanted.uses(first.substr(sign)))
+    first.erase(0, sign);
+  else if (sign == first.size() && !first.empty() && names.size() > 1 && wanted.uses(names[1]) &&
+           !rows.empty() && rows[rows.size() / 2].size() + 1 == names.size())
+    names.erase(names.begin());
+  else
+    return;
+  layout.notes.push_back(core::printable(records.name()) + ": the header row begins with " +
+                         core::quoted(found) + ", which was read as " + core::quoted(names.front()) + ".");
 }
 
 void fit_to_rows(std::vector<std::string>& names, const std::vector<std::vector<std::string>>& rows,

@@ -1,22 +1,19 @@
 // Where a log's header row is, what separates its columns, and how the rows below fit to it.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "host/log/layout.hpp"
 #include "host/log/top.hpp"
+#include "host/log/wanted.hpp"
 
 namespace furcula::log {
 
-using Fields = std::vector<std::string>;
-
-/// The names that the file must have, as it calls them; those of time first.
-Fields names_asked_for(const RigInfo& rig, const ColumnMap* map);
-
-/// How many of the names are among the fields.
-std::size_t found_among(const Fields& fields, const Fields& asked);
+/// A field that is a number, with a point or a comma.
+bool is_any_number(const std::string& field);
 
 /// A row of numbers, empty fields among them.
 bool all_numbers(const Fields& fields);
@@ -35,11 +32,22 @@ std::string counted(std::size_t count, const char* one, const char* many);
 std::vector<Fields> first_rows(RecordStream& records, char separator);
 
 /// The comment above the rows that holds the names of their columns, or null.
-const Top::Comment* header_comment(const Top& top, const Fields& row, char separator, const Fields& asked);
+const Top::Comment* header_comment(const Top& top, const Fields& row, char separator, const Wanted& wanted);
 
+/// A row of numbers without a header row above.
+struct Headless {
+  std::uint64_t line;
+  std::string row;
+  char separator;
+};
 /// @throws core::DataError: what is there is a row of numbers.
-[[noreturn]] void refuse_no_header(const Top& top, const Fields& row, char separator, const Fields& asked,
+[[noreturn]] void refuse_no_header(const Top& top, const Headless& first, const Wanted& wanted,
                                    const RecordStream& records);
+
+/// Takes the sign of a comment off the first name: "! time_s" is time_s where that is a column that is used, and "! time_s" is none.
+/// Where the sign stands alone between separators, the rows have a field less.
+void strip_sign(Fields& names, const std::vector<Fields>& rows, const Wanted& wanted, Layout& layout,
+                const RecordStream& records);
 
 /// Ends of rows: a separator that stands behind the last field in the header row and not in the rows, or the other way round; an index in
 /// front of the rows alone (R's write.table).

@@ -7,6 +7,7 @@
 #include "host/core/message.hpp"
 #include "host/log/column_units.hpp"
 #include "host/log/header_row.hpp"
+#include "host/log/header_search.hpp"
 #include "host/log/time_columns.hpp"
 #include "host/log/top.hpp"
 
@@ -34,17 +35,22 @@ namespace {
         " (in a --map file separator = \";\" or \"|\" or \"\\t\" or \" \", any blanks, says what separates them, "
         "and decimal = \",\" that numbers have a comma)");
   constexpr std::size_t kMostListed = 20;
-  message += "; the file has " + core::listed(std::span(names).first(std::min(names.size(), kMostListed))) +
+  constexpr std::size_t kLongest = 80;  // what stands there may be no name
+  std::vector<std::string> shown;
+  for (std::size_t i = 0; i < std::min(names.size(), kMostListed); ++i)
+    shown.push_back(std::string(names[i].substr(0, kLongest)) + (names[i].size() > kLongest ? "..." : ""));
+  message += "; the file has " + core::listed(std::vector<std::string_view>(shown.begin(), shown.end())) +
              (names.size() > kMostListed ? ", ..." : "");
   const std::string hint = core::did_you_mean(name, names);
   const std::string adds =
       name == "time_s" || mapped_to == "time_s" ? line_that_adds(layout.file_columns) : "";
-  throw core::DataError(message + hint +
-                        (adds.empty()
-                             ? " (a --map file says which column is which: " +
-                                   core::printable(mapped_to.empty() ? name : mapped_to) +
-                                   " = { column = \"theirs\" })"
-                             : " (seconds and their fraction: a --map file with the line " + adds + ")"));
+  const std::string ours = core::printable(mapped_to.empty() ? name : mapped_to);
+  throw core::DataError(
+      message + hint +
+      (!adds.empty() ? " (seconds and their fraction: a --map file with the line " + adds + ")"
+       : map != nullptr && !mapped_to.empty()
+           ? "; write in " + map->path + " which of them is " + ours
+           : " (a --map file says which column is which: " + ours + " = { column = \"theirs\" })"));
 }
 
 /// A note of the columns that nothing asks for: without a name, or with one that another has.
@@ -116,6 +122,14 @@ void add_channels(Layout& layout, const RigInfo& rig, const ColumnMap* map, cons
   note_odd_names(unnamed, twice, layout, records);
 }
 
+/// A note of the title lines above the header row.
+std::string left_out_above(std::uint64_t first, std::uint64_t header, const std::string& row) {
+  const bool one = header == first + 1;
+  return (one ? "line " : "lines ") + std::to_string(first) +
+         (one ? "" : " to " + std::to_string(header - 1)) + ", above the header row, " +
+         (one ? "was" : "were") + " left out: " + core::quoted(row) + (one ? "." : ", ...");
+}
+
 void refuse_map_of_another_rig(const ColumnMap& map, const RigInfo& rig) {
   if (!map.rig.empty() && map.rig != rig.name)
     throw core::DataError(map.path + ": rig is " + core::quoted(map.rig) + "; expected " +
@@ -137,32 +151,45 @@ Layout read_layout(RecordStream& records, const RigInfo& rig, const ColumnMap* m
   if (map != nullptr) refuse_map_of_another_rig(*map, rig);
   Layout layout;
   if (map != nullptr) layout.decimal = map->decimal;
-  Top top = read_top(records, &rig, layout.header);
+  const Wanted wanted(rig, map);
+  Top top = read_top(records, &wanted, layout.header);
   const std::string path = core::printable(records.name()) + ": ";
-  const std::vector<std::string> asked = names_asked_for(rig, map);
   const std::optional<char> in_map = map == nullptr ? std::nullopt : map->separator;
   if (in_map && top.separator && in_map != top.separator)
     layout.notes.push_back(path + "its first line says that " + name_of(*top.separator) +
                            " separates the columns, " + map->path + " says " + name_of(*in_map) +
                            ": the map was followed.");
-  layout.separator = in_map ? *in_map : top.separator ? *top.separator : separator_in(top.row, asked);
+  const std::optional<char> said = in_map ? in_map : top.separator;
+  layout.separator = said ? *said : separator_in(top.row, wanted.asked());
 
   std::vector<std::string> names = fields_of(top.row, layout.separator);
   layout.header.line = records.line();
-  if (const Top::Comment* comment = header_comment(top, names, layout.separator, asked); comment != nullptr) {
+  if (const Top::Comment* comment = header_comment(top, names, layout.separator, wanted);
+      comment != nullptr && top.flaw.empty()) {
     names = fields_of(comment->text, layout.separator);
     layout.header.line = comment->line;
     layout.notes.push_back(path + "the comment in line " + std::to_string(comment->line) +
                            " was taken as the header row.");
     records.unread();
-  } else if (all_numbers(names)) {
-    refuse_no_header(top, names, layout.separator, asked, records);
+  } else if (!top.flaw.empty() || !wanted.all_among(names)) {
+    const std::uint64_t first = records.line();
+    if (const auto found = find_header(records, wanted, said, top, layout.header)) {
+      layout.separator = found->separator;
+      names = fields_of(found->row, found->separator);
+      layout.header.line = found->line;
+      layout.notes.push_back(path + left_out_above(first, found->line, top.row));
+    } else if (!top.flaw.empty()) {
+      throw core::DataError(top.flaw);
+    } else if (all_numbers(names) || (is_any_number(names.front()) && wanted.found_among(names) == 0)) {
+      refuse_no_header(top, {first, top.row, layout.separator}, wanted, records);
+    }
   }
   // Of another file than a log anything may begin so.
-  if (!top.not_utf8.empty() && found_among(names, asked) == 0) throw core::DataError(top.not_utf8);
+  if (!top.not_utf8.empty() && wanted.found_among(names) == 0) throw core::DataError(top.not_utf8);
   if (!top.not_utf8.empty())
     layout.notes.push_back(path + "bytes above the rows that are not UTF-8 were read as Latin-1.");
   const std::vector<std::vector<std::string>> rows = first_rows(records, layout.separator);
+  strip_sign(names, rows, wanted, layout, records);
   fit_to_rows(names, rows, layout, records);
   for (const std::string& name : names)
     layout.file_columns.emplace_back(trimmed(name));  // quotes may hold blanks
@@ -186,7 +213,7 @@ Layout read_layout(RecordStream& records, const RigInfo& rig, const ColumnMap* m
     refuse_units_row(rows.front(), layout, map, records);
     std::string_view record;
     do records.next(record);
-    while (trimmed(record).empty() || trimmed(record).starts_with('#'));
+    while (trimmed(record).empty() || is_comment(trimmed(record)));
     layout.notes.push_back(path + "line " + std::to_string(records.line()) + ", " + core::quoted(record) +
                            ", holds units and was left out.");
   }
@@ -195,9 +222,19 @@ Layout read_layout(RecordStream& records, const RigInfo& rig, const ColumnMap* m
 
 std::string read_rig_line(RecordStream& records) {
   LogHeader header;
-  read_top(records, nullptr, header);
-  const auto found = header.metadata.find("rig");
-  return found == header.metadata.end() ? std::string{} : found->second;
+  Top top = read_top(records, nullptr, header);
+  // The line may stand below titles.
+  constexpr int kTitles = 1000;
+  std::string_view record = top.row;
+  for (int i = 0; i < kTitles && !header.metadata.contains("rig"); ++i) {
+    if (is_comment(trimmed(record))) take_comment(trimmed(record), records, nullptr, top, header);
+    if (is_any_number(fields_of(record, separator_in(record, {})).front()) || !records.next(record)) break;
+    records.first_line_alone(record);
+  }
+  if (const auto found = header.metadata.find("rig"); found != header.metadata.end()) return found->second;
+  for (const std::string& message : {top.other_text, top.flaw})
+    if (!message.empty()) throw core::DataError(message);
+  return {};
 }
 
 }  // namespace furcula::log

@@ -54,7 +54,7 @@ Visited visit(core::ByteSource& source, const std::string& name, const std::stri
         visitor(values, line);
       },
       [&](const TimeOrder::Row& row, const std::string& why) {
-        bad.add(row.line, time_is + why, time_channel.name, why);
+        bad.add(row.line, time_is + why, time_channel.name, why, BadRows::Fault::time_order);
       });
 
   std::string_view record;
@@ -66,12 +66,16 @@ Visited visit(core::ByteSource& source, const std::string& name, const std::stri
     }
     for (;;) {
       if (record.empty() || (record.front() <= ' ' && record.find_first_not_of(" \t") == record.npos)) break;
-      if (record.front() == '#') {
+      if (is_comment(record)) {
         if (comments++ == 0) first_comment = records.line();
         break;
       }
       try {
         const std::span<double> values = rows.parse(record);
+        if (rows.may_be_of_other_signals() && rows.of_other_signals(record)) {
+          bad.add_of_others(records.line(), rows.no_value());
+          break;
+        }
         const double time_s = values[layout.time_channel];
         const Stamp stamp = order.needs_stamp(time_s) ? rows.stamp() : Stamp{};
         if (order.follows(time_s, stamp, values[layout.time_channel]))
@@ -89,8 +93,11 @@ Visited visit(core::ByteSource& source, const std::string& name, const std::stri
             "a quote is not closed, " + core::quoted(record) + "; expected a closing '\"'";
         if (records.open_quote())
           bad.add(records.line(), quote, {}, quote);
+        else if (row.no_value && rows.of_other_signals(record))
+          bad.add_of_others(records.line(), row);
         else
-          bad.add(records.line(), row.what(), row.column, row.why);
+          bad.add(records.line(), row.what(), row.column, row.why,
+                  row.no_value ? BadRows::Fault::no_value : BadRows::Fault::other);
         bad.give_up_early(order.rows());
       }
       break;
@@ -106,6 +113,7 @@ Visited visit(core::ByteSource& source, const std::string& name, const std::stri
     summary.notes.push_back(name + ": " + std::to_string(comments) +
                             (comments == 1 ? " comment line" : " comment lines") +
                             " among the rows, from line " + std::to_string(first_comment) + " on, left out.");
+  bad.settle_others(order.rows(), summary);
   v.holes = bad.settle_holes(order.rows(), summary);
   summary.rows = order.rows() - v.holes.size();
   bad.refuse_too_many(summary.rows);

@@ -69,7 +69,8 @@ bool RecordStream::next(std::string_view& record) {
         left == 0 ? nullptr : static_cast<const char*>(std::memchr(from, line_end_, left));
     const std::size_t stretch = newline != nullptr ? static_cast<std::size_t>(newline - from) : left;
     // A comment is one line, whatever quotes stand in it.
-    if (stretch != 0 && std::memchr(from, '"', stretch) != nullptr && buffer_[begin_] != '#')
+    if (stretch != 0 && std::memchr(from, '"', stretch) != nullptr &&
+        !is_comment({buffer_.data() + begin_, std::min<std::size_t>(2, end_ - begin_)}))
       in_quotes ^= (std::count(from, from + stretch, '"') & 1) != 0;
     searched += stretch;
     if (lines == 0) first_line_ = searched;

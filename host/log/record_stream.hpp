@@ -13,13 +13,18 @@ namespace furcula::log {
 
 inline constexpr std::size_t kLongestLine = std::size_t{1} << 20;
 
+/// Whether a line is a comment: of Python and the shell, of MATLAB, of C++.
+constexpr bool is_comment(std::string_view line) {
+  return !line.empty() && (line[0] == '#' || line[0] == '%' || (line[0] == '/' && line.starts_with("//")));
+}
+
 class RecordStream {
  public:
   /// The source's text may be UTF-8 or UTF-16 (utf8_source.hpp). Lines end in LF or CRLF, or in CR where the file begins without any LF.
   RecordStream(core::ByteSource& source, std::string name);
 
   /// The next record without its line end, or false at the end of the file. A record that has
-  /// quotes may hold line ends, unless it begins with '#'. A quote that is not closed within kLongestLine or by the end of the file is a
+  /// quotes may hold line ends, unless it is a comment. A quote that is not closed within kLongestLine or by the end of the file is a
   /// character like any other: the record is the line, and open_quote() says so.
   /// Of a line above kLongestLine the record is empty, and fault() says what it is. The view lives until the next call.
   bool next(std::string_view& record);
@@ -33,7 +38,8 @@ class RecordStream {
   /// What comes next in the file: `size` bytes, or all there are. The view lives until the next call.
   std::string_view ahead(std::size_t size);
 
-  std::uint64_t line() const { return line_; }     ///< at which the last record began, from 1
+  std::uint64_t line() const { return line_; }  ///< at which the last record began, from 1
+  std::uint64_t next_line() const { return next_line_; }
   bool ended() const { return ended_; }            ///< whether a line end stood after it
   bool open_quote() const { return open_quote_; }  ///< whether it has a quote that is not closed
   const char* fault() const { return fault_; }     ///< of a line that is no record; null: it is one

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <deque>
@@ -18,6 +19,7 @@
 #include "host/log/number.hpp"
 #include "host/log/record_stream.hpp"
 #include "host/log/stamp.hpp"
+#include "host/log/wanted.hpp"
 
 namespace furcula::log {
 
@@ -26,7 +28,42 @@ struct BadRow : core::DataError {
   BadRow(const std::string& message, std::string its_column, std::string its_why)
       : core::DataError(message), column(std::move(its_column)), why(std::move(its_why)) {}
   std::string column, why;
+  bool no_value = false;  ///< for want of a value
 };
+
+/// A cell without a value: empty, or as Python, R, MATLAB and databases write it.
+inline bool is_no_value(std::string field) {
+  for (char& c : field) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  const std::size_t sign = field.starts_with('-') ? 1 : 0;
+  for (const std::string_view word : {"nan", "na", "n/a", "<na>", "null", "none"})
+    if (std::string_view(field).substr(sign) == word) return true;
+  return field.find_first_not_of(" \t") == field.npos;
+}
+
+/// "1,200,000" and "1,200.5": commas (or apostrophes, as in Switzerland) between groups of three digits, more than one or before a point.
+inline bool has_thousands(std::string_view field) {
+  if (field.starts_with('-') || field.starts_with('+')) field.remove_prefix(1);
+  const auto digits = [&] {
+    std::size_t n = 0;
+    while (n < field.size() && std::isdigit(static_cast<unsigned char>(field[n])) != 0) ++n;
+    field.remove_prefix(n);
+    return n;
+  };
+  if (const std::size_t first = digits(); first < 1 || first > 3) return false;
+  std::size_t groups = 0;
+  const char sign = field.empty() ? '\0' : field.front();
+  while (!field.empty() && field.front() == sign && (sign == ',' || sign == '\'')) {
+    field.remove_prefix(1);
+    if (digits() != 3) return false;
+    ++groups;
+  }
+  const bool point = field.starts_with('.');
+  if (point) {
+    field.remove_prefix(1);
+    digits();
+  }
+  return field.empty() && (groups > 1 || (groups == 1 && (point || sign == '\'')));
+}
 
 class RowReader {
  public:
@@ -48,6 +85,7 @@ class RowReader {
       plain_.push_back(c.mapped ? kMapped : c.sources.front().column);
       if (c.kind == ColumnKind::flag && !c.sources.empty()) flags_.push_back(i);
     }
+    has_required_ = std::find(kinds_.begin(), kinds_.end(), Kind::required) != kinds_.end();
     time_fields_.resize(layout.channels[layout.time_channel].sources.size());
   }
 
@@ -92,7 +130,38 @@ class RowReader {
   bool has_holes() const { return has_holes_; }
   bool hole(std::size_t file_column) const { return holes_[file_column]; }
 
-  [[noreturn]] void fail(std::size_t file_column, const std::string& message) const {
+  /// A row of a table in which signals with times of their own are merged: it holds a time and values of columns that nothing asks for, and
+  /// none of those that the rig must have or the map names (of a rig that only knows optional ones: none of these).
+  bool of_other_signals(std::string_view record) const {
+    const Fields fields = fields_of(record, layout_.separator);
+    if (fields.size() != raw_.size()) return false;
+    const Kind asked = has_required_ ? Kind::required : Kind::optional;
+    bool others = false;
+    for (std::size_t i = 0; i < fields.size(); ++i) {
+      const bool none = is_no_value(fields[i]);
+      if (kinds_[i] == Kind::time ? none : !none && kinds_[i] == asked) return false;
+      others = others || (!none && kinds_[i] != Kind::time);
+    }
+    return others;
+  }
+
+  /// Whether all optional columns of the last row lack a number, and the rig requires none beside the time.
+  bool may_be_of_other_signals() const {
+    if (has_required_ || !has_holes_) return false;
+    for (std::size_t i = 0; i < kinds_.size(); ++i)
+      if (kinds_[i] == Kind::optional && !holes_[i]) return false;
+    return true;
+  }
+
+  /// Of such a row, what it lacks.
+  BadRow no_value() const {
+    const auto optional = std::find(kinds_.begin(), kinds_.end(), Kind::optional);
+    const std::string& column = layout_.file_columns[static_cast<std::size_t>(optional - kinds_.begin())];
+    const std::string why = "no value; expected a finite decimal number";
+    return {"column " + core::quoted(column) + ": " + why, column, why};
+  }
+
+  [[noreturn]] void fail(std::size_t file_column, const std::string& message, bool no_value = false) const {
     std::string who = "column " + core::quoted(layout_.file_columns[file_column]), ours;
     for (const Channel& c : layout_.channels)
       for (const Source& s : c.sources) {
@@ -101,7 +170,9 @@ class RowReader {
           who += " (mapped to '" + core::printable(c.name) + "')";
         if (c.known || ours.empty()) ours = c.name;
       }
-    fail_row(who + ": " + message, ours, message);
+    BadRow bad(who + ": " + message, ours, message);
+    bad.no_value = no_value;
+    throw bad;
   }
 
   [[noreturn]] void fail_row(const std::string& message, const std::string& column = {},
@@ -181,10 +252,18 @@ class RowReader {
       has_holes_ = holes_[i] = true;
       return std::numeric_limits<double>::quiet_NaN();
     }
-    if (is_number) fail(i, core::quoted(field) + " is not finite" + expected);
-    if (field.empty()) fail(i, "no value ('')" + expected);
-    fail(i, core::quoted(field) + " is not a number" + expected +
-                (field.find(',') != field.npos ? " with '.' (or decimal = \",\" in a --map file)" : ""));
+    const bool no_value = is_no_value(field);
+    if (is_number) fail(i, core::quoted(field) + " is not finite" + expected, no_value);
+    if (field.empty()) fail(i, "no value ('')" + expected, true);
+    const bool thousands = has_thousands(field);
+    fail(
+        i,
+        core::quoted(field) + " is not a number" + expected +
+            (thousands
+                 ? " without separators of thousands (in Python, pandas.read_csv(..., thousands=\",\") reads them)"
+             : field.find(',') != field.npos ? " with '.' (or decimal = \",\" in a --map file)"
+                                             : ""),
+        no_value);
   }
 
   [[noreturn]] void wrong_field_count(std::string_view record) const {
@@ -208,6 +287,7 @@ class RowReader {
   std::vector<double> values_;
   std::vector<bool> holes_;  // of the last row that has any
   bool has_holes_ = false;
+  bool has_required_ = false;  // beside the time
   std::string joined_;
   std::vector<std::string_view> time_fields_;
   std::deque<std::string> time_copies_;  // of fields that are no plain numbers

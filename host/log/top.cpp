@@ -5,6 +5,8 @@
 #include <cctype>
 
 #include "host/core/message.hpp"
+#include "host/log/file_kind.hpp"
+#include "host/log/header_row.hpp"
 
 namespace furcula::log {
 namespace {
@@ -33,7 +35,7 @@ std::size_t first_not_utf8(std::string_view text) {
   return std::string_view::npos;
 }
 
-void take_metadata(std::string_view record, const RecordStream& records, const RigInfo* rig,
+void take_metadata(std::string_view record, const RecordStream& records, const Wanted* wanted,
                    LogHeader& header) {
   const std::size_t colon = record.find(':');
   if (colon == std::string_view::npos) return;
@@ -42,9 +44,9 @@ void take_metadata(std::string_view record, const RecordStream& records, const R
   const std::string value(trimmed(record.substr(colon + 1)));
   if (key == "format" && value != "furcula-log/1")
     throw core::DataError(place(records) + "format is " + core::quoted(value) + "; expected furcula-log/1");
-  if (key == "rig" && rig != nullptr && value != rig->name)
+  if (key == "rig" && wanted != nullptr && value != wanted->rig().name)
     throw core::DataError(place(records) + "rig is " + core::quoted(value) + "; expected " +
-                          std::string(rig->name) + ", as the model, the map or --rig says");
+                          std::string(wanted->rig().name) + ", as the model, the map or --rig says");
   if (key == "rig" && rig_named(value) == nullptr) {
     std::vector<std::string_view> rigs;
     for (const RigInfo& r : kRigs) rigs.push_back(r.name);
@@ -97,48 +99,69 @@ std::string place(const RecordStream& records) {
   return records.name() + ":" + std::to_string(records.line()) + ": ";
 }
 
-Top read_top(RecordStream& records, const RigInfo* rig, LogHeader& header) {
+std::string_view comment_text(std::string_view comment) {
+  const std::size_t first = comment.find_first_not_of(comment.front());
+  return first == comment.npos ? std::string_view{} : trimmed(comment.substr(first));
+}
+
+void take_comment(std::string_view comment, const RecordStream& records, const Wanted* wanted, Top& top,
+                  LogHeader& header) {
   constexpr std::size_t kComments = 8;
+  top.comment_bytes += comment.size();
+  if (top.comment_bytes > kMostMetadata)
+    throw core::DataError(place(records) + "more than 1 MiB of comments; expected a header row");
+  if (comment.front() == '#') take_metadata(comment, records, wanted, header);
+  if (top.comments.size() == kComments) top.comments.erase(top.comments.begin());
+  top.comments.push_back({std::string(comment_text(comment)), records.line()});
+}
+
+Top read_top(RecordStream& records, const Wanted* wanted, LogHeader& header) {
   Top top;
+  const std::string path = records.name();
+  const std::string_view head = records.ahead(kHead);
+  if (const std::string what = other_file(head, path); !what.empty())
+    throw core::DataError(path + ": " + what);
+  if (std::string what = other_text(head, path); !what.empty()) top.other_text = path + ": " + what;
+
   std::string_view record;
-  std::size_t metadata_bytes = 0;
   bool anything = false;
   while (records.next(record)) {
-    if (records.fault() != nullptr) throw core::DataError(place(records) + records.fault());
-    if (records.open_quote() && !record.starts_with('#'))
-      throw core::DataError(place(records) +
-                            "a quote is not closed; expected a header row of a CSV log, with a closing '\"'");
+    if (records.fault() != nullptr)
+      throw core::DataError(place(records) + records.fault() + unknown_file_hint(path));
     if (!anything) top.separator = separator_line(record);
     if (!anything && top.separator) {
       anything = true;
       continue;
     }
     anything = true;
-    if (record.find('\0') != std::string_view::npos)
-      throw core::DataError(place(records) + "a NUL byte; expected the text of a CSV log");
     std::string text(record);
     if (const std::size_t bad = first_not_utf8(record); bad != std::string_view::npos) {
       if (top.not_utf8.empty())
         top.not_utf8 = place(records) + "byte " + std::to_string(bad + 1) + " of the line, " +
-                       core::quoted(record.substr(bad, 1)) + ", is not UTF-8; expected UTF-8 text";
+                       core::quoted(record.substr(bad, 1)) + ", is not UTF-8; expected UTF-8 text" +
+                       unknown_file_hint(path);
       text = from_latin1(record);
     }
     const std::string_view content = trimmed(text);
     if (content.empty()) continue;
-    if (content.front() != '#') {
-      top.row = std::move(text);
-      return top;
+    const bool nul = text.find('\0') != std::string::npos;
+    if (!nul && is_comment(content) &&
+        (content.front() == '#' || wanted == nullptr ||
+         !wanted->uses(fields_of(content, separator_in(content, wanted->asked())).front()))) {
+      take_comment(content, records, wanted, top, header);
+      continue;
     }
-    metadata_bytes += text.size();
-    if (metadata_bytes > kMostMetadata)
-      throw core::DataError(place(records) + "more than 1 MiB of '#' lines; expected a header row");
-    take_metadata(content, records, rig, header);
-    if (top.comments.size() == kComments) top.comments.erase(top.comments.begin());
-    top.comments.push_back({std::string(trimmed(content.substr(1))), records.line()});
+    if (nul)
+      top.flaw = place(records) + "a NUL byte; expected the text of a CSV log" + unknown_file_hint(path);
+    else if (records.open_quote())
+      top.flaw =
+          place(records) + "a quote is not closed; expected a header row of a CSV log, with a closing '\"'";
+    top.row = std::move(text);
+    return top;
   }
-  throw core::DataError(records.name() +
-                        ":1: " + (anything ? "there is no header row" : "the file is empty") +
-                        "; expected a CSV log with a header row");
+  throw core::DataError(path + ":1: " + (anything ? "there is no header row" : "the file is empty") +
+                        "; expected a CSV log with a header row" +
+                        (anything ? "" : " (was the recording stopped before it was written, or copied?)"));
 }
 
 }  // namespace furcula::log

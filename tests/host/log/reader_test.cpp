@@ -226,7 +226,7 @@ TEST_CASE("a header that is not UTF-8 is read as Latin-1 where it names the colu
   CHECK(log.at("gr\xC3\xB6\xC3\x9F"
                "e") == std::vector<double>{1.0});
   CHECK_THAT(log.notes.at(0), Contains("read as Latin-1"));
-  CHECK_THAT(refused("\x89PNG\r\n\x1a\n"), Contains("a.csv:1: byte 1 of the line, '\\x89', is not UTF-8"));
+  CHECK_THAT(refused("\x89QNG\r\n\x1a\n"), Contains("a.csv:1: byte 1 of the line, '\\x89', is not UTF-8"));
 }
 
 TEST_CASE("a line longer than 1 MiB is refused, a quote that is never closed too") {
@@ -597,4 +597,118 @@ TEST_CASE("rows with other numbers of fields than the header row are refused wit
   for (int i = 0; i < 30; ++i) text += "0," + std::to_string(1000 + i) + ",1,5\n";
   CHECK_THAT(refused(text, "rail_carriage"),
              Contains("most rows have 4 fields, the header row 2") && Contains("decimals behind commas"));
+}
+
+TEST_CASE("a header row in a comment of MATLAB or of C++ is taken, and so are comments among the rows") {
+  for (const std::string head : {"% time_s, height_m\n", "%% made by a script\n% time_s,height_m\n% s,m\n",
+                                 "// test 12\n// time_s,height_m\n"}) {
+    INFO(head);
+    const log::Log log = rail(head + "0,1\n% pause\n0.001,2\n// end\n0.002,3\n");
+    check_rail(log);
+    CHECK_THAT(log.notes.at(0), Contains("was taken as the header row"));
+    CHECK_THAT(log.notes.at(1), Contains("2 comment lines among the rows"));
+  }
+  check_rail(rail("% time_s height_m\n0 1\n0.001 2\n0.002 3\n"));
+  // Other signs before the first name, in quotes, or alone between blanks.
+  for (const std::string text :
+       {"! time_s height_m\n0 1\n0.001 2\n0.002 3\n", "; time_s, height_m\n0,1\n0.001,2\n0.002,3\n",
+        "\"# time_s\",\"height_m\"\n0,1\n0.001,2\n0.002,3\n"}) {
+    INFO(text);
+    const log::Log log = rail(text);
+    check_rail(log);
+    CHECK_THAT(log.notes.at(0), Contains("which was read as 'time_s'"));
+  }
+}
+
+TEST_CASE("a column whose name begins as a comment is a column where the map names it") {
+  const log::ColumnMap map = log::parse_column_map("height_m = { column = \"%h\" }\n", "map.toml");
+  const log::Log log = log::parse_log("%h,time_s\n1,0\n2,0.001\n3,0.002\n", "a.csv", "rail_carriage", &map);
+  check_rail(log);
+  CHECK(log.notes.empty());
+}
+
+TEST_CASE(
+    "title lines above the header row are left out with a note, and what they say of the rig is heeded") {
+  for (const std::string titles :
+       {"Logger v2.1\n", "Test: fall 3\nOperator: me\n\n", "rst:0x1 (POWERON),boot:0x13\nentry 0x400805e4\n",
+        "Rail: 40\" long\nDate: today\n", "Test,\nfall,3\n,\n", "[Header]\nrate=1000\n", "\x80\xff boot\n"}) {
+    INFO(titles);
+    const log::Log log = rail(titles + kRail);
+    check_rail(log);
+    CHECK_THAT(log.notes.at(0), Contains("above the header row") && Contains("left out"));
+    CHECK(log.lines.at(0) == static_cast<std::size_t>(std::count(titles.begin(), titles.end(), '\n')) + 2);
+  }
+  check_rail(rail("Logger\n# time_s,height_m\n0,1\n0.001,2\n0.002,3\n"));
+  check_rail(rail(std::string(2, '\0') + " boot\n" + kRail));
+  const std::string with_rig = "Logger\n# rig: hopper\n" + kRail;
+  CHECK_THAT(refused(with_rig, "rail_carriage"),
+             Contains("a.csv:2: rig is 'hopper'; expected rail_carriage"));
+  test::TemporaryFolder folder;
+  CHECK(log::rig_line(folder.file("a.csv", with_rig)) == "hopper");
+}
+
+TEST_CASE(
+    "names above the rows of numbers are the header row, also below titles and without one that is asked for") {
+  CHECK_THAT(refused("Logger\nTest 3\nt,h\n0,1\n0.001,2\n", "rail_carriage"),
+             Contains("a.csv:3: no column 'time_s'") && Contains("the file has t, h (a --map file"));
+  CHECK_THAT(
+      refused("Logger\nTest 3\n0,1\n0.001,2\n", "rail_carriage"),
+      Contains("a.csv:3: there is no header row: the first row holds numbers, '0,1', below 'Logger'") &&
+          Contains("as in 'time_s,height_m'"));
+  // As ros2 topic echo --csv prints them.
+  CHECK_THAT(refused("17,0,,joint1,0.4\n17,2000000,,joint1,0.4\n", "rail_carriage"),
+             Contains("a.csv:1: there is no header row") && Contains("the 5 columns"));
+}
+
+TEST_CASE(
+    "rows of other signals in a merged table are left out with a note if they are many, and named if few") {
+  std::string text = "time_s,height_m,imu/x\n";
+  for (int i = 0; i < 100; ++i) {
+    text += std::to_string(0.001 * i) + "," + std::to_string(i) + ",\n";
+    text += std::to_string(0.001 * i + 0.0004) + (i % 2 == 0 ? ",,9.8\n" : ",NaN,9.8\n");
+  }
+  log::Log log = rail(text);
+  CHECK(log.rows() == 100);
+  CHECK(log.at("height_m")[99] == 99.0);
+  CHECK(log.refused.empty());
+  CHECK_THAT(log.notes.at(0), Contains("100 of 200 rows, from line 3 on, have values of other columns only"));
+
+  // A robot's columns are optional to the reader.
+  text = "time_s,angle_knee_rad,torque_knee_nm,imu/x\n";
+  for (int i = 0; i < 100; ++i)
+    text += std::to_string(0.001 * i) + ",1,2,\n" + std::to_string(0.001 * i + 0.0004) + ",,,9.8\n";
+  log = log::parse_log(text, "a.csv", "tree");
+  CHECK(log.rows() == 100);
+  CHECK(log.has("angle_knee_rad"));
+
+  text = "time_s,height_m,imu/x\n" + rows_of(100, ",0.3,1");
+  replace_line(text, 12, "0.010000,,1");
+  log = rail(text);
+  CHECK(log.rows() == 99);
+  REQUIRE(log.refused.size() == 1);
+  CHECK(log.refused[0].line == 12);
+  CHECK(log.refused[0].column == "height_m");
+
+  CHECK_THAT(refused("time_s,height_m,imu\n0,,1\n1,,1\n", "rail_carriage"),
+             Contains("a.csv:2: column 'height_m': no value") &&
+                 Contains("all 2 rows hold values of other columns only"));
+}
+
+TEST_CASE("signals that are logged at different times are refused with the command that interpolates them") {
+  std::string text = "time_s;angle_rad;torque_nm\n";
+  for (int i = 0; i < 40; ++i)
+    text += std::to_string(0.002 * i) + ";1;\n" + std::to_string(0.002 * i + 0.001) + ";;2\n";
+  CHECK_THAT(
+      refused(text, "rotary_joint"),
+      Contains("a.csv:2: column 'torque_nm': no value ('')") && Contains("80 of 80 rows are bad") &&
+          Contains(
+              "python3 -c 'import pandas as pd; d = pd.read_csv(\"a.csv\", index_col=\"time_s\", sep=\";\")") &&
+          Contains("d.interpolate(\"index\")[d[\"angle_rad\"].notna()].to_csv(\"a_even.csv\")"));
+}
+
+TEST_CASE("separators of thousands are called that") {
+  const std::string text = "time_s;height_m\n1,200,000;1\n1,201,000;2\n1,202,000;3\n";
+  const std::string message = refused(text, "rail_carriage");
+  CHECK_THAT(message, Contains("'1,200,000' is not a number") && Contains("without separators of thousands"));
+  CHECK_THAT(message, !Contains("a time that repeats"));
 }

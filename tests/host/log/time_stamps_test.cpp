@@ -69,11 +69,11 @@ TEST_CASE("a time in another unit than seconds is named, with the scale that mak
     }
   // Uneven ones, too: it is no clock that is set at every row.
   std::mt19937_64 random(5);
-  std::string text = "time_s,angle_rad\n";
+  std::string text = "time_s,angle_rad,torque_nm\n";
   double time_s = 0.0;
   for (int i = 0; i < 300; ++i) {
     time_s += 3e-3 + 1e-3 * static_cast<double>(random() % 1000) / 1000.0;
-    text += std::to_string(std::llround(1e9 * time_s)) + "," + std::to_string(angle(time_s)) + "\n";
+    text += std::to_string(std::llround(1e9 * time_s)) + "," + std::to_string(angle(time_s)) + ",0\n";
   }
   CHECK_THAT(log::judge(log::parse_log(text, "a.csv", "rotary_joint")).unit,
              Contains("in ns") && Contains("scale = 1e-9"));
