@@ -136,7 +136,15 @@ std::string beyond_bounds(const Diagnosis& d) {
   return text;
 }
 
+double highest_confidence(const Diagnosis& d) {
+  double highest = 0.0;
+  for (const Finding& f : d.findings) highest = std::max(highest, f.confidence);
+  return highest;
+}
+
 }  // namespace
+
+bool any_believed(const Diagnosis& d) { return highest_confidence(d) >= 0.5; }
 
 bool is_wrong_parameter(dynamics::Effect effect) {
   return dynamics::info(effect).title.starts_with("the model's ");
@@ -184,6 +192,10 @@ std::string summary_of(const Diagnosis& d) {
     case Verdict::explained:
       return sentence(named + falls + beside_the_floor(d) + ".");
     case Verdict::partly_explained:
+      if (!any_believed(d))
+        return "It looks as if " + named + falls + ". But a confidence of " +
+               number(highest_confidence(d), 2) +
+               " is no finding, and structure remains that no effect of the catalogue removes.";
       if (d.unnamed_share <= 0.5)
         return sentence(named + falls + ", but structure remains that no effect of the catalogue removes.");
       return "Most of what is wrong with the model is not in the catalogue. A part of it looks as if " +

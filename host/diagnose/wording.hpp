@@ -18,6 +18,9 @@ std::string names(const std::vector<std::string>& effects);
 /// A length or angle in the unit that a reader likes: mm for m, degrees stay rad.
 std::string readable(double value, const std::string& unit);
 
+/// Whether a finding is more likely than not.
+bool any_believed(const Diagnosis& d);
+
 /// Whether the effect is the true value of one of the model's own parameters: its title is then "the model's ...".
 bool is_wrong_parameter(dynamics::Effect effect);
 

@@ -144,8 +144,8 @@ class BadRows {
       message += "; if the signals have times of their own, interpolate them" + interpolation(layout_, name_);
     if (time && layout_.time_hint.empty() && count_ > 1)
       message +=
-          " (a time that repeats is written with too few digits, one that jumps to and fro is of several recordings: write more "
-          "digits, or a file for each)";
+          " (a time that repeats is written with too few digits, or was given to all rows of a buffer when it was read; one that jumps to and fro is of several recordings: write more "
+          "digits, or the device's own time, or a file for each)";
     throw core::DataError(message);
   }
   /// The same before the end where nearly nothing is good, so that memory stays bounded.

@@ -88,7 +88,8 @@ std::string headline(const Diagnosis& d) {
   const dynamics::Effect first = d.findings.front().effect;
   const std::string title(dynamics::info(first).title),
       more = std::to_string(d.findings.size() - 1) + " more";
-  if (d.verdict == Verdict::not_identifiable) return "Not certain: " + title + ", and " + more;
+  if (d.verdict == Verdict::not_identifiable || !diagnose::any_believed(d))
+    return "Not certain: " + title + ", and " + more;
   if (diagnose::is_wrong_parameter(first)) return "T" + title.substr(1) + " is wrong, and " + more;
   return "The model lacks " + title + ", and " + more;
 }

@@ -6,7 +6,7 @@
 namespace furcula::diagnose {
 namespace {
 
-std::string said_of(double unnamed_share) {
+std::string said_of(double unnamed_share, double confidence = 0.9) {
   Diagnosis d;
   d.kind = dynamics::Kind::motor_axis;
   d.main_channel = "position";
@@ -18,11 +18,18 @@ std::string said_of(double unnamed_share) {
   Finding f;
   f.effect = dynamics::Effect::coulomb_friction;
   f.parameters["force_n"] = {2.5, 2.0, 3.0};
+  f.confidence = confidence;
   d.findings.push_back(f);
   return summary(d);
 }
 
 }  // namespace
+
+TEST_CASE("A cause that is hardly believed is not told as a fact") {
+  const std::string said = said_of(0.2, 0.002);
+  CHECK(said.starts_with("It looks as if the model lacks dry friction (coulomb_friction: 2.5 N): with it"));
+  CHECK(said.find("a confidence of 0.002 is no finding") != said.npos);
+}
 
 TEST_CASE("A cause that explains most is what the model lacks, one that explains little only looks like it") {
   const std::string named = "he model lacks dry friction (coulomb_friction: 2.5 N)";

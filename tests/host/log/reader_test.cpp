@@ -443,7 +443,8 @@ TEST_CASE("a time that is written with too few digits is refused with what to do
     text += row;
   }
   CHECK_THAT(refused(text), Contains("a.csv:3: column 'time_s': 0 s after 0 s") &&
-                                Contains("269 of 300 rows are bad") && Contains("write more digits"));
+                                Contains("269 of 300 rows are bad") && Contains("write more digits") &&
+                                Contains("given to all rows of a buffer"));
 }
 
 TEST_CASE("epoch seconds keep their nanoseconds") {
