@@ -77,7 +77,7 @@ class Faults {
  private:
   using Axes = std::vector<Axis>;
 
-  void positions(const std::string& name, const std::string& group, const Axes& axes, Change change,
+  void positions(const std::string& name, const std::string& group, const Axes& axes, const Change& change,
                  std::vector<std::string> words) {
     Fault f{name, group, {}};
     for (const Axis& a : axes) {

@@ -55,10 +55,9 @@ TEST_CASE("Bad input to identify and diagnose ends with one message, status 3, a
     std::string log;
     const char* message;
   };
-  const std::string good = log::format_log(test::axis_log(95.0, 203.5, 1e-4, 9, 2.0));
   const std::string header = "time_s,position_m,force_n\n";
   const std::vector<Bad> all{
-      {"torn row", good.substr(0, good.rfind(',')), "fields"},
+      {"torn rows", header + "0,0,0\n0.001,0\n0.002\n", "fields"},
       {"missing column", "time_s,position_m\n0,0\n", "force_n"},
       {"time backwards", header + "0,0,0\n0.001,0,0\n0.0005,0,0\n", "time_s"},
       {"NaN", header + "0,0,0\n0.001,nan,0\n", "nan"},
@@ -79,6 +78,19 @@ TEST_CASE("Bad input to identify and diagnose ends with one message, status 3, a
       CHECK(std::count(ran.err.begin(), ran.err.end(), '\n') == 1);
       CHECK(test::run_program("/bin/ls", {f.out}).out.empty());
     }
+}
+
+TEST_CASE("One torn row costs identify and diagnose that row alone, and is told") {
+  const Files f;
+  const std::string good = log::format_log(test::axis_log(95.0, 203.5, 1e-4, 9, 2.0));
+  const std::string path = f.folder.file("torn.csv", good.substr(0, good.rfind(',')));
+  for (const std::string command : {"identify", "diagnose"}) {
+    const auto ran = f.run(command, {path, f.logs[0], f.logs[1]});
+    INFO(command << ": " << ran.err);
+    CHECK(ran.status == 0);
+    CHECK_THAT(ran.out,
+               Catch::Contains("1 row refused: ") && Catch::Contains("torn.csv") && Catch::Contains("torn"));
+  }
 }
 
 TEST_CASE("A directory for a log, a log given twice and an unusable window are refused") {
