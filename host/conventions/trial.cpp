@@ -35,8 +35,8 @@ constexpr double kEstimated = 0.5;
 const double kAsGood = 1.2 * kEstimated * kFarBetter;
 /// Friction and constant forces over the forces that act (RMS of the drive's and of gravity and springs): what moves is not held.
 constexpr double kMostFriction = 0.3;
-/// At the joint where it is most, a reading leaves at most so much of what the columns as named leave of the force: a third of its mean square.
-const double kLeft = std::sqrt(1.0 / 3.0);
+/// What a reading leaves of the force, mean square, at the joint where it is most: less than it explains.
+constexpr double kUnexplained = 0.5;
 /// Usually an inertia is known within a tenth, and a constant force is a twentieth of what acts.
 constexpr double kInertiaKnown = 0.1, kConstantUsual = 0.05;
 /// With the columns as named: a scale of kNearOne or a zero of kNearZero_rad leaves half of the force; a part of that is fitted away by
@@ -175,24 +175,13 @@ struct Equation {
     }
     const Eigen::VectorXd target = (free ? 0.0 : fixed) * pushed - asked;
     // Twice: what stands out of the first time, a slip or an impact, does not bend the second.
-    constexpr double kFirstRest = 0.05;  // of the force: what a model usually lacks
-    double rest_square = 0.0;
     Eigen::VectorXd x, left, kept = Eigen::VectorXd::Ones(rows);
     for (int round = 0; round < 2; ++round) {
       const Eigen::MatrixXd weighed = kept.asDiagonal() * all;
-      Eigen::MatrixXd gram = weighed.transpose() * weighed;
-      // Where the equations do not tell, inertia and constant force stay as they usually are.
-      const double noise = round == 0 ? std::pow(kFirstRest * target.norm() * root, 2) : rest_square;
-      const double force = std::max((fixed * pushed - drive).norm() * root, acting);
-      gram(kRotor, kRotor) +=
-          noise /
-          std::pow(kInertiaKnown * static_cast<double>(rows) / rotor_share * size(kRotor) + 1e-300, 2);
-      if (force > 0.0) gram(kConstant, kConstant) += noise / std::pow(kConstantUsual * force, 2);
-      x = bounded_least_squares(gram, weighed.transpose() * target, lower, upper);
+      x = bounded_least_squares(weighed.transpose() * weighed, weighed.transpose() * target, lower, upper);
       left = target - all * x;
       std::vector<double> sizes(needed.size());
       Eigen::Map<Eigen::VectorXd>(sizes.data(), rows) = left.cwiseAbs();
-      rest_square = left.cwiseAbs2().cwiseProduct(kept).mean();
       const double far = core::quantile(std::move(sizes), 1.0 - kTrimmed);
       for (Eigen::Index i = 0; i < rows; ++i) kept(i) = std::abs(left(i)) <= far ? 1.0 : 0.0;
     }
@@ -309,12 +298,12 @@ class Trial {
     weigh({given(), "", "", {}, 0.0});
     if (all_.empty()) return std::nullopt;
     if (all_.front().off < kAsked && all_.front().fit > kFarBetter) return std::nullopt;
-    const double as_given = all_[1].score, off_given = all_[1].off;
+    const double as_given = std::max(all_[0].score, all_[1].score), off_given = all_[1].off;
     weigh_all();
     const auto best = std::max_element(all_.begin(), all_.end(),
                                        [](const Scored& a, const Scored& b) { return a.score < b.score; });
     if (best->given || !(best->score > as_given) || !(best->fit > kFarBetter)) return std::nullopt;
-    if (!(best->off < off_given * kLeft)) return std::nullopt;
+    if (!(best->off * best->off < kUnexplained)) return std::nullopt;
     Finding f{best->what, best->map, best->same, {}, off_given, best->off};
     std::vector<const Scored*> near;
     for (const Scored& s : all_)
@@ -665,7 +654,7 @@ class Trial {
     double changes = 0.0;  ///< one for all inputs in one known unit, or of about one scale
     double common = 0.0;   ///< of several inputs, all torques or all forces: one scale for all
   };
-  /// What inputs with estimated scales seem to be; nothing where a scale is near to one.
+  /// What inputs with estimated scales seem to be; nothing where a scale is within kInertiaWithin.
   Scaled scaled_inputs(const std::vector<std::size_t>& which, const std::vector<Equation>& e) {
     Scaled out;
     std::vector<double> scales;
@@ -673,7 +662,8 @@ class Trial {
     for (const std::size_t j : which) {
       const Rest rest = rest_of(e[j], j, {1.0, true});
       const double scale = rest.input_scale, size = std::abs(scale);
-      if (!(size > kNearOne || size < 1.0 / kNearOne)) return {};
+      // Below that the masses of the model are off, or a load is carried.
+      if (!(size > kInertiaWithin || size < 1.0 / kInertiaWithin)) return {};
       worth += rest.worth_of_drive();
       scales.push_back(scale);
       out.map += (out.map.empty() ? "" : "\n") +
