@@ -283,7 +283,7 @@ void ask(Row& row, const Subject& s, const Arguments& a, const std::string& fold
   row.said = refused;
   const auto rest = std::min(refused.find(". So read"), refused.size());
   const bool listed = std::any_of(row.fault.words.begin(), row.fault.words.end(), [&](const std::string& w) {
-    return refused.find(w, rest) != refused.npos;
+    return refused.find(w) != refused.npos;  // also among the questions about an estimated scale
   });
   const bool in_words =
       row.fault.undone.empty() &&
