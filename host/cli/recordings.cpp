@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "host/cli/errors.hpp"
+#include "host/core/commands.hpp"
 #include "host/core/message.hpp"
 #include "host/core/strict_toml.hpp"
 #include "host/gait/leg_as_tree.hpp"
@@ -71,17 +72,7 @@ unsigned RecordingOptions::thread_count() const {
 
 std::string RecordingOptions::command_line(const std::string& command, bool tree) const {
   std::string line = "furcula " + command;
-  const auto add = [&line](const std::string& word) {
-    constexpr std::string_view kPlain =
-        "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_./=:,+%@-";
-    if (!word.empty() && word.find_first_not_of(kPlain) == word.npos) {
-      line += " " + word;
-      return;
-    }
-    line += " '";
-    for (const char c : word) line += c == '\'' ? std::string("'\\''") : std::string(1, c);
-    line += "'";
-  };
+  const auto add = [&line](const std::string& word) { line += " " + core::shell_word(word); };
   const auto option = [&add](const char* name, const std::string& value) {
     add(name);
     add(value);

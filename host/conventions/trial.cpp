@@ -12,6 +12,7 @@
 #include <numeric>
 #include <set>
 
+#include "host/conventions/equation.hpp"
 #include "host/conventions/instants.hpp"
 #include "host/core/error.hpp"
 #include "host/core/message.hpp"
@@ -33,9 +34,7 @@ constexpr double kSignOrExchange = 0.5;
 constexpr double kEstimated = 0.5;
 /// Readings that are hardly further behind the best one than an estimated number, or a rare unit, costs are mentioned beside it.
 const double kAsGood = 1.2 * kEstimated * kFarBetter;
-/// Friction and constant forces over the forces that act (RMS of the drive's and of gravity and springs): what moves is not held.
-constexpr double kMostFriction = 0.3;
-/// What a reading leaves of the force, mean square, at the joint where it is most: less than it explains.
+/// At each joint a reading leaves less of the force, mean square, than it explains, or no more than the columns as named do.
 constexpr double kUnexplained = 0.5;
 /// Usually an inertia is known within a tenth, and a constant force is a twentieth of what acts.
 constexpr double kInertiaKnown = 0.1, kConstantUsual = 0.05;
@@ -43,8 +42,6 @@ constexpr double kInertiaKnown = 0.1, kConstantUsual = 0.05;
 /// what the trial fits in any case. A model that leaves less, and explains the accelerations, has no wrong unit, however much better
 /// another reading is.
 constexpr double kAsked = 0.2;
-/// The largest twentieth of the rests is left out: an impact, a knock.
-constexpr double kTrimmed = 0.05;
 /// A scale or a zero this near to one, or to none, is a cause of the catalogue, not a convention.
 constexpr double kNearOne = 1.8, kNearZero_rad = 0.75;
 /// Estimates of scales are off by what the model's inertia may be: units within that factor are tried, and those near by are named.
@@ -54,158 +51,6 @@ constexpr double kAlike = 2.0;
 /// Between two rows of a log of a machine that is moved by drives.
 constexpr double kShortest_s = 1e-5, kLongest_s = 1.0;
 constexpr double kQuarter = std::numbers::pi / 2.0;
-
-/// How a joint's input is read.
-struct InputScale {
-  double scale = 1.0;
-  bool estimated = false;
-};
-
-struct Rest {
-  double mean_square = 0.0;  ///< trimmed
-  double input_scale = 1.0;
-  double force = 0.0;           ///< RMS of what is asked for with what was fitted, or given
-  double pushed = 0.0;          ///< RMS of what is given
-  double inertia = 0.0;         ///< that was fitted beside the joint's
-  double constant = 0.0;        ///< force that was fitted
-  double inertia_factor = 1.0;  ///< by which the joint's is so much more, or less
-  /// Log likelihood an instant that the drive's force is worth: without it the rest would be so much larger.
-  double worth_of_drive() const { return 0.5 * std::log1p(pushed * pushed / std::max(mean_square, 1e-300)); }
-};
-
-/// Without the largest kTrimmed of them.
-double trimmed_mean(std::vector<double> squares) {
-  const std::size_t kept = std::max<std::size_t>(
-      1, static_cast<std::size_t>((1.0 - kTrimmed) * static_cast<double>(squares.size())));
-  std::nth_element(squares.begin(), squares.begin() + static_cast<std::ptrdiff_t>(kept) - 1, squares.end());
-  return std::accumulate(squares.begin(), squares.begin() + static_cast<std::ptrdiff_t>(kept), 0.0) /
-         static_cast<double>(kept);
-}
-
-/// A column of a joint's equation, with the bounds of its coefficient.
-struct Column {
-  std::vector<double> values;
-  double lower, upper;
-  bool friction = false;  ///< or a constant force
-  double inertia = 0.0;   ///< what one of it adds to the joint's inertia, as a share
-};
-
-/// The columns of each joint's equation, in their order; from kFree on the free parameters.
-enum : Eigen::Index { kCoulomb, kViscous, kRotor, kConstant, kFree };
-
-/// Least squares within bounds, by cyclic descent on the normal equations. It begins with the last coefficient, an input's scale: where the
-/// inertia and that scale undo each other, the inertia stays as it is.
-Eigen::VectorXd bounded_least_squares(const Eigen::MatrixXd& gram, const Eigen::VectorXd& right,
-                                      const Eigen::VectorXd& lower, const Eigen::VectorXd& upper) {
-  constexpr int kRounds = 300;
-  Eigen::VectorXd x = Eigen::VectorXd::Zero(right.size()).cwiseMax(lower).cwiseMin(upper);
-  const Eigen::Index input = x.size() - 1;
-  if (gram(input, input) > 0.0)
-    x(input) = std::clamp(right(input) / gram(input, input), lower(input), upper(input));
-  for (int round = 0; round < kRounds; ++round) {
-    double moved = 0.0;
-    for (Eigen::Index i = 0; i < x.size(); ++i) {
-      if (!(gram(i, i) > 0.0)) continue;
-      const double next = std::clamp(x(i) + (right(i) - gram.row(i).dot(x)) / gram(i, i), lower(i), upper(i));
-      moved = std::max(moved, std::abs(next - x(i)) * std::sqrt(gram(i, i)));
-      x(i) = next;
-    }
-    if (moved < 1e-7 * std::sqrt(right.cwiseAbs().maxCoeff() + 1e-300)) break;
-  }
-  return x;
-}
-
-/// A joint's equation over the instants: input scale x given = needed + columns x coefficients.
-struct Equation {
-  std::vector<double> needed, given, of_drive;
-  std::vector<double> passive;  ///< gravity, springs: `needed` without the drive's part and the inertia's
-  std::vector<Column> columns;
-  double rotor_share =
-      0.0;  ///< what one of a rotor's inertia adds to the joint's, as a share; summed over the instants
-  bool falls = false;   ///< its weight and its inertia are of one mass
-  double acting = 0.0;  ///< RMS of what acts beside the drive: gravity, springs
-
-  /// Of the input, to move as it does without friction.
-  double likely_scale() const {
-    double both = 0.0, squares = 0.0;
-    for (std::size_t i = 0; i < needed.size(); ++i)
-      both += needed[i] * given[i], squares += given[i] * given[i];
-    return squares > 0.0 ? both / squares : 0.0;
-  }
-
-  /// With `any_cause`, whatever a cause of the catalogue may be: friction of any size, and gravity and springs that are off by as much as an
-  /// inertia may be.
-  Rest solve(InputScale how, bool any_cause = false) const {
-    const double fixed = how.scale;
-    const bool free = how.estimated;
-    std::vector<Column> used_columns = columns;
-    if (any_cause && !falls)
-      used_columns.push_back({passive, 1.0 / kInertiaWithin - 1.0, kInertiaWithin - 1.0});
-    const auto rows = static_cast<Eigen::Index>(needed.size());
-    const auto count = static_cast<Eigen::Index>(used_columns.size());
-    Eigen::MatrixXd all(rows, count + 1);
-    Eigen::VectorXd size(count + 1), lower(count + 1), upper(count + 1);
-    const Eigen::Map<const Eigen::VectorXd> asked(needed.data(), rows), pushed(given.data(), rows),
-        drive(of_drive.data(), rows);
-    const double root = 1.0 / std::sqrt(static_cast<double>(rows));
-    constexpr double kUnbounded = std::numeric_limits<double>::infinity();
-    for (Eigen::Index c = 0; c <= count; ++c) {
-      const bool input = c == count;
-      // Of unit size, so that descent is quick.
-      const Eigen::VectorXd values =
-          input ? Eigen::VectorXd(-pushed)
-                : Eigen::VectorXd(Eigen::Map<const Eigen::VectorXd>(
-                      used_columns[static_cast<std::size_t>(c)].values.data(), rows));
-      size(c) = values.norm() / std::sqrt(static_cast<double>(rows));
-      const bool used = size(c) > 0.0 && (!input || free);
-      if (used)
-        all.col(c) = values / size(c);
-      else
-        all.col(c).setZero();
-      lower(c) = input ? -kUnbounded : used_columns[static_cast<std::size_t>(c)].lower * size(c);
-      upper(c) = input ? kUnbounded : used_columns[static_cast<std::size_t>(c)].upper * size(c);
-      if ((!any_cause || c == kConstant) && !input && used_columns[static_cast<std::size_t>(c)].friction) {
-        const double most =
-            kMostFriction *
-            std::max(((free ? likely_scale() : fixed) * pushed - drive).norm() * root, acting);
-        lower(c) = std::max(lower(c), -most);
-        upper(c) = std::min(upper(c), most);
-      }
-      if (!used) lower(c) = upper(c) = 0.0;
-    }
-    const Eigen::VectorXd target = (free ? 0.0 : fixed) * pushed - asked;
-    // Twice: what stands out of the first time, a slip or an impact, does not bend the second.
-    Eigen::VectorXd x, left, kept = Eigen::VectorXd::Ones(rows);
-    for (int round = 0; round < 2; ++round) {
-      const Eigen::MatrixXd weighed = kept.asDiagonal() * all;
-      x = bounded_least_squares(weighed.transpose() * weighed, weighed.transpose() * target, lower, upper);
-      left = target - all * x;
-      std::vector<double> sizes(needed.size());
-      Eigen::Map<Eigen::VectorXd>(sizes.data(), rows) = left.cwiseAbs();
-      const double far = core::quantile(std::move(sizes), 1.0 - kTrimmed);
-      for (Eigen::Index i = 0; i < rows; ++i) kept(i) = std::abs(left(i)) <= far ? 1.0 : 0.0;
-    }
-    Rest rest;
-    rest.input_scale = free && size(count) > 0.0 ? x(count) / size(count) : fixed;
-    std::vector<double> squares(needed.size());
-    Eigen::Map<Eigen::VectorXd>(squares.data(), rows) = left.cwiseAbs2();
-    rest.mean_square = trimmed_mean(std::move(squares));
-    rest.pushed = (rest.input_scale * pushed - drive).norm() * root;
-    Eigen::VectorXd fitted = asked - drive;  // with what was fitted to the bodies
-    for (Eigen::Index c = 0; c < count; ++c)
-      if (!used_columns[static_cast<std::size_t>(c)].friction) fitted += all.col(c) * x(c);
-    rest.force = std::max({rest.pushed, fitted.norm() * root, acting});
-    if (size(kConstant) > 0.0) rest.constant = x(kConstant) / size(kConstant);
-    // Of a free parameter that changes the inertia the same part counts as of a rotor.
-    if (size(kRotor) > 0.0) rest.inertia = x(kRotor) / size(kRotor);
-    for (Eigen::Index c = kFree; c < count; ++c)
-      if (size(c) > 0.0)
-        rest.inertia += used_columns[static_cast<std::size_t>(c)].inertia * x(c) / size(c) *
-                        static_cast<double>(rows) / rotor_share;
-    rest.inertia_factor = 1.0 + rest.inertia * rotor_share / static_cast<double>(rows);
-    return rest;
-  }
-};
 
 /// A change of how columns are read, of the machine's side or of its inputs.
 struct Change {
@@ -221,7 +66,8 @@ struct Scored {
   double fit = 0.0;
   std::string what, map;
   std::vector<std::string> same;
-  double off = 0.0;
+  double off = 0.0;            ///< the rest over the force, RMS, at the joint where that is most
+  std::vector<double> off_of;  ///< at each joint
   bool given = false, any_scale = false;
 };
 
@@ -303,7 +149,9 @@ class Trial {
     const auto best = std::max_element(all_.begin(), all_.end(),
                                        [](const Scored& a, const Scored& b) { return a.score < b.score; });
     if (best->given || !(best->score > as_given) || !(best->fit > kFarBetter)) return std::nullopt;
-    if (!(best->off * best->off < kUnexplained)) return std::nullopt;
+    for (std::size_t j = 0; j < n_; ++j)
+      if (const double left = best->off_of[j]; left * left >= kUnexplained && left > all_.front().off_of[j])
+        return std::nullopt;
     Finding f{best->what, best->map, best->same, {}, off_given, best->off};
     std::vector<const Scored*> near;
     for (const Scored& s : all_)
@@ -438,7 +286,7 @@ class Trial {
         s.high[j] = r.scale[j] * (r.scale[j] > 0.0 ? x.high : x.low) + r.offset[j];
       }
       if (!family_.forces(s, r.gravity, f)) continue;
-      if (n_ == 1) {
+      if (n_ == 1) {  // numbers of the model in other units
         const double inertial = f.inertia[0] * s.acceleration[0];
         f.needed[0] = f.of_drive[0] + r.passive_scale * (f.needed[0] - f.of_drive[0] - inertial) +
                       r.inertia_scale * inertial;
@@ -514,7 +362,8 @@ class Trial {
         s.fit -= 0.5 * std::log(std::max({r.mean_square, 1e-12 * r.force * r.force, 1e-300}));
         inertias.push_back(r.inertia);
         s.fit -= cost_of_fitted(r) / static_cast<double>(instants_.size());
-        if (r.force > 0.0) s.off = std::max(s.off, std::sqrt(r.mean_square) / r.force);
+        s.off_of.push_back(r.force > 0.0 ? std::sqrt(r.mean_square) / r.force : 0.0);
+        s.off = std::max(s.off, s.off_of.back());
       }
       Eigen::MatrixXd with_fitted = mass_;
       for (std::size_t j = 0; j < n_; ++j)
@@ -534,8 +383,9 @@ class Trial {
     const std::vector<InputScale> as_logged(n_);
     add(as_logged, 0.0, "", "", {});
     // As named the columns have the benefit of any cause, too, so that what is left speaks against the names.
-    if (change.what.empty()) add(as_logged, 0.0, "", "", {}, true);
-    if (!change.what.empty()) {
+    if (change.what.empty()) {
+      add(as_logged, 0.0, "", "", {}, true);
+    } else {
       std::vector<InputScale> likewise = as_logged;
       std::string lines;
       for (std::size_t j = 0; j < n_; ++j) {
@@ -654,7 +504,7 @@ class Trial {
     double changes = 0.0;  ///< one for all inputs in one known unit, or of about one scale
     double common = 0.0;   ///< of several inputs, all torques or all forces: one scale for all
   };
-  /// What inputs with estimated scales seem to be; nothing where a scale is within kInertiaWithin.
+  /// What inputs with estimated scales seem to be; nothing where a scale is near to one.
   Scaled scaled_inputs(const std::vector<std::size_t>& which, const std::vector<Equation>& e) {
     Scaled out;
     std::vector<double> scales;
@@ -662,8 +512,7 @@ class Trial {
     for (const std::size_t j : which) {
       const Rest rest = rest_of(e[j], j, {1.0, true});
       const double scale = rest.input_scale, size = std::abs(scale);
-      // Below that the masses of the model are off, or a load is carried.
-      if (!(size > kInertiaWithin || size < 1.0 / kInertiaWithin)) return {};
+      if (!(size > kNearOne || size < 1.0 / kNearOne)) return {};
       worth += rest.worth_of_drive();
       scales.push_back(scale);
       out.map += (out.map.empty() ? "" : "\n") +
@@ -800,7 +649,7 @@ class Trial {
   /// Those in other units than SI. (A URDF's are looked at when it is read.)
   void numbers_of_the_model(std::vector<Change>& out) const {
     const Joint& joint = joints_.front();
-    if (joint.heaviest > 1.0)
+    if (joint.lightest < 1.0)  // else its weight would change, too
       for (const Unit& u : units_of_inertia(joint.position)) {
         Change c{
             given(),

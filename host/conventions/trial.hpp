@@ -39,7 +39,7 @@ struct Joint {
   bool sets_position = false;  ///< the input is a set point of the position
   bool last = false;           ///< its body carries no further joint
   std::string link;            ///< that it moves; may be empty
-  /// Its inertia may be so much of the model's, its weight being as in the model. What falls freely falls with g: both are 1.
+  /// Its inertia may be so much of the model's, its weight being as in the model. What falls with g has at least the model's.
   double lightest = 1.0 / kInertiaWithin, heaviest = kWithRotor;
 };
 

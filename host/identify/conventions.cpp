@@ -29,12 +29,7 @@ class OneJoint final : public conventions::Family {
         rotary || dynamics::has(model.kind, dynamics::Seat::leg) ? Quantity::torque : Quantity::force;
     joint.heaviest = conventions::kInertiaWithin;  // with the motor's rotor
     // Weight and inertia are of one mass.
-    const bool falls = dynamics::parameter_index(model.kind, "gravity_mps2").has_value() ||
-                       dynamics::has(model.kind, dynamics::Seat::belt);
-    if (falls) joint.lightest = 1.0;
-    if (falls && !dynamics::has(model.kind, dynamics::Seat::drive) &&
-        !dynamics::has(model.kind, dynamics::Seat::belt))
-      joint.heaviest = 1.0;
+    if (dynamics::parameter_index(model.kind, "gravity_mps2")) joint.lightest = 1.0;
     joints_.push_back(joint);
     leg_ = dynamics::has(model.kind, dynamics::Seat::leg);
     belt_ = dynamics::has(model.kind, dynamics::Seat::belt);

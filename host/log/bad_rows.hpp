@@ -10,9 +10,9 @@
 #include <utility>
 #include <vector>
 
+#include "host/core/commands.hpp"
 #include "host/core/error.hpp"
 #include "host/core/message.hpp"
-#include "host/log/commands.hpp"
 #include "host/log/layout.hpp"
 #include "host/log/reader.hpp"
 #include "host/log/refused.hpp"
@@ -27,7 +27,7 @@ inline std::string interpolation(const Layout& layout, const std::string& path) 
   std::string base, flags;
   for (const Channel& c : layout.channels) {
     if (!c.known || c.kind == ColumnKind::time || c.sources.empty()) continue;
-    const std::string name = "d[" + python_string(layout.file_columns[c.sources.front().column]) + "]";
+    const std::string name = "d[" + core::python_string(layout.file_columns[c.sources.front().column]) + "]";
     if (c.kind == ColumnKind::flag)
       flags += name + " = " + name + ".ffill(); ";
     else if (base.empty())
@@ -35,14 +35,14 @@ inline std::string interpolation(const Layout& layout, const std::string& path) 
   }
   if (base.empty()) return {};
   const std::string options =
-      (layout.separator == ',' ? "" : ", sep=" + python_string(std::string(1, layout.separator))) +
-      (layout.decimal == '.' ? "" : ", decimal=" + python_string(std::string(1, layout.decimal))) +
+      (layout.separator == ',' ? "" : ", sep=" + core::python_string(std::string(1, layout.separator))) +
+      (layout.decimal == '.' ? "" : ", decimal=" + core::python_string(std::string(1, layout.decimal))) +
       (layout.header.line > 1 ? ", skiprows=" + std::to_string(layout.header.line - 1) : "");
-  return ": " + core::printable(python_command(
-                    "import pandas as pd; d = pd.read_csv(" + python_string(path) +
-                    ", index_col=" + python_string(layout.file_columns[time.front().column]) + options +
+  return ": " + core::printable(core::python_command(
+                    "import pandas as pd; d = pd.read_csv(" + core::python_string(path) +
+                    ", index_col=" + core::python_string(layout.file_columns[time.front().column]) + options +
                     ").select_dtypes(\"number\"); " + flags + "d.interpolate(\"index\")[" + base +
-                    ".notna()].to_csv(" + python_string(with_ending(path, "_even.csv")) + ")"));
+                    ".notna()].to_csv(" + core::python_string(core::with_ending(path, "_even.csv")) + ")"));
 }
 
 class BadRows {

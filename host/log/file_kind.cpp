@@ -4,8 +4,8 @@
 #include <cctype>
 #include <string>
 
+#include "host/core/commands.hpp"
 #include "host/core/message.hpp"
-#include "host/log/commands.hpp"
 
 namespace furcula::log {
 namespace {
@@ -17,20 +17,20 @@ using namespace std::string_view_literals;
 std::string command(std::string_view form, const std::string& path) {
   const bool python = form.starts_with("py ");
   if (python) form.remove_prefix(3);
-  const std::string csv = with_ending(path, ".csv");
+  const std::string csv = core::with_ending(path, ".csv");
   std::string out;
   for (std::size_t i = 0; i < form.size();) {
     const std::string_view rest = form.substr(i);
     const bool file = rest.starts_with("FILE");
     if (file || rest.starts_with("CSV")) {
       const std::string& name = file ? path : csv;
-      out += python ? python_string(name) : shell_word(name);
+      out += python ? core::python_string(name) : core::shell_word(name);
       i += file ? 4 : 3;
     } else {
       out += form[i++];
     }
   }
-  return core::printable(python ? python_command(out) : out);
+  return core::printable(python ? core::python_command(out) : out);
 }
 
 /// How a file begins, what it is, and how a log is made of it.

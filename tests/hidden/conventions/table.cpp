@@ -3,7 +3,8 @@
 // the program is asked for a diagnosis. Printed is how often it named the convention, listed it, named another one, named a cause, or nothing.
 // With --alarms N in its place: the trial of conventions is asked about N machines, N / 3 robots and N / 10 legs with and without causes of
 // the catalogue, whose columns are right; each that it refuses is printed.
-// Exit status: 0 where the table was made, 2 for a wrong argument.
+// Exit status: 0 where the table was made.
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <atomic>
 #include <chrono>
@@ -22,10 +23,11 @@
 #include <regex>
 #include <sstream>
 #include <string>
-#include <thread>
 #include <vector>
 
+#include "host/core/commands.hpp"
 #include "host/core/error.hpp"
+#include "host/core/parallel.hpp"
 #include "host/identify/conventions.hpp"
 #include "host/log/reader.hpp"
 #include "host/log/writer.hpp"
@@ -49,40 +51,6 @@ struct Arguments {
   unsigned threads = 2;
   double timeout_s = 600.0;
 };
-
-std::optional<Arguments> parsed(int argc, char** argv) {
-  Arguments a;
-  for (int i = 1; i < argc; i += 2) {
-    const std::string key = argv[i];
-    if (i + 1 == argc) return std::nullopt;
-    const std::string value = argv[i + 1];
-    char* end = nullptr;
-    const auto number = std::strtoull(value.c_str(), &end, 10);
-    const bool is_number = !value.empty() && *end == '\0';
-    if (key == "--program")
-      a.program = value;
-    else if (key == "--out")
-      a.out = value;
-    else if (key == "--kind")
-      a.kind = value;
-    else if (key == "--seed" && is_number)
-      a.seed = number;
-    else if (key == "--machines" && is_number)
-      a.machines = number;
-    else if (key == "--robots" && is_number)
-      a.robots = number;
-    else if (key == "--alarms" && is_number)
-      a.alarms = number;
-    else if (key == "--threads" && is_number && number > 0)
-      a.threads = static_cast<unsigned>(number);
-    else if (key == "--timeout" && is_number)
-      a.timeout_s = static_cast<double>(number);
-    else
-      return std::nullopt;
-  }
-  if ((a.program.empty() && a.alarms == 0) || a.out.empty()) return std::nullopt;
-  return a;
-}
 
 struct Subject {
   std::string name, kind, model;  ///< the model file's text
@@ -144,9 +112,10 @@ bool simulated(Subject& s, const Arguments& a, std::uint64_t seed) {
   constexpr int kLogs = 4;
   for (int k = 0; k < kLogs; ++k) {
     const std::string log = s.folder + "/simulated_" + std::to_string(k) + ".csv";
-    const std::string command = "'" + a.program + "' sim --model '" + model + "' --seed " +
-                                std::to_string(seed + 100 * static_cast<std::uint64_t>(k)) + " --out '" +
-                                log + "' > '" + s.folder + "/sim.txt' 2>&1";
+    const std::string command = core::shell_word(a.program) + " sim --model " + core::shell_word(model) +
+                                " --seed " + std::to_string(seed + 100 * static_cast<std::uint64_t>(k)) +
+                                " --out " + core::shell_word(log) + " > " +
+                                core::shell_word(s.folder + "/sim.txt") + " 2>&1";
     if (std::system(command.c_str()) != 0) return false;  // NOLINT(concurrency-mt-unsafe)
     s.logs.push_back(log::read_log(log, std::string(dynamics::info(*dynamics::kind_named(s.kind)).rig)));
     blur(s.logs.back(), seed + 100 * static_cast<std::uint64_t>(k));
@@ -340,7 +309,7 @@ void ask_robot(const trees::Question& question, const std::string& folder) {
   furcula::trees::require_conventions(model, recordings);
 }
 
-int alarms(const Arguments& a) {
+void ask_right(const Arguments& a) {
   std::vector<Right> all;
   constexpr std::size_t kTierCount = std::size(kTiers);
   for (std::size_t i = 0; i < a.alarms; ++i) {
@@ -361,64 +330,47 @@ int alarms(const Arguments& a) {
       all.push_back({std::string(legs ? "leg " : "robot ") + std::string(trees::name(q.tier)) + " " +
                          std::to_string(all.size()),
                      [q, folder = a.out + "/right-" + std::to_string(all.size())] { ask_robot(q, folder); }});
-  std::atomic<std::size_t> next = 0, refused = 0, not_drawn = 0;
+  std::atomic<std::size_t> refused = 0, not_drawn = 0;
   std::mutex mutex;
-  const auto work = [&] {
-    for (std::size_t i = next++; i < all.size(); i = next++) {
-      std::string said;
-      try {
-        all[i].ask();
-      } catch (const core::DataError& e) {
-        ++refused, said = std::string("REFUSED ") + e.what();
-      } catch (const std::exception& e) {
-        ++not_drawn, said = std::string("not drawn: ") + e.what();
-      }
-      const std::lock_guard lock(mutex);
-      if (!said.empty()) std::printf("%s: %s\n", all[i].name.c_str(), said.c_str());
-      std::fflush(stdout);
+  core::parallel_for(all.size(), a.threads, [&](std::size_t i) {
+    std::string said;
+    try {
+      all[i].ask();
+    } catch (const core::DataError& e) {
+      ++refused, said = std::string("REFUSED ") + e.what();
+    } catch (const std::exception& e) {
+      ++not_drawn, said = std::string("not drawn: ") + e.what();
     }
-  };
-  std::vector<std::jthread> others;
-  for (unsigned t = 1; t < a.threads; ++t) others.emplace_back(work);
-  work();
-  others.clear();
+    const std::lock_guard lock(mutex);
+    if (!said.empty()) std::printf("%s: %s\n", all[i].name.c_str(), said.c_str());
+    std::fflush(stdout);
+  });
   std::printf("%zu with right columns, %zu refused, %zu not drawn\n", all.size(), refused.load(),
               not_drawn.load());
-  return 0;
 }
 
-int run(const Arguments& a) {
-  if (a.alarms > 0) return alarms(a);
+void ask_wrong(const Arguments& a) {
   const std::vector<Subject> all = subjects(a);
   std::vector<Row> rows;
   for (std::size_t i = 0; i < all.size(); ++i)
     for (Fault& f : faults_of(all[i].logs.front(), all[i].model)) rows.push_back({i, std::move(f), {}, {}});
-  std::atomic<std::size_t> next = 0;
   std::mutex mutex;
   std::size_t finished = 0;
-  const auto work = [&] {
-    for (std::size_t i = next++; i < rows.size(); i = next++) {
-      const Subject& s = all[rows[i].subject];
-      const std::string folder = s.folder + "/" + std::to_string(i);
-      try {
-        ask(rows[i], s, a, folder);
-      } catch (const std::exception& e) {
-        rows[i].answer = "refused", rows[i].said = e.what();
-      }
-      const std::lock_guard lock(mutex);
-      std::printf("%-22s %-9s %-28s %-8s %5.1f s  %s\n", s.name.c_str(), rows[i].fault.group.c_str(),
-                  rows[i].fault.name.c_str(), rows[i].answer.c_str(), rows[i].seconds,
-                  rows[i].said.substr(0, 400).c_str());
-      std::fflush(stdout);
-      std::fprintf(stderr, "\r%zu of %zu ", ++finished, rows.size());
+  core::parallel_for(rows.size(), a.threads, [&](std::size_t i) {
+    const Subject& s = all[rows[i].subject];
+    try {
+      ask(rows[i], s, a, s.folder + "/" + std::to_string(i));
+    } catch (const std::exception& e) {
+      rows[i].answer = "refused", rows[i].said = e.what();
     }
-  };
-  std::vector<std::jthread> others;
-  for (unsigned t = 1; t < a.threads; ++t) others.emplace_back(work);
-  work();
-  others.clear();
+    const std::lock_guard lock(mutex);
+    std::printf("%-22s %-9s %-28s %-8s %5.1f s  %s\n", s.name.c_str(), rows[i].fault.group.c_str(),
+                rows[i].fault.name.c_str(), rows[i].answer.c_str(), rows[i].seconds,
+                rows[i].said.substr(0, 400).c_str());
+    std::fflush(stdout);
+    std::fprintf(stderr, "\r%zu of %zu ", ++finished, rows.size());
+  });
   print_table(all, rows);
-  return 0;
 }
 
 }  // namespace
@@ -426,16 +378,31 @@ int run(const Arguments& a) {
 
 int main(int argc, char** argv) {
   namespace conventions = furcula::hidden::conventions;
+  conventions::Arguments a;
+  CLI::App app("What a diagnosis says of wrong conventions in recordings");
+  auto* program = app.add_option("--program", a.program, "furcula");
+  auto* alarms =
+      app.add_option("--alarms", a.alarms, "Ask the trial about so many machines whose columns are right");
+  program->excludes(alarms);
+  app.add_option("--out", a.out, "Folder of the cases")->required();
+  app.add_option("--kind", a.kind, "Of one kind alone");
+  app.add_option("--seed", a.seed);
+  app.add_option("--machines", a.machines, "Of each kind");
+  app.add_option("--robots", a.robots, "Of several joints");
+  app.add_option("--threads", a.threads);
+  app.add_option("--timeout", a.timeout_s, "Of a diagnosis, s");
+  CLI11_PARSE(app, argc, argv);
+  if (a.program.empty() && a.alarms == 0) {
+    std::fprintf(stderr, "--program or --alarms is required\n");
+    return 2;
+  }
   try {
-    if (const auto arguments = conventions::parsed(argc, argv)) return conventions::run(*arguments);
+    if (a.alarms > 0)
+      conventions::ask_right(a);
+    else
+      conventions::ask_wrong(a);
   } catch (const std::exception& e) {
     std::fprintf(stderr, "%s\n", e.what());
     return 1;
   }
-  std::fprintf(
-      stderr,
-      "usage: furcula_convention_table --program PATH --out DIR [--seed N] [--machines N] [--robots N] [--kind NAME]\n"
-      "         [--threads N] [--timeout SECONDS]\n"
-      "       furcula_convention_table --alarms N --out DIR [--seed N] [--threads N]\n");
-  return 2;
 }

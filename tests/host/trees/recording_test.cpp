@@ -6,6 +6,7 @@
 #include "host/log/column_map.hpp"
 #include "host/log/reader.hpp"
 #include "host/log/writer.hpp"
+#include "host/trees/conventions.hpp"
 #include "tests/host/error_message.hpp"
 #include "tests/host/trees/robot.hpp"
 
@@ -163,6 +164,35 @@ TEST_CASE("A recording that lacks a joint or is too short is refused, and one in
   const auto notes = trees::recording_of(test::double_pendulum(), log).log_notes;
   REQUIRE(notes.size() == 1);
   CHECK_THAT(notes.front(), Contains("angle_shoulder_rad reaches") && Contains("is it in degrees?"));
+}
+
+TEST_CASE("A column of wrong sign is named as the log has it: a command where the drive reports no torque") {
+  const trees::TreeModel m = test::double_pendulum();
+  for (const bool measured : {true, false}) {
+    std::vector<trees::Recording> recordings;
+    for (log::Log& log : test::logs(m, 2, 4.0, 1)) {
+      const std::string named = measured ? "torque_elbow_nm" : "torque_cmd_elbow_nm";
+      std::vector<double> torque =
+          log.columns.at(log.has("torque_elbow_nm") ? "torque_elbow_nm" : "torque_cmd_elbow_nm");
+      for (double& t : torque) t = -t;
+      log.columns.erase("torque_elbow_nm");
+      log.columns[named] = torque;
+      recordings.push_back(trees::recording_of(m, log));
+    }
+    CHECK_THAT(test::error_message([&] { trees::require_conventions(m, recordings); }),
+               Contains(std::string(measured ? "that torque_elbow_nm" : "that torque_cmd_elbow_nm") +
+                        " has the other sign"));
+  }
+}
+
+TEST_CASE("A load that is heavier than the link that carries it is no scale of the torques") {
+  const trees::TreeModel plain = test::double_pendulum();
+  const trees::TreeModel loaded =
+      test::double_pendulum("[effect.payload.lower]\nmass_kg = 1.5\nx_m = 0.0\ny_m = 0.0\nz_m = -0.3\n");
+  std::vector<trees::Recording> recordings;
+  for (const log::Log& log : test::logs(loaded, 3, 4.0, 1))
+    recordings.push_back(trees::recording_of(plain, log));
+  CHECK(test::error_message([&] { trees::require_conventions(plain, recordings); }).empty());
 }
 
 TEST_CASE("A joint's state about a row is that of a cubic") {

@@ -1,13 +1,13 @@
 // Commands in messages, see commands.hpp.
-#include "host/log/commands.hpp"
+#include "host/core/commands.hpp"
 
 #include <cctype>
 
-namespace furcula::log {
+namespace furcula::core {
 
 std::string shell_word(const std::string& text) {
   constexpr std::string_view kPlain = "./_-+=:@%,";
-  bool plain = !text.empty() && text.front() != '-';
+  bool plain = !text.empty();
   for (const char c : text)
     plain = plain &&
             (std::isalnum(static_cast<unsigned char>(c)) != 0 || kPlain.find(c) != std::string_view::npos);
@@ -37,4 +37,4 @@ std::string with_ending(const std::string& path, const std::string& ending) {
   return (dot == std::string::npos || dot <= name ? path : path.substr(0, dot)) + ending;
 }
 
-}  // namespace furcula::log
+}  // namespace furcula::core

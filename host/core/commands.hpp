@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-namespace furcula::log {
+namespace furcula::core {
 
 /// A word as a shell takes it.
 std::string shell_word(const std::string& text);
@@ -18,4 +18,4 @@ std::string python_command(const std::string& code);
 /// The file's path with another ending: "run.mat" and ".csv" make "run.csv".
 std::string with_ending(const std::string& path, const std::string& ending);
 
-}  // namespace furcula::log
+}  // namespace furcula::core
