@@ -49,7 +49,7 @@ double noise_of(const std::vector<double>& x) {
                         (m.map_lines.empty() ? "" : "; or in a --map file: " + core::printable(m.map_lines)));
 }
 
-/// That an angle goes far beyond the URDF's limit; empty: it does not. Limits of URDFs are placeholders too often to refuse it.
+/// That an angle goes far beyond the URDF's limit; empty: it does not. Limits in published URDFs are often made up: it is noted, and not refused.
 std::string beyond_limit(const log::Log& log, const TreeModel& m, std::size_t joint,
                          const std::vector<double>& angle) {
   constexpr double kBeyond = 4.0;  // times the limit
