@@ -2,8 +2,6 @@
 #include "host/trees/joint_names.hpp"
 
 #include <algorithm>
-#include <boost/graph/adjacency_list.hpp>
-#include <boost/graph/maximum_weighted_matching.hpp>
 #include <cctype>
 #include <limits>
 #include <map>
@@ -161,18 +159,55 @@ double similarity(const JointName& a, const JointName& b) {
 }
 
 std::vector<std::optional<std::size_t>> best_assignment(const std::vector<std::vector<double>>& weights) {
-  using Graph = boost::adjacency_list<boost::vecS, boost::vecS, boost::undirectedS, boost::no_property,
-                                      boost::property<boost::edge_weight_t, double>>;
-  const std::size_t rows = weights.size(), columns = rows == 0 ? 0 : weights.front().size();
-  Graph graph(rows + columns);
-  for (std::size_t row = 0; row < rows; ++row)
-    for (std::size_t column = 0; column < columns; ++column)
-      if (weights[row][column] > 0.0) boost::add_edge(row, rows + column, weights[row][column], graph);
-  std::vector<boost::graph_traits<Graph>::vertex_descriptor> mate(rows + columns);
-  boost::maximum_weighted_matching(graph, mate.data());
+  // The Hungarian method by shortest augmenting paths (Kuhn, Munkres), on costs -weight. Boost's maximum_weighted_matching does not end on some graphs (boostorg/graph, issues 223 and 399).
+  // Each row has a column of its own beyond the others, of weight 0.
+  // Rows and columns count from 1; column 0 is where a row begins.
+  const std::size_t rows = weights.size();
   std::vector<std::optional<std::size_t>> out(rows);
-  for (std::size_t row = 0; row < rows; ++row)
-    if (mate[row] != boost::graph_traits<Graph>::null_vertex()) out[row] = mate[row] - rows;
+  if (rows == 0) return out;
+  const std::size_t given = weights.front().size(), columns = given + rows;
+  constexpr double kFar = std::numeric_limits<double>::infinity();
+  const auto cost = [&](std::size_t row, std::size_t column) {
+    return column <= given ? -weights[row - 1][column - 1] : 0.0;
+  };
+  std::vector<double> of_row(rows + 1), of_column(columns + 1);
+  std::vector<std::size_t> row_of(columns + 1), before(columns + 1);
+  for (std::size_t row = 1; row <= rows; ++row) {
+    row_of[0] = row;
+    std::size_t at = 0;
+    std::vector<double> least(columns + 1, kFar);
+    std::vector<bool> seen(columns + 1);
+    do {
+      seen[at] = true;
+      const std::size_t from = row_of[at];
+      std::size_t next = 0;
+      double step = kFar;
+      for (std::size_t c = 1; c <= columns; ++c) {
+        if (seen[c]) continue;
+        const double reduced = cost(from, c) - of_row[from] - of_column[c];
+        if (reduced < least[c]) {
+          least[c] = reduced;
+          before[c] = at;
+        }
+        if (least[c] < step) {
+          step = least[c];
+          next = c;
+        }
+      }
+      for (std::size_t c = 0; c <= columns; ++c) {
+        if (seen[c]) {
+          of_row[row_of[c]] += step;
+          of_column[c] -= step;
+        } else {
+          least[c] -= step;
+        }
+      }
+      at = next;
+    } while (row_of[at] != 0);
+    for (; at != 0; at = before[at]) row_of[at] = row_of[before[at]];
+  }
+  for (std::size_t c = 1; c <= given; ++c)
+    if (row_of[c] != 0 && weights[row_of[c] - 1][c - 1] > 0.0) out[row_of[c] - 1] = c - 1;
   return out;
 }
 
