@@ -130,7 +130,8 @@ TEST_CASE("stamps from which nothing can be learnt end with status 3 and no figu
   for (int i = 0; i < 400; ++i) {
     const std::string rest = "," + std::to_string(0.3 + 0.1 * std::sin(0.01 * i)) + ",0,0\n";
     in_ms += std::to_string(i) + rest;
-    bursts += std::to_string(0.008 * (i / 8) + 2e-5 * (i % 8)) + rest;
+    const int burst = i / 8, in_burst = i % 8;
+    bursts += std::to_string(0.008 * burst + 2e-5 * in_burst) + rest;
   }
   for (const auto& [text, expected] :
        {std::pair{in_ms, "time_s in ms"}, std::pair{bursts, "come in bursts: about 8 rows"}}) {
