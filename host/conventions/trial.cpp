@@ -68,7 +68,7 @@ struct Scored {
   std::vector<std::string> same;
   double off = 0.0;            ///< the rest over the force, RMS, at the joint where that is most
   std::vector<double> off_of;  ///< at each joint
-  bool given = false, any_scale = false;
+  bool given = false, any_scale = false, of_time = false;
 };
 
 std::string line_of(const std::string& ours, const std::string& theirs, double scale, double offset) {
@@ -152,7 +152,7 @@ class Trial {
     for (std::size_t j = 0; j < n_; ++j)
       if (const double left = best->off_of[j]; left * left >= kUnexplained && left > all_.front().off_of[j])
         return std::nullopt;
-    Finding f{best->what, best->map, best->same, {}, off_given, best->off};
+    Finding f{best->what, best->map, best->same, {}, off_given, best->off, best->of_time};
     std::vector<const Scored*> near;
     for (const Scored& s : all_)
       if (&s != &*best && !s.given && s.score > best->score - kAsGood) near.push_back(&s);
@@ -376,6 +376,7 @@ class Trial {
       s.same.insert(s.same.end(), same.begin(), same.end());
       s.given = s.what.empty();
       s.any_scale = change.any_scale;
+      s.of_time = change.reading.time_scale != 1.0;
       best = std::max(best, s.score);
       all_.push_back(std::move(s));
     };
@@ -846,9 +847,9 @@ std::optional<Finding> find_convention(const Family& family, std::span<const Col
   return Trial(family, recordings).run();
 }
 
-void require_convention(const Family& family, std::span<const Columns> recordings) {
+void require_convention(const Family& family, std::span<const Columns> recordings, Asked asked) {
   const std::optional<Finding> f = find_convention(family, recordings);
-  if (!f) return;
+  if (!f || (asked == Asked::time_alone && !f->of_time)) return;
   const auto percent = [](double share) { return core::rounded(100.0 * share, 2) + " %"; };
   std::string message = recordings.front().path;
   if (recordings.size() > 1) message += " and " + std::to_string(recordings.size() - 1) + " more";

@@ -106,12 +106,17 @@ struct Finding {
   std::vector<std::string> others;  ///< readings that fit nearly as well
   double off_given = 0.0,
          off_read = 0.0;  ///< RMS of the rest over that of the force, at the joint where that is most
+  bool of_time = false;   ///< time is in another unit
 };
 
 /// The reading that fits far better than the columns as named, if there is one. `threads`: of the search.
 std::optional<Finding> find_convention(const Family& family, std::span<const Columns> recordings);
 
+/// Whether other columns than time may be mended: not where rows are so far apart that nothing could be fitted to them.
+enum class Asked { all_columns, time_alone };
+
 /// The same; throws core::DataError that says what the columns seem to be and what to write.
-void require_convention(const Family& family, std::span<const Columns> recordings);
+void require_convention(const Family& family, std::span<const Columns> recordings,
+                        Asked asked = Asked::all_columns);
 
 }  // namespace furcula::conventions

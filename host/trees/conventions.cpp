@@ -10,6 +10,7 @@
 #include "host/conventions/trial.hpp"
 #include "host/core/message.hpp"
 #include "host/trees/run.hpp"
+#include "host/trees/windows.hpp"
 
 namespace furcula::trees {
 namespace {
@@ -152,10 +153,12 @@ std::vector<conventions::Columns> columns_of(const std::vector<Recording>& recor
 
 }  // namespace
 
-void require_conventions(const TreeModel& model, const std::vector<Recording>& recordings) {
+void require_conventions(const TreeModel& model, const std::vector<Recording>& recordings, double window_s) {
   if (recordings.empty()) return;
-  conventions::require_convention(TreeFamily(model, recordings.front().input_measured),
-                                  columns_of(recordings));
+  conventions::require_convention(
+      TreeFamily(model, recordings.front().input_measured), columns_of(recordings),
+      windows_of(model, recordings, window_s, 1).empty() ? conventions::Asked::time_alone
+                                                         : conventions::Asked::all_columns);
 }
 
 }  // namespace furcula::trees

@@ -9,6 +9,7 @@ namespace furcula::trees {
 
 /// @throws core::DataError that says what the columns of these recordings seem to be, where that is not what their names say: another
 /// unit, sign or zero, columns that are exchanged, gravity along another axis of the base. Of a robot with a foot, rows in flight count.
-void require_conventions(const TreeModel& model, const std::vector<Recording>& recordings);
+/// Where no window of `window_s` is free of gaps, time alone is asked about: nothing else would make one.
+void require_conventions(const TreeModel& model, const std::vector<Recording>& recordings, double window_s);
 
 }  // namespace furcula::trees

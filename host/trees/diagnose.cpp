@@ -61,7 +61,7 @@ class Diagnoser {
       d_.samples += log.rows();
     }
     require_motion(model, training_);
-    if (!options.trust_columns) require_conventions(model, training_);
+    if (!options.trust_columns) require_conventions(model, training_, options.window_s);
     for (const log::Log& log : held_out) {
       held_out_.push_back(recording_of(model, log));
       d_.held_out_files.push_back(log.path);

@@ -30,7 +30,7 @@ Identification identify(const TreeModel& model, const std::vector<log::Log>& tra
   std::vector<Recording> fit_on, judge_on;
   for (const log::Log& log : training) fit_on.push_back(recording_of(model, log));
   for (const log::Log& log : held_out_logs) judge_on.push_back(recording_of(model, log));
-  if (!options.trust_columns) require_conventions(model, fit_on);
+  if (!options.trust_columns) require_conventions(model, fit_on, options.window_s);
   share_lateness(fit_on, judge_on);
   Identification out;
   for (const auto* recordings : {&fit_on, &judge_on})

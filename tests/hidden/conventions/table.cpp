@@ -306,7 +306,7 @@ void ask_robot(const trees::Question& question, const std::string& folder) {
   for (std::size_t i = 0; i + c.held_out < names.size(); ++i)
     recordings.push_back(furcula::trees::recording_of(model, log::read_log(folder + "/" + names[i], "tree")));
   std::filesystem::remove_all(folder);
-  furcula::trees::require_conventions(model, recordings);
+  furcula::trees::require_conventions(model, recordings, 0.3);
 }
 
 void ask_right(const Arguments& a) {

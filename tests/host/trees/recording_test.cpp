@@ -179,7 +179,7 @@ TEST_CASE("A column of wrong sign is named as the log has it: a command where th
       log.columns[named] = torque;
       recordings.push_back(trees::recording_of(m, log));
     }
-    CHECK_THAT(test::error_message([&] { trees::require_conventions(m, recordings); }),
+    CHECK_THAT(test::error_message([&] { trees::require_conventions(m, recordings, 0.3); }),
                Contains(std::string(measured ? "that torque_elbow_nm" : "that torque_cmd_elbow_nm") +
                         " has the other sign"));
   }
@@ -192,7 +192,7 @@ TEST_CASE("A load that is heavier than the link that carries it is no scale of t
   std::vector<trees::Recording> recordings;
   for (const log::Log& log : test::logs(loaded, 3, 4.0, 1))
     recordings.push_back(trees::recording_of(plain, log));
-  CHECK(test::error_message([&] { trees::require_conventions(plain, recordings); }).empty());
+  CHECK(test::error_message([&] { trees::require_conventions(plain, recordings, 0.3); }).empty());
 }
 
 TEST_CASE("A joint's state about a row is that of a cubic") {
