@@ -90,6 +90,26 @@ std::string beside_the_floor(const Diagnosis& d) {
   return "; the noise floor is " + readable(floor->second.rmse, unit);
 }
 
+/// "; or, the same law, encoder_offset: 1.05 rad".
+std::string other_words(const Finding& f, const Diagnosis& d) {
+  std::string text;
+  for (const Rival& r : f.indistinguishable_from) {
+    if (!r.same_law || r.names.size() != 1) continue;
+    const auto effect = dynamics::effect_named(r.names.front());
+    if (!effect) continue;
+    std::string values;
+    for (const auto& p : dynamics::info(*effect).parameters()) {
+      const auto found = r.parameters.find(r.names.front() + "." + std::string(name_on(p, d.kind)));
+      if (found == r.parameters.end()) continue;
+      const std::string unit(unit_on(p, d.kind));
+      values +=
+          (values.empty() ? ": " : ", ") + number(found->second.value) + (unit.empty() ? "" : " " + unit);
+    }
+    text += "; or, the same law, " + r.names.front() + values;
+  }
+  return text;
+}
+
 /// "1.62 kg, not 1.55 kg": a finding's values, beside the model's own where one takes its place.
 std::string values_of(const Finding& f, const Diagnosis& d) {
   const auto& info = dynamics::info(f.effect);
@@ -107,7 +127,7 @@ std::string values_of(const Finding& f, const Diagnosis& d) {
     if (is_wrong_parameter(f.effect) && given != d.parameters.end())
       values += ", not " + with_unit(given->given);
   }
-  return " (" + std::string(info.name) + ": " + values + ")";
+  return " (" + std::string(info.name) + ": " + values + other_words(f, d) + ")";
 }
 
 /// "the model lacks dry friction (...), and the model's mass is wrong (...)", of all findings.

@@ -247,6 +247,12 @@ void ask(Row& row, const Subject& s, const Arguments& a, const std::string& fold
       row.said += " " + f.at("effect").get<std::string>() + " " + std::to_string(confidence).substr(0, 4);
       if (confidence > 0.5) row.answer = "cause";
     }
+    // A zero that moves the recordings exactly as the cause does, listed beside it.
+    const auto listed = [](const nlohmann::json& f) {
+      return f.dump().find("encoder_offset") != std::string::npos;
+    };
+    const auto& findings = json.at("findings");
+    if (row.fault.group == "zero" && findings.size() == 1 && listed(findings.front())) row.answer = "equal";
     return;
   }
   row.said = refused;

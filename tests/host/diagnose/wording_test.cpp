@@ -31,6 +31,22 @@ TEST_CASE("A cause that is hardly believed is not told as a fact") {
   CHECK(said.find("a confidence of 0.002 is no finding") != said.npos);
 }
 
+TEST_CASE("The same law under another name is told beside the first, with its value") {
+  Diagnosis d;
+  d.kind = dynamics::Kind::torsion_pendulum;
+  d.verdict = Verdict::explained;
+  Finding f;
+  f.effect = dynamics::Effect::force_offset;
+  f.parameters["torque_nm"] = {3.14, 3.13, 3.15};
+  f.confidence = 0.99;
+  Rival zero{{"encoder_offset"}, "", {{"encoder_offset.offset_rad", {1.047, 1.04, 1.05}}}};
+  zero.same_law = true;
+  f.indistinguishable_from = {zero, {{"coulomb_friction"}, "", {}}};
+  d.findings.push_back(f);
+  CHECK(summary(d).find("(force_offset: 3.14 N m; or, the same law, encoder_offset: 1.05 rad)") !=
+        std::string::npos);
+}
+
 TEST_CASE("A cause that explains most is what the model lacks, one that explains little only looks like it") {
   const std::string named = "he model lacks dry friction (coulomb_friction: 2.5 N)";
   const std::string falls = ": with it the held-out position error (RMSE) falls from 2 mm to 1 mm";
