@@ -149,8 +149,6 @@ class Trial {
     const auto best = std::max_element(all_.begin(), all_.end(),
                                        [](const Scored& a, const Scored& b) { return a.score < b.score; });
     if (best->given || !(best->score > as_given) || !(best->fit > kFarBetter)) return std::nullopt;
-    // It may be likelier by what it makes of the scales alone.
-    if (!(best->off < all_.front().off)) return std::nullopt;
     for (std::size_t j = 0; j < n_; ++j)
       if (const double left = best->off_of[j]; left * left >= kUnexplained && left > all_.front().off_of[j])
         return std::nullopt;

@@ -45,7 +45,7 @@ class Likeness {
 /// From 0, nothing in common, to 1. Of each word the share of its letters that it has in common with one of the other name; of numbers all or nothing.
 double similarity(const JointName& a, const JointName& b);
 
-/// One-to-one pairs of rows and columns of the largest sum; a pair of weight 0 is none. Of equal sums the one with the earlier columns. `weights[row][column]` are not below 0.
+/// One-to-one pairs of rows and columns of the largest sum; a pair of weight 0 is none. `weights[row][column]` are not below 0.
 std::vector<std::optional<std::size_t>> best_assignment(const std::vector<std::vector<double>>& weights);
 
 }  // namespace furcula::trees

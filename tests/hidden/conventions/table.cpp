@@ -248,11 +248,10 @@ void ask(Row& row, const Subject& s, const Arguments& a, const std::string& fold
       if (confidence > 0.5) row.answer = "cause";
     }
     // A zero that moves the recordings exactly as the cause does, listed beside it.
-    const auto listed = [](const nlohmann::json& f) {
-      return f.dump().find("encoder_offset") != std::string::npos;
-    };
     const auto& findings = json.at("findings");
-    if (row.fault.group == "zero" && findings.size() == 1 && listed(findings.front())) row.answer = "equal";
+    if (row.fault.group == "zero" && findings.size() == 1)
+      for (const auto& rival : findings.front().at("indistinguishable_from"))
+        if (rival.at("effects") == nlohmann::json::array({"encoder_offset"})) row.answer = "equal";
     return;
   }
   row.said = refused;

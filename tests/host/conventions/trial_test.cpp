@@ -411,6 +411,18 @@ TEST_CASE("The message says what to write, and how to go on where the columns ar
   CHECK(test::error_message([] { require_convention(Pendulum(), recordings()); }).empty());
 }
 
+TEST_CASE(
+    "Where time alone is asked about, another unit of another column is not told, and that of time is") {
+  const auto said = [](const std::vector<Columns>& columns) {
+    return test::error_message([&] { require_convention(Pendulum(), columns, Asked::time_alone); });
+  };
+  CHECK(said(torques(1000.0)).empty());
+  CHECK_THAT(said(changed([](Columns& c) {
+               for (double& t : c.time_s) t *= 1000.0;
+             })),
+             Catch::Contains("time_s is in milliseconds"));
+}
+
 TEST_CASE("Recordings of a joint that stands still, or of too few rows, say nothing of units") {
   CHECK(found(changed([](Columns& c) {
           for (double& q : c.position[0]) q = 0.1;
