@@ -11,14 +11,15 @@
 #include "host/core/atomic_file.hpp"
 #include "host/core/message.hpp"
 #include "host/diagnose/diagnose.hpp"
-#include "host/diagnose/diagnosis_json.hpp"
+#include "host/diagnose/result.hpp"
 #include "host/model/writer.hpp"
 #include "host/report/diagnosis_report.hpp"
-#include "host/report/tree_report.hpp"
+#include "host/report/robot_picture.hpp"
+#include "host/result/diagnosis_json.hpp"
 #include "host/trees/diagnose.hpp"
-#include "host/trees/diagnosis_json.hpp"
 #include "host/trees/exports.hpp"
 #include "host/trees/next_experiment.hpp"
+#include "host/trees/result.hpp"
 
 namespace furcula::cli {
 
@@ -35,10 +36,11 @@ diagnose::Diagnosis run_diagnose(const RecordingOptions& o) {
     options.progress = [&](double fraction, std::string_view doing) { progress.update(fraction, doing); };
     d = diagnose::diagnose(r.model, r.training, r.held_out, options);
   }
+  const result::Diagnosis found = diagnose::result_of(d);
   std::vector<core::NewFile> files{
-      {o.out + "/diagnosis.json", diagnose::to_json_text(d)},
+      {o.out + "/diagnosis.json", result::to_json_text(found)},
       {o.out + "/extended_model.toml", model::format_model(d.extended_model)},
-      {o.out + "/report.html", report::render_report(d, o.command_line("diagnose"))}};
+      {o.out + "/report.html", report::render_report(found, o.command_line("diagnose"))}};
   const std::string scenario = o.out + "/next_experiment.toml";
   std::vector<std::string> obsolete;
   if (d.experiments.empty())
@@ -79,13 +81,15 @@ void run_on_tree(const RecordingOptions& o) {
   // Fitted bodies are in a URDF of their own, which the model file then names.
   const bool bodies = !d.extended.bodies.empty();
   const std::string urdf = "fitted_bodies.urdf";
+  const result::Diagnosis found = trees::result_of(d);
   std::vector<core::NewFile> files{
-      {o.out + "/diagnosis.json", trees::to_json_text(d)},
+      {o.out + "/diagnosis.json", result::to_json_text(found)},
       {o.out + "/extended_model.toml",
        trees::format_tree_model(extended, bodies ? urdf : trees::urdf_seen_from(model, o.out))},
       {o.out + "/extended.urdf", trees::extended_urdf(d)},
       {o.out + "/extended.mjcf.xml", trees::extended_mjcf(d)},
-      {o.out + "/report.html", report::render_tree_report(d, o.command_line("diagnose", true))}};
+      {o.out + "/report.html",
+       report::render_report(found, o.command_line("diagnose", true), report::robot_picture(d))}};
   if (!model.urdf_text.empty()) files.push_back({o.out + "/" + model.urdf_path, model.urdf_text});
   if (bodies) files.push_back({o.out + "/" + urdf, trees::urdf_with_bodies(model, d.extended.bodies)});
   const std::string scenario = o.out + "/next_experiment.toml";
@@ -105,8 +109,8 @@ void run_on_tree(const RecordingOptions& o) {
       std::cout << "  " << e.name << " = " << core::rounded(e.value) << " " << e.unit << " (95 % "
                 << core::rounded(e.lower) << " to " << core::rounded(e.upper) << ")";
     std::cout << "  confidence " << core::rounded(f.confidence, 2) << "\n";
-    for (const trees::RivalText& r : f.indistinguishable_from)
-      std::cout << "    cannot be told from " << core::printable(r.causes.front()) << "\n";
+    for (const result::Rival& r : f.indistinguishable_from)
+      std::cout << "    cannot be distinguished from " << core::printable(result::label(r.causes)) << "\n";
   }
   std::cout << "held-out error, RMS, as given and extended:";
   for (std::size_t j = 0; j < model.joints(); ++j)

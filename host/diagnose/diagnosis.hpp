@@ -9,18 +9,20 @@
 #include <vector>
 
 #include "furcula/dynamics/effects/catalogue.hpp"
-#include "host/core/verdict.hpp"
 #include "host/diagnose/bootstrap.hpp"
 #include "host/diagnose/remainder.hpp"
 #include "host/diagnose/rule.hpp"
 #include "host/identify/manoeuvres.hpp"
 #include "host/identify/prediction.hpp"
 #include "host/model/model.hpp"
+#include "host/result/diagnosis.hpp"
 #include "host/sim/scenario.hpp"
 
 namespace furcula::diagnose {
 
 using furcula::Verdict;
+using result::ResidualForce;
+using result::Trace;
 
 using identify::ChannelErrors;
 using identify::Errors;
@@ -79,37 +81,6 @@ struct Candidate {
   std::string outcome;  ///< "named", or in plain words why it lost
 };
 
-/// A channel over one held-out window: measured, and predicted by the model as given, re-fitted and extended.
-struct Trace {
-  std::string log;
-  std::string channel;  ///< "height", ...
-  std::string unit;
-  std::vector<double> time_s;
-  std::vector<double> measured;
-  std::vector<double> as_given;
-  std::vector<double> refitted;
-  std::vector<double> extended;
-};
-
-/// What force the model lacks, where: against the extended model with the findings' effects taken out (the
-/// re-fitted model where there is none); one sample an instant of the logs, averaged over a few ms.
-struct ResidualForce {
-  std::string unit;           ///< "N" or "N m"
-  std::string velocity_unit;  ///< "m/s" or "rad/s"
-  std::string position_unit;
-  std::vector<double> time_s;  ///< since the log's start
-  std::vector<double> velocity;
-  std::vector<double> position;
-  std::vector<double> force;  ///< what would have to be added to the re-fitted model
-  std::vector<double> law;    ///< what the findings' laws add at the same instants (empty: no finding)
-  // What else what remains may go along with, at the same instants.
-  std::vector<std::size_t> recording;  ///< index
-  std::vector<double> acceleration, input;
-  std::vector<double> interval_s;  ///< from the row before
-  std::vector<double> since_touchdown_s,
-      since_liftoff_s;  ///< on the hopper, in stance and in flight; else NaN
-};
-
 struct Association {
   std::string signal;
   double strength = 0.0;
@@ -128,16 +99,13 @@ struct Experiment {
   int recordings = 0;  ///< how many it takes at this noise to decide
 };
 
-struct Diagnosis {
+struct Diagnosis : result::Summary {
   dynamics::Kind kind{};
-  std::size_t logs = 0, hops = 0, samples = 0, held_out_logs = 0;
+  std::size_t hops = 0;
   std::size_t windows = 0,
-              fitted_windows = 0;  ///< of the training recordings; those that the search was made on
-  std::vector<std::string> training_files, held_out_files;
+              fitted_windows = 0;           ///< of the training recordings; those that the search was made on
   std::vector<identify::LeftOut> left_out;  ///< of all recordings
-  Verdict verdict = Verdict::adequate;
-  std::string summary;       ///< the verdict in one plain sentence
-  std::string main_channel;  ///< "height", "position" or "angle"
+  std::string main_channel;                 ///< "height", "position" or "angle"
   std::string main_unit;
   Errors baseline, refitted, extended, noise_floor;  ///< held-out; the floor has nmse alone
   std::vector<Finding> findings;
@@ -158,7 +126,6 @@ struct Diagnosis {
     double value;
   };
   std::vector<BeyondBounds> beyond_bounds;
-  log::Dirt dirt;
   double unexplained_fraction = 0.0;
   /// Of what could be explained on the held-out recordings, what no named cause explains; 0 without a
   /// finding, or where those do not help there.
@@ -171,7 +138,6 @@ struct Diagnosis {
   std::size_t windows_left_out = 0;
   std::optional<Remainder> remainder;  ///< of the extended model
   std::vector<Association> goes_along_with;
-  std::string next_experiment;  ///< of the whole diagnosis
   /// Where causes cannot be told apart: the experiments that would, the most telling first.
   std::vector<Experiment> experiments;
   model::Model extended_model;

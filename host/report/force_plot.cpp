@@ -173,7 +173,7 @@ struct Samples {
 };
 
 /// Only instants where everything is finite; columns of another length are left empty.
-Samples usable(const diagnose::ResidualForce& r) {
+Samples usable(const result::ResidualForce& r) {
   Samples out;
   const std::size_t n = r.force.size();
   const std::vector<const std::vector<double>*> from{&r.time_s, &r.velocity, &r.position, &r.force, &r.law};
@@ -222,7 +222,7 @@ std::string in_unit(const std::string& name, const std::string& unit) {
 
 }  // namespace
 
-std::string force_plots(const diagnose::ResidualForce& residual, std::size_t most_points) {
+std::string force_plots(const result::ResidualForce& residual, std::size_t most_points) {
   const Samples s = usable(residual);
   if (s.force.empty()) return "";
 

@@ -5,12 +5,12 @@
 #include <string_view>
 #include <vector>
 
-#include "host/diagnose/diagnosis.hpp"
+#include "host/result/diagnosis.hpp"
 
 namespace furcula::report {
 
 /// Three panels as inline SVG, with their legend and what was left out; empty if there are no samples.
-std::string force_plots(const diagnose::ResidualForce& residual, std::size_t most_points = 2500);
+std::string force_plots(const result::ResidualForce& residual, std::size_t most_points = 2500);
 
 /// What two models lack on the same samples, in one unit of torque or force. Columns have one length.
 struct MissingForce {

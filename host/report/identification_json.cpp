@@ -1,19 +1,15 @@
 #include "host/report/identification_json.hpp"
 
-#include <cmath>
-#include <nlohmann/json.hpp>
-
-#include "host/diagnose/diagnosis_json.hpp"
-#include "host/log/dirt_json.hpp"
+#include "host/diagnose/result.hpp"
+#include "host/result/json.hpp"
 
 namespace furcula::report {
 namespace {
 
-using Json = nlohmann::ordered_json;
 using identify::Estimation;
 using identify::Identification;
-
-Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+using result::Json;
+using result::number;
 
 Json numbers(const std::vector<double>& values) {
   Json list = Json::array();
@@ -21,17 +17,8 @@ Json numbers(const std::vector<double>& values) {
   return list;
 }
 
-std::string key(const char* figure, const std::string& channel, dynamics::Kind kind) {
-  const std::string suffix(diagnose::channel_suffix(channel, kind));
-  return std::string(figure) + "_" + channel + (suffix.empty() ? "" : "_" + suffix);
-}
-
 Json errors(const identify::Errors& all, dynamics::Kind kind) {
-  Json out = Json::object();
-  for (const auto& [channel, e] : all) out["nmse_" + channel] = number(e.nmse);
-  for (const auto& [channel, e] : all) out[key("mae", channel, kind)] = number(e.mae);
-  for (const auto& [channel, e] : all) out[key("rmse", channel, kind)] = number(e.rmse);
-  return out;
+  return result::errors_json(diagnose::channel_errors(all, kind));
 }
 
 Json body(const Estimation& e, const Identification& id) {
@@ -56,7 +43,8 @@ Json body(const Estimation& e, const Identification& id) {
   for (const auto& fold : e.folds)
     for (const auto& [channel, figures] : fold) {
       columns["nmse_" + channel].push_back(figures.nmse);
-      columns[key("mae", channel, id.kind)].push_back(figures.mae);
+      columns[result::key_with_unit("mae_" + channel, diagnose::channel_unit(channel, id.kind))].push_back(
+          figures.mae);
     }
   for (const auto& [name, values] : columns) cv[name] = numbers(values);
   out["cross_validation"] = cv;
@@ -67,23 +55,16 @@ Json body(const Estimation& e, const Identification& id) {
 }  // namespace
 
 std::string to_json_text(const Identification& id) {
-  Json out = {{"schema", "furcula-identification/1"}};
+  Json out = {{"schema", "furcula-identification/2"}, {"kind", dynamics::info(id.kind).name}};
   out.update(body(id.estimations.front(), id));
   if (id.estimations.size() > 1) out["equation_error"] = body(id.estimations[1], id);
   out["data"] = {{"logs", id.logs},
                  {"windows", id.windows},
                  {"samples", id.samples},
                  {"held_out_logs", id.held_out_logs}};
-  log::add_dirt(out["data"], id.dirt);
-  if (!id.left_out.empty()) {
-    Json& left = out["data"]["left_out"] = Json::array();
-    for (const identify::LeftOut& l : id.left_out)
-      left.push_back({{"why", l.why},
-                      {"windows", l.windows},
-                      {"share", l.share},
-                      {"seconds", l.seconds},
-                      {"logs", l.logs}});
-  }
+  out["data"]["excluded_windows"] = result::excluded_windows_json(diagnose::excluded_windows(id.left_out));
+  result::add_data_quality(out["data"], id.dirt);
+  out["notes"] = Json::array();
   if (id.as_given) out["as_given"] = errors(*id.as_given, id.kind);
   return out.dump(2) + "\n";
 }

@@ -1,4 +1,4 @@
-// The identification as JSON: `furcula-identification/1` (docs/contracts.md, section 4).
+// The identification as JSON: `furcula-identification/2` (docs/contracts.md, section 4).
 #pragma once
 
 #include <string>

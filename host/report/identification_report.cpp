@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "host/diagnose/diagnosis_json.hpp"
+#include "host/diagnose/result.hpp"
 #include "host/report/html.hpp"
 #include "host/report/page.hpp"
 #include "host/report/trace_plot.hpp"
@@ -30,10 +30,8 @@ std::string verdict(const Identified& p) {
 }
 
 std::string unit_of(const std::string& channel, const Identification& id) {
-  const std::string_view suffix = diagnose::channel_suffix(channel, id.kind);
-  if (suffix == "mps") return "m/s";
-  if (suffix == "radps") return "rad/s";
-  return suffix.empty() ? id.main_unit : std::string(suffix);
+  const std::string_view unit = diagnose::channel_unit(channel, id.kind);
+  return unit.empty() ? id.main_unit : std::string(unit);
 }
 
 /// NaN where there is no such figure.

@@ -16,7 +16,7 @@ struct Page {
   /// What page_script draws (trace_plot.hpp); empty: no plot, and no script in the page.
   std::string data_json;
   std::string command = {};  ///< that writes the same page again, for the foot; empty: none
-  /// What robot_script draws (tree_report.cpp); empty: no robot, and not its script.
+  /// What robot_script draws (robot_picture.hpp); empty: no robot, and not its script.
   std::string robot_json = {};
   /// What leg_script draws (host/gait/gait_report.cpp); empty: no leg, and not its script.
   std::string leg_json = {};

@@ -16,7 +16,7 @@ VerdictWords words(Verdict v) {
     case Verdict::unexplained:
       return {
           "Unexplained", Tone::bad,
-          "The error has structure, and no effect of the catalogue removes it. See what it goes along with."};
+          "The error has structure, and no effect of the catalogue removes it. See what it is correlated with."};
     case Verdict::not_identifiable:
       return {"Not identifiable", Tone::notice,
               "Two or more causes would remove the error equally well, or the data are too poor. Another "

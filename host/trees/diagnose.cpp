@@ -17,6 +17,7 @@
 #include "host/trees/missing_torque.hpp"
 #include "host/trees/next_experiment.hpp"
 #include "host/trees/reported.hpp"
+#include "host/trees/result.hpp"
 #include "host/trees/search.hpp"
 
 namespace furcula::trees {
@@ -116,11 +117,16 @@ class Diagnoser {
     d_.refitted = found.refitted.at;
     d_.extended = found.fit.at;
     for (const auto& t : found.table) {
-      const bool chosen = std::any_of(d_.extended.causes.begin(), d_.extended.causes.end(),
-                                      [&](const Cause& c) { return cause_name(model_, c) == t.name; });
-      const bool again =
-          std::any_of(d_.tried.begin(), d_.tried.end(), [&](const auto& o) { return o.cause == t.name; });
-      if (!again) d_.tried.push_back({t.name, t.gain, chosen});
+      const std::string name = cause_name(model_, t.cause);
+      const bool again = std::any_of(d_.candidates.begin(), d_.candidates.end(),
+                                     [&](const auto& c) { return label(c.causes) == name; });
+      if (again) continue;
+      result::Candidate candidate;
+      candidate.causes = {named(model_, t.cause)};
+      candidate.score_test_gain = t.gain;
+      candidate.chosen = std::any_of(d_.extended.causes.begin(), d_.extended.causes.end(),
+                                     [&](const Cause& c) { return cause_name(model_, c) == name; });
+      d_.candidates.push_back(std::move(candidate));
     }
     say(0.95, "predicting the held-out logs");
     errors();
@@ -236,7 +242,7 @@ class Diagnoser {
   }
   static bool undecided(const Finding& f) {
     return std::any_of(f.indistinguishable_from.begin(), f.indistinguishable_from.end(),
-                       [](const RivalText& r) { return !r.one_law; });
+                       [](const result::Rival& r) { return !r.same_law; });
   }
 
   std::vector<Estimate> estimates(const Fit& fit, std::size_t cause) const {
@@ -280,17 +286,18 @@ class Diagnoser {
       f.without = predict(model_, held_out_, options_.window_s, off.at, d_.refitted).errors;
       double nearest = 6.0;
       for (const Rival& r : found.rivals[c - given]) {
-        RivalText text{{cause_name(model_, r.causes.front())}, {}, {}};
+        result::Rival text;
+        text.causes = {named(model_, r.causes.front())};
         const EffectInfo& other = info(r.causes.front().effect);
         for (std::size_t k = 0; k < other.parameter_count; ++k) {
           const bool linear = is_linear(model_, other.seat, r.causes.front().sites.front());
-          text.parameters.push_back({std::string(name_on(other.parameters()[k], linear)),
-                                     std::string(unit_on(other.parameters()[k], linear)),
-                                     r.causes.front().values[k], NAN, NAN});
+          text.causes.front().parameters.push_back({std::string(name_on(other.parameters()[k], linear)),
+                                                    std::string(unit_on(other.parameters()[k], linear)),
+                                                    r.causes.front().values[k], NAN, NAN});
         }
         if (one_law(cause, r.causes.front())) {
-          text.one_law = true;
-          text.why = "the same law under another name: no recording tells them apart";
+          text.same_law = true;
+          text.reason = "the same law under another name: no recording tells them apart";
           f.indistinguishable_from.push_back(text);
           continue;
         }
@@ -298,15 +305,16 @@ class Diagnoser {
         const double more = r.loss_more / found.fit.loss;
         if (r.z < kApart || (something_left && more < kOfWhatIsLeft)) {
           undecided_.push_back(r.at);
-          text.why = r.z < kApart ? std::string("in its place and fitted, the windows are predicted ") +
-                                        (r.z < -2.0 ? "better" : "as well") + ": the difference is " +
-                                        core::rounded(r.z, 2) + " times its own scatter from window to window"
-                                  : "in its place and fitted, the windows' loss is " + percent(more) +
-                                        " more: what is still missing is more than that";
+          text.reason = r.z < kApart
+                            ? std::string("in its place and fitted, the windows are predicted ") +
+                                  (r.z < -2.0 ? "better" : "as well") + ": the difference is " +
+                                  core::rounded(r.z, 2) + " times its own scatter from window to window"
+                            : "in its place and fitted, the windows' loss is " + percent(more) +
+                                  " more: what is still missing is more than that";
           f.indistinguishable_from.push_back(text);
         } else {
-          text.why = "in its place and fitted, the windows' loss is " + percent(more) + " more, " +
-                     core::rounded(r.z, 2) + " times its own scatter from window to window";
+          text.reason = "in its place and fitted, the windows' loss is " + percent(more) + " more, " +
+                        core::rounded(r.z, 2) + " times its own scatter from window to window";
           f.alternatives.push_back(text);
         }
       }
@@ -342,8 +350,11 @@ class Diagnoser {
       const std::string name =
           std::string(kDriveParameters[u.parameter]) + "." + model_.robot.joints[u.joint].name;
       const std::string unit((model_.prismatic(u.joint) ? kLinearDriveUnits : kDriveUnits)[u.parameter]);
-      Diagnosis::ParameterRow row{
-          name, unit, value_of(Hypothesis{model_.drives, {}}, u), {}, interval(name, unit, found.fit, k), {}};
+      result::Parameter row;
+      row.name = name;
+      row.unit = unit;
+      row.baseline = value_of(Hypothesis{model_.drives, {}}, u);
+      row.extended = interval(name, unit, found.fit, k);
       row.refitted = row.extended;
       for (std::size_t i = 0; i < found.refitted.unknowns.size(); ++i) {
         const Unknown& v = found.refitted.unknowns[i];
@@ -372,7 +383,11 @@ class Diagnoser {
         return Estimate{all.rows[row].name, all.rows[row].unit, all.rows[row].value, within.lower,
                         within.upper};
       };
-      Diagnosis::ParameterRow row{r.name, r.unit, r.given, {}, estimate(found.fit, after, i), {}};
+      result::Parameter row;
+      row.name = r.name;
+      row.unit = r.unit;
+      row.baseline = r.given;
+      row.extended = estimate(found.fit, after, i);
       row.refitted = estimate(found.refitted, before, static_cast<std::size_t>(same - before.rows.begin()));
       row.verdict = r.part == 0 && found.fit.at_bound[r.unknown]
                         ? "at_bound"
@@ -529,7 +544,7 @@ class Diagnoser {
       m.simulated.resize(model_.joints());
       for (std::size_t j = 0; j < model_.joints(); ++j)
         for (const Trace& t : d_.traces) {
-          if (t.log != r.path || t.joint != model_.robot.joints[j].name) continue;
+          if (t.log != r.path || t.channel != channel_name(model_, j)) continue;
           for (std::size_t k = 0; k < t.time_s.size(); k += step) {
             if (j == 0) m.time_s.push_back(t.time_s[k] - t.time_s.front());
             m.measured[j].push_back(t.measured[k]);

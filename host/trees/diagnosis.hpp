@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "host/core/verdict.hpp"
+#include "host/result/diagnosis.hpp"
 #include "host/trees/base_parameters.hpp"
 #include "host/trees/fit.hpp"
 #include "host/trees/model.hpp"
@@ -17,22 +17,12 @@ namespace furcula::trees {
 
 using furcula::Verdict;
 
-/// A fitted number with its 95 % interval.
-struct Estimate {
-  std::string name, unit;
-  double value = 0.0, lower = 0.0, upper = 0.0;
-};
+using result::Estimate;
+using result::Trace;  ///< one a joint and held-out log
 
 /// Of one joint over all held-out windows: measured less predicted.
 struct ChannelError {
   double nmse = 0.0, mae = 0.0, rmse = 0.0;  ///< rad, or m of a prismatic joint
-};
-
-struct RivalText {
-  std::vector<std::string> causes;  ///< "effect@site"
-  std::string why;
-  std::vector<Estimate> parameters;
-  bool one_law = false;  ///< with the finding: no experiment parts them
 };
 
 struct Finding {
@@ -43,7 +33,7 @@ struct Finding {
       0.0;  ///< of the training windows' loss that could be explained, what this cause alone is worth
   std::vector<ChannelError> without;  ///< held out, of each joint, without it, all else fitted again
   double confidence = 0.0;
-  std::vector<RivalText> alternatives, indistinguishable_from;
+  std::vector<result::Rival> alternatives, indistinguishable_from;
   std::string explanation, where_to_look, next_experiment;
 };
 
@@ -62,11 +52,6 @@ struct MissingTorque {
   std::string goes_along_with;  ///< what it follows most, after; empty: nothing
 };
 
-struct Trace {
-  std::string log, joint, unit;
-  std::vector<double> time_s, measured, as_given, refitted, extended;
-};
-
 /// For the picture: the robot's pose over one held-out recording.
 struct Motion {
   std::string log;
@@ -81,35 +66,19 @@ struct Experiment {
   double apart_rad = 0.0;
 };
 
-struct Diagnosis {
+struct Diagnosis : result::Summary {
   TreeModel model;  ///< as given
   Hypothesis refitted, extended;
-  Verdict verdict = Verdict::adequate;
-  std::string summary;
-  std::size_t logs = 0, held_out_logs = 0, samples = 0, windows = 0;
+  std::size_t windows = 0;
   double window_s = 0.3;
-  std::vector<std::string> training_files, held_out_files, notes;
-  log::Dirt dirt;
   std::vector<ChannelError> as_given_error, refitted_error, extended_error;  ///< held out, of each joint
   std::vector<double> noise_floor;                                           ///< nmse of each joint
   std::vector<Finding> findings;
-  std::vector<MissingTorque> missing;  ///< of each joint
-  struct ParameterRow {
-    std::string name, unit;
-    double given = 0.0;
-    Estimate refitted, extended;
-    std::string verdict;
-  };
-  std::vector<ParameterRow> parameters;  ///< free ones
+  std::vector<MissingTorque> missing;         ///< of each joint
+  std::vector<result::Parameter> parameters;  ///< free ones
   std::vector<BaseParameter> base_parameters;
-  struct Tried {
-    std::string cause;
-    double gain;
-    bool chosen;
-  };
-  std::vector<Tried> tried;
+  std::vector<result::Candidate> candidates;
   double unexplained_share = 0.0;
-  std::string next_experiment;
   std::vector<Experiment> experiments;  ///< where causes cannot be told apart, the most telling first
   std::vector<Trace> traces;
   std::vector<Motion> motions;

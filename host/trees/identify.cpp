@@ -6,10 +6,10 @@
 
 #include "host/core/error.hpp"
 #include "host/core/message.hpp"
-#include "host/log/dirt_json.hpp"
+#include "host/result/json.hpp"
 #include "host/trees/conventions.hpp"
-#include "host/trees/json.hpp"
 #include "host/trees/reported.hpp"
+#include "host/trees/result.hpp"
 
 namespace furcula::trees {
 namespace {
@@ -93,6 +93,7 @@ Identification identify(const TreeModel& model, const std::vector<log::Log>& tra
 }
 
 std::string to_json_text(const Identification& found) {
+  using result::Json, result::number;
   Json parameters = Json::object();
   for (const auto& p : found.parameters) {
     Json folds = Json::array();
@@ -101,20 +102,20 @@ std::string to_json_text(const Identification& found) {
                           {"ci95", {number(p.lower), number(p.upper)}},
                           {"folds", folds},
                           {"verdict", p.verdict}};
-    if (!found.bodies.empty()) parameters[p.name]["given"] = number(p.given);
-    if (!p.with.empty()) parameters[p.name]["with"] = p.with;
     parameters[p.name]["unit"] = p.unit;
+    parameters[p.name]["given"] = number(p.given);
+    if (!p.with.empty()) parameters[p.name][p.verdict == "at_bound" ? "bound" : "correlated_with"] = p.with;
   }
   Json data = {{"logs", found.logs}, {"held_out_logs", found.held_out_logs}, {"windows", found.windows}};
-  log::add_dirt(data, found.dirt);
-  Json out = {{"schema", "furcula-identification/1"},
-              {"method", "simulation"},
+  result::add_data_quality(data, found.dirt);
+  Json out = {{"schema", "furcula-identification/2"},
               {"kind", "tree"},
+              {"method", "simulation"},
               {"data", data},
               {"parameters", parameters},
-              {"as_given", {{"held_out", held_out(found.model, found.as_given_error)}}},
-              {"held_out", held_out(found.model, found.identified_error)}};
-  if (!found.notes.empty()) out["notes"] = found.notes;
+              {"as_given", result::errors_json(channel_errors(found.model, found.as_given_error))},
+              {"held_out", result::errors_json(channel_errors(found.model, found.identified_error))}};
+  out["notes"] = found.notes;
   return out.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

@@ -32,7 +32,7 @@ struct Identification {
 Identification identify(const TreeModel& model, const std::vector<log::Log>& training,
                         const std::vector<log::Log>& held_out, const Options& options = {});
 
-/// `furcula-identification/1`.
+/// `furcula-identification/2`.
 std::string to_json_text(const Identification& found);
 
 }  // namespace furcula::trees

@@ -103,17 +103,13 @@ Predictions predict(const TreeModel& model, const std::vector<Recording>& record
     if (traces == nullptr) continue;
     for (std::size_t j = 0; j < n; ++j) {
       const auto found = std::find_if(traces->begin(), traces->end(), [&](const Trace& t) {
-        return t.log == r.path && t.joint == model.robot.joints[j].name;
+        return t.log == r.path && t.channel == channel_name(model, j);
       });
-      Trace& t = found != traces->end() ? *found
-                                        : traces->emplace_back(Trace{r.path,
-                                                                     model.robot.joints[j].name,
-                                                                     std::string(channel_unit(model, j)),
-                                                                     {},
-                                                                     {},
-                                                                     {},
-                                                                     {},
-                                                                     {}});
+      Trace& t =
+          found != traces->end()
+              ? *found
+              : traces->emplace_back(Trace{
+                    r.path, channel_name(model, j), std::string(channel_unit(model, j)), {}, {}, {}, {}, {}});
       for (std::size_t k = 0; k < count; ++k) {
         if (into == &Trace::as_given) {
           t.time_s.push_back(r.time_s[w.first + k]);

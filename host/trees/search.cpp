@@ -367,8 +367,7 @@ class Search {
       if (table != nullptr && k == 0 && table->table.empty())
         for (const auto& s : scores)
           table->table.push_back(
-              {cause_name(problem_.model(), linear.candidates()[s.candidate].columns.front()),
-               s.gain / linear.loss(), false});
+              {linear.candidates()[s.candidate].columns.front(), s.gain / linear.loss(), false});
       if (leaders.size() > 1) best = best_fitted(linear, fit, leaders);
       // The linear test is about the wrong model yet: what is small beside the best waits for the next round.
       if (best == nullptr || (!out.empty() && best->gain < 0.2 * out.front().gain)) break;

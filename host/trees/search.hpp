@@ -39,7 +39,7 @@ struct Found {
   std::vector<std::vector<Rival>> rivals;  ///< of each cause
   std::size_t tried = 0;                   ///< candidates
   struct Tried {
-    std::string name;
+    Cause cause;
     double gain;  ///< share of the residuals that it would remove, by the linear test at the model re-fitted
     bool chosen;
   };

@@ -6,7 +6,8 @@
 #include <cstdio>
 
 #include "host/diagnose/diagnose.hpp"
-#include "host/diagnose/diagnosis_json.hpp"
+#include "host/diagnose/result.hpp"
+#include "host/result/diagnosis_json.hpp"
 #include "tests/data/measured.hpp"
 
 using namespace furcula;
@@ -27,7 +28,7 @@ struct FrictionAndOffset {
 };
 
 FrictionAndOffset only_friction_and_offset(const diagnose::Diagnosis& d) {
-  INFO(diagnose::to_json_text(d));
+  INFO(result::to_json_text(diagnose::result_of(d)));
   REQUIRE(d.verdict == diagnose::Verdict::explained);
   using dynamics::Effect;
   if (d.findings.size() == 1) {

@@ -3,8 +3,9 @@
 #include <cstdio>
 
 #include "host/diagnose/diagnose.hpp"
-#include "host/diagnose/diagnosis_json.hpp"
+#include "host/diagnose/result.hpp"
 #include "host/identify/identification.hpp"
+#include "host/result/diagnosis_json.hpp"
 #include "tests/data/measured.hpp"
 
 using namespace furcula;
@@ -27,7 +28,7 @@ TEST_CASE("The pendulum lacks Coulomb friction first, and with it predicts anoth
   if (folder.empty()) return;
   const auto d = diagnose::diagnose(joint(), {test::pendulum(folder, "direct_collocation")},
                                     {test::pendulum(folder, "ddp")});
-  INFO(diagnose::to_json_text(d));
+  INFO(result::to_json_text(diagnose::result_of(d)));
   REQUIRE_FALSE(d.findings.empty());
   CHECK(d.findings[0].effect == dynamics::Effect::coulomb_friction);
   const double before = d.refitted.at("angle").rmse, after = d.extended.at("angle").rmse;
@@ -44,7 +45,7 @@ TEST_CASE("The pendulum the other way round is dry friction too, and nothing but
   if (folder.empty()) return;
   const auto d = diagnose::diagnose(joint(), {test::pendulum(folder, "ddp")},
                                     {test::pendulum(folder, "direct_collocation")});
-  INFO(diagnose::to_json_text(d));
+  INFO(result::to_json_text(diagnose::result_of(d)));
   REQUIRE_FALSE(d.findings.empty());
   const auto first = d.findings[0].effect;
   CHECK((first == dynamics::Effect::coulomb_friction || first == dynamics::Effect::asymmetric_friction));

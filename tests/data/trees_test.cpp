@@ -5,9 +5,10 @@
 #include <cmath>
 #include <cstdio>
 
+#include "host/result/diagnosis_json.hpp"
 #include "host/trees/diagnose.hpp"
-#include "host/trees/diagnosis_json.hpp"
 #include "host/trees/exports.hpp"
+#include "host/trees/result.hpp"
 #include "tests/data/measured.hpp"
 #include "tests/host/error_message.hpp"
 #include "tests/host/model/mujoco_peer.hpp"
@@ -59,7 +60,7 @@ std::string brief(const trees::Diagnosis& d) {
     for (const trees::Estimate& e : f.parameters)
       out += " " + e.name + " " + std::to_string(e.value) + " [" + std::to_string(e.lower) + ", " +
              std::to_string(e.upper) + "]";
-    for (const trees::RivalText& r : f.indistinguishable_from) out += " or " + r.causes.front();
+    for (const result::Rival& r : f.indistinguishable_from) out += " or " + result::label(r.causes);
   }
   return out;
 }
@@ -221,8 +222,8 @@ TEST_CASE(
     const bool damps = e == Effect::damping_error || e == Effect::position_gain_error,
                inert = e == Effect::rotor_inertia_error || e == Effect::inertia_error,
                is_late = e == Effect::actuator_delay || e == Effect::actuator_lag;
-    for (const trees::RivalText& r : f.indistinguishable_from) {
-      const std::string& other = r.causes.front();
+    for (const result::Rival& r : f.indistinguishable_from) {
+      const std::string& other = r.causes.front().effect;
       damping_or_inertia_or_late |= (damps || inert) && late(other);
       damping_or_inertia_or_late |=
           is_late && (other.starts_with("damping_error") || other.starts_with("rotor_inertia_error"));

@@ -6,7 +6,6 @@
 #include <regex>
 #include <sstream>
 
-#include "host/report/diagnosis_report.hpp"
 #include "tests/host/report/sample.hpp"
 #include "tests/skip.hpp"
 #include "tests/web/browser.hpp"
@@ -91,7 +90,7 @@ TEST_CASE("the report's plots have data, follow their controls, and need no netw
   const auto browser = test::Browser::find();
   if (!browser) return test::skip(test::kNoBrowser);
   const diagnose::Diagnosis d = test::sample_diagnosis();
-  const nlohmann::json seen = look_at(*browser, report::render_report(d));
+  const nlohmann::json seen = look_at(*browser, test::page_of(d));
   INFO(seen.dump(1));
   CHECK(seen["problems"].empty());
   CHECK(seen["fetched"].empty());
@@ -133,7 +132,7 @@ TEST_CASE("the report's plots have data, follow their controls, and need no netw
 TEST_CASE("the report fits a narrow screen without scrolling sideways") {
   const auto browser = test::Browser::find();
   if (!browser) return test::skip(test::kNoBrowser);
-  const nlohmann::json seen = look_at(*browser, report::render_report(test::sample_diagnosis(8, 4)), 500);
+  const nlohmann::json seen = look_at(*browser, test::page_of(test::sample_diagnosis(8, 4)), 500);
   INFO(seen.dump(1));
   CHECK(seen["view_width"] <= 500);
   CHECK(seen["page_width"] <= seen["view_width"]);
@@ -151,7 +150,7 @@ TEST_CASE("hostile names of files and channels run nothing in the browser") {
     t.log = hostile;
     t.unit = t.channel = hostile;
   }
-  const nlohmann::json seen = look_at(*browser, report::render_report(d));
+  const nlohmann::json seen = look_at(*browser, test::page_of(d));
   INFO(seen.dump(1));
   CHECK(seen["problems"].empty());
   CHECK(seen["images"] == 0);
@@ -162,7 +161,7 @@ TEST_CASE("hostile names of files and channels run nothing in the browser") {
 TEST_CASE("a report without traces runs without a problem") {
   const auto browser = test::Browser::find();
   if (!browser) return test::skip(test::kNoBrowser);
-  const nlohmann::json seen = look_at(*browser, report::render_report({}));
+  const nlohmann::json seen = look_at(*browser, test::page_of(diagnose::Diagnosis{}));
   CHECK(seen["problems"].empty());
   CHECK(seen["svg_points"].empty());
 }
@@ -171,7 +170,7 @@ TEST_CASE("the report prints on a few pages") {
   const auto browser = test::Browser::find();
   if (!browser) return test::skip(test::kNoBrowser);
   const test::TemporaryFolder folder;
-  write(folder.path() / "report.html", report::render_report(test::sample_diagnosis()));
+  write(folder.path() / "report.html", test::page_of(test::sample_diagnosis()));
   browser->print(folder.path() / "report.html", folder.path() / "report.pdf");
   const std::string pdf = read(folder.path() / "report.pdf");
   REQUIRE(pdf.starts_with("%PDF-"));

@@ -4,7 +4,6 @@
 #include <nlohmann/json.hpp>
 
 #include "furcula/dynamics/tree/energy.hpp"
-#include "host/report/tree_report.hpp"
 #include "tests/host/report/tree_sample.hpp"
 #include "tests/paths.hpp"
 #include "tests/skip.hpp"
@@ -94,7 +93,7 @@ constexpr const char* kProbe = R"(<script>
 
 nlohmann::json look_at(const test::Browser& browser, const trees::Diagnosis& d, const std::string& probe,
                        int width = 1400) {
-  std::string page = report::render_tree_report(d);
+  std::string page = test::page_of(d);
   page.insert(page.find("<meta name=\"viewport\""), test::kFrames);
   return test::look_at(browser, page, test::kPictureTools + probe, width);
 }

@@ -247,11 +247,14 @@ void ask(Row& row, const Subject& s, const Arguments& a, const std::string& fold
       row.said += " " + f.at("effect").get<std::string>() + " " + std::to_string(confidence).substr(0, 4);
       if (confidence > 0.5) row.answer = "cause";
     }
-    // A zero that moves the recordings exactly as the cause does, listed beside it.
+    // A zero that moves the recordings exactly as the cause does, listed beside it: of one machine's encoder, or of a robot's.
     const auto& findings = json.at("findings");
     if (row.fault.group == "zero" && findings.size() == 1)
-      for (const auto& rival : findings.front().at("indistinguishable_from"))
-        if (rival.at("effects") == nlohmann::json::array({"encoder_offset"})) row.answer = "equal";
+      for (const auto& rival : findings.front().at("indistinguishable_from")) {
+        const auto& causes = rival.at("causes");
+        if (causes.size() == 1 && causes.front().value("effect", "") == "encoder_offset")
+          row.answer = "equal";
+      }
     return;
   }
   row.said = refused;

@@ -13,20 +13,6 @@ namespace {
 
 using Labels = std::multiset<std::string>;
 
-// "effect@b,a" as label() writes it.
-std::string ordered(const std::string& text) {
-  const std::size_t cut = text.find('@');
-  if (cut == std::string::npos) return text;
-  std::vector<std::string> sites;
-  std::string rest = text.substr(cut + 1);
-  for (std::size_t comma = rest.find(','); comma != std::string::npos; comma = rest.find(',')) {
-    sites.push_back(rest.substr(0, comma));
-    rest = rest.substr(comma + 1);
-  }
-  sites.push_back(rest);
-  return label(text.substr(0, cut), sites);
-}
-
 Labels labels_of(const std::vector<Cause>& causes) {
   Labels out;
   for (const Cause& c : causes) out.insert(label(c.effect, c.at));
@@ -163,7 +149,7 @@ Diagnosis read_diagnosis(const std::string& path) {
     for (const auto& f : json.at("findings")) {
       Finding finding;
       finding.cause.effect = f.at("effect").get<std::string>();
-      finding.cause.at = f.at("at").get<std::vector<std::string>>();
+      finding.cause.at = f.at("locations").get<std::vector<std::string>>();
       std::sort(finding.cause.at.begin(), finding.cause.at.end());
       finding.confidence = f.at("confidence").get<double>();
       for (const auto& [key, value] : f.at("parameters").items()) {
@@ -173,9 +159,12 @@ Diagnosis read_diagnosis(const std::string& path) {
         if (pair.is_array() && pair.size() == 2 && pair[0].is_number() && pair[1].is_number())
           finding.ci95[key] = {pair[0].get<double>(), pair[1].get<double>()};
       }
-      if (f.contains("indistinguishable_from"))
-        for (const auto& rival : f.at("indistinguishable_from"))
-          finding.alike.push_back(rival.at("effects").get<std::vector<std::string>>());
+      for (const auto& rival : f.at("indistinguishable_from")) {
+        auto& set = finding.alike.emplace_back();
+        for (const auto& cause : rival.at("causes"))
+          set.push_back(label(cause.at("effect").get<std::string>(),
+                              cause.at("locations").get<std::vector<std::string>>()));
+      }
       out.findings.push_back(finding);
     }
     return out;
@@ -234,7 +223,7 @@ Judgement judge(const Case& c, const Diagnosis& d) {
     std::vector<Labels> words = {{label(f.cause.effect, f.cause.at)}};
     for (const auto& set : f.alike) {
       Labels w;
-      for (const std::string& e : set) w.insert(ordered(e));
+      w.insert(set.begin(), set.end());
       words.push_back(w);
     }
     std::vector<Labels> longer;

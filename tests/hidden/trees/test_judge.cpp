@@ -154,9 +154,9 @@ TEST_CASE("On a clean robot only nothing is right", "[trees]") {
 TEST_CASE("A diagnosis is read as the contract writes it", "[trees]") {
   const std::string path = (std::filesystem::temp_directory_path() / "furcula-trees-diagnosis.json").string();
   std::ofstream(path)
-      << R"({"verdict": "explained", "findings": [{"effect": "coulomb_friction", "at": ["b", "a"],
+      << R"({"verdict": "explained", "findings": [{"effect": "coulomb_friction", "location_type": "joint", "locations": ["b", "a"],
     "parameters": {"torque_nm": {"value": 0.5, "ci95": [0.4, 0.6]}}, "confidence": 0.97,
-    "indistinguishable_from": [{"effects": ["viscous@a"], "why": "slow"}]}]})";
+    "indistinguishable_from": [{"causes": [{"effect": "viscous", "location_type": "joint", "locations": ["d", "c"]}], "reason": "slow"}]}]})";
   const Diagnosis d = read_diagnosis(path);
   std::filesystem::remove(path);
   CHECK(d.verdict == "explained");
@@ -164,7 +164,7 @@ TEST_CASE("A diagnosis is read as the contract writes it", "[trees]") {
   CHECK(label(d.findings[0].cause.effect, d.findings[0].cause.at) == "coulomb_friction@a,b");
   CHECK(d.findings[0].cause.parameters.at("torque_nm") == 0.5);
   CHECK(d.findings[0].ci95.at("torque_nm").second == 0.6);
-  CHECK(d.findings[0].alike == std::vector<std::vector<std::string>>{{"viscous@a"}});
+  CHECK(d.findings[0].alike == std::vector<std::vector<std::string>>{{"viscous@c,d"}});
   CHECK_THROWS(read_diagnosis(path + ".not"));
 }
 

@@ -6,6 +6,7 @@
 
 #include "host/model/reader.hpp"
 #include "tests/host/cli/run_program.hpp"
+#include "tests/schema.hpp"
 
 using namespace furcula;
 using Catch::Matchers::Contains;
@@ -45,6 +46,7 @@ TEST_CASE("the demo tells verdict, truth and report, and any number of threads g
   again.insert(again.end(), {"--hold-out", one + "/hop-07.csv", one + "/hop-08.csv"});
   REQUIRE(test::run_furcula(again, 300).status == 0);
   CHECK(content(two + "/diagnosis.json") == content(one + "/diagnosis/diagnosis.json"));
+  CHECK(test::schema_violations("furcula-diagnosis-2", content(two + "/diagnosis.json")).value_or("") == "");
   // The reports too: their foot has what the result depends on, and no folder or number of threads.
   const std::string report = content(two + "/report.html");
   CHECK((report == content(one + "/diagnosis/report.html")));

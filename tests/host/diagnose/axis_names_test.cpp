@@ -7,9 +7,10 @@
 #include <random>
 
 #include "host/diagnose/diagnose.hpp"
-#include "host/diagnose/diagnosis_json.hpp"
 #include "host/diagnose/effect_set.hpp"
+#include "host/diagnose/result.hpp"
 #include "host/diagnose/trainer.hpp"
+#include "host/result/diagnosis_json.hpp"
 
 using namespace furcula;
 using diagnose::Verdict;
@@ -115,7 +116,7 @@ TEST_CASE(
   Joint j{.spring = 1.5, .encoder_offset = 0.06};
   const Data data = driven(j, 0.8, 1.5);
   const auto d = diagnose::diagnose(model_of(Kind::torsion_pendulum, j), data.training, data.held_out);
-  INFO(diagnose::to_json_text(d));
+  INFO(result::to_json_text(diagnose::result_of(d)));
   CHECK(d.verdict == Verdict::explained);
   REQUIRE(d.findings.size() == 1);
   CHECK(d.findings[0].effect == Effect::force_offset);
@@ -131,7 +132,7 @@ TEST_CASE("Where a joint's angle is measured from is named where gravity shows i
   Joint j{.gravity = 2.0, .encoder_offset = -0.05};
   const Data data = driven(j, 2.0, 1.5);
   const auto d = diagnose::diagnose(model_of(Kind::rotary_joint, j), data.training, data.held_out);
-  INFO(diagnose::to_json_text(d));
+  INFO(result::to_json_text(diagnose::result_of(d)));
   CHECK(d.verdict == Verdict::explained);
   REQUIRE(d.findings.size() == 1);
   CHECK(d.findings[0].effect == Effect::encoder_offset);
@@ -143,7 +144,7 @@ TEST_CASE("Without a torque nothing is said of the drive, and dry friction is fo
   Joint j{.gravity = 2.0, .friction = 0.05};
   const Data data = swings(j);
   const auto d = diagnose::diagnose(model_of(Kind::rotary_joint, j), data.training, data.held_out);
-  INFO(diagnose::to_json_text(d));
+  INFO(result::to_json_text(diagnose::result_of(d)));
   CHECK(d.verdict == Verdict::explained);
   REQUIRE(d.findings.size() == 1);
   CHECK(d.findings[0].effect == Effect::coulomb_friction);
@@ -158,7 +159,7 @@ TEST_CASE("A torque that does not swing again within the travel is no ripple", "
   Joint j{.gravity = 2.0, .more = [](double x) { return -0.15 * std::sin(x + 0.8); }};
   const Data data = driven(j, 0.7, 1.5);
   const auto d = diagnose::diagnose(model_of(Kind::rotary_joint, j), data.training, data.held_out);
-  INFO(diagnose::to_json_text(d));
+  INFO(result::to_json_text(diagnose::result_of(d)));
   for (const auto& f : d.findings) CHECK(f.effect != Effect::torque_ripple);
 }
 
@@ -168,7 +169,7 @@ TEST_CASE("A lag in a log whose rows hold the state after their step is not call
   Joint j{.gravity = 2.0, .lag_s = 4e-3, .row_s = 10e-3, .rows_after = true};
   const Data data = driven(j, 2.0, 3.0);
   const auto d = diagnose::diagnose(model_of(Kind::rotary_joint, j), data.training, data.held_out);
-  INFO(diagnose::to_json_text(d));
+  INFO(result::to_json_text(diagnose::result_of(d)));
   CHECK(d.verdict != Verdict::explained);
   REQUIRE(d.findings.size() == 1);
   CHECK(d.findings[0].effect == Effect::time_skew);

@@ -5,7 +5,8 @@
 
 #include "host/core/error.hpp"
 #include "host/diagnose/diagnose.hpp"
-#include "host/diagnose/diagnosis_json.hpp"
+#include "host/diagnose/result.hpp"
+#include "host/result/diagnosis_json.hpp"
 #include "tests/host/identify/synthetic.hpp"
 
 using namespace furcula;
@@ -21,7 +22,7 @@ diagnose::Diagnosis diagnosed(const Flight& truth, bool throws,
                             test::flight_logs(truth, throws, 50, 2));
 }
 
-std::string text(const diagnose::Diagnosis& d) { return diagnose::to_json_text(d); }
+std::string text(const diagnose::Diagnosis& d) { return result::to_json_text(diagnose::result_of(d)); }
 
 /// Single effects that a finding cannot be told from.
 std::set<std::string> rivals(const diagnose::Finding& f) {

@@ -3,10 +3,11 @@
 
 #include "host/diagnose/crossed.hpp"
 #include "host/diagnose/diagnose.hpp"
-#include "host/diagnose/diagnosis_json.hpp"
+#include "host/diagnose/result.hpp"
 #include "host/diagnose/trainer.hpp"
 #include "host/model/reader.hpp"
 #include "host/model/writer.hpp"
+#include "host/result/diagnosis_json.hpp"
 #include "tests/host/identify/clutched_hops.hpp"
 
 using namespace furcula;
@@ -46,7 +47,7 @@ diagnose::Diagnosis bench_diagnosed(const model::Model& truth) {
   return diagnose::diagnose(bench_model(), releases(truth, 6, 1), releases(truth, 2, 40));
 }
 
-std::string text(const diagnose::Diagnosis& d) { return diagnose::to_json_text(d); }
+std::string text(const diagnose::Diagnosis& d) { return result::to_json_text(diagnose::result_of(d)); }
 
 void expect_on_bench(Effect effect, double value, double within) {
   model::Model truth = bench_model();

@@ -6,10 +6,11 @@
 #include <random>
 
 #include "host/core/error.hpp"
-#include "host/diagnose/diagnosis_json.hpp"
+#include "host/diagnose/result.hpp"
 #include "host/log/writer.hpp"
 #include "host/model/reader.hpp"
 #include "host/model/writer.hpp"
+#include "host/result/diagnosis_json.hpp"
 #include "host/sim/simulate.hpp"
 #include "tests/host/cli/run_program.hpp"
 #include "tests/host/identify/synthetic.hpp"
@@ -79,7 +80,7 @@ std::vector<log::Log> with_slip(std::vector<log::Log> logs, const std::vector<st
   return logs;
 }
 
-std::string text(const diagnose::Diagnosis& d) { return diagnose::to_json_text(d); }
+std::string text(const diagnose::Diagnosis& d) { return result::to_json_text(diagnose::result_of(d)); }
 
 }  // namespace
 

@@ -5,11 +5,12 @@
 
 #include "host/core/error.hpp"
 #include "host/diagnose/diagnose.hpp"
-#include "host/diagnose/diagnosis_json.hpp"
+#include "host/diagnose/result.hpp"
 #include "host/identify/conventions.hpp"
 #include "host/identify/identification.hpp"
 #include "host/log/writer.hpp"
 #include "host/model/writer.hpp"
+#include "host/result/diagnosis_json.hpp"
 #include "tests/host/cli/run_program.hpp"
 #include "tests/host/identify/synthetic.hpp"
 
@@ -32,7 +33,7 @@ struct Logs {
 };
 
 void check_friction_named(const diagnose::Diagnosis& d) {
-  INFO(diagnose::to_json_text(d));
+  INFO(result::to_json_text(diagnose::result_of(d)));
   CHECK(d.verdict == Verdict::explained);
   REQUIRE(d.findings.size() == 1);
   CHECK(d.findings[0].effect == Effect::coulomb_friction);
@@ -81,7 +82,7 @@ TEST_CASE("Two corrupt rows are named, and the cause is found as without them") 
   CHECK(d.dirt.refused[0].row == 301);
   CHECK(d.dirt.refused[0].value == 9.99);
   CHECK(d.dirt.refused[1].log == "flight-6.csv");
-  const auto json = diagnose::to_json(d)["data"]["refused_rows"];
+  const auto json = result::to_json(diagnose::result_of(d))["data"]["rejected_samples"];
   CHECK(json[0]["column"] == "height_m");
   CHECK(json[1]["row"] == 201);
 }

@@ -2,7 +2,8 @@
 #include <catch2/catch.hpp>
 
 #include "host/diagnose/diagnose.hpp"
-#include "host/diagnose/diagnosis_json.hpp"
+#include "host/diagnose/result.hpp"
+#include "host/result/diagnosis_json.hpp"
 #include "tests/host/error_message.hpp"
 #include "tests/host/identify/clutched_hops.hpp"
 #include "tests/host/identify/manoeuvres.hpp"
@@ -29,7 +30,7 @@ TEST_CASE(
   const model::Model truth = test::manoeuvring_model();
   for (const model::Model& m : {truth, without_clutch(truth)}) {
     const auto d = diagnosed(m, truth);
-    INFO(diagnose::to_json_text(d));
+    INFO(result::to_json_text(diagnose::result_of(d)));
     CHECK(d.findings.empty());
     CHECK(d.left_out.empty());
     // Not yet `adequate`: a flexible law foretells a few percent of what is left, less than the sensor's noise.
@@ -43,7 +44,7 @@ TEST_CASE("A wrong spring rate is found in the manoeuvre, with and without the c
   for (model::Model m : {test::manoeuvring_model(), without_clutch(test::manoeuvring_model())}) {
     m.free.erase(*dynamics::parameter_index(m.kind, "mass_kg"));  // it is weighed
     const auto d = diagnosed(m, truth);
-    INFO(diagnose::to_json_text(d));
+    INFO(result::to_json_text(diagnose::result_of(d)));
     CHECK(d.verdict == Verdict::explained);
     REQUIRE(d.findings.size() == 1);
     CHECK(d.findings[0].effect == Effect::stiffness_error);
@@ -55,13 +56,13 @@ TEST_CASE(
     "What is left out stands in the JSON, and a data set of which nothing is left is refused with the reason") {
   const model::Model truth = test::clutched_model(), m = without_clutch(truth);
   const auto d = diagnose::diagnose(m, test::clutched_hops(truth, 4, 1), test::clutched_hops(truth, 2, 30));
-  const auto json = diagnose::to_json(d);
+  const auto json = result::to_json(diagnose::result_of(d));
   INFO(json.dump(2));
   CHECK(d.verdict == Verdict::adequate);
-  REQUIRE(json.at("data").contains("left_out"));
-  const auto& left = json.at("data").at("left_out").at(0);
+  REQUIRE(json.at("data").at("excluded_windows").size() > 0);
+  const auto& left = json.at("data").at("excluded_windows").at(0);
   CHECK(left.at("windows").get<int>() > 0);
-  CHECK(left.at("seconds").get<double>() > 0.1 * left.at("windows").get<double>());
+  CHECK(left.at("duration_s").get<double>() > 0.1 * left.at("windows").get<double>());
   CHECK(left.at("share").get<double>() < 1.0);
   CHECK_FALSE(left.at("logs").empty());
 

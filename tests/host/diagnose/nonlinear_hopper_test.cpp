@@ -4,8 +4,9 @@
 #include <cmath>
 
 #include "host/diagnose/diagnose.hpp"
-#include "host/diagnose/diagnosis_json.hpp"
+#include "host/diagnose/result.hpp"
 #include "host/identify/identification.hpp"
+#include "host/result/diagnosis_json.hpp"
 #include "host/sim/simulate.hpp"
 #include "tests/host/identify/synthetic.hpp"
 
@@ -70,13 +71,13 @@ TEST_CASE("With its own model the non-linear robot is adequate, and a planted ca
   free(model, "damping_stance_nspm", 0.0, 30.0);
   free(model, "damping_flight_nspm", 0.0, 10.0);
   const auto clean = diagnose::diagnose(model, recordings(robot(), 1, 5), recordings(robot(), 50, 2));
-  INFO(diagnose::to_json_text(clean));
+  INFO(result::to_json_text(diagnose::result_of(clean)));
   CHECK(clean.verdict == diagnose::Verdict::adequate);
   CHECK(clean.findings.empty());
   model::Model rubbing = robot();
   rubbing.effects[dynamics::Effect::coulomb_friction] = {1.8};
   const auto d = diagnose::diagnose(model, recordings(rubbing, 1, 5), recordings(rubbing, 50, 2));
-  INFO(diagnose::to_json_text(d));
+  INFO(result::to_json_text(diagnose::result_of(d)));
   REQUIRE(d.findings.size() == 1);
   CHECK(d.findings[0].effect == dynamics::Effect::coulomb_friction);
   CHECK(d.findings[0].parameters.at("force_n").value == Approx(1.8).epsilon(0.05));
@@ -93,7 +94,7 @@ TEST_CASE("A model without links is told that it lacks them", "[long]") {
   free(linear, "restitution_touchdown", 0.5, 1.1);
   free(linear, "restitution_liftoff", 0.5, 1.1);
   const auto d = diagnose::diagnose(linear, recordings(truth, 1, 6), recordings(truth, 50, 2));
-  INFO(diagnose::to_json_text(d));
+  INFO(result::to_json_text(diagnose::result_of(d)));
   REQUIRE(!d.findings.empty());
   CHECK(d.findings[0].effect == dynamics::Effect::leg_inertia);
   CHECK(d.findings[0].explainable_nmse_removed > 0.9);

@@ -4,6 +4,10 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "host/report/identification_json.hpp"
+#include "tests/schema.hpp"
+#include "tests/skip.hpp"
+
 namespace furcula {
 namespace {
 
@@ -69,6 +73,21 @@ TEST_CASE("with every parameter identified the page says so") {
   id.estimations[0].parameters.resize(1);
   CHECK_THAT(report::render_identification_report(id),
              Contains("<h1>The free parameter is identified.</h1>"));
+}
+
+TEST_CASE("the JSON of an identification is as its schema says") {
+  identify::Identification id = sample();
+  id.left_out.push_back({"the spring is let go", 3, 0.1, 1.2, {"a.csv"}});
+  id.dirt.refused.push_back({"a.csv", 417, 424, "position_m", 9.99, "", "steps out of the rows around"});
+  id.estimations[0].parameters.push_back({"gain", "", 1.0, 2.0, 1.5, 2.5, {}, "at_bound", "upper"});
+  id.estimations.push_back(id.estimations[0]);
+  const std::string text = report::to_json_text(id);
+  const auto violations = test::schema_violations("furcula-identification-2", text);
+  if (!violations) return test::skip(test::kNoValidator);
+  CHECK(*violations == "");
+  std::string other = text;
+  other.replace(other.find("\"at_bound\""), 10, "\"identified\"");
+  CHECK(test::schema_violations("furcula-identification-2", other).value() != "");
 }
 
 TEST_CASE("an empty identification is still a page") {

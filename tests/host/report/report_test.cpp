@@ -7,7 +7,6 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
-#include "host/report/diagnosis_report.hpp"
 #include "host/report/force_plot.hpp"
 #include "host/report/html.hpp"
 #include "host/report/page.hpp"
@@ -26,7 +25,7 @@ std::size_t count(const std::string& text, const std::string& part) {
 }
 
 const std::string& sample_page() {
-  static const std::string page = report::render_report(test::sample_diagnosis());
+  static const std::string page = test::page_of(test::sample_diagnosis());
   return page;
 }
 
@@ -73,8 +72,8 @@ TEST_CASE(
   CHECK_THAT(page, Contains("<span class=\"badge good\">Explained</span>"));
   CHECK_THAT(page, Contains("Coulomb friction <code>coulomb_friction</code>"));
   CHECK_THAT(page, Contains(std::string(dynamics::info(dynamics::Effect::coulomb_friction).where_to_look)));
-  CHECK_THAT(page, Contains("These recordings cannot tell it from"));
-  CHECK_THAT(page, Contains("<h4>Alone, these do worse</h4>") && Contains("Takes energy once a stride"));
+  CHECK_THAT(page, Contains("These recordings cannot distinguish it from"));
+  CHECK_THAT(page, Contains("<h4>Alternatives that do worse</h4>") && Contains("Takes energy once a stride"));
   CHECK_THAT(page, Contains("drop-04.csv"));
   for (const char* id :
        {"findings", "next", "traces", "force", "remains", "candidates", "parameters", "data", "reading"})
@@ -99,18 +98,18 @@ TEST_CASE("the page is one file of less than 2 MB that refers to no other") {
 TEST_CASE("ten times the recordings do not make the page larger than 2 MB") {
   diagnose::Diagnosis d = test::sample_diagnosis();
   const std::vector<diagnose::Trace> traces = d.traces;
-  const diagnose::ResidualForce once = d.residual;
+  const result::ResidualForce once = d.residual;
   for (int copy = 1; copy < 10; ++copy) {
     for (diagnose::Trace t : traces) {
       t.log = std::to_string(copy) + t.log;
       d.traces.push_back(t);
     }
     for (auto member :
-         {&diagnose::ResidualForce::time_s, &diagnose::ResidualForce::velocity,
-          &diagnose::ResidualForce::position, &diagnose::ResidualForce::force, &diagnose::ResidualForce::law})
+         {&result::ResidualForce::time_s, &result::ResidualForce::velocity, &result::ResidualForce::position,
+          &result::ResidualForce::force, &result::ResidualForce::law})
       (d.residual.*member).insert((d.residual.*member).end(), (once.*member).begin(), (once.*member).end());
   }
-  const std::string page = report::render_report(d);
+  const std::string page = test::page_of(d);
   CHECK(page.size() < 2'000'000);
   CHECK_THAT(page, Contains("of each stretch those with the smallest and the largest error"));
 }
@@ -120,7 +119,7 @@ TEST_CASE("without a finding the page names no cause and draws no extended model
   d.findings.clear();
   d.verdict = diagnose::Verdict::adequate;
   d.residual.law.clear();
-  const std::string page = report::render_report(d);
+  const std::string page = test::page_of(d);
   CHECK_THAT(page, Contains("as given, re-fitted; on recordings"));
   CHECK_THAT(page, Contains("\"labels\":[\"measured\",\"as given\",\"re-fitted\"]"));
   CHECK(count(page, "class=\"law\"") == 0);
@@ -137,7 +136,7 @@ TEST_CASE("several causes have a headline of the first, and a list of all with t
   d.refitted["height"].rmse = 0.008;
   d.extended["height"].rmse = 0.002;
   d.noise_floor["height"].rmse = 0.001;
-  const std::string page = report::render_report(d);
+  const std::string page = test::page_of(d);
   CHECK_THAT(page, Contains("<h1>The model lacks dry friction, and 2 more</h1>"));
   CHECK_THAT(page, Contains("<title>Furcula: The model lacks dry friction, and 2 more</title>"));
   CHECK_THAT(page, Contains("<li>dry friction <code>coulomb_friction</code>: 1.50 N</li>"));
@@ -147,11 +146,11 @@ TEST_CASE("several causes have a headline of the first, and a list of all with t
 
   // What is not certain is not said to lack, and the engine's sentence tells why.
   d.verdict = diagnose::Verdict::not_identifiable;
-  const std::string open = report::render_report(d);
+  const std::string open = test::page_of(d);
   CHECK_THAT(open, Contains("<h1>Not certain: dry friction, and 2 more</h1>"));
   CHECK_THAT(open, Contains("<p class=\"lead\">" + report::escape(d.summary) + "</p>"));
   d.findings[0].undecided = true;
-  const std::string undecided = report::render_report(d);
+  const std::string undecided = test::page_of(d);
   CHECK_THAT(undecided,
              Contains("1.50 N; not certain: in its place <code>asymmetric_friction</code> would do as well"));
   CHECK(count(undecided, report::escape(d.summary)) == 0);
@@ -163,22 +162,22 @@ TEST_CASE("a share below nothing is worse, not a negative percentage") {
   CHECK_THAT(report::share_bar(0.4), Contains("width:40.0%") && Contains(">40 %<"));
   diagnose::Diagnosis d = test::sample_diagnosis(4, 2);
   d.findings[0].explainable_nmse_removed = -9.99;
-  const std::string page = report::render_report(d);
+  const std::string page = test::page_of(d);
   CHECK_THAT(page, Contains("Nothing on the held-out recordings: they are predicted worse with it."));
   CHECK(count(page, "-999") == 0);
 }
 
 TEST_CASE("a bar of shares is drawn only where each model does better than the one before") {
   diagnose::Diagnosis d = test::sample_diagnosis(4, 2);
-  CHECK(count(report::render_report(d), "class=\"budget\"") == 1);
+  CHECK(count(test::page_of(d), "class=\"budget\"") == 1);
   const double refitted = d.refitted["height"].nmse;
   d.extended["height"].nmse = 1.2 * refitted;
-  const std::string worse = report::render_report(d);
+  const std::string worse = test::page_of(d);
   CHECK(count(worse, "class=\"budget\"") == 0);
   CHECK_THAT(worse, Contains("the extended model does worse than the re-fitted one"));
   d.extended["height"].nmse = 0.5 * refitted;
   d.baseline["height"].nmse = 0.8 * refitted;
-  const std::string refit = report::render_report(d);
+  const std::string refit = test::page_of(d);
   CHECK(count(refit, "class=\"budget\"") == 0);
   CHECK_THAT(refit, Contains("the re-fitted model does worse than the one as given"));
 }
@@ -193,7 +192,7 @@ TEST_CASE("each held-out recording has its error before and after") {
     d.traces.push_back(
         {log, "height", "m", {0.0, 0.001}, {0.3, 0.3}, {0.303, 0.297}, {0.302, 0.302}, {0.301, 0.299}});
   d.traces.push_back({"c.csv", "velocity", "m/s", {0.0}, {0.0}, {1.0}, {1.0}, {1.0}});
-  const std::string page = report::render_report(d);
+  const std::string page = test::page_of(d);
   const auto row = [](const char* log, const char* windows) {
     return "<tr><td>" + std::string(log) + "</td><td class=\"number\">" + windows +
            "</td><td class=\"number\">3.00</td><td class=\"number\">2.00</td><td "
@@ -204,9 +203,9 @@ TEST_CASE("each held-out recording has its error before and after") {
 
 TEST_CASE("the foot of the page has the command that writes it again") {
   const diagnose::Diagnosis d = test::sample_diagnosis(4, 2);
-  CHECK_THAT(report::render_report(d, "furcula diagnose --seed 1 'a <b>.csv'"),
+  CHECK_THAT(test::page_of(d, "furcula diagnose --seed 1 'a <b>.csv'"),
              Contains(": <code>furcula diagnose --seed 1 &#39;a &lt;b&gt;.csv&#39;</code></footer>"));
-  CHECK_THAT(report::render_report(d), Contains(".</footer>"));
+  CHECK_THAT(test::page_of(d), Contains(".</footer>"));
 }
 
 TEST_CASE("hostile names stay text") {
@@ -223,7 +222,7 @@ TEST_CASE("hostile names stay text") {
   d.findings[0].explanation = d.findings[0].next_experiment = hostile;
   d.findings[0].alternatives = {{{hostile}, hostile, {{hostile, {}}}}};
   d.baseline[hostile] = {};
-  const std::string page = report::render_report(d);
+  const std::string page = test::page_of(d);
   CHECK(count(page, "<img") == 0);
   CHECK(count(page, "</script") == count(sample_page(), "</script"));
   CHECK(count(page, "<script") == count(sample_page(), "<script"));
@@ -231,7 +230,7 @@ TEST_CASE("hostile names stay text") {
 }
 
 TEST_CASE("an empty diagnosis is a page without plots and without scripts") {
-  const std::string page = report::render_report({});
+  const std::string page = test::page_of(diagnose::Diagnosis{});
   CHECK_THAT(page, Contains("Adequate"));
   CHECK(count(page, "<script") == 0);
   CHECK(count(page, "<svg") == 0);
@@ -247,7 +246,7 @@ TEST_CASE("figures that are not finite are dashes on the page") {
   for (auto& c : d.candidates) c.training_gain = nan;
   d.residual.force[7] = nan;
   d.traces[0].extended[3] = nan;
-  const std::string page = report::render_report(d);
+  const std::string page = test::page_of(d);
   const std::string markup = page.substr(0, page.find("<script"));
   CHECK(count(markup, "nan ") + count(markup, ">nan") + count(markup, "Mnan") + count(markup, "Lnan") == 0);
 }
@@ -255,11 +254,11 @@ TEST_CASE("figures that are not finite are dashes on the page") {
 TEST_CASE("the table of errors has each channel's unit, and no row for a figure that a channel has not") {
   diagnose::Diagnosis d = test::sample_diagnosis(4, 2);
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  const std::size_t rows = count(report::render_report(d), ">NMSE</td>");
+  const std::size_t rows = count(test::page_of(d), ">NMSE</td>");
   REQUIRE(rows > 0);
   d.baseline["torque"] = d.refitted["torque"] = d.extended["torque"] = {0.1, 0.2, 0.3};
   d.baseline["contact"] = d.refitted["contact"] = d.extended["contact"] = {nan, 2e-3, 3e-3};
-  const std::string page = report::render_report(d);
+  const std::string page = test::page_of(d);
   CHECK(count(page, ">NMSE</td>") == rows + 1);
   CHECK_THAT(page, Contains("<td>N m</td>"));
   CHECK(count(page, "<td>nm</td>") == 0);
@@ -343,7 +342,7 @@ TEST_CASE("windows that count their time from their own start are put one after 
 }
 
 TEST_CASE("a cloud of a hundred thousand samples is thinned, and the law jumps at zero velocity") {
-  diagnose::ResidualForce r;
+  result::ResidualForce r;
   r.unit = "N";
   r.velocity_unit = "m/s";
   r.position_unit = "m";

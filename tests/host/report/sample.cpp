@@ -7,6 +7,9 @@
 #include <cstdio>
 #include <random>
 
+#include "host/diagnose/result.hpp"
+#include "host/report/diagnosis_report.hpp"
+
 namespace furcula::test {
 namespace {
 
@@ -335,6 +338,10 @@ diagnose::Diagnosis sample_diagnosis(std::size_t logs, std::size_t hops) {
     }
   }
   return d;
+}
+
+std::string page_of(const diagnose::Diagnosis& d, const std::string& command) {
+  return report::render_report(diagnose::result_of(d), command);
 }
 
 }  // namespace furcula::test

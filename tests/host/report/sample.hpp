@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <string>
 
 #include "host/diagnose/diagnosis.hpp"
 
@@ -14,5 +15,8 @@ inline constexpr double kTrueFriction_n = 1.6;
 /// `logs` drops from different heights, each of up to `hops` strides; every fourth log is held out. All fits
 /// are least squares on the closed form, all figures are computed from the traces.
 diagnose::Diagnosis sample_diagnosis(std::size_t logs = 12, std::size_t hops = 8);
+
+/// The page of a diagnosis.
+std::string page_of(const diagnose::Diagnosis& d, const std::string& command = "");
 
 }  // namespace furcula::test

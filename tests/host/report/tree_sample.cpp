@@ -5,6 +5,9 @@
 #include <limits>
 #include <random>
 
+#include "host/report/diagnosis_report.hpp"
+#include "host/trees/result.hpp"
+
 namespace furcula::test {
 namespace {
 
@@ -69,9 +72,11 @@ trees::Diagnosis sample_tree_diagnosis() {
   friction.explainable_removed = 0.72;
   friction.without = {{0.001, 0.001, 0.002}, {0.44, 0.03, 0.049}};
   friction.confidence = 0.98;
-  friction.alternatives = {{{"damping_error@elbow"},
-                            "leaves 31 % of the error",
-                            {{"damping_nmspr", "N m s/rad", 0.2, 0.15, 0.25}}}};
+  const auto cause = [](const char* effect, const char* type, const char* location) {
+    return result::Cause{effect, {}, type, {location}, {}};
+  };
+  friction.alternatives = {{{cause("damping_error", "joint", "elbow")}, {}, "leaves 31 % of the error"}};
+  friction.alternatives[0].causes[0].parameters = {{"damping_nmspr", "N m s/rad", 0.2, 0.15, 0.25}};
   friction.next_experiment = "Slow strokes of elbow alone.";
   trees::Finding payload;
   payload.cause = d.extended.causes[1];
@@ -84,16 +89,26 @@ trees::Diagnosis sample_tree_diagnosis() {
   payload.without = {{0.09, 0.01, 0.02}, {0.2, 0.02, 0.033}};
   payload.confidence = 0.93;
   payload.indistinguishable_from = {
-      {{"mass_error@forearm", "com_error@forearm"}, "the same first moment on these recordings", {}}};
+      {{cause("mass_error", "link", "forearm"), cause("com_error", "link", "forearm")},
+       {},
+       "the same first moment on these recordings"}};
   d.findings = {friction, payload};
   d.next_experiment = "Hold the arm in postures all around: gravity tells the payload's place.";
   d.unexplained_share = 0.013;
-  d.tried = {{"coulomb_friction@elbow", 812.0, true},
-             {"payload@forearm", 240.0, true},
-             {"damping_error@elbow", 530.0, false},
-             {std::string("torque_ripple@") + kHostileJoint, 3.0, false}};
+  const auto tried = [&d](result::Cause c, double gain, bool chosen) {
+    d.candidates.emplace_back();
+    d.candidates.back().causes = {std::move(c)};
+    d.candidates.back().score_test_gain = gain;
+    d.candidates.back().chosen = chosen;
+  };
+  tried(cause("coulomb_friction", "joint", "elbow"), 0.812, true);
+  tried(cause("payload", "link", "forearm"), 0.24, true);
+  tried(cause("damping_error", "joint", "elbow"), 0.53, false);
+  tried(cause("torque_ripple", "drive", kHostileJoint), 0.003, false);
   d.parameters = {{"rotor_inertia_kgm2.elbow",
                    "kg m^2",
+                   {},
+                   true,
                    0.01,
                    {"", "", 0.019, 0.015, 0.022},
                    {"", "", 0.0121, 0.0119, 0.0124},
@@ -158,6 +173,10 @@ trees::Diagnosis sample_tree_diagnosis() {
   }
   d.missing[1].goes_along_with = "velocity_elbow";
   return d;
+}
+
+std::string page_of(const trees::Diagnosis& d, const std::string& command) {
+  return report::render_report(trees::result_of(d), command, report::robot_picture(d));
 }
 
 }  // namespace furcula::test

@@ -5,13 +5,15 @@
 #include "host/core/error.hpp"
 #include "host/log/reader.hpp"
 #include "host/log/writer.hpp"
+#include "host/result/diagnosis_json.hpp"
 #include "host/trees/diagnose.hpp"
-#include "host/trees/diagnosis_json.hpp"
 #include "host/trees/exports.hpp"
 #include "host/trees/identify.hpp"
+#include "host/trees/result.hpp"
 #include "tests/host/error_message.hpp"
 #include "tests/host/trees/folder.hpp"
 #include "tests/host/trees/robot.hpp"
+#include "tests/schema.hpp"
 
 using namespace furcula;
 using Catch::Matchers::Contains;
@@ -33,7 +35,9 @@ trees::Diagnosis diagnosed(const trees::TreeModel& m, const Logs& training, cons
   CHECK(std::isfinite(d.unexplained_share));
   for (const trees::Finding& f : d.findings)
     for (const trees::Estimate& e : f.parameters) CHECK(std::isfinite(e.value));
-  CHECK_THAT(trees::to_json_text(d), Contains("\"furcula-diagnosis/1\""));
+  const std::string json = result::to_json_text(trees::result_of(d));
+  CHECK_THAT(json, Contains("\"furcula-diagnosis/2\""));
+  CHECK(test::schema_violations("furcula-diagnosis-2", json).value_or("") == "");
   CHECK_THAT(trees::extended_mjcf(d), Contains("<mujoco"));
   return d;
 }

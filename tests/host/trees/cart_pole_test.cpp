@@ -1,8 +1,9 @@
 // A cart on a rail with a pole on it: a machine that is a URDF and a few lines of a model file, and no code.
 #include <algorithm>
 
+#include "host/result/diagnosis_json.hpp"
 #include "host/trees/diagnose.hpp"
-#include "host/trees/diagnosis_json.hpp"
+#include "host/trees/result.hpp"
 #include "tests/host/trees/robot.hpp"
 
 using namespace furcula;
@@ -16,7 +17,7 @@ TEST_CASE("Dry friction of a cart's rail is named there, in newtons, and none at
   truth.causes = {{Effect::coulomb_friction, {rail}, {2.5, 0, 0, 0}}};
   const trees::Diagnosis d =
       trees::diagnose(given, test::logs(truth, 3, 5.0, 40), test::logs(truth, 1, 5.0, 90));
-  INFO(trees::to_json_text(d).substr(0, 4000));
+  INFO(result::to_json_text(trees::result_of(d)).substr(0, 4000));
   REQUIRE(d.findings.size() == 1);
   CHECK(d.findings[0].cause.effect == Effect::coulomb_friction);
   CHECK(d.findings[0].at == std::vector<std::string>{"rail"});

@@ -1,8 +1,9 @@
 // Logs of robots with wrong rows, and one of another robot.
 #include <nlohmann/json.hpp>
 
+#include "host/result/diagnosis_json.hpp"
 #include "host/trees/diagnose.hpp"
-#include "host/trees/diagnosis_json.hpp"
+#include "host/trees/result.hpp"
 #include "tests/host/trees/robot.hpp"
 
 using namespace furcula;
@@ -24,7 +25,7 @@ std::vector<log::Log> first(const std::vector<log::Log>& all, std::size_t count)
 }
 
 void check_friction_named(const trees::Diagnosis& d, double torque_nm) {
-  INFO(trees::to_json_text(d).substr(0, 3000));
+  INFO(result::to_json_text(trees::result_of(d)).substr(0, 3000));
   REQUIRE(d.findings.size() == 1);
   CHECK(d.findings[0].cause.effect == Effect::coulomb_friction);
   CHECK(d.findings[0].parameters[0].value == Approx(torque_nm).epsilon(0.05));
@@ -59,12 +60,13 @@ TEST_CASE("Corrupt rows of a robot's logs are named, and the cause is found as w
   all[3].columns[kAngle][0] += 3.0;
   const trees::Diagnosis d = trees::diagnose(test::pendulum(), first(all, 3), {all[3]});
   check_friction_named(d, torque_nm);
-  const auto data = nlohmann::json::parse(trees::to_json_text(d))["data"];
-  REQUIRE(data["refused_rows"].size() == 3);
-  CHECK(data["refused_rows"][0]["row"] == 301);
-  CHECK(data["refused_rows"][1]["column"] == kTorque);
-  CHECK(data["refused_rows"][2]["log"] == all[3].path);
-  CHECK_FALSE(data.contains("logs_left_out"));
+  const auto data = nlohmann::json::parse(result::to_json_text(trees::result_of(d)))["data"];
+  REQUIRE(data["rejected_samples"].size() == 3);
+  CHECK(data["rejected_samples"][0]["row"] == 301);
+  CHECK(data["rejected_samples"][1]["column"] == kTorque);
+  CHECK(data["rejected_samples"][2]["log"] == all[3].path);
+  CHECK(data["rejected_sample_count"] == 3);
+  CHECK(data["excluded_logs"].empty());
 }
 
 TEST_CASE("First rows from before a delay, and an encoder that stands still for a while, do no harm") {

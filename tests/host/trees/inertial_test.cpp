@@ -401,13 +401,13 @@ TEST_CASE("A diagnosis fits free bodies beside the cause that it finds, and name
   REQUIRE(d.findings.size() == 1);
   CHECK(trees::cause_name(model, d.findings[0].cause) == "coulomb_friction@elbow");
   CHECK(d.findings[0].parameters[0].value == Approx(0.3).epsilon(0.1));
-  for (const auto& t : d.tried)
+  for (const result::Candidate& c : d.candidates)
     for (const char* const effect :
          {"mass_error@fore", "com_error@fore", "inertia_error@fore", "payload@fore"})
-      CHECK(t.cause != effect);
+      CHECK(label(c.causes) != effect);
   REQUIRE(d.parameters.size() == 10);
   CHECK(d.parameters[0].name == "mass_kg.fore");
-  CHECK(d.parameters[0].given == 0.9);
+  CHECK(d.parameters[0].baseline == 0.9);
   CHECK(d.parameters[0].extended.value == Approx(1.3).epsilon(0.02));
   CHECK(d.parameters[0].extended.lower < 1.3);
   CHECK(d.parameters[0].extended.upper > 1.3);
