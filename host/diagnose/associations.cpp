@@ -89,7 +89,7 @@ class Associations {
 
  private:
   void add(std::string_view signal, double share, const std::string& how) {
-    if (share > kWeakest) found_.push_back({std::string(signal), std::min(share, 1.0), how});
+    if (share > kWeakest) found_.push_back({{}, std::string(signal), std::min(share, 1.0), how});
   }
 
   /// Where the signal is finite; the share is of the variance of all samples.

@@ -664,7 +664,8 @@ class Assembly {
           const double time_s = r.time_s[slip.row] - r.time_s.front();
           const double half_s = 0.5 * (r.time_s[slip.row] - r.time_s[slip.row - 1]);
           const bool observed = recordings != &training_;
-          (observed ? f.observed_events : f.events).push_back({r.name, time_s, slip.step});
+          (observed ? f.observed_events : f.events)
+              .push_back({r.name, time_s, slip.step, dynamics::info(model_.kind).rotary ? "rad" : "m"});
           if (observed || std::abs(slip.step) <= largest) continue;
           largest = std::abs(slip.step);
           f.parameters[std::string(name_on(table[0], model_.kind))] = {
@@ -730,16 +731,18 @@ class Assembly {
     const auto after = identify::parameter_verdicts(
         identify::in_law_parameters(chosen.fit, chosen.unknowns, chosen.fitted), chosen.unknowns);
     for (std::size_t i = 0; i < table.size(); ++i) {
-      Diagnosis::ParameterRow row;
+      result::Parameter row;
       row.name = table[i].name;
       row.unit = table[i].unit;
-      row.given = model_.parameters[i];
-      row.refitted = row.extended = {row.given, row.given, row.given};
+      row.meaning = table[i].meaning;
+      row.free = false;
+      row.baseline = model_.parameters[i];
+      row.refitted = row.extended = {row.name, row.unit, row.baseline, row.baseline, row.baseline};
       for (std::size_t k = 0; k < selection_.refitted.unknowns.size(); ++k) {
         if (selection_.refitted.unknowns[k].parameter != i) continue;
         row.free = true;
-        row.refitted = {before[k].value, before[k].lower, before[k].upper};
-        row.extended = {after[k].value, after[k].lower, after[k].upper};
+        row.refitted = {row.name, row.unit, before[k].value, before[k].lower, before[k].upper};
+        row.extended = {row.name, row.unit, after[k].value, after[k].lower, after[k].upper};
         row.verdict = after[k].verdict;
         if (after[k].verdict == "correlated") row.verdict += " with " + after[k].with;
         if (after[k].verdict == "at_bound") row.verdict += " (" + after[k].with + ")";
@@ -884,7 +887,7 @@ class Assembly {
     const auto& judged = recorded_.empty() ? held_out_ : recorded_;
     all.insert(all.end(), judged.begin(), judged.end());
     d_.residual = residual_force(extension().fitted, extension().effects, all);
-    if (!d_.nothing_left) d_.goes_along_with = associations(d_.residual, model_);
+    if (!d_.nothing_left) d_.correlated_with = associations(d_.residual, model_);
   }
 
   const model::Model& model_;

@@ -21,6 +21,7 @@
 namespace furcula::diagnose {
 
 using furcula::Verdict;
+using result::Association;
 using result::ResidualForce;
 using result::Trace;
 
@@ -57,12 +58,7 @@ struct Finding {
   std::vector<std::string> lowered_by;  ///< what limits the confidence, in words
   /// encoder_slip: each jump of the training recordings; those that the held-out ones are seen to have, which
   /// nothing foretells.
-  struct Event {
-    std::string log;
-    double time_s = 0.0;  ///< since the log's first row
-    double step = 0.0;    ///< m or rad
-  };
-  std::vector<Event> events, observed_events;
+  std::vector<result::Event> events, observed_events;
   bool undecided = false;  ///< another law explains the training recordings as well
   std::vector<Rival> alternatives;
   std::vector<Rival> indistinguishable_from;
@@ -79,12 +75,6 @@ struct Candidate {
   bool chosen = false;
   double weight = 0.0;  ///< share among the laws that were fitted (posterior.hpp)
   std::string outcome;  ///< "named", or in plain words why it lost
-};
-
-struct Association {
-  std::string signal;
-  double strength = 0.0;
-  std::string how;
 };
 
 /// An experiment of the rig's library (next_experiment.hpp), and how well it separates the causes that the
@@ -111,14 +101,7 @@ struct Diagnosis : result::Summary {
   std::vector<Finding> findings;
   std::vector<Candidate> candidates;
   /// Parameters of the model as given, re-fitted, extended; and which were free.
-  struct ParameterRow {
-    std::string name, unit;
-    bool free = false;
-    double given = 0.0;
-    Estimate refitted, extended;
-    std::string verdict;  ///< identified, correlated with ..., at_bound ..., not_excited; empty if held
-  };
-  std::vector<ParameterRow> parameters;
+  std::vector<result::Parameter> parameters;
   /// Free parameters whose bounds keep the model from the recordings, with what they would be beyond them.
   struct BeyondBounds {
     std::string name, unit;
@@ -137,7 +120,7 @@ struct Diagnosis : result::Summary {
   /// Held-out windows that no figure is of, since they hold or follow a slip that nothing foretells.
   std::size_t windows_left_out = 0;
   std::optional<Remainder> remainder;  ///< of the extended model
-  std::vector<Association> goes_along_with;
+  std::vector<Association> correlated_with;
   /// Where causes cannot be told apart: the experiments that would, the most telling first.
   std::vector<Experiment> experiments;
   model::Model extended_model;

@@ -68,7 +68,6 @@ result::Interval interval(const std::optional<Interval>& i) {
 
 result::Finding finding(const Finding& f, const Diagnosis& d, const std::string& main_channel) {
   const dynamics::EffectInfo& effect = dynamics::info(f.effect);
-  const bool rotary = dynamics::info(d.kind).rotary;
   result::Finding out;
   out.cause.effect = effect.name;
   for (const auto& [name, e] : f.parameters)
@@ -87,9 +86,8 @@ result::Finding finding(const Finding& f, const Diagnosis& d, const std::string&
   out.mae_reduction_ci95 = interval(f.mae_gain_interval);
   out.confidence = f.confidence;
   out.confidence_lowered_by = f.lowered_by;
-  for (const auto& [from, to] :
-       {std::pair(&f.events, &out.events), std::pair(&f.observed_events, &out.observed_events)})
-    for (const Finding::Event& e : *from) to->push_back({e.log, e.time_s, e.step, rotary ? "rad" : "m"});
+  out.events = f.events;
+  out.observed_events = f.observed_events;
   out.undecided = f.undecided;
   out.alternatives = rivals(f.alternatives, d.kind);
   out.indistinguishable_from = rivals(f.indistinguishable_from, d.kind);
@@ -133,13 +131,6 @@ void add_tables(const Diagnosis& d, result::Diagnosis& out) {
     row.chosen = c.chosen;
     row.outcome = c.outcome;
     out.candidates.push_back(std::move(row));
-  }
-  for (const Diagnosis::ParameterRow& p : d.parameters) {
-    const auto i = dynamics::parameter_index(d.kind, p.name);
-    out.parameters.push_back({p.name, p.unit,
-                              i ? std::string(dynamics::info(d.kind).parameters[*i].meaning) : std::string(),
-                              p.free, p.given, estimate(p.name, p.unit, p.refitted),
-                              estimate(p.name, p.unit, p.extended), p.verdict});
   }
   for (const Experiment& e : d.experiments)
     out.experiments.push_back({e.what, sim::format_scenario(e.scenario, d.kind), e.apart,
@@ -192,10 +183,10 @@ result::Diagnosis result_of(const Diagnosis& d) {
   out.white = d.residual_white;
   out.only_noise_left = d.nothing_left;
   if (!d.findings.empty()) out.none_of_catalogue = d.none_of_catalogue;
-  for (const Association& a : d.goes_along_with)
-    out.correlated_with.push_back({{}, a.signal, a.strength, a.how});
+  out.correlated_with = d.correlated_with;
   if (d.remainder) out.remainder = remainder(*d.remainder);
   add_tables(d, out);
+  out.parameters = d.parameters;
   out.traces = d.traces;
   out.residual = d.residual;
   return out;

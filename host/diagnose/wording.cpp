@@ -125,7 +125,7 @@ std::string values_of(const Finding& f, const Diagnosis& d) {
     const auto given = std::find_if(d.parameters.begin(), d.parameters.end(),
                                     [&](const auto& row) { return row.name == of_model; });
     if (is_wrong_parameter(f.effect) && given != d.parameters.end())
-      values += ", not " + with_unit(given->given);
+      values += ", not " + with_unit(given->baseline);
   }
   return " (" + std::string(info.name) + ": " + values + other_words(f, d) + ")";
 }
@@ -280,8 +280,8 @@ std::string next_experiment(const Diagnosis& d) {
              "slower, faster, longer.";
     case Verdict::unexplained:
     case Verdict::partly_explained:
-      if (!d.goes_along_with.empty())
-        return "Repeat one recording unchanged, then vary " + d.goes_along_with.front().signal +
+      if (!d.correlated_with.empty())
+        return "Repeat one recording unchanged, then vary " + d.correlated_with.front().signal +
                " alone: what remains goes along with it most.";
       return "Repeat one recording unchanged: what comes back the same is in the machine, what does not is in the measuring.";
     case Verdict::explained:

@@ -311,10 +311,11 @@ std::string next_steps(const Diagnosis& d) {
                  number(s.factor * e.rms_difference) + " " + escape(s.unit)},
                 i == 0);
     }
-    out =
-        "<p>Each was simulated with the causes that these recordings cannot distinguish; the first one is "
-        "in next_experiment.toml as a scenario for furcula sim.</p>\n" +
-        table.html();
+    out = std::string("<p>Each was simulated with the causes that these recordings cannot distinguish") +
+          (d.experiments.front().scenario.empty()
+               ? ""
+               : "; the first one is in next_experiment.toml as a scenario for furcula sim") +
+          ".</p>\n" + table.html();
   }
   if (!d.next_experiment.empty()) return paragraph(d.next_experiment) + out;
   for (const Finding& f : d.findings)

@@ -175,7 +175,7 @@ struct Remainder {
 /// A recording that would distinguish causes.
 struct Experiment {
   std::string description;
-  std::string scenario;         ///< TOML for `furcula sim`
+  std::string scenario;         ///< TOML for `furcula sim`; empty: in words alone
   double rms_difference = 0.0;  ///< of the two nearest predictions
   std::string unit;             ///< of it: "m" or "rad"
   double deviance = kUnknown;  ///< of one recording, for those two: twice the log-likelihood ratio; one joint

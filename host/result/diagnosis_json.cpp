@@ -136,7 +136,7 @@ Json experiments_json(const std::vector<Experiment>& experiments) {
                    {"recordings", or_null(e.recordings)},
                    {"deviance", number(e.deviance)},
                    {key_with_unit("rms_difference", e.unit), number(e.rms_difference)},
-                   {"scenario", e.scenario}});
+                   {"scenario", or_null(e.scenario)}});
   return out;
 }
 

@@ -78,7 +78,7 @@ void expect_both(const Question& question) {
   CHECK(std::string(name(j.verdict)) == "explained");
 }
 
-void expect_honest(const Question& question, std::string_view goes_along_with) {
+void expect_honest(const Question& question, std::string_view correlated_with) {
   const Case c = draw_case(question);
   REQUIRE(c.outside());
   const diagnose::Diagnosis d = diagnosed(c, kThreads);
@@ -87,8 +87,8 @@ void expect_honest(const Question& question, std::string_view goes_along_with) {
   INFO(j.said);
   CHECK(std::string(name(j.outcome)) == std::string(name(Outcome::honest)));
   for (const auto& f : d.findings) CHECK(f.confidence < 0.9);
-  REQUIRE(!d.goes_along_with.empty());
-  CHECK(d.goes_along_with.front().signal == goes_along_with);
+  REQUIRE(!d.correlated_with.empty());
+  CHECK(d.correlated_with.front().signal == correlated_with);
 }
 
 void expect_adequate(Kind kind) {

@@ -98,7 +98,7 @@ TEST_CASE("The signal that a remaining force goes along with comes first, with i
 TEST_CASE("A remaining force that swings tells its frequency") {
   const auto found = found_in([](const Sample& s) { return 2.0 * std::cos(44.0 * s.time_s); });
   REQUIRE(!found.empty());
-  CHECK(found.front().how == "the remaining force swings with 7 Hz");  // 44 / (2 pi) = 7.003
+  CHECK(found.front().description == "the remaining force swings with 7 Hz");  // 44 / (2 pi) = 7.003
 }
 
 TEST_CASE("A place that acts on one way only is told from one that acts on both") {
@@ -106,12 +106,12 @@ TEST_CASE("A place that acts on one way only is told from one that acts on both"
   const auto both = found_in(near, dynamics::Kind::motor_axis);
   REQUIRE(!both.empty());
   CHECK(both.front().signal == "position_m");
-  CHECK(both.front().how == "the remaining force changes with the position");
+  CHECK(both.front().description == "the remaining force changes with the position");
   const auto one =
       found_in([&](const Sample& s) { return s.velocity > 0.0 ? near(s) : 0.0; }, dynamics::Kind::motor_axis);
   REQUIRE(!one.empty());
   CHECK(one.front().signal == "position_m");
-  CHECK(one.front().how.find("two ways") != std::string::npos);
+  CHECK(one.front().description.find("two ways") != std::string::npos);
 }
 
 TEST_CASE("Too few samples go along with nothing") { CHECK(associations({}, {}).empty()); }

@@ -98,10 +98,10 @@ TEST_CASE("A parameter of the model that is wrong is said with both values, besi
   mass.effect = dynamics::Effect::mass_error;
   mass.parameters["mass_kg"] = {1.62, 1.6, 1.64};
   d.findings.push_back(mass);
-  Diagnosis::ParameterRow given;
+  result::Parameter given;
   given.name = "mass_kg";
   given.unit = "kg";
-  given.given = 1.55;
+  given.baseline = 1.55;
   d.parameters.push_back(given);
   const std::string wrong = "he model's mass is wrong (mass_error: 1.62 kg, not 1.55 kg)";
   const std::string falls = " the held-out height error (RMSE) falls from 2 mm to 1 mm.";

@@ -39,9 +39,9 @@ diagnose::Diagnosis full_diagnosis() {
   left.random_force = 0.3;
   left.random_force_held_out = 0.6;
   d.remainder = left;
-  d.goes_along_with.push_back({"motor_temp_c", 0.75, "the force falls as it rises"});
+  d.correlated_with.push_back({"", "motor_temp_c", 0.75, "the force falls as it rises"});
   d.findings[0].removed_interval = diagnose::Interval{0.8, 0.9};
-  d.findings[0].events.push_back({"a.csv", 0.5, 0.013});
+  d.findings[0].events.push_back({"a.csv", 0.5, 0.013, "m"});
   d.findings[0].indistinguishable_from.push_back(
       {{"force_offset", "damping_stance_nspm"},
        "explains the training recordings equally well",
@@ -138,12 +138,15 @@ TEST_CASE("what is written is as the schema says, for every family") {
   CHECK(violations(text_of({})).value() == "");
   CHECK(violations(text_of(full_diagnosis())).value() == "");
   CHECK(violations(robot).value() == "");
+  trees::Diagnosis undecided = test::sample_tree_diagnosis();
+  undecided.experiments = {{"Record more like log-00.csv", {}, 0.0123}};
+  CHECK(violations(result::to_json_text(trees::result_of(undecided))).value() == "");
   diagnose::Diagnosis joint;
   joint.kind = dynamics::Kind::rotary_joint;
   joint.baseline = {{"angle", {0.1, 0.04, 0.053}}, {"velocity", {0.1, 0.2, 0.3}}};
   joint.findings.resize(1);
   joint.findings[0].effect = dynamics::Effect::encoder_slip;
-  joint.findings[0].events.push_back({"a.csv", 0.5, 0.1});
+  joint.findings[0].events.push_back({"a.csv", 0.5, 0.1, "rad"});
   joint.remainder.emplace().unit = "N m";
   CHECK(violations(text_of(joint)).value() == "");
 
@@ -215,7 +218,7 @@ TEST_CASE("how well a machine repeats itself, and what is predictable, stand wit
 
 TEST_CASE("an association is written with its signal, strength and description") {
   diagnose::Diagnosis d;
-  d.goes_along_with.push_back({"motor_temp_c", 0.75, "the force falls as it rises"});
+  d.correlated_with.push_back({"", "motor_temp_c", 0.75, "the force falls as it rises"});
   CHECK(json_of(d)["unexplained"]["correlated_with"][0] ==
         Json({{"location", nullptr},
               {"signal", "motor_temp_c"},

@@ -215,8 +215,8 @@ TEST_CASE("hostile names stay text") {
   d.summary = d.next_experiment = hostile;
   for (diagnose::Trace& t : d.traces) t.log = t.channel = t.unit = hostile;
   d.residual.unit = d.residual.velocity_unit = d.residual.position_unit = hostile;
-  d.goes_along_with = {{hostile, 0.5, hostile}};
-  d.parameters.push_back({hostile, hostile, true, 0, {}, {}, hostile});
+  d.correlated_with = {{hostile, hostile, 0.5, hostile}};
+  d.parameters.push_back({hostile, hostile, hostile, true, 0, {}, {}, hostile});
   d.candidates.push_back({{hostile}, {{hostile, {}}}, 0, 0, false, 0, hostile});
   d.findings[0].parameters[hostile] = {};
   d.findings[0].explanation = d.findings[0].next_experiment = hostile;

@@ -295,14 +295,21 @@ diagnose::Diagnosis sample_diagnosis(std::size_t logs, std::size_t hops) {
        {}});
   d.findings.push_back(finding);
 
-  using Row = diagnose::Diagnosis::ParameterRow;
-  const auto held = [&d](const char* name, const char* unit, double value) {
-    d.parameters.push_back(Row{name, unit, false, value, {value, value, value}, {value, value, value}, ""});
+  const auto row = [&d](const char* name, const char* unit, bool free, double baseline,
+                        const diagnose::Estimate& before, const diagnose::Estimate& after,
+                        const char* verdict) {
+    const auto named = [&](const diagnose::Estimate& e) {
+      return result::Estimate{name, unit, e.value, e.lower, e.upper};
+    };
+    d.parameters.push_back({name, unit, "", free, baseline, named(before), named(after), verdict});
+  };
+  const auto held = [&row](const char* name, const char* unit, double value) {
+    row(name, unit, false, value, {value, value, value}, {value, value, value}, "");
   };
   held("mass_kg", "kg", kMass);
   held("stiffness_npm", "N/m", given.stiffness);
-  d.parameters.push_back(Row{"damping_stance_nspm", "N s/m", true, given.damping, refitted.estimates[0],
-                             extended.estimates[0], "identified"});
+  row("damping_stance_nspm", "N s/m", true, given.damping, refitted.estimates[0], extended.estimates[0],
+      "identified");
 
   std::mt19937 random(20260101);
   std::normal_distribution<double> force_noise(0.0, 0.7);

@@ -52,6 +52,16 @@ TEST_CASE("the page of a tree has its parts in their order") {
   CHECK_THAT(page, Contains("8 recordings, 2 of them held out; 16000 samples; 240 windows of 0.300 s."));
 }
 
+TEST_CASE("experiments are listed with what they tell apart, and a scenario only where there is one") {
+  trees::Diagnosis d = test::sample_tree_diagnosis();
+  d.experiments = {{"Record more like log-00.csv", {}, 0.0123}};
+  const std::string in_words = test::page_of(d);
+  CHECK_THAT(in_words, Contains("Record more like log-00.csv") && Contains("12.3 mrad") &&
+                           !Contains("next_experiment.toml"));
+  d.experiments[0].paths.resize(2);
+  CHECK_THAT(test::page_of(d), Contains("is in next_experiment.toml as a scenario for furcula sim.</p>"));
+}
+
 TEST_CASE("base parameters are listed, many of them folded away") {
   trees::Diagnosis d = test::sample_tree_diagnosis();
   const auto table = [](const std::string& page) {
