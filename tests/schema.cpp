@@ -20,10 +20,10 @@ std::optional<std::string> schema_violations(const std::string& name, const std:
           .string();
   const std::string said = file + ".txt";
   std::ofstream(file) << json;
-  const int status = std::system(("python3 '" + source("tests/validate_json.py") + "' '" +
-                                  source("docs/schemas/" + name + ".schema.json") + "' '" + file +
-                                  "' > /dev/null 2> '" + said + "'")
-                                     .c_str());  // NOLINT(concurrency-mt-unsafe)
+  const std::string command = "python3 '" + source("tests/validate_json.py") + "' '" +
+                              source("docs/schemas/" + name + ".schema.json") + "' '" + file +
+                              "' > /dev/null 2> '" + said + "'";
+  const int status = std::system(command.c_str());  // NOLINT(concurrency-mt-unsafe)
   std::ostringstream text;
   text << std::ifstream(said).rdbuf();
   std::filesystem::remove(file);
