@@ -1,7 +1,6 @@
 // The trial of conventions, see trial.hpp.
 #include "host/conventions/trial.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -17,6 +16,7 @@
 #include "host/core/error.hpp"
 #include "host/core/message.hpp"
 #include "host/core/quantile.hpp"
+#include "host/linear/linear.hpp"
 
 namespace furcula::conventions {
 namespace {
@@ -368,7 +368,7 @@ class Trial {
       Eigen::MatrixXd with_fitted = mass_;
       for (std::size_t j = 0; j < n_; ++j)
         with_fitted(static_cast<Eigen::Index>(j), static_cast<Eigen::Index>(j)) += inertias[j];
-      s.fit += log_determinant(with_fitted) - log_determinant(mass_);
+      s.fit += linear::log_determinant_of_positive(with_fitted) - linear::log_determinant_of_positive(mass_);
       s.score = s.fit - kFarBetter * (change.changes + more);
       s.what = change.what + (change.what.empty() || what.empty() ? "" : ", and ") + what;
       s.map = change.map + (change.map.empty() || map.empty() ? "" : "\n") + map;
@@ -476,11 +476,6 @@ class Trial {
     const double inertia = std::log(std::max(r.inertia_factor, 1e-3)) / kInertiaKnown;
     const double constant = r.force > 0.0 ? r.constant / (kConstantUsual * r.force) : 0.0;
     return std::log1p(inertia * inertia) + std::log1p(constant * constant);
-  }
-
-  /// Of a positive definite matrix.
-  static double log_determinant(const Eigen::MatrixXd& m) {
-    return 2.0 * Eigen::MatrixXd(m.llt().matrixL()).diagonal().array().log().sum();
   }
 
   /// Solved once for each scale that is asked for.

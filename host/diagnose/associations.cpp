@@ -1,6 +1,5 @@
 #include "host/diagnose/associations.hpp"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -9,6 +8,7 @@
 #include "host/core/quantile.hpp"
 #include "host/diagnose/wording.hpp"
 #include "host/identify/windows.hpp"
+#include "host/linear/linear.hpp"
 #include "host/machines/hopper.hpp"
 #include "host/machines/rules.hpp"
 
@@ -149,7 +149,7 @@ class Associations {
         sum += values[i];
       }
       total += squares - sum * sum / static_cast<double>(n);
-      left += squares - right.dot(normal.ldlt().solve(right));
+      left += squares - right.dot(linear::solve_symmetric(normal, right));
       from = to;
     }
     return total > 0.0 ? 1.0 - left / total : 0.0;

@@ -7,6 +7,7 @@
 
 #include "host/core/quantile.hpp"
 #include "host/identify/verdicts.hpp"
+#include "host/linear/linear.hpp"
 
 namespace furcula::diagnose {
 
@@ -106,7 +107,7 @@ Crossing crossing_of(const identify::Fit& fit, const std::vector<identify::Windo
     }
     const Eigen::MatrixXd rest = scale.asDiagonal() * unseen(moving, moving) * scale.asDiagonal();
     const Eigen::VectorXd pull = scale.asDiagonal() * slope(moving);
-    crossing.step[fold](moving) = scale.asDiagonal() * -rest.completeOrthogonalDecomposition().solve(pull);
+    crossing.step[fold](moving) = scale.asDiagonal() * -linear::least_norm(rest, pull);
   }
   return crossing;
 }
@@ -169,9 +170,9 @@ double overdispersion(const identify::Fit& fit, const std::vector<std::vector<st
   const auto scaled = [&](const Eigen::MatrixXd& m) -> Eigen::MatrixXd {
     return scale.asDiagonal() * m * scale.asDiagonal();
   };
-  const auto decomposed = scaled(information).completeOrthogonalDecomposition();
-  const double trace = decomposed.solve(scaled(scatter)).trace(),
-               expected = decomposed.solve(scaled(independent)).trace();
+  const Eigen::MatrixXd known = scaled(information);
+  const double trace = linear::least_norm(known, scaled(scatter)).trace(),
+               expected = linear::least_norm(known, scaled(independent)).trace();
   // Windows of a unit that share rows pull alike: each row lies in so many, but for those at the unit's ends.
   const auto layers = static_cast<double>(fit.layers);
   const double windows_of_unit = static_cast<double>(fit.shares.size()) / static_cast<double>(units.size());
@@ -246,7 +247,7 @@ double wald(const Hypothesis& h, const std::vector<Eigen::Index>& sizes, const s
   }
   const Eigen::VectorXd by = covariance.diagonal().cwiseSqrt().cwiseInverse();
   const Eigen::MatrixXd correlation = by.asDiagonal() * covariance * by.asDiagonal();
-  return scaled.dot(correlation.completeOrthogonalDecomposition().solve(scaled));
+  return scaled.dot(linear::least_norm(correlation, scaled));
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include "host/core/error.hpp"
 #include "host/core/parallel.hpp"
 #include "host/diagnose/wording.hpp"
+#include "host/linear/linear.hpp"
 #include "host/machines/rules.hpp"
 #include "host/sim/simulate.hpp"
 
@@ -180,7 +181,7 @@ class Planner {
     if (!moving.empty()) {
       const Eigen::MatrixXd part = information(moving, moving);
       const Eigen::VectorXd pull = gradient(moving);
-      left -= pull.dot(Eigen::VectorXd(part.completeOrthogonalDecomposition().solve(pull)));
+      left -= pull.dot(linear::least_norm(part, pull));
     }
     const double stays = total > 0.0 ? std::clamp(left / total, 0.0, 1.0) : 0.0;
     double evidence = 0.0;

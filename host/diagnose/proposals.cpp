@@ -8,6 +8,7 @@
 #include "host/core/error.hpp"
 #include "host/core/quantile.hpp"
 #include "host/diagnose/effect_set.hpp"
+#include "host/linear/linear.hpp"
 #include "host/machines/hopper.hpp"
 
 namespace furcula::diagnose {
@@ -43,10 +44,8 @@ Eigen::VectorXd bounded_step(const Eigen::VectorXd& gradient, const Eigen::Matri
     // Scaled: the unknowns have different units.
     const Eigen::VectorXd scale = part.diagonal().cwiseSqrt().cwiseInverse();
     const Eigen::MatrixXd scaled = scale.asDiagonal() * part * scale.asDiagonal();
-    Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> solver(scaled.rows(), scaled.cols());
-    solver.setThreshold(1e-9);
-    solver.compute(scaled);
-    const Eigen::VectorXd more = -(scale.asDiagonal() * solver.solve(scale.asDiagonal() * pull));
+    const Eigen::VectorXd more =
+        -(scale.asDiagonal() * linear::least_norm(scaled, scale.asDiagonal() * pull, 1e-9));
     Eigen::Index worst = -1;
     double beyond = 0.0;
     for (std::size_t k = 0; k < moving.size(); ++k) {

@@ -1,7 +1,8 @@
 // See remainder.hpp.
 #include "host/diagnose/remainder.hpp"
 
-#include <Eigen/Dense>
+#include <Eigen/LU>
+#include <Eigen/QR>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -13,6 +14,7 @@
 #include "host/identify/dual.hpp"
 #include "host/identify/simulate.hpp"
 #include "host/identify/unknowns.hpp"
+#include "host/linear/linear.hpp"
 #include "host/machines/rules.hpp"
 
 namespace furcula::diagnose {
@@ -397,7 +399,7 @@ Eigen::VectorXd learned(const std::vector<Normal>& folds, double size, std::size
   Eigen::VectorXd gradient = Eigen::VectorXd::Zero(p);
   for (std::size_t i = 0; i < folds.size(); ++i)
     if (i != without && i != and_without) information += folds[i].information, gradient += folds[i].gradient;
-  return information.ldlt().solve(gradient);
+  return linear::solve_symmetric(information, gradient);
 }
 
 /// How large its parts may be: what serves best on folds that are left out, of those that it may see.
@@ -428,7 +430,7 @@ std::array<double, 3> squares_of_free_run(const Linear& w, const Basis& basis, c
     by = (w.by[row] * by).eval();
     response = (w.by[row] * response + w.force[row] * c.dot(at)).eval();
   }
-  const Eigen::MatrixXd rest = sides - start * start.colPivHouseholderQr().solve(sides);
+  const Eigen::MatrixXd rest = sides - start * linear::least_squares(start, sides);
   return {rest.col(0).squaredNorm(), rest.col(1).squaredNorm(), rest.col(2).squaredNorm()};
 }
 

@@ -24,32 +24,14 @@ class Acceleration {
 
   /// What reaches the plant in each row.
   std::vector<double> inputs(const Recording& r) const {
-    std::vector<double> all;
-    const dynamics::Commands<double> commands = r.commands();
-    identify::with_stages(setup_, r, [&](auto& stages) {
-      stages.actuation().drive.start(commands, 0);
-      for (std::size_t i = 0; i + 1 < r.rows(); ++i)
-        all.push_back(stages.actuation().torque(commands, i, r.time_s[i + 1] - r.time_s[i]));
-    });
+    std::vector<double> all = identify::inputs(setup_, r);
     all.push_back(all.back());
     return all;
   }
 
   /// The acceleration that would be measured at a measured state of the row.
   double at(const Recording& r, std::size_t row, double position, double velocity, double input) const {
-    double result = 0.0;
-    identify::with_stages(setup_, r, [&](auto& stages) {
-      const auto start =
-          stages.behind(position - identify::detail::slipped(stages.sensing(), r, row), velocity);
-      if constexpr (requires { stages.plant().reset_loose(position, velocity); })
-        stages.plant().reset_loose(start.position, start.velocity);  // a held belt has no acceleration
-      else
-        stages.plant().reset(start.position, start.velocity);
-      identify::detail::LeggedRecording<double>{r, stages.sensing().skew_s()}.start(stages.plant(), row);
-      stages.plant().advance(input, kProbe_s);
-      result = (stages.velocity() - velocity) / kProbe_s;
-    });
-    return result;
+    return identify::acceleration(setup_, r, position, velocity, input, kProbe_s, row);
   }
 
  private:

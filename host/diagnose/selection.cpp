@@ -12,6 +12,7 @@
 #include "host/diagnose/laws.hpp"
 #include "host/diagnose/proposals.hpp"
 #include "host/diagnose/wording.hpp"
+#include "host/linear/linear.hpp"
 #include "host/machines/rules.hpp"
 
 namespace furcula::diagnose {
@@ -608,7 +609,7 @@ class Search {
     Eigen::Map<Eigen::VectorXd>(one.fit.values.data(), n) =
         words * Eigen::Map<const Eigen::VectorXd>(s_.chosen.fit.values.data(), n);
     one.fit.covariance = words * s_.chosen.fit.covariance * words.transpose();
-    const Eigen::MatrixXd back = words.inverse();
+    const Eigen::MatrixXd back = linear::inverse(words);
     for (identify::WindowShare& share : one.fit.shares) {
       share.information = back.transpose() * share.information * back;
       share.gradient = back.transpose() * share.gradient;

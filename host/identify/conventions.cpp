@@ -97,17 +97,7 @@ class OneJoint final : public conventions::Family {
  private:
   double acceleration(const PlantSetup<double>& setup, const State& s, double input) const {
     constexpr double kProbe_s = 1e-6;  // read off a step this short
-    double result = 0.0;
-    with_stages(setup, like_, [&](auto& stages) {
-      const auto start = stages.behind(s.position[0], s.velocity[0]);
-      if constexpr (requires { stages.plant().reset_loose(start.position, start.velocity); })
-        stages.plant().reset_loose(start.position, start.velocity);
-      else
-        stages.plant().reset(start.position, start.velocity);
-      stages.plant().advance(belt_ ? 1.0 : input, kProbe_s);
-      result = (stages.velocity() - s.velocity[0]) / kProbe_s;
-    });
-    return result;
+    return identify::acceleration(setup, like_, s.position[0], s.velocity[0], belt_ ? 1.0 : input, kProbe_s);
   }
 
   const Recording& like_;

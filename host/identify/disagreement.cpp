@@ -9,6 +9,7 @@
 #include "host/core/message.hpp"
 #include "host/core/odd_one.hpp"
 #include "host/core/quantile.hpp"
+#include "host/linear/linear.hpp"
 #include "host/machines/rules.hpp"
 
 namespace furcula::identify {
@@ -101,8 +102,7 @@ std::vector<double> squares_without(const Fit& fit, const std::vector<Window>& w
       scale(u) = 1.0 / std::sqrt(others(u, u));
   const Eigen::MatrixXd scaled = scale.asDiagonal() * others * scale.asDiagonal();
   const Eigen::VectorXd right = scale.asDiagonal() * gradient;
-  const Eigen::VectorXd step =
-      scale.asDiagonal() * scaled.completeOrthogonalDecomposition().solve(right).eval();
+  const Eigen::VectorXd step = scale.asDiagonal() * linear::least_norm(scaled, right);
   std::vector<double> squares = squares_of_motion(fit.shares);
   for (std::size_t k = 0; k < windows.size(); ++k) {
     const WindowShare& s = fit.shares[k];

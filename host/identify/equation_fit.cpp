@@ -8,6 +8,7 @@
 
 #include "host/core/error.hpp"
 #include "host/identify/dual.hpp"
+#include "host/identify/simulate.hpp"
 
 namespace furcula::identify {
 namespace {

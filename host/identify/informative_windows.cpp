@@ -1,6 +1,6 @@
 #include "host/identify/informative_windows.hpp"
 
-#include <Eigen/Dense>
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <numeric>

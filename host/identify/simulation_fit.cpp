@@ -12,6 +12,7 @@
 #include "host/core/quantile.hpp"
 #include "host/identify/dual.hpp"
 #include "host/identify/window_run.hpp"
+#include "host/linear/linear.hpp"
 
 namespace furcula::identify {
 namespace {
@@ -190,7 +191,7 @@ Fit in_law_parameters(Fit fit, const std::vector<Unknown>& unknowns, const model
   Eigen::Map<Eigen::VectorXd> values(fit.values.data(), count);
   values = (to_law * values).eval();
   fit.covariance = to_law * fit.covariance * to_law.transpose();
-  const Eigen::MatrixXd back = to_law.inverse();
+  const Eigen::MatrixXd back = linear::inverse(to_law);
   for (WindowShare& s : fit.shares) {
     s.gradient = back.transpose() * s.gradient;
     s.information = back.transpose() * s.information * back;
@@ -471,9 +472,7 @@ std::vector<Window> telling(const std::vector<WindowShare>& shares, const std::v
     for (Eigen::Index i = 0; i < n; ++i) known(i, i) = std::max(known(i, i) * (1.0 + 1e-9), 1e-300);
     const Eigen::VectorXd scale = known.diagonal().cwiseSqrt().cwiseInverse();
     const Eigen::MatrixXd inverse = scale.asDiagonal() *
-                                    Eigen::MatrixXd(scale.asDiagonal() * known * scale.asDiagonal())
-                                        .completeOrthogonalDecomposition()
-                                        .pseudoInverse() *
+                                    linear::pseudo_inverse(scale.asDiagonal() * known * scale.asDiagonal()) *
                                     scale.asDiagonal();
     std::size_t best = windows.size();
     double most = -1.0;

@@ -1,15 +1,16 @@
 // Simulation-error least squares: the unknowns that make free runs of the model meet the measured positions.
 #pragma once
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <array>
 #include <limits>
 #include <optional>
 #include <utility>
 #include <vector>
 
-#include "host/identify/simulate.hpp"
 #include "host/identify/statistics.hpp"
+#include "host/identify/unknowns.hpp"
+#include "host/identify/windows.hpp"
 
 namespace furcula::identify {
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/linear/linear.hpp"
+
 namespace furcula::identify {
 
 double effective_count(const Eigen::Ref<const Eigen::VectorXd>& residual) {
@@ -40,16 +42,13 @@ Eigen::MatrixXd jackknife_covariance(const std::vector<WindowShare>& shares,
   Eigen::VectorXd scale(free);
   for (Eigen::Index i = 0; i < free; ++i)
     scale(i) = information(i, i) > 0.0 ? 1.0 / std::sqrt(information(i, i)) : 0.0;
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> axes(
-      Eigen::MatrixXd(scale.asDiagonal() * information * scale.asDiagonal()));
+  const linear::Axes axes = linear::axes(scale.asDiagonal() * information * scale.asDiagonal());
   static constexpr double kMostAlone = 0.95;
   constexpr double kNothing = 1e-13;  // of the largest: a direction of which the windows tell nothing
-  const double least = kNothing * axes.eigenvalues().maxCoeff();
+  const double least = kNothing * axes.values.maxCoeff();
   const Eigen::MatrixXd to_unit =
-      axes.eigenvalues()
-          .unaryExpr([&](double x) { return x > least ? 1.0 / std::sqrt(x) : 0.0; })
-          .asDiagonal() *
-      axes.eigenvectors().transpose() * scale.asDiagonal();
+      axes.values.unaryExpr([&](double x) { return x > least ? 1.0 / std::sqrt(x) : 0.0; }).asDiagonal() *
+      axes.vectors.transpose() * scale.asDiagonal();
   Eigen::MatrixXd scatter = Eigen::MatrixXd::Zero(free, free), own = scatter;
   Eigen::VectorXd sum = Eigen::VectorXd::Zero(free), before = Eigen::VectorXd::Zero(free);
   for (std::size_t w = 0; w < shares.size(); ++w) {
@@ -57,14 +56,11 @@ Eigen::MatrixXd jackknife_covariance(const std::vector<WindowShare>& shares,
     own += shares[w].information(moving, moving);
     if ((w + 1) % layers != 0 && w + 1 != shares.size()) continue;
     // By how much the estimate moves without these windows: what they alone tell they also pull to themselves.
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> alone(
-        Eigen::MatrixXd(to_unit * own * to_unit.transpose()));
+    const linear::Axes alone = linear::axes(to_unit * own * to_unit.transpose());
     const Eigen::VectorXd moves =
-        alone.eigenvectors() *
-        alone.eigenvalues()
-            .unaryExpr([](double x) { return 1.0 / (1.0 - std::min(x, kMostAlone)); })
-            .asDiagonal() *
-        alone.eigenvectors().transpose() * (to_unit * sum);
+        alone.vectors *
+        alone.values.unaryExpr([](double x) { return 1.0 / (1.0 - std::min(x, kMostAlone)); }).asDiagonal() *
+        alone.vectors.transpose() * (to_unit * sum);
     scatter += moves * moves.transpose();
     if (layers > 1) scatter += 0.5 * (moves * before.transpose() + before * moves.transpose());
     before = moves;

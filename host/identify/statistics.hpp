@@ -2,7 +2,7 @@
 // values would scatter if it were all recorded again.
 #pragma once
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <array>
 #include <cstddef>
 #include <vector>

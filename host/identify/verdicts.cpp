@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "host/core/quantile.hpp"
+#include "host/linear/linear.hpp"
 
 namespace furcula::identify {
 namespace {
@@ -39,7 +40,7 @@ std::vector<ParameterVerdict> parameter_verdicts(const Fit& fit, const std::vect
       scaled(i, k) = information(a, b) / std::sqrt(information(a, a) * information(b, b));
     }
   const Eigen::MatrixXd inverse =
-      free > 0 ? Eigen::MatrixXd((scaled + kSingular * Eigen::MatrixXd::Identity(free, free)).inverse())
+      free > 0 ? linear::inverse(scaled + kSingular * Eigen::MatrixXd::Identity(free, free))
                : Eigen::MatrixXd();
   const double windows = independent_windows(fit.shares.size(), fit.layers);
   const double t = core::student_t_within(0.95, std::max(1.0, windows - static_cast<double>(count)));

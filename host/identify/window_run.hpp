@@ -1,6 +1,5 @@
 // One free run of a window: residuals against what was measured, and their derivatives by the unknowns and the window's start state.
-//
-// Each number type takes a compiler ten seconds and more, so each is compiled in a file of its own (window_run_of.cpp.in).
+// Each number type is compiled once, as in simulate.hpp.
 #pragma once
 
 #include <cstddef>
@@ -42,16 +41,6 @@ struct WindowRun {
 /// may each of them. False where the run does not stay finite.
 template <class T>
 bool run_window(const WindowRun& run, double const* const* blocks, double* residuals, double** jacobians);
-
-extern template bool run_window<double>(const WindowRun&, double const* const*, double*, double**);
-extern template bool run_window<Dual<2>>(const WindowRun&, double const* const*, double*, double**);
-extern template bool run_window<Dual<4>>(const WindowRun&, double const* const*, double*, double**);
-extern template bool run_window<Dual<6>>(const WindowRun&, double const* const*, double*, double**);
-extern template bool run_window<Dual<8>>(const WindowRun&, double const* const*, double*, double**);
-extern template bool run_window<Dual<10>>(const WindowRun&, double const* const*, double*, double**);
-extern template bool run_window<Dual<12>>(const WindowRun&, double const* const*, double*, double**);
-extern template bool run_window<Dual<20>>(const WindowRun&, double const* const*, double*, double**);
-extern template bool run_window<Dual<32>>(const WindowRun&, double const* const*, double*, double**);
 
 /// Of numbers that stand row by row.
 void take_off_column_means(double* values, std::size_t rows, std::size_t columns);

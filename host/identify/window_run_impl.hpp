@@ -4,7 +4,7 @@
 #include <cmath>
 #include <type_traits>
 
-#include "host/identify/simulate.hpp"
+#include "host/identify/simulate_impl.hpp"
 #include "host/identify/window_run.hpp"
 #include "host/machines/hopper.hpp"
 

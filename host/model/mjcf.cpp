@@ -1,12 +1,13 @@
 // Writing MJCF, see mjcf.hpp.
 #include "host/model/mjcf.hpp"
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 
 #include "host/core/markup.hpp"
 #include "host/core/message.hpp"
+#include "host/linear/linear.hpp"
 
 namespace furcula::model {
 namespace {
@@ -46,8 +47,8 @@ std::string place(const Frame<double>& f) {
 /// without mass are raised by what no simulation sees; all others stay bit by bit.
 void raise(Eigen::Matrix3d& about_centre) {
   constexpr double kLeast = 1e-12, kShare = 1e-9;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(about_centre);
-  Eigen::Vector3d m = solver.eigenvalues();
+  const linear::Axes3 axes = linear::axes_of_three(about_centre);
+  Eigen::Vector3d m = axes.values;
   if (m(0) >= kLeast && m(0) + m(1) >= m(2) * (1.0 + kShare)) return;
   const double least = std::max(kLeast, kShare * m(2));
   m = m.cwiseMax(least);
@@ -55,7 +56,7 @@ void raise(Eigen::Matrix3d& about_centre) {
     m(0) += 0.5 * beyond;
     m(1) += 0.5 * beyond;
   }
-  about_centre = solver.eigenvectors() * m.asDiagonal() * solver.eigenvectors().transpose();
+  about_centre = axes.vectors * m.asDiagonal() * axes.vectors.transpose();
 }
 
 std::string inertial(const Inertia<double>& b) {

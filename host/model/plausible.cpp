@@ -7,7 +7,7 @@
 // r^3 = 3 m / (4 pi d). No matter is denser than osmium, 22,600 kg/m^3.
 #include "host/model/plausible.hpp"
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Core>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -19,6 +19,7 @@
 
 #include "host/core/error.hpp"
 #include "host/core/message.hpp"
+#include "host/linear/linear.hpp"
 #include "host/model/urdf_filter.hpp"
 
 namespace furcula::model {
@@ -239,11 +240,11 @@ class Judge {
       Eigen::Matrix3d about;
       about << o.xx - m * s.xx, o.xy - m * s.xy, o.xz - m * s.xz, o.xy - m * s.xy, o.yy - m * s.yy,
           o.yz - m * s.yz, o.xz - m * s.xz, o.yz - m * s.yz, o.zz - m * s.zz;
-      const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(about, Eigen::EigenvaluesOnly);
+      const Eigen::Vector3d moments = linear::axes_values_of_three(about);
       // What cancels is zero: of a point mass nothing is left about its centre.
       constexpr double kZero = 1e-12;
-      if (solver.eigenvalues()(2) > kZero * (o.xx + o.yy + o.zz)) {
-        out.largest_kgm2 = solver.eigenvalues()(2);
+      if (moments(2) > kZero * (o.xx + o.yy + o.zz)) {
+        out.largest_kgm2 = moments(2);
         out.sum_kgm2 = about.trace();
       }
       double most = -1.0;

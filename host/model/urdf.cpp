@@ -4,7 +4,7 @@
 #include <console_bridge/console.h>
 #include <urdf_parser/urdf_parser.h>
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Core>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -16,6 +16,7 @@
 #include "host/core/error.hpp"
 #include "host/core/message.hpp"
 #include "host/core/strict_toml.hpp"
+#include "host/linear/linear.hpp"
 #include "host/model/plausible.hpp"
 #include "host/model/urdf_filter.hpp"
 #include "host/model/xml_check.hpp"
@@ -83,8 +84,8 @@ struct Principal {
 Principal principal(const Sym3<double>& s) {
   Eigen::Matrix3d m;
   m << s.xx, s.xy, s.xz, s.xy, s.yy, s.yz, s.xz, s.yz, s.zz;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(m);
-  return {solver.eigenvalues(), solver.eigenvectors()};
+  const linear::Axes3 axes = linear::axes_of_three(m);
+  return {axes.values, axes.vectors};
 }
 
 /// What single precision, in which programs compute moments, and their axes' turns leave of them: some ten times 6e-8.
@@ -637,10 +638,10 @@ JointInertia joint_inertia(const RobotModel& model, const RobotModel::Joints& q)
     for (std::size_t k = 0; k < n; ++k)
       scaled(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k)) =
           h[i][k] / std::sqrt(h[i][i] * h[k][k]);
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(scaled);
-  out.least = solver.eigenvalues()(0);
+  const linear::Axes axes = linear::axes(scaled);
+  out.least = axes.values(0);
   Eigen::Index worst = 0;
-  solver.eigenvectors().col(0).cwiseAbs().maxCoeff(&worst);
+  axes.vectors.col(0).cwiseAbs().maxCoeff(&worst);
   out.joint = static_cast<std::size_t>(worst);
   return out;
 }

@@ -1,12 +1,13 @@
 // See robot_picture.hpp.
 #include "host/report/robot_picture.hpp"
 
-#include <Eigen/Dense>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <vector>
 
+#include "host/linear/linear.hpp"
 #include "host/report/html.hpp"
 
 namespace furcula::report {
@@ -49,10 +50,10 @@ json box_of(const Diagnosis& d, std::size_t link) {
   const auto& s = inertia.about_centre_kgm2;
   Eigen::Matrix3d m;
   m << s.xx, s.xy, s.xz, s.xy, s.yy, s.yz, s.xz, s.yz, s.zz;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(m);
-  Eigen::Matrix3d axes = solver.eigenvectors();
+  const linear::Axes3 principal = linear::axes_of_three(m);
+  Eigen::Matrix3d axes = principal.vectors;
   if (axes.determinant() < 0.0) axes.col(2) *= -1.0;
-  const Eigen::Vector3d& i = solver.eigenvalues();
+  const Eigen::Vector3d& i = principal.values;
   json half = json::array();
   // I1 = m (b^2 + c^2) / 12 with the edges a, b, c, and so on.
   for (int k = 0; k < 3; ++k)

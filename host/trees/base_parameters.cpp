@@ -1,6 +1,7 @@
 // Base parameters of a tree, see base_parameters.hpp.
 #include "host/trees/base_parameters.hpp"
 
+#include <Eigen/QR>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -12,6 +13,7 @@
 
 #include "furcula/dynamics/tree/inverse_dynamics.hpp"
 #include "host/core/message.hpp"
+#include "host/linear/linear.hpp"
 #include "host/trees/run.hpp"
 
 namespace furcula::trees {
@@ -172,13 +174,13 @@ double rms_of(const std::vector<double>& x) {
 
 /// Standard deviations of unknowns with this information, each in its own unit. What has none has no end.
 Eigen::VectorXd deviations(const Eigen::MatrixXd& information) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(information);
-  const double least = 1e-13 * std::max(solver.eigenvalues().maxCoeff(), 1e-300);
+  const linear::Axes axes = linear::axes(information);
+  const double least = 1e-13 * std::max(axes.values.maxCoeff(), 1e-300);
   Eigen::VectorXd out(information.rows());
   for (Eigen::Index i = 0; i < out.size(); ++i) {
     double variance = 0.0;
     for (Eigen::Index k = 0; k < out.size(); ++k) {
-      const double share = std::pow(solver.eigenvectors()(i, k), 2), of = solver.eigenvalues()(k);
+      const double share = std::pow(axes.vectors(i, k), 2), of = axes.values(k);
       if (of > least)
         variance += share / of;
       else if (share > 1e-9)

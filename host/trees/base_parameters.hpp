@@ -5,7 +5,7 @@
 // 6(3), 1990; by QR: Gautier, Numerical calculation of the base inertial parameters of robots, J. Robotic Systems 8(4), 1991.
 #pragma once
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <cstddef>
 #include <string>
 #include <vector>

@@ -1,7 +1,6 @@
 // A tree's equations for the trial of conventions, see conventions.hpp.
 #include "host/trees/conventions.hpp"
 
-#include <Eigen/Cholesky>
 #include <array>
 #include <cmath>
 #include <span>
@@ -9,6 +8,7 @@
 #include "furcula/dynamics/tree/inverse_dynamics.hpp"
 #include "host/conventions/trial.hpp"
 #include "host/core/message.hpp"
+#include "host/linear/linear.hpp"
 #include "host/trees/run.hpp"
 #include "host/trees/windows.hpp"
 
@@ -105,9 +105,9 @@ class TreeFamily final : public conventions::Family {
       out.input_gain[j] = d.law == DriveLaw::none ? 0.0 : d.gain * (sets ? d.kp_nmprad : 1.0);
     }
     out.mass.assign(m.data(), m.data() + m.size());
-    const Eigen::LLT<Eigen::MatrixXd> factors(m);
-    if (factors.info() != Eigen::Success) return false;
-    const Eigen::MatrixXd inverse = factors.solve(Eigen::MatrixXd::Identity(m.rows(), m.cols()));
+    bool positive = false;
+    const Eigen::MatrixXd inverse = linear::inverse_of_positive(m, &positive);
+    if (!positive) return false;
     out.inertia.resize(n);
     for (std::size_t j = 0; j < n; ++j) {
       const auto at = static_cast<Eigen::Index>(j);
@@ -121,7 +121,7 @@ class TreeFamily final : public conventions::Family {
       const auto with = dynamics::tree::inverse_dynamics(other, q, v, a);
       for (std::size_t j = 0; j < n; ++j) out.by_free[k][j] = (with[j] - needed[j]) / kProbe;
     }
-    out.log_det = 2.0 * Eigen::MatrixXd(factors.matrixL()).diagonal().array().log().sum();
+    out.log_det = linear::log_determinant_of_positive(m);
     return true;
   }
 

@@ -1,12 +1,14 @@
 // Fits of a tree by simulation, see fit.hpp.
 #include "host/trees/fit.hpp"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "host/core/error.hpp"
 #include "host/core/parallel.hpp"
+#include "host/linear/linear.hpp"
 #include "host/trees/linear.hpp"
 #include "host/trees/linearised.hpp"
 
@@ -467,7 +469,7 @@ Fit Problem::fit(Hypothesis from, int iterations, const Fit* beside) const {
       }
       normal.diagonal() *= 1.0 + damping;
       normal.diagonal().array() += stepping.of_largest * std::max(1e-12, normal.diagonal().maxCoeff());
-      const Eigen::VectorXd step = normal.ldlt().solve(right);
+      const Eigen::VectorXd step = linear::solve_symmetric(normal, right);
       // The linear problem's own gain; with damping this is a little too much.
       if (!(right.dot(step) > kDone * out.loss)) break;
       Hypothesis trial = out.at;

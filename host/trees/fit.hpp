@@ -6,7 +6,7 @@
 // moves the start to where it fits best, and is linear there. What is known of the start beforehand stays where it was.
 #pragma once
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <atomic>
 #include <functional>
 #include <limits>

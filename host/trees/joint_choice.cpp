@@ -19,7 +19,6 @@
 namespace furcula::trees {
 namespace {
 
-using core::quoted;
 using model::Urdf;
 using model::UrdfJoint;
 
@@ -39,7 +38,7 @@ std::array<std::string, 3> input_columns(const std::string& name, bool prismatic
 std::vector<std::string> followers(const Urdf& robot, const std::string& name) {
   std::vector<std::string> out;
   for (const UrdfJoint& j : robot.joints)
-    if (j.mimics == name && can_move(j)) out.push_back(quoted(j.name));
+    if (j.mimics == name && can_move(j)) out.push_back(core::quoted(j.name));
   return out;
 }
 
@@ -64,7 +63,8 @@ class Chooser {
     if (wanted.empty()) take(recorded.empty() ? all : recorded, hold);
     if (!out_.logged.empty()) {
       std::vector<std::string> pairs;
-      for (const auto& [joint, name] : out_.logged) pairs.push_back(quoted(joint) + " is " + quoted(name));
+      for (const auto& [joint, name] : out_.logged)
+        pairs.push_back(core::quoted(joint) + " is " + core::quoted(name));
       out_.notes.push_back("Joints that the recordings call otherwise: " + listed(pairs) +
                            ". Check that they are the same; a --map file says it otherwise.");
     }
@@ -208,7 +208,7 @@ class Chooser {
         if (const auto could = could_be_.find(name); could != could_be_.end())
           for (const std::string& one : could->second)
             if (one != other) {
-              line += " (or those of " + quoted(one) + ")";
+              line += " (or those of " + core::quoted(one) + ")";
               break;
             }
         lines.push_back(std::move(line));
@@ -223,7 +223,7 @@ class Chooser {
       const Names n = names(all, prismatic);
       if (n.ours.empty() || n.theirs.empty()) continue;
       std::vector<std::string> theirs;
-      for (const JointName& name : n.theirs) theirs.push_back(quoted(name.name()));
+      for (const JointName& name : n.theirs) theirs.push_back(core::quoted(name.name()));
       out_.map_lines =
           lines_for(n.ours.front().name(), "NAME", prismatic) + " with NAME one of " + listed(theirs);
       return;
@@ -277,15 +277,15 @@ class Chooser {
     for (const UrdfJoint& j : robot_.joints) {
       if (!can_move(j) || hold.contains(j.name)) continue;
       if (moving.contains(j.name)) {
-        taken.push_back(quoted(j.name));
+        taken.push_back(core::quoted(j.name));
         line += (line.empty() ? "\"" : ", \"") + j.name + "\"";
         out_.moving.push_back(j.name);
         continue;
       }
       const std::vector<std::string> its = followers(robot_, j.name);
       const bool is_tied = !j.mimics.empty() || !its.empty();
-      (is_tied ? tied : held).push_back(quoted(j.name));
-      out_.held[j.name] = !j.mimics.empty() ? "it mimics " + quoted(j.mimics)
+      (is_tied ? tied : held).push_back(core::quoted(j.name));
+      out_.held[j.name] = !j.mimics.empty() ? "it mimics " + core::quoted(j.mimics)
                           : is_tied         ? "it is mimicked by " + model::first_names(its)
                                             : needs(j);
     }
@@ -340,16 +340,16 @@ std::vector<std::string> notes_on_held(const TreeModel& m, const std::vector<con
     const auto hold = m.hold.find(j.name);
     const std::vector<std::string> its = followers(m.urdf, j.name);
     std::string note =
-        "Joint " + quoted(j.name) + " is held at " +
+        "Joint " + core::quoted(j.name) + " is held at " +
         core::rounded(hold == m.hold.end() ? 0.0 : hold->second) + unit +
         ", and the recordings have it from " + core::rounded(least) + " to " + core::rounded(most) + unit +
-        ": " + quoted(column) +
+        ": " + core::quoted(column) +
         " is not used, and what its motion does to the others is missing. Where it stands still, ";
     note += hold == m.hold.end() ? "write " + toml_key(j.name) + " = " + core::rounded(0.5 * (least + most)) +
                                        " in [hold]. To let it move, "
                                  : "correct it in [hold]. To let it move, take it out of [hold], and ";
     if (!j.mimics.empty())
-      note += "take its <mimic> of " + quoted(j.mimics) + " out of the URDF.";
+      note += "take its <mimic> of " + core::quoted(j.mimics) + " out of the URDF.";
     else if (!its.empty())
       note += "take the <mimic> of " + model::first_names(its) + " out of the URDF; " +
               (its.size() == 1 ? "that is" : "those are") + " then held.";

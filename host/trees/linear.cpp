@@ -1,10 +1,25 @@
-// Means over recordings, see linear.hpp.
+// See linear.hpp.
 #include "host/trees/linear.hpp"
 
 #include <algorithm>
 #include <cmath>
 
+#include "host/linear/linear.hpp"
+
 namespace furcula::trees {
+
+ScaledNormal::ScaledNormal(const Eigen::MatrixXd& normal, double ridge, double least)
+    : unit_(normal.diagonal()
+                .cwiseMax(normal.size() == 0 ? 0.0 : least * normal.diagonal().maxCoeff())
+                .cwiseMax(1e-300)
+                .cwiseSqrt()
+                .cwiseInverse()),
+      scaled_(unit_.asDiagonal() * normal * unit_.asDiagonal() +
+              ridge * Eigen::MatrixXd::Identity(normal.rows(), normal.cols())) {}
+
+Eigen::MatrixXd ScaledNormal::solve(const Eigen::MatrixXd& right) const {
+  return unit_.asDiagonal() * linear::solve_symmetric(scaled_, Eigen::MatrixXd(unit_.asDiagonal() * right));
+}
 
 Mean weighted_mean(std::span<const double> value, std::span<const double> information) {
   double total = 0.0;

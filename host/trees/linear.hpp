@@ -1,7 +1,7 @@
 // Linear problems whose columns are of very different size, and means over recordings.
 #pragma once
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <cstddef>
 #include <span>
 
@@ -14,23 +14,14 @@ inline constexpr double kRidge = 1e-7;
 class ScaledNormal {
  public:
   /// A column counts as no shorter than `least` times the longest, squared lengths both.
-  ScaledNormal(const Eigen::MatrixXd& normal, double ridge, double least = 0.0)
-      : unit_(normal.diagonal()
-                  .cwiseMax(normal.size() == 0 ? 0.0 : least * normal.diagonal().maxCoeff())
-                  .cwiseMax(1e-300)
-                  .cwiseSqrt()
-                  .cwiseInverse()),
-        solver_(unit_.asDiagonal() * normal * unit_.asDiagonal() +
-                ridge * Eigen::MatrixXd::Identity(normal.rows(), normal.cols())) {}
+  ScaledNormal(const Eigen::MatrixXd& normal, double ridge, double least = 0.0);
 
-  Eigen::MatrixXd solve(const Eigen::MatrixXd& right) const {
-    return unit_.asDiagonal() * solver_.solve(unit_.asDiagonal() * right);
-  }
+  Eigen::MatrixXd solve(const Eigen::MatrixXd& right) const;
   Eigen::MatrixXd inverse() const { return solve(Eigen::MatrixXd::Identity(unit_.size(), unit_.size())); }
 
  private:
   Eigen::VectorXd unit_;
-  Eigen::LDLT<Eigen::MatrixXd> solver_;
+  Eigen::MatrixXd scaled_;
 };
 
 /// One number, estimated from each of several recordings.

@@ -6,7 +6,7 @@
 // its drive. The spring itself, which brings a rotor that moves by itself, is seen by the measured motion (rotor.hpp).
 #pragma once
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <span>
 #include <vector>
 

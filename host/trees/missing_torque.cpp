@@ -1,7 +1,6 @@
 // The torque that a model lacks, see missing_torque.hpp.
 #include "host/trees/missing_torque.hpp"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -12,6 +11,7 @@
 #include "furcula/dynamics/tree/foothold.hpp"
 #include "furcula/dynamics/tree/inverse_dynamics.hpp"
 #include "host/core/quantile.hpp"
+#include "host/linear/linear.hpp"
 #include "host/trees/candidates.hpp"
 
 namespace furcula::trees {
@@ -69,7 +69,7 @@ void without_ground(const model::RobotModel& tree, const model::RobotModel::Join
   }
   Eigen::Map<Eigen::VectorXd> all(missing.data(), n);
   const Eigen::Vector3d force =
-      (weight.asDiagonal() * by_force).completeOrthogonalDecomposition().solve(weight.cwiseProduct(all));
+      linear::least_norm_of_three(weight.asDiagonal() * by_force, weight.cwiseProduct(all));
   all -= by_force * force;
 }
 
@@ -342,7 +342,7 @@ double cross_validated(const TorqueSamples& s, const Regressors& columns, std::s
     for (std::size_t f = 0; f < folds; ++f) {
       Eigen::MatrixXd m = all - normal[f];
       m.diagonal().array() += ridge * static_cast<double>(rows) * 0.1;
-      const Eigen::VectorXd c = m.ldlt().solve(all_right - right[f]);
+      const Eigen::VectorXd c = linear::solve_symmetric(m, Eigen::VectorXd(all_right - right[f]));
       const double of_fold = squares[f] - 2.0 * c.dot(right[f]) + c.dot(Eigen::VectorXd(normal[f] * c));
       left += of_fold;
       worse += of_fold > 1.01 * squares[f] ? 1 : 0;
@@ -463,8 +463,7 @@ std::vector<std::vector<double>> ripple_cycles(const Problem& problem,
       }
       const double constant = right(0) * right(0) / normal(0, 0);
       best.emplace_back(
-          (right.dot(Eigen::Vector3d(normal.ldlt().solve(right))) - constant) / std::max(squares, 1e-300),
-          cycles);
+          (right.dot(linear::solve_symmetric(normal, right)) - constant) / std::max(squares, 1e-300), cycles);
     }
     std::sort(best.rbegin(), best.rend());
     out.emplace_back();

@@ -1,8 +1,8 @@
 // Predictions of held-out windows, see diagnose.hpp.
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 
+#include "host/linear/linear.hpp"
 #include "host/trees/diagnose.hpp"
 
 namespace furcula::trees {
@@ -24,7 +24,7 @@ Line through(const std::vector<double>& t, const std::vector<double>& y, int ord
   for (Eigen::Index i = 0; i < n; ++i)
     for (int k = 0; k <= order; ++k) a(i, k) = std::pow(t[static_cast<std::size_t>(i)] / kStart_s, k);
   const Eigen::Map<const Eigen::VectorXd> b(y.data(), n);
-  const Eigen::VectorXd c = a.colPivHouseholderQr().solve(b);
+  const Eigen::VectorXd c = linear::least_squares(a, Eigen::VectorXd(b));
   const double freedom = std::max(1.0, static_cast<double>(n - order - 1));
   return {c(0), c(1) / kStart_s, std::sqrt((b - a * c).squaredNorm() / freedom)};
 }

@@ -1,13 +1,14 @@
 // Logs of trees, see recording.hpp.
 #include "host/trees/recording.hpp"
 
-#include <Eigen/Dense>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include "host/core/error.hpp"
 #include "host/core/message.hpp"
+#include "host/linear/linear.hpp"
 #include "host/log/rigs.hpp"
 
 namespace furcula::trees {
@@ -130,7 +131,7 @@ double parabola(const Recording& r, std::size_t joint, std::size_t first, std::s
     normal += row * row.transpose();
     right += row * r.angle_rad[joint][k];
   }
-  return normal.ldlt().solve(right)(0);
+  return linear::solve_symmetric(normal, right)(0);
 }
 /// The last row up to `time_s`; at least five rows on, at most `last`.
 std::size_t last_before(const Recording& r, std::size_t first, double time_s, std::size_t last) {

@@ -1,7 +1,7 @@
 // What a fit says of the model's free parameters: those of drives as they are fitted, those of bodies as a URDF has them.
 #pragma once
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <optional>
 #include <string>
 #include <vector>

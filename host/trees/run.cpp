@@ -1,13 +1,13 @@
 // Trees in motion, see run.hpp.
 #include "host/trees/run.hpp"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
 
 #include "furcula/dynamics/tree/foothold.hpp"
+#include "host/linear/linear.hpp"
 #include "host/trees/rotor.hpp"
 
 namespace furcula::trees {
@@ -345,7 +345,7 @@ void Runner::follow(const Plant::Joints& q, Plant::Joints& v) const {
   }
   const auto left = point.times(v, setup_.joints.size());
   const Eigen::VectorXd rates =
-      by.completeOrthogonalDecomposition().solve(-Eigen::Vector3d(left.x, left.y, left.z));
+      linear::least_norm(by, Eigen::Vector3d(-Eigen::Vector3d(left.x, left.y, left.z)));
   for (std::size_t k = 0; k < led.size(); ++k) v[led[k]] = rates(static_cast<Eigen::Index>(k));
 }
 

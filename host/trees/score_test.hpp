@@ -1,7 +1,7 @@
 // The linear test of all candidates at once: what each would gain, and whether windows and recordings agree on it.
 #pragma once
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <cstddef>
 #include <vector>
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "host/core/parallel.hpp"
+#include "host/linear/linear.hpp"
 #include "host/trees/fit.hpp"
 
 namespace furcula::trees {
@@ -65,7 +66,7 @@ Eigen::VectorXd Problem::best_start(std::size_t window, const Eigen::VectorXd& l
   const Eigen::MatrixXd s = weight_.asDiagonal() * starts_[window].columns;
   Eigen::MatrixXd normal = s.transpose() * s;
   normal.diagonal() += starts_[window].precision;
-  return normal.llt().solve(s.transpose() * weight_.cwiseProduct(left));
+  return linear::solve_positive(normal, s.transpose() * weight_.cwiseProduct(left));
 }
 
 void Problem::weigh_bins(const std::vector<Eigen::VectorXd>& left) {
@@ -141,7 +142,7 @@ void Problem::weigh(const Hypothesis& h, const Hypothesis* of_starts) {
     s.columns = weight_.asDiagonal() * s.columns;
     Eigen::MatrixXd normal = s.columns.transpose() * s.columns;
     normal.diagonal() += s.precision;
-    s.inverse = normal.llt().solve(Eigen::MatrixXd::Identity(normal.rows(), normal.cols()));
+    s.inverse = linear::inverse_of_positive(normal);
     const Eigen::VectorXd& more = windows_[i].start_more;
     if (more.size() > 0) s.of_more = s.columns.leftCols(more.size()) * more;
   }

@@ -1,7 +1,7 @@
 // The windows of the recordings that a fit compares, and how large things are on this machine.
 #pragma once
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <cstddef>
 #include <span>
 #include <vector>
