@@ -187,14 +187,12 @@ void with_stages(const PlantSetup<T>& setup, const Recording& r, const Use& use)
   });
 }
 
-}  // namespace detail
-
-template <class T>
-void simulate(const PlantSetup<T>& setup, const Recording& r, const Window& w,
-              const std::type_identity_t<T>& position, const std::type_identity_t<T>& velocity,
-              const VisitRow<std::type_identity_t<T>>& visit) {
+/// simulate() with a visitor that is compiled into it.
+template <class T, class Visit>
+void run_through(const PlantSetup<T>& setup, const Recording& r, const Window& w, const T& position,
+                 const T& velocity, const Visit& visit) {
   const dynamics::Commands<double> commands = r.commands(), told = r.drive_commands();
-  detail::with_stages(setup, r, [&](auto& stages) {
+  with_stages(setup, r, [&](auto& stages) {
     auto& drive = stages.actuation().drive;
     drive.start(commands, w.first);
     // What the drive reports stands on the commands' clock, and is its answer to what it is told.
@@ -204,17 +202,16 @@ void simulate(const PlantSetup<T>& setup, const Recording& r, const Window& w,
       apart.emplace(setup.effects);
       apart->start(told, w.first);
     }
-    [[maybe_unused]] const bool clutched =
-        detail::start(stages, setup, r, w.first, w.last, position, velocity);
-    const detail::LeggedRecording<T> leg{r, skew_s};
+    [[maybe_unused]] const bool clutched = start(stages, setup, r, w.first, w.last, position, velocity);
+    const LeggedRecording<T> leg{r, skew_s};
     T x = position, v = velocity;
     std::size_t row = w.first;
-    const std::function<T()> leg_angle = [&] {
+    const auto leg_angle = [&] {
       T angle = detail::leg_angle<T>(stages.plant());
       // The leg's angle is on the commands' clock too, and the run is at the instants of the encoder's: what
       // the one is ahead of the other is taken from the measured angle.
       if (skew_s && !r.leg_angle.empty())
-        angle += r.leg_angle[row] - detail::interpolated(r.time_s, r.leg_angle, T(r.time_s[row] - *skew_s));
+        angle += r.leg_angle[row] - interpolated(r.time_s, r.leg_angle, T(r.time_s[row] - *skew_s));
       return angle;
     };
     for (std::size_t i = w.first; i < w.last; ++i) {
@@ -226,12 +223,24 @@ void simulate(const PlantSetup<T>& setup, const Recording& r, const Window& w,
         if (clutched) stages.plant().energise(r.solenoid[i] != 0.0);
       leg.lead(stages.plant(), i);
       stages.step(commands, i, interval_s);
-      x = detail::measured_position(stages, r, i + 1);
+      x = measured_position(stages, r, i + 1);
       v = stages.velocity();
       row = i + 1;
     }
     visit(w.last, x, v, T(r.input[w.last]), leg_angle);
   });
+}
+
+}  // namespace detail
+
+template <class T>
+void simulate(const PlantSetup<T>& setup, const Recording& r, const Window& w,
+              const std::type_identity_t<T>& position, const std::type_identity_t<T>& velocity,
+              const VisitRow<std::type_identity_t<T>>& visit) {
+  detail::run_through(setup, r, w, position, velocity,
+                      [&](std::size_t row, const T& x, const T& v, const T& drive, const auto& leg_angle) {
+                        visit(row, x, v, drive, std::cref(leg_angle));
+                      });
 }
 
 template <class T>

@@ -42,16 +42,16 @@ bool run_window(const WindowRun& run, double const* const* blocks, double* resid
   std::size_t motion = 0, drives = run.motion_rows() + run.contact_rows();
   const std::size_t first_leg = drives + run.drive_rows();
   std::size_t legs = first_leg;
-  simulate(setup, run.recording, run.window, position, velocity,
-           [&](std::size_t row, const T& x, const T& v, const T& drive, const auto& leg_angle) {
-             put(motion++, x, run.recording.position[row], run.weights.position);
-             if (run.weights.velocity > 0.0)
-               put(motion++, v, run.recording.velocity_smoothed[row], run.weights.velocity);
-             if (run.weights.drive > 0.0 && row < run.window.last)
-               put(drives++, drive, run.recording.drive[row], run.weights.drive);
-             if (run.weights.leg > 0.0)
-               put(legs++, leg_angle(), run.recording.leg_angle[row], run.weights.leg);
-           });
+  detail::run_through(setup, run.recording, run.window, position, velocity,
+                      [&](std::size_t row, const T& x, const T& v, const T& drive, const auto& leg_angle) {
+                        put(motion++, x, run.recording.position[row], run.weights.position);
+                        if (run.weights.velocity > 0.0)
+                          put(motion++, v, run.recording.velocity_smoothed[row], run.weights.velocity);
+                        if (run.weights.drive > 0.0 && row < run.window.last)
+                          put(drives++, drive, run.recording.drive[row], run.weights.drive);
+                        if (run.weights.leg > 0.0)
+                          put(legs++, leg_angle(), run.recording.leg_angle[row], run.weights.leg);
+                      });
   if (legs > first_leg) {
     const auto about_mean = [&](double* of, std::size_t columns) {
       take_off_column_means(of + first_leg * columns, legs - first_leg, columns);
