@@ -1,6 +1,7 @@
 // Base parameters: closed forms, published counts, and torques made of nothing else.
 #include "host/trees/base_parameters.hpp"
 
+#include <Eigen/LU>
 #include <numbers>
 #include <random>
 
