@@ -1,3 +1,4 @@
+// Axes and eigenvalues of symmetric matrices, see linear.hpp.
 #include <Eigen/Eigenvalues>
 
 #include "host/linear/linear.hpp"

@@ -1,3 +1,4 @@
+// Inverses and triangular factors, see linear.hpp.
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 

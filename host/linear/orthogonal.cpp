@@ -1,3 +1,4 @@
+// Least squares by orthogonal factors, see linear.hpp.
 #include <Eigen/QR>
 
 #include "host/linear/linear.hpp"
