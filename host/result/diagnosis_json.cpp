@@ -72,8 +72,10 @@ Json finding_json(const Finding& f) {
   return out;
 }
 
+std::string force_or_torque(const std::string& unit) { return unit == "N" ? "force" : "torque"; }
+
 Json predictable_json(const Predictable& p, const std::string& unit) {
-  return {{key_with_unit(unit == "N" ? "force" : "torque", unit), number(p.force)},
+  return {{key_with_unit(force_or_torque(unit), unit), number(p.force)},
           {"share_of_squares", number(p.share_of_squares)},
           {"standard_errors", number(p.standard_errors)},
           {"significant", p.significant}};
@@ -97,7 +99,7 @@ Json unexplained_json(const Diagnosis& d) {
               {"whiteness", nullptr}};
   if (!d.remainder) return out;
   const Remainder& r = *d.remainder;
-  const std::string force = r.unit == "N" ? "force" : "torque";
+  const std::string force = force_or_torque(r.unit);
   out["repeatability"] = {
       {key_with_unit("random_" + force, r.unit), number(r.random_force)},
       {key_with_unit("random_held_out_" + force, r.unit), number(r.random_force_held_out)},

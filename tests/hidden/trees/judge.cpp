@@ -221,11 +221,7 @@ Judgement judge(const Case& c, const Diagnosis& d) {
   std::vector<Labels> wordings = {{}};
   for (const Finding& f : d.findings) {
     std::vector<Labels> words = {{label(f.cause.effect, f.cause.at)}};
-    for (const auto& set : f.alike) {
-      Labels w;
-      w.insert(set.begin(), set.end());
-      words.push_back(w);
-    }
+    for (const auto& set : f.alike) words.emplace_back(set.begin(), set.end());
     std::vector<Labels> longer;
     for (const Labels& w : wordings)
       for (const Labels& more : words) {
