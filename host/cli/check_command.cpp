@@ -58,7 +58,8 @@ std::vector<std::string> header_columns(const CheckOptions& options, const log::
   for (const std::string& path : options.logs) {
     // What is read of a pipe is gone.
     std::error_code error;
-    if (!std::filesystem::is_regular_file(path, error)) continue;
+    if (!std::filesystem::is_regular_file(path, error) && !std::filesystem::is_directory(path, error))
+      continue;
     try {
       for (std::string& name : log::column_names(path, "tree", map)) names.insert(std::move(name));
     } catch (const core::DataError&) {  // which reading it says, too
@@ -100,10 +101,8 @@ void run(const CheckOptions& options) {
   std::string errors;
   for (const std::string& path : options.logs) {
     try {
-      const std::string own = rig.empty() ? log::rig_line(path) : rig;
-      if (own.empty())
-        throw core::DataError(
-            path + ":1: no line '# rig: ...' tells the rig; expected one, or --rig, --model or --map");
+      const std::string own = rig.empty() ? log::rig_line(path, map ? &*map : nullptr) : rig;
+      if (own.empty()) throw core::DataError(log::no_rig(path));
       const log::LogSummary summary = log::check_log(path, own, map ? &*map : nullptr);
       if (!summary.stamps.fatal().empty()) throw core::DataError(summary.stamps.fatal());
       // Which columns a robot's log must have, its joints say.
@@ -138,7 +137,7 @@ void add_check_command(CLI::App& app) {
   command->add_option("--model", options->model, "Model file, whose kind tells the rig");
   command->add_option("--map", options->map, "Map file, for logs with other columns");
   command->add_flag("--accept-inertias", options->accept_inertias, kAcceptInertias);
-  command->add_option("LOG", options->logs, "Logs (CSV)")->required();
+  command->add_option("LOG", options->logs, "Logs (CSV, or ROS 2 bags)")->required();
   command->callback([options] { run(*options); });
 }
 

@@ -10,6 +10,7 @@ void add_data_commands(CLI::App& app, PlayGait play) {
   add_demo_command(app);
   add_effects_command(app);
   add_check_command(app);
+  add_convert_command(app);
 }
 
 }  // namespace furcula::cli

@@ -63,7 +63,7 @@ void RecordingOptions::add_to(CLI::App& command) {
   command.add_flag("--accept-inertias", accept_inertias, kAcceptInertias);
   command.add_option("--threads", threads, "Threads; the result is the same for any number");
   command.add_option("--seed", seed, "Seed of the choice of held-out logs")->capture_default_str();
-  command.add_option("logs", logs, "Logs (furcula-log/1, or as the map says), at least one");
+  command.add_option("logs", logs, "Logs (furcula-log/1, or as the map says) or ROS 2 bags, at least one");
 }
 
 unsigned RecordingOptions::thread_count() const {

@@ -149,7 +149,8 @@ ColumnMap parse_column_map(std::string_view text_of_file, const std::string& nam
   const RigInfo* rig = rig_of(file, name);
   ColumnMap map{name, rig == nullptr ? std::string{} : std::string(rig->name), {}, {}, '.'};
 
-  std::vector<std::string_view> known{"rig", "separator", "decimal"};
+  constexpr std::ptrdiff_t kKeys = 4;  // beside columns
+  std::vector<std::string_view> known{"rig", "separator", "decimal", "topic"};
   for (const auto& [key, node] : file)
     if (column_of(rig, key.str()) != nullptr) known.push_back(key.str());
   for (const RigInfo& r : kRigs) {
@@ -158,8 +159,8 @@ ColumnMap parse_column_map(std::string_view text_of_file, const std::string& nam
     for (const ColumnPattern& p : r.patterns) known.push_back(p.info.name);
   }
   if (rig == nullptr) {  // rigs share names
-    std::sort(known.begin() + 3, known.end());
-    known.erase(std::unique(known.begin() + 3, known.end()), known.end());
+    std::sort(known.begin() + kKeys, known.end());
+    known.erase(std::unique(known.begin() + kKeys, known.end()), known.end());
   }
   core::refuse_unknown_keys(file, name, rig == nullptr ? "the map" : "the map of rig " + map.rig, known);
   map.separator = sign_of(file, name, "separator", ",;|\t ",
@@ -169,14 +170,19 @@ ColumnMap parse_column_map(std::string_view text_of_file, const std::string& nam
   if (map.separator == map.decimal)
     fail(name, file.get("decimal")->source(),
          R"(decimal = "," where the columns are separated by commas; expected separator = ";" beside it)");
+  if (const toml::node* topic = file.get("topic")) {
+    map.topic = text(*topic, name, "topic");
+    if (map.topic.empty())
+      fail(name, topic->source(), "topic is empty; expected a topic of a ROS 2 bag, as in \"/joint_states\"");
+  }
   for (const auto& [key, node] : file) {
     const std::string ours(key.str());
-    if (ours == "rig" || ours == "separator" || ours == "decimal") continue;
+    if (ours == "rig" || ours == "separator" || ours == "decimal" || ours == "topic") continue;
     map.columns.emplace(ours, parse_mapped(node, name, ours, column_of(rig, ours)->kind));
   }
-  if (map.columns.empty() && !map.separator && file.get("decimal") == nullptr)
+  if (map.columns.empty() && !map.separator && file.get("decimal") == nullptr && map.topic.empty())
     fail(name, file.source(),
-         "no column is mapped, and no separator or decimal sign is given; expected lines such as "
+         "no column is mapped, and no separator, decimal sign or topic is given; expected lines such as "
          "time_s = { column = \"theirs\" } or separator = \";\"");
   return map;
 }

@@ -31,7 +31,10 @@ struct ColumnMap {
   std::map<std::string, MappedColumn> columns;  ///< our name -> theirs
   std::optional<char>
       separator;  ///< between columns: ',', ';', '|', a tab, or ' ' for runs of blanks; none: seen in the log
-  char decimal = '.';  ///< '.' or ','
+  char decimal = '.';   ///< '.' or ','
+  std::string topic{};  ///< of a bag, whose messages give the rows; empty: it is chosen
+  bool all_topics =
+      false;  ///< of a bag, all topics with numbers are read, not only joint states and those that are named
 };
 
 /// Reads a map file. @throws DataError: not readable, not TOML, unknown rig or column, wrong type, scale 0,

@@ -85,9 +85,6 @@ constexpr Kind kFiles[]{
      "py from asammdf import MDF; MDF(FILE).to_dataframe().to_csv(CSV)", true},
     // Recordings of robots.
     {"#ROSBAG V"sv, "a ROS bag", "write a topic as CSV", "rostopic echo -b FILE -p /joint_states > CSV"},
-    {"\x89MCAP0\r\n"sv, "a ROS 2 bag or another MCAP file",
-     "load it in PlotJuggler and export the signals as CSV, or play it (ros2 bag play) while ros2 topic echo --csv "
-     "writes the topic"},
     {"ULog\x01\x12\x35"sv, "a log of PX4 (.ulg)", "convert it, with pyulog", "ulog2csv FILE"},
     {"\xa3\x95\x80"sv, "a log of ArduPilot (.bin)", "convert it, with pymavlink",
      "mavlogdump.py --format csv --types ATT FILE > CSV"},
@@ -148,11 +145,7 @@ std::string other_file(std::string_view head, const std::string& path) {
   if (head.starts_with("PK\x03\x04"sv)) return zip_file(head, path);
   if (head.starts_with("SQLite format 3\0"sv)) {
     if (contains(head, "CREATE TABLE messages"))
-      return sentence(
-          "a ROS 2 bag (.db3)",
-          "load it in PlotJuggler and export the signals as CSV, or play it (ros2 bag play) while ros2 "
-          "topic echo --csv writes the topic",
-          {}, path);
+      return sentence("a ROS 2 bag (.db3)", "give the path of its file or directory, not a pipe", {}, path);
     return sentence("a database (SQLite)", "write a table of it as CSV, with its name in place of TABLE",
                     "sqlite3 -header -csv FILE \"select * from TABLE\" > CSV", path);
   }

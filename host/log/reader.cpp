@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "host/bags/bag_text.hpp"
 #include "host/core/byte_source.hpp"
 #include "host/core/message.hpp"
 #include "host/log/bad_rows.hpp"
@@ -33,12 +34,47 @@ const RigInfo& known_rig(const std::string& name) {
   return *rig;
 }
 
+constexpr const char* kExpected = "a log (CSV)";
+
+/// A log that is open, and the map to read it with.
+struct Input {
+  bags::Opened opened;
+  std::optional<ColumnMap> of_bag;  ///< the map without what says how a CSV file is written
+  const ColumnMap* map;
+
+  Input(bags::Opened log, const ColumnMap* given) : opened(std::move(log)), map(given) {
+    if (!opened.bag || map == nullptr) return;
+    of_bag = *map;
+    of_bag->separator.reset();
+    of_bag->decimal = '.';
+    map = &*of_bag;
+  }
+  Input(const Input&) = delete;
+  Input& operator=(const Input&) = delete;
+};
+
+bags::Wish wish_of(const ColumnMap* map) {
+  bags::Wish wish;
+  if (map == nullptr) return wish;
+  wish.topic = map->topic;
+  wish.map = map->path;
+  wish.all_topics = map->all_topics;
+  for (const auto& [ours, mapped] : map->columns)
+    for (const MappedPart& part : mapped.parts) wish.columns.push_back(part.column);
+  return wish;
+}
+
+Input open(const std::string& path, const ColumnMap* map) {
+  return {bags::open_log(path, kExpected, wish_of(map)), map};
+}
+
 /// Goes through a log row by row. What `on_header` gives is called for each row with the values in the order of LogHeader::columns, NaN where
 /// a column that is not required holds something else than a number, and the line at which it begins.
 template <class OnHeader>
-Visited visit(core::ByteSource& source, const std::string& name, const std::string& rig_name,
-              const ColumnMap* map, const OnHeader& on_header, std::size_t most_named) {
-  RecordStream records(source, name);
+Visited visit(const Input& input, const std::string& name, const std::string& rig_name,
+              const OnHeader& on_header, std::size_t most_named) {
+  const ColumnMap* map = input.map;
+  RecordStream records(*input.opened.text, name);
   const Layout layout = read_layout(records, known_rig(rig_name), map);
   const auto visitor = on_header(layout.header);
   RowReader rows(records, layout);
@@ -107,7 +143,8 @@ Visited visit(core::ByteSource& source, const std::string& name, const std::stri
   Visited v;
   LogSummary& summary = v.summary;
   summary.header = layout.header;
-  summary.notes = layout.notes;
+  summary.notes = input.opened.notes;
+  summary.notes.insert(summary.notes.end(), layout.notes.begin(), layout.notes.end());
   for (std::string& note : order.notes()) summary.notes.push_back(std::move(note));
   if (comments != 0)
     summary.notes.push_back(name + ": " + std::to_string(comments) +
@@ -134,11 +171,11 @@ Visited visit(core::ByteSource& source, const std::string& name, const std::stri
   return v;
 }
 
-Log collect(core::ByteSource& source, const std::string& name, const std::string& rig, const ColumnMap* map) {
+Log collect(const Input& input, const std::string& name, const std::string& rig) {
   std::vector<std::vector<double>> columns;
   std::vector<std::uint32_t> lines;
   Visited v = visit(
-      source, name, rig, map,
+      input, name, rig,
       [&](const LogHeader& header) {
         columns.resize(header.columns.size());
         return [&](std::span<const double> values, std::uint64_t line) {
@@ -179,17 +216,21 @@ Log collect(core::ByteSource& source, const std::string& name, const std::string
 }  // namespace
 
 Log read_log(const std::string& path, const std::string& rig, const ColumnMap* map) {
-  core::FileSource source(path, "a log (CSV)");
-  return collect(source, path, rig, map);
+  std::string own = rig;
+  if (own.empty() && map != nullptr) own = map->rig;
+  const Input input = open(path, map);
+  if (own.empty()) own = input.opened.bag ? (input.opened.joint_states ? "tree" : "") : rig_line(path, map);
+  if (own.empty()) throw core::DataError(no_rig(path));
+  return collect(input, path, own);
 }
 
 LogSummary check_log(const std::string& path, const std::string& rig, const ColumnMap* map) {
-  core::FileSource source(path, "a log (CSV)");
+  const Input input = open(path, map);
   std::optional<StampJudge> judge;
   std::vector<std::size_t> positions;
   LogSummary summary =
       visit(
-          source, path, rig, map,
+          input, path, rig,
           [&](const LogHeader& header) {
             const auto at = [&](const std::string& name) {
               return static_cast<std::size_t>(std::find(header.columns.begin(), header.columns.end(), name) -
@@ -208,21 +249,26 @@ LogSummary check_log(const std::string& path, const std::string& rig, const Colu
   return summary;
 }
 
-std::string rig_line(const std::string& path) {
-  core::FileSource source(path, "a log (CSV)");
-  RecordStream records(source, path);
+std::string rig_line(const std::string& path, const ColumnMap* map) {
+  const Input input = open(path, map);
+  if (input.opened.bag) return input.opened.joint_states ? "tree" : "";
+  RecordStream records(*input.opened.text, path);
   return read_rig_line(records);
 }
 
+std::string no_rig(const std::string& path) {
+  return path + ":1: no line '# rig: ...' tells the rig; expected one, or --rig, --model or --map";
+}
+
 std::vector<std::string> column_names(const std::string& path, const std::string& rig, const ColumnMap* map) {
-  core::FileSource source(path, "a log (CSV)");
-  RecordStream records(source, path);
-  return read_layout(records, known_rig(rig), map).header.columns;
+  const Input input = open(path, map);
+  RecordStream records(*input.opened.text, path);
+  return read_layout(records, known_rig(rig), input.map).header.columns;
 }
 
 Log parse_log(std::string_view text, const std::string& name, const std::string& rig, const ColumnMap* map) {
   core::TextSource source(text);
-  return collect(source, name, rig, map);
+  return collect({bags::open_log(source, name, wish_of(map)), map}, name, rig);
 }
 
 }  // namespace furcula::log

@@ -1,4 +1,5 @@
-// Reads `furcula-log/1` (docs/contracts.md, section 1): into memory, or row by row in bounded memory.
+// Reads `furcula-log/1` (docs/contracts.md, section 1): into memory, or row by row in bounded memory. A path may name a ROS 2 bag, too: it is
+// read as the log that host/bags/bag_text.hpp makes of it.
 #pragma once
 
 #include <cstddef>
@@ -43,7 +44,8 @@ struct LogSummary {
 /// Of a log whose rows are not kept.
 inline constexpr std::size_t kMostNamed = 1000;
 
-/// Reads a log into memory. `rig` is that of the model's kind; the `# rig:` line, if there, must agree.
+/// Reads a log into memory. `rig` is that of the model's kind; the `# rig:` line, if there, must agree. Empty: the log's own, or tree of a bag
+/// with joint states.
 ///
 /// A row that is ragged or torn, holds something else than finite numbers, an empty cell or a flag that is not 0 or 1, or whose time does not
 /// increase (time_order.hpp) is left out and named in `refused`. If there are more of them than a twentieth of the rows (kMostRefused), the
@@ -55,15 +57,18 @@ Log read_log(const std::string& path, const std::string& rig, const ColumnMap* m
 /// Checks a log as read_log does, in memory that does not grow with the file.
 LogSummary check_log(const std::string& path, const std::string& rig, const ColumnMap* map = nullptr);
 
-/// The rig that the log's own `# rig:` line names, or nothing where it has none. Reads up to the header row.
+/// The rig that the log's own `# rig:` line names, or nothing where it has none; of a bag with joint states tree. Reads up to the header row.
 /// @throws core::DataError naming file and line: not readable, empty, no such rig.
-std::string rig_line(const std::string& path);
+std::string rig_line(const std::string& path, const ColumnMap* map = nullptr);
+
+/// The message of a log that names no rig.
+std::string no_rig(const std::string& path);
 
 /// The names of a log's columns, after the map. Reads up to the header row. @throws core::DataError, as read_log does of a header row.
 std::vector<std::string> column_names(const std::string& path, const std::string& rig,
                                       const ColumnMap* map = nullptr);
 
-/// As read_log, on text; `name` stands for the path in messages.
+/// As read_log, on text or a bag's bytes; `name` stands for the path in messages.
 Log parse_log(std::string_view text, const std::string& name, const std::string& rig,
               const ColumnMap* map = nullptr);
 
