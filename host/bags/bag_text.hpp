@@ -17,6 +17,7 @@ struct Wish {
       columns;              ///< that a map names, as the bag's: "/imu/angular_velocity/x", "angle_elbow_rad"
   std::string map;          ///< its path, for messages
   bool all_topics = false;  ///< all that have numbers, not only joint states and what the map names
+  bool joints_alone = false;  ///< without joint states and columns that a map names it is refused
 };
 
 /// A log, or what is a bag as the text of one.

@@ -80,6 +80,16 @@ std::vector<std::string> listed_files(const fs::path& metadata) {
   return out;
 }
 
+/// The name of a bag's file without the number of its part: run for run_0.mcap.
+std::string name_of_bag(const fs::path& file) {
+  std::string name = file.filename().string();
+  name.erase(name.find_last_of('.'));
+  if (name.ends_with(".mcap") || name.ends_with(".db3")) name.erase(name.find_last_of('.'));
+  const std::size_t last = name.find_last_not_of("0123456789");
+  if (last != name.npos && last + 1 < name.size() && name[last] == '_') name.erase(last);
+  return name;
+}
+
 /// A file that is gone at the end.
 class TemporaryFile {
  public:
@@ -155,7 +165,8 @@ void read_bag_directory(const std::string& path, Sink& sink) {
           "names");
     files.push_back(std::move(file));
   }
-  if (files.empty()) {
+  const bool listed = !files.empty();
+  if (!listed) {
     for (fs::directory_iterator at(path, error), end; !error && at != end; at.increment(error))
       if (std::error_code ignored; has_bag_name(at->path().string()) && at->is_regular_file(ignored))
         files.push_back(at->path());
@@ -167,6 +178,10 @@ void read_bag_directory(const std::string& path, Sink& sink) {
         path +
         ": is a directory without a bag; expected a log (CSV), or a directory with .mcap or "
         ".db3 files, as ros2 bag record writes");
+  if (!listed && name_of_bag(files.front()) != name_of_bag(files.back()))
+    throw core::DataError(path + ": has files of several recordings and no metadata.yaml, as " +
+                          files.front().filename().string() + " and " + files.back().filename().string() +
+                          "; expected the directory of one bag: give the files by their names");
   for (const fs::path& file : files) {
     core::FileSource source(file.string(), "a bag's file");
     std::string head(kHead, '\0');

@@ -71,7 +71,7 @@ Join::Join(const Recording& recording, const std::string& path, const Wish& wish
   if (joints_ != nullptr) add_joint_columns();
   add_wished(wish);
   if (wish.all_topics) add_others();
-  if (streams_.empty()) {
+  if (streams_.empty() || (wish.joints_alone && joints_ == nullptr && wish.columns.empty())) {
     for (const Topic& t : recording.topics)
       if (t.joint_states && t.unread != 0)
         fail("no message of " + core::quoted(t.channel.topic) + " can be read, of " + t.first_unread);

@@ -218,7 +218,9 @@ Log collect(const Input& input, const std::string& name, const std::string& rig)
 Log read_log(const std::string& path, const std::string& rig, const ColumnMap* map) {
   std::string own = rig;
   if (own.empty() && map != nullptr) own = map->rig;
-  const Input input = open(path, map);
+  bags::Wish wish = wish_of(map);
+  wish.joints_alone = own.empty();
+  const Input input(bags::open_log(path, kExpected, wish), map);
   if (own.empty()) own = input.opened.bag ? (input.opened.joint_states ? "tree" : "") : rig_line(path, map);
   if (own.empty()) throw core::DataError(no_rig(path));
   return collect(input, path, own);

@@ -198,6 +198,12 @@ TEST_CASE("a directory without a bag, and a bag that lacks a file, are refused")
           "is a directory without a bag; expected a log (CSV), or a directory with .mcap or .db3 files"));
   folder.file("metadata.yaml",
               "rosbag2_bagfile_information:\n  relative_file_paths:\n    - gone_0.db3\n  duration:\n");
+  const test::TemporaryFolder several;
+  several.file("monday.mcap", "");
+  several.file("tuesday.mcap", "");
+  CHECK_THAT(
+      test::error_message([&] { log::read_log(several.path(), "tree"); }),
+      Contains("has files of several recordings and no metadata.yaml, as monday.mcap and tuesday.mcap"));
   CHECK_THAT(test::error_message([&] { log::read_log(folder.path(), "tree"); }),
              Contains("metadata.yaml: lists 'gone_0.db3', which is not there"));
 }
@@ -227,6 +233,10 @@ TEST_CASE("furcula convert says what it cannot read, with status 3") {
   CHECK_THAT(two.err, Contains("2 topics of joint states"));
   CHECK(test::run_furcula({"convert", data("two_robots.mcap"), "--topic", "/left/joint_states", "--out", out})
             .status == 0);
+  const test::Ran no_joints = test::run_furcula({"convert", data("no_joints.mcap"), "--out", out});
+  CHECK(no_joints.status == 3);
+  CHECK_THAT(no_joints.err,
+             Contains("no joint states") && Contains("/state (State, 40 messages): foot/force[0]"));
   CHECK(test::run_furcula({"convert", data("arm.mcap"), "--out", data("arm.mcap")}).status == 2);
   const test::Ran none = test::run_furcula({"convert", folder.path() + "/none.mcap", "--out", out});
   CHECK(none.status == 3);
