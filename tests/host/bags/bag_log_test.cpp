@@ -94,7 +94,7 @@ TEST_CASE("topics that a map names are interpolated at the rows' times, commands
     const double t = 0.004 * static_cast<double>(row);
     CHECK(log.at("angle_hip_rad")[i] == Approx(0.5 * t).margin(1e-15));
     CHECK(log.at("angle_imu_rad")[i] == Approx(3.0 * t).margin(1e-12));
-    CHECK(log.at("torque_cmd_hip_nm")[i] == static_cast<double>((row - 1) / 10 * 10));
+    CHECK(log.at("torque_cmd_hip_nm")[i] == static_cast<double>(row - 1 - (row - 1) % 10));
     CHECK(log.at("contact_foot")[i] == (t >= 0.15 ? 1.0 : 0.0));
   }
   CHECK_THAT(notes_of(log),

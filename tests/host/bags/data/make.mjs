@@ -3,6 +3,7 @@
 //
 //   npm install --no-save @mcap/core @foxglove/rosmsg @foxglove/rosmsg2-serialization
 //   node make.mjs arm.csv            # arm.csv: a log that `furcula sim` wrote, cut to 80 rows
+//   node make.mjs log RUN.csv OUT    # a log as one MCAP file
 //   node make.mjs large OUT MESSAGES # a large MCAP file of joint states, to measure with
 import { McapWriter } from "@mcap/core";
 import { parse } from "@foxglove/rosmsg";
@@ -109,20 +110,28 @@ async function large(path, count) {
   await mcap(path, messages(), { stream: true, writer: { useChunks: true, chunkSize: 4 << 20 } });
 }
 
-async function all(csv) {
+const ZSTD = { useChunks: true, chunkSize: 4096, compressChunk: (d) => ({ compression: "zstd", compressedData: zstd(d) }) };
+
+/** A log of the double pendulum as messages: joint states and commands. */
+function messagesOf(csv) {
   const lines = readFileSync(csv, "utf8").split("\n").filter((l) => l && !l.startsWith("#"));
   const columns = lines[0].split(",");
   const rows = lines.slice(1).map((l) => Object.fromEntries(l.split(",").map((v, i) => [columns[i], Number(v)])));
-  const JS = "sensor_msgs/msg/JointState";
-  const arm = [];
+  const out = [];
   rows.forEach((r, i) => {
     const ns = T0 + BigInt(Math.round(r.time_s * 1e9));
     // The order of names changes, as it may.
     const names = i % 3 === 1 ? ["elbow", "shoulder"] : ["shoulder", "elbow"];
-    arm.push(["/joint_states", JS, ns + 700000n, jointState(ns, names, names.map((n) => r[`angle_${n}_rad`]), [], names.map((n) => r[`torque_${n}_nm`]))]);
-    arm.push(["/effort_controller/commands", "std_msgs/msg/Float64MultiArray", ns, { layout: { dim: [], data_offset: 0 }, data: [r.torque_cmd_shoulder_nm, r.torque_cmd_elbow_nm] }]);
+    out.push(["/joint_states", "sensor_msgs/msg/JointState", ns + 700000n, jointState(ns, names, names.map((n) => r[`angle_${n}_rad`]), [], names.map((n) => r[`torque_${n}_nm`]))]);
+    out.push(["/effort_controller/commands", "std_msgs/msg/Float64MultiArray", ns, { layout: { dim: [], data_offset: 0 }, data: [r.torque_cmd_shoulder_nm, r.torque_cmd_elbow_nm] }]);
   });
-  await mcap("arm.mcap", arm, { writer: { useChunks: true, chunkSize: 4096, compressChunk: (d) => ({ compression: "zstd", compressedData: zstd(d) }) } });
+  return out;
+}
+
+async function all(csv) {
+  const JS = "sensor_msgs/msg/JointState";
+  const arm = messagesOf(csv);
+  await mcap("arm.mcap", arm, { writer: ZSTD });
   const few = arm.slice(0, 40);
   await mcap("plain.mcap", few, { writer: { useChunks: false, useStatistics: false, useSummaryOffsets: false, repeatSchemas: false, repeatChannels: false } });
   await mcap("chunks.mcap", few, { writer: { useChunks: true, chunkSize: 1500 } });
@@ -181,5 +190,6 @@ async function all(csv) {
   db3("messages_zstd.db3", few.slice(0, 20), zstd);
 }
 
-if (process.argv[2] === "large") await large(process.argv[3], Number(process.argv[4]));
+if (process.argv[2] === "log") await mcap(process.argv[4], messagesOf(process.argv[3]), { writer: { ...ZSTD, chunkSize: 1 << 20 } });
+else if (process.argv[2] === "large") await large(process.argv[3], Number(process.argv[4]));
 else await all(process.argv[2]);
