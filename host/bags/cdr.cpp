@@ -57,6 +57,8 @@ class Walk {
       : definition_(definition), cursor_(cursor), to_(to), take_(take) {}
 
   void message(const MessageForm& form, bool used) {
+    // Parts without any byte cost time alone: a definition may have billions of them.
+    if (++parts_ > kMostParts + cursor_.left()) throw Unreadable{"it has too many parts"};
     const bool time = form.type == "builtin_interfaces/Time" && used && form.fields.size() == 2;
     const std::size_t first = to_.values.size();
     for (const Field& f : form.fields) {
@@ -71,6 +73,8 @@ class Walk {
   }
 
  private:
+  static constexpr std::size_t kMostParts = 100000;
+
   void field(const Field& f, bool used) {
     std::uint64_t count = f.count == Field::Count::fixed ? f.fixed : 1;
     if (f.count == Field::Count::sequence) {
@@ -91,9 +95,11 @@ class Walk {
       const bool elements = used && count <= kMostElements;
       ++depth_;
       for (std::uint64_t i = 0; i < count; ++i) {
+        const std::size_t before = cursor_.left();
         if (array) take_.element(i);
         message(definition_.messages[f.message], elements);
         if (array) take_.leave();
+        if (cursor_.left() == before) break;  // nor do the others
       }
       --depth_;
     } else if (!used || count > kMostElements || to_.values.size() + count > kMostValues) {
@@ -113,6 +119,7 @@ class Walk {
   Decoded& to_;
   const Take& take_;
   int depth_ = 0;
+  std::size_t parts_ = 0;
 };
 
 struct NoNames {

@@ -13,6 +13,7 @@ namespace furcula::bags {
 namespace {
 
 constexpr std::size_t kMostMessages = 1000;
+constexpr std::size_t kMostFields = 10000;
 constexpr int kDeepest = 32;
 
 constexpr std::array<std::pair<std::string_view, FieldType>, 15> kTypes{{
@@ -156,6 +157,7 @@ class Parser {
     // A constant: NAME=value, NAME =value.
     if (name.find('=') != name.npos) return;
     if (std::string_view more = rest; next_word(more).starts_with('=')) return;
+    if (++fields_ > kMostFields) fail("has more than 10000 fields");
     Field field;
     field.name = name;
     if (!take_count(type, field)) fail("has the line " + core::quoted(line));
@@ -177,6 +179,7 @@ class Parser {
   std::map<std::string, std::string_view> texts_;
   std::map<std::string, std::pair<std::size_t, bool>> known_;  ///< index, and whether it is not complete yet
   Definition out_;
+  std::size_t fields_ = 0;
 };
 
 }  // namespace

@@ -471,6 +471,13 @@ void Join::say() {
              : "; its time is the " + std::string(j.by_stamp ? "header stamp" : "time of recording")) +
         "."));
   }
+  for (const Joined& j : streams_) {
+    const std::uint64_t others = j.topic->messages - j.topic->unread - j.stream->messages();
+    if (j.topic->joint_states || others == 0) continue;
+    notes_.push_back(printable(path_ + ": " + counted(others, "message", "messages") + " of " +
+                               j.topic->channel.topic +
+                               " with sequences of other lengths, or other keys, were left out."));
+  }
   for (const Topic& t : recording_.topics) {
     if (t.unread == 0) continue;
     const bool used =

@@ -126,6 +126,13 @@ TEST_CASE("a type of the robot's own is read by the definition in the file") {
   }
 }
 
+TEST_CASE("a database that stores definitions is read by them") {
+  const log::Log log = read("defined.db3", "angle_a_rad = { column = \"/drive/ticks\", scale = -1 }\n");
+  REQUIRE(log.rows() > 10);
+  for (std::size_t i = 0; i < log.rows(); ++i)
+    CHECK(log.at("angle_a_rad")[i] == Approx(log.time_s()[i] / 0.005).margin(1e-9));
+}
+
 TEST_CASE("numbers of JSON messages are named by their paths") {
   const log::Log log = read("no_joints.mcap", "angle_a_rad = { column = \"/state/foot/force[1]\" }\n");
   REQUIRE(log.rows() == 40);
@@ -143,6 +150,11 @@ TEST_CASE("an arm and its gripper that publish on one topic become one log") {
     CHECK(log.at("angle_elbow_rad")[i] == Approx(0.02 * static_cast<double>(i)).margin(1e-15));
     CHECK(log.at("angle_finger_rad")[i] == Approx(static_cast<double>(i)));
   }
+}
+
+TEST_CASE("a map reads a joint that slides by the path of its position") {
+  CHECK(read("mixed.mcap", "position_hip_m = { column = \"/joint_states/hip/position\" }\n")
+            .at("position_hip_m") == read("mixed.mcap").at("angle_hip_rad"));
 }
 
 TEST_CASE("efforts that are no numbers make no column") {

@@ -87,6 +87,21 @@ TEST_CASE("a message that ends before its fields, or claims more than it holds, 
              Contains("the CDR representation 3; expected plain CDR"));
 }
 
+TEST_CASE("parts without any byte cost no time, however many a definition claims") {
+  bags::Decoded to;
+  CHECK(decoder("B[4000000000] b\nuint8 a\n===\nMSG: a_msgs/B\nuint8[0] none\n")
+            .decode(kLittle + "\5", to)
+            .empty());
+  CHECK(to.values == std::vector<double>{5.0});
+  std::string text = "P0 p\n";
+  for (int i = 0; i < 30; ++i) {
+    const std::string next =
+        i < 29 ? "P" + std::to_string(i + 1) + " a\nP" + std::to_string(i + 1) + " b\n" : "uint8[0] a\n";
+    text += "===\nMSG: a_msgs/P" + std::to_string(i) + "\n" + next;
+  }
+  CHECK_THAT(decoder(text).decode(kLittle, to), Contains("it has too many parts"));
+}
+
 TEST_CASE("definitions that no message can have are refused") {
   CHECK_THAT(refused("a_msgs/B b\n===\nMSG: a_msgs/B\na_msgs/B again\n"),
              Contains("'a_msgs/B', which contains itself"));

@@ -78,17 +78,23 @@ async function mcap(path, messages, options = {}) {
   file?.end();
 }
 
-// The tables as rosbag2_storage_sqlite3 of ROS 2 Humble makes them.
-function db3(path, messages, compress = (bytes) => bytes) {
+// The tables as rosbag2_storage_sqlite3 of ROS 2 Humble makes them; `defined`: as since Iron, with the types' definitions.
+function db3(path, messages, compress = (bytes) => bytes, defined = false) {
   rmSync(path, { force: true });
   const topics = [...new Map(messages.map(([topic, type]) => [topic, type]))];
   let sql =
     "CREATE TABLE schema(schema_version INTEGER PRIMARY KEY,ros_distro TEXT NOT NULL);\n" +
     "CREATE TABLE metadata(id INTEGER PRIMARY KEY,metadata_version INTEGER NOT NULL,metadata TEXT NOT NULL);\n" +
-    "CREATE TABLE topics(id INTEGER PRIMARY KEY,name TEXT NOT NULL,type TEXT NOT NULL,serialization_format TEXT NOT NULL,offered_qos_profiles TEXT NOT NULL);\n" +
+    "CREATE TABLE topics(id INTEGER PRIMARY KEY,name TEXT NOT NULL,type TEXT NOT NULL,serialization_format TEXT NOT NULL,offered_qos_profiles TEXT NOT NULL" + (defined ? ",type_description_hash TEXT NOT NULL" : "") + ");\n" +
     "CREATE TABLE messages(id INTEGER PRIMARY KEY,topic_id INTEGER NOT NULL,timestamp INTEGER NOT NULL, data BLOB NOT NULL);\n" +
-    "CREATE INDEX timestamp_idx ON messages (timestamp ASC);\nINSERT INTO schema VALUES(3,'humble');\n";
-  topics.forEach(([topic, type], i) => (sql += `INSERT INTO topics VALUES(${i + 1},'${topic}','${type}','cdr','');\n`));
+    "CREATE INDEX timestamp_idx ON messages (timestamp ASC);\n" +
+    (defined
+      ? "INSERT INTO schema VALUES(4,'jazzy');\nCREATE TABLE message_definitions(id INTEGER PRIMARY KEY,topic_type TEXT NOT NULL,encoding TEXT NOT NULL,encoded_message_definition TEXT NOT NULL,type_description_hash TEXT NOT NULL);\n"
+      : "INSERT INTO schema VALUES(3,'humble');\n");
+  topics.forEach(([topic, type], i) => {
+    sql += `INSERT INTO topics VALUES(${i + 1},'${topic}','${type}','cdr',''${defined ? ",''" : ""});\n`;
+    if (defined) sql += `INSERT INTO message_definitions VALUES(${i + 1},'${type}','ros2msg','${TYPES[type]}','');\n`;
+  });
   for (const [topic, type, log, object] of messages) {
     const data = Buffer.from(compress(writers[type].writeMessage(object))).toString("hex");
     sql += `INSERT INTO messages(topic_id,timestamp,data) VALUES(${topics.findIndex(([t]) => t === topic) + 1},${log},x'${data}');\n`;
@@ -157,6 +163,7 @@ async function all(csv) {
   }
   mixed.sort((a, b) => (a[2] < b[2] ? -1 : a[2] > b[2] ? 1 : 0));
   await mcap("mixed.mcap", mixed, { writer: { useChunks: true, compressChunk: (d) => ({ compression: "zstd", compressedData: zstd(d) }) } });
+  db3("defined.db3", mixed.filter(([topic]) => topic === "/joint_states" || topic === "/drive").slice(0, 30), zstd, true);
   await mcap("no_joints.mcap", mixed.filter(([topic]) => topic !== "/joint_states"), { writer: { useChunks: true, compressChunk: (d) => ({ compression: "zstd", compressedData: zstd(d) }) } });
 
   // A simulation that is reset after 30 rows, with an IMU beside.
