@@ -144,6 +144,10 @@ void Join::choose_joints(const Wish& wish) {
       return;
     }
   }
+  // Commands in the form of joint states, beside what was measured.
+  const auto measured =
+      std::stable_partition(with.begin(), with.end(), [](const Topic* t) { return !is_command(t->channel); });
+  if (measured != with.begin()) with.erase(measured, with.end());
   if (with.size() == 1) joints_ = with.front();
   if (with.size() < 2) return;
   // A map that names topics needs no choice.
@@ -261,9 +265,9 @@ void Join::add_wished(const Wish& wish) {
 
 void Join::add_others() {
   for (const Topic& t : recording_.topics) {
-    if (&t == joints_) continue;
     const Stream* s = largest(t);
-    if (s == nullptr) continue;
+    // What nodes say of themselves is no signal.
+    if (&t == joints_ || s == nullptr || t.channel.type.starts_with("rcl_interfaces/")) continue;
     for (std::size_t i = 0; i < s->names.size(); ++i)
       if (!is_stamp(s->names[i]) && !is_about_others(s->names[i]))
         add(t, *s, i, t.channel.topic + "/" + s->names[i], false);

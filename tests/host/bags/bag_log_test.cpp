@@ -173,6 +173,16 @@ TEST_CASE("of two robots one must be chosen") {
              Contains("no topic '/rihgt/joint_states' (did you mean '/right/joint_states'?)"));
 }
 
+TEST_CASE("commands in the form of joint states are not taken for the robot") {
+  const log::Log log =
+      read("commands.mcap", "angle_cmd_elbow_rad = { column = \"/joint_commands/elbow/position\" }\n");
+  const std::vector<double>& measured = log.at("angle_elbow_rad");
+  CHECK(measured == read("plain.mcap").at("angle_elbow_rad"));
+  for (std::size_t i = 0; i < measured.size(); ++i)
+    CHECK(log.at("angle_cmd_elbow_rad")[i] == measured[i] + 1.0);
+  CHECK_THAT(notes_of(log), Contains("rows are the 20 messages of /joint_states"));
+}
+
 TEST_CASE("a bag without joint states is refused with its topics, types and paths") {
   CHECK_THAT(refused("no_joints.mcap"),
              Contains("no joint states") &&

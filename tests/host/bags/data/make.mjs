@@ -146,6 +146,7 @@ async function all(csv) {
   await mcap("messages_zstd.mcap", few, { compressMessages: true, writer: { useChunks: false } });
   writeFileSync("whole.mcap.zstd", zstd(readFileSync("plain.mcap")));
   await mcap("two_robots.mcap", few.flatMap(([, , log, m], i) => i % 2 ? [] : [["/left/joint_states", JS, log, m], ["/right/joint_states", JS, log, m]]));
+  await mcap("commands.mcap", few.flatMap(([topic, , log, m], i) => topic !== "/joint_states" ? [] : [["/joint_commands", JS, log - 700000n, { ...m, position: m.position.map((q) => q + 1), effort: [] }], ["/joint_states", JS, log, m]]), { writer: ZSTD });
   await mcap("protobuf.mcap", [["/state", "arm.State", T0, {}]], { schemaEncoding: "protobuf", messageEncoding: "protobuf" });
 
   // Rows at 4 ms; an IMU at 5 ms, whose rate is 3 t and acceleration 10 - t; a switch; a type of the robot's own; JSON.
