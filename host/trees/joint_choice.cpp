@@ -59,6 +59,9 @@ class Chooser {
         recorded = all;
       else
         propose(all);
+      for (const std::string& name : all)
+        if (is_called_angle(name))
+          out_.map_lines = sliding_lines(name) + (out_.map_lines.empty() ? "" : ", ") + out_.map_lines;
     }
     if (wanted.empty()) take(recorded.empty() ? all : recorded, hold);
     if (!out_.logged.empty()) {
@@ -78,6 +81,22 @@ class Chooser {
     return nullptr;
   }
   bool has_column(const UrdfJoint& j) const { return columns_.contains(angle_column(j.name, slides(j))); }
+  /// A joint that slides and whose position bears the name of an angle: ROS 2 gives both in one field.
+  bool is_called_angle(const std::string& name) const {
+    const UrdfJoint* j = joint(name);
+    return j != nullptr && slides(*j) && !is_recorded(name) && columns_.contains(angle_column(name, false));
+  }
+  /// What a map file says of it.
+  std::string sliding_lines(const std::string& name) const {
+    const auto line = [](const std::string& ours, const std::string& theirs) {
+      return ours + " = { column = \"" + theirs + "\" }";
+    };
+    std::string out = line(angle_column(name, true), angle_column(name, false));
+    const auto ours = input_columns(name, true), theirs = input_columns(name, false);
+    for (std::size_t i = 0; i < ours.size(); ++i)
+      if (columns_.contains(theirs[i]) && !columns_.contains(ours[i])) out += ", " + line(ours[i], theirs[i]);
+    return out;
+  }
   bool is_recorded(const std::string& name) const {
     const UrdfJoint* j = joint(name);
     return j != nullptr && (out_.logged.contains(name) || has_column(*j));

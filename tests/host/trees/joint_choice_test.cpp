@@ -153,6 +153,15 @@ TEST_CASE("A log that counts joints from 0 is not taken for one that counts from
   CHECK(choose({"joint_1", "joint_2"}, angles({"joint_0", "joint_1", "joint_2"})).map_lines.empty());
 }
 
+TEST_CASE("Of a joint that slides and is recorded as an angle, as in ROS 2, the lines of a map are given") {
+  const JointChoice c = choose({"a", "b|"}, angles({"a", "b"}));
+  CHECK(c.moving == std::vector<std::string>{"a"});
+  REQUIRE(c.notes.size() == 1);
+  CHECK_THAT(c.notes[0], Contains("Held at 0: 'b'") &&
+                             Contains("A --map file may name columns of theirs: position_b_m = { column = "
+                                      "\"angle_b_rad\" }, force_b_n = { column = \"torque_b_nm\" }"));
+}
+
 TEST_CASE("All columns of a joint have the name that the log calls it by") {
   const trees::TreeModel m =
       model_of({"l_hip", "l_reach|"}, {{}, {"angle_left_hip_rad", "position_left_reach_m"}, false});
