@@ -64,7 +64,8 @@ class BagText final : public core::ByteSource {
  public:
   BagText(std::unique_ptr<Recording> recording, const std::string& path, const Wish& wish)
       : recording_(std::move(recording)), join_(*recording_, path, wish) {
-    text_ = "# format: furcula-log/1\n# topic: " + core::printable(join_.row_topic()) +
+    // As many lines above the rows as where the log is written, with its rig.
+    text_ = "# format: furcula-log/1\n# of a ROS 2 bag\n# topic: " + core::printable(join_.row_topic()) +
             "\n# clock: " + join_.clock() + "\ntime_s";
     for (const std::string& c : join_.columns()) text_ += "," + field_of(c);
     text_ += '\n';

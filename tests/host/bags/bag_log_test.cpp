@@ -206,7 +206,7 @@ TEST_CASE("other encodings and compressions are refused by name") {
 }
 
 TEST_CASE("a clock that is set back is a gap where rows stand alone, and an error where topics are joined") {
-  CHECK_THAT(notes_of(read("reset.mcap")), Contains("line 35: time steps back by 10.096 s"));
+  CHECK_THAT(notes_of(read("reset.mcap")), Contains("line 36: time steps back by 10.096 s"));
   CHECK_THAT(refused("reset.mcap", "angle_a_rad = { column = \"/imu/angular_velocity/x\" }\n"),
              Contains("the clock of '/joint_states' (header stamps) goes back by 10.1 s at its message 31") &&
                  Contains("expected one clock throughout"));
