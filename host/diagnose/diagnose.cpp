@@ -8,6 +8,7 @@
 #include "host/diagnose/associations.hpp"
 #include "host/diagnose/crossed.hpp"
 #include "host/diagnose/effect_set.hpp"
+#include "host/diagnose/exclusion.hpp"
 #include "host/diagnose/laws.hpp"
 #include "host/diagnose/next_experiment.hpp"
 #include "host/diagnose/posterior.hpp"
@@ -129,7 +130,7 @@ class Assembly {
     // Slips are each recording's own: one that has a larger one is no other machine.
     if (may_disagree_ && !options_.without.contains(Rule::odd_recording) &&
         !holds(selection_.chosen.effects, Effect::encoder_slip))
-      disagreement_ = identify::disagreeing(sets(), training_, training_windows_.windows);
+      disagreement_ = find_disagreement();
     if (disagreement_) return {};
     choose();
     // From here on the held-out recordings are seen. They name nothing and withdraw nothing.
@@ -188,18 +189,26 @@ class Assembly {
     return true;
   }
 
-  /// What was chosen, first, and what else was tried on top of the re-fitted model alone, and it.
-  std::vector<identify::FittedSet> sets() const {
-    std::vector<identify::FittedSet> all;
+  /// By what was chosen, first, and what else was tried on top of the re-fitted model alone, and it.
+  std::optional<identify::Disagreement> find_disagreement() const {
+    std::vector<const Hypothesis*> sets;
+    std::vector<identify::FittedSet> fitted;
     const auto add = [&](const Hypothesis& h) {
-      if (!h.failed) all.push_back({with_slips(model_, training_, h.effects), h.unknowns, h.fit});
+      if (h.failed) return;
+      sets.push_back(&h);
+      fitted.push_back({with_slips(model_, training_, h.effects), h.unknowns, h.fit});
     };
     add(selection_.chosen);
     add(selection_.refitted);
     for (const Hypothesis& h : selection_.without) add(h);
     for (const Tried& t : selection_.tried)
       if (t.round == 0) add(t.hypothesis);
-    return all;
+    const Trainer trainer{model_, training_, training_windows_, options_.threads};
+    return identify::disagreeing(fitted, training_, training_windows_.windows,
+                                 [&](std::size_t set, std::size_t recording, const identify::Fit& without) {
+                                   return log_odds_of_another(trainer, selection_, *sets[set], recording,
+                                                              without) > 0.0;
+                                 });
   }
 
   using Refuted = std::vector<std::vector<log::Refuted>>;  // rows of each log

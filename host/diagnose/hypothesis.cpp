@@ -77,14 +77,8 @@ Crossing crossing_of(const identify::Fit& fit, const std::vector<identify::Windo
     crossing.fold.push_back(recordings >= kFolds ? windows[i].recording % kFolds
                                                  : i * kFolds / windows.size());
   crossing.step.assign(kFolds, Eigen::VectorXd::Zero(count));
-  std::vector<Eigen::Index> moving;
-  for (Eigen::Index i = 0; i < count; ++i)
-    if (!fit.at_bound[static_cast<std::size_t>(i)]) moving.push_back(i);
-  if (moving.empty()) return crossing;
-  Eigen::MatrixXd information = Eigen::MatrixXd::Zero(count, count);
-  for (const auto& s : fit.shares) information += s.information;
-  const Eigen::VectorXd scale =
-      information.diagonal()(moving).unaryExpr([](double x) { return x > 0.0 ? 1.0 / std::sqrt(x) : 0.0; });
+  const identify::LeavingOut leaving(fit.shares, fit.at_bound);
+  if (leaving.moving().empty()) return crossing;
   for (std::size_t fold = 0; fold < kFolds; ++fold) {
     // What shares rows with the fold has seen them.
     std::map<std::size_t, std::pair<std::size_t, std::size_t>>
@@ -105,9 +99,7 @@ Crossing crossing_of(const identify::Fit& fit, const std::vector<identify::Windo
       unseen += fit.shares[i].information;
       slope += fit.shares[i].gradient;
     }
-    const Eigen::MatrixXd rest = scale.asDiagonal() * unseen(moving, moving) * scale.asDiagonal();
-    const Eigen::VectorXd pull = scale.asDiagonal() * slope(moving);
-    crossing.step[fold](moving) = scale.asDiagonal() * -linear::least_norm(rest, pull);
+    crossing.step[fold] = leaving.step(unseen, slope);
   }
   return crossing;
 }

@@ -9,14 +9,12 @@
 #include "host/core/message.hpp"
 #include "host/core/odd_one.hpp"
 #include "host/core/quantile.hpp"
-#include "host/linear/linear.hpp"
 #include "host/machines/rules.hpp"
 
 namespace furcula::identify {
 namespace {
 
-constexpr double kSuspect = 4.0;  // times the others' median NMSE
-constexpr double kMuchLess = 0.3;
+constexpr double kSuspect = 4.0;       // times the others' median NMSE
 constexpr std::size_t kMostLooks = 6;  // fits, where anything stands out
 constexpr double kOverNoise = 9.0;     // of the squares
 constexpr std::size_t kFewest = 5;
@@ -89,20 +87,13 @@ std::vector<double> squares_without(const Fit& fit, const std::vector<Window>& w
   if (unknowns == 0) return squares_of_motion(fit.shares);  // nothing to refit
   const auto count = static_cast<Eigen::Index>(unknowns);
   Eigen::MatrixXd others = Eigen::MatrixXd::Zero(count, count);
-  Eigen::VectorXd gradient = Eigen::VectorXd::Zero(count);
+  Eigen::VectorXd of_others = Eigen::VectorXd::Zero(count);
   for (std::size_t k = 0; k < windows.size(); ++k)
-    if (windows[k].recording != one)
+    if (windows[k].recording != one) {
       others += fit.shares[k].information;
-    else
-      gradient += fit.shares[k].gradient;
-  // Scaled to a unit diagonal: the unknowns have different units. One at a bound stays there.
-  Eigen::VectorXd scale = Eigen::VectorXd::Zero(count);
-  for (Eigen::Index u = 0; u < count; ++u)
-    if (others(u, u) > 0.0 && !fit.at_bound[static_cast<std::size_t>(u)])
-      scale(u) = 1.0 / std::sqrt(others(u, u));
-  const Eigen::MatrixXd scaled = scale.asDiagonal() * others * scale.asDiagonal();
-  const Eigen::VectorXd right = scale.asDiagonal() * gradient;
-  const Eigen::VectorXd step = scale.asDiagonal() * linear::least_norm(scaled, right);
+      of_others += fit.shares[k].gradient;
+    }
+  const Eigen::VectorXd step = LeavingOut(fit.shares, fit.at_bound).step(others, of_others);
   std::vector<double> squares = squares_of_motion(fit.shares);
   for (std::size_t k = 0; k < windows.size(); ++k) {
     const WindowShare& s = fit.shares[k];
@@ -129,7 +120,8 @@ bool runs_are_steady(dynamics::Kind kind) { return machines::rules(kind).cut != 
 
 std::optional<Disagreement> disagreeing(const std::vector<FittedSet>& sets,
                                         const std::vector<Recording>& recordings,
-                                        const std::vector<Window>& windows) {
+                                        const std::vector<Window>& windows,
+                                        const LikelierOfAnother& another) {
   if (recordings.size() < kFewest || sets.empty() || !runs_are_steady(sets.front().model.kind))
     return std::nullopt;
   struct Suspect {
@@ -157,7 +149,6 @@ std::optional<Disagreement> disagreeing(const std::vector<FittedSet>& sets,
     return std::pair(x.set != 0, x.others) < std::pair(y.set != 0, y.others);
   });
   if (suspects.size() > kMostLooks) suspects.resize(kMostLooks);
-  const Left chosen = left_by(sets[0].fit.shares, squares_of_motion(sets[0].fit.shares), recordings, windows);
   for (const Suspect& suspect : suspects) {
     // In earnest.
     const FittedSet& set = sets[suspect.set];
@@ -169,10 +160,7 @@ std::optional<Disagreement> disagreeing(const std::vector<FittedSet>& sets,
     const Fit look = look_by_simulation(set.model, set.unknowns, without.values, recordings, windows);
     const Left left = left_by(look.shares, squares_of_motion(look.shares), recordings, windows);
     const core::OddOne found = apart(left, suspect.recording);
-    std::vector<double> of_chosen;
-    for (std::size_t i = 0; i < recordings.size(); ++i)
-      if (i != suspect.recording && chosen.nmse[i] > 0.0) of_chosen.push_back(left.nmse[i] / chosen.nmse[i]);
-    if (!found.far || (suspect.set != 0 && core::quantile(of_chosen, 0.5) > kMuchLess)) continue;
+    if (!found.far || !another(suspect.set, suspect.recording, without)) continue;
     return Disagreement{suspect.recording,
                         "disagrees with the other " + std::to_string(recordings.size() - 1) +
                             ": fitted on those, the model leaves " + core::rounded(found.times, 2) +

@@ -1,6 +1,7 @@
 // A recording that is of another machine than the others are.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -21,15 +22,19 @@ struct FittedSet {
   const Fit& fit;
 };
 
+/// Whether it is likelier that a recording is of another machine than that one machine made all: `without` is the fit of a set of `sets`
+/// to the windows of the other recordings, in their order.
+using LikelierOfAnother = std::function<bool(std::size_t set, std::size_t recording, const Fit& without)>;
+
 /// The recording that disagrees with the others most, if one does grossly: with a set fitted on the others alone, runs leave far more of its
 /// motion (by NMSE: core::odd_one) and far more than noise, though it was driven, and moved, as they were: one that was driven otherwise
-/// may show what they do not. Of at least five recordings.
+/// may show what they do not. Of at least five recordings. What a fit on the others leaves of it is no proof: they may not tell what it
+/// shows. So `another` decides.
 ///
-/// `sets`: what was chosen, and others that were tried. A cause may have been chosen to account for the odd recording; so another set
-/// counts, too, if without the odd recording it leaves less than 0.3 of what the chosen one leaves of the others.
+/// `sets`: what was chosen, and others that were tried: a cause may have been chosen to account for the odd recording.
 std::optional<Disagreement> disagreeing(const std::vector<FittedSet>& sets,
                                         const std::vector<Recording>& recordings,
-                                        const std::vector<Window>& windows);
+                                        const std::vector<Window>& windows, const LikelierOfAnother& another);
 
 /// The same of held-out recordings beside those that were fitted, which nothing is left out of: sentences that name them.
 std::vector<std::string> disagreeing_held_out(const model::Model& fitted,

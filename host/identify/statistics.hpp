@@ -42,13 +42,36 @@ double effective_count(const Eigen::Ref<const Eigen::VectorXd>& residual);
 /// side.
 double independent_windows(std::size_t windows, std::size_t layers);
 
+/// How an estimate moves, by one linear step, where some of its windows are left out. Of a direction of which the others tell less than a
+/// twentieth of what all do a step is no longer than if they told so much: they do not know better.
+class LeavingOut {
+ public:
+  LeavingOut(const std::vector<WindowShare>& shares, const std::vector<bool>& at_bound);
+
+  const std::vector<Eigen::Index>& moving() const { return moving_; }  ///< unknowns that are not at a bound
+  /// From coordinates in which all windows' information is one to the moving unknowns, and of a gradient by these the other way.
+  const Eigen::MatrixXd& to_unit() const { return to_unit_; }
+  /// In those coordinates. `own`: the information of the moving unknowns that goes, `pull`: the gradient that is then missing. To `alone`
+  /// the directions are added of which the others hardly tell.
+  Eigen::VectorXd unit_step(const Eigen::MatrixXd& own, const Eigen::VectorXd& pull,
+                            std::vector<Eigen::VectorXd>* alone = nullptr) const;
+  /// Of all unknowns; those at a bound stay there. `others`: what stays.
+  Eigen::VectorXd step(const Eigen::MatrixXd& others, const Eigen::VectorXd& gradient_of_others) const;
+
+ private:
+  Eigen::Index count_;
+  std::vector<Eigen::Index> moving_;
+  Eigen::MatrixXd information_, to_unit_;
+};
+
 /// Covariance of the unknowns from how the estimate moves without each window (the jackknife, by one linear step each), so that neighbouring
 /// samples need not be independent, and what few windows alone tell is as uncertain as it is; entries of unknowns at a bound are zero.
 /// Windows in layers stand in the order of their begin.
 ///
 /// Windows that overlap share noise: `layers` of them in a row are left out together, and of what neighbouring steps
 /// have in common half is counted (Newey and West's weight at the first lag, which keeps the covariance
-/// positive). Of a direction that hardly any other window tells, a step is at most twenty times the linear one with it.
+/// positive). Of a direction that hardly any other window tells no window says how it scatters: at least as the other directions do, for
+/// their information.
 Eigen::MatrixXd jackknife_covariance(const std::vector<WindowShare>& shares,
                                      const std::vector<bool>& at_bound, std::size_t layers = 1);
 

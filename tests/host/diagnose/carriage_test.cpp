@@ -1,6 +1,7 @@
 // Causes planted in the flights of a rail carriage: what falls show, what only throws do, and what neither
 // can.
 #include <catch2/catch.hpp>
+#include <random>
 #include <set>
 
 #include "host/core/error.hpp"
@@ -30,6 +31,35 @@ std::set<std::string> rivals(const diagnose::Finding& f) {
   for (const auto& r : f.indistinguishable_from)
     if (r.names.size() == 1) all.insert(r.names.front());
   return all;
+}
+
+/// A flight under a force of its own beside that of `truth`: what disturbs a machine.
+log::Log disturbed_flight(Flight truth, bool thrown, unsigned seed) {
+  std::mt19937_64 random(seed + 1000);
+  std::normal_distribution<double> disturbance(0.0, 0.02);
+  std::uniform_real_distribution<double> share(0.0, 1.0);
+  truth.force += disturbance(random);
+  truth.height = thrown ? 0.0 : 0.8 + 0.4 * share(random);
+  truth.velocity = thrown ? 2.0 + 1.5 * share(random) : 0.0;
+  return test::flight_log(truth, 9e-5, seed);
+}
+
+std::vector<log::Log> disturbed_flights(const Flight& truth, bool thrown, unsigned first, unsigned count) {
+  std::vector<log::Log> logs;
+  for (unsigned seed = first; seed < first + count; ++seed)
+    logs.push_back(disturbed_flight(truth, thrown, seed));
+  return logs;
+}
+
+/// The size of dry friction, up and down the same, whichever of its names it has.
+diagnose::Estimate coulomb(const diagnose::Diagnosis& d) {
+  for (const auto& f : d.findings) {
+    if (f.effect == Effect::coulomb_friction) return f.parameters.at("force_n");
+    if (f.effect != Effect::asymmetric_friction) continue;
+    const auto &up = f.parameters.at("force_up_n"), &down = f.parameters.at("force_down_n");
+    return {0.5 * (up.value + down.value), 0.5 * (up.lower + down.lower), 0.5 * (up.upper + down.upper)};
+  }
+  return {};
 }
 
 }  // namespace
@@ -105,6 +135,37 @@ TEST_CASE("Where nothing is free, a wrong damping and a wrong mass cannot be tol
   CHECK(d.findings[0].effect == Effect::damping_error);
   CHECK(d.findings[0].parameters.at("damping_nspm").value == Approx(3.0).epsilon(0.01));
   CHECK(rivals(d.findings[0]) == std::set<std::string>{"mass_error"});
+}
+
+TEST_CASE(
+    "The one recording that is pushed up among falls is not another machine: it tells friction from a constant force") {
+  // Falls show 1.2 N, whatever it is of; a throw shows 2 N.
+  const Flight truth{.damping = 1.4, .friction = 1.6, .force = -0.4};
+  auto training = disturbed_flights(truth, false, 1, 14);
+  const auto held_out = disturbed_flights(truth, true, 50, 3);
+  const auto falls = diagnose::diagnose(test::carriage_model(), training, held_out);
+  training.push_back(disturbed_flight(truth, true, 15));
+  const auto d = diagnose::diagnose(test::carriage_model(), training, held_out);
+  INFO(text(d));
+  CHECK(d.dirt.left_out.empty());
+  CHECK(d.verdict == Verdict::explained);
+  const auto size = coulomb(d);
+  CHECK(size.lower < 1.6);
+  CHECK(size.upper > 1.6);
+  CHECK(size.value == Approx(1.6).epsilon(0.05));
+  CHECK(d.extended.at("height").rmse < falls.extended.at("height").rmse / 3.0);
+}
+
+TEST_CASE("One fall of another carriage among falls and a throw is still left out") {
+  const Flight truth{.damping = 1.4, .friction = 1.6, .force = -0.4}, other{.damping = 1.4, .friction = 4.0};
+  auto training = disturbed_flights(truth, false, 1, 13);
+  training.push_back(disturbed_flight(truth, true, 14));
+  training.push_back(disturbed_flight(other, false, 15));
+  const auto d = diagnose::diagnose(test::carriage_model(), training, disturbed_flights(truth, true, 50, 2));
+  INFO(text(d));
+  REQUIRE(d.dirt.left_out.size() == 1);
+  CHECK(d.dirt.left_out[0].log == "flight-15.csv");
+  CHECK(coulomb(d).value == Approx(1.6).epsilon(0.05));
 }
 
 TEST_CASE("Logs without a flight are refused with what was expected") {

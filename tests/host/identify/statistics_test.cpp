@@ -158,6 +158,38 @@ TEST_CASE("What one window alone tells is as uncertain as twenty times its own p
 }
 
 TEST_CASE(
+    "What one window alone tells, exactly, is as uncertain as what the others tell, for its information") {
+  // Two means: twenty windows of one, a single one of the other, which it meets exactly.
+  std::mt19937_64 random(21);
+  std::normal_distribution<double> noise;
+  std::vector<WindowShare> shares;
+  Eigen::VectorXd of_window(20);
+  for (double& y : of_window) y = noise(random);
+  for (const double y : of_window)
+    shares.push_back(share(Eigen::RowVector2d(1.0, 0.0), Eigen::VectorXd::Constant(1, of_window.mean() - y)));
+  shares.push_back(share(Eigen::RowVector2d(0.0, 1.0), Eigen::VectorXd::Zero(1)));
+  const Eigen::MatrixXd covariance = identify::jackknife_covariance(shares, {false, false});
+  CHECK(covariance(1, 1) == Approx(20.0 * covariance(0, 0)).epsilon(1e-9));
+  CHECK(covariance(0, 1) == Approx(0.0).margin(1e-12));
+}
+
+TEST_CASE("Without the one window that tells a value nobody knows it better, and it stays") {
+  std::vector<WindowShare> shares;
+  for (const double y : {-1.0, 1.0})
+    shares.push_back(share(Eigen::RowVector2d(1.0, 1e-4), Eigen::VectorXd::Constant(1, y)));
+  shares.push_back(share(Eigen::RowVector2d(0.0, 1.0), Eigen::VectorXd::Zero(1)));
+  const auto moved = [&](std::size_t without) {
+    Eigen::Matrix2d others = Eigen::Matrix2d::Zero();
+    Eigen::Vector2d gradient = Eigen::Vector2d::Zero();
+    for (std::size_t i = 0; i < shares.size(); ++i)
+      if (i != without) others += shares[i].information, gradient += shares[i].gradient;
+    return Eigen::VectorXd(identify::LeavingOut(shares, {false, false}).step(others, gradient));
+  };
+  CHECK(moved(0)(0) == Approx(-1.0).epsilon(1e-3));  // half of the windows tell it as well
+  CHECK(moved(2).norm() < 1e-2);
+}
+
+TEST_CASE(
     "Windows that overlap are worth those side by side: as many degrees of freedom, no smaller scatter") {
   CHECK(identify::independent_windows(24, 4) == 6.0);
   CHECK(identify::independent_windows(24, 1) == 24.0);
