@@ -12,6 +12,7 @@
 #include <system_error>
 #include <vector>
 
+#include "host/bags/ahead.hpp"
 #include "host/bags/compression.hpp"
 #include "host/bags/mcap.hpp"
 #include "host/bags/sqlite.hpp"
@@ -95,11 +96,12 @@ class TemporaryFile {
  public:
   TemporaryFile() {
     std::error_code error;
-    const fs::path folder = fs::temp_directory_path(error);
-    path_ = ((error ? fs::path("/tmp") : folder) / "furcula-bag-XXXXXX").string();
-    fd_ = ::mkstemp(path_.data());
+    path_ = (fs::temp_directory_path(error) / "furcula-bag-XXXXXX").string();
+    fd_ = error ? -1 : ::mkstemp(path_.data());
     if (fd_ < 0)
-      throw core::OutputError(path_ + ": cannot be written: it is where a compressed bag is unpacked");
+      throw core::OutputError(
+          "a compressed bag cannot be unpacked: no file can be made in the folder that TMPDIR names, else in "
+          "/tmp; expected a folder that can be written");
   }
   ~TemporaryFile() {
     ::close(fd_);
@@ -183,21 +185,12 @@ void read_bag_directory(const std::string& path, Sink& sink) {
                           files.front().filename().string() + " and " + files.back().filename().string() +
                           "; expected the directory of one bag: give the files by their names");
   for (const fs::path& file : files) {
-    core::FileSource source(file.string(), "a bag's file");
-    std::string head(kHead, '\0');
-    std::size_t got = 0;
-    while (got < head.size()) {
-      const std::size_t n = source.read(head.data() + got, head.size() - got);
-      if (n == 0) break;
-      got += n;
-    }
-    head.resize(got);
-    if (got == 0) {
+    Ahead source(std::make_unique<core::FileSource>(file.string(), "a bag's file"));
+    const std::string head(source.head(kHead));
+    if (head.empty())
       sink.note(core::printable(file.string()) + ": is empty.");
-      continue;
-    }
-    core::FileSource again(file.string(), "a bag's file");
-    read_bag_file(file.string(), head, again, sink);
+    else
+      read_bag_file(file.string(), head, source, sink);
   }
 }
 

@@ -53,9 +53,8 @@ std::string counted(std::uint64_t n, const char* one, const char* many) {
   return std::to_string(n) + " " + (n == 1 ? one : many);
 }
 
-template <class T>
-T median(std::vector<T> values) {
-  if (values.empty()) return T{};
+std::int64_t median(std::vector<std::int64_t> values) {
+  if (values.empty()) return 0;
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
   return *middle;

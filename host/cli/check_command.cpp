@@ -15,7 +15,6 @@
 #include "host/cli/recordings.hpp"
 #include "host/core/message.hpp"
 #include "host/log/reader.hpp"
-#include "host/log/rigs.hpp"
 #include "host/model/reader.hpp"
 #include "host/trees/joint_choice.hpp"
 #include "host/trees/recording.hpp"
@@ -31,12 +30,6 @@ struct CheckOptions {
   std::vector<std::string> logs;
 };
 
-std::vector<std::string_view> rig_names() {
-  std::vector<std::string_view> rigs;
-  for (const auto& r : log::kRigs) rigs.push_back(r.name);
-  return rigs;
-}
-
 /// What the options say, or the map; empty: each log must tell its own.
 std::string rig_of(const CheckOptions& options, const log::ColumnMap* map) {
   if (!options.model.empty()) {
@@ -45,10 +38,7 @@ std::string rig_of(const CheckOptions& options, const log::ColumnMap* map) {
     return std::string(dynamics::info(m.kind).rig);
   }
   if (options.rig.empty()) return map != nullptr ? map->rig : "";  // which may not say
-  const std::vector<std::string_view> rigs = rig_names();
-  if (log::rig_named(options.rig) == nullptr)
-    throw UsageError("--rig " + options.rig + ": no such rig; expected one of " + core::listed(rigs) +
-                     core::did_you_mean(options.rig, rigs));
+  require_rig(options.rig);
   return options.rig;
 }
 

@@ -2,15 +2,14 @@
 #include <filesystem>
 #include <iostream>
 #include <memory>
-#include <optional>
 #include <string>
 #include <system_error>
 
 #include "host/cli/commands.hpp"
 #include "host/cli/errors.hpp"
+#include "host/cli/recordings.hpp"
 #include "host/core/message.hpp"
 #include "host/log/reader.hpp"
-#include "host/log/rigs.hpp"
 #include "host/log/writer.hpp"
 
 namespace furcula::cli {
@@ -24,12 +23,7 @@ void convert(const ConvertOptions& options) {
   std::error_code error;
   if (std::filesystem::equivalent(options.log, options.out, error))
     throw UsageError("--out: " + options.out + " is what is read; expected another file");
-  if (!options.rig.empty() && log::rig_named(options.rig) == nullptr) {
-    std::vector<std::string_view> rigs;
-    for (const log::RigInfo& r : log::kRigs) rigs.push_back(r.name);
-    throw UsageError("--rig " + options.rig + ": no such rig; expected one of " + core::listed(rigs) +
-                     core::did_you_mean(options.rig, rigs));
-  }
+  if (!options.rig.empty()) require_rig(options.rig);
   log::ColumnMap map;
   map.all_topics = options.map.empty();
   if (!options.map.empty()) map = log::read_column_map(options.map);

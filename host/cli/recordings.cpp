@@ -16,6 +16,7 @@
 #include "host/gait/machine_file.hpp"
 #include "host/identify/split.hpp"
 #include "host/log/reader.hpp"
+#include "host/log/rigs.hpp"
 #include "host/log/time_stamps.hpp"
 #include "host/machines/rules.hpp"
 #include "host/model/reader.hpp"
@@ -46,6 +47,19 @@ void take_stamps(log::Log& log, const log::ColumnMap* map, double window_s) {
 }
 
 }  // namespace
+
+std::vector<std::string_view> rig_names() {
+  std::vector<std::string_view> names;
+  for (const log::RigInfo& r : log::kRigs) names.push_back(r.name);
+  return names;
+}
+
+void require_rig(const std::string& name) {
+  if (log::rig_named(name) != nullptr) return;
+  const std::vector<std::string_view> rigs = rig_names();
+  throw UsageError("--rig " + name + ": no such rig; expected one of " + core::listed(rigs) +
+                   core::did_you_mean(name, rigs));
+}
 
 void RecordingOptions::add_to(CLI::App& command) {
   command.add_option("--model", model, "Model file (TOML)")->required();

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "host/log/log.hpp"
@@ -35,6 +36,12 @@ struct RecordingOptions {
   /// out.
   std::string command_line(const std::string& command, bool tree = false) const;
 };
+
+/// Names of the rigs that a log can be of.
+std::vector<std::string_view> rig_names();
+
+/// @throws UsageError: no rig has the name that --rig gives.
+void require_rig(const std::string& name);
 
 struct Logs {
   std::vector<log::Log> training;
