@@ -19,6 +19,7 @@
 #include "host/bus/recording.hpp"
 #include "host/cli/commands.hpp"
 #include "host/cli/errors.hpp"
+#include "host/cli/recordings.hpp"
 #include "host/core/atomic_file.hpp"
 #include "host/core/byte_source.hpp"
 #include "host/core/error.hpp"
@@ -33,6 +34,7 @@ struct BusOptions {
   std::string page = "can";
   std::string out, rig = "hopper";
   std::vector<std::string> joints, columns;
+  CommentsOption comments;
 };
 
 std::vector<bus::Node> nodes_of(const BusOptions& options) {
@@ -215,7 +217,8 @@ void make_log(const BusOptions& options) {
   } catch (const core::DataError& e) {
     throw core::DataError(options.log + ": " + e.what() + in_brackets(undecoded.remarks()));
   }
-  std::string header = "# format: furcula-log/1\n# rig: " + arrangement.rig + "\ntime_s";
+  std::string header =
+      (options.comments.none ? "" : "# format: furcula-log/1\n# rig: " + arrangement.rig + "\n") + "time_s";
   for (const bus::Column& c : arrangement.columns) header += "," + c.name;
   RunFiles files(options.out, header + "\n");
   bus::RowMaker rows(finder, arrangement,
@@ -277,6 +280,7 @@ void add_bus_command(CLI::App& app) {
   docs->add_option("PAGE", options->page, "can or modbus")->check(CLI::IsMember({"can", "modbus"}));
   docs->callback(
       [options] { std::cout << (options->page == "can" ? bus::to_markdown() : bus::modbus_to_markdown()); });
+  options->comments.add_to(*logging);
   logging->callback([options] { make_log(*options); });
   decoding->callback([options] { decode(*options); });
 }

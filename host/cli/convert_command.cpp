@@ -17,6 +17,7 @@ namespace {
 
 struct ConvertOptions {
   std::string log, out, rig, map, topic;
+  CommentsOption comments;
 };
 
 void convert(const ConvertOptions& options) {
@@ -29,7 +30,7 @@ void convert(const ConvertOptions& options) {
   if (!options.map.empty()) map = log::read_column_map(options.map);
   if (!options.topic.empty()) map.topic = options.topic;
   const log::Log log = log::read_log(options.log, options.rig, &map);
-  log::write_log(log, options.out);
+  log::write_log(log, options.out, options.comments.of_log());
   for (const std::string& note : log.notes) std::cerr << core::printable(note) << "\n";
   if (!log.refused.empty())
     std::cerr << core::printable(log::in_words(log.refused, log.refused.size())) << "\n";
@@ -57,6 +58,7 @@ void add_convert_command(CLI::App& app) {
   command->add_option(
       "--rig", options->rig,
       "Rig of the log; without it that of the map or of the log, tree of a bag with joint states");
+  options->comments.add_to(*command);
   command->callback([options] { convert(*options); });
 }
 

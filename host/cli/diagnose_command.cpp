@@ -16,6 +16,8 @@
 #include "host/report/diagnosis_report.hpp"
 #include "host/report/robot_picture.hpp"
 #include "host/result/diagnosis_json.hpp"
+#include "host/traces/of_axis.hpp"
+#include "host/traces/of_tree.hpp"
 #include "host/trees/diagnose.hpp"
 #include "host/trees/exports.hpp"
 #include "host/trees/next_experiment.hpp"
@@ -25,7 +27,7 @@ namespace furcula::cli {
 
 diagnose::Diagnosis run_diagnose(const RecordingOptions& o) {
   const Recordings r = read_recordings(o);
-  const OutFolder folder(o.out);
+  const OutFolder folder(o.out), traces_folder(o.traces_folder());
   diagnose::Diagnosis d;
   {
     Progress progress("diagnosing");
@@ -48,6 +50,10 @@ diagnose::Diagnosis run_diagnose(const RecordingOptions& o) {
   else
     files.push_back({scenario, "# " + d.experiments.front().what + "\n\n" +
                                    sim::format_scenario(d.experiments.front().scenario, d.kind)});
+  const traces::Traces traces =
+      traces::of_axis({{"given", r.model}, {"refitted", d.refitted_model}, {"extended", d.extended_model}},
+                      d.refitted_model, r.training, r.held_out, o.window(false));
+  for (core::NewFile& file : traces::files(traces, o.traces_folder())) files.push_back(std::move(file));
   core::write_files_together(files, obsolete);
   std::cout << "fitted on " << r.training.size() << ", held out " << r.held_out.size() << " recordings\n"
             << name(d.verdict) << ": " << core::printable_lines(d.summary) << "\n";
@@ -63,7 +69,7 @@ namespace {
 void run_on_tree(const RecordingOptions& o) {
   const Logs logs = read_logs(o, "tree");
   const trees::TreeModel model = tree_of(o, logs);
-  const OutFolder folder(o.out);
+  const OutFolder folder(o.out), traces_folder(o.traces_folder());
   trees::Diagnosis d;
   with_notes(model, [&] {
     Progress progress("diagnosing");
@@ -99,6 +105,10 @@ void run_on_tree(const RecordingOptions& o) {
   else
     files.push_back({scenario, "# " + d.experiments.front().what + "\n\n" +
                                    trees::scenario_of(model, d.experiments.front())});
+  const traces::Traces traces = traces::of_tree(
+      model, {{"given", {model.drives, model.causes}}, {"refitted", d.refitted}, {"extended", d.extended}},
+      d.refitted, logs.training, logs.held_out, o.window(true));
+  for (core::NewFile& file : traces::files(traces, o.traces_folder())) files.push_back(std::move(file));
   core::write_files_together(files, obsolete);
   std::cout << "fitted on " << logs.training.size() << ", held out " << logs.held_out.size()
             << " recordings\n"

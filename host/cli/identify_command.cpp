@@ -15,6 +15,8 @@
 #include "host/model/writer.hpp"
 #include "host/report/identification_json.hpp"
 #include "host/report/identification_report.hpp"
+#include "host/traces/of_axis.hpp"
+#include "host/traces/of_tree.hpp"
 #include "host/trees/exports.hpp"
 #include "host/trees/identify.hpp"
 
@@ -29,7 +31,7 @@ struct IdentifyOptions : RecordingOptions {
 void run_on_tree(const IdentifyOptions& o) {
   const Logs logs = read_logs(o, "tree");
   const trees::TreeModel model = tree_of(o, logs);
-  const OutFolder folder(o.out);
+  const OutFolder folder(o.out), traces_folder(o.traces_folder());
   trees::Identification found;
   with_notes(model, [&] {
     Progress progress("identifying");
@@ -49,6 +51,11 @@ void run_on_tree(const IdentifyOptions& o) {
       {o.out + "/identified_model.toml",
        trees::format_tree_model(found.model, bodies ? urdf : trees::urdf_seen_from(model, o.out))}};
   if (bodies) files.push_back({o.out + "/" + urdf, trees::urdf_with_bodies(model, found.bodies)});
+  const trees::Hypothesis refitted{found.model.drives, found.model.causes, found.bodies};
+  const traces::Traces traces =
+      traces::of_tree(model, {{"given", {model.drives, model.causes}}, {"refitted", refitted}}, refitted,
+                      logs.training, logs.held_out, o.window(true));
+  for (core::NewFile& file : traces::files(traces, o.traces_folder())) files.push_back(std::move(file));
   core::write_files_together(files);
   for (const auto& p : found.parameters)
     std::printf("  %-32s %12.6g %-9s 95 %% %.6g to %.6g  %s%s\n", core::printable(p.name).c_str(), p.value,
@@ -78,7 +85,7 @@ void run(const IdentifyOptions& o) {
     throw core::DataError(
         o.model + ": no parameter in [free], so there is nothing to identify; expected at least one, as in " +
         "[free] " + std::string(dynamics::info(r.model.kind).parameters.front().name) + " = [lower, upper]");
-  const OutFolder folder(o.out);
+  const OutFolder folder(o.out), traces_folder(o.traces_folder());
   identify::Identification found;
   {
     Progress progress("identifying");
@@ -94,10 +101,15 @@ void run(const IdentifyOptions& o) {
   }
   const std::string command =
       "identify --method " + o.method + (o.folds == 0 ? "" : " --folds " + std::to_string(o.folds));
-  core::write_files_together(std::vector<core::NewFile>{
+  const model::Model& refitted = found.estimations.front().model;
+  std::vector<core::NewFile> files{
       {o.out + "/identification.json", report::to_json_text(found)},
-      {o.out + "/identified_model.toml", model::format_model(found.estimations.front().model)},
-      {o.out + "/report.html", report::render_identification_report(found, o.command_line(command))}});
+      {o.out + "/identified_model.toml", model::format_model(refitted)},
+      {o.out + "/report.html", report::render_identification_report(found, o.command_line(command))}};
+  const traces::Traces traces = traces::of_axis({{"given", r.model}, {"refitted", refitted}}, refitted,
+                                                r.training, r.held_out, o.window(false));
+  for (core::NewFile& file : traces::files(traces, o.traces_folder())) files.push_back(std::move(file));
+  core::write_files_together(files);
   for (const auto& e : found.estimations) {
     std::printf("%s error, %zu windows, %zu folds\n", std::string(identify::name(e.method)).c_str(),
                 found.windows, found.folds);

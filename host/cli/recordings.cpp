@@ -46,6 +46,24 @@ void take_stamps(log::Log& log, const log::ColumnMap* map, double window_s) {
   log::open_gaps(log, stamps.gaps);
 }
 
+void require_window(double window_s) {
+  if (!(window_s >= 0.0 && window_s <= 60.0))
+    throw UsageError("--window-s " + std::to_string(window_s) +
+                     " is not a window; expected a number of seconds above 0 and up to 60");
+}
+
+std::optional<log::ColumnMap> map_of(const std::string& path) {
+  if (path.empty()) return std::nullopt;
+  return log::read_column_map(path);
+}
+
+log::Log read_stamped(const std::string& path, const std::string& rig, const log::ColumnMap* map,
+                      double window_s) {
+  log::Log log = log::read_log(path, rig, map);
+  take_stamps(log, map, window_s);
+  return log;
+}
+
 }  // namespace
 
 std::vector<std::string_view> rig_names() {
@@ -103,10 +121,15 @@ std::string RecordingOptions::command_line(const std::string& command, bool tree
   return line;
 }
 
+log::Log read_log_of(const std::string& path, const std::string& rig, const std::string& map,
+                     double window_s) {
+  require_window(window_s);
+  const std::optional<log::ColumnMap> columns = map_of(map);
+  return read_stamped(path, rig, columns ? &*columns : nullptr, window_s);
+}
+
 Logs read_logs(const RecordingOptions& options, const std::string& rig) {
-  if (!(options.window_s >= 0.0 && options.window_s <= 60.0))
-    throw UsageError("--window-s " + std::to_string(options.window_s) +
-                     " is not a window; expected a number of seconds above 0 and up to 60");
+  require_window(options.window_s);
   if (options.logs.empty())
     throw UsageError(
         options.held_out.empty()
@@ -121,14 +144,11 @@ Logs read_logs(const RecordingOptions& options, const std::string& rig) {
         throw UsageError(path + " is given twice; expected each log once, to fit or to hold out");
     }
   Logs r;
-  std::optional<log::ColumnMap> map;
-  if (!options.map.empty()) map = log::read_column_map(options.map);
+  const std::optional<log::ColumnMap> map = map_of(options.map);
   const auto read = [&](const std::vector<std::string>& paths) {
     std::vector<log::Log> logs;
-    for (const std::string& path : paths) {
-      logs.push_back(log::read_log(path, rig, map ? &*map : nullptr));
-      take_stamps(logs.back(), map ? &*map : nullptr, options.window_s);
-    }
+    for (const std::string& path : paths)
+      logs.push_back(read_stamped(path, rig, map ? &*map : nullptr, options.window_s));
     return logs;
   };
   r.training = read(options.logs);
@@ -170,6 +190,15 @@ trees::TreeModel tree_of(const RecordingOptions& options, const Logs& logs) {
   return model;
 }
 
+trees::TreeModel tree_of(const std::string& model, const log::Log& log, bool accept_inertias) {
+  RecordingOptions options;
+  options.model = model;
+  options.accept_inertias = accept_inertias;
+  Logs logs;
+  logs.training.push_back(log);
+  return tree_of(options, logs);
+}
+
 std::vector<std::string> columns_of(const Logs& logs) {
   std::set<std::string> names;
   for (const auto* list : {&logs.training, &logs.held_out})
@@ -181,6 +210,13 @@ std::vector<std::string> columns_of(const Logs& logs) {
 void print_notes(const trees::TreeModel& model) {
   for (const std::string& note : model.notes)
     std::cerr << core::printable(model.urdf.file) << ": note: " << core::printable(note) << "\n";
+}
+
+void CommentsOption::add_to(CLI::App& command) {
+  command.add_flag(
+      "--no-comments", none,
+      "Begin the log with its header row, for programs that read no comments. What the lines \"# key: value\" say "
+      "is lost: commands that read the log take its rig from --model, --rig or a map");
 }
 
 void print_dirt(const log::Dirt& dirt) {

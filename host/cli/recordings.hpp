@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "host/log/log.hpp"
+#include "host/log/writer.hpp"
 #include "host/model/model.hpp"
 #include "host/trees/model.hpp"
 
@@ -32,6 +33,8 @@ struct RecordingOptions {
   unsigned thread_count() const;
   /// `window_s`, or what is usual: on a tree shorter, since errors grow along a chain of joints.
   double window(bool tree) const { return window_s > 0.0 ? window_s : tree ? 0.3 : 0.5; }
+  /// Of measured and predicted traces.
+  std::string traces_folder() const { return out + "/traces"; }
   /// The command line that gives the same results again: what does not change them (--out, --threads) left
   /// out.
   std::string command_line(const std::string& command, bool tree = false) const;
@@ -47,6 +50,10 @@ struct Logs {
   std::vector<log::Log> training;
   std::vector<log::Log> held_out;
 };
+
+/// Reads one log. @throws as read_logs.
+log::Log read_log_of(const std::string& path, const std::string& rig, const std::string& map,
+                     double window_s);
 
 /// Reads the logs of a rig, and splits them where no held-out logs are named. What their time stamps imply is among their notes, and
 /// intervals that contradict the motion are gaps.
@@ -72,6 +79,9 @@ std::vector<std::string> columns_of(const Logs& logs);
 /// The model of a tree, its joints by what the logs have columns of; what else they say of joints that are held is among its notes. @throws core::DataError
 trees::TreeModel tree_of(const RecordingOptions& options, const Logs& logs);
 
+/// The same of one log.
+trees::TreeModel tree_of(const std::string& model, const log::Log& log, bool accept_inertias);
+
 /// Prints what a model's URDF was taken for to standard error, a line each.
 void print_notes(const trees::TreeModel& model);
 
@@ -89,6 +99,14 @@ void with_notes(const trees::TreeModel& model, const Work& work) {
 /// What `--accept-inertias` is.
 inline constexpr const char* kAcceptInertias =
     "Take masses and moments of inertia of a URDF as they are, also those that no body has, as long as each joint has an inertia above 0";
+
+/// `--no-comments` of a command that writes a log.
+struct CommentsOption {
+  bool none = false;
+
+  void add_to(CLI::App& command);
+  log::Comments of_log() const { return none ? log::Comments::without : log::Comments::with; }
+};
 
 /// Prints what was wrong with the recordings, a line each.
 void print_dirt(const log::Dirt& dirt);

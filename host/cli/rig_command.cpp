@@ -6,6 +6,7 @@
 
 #include "host/cli/commands.hpp"
 #include "host/cli/errors.hpp"
+#include "host/cli/recordings.hpp"
 #include "host/cli/rig_options.hpp"
 #include "host/log/writer.hpp"
 #include "host/model/reader.hpp"
@@ -19,6 +20,7 @@ struct RigOptions {
   std::string model, scenario, out;
   std::uint64_t seed = 0;
   rig::RigOptions rig;
+  CommentsOption comments;
 };
 
 void run(RigOptions& options) {
@@ -36,7 +38,7 @@ void run(RigOptions& options) {
   }
   result.log.rig = std::string(dynamics::info(model.kind).rig);
   result.log.metadata = {{"sample_rate_hz", "1000"}, {"seed", std::to_string(options.seed)}, {"ring", "hil"}};
-  log::write_log(result.log, options.out);
+  log::write_log(result.log, options.out, options.comments.of_log());
   std::cerr << "furcula: " << result.log.rows() << " ticks, " << result.silent_ticks << " without a command, "
             << result.late_ticks << " on which the rig was late\n";
   auto found = sim::violations(expected, result.log, sim::first_fault_s(scenario),
@@ -57,6 +59,7 @@ void add_rig_command(CLI::App& app) {
       ->required();
   command->add_option("--out", options->out, "The log to write (furcula-log/1, CSV)")->required();
   command->add_option("--seed", options->seed, "Seed of the sensors' errors")->capture_default_str();
+  options->comments.add_to(*command);
   add_rig_options(*command, options->rig);
   command->add_option("--configuration", options->rig.configuration_path,
                       "Where the program's configuration file is written; without it beside the log");

@@ -28,6 +28,7 @@ struct SimOptions {
   std::string out;
   std::uint64_t seed = 0;
   bool check = false;
+  CommentsOption comments;
   bool accept_inertias = false;
 };
 
@@ -62,7 +63,8 @@ void run(const SimOptions& options, PlayGait play) {
       throw UsageError(
           "--model " + options.model +
           " is a planar leg; expected --scenario with a gait that it plays (gait.toml), and no --check");
-    log::write_log(play(options.model, options.scenario, options.seed), options.out);
+    log::write_log(play(options.model, options.scenario, options.seed), options.out,
+                   options.comments.of_log());
     return;
   }
   if (const auto tree = tree_model(options.model, {{}, {}, options.accept_inertias})) {
@@ -71,7 +73,7 @@ void run(const SimOptions& options, PlayGait play) {
     print_notes(*tree);
     const trees::Scenario scenario = options.scenario.empty() ? trees::default_scenario(*tree)
                                                               : trees::read_scenario(options.scenario, *tree);
-    log::write_log(trees::simulate(*tree, scenario, options.seed), options.out);
+    log::write_log(trees::simulate(*tree, scenario, options.seed), options.out, options.comments.of_log());
     return;
   }
   const model::Model model = model::read_model(options.model);
@@ -84,7 +86,7 @@ void run(const SimOptions& options, PlayGait play) {
     throw core::DataError(options.scenario +
                           ": the height is not homed from the start, so that the log has no row; " +
                           "expected a [[fault]] of kind height_nan later than time_s = 0");
-  log::write_log(log, options.out);
+  log::write_log(log, options.out, options.comments.of_log());
   tell_fault(log);
   if (options.check) check_expectation(options.scenario, model, scenario, log);
   const auto& solenoid = log.columns["solenoid"];
@@ -108,6 +110,7 @@ void add_sim_command(CLI::App& app, PlayGait play) {
   command->add_flag(
       "--check", options->check,
       "End with status 4 where what the scenario expects ([expect]) does not hold; on a hopper");
+  options->comments.add_to(*command);
   command->add_flag("--accept-inertias", options->accept_inertias, kAcceptInertias);
   command->callback([options, play] { run(*options, play); });
 }

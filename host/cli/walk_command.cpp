@@ -41,6 +41,7 @@ struct WalkOptions {
   double rate_hz = 100.0;
   unsigned threads = 0;
   std::uint64_t seed = 1;
+  CommentsOption comments;
 
   unsigned thread_count() const {
     return threads > 0 ? threads : std::max(1u, std::thread::hardware_concurrency());
@@ -258,7 +259,7 @@ void simulate(const WalkOptions& o) {
   rollout.time_s = seconds;
   const walk::Simulation s =
       walk::simulate_walk(model.robot, rollout, walk.parameters, 1.0 / o.rate_hz, o.sensor_seed);
-  log::write_log(s.log, o.out);
+  log::write_log(s.log, o.out, o.comments.of_log());
   say(s.rollout, model.limits);
   if (s.rollout.ending != walk::Ending::stands) throw Refusal("the robot does not stand; the log ends there");
 }
@@ -314,6 +315,7 @@ CLI::App* add_walk_command(CLI::App& app, Distribute distribute) {
   run->add_option("--rate-hz", o->rate_hz, "Of the log's rows")->capture_default_str();
   run->add_option("--seed", o->sensor_seed, "Sensors err, drawn from it; without it they do not");
   run->add_option("--out", o->out, "The log (CSV)")->required();
+  o->comments.add_to(*run);
   run->callback([o] { simulate(*o); });
 
   CLI::App* page = command->add_subcommand("show", "A walk as a page, with the robot walking");

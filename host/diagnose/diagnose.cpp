@@ -437,6 +437,7 @@ class Assembly {
     d_.refitted = on_held_out(selection_.refitted.fitted);
     d_.extended = on_held_out(extension().fitted);
     d_.noise_floor = identify::noise_floor(selection_.chosen.fitted, held_out_, held_out_windows_, starts_);
+    d_.refitted_model = selection_.refitted.fitted;
     d_.extended_model = extension().fitted;
     d_.remainder =
         remainder_of(d_.extended_model, training_, crossed_->windows(), held_out_, evenly(held_out_windows_));

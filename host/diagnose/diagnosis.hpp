@@ -123,7 +123,7 @@ struct Diagnosis : result::Summary {
   std::vector<Association> correlated_with;
   /// Where causes cannot be told apart: the experiments that would, the most telling first.
   std::vector<Experiment> experiments;
-  model::Model extended_model;
+  model::Model refitted_model, extended_model;
   std::vector<Trace> traces;
   ResidualForce residual;
   Rules rules_that_acted;  ///< of the search: what would be named might be another without them

@@ -42,12 +42,13 @@ void append_metadata(std::string& out, const std::string& key, const std::string
 
 }  // namespace
 
-std::string format_log(const Log& log) {
+std::string format_log(const Log& log, Comments comments) {
   std::string out;
   append_metadata(out, "format", "furcula-log/1");
   append_metadata(out, "rig", log.rig);
   for (const auto& [key, value] : log.metadata)
     if (key != "format" && key != "rig") append_metadata(out, key, value);
+  if (comments == Comments::without) out.clear();
 
   // The contract's columns in its order, then the others by name.
   std::vector<const std::vector<double>*> columns;
@@ -84,8 +85,8 @@ std::string format_log(const Log& log) {
   return out;
 }
 
-void write_log(const Log& log, const std::string& path) {
-  core::write_file_atomically(path, format_log(log));
+void write_log(const Log& log, const std::string& path, Comments comments) {
+  core::write_file_atomically(path, format_log(log, comments));
 }
 
 }  // namespace furcula::log

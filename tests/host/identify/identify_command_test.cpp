@@ -40,7 +40,7 @@ TEST_CASE("identify writes its three files and says the parameters") {
   CHECK_THAT(ran.out, Catch::Contains("mass_kg") && Catch::Contains("identified"));
   std::vector<std::string> written;
   CHECK(test::run_program("/bin/ls", {f.out}).out ==
-        "identification.json\nidentified_model.toml\nreport.html\n");
+        "identification.json\nidentified_model.toml\nreport.html\ntraces\n");
   // The model that it writes is one that it reads.
   const auto again = test::run_furcula(
       {"identify", "--model", f.out + "/identified_model.toml", "--out", f.out, f.logs[0], f.logs[1]}, 120);
