@@ -51,7 +51,8 @@ struct Axis {
 
 }  // namespace
 
-TEST_CASE("replay prints the error in the channel's unit, small for the right model, and writes both traces") {
+TEST_CASE(
+    "replay prints the error in the channel's unit, small for the right model, and writes both traces") {
   const Axis a;
   const std::string out = a.folder.path() + "/out.csv", layout = a.folder.path() + "/out.xml";
   const test::Ran right = run_furcula({"replay", a.right, a.logs[0], "-o", out, "--layout", layout});
@@ -69,15 +70,16 @@ TEST_CASE("replay prints the error in the channel's unit, small for the right mo
 TEST_CASE("replay of the extended model makes the traces that diagnose has written") {
   const Axis a;
   const std::string out = a.folder.path() + "/out";
-  const test::Ran ran = run_furcula({"diagnose", "--model", a.given, "--out", out, a.logs[0], a.logs[1], a.logs[2],
-                                     "--hold-out", a.logs[3]},
+  const test::Ran ran = run_furcula({"diagnose", "--model", a.given, "--out", out, a.logs[0], a.logs[1],
+                                     a.logs[2], "--hold-out", a.logs[3]},
                                     240);
   INFO(ran.err);
   REQUIRE(ran.status == 0);
   CHECK(test::run_program("/bin/ls", {out + "/traces"}).out ==
         "log0.csv\nlog1.csv\nlog2.csv\nlog3.csv\nplotjuggler.xml\n");
-  CHECK(first_line(out + "/traces/log3.csv") ==
-        "time_s,window,held_out,position_m_measured,position_m_given,position_m_refitted,position_m_extended");
+  CHECK(
+      first_line(out + "/traces/log3.csv") ==
+      "time_s,window,held_out,position_m_measured,position_m_given,position_m_refitted,position_m_extended");
   const std::string again = a.folder.path() + "/again.csv";
   REQUIRE(run_furcula({"replay", out + "/extended_model.toml", a.logs[3], "-o", again}).status == 0);
   std::istringstream written(text_of(out + "/traces/log3.csv")), replayed(text_of(again));
@@ -86,7 +88,8 @@ TEST_CASE("replay of the extended model makes the traces that diagnose has writt
   std::getline(written, one);
   std::getline(replayed, other);
   while (std::getline(written, one) && std::getline(replayed, other)) {
-    const std::string extended = one.substr(one.rfind(',') + 1), predicted = other.substr(other.rfind(',') + 1);
+    const std::string extended = one.substr(one.rfind(',') + 1),
+                      predicted = other.substr(other.rfind(',') + 1);
     REQUIRE(extended.empty() == predicted.empty());
     if (extended.empty()) continue;
     // The starts are estimated beside the re-fitted model there.
@@ -178,6 +181,6 @@ TEST_CASE("bad input to replay ends with one message and no output") {
     CHECK_THAT(ran.err, Contains(c.message));
     CHECK(ran.err.find('\n') == ran.err.size() - 1);
   }
-  CHECK(a.folder.names() == std::vector<std::string>{"given.toml", "log0.csv", "log1.csv", "log2.csv", "log3.csv",
-                                                     "right.toml", "short.csv"});
+  CHECK(a.folder.names() == std::vector<std::string>{"given.toml", "log0.csv", "log1.csv", "log2.csv",
+                                                     "log3.csv", "right.toml", "short.csv"});
 }
