@@ -135,6 +135,13 @@ class Trial {
     });
   }
 
+  AsNamed as_named() {
+    if (instants_.size() < kFewestInstants) return {};
+    weigh({given(), "", "", {}, 0.0});
+    if (all_.empty()) return {};
+    return {true, all_.front().off_of};
+  }
+
  private:
   /// The best of what `weigh_all` weighs beside the columns as named, if it is far better than those.
   template <class WeighAll>
@@ -840,6 +847,10 @@ class Trial {
 
 std::optional<Finding> find_convention(const Family& family, std::span<const Columns> recordings) {
   return Trial(family, recordings).run();
+}
+
+AsNamed as_named(const Family& family, std::span<const Columns> recordings) {
+  return Trial(family, recordings).as_named();
 }
 
 void require_convention(const Family& family, std::span<const Columns> recordings, Asked asked) {

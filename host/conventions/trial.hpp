@@ -112,6 +112,13 @@ struct Finding {
 /// The reading that fits far better than the columns as named, if there is one. `threads`: of the search.
 std::optional<Finding> find_convention(const Family& family, std::span<const Columns> recordings);
 
+/// How well the columns fit as they are named.
+struct AsNamed {
+  bool asked = false;       ///< there are enough instants of motion to say
+  std::vector<double> off;  ///< of each joint: RMS of the rest over that of the force
+};
+AsNamed as_named(const Family& family, std::span<const Columns> recordings);
+
 /// Whether other columns than time may be mended: not where rows are so far apart that nothing could be fitted to them.
 enum class Asked { all_columns, time_alone };
 

@@ -122,9 +122,8 @@ bool held(const Recording& r, machines::Cut cut, std::size_t i) {
   return false;
 }
 
-}  // namespace
-
-void require_conventions(const model::Model& model, const std::vector<Recording>& recordings) {
+std::vector<conventions::Columns> trial_columns(const model::Model& model,
+                                                const std::vector<Recording>& recordings) {
   const machines::Cut cut = machines::rules(model.kind).cut;
   std::vector<conventions::Columns> all;
   for (const Recording& r : recordings) {
@@ -133,7 +132,23 @@ void require_conventions(const model::Model& model, const std::vector<Recording>
     for (std::size_t i = 0; i + 1 < r.rows(); ++i) c.breaks[i] = held(r, cut, i) || held(r, cut, i + 1);
     all.push_back(std::move(c));
   }
-  if (!all.empty()) conventions::require_convention(OneJoint(model, recordings.front()), all);
+  return all;
+}
+
+}  // namespace
+
+void require_conventions(const model::Model& model, const std::vector<Recording>& recordings) {
+  if (recordings.empty()) return;
+  conventions::require_convention(OneJoint(model, recordings.front()), trial_columns(model, recordings));
+}
+
+std::optional<conventions::Finding> find_convention(const model::Model& model,
+                                                    const std::vector<Recording>& recordings) {
+  return conventions::find_convention(OneJoint(model, recordings.front()), trial_columns(model, recordings));
+}
+
+conventions::AsNamed as_named(const model::Model& model, const std::vector<Recording>& recordings) {
+  return conventions::as_named(OneJoint(model, recordings.front()), trial_columns(model, recordings));
 }
 
 }  // namespace furcula::identify

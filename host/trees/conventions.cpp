@@ -161,4 +161,14 @@ void require_conventions(const TreeModel& model, const std::vector<Recording>& r
                                                          : conventions::Asked::all_columns);
 }
 
+std::optional<conventions::Finding> find_convention(const TreeModel& model,
+                                                    const std::vector<Recording>& recordings) {
+  return conventions::find_convention(TreeFamily(model, recordings.front().input_measured),
+                                      columns_of(recordings));
+}
+
+conventions::AsNamed as_named(const TreeModel& model, const std::vector<Recording>& recordings) {
+  return conventions::as_named(TreeFamily(model, recordings.front().input_measured), columns_of(recordings));
+}
+
 }  // namespace furcula::trees

@@ -1,8 +1,10 @@
 // A tree's columns for the trial of conventions (host/conventions/trial.hpp).
 #pragma once
 
+#include <optional>
 #include <vector>
 
+#include "host/conventions/trial.hpp"
 #include "host/trees/recording.hpp"
 
 namespace furcula::trees {
@@ -11,5 +13,10 @@ namespace furcula::trees {
 /// unit, sign or zero, columns that are exchanged, gravity along another axis of the base. Of a robot with a foot, rows in flight count.
 /// Where no window of `window_s` is free of gaps, time alone is asked about: nothing else would make one.
 void require_conventions(const TreeModel& model, const std::vector<Recording>& recordings, double window_s);
+
+/// What require_conventions() would say, as a finding; and how well the columns fit as they are named.
+std::optional<conventions::Finding> find_convention(const TreeModel& model,
+                                                    const std::vector<Recording>& recordings);
+conventions::AsNamed as_named(const TreeModel& model, const std::vector<Recording>& recordings);
 
 }  // namespace furcula::trees

@@ -15,7 +15,7 @@ log::Log pushed(double mass_kg, double force_n) {
   log::Log log;
   log.path = "pushed.csv";
   log.rig = "motor_axis";
-  for (int n = 0; n <= 2000; ++n) {
+  for (int n = 0; n <= 2100; ++n) {
     const double t = 1e-3 * n;
     log.columns["time_s"].push_back(t);
     log.columns["position_m"].push_back(1e-6 * std::round(1e6 * 0.5 * force_n / mass_kg * t * t));
@@ -54,7 +54,7 @@ TEST_CASE("a wrong mass's prediction leaves a window's measurement as the square
           Approx(-0.5 * since * since).margin(2e-5));
     CHECK(l.quantities[0].predicted[1][row] == Approx(l.quantities[0].measured[row]).margin(2e-5));
   }
-  // The mean square of t^2 / 2 over 0.5 s is 0.5^4 / 20.
+  // Four whole windows. The mean square of t^2 / 2 over 0.5 s is 0.5^4 / 20.
   CHECK(traces::error_of(l, l.quantities[0], 0).rmse ==
         Approx(std::sqrt(std::pow(0.5, 4) / 20.0)).epsilon(0.02));
   CHECK(traces::error_of(l, l.quantities[0], 1).rmse < 1e-5);
