@@ -29,6 +29,7 @@ void add_effects_command(CLI::App& app);
 void add_check_command(CLI::App& app);
 void add_convert_command(CLI::App& app);
 void add_replay_command(CLI::App& app);
+void add_map_command(CLI::App& app);
 
 // Those for robots, boards and stands.
 void add_bench_command(CLI::App& app);

@@ -12,6 +12,7 @@ void add_data_commands(CLI::App& app, PlayGait play) {
   add_check_command(app);
   add_convert_command(app);
   add_replay_command(app);
+  add_map_command(app);
 }
 
 }  // namespace furcula::cli
