@@ -267,13 +267,9 @@ void try_conventions(Proposal& p, const std::vector<std::string>& joints, const 
   }
   for (std::size_t j = 0; j < fits.off.size(); ++j) {
     const std::string of = joints[j].empty() ? "the force" : "the force of " + core::quoted(joints[j]);
-    if (fits.off[j] < kFits)
-      p.confirm.push_back("So read, the model explains all of " + of + " but " + percent(fits.off[j]) +
-                          " (RMS).");
-    else
-      p.confirm.push_back(
-          "So read, " + percent(fits.off[j]) + " of " + of +
-          " (RMS) stays unexplained: look at sign, zero and unit of its columns, and at the model.");
+    p.confirm.push_back(
+        "So read, " + percent(fits.off[j]) + " of " + of + " (RMS) stays unexplained" +
+        (fits.off[j] < kFits ? "." : ": look at sign, zero and unit of its columns, and at the model."));
   }
 }
 

@@ -30,12 +30,27 @@ log::ColumnMap reading_map(const std::string& rig, const std::vector<std::string
   return map;
 }
 
+/// Does `read` with decimal points, and where the reader says that decimals have commas, with those.
+template <class Read>
+auto with_decimals(log::ColumnMap& map, const Read& read) {
+  for (const char separator : {';', '\t', ' '}) {
+    try {
+      return read();
+    } catch (const core::DataError& e) {
+      if (std::string(e.what()).find("decimal") == std::string::npos) throw;
+    }
+    map.separator = separator;
+    map.decimal = ',';
+  }
+  return read();
+}
+
 std::vector<std::string> header_of(const std::string& path, const std::string& rig) {
   const log::MappedColumn own{{{"time_s", 1.0}}, 0.0, 0};
   for (const bool has_time : {true, false}) {
-    const log::ColumnMap map = reading_map(rig, {}, has_time ? own : log::MappedColumn{});
+    log::ColumnMap map = reading_map(rig, {}, has_time ? own : log::MappedColumn{});
     try {
-      std::vector<std::string> names = log::column_names(path, rig, &map);
+      std::vector<std::string> names = with_decimals(map, [&] { return log::column_names(path, rig, &map); });
       // Constants are no columns of the file.
       std::erase_if(names, [&](const std::string& name) {
         const auto found = map.columns.find(name);
@@ -126,15 +141,9 @@ RawLog read_raw(const std::string& path) {
                           "; expected one that is called time, t, timestamp, secs or the like");
   out.time = *time;
   log::ColumnMap map = reading_map(rig, out.columns, *time);
-  const auto read = [&] { out.log = log::read_log(path, rig, &map); };
-  try {
-    read();
-  } catch (const core::DataError& e) {
-    if (std::string(e.what()).find("decimal") == std::string::npos) throw;
-    map.separator = out.separator = ';';
-    map.decimal = out.decimal = ',';
-    read();
-  }
+  out.log = with_decimals(map, [&] { return log::read_log(path, rig, &map); });
+  out.separator = map.separator.value_or(',');
+  out.decimal = map.decimal;
   settle_unit(out, unit);
   return out;
 }
