@@ -42,9 +42,8 @@ TEST_CASE("a proposed map is one that check takes, and the model's own joint nee
   std::ifstream file(made);
   std::string header;
   std::getline(file, header);
-  REQUIRE(header.starts_with("time_s,angle_rad,velocity_radps,torque_nm"));
-  const std::string rest = header.substr(std::string("time_s,angle_rad,velocity_radps,torque_nm").size());
-  const std::string log = folder.file("log.csv", renamed(made, "t,pos,vel,tau" + rest));
+  REQUIRE(header == "time_s,angle_rad,torque_nm");
+  const std::string log = folder.file("log.csv", renamed(made, "t,pos,tau"));
   const test::Ran ran = run_furcula({"map", log, "--model", model, "-o", map});
   INFO(ran.out << ran.err);
   REQUIRE(ran.status == 0);
