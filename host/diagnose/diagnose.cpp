@@ -23,6 +23,7 @@
 #include "host/identify/refute.hpp"
 #include "host/identify/units.hpp"
 #include "host/identify/verdicts.hpp"
+#include "host/machines/hopper.hpp"
 #include "host/machines/rules.hpp"
 
 namespace furcula::diagnose {
@@ -446,9 +447,11 @@ class Assembly {
       d_.dirt.notes.push_back(std::move(note));
   }
 
-  /// Nothing is missing in this model but what the machine does not repeat.
+  /// Nothing is missing in this model but what the machine does not repeat. What the simulator's numerics leave of an ideal
+  /// sensor is correlated from row to row, too.
   bool random_alone_with(const model::Model& m, const std::optional<Remainder>& left) const {
-    return left ? !left->is_structured() && left->repeats() && !left->is_coloured()
+    const bool numerics = nmse(d_.extended) <= kNumerics;
+    return left ? !left->is_structured() && left->repeats() && (numerics || !left->is_coloured())
                 : falls_repeat(m, held_out_, held_out_windows_, starts_);
   }
 
@@ -788,8 +791,11 @@ class Assembly {
         before > 0.0 ? std::clamp(to_explain * (after - floor) / before, 0.0, 1.0) : 0.0;
     d_.unnamed_share =
         unnamed_share(before, after, floor, missing ? &d_.remainder->foretold : nullptr, d_.nothing_left);
+    compare_contact_switch();
     const bool helps = helps_held_out();
     d_.verdict = decide(d_.nothing_left, helps, d_.unnamed_share < kSmallRemainder);
+    if (d_.contact_switch.contradicted > 0 && d_.verdict != Verdict::unexplained)
+      d_.dirt.notes.push_back(identify::in_words(d_.contact_switch) + ".");
     if (d_.findings.empty() || other_channels_alone()) d_.unnamed_share = 0.0;
   }
 
@@ -823,10 +829,17 @@ class Assembly {
     return well >= kWindows * static_cast<double>(windows.size());
   }
 
+  void compare_contact_switch() {
+    if (machines::rules(model_.kind).cut != machines::Cut::strides) return;
+    std::vector<Recording> all = training_;
+    all.insert(all.end(), held_out_.begin(), held_out_.end());
+    d_.contact_switch = identify::switch_agreement(all, machines::touchdown_height_m(d_.extended_model));
+  }
+
   Verdict decide(bool noise_alone, bool better_held_out, bool little_remains) const {
     if (!d_.beyond_bounds.empty()) return Verdict::not_identifiable;
     if (d_.findings.empty()) {
-      if (noise_alone) return Verdict::adequate;
+      if (noise_alone) return d_.contact_switch.is_refuted() ? Verdict::unexplained : Verdict::adequate;
       return independent_windows() < kFewestWindows ? Verdict::not_identifiable : Verdict::unexplained;
     }
     if (other_channels_alone()) {

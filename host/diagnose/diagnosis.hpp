@@ -12,6 +12,7 @@
 #include "host/diagnose/bootstrap.hpp"
 #include "host/diagnose/remainder.hpp"
 #include "host/diagnose/rule.hpp"
+#include "host/identify/contact_switch.hpp"
 #include "host/identify/manoeuvres.hpp"
 #include "host/identify/prediction.hpp"
 #include "host/model/model.hpp"
@@ -115,6 +116,7 @@ struct Diagnosis : result::Summary {
   double unnamed_share = 0.0;
   double none_of_catalogue = 0.0;  ///< the share that no finding has, by the training recordings
   bool nothing_left = true;        ///< of the held-out error, but what comes at random or from the sensors
+  identify::SwitchAgreement contact_switch;  ///< of all recordings, a hopper's
   /// What is new from row to row hangs on nothing before (whiteness.hpp); where that cannot be tested, as above.
   bool residual_white = true;
   /// Held-out windows that no figure is of, since they hold or follow a slip that nothing foretells.

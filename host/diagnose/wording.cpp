@@ -221,6 +221,9 @@ std::string summary_of(const Diagnosis& d) {
       return "Most of what is wrong with the model is not in the catalogue. A part of it looks as if " +
              named + falls + ".";
     case Verdict::unexplained:
+      if (d.nothing_left && d.contact_switch.is_refuted())
+        return "The motion is predicted down to the measuring noise, but " +
+               identify::in_words(d.contact_switch) + ". No effect of the catalogue explains that.";
       return "The model is wrong in a way that no effect of the catalogue explains: the " + where +
              " stays at " + readable(d.refitted.at(d.main_channel).rmse, d.main_unit) +
              ", above the measuring noise" + why_unexplained(d) + ".";
@@ -279,6 +282,10 @@ std::string next_experiment(const Diagnosis& d) {
       return "None is needed. To test the model further, record motion that the recordings do not hold yet: "
              "slower, faster, longer.";
     case Verdict::unexplained:
+      if (d.nothing_left && d.contact_switch.is_refuted())
+        return "Check the contact switch: does it stick, is it wired to this foot, is its polarity right? Press it by hand and watch "
+               "its column. If it is right, check the touchdown height of the model.";
+      [[fallthrough]];
     case Verdict::partly_explained:
       if (!d.correlated_with.empty())
         return "Repeat one recording unchanged, then vary " + d.correlated_with.front().signal +

@@ -2,7 +2,7 @@
 // dynamics.
 //
 // They follow ceres::Jet's rules, against which a test holds them. Nine tenths of a diagnosis are their
-// arithmetic (docs/profile.md), and GCC 12 leaves the expression templates of Ceres' as calls and scalar
+// arithmetic (docs/benchmarks.md), and GCC 12 leaves the expression templates of Ceres' as calls and scalar
 // loops: here the derivatives are pairs of doubles that every x86-64 and AArch64 adds and multiplies at once.
 #pragma once
 

@@ -6,6 +6,7 @@
 
 #include "host/core/message.hpp"
 #include "host/core/quantile.hpp"
+#include "host/identify/contact_switch.hpp"
 #include "host/identify/simulate.hpp"
 #include "host/machines/hopper.hpp"
 #include "host/machines/rules.hpp"
@@ -232,7 +233,6 @@ namespace {
 /// Fills in the lags of the contact reports, and their spread over all windows (median absolute deviation, at
 /// least what the sample interval lets one see).
 void attach_reports(std::vector<Window>& windows, const std::vector<Recording>& recordings, double height_m) {
-  constexpr double kFurthest_s = 0.06;
   std::vector<double> lags;
   double interval_s = 0.0;
   for (Window& w : windows) {
@@ -247,10 +247,10 @@ void attach_reports(std::vector<Window>& windows, const std::vector<Recording>& 
     const std::size_t before = i > 4 ? i - 4 : 0;  // clear of the impact
     w.touchdown_velocity = r.velocity_smoothed[before];
     interval_s = std::max(interval_s, r.time_s[i] - r.time_s[i - 1]);
-    double best = kFurthest_s;
+    double best = kLongestReportDelay_s;
     for (double report : r.touchdown_reports_s)
       if (std::abs(report - crossing_s) < std::abs(best)) best = report - crossing_s;
-    if (std::abs(best) < kFurthest_s) lags.push_back(w.report_lag_s = best);
+    if (std::abs(best) < kLongestReportDelay_s) lags.push_back(w.report_lag_s = best);
   }
   if (lags.empty()) return;
   const double centre = core::median(lags);

@@ -1,0 +1,84 @@
+// The biped in MuJoCo, for the controller that a board has: MuJoCo's own contacts and integrator, simulated drives, encoders, IMU, feet and pins.
+// It shares no dynamics with the product; Description is used as a table of numbers.
+#pragma once
+
+#include <mujoco/mujoco.h>
+
+#include <array>
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "furcula/control/walk/walker.hpp"
+#include "host/core/random.hpp"
+#include "tests/robot/truth.hpp"
+
+namespace furcula::robot {
+
+struct Disturbances {
+  bool sensors = true;  ///< noise and quantisation of encoders, gyro, accelerometer, feet
+  double push_n =
+      15.0;  ///< standard deviation, of each horizontal direction, on the pelvis for 0.1 s, once a second
+};
+
+class MujocoBiped {
+ public:
+  static constexpr double kTick_s = 1e-3;
+
+  /// On its stand it holds `posture_rad`; passive hips are at their springs' rest. @throws std::runtime_error where MuJoCo does not
+  /// take the robot.
+  MujocoBiped(const Truth& truth, bool passive_hips,
+              const std::array<double, control::kWalkerJoints>& posture_rad, const Disturbances& disturbances,
+              std::uint64_t seed);
+
+  /// What the devices give in this tick. The robot hangs on its stand until the board walks.
+  control::WalkerInputs sense();
+  /// A tick under these commands.
+  void advance(const control::WalkerOutputs& told);
+
+  double time_s() const { return time_s_; }
+  bool on_stand() const { return on_stand_; }
+  /// Of the pelvis' origin, in the ground's frame.
+  std::array<double, 3> position_m() const { return {data_->qpos[0], data_->qpos[1], data_->qpos[2]}; }
+  /// Of the centre of mass, forward.
+  double forward_m() const { return data_->subtree_com[3]; }
+  const mjModel& model() const { return *model_; }
+  mjData& data() { return *data_; }
+
+ private:
+  struct Gear {  ///< between a drive's motor and its joint, where it is not stiff
+    double angle_rad = 0.0, rate_radps = 0.0;  ///< of the motor
+  };
+  bool passive(std::size_t i) const;
+  bool stiff(std::size_t i) const {
+    return truth_.elasticity_nmprad[i] == 0.0 && truth_.backlash_rad[i] == 0.0;
+  }
+  double motor_angle_rad(std::size_t i) const;
+  double motor_rate_radps(std::size_t i) const;
+  double gear_torque_nm(std::size_t i) const;
+  void place_on_ground();
+  void step(const std::array<control::JointCommand, control::kWalkerJoints>& commands);
+  void measure_feet();
+
+  struct Delete {
+    void operator()(mjModel* m) const { mj_deleteModel(m); }
+    void operator()(mjData* d) const { mj_deleteData(d); }
+  };
+  Truth truth_;
+  bool passive_hips_;
+  Disturbances disturbances_;
+  core::Random noise_, pushes_;
+  std::unique_ptr<mjModel, Delete> model_;
+  std::unique_ptr<mjData, Delete> data_;
+  std::array<Gear, control::kWalkerJoints> gears_{};
+  std::deque<std::array<control::JointCommand, control::kWalkerJoints>> on_the_way_;
+  std::array<double, control::kWalkerJoints> torque_nm_{};
+  std::array<double, 2> foot_n_{};
+  std::array<double, control::kWalkerPins> pins_{};
+  double time_s_ = 0.0, push_until_s_ = 0.0, next_push_s_ = 0.0;
+  bool on_stand_ = true;
+};
+
+}  // namespace furcula::robot
