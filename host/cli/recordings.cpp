@@ -216,7 +216,7 @@ void CommentsOption::add_to(CLI::App& command) {
   command.add_flag(
       "--no-comments", none,
       "Begin the log with its header row, for programs that read no comments. What the lines \"# key: value\" say "
-      "is lost: commands that read the log take its rig from --model, --rig or a map");
+      "is lost: commands that read the log take the machine type from --model, --rig or a map");
 }
 
 void print_dirt(const log::Dirt& dirt) {
