@@ -77,8 +77,8 @@ void run(const ReplayOptions& o) {
   if (!o.layout.empty())
     files.push_back({o.layout, traces::layout_text(traces, {seen_from(o.layout, o.out)})});
   core::write_files_together(files);
-  std::cout << core::printable(o.log) << ": " << windows << " windows, " << rows << " of "
-            << log.time_s.size() << " rows\n";
+  std::cout << core::printable(o.log) << ": " << windows << (windows == 1 ? " window, " : " windows, ")
+            << rows << " of " << log.time_s.size() << " rows\n";
   for (const traces::Quantity& q : log.quantities) {
     const traces::Error e = traces::error_of(log, q, 0);
     std::cout << "  " << core::printable(q.column) << ": ";

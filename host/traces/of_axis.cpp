@@ -43,7 +43,7 @@ Columns columns_of(const Recording& r, const machines::Rules& rules, std::size_t
     return out.traces.quantities.size() - 1;
   };
   add(rules.columns.position, names.position_unit, r.position);
-  if (r.velocity_recorded) out.velocity = add(rules.columns.velocity, names.velocity_unit, r.velocity);
+  if (r.velocity_recorded) out.velocity = add(rules.columns.velocity, names.position_unit + "/s", r.velocity);
   if (!r.leg_angle.empty()) out.leg_angle = add(rules.columns.leg_angle, "rad", r.leg_angle);
   const std::string_view drive = rules.columns.report.empty() ? rules.columns.input : rules.columns.report;
   if (!r.drive.empty()) out.drive = add(drive, drive.ends_with("_nm") ? "N m" : "N", r.drive);
