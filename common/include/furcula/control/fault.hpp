@@ -99,7 +99,7 @@ inline constexpr std::array<FaultInfo, kFaultCount> kFaults{{
      "Check the bus's cable, its terminating resistors and that all nodes have the same bit rate; then "
      "reset."},
     {Fault::command_lost, "command_lost", "The one who commands the running robot fell silent.",
-     "Check the desk's program and its cable; then reset."},
+     "Check the host's program and its cable; then reset."},
     {Fault::encoder_jump, "encoder_jump",
      "The height changed by more than a body can move, or against the way that it must.",
      "Check the height encoder's cable, its shield and the order of its two channels; home it again; then "
