@@ -9,7 +9,6 @@
 namespace furcula::model {
 namespace {
 
-
 /// force = gain u + bias + bias_q (gear q) + bias_v (gear v); u: the control.
 struct Actuator {
   std::string gain_type = "fixed", bias_type = "none", dynamics = "none";

@@ -243,7 +243,8 @@ void MjcfDefaults::add(const MjcfElement& section, const std::string* parent) { 
   if (parent == nullptr && name.empty()) name = "main";
   if (name.empty()) section.fail("has no class; expected class=\"...\" on a <default> within another");
   if (parent != nullptr && !classes_.emplace(name, classes_.at(*parent)).second)
-    section.fail("has the class " + core::quoted(name) + ", which is there already; expected each class once");
+    section.fail("has the class " + core::quoted(name) +
+                 ", which is there already; expected each class once");
   // The top one is the same class in each section, however it is called.
   Class& of = parent == nullptr ? classes_["main"] : classes_.at(name);
   for (const MjcfElement& e : section.children) {

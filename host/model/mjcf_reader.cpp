@@ -222,7 +222,8 @@ class Reader {
   UrdfJoint& add_joint(const MjcfElement& e, const std::string& name, std::size_t parent,
                        const Frame<double>& placement) {
     if (!taken_joints_.insert(name).second)
-      e.fail("would be a joint " + core::quoted(name) + ", which there is already; expected names of their own");
+      e.fail("would be a joint " + core::quoted(name) +
+             ", which there is already; expected names of their own");
     UrdfJoint j;
     j.name = name;
     j.parent = parent;

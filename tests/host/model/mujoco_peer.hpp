@@ -22,9 +22,15 @@ class MujocoPeer {
     char error[1000] = "";
     model_.reset(mj_loadXML("robot.xml", files.get(), error, sizeof error));
     mj_deleteVFS(files.get());
-    if (!model_) throw std::runtime_error(std::string("MuJoCo: ") + error);
-    model_->opt.disableflags |= mjDSBL_CONTACT | mjDSBL_CONSTRAINT;
-    data_.reset(mj_makeData(model_.get()));
+    begin(error);
+  }
+  /// A file, with what it includes.
+  static MujocoPeer of_file(const std::string& path) {
+    MujocoPeer peer;
+    char error[1000] = "";
+    peer.model_.reset(mj_loadXML(path.c_str(), nullptr, error, sizeof error));
+    peer.begin(error);
+    return peer;
   }
 
   const mjModel& model() const { return *model_; }
@@ -36,9 +42,21 @@ class MujocoPeer {
     if (id < 0) throw std::runtime_error("MuJoCo has no joint " + joint);
     return static_cast<std::size_t>(model_->jnt_dofadr[id]);
   }
+  /// The same in qpos, where some joint has more numbers there than speeds.
+  std::size_t place_in_qpos(const std::string& joint) const {
+    place(joint);
+    return static_cast<std::size_t>(
+        model_->jnt_qposadr[mj_name2id(model_.get(), mjOBJ_JOINT, joint.c_str())]);
+  }
   void forward() const { mj_forward(model_.get(), data_.get()); }
 
  private:
+  MujocoPeer() = default;
+  void begin(const char* error) {
+    if (!model_) throw std::runtime_error(std::string("MuJoCo: ") + error);
+    model_->opt.disableflags |= mjDSBL_CONTACT | mjDSBL_CONSTRAINT;
+    data_.reset(mj_makeData(model_.get()));
+  }
   struct Delete {
     void operator()(mjModel* m) const { mj_deleteModel(m); }
     void operator()(mjData* d) const { mj_deleteData(d); }
