@@ -154,6 +154,8 @@ class Reader {
         if (e.tag != "body") world_element(e, {}, false);
     const Frame<double> world =
         compiler_.global ? MjcfFields(*only, only->attributes).frame(compiler_) : at_point({0.0, 0.0, 0.0});
+    if (only->attributes.contains("childclass")) inherited = only->attribute("childclass");
+    defaults_.require(*only, inherited);
     const std::size_t link = add_link(*only, body_name(*only));
     fill(*only, link, {inherited, at_point({0.0, 0.0, 0.0})}, world);
     out_.notes.push_back("The root " + core::quoted(out_.links[0].name) +

@@ -296,6 +296,7 @@ class TreeBuilder {
     choose(wanted);
     check_holds();
     out_.name = robot_.name;
+    if (robot_.is_mjcf) out_.model.gravity_mps2 = robot_.gravity_mps2;
     std::vector<const UrdfJoint*> over(robot_.links.size(), nullptr);  // the joint of each link
     for (const UrdfJoint& j : robot_.joints) over[j.child] = &j;
     place_links(over);

@@ -52,9 +52,24 @@ double apart(const model::UrdfInertia& a, const model::UrdfInertia& b) {
   return std::max(out, std::sqrt(dot(c, c)) * a.mass_kg);
 }
 
+/// Joints without a name have one of their body's here, and none in MuJoCo: of each file at most one.
+int joint_of(const test::MujocoPeer& peer, const std::string& name) {
+  const mjModel& m = peer.model();
+  if (const int id = mj_name2id(&m, mjOBJ_JOINT, name.c_str()); id >= 0) return id;
+  for (int id = 0; id < m.njnt; ++id)
+    if (m.names[m.name_jntadr[id]] == '\0') return id;
+  throw std::runtime_error("MuJoCo has no joint " + name);
+}
+
 void compare(const model::RobotTree& tree, const test::MujocoPeer& peer, Differences& out) {
-  const std::size_t n = tree.joints.size();
-  std::vector<double> full(static_cast<std::size_t>(peer.model().nv * peer.model().nv));
+  const std::size_t n = tree.joints.size(), nv = static_cast<std::size_t>(peer.model().nv);
+  std::vector<std::size_t> in_qpos(n), in_qvel(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    const int id = joint_of(peer, tree.joints[i].name);
+    in_qpos[i] = static_cast<std::size_t>(peer.model().jnt_qposadr[id]);
+    in_qvel[i] = static_cast<std::size_t>(peer.model().jnt_dofadr[id]);
+  }
+  std::vector<double> full(nv * nv);
   std::mt19937 random(11);
   const auto within = [&](double most) {
     return std::uniform_real_distribution<double>(-most, most)(random);
@@ -65,8 +80,8 @@ void compare(const model::RobotTree& tree, const test::MujocoPeer& peer, Differe
     for (std::size_t i = 0; i < n; ++i) {
       q[i] = within(3.0);
       w[i] = within(5.0);
-      peer.data().qpos[peer.place_in_qpos(tree.joints[i].name)] = q[i];
-      peer.data().qvel[peer.place(tree.joints[i].name)] = w[i];
+      peer.data().qpos[in_qpos[i]] = q[i];
+      peer.data().qvel[in_qvel[i]] = w[i];
     }
     peer.forward();
     mj_fullM(&peer.model(), full.data(), peer.data().qM);
@@ -79,12 +94,10 @@ void compare(const model::RobotTree& tree, const test::MujocoPeer& peer, Differe
       most[k] = std::max(most[k], std::abs(theirs));
     };
     for (std::size_t i = 0; i < n; ++i) {
-      const std::size_t a = peer.place(tree.joints[i].name);
+      const std::size_t a = in_qvel[i];
       see(1, bias[i], peer.data().qfrc_bias[a]);
       see(2, all[i], peer.data().qfrc_bias[a] - peer.data().qfrc_passive[a]);
-      for (std::size_t k = 0; k < n; ++k)
-        see(0, h[i][k],
-            full[a * static_cast<std::size_t>(peer.model().nv) + peer.place(tree.joints[k].name)]);
+      for (std::size_t k = 0; k < n; ++k) see(0, h[i][k], full[a * nv + in_qvel[k]]);
     }
     out.matrix = std::max(out.matrix, d[0] / most[0]);
     // Where there is no gravity and nothing turns, both are zero but for rounding.

@@ -42,12 +42,6 @@ class MujocoPeer {
     if (id < 0) throw std::runtime_error("MuJoCo has no joint " + joint);
     return static_cast<std::size_t>(model_->jnt_dofadr[id]);
   }
-  /// The same in qpos, where some joint has more numbers there than speeds.
-  std::size_t place_in_qpos(const std::string& joint) const {
-    place(joint);
-    return static_cast<std::size_t>(
-        model_->jnt_qposadr[mj_name2id(model_.get(), mjOBJ_JOINT, joint.c_str())]);
-  }
   void forward() const { mj_forward(model_.get(), data_.get()); }
 
  private:
