@@ -97,6 +97,7 @@ struct Urdf {
   std::vector<std::string> notes{};  ///< what of the file is not used, in sentences
   /// From MJCF: rotor inertias and springs of joints are in the tree, and gravity is the file's.
   bool is_mjcf = false;
+  bool is_expanded = false;  ///< by xacro: the file itself is no URDF
   Vec3<double> gravity_mps2{0.0, 0.0, -9.81};
 };
 
