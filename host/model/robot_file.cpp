@@ -23,7 +23,8 @@ Urdf read_robot(const std::string& path) {
     if (const auto expanded = expand_xacro(path)) {
       Urdf robot = parse_robot(*expanded, path);
       robot.is_expanded = true;
-      robot.notes.insert(robot.notes.begin(), "Expanded by xacro; lines in messages are those of what it wrote.");
+      robot.notes.insert(robot.notes.begin(),
+                         "Expanded by xacro; lines in messages are those of what it wrote.");
       return robot;
     }
   return parse_robot(text, path);

@@ -129,7 +129,8 @@ std::optional<std::string> expand_xacro(const std::string& path, std::chrono::mi
     for (char& c : said)
       if (c == '\n') c = ' ';
     fail("xacro ended with status " + std::to_string(WIFEXITED(status) ? WEXITSTATUS(status) : -1) +
-         (said.empty() ? "" : ", " + core::quoted(said.substr(0, kShown))) + ", expected a file that it expands");
+         (said.empty() ? "" : ", \"" + core::printable(said.substr(0, kShown)) + "\"") +
+         ", expected a file that it expands");
   }
   if (text.find_first_not_of(" \t\r\n") == std::string::npos) fail("xacro writes nothing, expected a URDF");
   return text;
