@@ -66,7 +66,7 @@ TEST_CASE("Constraints that join what moves are refused, and left out where noth
   CHECK_THAT(
       refused(arm(body, "<equality>\n<connect body1=\"fore\" anchor=\"0 0 1\"/></equality>")),
       Contains(
-          "robot.xml:6: <connect> joins the links 'fore' and the world, which move against each other") &&
+          "robot.xml:7: <connect> joins the links 'fore' and the world, which move against each other") &&
           Contains("hold the joints within the loop"));
   CHECK_THAT(refused(arm(body, "<equality><weld name=\"w\" body1=\"fore\" body2=\"upper\"/></equality>")),
              Contains("<weld name=\"w\"> joins the links 'fore' and 'upper'"));
@@ -122,7 +122,7 @@ TEST_CASE("What makes bodies or forces that are not in the file is refused") {
     CHECK_THAT(refused(arm("<geom size=\".05\"/><" + tag + "/>")), Contains("mj_saveLastXML"));
   CHECK_THAT(refused(arm("<geom size=\".05\"/><plugin plugin=\"x\"/>")), Contains("take it out of the file"));
   CHECK_THAT(refused(arm("<geom size=\".05\"/>", "<actuator>\n<motor site=\"s\"/></actuator>")),
-             Contains("robot.xml:6: <motor> acts on a site"));
+             Contains("robot.xml:7: <motor> acts on a site"));
   CHECK_THAT(refused(arm("<geom size=\".05\"/>", "<actuator><motor joint=\"aa\"/></actuator>")),
              Contains("acts on the joint 'aa'; expected one of a, b") && Contains("did you mean"));
   CHECK_THAT(refused(arm("<geom size=\".05\"/>",
