@@ -1,4 +1,6 @@
 // Equality constraints and tendons of MJCF, see mjcf_names.hpp.
+#include <set>
+
 #include "host/core/message.hpp"
 #include "host/model/mjcf_names.hpp"
 
@@ -42,6 +44,8 @@ class Reader {
         add(c, names_.geoms, part, "geom");
       }
     }
+    std::set<std::string> seen;
+    std::erase_if(c.links, [&](const std::string& link) { return !seen.insert(link).second; });
     if (c.links.size() == 1) c.links.push_back(c.links[0]);
     robot_.closures.push_back(std::move(c));
   }
@@ -50,7 +54,11 @@ class Reader {
   /// It is named by its tag in messages.
   UrdfClosure closure(const MjcfElement& e) const {
     const std::string title = e.title();
-    return {e.line, title.substr(1, title.size() - 2), {}, e.file == robot_.file ? "" : e.file};
+    return {e.line,
+            title.substr(1, title.size() - 2),
+            {},
+
+            e.file == robot_.file ? "" : e.file};
   }
   void add(UrdfClosure& c, const MjcfNames::Index& index, const MjcfElement& e,
            const std::string& attribute) {

@@ -441,6 +441,8 @@ class TreeBuilder {
         rigid.push_back("<" + c.tag + "> in line " + std::to_string(c.line));
         continue;
       }
+      // Of MJCF; a URDF's closures have other names.
+      const bool is_tendon = c.tag.starts_with("fixed") || c.tag.starts_with("spatial");
       std::string message = "<" + c.tag + ">";
       if (names.size() >= 2)
         message += " joins the links " + first_names(names) + ", which move against each other";
@@ -450,11 +452,14 @@ class TreeBuilder {
       for (const RobotTree::Joint& j : out_.joints)
         if (!is_within(c, j.name)) outside.push_back(j.name);
       message +=
-          ": a closed loop is not supported, expected a tree of joints; hold the joints within the loop";
+          is_tendon
+              ? ": a tendon is not supported, expected forces on joints alone; hold the joints that it acts across"
+              : ": a closed loop is not supported, expected a tree of joints; hold the joints within the loop";
       message += outside.empty() || outside.size() == out_.joints.size()
                      ? " (joints = [...] in [model] names those that move)"
                      : " (" + joints_line(outside) + " in [model])";
-      message += ", or take the element out of the file where the robot has no such loop";
+      message += ", or take the element out of the file where the robot has no such " +
+                 std::string(is_tendon ? "tendon" : "loop");
       fail_at(c, message);
     }
     if (!rigid.empty())
