@@ -12,7 +12,6 @@
 namespace furcula::model {
 namespace {
 
-using core::shortest;
 using dynamics::tree::identity;
 using dynamics::tree::Inertia;
 
