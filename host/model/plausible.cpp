@@ -181,7 +181,9 @@ class Judge {
 
  private:
   [[noreturn]] void fail(std::size_t link, const std::string& message) const {
-    throw core::DataError(robot_.file + ":" + std::to_string(robot_.links[link].line) + ": " + message);
+    const UrdfLink& at = robot_.links[link];
+    throw core::DataError((at.file.empty() ? robot_.file : at.file) + ":" + std::to_string(at.line) + ": " +
+                          message);
   }
   static std::string figures(const Body& b) {
     return "its <inertia> of " + core::rounded(b.largest_kgm2, 3) + " kg m^2 with " +

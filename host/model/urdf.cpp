@@ -296,6 +296,7 @@ class TreeBuilder {
     choose(wanted);
     check_holds();
     out_.name = robot_.name;
+    if (robot_.is_mjcf) out_.model.gravity_mps2 = robot_.gravity_mps2;
     std::vector<const UrdfJoint*> over(robot_.links.size(), nullptr);  // the joint of each link
     for (const UrdfJoint& j : robot_.joints) over[j.child] = &j;
     place_links(over);
@@ -319,8 +320,10 @@ class TreeBuilder {
   }
 
  private:
-  [[noreturn]] void fail_at(std::size_t line, const std::string& message) const {
-    fail(robot_.file + ":" + std::to_string(line), message);
+  /// At a link, joint or closure.
+  template <class Element>
+  [[noreturn]] void fail_at(const Element& at, const std::string& message) const {
+    fail((at.file.empty() ? robot_.file : at.file) + ":" + std::to_string(at.line), message);
   }
   const UrdfJoint& joint(const std::string& name) const {
     constexpr std::size_t kMostNamed = 24;
@@ -348,9 +351,8 @@ class TreeBuilder {
     for (const std::string& name : wanted) {
       const UrdfJoint& j = joint(name);
       if (!can_move(j))
-        fail_at(j.line, "joint " + quoted(name) + " is " + core::printable(j.type) +
-                            ", expected one that moves (revolute, continuous or prismatic)" +
-                            instead(wanted));
+        fail_at(j, "joint " + quoted(name) + " is " + core::printable(j.type) +
+                       ", expected one that moves (revolute, continuous or prismatic)" + instead(wanted));
       if (!moving_.insert(name).second) fail(robot_.file, "joint " + quoted(name) + " is named twice");
     }
     if (wanted.empty())
@@ -359,13 +361,13 @@ class TreeBuilder {
       if (j.mimics.empty() || !can_move(j)) continue;
       if (moving_.contains(j.name) && found(robot_, j.mimics) == nullptr)
         fail_at(
-            j.line,
+            j,
             "joint " + quoted(j.name) + " mimics " + quoted(j.mimics) +
                 ", which is no joint of the robot; expected no <mimic> if it moves by itself, or the joint held" +
                 instead(wanted));
       if (moving_.contains(j.name) || moving_.contains(j.mimics))
-        fail_at(j.line, "joint " + quoted(j.name) + " mimics " + quoted(j.mimics) +
-                            ", expected joints that move by themselves (or both held)" + instead(wanted));
+        fail_at(j, "joint " + quoted(j.name) + " mimics " + quoted(j.mimics) +
+                       ", expected joints that move by themselves (or both held)" + instead(wanted));
     }
     if (moving_.empty()) {
       const bool tied = !tied_joints(robot_).empty();
@@ -439,6 +441,8 @@ class TreeBuilder {
         rigid.push_back("<" + c.tag + "> in line " + std::to_string(c.line));
         continue;
       }
+      // Of MJCF; a URDF's closures have other names.
+      const bool is_tendon = c.tag.starts_with("fixed") || c.tag.starts_with("spatial");
       std::string message = "<" + c.tag + ">";
       if (names.size() >= 2)
         message += " joins the links " + first_names(names) + ", which move against each other";
@@ -448,12 +452,15 @@ class TreeBuilder {
       for (const RobotTree::Joint& j : out_.joints)
         if (!is_within(c, j.name)) outside.push_back(j.name);
       message +=
-          ": a closed loop is not supported, expected a tree of joints; hold the joints within the loop";
+          is_tendon
+              ? ": a tendon is not supported, expected forces on joints alone; hold the joints that it acts across"
+              : ": a closed loop is not supported, expected a tree of joints; hold the joints within the loop";
       message += outside.empty() || outside.size() == out_.joints.size()
                      ? " (joints = [...] in [model] names those that move)"
                      : " (" + joints_line(outside) + " in [model])";
-      message += ", or take the element out of the URDF where the robot has no such loop";
-      fail_at(c.line, message);
+      message += ", or take the element out of the file where the robot has no such " +
+                 std::string(is_tendon ? "tendon" : "loop");
+      fail_at(c, message);
     }
     if (!rigid.empty())
       out_.notes.push_back("No joint within the loop moves that is closed by " + first_names(rigid) +
@@ -484,8 +491,8 @@ class TreeBuilder {
     const UrdfInertia& b = *link.inertia;
     if (b.mass_kg < 0.0) {
       if (!options_.accept_inertias)
-        fail_at(link.line, link_at(i) + ": its <mass> is " + shortest(b.mass_kg) + ", expected at least 0" +
-                               kAcceptThem);
+        fail_at(link, link_at(i) + ": its <mass> is " + shortest(b.mass_kg) + ", expected at least 0" +
+                          kAcceptThem);
       accepted_.push_back("the <mass> " + shortest(b.mass_kg) + " of " + link_at(i));
     }
     const Eigen::Vector3d moments = principal(b.about_centre_kgm2).moments;
@@ -528,7 +535,7 @@ class TreeBuilder {
     const std::string what =
         link_at(worst) + ": its <inertia> has the principal moments " + listed(m) + " kg m^2, ";
     if (!options_.accept_inertias)
-      fail_at(robot_.links[worst].line,
+      fail_at(robot_.links[worst],
               what +
                   (m(0) < -kRounding * std::max(m(2), 0.0)
                        ? "expected none below 0"
@@ -571,7 +578,8 @@ class TreeBuilder {
       bool any = false;
       for (std::size_t k = 0; k < robot_.links.size(); ++k)
         any |= out_.links[k].joint == static_cast<int>(i) && robot_.links[k].inertia.has_value();
-      if (!any) empty.push_back(quoted(out_.joints[i].link));
+      const UrdfLink& link = robot_.links[from_[i]->child];
+      if (!any && !link.between_joints) empty.push_back(quoted(out_.joints[i].link));
     }
     note("No <inertial>, moves without mass: link ", empty, ".");
     note("An <inertia> and no mass: link ", massless_, ". The inertia is kept.");
@@ -590,6 +598,10 @@ class TreeBuilder {
     auto& law = out_.model.laws[i];
     law.damping_nmspr = from_[i]->damping;
     law.friction_nm = from_[i]->friction;
+    if (!robot_.is_mjcf) return;
+    law.armature_kgm2 = from_[i]->rotor_inertia_kgm2;
+    law.stiffness_nmprad = from_[i]->spring_nmprad;
+    law.rest_rad = from_[i]->spring_rest_rad;
   }
 
   const Urdf& robot_;

@@ -34,6 +34,8 @@ struct UrdfLink {
       flaw{};  ///< what is wrong with its <inertial>, which then is not in `inertia`; with file and line
   bool repaired =
       false;  ///< its moments were below 0 or off the triangle inequality by less than they are rounded, and are moved to the limit
+  std::string file{};           ///< where it is not Urdf::file: one that this includes
+  bool between_joints = false;  ///< between two joints of one body of MJCF: it has no mass, as it should
 };
 
 struct UrdfLimits {
@@ -71,6 +73,10 @@ struct UrdfJoint {
       0.0;  ///< at the joint, by extensions of the format; 0: none is given. Not in the tree
   double spring_nmprad = 0.0;    ///< likewise; it acts both ways
   double spring_rest_rad = 0.0;  ///< where that spring is relaxed
+  std::string file{};            ///< where it is not Urdf::file: one that this includes
+  enum class Actuator { unknown, none, torque, position };
+  Actuator actuator = Actuator::unknown;     ///< of MJCF alone
+  double kp_nmprad = 0.0, kd_nmsprad = 0.0;  ///< of a position actuator, at the joint
 };
 
 /// What joins links beside the tree of joints: <loop_joint>, bushings and constraints of Drake, <joint> in <gazebo>.
@@ -78,6 +84,7 @@ struct UrdfClosure {
   std::size_t line = 0;
   std::string tag;
   std::vector<std::string> links;  ///< those of its links that are known; an empty name: the world
+  std::string file{};              ///< where it is not Urdf::file: one that this includes
 };
 
 /// From the root, links[0], outwards; a link's branches one after the other, by their joints' names.
@@ -88,6 +95,10 @@ struct Urdf {
   std::vector<UrdfJoint> joints;
   std::vector<UrdfClosure> closures{};
   std::vector<std::string> notes{};  ///< what of the file is not used, in sentences
+  /// From MJCF: rotor inertias and springs of joints are in the tree, and gravity is the file's.
+  bool is_mjcf = false;
+  bool is_expanded = false;  ///< by xacro: the file itself is no URDF
+  Vec3<double> gravity_mps2{0.0, 0.0, -9.81};
 };
 
 /// @throws core::DataError naming file, line, element and what was expected: not readable, larger than 1 MiB, empty,

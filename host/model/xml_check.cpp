@@ -9,19 +9,15 @@
 
 #include "host/core/error.hpp"
 #include "host/core/message.hpp"
+#include "host/model/xml_text.hpp"
 
 namespace furcula::model {
 namespace {
 
-std::string_view trimmed(std::string_view text) {
-  const std::size_t first = text.find_first_not_of(" \t\r\n");
-  if (first == text.npos) return {};
-  return text.substr(first, text.find_last_not_of(" \t\r\n") + 1 - first);
-}
-
 class Scanner {
  public:
-  Scanner(std::string_view text, const std::string& name) : text_(text), name_(name) {}
+  Scanner(std::string_view text, const std::string& name, std::size_t depth_max)
+      : text_(text), name_(name), depth_max_(depth_max) {}
 
   std::vector<XmlElement> run() {
     if (text_.starts_with("\xef\xbb\xbf")) at_ = 3;
@@ -33,7 +29,7 @@ class Scanner {
       if (open_.empty() && between.find_first_not_of(" \t\r\n") != between.npos)
         fail(at_ + between.find_first_not_of(" \t\r\n"),
              (elements_.empty() ? "not XML" : "text after the root element") + std::string(": ") +
-                 core::quoted(between) + ", expected an XML document (URDF)");
+                 core::quoted(between) + ", expected an XML document");
       // What an element holds, once it has begun and before an element within it has.
       if (!open_.empty() && elements_.back().depth + 1 == open_.size() && elements_.back().text.empty())
         elements_.back().text = trimmed(between);
@@ -42,7 +38,7 @@ class Scanner {
       markup();
     }
     if (!open_.empty()) fail(text_.size(), "<" + core::printable(open_.back()) + "> is not closed");
-    if (elements_.empty()) fail(text_.size(), "no element, expected <robot>");
+    if (elements_.empty()) fail(text_.size(), "no element, expected a robot");
     return std::move(elements_);
   }
 
@@ -118,8 +114,9 @@ class Scanner {
       attribute(tag);
     }
     open_.push_back(tag);
-    if (open_.size() > kXmlDepthMax)
-      fail(from, "elements nest deeper than " + std::to_string(kXmlDepthMax) + ", expected a URDF (5)");
+    if (open_.size() > depth_max_)
+      fail(from,
+           "elements nest deeper than " + std::to_string(depth_max_) + ", expected a robot (a URDF: 5)");
   }
   void attribute(std::string_view tag) {
     const std::string_view name = word();
@@ -151,6 +148,7 @@ class Scanner {
 
   std::string_view text_;
   const std::string& name_;
+  const std::size_t depth_max_;
   std::size_t at_ = 0;
   mutable std::size_t counted_to_ = 0, line_ = 1;
   std::vector<XmlElement> elements_;
@@ -168,8 +166,8 @@ std::string utf8(unsigned code) {
 
 }  // namespace
 
-std::vector<XmlElement> check_xml(std::string_view text, const std::string& name) {
-  return Scanner(text, name).run();
+std::vector<XmlElement> check_xml(std::string_view text, const std::string& name, std::size_t depth_max) {
+  return Scanner(text, name, depth_max).run();
 }
 
 std::string resolved(std::string_view raw) {

@@ -10,8 +10,8 @@
 
 namespace furcula::model {
 
-/// Elements within each other. URDF needs 5.
-inline constexpr std::size_t kXmlDepthMax = 32;
+/// Elements within each other. URDF needs 5; the bodies of MJCF are within each other.
+inline constexpr std::size_t kXmlDepthMax = 32, kMjcfDepthMax = 256;
 
 /// An element as it stands in the text, its entities (&amp;) as they are.
 struct XmlElement {
@@ -31,8 +31,9 @@ struct XmlElement {
 
 /// The elements in their order. @throws core::DataError naming file, line, element and what was expected: tags
 /// that do not match, attributes without quotes, more or less than one root element, nested deeper than
-/// kXmlDepthMax, a document type with entities of its own.
-std::vector<XmlElement> check_xml(std::string_view text, const std::string& name);
+/// `depth_max`, a document type with entities of its own.
+std::vector<XmlElement> check_xml(std::string_view text, const std::string& name,
+                                  std::size_t depth_max = kXmlDepthMax);
 
 /// An attribute's value with its entities resolved, as an XML reader hands it out.
 std::string resolved(std::string_view raw);

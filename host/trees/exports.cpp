@@ -9,6 +9,7 @@
 #include "host/core/message.hpp"
 #include "host/core/strict_toml.hpp"
 #include "host/model/mjcf.hpp"
+#include "host/model/urdf_writer.hpp"
 #include "host/model/xml_check.hpp"
 #include "host/trees/run.hpp"
 
@@ -180,12 +181,18 @@ Sym3<double> scaled(const Sym3<double>& s, double by) {
   return {s.xx * by, s.xy * by, s.xz * by, s.yy * by, s.yz * by, s.zz * by};
 }
 
+/// The URDF's own text; of a robot of another format, and of one that xacro has to expand, one that is written here.
+std::string text_of_robot(const TreeModel& model, const std::string& file) {
+  if (model.urdf.is_mjcf || model.urdf.is_expanded) return model::format_urdf(model.urdf);
+  return model.urdf_text.empty() ? core::read_small_file(file, "a robot (URDF)") : model.urdf_text;
+}
+
 class UrdfWriter {
  public:
   explicit UrdfWriter(const Diagnosis& d)
       : d_(d),
         file_((std::filesystem::path(d.model.file).parent_path() / d.model.urdf_path).string()),
-        text_(d.model.urdf_text.empty() ? core::read_small_file(file_, "a robot (URDF)") : d.model.urdf_text),
+        text_(text_of_robot(d.model, file_)),
         elements_(model::check_xml(text_, file_)),
         edits_(text_),
         setup_(SetupMaker(d.model).make(d.extended.drives, d.extended.causes, d.extended.bodies)) {}
@@ -418,7 +425,8 @@ std::string extended_mjcf(const Diagnosis& d) {
     const Setup::Joint& drive = setup.joints[i];
     // The drive's position law is the actuator's, and what is left out is named here.
     law.damping_nmspr = joint_damping(d.extended, i);
-    law.stiffness_nmprad = d.model.robot.model.laws[i].stiffness_nmprad;
+    law.stiffness_nmprad = drive.both_ways ? drive.spring_nmprad : 0.0;
+    law.rest_rad = drive.both_ways ? drive.spring_rest_rad : 0.0;
     law.friction_nm = joint_friction(law);
     law.static_friction_nm = 0.0;
     law.elastic = false;

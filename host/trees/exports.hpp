@@ -9,7 +9,8 @@ namespace furcula::trees {
 
 /// The text of the model's URDF, which lies beside the model file, with what the extended model changes: <dynamics> damping
 /// and friction (N m s/rad, N m; N s/m, N) of joints, <mass>, <origin xyz> and <inertia> of links. A payload becomes a part of
-/// its link; a link whose inertial parameters are free has the fitted ones. All other bytes stay as they are. A comment at the top names each change with its reason, and what a URDF cannot
+/// its link; a link whose inertial parameters are free has the fitted ones. All other bytes stay as they are; of a robot from MJCF or xacro it is a URDF of the
+/// parts that the dynamics use. A comment at the top names each change with its reason, and what a URDF cannot
 /// hold.
 /// @throws core::DataError: the file is not readable, or has no such joint or link any more.
 std::string extended_urdf(const Diagnosis& diagnosis);

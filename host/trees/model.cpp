@@ -12,6 +12,7 @@
 #include "host/core/error.hpp"
 #include "host/core/message.hpp"
 #include "host/core/strict_toml.hpp"
+#include "host/model/robot_file.hpp"
 #include "host/model/urdf_filter.hpp"
 #include "host/trees/inertial.hpp"
 #include "host/trees/joint_choice.hpp"
@@ -27,10 +28,27 @@ constexpr double kMost = 1e9;
 constexpr std::string_view kInertial = "inertial";
 constexpr std::array<std::string_view, 3> kLaws{"torque", "position", "none"};  // as DriveLaw
 
+/// Of a robot itself, which stands for a model file that names it and says no more.
+bool is_robot(std::string_view text) {
+  if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);
+  const std::size_t first = text.find_first_not_of(" \t\r\n");
+  return first != text.npos && text[first] == '<';
+}
+std::string text_of(const std::string& text) {
+  std::string out = "\"";
+  for (const char c : text) out += c == '"' || c == '\\' ? std::string("\\") + c : std::string(1, c);
+  return out + "\"";
+}
+std::string as_model_file(std::string_view text, const std::string& path) {
+  if (!is_robot(text)) return std::string(text);
+  const std::string file = std::filesystem::path(path).filename().string();
+  return "[model]\nkind = \"tree\"\nschema = 1\nurdf = " + text_of(core::printable(file)) + "\n";
+}
+
 class Reader {
  public:
   Reader(std::string_view text, const std::string& path, const TreeContext& context)
-      : name_(path), file_(core::parse_toml(text, path)), columns_(context.columns) {
+      : name_(path), file_(core::parse_toml(as_model_file(text, path), path)), columns_(context.columns) {
     model_.file = path;
     model_.urdf_text = context.urdf;
     model_.accept_inertias = context.accept_inertias;
@@ -56,8 +74,8 @@ class Reader {
 
  private:
   void read_robot() {
-    static constexpr std::array<std::string_view, 7> kKeys{"kind",   "schema",       "urdf",           "base",
-                                                           "joints", "gravity_mps2", "accept_inertias"};
+    static constexpr std::array<std::string_view, 8> kKeys{
+        "kind", "schema", "urdf", "mjcf", "base", "joints", "gravity_mps2", "accept_inertias"};
     const toml::node* section = file_.get("model");
     if (section == nullptr) fail(name_, file_.source(), "no section [model]; expected one");
     const toml::table& table = core::table(*section, name_, "[model]");
@@ -70,14 +88,19 @@ class Reader {
       if (const std::string which = core::text(*base, name_, "base"); which != "fixed")
         fail(name_, base->source(),
              "base = " + core::quoted(which) + "; expected \"fixed\" (this version has no floating base)");
-    const toml::node* urdf = table.get("urdf");
+    const toml::node *urdf = table.get("urdf"), *mjcf = table.get("mjcf");
+    if (urdf != nullptr && mjcf != nullptr)
+      fail(name_, mjcf->source(), "[model] has both urdf and mjcf; expected one of them, the robot's file");
+    const std::string key = urdf == nullptr ? "mjcf" : "urdf";
+    if (urdf == nullptr) urdf = mjcf;
     if (urdf == nullptr)
-      fail(name_, table.source(), "no key 'urdf' in [model]; expected the URDF's file name");
-    model_.urdf_path = core::text(*urdf, name_, "urdf");
+      fail(name_, table.source(),
+           "no key 'urdf' in [model]; expected the URDF's file name, or mjcf and an MJCF's");
+    model_.urdf_path = core::text(*urdf, name_, key);
     // It begins messages about the file.
     if (core::printable(model_.urdf_path) != model_.urdf_path)
       fail(name_, urdf->source(),
-           "urdf = " + core::quoted(model_.urdf_path) + "; expected a file name of printable characters");
+           key + " = " + core::quoted(model_.urdf_path) + "; expected a file name of printable characters");
     if (const toml::node* joints = table.get("joints")) {
       const toml::array* list = joints->as_array();
       if (list == nullptr || list->empty())
@@ -107,8 +130,10 @@ class Reader {
             core::number(node, name_, "[hold] " + std::string(joint.str()), -1e3, 1e3, "rad or m");
 
     const auto beside = std::filesystem::path(name_).parent_path() / model_.urdf_path;
-    model_.urdf = model_.urdf_text.empty() ? model::read_urdf(beside.string())
-                                           : model::parse_urdf(model_.urdf_text, model_.urdf_path);
+    model_.urdf = model_.urdf_text.empty() ? model::read_robot(beside.string())
+                                           : model::parse_robot(model_.urdf_text, model_.urdf_path);
+    if (model_.urdf.is_mjcf && !table.contains("gravity_mps2"))
+      model_.gravity_mps2 = model_.urdf.gravity_mps2;
     JointChoice choice = choose_joints(model_.urdf, model_.moving, model_.hold, columns_);
     if (model_.moving.empty()) model_.moving = std::move(choice.moving);
     model_.logged_names = std::move(choice.logged);
@@ -149,7 +174,7 @@ class Reader {
     model::require_joint_inertia(model_.robot, model_.urdf.file, rotors_kgm2);
     for (const auto* notes : {&model_.urdf.notes, &model_.robot.notes})
       model_.notes.insert(model_.notes.end(), notes->begin(), notes->end());
-    note_drives();
+    if (!model_.urdf.is_mjcf) note_drives();
   }
   /// What extensions of the format say of drives is the model file's to say.
   void note_drives() {
@@ -233,6 +258,7 @@ class Reader {
     model_.drives.resize(model_.joints());
     for (std::size_t i = 0; i < model_.joints(); ++i)
       model_.drives[i].damping_nmspr = model_.robot.model.laws[i].damping_nmspr;
+    if (model_.urdf.is_mjcf) take_actuators();
     const toml::node* section = file_.get("drive");
     if (section == nullptr) return;
     const toml::table& table = core::table(*section, name_, "[drive]");
@@ -251,6 +277,24 @@ class Reader {
              "the drive of joint " + core::quoted(model_.robot.joints[i].name) +
                  " has law \"position\" and no kp_nmprad; expected one above 0");
   }
+  /// What the robot's own file says of drives, where [drive] does not.
+  void take_actuators() {
+    using Actuator = model::UrdfJoint::Actuator;
+    for (std::size_t i = 0; i < model_.joints(); ++i) {
+      Drive& drive = model_.drives[i];
+      drive.rotor_inertia_kgm2 = model_.robot.model.laws[i].armature_kgm2;
+      const model::UrdfJoint& joint = joint_in_file(i);
+      if (joint.actuator == Actuator::none) drive.law = DriveLaw::none;
+      if (joint.actuator != Actuator::position) continue;
+      drive.law = DriveLaw::position;
+      drive.kp_nmprad = joint.kp_nmprad;
+      drive.kd_nmsprad = joint.kd_nmsprad;
+    }
+  }
+  const model::UrdfJoint& joint_in_file(std::size_t i) const {
+    return *std::find_if(model_.urdf.joints.begin(), model_.urdf.joints.end(),
+                         [&](const model::UrdfJoint& j) { return j.name == model_.robot.joints[i].name; });
+  }
   void read_drive(const toml::table& table, const std::string& where, Drive& drive) {
     std::vector<std::string_view> known{"law"};
     known.insert(known.end(), kDriveParameters.begin(), kDriveParameters.end());
@@ -266,7 +310,11 @@ class Reader {
         if (which == kLaws.end())
           fail(name_, node.source(),
                "law = " + core::quoted(law) + "; expected one of " + core::listed(kLaws));
-        drive.law = static_cast<DriveLaw>(which - kLaws.begin());
+        const auto next = static_cast<DriveLaw>(which - kLaws.begin());
+        // Gains of the robot's own file belong to its position actuator.
+        if (next != DriveLaw::position && drive.law == DriveLaw::position)
+          drive.kp_nmprad = drive.kd_nmsprad = 0.0;
+        drive.law = next;
         continue;
       }
       const auto which = static_cast<std::size_t>(
@@ -278,16 +326,25 @@ class Reader {
 
   void read_springs() {
     model_.springs.resize(model_.joints());
+    if (model_.urdf.is_mjcf)
+      for (std::size_t i = 0; i < model_.joints(); ++i) {
+        auto& law = model_.robot.model.laws[i];
+        if (law.stiffness_nmprad != 0.0)
+          model_.springs[i] = {law.stiffness_nmprad, false, law.rest_rad, true};
+        law.stiffness_nmprad = law.rest_rad = 0.0;  // it is a Spring from here on
+      }
     const toml::node* section = file_.get("spring");
     if (section == nullptr) return;
     for (const auto& [key, node] : core::table(*section, name_, "[spring]")) {
-      static constexpr std::array<std::string_view, 3> kKeys{"stiffness_nmprad", "rest", "rest_rad"};
+      static constexpr std::array<std::string_view, 4> kKeys{"stiffness_nmprad", "rest", "rest_rad",
+                                                             "both_ways"};
       const std::string where = "[spring." + std::string(key.str()) + "]";
       const toml::table& table = core::table(node, name_, where);
       core::refuse_unknown_keys(table, name_, where, kKeys);
       const auto at = joint_named(std::string(key.str()), key.source(), where);
       Spring unused;
       Spring& spring = at ? model_.springs[*at] : unused;
+      spring = {};
       const toml::node* rate = table.get("stiffness_nmprad");
       if (rate == nullptr)
         fail(name_, table.source(), "no key 'stiffness_nmprad' in " + where + "; expected one");
@@ -296,6 +353,13 @@ class Reader {
       const toml::node *rest = table.get("rest"), *angle = table.get("rest_rad");
       if ((rest == nullptr) == (angle == nullptr))
         fail(name_, table.source(), where + "; expected either rest = \"touch_down\" or rest_rad");
+      if (const toml::node* both = table.get("both_ways")) {
+        if (!both->is_boolean() || rest != nullptr)
+          fail(name_, both->source(),
+               where + " both_ways = " + core::value_text(*both) +
+                   "; expected true or false, and rest_rad, as a switched spring is one-way");
+        spring.both_ways = both->value<bool>().value_or(false);
+      }
       if (angle != nullptr) {
         spring.rest_rad = core::number(*angle, name_, where + " rest_rad", -1e3, 1e3, "rad");
         continue;
@@ -515,12 +579,6 @@ std::string table_of(const std::string& heading, const Drive& drive) {
   return out;
 }
 
-std::string text_of(const std::string& text) {
-  std::string out = "\"";
-  for (const char c : text) out += c == '"' || c == '\\' ? std::string("\\") + c : std::string(1, c);
-  return out + "\"";
-}
-
 }  // namespace
 
 std::string toml_key(const std::string& name) {
@@ -529,6 +587,7 @@ std::string toml_key(const std::string& name) {
 }
 
 bool is_tree(std::string_view text) {
+  if (is_robot(text)) return true;
   try {
     const toml::table file = core::parse_toml(text, "");
     return file["model"]["kind"].value<std::string_view>() == "tree";
@@ -550,7 +609,9 @@ TreeModel read_tree_model(const std::string& path) {
 }
 
 std::string format_tree_model(const TreeModel& m, const std::string& urdf) {
-  std::string out = "[model]\nkind = \"tree\"\nschema = 1\nurdf = " + text_of(urdf) + "\nbase = \"fixed\"\n";
+  std::string out = "[model]\nkind = \"tree\"\nschema = 1\n" +
+                    std::string(m.urdf.is_mjcf && !urdf.ends_with(".urdf") ? "mjcf" : "urdf") + " = " +
+                    text_of(urdf) + "\nbase = \"fixed\"\n";
   if (!m.moving.empty()) {
     out += "joints = [";
     for (std::size_t i = 0; i < m.moving.size(); ++i) out += (i > 0 ? ", " : "") + text_of(m.moving[i]);
@@ -571,7 +632,7 @@ std::string format_tree_model(const TreeModel& m, const std::string& urdf) {
         "\n[spring." + toml_key(m.robot.joints[i].name) +
         "]\nstiffness_nmprad = " + core::toml_float(s.stiffness_nmprad) + "\n" +
         (s.switched ? std::string("rest = \"touch_down\"") : "rest_rad = " + core::toml_float(s.rest_rad)) +
-        "\n";
+        (s.both_ways ? "\nboth_ways = true\n" : "\n");
   }
   if (m.foot)
     out += "\n[foot." + toml_key(m.foot->name) + "]\nlink = " + text_of(m.robot.links[m.foot->link].name) +

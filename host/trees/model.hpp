@@ -14,11 +14,12 @@ namespace furcula::trees {
 
 enum class DriveLaw { torque, position, none };
 
-/// Beside the drive of a joint: it gives -rate max(q - rest, 0).
+/// Beside the drive of a joint: it gives -rate max(q - rest, 0); both ways, -rate (q - rest).
 struct Spring {
   double stiffness_nmprad = 0.0;  ///< 0: there is none
   bool switched = false;          ///< in stance only, its rest the joint's angle at touch-down
   double rest_rad = 0.0;          ///< else
+  bool both_ways = false;
 };
 
 /// A point of a link that stands on the ground while the log's column `contact_NAME` says so.
@@ -69,7 +70,7 @@ struct FreeBody {
 
 struct TreeModel {
   std::string file;       ///< for messages
-  std::string urdf_path;  ///< as in the model file
+  std::string urdf_path;  ///< as in the model file, of any format that model::read_robot reads
   std::string urdf_text;  ///< where it is no file
   model::Urdf urdf;
   model::RobotTree robot;
@@ -108,7 +109,8 @@ struct TreeModel {
   }
 };
 
-/// Whether the text says kind = "tree" in [model]; false where it is no TOML at all.
+/// Whether the text says kind = "tree" in [model], or is a robot's own file (URDF, MJCF), which stands for a model file that names it and
+/// says no more.
 bool is_tree(std::string_view text);
 
 /// What is known beside the model file.
@@ -119,8 +121,8 @@ struct TreeContext {
   bool accept_inertias = false;  ///< as the key of that name
 };
 
-/// @throws core::DataError naming file, line and what was expected; and what read_urdf and tree_of throw. The URDF
-/// lies beside the model file.
+/// @throws core::DataError naming file, line and what was expected; and what read_robot and tree_of throw. The robot's
+/// file lies beside the model file.
 TreeModel read_tree_model(const std::string& path);
 TreeModel parse_tree_model(std::string_view text, const std::string& path, const TreeContext& context = {});
 /// The same with the URDF as text.

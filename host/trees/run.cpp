@@ -128,7 +128,8 @@ Setup SetupMaker::make(std::span<const Drive> drives, std::span<const Cause> cau
     j.spring_nmprad = s.stiffness_nmprad;
     j.switched = s.switched;
     j.spring_rest_rad = s.switched ? 0.0 : s.rest_rad;
-    out.by_phase |= s.stiffness_nmprad > 0.0;
+    j.both_ways = s.both_ways;
+    out.by_phase |= s.stiffness_nmprad > 0.0 && !s.both_ways;
   }
   if (tree_.foot) {
     const auto& link = tree_.robot.links[tree_.foot->link];
@@ -292,6 +293,11 @@ Setup SetupMaker::make(std::span<const Drive> drives, std::span<const Cause> cau
                                  ? std::max(friction[i].forth, friction[i].back) + friction[i].more_at_rest
                                  : 0.0;
     Setup::Joint& j = out.joints[i];
+    if (j.both_ways) {
+      law.one_way_nmprad = j.spring_nmprad;
+      law.one_way_rest_rad = j.spring_rest_rad;
+      law.two_sided = true;
+    }
     j.stepwise |= j.held_torque;
     if (!Runner::is_spring(j)) continue;
     // The drive's position law is a spring to the set point and a damper; between rows both act as they are.

@@ -26,7 +26,7 @@ struct Setup {
     double offset_nm = 0.0;  ///< on the joint
     /// Of a spring beside the drive, as Spring has it: its rest less that of the touch-down, and the touch-down's delay.
     double spring_nmprad = 0.0, spring_rest_rad = 0.0, latch_delay_s = 0.0;
-    bool switched = false;
+    bool switched = false, both_ways = false;
     double flight_nm = 0.0;           ///< while the foot is in the air
     double encoder_offset_rad = 0.0;  ///< measured less true
     /// A position law that is not the joint's own spring and damper: its torque is computed step by step.

@@ -22,9 +22,15 @@ class MujocoPeer {
     char error[1000] = "";
     model_.reset(mj_loadXML("robot.xml", files.get(), error, sizeof error));
     mj_deleteVFS(files.get());
-    if (!model_) throw std::runtime_error(std::string("MuJoCo: ") + error);
-    model_->opt.disableflags |= mjDSBL_CONTACT | mjDSBL_CONSTRAINT;
-    data_.reset(mj_makeData(model_.get()));
+    begin(error);
+  }
+  /// A file, with what it includes.
+  static MujocoPeer of_file(const std::string& path) {
+    MujocoPeer peer;
+    char error[1000] = "";
+    peer.model_.reset(mj_loadXML(path.c_str(), nullptr, error, sizeof error));
+    peer.begin(error);
+    return peer;
   }
 
   const mjModel& model() const { return *model_; }
@@ -39,6 +45,12 @@ class MujocoPeer {
   void forward() const { mj_forward(model_.get(), data_.get()); }
 
  private:
+  MujocoPeer() = default;
+  void begin(const char* error) {
+    if (!model_) throw std::runtime_error(std::string("MuJoCo: ") + error);
+    model_->opt.disableflags |= mjDSBL_CONTACT | mjDSBL_CONSTRAINT;
+    data_.reset(mj_makeData(model_.get()));
+  }
   struct Delete {
     void operator()(mjModel* m) const { mj_deleteModel(m); }
     void operator()(mjData* d) const { mj_deleteData(d); }

@@ -9,12 +9,12 @@
 
 namespace furcula::dynamics::tree {
 
-/// Of a spring that is slack below its rest, N m, >= 0: it acts backward.
+/// Of a spring that is slack below its rest unless it is two-sided, N m: it acts backward where it is above 0.
 template <class T>
 [[gnu::always_inline]] inline T one_way_torque(const JointLaw<T>& law, const T& q) {
   using V = ValueOf<T>;
   const T stretch = q - law.one_way_rest_rad;
-  return value_of(stretch) > V(0) ? T(law.one_way_nmprad * stretch) : T(V(0));
+  return law.two_sided || value_of(stretch) > V(0) ? T(law.one_way_nmprad * stretch) : T(V(0));
 }
 
 /// What acts against the motion of a joint, dry friction aside: damping qd + stiffness (q - rest) + one-way spring +

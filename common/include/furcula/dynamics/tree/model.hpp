@@ -26,6 +26,7 @@ struct JointLaw {
   T rest_rad{};          ///< where that spring is relaxed
   T one_way_nmprad{};    ///< of a spring that is slack below its rest: it gives -rate max(q - rest, 0)
   T one_way_rest_rad{};
+  bool two_sided = false;      ///< that spring is not slack below its rest: it gives -rate (q - rest)
   T friction_nm{};             ///< Coulomb friction in motion
   T static_friction_nm{};      ///< what it takes to set out; counts as friction_nm where it is less
   bool elastic = false;        ///< the drive's rotor is behind a spring: it turns by itself
@@ -94,6 +95,7 @@ class Model {
                  .rest_rad = as<T>(l.rest_rad),
                  .one_way_nmprad = as<T>(l.one_way_nmprad),
                  .one_way_rest_rad = as<T>(l.one_way_rest_rad),
+                 .two_sided = l.two_sided,
                  .friction_nm = as<T>(l.friction_nm),
                  .static_friction_nm = as<T>(l.static_friction_nm),
                  .elastic = l.elastic,
