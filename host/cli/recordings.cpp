@@ -35,17 +35,6 @@ std::string kinds_in_intervals() {
   return out;
 }
 
-/// What the log's time stamps imply. A slow log whose windows were chosen for it (`window_s`, 0: they were not) is not in a wrong unit.
-void take_stamps(log::Log& log, const log::ColumnMap* map, double window_s) {
-  constexpr double kRows = 5.0;  // of a window
-  const log::TimeStamps stamps = log::judge(log, map);
-  const bool chosen = window_s >= kRows * stamps.median_s;
-  if (!stamps.unit.empty() && !chosen) throw core::DataError(stamps.unit);
-  if (!stamps.bursts.empty()) throw core::DataError(stamps.bursts);
-  log.notes.insert(log.notes.end(), stamps.notes.begin(), stamps.notes.end());
-  log::open_gaps(log, stamps.gaps);
-}
-
 }  // namespace
 
 std::vector<std::string_view> rig_names() {
@@ -127,7 +116,7 @@ Logs read_logs(const RecordingOptions& options, const std::string& rig) {
     std::vector<log::Log> logs;
     for (const std::string& path : paths) {
       logs.push_back(log::read_log(path, rig, map ? &*map : nullptr));
-      take_stamps(logs.back(), map ? &*map : nullptr, options.window_s);
+      log::take_stamps(logs.back(), map ? &*map : nullptr, options.window_s);
     }
     return logs;
   };

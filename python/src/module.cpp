@@ -1,0 +1,44 @@
+// The module `furcula._core`: thin functions, whose words for Python are in furcula/__init__.py.
+#include <exception>
+#include <stdexcept>
+#include <thread>
+
+#include "host/core/atomic_file.hpp"
+#include "host/core/error.hpp"
+#include "python/src/bindings.hpp"
+
+namespace furcula::python {
+
+Array array_of(const std::vector<double>& values) {
+  return Array(static_cast<py::ssize_t>(values.size()), values.data());
+}
+
+unsigned thread_count(unsigned threads) {
+  return threads > 0 ? threads : std::max(1u, std::thread::hardware_concurrency());
+}
+
+}  // namespace furcula::python
+
+PYBIND11_MODULE(_core, m) {
+  namespace py = pybind11;
+  using namespace furcula;
+  static const py::exception<core::DataError> error(m, "Error", PyExc_ValueError);
+  m.attr("Error").attr("__module__") = "furcula";
+  py::register_exception_translator([](std::exception_ptr thrown) {
+    try {
+      if (thrown) std::rethrow_exception(thrown);
+    } catch (const core::DataError& e) {
+      error(e.what());
+    } catch (const core::OutputError& e) {
+      error(e.what());
+    } catch (const std::invalid_argument& e) {
+      error(e.what());
+    }
+  });
+  m.attr("__version__") = FURCULA_VERSION;
+  python::add_logs(m);
+  python::add_models(m);
+  python::add_dynamics(m);
+  python::add_estimates(m);
+  python::add_walks(m);
+}
