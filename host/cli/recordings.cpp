@@ -15,9 +15,9 @@
 #include "host/gait/leg_as_tree.hpp"
 #include "host/gait/machine_file.hpp"
 #include "host/identify/split.hpp"
+#include "host/log/accept_stamps.hpp"
 #include "host/log/reader.hpp"
 #include "host/log/rigs.hpp"
-#include "host/log/time_stamps.hpp"
 #include "host/machines/rules.hpp"
 #include "host/model/reader.hpp"
 #include "host/trees/joint_choice.hpp"
@@ -116,7 +116,7 @@ Logs read_logs(const RecordingOptions& options, const std::string& rig) {
     std::vector<log::Log> logs;
     for (const std::string& path : paths) {
       logs.push_back(log::read_log(path, rig, map ? &*map : nullptr));
-      log::take_stamps(logs.back(), map ? &*map : nullptr, options.window_s);
+      log::accept_stamps(logs.back(), map ? &*map : nullptr, options.window_s);
     }
     return logs;
   };

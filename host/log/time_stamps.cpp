@@ -437,14 +437,4 @@ void open_gaps(Log& log, const std::vector<std::size_t>& gaps) {
   }
 }
 
-void take_stamps(Log& log, const ColumnMap* map, double window_s) {
-  constexpr double kRows = 5.0;  // of a window
-  const TimeStamps stamps = judge(log, map);
-  const bool chosen = window_s >= kRows * stamps.median_s;
-  if (!stamps.unit.empty() && !chosen) throw core::DataError(stamps.unit);
-  if (!stamps.bursts.empty()) throw core::DataError(stamps.bursts);
-  log.notes.insert(log.notes.end(), stamps.notes.begin(), stamps.notes.end());
-  open_gaps(log, stamps.gaps);
-}
-
 }  // namespace furcula::log

@@ -90,9 +90,4 @@ TimeStamps judge(const Log& log, const ColumnMap* map = nullptr);
 /// Moves the rows behind each gap to kUnknownInterval_s after it (time_order.hpp), so that no window holds it.
 void open_gaps(Log& log, const std::vector<std::size_t>& gaps);
 
-/// What the time stamps of a log imply is among its notes, and intervals that contradict the motion are gaps. A slow log whose windows were
-/// chosen for it (`window_s`, 0: they were not) is not in a wrong unit.
-/// @throws core::DataError: stamps from which nothing can be learnt.
-void take_stamps(Log& log, const ColumnMap* map, double window_s);
-
 }  // namespace furcula::log

@@ -228,17 +228,20 @@ std::shared_ptr<PyLog> simulate(const Model& model, const std::optional<std::str
     throw core::DataError(model.path +
                           ": a planar leg plays gaits, which `furcula sim` simulates; expected another kind");
   const py::gil_scoped_release release;
+  log::Log out;
   if (model.tree) {
     const trees::Scenario run =
         scenario ? trees::parse_scenario(*scenario, name, *model.tree) : trees::default_scenario(*model.tree);
-    return std::make_shared<PyLog>(trees::simulate(*model.tree, run, seed));
+    out = trees::simulate(*model.tree, run, seed);
+  } else {
+    const sim::Scenario run = scenario ? sim::parse_scenario(*scenario, name, *model.machine)
+                                       : sim::default_scenario(*model.machine);
+    out = sim::simulate(*model.machine, run, seed);
   }
-  const sim::Scenario run =
-      scenario ? sim::parse_scenario(*scenario, name, *model.machine) : sim::default_scenario(*model.machine);
-  auto out = std::make_shared<PyLog>(sim::simulate(*model.machine, run, seed));
-  if (out->log.rows() == 0)
+  if (out.rows() == 0)
     throw core::DataError(name + ": the height is not homed from the start, so that the log has no row");
-  return out;
+  out.path = "simulated, seed " + std::to_string(seed);
+  return std::make_shared<PyLog>(PyLog{std::move(out)});
 }
 
 py::list traces_of(const Found& found) {

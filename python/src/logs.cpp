@@ -8,6 +8,7 @@
 
 #include "host/core/error.hpp"
 #include "host/core/message.hpp"
+#include "host/log/accept_stamps.hpp"
 #include "host/log/column_map.hpp"
 #include "host/log/reader.hpp"
 #include "host/log/refused.hpp"
@@ -37,7 +38,7 @@ log::Log read(const std::string& path, const std::string& rig, const std::string
         ": the log does not name its machine; expected a line '# rig: ...' in it, rig in the map file, "
         "or machine = one of the types of docs/contracts.md, section 1");
   log::Log out = log::read_log(path, rig, used);
-  log::take_stamps(out, used, window_s);
+  log::accept_stamps(out, used, window_s);
   return out;
 }
 
@@ -55,7 +56,7 @@ log::Log of_columns(const std::map<std::string, Array>& columns, const std::stri
   }
   if (!made.has("time_s")) throw core::DataError(name + ": no column time_s; expected one, in s");
   log::Log out = log::parse_log(log::format_log(made), name, rig);
-  log::take_stamps(out, nullptr, window_s);
+  log::accept_stamps(out, nullptr, window_s);
   return out;
 }
 

@@ -22,7 +22,7 @@ unsigned thread_count(unsigned threads) {
 PYBIND11_MODULE(_core, m) {
   namespace py = pybind11;
   using namespace furcula;
-  static const py::exception<core::DataError> error(m, "Error", PyExc_ValueError);
+  static py::exception<core::DataError> error(m, "Error", PyExc_ValueError);
   m.attr("Error").attr("__module__") = "furcula";
   py::register_exception_translator([](std::exception_ptr thrown) {
     try {

@@ -112,8 +112,9 @@ std::shared_ptr<PyLog> simulate(const Model& model, const std::string& text, dou
   rollout.walk_until_s = std::max(walk.walk_until_s, seconds - (rollout.time_s - walk.walk_until_s));
   rollout.time_s = seconds;
   const py::gil_scoped_release release;
-  return std::make_shared<PyLog>(
-      walk::simulate_walk(biped.robot, rollout, walk.parameters, 1.0 / rate_hz, seed).log);
+  log::Log out = walk::simulate_walk(biped.robot, rollout, walk.parameters, 1.0 / rate_hz, seed).log;
+  out.path = "simulated walk";
+  return std::make_shared<PyLog>(PyLog{std::move(out)});
 }
 
 }  // namespace
