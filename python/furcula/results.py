@@ -140,12 +140,12 @@ class Trace:
     log: str
     channel: str
     unit: str
-    time_s: np.ndarray
-    measured: np.ndarray
-    as_given: np.ndarray
-    refitted: np.ndarray
-    extended: np.ndarray
-    identified: np.ndarray
+    time_s: np.ndarray = field(repr=False)
+    measured: np.ndarray = field(repr=False)
+    as_given: np.ndarray = field(repr=False)
+    refitted: np.ndarray = field(repr=False)
+    extended: np.ndarray = field(repr=False)
+    identified: np.ndarray = field(repr=False)
 
 
 @dataclass(frozen=True)
