@@ -1,4 +1,6 @@
 // Logs: read from files, made of arrays, written.
+#include <algorithm>
+#include <cmath>
 #include <map>
 #include <memory>
 #include <optional>
@@ -46,15 +48,24 @@ log::Log read(const std::string& path, const std::string& rig, const std::string
 log::Log of_columns(const std::map<std::string, Array>& columns, const std::string& rig,
                     const std::string& name, double window_s) {
   require_rig(rig);
+  const auto time = columns.find("time_s");
+  if (time == columns.end()) throw core::DataError(name + ": no column time_s; expected one, in s");
   log::Log made;
   made.rig = rig;
   for (const auto& [column, values] : columns) {
+    const std::string where = name + ": column " + core::quoted(column);
     if (values.ndim() != 1)
-      throw core::DataError(name + ": column " + core::quoted(column) + " has " +
-                            std::to_string(values.ndim()) + " dimensions; expected one");
-    made.columns[column].assign(values.data(), values.data() + values.size());
+      throw core::DataError(where + " has " + std::to_string(values.ndim()) + " dimensions; expected one");
+    if (values.size() != time->second.size())
+      throw core::DataError(where + " has " + std::to_string(values.size()) + " rows; expected " +
+                            std::to_string(time->second.size()) + ", as time_s");
+    std::vector<double>& to = made.columns[column];
+    to.assign(values.data(), values.data() + values.size());
+    const auto bad = std::find_if_not(to.begin(), to.end(), [](double v) { return std::isfinite(v); });
+    if (bad != to.end())
+      throw core::DataError(where + ", index " + std::to_string(bad - to.begin()) + ": " +
+                            core::shortest(*bad) + "; expected finite numbers: leave such rows out");
   }
-  if (!made.has("time_s")) throw core::DataError(name + ": no column time_s; expected one, in s");
   log::Log out = log::parse_log(log::format_log(made), name, rig);
   log::accept_stamps(out, nullptr, window_s);
   return out;

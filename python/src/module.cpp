@@ -1,4 +1,5 @@
 // The module `furcula._core`: thin functions, whose words for Python are in furcula/__init__.py.
+#include <algorithm>
 #include <exception>
 #include <stdexcept>
 #include <thread>
@@ -24,6 +25,8 @@ PYBIND11_MODULE(_core, m) {
   using namespace furcula;
   static py::exception<core::DataError> error(m, "Error", PyExc_ValueError);
   m.attr("Error").attr("__module__") = "furcula";
+  m.attr("Error").attr("__doc__") =
+      "Unusable data, model or argument. The message says where, what was expected and what to do.";
   py::register_exception_translator([](std::exception_ptr thrown) {
     try {
       if (thrown) std::rethrow_exception(thrown);

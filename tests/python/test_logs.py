@@ -75,10 +75,11 @@ def test_a_torn_row_is_left_out_and_said(tmp_path):
     (lambda folder: furcula.read_log(folder / "unnamed.csv", machine="hoper"), ["hoper", "did you mean", "hopper"]),
     (lambda folder: furcula.read_log(folder / "unnamed.csv", map=folder / "none.toml"), ["none.toml"]),
     (lambda folder: furcula.make_log({"angle_rad": [1.0]}, "rotary_joint"), ["no column time_s"]),
-    (lambda folder: furcula.make_log({"time_s": [0.0, 1.0], "angle_rad": [1.0], "torque_nm": [0, 0]}, "rotary_joint"), ["angle_rad"]),
+    (lambda folder: furcula.make_log({"time_s": [0.0, 1.0], "angle_rad": [1.0], "torque_nm": [0, 0]}, "rotary_joint"),
+     ["'angle_rad' has 1 rows; expected 2"]),
     (lambda folder: furcula.make_log({"time_s": [[0.0, 1.0]]}, "rotary_joint"), ["2 dimensions", "expected one"]),
     (lambda folder: furcula.make_log({"time_s": [0.0, 0.1], "angle_rad": [1.0, np.nan], "torque_nm": [0, 0]}, "rotary_joint"),
-     ["angle_rad"]),
+     ["'angle_rad', index 1", "expected finite"]),
 ])
 def test_a_log_that_cannot_be_read_is_one_error(tmp_path, call, words):
     (tmp_path / "unnamed.csv").write_text("time_s,angle_rad,torque_nm\n0,0,0\n0.1,0,0\n")
