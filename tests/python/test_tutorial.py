@@ -11,7 +11,7 @@ BLOCK = re.compile(r"^```(python|text)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 def test_the_tutorial_prints_what_it_says(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     page = (SOURCE / "docs/python.md").read_text(encoding="utf-8")
-    names, printed, blocks = {"__name__": "tutorial"}, None, 0
+    names, printed, blocks = {"SOURCE": str(SOURCE)}, None, 0
     for kind, text in BLOCK.findall(page):
         if kind == "python":
             assert not printed, f"the page does not show what is printed: {printed}"
