@@ -41,7 +41,8 @@ is no file of its own), ``model.to_toml()`` the text of its model file.
 
 
 def _path(path):
-    return _os.fspath(path)
+    """Bytes: names of files need not be text."""
+    return _os.fsencode(path)
 
 
 def read_log(path, machine="", map=None, window_s=None):
@@ -98,7 +99,7 @@ def simulate(model, scenario=None, *, scenario_toml=None, seed=0):
         raise Error("scenario and scenario_toml are both given; expected one of them")
     name = "scenario"
     if scenario is not None:
-        name = _path(scenario)
+        name = _os.fsdecode(scenario)
         try:
             with open(name, encoding="utf-8") as file:
                 scenario_toml = file.read()

@@ -34,6 +34,11 @@ struct PyLog {
 /// The values in an array of their own.
 Array array_of(const std::vector<double>& values);
 
+/// Text that may hold bytes that are no UTF-8, as names of files do: in messages U+FFFD stands for them.
+py::str text_of(const std::string& bytes);
+/// The name of a file as Python has it.
+py::str path_of(const std::string& bytes);
+
 /// As many as the option says (0: as the machine has).
 unsigned thread_count(unsigned threads);
 

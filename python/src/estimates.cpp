@@ -248,7 +248,7 @@ py::list traces_of(const Found& found) {
   py::list out;
   for (const result::Trace& t : found.traces) {
     py::dict d;
-    d["log"] = t.log;
+    d["log"] = text_of(t.log);
     d["channel"] = t.channel;
     d["unit"] = t.unit;
     d["time_s"] = array_of(t.time_s);
@@ -274,7 +274,7 @@ Array covariance_of(const Found& found) {
 void add_estimates(py::module_& module) {
   py::class_<Found>(module, "Found")
       .def_readonly("json", &Found::json)
-      .def_readonly("report", &Found::report)
+      .def_property_readonly("report", [](const Found& f) { return text_of(f.report); })
       .def_readonly("model", &Found::model)
       .def_property_readonly("traces", traces_of)
       .def_property_readonly("covariance", covariance_of);

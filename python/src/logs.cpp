@@ -1,6 +1,9 @@
 // Logs: read from files, made of arrays, written.
+#include <pybind11/stl/filesystem.h>
+
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <map>
 #include <memory>
 #include <optional>
@@ -93,9 +96,12 @@ py::dict columns(const py::object& self) {
   return out;
 }
 
-std::vector<std::string> warnings(const PyLog& self) {
-  std::vector<std::string> out = log::lines_of({self.log.refused, self.log.notes, {}});
-  for (const auto& [name, why] : self.log.unusable) out.push_back(self.log.path + ": " + name + ": " + why);
+py::list warnings(const PyLog& self) {
+  py::list out;
+  for (const std::string& line : log::lines_of({self.log.refused, self.log.notes, {}}))
+    out.append(text_of(line));
+  for (const auto& [name, why] : self.log.unusable)
+    out.append(text_of(self.log.path + ": " + name + ": " + why));
   return out;
 }
 
@@ -103,7 +109,7 @@ std::vector<std::string> warnings(const PyLog& self) {
 
 void add_logs(py::module_& module) {
   py::class_<PyLog, std::shared_ptr<PyLog>>(module, "Log")
-      .def_property_readonly("path", [](const PyLog& l) { return l.log.path; })
+      .def_property_readonly("path", [](const PyLog& l) { return path_of(l.log.path); })
       .def_property_readonly("machine", [](const PyLog& l) { return l.log.rig; })
       .def_property_readonly("metadata", [](const PyLog& l) { return l.log.metadata; })
       .def_property_readonly("time_s", [](const py::object& l) { return column(l, "time_s"); })
@@ -112,19 +118,20 @@ void add_logs(py::module_& module) {
       .def("__getitem__", column)
       .def("__contains__", [](const PyLog& l, const std::string& name) { return l.log.has(name); })
       .def("__len__", [](const PyLog& l) { return l.log.rows(); })
-      .def("write", [](const PyLog& l, const std::string& path) { log::write_log(l.log, path); })
+      .def("write",
+           [](const PyLog& l, const std::filesystem::path& path) { log::write_log(l.log, path.string()); })
       .def("__repr__", [](const PyLog& l) {
-        return "<furcula.Log of " + l.log.rig + ", " + std::to_string(l.log.rows()) + " rows, " +
-               core::quoted(l.log.path) + ">";
+        return text_of("<furcula.Log of " + l.log.rig + ", " + std::to_string(l.log.rows()) + " rows, " +
+                       l.log.path + ">");
       });
   module.def("read_log",
              [](const std::string& path, const std::string& rig, const std::string& map, double window_s) {
                const py::gil_scoped_release release;
-               return std::make_shared<PyLog>(read(path, rig, map, window_s));
+               return std::make_shared<PyLog>(PyLog{read(path, rig, map, window_s)});
              });
   module.def("make_log", [](const std::map<std::string, Array>& values, const std::string& rig,
                             const std::string& name, double window_s) {
-    return std::make_shared<PyLog>(of_columns(values, rig, name, window_s));
+    return std::make_shared<PyLog>(PyLog{of_columns(values, rig, name, window_s)});
   });
 }
 

@@ -145,7 +145,7 @@ trees::TreeModel tree_for(const Model& model, std::vector<std::string> columns) 
 
 void add_models(py::module_& module) {
   py::class_<Model>(module, "Model")
-      .def_readonly("path", &Model::path)
+      .def_property_readonly("path", [](const Model& m) { return path_of(m.path); })
       .def_readonly("kind", &Model::kind)
       .def_property_readonly("machine", &Model::rig)
       .def_readonly("joints", &Model::joints)

@@ -3,6 +3,7 @@
 #include <exception>
 #include <stdexcept>
 #include <thread>
+#include <utility>
 
 #include "host/core/atomic_file.hpp"
 #include "host/core/error.hpp"
@@ -14,6 +15,16 @@ Array array_of(const std::vector<double>& values) {
   return Array(static_cast<py::ssize_t>(values.size()), values.data());
 }
 
+py::str text_of(const std::string& bytes) {
+  return py::reinterpret_steal<py::str>(
+      PyUnicode_DecodeUTF8(bytes.data(), static_cast<py::ssize_t>(bytes.size()), "replace"));
+}
+
+py::str path_of(const std::string& bytes) {
+  return py::reinterpret_steal<py::str>(
+      PyUnicode_DecodeFSDefaultAndSize(bytes.data(), static_cast<py::ssize_t>(bytes.size())));
+}
+
 unsigned thread_count(unsigned threads) {
   return threads > 0 ? threads : std::max(1u, std::thread::hardware_concurrency());
 }
@@ -23,19 +34,22 @@ unsigned thread_count(unsigned threads) {
 PYBIND11_MODULE(_core, m) {
   namespace py = pybind11;
   using namespace furcula;
-  static py::exception<core::DataError> error(m, "Error", PyExc_ValueError);
+  static const py::exception<core::DataError> error(m, "Error", PyExc_ValueError);
   m.attr("Error").attr("__module__") = "furcula";
   m.attr("Error").attr("__doc__") =
       "Unusable data, model or argument. The message says where, what was expected and what to do.";
+  static const auto raise = [](const char* message) {
+    PyErr_SetObject(error.ptr(), python::text_of(message).ptr());
+  };
   py::register_exception_translator([](std::exception_ptr thrown) {
     try {
-      if (thrown) std::rethrow_exception(thrown);
+      if (thrown) std::rethrow_exception(std::move(thrown));
     } catch (const core::DataError& e) {
-      error(e.what());
+      raise(e.what());
     } catch (const core::OutputError& e) {
-      error(e.what());
+      raise(e.what());
     } catch (const std::invalid_argument& e) {
-      error(e.what());
+      raise(e.what());
     }
   });
   m.attr("__version__") = FURCULA_VERSION;

@@ -57,7 +57,7 @@ def arm_folder(tmp_path_factory, arm_logs):
     (folder / "arm.urdf").write_text(ARM_URDF)
     (folder / "arm.toml").write_text(ARM_TOML)
     for i, log in enumerate(arm_logs):
-        log.write(str(folder / f"run{i}.csv"))
+        log.write(folder / f"run{i}.csv")
     return folder
 
 

@@ -68,7 +68,7 @@ def test_an_identification_is_that_of_the_program(tmp_path, program):
     (tmp_path / "joint.toml").write_text(JOINT_TOML.format(damping=0.05))
     runs = [tmp_path / f"run{k}.csv" for k in range(3)]
     for log, run in zip(logs, runs):
-        log.write(str(run))
+        log.write(run)
     found = furcula.identify(tmp_path / "joint.toml", runs, method="both")
     program("identify", "--model", tmp_path / "joint.toml", "--method", "both", "--out", tmp_path, *runs)
     assert found.document == json.loads((tmp_path / "identification.json").read_text())

@@ -1,4 +1,6 @@
 # Logs: read, made, written; what is wrong with them is said.
+import os
+
 import numpy as np
 import pytest
 
@@ -8,7 +10,7 @@ from conftest import SOURCE
 
 def test_columns_of_a_csv_are_those_that_numpy_reads(tmp_path, arm_logs):
     path = tmp_path / "run.csv"
-    arm_logs[0].write(str(path))
+    arm_logs[0].write(path)
     table = np.genfromtxt(path, delimiter=",", names=True, comments="#", skip_header=sum(
         line.startswith("#") for line in path.read_text().splitlines()))
     log = furcula.read_log(path)
@@ -43,7 +45,7 @@ def test_a_log_of_arrays_is_read_back_to_the_bit(tmp_path):
     rng = np.random.default_rng(7)
     columns = {"time_s": np.arange(50) * 1e-3, "angle_rad": rng.normal(size=50), "torque_nm": rng.normal(size=50)}
     log = furcula.make_log(columns, "rotary_joint")
-    log.write(str(tmp_path / "log.csv"))
+    log.write(tmp_path / "log.csv")
     again = furcula.read_log(tmp_path / "log.csv")
     for name, values in columns.items():
         assert np.array_equal(log[name], values)
@@ -88,6 +90,17 @@ def test_a_log_that_cannot_be_read_is_one_error(tmp_path, call, words):
     assert isinstance(error.value, ValueError)
     for word in words:
         assert word in str(error.value)
+
+
+def test_names_of_files_need_not_be_text(tmp_path, arm_logs):
+    name = os.fsdecode(bytes(tmp_path) + b"/run\xff.csv")
+    with pytest.raises(furcula.Error, match="run\ufffd.csv|run.*csv"):
+        furcula.read_log(name)
+    arm_logs[0].write(name)
+    log = furcula.read_log(name)
+    assert log.path == name
+    assert len(log) == len(arm_logs[0])
+    assert "run" in repr(log)
 
 
 def test_a_column_that_is_not_there_names_those_that_are(arm_logs):
