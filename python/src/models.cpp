@@ -155,7 +155,7 @@ void add_models(py::module_& module) {
       .def("to_toml", [](const Model& m) { return m.machine ? model::format_model(*m.machine) : m.text; })
       .def_readonly("urdf", &Model::urdf)
       .def("__repr__",
-           [](const Model& m) { return "<furcula.Model " + m.kind + " of " + core::quoted(m.path) + ">"; });
+           [](const Model& m) { return text_of("<furcula.Model " + m.kind + " of " + m.path + ">"); });
   module.def("load_model", load_model);
   module.def("parse_model", [](const std::string& text, const std::string& path, const std::string& urdf,
                                bool accept_inertias) {

@@ -94,7 +94,7 @@ def test_a_log_that_cannot_be_read_is_one_error(tmp_path, call, words):
 
 def test_names_of_files_need_not_be_text(tmp_path, arm_logs):
     name = os.fsdecode(bytes(tmp_path) + b"/run\xff.csv")
-    with pytest.raises(furcula.Error, match="run\ufffd.csv|run.*csv"):
+    with pytest.raises(furcula.Error, match="run\ufffd.csv"):
         furcula.read_log(name)
     arm_logs[0].write(name)
     log = furcula.read_log(name)
