@@ -35,8 +35,8 @@ writes it as CSV. Arrays are views of the log and cannot be written to; ``numpy.
 Model.__doc__ = """A model: a machine with one joint, a tree of joints, a planar leg or a biped.
 
 kind (as in the model file), path, machine (the type of its logs), joints (names, in the order of the arrays of inverse_dynamics and
-the others; empty on machines with one joint), parameters (name -> value), notes (what the URDF was taken for), urdf (its text where it
-is no file of its own), ``model.to_toml()`` the text of its model file.
+the others; empty on machines with one joint), parameters (name -> value), notes (what the URDF was taken for), ``model.to_toml()`` the
+text of its model file.
 """
 
 

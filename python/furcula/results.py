@@ -252,10 +252,7 @@ class WalkResult:
 def _write(folder, files, model_name="", model=None):
     os.makedirs(folder, exist_ok=True)
     if model is not None:
-        files = dict(files)
-        files[model_name + ".toml"] = model.to_toml()
-        if model.urdf:
-            files["robot.urdf"] = model.urdf
+        files = {**files, **model._files_for(model_name + ".toml", os.fsencode(os.path.abspath(folder)))}
     for name, text in files.items():
         with open(os.path.join(folder, name), "w", encoding="utf-8") as file:
             file.write(text)

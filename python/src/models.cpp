@@ -3,6 +3,7 @@
 #include <pybind11/pybind11.h>
 
 #include <filesystem>
+#include <sstream>
 #include <utility>
 
 #include "host/core/error.hpp"
@@ -28,17 +29,23 @@ std::string kind_of(const std::string& text, const std::string& path) {
   }
 }
 
-/// A robot file that stands in place of a model file: the model file that it stands for.
-constexpr const char* kOfRobotFile =
-    "[model]\nkind = \"tree\"\nschema = 1\nurdf = \"robot.urdf\"\n\n[drive]\nlaw = \"torque\"\n";
-
-/// The kinds of robot files, by how they begin; here is the place for more.
-bool is_urdf(const std::string& text, const std::string& path) {
+/// Whether it is a robot file in place of a model file.
+bool is_robot_file(const std::string& text, const std::string& path) {
   const std::size_t begin = text.find_first_not_of(" \t\r\n\xef\xbb\xbf");
   if (begin == std::string::npos || text[begin] != '<') return false;
   if (text.find("<mujoco") != std::string::npos && text.find("<robot") == std::string::npos)
     throw core::DataError(path + ": MJCF is not read here; expected " + kWhat);
   return true;
+}
+
+/// The model file that a robot file stands for, in its folder. Here is the place for other formats.
+std::string text_for_robot_file(const std::string& path) {
+  std::ostringstream out;
+  out << toml::table{{"model", toml::table{{"kind", "tree"},
+                                           {"schema", 1},
+                                           {"urdf", std::filesystem::path(path).filename().string()}}},
+                     {"drive", toml::table{{"law", "torque"}}}};
+  return out.str();
 }
 
 /// The biped on a floating base: three sliding joints along the world's axes, then yaw, pitch and roll, all without mass, under the pelvis.
@@ -111,6 +118,18 @@ pybind11::dict parameters_of(const Model& m) {
   return out;
 }
 
+/// The model file as it has to be in a folder, and the robot file beside it where that is none of its own.
+pybind11::dict files_for(const Model& m, const std::string& name, const std::string& folder) {
+  pybind11::dict out;
+  std::string text = m.machine ? model::format_model(*m.machine) : m.text;
+  if (m.tree && !gait::is_planar_leg(m.text)) {
+    text = trees::format_tree_model(*m.tree, trees::urdf_seen_from(*m.tree, folder));
+    if (!m.tree->urdf_text.empty()) out[path_of(m.tree->urdf_path)] = text_of(m.tree->urdf_text);
+  }
+  out[path_of(name)] = text_of(text);
+  return out;
+}
+
 }  // namespace
 
 Model parse_model(const std::string& text, const std::string& path, const std::string& urdf,
@@ -135,8 +154,8 @@ Model parse_model(const std::string& text, const std::string& path, const std::s
 
 Model load_model(const std::string& path, bool accept_inertias) {
   const std::string text = core::read_small_file(path, kWhat);
-  if (is_urdf(text, path)) return parse_model(kOfRobotFile, path, text, accept_inertias);
-  return parse_model(text, path, "", accept_inertias);
+  const bool robot = is_robot_file(text, path);
+  return parse_model(robot ? text_for_robot_file(path) : text, path, "", accept_inertias);
 }
 
 trees::TreeModel tree_for(const Model& model, std::vector<std::string> columns) {
@@ -153,7 +172,7 @@ void add_models(py::module_& module) {
       .def_property_readonly(
           "notes", [](const Model& m) { return m.tree ? m.tree->notes : std::vector<std::string>{}; })
       .def("to_toml", [](const Model& m) { return m.machine ? model::format_model(*m.machine) : m.text; })
-      .def_readonly("urdf", &Model::urdf)
+      .def("_files_for", files_for)
       .def("__repr__",
            [](const Model& m) { return text_of("<furcula.Model " + m.kind + " of " + m.path + ">"); });
   module.def("load_model", load_model);

@@ -47,7 +47,24 @@ def test_results_are_written_as_the_program_writes_them(tmp_path, diagnosis):
     diagnosis.write(tmp_path / "out")
     assert json.loads((tmp_path / "out/diagnosis.json").read_text()) == diagnosis.document
     assert (tmp_path / "out/report.html").read_text().startswith("<!")
-    assert (tmp_path / "out/extended_model.toml").read_text() == diagnosis.model.to_toml()
+
+
+@pytest.mark.parametrize("in_memory", [False, True])
+def test_a_written_model_is_read_back(tmp_path, arm, arm_folder, arm_logs, in_memory):
+    """Its robot is the one of the given model: a file elsewhere, or text that is written beside it."""
+    given = arm if in_memory else furcula.load_model(arm_folder / "arm.urdf")
+    furcula.diagnose(given, arm_logs[:3], arm_logs[3:]).write(tmp_path / "out")
+    model = furcula.load_model(tmp_path / "out/extended_model.toml")
+    assert "coulomb_friction" in model.to_toml()
+    assert (tmp_path / "out/arm.urdf").exists() == in_memory
+    np.testing.assert_array_equal(furcula.mass_matrix(model, [0.3, 0.4]), furcula.mass_matrix(arm, [0.3, 0.4]))
+
+
+def test_a_urdf_alone_is_a_tree_whose_drives_are_told_torques(arm_folder, arm):
+    model = furcula.load_model(arm_folder / "arm.urdf")
+    assert model.kind == "tree"
+    assert model.joints == arm.joints == ["shoulder", "elbow"]
+    assert model.parameters["kp_nmprad.elbow"] == 0
 
 
 def test_logs_in_memory_give_what_files_give(arm, arm_logs, diagnosis):
