@@ -11,7 +11,6 @@
 #include "host/cli/errors.hpp"
 #include "host/core/commands.hpp"
 #include "host/core/message.hpp"
-#include "host/core/strict_toml.hpp"
 #include "host/gait/leg_as_tree.hpp"
 #include "host/gait/machine_file.hpp"
 #include "host/identify/split.hpp"
@@ -21,6 +20,7 @@
 #include "host/machines/rules.hpp"
 #include "host/model/reader.hpp"
 #include "host/trees/joint_choice.hpp"
+#include "host/trees/model_text.hpp"
 
 namespace furcula::cli {
 
@@ -51,7 +51,8 @@ void require_rig(const std::string& name) {
 }
 
 void RecordingOptions::add_to(CLI::App& command) {
-  command.add_option("--model", model, "Model file (TOML)")->required();
+  command.add_option("--model", model, "Model file (TOML), or a URDF: a tree whose drives are told torques")
+      ->required();
   command.add_option("--map", map, "Map file (TOML) for logs with other column names");
   command.add_option("--hold-out", held_out,
                      "Logs that no fit sees (put another option or -- after them); without it a seeded "
@@ -135,12 +136,12 @@ Recordings read_recordings(const RecordingOptions& options) {
 }
 
 bool is_tree_model(const std::string& path) {
-  const std::string text = core::read_small_file(path, "a model file (TOML)");
+  const std::string text = trees::read_model_text(path);
   return gait::is_planar_leg(text) || trees::is_tree(text);
 }
 
 std::optional<trees::TreeModel> tree_model(const std::string& path, trees::TreeContext context) {
-  const std::string text = core::read_small_file(path, "a model file (TOML)");
+  const std::string text = trees::read_model_text(path);
   if (gait::is_planar_leg(text)) {
     const gait::LegAsTree leg = gait::leg_as_tree(gait::parse_machine(text, path));
     context.urdf = leg.urdf;

@@ -11,12 +11,12 @@
 #include "host/cli/recordings.hpp"
 #include "host/core/error.hpp"
 #include "host/core/message.hpp"
-#include "host/core/strict_toml.hpp"
 #include "host/gait/machine_file.hpp"
 #include "host/log/writer.hpp"
 #include "host/model/reader.hpp"
 #include "host/sim/expectation.hpp"
 #include "host/sim/simulate.hpp"
+#include "host/trees/model_text.hpp"
 #include "host/trees/simulate.hpp"
 
 namespace furcula::cli {
@@ -53,7 +53,7 @@ void check_expectation(const std::string& path, const model::Model& model, const
 }
 
 void run(const SimOptions& options, PlayGait play) {
-  const std::string text = core::read_small_file(options.model, "a model file (TOML)");
+  const std::string text = trees::read_model_text(options.model);
   if (gait::is_planar_leg(text)) {
     if (play == nullptr)
       throw UsageError("--model " + options.model +
@@ -99,7 +99,7 @@ void run(const SimOptions& options, PlayGait play) {
 void add_sim_command(CLI::App& app, PlayGait play) {
   auto options = std::make_shared<SimOptions>();
   CLI::App* command = app.add_subcommand("sim", "Simulate a model under a scenario and write its log");
-  command->add_option("--model", options->model, "Model file (TOML)")->required();
+  command->add_option("--model", options->model, "Model file (TOML), or a URDF")->required();
   command->add_option(
       "--scenario", options->scenario,
       "Scenario file (TOML); without it what is usual for the kind: hops, a sine drive, throws. Of a planar leg: a gait (gait.toml)");

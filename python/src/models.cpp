@@ -2,8 +2,6 @@
 
 #include <pybind11/pybind11.h>
 
-#include <filesystem>
-#include <sstream>
 #include <utility>
 
 #include "host/core/error.hpp"
@@ -13,12 +11,11 @@
 #include "host/gait/machine_file.hpp"
 #include "host/model/reader.hpp"
 #include "host/model/writer.hpp"
+#include "host/trees/model_text.hpp"
 #include "python/src/bindings.hpp"
 
 namespace furcula::python {
 namespace {
-
-constexpr const char* kWhat = "a model file (TOML) or a URDF";
 
 /// The kind that a model file names; empty where it is no TOML or names none: its reader then says what is wrong.
 std::string kind_of(const std::string& text, const std::string& path) {
@@ -27,25 +24,6 @@ std::string kind_of(const std::string& text, const std::string& path) {
   } catch (const core::DataError&) {
     return {};
   }
-}
-
-/// Whether it is a robot file in place of a model file.
-bool is_robot_file(const std::string& text, const std::string& path) {
-  const std::size_t begin = text.find_first_not_of(" \t\r\n\xef\xbb\xbf");
-  if (begin == std::string::npos || text[begin] != '<') return false;
-  if (text.find("<mujoco") != std::string::npos && text.find("<robot") == std::string::npos)
-    throw core::DataError(path + ": MJCF is not read here; expected " + kWhat);
-  return true;
-}
-
-/// The model file that a robot file stands for, in its folder. Here is the place for other formats.
-std::string text_for_robot_file(const std::string& path) {
-  std::ostringstream out;
-  out << toml::table{{"model", toml::table{{"kind", "tree"},
-                                           {"schema", 1},
-                                           {"urdf", std::filesystem::path(path).filename().string()}}},
-                     {"drive", toml::table{{"law", "torque"}}}};
-  return out.str();
 }
 
 /// The biped on a floating base: three sliding joints along the world's axes, then yaw, pitch and roll, all without mass, under the pelvis.
@@ -153,9 +131,7 @@ Model parse_model(const std::string& text, const std::string& path, const std::s
 }
 
 Model load_model(const std::string& path, bool accept_inertias) {
-  const std::string text = core::read_small_file(path, kWhat);
-  const bool robot = is_robot_file(text, path);
-  return parse_model(robot ? text_for_robot_file(path) : text, path, "", accept_inertias);
+  return parse_model(trees::read_model_text(path), path, "", accept_inertias);
 }
 
 trees::TreeModel tree_for(const Model& model, std::vector<std::string> columns) {

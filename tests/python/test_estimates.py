@@ -27,6 +27,17 @@ def test_a_diagnosis_is_that_of_the_program(tmp_path, arm_folder, program, diagn
     assert diagnosis.text == (tmp_path / "diagnosis.json").read_text()
 
 
+def test_the_program_takes_a_urdf_in_place_of_a_model_file(tmp_path, arm_folder, program, diagnosis):
+    runs = [arm_folder / f"run{i}.csv" for i in range(4)]
+    program("diagnose", "--model", arm_folder / "arm.urdf", "--out", tmp_path, *runs[:3], "--hold-out", runs[3])
+    assert json.loads((tmp_path / "diagnosis.json").read_text()) == diagnosis.document
+    program("sim", "--model", arm_folder / "arm.urdf", "--out", tmp_path / "sim.csv")
+    assert furcula.read_log(tmp_path / "sim.csv").machine == "tree"
+    (tmp_path / "page.html").write_text("<html><body>no robot</body></html>")
+    ran = program("diagnose", "--model", tmp_path / "page.html", "--out", tmp_path, runs[0], status=3)
+    assert "page.html" in ran.stderr and "expected" in ran.stderr
+
+
 def test_dry_friction_of_the_elbow_is_found(diagnosis):
     assert diagnosis.verdict == "explained"
     [finding] = diagnosis.findings
