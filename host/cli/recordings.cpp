@@ -15,9 +15,9 @@
 #include "host/gait/leg_as_tree.hpp"
 #include "host/gait/machine_file.hpp"
 #include "host/identify/split.hpp"
+#include "host/log/accept_stamps.hpp"
 #include "host/log/reader.hpp"
 #include "host/log/rigs.hpp"
-#include "host/log/time_stamps.hpp"
 #include "host/machines/rules.hpp"
 #include "host/model/reader.hpp"
 #include "host/trees/joint_choice.hpp"
@@ -35,17 +35,6 @@ std::string kinds_in_intervals() {
   return out;
 }
 
-/// What the log's time stamps imply. A slow log whose windows were chosen for it (`window_s`, 0: they were not) is not in a wrong unit.
-void take_stamps(log::Log& log, const log::ColumnMap* map, double window_s) {
-  constexpr double kRows = 5.0;  // of a window
-  const log::TimeStamps stamps = log::judge(log, map);
-  const bool chosen = window_s >= kRows * stamps.median_s;
-  if (!stamps.unit.empty() && !chosen) throw core::DataError(stamps.unit);
-  if (!stamps.bursts.empty()) throw core::DataError(stamps.bursts);
-  log.notes.insert(log.notes.end(), stamps.notes.begin(), stamps.notes.end());
-  log::open_gaps(log, stamps.gaps);
-}
-
 void require_window(double window_s) {
   if (!(window_s >= 0.0 && window_s <= 60.0))
     throw UsageError("--window-s " + std::to_string(window_s) +
@@ -60,7 +49,7 @@ std::optional<log::ColumnMap> map_of(const std::string& path) {
 log::Log read_stamped(const std::string& path, const std::string& rig, const log::ColumnMap* map,
                       double window_s) {
   log::Log log = log::read_log(path, rig, map);
-  take_stamps(log, map, window_s);
+  log::accept_stamps(log, map, window_s);
   return log;
 }
 
@@ -80,7 +69,10 @@ void require_rig(const std::string& name) {
 }
 
 void RecordingOptions::add_to(CLI::App& command) {
-  command.add_option("--model", model, "Model file (TOML)")->required();
+  command
+      .add_option("--model", model,
+                  "Model file (TOML), or a robot (URDF, MJCF): a tree, the drives of a URDF told torques")
+      ->required();
   command.add_option("--map", map, "Map file (TOML) for logs with other column names");
   command.add_option("--hold-out", held_out,
                      "Logs that no fit sees (put another option or -- after them); without it a seeded "
@@ -166,12 +158,12 @@ Recordings read_recordings(const RecordingOptions& options) {
 }
 
 bool is_tree_model(const std::string& path) {
-  const std::string text = core::read_small_file(path, "a model file (TOML)");
+  const std::string text = core::read_small_file(path, "a model file (TOML) or a robot (URDF, MJCF)");
   return gait::is_planar_leg(text) || trees::is_tree(text);
 }
 
 std::optional<trees::TreeModel> tree_model(const std::string& path, trees::TreeContext context) {
-  const std::string text = core::read_small_file(path, "a model file (TOML)");
+  const std::string text = core::read_small_file(path, "a model file (TOML) or a robot (URDF, MJCF)");
   if (gait::is_planar_leg(text)) {
     const gait::LegAsTree leg = gait::leg_as_tree(gait::parse_machine(text, path));
     context.urdf = leg.urdf;

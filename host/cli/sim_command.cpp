@@ -54,7 +54,8 @@ void check_expectation(const std::string& path, const model::Model& model, const
 }
 
 void run(const SimOptions& options, PlayGait play) {
-  const std::string text = core::read_small_file(options.model, "a model file (TOML)");
+  const std::string text =
+      core::read_small_file(options.model, "a model file (TOML) or a robot (URDF, MJCF)");
   if (gait::is_planar_leg(text)) {
     if (play == nullptr)
       throw UsageError("--model " + options.model +
@@ -101,7 +102,7 @@ void run(const SimOptions& options, PlayGait play) {
 void add_sim_command(CLI::App& app, PlayGait play) {
   auto options = std::make_shared<SimOptions>();
   CLI::App* command = app.add_subcommand("sim", "Simulate a model under a scenario and write its log");
-  command->add_option("--model", options->model, "Model file (TOML)")->required();
+  command->add_option("--model", options->model, "Model file (TOML), or a robot (URDF, MJCF)")->required();
   command->add_option(
       "--scenario", options->scenario,
       "Scenario file (TOML); without it what is usual for the kind: hops, a sine drive, throws. Of a planar leg: a gait (gait.toml)");

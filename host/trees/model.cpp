@@ -12,6 +12,7 @@
 #include "host/core/error.hpp"
 #include "host/core/message.hpp"
 #include "host/core/strict_toml.hpp"
+#include "host/model/mjcf_reader.hpp"
 #include "host/model/robot_file.hpp"
 #include "host/model/urdf_filter.hpp"
 #include "host/trees/inertial.hpp"
@@ -42,7 +43,9 @@ std::string text_of(const std::string& text) {
 std::string as_model_file(std::string_view text, const std::string& path) {
   if (!is_robot(text)) return std::string(text);
   const std::string file = std::filesystem::path(path).filename().string();
-  return "[model]\nkind = \"tree\"\nschema = 1\nurdf = " + text_of(core::printable(file)) + "\n";
+  // Of an MJCF the actuators say what the drives are told.
+  return "[model]\nkind = \"tree\"\nschema = 1\nurdf = " + text_of(core::printable(file)) + "\n" +
+         (model::is_mjcf(text) ? "" : "[drive]\nlaw = \"torque\"\n");
 }
 
 class Reader {

@@ -76,7 +76,8 @@ TEST_CASE(
   const std::string model = folder.file("m.toml", test::kHopperModel), out = folder.path() + "/out.csv";
   const test::Ran as_model = run_furcula({"sim", "--model", folder.path(), "--out", out});
   CHECK(as_model.status == 3);
-  CHECK(as_model.err == "furcula: " + folder.path() + ": is a directory; expected a model file (TOML)\n");
+  CHECK(as_model.err == "furcula: " + folder.path() +
+                            ": is a directory; expected a model file (TOML) or a robot (URDF, MJCF)\n");
   CHECK(run_furcula({"sim", "--model", model, "--scenario", folder.path(), "--out", out}).status == 3);
   const test::Ran as_log = run_furcula({"sim", "--model", model, "--out", folder.path()});
   CHECK(as_log.status == 2);
