@@ -38,7 +38,7 @@ struct WalkOptions {
   std::optional<double> seconds;
   std::optional<std::int64_t> steps;
   std::optional<std::uint64_t> sensor_seed;
-  double rate_hz = 100.0, robust = 0.0;
+  double rate_hz = 100.0;
   unsigned threads = 0;
   std::uint64_t seed = 1;
   CommentsOption comments;
@@ -145,9 +145,6 @@ void search(const WalkOptions& o, const Distribute& distribute) {
   options.rollout = rollout_of(model, static_cast<walk::WalkMode>(place_of(o.mode, walk::kModeNames)), 5.0);
   options.method = static_cast<walk::MethodKind>(place_of(o.method, walk::kMethodNames));
   options.seed = o.seed;
-  if (o.robust < 0.0 || o.robust > 4.0)
-    throw UsageError("--robust " + core::shortest(o.robust) + ": expected a scale from 0 to 4");
-  options.rollout.ensemble = {o.robust, o.seed};
   options.seconds = o.seconds;
   if (o.steps) options.steps = static_cast<std::uint64_t>(*o.steps);
   if (!o.from.empty()) options.start = walk_of("--from", o.from, o, model).parameters;
@@ -189,8 +186,7 @@ void search(const WalkOptions& o, const Distribute& distribute) {
   const walk::Walk walk{model.name, options.rollout.mode, options.rollout.walk_until_s, found.walk};
   const std::string command =
       "furcula walk search --model " + o.model + " --mode " + o.mode + " --method " + o.method + " --seed " +
-      std::to_string(o.seed) + (o.robust > 0.0 ? " --robust=" + core::shortest(o.robust) : "") +
-      (o.from.empty() ? "" : " --from " + o.from) +
+      std::to_string(o.seed) + (o.from.empty() ? "" : " --from " + o.from) +
       (o.steps ? " --steps " + std::to_string(*o.steps) : " --seconds " + core::shortest(*o.seconds)) +
       " --out " + o.out;
   const walk::SearchState& end = found.state;
@@ -204,10 +200,6 @@ void search(const WalkOptions& o, const Distribute& distribute) {
                 end.first_walk->cpu_s, static_cast<unsigned long long>(end.first_walk->rollouts));
   say(found.rollout, model.limits);
   if (evidence) say_evidence(*evidence);
-  if (o.robust > 0.0)
-    std::printf("on the model and seven drawn robots: %u of %zu stand\n",
-                walk::run_walks(model.robot, options.rollout, {found.walk}, 1).front().ensemble_stand,
-                walk::kEnsemble);
   if (end.not_finite > 0)
     std::printf("%llu of %llu walks had an objective that is no number, and were left out\n",
                 static_cast<unsigned long long>(end.not_finite),
@@ -298,10 +290,6 @@ CLI::App* add_walk_command(CLI::App& app, Distribute distribute) {
       ->check(CLI::IsMember(std::vector<std::string>(walk::kMethodNames.begin(), walk::kMethodNames.end())))
       ->capture_default_str();
   find->add_option("--seed", o->seed, "Of the search")->capture_default_str();
-  find->add_flag(
-      "--robust{1}", o->robust,
-      "Each walk is tried on eight robots: the model, and seven drawn around it and pushed. --robust=0.5 halves the ranges "
-      "that they are drawn from (document 000, Tables I and II). The objective is half the mean and half the worst");
   find->add_option("--seconds", o->seconds, "How long");
   find->add_option("--steps", o->steps,
                    "How long, in steps of simulation: one seed then gives one walk, whatever --threads");

@@ -113,9 +113,6 @@ Settings settings_of(const Model& model, const SearchOptions& options, const std
                {"walk_until_s", core::shortest(r.walk_until_s)},
                {"foot_threshold_n", core::shortest(r.foot_threshold_n)},
                {"motors of passive hips", r.hips_follow ? "follow" : "off"},
-               {"ensemble", r.ensemble.is_used() ? core::shortest(r.ensemble.scale) + ", seed " +
-                                                       std::to_string(r.ensemble.seed)
-                                                 : "none"},
                {"first walk, m", core::shortest(options.first_walk_m)}};
   for (const LimitKey& k : kLimitKeys)
     out.emplace_back("[limits] " + std::string(k.name), core::shortest(r.limits.*k.of));

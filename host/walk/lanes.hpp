@@ -2,7 +2,6 @@
 // AVX2 (x86-64-v3), which the dynamic linker takes by itself where it can (its folder glibc-hwcaps). Both give the same bits.
 #pragma once
 
-#include <array>
 #include <atomic>
 #include <cstddef>
 #include <span>
@@ -12,12 +11,8 @@
 
 namespace furcula::walk {
 
-/// Counters of the walks that were taken: of each lane of an ensemble, else the first alone.
-using Taken = std::array<std::atomic<std::size_t>, kEnsemble>;
-
-/// Takes walks until none is left, and writes what each did: of an ensemble that of robot `m` on walk `i` to out[kEnsemble * i + m]. Several
-/// threads may do so with one `taken`.
+/// Takes walks from `next` on until none is left, and writes what each did. Several threads may do so with one `next`.
 void run_lanes(const dynamics::biped::Description& robot, const RolloutOptions& options,
-               std::span<const Parameters> walks, Taken& taken, std::span<Rollout> out);
+               std::span<const Parameters> walks, std::atomic<std::size_t>& next, std::span<Rollout> out);
 
 }  // namespace furcula::walk

@@ -38,17 +38,6 @@ struct WalkLimits {
 inline constexpr double kSoleMargin_m = 0.03;
 inline constexpr double kCotGravity_mps2 = 9.8;  ///< of 000 eq. 1
 
-/// Robots of an ensemble, the model among them: one a lane.
-inline constexpr std::size_t kEnsemble = 8;
-
-/// Robots that differ from the model, on which a walk is tried beside the model itself (ensemble.hpp).
-struct EnsembleOptions {
-  double scale = 0.0;  ///< of the ranges that they are drawn from; 0: the model alone
-  std::uint64_t seed = 1;
-
-  bool is_used() const { return scale > 0.0; }
-};
-
 struct RolloutOptions {
   WalkMode mode = WalkMode::active;
   double time_s = 10.0;
@@ -60,7 +49,6 @@ struct RolloutOptions {
   /// semi_passive: whether the hips' motors follow their links all the while. Else they are off, as they are not joined before the end.
   bool hips_follow = false;
   WalkLimits limits;
-  EnsembleOptions ensemble;
 
   double tick_s() const { return step_s * steps_a_tick; }
 };
@@ -89,17 +77,11 @@ struct Rollout {
   std::uint32_t landings = 0;
   std::uint64_t steps = 0;  ///< of the simulation
 
-  /// Of a walk that was tried on an ensemble: how many of its robots stand, and half the mean and half the worst of their values. All else is the model's.
-  unsigned ensemble_stand = 0;
-  double ensemble_objective = 0.0, ensemble_value = 0.0;
-  bool of_ensemble = false;
-
   double energy_j() const { return work_j + copper_j + constant_j; }
   bool keeps_limits() const { return ending == Ending::stands && over == 0.0; }
   /// 000 eq. 2, with grades where that has none: from 2 on a fall, 1 to 2 beyond a limit, below 1 a walk; 1 stands on the spot. Not a
   /// number where one of the figures is none.
   double objective(double time_asked_s) const {
-    if (of_ensemble) return ensemble_objective;
     if (ending != Ending::stands) return 1.0 + time_asked_s / std::max(time_s, 1e-3);
     if (over != 0.0) return 1.0 + price();
     return ahead();
@@ -107,7 +89,6 @@ struct Rollout {
   /// The same for a search to descend: what is beyond a limit is a price, and not a wall behind which the cost of transport counts for
   /// nothing.
   double value(double time_asked_s) const {
-    if (of_ensemble) return ensemble_value;
     return ending == Ending::stands ? ahead() + price() : objective(time_asked_s);
   }
 

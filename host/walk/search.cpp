@@ -1,13 +1,13 @@
 #include "host/walk/search.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <ctime>
 #include <exception>
 #include <limits>
 #include <memory>
-#include <span>
 #include <utility>
 
 #include "host/core/error.hpp"
@@ -94,42 +94,15 @@ std::string doing(const Rollout& r, double time_s) {
   return "objective " + text(r.objective(time_s)) + ", CoT " + text(r.cot) + ", " + text(r.distance_m) + " m";
 }
 
-/// The model's rollout, which is the first, with what the ensemble makes of the walk. Of the other robots a limit that is missed is a price: the limits
-/// are the model's to keep.
-Rollout of_ensemble(std::span<const Rollout> members, double time_s) {
-  Rollout out = members.front();
-  double sum = 0.0, worst = 0.0;
-  for (const Rollout& r : members) {
-    out.ensemble_stand += r.ending == Ending::stands;
-    if (&r == &members.front()) continue;
-    const double value = r.value(time_s);
-    sum += value, worst = std::isfinite(value) ? std::max(worst, value) : value;
-    out.steps += r.steps;
-  }
-  const auto joined = [&](double models) {
-    const double mean = (sum + models) / static_cast<double>(members.size());
-    return 0.5 * (mean + std::max(worst, models));
-  };
-  out.ensemble_objective = joined(members.front().objective(time_s));
-  out.ensemble_value = joined(members.front().value(time_s));
-  out.of_ensemble = true;
-  return out;
-}
-
 }  // namespace
 
 std::vector<Rollout> run_walks(const dynamics::biped::Description& robot, const RolloutOptions& options,
                                const std::vector<Parameters>& walks, unsigned threads) {
-  const bool ensemble = options.ensemble.is_used();
-  std::vector<Rollout> out(walks.size() * (ensemble ? kEnsemble : 1));
-  Taken taken{};
+  std::vector<Rollout> out(walks.size());
+  std::atomic<std::size_t> next{0};
   const unsigned used = std::max(1u, threads);
-  core::parallel_for(used, used, [&](std::size_t) { run_lanes(robot, options, walks, taken, out); });
-  if (!ensemble) return out;
-  std::vector<Rollout> all;
-  for (std::size_t i = 0; i < walks.size(); ++i)
-    all.push_back(of_ensemble(std::span(out).subspan(kEnsemble * i, kEnsemble), options.time_s));
-  return all;
+  core::parallel_for(used, used, [&](std::size_t) { run_lanes(robot, options, walks, next, out); });
+  return out;
 }
 
 Rollout run_walk(const dynamics::biped::Description& robot, const RolloutOptions& options,

@@ -11,15 +11,12 @@
 #include <functional>
 #include <type_traits>
 #include <utility>
-#include <vector>
 
 #include "furcula/control/walk/walk.hpp"
 #include "furcula/dynamics/biped/clutching.hpp"
 #include "furcula/dynamics/biped/design.hpp"
 #include "furcula/dynamics/biped/energy.hpp"
 #include "furcula/dynamics/biped/step.hpp"
-#include "host/core/random.hpp"
-#include "host/walk/ensemble.hpp"
 #include "host/walk/posture.hpp"
 #include "host/walk/rollout.hpp"
 
@@ -48,9 +45,8 @@ class Walkers {
   static constexpr std::size_t kRobots = control::WalkState<T>::kRobots;
 
  public:
-  /// Gets the lane.
-  using Take = std::function<const Parameters*(std::size_t lane, std::size_t& number)>;
-  using Done = std::function<void(std::size_t lane, std::size_t number, const Rollout&)>;
+  using Take = std::function<const Parameters*(std::size_t&)>;
+  using Done = std::function<void(std::size_t, const Rollout&)>;
 
   /// `known` is the robot as the controller has it in its feedback.
   Walkers(const dynamics::biped::Description& robot, const dynamics::biped::Description& known,
@@ -69,27 +65,6 @@ class Walkers {
     mass_kg_ = robot.mass_kg();
   }
 
-  /// In each lane a robot of its own. The controller has the first one in its feedback.
-  Walkers(const std::vector<Member>& members, const RolloutOptions& options) requires(kRobots == kEnsemble)
-      : Walkers(members.front().robot, members.front().robot, options) {
-    using namespace dynamics::biped;
-    members_ = members;
-    for (std::size_t lane = 0; lane < kRobots; ++lane) {
-      const Member& m = members[lane];
-      plains_.emplace_back(m.robot);
-      put_robot(lane, plains_.back());
-      for (std::size_t i = 0; i < kJoints; ++i)
-        put_leg(offset_rad_[Legs<T>::pass(i / kLegJoints)][i % kLegJoints], i / kLegJoints, lane,
-                m.encoder_offset_rad[i]);
-      put(imu_turn_rad_, lane, m.imu_turn_rad);
-      put(foot_reads_n_, lane, m.foot_reads_n);
-    }
-    laws_ = active_laws(plant_);
-    if (o_.mode == WalkMode::semi_passive)
-      for (const std::size_t side : {kLeft, kRight})
-        set_mode(plant_, side, kHipClutch, Mode::passive, laws_, s_);
-  }
-
   /// What a robot's sensors make of a tick, before the filter and the controller see it.
   std::function<void(control::WalkSample<T>&, control::Imu<T>&)> senses;
   /// After each tick.
@@ -99,8 +74,8 @@ class Walkers {
   Rollout run_one(const Parameters& walk) {
     Rollout out;
     bool taken = false;
-    run([&](std::size_t, std::size_t&) { return std::exchange(taken, true) ? nullptr : &walk; },
-        [&](std::size_t, std::size_t, const Rollout& r) { out = r; });
+    run([&](std::size_t&) { return std::exchange(taken, true) ? nullptr : &walk; },
+        [&](std::size_t, const Rollout& r) { out = r; });
     return out;
   }
 
@@ -117,7 +92,7 @@ class Walkers {
     std::array<std::size_t, kRobots> number{};
     std::size_t running = 0;
     const auto next = [&](std::size_t lane) {
-      const Parameters* w = take(lane, number[lane]);
+      const Parameters* w = take(number[lane]);
       busy[lane] = w != nullptr;
       if (busy[lane]) ++running;
       begin(lane, busy[lane] ? *w : standing());
@@ -130,7 +105,7 @@ class Walkers {
         if (!(lane_of(ended_, lane) > V(0.5))) continue;
         if (busy[lane]) {
           --running;
-          done(lane, number[lane], result(lane));
+          done(number[lane], result(lane));
           next(lane);
         } else {
           begin(lane, standing());
@@ -155,68 +130,6 @@ class Walkers {
     put(all, lane, v);
     dynamics::biped::Legs<T>::write(x, side, all);
   }
-  const dynamics::biped::Description& robot_of(std::size_t lane) const {
-    return members_.empty() ? robot_ : members_[lane].robot;
-  }
-  const dynamics::biped::Parameters<double>& plain_of(std::size_t lane) const {
-    return plains_.empty() ? plain_ : plains_[lane];
-  }
-
-  /// The plant in a lane.
-  void put_robot(std::size_t lane, const dynamics::biped::Parameters<double>& from) {
-    using namespace dynamics::biped;
-    for (const std::size_t side : {kLeft, kRight}) {
-      const std::size_t k = Legs<T>::pass(side);
-      const auto leg = [&](L& to, const auto& x) { put_leg(to, side, lane, Legs<double>::read(x, side)); };
-      const auto leg3 = [&](Vec3<L>& to, const auto& x) { leg(to.x, x.x), leg(to.y, x.y), leg(to.z, x.z); };
-      for (std::size_t j = 0; j < kLegJoints; ++j) {
-        auto& to = plant_.links[k][j];
-        const auto& x = from.links[0][j];
-        leg(to.mass_kg, x.mass_kg);
-        leg3(to.moment_kgm, x.moment_kgm);
-        auto& s = to.inertia_kgm2;
-        const auto& i = x.inertia_kgm2;
-        leg(s.xx, i.xx), leg(s.xy, i.xy), leg(s.xz, i.xz), leg(s.yy, i.yy), leg(s.yz, i.yz), leg(s.zz, i.zz);
-        leg3(plant_.offsets_m[k][j], from.offsets_m[0][j]);
-        auto& d = plant_.drives[k][j];
-        const auto& y = from.drives[0][j];
-        leg(d.armature_kgm2, y.armature_kgm2), leg(d.damping_nmspr, y.damping_nmspr);
-        leg(d.friction_nm, y.friction_nm), leg(d.kp_nmprad, y.kp_nmprad);
-        leg(d.kd_nmsprad, y.kd_nmsprad), leg(d.limit_nm, y.limit_nm);
-      }
-      for (std::size_t i = 0; i < kVertices; ++i) leg3(plant_.vertices_m[k][i], from.vertices_m[0][i]);
-      auto& hip = plant_.clutches[k][kHipClutch];
-      const auto& x = from.clutches[0][kHipClutch];
-      leg(hip.spring_nmprad, x.spring_nmprad), leg(hip.damping_nmspr, x.damping_nmspr);
-    }
-    auto& g = plant_.ground;
-    put(g.stiffness_npm, lane, from.ground.stiffness_npm),
-        put(g.damping_nspm, lane, from.ground.damping_nspm);
-    put(g.shear_stiffness_npm, lane, from.ground.shear_stiffness_npm);
-    put(g.shear_damping_nspm, lane, from.ground.shear_damping_nspm);
-    put(g.friction, lane, from.ground.friction);
-    put(plant_.gravity_mps2, lane, from.gravity_mps2);
-  }
-
-  /// What the sensors of an ensemble's robots make of a tick, and who pushes them.
-  void disturb(control::WalkSample<T>& sample, control::Imu<T>& imu) {
-    using namespace dynamics::biped;
-    for (std::size_t pass = 0; pass < Legs<T>::kPasses; ++pass)
-      for (std::size_t j = 0; j < kLegJoints; ++j) sample.q_rad[pass][j] += offset_rad_[pass][j];
-    imu.gyro_radps = imu.gyro_radps - cross(imu_turn_rad_, imu.gyro_radps);
-    imu.acc_mps2 = imu.acc_mps2 - cross(imu_turn_rad_, imu.acc_mps2);
-    sample.gyro_radps = imu.gyro_radps;
-    if (!dynamics::any(time_s_ > next_push_s_)) return;
-    for (std::size_t lane = 0; lane < kRobots; ++lane) {
-      if (!(lane_of(time_s_, lane) > lane_of(next_push_s_, lane))) continue;
-      const Member& m = members_[lane];
-      core::Random random(m.seed, static_cast<std::uint64_t>(std::lround(plain(next_push_s_, lane))));
-      put(s_.v_mps.x, lane, plain(s_.v_mps.x, lane) + m.push_mps * random.gaussian());
-      put(s_.v_mps.y, lane, plain(s_.v_mps.y, lane) + m.push_mps * random.gaussian());
-      put(next_push_s_, lane, plain(next_push_s_, lane) + 1.0);
-    }
-  }
-
   template <class X>
   static X size(const X& x) {
     return dynamics::larger(x, X(-x));
@@ -244,16 +157,14 @@ class Walkers {
     config_.walk = control::WalkParameters<T>::of(values);
     control::begin_walk(config_, lane, walk_);
 
-    const Description& robot = robot_of(lane);
-    const dynamics::biped::Parameters<double>& plant = plain_of(lane);
-    const State<double> still = posture(robot, plant, o_.mode, w);
+    const State<double> still = posture(robot_, plain_, o_.mode, w);
     Kinematics<double> k;
-    kinematics<DesignTopology>(plant, still, k);
-    begins_m_[lane] = totals(plant, still).centre_m().x;
+    kinematics<DesignTopology>(plain_, still, k);
+    begins_m_[lane] = totals(plain_, still).centre_m().x;
     put(s_.position_m, lane, still.position_m);
     put(s_.attitude, lane, still.attitude);
     // At rest an accelerometer measures gravity's opposite, and the filter takes the vertical from it.
-    const auto acc = -transposed_times(rotation(still.attitude), plant.gravity_mps2);
+    const auto acc = -transposed_times(rotation(still.attitude), plain_.gravity_mps2);
     put(acc_mps2_, lane, acc);
     put(filter_.attitude, lane, control::attitude_at_rest(acc).attitude);
     for (auto* v : {&s_.w_radps, &s_.v_mps, &filter_.bias_radps}) put(*v, lane, {0.0, 0.0, 0.0});
@@ -277,16 +188,15 @@ class Walkers {
       }
       for (auto* m : {&moment_x_, &moment_y_}) put_leg((*m)[pass], side, lane, 0.0);
       for (std::size_t i = 0; i < kVertices; ++i) {
-        const auto& at = robot.vertices_m[side][i];
+        const auto& at = robot_.vertices_m[side][i];
         put_leg(s_.anchors_m[pass][i][0], side, lane, k.legs[0].foot_position_m.x[side] + at.x);
         put_leg(s_.anchors_m[pass][i][1], side, lane, k.legs[0].foot_position_m.y[side] + at.y);
       }
       put(switch_[side].carries, lane, 1.0), put(switch_[side].below_s, lane, 0.0);
-      put(normal_n_[side], lane, 0.5 * robot.mass_kg() * robot.gravity_mps2);
+      put(normal_n_[side], lane, 0.5 * mass_kg_ * robot_.gravity_mps2);
     }
     for (T* x : {&work_, &positive_, &squares_, &torque_, &speed_, &moment_, &time_s_, &ended_, &off_})
       put(*x, lane, 0.0);
-    put(next_push_s_, lane, 1.0);
     if constexpr (std::is_same_v<T, double>) ended_joints_ = std::exchange(joints_, {});
   }
 
@@ -298,14 +208,12 @@ class Walkers {
     const Vec3<T> position = s_.position_m;
     const T zero = T(V(0)), one = T(V(1));
     for (const std::size_t side : {kLeft, kRight})
-      switch_[side].step(members_.empty() ? normal_n_[side] : T(normal_n_[side] + foot_reads_n_),
-                         static_cast<V>(o_.foot_threshold_n), dt);
+      switch_[side].step(normal_n_[side], static_cast<V>(o_.foot_threshold_n), dt);
     control::WalkSample<T> sample{
         s_.q_rad, s_.qd_radps, s_.w_radps, {}, switch_[kLeft].carries, switch_[kRight].carries};
     control::Imu<T> imu{s_.w_radps, acc_mps2_};
     if constexpr (std::is_same_v<T, double>)
       if (senses) senses(sample, imu);
-    if (!members_.empty()) disturb(sample, imu);
     // What the filter has made of all samples before is the attitude of now; this one is for the next tick.
     sample.attitude = filter_.attitude;
     control::step_attitude(control::AttitudeGains<T>{}, imu, T(dt), filter_);
@@ -313,9 +221,6 @@ class Walkers {
     if (knees_switch()) switch_knees();
     Commands<T> command;
     command.target_rad = out_.target_rad;
-    if (!members_.empty())
-      for (std::size_t pass = 0; pass < Legs<T>::kPasses; ++pass)
-        for (std::size_t j = 0; j < kLegJoints; ++j) command.target_rad[pass][j] -= offset_rad_[pass][j];
 
     T farthest = zero;
     for (int k = 0; k < o_.steps_a_tick; ++k) {
@@ -461,14 +366,14 @@ class Walkers {
       }
   }
   /// Of the capture point, seen along the world's axes from the middle of the ankles, as if the feet stood side by side.
-  double outside_of_soles(std::size_t lane, const dynamics::biped::State<double>& s,
+  double outside_of_soles(const dynamics::biped::State<double>& s,
                           const dynamics::biped::Totals<double>& sums) const {
     using namespace dynamics::biped;
     Kinematics<double> k;
-    kinematics<DesignTopology>(plain_of(lane), s, k);
+    kinematics<DesignTopology>(plain_, s, k);
     const auto& foot = k.legs[0].foot_position_m;
     const Vec3<double> centre = sums.centre_m();
-    const double time = std::sqrt(std::fmax(centre.z, 0.0) / robot_.gravity_mps2) / robot_of(lane).mass_kg();
+    const double time = std::sqrt(std::fmax(centre.z, 0.0) / robot_.gravity_mps2) / mass_kg_;
     const double x = centre.x + sums.linear_ns.x * time - 0.5 * (foot.x[kLeft] + foot.x[kRight]);
     const double y = centre.y + sums.linear_ns.y * time - 0.5 * (foot.y[kLeft] + foot.y[kRight]);
     const double side = 0.5 * std::abs(foot.y[kLeft] - foot.y[kRight]);
@@ -503,22 +408,19 @@ class Walkers {
       set_joint<double>(end.q_rad, i, plain(joint<T>(s_.q_rad, i), lane));
       set_joint<double>(end.qd_radps, i, plain(joint<T>(s_.qd_radps, i), lane));
     }
-    const auto sums = totals(plain_of(lane), end);
+    const auto sums = totals(plain_, end);
     r.distance_m = sums.centre_m().x - begins_m_[lane];
-    r.outside_m = outside_of_soles(lane, end, sums);
+    r.outside_m = outside_of_soles(end, sums);
     const WalkLimits& m = o_.limits;
     for (const double share :
          {r.torque_nm / m.torque_nm, r.speed_radps / m.speed_radps, r.moment_nm / m.moment_nm})
       if (!(share <= 1.0)) r.over += share - 1.0;
     if (!(r.outside_m <= 0.0)) r.over += r.outside_m / 0.1;
-    if (r.distance_m > 0.0)
-      r.cot = r.energy_j() / (robot_of(lane).mass_kg() * kCotGravity_mps2 * r.distance_m);
+    if (r.distance_m > 0.0) r.cot = r.energy_j() / (mass_kg_ * kCotGravity_mps2 * r.distance_m);
     return r;
   }
 
   dynamics::biped::Description robot_;
-  std::vector<Member> members_;  ///< one a lane, or none: all lanes have robot_
-  std::vector<dynamics::biped::Parameters<double>> plains_;
   RolloutOptions o_;
   dynamics::biped::Parameters<T> plant_;
   dynamics::biped::Parameters<double> plain_;
@@ -540,9 +442,6 @@ class Walkers {
   std::array<JointEnergy, dynamics::biped::kJoints> joints_{}, ended_joints_{};  ///< copper_j in (N m)^2 s
   std::array<double, kRobots> begins_m_{};
   double mass_kg_ = 0.0;
-  dynamics::biped::Joints<T> offset_rad_{};  ///< of an ensemble's encoders
-  dynamics::tree::Vec3<T> imu_turn_rad_{};
-  T foot_reads_n_{}, next_push_s_{};
 };
 
 }  // namespace furcula::walk
