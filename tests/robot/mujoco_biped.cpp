@@ -266,7 +266,7 @@ void MujocoBiped::advance(const control::WalkerOutputs& told) {
   if (time_s_ >= push_until_s_) mju_zero(data_->xfrc_applied, 6 * model_->nbody);
   on_the_way_.push_back(told.joints);
   const auto commands = on_the_way_.front();
-  on_the_way_.pop_front();
+  on_the_way_.erase(on_the_way_.begin());
   for (int k = 0; k < static_cast<int>(std::lround(kTick_s / kStep_s)); ++k) step(commands);
   measure_feet();
 }

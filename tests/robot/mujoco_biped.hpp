@@ -6,10 +6,10 @@
 
 #include <array>
 #include <cstdint>
-#include <deque>
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "furcula/control/walk/walker.hpp"
 #include "host/core/random.hpp"
@@ -73,7 +73,7 @@ class MujocoBiped {
   std::unique_ptr<mjModel, Delete> model_;
   std::unique_ptr<mjData, Delete> data_;
   std::array<Gear, control::kWalkerJoints> gears_{};
-  std::deque<std::array<control::JointCommand, control::kWalkerJoints>> on_the_way_;
+  std::vector<std::array<control::JointCommand, control::kWalkerJoints>> on_the_way_;
   std::array<double, control::kWalkerJoints> torque_nm_{};
   std::array<double, 2> foot_n_{};
   std::array<double, control::kWalkerPins> pins_{};
