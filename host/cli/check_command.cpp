@@ -124,7 +124,8 @@ void add_check_command(CLI::App& app) {
   command->add_option("--rig", options->rig,
                       "Rig that the logs are of: " + core::listed(rig_names()) +
                           "; without it that of the model, of the map, or of the log's own line");
-  command->add_option("--model", options->model, "Model file, whose kind tells the rig");
+  command->add_option("--model", options->model,
+                      "Model file or robot (URDF, MJCF), whose kind tells the rig");
   command->add_option("--map", options->map, "Map file, for logs with other columns");
   command->add_flag("--accept-inertias", options->accept_inertias, kAcceptInertias);
   command->add_option("LOG", options->logs, "Logs (CSV, or ROS 2 bags)")->required();

@@ -21,9 +21,7 @@ struct ConvertOptions {
 };
 
 void convert(const ConvertOptions& options) {
-  std::error_code error;
-  if (std::filesystem::equivalent(options.log, options.out, error))
-    throw UsageError("--out: " + options.out + " is what is read; expected another file");
+  require_other_file("--out", options.out, {options.log, options.map});
   if (!options.rig.empty()) require_rig(options.rig);
   log::ColumnMap map;
   map.all_topics = options.map.empty();

@@ -21,6 +21,7 @@ struct MapOptions {
 };
 
 void run(const MapOptions& o) {
+  require_other_file("--out", o.out, {o.log, o.model});
   mapping::Proposal proposal;
   if (is_tree_model(o.model))
     proposal = mapping::propose(o.log, [&](const std::vector<std::string>& columns) {
@@ -50,7 +51,7 @@ void add_map_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
       "map", "Propose the map file of a log with other column names; a person confirms it");
   command->add_option("LOG", options->log, "Log (CSV, or a ROS 2 bag)")->required();
-  command->add_option("--model", options->model, "Model file (TOML)")->required();
+  command->add_option("--model", options->model, "Model file (TOML), or a robot (URDF, MJCF)")->required();
   command->add_option("-o,--out", options->out, "The map file (TOML); without it standard output");
   command->add_flag("--accept-inertias", options->accept_inertias, kAcceptInertias);
   command->callback([options] { run(*options); });

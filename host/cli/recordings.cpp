@@ -55,6 +55,15 @@ log::Log read_stamped(const std::string& path, const std::string& rig, const log
 
 }  // namespace
 
+void require_other_file(const char* option, const std::string& path,
+                        std::initializer_list<std::string> read) {
+  for (const std::string& file : read) {
+    std::error_code error;
+    if (!path.empty() && !file.empty() && std::filesystem::equivalent(path, file, error))
+      throw UsageError(std::string(option) + ": " + path + " is what is read; expected another file");
+  }
+}
+
 std::vector<std::string_view> rig_names() {
   std::vector<std::string_view> names;
   for (const log::RigInfo& r : log::kRigs) names.push_back(r.name);

@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <cstdint>
 #include <filesystem>
+#include <initializer_list>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -110,6 +111,9 @@ struct CommentsOption {
 
 /// Prints what was wrong with the recordings, a line each.
 void print_dirt(const log::Dirt& dirt);
+
+/// @throws UsageError where `path`, which an option names to be written, is one of the files `read`. Empty names are no files.
+void require_other_file(const char* option, const std::string& path, std::initializer_list<std::string> read);
 
 /// The folder of the results, there from construction on. Where nothing has been written into it by the end
 /// of its life, the folders that it has made are gone again: a run that fails leaves nothing behind.

@@ -48,17 +48,11 @@ std::string seen_from(const std::string& layout, const std::string& traces) {
   return std::filesystem::absolute(traces).lexically_relative(folder).string();
 }
 
-void require_other_file(const char* option, const std::string& path, const ReplayOptions& o) {
-  for (const std::string* read : {&o.model, &o.log, &o.map}) {
-    std::error_code error;
-    if (!path.empty() && std::filesystem::equivalent(path, *read, error))
-      throw UsageError(std::string(option) + ": " + path + " is what is read; expected another file");
-  }
-}
-
 void run(const ReplayOptions& o) {
-  require_other_file("--out", o.out, o);
-  require_other_file("--layout", o.layout, o);
+  require_other_file("--out", o.out, {o.model, o.log, o.map});
+  require_other_file("--layout", o.layout, {o.model, o.log, o.map});
+  if (!o.out.empty() && o.layout == o.out)
+    throw UsageError("--layout: " + o.layout + " is the traces' file, too; expected another file");
   if (!o.layout.empty() && (o.out.empty() || !o.out.ends_with(".csv")))
     throw UsageError("--layout needs the traces' file; expected --out with a name that ends in .csv");
   const bool tree = is_tree_model(o.model);

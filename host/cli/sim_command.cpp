@@ -54,6 +54,7 @@ void check_expectation(const std::string& path, const model::Model& model, const
 }
 
 void run(const SimOptions& options, PlayGait play) {
+  require_other_file("--out", options.out, {options.model, options.scenario});
   const std::string text =
       core::read_small_file(options.model, "a model file (TOML) or a robot (URDF, MJCF)");
   if (gait::is_planar_leg(text)) {
@@ -71,6 +72,7 @@ void run(const SimOptions& options, PlayGait play) {
   if (const auto tree = tree_model(options.model, {{}, {}, options.accept_inertias})) {
     if (options.check)
       throw UsageError("--check: a scenario of a tree has no [expect]; expected none with kind tree");
+    require_other_file("--out", options.out, {tree->urdf.file});
     print_notes(*tree);
     const trees::Scenario scenario = options.scenario.empty() ? trees::default_scenario(*tree)
                                                               : trees::read_scenario(options.scenario, *tree);

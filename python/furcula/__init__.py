@@ -83,6 +83,16 @@ def _model(model):
     return model if isinstance(model, Model) else load_model(model)
 
 
+def _split(logs, held_out, model, map, window_s):
+    fitted, judged = (_logs(some, model, map, window_s) for some in (logs, held_out))
+    seen = set()
+    for log in fitted + judged:
+        if log.path in seen and _os.path.exists(log.path):
+            raise Error(log.path + " is given twice; expected each log once, to fit or to hold out")
+        seen.add(log.path)
+    return fitted, judged
+
+
 def _logs(logs, model, map, window_s):
     if isinstance(logs, (str, bytes, _os.PathLike, Log)):
         logs = [logs]
@@ -119,7 +129,7 @@ def identify(model, logs, held_out=(), *, map=None, window_s=None, method="simul
     (share done, what is being done) on this thread; an exception that it raises, and Ctrl-C, end the work.
     """
     model = _model(model)
-    found = _core.identify(model, _logs(logs, model, map, window_s), _logs(held_out, model, map, window_s), window_s or 0.0,
+    found = _core.identify(model, *_split(logs, held_out, model, map, window_s), window_s or 0.0,
                            threads, seed, trust_columns, method, folds, progress)
     return _results._identification(found, _json.loads(found.json))
 
@@ -127,7 +137,7 @@ def identify(model, logs, held_out=(), *, map=None, window_s=None, method="simul
 def diagnose(model, logs, held_out=(), *, map=None, window_s=None, threads=0, seed=1, trust_columns=False, progress=None):
     """Names what a model gets wrong about logs, as `furcula diagnose` does. Arguments as of identify."""
     model = _model(model)
-    found = _core.diagnose(model, _logs(logs, model, map, window_s), _logs(held_out, model, map, window_s), window_s or 0.0,
+    found = _core.diagnose(model, *_split(logs, held_out, model, map, window_s), window_s or 0.0,
                            threads, seed, trust_columns, progress)
     return _results._diagnosis(found, _json.loads(found.json))
 

@@ -64,7 +64,8 @@ class Rows {
  private:
   static std::string shape(const Array& a) {
     std::string out = "(";
-    for (py::ssize_t i = 0; i < a.ndim(); ++i) out += std::to_string(a.shape(i)) + (i == 0 ? "," : "");
+    for (py::ssize_t i = 0; i < a.ndim(); ++i)
+      out += std::to_string(a.shape(i)) + (i + 1 < a.ndim() || a.ndim() == 1 ? "," : "");
     return out + ")";
   }
   std::size_t joints_, rows_ = 1;

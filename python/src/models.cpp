@@ -68,6 +68,8 @@ void make_tree_dynamics(Model& out) {
   for (std::size_t i = 0; i < tree.joints(); ++i) {
     m.laws[i].armature_kgm2 = tree.drives[i].rotor_inertia_kgm2;
     m.laws[i].damping_nmspr = tree.drives[i].damping_nmspr;
+    if (const trees::Spring& spring = tree.springs[i]; spring.both_ways)
+      m.laws[i].stiffness_nmprad = spring.stiffness_nmprad, m.laws[i].rest_rad = spring.rest_rad;
     out.joints.push_back(tree.robot.joints[i].name);
   }
 }
@@ -121,6 +123,7 @@ Model parse_model(const std::string& text, const std::string& path, const std::s
     out.biped = walk::read_model(path);
     make_biped_dynamics(out);
   } else if (gait::is_planar_leg(text) || trees::is_tree(text)) {
+    if (out.kind.empty()) out.kind = "tree";  // a robot itself
     out.tree = read_tree(out, {});
     make_tree_dynamics(out);
   } else {
