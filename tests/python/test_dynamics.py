@@ -105,3 +105,19 @@ def test_arrays_of_another_shape_are_refused(arm, call, words):
         call(arm)
     for word in words:
         assert word in str(error.value)
+
+
+def test_a_spring_that_acts_both_ways_is_in_inverse_dynamics_and_energy():
+    spring = '[spring.elbow]\nstiffness_nmprad = 4.0\nrest_rad = 0.2\nboth_ways = true\n'
+    sprung = furcula.parse_model(ARM_TOML + spring, urdf=ARM_URDF)
+    plain = furcula.parse_model(ARM_TOML, urdf=ARM_URDF)
+    more = furcula.inverse_dynamics(sprung, Q, QD, QDD) - furcula.inverse_dynamics(plain, Q, QD, QDD)
+    np.testing.assert_allclose(more[:, 0], 0.0, atol=1e-12)
+    np.testing.assert_allclose(more[:, 1], 4.0 * (Q[:, 1] - 0.2), atol=1e-12)
+    stored = furcula.energy(sprung, Q, QD)[:, 1] - furcula.energy(plain, Q, QD)[:, 1]
+    np.testing.assert_allclose(stored, 2.0 * (Q[:, 1] - 0.2) ** 2, atol=1e-12)
+
+
+def test_a_robot_file_is_a_tree(tmp_path):
+    (tmp_path / "arm.urdf").write_text(ARM_URDF)
+    assert furcula.load_model(tmp_path / "arm.urdf").kind == "tree"

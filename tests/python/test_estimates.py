@@ -179,6 +179,7 @@ def test_a_walk_search_is_that_of_the_program(tmp_path, program):
 @pytest.mark.parametrize("call, words", [
     (lambda m, logs: furcula.diagnose(m, []), ["no log is given", "expected at least one"]),
     (lambda m, logs: furcula.diagnose(m, [logs[0], logs[0]]), ["given twice"]),
+    (lambda m, logs: furcula.diagnose(m, [logs[0]], [logs[0]]), ["given twice"]),
     (lambda m, logs: furcula.diagnose(m, logs, window_s=-1.0), ["window_s", "expected"]),
     (lambda m, logs: furcula.diagnose(furcula.parse_model(JOINT_TOML.format(damping=0)), logs), ["'tree'", "'rotary_joint'"]),
     (lambda m, logs: furcula.identify(m, logs), ["free"]),

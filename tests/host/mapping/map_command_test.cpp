@@ -64,6 +64,9 @@ TEST_CASE("bad input to map ends with one message and no output") {
       {{"map", "none.csv", "--model", model, "-o", out}, {3, "none.csv"}},
       {{"map", log, "--model", "none.toml", "-o", out}, {3, "none.toml"}},
       {{"map", log}, {2, "--model is required"}},
+      {{"map", log, "--model", model, "-o", log}, {2, "is what is read; expected another file"}},
+      {{"map", log, "--model", model, "-o", model}, {2, "is what is read; expected another file"}},
+      {{"sim", "--model", model, "--out", model}, {2, "is what is read; expected another file"}},
   };
   for (const auto& [arguments, expected] : cases) {
     const test::Ran ran = run_furcula(arguments);
