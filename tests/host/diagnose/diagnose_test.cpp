@@ -285,7 +285,7 @@ TEST_CASE("Axes that never move are refused, and one still recording does not ou
   CHECK(d.findings[0].effect == dynamics::Effect::coulomb_friction);
 }
 
-TEST_CASE("diagnose writes its three files, and the extended model is one that sim reads") {
+TEST_CASE("diagnose writes its three files and traces, and the extended model is one that sim reads") {
   const test::TemporaryFolder folder;
   const std::string model = folder.file("model.toml", model::format_model(test::axis_model(80.0, 150.0)));
   std::vector<std::string> arguments{"diagnose", "--model", model, "--out", folder.path() + "/out"};
@@ -297,7 +297,7 @@ TEST_CASE("diagnose writes its three files, and the extended model is one that s
   CHECK_THAT(ran.out, Catch::Contains("explained") && Catch::Contains("coulomb_friction"));
   CHECK(ran.err.empty());  // no bar where there is no terminal, and no library talking
   CHECK(test::run_program("/bin/ls", {folder.path() + "/out"}).out ==
-        "diagnosis.json\nextended_model.toml\nreport.html\n");
+        "diagnosis.json\nextended_model.toml\nreport.html\ntraces\n");
   const auto sim = test::run_furcula(
       {"sim", "--model", folder.path() + "/out/extended_model.toml", "--out", folder.path() + "/sim.csv"},
       60);

@@ -8,7 +8,6 @@
 
 using namespace furcula;
 using Catch::Contains;
-using identify::kLongestReportDelay_s;
 
 namespace {
 
