@@ -48,14 +48,6 @@ struct WalkOptions {
   }
 };
 
-walk::RolloutOptions rollout_of(const walk::Model& model, walk::WalkMode mode, double walk_until_s) {
-  walk::RolloutOptions o;
-  o.mode = mode;
-  o.walk_until_s = walk_until_s;
-  o.limits = model.limits;
-  return o;
-}
-
 void say(const walk::Rollout& r, const walk::WalkLimits& limits) {
   if (r.ending == walk::Ending::stands) {
     std::printf("stands after %.3g s and %u landings, %.3f m ahead", r.time_s, r.landings, r.distance_m);
@@ -142,7 +134,8 @@ void search(const WalkOptions& o, const Distribute& distribute) {
     throw UsageError("--threads " + std::to_string(o.threads) + ": expected at most 1024");
   const walk::Model model = walk::read_model(o.model);
   walk::SearchOptions options;
-  options.rollout = rollout_of(model, static_cast<walk::WalkMode>(place_of(o.mode, walk::kModeNames)), 5.0);
+  options.rollout =
+      walk::rollout_of(model, static_cast<walk::WalkMode>(place_of(o.mode, walk::kModeNames)), 5.0);
   options.method = static_cast<walk::MethodKind>(place_of(o.method, walk::kMethodNames));
   options.seed = o.seed;
   options.seconds = o.seconds;
@@ -222,7 +215,7 @@ void show(const WalkOptions& o) {
   const walk::Model model = walk::read_model(o.model);
   const walk::Walk walk = walk_of("--walk", o.walk, o, model);
   const OutFolder folder(o.out);
-  const walk::RolloutOptions rollout = rollout_of(model, walk.mode, walk.walk_until_s);
+  const walk::RolloutOptions rollout = walk::rollout_of(model, walk.mode, walk.walk_until_s);
   const walk::Rollout r = walk::run_walk(model.robot, rollout, walk.parameters);
   walk::Evidence evidence;
   {
@@ -254,7 +247,7 @@ void simulate(const WalkOptions& o) {
   const walk::Model model = walk::read_model(o.model);
   const walk::Walk walk = walk_of("--walk", o.walk, o, model);
   // A longer run walks longer, and has as long to stand.
-  walk::RolloutOptions rollout = rollout_of(model, walk.mode, walk.walk_until_s);
+  walk::RolloutOptions rollout = walk::rollout_of(model, walk.mode, walk.walk_until_s);
   rollout.walk_until_s = std::max(walk.walk_until_s, seconds - (rollout.time_s - walk.walk_until_s));
   rollout.time_s = seconds;
   const walk::Simulation s =

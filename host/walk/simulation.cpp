@@ -7,15 +7,12 @@
 #include "host/walk/sensors.hpp"
 
 namespace furcula::walk {
-namespace {
 
 using namespace dynamics::biped;
 
 std::string joint_name(std::size_t i) {
   return (i < kLegJoints ? "left_" : "right_") + std::string(kLegJointNames[i % kLegJoints]);
 }
-
-}  // namespace
 
 Simulation simulate_walk(const Description& robot, const RolloutOptions& options, const Parameters& walk,
                          double row_s, std::optional<std::uint64_t> seed) {

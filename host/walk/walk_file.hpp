@@ -38,6 +38,15 @@ inline constexpr std::array<LimitKey, 7> kLimitKeys{
 /// A model file of kind biped (docs/biped.md). @throws core::DataError, and what biped::read_biped throws.
 Model read_model(const std::string& path);
 
+/// Of a walk of this model, all else as RolloutOptions has it.
+inline RolloutOptions rollout_of(const Model& model, WalkMode mode, double walk_until_s) {
+  RolloutOptions o;
+  o.mode = mode;
+  o.walk_until_s = walk_until_s;
+  o.limits = model.limits;
+  return o;
+}
+
 /// What of the limits is not kept, in words.
 std::vector<std::string> broken_limits(const Rollout& rollout, const WalkLimits& limits);
 

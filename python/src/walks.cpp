@@ -23,14 +23,6 @@ const walk::Model& biped_of(const Model& model) {
   throw core::DataError(model.path + ": kind " + model.kind + "; expected a biped: walks are of one");
 }
 
-walk::RolloutOptions rollout_of(const walk::Model& model, walk::WalkMode mode, double walk_until_s) {
-  walk::RolloutOptions out;
-  out.mode = mode;
-  out.walk_until_s = walk_until_s;
-  out.limits = model.limits;
-  return out;
-}
-
 template <std::size_t N>
 std::size_t place_of(const char* what, const std::string& name,
                      const std::array<std::string_view, N>& names) {
@@ -66,7 +58,7 @@ FoundWalk search(const Model& model, const std::string& mode, const std::string&
   if (steps && *steps < 1) throw core::DataError("steps = 0: expected at least 1");
   walk::SearchOptions options;
   options.rollout =
-      rollout_of(biped, static_cast<walk::WalkMode>(place_of("mode", mode, walk::kModeNames)), 5.0);
+      walk::rollout_of(biped, static_cast<walk::WalkMode>(place_of("mode", mode, walk::kModeNames)), 5.0);
   options.method = static_cast<walk::MethodKind>(place_of("method", method, walk::kMethodNames));
   options.seed = seed;
   options.seconds = seconds;
@@ -108,7 +100,7 @@ std::shared_ptr<PyLog> simulate(const Model& model, const std::string& text, dou
                           ": expected from 1 to 1000, the controller's rate, and a whole part of it");
   const walk::Walk walk = walk_of(text, biped);
   // A longer run walks longer, and has as long to stand.
-  walk::RolloutOptions rollout = rollout_of(biped, walk.mode, walk.walk_until_s);
+  walk::RolloutOptions rollout = walk::rollout_of(biped, walk.mode, walk.walk_until_s);
   rollout.walk_until_s = std::max(walk.walk_until_s, seconds - (rollout.time_s - walk.walk_until_s));
   rollout.time_s = seconds;
   const py::gil_scoped_release release;

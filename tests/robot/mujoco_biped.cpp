@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <sstream>
-#include <stdexcept>
 
 namespace furcula::robot {
 namespace {
@@ -86,18 +85,6 @@ std::string mjcf(const Truth& t, bool passive_hips) {
   return out.str();
 }
 
-mjModel* loaded(const std::string& text) {
-  const auto files = std::make_unique<mjVFS>();
-  mj_defaultVFS(files.get());
-  mj_makeEmptyFileVFS(files.get(), "robot.xml", static_cast<int>(text.size()));
-  text.copy(static_cast<char*>(files->filedata[0]), text.size());
-  char error[1000] = "";
-  mjModel* model = mj_loadXML("robot.xml", files.get(), error, sizeof error);
-  mj_deleteVFS(files.get());
-  if (model == nullptr) throw std::runtime_error(std::string("MuJoCo does not take the robot: ") + error);
-  return model;
-}
-
 /// Places of a joint's coordinate and rate: a free joint comes first.
 constexpr std::size_t coordinate(std::size_t i) { return 7 + i; }
 constexpr std::size_t rate(std::size_t i) { return 6 + i; }
@@ -114,7 +101,7 @@ MujocoBiped::MujocoBiped(const Truth& truth, bool passive_hips,
       disturbances_(disturbances),
       noise_(seed, 1),
       pushes_(seed, 2),
-      model_(loaded(mjcf(truth, passive_hips))),
+      model_(test::mujoco_model(mjcf(truth, passive_hips))),
       data_(mj_makeData(model_.get())) {
   foot_n_.fill(0.5 * truth.robot.mass_kg() * truth.robot.gravity_mps2);
   on_the_way_.assign(static_cast<std::size_t>(std::lround(truth.delay_s / kTick_s)), {});

@@ -2,17 +2,13 @@
 // It shares no dynamics with the product; Description is used as a table of numbers.
 #pragma once
 
-#include <mujoco/mujoco.h>
-
 #include <array>
 #include <cstdint>
-#include <memory>
-#include <optional>
-#include <string>
 #include <vector>
 
 #include "furcula/control/walk/walker.hpp"
 #include "host/core/random.hpp"
+#include "tests/host/model/mujoco_peer.hpp"
 #include "tests/robot/truth.hpp"
 
 namespace furcula::robot {
@@ -62,16 +58,12 @@ class MujocoBiped {
   void step(const std::array<control::JointCommand, control::kWalkerJoints>& commands);
   void measure_feet();
 
-  struct Delete {
-    void operator()(mjModel* m) const { mj_deleteModel(m); }
-    void operator()(mjData* d) const { mj_deleteData(d); }
-  };
   Truth truth_;
   bool passive_hips_;
   Disturbances disturbances_;
   core::Random noise_, pushes_;
-  std::unique_ptr<mjModel, Delete> model_;
-  std::unique_ptr<mjData, Delete> data_;
+  test::MujocoModel model_;
+  test::MujocoData data_;
   std::array<Gear, control::kWalkerJoints> gears_{};
   std::vector<std::array<control::JointCommand, control::kWalkerJoints>> on_the_way_;
   std::array<double, control::kWalkerJoints> torque_nm_{};

@@ -6,6 +6,7 @@
 #include "host/core/message.hpp"
 #include "host/walk/roll_pitch_yaw.hpp"
 #include "host/walk/rollout.hpp"
+#include "host/walk/simulation.hpp"
 #include "host/walk/walker_config.hpp"
 
 namespace furcula::robot {
@@ -13,16 +14,12 @@ namespace {
 
 using namespace dynamics::biped;
 
-std::string joint_name(std::size_t i) {
-  return (i < kLegJoints ? "left_" : "right_") + std::string(kLegJointNames[i % kLegJoints]);
-}
-
 void put_row(log::Log& log, double time_s, const control::WalkerInputs& in, const control::WalkerState& board,
              const control::WalkerOutputs& told) {
   const auto put = [&](const std::string& name, double value) { log.columns[name].push_back(value); };
   put("time_s", time_s);
   for (std::size_t i = 0; i < kJoints; ++i) {
-    const std::string name = joint_name(i);
+    const std::string name = walk::joint_name(i);
     put("angle_" + name + "_rad", static_cast<double>(in.sample.joints[i].angle_rad));
     put("velocity_" + name + "_radps", static_cast<double>(in.sample.joints[i].rate_radps));
     put("angle_cmd_" + name + "_rad", static_cast<double>(told.joints[i].target_rad));

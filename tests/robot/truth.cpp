@@ -6,6 +6,7 @@
 
 #include "host/core/message.hpp"
 #include "host/core/random.hpp"
+#include "host/walk/simulation.hpp"
 
 namespace furcula::robot {
 namespace {
@@ -43,10 +44,6 @@ void draw_link(Random& r, double scale, LinkDescription& l) {
     if (is_some_body(s)) return;
   }
   l.about_centre_kgm2 = nominal;
-}
-
-std::string joint_name(std::size_t i) {
-  return (i < kLegJoints ? "left_" : "right_") + std::string(kLegJointNames[i % kLegJoints]);
 }
 
 }  // namespace
@@ -182,10 +179,10 @@ std::string in_words(const Planted& p) {
     case Cause::elasticity:
     case Cause::backlash:
     case Cause::encoder:
-      text += "@" + joint_name(p.joint);
+      text += "@" + walk::joint_name(p.joint);
       break;
     case Cause::payload:
-      text += "@" + (p.joint == kJoints ? std::string("pelvis") : joint_name(p.joint));
+      text += "@" + (p.joint == kJoints ? std::string("pelvis") : walk::joint_name(p.joint));
       break;
     default:
       break;

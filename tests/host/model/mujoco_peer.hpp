@@ -11,19 +11,30 @@
 
 namespace furcula::test {
 
+struct MujocoDelete {
+  void operator()(mjModel* m) const { mj_deleteModel(m); }
+  void operator()(mjData* d) const { mj_deleteData(d); }
+};
+using MujocoModel = std::unique_ptr<mjModel, MujocoDelete>;
+using MujocoData = std::unique_ptr<mjData, MujocoDelete>;
+
+/// A URDF or MJCF text. @throws std::runtime_error with what MuJoCo says.
+inline MujocoModel mujoco_model(std::string_view text) {
+  const auto files = std::make_unique<mjVFS>();
+  mj_defaultVFS(files.get());
+  mj_makeEmptyFileVFS(files.get(), "robot.xml", static_cast<int>(text.size()));
+  text.copy(static_cast<char*>(files->filedata[0]), text.size());
+  char error[1000] = "";
+  MujocoModel model(mj_loadXML("robot.xml", files.get(), error, sizeof error));
+  mj_deleteVFS(files.get());
+  if (!model) throw std::runtime_error(std::string("MuJoCo: ") + error);
+  return model;
+}
+
 class MujocoPeer {
  public:
   /// A URDF or MJCF text. Contacts, friction loss and joint limits are off. @throws std::runtime_error.
-  explicit MujocoPeer(std::string_view text) {
-    const auto files = std::make_unique<mjVFS>();
-    mj_defaultVFS(files.get());
-    mj_makeEmptyFileVFS(files.get(), "robot.xml", static_cast<int>(text.size()));
-    text.copy(static_cast<char*>(files->filedata[0]), text.size());
-    char error[1000] = "";
-    model_.reset(mj_loadXML("robot.xml", files.get(), error, sizeof error));
-    mj_deleteVFS(files.get());
-    begin(error);
-  }
+  explicit MujocoPeer(std::string_view text) : model_(mujoco_model(text)) { begin(""); }
   /// A file, with what it includes.
   static MujocoPeer of_file(const std::string& path) {
     MujocoPeer peer;
@@ -51,12 +62,8 @@ class MujocoPeer {
     model_->opt.disableflags |= mjDSBL_CONTACT | mjDSBL_CONSTRAINT;
     data_.reset(mj_makeData(model_.get()));
   }
-  struct Delete {
-    void operator()(mjModel* m) const { mj_deleteModel(m); }
-    void operator()(mjData* d) const { mj_deleteData(d); }
-  };
-  std::unique_ptr<mjModel, Delete> model_;
-  std::unique_ptr<mjData, Delete> data_;
+  MujocoModel model_;
+  MujocoData data_;
 };
 
 }  // namespace furcula::test
