@@ -72,13 +72,13 @@ std::string why_unexplained(const Diagnosis& d) {
            (left.unit == "N" ? "force" : "torque") + " of " + number(left.foretold.force, 2) + " " +
            left.unit;
   if (left.is_coloured())
-    return ". What the sensor adds in a row goes along with what it adds in others (correlation " +
-           number(left.new_finds.correlation, 2) + "): it is no noise";
+    return ". The filter's innovations in successive rows are correlated (" + number(left.new_finds.correlation, 2) +
+           "): they are not sensor noise";
   if (left.random_force_held_out > 2.0 * left.random_force)
     return ". The held-out recordings lack " + number(left.random_force_held_out, 2) + " " + left.unit +
            " that the training recordings do not: another machine, or one that has changed";
   if (!left.repeats())
-    return ". It looks like " + random_force(d) + ", which nothing in the recordings foretells";
+    return ". It looks like " + random_force(d) + ", which nothing in the recordings predicts";
   return "";
 }
 
@@ -255,7 +255,7 @@ std::string summary_of(const Diagnosis& d) {
 std::string summary(const Diagnosis& d) {
   if (d.windows_left_out == 0) return summary_of(d);
   return summary_of(d) + " No figure is of " + std::to_string(d.windows_left_out) +
-         " held-out windows that hold or follow a slip of the encoder, which nothing foretells.";
+         " held-out windows that hold or follow a slip of the encoder, which cannot be predicted.";
 }
 
 std::string experiment_that_tells(const Diagnosis& d, const std::vector<std::string>& sets) {
@@ -289,8 +289,8 @@ std::string next_experiment(const Diagnosis& d) {
     case Verdict::partly_explained:
       if (!d.correlated_with.empty())
         return "Repeat one recording unchanged, then vary " + d.correlated_with.front().signal +
-               " alone: what remains goes along with it most.";
-      return "Repeat one recording unchanged: what comes back the same is in the machine, what does not is in the measuring.";
+               " alone: the residual is correlated with it most.";
+      return "Repeat one recording unchanged: error that repeats is due to the machine, the rest is measurement noise.";
     case Verdict::explained:
     case Verdict::not_identifiable:
       if (!d.beyond_bounds.empty())

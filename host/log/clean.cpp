@@ -72,7 +72,7 @@ Clean clean(const Log& given, const std::vector<Watched>& columns, const std::ve
       for (const std::size_t row : stuck(given.time_s(), x))
         refuse(row, w.column, "stands still, then jumps");
     for (const std::size_t row : off_at_ends(given.time_s(), x))
-      refuse(row, w.column, "is not where the rows beside it foretell");
+      refuse(row, w.column, "is not where the rows beside it predict");
   }
   for (const Refuted& r : refuted) refuse(r.row, r.column, r.why);
   for (std::size_t i = 0; i < n; ++i)

@@ -499,7 +499,7 @@ class Diagnoser {
           : left
               ? "The model lacks torque at " + joined(where) +
                     ", and no cause of the catalogue accounts for it."
-              : "The model is adequate: nothing is missing that the state, the torque or the time would foretell.";
+              : "The model is adequate: nothing is missing that the state, the torque or the time would predict.";
     } else {
       d_.verdict = undecided_ones      ? Verdict::not_identifiable
                    : left || at_bound_ ? Verdict::partly_explained
@@ -514,7 +514,7 @@ class Diagnoser {
         d_.summary += " What is left is more than chance, and the recordings do not agree on a cause of it.";
       else if (left && d_.unexplained_share > kOfBefore)
         d_.summary += " " + percent(d_.unexplained_share) +
-                      " of the torque that could be foretold is still missing, at " + joined(where) + ".";
+                      " of the torque that could be predicted is still missing, at " + joined(where) + ".";
       else if (left)
         d_.summary += " Torque is still missing at " + joined(where) + ", for longer than noise would be.";
     }

@@ -448,7 +448,7 @@ TEST_CASE("A torque that is seen in the position is no noise, and the model not 
   INFO(c.description());
   INFO(judge(c, d).said);
   CHECK(std::string(name(d.verdict)) == "unexplained");
-  CHECK(d.summary.find("it is no noise") != std::string::npos);
+  CHECK(d.summary.find("they are not sensor noise") != std::string::npos);
 }
 
 TEST_CASE("A slip beside which the held-out recordings are far off is doubted") {

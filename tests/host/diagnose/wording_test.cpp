@@ -76,7 +76,7 @@ TEST_CASE(
   d.verdict = Verdict::unexplained;
   d.remainder->random_force = 1.5;
   CHECK(holds(
-      "It looks like a random force of 1.5 N (7.5 % of the input's root mean square), which nothing in the recordings foretells"));
+      "It looks like a random force of 1.5 N (7.5 % of the input's root mean square), which nothing in the recordings predicts"));
   d.remainder->random_force_held_out = 4.0;
   CHECK(holds("The held-out recordings lack 4 N that the training recordings do not"));
   d.remainder->foretold.deviations = 6.0;

@@ -153,7 +153,7 @@ inline constexpr std::array kInputRegisters{
     table::input<&Snapshot::requests_refused>(48, "requests_refused", "",
                                               "Requests and parameter writes refused."),
     table::input<&Snapshot::stale_stops>(50, "stale_stops", "",
-                                         "Stops because a stream of commands, or the desk, fell silent."),
+                                         "Stops because a stream of commands, or the host, fell silent."),
     table::input<&Snapshot::bus_requests>(52, "bus_requests", "",
                                           "Requests answered: of Modbus, and for registers over CAN."),
     table::input<&Snapshot::bus_exceptions>(54, "bus_exceptions", "", "Of these, answered by an exception."),

@@ -172,7 +172,7 @@ inline constexpr std::array kAll{
                                                   "That the coil is on in a trial."),
     parameter<&Config::desk_silent_s>(
         45, "desk_silent_s", "s", 0.0f, 60.0f,
-        "Without a request from the desk that had started it, until it stops; 0: it runs on."),
+        "Without a request from the host that had started it, until it stops; 0: it runs on."),
 };
 
 }  // namespace table_of_parameters
