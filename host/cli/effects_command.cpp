@@ -112,31 +112,36 @@ void print_text(const EffectInfo& e, std::optional<Kind> kind) {
             << "\n  experiment  " << e.best_experiment << "\n";
 }
 
+/// `a` or, where the effect exists on both sorts of axis and differs, `a` (`b`).
+std::string with_brackets(const std::string& linear, const std::string& rotary, const EffectInfo& effect) {
+  return with_rotary(linear, rotary, effect) == linear ? linear : linear + " (" + rotary + ")";
+}
+
 void print_markdown(const std::vector<const EffectInfo*>& effects, std::optional<Kind> kind) {
   std::cout
       << "# Effects\n\n"
-         "The catalogue of causes that the simulator can switch on and a diagnosis can name. This page is what\n"
-         "`furcula effects --markdown` prints; the table itself is "
-         "`common/include/furcula/dynamics/effects/catalogue.hpp`.\n"
-         "Robots of several joints have [a table of their own](#effects-on-robots-of-several-joints).\n"
-         "`v` is the velocity of the axis. Forces are positive in the direction of growing position (up, for heights).\n\n"
-         "- **stage**: the part of the machine in which the law acts.\n"
-         "- **phase on a hopper**: when the law acts there.\n"
-         "- **without the effect**: the parameter's value while the effect is off. *any*: it does not matter then.\n"
-         "  *The model's*: what the model file says by the same name, or by the name that is given.\n";
+         "The causes that a simulation can have and a diagnosis can name. This page is what `furcula effects --markdown` prints, from\n"
+         "`common/include/furcula/dynamics/effects/catalogue.hpp`. `v` is the velocity of the axis; forces are positive in the direction of\n"
+         "growing position. In parentheses: on a rotary joint. Off: the parameter's value without the effect. "
+         "Robots of several joints:\n[below](#effects-on-robots-of-several-joints).\n";
   for (const EffectInfo* e : effects) {
     std::cout << "\n## " << e->name << "\n\n"
-              << e->explanation << "\n\n"
-              << "| law | stage | phase on a hopper | kinds |\n| --- | --- | --- | --- |\n| `"
-              << markdown_cell(std::string(e->law)) << "` | " << stage_name(e->stage) << " | " << e->phase
-              << " | " << kind_list(*e) << " |\n\n"
-              << "| parameter | unit | from | to | without the effect |\n| --- | --- | --- | --- | --- |\n";
-    for (const auto& p : e->parameters())
-      std::cout << "| " << name_text(p, *e, kind, "`") << " | " << unit_text(p, *e, kind) << " | "
-                << shortest(p.lower) << " | " << shortest(p.upper) << " | " << neutral_text(*e, p, kind)
-                << " |\n";
-    std::cout << "\nWhere to look: " << e->where_to_look
-              << "\n\nThe experiment that shows it best: " << e->best_experiment << "\n";
+              << e->explanation << "\n\n- Model: `" << e->law << "`; " << stage_name(e->stage)
+              << (e->phase.empty() ? "" : ", " + std::string(e->phase)) << "\n- Machines: " << kind_list(*e)
+              << "\n";
+    for (const auto& p : e->parameters()) {
+      const auto quoted = [](std::string_view name) { return "`" + std::string(name) + "`"; };
+      std::cout << "- "
+                << (kind ? name_text(p, *e, kind, "`")
+                         : with_brackets(quoted(p.name), quoted(p.rotary_name), *e));
+      if (!p.unit.empty())
+        std::cout << ", "
+                  << (kind ? unit_text(p, *e, kind)
+                           : with_brackets(std::string(p.unit), std::string(p.rotary_unit), *e));
+      std::cout << ": " << shortest(p.lower) << " to " << shortest(p.upper)
+                << "; off: " << neutral_text(*e, p, kind) << "\n";
+    }
+    std::cout << "- Check: " << e->where_to_look << "\n- Experiment: " << e->best_experiment << "\n";
   }
 }
 

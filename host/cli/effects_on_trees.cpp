@@ -73,33 +73,33 @@ nlohmann::ordered_json tree_effect_json(const trees::EffectInfo& e) {
 std::string tree_effects_markdown() {
   std::string out =
       "\n# Effects on robots of several joints\n\n"
-      "Robots from a URDF, `kind = \"tree\"` ([trees](trees.md)). `furcula effects --kind tree` prints these; the table itself\n"
-      "is `host/trees/effects.cpp`. An effect sits at a site, in a model file as `[effect.NAME.SITE]`. A diagnosis names it `NAME@SITE`,\n"
-      "or `NAME@A,B` where it has one value at several sites. `q` and `v` are position and velocity of the joint.\n\n"
-      "| seat | the law acts | a site is |\n| --- | --- | --- |\n";
+      "For `kind = \"tree\"` ([trees](trees.md)), from `host/trees/effects.cpp`. `q` and `v` are position and velocity of the joint.\n"
+      "In parentheses: on a prismatic joint. Damping, mass, rotor inertia and gains are absolute values.\n\n"
+      "| location type | the model acts | a location is |\n|---|---|---|\n";
   for (const SeatText& s : kSeats)
     out += "| " + std::string(trees::name(s.seat)) + " | " + std::string(s.what) + " | " +
            std::string(s.site) + " |\n";
   out +=
-      "\nWhat an effect is, where to look and the experiment that shows it best stand behind its name. Damping, mass, rotor inertia\n"
-      "and gains are the true values, not the difference from the model's.\n\n"
-      "| effect | seat | law | parameter | unit | from | to |\n| --- | --- | --- | --- | --- | --- | --- |\n";
+      "\n| effect | location type | model | parameter | unit | from | to |\n|---|---|---|---|---|---|---|\n";
+  const auto with_brackets = [](const std::string& name, const std::string& linear) {
+    return name == linear ? name : name + " (" + linear + ")";
+  };
   for (const trees::EffectInfo& e : trees::catalogue()) {
     const std::string link = "[" + code(e.name) + "](#" + std::string(e.name) + ")";
     std::string head =
         link + " | " + std::string(trees::name(e.seat)) + " | " + code(markdown_cell(std::string(e.law)));
     for (const Parameter& p : e.parameters()) {
-      out += "| " + head + " | " + with_linear(code(p.name), code(p.linear_name)) + " | " +
-             with_linear(unit_or_one(p.unit), unit_or_one(p.linear_unit)) + " | " + core::shortest(p.lower) +
-             " | " + core::shortest(p.upper) + " |\n";
+      out += "| " + head + " | " + with_brackets(code(p.name), code(p.linear_name)) + " | " +
+             with_brackets(unit_or_one(p.unit), unit_or_one(p.linear_unit)) + " | " +
+             core::shortest(p.lower) + " | " + core::shortest(p.upper) + " |\n";
       head = "| |";
     }
   }
   for (const trees::EffectInfo& e : trees::catalogue())
     if (on_trees_alone(e))
       out += "\n## " + std::string(e.name) + "\n\n" + std::string(e.explanation) +
-             "\n\nWhere to look: " + std::string(e.where_to_look) +
-             "\n\nThe experiment that shows it best: " + std::string(e.experiment) + "\n";
+             "\n\n- Check: " + std::string(e.where_to_look) + "\n- Experiment: " + std::string(e.experiment) +
+             "\n";
   return out;
 }
 

@@ -72,8 +72,8 @@ std::string why_unexplained(const Diagnosis& d) {
            (left.unit == "N" ? "force" : "torque") + " of " + number(left.foretold.force, 2) + " " +
            left.unit;
   if (left.is_coloured())
-    return ". The filter's innovations in successive rows are correlated (" + number(left.new_finds.correlation, 2) +
-           "): they are not sensor noise";
+    return ". The filter's innovations in successive rows are correlated (" +
+           number(left.new_finds.correlation, 2) + "): they are not sensor noise";
   if (left.random_force_held_out > 2.0 * left.random_force)
     return ". The held-out recordings lack " + number(left.random_force_held_out, 2) + " " + left.unit +
            " that the training recordings do not: another machine, or one that has changed";

@@ -81,11 +81,10 @@ std::string leg_fault_section() {
   std::string out = R"(
 ## A planar leg that plays a gait
 
-The leg of document 001 hops in place on the board's gait player ([gaits](gaits.md#on-the-board)), ground within 1 cm of level, the switch 5 ms late. Each is tried at four moments of its stride. The torque is taken away on the tick on which a fault is found, and stays away until a reset.
-*SIL* is the most ticks of 1 ms that were seen. The emulated Cortex-M4F gives the same bits (`tests/pil/gait_test.cpp`), so its ticks are these. No board with drives plays a gait yet: there is no bus and no HIL. A switch that is stuck open may go unnoticed: the impact is seen without it, and lift-off by the toe's height and the gait's own time.
+Ticks of 1 ms ([conditions](fault_handling.md#a-planar-leg-that-plays-a-gait)).
 
 | what breaks | what it is | found as | allowed | SIL |
-| --- | --- | --- | --- | --- |
+|---|---|---|---|---|
 )";
   for (const LegFaultRow& row : leg_fault_rows()) {
     std::uint32_t most = 0;

@@ -152,12 +152,10 @@ std::string walker_fault_section() {
   std::string out = R"(
 ## A biped that walks
 
-The biped on the board's walk ([biped](biped.md#on-the-board)), with sensors that err, an active walk of 000's robot. Each is tried at four moments of a stride; what is of a joint, at four joints.
-Without torque a robot of 50 kg falls too. So its safe state is another one: from the tick on which a fault is found no drive pulls to an angle any more. Each brakes its joint with 50 N m s/rad, and 80 N m at the most; the drive that the fault is of is off. A brake only takes energy out: the motors' positive work after a fault is 0 in every trial. It stays so until a reset, and until the robot is told to walk anew.
-*SIL* is the most ticks of 1 ms that were seen, *torque* the most that a motor then gave. The emulated Cortex-M4F gives the same bits (`tests/pil/walk_test.cpp`), so its ticks are these. On a bus a leg at 500 Hz ([bus](bus.md#the-bipeds-twelve-drives)) a silent drive takes two ticks more.
+Ticks of 1 ms; torque: the most that a motor gave after the fault was found ([conditions](fault_handling.md#a-biped-that-walks)).
 
 | what breaks | what it is | found as | allowed | SIL | torque, N m |
-| --- | --- | --- | --- | --- | --- |
+|---|---|---|---|---|---|
 )";
   for (const WalkerFaultRow& row : walker_fault_rows()) {
     std::uint32_t most = 0;
@@ -174,14 +172,7 @@ Without torque a robot of 50 kg falls too. So its safe state is another one: fro
            std::to_string(row.within_ticks) + " | " + std::to_string(most) + " | " +
            std::to_string(std::lround(torque_nm)) + " |\n";
   }
-  return out + R"(
-What the signals do not tell:
-
-- an encoder that stands still in a joint that is to stand still: the hips' yaw in a straight walk. It is found once the joint's target moves by 15 mrad;
-- a gyro that is off by less than 0.17 rad/s: the filter's vertical tilts by up to 2 s times that, and the walk with it, until the filter has learned it. A fall that comes of it is found as one;
-- a foot that reads a load before the walk begins or after it ended. In a walk each foot has to leave the ground within one and a quarter of the longest stride;
-- how hard the robot hits the ground: in the simulation nothing but its feet meets it.
-)";
+  return out;
 }
 
 WalkerTrial try_walker_fault(const WalkerRigConfig& config, bool supervised) {

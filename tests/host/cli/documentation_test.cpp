@@ -3,7 +3,6 @@
 #include <fstream>
 #include <sstream>
 
-#include "furcula/control/fault.hpp"
 #include "host/log/reader.hpp"
 #include "tests/host/cli/run_program.hpp"
 #include "tests/paths.hpp"
@@ -48,12 +47,4 @@ TEST_CASE("the example model and scenario of the documentation run, and the faul
                           Contains("parameters_implausible"));
   CHECK(log::read_log(out, "hopper").rows() == 4000);
   CHECK(test::run_furcula({"check", out}).status == 0);
-}
-
-TEST_CASE("docs/firmware.md has every fault with its number, meaning and remedy") {
-  const std::string text = page("firmware.md");
-  for (const control::FaultInfo& f : control::kFaults)
-    CHECK_THAT(text,
-               Contains("| " + std::to_string(static_cast<int>(f.fault)) + " | `" + std::string(f.name) +
-                        "` | " + std::string(f.meaning) + " | " + std::string(f.remedy) + " |\n"));
 }

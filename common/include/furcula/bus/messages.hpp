@@ -134,7 +134,7 @@ inline constexpr std::array<Signal, 5> kHeartbeat{{
     version(),
     code("State", 4, 4, "0: starting, 1: idle, 2: running, 3: safe state after a fault, 4: armed."),
     sequence(),
-    code("Fault", 16, 8, "Number in the table of faults (docs/firmware.md); 0: none."),
+    code("Fault", 16, 8, "Number in the table of faults (docs/safety.md); 0: none."),
     fixed_point("Uptime", "s", 24, 32, Encoding::unsigned_integer, 1000.0f, "Since the start."),
 }};
 inline constexpr std::array<Signal, 7> kCommand{{
@@ -154,7 +154,7 @@ inline constexpr std::array<Signal, 7> kBodyState{{
     code("Phase", 4, 4, "0: flight, 1: stance."),
     sequence(),
     age(),
-    code("Fault", 24, 8, "Number in the table of faults (docs/firmware.md); 0: none."),
+    code("Fault", 24, 8, "Number in the table of faults (docs/safety.md); 0: none."),
     fixed_point("Height", "m", 32, 16, Encoding::signed_integer, 10000.0f, "Of the body's centre of mass."),
     fixed_point("Velocity", "m/s", 48, 16, Encoding::signed_integer, 1000.0f, "Upwards."),
 }};
@@ -199,7 +199,7 @@ inline constexpr std::array<Signal, 3> kUniqueId{{
 inline constexpr std::array<Signal, 5> kLoggedFault{{
     version(),
     code("Entry", 4, 4, "0 is the newest."),
-    code("Fault", 8, 8, "Number in the table of faults (docs/firmware.md); 0: there is no such entry."),
+    code("Fault", 8, 8, "Number in the table of faults (docs/safety.md); 0: there is no such entry."),
     code("Start", 16, 16, "The run: 1 is the first since the log was cleared."),
     fixed_point("Tick", "s", 32, 32, Encoding::unsigned_integer, 1000.0f,
                 "Since that start; 4294967.295: not known."),
@@ -283,7 +283,7 @@ inline constexpr std::array<Signal, 8> kWalkState{{
     version(),
     code("Stage", 4, 4, "0: idle, 1: joining, 2: walking, 3: damped after a fault."),
     sequence(),
-    code("Fault", 16, 8, "Number in the table of faults (docs/firmware.md); 0: none."),
+    code("Fault", 16, 8, "Number in the table of faults (docs/safety.md); 0: none."),
     code("Suspect", 24, 4, "The joint that the fault is of, from 0 on in the order of its ids; 12: none."),
     code("Phase", 28, 4, "Of the walk: 0: start, 1: up, 2: down, 3: stop."),
     fixed_point("Height", "m", 32, 16, Encoding::unsigned_integer, 10000.0f,

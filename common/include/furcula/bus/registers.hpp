@@ -112,7 +112,7 @@ inline constexpr std::array kInputRegisters{
     table::input<&Snapshot::registers_version>(0, "registers_version", "", "Of this table."),
     table::input<&Snapshot::state>(1, "state", "", "Of the node; see States."),
     table::input<&Snapshot::reason>(2, "reason", "", "Why it does not move; see Reasons."),
-    table::input<&Snapshot::fault>(3, "fault", "", "Number in the table of faults (firmware.md); 0: none."),
+    table::input<&Snapshot::fault>(3, "fault", "", "Number in the table of faults (safety.md); 0: none."),
     table::input<&Snapshot::last_refusal>(4, "last_refusal", "",
                                           "Why the last write or request was refused; see Refusals."),
     table::input<&Snapshot::session>(5, "session", "", "To be sent with the next request."),
@@ -190,7 +190,7 @@ static_assert(
 /// entry that is not there reads as 0.
 inline constexpr std::uint16_t kLogBase = 512;
 inline constexpr std::array kLogRegisters{
-    table::input<&LoggedFault::fault>(0, "fault", "", "Number in the table of faults (firmware.md)."),
+    table::input<&LoggedFault::fault>(0, "fault", "", "Number in the table of faults (safety.md)."),
     table::input<&LoggedFault::starts>(1, "start", "", "The run: 1 is the first since the log was cleared."),
     table::input<&LoggedFault::tick>(2, "tick", "ms", "Of that run; 4294967295: not known."),
 };
