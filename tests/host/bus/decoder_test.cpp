@@ -111,5 +111,5 @@ TEST_CASE("furcula bus dbc and docs print what the rest of the project takes") {
   const test::Ran two = test::run_furcula(
       {"bus", "dbc", "--node", "L=mini_cheetah:1:ak80_9", "--node", "R=mini_cheetah:2:ak80_9"});
   CHECK_THAT(two.out, Contains("L_Command") && Contains("R_Command"));
-  CHECK_THAT(test::run_furcula({"bus", "docs"}).out, Contains("# The CAN bus\n"));
+  CHECK_THAT(test::run_furcula({"bus", "docs"}).out, Contains("# CAN messages\n"));
 }
