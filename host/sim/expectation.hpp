@@ -27,7 +27,7 @@ struct Expectation {
   std::optional<double> caught_share_least;
 };
 
-/// Twice the half step of 4.4 mN m by which a zero is off in the packing of an AK80-9 (docs/bus.md).
+/// Twice the half step of 4.4 mN m by which a zero is off in the packing of an AK80-9 (docs/board_link.md).
 inline constexpr double kNoTorqueNm = 0.01;
 
 /// The section of a scenario file; without one nothing but that no fault is found. @throws core::DataError.

@@ -6,7 +6,7 @@
 //   odrive        ODrive Robotics, "CAN Protocol" (docs.odriverobotics.com, can-protocol.html), and the messages of
 //                 firmware 0.6 in its ODriveArduino, src/can_simple_messages.hpp
 //   the others    this project's own
-// Where they disagree: docs/bus.md.
+// Where they disagree: docs/board_link.md.
 #pragma once
 
 #include <array>

@@ -2,7 +2,7 @@
 //
 // Source: CubeMars (T-Motor), "AK Series Actuator Driver Manual" V1.0.8, section 5.3 "MIT power mode
 // communication protocol", the table of modules on pages 49 and 50; the mini-cheetah's own drive: B. Katz,
-// HKC_MiniCheetah, CAN_com.cpp. Where other sources say otherwise: docs/bus.md.
+// HKC_MiniCheetah, CAN_com.cpp. Where other sources say otherwise: docs/board_link.md.
 #pragma once
 
 #include <array>
