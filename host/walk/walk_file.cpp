@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <string_view>
 
+#include "host/biped/machine_toml.hpp"
 #include "host/biped/robot.hpp"
 #include "host/core/error.hpp"
 #include "host/core/message.hpp"
@@ -26,7 +27,7 @@ void expect_kind(const toml::table& table, const std::string& name) {
 }  // namespace
 
 Model read_model(const std::string& path) {
-  static constexpr std::array<std::string_view, 2> kSections{"model", "limits"};
+  static constexpr std::array<std::string_view, 3> kSections{"model", "limits", "deviations"};
   static constexpr std::array<std::string_view, 3> kKeys{"kind", "schema", "urdf"};
   const toml::table file = core::parse_toml(core::read_small_file(path, "a model file (TOML)"), path);
   const toml::table& model = section(file, path, "model");
@@ -39,7 +40,11 @@ Model read_model(const std::string& path) {
   const std::string urdf = core::text(entry(model, path, "urdf", "[model]"), path, "urdf");
   const model::Urdf robot = model::read_urdf((std::filesystem::path(path).parent_path() / urdf).string());
   out.name = robot.name;
-  out.robot = biped::biped_of(robot);
+  out.undeviated = out.machine.robot = biped::biped_of(robot);
+  if (file.contains("deviations"))
+    biped::apply_deviations(section(file, path, "deviations"), path, out.machine);
+  out.robot = out.machine.robot;
+  out.urdf = urdf;
   if (file.contains("limits")) {
     const toml::table& limits = section(file, path, "limits");
     std::vector<std::string_view> known;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "furcula/dynamics/biped/parameters.hpp"
+#include "host/biped/machine.hpp"
 #include "host/walk/evidence.hpp"
 #include "host/walk/search.hpp"
 #include "host/walk/walk_toml.hpp"
@@ -15,8 +16,11 @@
 namespace furcula::walk {
 
 struct Model {
-  std::string file, name;  ///< of the model file; of the robot, as its URDF says
-  dynamics::biped::Description robot;
+  std::string file, name;                   ///< of the model file; of the robot, as its URDF says
+  std::string urdf;                         ///< as the model file names it
+  dynamics::biped::Description robot;       ///< with the deviations that a walk is simulated with
+  furcula::biped::Machine machine;                   ///< and what else the model file says of it
+  dynamics::biped::Description undeviated;  ///< as its URDF and the design have it
   WalkLimits limits;
 };
 

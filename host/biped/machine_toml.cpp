@@ -1,0 +1,55 @@
+#include "host/biped/machine_toml.hpp"
+
+#include <toml++/toml.h>
+
+#include "host/core/error.hpp"
+#include "host/core/message.hpp"
+
+namespace furcula::biped {
+namespace {
+
+/// The names with drives and with springs at the hips' pitch.
+std::vector<Unknown> all_unknowns(const dynamics::biped::Description& robot) {
+  std::vector<Unknown> all = unknowns(robot, false);
+  for (const Unknown& u : unknowns(robot, true)) {
+    bool there = false;
+    for (const Unknown& other : all) there = there || (other.kind == u.kind && other.location == u.location);
+    if (!there) all.push_back(u);
+  }
+  return all;
+}
+
+}  // namespace
+
+void apply_deviations(const toml::table& deviations, const std::string& file, Machine& machine) {
+  constexpr double kMost = 1e7;
+  const Machine given = machine;
+  const std::vector<Unknown> all = all_unknowns(machine.robot);
+  std::vector<std::string> names;
+  for (const Unknown& u : all) names.push_back(u.kind + "@" + u.location);
+  core::refuse_unknown_keys(deviations, file, "[deviations]",
+                            std::vector<std::string_view>(names.begin(), names.end()));
+  for (std::size_t i = 0; i < all.size(); ++i)
+    if (const toml::node* value = deviations.get(names[i]))
+      all[i].add(machine, core::number(*value, file, "[deviations] " + core::quoted(names[i]), -kMost, kMost,
+                                       all[i].unit));
+  Machine possible = machine;
+  if (make_possible(given, possible))
+    core::fail(
+        file, deviations.source(),
+        "[deviations] give a robot that cannot be: a mass below a fifth of the URDF's, an inertia that no body has, "
+        "negative friction, or gains below a fifth of the design's");
+}
+
+std::string format_deviations(const Machine& given, const Machine& machine) {
+  std::string out = "[deviations]\n";
+  for (const Unknown& u : all_unknowns(given.robot)) {
+    const double change = u.value(machine) - u.value(given);
+    if (change == 0.0) continue;
+    out += "\"" + u.kind + "@" + u.location + "\" = " + core::shortest(change) +
+           (u.unit.empty() ? "" : "  # " + u.unit) + "\n";
+  }
+  return out;
+}
+
+}  // namespace furcula::biped

@@ -1,0 +1,108 @@
+// `furcula walk identify`: all numbers of a walking robot from its recordings, as a model that walks are searched on.
+#include "host/cli/walk_identify_command.hpp"
+
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host/biped/machine_toml.hpp"
+#include "host/cli/errors.hpp"
+#include "host/cli/progress.hpp"
+#include "host/cli/recordings.hpp"
+#include "host/core/atomic_file.hpp"
+#include "host/core/message.hpp"
+#include "host/floating/identify.hpp"
+#include "host/walk/walk_file.hpp"
+
+namespace furcula::cli {
+namespace {
+
+void say(const char* which, const floating::WindowErrors& given, const floating::WindowErrors& identified) {
+  std::printf(
+      "%s, %zu windows, RMS as given and identified: joints %.3g to %.3g mrad, attitude %.3g to %.3g mrad, "
+      "gyro %.3g to %.3g rad/s\n",
+      which, given.windows, 1e3 * given.angle_rad, 1e3 * identified.angle_rad, 1e3 * given.attitude_rad,
+      1e3 * identified.attitude_rad, given.gyro_radps, identified.gyro_radps);
+}
+
+/// The model's file with [deviations]; its URDF is named as seen from the folder of the results.
+std::string identified_model(const walk::Model& model, const biped::Machine& design,
+                             const biped::Machine& machine, const std::string& out) {
+  namespace fs = std::filesystem;
+  const fs::path urdf = fs::absolute(fs::path(model.file).parent_path() / model.urdf);
+  std::string text =
+      "# Written by `furcula walk identify`: the robot of its recordings.\n[model]\nkind = \"biped\"\nschema = 1\nurdf = " +
+      core::quoted(fs::relative(urdf, fs::absolute(out)).string()) + "\n\n";
+  text += "[limits]\n";
+  for (const walk::LimitKey& k : walk::kLimitKeys)
+    text += std::string(k.name) + " = " + core::shortest(model.limits.*k.of) + "\n";
+  return text + "\n" + biped::format_deviations(design, machine);
+}
+
+void identify(const RecordingOptions& o) {
+  const walk::Model model = walk::read_model(o.model);
+  const Logs logs = read_logs(o, "tree");
+  const OutFolder folder(o.out);
+  floating::IdentifyOptions options;
+  options.window_s = o.window(true);
+  options.settings.threads = o.thread_count();
+  std::vector<floating::Recording> training, held_out;
+  floating::Identified found;
+  std::optional<floating::WindowErrors> before, after;
+  {
+    Progress progress("walk identify");
+    options.progress = [&](double fraction, const std::string& doing) {
+      progress.update(0.9 * fraction, doing);
+    };
+    for (const auto& [from, to] :
+         {std::pair(&logs.training, &training), std::pair(&logs.held_out, &held_out)})
+      for (const log::Log& log : *from) {
+        to->push_back(floating::recording_of(log));
+        to->back().passive_hips = floating::passive_hips(model.machine, to->back(), options);
+      }
+    found = floating::identify(model.machine, training, options);
+    if (!held_out.empty()) {
+      before = floating::window_errors(model.machine, held_out, options);
+      after = floating::window_errors(found.machine, held_out, options);
+    }
+  }
+  // Deviations are against the URDF and the design, not against the model that was given.
+  biped::Machine design;
+  design.robot = model.undeviated;
+  core::write_files_together(std::vector<core::NewFile>{
+      {o.out + "/identification.json",
+       floating::to_json_text(found, before ? &*before : nullptr, after ? &*after : nullptr)},
+      {o.out + "/identified_model.toml", identified_model(model, design, found.machine, o.out)}});
+  for (const floating::Recording& r : training)
+    for (const std::string& note : r.notes) std::printf("%s\n", core::printable(note).c_str());
+  for (const floating::Recording& r : training)
+    std::printf("%s: hips' pitch on their %s\n", core::printable(r.file).c_str(),
+                r.passive_hips ? "springs" : "drives");
+  std::size_t told = 0;
+  for (Eigen::Index k = 0; k < found.sd.size(); ++k) told += found.sd[k] < 0.5;
+  std::printf(
+      "%zu numbers, of which the recordings narrow %zu to less than half of their prior's deviation\n",
+      found.unknowns.size(), told);
+  say("training", found.before, found.after);
+  if (before) say("held out", *before, *after);
+  std::printf(
+      "a single mass or centre is no finding: other simulators' contacts are in these numbers too\n"
+      "%s/identified_model.toml is a model for `furcula walk search`, identification.json has every number\n",
+      core::printable(o.out).c_str());
+}
+
+}  // namespace
+
+void add_walk_identify_command(CLI::App& walk) {
+  auto o = std::make_shared<RecordingOptions>();
+  CLI::App* command = walk.add_subcommand(
+      "identify", "All numbers of a walking robot from its recordings, as a model to search walks on");
+  o->add_to(*command);
+  command->callback([o] { identify(*o); });
+}
+
+}  // namespace furcula::cli

@@ -1,0 +1,119 @@
+#include "host/floating/linearised.hpp"
+
+#include <cmath>
+
+#include "host/core/parallel.hpp"
+
+namespace furcula::floating {
+namespace {
+
+/// Differences are taken over such a part of what an unknown may be, so that no foot leaves the ground in between.
+constexpr double kPart = 1e-3;
+
+double typical(LocalGroup g) {
+  switch (g) {
+    case kHeight:
+      return 2e-3;
+    case kTilt:
+      return 1e-2;
+    case kAngularVelocity:
+      return 5e-2;
+    case kVelocity:
+      return 8e-2;
+    case kAngle:
+      return 5e-4;
+    case kRate:
+      return 5e-2;
+    case kAnchor:
+      return 2e-3;
+    case kAnchorYaw:
+      return 5e-3;
+    case kTorque:
+      return 3.0;
+    case kForceAcross:
+    case kForceUp:
+      return 20.0;
+    case kMomentAcross:
+    case kMomentUp:
+      return 3.0;
+    default:
+      return 1.0;
+  }
+}
+
+}  // namespace
+
+LocalGroup group_of(std::size_t i) {
+  if (i < 1) return kHeight;
+  if (i < 3) return kTilt;
+  if (i < 6) return kAngularVelocity;
+  if (i < 9) return kVelocity;
+  if (i < 21) return kAngle;
+  if (i < 33) return kRate;
+  if (i < kStart) return (i - 33) % 3 == 2 ? kAnchorYaw : kAnchor;
+  if (i >= kFilterAt) return kFilter;
+  const std::size_t channel = (i - kStart) / kShapes;
+  if (channel < kJoints) return kTorque;
+  const std::size_t part = (channel - kJoints) % 6;
+  return part == 2 ? kForceUp : part < 2 ? kForceAcross : part == 5 ? kMomentUp : kMomentAcross;
+}
+
+Point at(const Machine& model, const std::vector<Unknown>& unknowns, const Eigen::VectorXd& theta,
+         const std::vector<Local>& locals) {
+  Point p{model, theta, locals};
+  for (std::size_t i = 0; i < unknowns.size(); ++i)
+    unknowns[i].add(p.machine, theta[static_cast<Eigen::Index>(i)] * unknowns[i].prior_sd);
+  if (biped::make_possible(model, p.machine))
+    for (std::size_t i = 0; i < unknowns.size(); ++i)
+      p.theta[static_cast<Eigen::Index>(i)] =
+          (unknowns[i].value(p.machine) - unknowns[i].value(model)) / unknowns[i].prior_sd;
+  return p;
+}
+
+std::vector<LinearWindow> linearised(const std::vector<Recording>& recordings,
+                                     const std::vector<Window>& windows, const std::vector<Unknown>& unknowns,
+                                     const Point& point, bool with_globals, const Settings& settings) {
+  const std::size_t globals = with_globals ? unknowns.size() : 0;
+  std::vector<Machine> machines(globals, point.machine);
+  std::vector<Plant> plants(globals);
+  for (std::size_t i = 0; i < globals; ++i) {
+    unknowns[i].add(machines[i], kPart * unknowns[i].prior_sd);
+    plants[i] = plant_of(machines[i]);
+  }
+  const Plant here = plant_of(point.machine);
+  std::vector<LinearWindow> out(windows.size());
+  core::parallel_for(windows.size(), settings.threads, [&](std::size_t w) {
+    const Window& window = windows[w];
+    const Recording& recording = recordings[window.recording];
+    LinearWindow& l = out[w];
+    std::vector<Variant> variants{{&point.machine, &here}};
+    for (std::size_t i = 0; i < kFilterAt; ++i) {
+      const std::size_t channel = i < kStart ? 0 : (i - kStart) / kShapes;
+      if (i >= kStart && channel >= kJoints && !window.stance[(channel - kJoints) / 6]) continue;
+      l.locals.push_back(i);
+      variants.push_back({&point.machine, &here, static_cast<int>(i), kPart * typical(group_of(i))});
+    }
+    const auto simulated = static_cast<Eigen::Index>(l.locals.size());
+    for (std::size_t i = 0; i < globals; ++i) variants.push_back({&machines[i], &plants[i]});
+    const Eigen::MatrixXd r = residuals(recording, window, point.locals[w], variants, settings.step_s);
+    const auto rows = r.rows();
+    l.y = r.col(0);
+    l.c = Eigen::MatrixXd::Zero(rows, simulated + 3);
+    for (Eigen::Index k = 0; k < simulated; ++k)
+      l.c.col(k) =
+          (r.col(0) - r.col(k + 1)) / (kPart * typical(group_of(l.locals[static_cast<std::size_t>(k)])));
+    for (Eigen::Index n = 0; n < rows; n += kRowSize)
+      for (int k = 0; k < 3; ++k) l.c(n + static_cast<Eigen::Index>(kJoints) + k, simulated + k) = 1.0;
+    for (std::size_t k = 0; k < 3; ++k) l.locals.push_back(kFilterAt + k);
+    for (Eigen::Index k = 0; k < l.c.cols(); ++k)
+      l.y += l.c.col(k) * point.locals[w][static_cast<Eigen::Index>(l.locals[static_cast<std::size_t>(k)])];
+    l.a.resize(rows, static_cast<Eigen::Index>(globals));
+    for (std::size_t i = 0; i < globals; ++i)
+      l.a.col(static_cast<Eigen::Index>(i)) =
+          (r.col(0) - r.col(simulated + 1 + static_cast<Eigen::Index>(i))) / kPart;
+    if (with_globals) l.y += l.a * point.theta;
+  });
+  return out;
+}
+
+}  // namespace furcula::floating

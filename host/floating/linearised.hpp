@@ -1,0 +1,64 @@
+// Windows linearised about a machine and their own unknowns: y = A theta + C x + noise, where theta are the machine's deviations from the
+// model in units of their prior standard deviations, and x a window's own unknowns in their units.
+#pragma once
+
+#include <Eigen/Dense>
+#include <vector>
+
+#include "host/floating/simulate.hpp"
+
+namespace furcula::floating {
+
+/// Kinds of a window's unknowns; those of one kind have one variance.
+enum LocalGroup : int {
+  kHeight,
+  kTilt,
+  kAngularVelocity,
+  kVelocity,
+  kAngle,
+  kRate,
+  kAnchor,
+  kAnchorYaw,
+  kTorque,
+  kForceAcross,
+  kForceUp,
+  kMomentAcross,
+  kMomentUp,
+  kFilter,
+  kLocalGroups
+};
+LocalGroup group_of(std::size_t local);
+
+enum NoiseGroup : int { kAngleNoise, kAttitudeNoise, kGyroNoise, kNoiseGroups };
+constexpr NoiseGroup noise_of(std::size_t channel) {
+  return channel < kJoints ? kAngleNoise : channel < kJoints + 3 ? kAttitudeNoise : kGyroNoise;
+}
+
+struct Settings {
+  double step_s = 1e-3;
+  unsigned threads = 2;
+};
+
+struct LinearWindow {
+  std::vector<std::size_t> locals;  ///< those that this window has: no wrench at a foot in the air
+  Eigen::VectorXd y;
+  Eigen::MatrixXd a, c;  ///< rows by theta, rows by `locals`
+};
+
+/// A machine with its deviations.
+struct Point {
+  Machine machine;
+  Eigen::VectorXd theta;      ///< per unknown, in prior standard deviations
+  std::vector<Local> locals;  ///< per window
+};
+
+/// Where such a machine cannot be, the nearest that can, and its theta.
+Point at(const Machine& model, const std::vector<Unknown>& unknowns, const Eigen::VectorXd& theta,
+         const std::vector<Local>& locals);
+
+/// Without `with_globals` the columns of theta are left out.
+std::vector<LinearWindow> linearised(const std::vector<Recording>& recordings,
+                                     const std::vector<Window>& windows, const std::vector<Unknown>& unknowns,
+                                     const Point& point, bool with_globals, const Settings& settings);
+
+}  // namespace furcula::floating

@@ -1,0 +1,54 @@
+// Windows of a walking robot, simulated in lanes from a start, driven by the logged targets, with disturbances. Derivatives are differences
+// between lanes.
+#pragma once
+
+#include <Eigen/Dense>
+#include <array>
+#include <span>
+#include <vector>
+
+#include "host/biped/machine.hpp"
+#include "host/floating/recording.hpp"
+
+namespace furcula::floating {
+
+/// What a start may differ by from what its first row says: height of the pelvis, roll and pitch about the level's axes, angular velocity,
+/// velocity, joints' angles and rates, and for each foot how its anchors are off in x, y and yaw.
+inline constexpr std::size_t kStart = 1 + 2 + 3 + 3 + 12 + 12 + 6;
+/// A torque at each joint; a force (3) and a moment (3) at each foot, world axes, about the foot's origin.
+inline constexpr std::size_t kChannels = kJoints + 12;
+/// Numbers of a disturbance over a window: at its begin, middle and end, straight in between. They are correlated over kCorrelation_s; a
+/// window's unknowns are independent numbers of which they are made.
+inline constexpr std::size_t kShapes = 3;
+inline constexpr std::size_t kDisturbances = kChannels * kShapes;
+inline constexpr double kCorrelation_s = 0.2;
+/// What the attitude filter is off by, about the pelvis' axes.
+inline constexpr std::size_t kFilterAt = kStart + kDisturbances;
+inline constexpr std::size_t kLocals = kFilterAt + 3;
+/// Of a row: joints' angles, attitude (3, small turns about the pelvis' axes), gyro.
+inline constexpr std::size_t kRowSize = kJoints + 6;
+
+/// One window's own unknowns.
+using Local = Eigen::Matrix<double, static_cast<int>(kLocals), 1>;
+
+/// What the equations of a machine run on.
+using Plant = dynamics::biped::TurnedParameters<double>;
+Plant plant_of(const Machine& machine);
+
+/// A run: which machine, and in which of the window's own unknowns it differs.
+struct Variant {
+  const Machine* machine;
+  const Plant* plant;
+  int local = -1;  ///< which is changed; -1: none
+  double change = 0.0;
+};
+
+/// Residuals, measured less predicted, of every run: kRowSize (count - 1) numbers a column, the start's row left out.
+Eigen::MatrixXd residuals(const Recording& recording, const Window& window, const Local& local,
+                          std::span<const Variant> variants, double step_s);
+
+/// Roll and pitch, as in `Local`, with which the sole of the foot that has carried longest is flat on the ground.
+Eigen::Vector2d flat_foot(const Recording& recording, const Window& window, const Machine& machine,
+                          const Plant& plant);
+
+}  // namespace furcula::floating

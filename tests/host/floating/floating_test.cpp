@@ -1,0 +1,148 @@
+// Recordings of a walking robot, made by the project's own simulation here (in MuJoCo: tests/robot): what windows are, what is refused, and that
+// numbers that a robot differs in are found within a fit of all.
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+
+#include "host/biped/machine_toml.hpp"
+#include "host/floating/identify.hpp"
+#include "host/walk/simulation.hpp"
+#include "host/walk/walk_file.hpp"
+#include "tests/host/error_message.hpp"
+#include "tests/host/walk/walks.hpp"
+
+using namespace furcula;
+using namespace furcula::floating;
+using Catch::Matchers::Contains;
+
+namespace {
+
+/// A walk of 10 s, of which the rows before `until_s` are kept.
+log::Log log_of(const dynamics::biped::Description& robot, const char* mode, std::uint64_t seed, double until_s) {
+  const walk::Walk walk = test::found_walk(mode);
+  walk::RolloutOptions options;
+  options.mode = walk.mode;
+  log::Log log = simulate_walk(robot, options, walk.parameters, 0.01, seed).log;
+  log.path = "walk.csv";
+  const auto rows = static_cast<std::size_t>(until_s / 0.01);
+  for (auto& [name, column] : log.columns) column.resize(rows);
+  return log;
+}
+
+Machine nominal() {
+  Machine m;
+  m.robot = dynamics::biped::design();
+  return m;
+}
+
+double identified(const Identified& found, const std::string& kind, const std::string& location) {
+  for (const Unknown& u : found.unknowns)
+    if (u.kind == kind && u.location == location) return u.value(found.machine) - u.value(found.given);
+  FAIL("no " << kind << " at " << location);
+  return 0.0;
+}
+
+}  // namespace
+
+TEST_CASE("windows have no landing in them, and a foot carries in each") {
+  const Recording r = recording_of(log_of(dynamics::biped::design(), "active", 1, 10.0));
+  const std::vector<Window> windows = windows_of(r, 0, 0.3);
+  REQUIRE(windows.size() > 20);
+  std::size_t landings = 0;
+  for (std::size_t k = 1; k < r.rows.size(); ++k)
+    for (std::size_t side = 0; side < 2; ++side) landings += r.rows[k].contact[side] && !r.rows[k - 1].contact[side];
+  CHECK(landings >= 8);
+  for (const Window& w : windows) {
+    REQUIRE(w.first + w.count <= r.rows.size());
+    CHECK(r.rows[w.first + w.count - 1].time_s - r.rows[w.first].time_s < 0.3 + 1e-9);
+    bool carries[] = {true, true};
+    for (std::size_t k = w.first; k < w.first + w.count; ++k)
+      for (std::size_t side = 0; side < 2; ++side) {
+        carries[side] = carries[side] && r.rows[k].contact[side];
+        if (k > w.first) CHECK((!r.rows[k].contact[side] || r.rows[k - 1].contact[side]));
+      }
+    CHECK((carries[0] || carries[1]));
+    CHECK(carries[w.foot]);
+  }
+}
+
+TEST_CASE("of a robot that falls the rows before the fall are used") {
+  log::Log log = log_of(dynamics::biped::design(), "active", 1, 4.0);
+  for (std::size_t k = 300; k < log.rows(); ++k) log.columns["pitch_rad"][k] = 0.8;
+  const Recording r = recording_of(log);
+  CHECK(r.rows.size() == 285);  // 0.15 s before row 300
+  REQUIRE(r.notes.size() == 1);
+  CHECK_THAT(r.notes[0], Contains("the robot falls 3 s after the first row"));
+}
+
+TEST_CASE("a log without targets is refused with what is expected") {
+  log::Log log = log_of(dynamics::biped::design(), "active", 1, 1.0);
+  log.columns.erase("angle_cmd_left_knee_rad");
+  CHECK_THAT(test::error_message([&] { recording_of(log); }),
+             Contains("walk.csv: no column \"angle_cmd_left_knee_rad\"") && Contains("furcula walk sim"));
+}
+
+TEST_CASE("a recording tells whether the hips' pitch is on springs or on drives") {
+  const Machine m = nominal();
+  for (const char* mode : {"active", "semi_passive"}) {
+    INFO(mode);
+    const Recording r = recording_of(log_of(m.robot, mode, 2, 4.0));
+    CHECK(passive_hips(m, r, {}) == (std::string(mode) == "semi_passive"));
+  }
+}
+
+TEST_CASE("dry friction is found in a fit of all numbers, and another walk is predicted better") {
+  auto robot = dynamics::biped::design();
+  robot.drives[0][dynamics::biped::kKnee].friction_nm += 6.0;
+  robot.pelvis.mass_kg += 3.0;
+  Recording r = recording_of(log_of(robot, "semi_passive", 3, 4.0));
+  constexpr double kOffset_rad = 0.0175;  // 1 degree, on angle and target alike: as a board has it
+  const auto offset = [&](Recording& of) {
+    for (Row& row : of.rows) row.angle_rad[10] += kOffset_rad, row.target_rad[10] += kOffset_rad;
+  };
+  offset(r);
+  r.passive_hips = true;
+  IdentifyOptions options;
+  options.iterations = 3;
+  const Identified found = identify(nominal(), {r}, options);
+  CHECK(found.after.angle_rad < 0.5 * found.before.angle_rad);
+  CHECK(identified(found, "coulomb_friction", "left_knee") == Approx(6.0).margin(2.0));
+  CHECK(std::abs(identified(found, "coulomb_friction", "right_knee")) < 2.0);
+  Recording other = recording_of(log_of(robot, "semi_passive", 4, 4.0));
+  offset(other);
+  other.passive_hips = true;
+  const WindowErrors given = window_errors(nominal(), {other}, options),
+                     then = window_errors(found.machine, {other}, options);
+  CHECK(then.angle_rad < 0.6 * given.angle_rad);
+  CHECK(then.attitude_rad < given.attitude_rad);
+}
+
+TEST_CASE("deviations of a model file are read as they were written, and wrong ones are refused") {
+  const Machine given = nominal();
+  Machine machine = given;
+  std::size_t n = 0;
+  for (const Unknown& u : biped::unknowns(given.robot, true))
+    if (++n % 7 == 0) u.add(machine, 0.1 * u.prior_sd);
+  const auto folder = std::filesystem::temp_directory_path() / "furcula-floating-test";
+  std::filesystem::create_directories(folder);
+  const auto model_of = [&](const std::string& deviations) {
+    const std::string file = (folder / "model.toml").string();
+    std::ofstream(file) << "[model]\nkind = \"biped\"\nschema = 1\nurdf = \""
+                        << test::source("models/biped/furcula_biped.urdf") << "\"\n"
+                        << deviations;
+    return walk::read_model(file);
+  };
+  const walk::Model read = model_of(biped::format_deviations(given, machine));
+  for (const Unknown& u : biped::unknowns(given.robot, true)) {
+    INFO(u.kind << "@" << u.location);
+    CHECK(u.value(read.machine) == Approx(u.value(machine)).epsilon(1e-9).margin(1e-12));
+  }
+  CHECK(read.robot.pelvis.mass_kg == read.machine.robot.pelvis.mass_kg);
+  CHECK_THAT(test::error_message([&] { model_of("[deviations]\n\"mass@left_kne\" = 0.1\n"); }),
+             Contains("mass@left_kne") && Contains("[deviations]"));
+  CHECK_THAT(test::error_message([&] { model_of("[deviations]\n\"mass@left_knee\" = -3.3\n"); }),
+             Contains("a robot that cannot be"));
+  CHECK_THAT(test::error_message([&] { model_of("[deviations]\n\"mass@left_knee\" = \"much\"\n"); }), Contains("model.toml"));
+  std::filesystem::remove_all(folder);
+}
