@@ -101,7 +101,18 @@ void add_walk_identify_command(CLI::App& walk) {
   auto o = std::make_shared<RecordingOptions>();
   CLI::App* command = walk.add_subcommand(
       "identify", "All numbers of a walking robot from its recordings, as a model to search walks on");
-  o->add_to(*command);
+  command->add_option("logs", o->logs, "Logs or ROS 2 bags, at least one")->required();
+  command->add_option("--model", o->model, "Model file of kind biped")->required();
+  command->add_option("--map", o->map, "Map file (TOML) for logs with other column names");
+  command->add_option(
+      "--hold-out", o->held_out,
+      "Logs that the fit does not see (put another option or -- after them); without it a seeded fifth, of one log its "
+      "last quarter");
+  command->add_option("--window-s", o->window_s, "Length of a window, s; without it 0.3");
+  command->add_option("--threads", o->threads, "Threads; the result is the same for any number");
+  command->add_option("--seed", o->seed, "Seed of the choice of held-out logs")->capture_default_str();
+  command->add_option("--out", o->out, "Folder for identified_model.toml and identification.json")
+      ->required();
   command->callback([o] { identify(*o); });
 }
 

@@ -19,7 +19,7 @@ struct Model {
   std::string file, name;                   ///< of the model file; of the robot, as its URDF says
   std::string urdf;                         ///< as the model file names it
   dynamics::biped::Description robot;       ///< with the deviations that a walk is simulated with
-  furcula::biped::Machine machine;                   ///< and what else the model file says of it
+  furcula::biped::Machine machine;          ///< and what else the model file says of it
   dynamics::biped::Description undeviated;  ///< as its URDF and the design have it
   WalkLimits limits;
 };

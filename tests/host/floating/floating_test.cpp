@@ -19,7 +19,8 @@ using Catch::Matchers::Contains;
 namespace {
 
 /// A walk of 10 s, of which the rows before `until_s` are kept.
-log::Log log_of(const dynamics::biped::Description& robot, const char* mode, std::uint64_t seed, double until_s) {
+log::Log log_of(const dynamics::biped::Description& robot, const char* mode, std::uint64_t seed,
+                double until_s) {
   const walk::Walk walk = test::found_walk(mode);
   walk::RolloutOptions options;
   options.mode = walk.mode;
@@ -51,7 +52,8 @@ TEST_CASE("windows have no landing in them, and a foot carries in each") {
   REQUIRE(windows.size() > 20);
   std::size_t landings = 0;
   for (std::size_t k = 1; k < r.rows.size(); ++k)
-    for (std::size_t side = 0; side < 2; ++side) landings += r.rows[k].contact[side] && !r.rows[k - 1].contact[side];
+    for (std::size_t side = 0; side < 2; ++side)
+      landings += r.rows[k].contact[side] && !r.rows[k - 1].contact[side];
   CHECK(landings >= 8);
   for (const Window& w : windows) {
     REQUIRE(w.first + w.count <= r.rows.size());
@@ -143,6 +145,7 @@ TEST_CASE("deviations of a model file are read as they were written, and wrong o
              Contains("mass@left_kne") && Contains("[deviations]"));
   CHECK_THAT(test::error_message([&] { model_of("[deviations]\n\"mass@left_knee\" = -3.3\n"); }),
              Contains("a robot that cannot be"));
-  CHECK_THAT(test::error_message([&] { model_of("[deviations]\n\"mass@left_knee\" = \"much\"\n"); }), Contains("model.toml"));
+  CHECK_THAT(test::error_message([&] { model_of("[deviations]\n\"mass@left_knee\" = \"much\"\n"); }),
+             Contains("model.toml"));
   std::filesystem::remove_all(folder);
 }
