@@ -109,13 +109,20 @@ constexpr Row kRows[] = {
     {"actuator", "plugin", "*"},
 };
 
+constexpr std::string_view kOfDefaults = "joint geom site camera light";
+
+bool among(std::string_view list, std::string_view name) {
+  const std::vector<std::string_view> all = words(list);
+  return std::find(all.begin(), all.end(), name) != all.end();
+}
+
 /// Rows of the elements that may stand within one. Bodies and frames hold the same; a default class holds what bodies and <actuator> do.
 std::vector<const Row*> rows_within(std::string_view tag) {
   const std::string_view parent = tag == "worldbody" || tag == "frame" ? "body" : tag;
   std::vector<const Row*> out;
   for (const Row& r : kRows)
-    if (r.parent == parent ||
-        (parent == "default" && (r.parent == "actuator" || (r.parent == "body" && r.tag != "body"))))
+    if (r.parent == parent || (parent == "default" &&
+                               (r.parent == "actuator" || (r.parent == "body" && among(kOfDefaults, r.tag)))))
       out.push_back(&r);
   return out;
 }

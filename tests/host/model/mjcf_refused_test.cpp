@@ -123,6 +123,11 @@ TEST_CASE("Constraints that join what moves are refused, and left out where noth
              Contains("no joint that moves by itself"));
   CHECK_THAT(refused(arm(body, "<equality><flexvert flex=\"f\"/></equality>")),
              Contains("<flexvert> is an equality constraint"));
+  // All of them at once, and the joints that would do for all.
+  CHECK_THAT(refused(arm(body + "<body><joint name=\"c\"/><geom size=\".1\"/></body>",
+                         "<equality>\n<connect body1=\"fore\" body2=\"upper\" anchor=\"0 0 1\"/></equality>"
+                         "<tendon>\n<fixed name=\"t\"><joint joint=\"a\" coef=\"1\"/></fixed></tendon>")),
+             Contains("joints = [\"c\"]") && Contains("so with <fixed name=\"t\"> in line 8"));
   CHECK(refused(arm(body, "<equality><weld body1=\"fore\" active=\"false\"/></equality>")) == "accepted");
   CHECK_THAT(refused(arm(body, "<tendon><fixed name=\"t\"><joint joint=\"a\" coef=\"1\"/></fixed></tendon>")),
              Contains("<fixed name=\"t\"> joins the links 'world' and 'upper'") &&
