@@ -167,6 +167,12 @@ std::optional<conventions::Finding> find_convention(const TreeModel& model,
                                       columns_of(recordings));
 }
 
+std::optional<conventions::JointReadings> find_joint_readings(const TreeModel& model,
+                                                              const std::vector<Recording>& recordings) {
+  return conventions::find_joint_readings(TreeFamily(model, recordings.front().input_measured),
+                                          columns_of(recordings));
+}
+
 conventions::AsNamed as_named(const TreeModel& model, const std::vector<Recording>& recordings) {
   return conventions::as_named(TreeFamily(model, recordings.front().input_measured), columns_of(recordings));
 }
