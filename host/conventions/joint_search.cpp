@@ -11,6 +11,7 @@
 
 #include "host/conventions/equations.hpp"
 #include "host/conventions/instants.hpp"
+#include "host/core/message.hpp"
 
 namespace furcula::conventions {
 namespace {
@@ -22,6 +23,8 @@ constexpr std::size_t kStarts = 12, kSweeps = 4, kPatternsWithUnits = 3;
 /// A pattern of signs this little behind the best is as good: no cause of the catalogue gains more by a wrong sign
 /// (docs/decisions/0035-conventions-before-causes.md).
 constexpr double kSame = 0.14;
+/// So a sign counts for as much of a change. (A reading of one column alone has to be further ahead: it would reject a log.)
+const double kSign = kSame / kFarBetter;
 /// An estimated scale this near to one is one.
 constexpr double kNearOne = 1.8;
 
@@ -59,18 +62,41 @@ class Search {
     const Weighed named = weigh(std::vector<double>(n_, 1.0), 1, true);
     const bool fits = most(named.off) < kAsked && named.fit > kFarBetter;
     Weighed best = named;
+    bool sure = true;
     if (!fits) {
       const Weighed found = weigh(best_of_all().position, 1);
-      const double as_named = std::max(named.score, any_cause(named));
-      if (!(found.score > as_named) || !(found.fit > kFarBetter)) return std::nullopt;
-      for (std::size_t j = 0; j < n_; ++j)
-        if (found.off[j] * found.off[j] >= kUnexplained && found.off[j] > named.off[j]) return std::nullopt;
+      if (!(found.score > named.score)) return std::nullopt;
+      sure = found.score > any_cause(named);
+      if (most(found.off) >= kAsked) {
+        if (!sure || !(found.fit > kFarBetter)) return std::nullopt;
+        for (std::size_t j = 0; j < n_; ++j)
+          if (found.off[j] * found.off[j] >= kUnexplained && found.off[j] > named.off[j]) return std::nullopt;
+      }
       best = found;
     }
-    return JointReadings{best.position, best.input, best.off, same_as(best)};
+    JointReadings out{{}, {}, best.off, same_as(best), sure};
+    for (std::size_t j = 0; j < n_; ++j) {
+      out.position.push_back(reading(best.position[j], joints_[j].position));
+      out.input.push_back(reading(best.input[j].scale, joints_[j].input));
+    }
+    return out;
   }
 
  private:
+  static ColumnReading reading(double scale, Quantity quantity) {
+    const double size = std::abs(scale);
+    const auto is = [&](double si) { return std::abs(size / si - 1.0) < 1e-9; };
+    ColumnReading out{scale, !is(1.0), ""};
+    for (const Unit& u : units_of(quantity)) {
+      if (!is(u.si) && !is(1.0 / u.si)) continue;
+      out.estimated = false;
+      out.what = (is(u.si) ? "in " : "not in ") + std::string(u.name);
+    }
+    if (out.estimated)
+      out.what = "times " + core::rounded(size, 4) + ": a gear's ratio, a current or another unit?";
+    if (scale < 0.0) out.what += out.what.empty() ? "of the other sign" : ", of the other sign";
+    return out;
+  }
   static double most(const std::vector<double>& off) { return *std::max_element(off.begin(), off.end()); }
   std::size_t step_of_scan() const { return std::max<std::size_t>(1, instants_.size() / kInstantsOfScan); }
 
@@ -103,7 +129,7 @@ class Search {
   /// Other scales of a joint's input, and what a change to each costs.
   std::vector<std::pair<InputScale, double>> scales_of_input(const Equation& e, std::size_t j,
                                                              double position) const {
-    std::vector<std::pair<InputScale, double>> out{{{-1.0, false}, kSignOrExchange}};
+    std::vector<std::pair<InputScale, double>> out{{{-1.0, false}, kSign}};
     if (joints_[j].sets_position) {
       if (position != 1.0) out.push_back({{position, false}, 0.0});
       return out;
@@ -113,7 +139,7 @@ class Search {
     for (const Unit& u : units_of(joints_[j].input))
       if (!u.rare && std::abs(std::log(likely / u.si)) < std::log(kNearOne))
         for (const double sign : {1.0, -1.0})
-          out.push_back({{sign * u.si, false}, 1.0 + (sign < 0.0 ? kSignOrExchange : 0.0)});
+          out.push_back({{sign * u.si, false}, 1.0 + (sign < 0.0 ? kSign : 0.0)});
     out.push_back({{1.0, true}, 1.0 + kEstimated});
     return out;
   }
@@ -130,7 +156,7 @@ class Search {
       }
       if (signs == scales.size()) signs = 1;
       if (alike == scales.size() && units > 0) units = 1;
-      return kSignOrExchange * static_cast<double>(signs) + unit * static_cast<double>(units);
+      return kSign * static_cast<double>(signs) + unit * static_cast<double>(units);
     };
     std::vector<double> positions, inputs;
     double unit = 1.0;
@@ -205,21 +231,32 @@ class Search {
     return *best;
   }
 
+  /// Signs and known units alone explain it.
+  bool explained(const Weighed& w) const {
+    return most(w.off) < kAsked &&
+           std::none_of(w.input.begin(), w.input.end(), [](const InputScale& s) { return s.estimated; });
+  }
+
   const Weighed& best_of_all() {
     constexpr double kDegree = std::numbers::pi / 180.0, kTurn = 2.0 * std::numbers::pi;
-    // Angles in degrees span more than angles in rad: those of the largest spans are taken for degrees, none, all, then so many.
+    // Angles in degrees span more than angles in rad: all joints, and those of the largest spans, are taken for degrees.
     std::vector<std::size_t> by_span;
     for (const std::size_t j : moving_)
       if (joints_[j].position == Quantity::angle) by_span.push_back(j);
     std::stable_sort(by_span.begin(), by_span.end(),
                      [&](std::size_t a, std::size_t b) { return span_[a] > span_[b]; });
+    std::vector<std::vector<double>> starts{std::vector<double>(n_, 1.0)};
+    const auto start = [&](std::size_t count, double unit) {
+      starts.emplace_back(n_, 1.0);
+      for (std::size_t i = 0; i < count; ++i) starts.back()[by_span[i]] = unit;
+    };
+    start(by_span.size(), kDegree);
+    start(by_span.size(), kTurn);
+    for (std::size_t k = 1; k < by_span.size(); ++k) start(k, kDegree);
     std::vector<const Weighed*> first;
-    for (std::size_t k = 0; k <= by_span.size(); ++k) {
-      std::vector<double> units(n_, 1.0);
-      const std::size_t degrees = k == 0 ? 0 : k == 1 ? by_span.size() : k - 1;
-      for (std::size_t i = 0; i < degrees; ++i) units[by_span[i]] = kDegree;
+    for (const std::vector<double>& units : starts) {
       const std::vector<const Weighed*> patterns = with_signs(units);
-      if (most(patterns.front()->off) < kAsked) return *patterns.front();
+      if (explained(*patterns.front())) return *patterns.front();
       first.insert(first.end(), patterns.begin(), patterns.end());
     }
     std::stable_sort(first.begin(), first.end(),
@@ -228,22 +265,23 @@ class Search {
     // Each joint's own unit; 1 / kDegree: what was taken for degrees is in rad.
     first.resize(std::min(first.size(), kPatternsWithUnits));
     for (const Weighed* from : first)
-      if (const Weighed& w = descended(from->position, {1.0, kDegree, kTurn, 1.0 / kDegree});
-          w.score > best->score)
-        best = &w;
-    std::vector<double> units = best->position;
-    for (double& u : units) u = std::abs(u);
-    if (const Weighed* again = with_signs(units).front(); again->score > best->score) best = again;
+      best = better(*best, descended(from->position, {1.0, kDegree, kTurn, 1.0 / kDegree}));
+    best = better(*best, *with_signs(units_of_all(*best)).front());
     return *best;
+  }
+
+  static const Weighed* better(const Weighed& a, const Weighed& b) { return b.score > a.score ? &b : &a; }
+  static std::vector<double> units_of_all(const Weighed& w) {
+    std::vector<double> units = w.position;
+    for (double& u : units) u = std::abs(u);
+    return units;
   }
 
   /// Columns that may change their signs together.
   std::vector<std::vector<std::string>> same_as(const Weighed& best) {
-    std::vector<double> units = best.position;
-    for (double& u : units) u = std::abs(u);
     std::vector<std::vector<std::string>> out;
     const double here = scanned(best.position).fit;
-    for (const Weighed* w : with_signs(units)) {
+    for (const Weighed* w : with_signs(units_of_all(best))) {
       if (w->fit < here - kSame) continue;
       std::vector<std::string> columns;
       for (const std::size_t j : moving_)

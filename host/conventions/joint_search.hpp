@@ -6,18 +6,25 @@
 #include <string>
 #include <vector>
 
-#include "host/conventions/equation.hpp"
 #include "host/conventions/trial.hpp"
 
 namespace furcula::conventions {
 
-/// What each joint's columns are multiplied by.
+/// What a column is multiplied by.
+struct ColumnReading {
+  double scale = 1.0;
+  bool estimated = false;  ///< no unit explains it
+  std::string what;        ///< "in degrees, of the other sign"
+};
+
+/// How each joint's columns are read.
 struct JointReadings {
-  std::vector<double> position;
-  std::vector<InputScale> input;
+  std::vector<ColumnReading> position, input;
   std::vector<double> off;  ///< of each joint: RMS of the rest over that of the force
   /// Sets of columns that may have the other sign all together: the recordings would be the same. The smallest sets first.
   std::vector<std::vector<std::string>> same;
+  bool sure =
+      true;  ///< as named, with friction and constant forces of any size, the columns do not fit as well
 };
 
 /// The readings of the joints' positions (sign, and unit of each) and inputs (sign and scale of each) that fit far better together than the

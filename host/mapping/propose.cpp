@@ -257,24 +257,23 @@ Line* line_of(Proposal& p, const std::string& ours) {
 /// The map with what all joints' equations say together. @return whether they say anything
 bool apply(const JointColumns& of, const conventions::JointReadings& r, Proposal& p) {
   std::set<std::string> changed;
-  const auto multiply = [&](const std::string& ours, double by, bool estimated) {
+  const auto multiply = [&](const std::string& ours, const conventions::ColumnReading& by) {
     Line* line = line_of(p, ours);
-    if (line == nullptr || by == 1.0) return;
-    for (log::MappedPart& part : line->column.parts) part.scale *= by;
-    line->column.offset *= by;
-    line->sureness = std::max(line->sureness, estimated ? Sureness::guess : Sureness::likely);
-    const std::string size = std::abs(by) == 1.0 ? "" : core::rounded(std::abs(by), 4) + " times";
-    line->why.push_back("the equation of motion of all joints says: " + size +
-                        (by < 0.0 ? std::string(size.empty() ? "" : ", and ") + "the other sign" : ""));
+    if (line == nullptr || by.scale == 1.0) return;
+    for (log::MappedPart& part : line->column.parts) part.scale *= by.scale;
+    line->column.offset *= by.scale;
+    line->sureness = std::max(line->sureness, by.estimated || !r.sure ? Sureness::guess : Sureness::likely);
+    line->why.push_back("the equation of motion of all joints says: " + by.what);
     changed.insert(ours);
   };
   for (std::size_t j = 0; j < r.position.size(); ++j) {
-    multiply(of.position[j], r.position[j], false);
-    multiply(of.input[j], r.input[j].scale, r.input[j].estimated);
+    multiply(of.position[j], r.position[j]);
+    multiply(of.input[j], r.input[j]);
   }
   if (!changed.empty())
     p.confirm.push_back("Found by the equation of motion of all joints: other signs or units of " +
-                        quoted_list({changed.begin(), changed.end()}) + ".");
+                        quoted_list({changed.begin(), changed.end()}) + "." +
+                        (r.sure ? "" : " With large friction beside the model they may be as named."));
   for (const std::vector<std::string>& columns : r.same) {
     bool any = false;
     for (const std::string& ours : columns) any = any || changed.contains(ours);
