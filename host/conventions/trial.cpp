@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdlib>
 #include <functional>
 #include <limits>
 #include <memory>
@@ -80,6 +81,27 @@ std::string and_list(const std::vector<std::string>& all) {
   std::string out;
   for (std::size_t i = 0; i < all.size(); ++i)
     out += (i == 0 ? "" : i + 1 == all.size() ? " and " : ", ") + all[i];
+  return out;
+}
+
+/// Lines of line_of(), with what a map file says already of the columns.
+std::string over_map(const std::string& lines, const std::map<std::string, Source>& sources) {
+  std::istringstream all(lines);
+  std::string out;
+  for (std::string line; std::getline(all, line);) {
+    const auto number = [&](const std::string& key, double otherwise) {
+      const std::size_t at = line.find(", " + key + " = ");
+      return at == line.npos ? otherwise : std::strtod(line.c_str() + at + key.size() + 5, nullptr);
+    };
+    const std::size_t from = line.find('"') + 1, to = line.find('"', from);
+    const auto source = sources.find(line.substr(from, to - from));
+    if (source != sources.end()) {
+      const double scale = number("scale", 1.0);
+      line = line_of(line.substr(0, line.find(" = ")), source->second.column, source->second.scale * scale,
+                     source->second.offset * scale + number("offset", 0.0));
+    }
+    out += (out.empty() ? "" : "\n") + line;
+  }
   return out;
 }
 
@@ -756,7 +778,7 @@ void require_convention(const Family& family, std::span<const Columns> recording
     message += (i == 0 ? " Nearly as good: " : "; ") + f->others[i] + (i + 1 == f->others.size() ? "." : "");
   message += " No cause was looked for.";
   if (!f->map.empty()) {
-    std::string lines = f->map;
+    std::string lines = over_map(f->map, recordings.front().sources);
     for (std::size_t i = 0; (i = lines.find('\n', i)) != lines.npos; i += 2) lines.replace(i, 1, ", ");
     message += " To read it so, write in a map file (--map) " + lines + ".";
   }

@@ -72,9 +72,12 @@ std::optional<int> number_in(const std::string& joint) {
 
 class Names {
  public:
-  Names(const std::vector<std::string>& columns, std::vector<std::string> joints)
-      : joints_(std::move(joints)) {
-    for (const std::string& c : columns) candidates_.push_back({c, meaning_of(c)});
+  Names(const RawLog& raw, std::vector<std::string> joints) : joints_(std::move(joints)) {
+    for (const std::string& c : raw.columns) {
+      candidates_.push_back({c, meaning_of(c)});
+      if (const auto named = raw.joint_of.find(c); named != raw.joint_of.end())
+        candidates_.back().meaning.joint = named->second;
+    }
     for (const std::string& j : joints_) names_.emplace_back(j);
     // Joints that are numbered from 1, or from 0.
     for (const Candidate& c : candidates_)
@@ -392,7 +395,7 @@ Proposal propose(const std::string& path, const TreeReader& read_model) {
   Proposal out;
   out.log = path;
   out.rig = "tree";
-  add_lines(Names(raw.columns, joints), {positions, inputs, commands, velocities}, raw, out);
+  add_lines(Names(raw, joints), {positions, inputs, commands, velocities}, raw, out);
   if (!has_position(out, positions)) {
     std::vector<std::string> names;
     for (const Slot& s : positions) names.push_back(s.ours);
@@ -465,7 +468,7 @@ Proposal propose(const std::string& path, const model::Model& model) {
   add(c.stop, Role::contact, false);
   add(c.coil, Role::coil, false);
   const std::vector<Slot> position = kinds.front();
-  add_lines(Names(raw.columns, {""}), kinds, raw, out);
+  add_lines(Names(raw, {""}), kinds, raw, out);
   if (!has_position(out, position)) refuse(raw, path, core::quoted(position.front().ours));
   if (!out.expected.empty()) return out;
   const auto recordings = [&](const log::ColumnMap& map) {

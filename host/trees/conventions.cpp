@@ -144,6 +144,8 @@ std::vector<conventions::Columns> columns_of(const std::vector<Recording>& recor
   std::vector<conventions::Columns> out;
   for (const Recording& r : recordings) {
     conventions::Columns c{r.path, r.time_s, r.angle_rad, r.input, {}, std::vector<bool>(r.rows(), false)};
+    for (const auto& [ours, of] : r.mapped)
+      if (of.parts.size() == 1) c.sources[ours] = {of.parts[0].column, of.parts[0].scale, of.offset};
     for (std::size_t i = 0; i < r.rows(); ++i)
       c.breaks[i] = gap_after(r, i) || (!r.phases.empty() && r.phase_at(i).stance);
     out.push_back(std::move(c));
