@@ -233,8 +233,8 @@ void apply(const conventions::Finding& f, Proposal& p) {
   const log::ColumnMap before = map_of(p), found = log::parse_column_map(f.map, "the trial");
   for (const auto& [ours, column] : found.columns) {
     const auto theirs = before.columns.find(column.parts.front().column);
-    const auto line =
-        std::find_if(p.lines.begin(), p.lines.end(), [&](const Line& l) { return l.ours == ours; });
+    const auto line = std::find_if(p.lines.begin(), p.lines.end(),
+                                   [&name = ours](const Line& l) { return l.ours == name; });
     if (theirs == before.columns.end() || line == p.lines.end()) continue;
     const double scale = column.parts.front().scale;
     line->column = theirs->second;
