@@ -85,6 +85,7 @@ struct TreeModel {
   std::vector<Drive> drives;    ///< of each joint of the tree
   std::vector<Spring> springs;  ///< of each joint
   std::optional<Foot> foot;
+  double angle_noise_rad = 2e-4;  ///< of the encoders, one sample, standard deviation; of a prismatic joint m
   std::vector<FreeParameter> free;
   std::vector<FreeBody> free_bodies;
   std::vector<Cause> causes;  ///< that are switched on, each at one site

@@ -20,6 +20,8 @@ namespace furcula::trees {
 namespace {
 
 constexpr double kTurn = 2.0 * std::numbers::pi;
+constexpr std::array<std::string_view, 4> kProfiles{"hold", "sine", "steps", "fourier"};  // as Path::Profile
+constexpr std::size_t kMostHarmonics = 100;
 
 double chosen(const toml::table& table, std::string_view key, const std::string& name,
               const std::string& where, double otherwise, double lower, double upper, std::string_view unit) {
@@ -28,10 +30,57 @@ double chosen(const toml::table& table, std::string_view key, const std::string&
                          : core::number(*node, name, where + " " + std::string(key), lower, upper, unit);
 }
 
+std::vector<double> numbers(const toml::table& table, const std::string& key, const std::string& name,
+                            const std::string& where, double lower, double upper, const std::string& unit) {
+  const toml::node* node = table.get(key);
+  if (node == nullptr)
+    core::fail(name, table.source(), where + " has no key '" + key + "'; expected one number a harmonic");
+  const toml::array* list = node->as_array();
+  if (list == nullptr || list->empty() || list->size() > kMostHarmonics)
+    core::fail(name, node->source(),
+               where + " " + key + " = " + core::value_text(*node) + "; expected 1 to " +
+                   std::to_string(kMostHarmonics) + " numbers, one a harmonic");
+  std::vector<double> out;
+  for (const toml::node& entry : *list)
+    out.push_back(core::number(entry, name, where + " " + key, lower, upper, unit));
+  return out;
+}
+
+std::vector<Harmonic> harmonics(const toml::table& table, const std::string& name, const std::string& where,
+                                const std::string& unit) {
+  const std::vector<double> number = numbers(table, "harmonics", name, where, 0.0, 1e5, ""),
+                            sine = numbers(table, "sine_" + unit, name, where, -1e3, 1e3, unit),
+                            cosine = numbers(table, "cosine_" + unit, name, where, -1e3, 1e3, unit);
+  if (sine.size() != number.size() || cosine.size() != number.size())
+    core::fail(name, table.source(),
+               where + " has " + std::to_string(number.size()) + " harmonics, " +
+                   std::to_string(sine.size()) + " numbers in sine_" + unit + " and " +
+                   std::to_string(cosine.size()) + " in cosine_" + unit + "; expected as many of each");
+  std::vector<Harmonic> out;
+  for (std::size_t k = 0; k < number.size(); ++k) out.push_back({number[k], sine[k], cosine[k]});
+  return out;
+}
+
+std::string listed(const std::vector<Harmonic>& harmonics, double Harmonic::*part) {
+  std::string out = "[";
+  for (const Harmonic& h : harmonics) out += (out.size() > 1 ? ", " : "") + core::toml_float(h.*part);
+  return out + "]";
+}
+
 }  // namespace
 
 Path::Point Path::at(double t) const {
   if (profile == Profile::hold) return {centre_rad, 0.0, 0.0};
+  if (profile == Profile::fourier) {
+    Point p{centre_rad, 0.0, 0.0};
+    for (const Harmonic& h : harmonics) {
+      const double w = kTurn * h.number / period_s, s = std::sin(w * t), c = std::cos(w * t);
+      p.q += h.sine_rad * s + h.cosine_rad * c;
+      p.v += w * (h.sine_rad * c - h.cosine_rad * s);
+      p.a -= w * w * (h.sine_rad * s + h.cosine_rad * c);
+    }
+    return p;
+  }
   const double w = kTurn / period_s, s = std::sin(w * t + phase_rad), c = std::cos(w * t + phase_rad);
   if (profile == Profile::steps) return {centre_rad + (s >= 0.0 ? 1.0 : -1.0) * amplitude_rad, 0.0, 0.0};
   // A smooth step from 0 to 1, and its derivatives.
@@ -46,6 +95,7 @@ Path::Point Path::at(double t) const {
 
 Scenario default_scenario(const TreeModel& model) {
   Scenario s;
+  s.angle_noise_rad = model.angle_noise_rad;
   for (std::size_t j = 0; j < model.joints(); ++j) {
     const auto& limits = model.robot.joints[j].limits;
     Path p;
@@ -89,18 +139,24 @@ Scenario parse_scenario(std::string_view text, const std::string& name, const Tr
       const bool slides = model.prismatic(j);
       const std::string unit = slides ? "m" : "rad", centre = "centre_" + unit,
                         amplitude = "amplitude_" + unit;
-      const std::array<std::string_view, 5> keys{"profile", centre, amplitude, "period_s", "phase_rad"};
-      core::refuse_unknown_keys(table, name, where, keys);
       Path& p = s.paths[j];
       p.profile = Path::Profile::sine;
       if (const toml::node* profile = table.get("profile")) {
         const std::string which = core::text(*profile, name, where + " profile");
-        if (which != "sine" && which != "steps" && which != "hold")
+        const auto* const found = std::find(kProfiles.begin(), kProfiles.end(), which);
+        if (found == kProfiles.end())
           core::fail(name, profile->source(),
-                     where + " profile = " + core::quoted(which) + "; expected sine, steps or hold");
-        p.profile = which == "sine"    ? Path::Profile::sine
-                    : which == "steps" ? Path::Profile::steps
-                                       : Path::Profile::hold;
+                     where + " profile = " + core::quoted(which) + "; expected sine, steps, fourier or hold");
+        p.profile = static_cast<Path::Profile>(found - kProfiles.begin());
+      }
+      if (p.profile == Path::Profile::fourier) {
+        const std::string sine = "sine_" + unit, cosine = "cosine_" + unit;
+        const std::array<std::string_view, 6> keys{"profile", centre, "period_s", "harmonics", sine, cosine};
+        core::refuse_unknown_keys(table, name, where, keys);
+        p.harmonics = harmonics(table, name, where, unit);
+      } else {
+        const std::array<std::string_view, 5> keys{"profile", centre, amplitude, "period_s", "phase_rad"};
+        core::refuse_unknown_keys(table, name, where, keys);
       }
       p.centre_rad = chosen(table, centre, name, where, p.centre_rad, -1e3, 1e3, unit);
       p.amplitude_rad = chosen(table, amplitude, name, where, p.amplitude_rad, 0.0, 1e3, unit);
@@ -126,6 +182,29 @@ Scenario parse_scenario(std::string_view text, const std::string& name, const Tr
         chosen(table, "torque_noise_share", name, "[sensors]", s.torque_noise_share, 0.0, 1.0, "");
   }
   return s;
+}
+
+std::string format_scenario(const TreeModel& m, const Scenario& scenario) {
+  std::string out = "[run]\nduration_s = " + core::toml_float(scenario.duration_s) +
+                    "\nsample_rate_hz = " + core::toml_float(scenario.sample_rate_hz) + "\n";
+  for (std::size_t j = 0; j < m.joints(); ++j) {
+    const Path& p = scenario.paths[j];
+    const std::string unit = m.prismatic(j) ? "m" : "rad";
+    out += "\n[path." + toml_key(m.robot.joints[j].name) + "]\nprofile = \"" +
+           std::string(kProfiles[static_cast<std::size_t>(p.profile)]) + "\"\ncentre_" + unit + " = " +
+           core::toml_float(p.centre_rad) + "\n";
+    if (p.profile == Path::Profile::hold) continue;
+    if (p.profile == Path::Profile::fourier)
+      out += "period_s = " + core::toml_float(p.period_s) +
+             "\nharmonics = " + listed(p.harmonics, &Harmonic::number) + "\nsine_" + unit + " = " +
+             listed(p.harmonics, &Harmonic::sine_rad) + "\ncosine_" + unit + " = " +
+             listed(p.harmonics, &Harmonic::cosine_rad) + "\n";
+    else
+      out += "amplitude_" + unit + " = " + core::toml_float(p.amplitude_rad) +
+             "\nperiod_s = " + core::toml_float(p.period_s) +
+             "\nphase_rad = " + core::toml_float(p.phase_rad) + "\n";
+  }
+  return out;
 }
 
 Scenario read_scenario(const std::string& path, const TreeModel& model) {

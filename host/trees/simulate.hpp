@@ -28,6 +28,9 @@ Scenario default_scenario(const TreeModel& model);
 Scenario parse_scenario(std::string_view text, const std::string& name, const TreeModel& model);
 Scenario read_scenario(const std::string& path, const TreeModel& model);
 
+/// As a file that reads back the same, but for disturbance and sensors: those are usual.
+std::string format_scenario(const TreeModel& model, const Scenario& scenario);
+
 /// Under the torque law a computer makes the joints follow their paths: inverse dynamics of the model without its causes, and a
 /// spring and damper to the path, through the mass matrix. Under the position law the path is the set point. The same seed gives the same log.
 /// @throws core::DataError: the motion is not finite (a drive that is too weak or a step that is too large).
