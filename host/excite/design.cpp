@@ -34,6 +34,16 @@ double value_of(Criterion criterion, const Eigen::MatrixXd& information) {
   if (criterion == Criterion::d) return -linear::log_determinant_of_positive(all) / count;
   return linear::inverse_of_positive(all).trace() / count;
 }
+void chosen(std::vector<Subject>& all, About about) {
+  if (about != About::all)
+    std::erase_if(all, [&](const Subject& s) { return s.free != (about == About::free); });
+  Eigen::Index columns = 0;
+  for (Subject& s : all) {
+    s.first = columns;
+    columns += s.columns();
+  }
+}
+
 /// As a standard deviation.
 double as_sd(Criterion criterion, double value) {
   return criterion == Criterion::d ? std::exp(0.5 * value) : std::sqrt(value);
@@ -85,6 +95,7 @@ Design design(const trees::TreeModel& model, const std::vector<JointLimits>& lim
           trees::recording_of(model, trees::simulate(model, *first, o.seed))};
       const trees::Problem problem(model, reference, trees::windows_of(model, reference, o.window_s), 1);
       out.subjects = subjects(problem);
+      chosen(out.subjects, o.about);
       const Eigen::Index columns = out.subjects.back().first + out.subjects.back().columns();
       known = Eigen::MatrixXd::Zero(columns, columns);
     }

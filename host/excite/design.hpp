@@ -11,6 +11,9 @@
 
 namespace furcula::excite {
 
+/// Which subjects count.
+enum class About : std::uint8_t { all, free, causes };
+
 /// Of the covariance of all subjects in units of their sizes, with what is known beforehand: the determinant, or the trace (Pukelsheim, Optimal
 /// Design of Experiments, 1993, sections 6.2 and 6.5).
 enum class Criterion : std::uint8_t { d, a };
@@ -22,6 +25,7 @@ struct Options {
   std::uint64_t seed = 1;
   unsigned threads = 1;
   Criterion criterion = Criterion::d;
+  About about = About::all;
   std::function<void(double, std::string_view)> progress{};
 };
 

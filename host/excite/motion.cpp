@@ -15,6 +15,8 @@ namespace {
 
 constexpr double kTurn = 2.0 * std::numbers::pi;
 constexpr std::size_t kHarmonics = 5;
+/// Of a torque, where the model does not say it: of the joint's limit.
+constexpr double kNoise = 0.01;
 /// Attempts to get within the limits; from the second half on all joints are made smaller.
 constexpr int kAttempts = 24;
 /// Times of a motion that are looked at, a period of its fastest harmonic.
@@ -61,6 +63,7 @@ std::vector<Extremes> on_paths(const trees::TreeModel& m, const trees::Scenario&
 
 std::vector<Extremes> simulated(const trees::TreeModel& m, trees::Scenario s) {
   s.disturbance_share = s.angle_noise_rad = s.torque_noise_share = 0.0;
+  s.torque_noise_nm.clear();
   const log::Log log = trees::simulate(m, s, 1);
   const std::vector<double>& time = log.columns.at("time_s");
   std::vector<Extremes> out(m.joints());
@@ -127,6 +130,9 @@ std::optional<trees::Scenario> Series::within(const trees::TreeModel& m, std::sp
   trees::Scenario out = trees::default_scenario(m);
   out.duration_s = duration_s_;
   out.sample_rate_hz = rate_hz;
+  // The same whatever the motion is: else the best motion were one of little torque.
+  if (out.torque_noise_nm.empty())
+    for (const JointLimits& l : limits) out.torque_noise_nm.push_back(kNoise * l.torque_nm);
   const double base = kTurn / duration_s_;
   std::vector<double> centre;  // -1 to 1, of what the motion leaves of the range
   std::size_t at = 0;

@@ -61,6 +61,17 @@ std::vector<Harmonic> harmonics(const toml::table& table, const std::string& nam
   return out;
 }
 
+/// Of each joint; of one that is not named none.
+std::vector<double> noises(const toml::table& table, const std::string& name, const TreeModel& model) {
+  std::vector<std::string_view> joints;
+  for (const auto& j : model.robot.joints) joints.emplace_back(j.name);
+  core::refuse_unknown_keys(table, name, "[disturbance] torque_nm", joints);
+  std::vector<double> out;
+  for (const std::string_view joint : joints)
+    out.push_back(chosen(table, joint, name, "[disturbance] torque_nm", 0.0, 0.0, 1e6, "N m"));
+  return out;
+}
+
 std::string listed(const std::vector<Harmonic>& harmonics, double Harmonic::*part) {
   std::string out = "[";
   for (const Harmonic& h : harmonics) out += (out.size() > 1 ? ", " : "") + core::toml_float(h.*part);
@@ -96,6 +107,7 @@ Path::Point Path::at(double t) const {
 Scenario default_scenario(const TreeModel& model) {
   Scenario s;
   s.angle_noise_rad = model.angle_noise_rad;
+  if (model.torque_noise_nm > 0.0) s.torque_noise_nm.assign(model.joints(), model.torque_noise_nm);
   for (std::size_t j = 0; j < model.joints(); ++j) {
     const auto& limits = model.robot.joints[j].limits;
     Path p;
@@ -166,8 +178,10 @@ Scenario parse_scenario(std::string_view text, const std::string& name, const Tr
   }
   if (const toml::node* node = file.get("disturbance")) {
     const toml::table& table = core::table(*node, name, "[disturbance]");
-    static constexpr std::array<std::string_view, 2> kKeys{"share", "time_s"};
+    static constexpr std::array<std::string_view, 3> kKeys{"share", "time_s", "torque_nm"};
     core::refuse_unknown_keys(table, name, "[disturbance]", kKeys);
+    if (const toml::node* torque = table.get("torque_nm"))
+      s.torque_noise_nm = noises(core::table(*torque, name, "[disturbance] torque_nm"), name, model);
     s.disturbance_share = chosen(table, "share", name, "[disturbance]", s.disturbance_share, 0.0, 1.0, "");
     s.disturbance_time_s =
         chosen(table, "time_s", name, "[disturbance]", s.disturbance_time_s, 1e-4, 100.0, "s");
@@ -204,6 +218,10 @@ std::string format_scenario(const TreeModel& m, const Scenario& scenario) {
              "\nperiod_s = " + core::toml_float(p.period_s) +
              "\nphase_rad = " + core::toml_float(p.phase_rad) + "\n";
   }
+  if (scenario.torque_noise_nm.empty()) return out;
+  out += "\n[disturbance.torque_nm]\n";
+  for (std::size_t j = 0; j < m.joints(); ++j)
+    out += toml_key(m.robot.joints[j].name) + " = " + core::toml_float(scenario.torque_noise_nm[j]) + "\n";
   return out;
 }
 
@@ -279,6 +297,12 @@ log::Log simulate(const TreeModel& model, const Scenario& scenario, std::uint64_
   }
   // What a drive gives on such a path, for the sizes of noise and disturbance.
   const auto steps = static_cast<std::size_t>(std::lround(scenario.duration_s * scenario.sample_rate_hz));
+  auto tree = believed.model;
+  for (std::size_t j = 0; j < n; ++j)
+    if (model.drives[j].law == DriveLaw::position) {
+      tree.laws[j].stiffness_nmprad -= model.drives[j].kp_nmprad;
+      tree.laws[j].damping_nmspr -= model.drives[j].kd_nmsprad;
+    }
   const auto on_path = [&](double t) {
     model::RobotModel::Joints pq{}, pv{}, pa{};
     for (std::size_t j = 0; j < n; ++j) {
@@ -287,12 +311,6 @@ log::Log simulate(const TreeModel& model, const Scenario& scenario, std::uint64_
       pv[j] = p.v;
       pa[j] = p.a;
     }
-    auto tree = believed.model;
-    for (std::size_t j = 0; j < n; ++j)
-      if (model.drives[j].law == DriveLaw::position) {
-        tree.laws[j].stiffness_nmprad -= model.drives[j].kp_nmprad;
-        tree.laws[j].damping_nmspr -= model.drives[j].kd_nmsprad;
-      }
     return dynamics::tree::inverse_dynamics(tree, pq, pv, pa);
   };
   constexpr std::size_t kLooks = 400;
@@ -301,6 +319,12 @@ log::Log simulate(const TreeModel& model, const Scenario& scenario, std::uint64_
     for (std::size_t j = 0; j < n; ++j) torque_rms[j] += tau[j] * tau[j] / kLooks;
   }
   for (double& t : torque_rms) t = std::sqrt(t);
+  std::vector<double> disturbed_nm, noise_nm;
+  for (std::size_t j = 0; j < n; ++j) {
+    const bool said = !scenario.torque_noise_nm.empty();
+    disturbed_nm.push_back(said ? scenario.torque_noise_nm[j] : scenario.disturbance_share * torque_rms[j]);
+    noise_nm.push_back(said ? scenario.torque_noise_nm[j] : scenario.torque_noise_share * torque_rms[j]);
+  }
   Runner runner(true_one);
   runner.reset(q, v);
   std::vector<std::vector<double>> late(n);  // inputs on their way to a drive with a delay
@@ -324,8 +348,8 @@ log::Log simulate(const TreeModel& model, const Scenario& scenario, std::uint64_
         wanted[j] = 0.0;
       }
       const double keep = std::exp(-dt / scenario.disturbance_time_s);
-      disturbance[j] = keep * disturbance[j] + std::sqrt(1.0 - keep * keep) * scenario.disturbance_share *
-                                                   torque_rms[j] * normal(random);
+      disturbance[j] =
+          keep * disturbance[j] + std::sqrt(1.0 - keep * keep) * disturbed_nm[j] * normal(random);
       runner.disturb(j, disturbance[j]);
     }
     // Through the mass matrix each joint's error is corrected on its own, however many links it carries.
@@ -356,8 +380,7 @@ log::Log simulate(const TreeModel& model, const Scenario& scenario, std::uint64_
         throw core::DataError("the motion is not finite any more at " + core::shortest(t) +
                               " s; expected slower paths or stronger drives");
       if (model.drives[j].law == DriveLaw::torque)
-        column(j, "torque")
-            .push_back(input[j] + scenario.torque_noise_share * torque_rms[j] * normal(random));
+        column(j, "torque").push_back(input[j] + noise_nm[j] * normal(random));
     }
   }
   if (skew_s != 0.0) skew_angles(out, model, skew_s);
