@@ -21,9 +21,13 @@ constexpr std::size_t kFewestRows = 50;
 /// Random series that the search begins with, as a share of all that it may look at.
 constexpr double kRandom = 0.2;
 constexpr std::size_t kPopulation = 10;
-constexpr double kSigma = 0.4;
-/// Windows that one evaluation looks at.
-constexpr std::size_t kWindows = 12;
+constexpr double kSigma = 0.25;
+/// A harmonic of a random series is so large, and one in three by so much larger or smaller.
+constexpr double kUsual = 0.6, kEmphasis = 1.0;
+/// Windows that one evaluation looks at, others in each generation.
+constexpr std::size_t kWindows = 8;
+/// The best of all that are looked at in full.
+constexpr std::size_t kFinal = 6;
 /// Of numbers without any motion within the limits.
 constexpr double kNone = 1e9;
 
@@ -81,7 +85,8 @@ Design design(const trees::TreeModel& model, const std::vector<JointLimits>& lim
     std::vector<Eigen::VectorXd> points;
     for (std::size_t k = 0; k < many; ++k) {
       Eigen::VectorXd x(numbers);
-      for (Eigen::Index i = 0; i < numbers; ++i) x(i) = 0.6 * random.gaussian();
+      for (Eigen::Index i = 0; i < numbers; ++i)
+        x(i) = kUsual * std::exp(kEmphasis * random.gaussian()) * random.gaussian();
       points.push_back(std::move(x));
     }
     if (r == 0) {
@@ -99,18 +104,29 @@ Design design(const trees::TreeModel& model, const std::vector<JointLimits>& lim
       const Eigen::Index columns = out.subjects.back().first + out.subjects.back().columns();
       known = Eigen::MatrixXd::Zero(columns, columns);
     }
-    Eigen::VectorXd best;
-    double least = std::numeric_limits<double>::infinity();
-    const auto evaluate = [&](const std::vector<Eigen::VectorXd>& all) {
+    struct Tried {
+      double value;
+      Eigen::VectorXd x;
+    };
+    std::vector<Tried> best;
+    std::size_t generation = 0;
+    const auto evaluate = [&](const std::vector<Eigen::VectorXd>& all, std::size_t apart) {
       std::vector<double> values(all.size(), kNone);
       core::parallel_for(all.size(), o.threads, [&](std::size_t i) {
         if (const auto s = scenario_at(all[i]))
-          values[i] = value_of(
-              o.criterion, known + static_cast<double>(every) *
-                                       information(model, out.subjects, *s, o.seed + r, o.window_s, every));
+          values[i] = value_of(o.criterion, known + information(model, out.subjects, *s, o.seed + r,
+                                                                o.window_s, apart, generation % apart));
       });
+      ++generation;
+      return values;
+    };
+    const auto look_at = [&](const std::vector<Eigen::VectorXd>& all) {
+      std::vector<double> values = evaluate(all, every);
       for (std::size_t i = 0; i < all.size(); ++i)
-        if (values[i] < least) least = values[i], best = all[i];
+        if (values[i] < kNone) best.push_back({values[i], all[i]});
+      std::stable_sort(best.begin(), best.end(),
+                       [](const Tried& a, const Tried& b) { return a.value < b.value; });
+      if (best.size() > kFinal) best.resize(kFinal);
       done += all.size();
       report(doing);
       return values;
@@ -120,7 +136,7 @@ Design design(const trees::TreeModel& model, const std::vector<JointLimits>& lim
       const std::vector<Eigen::VectorXd> some(
           points.begin() + static_cast<std::ptrdiff_t>(k),
           points.begin() + static_cast<std::ptrdiff_t>(std::min(k + kPopulation, points.size())));
-      for (const double v : evaluate(some)) values.push_back(v);
+      for (const double v : look_at(some)) values.push_back(v);
     }
     if (r == 0) {
       std::vector<double> found;
@@ -130,14 +146,18 @@ Design design(const trees::TreeModel& model, const std::vector<JointLimits>& lim
                        found.end());
       if (!found.empty()) out.of_random = as_sd(o.criterion, found[found.size() / 2]);
     }
-    if (best.size() == 0)
+    if (best.empty())
       throw core::DataError(
           "no motion was found within the limits of position, velocity and torque; expected wider ones");
-    walk::CmaEs search(best, kSigma, kPopulation, o.seed * 1000 + r);
+    walk::CmaEs search(best.front().x, kSigma, kPopulation, o.seed * 1000 + r);
     for (std::size_t used = points.size(); used + kPopulation <= o.evaluations; used += kPopulation)
-      search.tell(evaluate(search.ask()));
-    out.scenarios.push_back(*scenario_at(best));
-    if (r == 0) out.of_design = as_sd(o.criterion, least);
+      search.tell(look_at(search.ask()));
+    std::vector<Eigen::VectorXd> last{search.mean()};
+    for (Tried& t : best) last.push_back(std::move(t.x));
+    values = evaluate(last, 1);
+    const auto least = std::min_element(values.begin(), values.end());
+    out.scenarios.push_back(*scenario_at(last[static_cast<std::size_t>(least - values.begin())]));
+    if (r == 0) out.of_design = as_sd(o.criterion, *least);
     known += information(model, out.subjects, out.scenarios.back(), o.seed + r, o.window_s, 1);
   }
   return out;

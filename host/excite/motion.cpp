@@ -104,10 +104,10 @@ Series::Series(std::vector<double> posture, double duration_s, double highest_hz
   for (std::size_t j = 0; j < joints; ++j) {
     std::vector<double>& numbers = harmonics_.emplace_back();
     // Those of two joints lie between each other.
-    const double shift = 0.6 * static_cast<double>(j) / static_cast<double>(joints);
-    for (std::size_t h = 0; h < kHarmonics; ++h) {
-      const double share = (static_cast<double>(h) + shift) / (static_cast<double>(kHarmonics) - 0.4);
-      double number = std::round(std::pow(most, share));
+    const double shift = 0.5 * static_cast<double>(j) / static_cast<double>(joints);
+    for (std::size_t h = 1; h <= kHarmonics; ++h) {
+      double number =
+          std::round(std::pow(most, (static_cast<double>(h) - shift) / static_cast<double>(kHarmonics)));
       if (!numbers.empty()) number = std::max(number, numbers.back() + 1.0);
       if (number <= most) numbers.push_back(number);
     }

@@ -90,12 +90,13 @@ std::vector<Subject> subjects(const trees::Problem& reference) {
 
 Eigen::MatrixXd information(const trees::TreeModel& model, const std::vector<Subject>& subjects,
                             const trees::Scenario& scenario, std::uint64_t seed, double window_s,
-                            std::size_t every) {
+                            std::size_t every, std::size_t first) {
   const std::vector<trees::Recording> recording{
       trees::recording_of(model, trees::simulate(model, scenario, seed))};
   std::vector<trees::Window> windows;
   std::vector<trees::Window> all = trees::windows_of(model, recording, window_s);
-  for (std::size_t i = 0; i < all.size(); i += every) windows.push_back(std::move(all[i]));
+  for (std::size_t i = first; i < all.size(); i += every) windows.push_back(std::move(all[i]));
+  const double each = static_cast<double>(all.size()) / static_cast<double>(windows.size());
   trees::Problem problem(model, recording, std::move(windows), 1);
   const trees::Hypothesis given{model.drives, model.causes};
   problem.weigh(given);
@@ -108,7 +109,7 @@ Eigen::MatrixXd information(const trees::TreeModel& model, const std::vector<Sub
     }
   const auto count = static_cast<Eigen::Index>(probes.size());
   const Eigen::Map<const Eigen::VectorXd> scale(sizes.data(), count);
-  return scale.asDiagonal() * problem.products(given, {}, probes).all.bottomRightCorner(count, count) *
+  return each * scale.asDiagonal() * problem.products(given, {}, probes).all.bottomRightCorner(count, count) *
          scale.asDiagonal();
 }
 

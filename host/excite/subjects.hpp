@@ -33,9 +33,10 @@ struct Subject {
 std::vector<Subject> subjects(const trees::Problem& reference);
 
 /// What a recording of the scenario tells: columns of all subjects in units of their sizes, weighed as `furcula identify` does, times
-/// themselves. The recording is simulated, with the usual noise of `furcula sim`. Every `every`-th window is looked at.
+/// themselves. The recording is simulated, with the usual noise of `furcula sim`. Every `every`-th window is looked at, from
+/// `first` on; the others are taken as like them.
 Eigen::MatrixXd information(const trees::TreeModel& model, const std::vector<Subject>& subjects,
                             const trees::Scenario& scenario, std::uint64_t seed, double window_s,
-                            std::size_t every);
+                            std::size_t every, std::size_t first = 0);
 
 }  // namespace furcula::excite
