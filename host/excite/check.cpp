@@ -290,6 +290,13 @@ Check check(const trees::TreeModel& m, const std::vector<Subject>& subjects,
   return out;
 }
 
+Check check_of(const trees::TreeModel& m, const Design& design, const Options& o) {
+  std::vector<trees::Recording> recordings;
+  for (std::size_t k = 0; k < design.scenarios.size(); ++k)
+    recordings.push_back(trees::recording_of(m, trees::simulate(m, design.scenarios[k], o.seed + k)));
+  return check(m, design.subjects, recordings, o.window_s, o.threads);
+}
+
 std::string sentence(const Check::Confused& c) {
   std::string others;
   for (std::size_t k = 1; k < c.names.size(); ++k)

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "host/excite/subjects.hpp"
+#include "host/excite/design.hpp"
 
 namespace furcula::excite {
 
@@ -44,6 +44,9 @@ struct Check {
 /// Of recordings, simulated or made.
 Check check(const trees::TreeModel& model, const std::vector<Subject>& subjects,
             const std::vector<trees::Recording>& recordings, double window_s, unsigned threads);
+
+/// Of designed recordings, which are simulated with the noise of their scenarios.
+Check check_of(const trees::TreeModel& model, const Design& design, const Options& options);
 
 /// As sentences: "With these recordings a and b cannot be told apart (correlation 0.99)."
 std::string sentence(const Check::Confused& confused);

@@ -38,7 +38,7 @@ double value_of(Criterion criterion, const Eigen::MatrixXd& information) {
   if (criterion == Criterion::d) return -linear::log_determinant_of_positive(all) / count;
   return linear::inverse_of_positive(all).trace() / count;
 }
-void chosen(std::vector<Subject>& all, About about) {
+std::vector<Subject> chosen(std::vector<Subject> all, About about) {
   if (about != About::all)
     std::erase_if(all, [&](const Subject& s) { return s.free != (about == About::free); });
   Eigen::Index columns = 0;
@@ -46,6 +46,7 @@ void chosen(std::vector<Subject>& all, About about) {
     s.first = columns;
     columns += s.columns();
   }
+  return all;
 }
 
 /// As a standard deviation.
@@ -68,6 +69,7 @@ Design design(const trees::TreeModel& model, const std::vector<JointLimits>& lim
   const auto windows = static_cast<std::size_t>(o.duration_s / o.window_s);
   const std::size_t every = std::max<std::size_t>(1, windows / kWindows);
   Design out;
+  std::vector<Subject> sought;
   Eigen::MatrixXd known;
   std::size_t done = 0;
   const auto report = [&](std::string_view doing) {
@@ -100,8 +102,12 @@ Design design(const trees::TreeModel& model, const std::vector<JointLimits>& lim
           trees::recording_of(model, trees::simulate(model, *first, o.seed))};
       const trees::Problem problem(model, reference, trees::windows_of(model, reference, o.window_s), 1);
       out.subjects = subjects(problem);
-      chosen(out.subjects, o.about);
-      const Eigen::Index columns = out.subjects.back().first + out.subjects.back().columns();
+      sought = chosen(out.subjects, o.about);
+      if (sought.empty())
+        throw core::DataError(
+            model.file +
+            ": no parameter in [free]; expected at least one, or motions for causes (--for causes)");
+      const Eigen::Index columns = sought.back().first + sought.back().columns();
       known = Eigen::MatrixXd::Zero(columns, columns);
     }
     struct Tried {
@@ -114,8 +120,8 @@ Design design(const trees::TreeModel& model, const std::vector<JointLimits>& lim
       std::vector<double> values(all.size(), kNone);
       core::parallel_for(all.size(), o.threads, [&](std::size_t i) {
         if (const auto s = scenario_at(all[i]))
-          values[i] = value_of(o.criterion, known + information(model, out.subjects, *s, o.seed + r,
-                                                                o.window_s, apart, generation % apart));
+          values[i] = value_of(o.criterion, known + information(model, sought, *s, o.seed + r, o.window_s,
+                                                                apart, generation % apart));
       });
       ++generation;
       return values;
@@ -158,7 +164,7 @@ Design design(const trees::TreeModel& model, const std::vector<JointLimits>& lim
     const auto least = std::min_element(values.begin(), values.end());
     out.scenarios.push_back(*scenario_at(last[static_cast<std::size_t>(least - values.begin())]));
     if (r == 0) out.of_design = as_sd(o.criterion, *least);
-    known += information(model, out.subjects, out.scenarios.back(), o.seed + r, o.window_s, 1);
+    known += information(model, sought, out.scenarios.back(), o.seed + r, o.window_s, 1);
   }
   return out;
 }

@@ -31,7 +31,7 @@ struct Options {
 
 struct Design {
   std::vector<trees::Scenario> scenarios;
-  std::vector<Subject> subjects;
+  std::vector<Subject> subjects;  ///< all, whatever the search was for
   /// Geometric mean (D) or mean (A) of the standard deviations that are left, in units of the subjects' sizes: of random series, the
   /// median, and of the design; first recording.
   double of_random = 0.0, of_design = 0.0;
