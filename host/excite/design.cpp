@@ -15,15 +15,15 @@
 namespace furcula::excite {
 namespace {
 
-/// A shorter recording has too few windows, and too few harmonics.
+/// A shorter recording has too few windows.
 constexpr double kShortest_s = 2.0;
 constexpr std::size_t kFewestRows = 50;
-/// Random series that the search begins with, as a share of all that it may look at.
+/// Random motions that the search begins with, as a share of all that it may look at.
 constexpr double kRandom = 0.2;
 constexpr std::size_t kPopulation = 10;
 constexpr double kSigma = 0.25;
-/// A harmonic of a random series is so large, and one in three by so much larger or smaller.
-constexpr double kUsual = 0.6, kEmphasis = 1.0;
+/// Of a random motion's numbers.
+constexpr double kUsual = 0.8;
 /// Windows that one evaluation looks at, others in each generation.
 constexpr std::size_t kWindows = 8;
 /// The best of all that are looked at in full.
@@ -64,8 +64,8 @@ Design design(const trees::TreeModel& model, const std::vector<JointLimits>& lim
         core::shortest(
             std::max({kShortest_s, 4.0 * o.window_s, static_cast<double>(kFewestRows) / o.rate_hz})) +
         " s or more");
-  const Series series(easiest_posture(model, limits), o.duration_s, o.highest_hz);
-  const auto numbers = static_cast<Eigen::Index>(series.size());
+  const Sines sines(easiest_posture(model, limits), o.duration_s, o.highest_hz);
+  const auto numbers = static_cast<Eigen::Index>(sines.size());
   const auto windows = static_cast<std::size_t>(o.duration_s / o.window_s);
   const std::size_t every = std::max<std::size_t>(1, windows / kWindows);
   Design out;
@@ -79,7 +79,7 @@ Design design(const trees::TreeModel& model, const std::vector<JointLimits>& lim
   for (std::size_t r = 0; r < o.recordings; ++r) {
     const std::string doing = "recording " + std::to_string(r + 1) + " of " + std::to_string(o.recordings);
     const auto scenario_at = [&](const Eigen::VectorXd& x) {
-      return series.within(model, limits, {x.data(), static_cast<std::size_t>(x.size())}, o.rate_hz);
+      return sines.within(model, limits, {x.data(), static_cast<std::size_t>(x.size())}, o.rate_hz);
     };
     core::Random random(o.seed, r);
     const auto many = std::max<std::size_t>(
@@ -87,8 +87,7 @@ Design design(const trees::TreeModel& model, const std::vector<JointLimits>& lim
     std::vector<Eigen::VectorXd> points;
     for (std::size_t k = 0; k < many; ++k) {
       Eigen::VectorXd x(numbers);
-      for (Eigen::Index i = 0; i < numbers; ++i)
-        x(i) = kUsual * std::exp(kEmphasis * random.gaussian()) * random.gaussian();
+      for (Eigen::Index i = 0; i < numbers; ++i) x(i) = kUsual * random.gaussian();
       points.push_back(std::move(x));
     }
     if (r == 0) {

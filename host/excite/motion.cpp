@@ -14,7 +14,8 @@ namespace furcula::excite {
 namespace {
 
 constexpr double kTurn = 2.0 * std::numbers::pi;
-constexpr std::size_t kHarmonics = 5;
+constexpr std::size_t kSines = 2;
+constexpr double kRamp_s = 0.5;
 /// Of a torque, where the model does not say it: of the joint's limit.
 constexpr double kNoise = 0.01;
 /// Attempts to get within the limits; from the second half on all joints are made smaller.
@@ -97,35 +98,13 @@ double used(const Extremes& e, const JointLimits& l) {
                    e.velocity_radps / l.velocity_radps, e.torque_nm / l.torque_nm});
 }
 
-Series::Series(std::vector<double> posture, double duration_s, double highest_hz)
-    : posture_(std::move(posture)), duration_s_(duration_s), highest_hz_(highest_hz) {
-  const std::size_t joints = posture_.size();
-  const double most = std::max(3.0, std::floor(duration_s * highest_hz));
-  for (std::size_t j = 0; j < joints; ++j) {
-    std::vector<double>& numbers = harmonics_.emplace_back();
-    // Those of two joints lie between each other.
-    const double shift = 0.5 * static_cast<double>(j) / static_cast<double>(joints);
-    for (std::size_t h = 1; h <= kHarmonics; ++h) {
-      double number =
-          std::round(std::pow(most, (static_cast<double>(h) - shift) / static_cast<double>(kHarmonics)));
-      if (!numbers.empty()) number = std::max(number, numbers.back() + 1.0);
-      if (number <= most) numbers.push_back(number);
-    }
-    // Zero velocity and acceleration take two of each joint's numbers.
-    for (double number = 1.0; numbers.size() < 3; ++number)
-      if (std::find(numbers.begin(), numbers.end(), number) == numbers.end())
-        numbers.insert(std::upper_bound(numbers.begin(), numbers.end(), number), number);
-  }
-}
+Sines::Sines(std::vector<double> posture, double duration_s, double highest_hz)
+    : posture_(std::move(posture)), duration_s_(duration_s), highest_hz_(highest_hz) {}
 
-std::size_t Series::size() const {
-  std::size_t out = 0;
-  for (const auto& h : harmonics_) out += 1 + 2 * h.size();
-  return out;
-}
+std::size_t Sines::size() const { return posture_.size() * (1 + 3 * kSines); }
 
-std::optional<trees::Scenario> Series::within(const trees::TreeModel& m, std::span<const JointLimits> limits,
-                                              std::span<const double> x, double rate_hz) const {
+std::optional<trees::Scenario> Sines::within(const trees::TreeModel& m, std::span<const JointLimits> limits,
+                                             std::span<const double> x, double rate_hz) const {
   const std::size_t n = m.joints();
   trees::Scenario out = trees::default_scenario(m);
   out.duration_s = duration_s_;
@@ -133,28 +112,24 @@ std::optional<trees::Scenario> Series::within(const trees::TreeModel& m, std::sp
   // The same whatever the motion is: else the best motion were one of little torque.
   if (out.torque_noise_nm.empty())
     for (const JointLimits& l : limits) out.torque_noise_nm.push_back(kNoise * l.torque_nm);
-  const double base = kTurn / duration_s_;
+  const double lowest_hz = std::min(1.0 / duration_s_, 0.5 * highest_hz_);
   std::vector<double> centre;  // -1 to 1, of what the motion leaves of the range
   std::size_t at = 0;
   for (std::size_t j = 0; j < n; ++j) {
     const JointLimits& l = limits[j];
     trees::Path& p = out.paths[j];
-    p = {trees::Path::Profile::fourier, 0.0, 0.0, duration_s_, 0.0};
+    p = {trees::Path::Profile::fourier, 0.0, 0.0, 1.0, 0.0};
+    p.ramp_s = std::min(kRamp_s, 0.25 * duration_s_);
+    p.end_s = duration_s_;
     centre.push_back(std::tanh(x[at++]));
-    double sines = 0.0, cosines = 0.0;
-    for (const double number : harmonics_[j]) {
-      // A harmonic that is alone would be about as large as range and velocity let it.
-      const double w = base * number, most = std::min(0.5 * kOfRange * (l.upper_rad - l.lower_rad),
-                                                      kOfVelocity * l.velocity_radps / w);
-      p.harmonics.push_back({number, most * x[at], most * x[at + 1]});
-      at += 2;
-      sines += number * p.harmonics.back().sine_rad;
-      cosines += number * number * p.harmonics.back().cosine_rad;
-    }
-    // Without velocity and acceleration at the start.
-    for (trees::Harmonic& h : p.harmonics) {
-      h.sine_rad -= sines / (h.number * static_cast<double>(p.harmonics.size()));
-      h.cosine_rad -= cosines / (h.number * h.number * static_cast<double>(p.harmonics.size()));
+    for (std::size_t k = 0; k < kSines; ++k, at += 3) {
+      // Of a normal number about evenly spread over the logarithm of the frequency.
+      const double share = 1.0 / (1.0 + std::exp(-1.7 * x[at])),
+                   hz = lowest_hz * std::pow(highest_hz_ / lowest_hz, share);
+      // A sine that is alone would be about as large as range and velocity let it.
+      const double most = std::min(0.5 * kOfRange * (l.upper_rad - l.lower_rad),
+                                   kOfVelocity * l.velocity_radps / (kTurn * hz));
+      p.harmonics.push_back({hz, most * x[at + 1], most * x[at + 2]});
     }
   }
   const double step_s = 1.0 / (kLooks * highest_hz_);

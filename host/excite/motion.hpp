@@ -23,15 +23,15 @@ std::vector<Extremes> extremes(const trees::TreeModel& model, const trees::Scena
 /// the limit.
 double used(const Extremes& extremes, const JointLimits& limits);
 
-/// Fourier series whose velocity and acceleration are zero at start and end (Swevers, Ganseman, Tükel, de Schutter, Van Brussel, Optimal robot
-/// excitation and identification, IEEE Trans. Robotics and Automation 13(5), 1997).
-class Series {
+/// Sums of sines that begin and end at rest, by ramps of half a second. Their frequencies are free: a Fourier series with a harmonic a
+/// recording (Swevers and others, Optimal robot excitation and identification, IEEE Trans. Robotics and Automation 13(5), 1997) has a
+/// higher peak for the same power.
+class Sines {
  public:
-  /// Harmonics from one a recording to `highest_hz`, spread by their logarithm, others at each joint. Motions that the drives cannot
-  /// make are moved towards `posture`.
-  Series(std::vector<double> posture, double duration_s, double highest_hz);
+  /// Frequencies from one period a recording to `highest_hz`. Motions that the drives cannot make are moved towards `posture`.
+  Sines(std::vector<double> posture, double duration_s, double highest_hz);
 
-  /// Numbers that determine the paths: of each joint its centre, then two for each harmonic.
+  /// Numbers that determine the paths: of each joint its centre, then three for each sine.
   std::size_t size() const;
   /// The paths of such numbers, usual ones of about 1 in size, made smaller until they are within the limits; empty where nothing is.
   std::optional<trees::Scenario> within(const trees::TreeModel& model, std::span<const JointLimits> limits,
@@ -40,7 +40,6 @@ class Series {
  private:
   std::vector<double> posture_;
   double duration_s_, highest_hz_;
-  std::vector<std::vector<double>> harmonics_;  ///< of each joint
 };
 
 }  // namespace furcula::excite

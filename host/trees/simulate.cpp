@@ -72,6 +72,13 @@ std::vector<double> noises(const toml::table& table, const std::string& name, co
   return out;
 }
 
+/// From 0 to 1 within `rise_s`, and its derivatives.
+Path::Point smooth_step(double t, double rise_s) {
+  const double x = std::clamp(t / rise_s, 0.0, 1.0);
+  return {x * x * x * (10.0 - 15.0 * x + 6.0 * x * x), 30.0 * x * x * (1.0 - x) * (1.0 - x) / rise_s,
+          60.0 * x * (1.0 - x) * (1.0 - 2.0 * x) / (rise_s * rise_s)};
+}
+
 std::string listed(const std::vector<Harmonic>& harmonics, double Harmonic::*part) {
   std::string out = "[";
   for (const Harmonic& h : harmonics) out += (out.size() > 1 ? ", " : "") + core::toml_float(h.*part);
@@ -90,16 +97,15 @@ Path::Point Path::at(double t) const {
       p.v += w * (h.sine_rad * c - h.cosine_rad * s);
       p.a -= w * w * (h.sine_rad * s + h.cosine_rad * c);
     }
-    return p;
+    if (ramp_s <= 0.0) return p;
+    const Point u = smooth_step(std::min(t, end_s - t), ramp_s);
+    const double q = p.q - centre_rad, du = t < 0.5 * end_s ? u.v : -u.v;
+    return {centre_rad + u.q * q, du * q + u.q * p.v, u.a * q + 2.0 * du * p.v + u.q * p.a};
   }
   const double w = kTurn / period_s, s = std::sin(w * t + phase_rad), c = std::cos(w * t + phase_rad);
   if (profile == Profile::steps) return {centre_rad + (s >= 0.0 ? 1.0 : -1.0) * amplitude_rad, 0.0, 0.0};
-  // A smooth step from 0 to 1, and its derivatives.
   constexpr double kRise_s = 0.5;
-  const double x = std::min(1.0, t / kRise_s);
-  const double u = x * x * x * (10.0 - 15.0 * x + 6.0 * x * x),
-               du = 30.0 * x * x * (1.0 - x) * (1.0 - x) / kRise_s,
-               ddu = 60.0 * x * (1.0 - x) * (1.0 - 2.0 * x) / (kRise_s * kRise_s);
+  const auto [u, du, ddu] = smooth_step(t, kRise_s);
   return {centre_rad + amplitude_rad * u * s, amplitude_rad * (du * s + u * w * c),
           amplitude_rad * (ddu * s + 2.0 * du * w * c - u * w * w * s)};
 }
@@ -212,7 +218,8 @@ std::string format_scenario(const TreeModel& m, const Scenario& scenario) {
       out += "period_s = " + core::toml_float(p.period_s) +
              "\nharmonics = " + listed(p.harmonics, &Harmonic::number) + "\nsine_" + unit + " = " +
              listed(p.harmonics, &Harmonic::sine_rad) + "\ncosine_" + unit + " = " +
-             listed(p.harmonics, &Harmonic::cosine_rad) + "\n";
+             listed(p.harmonics, &Harmonic::cosine_rad) +
+             (p.ramp_s > 0.0 ? "\nramp_s = " + core::toml_float(p.ramp_s) + "\n" : "\n");
     else
       out += "amplitude_" + unit + " = " + core::toml_float(p.amplitude_rad) +
              "\nperiod_s = " + core::toml_float(p.period_s) +

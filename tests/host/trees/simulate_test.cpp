@@ -67,6 +67,24 @@ TEST_CASE("A Fourier series has the derivatives of its sines and cosines, and re
   CHECK(again.paths[2].at(2.3).q == s.paths[2].at(2.3).q);
 }
 
+TEST_CASE("A ramp takes a Fourier series from rest to rest, and its derivatives are those of the path") {
+  const trees::Scenario s = scenario(
+      "[run]\nduration_s = 4.0\n[path.elbow]\nprofile = \"fourier\"\ncentre_rad = 0.2\nperiod_s = 1.0\n"
+      "harmonics = [1.3, 0.4]\nsine_rad = [0.3, 0.2]\ncosine_rad = [0.1, -0.1]\nramp_s = 0.5\n");
+  const Path& p = s.paths[2];
+  for (const double t : {0.0, 4.0}) {
+    CHECK(p.at(t).q == Approx(0.2));
+    CHECK(std::abs(p.at(t).v) < 1e-12);
+    CHECK(std::abs(p.at(t).a) < 1e-12);
+  }
+  const double h = 1e-4;
+  for (const double t : {0.2, 1.7, 3.8}) {
+    CHECK(p.at(t).v == Approx((p.at(t + h).q - p.at(t - h).q) / (2.0 * h)).epsilon(1e-5));
+    CHECK(p.at(t).a == Approx((p.at(t + h).v - p.at(t - h).v) / (2.0 * h)).epsilon(1e-5));
+  }
+  CHECK(scenario(trees::format_scenario(test::arm3(), s)).paths[2].at(3.9).q == p.at(3.9).q);
+}
+
 TEST_CASE("A Fourier series with lists of different lengths is refused") {
   const std::string start = "[path.elbow]\nprofile = \"fourier\"\n";
   CHECK_THAT(refused(start), Contains("s.toml") && Contains("no key 'harmonics'"));
