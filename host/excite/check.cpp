@@ -141,12 +141,19 @@ class Checker {
 
   std::vector<Check::Confused> confused() const {
     std::vector<Check::Confused> out;
+    const std::vector<std::size_t> alike = alike_in_any_motion();
+    for (std::size_t a = 0; a < alike.size(); ++a) {
+      Check::Confused c{{}, 1.0, false};
+      for (std::size_t b = a; b < alike.size(); ++b)
+        if (alike[b] == a) c.names.push_back(subjects_[b].name);
+      if (c.names.size() > 1) out.push_back(std::move(c));
+    }
     std::vector<std::pair<std::size_t, std::size_t>> pairs;
     for (std::size_t a = 0; a < subjects_.size(); ++a) {
       if (!can_be_explained(a)) continue;
       bool found = false;
       for (std::size_t b = 0; b < subjects_.size(); ++b) {
-        if (a == b || subjects_[b].columns() > 3 || !seen(b)) continue;
+        if (a == b || subjects_[b].columns() > 3 || !seen(b) || alike[a] == alike[b]) continue;
         const auto c = by(a, {b});
         if (!c) continue;
         found = true;
@@ -163,6 +170,29 @@ class Checker {
   }
 
  private:
+  /// Of each subject the first one whose torques are the same in all motions, but for a factor.
+  std::vector<std::size_t> alike_in_any_motion() const {
+    std::vector<std::size_t> out;
+    const double least = 1e-12 * any_.diagonal().maxCoeff();
+    for (std::size_t a = 0; a < subjects_.size(); ++a) {
+      out.push_back(a);
+      for (std::size_t b = 0; b < a && out[a] == a; ++b) {
+        if (!by_inverse_dynamics(subjects_[a]) || !by_inverse_dynamics(subjects_[b])) continue;
+        const auto explained = [&](std::size_t x, std::size_t y) {
+          bool all = subjects_[x].columns() <= 3, any = false;
+          for (const Eigen::Index k : columns_of(subjects_[x])) {
+            if (any_(k, k) <= least) continue;
+            any = true;
+            all = all && left(any_, k, columns_of(subjects_[y])) < kNone * any_(k, k);
+          }
+          return all && any;
+        };
+        if (explained(a, b) && explained(b, a)) out[a] = out[b];
+      }
+    }
+    return out;
+  }
+
   /// Bodies' ten numbers stand in combinations from the start.
   bool can_be_explained(std::size_t a) const { return subjects_[a].columns() <= 3 && seen(a); }
 
@@ -301,11 +331,12 @@ std::string sentence(const Check::Confused& c) {
   std::string others;
   for (std::size_t k = 1; k < c.names.size(); ++k)
     others += (k == 1 ? "" : k + 1 == c.names.size() ? " and " : ", ") + c.names[k];
-  const std::string correlation = " (correlation " + core::rounded(c.correlation, 3) + ")";
-  const std::string what = c.names.size() == 2
-                               ? c.names[0] + " and " + others + " cannot be told apart" + correlation
-                               : c.names[0] + " cannot be told from " + others + " together" + correlation;
-  return c.ever ? "With these recordings " + what + "." : "With no motion of this robot: " + what + ".";
+  if (!c.ever) return "No motion of this robot tells " + c.names[0] + " from " + others + ".";
+  const std::string correlation = " (correlation " + core::rounded(c.correlation, 3) + ").";
+  return "With these recordings " + c.names[0] +
+         (c.names.size() == 2 ? " and " + others + " cannot be told apart"
+                              : " cannot be told from " + others + " together") +
+         correlation;
 }
 
 }  // namespace furcula::excite

@@ -28,7 +28,7 @@ struct Check {
     bool seen = false;  ///< at that size it passes the score test's threshold
     bool ever = true;   ///< some motion of this robot shows it
   };
-  /// The first is explained by the others.
+  /// The first is explained by the others together; of those that no motion tells apart each is by each.
   struct Confused {
     std::vector<std::string> names;
     double correlation = 0.0;
