@@ -169,9 +169,12 @@ Scenario parse_scenario(std::string_view text, const std::string& name, const Tr
       }
       if (p.profile == Path::Profile::fourier) {
         const std::string sine = "sine_" + unit, cosine = "cosine_" + unit;
-        const std::array<std::string_view, 6> keys{"profile", centre, "period_s", "harmonics", sine, cosine};
+        const std::array<std::string_view, 7> keys{"profile", centre, "period_s", "harmonics",
+                                                   sine,      cosine, "ramp_s"};
         core::refuse_unknown_keys(table, name, where, keys);
         p.harmonics = harmonics(table, name, where, unit);
+        p.ramp_s = chosen(table, "ramp_s", name, where, 0.0, 0.0, 0.5 * s.duration_s, "s");
+        p.end_s = s.duration_s;
       } else {
         const std::array<std::string_view, 5> keys{"profile", centre, amplitude, "period_s", "phase_rad"};
         core::refuse_unknown_keys(table, name, where, keys);
