@@ -27,6 +27,31 @@ std::string unit_of(const trees::TreeModel& m, std::size_t joint, std::size_t ke
   return key < 2 ? (slides ? "m" : "rad") : key == 2 ? (slides ? "m/s" : "rad/s") : slides ? "N" : "N m";
 }
 
+/// The robot without its drives.
+class Holding {
+ public:
+  explicit Holding(const trees::TreeModel& m) : tree_(trees::SetupMaker(m).make(m.drives, m.causes).model) {
+    for (std::size_t j = 0; j < m.joints(); ++j)
+      if (m.drives[j].law == trees::DriveLaw::position) {
+        tree_.laws[j].stiffness_nmprad -= m.drives[j].kp_nmprad;
+        tree_.laws[j].damping_nmspr -= m.drives[j].kd_nmsprad;
+      }
+  }
+  std::vector<double> nm(std::span<const double> posture) const {
+    model::RobotModel::Joints q{};
+    std::copy(posture.begin(), posture.end(), q.begin());
+    const auto held = dynamics::tree::inverse_dynamics(tree_, q, {}, {});
+    std::vector<double> out;
+    for (std::size_t j = 0; j < posture.size(); ++j)
+      out.push_back(std::abs(held[j]) +
+                    std::max(tree_.laws[j].friction_nm, tree_.laws[j].static_friction_nm));
+    return out;
+  }
+
+ private:
+  model::RobotModel tree_;
+};
+
 }  // namespace
 
 Override parse_override(std::string_view text) {
@@ -99,39 +124,36 @@ std::vector<JointLimits> limits_of(const trees::TreeModel& m, std::span<const Ov
   return out;
 }
 
+std::vector<double> holding_nm(const trees::TreeModel& m, std::span<const double> posture) {
+  return Holding(m).nm(posture);
+}
+
 std::vector<double> easiest_posture(const trees::TreeModel& m, std::span<const JointLimits> limits) {
   const std::size_t n = m.joints();
-  auto tree = trees::SetupMaker(m).make(m.drives, m.causes).model;
-  for (std::size_t j = 0; j < n; ++j)
-    if (m.drives[j].law == trees::DriveLaw::position) {
-      tree.laws[j].stiffness_nmprad -= m.drives[j].kp_nmprad;
-      tree.laws[j].damping_nmspr -= m.drives[j].kd_nmsprad;
-    }
+  const Holding holding(m);
   core::Random random(1, 0);
   double least = std::numeric_limits<double>::infinity(),
          least_nm = 0.0;  // of the best posture's worst joint
   std::size_t worst = 0;
   std::vector<double> best(n);
   for (std::size_t k = 0; k < kPostures; ++k) {
-    model::RobotModel::Joints q{};
+    std::vector<double> q(n);
     for (std::size_t j = 0; j < n; ++j) q[j] = random.uniform(limits[j].lower_rad, limits[j].upper_rad);
     // The middle of all ranges is one of them.
     if (k == 0)
       for (std::size_t j = 0; j < n; ++j) q[j] = 0.5 * (limits[j].lower_rad + limits[j].upper_rad);
-    const auto held = dynamics::tree::inverse_dynamics(tree, q, {}, {});
+    const std::vector<double> held = holding.nm(q);
     double most = 0.0, most_nm = 0.0;
     std::size_t joint = 0;
     for (std::size_t j = 0; j < n; ++j) {
-      const auto& law = tree.laws[j];
-      const double needed = std::abs(held[j]) + std::max(law.friction_nm, law.static_friction_nm);
-      if (needed / limits[j].torque_nm <= most) continue;
-      most = needed / limits[j].torque_nm;
-      most_nm = needed;
+      if (held[j] / limits[j].torque_nm <= most) continue;
+      most = held[j] / limits[j].torque_nm;
+      most_nm = held[j];
       joint = j;
     }
     if (most >= least) continue;
     least = most, least_nm = most_nm, worst = joint;
-    for (std::size_t j = 0; j < n; ++j) best[j] = q[j];
+    best = q;
   }
   if (least < kOfTorque) return best;
   throw core::DataError(

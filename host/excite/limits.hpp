@@ -32,6 +32,9 @@ std::vector<JointLimits> limits_of(const trees::TreeModel& model, std::span<cons
 /// Shares of the limits that designed motions use; the rest is for the controller that follows them.
 inline constexpr double kOfRange = 0.96, kOfVelocity = 0.95, kOfTorque = 0.9;
 
+/// What each drive gives in a posture against gravity, and at most against friction at rest.
+std::vector<double> holding_nm(const trees::TreeModel& model, std::span<const double> posture);
+
 /// Of the postures within the limits the one in which the drives have most torque left; each joint's position.
 /// @throws core::DataError: a joint that even there cannot be held, and its friction overcome, with the torque that designed motions use.
 std::vector<double> easiest_posture(const trees::TreeModel& model, std::span<const JointLimits> limits);

@@ -16,6 +16,8 @@ namespace {
 constexpr double kTurn = 2.0 * std::numbers::pi;
 constexpr std::size_t kSines = 2;
 constexpr double kRamp_s = 0.5;
+/// Of the torque limit, what the posture in the middle of a motion may take.
+constexpr double kHeld = 0.6;
 /// Of a torque, where the model does not say it: of the joint's limit.
 constexpr double kNoise = 0.01;
 /// Attempts to get within the limits; from the second half on all joints are made smaller.
@@ -135,6 +137,8 @@ std::optional<trees::Scenario> Sines::within(const trees::TreeModel& m, std::spa
   const double step_s = 1.0 / (kLooks * highest_hz_);
   double pulled = 0.0;  // towards the easiest posture
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
+    std::vector<double> middle, room,
+        offset;  // of the range; left to both sides of the motion; of the motion's middle
     for (std::size_t j = 0; j < n; ++j) {
       const JointLimits& l = limits[j];
       trees::Path& p = out.paths[j];
@@ -146,14 +150,26 @@ std::optional<trees::Scenario> Sines::within(const trees::TreeModel& m, std::spa
         highest = std::max(highest, point.q);
         fastest = std::max(fastest, std::abs(point.v));
       }
-      const double room = kOfRange * (l.upper_rad - l.lower_rad),
-                   share = std::min({1.0, room / std::max(highest - lowest, 1e-12),
+      const double range = kOfRange * (l.upper_rad - l.lower_rad),
+                   share = std::min({1.0, range / std::max(highest - lowest, 1e-12),
                                      kOfVelocity * l.velocity_radps / std::max(fastest, 1e-12)});
       for (trees::Harmonic& h : p.harmonics) h.sine_rad *= share, h.cosine_rad *= share;
-      const double middle = 0.5 * (l.lower_rad + l.upper_rad),
-                   left = 0.5 * (room - share * (highest - lowest)),
-                   of_motion = std::lerp(middle + centre[j] * left, posture_[j], pulled);
-      p.centre_rad = std::clamp(of_motion, middle - left, middle + left) - 0.5 * share * (lowest + highest);
+      middle.push_back(0.5 * (l.lower_rad + l.upper_rad));
+      room.push_back(0.5 * (range - share * (highest - lowest)));
+      offset.push_back(0.5 * share * (lowest + highest));
+    }
+    // A posture that leaves little torque for the motion is moved.
+    for (bool held = false; !held; pulled += 0.1) {
+      std::vector<double> posture;
+      for (std::size_t j = 0; j < n; ++j) {
+        const double wanted = std::lerp(middle[j] + centre[j] * room[j], posture_[j], std::min(1.0, pulled));
+        posture.push_back(std::clamp(wanted, middle[j] - room[j], middle[j] + room[j]));
+        out.paths[j].centre_rad = posture.back() - offset[j];
+      }
+      const std::vector<double> needed = holding_nm(m, posture);
+      held = true;
+      for (std::size_t j = 0; j < n; ++j) held = held && needed[j] < kHeld * limits[j].torque_nm;
+      if (held || pulled >= 1.0) break;
     }
     const std::vector<Extremes> now = extremes(m, out, step_s);
     // A joint that follows its set point with an error may leave the range, or be too fast.
@@ -169,7 +185,6 @@ std::optional<trees::Scenario> Sines::within(const trees::TreeModel& m, std::spa
       const double share = std::max(0.6, 0.97 / (all ? most : of_limits[j]));
       for (trees::Harmonic& h : out.paths[j].harmonics) h.sine_rad *= share, h.cosine_rad *= share;
     }
-    if (attempt >= kAttempts / 3) pulled = std::min(1.0, pulled + 0.1);
   }
   return std::nullopt;
 }
