@@ -20,8 +20,8 @@ constexpr double kRamp_s = 0.5;
 constexpr double kHeld = 0.6;
 /// Of a torque, where the model does not say it: of the joint's limit.
 constexpr double kNoise = 0.01;
-/// Attempts to get within the limits; from the second half on all joints are made smaller.
-constexpr int kAttempts = 24;
+/// Attempts to get within the limits; after so many all joints are made smaller: the motion of one takes torque of another.
+constexpr int kAttempts = 24, kAlone = 4;
 /// Times of a motion that are looked at, a period of its fastest harmonic.
 constexpr double kLooks = 24.0;
 
@@ -180,7 +180,7 @@ std::optional<trees::Scenario> Sines::within(const trees::TreeModel& m, std::spa
     const double most = *std::max_element(of_limits.begin(), of_limits.end());
     if (most <= 1.0) return out;
     for (std::size_t j = 0; j < n; ++j) {
-      const bool all = attempt >= kAttempts / 2;
+      const bool all = attempt >= kAlone;
       if (of_limits[j] <= 1.0 && !all) continue;
       const double share = std::max(0.6, 0.97 / (all ? most : of_limits[j]));
       for (trees::Harmonic& h : out.paths[j].harmonics) h.sine_rad *= share, h.cosine_rad *= share;
