@@ -20,8 +20,10 @@ constexpr double kRamp_s = 0.5;
 constexpr double kHeld = 0.6;
 /// Of a torque, where the model does not say it: of the joint's limit.
 constexpr double kNoise = 0.01;
-/// Attempts to get within the limits; after so many all joints are made smaller: the motion of one takes torque of another.
-constexpr int kAttempts = 24, kAlone = 4;
+/// Attempts to get within the limits. Where a joint alone was made smaller by so much, or after half of them, all joints are: the motion of
+/// one takes torque of another.
+constexpr int kAttempts = 24;
+constexpr double kAlone = 0.3;
 /// Times of a motion that are looked at, a period of its fastest harmonic.
 constexpr double kLooks = 24.0;
 
@@ -135,6 +137,7 @@ std::optional<trees::Scenario> Sines::within(const trees::TreeModel& m, std::spa
     }
   }
   const double step_s = 1.0 / (kLooks * highest_hz_);
+  std::vector<double> alone(n, 1.0);
   double pulled = 0.0;  // towards the easiest posture
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
     std::vector<double> middle, room,
@@ -179,10 +182,12 @@ std::optional<trees::Scenario> Sines::within(const trees::TreeModel& m, std::spa
                                         kOfTorque * limits[j].torque_nm}));
     const double most = *std::max_element(of_limits.begin(), of_limits.end());
     if (most <= 1.0) return out;
+    bool all = attempt >= kAttempts / 2;
+    for (std::size_t j = 0; j < n; ++j) all = all || (of_limits[j] > 1.0 && alone[j] < kAlone);
     for (std::size_t j = 0; j < n; ++j) {
-      const bool all = attempt >= kAlone;
       if (of_limits[j] <= 1.0 && !all) continue;
       const double share = std::max(0.6, 0.97 / (all ? most : of_limits[j]));
+      if (!all) alone[j] *= share;
       for (trees::Harmonic& h : out.paths[j].harmonics) h.sine_rad *= share, h.cosine_rad *= share;
     }
   }

@@ -175,7 +175,8 @@ TEST_CASE("The same seed designs the same set points on one thread and on two, a
   CHECK(text() != two);
 }
 
-TEST_CASE("Intervals from designed recordings are at most half as wide as those from random sines") {
+TEST_CASE(
+    "In the geometric mean intervals from designed recordings are at most half as wide as those from random sines") {
   const trees::TreeModel m = test::arm3(kFree);
   excite::Options o = quick(1, 100);
   o.about = excite::About::free;
