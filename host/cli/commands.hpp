@@ -36,6 +36,7 @@ void add_bench_command(CLI::App& app);
 void add_bus_command(CLI::App& app);
 void add_flash_command(CLI::App& app);
 void add_energy_command(CLI::App& app);
+void add_excite_command(CLI::App& app);
 void add_gait_command(CLI::App& app);
 void add_gait_study_command(CLI::App& app);
 void add_reproduce_command(CLI::App& app);

@@ -9,6 +9,7 @@ void furcula::cli::add_commands(CLI::App& app) {
   add_bus_command(app);
   add_flash_command(app);
   add_energy_command(app);
+  add_excite_command(app);
   add_gait_command(app);
   add_gait_study_command(app);
   CLI::App* walk = add_walk_command(app);

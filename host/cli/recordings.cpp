@@ -46,6 +46,27 @@ std::optional<log::ColumnMap> map_of(const std::string& path) {
   return log::read_column_map(path);
 }
 
+/// @throws UsageError where a file that is read would be overwritten by a result, or lies where traces are written.
+void require_other_folder(const RecordingOptions& o) {
+  namespace fs = std::filesystem;
+  const auto in = [](const fs::path& file, const std::string& folder) {
+    std::error_code error;
+    return fs::equivalent(file.has_parent_path() ? file.parent_path() : fs::path("."), folder, error);
+  };
+  std::vector<std::string> read{o.model, o.map};
+  read.insert(read.end(), o.logs.begin(), o.logs.end());
+  read.insert(read.end(), o.held_out.begin(), o.held_out.end());
+  for (const std::string& file : read)
+    if (!file.empty() && in(file, o.traces_folder()))
+      throw UsageError("--out " + o.out + ": " + file + ", which is read, lies in " + o.traces_folder() +
+                       ", where traces are written; expected another folder");
+  for (const char* result : {"extended_model.toml", "identified_model.toml", "extended.urdf",
+                             "extended.mjcf.xml", "fitted_bodies.urdf", "identified.urdf"})
+    if (fs::path(o.model).filename() == result && in(o.model, o.out))
+      throw UsageError("--out " + o.out + ": " + o.model +
+                       ", which is read, would be overwritten by the result; expected another folder");
+}
+
 log::Log read_stamped(const std::string& path, const std::string& rig, const log::ColumnMap* map,
                       double window_s) {
   log::Log log = log::read_log(path, rig, map);
@@ -144,6 +165,7 @@ Logs read_logs(const RecordingOptions& options, const std::string& rig) {
       if (!seen.insert(error ? path : canonical.string()).second)
         throw UsageError(path + " is given twice; expected each log once, to fit or to hold out");
     }
+  if (!options.out.empty()) require_other_folder(options);
   Logs r;
   const std::optional<log::ColumnMap> map = map_of(options.map);
   const auto read = [&](const std::vector<std::string>& paths) {

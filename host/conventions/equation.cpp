@@ -43,6 +43,8 @@ double Rest::worth_of_drive() const {
   return 0.5 * std::log1p(pushed * pushed / std::max(mean_square, 1e-300));
 }
 
+double Rest::off() const { return force > 0.0 ? std::sqrt(mean_square) / force : 0.0; }
+
 double trimmed_mean(std::vector<double> squares) {
   const std::size_t kept = std::max<std::size_t>(
       1, static_cast<std::size_t>((1.0 - kTrimmed) * static_cast<double>(squares.size())));

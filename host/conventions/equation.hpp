@@ -23,6 +23,7 @@ struct Rest {
   double inertia_factor = 1.0;  ///< by which the joint's is so much more, or less
   /// Log likelihood an instant that the drive's force is worth: without it the rest would be so much larger.
   double worth_of_drive() const;
+  double off() const;  ///< RMS of what is left over that of the force
 };
 
 /// The largest twentieth of what is left is left out: an impact, a knock.

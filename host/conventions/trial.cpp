@@ -4,44 +4,29 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdlib>
 #include <functional>
 #include <limits>
 #include <memory>
 #include <numbers>
 #include <numeric>
 #include <set>
+#include <sstream>
 
 #include "host/conventions/equation.hpp"
+#include "host/conventions/equations.hpp"
 #include "host/conventions/instants.hpp"
 #include "host/core/error.hpp"
 #include "host/core/message.hpp"
 #include "host/core/quantile.hpp"
-#include "host/linear/linear.hpp"
 
 namespace furcula::conventions {
 namespace {
 
 /// More instants cost time and say the same.
-constexpr std::size_t kMostInstants = 500, kFewestInstants = 40;
-/// Log likelihood an instant by which each change of the reading must be ahead: the rest of a joint's equation falls to a third. What is
-/// left after the right reading is what the model lacks, which is no noise; so how far it falls counts, not how many instants say so.
-/// Causes of the catalogue do not look like that by chance (docs/decisions/0035-conventions-before-causes.md).
-const double kFarBetter = std::log(3.0);
-/// Signs and columns of two joints that are exchanged are the commonest faults: each counts for half a change. Of 404 machines with causes of the catalogue and
-/// without, none gains more than 0.14 by a wrong one (docs/decisions/0035-conventions-before-causes.md); half a change is 0.55.
-constexpr double kSignOrExchange = 0.5;
-/// An estimated number counts for half a change more: it would fit many a thing.
-constexpr double kEstimated = 0.5;
+constexpr std::size_t kMostInstants = 500;
 /// Readings that are hardly further behind the best one than an estimated number, or a rare unit, costs are mentioned beside it.
 const double kAsGood = 1.2 * kEstimated * kFarBetter;
-/// At each joint a reading leaves less of the force, mean square, than it explains, or no more than the columns as named do.
-constexpr double kUnexplained = 0.5;
-/// Usually an inertia is known within a tenth, and a constant force is a twentieth of what acts.
-constexpr double kInertiaKnown = 0.1, kConstantUsual = 0.05;
-/// With the columns as named: a scale of kNearOne or a zero of kNearZero_rad leaves half of the force; a part of that is fitted away by
-/// what the trial fits in any case. A model that leaves less, and explains the accelerations, has no wrong unit, however much better
-/// another reading is.
-constexpr double kAsked = 0.2;
 /// A scale or a zero this near to one, or to none, is a cause of the catalogue, not a convention.
 constexpr double kNearOne = 1.8, kNearZero_rad = 0.75;
 /// Estimates of scales are off by what the model's inertia may be: units within that factor are tried, and those near by are named.
@@ -78,10 +63,45 @@ std::string line_of(const std::string& ours, const std::string& theirs, double s
   return out + " }";
 }
 
+/// Lines of columns, and of the scales of some; one line a column.
+std::string both_lines(std::string lines, const std::string& scales) {
+  std::istringstream more(scales);
+  for (std::string line; std::getline(more, line);) {
+    const std::string key = line.substr(0, line.find('=') + 1);
+    const std::size_t at = lines.starts_with(key) ? 0 : lines.find("\n" + key), scale = line.find(", scale");
+    if (at == lines.npos)
+      lines += (lines.empty() ? "" : "\n") + line;
+    else if (scale != line.npos)
+      lines.insert(lines.find(" }", at), line.substr(scale, line.rfind(" }") - scale));
+  }
+  return lines;
+}
+
 std::string and_list(const std::vector<std::string>& all) {
   std::string out;
   for (std::size_t i = 0; i < all.size(); ++i)
     out += (i == 0 ? "" : i + 1 == all.size() ? " and " : ", ") + all[i];
+  return out;
+}
+
+/// Lines of line_of(), with what a map file says already of the columns.
+std::string over_map(const std::string& lines, const std::map<std::string, Source>& sources) {
+  std::istringstream all(lines);
+  std::string out;
+  for (std::string line; std::getline(all, line);) {
+    const auto number = [&](const std::string& key, double otherwise) {
+      const std::size_t at = line.find(", " + key + " = ");
+      return at == line.npos ? otherwise : std::strtod(line.c_str() + at + key.size() + 5, nullptr);
+    };
+    const std::size_t from = line.find('"') + 1, to = line.find('"', from);
+    const auto source = sources.find(line.substr(from, to - from));
+    if (source != sources.end()) {
+      const double scale = number("scale", 1.0);
+      line = line_of(line.substr(0, line.find(" = ")), source->second.column, source->second.scale * scale,
+                     source->second.offset * scale + number("offset", 0.0));
+    }
+    out += (out.empty() ? "" : "\n") + line;
+  }
   return out;
 }
 
@@ -98,11 +118,7 @@ bool whole_numbers(std::span<const Columns> recordings, std::size_t joint) {
 class Trial {
  public:
   Trial(const Family& family, std::span<const Columns> recordings)
-      : family_(family),
-        joints_(family.joints()),
-        free_(family.free_parameters()),
-        recordings_(recordings),
-        n_(joints_.size()) {
+      : family_(family), joints_(family.joints()), recordings_(recordings), n_(joints_.size()) {
     collect_signals();
     std::vector<double> intervals;
     for (const Columns& c : recordings_)
@@ -262,123 +278,28 @@ class Trial {
     return r;
   }
 
-  /// The equations of all joints as so read, and what their instants' likelihood has beside the rests: the Jacobian, and what the signals
-  /// that stand for positions would be worth without a model (another signal says so much less if it is explained). False where the
-  /// model says nothing of so many instants.
-  bool equations(const Reading& r, std::vector<Equation>& out, double& beside) {
-    constexpr double kUnbounded = std::numeric_limits<double>::infinity();
-    out.assign(n_, {});
-    for (Equation& e : out) {
-      e.columns = {{{}, 0.0, kUnbounded, true},
-                   {{}, 0.0, kUnbounded, true},
-                   {{}, -kUnbounded, kUnbounded},
-                   {{}, -kUnbounded, kUnbounded, true}};
-      for (const FreeParameter& p : free_) e.columns.push_back({{}, p.lower, p.upper});
-    }
-    double log_det = 0.0;
-    mass_.setZero(static_cast<Eigen::Index>(n_), static_cast<Eigen::Index>(n_));
-    std::vector<std::vector<double>> curvatures(n_);
-    State s{std::vector<double>(n_), std::vector<double>(n_), std::vector<double>(n_),
-            std::vector<double>(n_), std::vector<double>(n_)};
-    Forces f;
-    std::size_t used = 0;
-    for (std::size_t at = 0; at < instants_.size(); at += scans_ ? step_of_scan() : 1) {
-      const Instant& instant = instants_[at];
-      for (std::size_t j = 0; j < n_; ++j) {
-        const Sample& x = instant[r.position_of[j]];
-        s.position[j] = r.scale[j] * x.value + r.offset[j];
-        s.velocity[j] = r.scale[j] * x.slope / r.time_scale;
-        s.acceleration[j] = r.scale[j] * x.curvature / (r.time_scale * r.time_scale);
-        s.low[j] = r.scale[j] * (r.scale[j] > 0.0 ? x.low : x.high) + r.offset[j];
-        s.high[j] = r.scale[j] * (r.scale[j] > 0.0 ? x.high : x.low) + r.offset[j];
-      }
-      if (!family_.forces(s, r.gravity, f)) continue;
-      if (n_ == 1) {  // numbers of the model in other units
-        const double inertial = f.inertia[0] * s.acceleration[0];
-        f.needed[0] = f.of_drive[0] + r.passive_scale * (f.needed[0] - f.of_drive[0] - inertial) +
-                      r.inertia_scale * inertial;
-        f.inertia[0] *= r.inertia_scale;
-        f.mass[0] *= r.inertia_scale;
-        f.log_det += std::log(r.inertia_scale);
-      }
-      double finite = f.log_det;
-      for (std::size_t j = 0; j < n_; ++j) finite += f.needed[j];
-      if (!std::isfinite(finite)) return false;
-      ++used;
-      log_det += f.log_det;
-      mass_ += Eigen::Map<const Eigen::MatrixXd>(f.mass.data(), mass_.rows(), mass_.cols());
-      for (std::size_t j = 0; j < n_; ++j) {
-        curvatures[j].push_back(std::pow(instant[r.position_of[j]].curvature, 2));
-        Equation& e = out[j];
-        const double shifted = r.input_offset.empty() ? 0.0 : f.input_gain[j] * r.input_offset[j];
-        e.needed.push_back(f.needed[j] - shifted);
-        e.of_drive.push_back(f.of_drive[j] - shifted);
-        e.falls = !(joints_[j].lightest < 1.0);
-        e.passive.push_back(f.needed[j] - f.of_drive[j] - f.inertia[j] * s.acceleration[j]);
-        e.acting += e.passive.back() * e.passive.back();
-        e.given.push_back(f.input_gain[j] * instant[r.input_of[j]].mean);
-        e.columns[kCoulomb].values.push_back(s.velocity[j] > 0.0 ? 1.0 : s.velocity[j] < 0.0 ? -1.0 : 0.0);
-        e.columns[kViscous].values.push_back(s.velocity[j]);
-        e.columns[kRotor].values.push_back(s.acceleration[j]);
-        e.rotor_share += 1.0 / f.inertia[j];
-        e.columns[kConstant].values.push_back(1.0);
-        for (std::size_t k = 0; k < free_.size(); ++k) {
-          e.columns[kFree + k].values.push_back(f.by_free[k][j]);
-          e.columns[kFree + k].inertia += f.inertia_by_free[k][j] / f.inertia[j];
-        }
-      }
-    }
-    if (used < kFewestInstants) return false;
-    mass_ /= static_cast<double>(used);
-    beside = log_det / static_cast<double>(used) - 2.0 * static_cast<double>(n_) * std::log(r.time_scale);
-    for (std::size_t j = 0; j < n_; ++j)
-      beside += std::log(std::abs(r.scale[j])) + 0.5 * std::log(trimmed_mean(curvatures[j]) + 1e-300);
-    for (std::size_t j = 0; j < n_; ++j) {
-      Equation& e = out[j];
-      for (Column& c : e.columns) c.inertia /= static_cast<double>(used);
-      e.acting = std::sqrt(e.acting / static_cast<double>(used));
-      const double inertia = static_cast<double>(used) / e.rotor_share;
-      e.columns[kRotor].upper = (joints_[j].heaviest - 1.0) * inertia;
-      // Of what the free parameters leave of the inertia at least a part remains. An n-th of each joint's may be taken from all n at
-      // once: the inertia matrix stays positive definite.
-      double least = 1.0;
-      for (auto c = static_cast<std::size_t>(kFree); c < e.columns.size(); ++c)
-        least +=
-            std::min(e.columns[c].lower * e.columns[c].inertia, e.columns[c].upper * e.columns[c].inertia);
-      e.columns[kRotor].lower =
-          (joints_[j].lightest - 1.0) * std::max(0.0, least) * inertia / static_cast<double>(n_);
-    }
-    return true;
-  }
-
   /// Adds what the change is worth with the inputs as logged, and with other signs and scales of them.
   double weigh(const Change& change) {
-    std::vector<Equation> e;
-    double base = 0.0;
-    if (!equations(change.reading, e, base)) return -std::numeric_limits<double>::infinity();
+    Equations equations;
+    if (!equations.write(family_, instants_, scans_ ? step_of_scan() : 1, change.reading))
+      return -std::numeric_limits<double>::infinity();
+    const std::vector<Equation>& e = equations.of;
     double best = -std::numeric_limits<double>::infinity();
     // One input scale a joint.
     const auto add = [&](const std::vector<InputScale>& how, double more, const std::string& what,
                          const std::string& map, const std::vector<std::string>& same,
                          bool any_cause = false) {
       Scored s;
-      s.fit = base;
-      std::vector<double> inertias;
+      std::vector<Rest> rests;
       for (std::size_t j = 0; j < n_; ++j) {
-        const Rest r = any_cause ? e[j].solve(how[j], true) : rest_of(e[j], j, how[j]);
-        s.fit -= 0.5 * std::log(std::max({r.mean_square, 1e-12 * r.force * r.force, 1e-300}));
-        inertias.push_back(r.inertia);
-        s.fit -= cost_of_fitted(r) / static_cast<double>(instants_.size());
-        s.off_of.push_back(r.force > 0.0 ? std::sqrt(r.mean_square) / r.force : 0.0);
+        rests.push_back(any_cause ? e[j].solve(how[j], true) : rest_of(e[j], j, how[j]));
+        s.off_of.push_back(rests.back().off());
         s.off = std::max(s.off, s.off_of.back());
       }
-      Eigen::MatrixXd with_fitted = mass_;
-      for (std::size_t j = 0; j < n_; ++j)
-        with_fitted(static_cast<Eigen::Index>(j), static_cast<Eigen::Index>(j)) += inertias[j];
-      s.fit += linear::log_determinant_of_positive(with_fitted) - linear::log_determinant_of_positive(mass_);
+      s.fit = equations.fit(rests, instants_.size());
       s.score = s.fit - kFarBetter * (change.changes + more);
       s.what = change.what + (change.what.empty() || what.empty() ? "" : ", and ") + what;
-      s.map = change.map + (change.map.empty() || map.empty() ? "" : "\n") + map;
+      s.map = both_lines(change.map, map);
       s.same = change.same;
       s.same.insert(s.same.end(), same.begin(), same.end());
       s.given = s.what.empty();
@@ -475,14 +396,6 @@ class Trial {
   std::size_t step_of_scan() const {
     constexpr std::size_t kInstantsOfScan = 120;
     return std::max<std::size_t>(1, instants_.size() / kInstantsOfScan);
-  }
-
-  /// Minus the log prior density of what was fitted beside the reading, once for all instants: it decides where a scale, an inertia and a
-  /// constant force undo each other. Cauchy: either may be far more than usual.
-  static double cost_of_fitted(const Rest& r) {
-    const double inertia = std::log(std::max(r.inertia_factor, 1e-3)) / kInertiaKnown;
-    const double constant = r.force > 0.0 ? r.constant / (kConstantUsual * r.force) : 0.0;
-    return std::log1p(inertia * inertia) + std::log1p(constant * constant);
   }
 
   /// Solved once for each scale that is asked for.
@@ -826,7 +739,6 @@ class Trial {
   };
   const Family& family_;
   const std::vector<Joint>& joints_;
-  const std::vector<FreeParameter> free_;
   std::span<const Columns> recordings_;
   std::size_t n_;
   double interval_ = 0.0;  ///< median, in the log's unit of time
@@ -838,7 +750,6 @@ class Trial {
   std::vector<Instant> instants_;
   bool scans_ = false;  ///< a number is being sought
   std::vector<Scored> all_;
-  Eigen::MatrixXd mass_;  ///< mean over the instants, of the equations that are weighed
   std::vector<std::vector<std::pair<InputScale, Rest>>>
       solved_;  ///< [joint], of the equations that are weighed
 };
@@ -867,7 +778,7 @@ void require_convention(const Family& family, std::span<const Columns> recording
     message += (i == 0 ? " Nearly as good: " : "; ") + f->others[i] + (i + 1 == f->others.size() ? "." : "");
   message += " No cause was looked for.";
   if (!f->map.empty()) {
-    std::string lines = f->map;
+    std::string lines = over_map(f->map, recordings.front().sources);
     for (std::size_t i = 0; (i = lines.find('\n', i)) != lines.npos; i += 2) lines.replace(i, 1, ", ");
     message += " To read it so, write in a map file (--map) " + lines + ".";
   }

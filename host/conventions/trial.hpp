@@ -14,6 +14,7 @@
 #pragma once
 
 #include <cstddef>
+#include <map>
 #include <optional>
 #include <span>
 #include <string>
@@ -43,6 +44,12 @@ struct Joint {
   double lightest = 1.0 / kInertiaWithin, heaviest = kWithRotor;
 };
 
+/// A column of the log that one of ours is made of: ours = scale x theirs + offset.
+struct Source {
+  std::string column;
+  double scale = 1.0, offset = 0.0;
+};
+
 /// One recording's columns, a vector a joint.
 struct Columns {
   std::string path;
@@ -51,6 +58,7 @@ struct Columns {
   std::vector<std::vector<double>> velocity{};  ///< where the log has such a column; empty where not
   std::vector<bool>
       breaks{};  ///< per row: no equation may reach over the step from it to the next; empty: none
+  std::map<std::string, Source> sources{};  ///< of those of ours that a map file has
 };
 
 /// How the columns are read. Position = scale x logged + offset.

@@ -129,6 +129,8 @@ std::vector<conventions::Columns> trial_columns(const model::Model& model,
   for (const Recording& r : recordings) {
     conventions::Columns c{r.name, r.time_s, {r.position}, {r.input}, {}, std::vector<bool>(r.rows(), false)};
     if (r.velocity_recorded) c.velocity.push_back(r.velocity);
+    for (const auto& [ours, of] : r.mapped)
+      if (of.parts.size() == 1) c.sources[ours] = {of.parts[0].column, of.parts[0].scale, of.offset};
     for (std::size_t i = 0; i + 1 < r.rows(); ++i) c.breaks[i] = held(r, cut, i) || held(r, cut, i + 1);
     all.push_back(std::move(c));
   }

@@ -251,6 +251,7 @@ Recording make_recording(const log::Log& raw, dynamics::Kind kind, const std::ve
   r.time_s = log.time_s();
   r.refused = log.refused;
   r.notes = log.notes;
+  r.mapped = log.mapped;
   r.log_row = std::move(clean.row);
   const auto given = [&](std::string_view column) {
     return !column.empty() && log.has(std::string(column)) ? log.at(std::string(column))

@@ -10,8 +10,7 @@
 
 #include "host/core/error.hpp"
 #include "host/core/quantile.hpp"
-#include "host/identify/dual.hpp"
-#include "host/identify/window_run.hpp"
+#include "host/identify/window_cost.hpp"
 #include "host/linear/linear.hpp"
 
 namespace furcula::identify {
@@ -33,39 +32,6 @@ Weights weights_of(const Recording& r, const Window& w, Weighting weighting) {
   };
   return {1.0 / spread(r.position), 1.0 / spread(r.velocity_smoothed)};
 }
-
-/// Residuals of one window against the unknowns (block 0, absent if there are none) and its start state.
-class WindowCost final : public ceres::CostFunction {
- public:
-  WindowCost(const model::Model& model, const std::vector<Unknown>& unknowns, const Recording& recording,
-             const Window& window, Weights weights)
-      : run_{model, unknowns, recording, window, weights} {
-    set_num_residuals(
-        static_cast<int>(run_.motion_rows() + run_.contact_rows() + run_.drive_rows() + run_.leg_rows()));
-    if (!unknowns.empty()) mutable_parameter_block_sizes()->push_back(static_cast<int>(unknowns.size()));
-    mutable_parameter_block_sizes()->push_back(kStartSize);
-  }
-
-  const WindowRun& run() const { return run_; }
-
-  bool Evaluate(double const* const* blocks, double* residuals, double** jacobians) const override {
-    if (jacobians == nullptr) return run_window<double>(run_, blocks, residuals, nullptr);
-    if (run_.unknowns.empty() || jacobians[0] == nullptr)
-      return run_window<Dual<2>>(run_, blocks, residuals, jacobians);
-    const std::size_t size = run_.unknowns.size() + kStartSize;
-    if (size <= 4) return run_window<Dual<4>>(run_, blocks, residuals, jacobians);
-    if (size <= 6) return run_window<Dual<6>>(run_, blocks, residuals, jacobians);
-    if (size <= 8) return run_window<Dual<8>>(run_, blocks, residuals, jacobians);
-    if (size <= 10) return run_window<Dual<10>>(run_, blocks, residuals, jacobians);
-    if (size <= 12) return run_window<Dual<12>>(run_, blocks, residuals, jacobians);
-    if (size <= 20) return run_window<Dual<20>>(run_, blocks, residuals, jacobians);
-    static_assert(kMostUnknowns + kStartSize <= 32);
-    return run_window<Dual<32>>(run_, blocks, residuals, jacobians);
-  }
-
- private:
-  WindowRun run_;
-};
 
 /// Tukey's loss of a window's squares and its derivative.
 struct Bounded {
@@ -307,10 +273,11 @@ class Jumping {
   bool any() const { return !all_.empty(); }
   const std::vector<std::pair<double, double>>& ranges() const { return ranges_; }
 
-  /// Of all windows, their start states as they are.
-  double squares(const std::vector<double>& values) const {
+  /// Of all windows, their start states as they are; where they are more than `most`, of the windows up to there.
+  double squares(const std::vector<double>& values,
+                 double most = std::numeric_limits<double>::infinity()) const {
     double sum = 0.0;
-    for (std::size_t i = 0; i < problems_.costs.size(); ++i)
+    for (std::size_t i = 0; i < problems_.costs.size() && sum <= most; ++i)
       sum += bounded(squares_of(i, values), most_squares_).loss;
     return sum;
   }
@@ -358,7 +325,7 @@ class Jumping {
       for (int k = 0; k < kPoints; ++k) {
         values[all_[0].index] = at(all_[0], i);
         values[all_[1].index] = at(all_[1], k);
-        if (const double s = squares(values); s < least) {
+        if (const double s = squares(values, least); s < least) {
           least = s;
           best = values;
         }
@@ -403,7 +370,7 @@ class Jumping {
     constexpr int kHalvings = 8;
     const auto as_good = [&](double v) {
       values[u.index] = v;
-      return squares(values) <= most;
+      return squares(values, most) <= most;
     };
     const auto end = [&](int way) {
       double inside = from;
@@ -428,18 +395,16 @@ class Jumping {
   bool look_through(const Sought& u, std::vector<double>& values) {
     constexpr double kSame = 1e-6;
     const Jumps& where = u.where;
-    const auto with = [&](double value) {
-      values[u.index] = value;
-      return squares(values);
-    };
-    double best = values[u.index], least = with(best);
+    double best = values[u.index], least = squares(values);
     const double before = least;
     const auto next = [&](double v) { return further(where, v, 1); };
-    for (double v = where.lower; v <= where.upper; v = next(v))
-      if (const double s = with(v); s < least * (1.0 - kSame)) {
+    for (double v = where.lower; v <= where.upper; v = next(v)) {
+      values[u.index] = v;
+      if (const double s = squares(values, least); s < least * (1.0 - kSame)) {
         least = s;
         best = v;
       }
+    }
     const auto [low, high] = range_about(u, values, best, least * (1.0 + kSame));
     // What changes the runs between the jumps too has a best value, which the fit's steps find.
     const bool flat = high - low > 0.01 * (next(best) - best);

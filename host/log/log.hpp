@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "host/log/column_map.hpp"
 #include "host/log/refused.hpp"
 
 namespace furcula::log {
@@ -23,6 +24,7 @@ struct Log {
   std::vector<RefusedRow> refused{};   ///< rows that are not among these
   std::vector<std::string> notes{};    ///< what else was done to it, in sentences
   std::map<std::string, std::string> unusable{};  ///< columns that are not among these, and why
+  std::map<std::string, MappedColumn> mapped{};   ///< of the map file that it was read with
 
   std::size_t rows() const { return columns.empty() ? 0 : columns.begin()->second.size(); }
   bool has(const std::string& name) const { return columns.contains(name); }

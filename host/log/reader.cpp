@@ -203,7 +203,8 @@ Log collect(const Input& input, const std::string& name, const std::string& rig)
           std::move(lines),
           std::move(summary.refused),
           std::move(summary.notes),
-          std::move(summary.unusable)};
+          std::move(summary.unusable),
+          input.map == nullptr ? std::map<std::string, MappedColumn>{} : input.map->columns};
   for (std::size_t i = 0; i < columns.size(); ++i) {
     const std::string& column = summary.header.columns[i];
     const auto& ignored = summary.ignored_columns;

@@ -11,6 +11,7 @@
 namespace furcula::log {
 namespace {
 
+constexpr std::string_view kRostopic = "%time,field.";       // the header row of `rostopic echo -p`
 constexpr std::size_t kMostMetadata = std::size_t{1} << 20;  // bytes, so that memory stays bounded
 
 // Offset of the first byte that is not UTF-8, or npos.
@@ -145,7 +146,7 @@ Top read_top(RecordStream& records, const Wanted* wanted, LogHeader& header) {
     const std::string_view content = trimmed(text);
     if (content.empty()) continue;
     const bool nul = text.find('\0') != std::string::npos;
-    if (!nul && is_comment(content) &&
+    if (!nul && is_comment(content) && !content.starts_with(kRostopic) &&
         (content.front() == '#' || wanted == nullptr ||
          !wanted->uses(fields_of(content, separator_in(content, wanted->asked())).front()))) {
       take_comment(content, records, wanted, top, header);

@@ -35,7 +35,7 @@ const Words kNothing{"temp", "temperature", "voltage",      "bus", "fault", "mod
 const Words kFiller{"states",   "state",     "js",       "measured", "meas",       "actual",  "act",
                     "estimate", "estimated", "est",      "servo",    "stats",      "motor",   "data",
                     "value",    "filtered",  "feedback", "fb",       "controller", "control", "mapper",
-                    "robot",    "joints",    "msg",      "sensor",   "m",          "of"};
+                    "robot",    "joints",    "msg",      "sensor",   "m",          "of",      "field"};
 
 struct Unit {
   std::string_view name;

@@ -18,6 +18,7 @@
 #include "host/machines/rules.hpp"
 #include "host/mapping/names.hpp"
 #include "host/mapping/raw_log.hpp"
+#include "host/mapping/velocities.hpp"
 #include "host/trees/conventions.hpp"
 #include "host/trees/joint_names.hpp"
 #include "host/trees/recording.hpp"
@@ -71,9 +72,12 @@ std::optional<int> number_in(const std::string& joint) {
 
 class Names {
  public:
-  Names(const std::vector<std::string>& columns, std::vector<std::string> joints)
-      : joints_(std::move(joints)) {
-    for (const std::string& c : columns) candidates_.push_back({c, meaning_of(c)});
+  Names(const RawLog& raw, std::vector<std::string> joints) : joints_(std::move(joints)) {
+    for (const std::string& c : raw.columns) {
+      candidates_.push_back({c, meaning_of(c)});
+      if (const auto named = raw.joint_of.find(c); named != raw.joint_of.end())
+        candidates_.back().meaning.joint = named->second;
+    }
     for (const std::string& j : joints_) names_.emplace_back(j);
     // Joints that are numbered from 1, or from 0.
     for (const Candidate& c : candidates_)
@@ -229,8 +233,8 @@ void apply(const conventions::Finding& f, Proposal& p) {
   const log::ColumnMap before = map_of(p), found = log::parse_column_map(f.map, "the trial");
   for (const auto& [ours, column] : found.columns) {
     const auto theirs = before.columns.find(column.parts.front().column);
-    const auto line =
-        std::find_if(p.lines.begin(), p.lines.end(), [&](const Line& l) { return l.ours == ours; });
+    const auto line = std::find_if(p.lines.begin(), p.lines.end(),
+                                   [&name = ours](const Line& l) { return l.ours == name; });
     if (theirs == before.columns.end() || line == p.lines.end()) continue;
     const double scale = column.parts.front().scale;
     line->column = theirs->second;
@@ -241,12 +245,90 @@ void apply(const conventions::Finding& f, Proposal& p) {
   }
 }
 
+/// Of the joints that the model moves, ours.
+struct JointColumns {
+  std::vector<std::string> position, velocity, input;
+};
+
+/// The line of a position or input of ours.
+Line* line_of(Proposal& p, const std::string& ours) {
+  const auto found =
+      std::find_if(p.lines.begin(), p.lines.end(), [&](const Line& l) { return l.ours == ours; });
+  return found == p.lines.end() ? nullptr : &*found;
+}
+
+/// The map with what all joints' equations say together. @return whether they say anything
+bool apply(const JointColumns& of, const conventions::JointReadings& r, Proposal& p) {
+  std::set<std::string> changed;
+  const auto multiply = [&](const std::string& ours, const conventions::ColumnReading& by) {
+    Line* line = line_of(p, ours);
+    if (line == nullptr || by.scale == 1.0) return;
+    for (log::MappedPart& part : line->column.parts) part.scale *= by.scale;
+    line->column.offset *= by.scale;
+    line->sureness = std::max(line->sureness, by.estimated || !r.sure ? Sureness::guess : Sureness::likely);
+    line->why.push_back("the equation of motion of all joints says: " + by.what);
+    changed.insert(ours);
+  };
+  for (std::size_t j = 0; j < r.position.size(); ++j) {
+    multiply(of.position[j], r.position[j]);
+    multiply(of.input[j], r.input[j]);
+  }
+  if (!changed.empty())
+    p.confirm.push_back("Found by the equation of motion of all joints: other signs or units of " +
+                        quoted_list({changed.begin(), changed.end()}) + "." +
+                        (r.sure ? "" : " With large friction beside the model they may be as named."));
+  for (const std::vector<std::string>& columns : r.same) {
+    bool any = false;
+    for (const std::string& ours : columns) any = any || changed.contains(ours);
+    for (const std::string& ours : columns)
+      if (Line* line = line_of(p, ours); line != nullptr && any) line->sureness = Sureness::guess;
+    p.confirm.push_back("The motion does not show the signs of " + quoted_list(columns) +
+                        ": with the other sign on all of these it would be the same.");
+  }
+  return !changed.empty();
+}
+
+/// Whether a name says the unit, or it is one of ours.
+bool unit_is_named(const Line& line) {
+  return line.why.size() > 1 && line.why[1].starts_with("its name says");
+}
+
+/// Positions and velocities in units in which one is the slope of the other. At first a position's unit may be what its velocity says; in the
+/// end, when the equation of motion has been asked, velocities follow positions.
+void settle_velocities(const RawLog& raw, const JointColumns& of, bool in_the_end, Proposal& p) {
+  std::vector<double> time_s = raw.log.time_s();
+  for (double& t : time_s) t *= raw.time.parts.front().scale;
+  for (std::size_t j = 0; j < of.position.size(); ++j) {
+    Line *position = line_of(p, of.position[j]), *velocity = line_of(p, of.velocity[j]);
+    if (position == nullptr || velocity == nullptr) continue;
+    const auto values = [&](const Line& line) {
+      const log::MappedPart& part = line.column.parts.front();
+      std::vector<double> out = raw.log.at(part.column);
+      for (double& x : out) x *= part.scale;
+      return out;
+    };
+    const auto found = velocity_factor(time_s, values(*position), values(*velocity));
+    if (!found) continue;
+    const bool of_position = !in_the_end && found->factor > 0.0 && !found->what.empty() &&
+                             !unit_is_named(*position) &&
+                             (unit_is_named(*velocity) || found->what.ends_with("rad/s"));
+    if (!in_the_end && !of_position) continue;
+    Line& line = of_position ? *position : *velocity;
+    const double by = of_position ? found->factor : 1.0 / found->factor;
+    for (log::MappedPart& part : line.column.parts) part.scale *= by;
+    line.sureness = found->what.empty() ? Sureness::guess : std::max(line.sureness, Sureness::likely);
+    line.why.push_back("the velocity is " + core::rounded(found->factor, 4) + " times the position's slope" +
+                       (found->what.empty() ? "" : ": " + found->what));
+  }
+}
+
 std::string percent(double share) { return core::rounded(100.0 * share, 2) + " %"; }
 
 /// Asks the trial until it has nothing to say. `find` reads the log under the map.
-template <class Find, class Judge>
+template <class Find, class Judge, class Together>
 void try_conventions(Proposal& p, const std::vector<std::string>& joints, const Find& find,
-                     const Judge& judge) {
+                     const Judge& judge, const Together& together) {
+  together();
   for (int round = 0; round < kRounds; ++round) {
     const std::optional<conventions::Finding> f = find(map_of(p));
     if (!f) break;
@@ -259,7 +341,11 @@ void try_conventions(Proposal& p, const std::vector<std::string>& joints, const 
     if (f->map.empty()) break;
     apply(*f, p);
   }
-  const conventions::AsNamed fits = judge(map_of(p));
+  conventions::AsNamed fits = judge(map_of(p));
+  const auto poor = [](double off) { return off >= kFits; };
+  // With a zero or an exchange mended all signs may be seen.
+  if (fits.asked && std::any_of(fits.off.begin(), fits.off.end(), poor) && together())
+    fits = judge(map_of(p));
   if (!fits.asked) {
     p.confirm.push_back(
         "Signs, zeros and units could not be tried: there is too little motion in the log, or a column is missing.");
@@ -309,7 +395,7 @@ Proposal propose(const std::string& path, const TreeReader& read_model) {
   Proposal out;
   out.log = path;
   out.rig = "tree";
-  add_lines(Names(raw.columns, joints), {positions, inputs, commands, velocities}, raw, out);
+  add_lines(Names(raw, joints), {positions, inputs, commands, velocities}, raw, out);
   if (!has_position(out, positions)) {
     std::vector<std::string> names;
     for (const Slot& s : positions) names.push_back(s.ours);
@@ -322,20 +408,36 @@ Proposal propose(const std::string& path, const TreeReader& read_model) {
     for (const Slot& s : inputs)
       if (s.joint == commands[i].joint && !has(s.ours) && !has(commands[i].ours))
         out.expected.push_back(s.ours + " or " + commands[i].ours);
+  JointColumns moving_columns;
   try {
     std::vector<std::string> columns, moving;
     for (const Line& l : out.lines) columns.push_back(l.ours);
     const trees::TreeModel with = read_model(columns);
-    for (std::size_t j = 0; j < with.joints(); ++j) moving.push_back(with.robot.joints[j].name);
+    for (std::size_t j = 0; j < with.joints(); ++j) {
+      moving.push_back(with.robot.joints[j].name);
+      moving_columns.position.push_back(trees::column_of(with, j, "angle"));
+      moving_columns.velocity.push_back(trees::column_of(with, j, "velocity"));
+      const bool sets = with.drives[j].law == trees::DriveLaw::position;
+      const std::string torque = trees::column_of(with, j, "torque");
+      moving_columns.input.push_back(sets          ? trees::column_of(with, j, "angle_cmd")
+                                     : has(torque) ? torque
+                                                   : trees::column_of(with, j, "torque_cmd"));
+    }
+    settle_velocities(raw, moving_columns, false, out);
     const auto recordings = [&](const log::ColumnMap& map) {
       return std::vector<trees::Recording>{trees::recording_of(with, log::read_log(path, "tree", &map))};
     };
     try_conventions(
         out, moving, [&](const log::ColumnMap& map) { return trees::find_convention(with, recordings(map)); },
-        [&](const log::ColumnMap& map) { return trees::as_named(with, recordings(map)); });
+        [&](const log::ColumnMap& map) { return trees::as_named(with, recordings(map)); },
+        [&] {
+          const auto found = trees::find_joint_readings(with, recordings(map_of(out)));
+          return found && apply(moving_columns, *found, out);
+        });
   } catch (const core::DataError& e) {
     out.confirm.push_back(std::string("Signs, zeros and units could not be tried: ") + e.what());
   }
+  settle_velocities(raw, moving_columns, true, out);
   return out;
 }
 
@@ -366,7 +468,7 @@ Proposal propose(const std::string& path, const model::Model& model) {
   add(c.stop, Role::contact, false);
   add(c.coil, Role::coil, false);
   const std::vector<Slot> position = kinds.front();
-  add_lines(Names(raw.columns, {""}), kinds, raw, out);
+  add_lines(Names(raw, {""}), kinds, raw, out);
   if (!has_position(out, position)) refuse(raw, path, core::quoted(position.front().ours));
   if (!out.expected.empty()) return out;
   const auto recordings = [&](const log::ColumnMap& map) {
@@ -376,7 +478,8 @@ Proposal propose(const std::string& path, const model::Model& model) {
     try_conventions(
         out, {""},
         [&](const log::ColumnMap& map) { return identify::find_convention(model, recordings(map)); },
-        [&](const log::ColumnMap& map) { return identify::as_named(model, recordings(map)); });
+        [&](const log::ColumnMap& map) { return identify::as_named(model, recordings(map)); },
+        [] { return false; });
   } catch (const core::DataError& e) {
     out.confirm.push_back(std::string("Signs, zeros and units could not be tried: ") + e.what());
   }

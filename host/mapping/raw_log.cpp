@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 #include <optional>
+#include <sstream>
 
 #include "host/core/error.hpp"
 #include "host/core/message.hpp"
@@ -89,6 +91,26 @@ std::optional<log::MappedColumn> time_by_name(const std::vector<std::string>& co
   return log::MappedColumn{{{name, 1.0}}, 0.0, 0};
 }
 
+/// What the first row of `rostopic echo -p /joint_states` has in the columns field.name0, field.name1 ...
+std::map<std::string, std::string> rostopic_joints(const std::string& path,
+                                                   const std::vector<std::string>& columns) {
+  std::map<std::string, std::string> out;
+  std::ifstream file(path);
+  std::string header, row, name;
+  if (!std::getline(file, header) || !header.starts_with("%time,field.") || !std::getline(file, row))
+    return out;
+  std::istringstream names(header), values(row);
+  for (std::string value; std::getline(names, name, ',') && std::getline(values, value, ',');) {
+    constexpr std::string_view kName = "field.name";
+    if (!name.starts_with(kName)) continue;
+    const std::string number = name.substr(kName.size());
+    for (const char* quantity : {"field.position", "field.velocity", "field.effort"})
+      if (std::find(columns.begin(), columns.end(), quantity + number) != columns.end())
+        out[quantity + number] = value;
+  }
+  return out;
+}
+
 double median_interval(const std::vector<double>& time) {
   std::vector<double> steps;
   for (std::size_t i = 1; i < time.size(); ++i)
@@ -145,6 +167,7 @@ RawLog read_raw(const std::string& path) {
   out.separator = map.separator.value_or(',');
   out.decimal = map.decimal;
   settle_unit(out, unit);
+  out.joint_of = rostopic_joints(path, out.columns);
   return out;
 }
 

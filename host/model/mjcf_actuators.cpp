@@ -30,6 +30,8 @@ void read(const MjcfFields& f, std::string_view name, std::initializer_list<doub
 void apply(const MjcfElement& e, Actuator& a) {
   const MjcfFields f(e, e.attributes);
   read(f, "gear", {&a.gear}, 6);
+  for (const char* of_joint : {"armature", "damping"})
+    if (f.number(of_joint, 0.0) != 0.0) f.fail(of_joint, "it at the joint, times the square of the gear");
   if (const auto range = f.numbers("forcerange", 2, 2); !range.empty() && f.flag("forcelimited", true))
     a.most = std::min(std::abs(range[0]), std::abs(range[1]));
   if (e.tag == "general") {

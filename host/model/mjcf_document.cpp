@@ -24,7 +24,34 @@ constexpr std::size_t kFilesMax = 64, kIncludeDepthMax = 8;
 constexpr std::string_view kActuators[] = {"general",     "motor",   "position", "velocity",
                                            "intvelocity", "damper",  "cylinder", "muscle",
                                            "adhesion",    "dcmotor", "plugin"};
-constexpr std::string_view kOrientations[] = {"quat", "axisangle", "euler", "xyaxes", "zaxis"};
+/// MuJoCo keeps a value of each form, its class's or its own, and the later one here counts.
+constexpr std::string_view kOrientations[] = {"quat", "axisangle", "xyaxes", "zaxis", "euler"};
+/// MuJoCo's own bound of positions and speeds, mjMAXVAL.
+constexpr double kMost = 1e10;
+
+using Attributes = std::map<std::string, std::string, std::less<>>;
+
+/// Writes an element's attributes over those of its class.
+void take(Attributes& to, const MjcfElement& e) {
+  bool own = false;
+  for (const std::string_view form : kOrientations) {
+    if (own && to.contains(form))
+      e.fail("has an orientation beside the " + std::string(form) +
+             " of its default class, which MuJoCo prefers; expected one form in both: " + std::string(form));
+    own |= e.attributes.contains(form);
+  }
+  if (own)
+    for (const std::string_view form : kOrientations) to.erase(std::string(form));
+  for (const auto& [key, value] : e.attributes) {
+    std::string& all = to[key];
+    std::string merged = value;
+    // Sizes that it does not have are its class's.
+    if (e.tag == "geom" && key == "size")
+      for (std::size_t k = words(value).size(); k < words(all).size(); ++k)
+        merged += " " + std::string(words(all)[k]);
+    all = std::move(merged);
+  }
+}
 
 class ElementReader {
  public:
@@ -159,6 +186,7 @@ std::vector<double> MjcfFields::numbers(std::string_view name, std::size_t least
   for (const std::string_view word : words(text(name))) {
     const auto value = model::number(word);
     if (!value) element_->fail("has " + std::string(name) + ": " + no_number(word));
+    if (std::abs(*value) > kMost && !name.ends_with("range")) fail(name, "numbers up to 1e10 (mjMAXVAL)");
     out.push_back(*value);
   }
   if (out.size() < least || out.size() > most)
@@ -253,12 +281,8 @@ void MjcfDefaults::add(const MjcfElement& section, const std::string* parent) { 
       of.actuators.push_back(&e);
       continue;
     }
-    auto& attributes = of.by_tag[e.tag];
-    const bool turns = std::any_of(std::begin(kOrientations), std::end(kOrientations),
-                                   [&](std::string_view o) { return e.attributes.contains(o); });
-    if (turns)
-      for (const std::string_view o : kOrientations) attributes.erase(std::string(o));
-    for (const auto& [key, value] : e.attributes) attributes[key] = value;
+    Attributes& attributes = of.by_tag[e.tag];
+    take(attributes, e);
   }
   if (parent == nullptr && name != "main") classes_[name] = of;
   for (const MjcfElement& e : section.children)
@@ -285,12 +309,8 @@ MjcfFields MjcfDefaults::of(const MjcfElement& element, const std::string& inher
                             std::string_view tag) const {
   const Class* from = class_of(element, inherited);
   const auto found = from->by_tag.find(tag);
-  auto attributes = found == from->by_tag.end() ? decltype(element.attributes){} : found->second;
-  const bool turns = std::any_of(std::begin(kOrientations), std::end(kOrientations),
-                                 [&](std::string_view o) { return element.attributes.contains(o); });
-  if (turns)
-    for (const std::string_view o : kOrientations) attributes.erase(std::string(o));
-  for (const auto& [key, value] : element.attributes) attributes[key] = value;
+  Attributes attributes = found == from->by_tag.end() ? Attributes{} : found->second;
+  take(attributes, element);
   return {element, std::move(attributes)};
 }
 

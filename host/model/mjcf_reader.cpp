@@ -8,6 +8,7 @@
 #include "host/core/error.hpp"
 #include "host/core/message.hpp"
 #include "host/model/mjcf_names.hpp"
+#include "host/model/mjcf_schema.hpp"
 #include "host/model/mjcf_shapes.hpp"
 #include "host/model/urdf_filter.hpp"
 
@@ -41,6 +42,7 @@ class Reader {
   }
 
   Urdf read() {
+    check_mjcf_names(root_);
     out_.name =
         word(root_, root_.attributes.contains("model") ? std::string(root_.attribute("model")) : "robot");
     for (const MjcfElement* e : sections("compiler")) read_compiler(MjcfFields(*e, e->attributes));
@@ -110,6 +112,7 @@ class Reader {
     out_.gravity_mps2 = f.vec3("gravity", out_.gravity_mps2);
     if (!(f.number("timestep", 1.0) > 0.0)) f.fail("timestep", "a number of seconds above 0");
     fluid_ |= f.number("density", 0.0) != 0.0 || f.number("viscosity", 0.0) != 0.0;
+    if (f.has("actuatorgroupdisable")) not_used_.emplace_back("actuatorgroupdisable of <option>");
     for (const MjcfElement& flags : e.children) {
       if (flags.tag != "flag") continue;
       const MjcfFields g(flags, flags.attributes);
@@ -121,7 +124,7 @@ class Reader {
       spring_off_ |= passive_off_ || off("spring");
       damper_off_ |= passive_off_ || off("damper");
       friction_off_ |= off("frictionloss") || off("constraint");
-      g.choice("actuation", {"enable", "disable"});
+      if (off("actuation")) not_used_.emplace_back("actuation=\"disable\" of <flag>");
     }
     if (gravity_off_) out_.gravity_mps2 = {0.0, 0.0, 0.0};
   }
@@ -157,7 +160,8 @@ class Reader {
     if (only->attributes.contains("childclass")) inherited = only->attribute("childclass");
     defaults_.require(*only, inherited);
     const std::size_t link = add_link(*only, body_name(*only));
-    fill(*only, link, {inherited, at_point({0.0, 0.0, 0.0})}, world);
+    fill(*only, link, {inherited, at_point({0.0, 0.0, 0.0})}, world,
+         MjcfFields(*only, only->attributes).frame(compiler_));
     out_.notes.push_back("The root " + core::quoted(out_.links[0].name) +
                          " is free in the file and held here, where the model begins.");
     return true;
@@ -251,6 +255,7 @@ class Reader {
     const Frame<double> given = f.frame(compiler_);
     const Frame<double> world = compiler_.global ? given : at_point({0.0, 0.0, 0.0});
     Frame<double> next = compiler_.global ? within(inverse(outer), given) : within(place.in_body, given);
+    const Frame<double> in_parent = next;
     const Place inside{own.empty() ? place.inherited : own, at_point({0.0, 0.0, 0.0})};
     std::vector<const MjcfElement*> joints;
     find_joints(e, joints);
@@ -288,7 +293,7 @@ class Reader {
       add_joint(e, free_name(joints.empty() ? name : name + "/body", taken_fixed_), from, next);
       from = add_link(e, name);
     }
-    fill(e, from, inside, world);
+    fill(e, from, inside, world, in_parent);
   }
   /// Also those in <frame>, which may not move them.
   static void find_joints(const MjcfElement& e, std::vector<const MjcfElement*>& out) {
@@ -311,8 +316,7 @@ class Reader {
              "a body without a joint stands still");
     const bool hinge = type == "hinge";
     const double unit = hinge && compiler_.degrees ? kDegree : 1.0;
-    Vec3<double> at = f.vec3("pos", compiler_.global ? world.at : Vec3<double>{0.0, 0.0, 0.0}),
-                 axis = f.vec3("axis", {0.0, 0.0, 1.0});
+    Vec3<double> at = f.vec3("pos", {0.0, 0.0, 0.0}), axis = f.vec3("axis", {0.0, 0.0, 1.0});
     if (compiler_.global) {
       at = world.turn * (at - world.at);
       axis = world.turn * axis;
@@ -348,10 +352,11 @@ class Reader {
   }
 
   /// What a body has beside its joints; its bodies last.
-  void fill(const MjcfElement& e, std::size_t link, const Place& place,
-            const Frame<double>& world) {  // NOLINT(misc-no-recursion)
+  void fill(const MjcfElement& e, std::size_t link, const Place& place,  // NOLINT(misc-no-recursion)
+            const Frame<double>& world, const Frame<double>& in_parent) {
     MjcfBody b;
     b.element = &e;
+    b.in_parent = in_parent;
     b.to_body = compiler_.global ? inverse(world) : at_point({0.0, 0.0, 0.0});
     std::vector<std::pair<const MjcfElement*, Place>> bodies;
     gather(e, link, {place.inherited, b.to_body}, b, bodies);
@@ -377,9 +382,6 @@ class Reader {
         b.inertial = &child;
       } else if (child.tag == "frame") {
         gather(child, link, within_frame(child, place), b, bodies);
-      } else if (child.tag != "joint" && child.tag != "freejoint" && child.tag != "camera" &&
-                 child.tag != "light") {
-        unknown_.push_back("<" + core::printable(child.tag) + "> in line " + std::to_string(child.line));
       }
     }
   }
@@ -399,17 +401,18 @@ class Reader {
 
   /// What was assumed, together.
   void note(const std::vector<std::string>& assumed) {
-    static constexpr std::string_view kKnown[] = {
-        "compiler", "option", "size",      "visual",     "statistic", "default",
-        "custom",   "asset",  "worldbody", "contact",    "equality",  "tendon",
-        "actuator", "sensor", "keyframe",  "deformable", "extension"};
-    for (const MjcfElement& e : root_.children)
-      if (std::find(std::begin(kKnown), std::end(kKnown), e.tag) == std::end(kKnown))
-        unknown_.push_back("<" + core::printable(e.tag) + "> in line " + std::to_string(e.line));
+    for (const char* tag : {"contact", "sensor", "keyframe", "deformable"}) {
+      const std::vector<const MjcfElement*> found = sections(tag);
+      if (std::any_of(found.begin(), found.end(), [](const auto* e) { return !e->children.empty(); }))
+        not_used_.push_back("<" + std::string(tag) + ">");
+    }
     std::string out = "Read as MJCF: contacts and joint ranges exert no force";
     if (fluid_) out += ", nor does the fluid of <option>";
     for (const std::string& what : assumed) out += "; " + what;
-    if (!unknown_.empty()) out += "; not used: " + first_names(unknown_);
+    if (!not_used_.empty()) {
+      out += "; not used: ";
+      for (const std::string& what : not_used_) out += (&what == not_used_.data() ? "" : ", ") + what;
+    }
     out_.notes.insert(out_.notes.begin(), out + ".");
   }
 
@@ -419,7 +422,7 @@ class Reader {
   MjcfDefaults defaults_;
   MjcfNames names_;
   std::set<std::string> taken_links_{"world"}, taken_joints_, taken_fixed_;
-  std::vector<std::string> unknown_;
+  std::vector<std::string> not_used_;
   std::size_t bodies_ = 0, shapes_ = 0;
   bool gravity_off_ = false, passive_off_ = false, spring_off_ = false, damper_off_ = false,
        friction_off_ = false, fluid_ = false;

@@ -145,12 +145,14 @@ void judge(UrdfInertia& body, const MjcfElement& element, const MjcfCompiler& co
 std::optional<UrdfInertia> inertia_of_body(const MjcfBody& body, const MjcfCompiler& compiler) {
   using FromGeoms = MjcfCompiler::FromGeoms;
   std::vector<UrdfInertia> parts;
+  bool any = false;
   const bool by_geoms = compiler.inertia_from_geoms == FromGeoms::always ||
                         (compiler.inertia_from_geoms == FromGeoms::where_missing && body.inertial == nullptr);
   if (by_geoms)
     for (const auto& [fields, in_body] : body.geoms) {
       const double group = fields.number("group", 0.0);
       if (group < compiler.least_group || group > compiler.last_group) continue;
+      any = true;
       if (const auto part = inertia_of_geom(fields, in_body, compiler)) parts.push_back(*part);
     }
   std::optional<UrdfInertia> out;
@@ -162,7 +164,11 @@ std::optional<UrdfInertia> inertia_of_body(const MjcfBody& body, const MjcfCompi
     out = given(*body.inertial, compiler);
     out->frame = within(body.to_body, out->frame);
   } else if (compiler.bound_mass_kg > 0.0 || compiler.bound_inertia_kgm2 > 0.0) {
-    out = UrdfInertia{0.0, {identity<double>(), {0.0, 0.0, 0.0}}, {}};
+    // MuJoCo's rule, odd as it is: without any shape that counts, the mass is as far from the body as the body from its parent.
+    out = UrdfInertia{
+        0.0,
+        any || compiler.global ? Frame<double>{identity<double>(), {0.0, 0.0, 0.0}} : body.in_parent,
+        {}};
   }
   if (out) judge(*out, *from, compiler);
   return out;

@@ -14,6 +14,7 @@ struct MjcfBody {
   std::vector<std::pair<MjcfFields, Frame<double>>> geoms;
   const MjcfElement* inertial = nullptr;
   const MjcfElement* element = nullptr;
+  Frame<double> in_parent{dynamics::tree::identity<double>(), {0.0, 0.0, 0.0}};
   Frame<double> to_body{
       dynamics::tree::identity<double>(),
       {0.0, 0.0, 0.0}};  ///< of the world's coordinates, where <compiler coordinate="global">

@@ -426,21 +426,28 @@ class TreeBuilder {
   }
   /// What joins two links that move against each other, or links that are not known, changes the dynamics.
   void check_closures() {
-    std::vector<std::string> rigid;
+    std::vector<std::string> rigid, others;
+    std::vector<const UrdfClosure*> torn;
     for (const UrdfClosure& c : robot_.closures) {
-      std::vector<std::string> names;
       std::set<int> bodies;
       for (const std::string& name : c.links) {
-        names.push_back(name.empty() ? "the world" : quoted(name));
         int body = -1;
         for (const RobotTree::Link& l : out_.links)
           if (l.name == name) body = l.joint;
         bodies.insert(body);
       }
-      if (names.size() >= 2 && bodies.size() == 1) {
-        rigid.push_back("<" + c.tag + "> in line " + std::to_string(c.line));
+      const std::string title = "<" + c.tag + "> in line " + std::to_string(c.line);
+      if (c.links.size() >= 2 && bodies.size() == 1) {
+        rigid.push_back(title);
         continue;
       }
+      if (!torn.empty()) others.push_back(title);
+      torn.push_back(&c);
+    }
+    if (!torn.empty()) {
+      const UrdfClosure& c = *torn[0];
+      std::vector<std::string> names;
+      for (const std::string& name : c.links) names.push_back(name.empty() ? "the world" : quoted(name));
       // Of MJCF; a URDF's closures have other names.
       const bool is_tendon = c.tag.starts_with("fixed") || c.tag.starts_with("spatial");
       std::string message = "<" + c.tag + ">";
@@ -450,7 +457,9 @@ class TreeBuilder {
         message += " joins links that are not known";
       std::vector<std::string> outside;
       for (const RobotTree::Joint& j : out_.joints)
-        if (!is_within(c, j.name)) outside.push_back(j.name);
+        if (std::none_of(torn.begin(), torn.end(),
+                         [&](const UrdfClosure* t) { return is_within(*t, j.name); }))
+          outside.push_back(j.name);
       message +=
           is_tendon
               ? ": a tendon is not supported, expected forces on joints alone; hold the joints that it acts across"
@@ -460,6 +469,9 @@ class TreeBuilder {
                      : " (" + joints_line(outside) + " in [model])";
       message += ", or take the element out of the file where the robot has no such " +
                  std::string(is_tendon ? "tendon" : "loop");
+      if (!others.empty())
+        message += "; so with " + first_names(others) +
+                   (outside.empty() ? "" : ", for which these joints are held, too");
       fail_at(c, message);
     }
     if (!rigid.empty())

@@ -59,9 +59,11 @@ std::string joint(const Urdf& robot, const UrdfJoint& j) {
                     "/>\n    <child" + attribute("link", robot.links[j.child].name) + "/>\n";
   if (j.kind != Kind::fixed && j.kind != Kind::other) {
     out += "    <axis" + attribute("xyz", three(j.axis)) + "/>\n";
-    if (j.damping != 0.0 || j.friction != 0.0)
+    if (j.damping != 0.0 || j.friction != 0.0 || j.rotor_inertia_kgm2 != 0.0)
       out += "    <dynamics" + attribute("damping", shortest(j.damping)) +
-             attribute("friction", shortest(j.friction)) + "/>\n";
+             attribute("friction", shortest(j.friction)) +
+             (j.rotor_inertia_kgm2 == 0.0 ? "" : attribute("armature", shortest(j.rotor_inertia_kgm2))) +
+             "/>\n";
     if (j.limits)
       out += "    <limit" + attribute("lower", shortest(j.limits->lower)) +
              attribute("upper", shortest(j.limits->upper)) + attribute("effort", shortest(j.limits->effort)) +

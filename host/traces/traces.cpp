@@ -84,14 +84,16 @@ std::string range_element(const LogTraces& log, const Quantity& q) {
          core::shortest(values.high + margin) + "\"/>\n";
 }
 
+std::string xml(const std::string& text) { return core::escape(core::printable(text)); }
+
 std::string curve(const std::string& name, const char* color) {
-  return "       <curve name=\"" + core::escape(name) + "\" color=\"" + color + "\"/>\n";
+  return "       <curve name=\"" + xml(name) + "\" color=\"" + color + "\"/>\n";
 }
 
 std::string plot(const Traces& traces, const LogTraces& log, const Quantity& q, const std::string& prefix) {
   constexpr const char* kColors[] = {"#d62728", "#ff7f0e", "#2ca02c", "#9467bd"};
   std::string out =
-      "     <DockArea name=\"" + core::escape(q.column) +
+      "     <DockArea name=\"" + xml(q.column) +
       "\">\n      <plot style=\"Lines\" mode=\"TimeSeries\" flip_x=\"false\" flip_y=\"false\">\n" +
       range_element(log, q) + "       <limitY/>\n";
   out += curve(prefix + "/" + q.column + "_measured", "#1f77b4");
@@ -109,7 +111,7 @@ std::string tabs(const Traces& traces, const LogTraces& log, const std::string& 
     for (std::size_t i = 0; i < count; ++i)
       sizes += (i == 0 ? "" : ";") + core::rounded(1.0 / static_cast<double>(count), 6);
     const std::string part = n <= kPlotsOfTab ? "" : " " + std::to_string(first / kPlotsOfTab + 1);
-    out += "  <Tab containers=\"1\" tab_name=\"" + core::escape(prefix + part) +
+    out += "  <Tab containers=\"1\" tab_name=\"" + xml(prefix + part) +
            "\">\n   <Container>\n    <DockSplitter orientation=\"-\" count=\"" + std::to_string(count) +
            "\" sizes=\"" + sizes + "\">\n";
     for (std::size_t i = first; i < first + count; ++i) out += plot(traces, log, log.quantities[i], prefix);
@@ -201,7 +203,7 @@ std::string layout_text(const Traces& traces, const std::vector<std::string>& na
   out += "  <currentTabIndex index=\"0\"/>\n </tabbed_widget>\n <use_relative_time_offset enabled=\"0\"/>\n";
   out += " <Plugins>\n" + loader("  ") + " </Plugins>\n <previouslyLoaded_Datafiles>\n";
   for (const std::string& name : names)
-    out += "  <fileInfo filename=\"" + core::escape(name) + "\" prefix=\"" + core::escape(stem(name)) +
+    out += "  <fileInfo filename=\"" + xml(name) + "\" prefix=\"" + xml(stem(name)) +
            "\">\n   <selected_datasources value=\"\"/>\n" + loader("   ") + "  </fileInfo>\n";
   return out + " </previouslyLoaded_Datafiles>\n <customMathEquations/>\n <snippets/>\n</root>\n";
 }
@@ -213,7 +215,9 @@ std::vector<std::string> file_names(const Traces& traces) {
     // A directory of rosbag2 may be given with a slash at its end.
     std::filesystem::path path = std::filesystem::path(log.log).lexically_normal();
     if (!path.has_filename()) path = path.parent_path();
-    const std::string own = path.stem().empty() ? "log" : path.stem().string();
+    // The layout names it, and XML holds no control characters and nothing that is not UTF-8.
+    std::string own = path.stem().empty() ? "log" : core::printable(path.stem().string());
+    std::replace(own.begin(), own.end(), '\\', '_');
     std::string name = own;
     for (int i = 2; !taken.insert(name).second; ++i) name = own + "_" + std::to_string(i);
     names.push_back(name + ".csv");

@@ -144,6 +144,8 @@ std::vector<conventions::Columns> columns_of(const std::vector<Recording>& recor
   std::vector<conventions::Columns> out;
   for (const Recording& r : recordings) {
     conventions::Columns c{r.path, r.time_s, r.angle_rad, r.input, {}, std::vector<bool>(r.rows(), false)};
+    for (const auto& [ours, of] : r.mapped)
+      if (of.parts.size() == 1) c.sources[ours] = {of.parts[0].column, of.parts[0].scale, of.offset};
     for (std::size_t i = 0; i < r.rows(); ++i)
       c.breaks[i] = gap_after(r, i) || (!r.phases.empty() && r.phase_at(i).stance);
     out.push_back(std::move(c));
@@ -165,6 +167,12 @@ std::optional<conventions::Finding> find_convention(const TreeModel& model,
                                                     const std::vector<Recording>& recordings) {
   return conventions::find_convention(TreeFamily(model, recordings.front().input_measured),
                                       columns_of(recordings));
+}
+
+std::optional<conventions::JointReadings> find_joint_readings(const TreeModel& model,
+                                                              const std::vector<Recording>& recordings) {
+  return conventions::find_joint_readings(TreeFamily(model, recordings.front().input_measured),
+                                          columns_of(recordings));
 }
 
 conventions::AsNamed as_named(const TreeModel& model, const std::vector<Recording>& recordings) {

@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "host/conventions/joint_search.hpp"
 #include "host/conventions/trial.hpp"
 #include "host/trees/recording.hpp"
 
@@ -17,6 +18,9 @@ void require_conventions(const TreeModel& model, const std::vector<Recording>& r
 /// What require_conventions() would say, as a finding; and how well the columns fit as they are named.
 std::optional<conventions::Finding> find_convention(const TreeModel& model,
                                                     const std::vector<Recording>& recordings);
+/// Signs and units of all joints at once.
+std::optional<conventions::JointReadings> find_joint_readings(const TreeModel& model,
+                                                              const std::vector<Recording>& recordings);
 conventions::AsNamed as_named(const TreeModel& model, const std::vector<Recording>& recordings);
 
 }  // namespace furcula::trees

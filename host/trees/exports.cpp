@@ -11,6 +11,8 @@
 #include "host/model/mjcf.hpp"
 #include "host/model/urdf_writer.hpp"
 #include "host/model/xml_check.hpp"
+#include "host/trees/edits.hpp"
+#include "host/trees/mjcf_edits.hpp"
 #include "host/trees/run.hpp"
 
 namespace furcula::trees {
@@ -115,57 +117,12 @@ std::vector<std::string> what_is_left_out(const Diagnosis& d, bool mjcf) {
     const Seat seat = info(c.effect).seat;
     const bool position_law =
         seat == Seat::drive && d.extended.drives[c.sites.at(0)].law == DriveLaw::position;
+    if (c.effect == Effect::rotor_inertia_error && d.model.urdf.is_mjcf) continue;
     if (const std::string what = left_out(c, mjcf, position_law); !what.empty())
       out.push_back(cause_name(d.model, c) + " (" + values(d.model, c) + "): " + what);
   }
   return out;
 }
-
-/// A text with pieces replaced; places are those of the text as it was.
-class Edits {
- public:
-  explicit Edits(std::string_view text) : text_(text) {}
-  void replace(std::string_view piece, const std::string& by) {
-    list_.push_back({place(piece), piece.size(), by});
-  }
-  void insert(std::size_t at, const std::string& what) { list_.push_back({at, 0, what}); }
-  std::size_t place(std::string_view piece) const {
-    return static_cast<std::size_t>(piece.data() - text_.data());
-  }
-
-  /// Sets an attribute, which is added after the tag's name where there is none.
-  void set(const XmlElement& e, std::string_view attribute, const std::string& value) {
-    for (const auto& [name, old] : e.attributes)
-      if (name == attribute) return replace(old, value);
-    insert(place(e.tag) + e.tag.size(), " " + std::string(attribute) + "=\"" + value + "\"");
-  }
-  /// A new element before another, on a line of its own where that one is.
-  void add_before(const XmlElement& next, const std::string& element) {
-    const std::size_t at = place(next.tag) - 1, line = text_.rfind('\n', at);
-    const std::string_view indent = line == text_.npos ? "" : text_.substr(line + 1, at - line - 1);
-    const bool alone = line != text_.npos && indent.find_first_not_of(" \t") == indent.npos;
-    const bool carriage = alone && line > 0 && text_[line - 1] == '\r';
-    insert(at, element + (alone ? (carriage ? "\r\n" : "\n") + std::string(indent) : ""));
-  }
-  std::string text() {
-    std::stable_sort(list_.begin(), list_.end(), [](const Edit& a, const Edit& b) { return a.at < b.at; });
-    std::string out;
-    std::size_t from = 0;
-    for (const Edit& e : list_) {
-      out.append(text_.substr(from, e.at - from)).append(e.by);
-      from = e.at + e.length;
-    }
-    return out.append(text_.substr(from));
-  }
-
- private:
-  struct Edit {
-    std::size_t at, length;
-    std::string by;
-  };
-  std::string_view text_;
-  std::vector<Edit> list_;
-};
 
 std::string text_of(const Vec3<double>& v) {
   return shortest(v.x) + " " + shortest(v.y) + " " + shortest(v.z);
@@ -187,6 +144,45 @@ std::string text_of_robot(const TreeModel& model, const std::string& file) {
   return model.urdf_text.empty() ? core::read_small_file(file, "a robot (URDF)") : model.urdf_text;
 }
 
+const FittedBody* fitted_body(const Diagnosis& d, std::size_t i) {
+  for (const FittedBody& f : d.extended.bodies)
+    if (f.link == i) return &f;
+  return nullptr;
+}
+/// The link's inertial with its causes, a payload last, as SetupMaker applies them.
+Body extended_body(const Diagnosis& d, std::size_t i, const model::UrdfInertia& given,
+                   std::vector<std::string>& left_out) {
+  const FittedBody* fitted = fitted_body(d, i);
+  const model::UrdfInertia from = fitted != nullptr ? body_at(given, fitted->at) : given;
+  Body b{from.mass_kg, from.frame.at, from.about_centre_kgm2};
+  for (const Cause& c : d.extended.causes) {
+    if (!is_of_body(c.effect) || !acts_on(c, i)) continue;
+    const auto& v = c.values;
+    if ((c.effect == Effect::mass_error || c.effect == Effect::inertia_error) && !(v[0] > 0.0)) {
+      left_out.push_back(cause_name(d.model, c) + " (" + values(d.model, c) +
+                         "): a link that moves has both above 0");
+      continue;
+    }
+    if (c.effect == Effect::mass_error) {
+      b.about_centre_kgm2 = scaled(b.about_centre_kgm2, v[0] / b.mass_kg);
+      b.mass_kg = v[0];
+    }
+    if (c.effect == Effect::com_error) b.centre_m += Vec3<double>{v[0], v[1], v[2]};
+    if (c.effect == Effect::inertia_error) b.about_centre_kgm2 = scaled(b.about_centre_kgm2, v[0]);
+  }
+  for (const Cause& c : d.extended.causes) {
+    if (c.effect != Effect::payload || !acts_on(c, i) || !(c.values[0] > 0.0)) continue;
+    const double load_kg = c.values[0], sum_kg = b.mass_kg + load_kg;
+    const Vec3<double> at{c.values[1], c.values[2], c.values[3]};
+    const Vec3<double> centre = (b.centre_m * b.mass_kg + at * load_kg) * (1.0 / sum_kg);
+    const auto about = [&](const Vec3<double>& point, double mass) {
+      return scaled(dynamics::tree::minus_squared_cross(given.frame.turn * (point - centre)), mass);
+    };
+    b = {sum_kg, centre, b.about_centre_kgm2 + about(b.centre_m, b.mass_kg) + about(at, load_kg)};
+  }
+  return b;
+}
+
 class UrdfWriter {
  public:
   explicit UrdfWriter(const Diagnosis& d)
@@ -201,6 +197,8 @@ class UrdfWriter {
     for (std::size_t i = 0; i < d_.model.joints(); ++i) joint(i);
     for (const std::size_t i : sites(d_.model, Seat::link)) link(i);
     for (const std::string& line : what_is_left_out(d_, false)) left_out_.push_back(line);
+    if (d_.model.urdf.is_mjcf)
+      left_out_.emplace_back("armature of <dynamics> is read by furcula; other programs ignore it");
     leave_out_drives();
     describe("The robot with what a diagnosis found.");
     return edits_.text();
@@ -232,6 +230,11 @@ class UrdfWriter {
     throw core::DataError(file_ + ":" + std::to_string(elements_[of].line) + ": no <" + std::string(tag) +
                           ">, expected the file that was diagnosed");
   }
+  double rotor_of_file(const std::string& joint) const {
+    for (const model::UrdfJoint& j : d_.model.urdf.joints)
+      if (j.name == joint) return j.rotor_inertia_kgm2;
+    return 0.0;
+  }
   std::string reasons(std::span<const Effect> effects, std::size_t site) const {
     std::string out;
     for (const Cause& c : d_.extended.causes)
@@ -245,16 +248,24 @@ class UrdfWriter {
     const auto& given = d_.model.robot.model.laws[i];  // as the file has it
     const double damping = joint_damping(d_.extended, i), friction = joint_friction(setup_.model.laws[i]);
     const bool damps = damping != given.damping_nmspr, rubs = friction != given.friction_nm;
-    if (!damps && !rubs) return;
+    // A URDF that is written here has rotors' inertias; one of the user's stays without.
+    const double rotor = setup_.model.laws[i].armature_kgm2, rotor_given = rotor_of_file(name);
+    const bool spins = d_.model.urdf.is_mjcf && rotor != rotor_given;
+    if (!damps && !rubs && !spins) return;
     const bool linear = d_.model.prismatic(i);
     const std::size_t at = named("joint", name);
     if (const XmlElement* dynamics = child(at, "dynamics")) {
       if (damps) edits_.set(*dynamics, "damping", shortest(damping));
       if (rubs) edits_.set(*dynamics, "friction", shortest(friction));
+      if (spins) edits_.set(*dynamics, "armature", shortest(rotor));
     } else {
-      edits_.add_before(needed(at, "child"), "<dynamics damping=\"" + shortest(damping) + "\" friction=\"" +
-                                                 shortest(friction) + "\"/>");
+      edits_.add_before(needed(at, "child"),
+                        "<dynamics damping=\"" + shortest(damping) + "\" friction=\"" + shortest(friction) +
+                            "\"" + (spins ? " armature=\"" + shortest(rotor) + "\"" : "") + "/>");
     }
+    if (spins)
+      changed("joint " + name + ", armature: " + shortest(rotor_given) + " -> " + shortest(rotor) +
+              (linear ? " kg" : " kg m^2"));
     if (damps) {
       constexpr Effect kDamping[] = {Effect::damping_error};
       std::string why = reasons(kDamping, i);
@@ -271,49 +282,11 @@ class UrdfWriter {
               (linear ? " N: " : " N m: ") + reasons(kFriction, i));
   }
 
-  const FittedBody* fitted_body(std::size_t i) const {
-    for (const FittedBody& f : d_.extended.bodies)
-      if (f.link == i) return &f;
-    return nullptr;
-  }
-  /// The link's inertial with its causes, a payload last, as SetupMaker applies them.
-  Body extended_body(std::size_t i, const model::UrdfInertia& given) {
-    const FittedBody* fitted = fitted_body(i);
-    const model::UrdfInertia from = fitted != nullptr ? body_at(given, fitted->at) : given;
-    Body b{from.mass_kg, from.frame.at, from.about_centre_kgm2};
-    for (const Cause& c : d_.extended.causes) {
-      if (!is_of_body(c.effect) || !acts_on(c, i)) continue;
-      const auto& v = c.values;
-      if ((c.effect == Effect::mass_error || c.effect == Effect::inertia_error) && !(v[0] > 0.0)) {
-        left_out_.push_back(cause_name(d_.model, c) + " (" + values(d_.model, c) +
-                            "): a link that moves has both above 0");
-        continue;
-      }
-      if (c.effect == Effect::mass_error) {
-        b.about_centre_kgm2 = scaled(b.about_centre_kgm2, v[0] / b.mass_kg);
-        b.mass_kg = v[0];
-      }
-      if (c.effect == Effect::com_error) b.centre_m += Vec3<double>{v[0], v[1], v[2]};
-      if (c.effect == Effect::inertia_error) b.about_centre_kgm2 = scaled(b.about_centre_kgm2, v[0]);
-    }
-    for (const Cause& c : d_.extended.causes) {
-      if (c.effect != Effect::payload || !acts_on(c, i) || !(c.values[0] > 0.0)) continue;
-      const double load_kg = c.values[0], sum_kg = b.mass_kg + load_kg;
-      const Vec3<double> at{c.values[1], c.values[2], c.values[3]};
-      const Vec3<double> centre = (b.centre_m * b.mass_kg + at * load_kg) * (1.0 / sum_kg);
-      const auto about = [&](const Vec3<double>& point, double mass) {
-        return scaled(dynamics::tree::minus_squared_cross(given.frame.turn * (point - centre)), mass);
-      };
-      b = {sum_kg, centre, b.about_centre_kgm2 + about(b.centre_m, b.mass_kg) + about(at, load_kg)};
-    }
-    return b;
-  }
-
   void link(std::size_t i) {
     const model::UrdfInertia& given = *d_.model.urdf.links[i].inertia;
     std::string why;
     bool moved = false, heavier = false, fuller = false;
-    if (fitted_body(i) != nullptr) {
+    if (fitted_body(d_, i) != nullptr) {
       why = "free inertial parameters, fitted";
       moved = heavier = fuller = true;
     }
@@ -326,7 +299,7 @@ class UrdfWriter {
       fuller |= load || c.effect != Effect::com_error;
     }
     if (why.empty()) return;
-    const Body b = extended_body(i, given);
+    const Body b = extended_body(d_, i, given, left_out_);
     const std::string& name = d_.model.urdf.links[i].name;
     const std::size_t inertial =
         static_cast<std::size_t>(&needed(named("link", name), "inertial") - elements_.data());
@@ -372,21 +345,14 @@ class UrdfWriter {
     for (const std::string& line : changed_) lines.push_back("  " + line);
     if (!left_out_.empty()) lines.emplace_back("What a URDF cannot hold:");
     for (const std::string& line : left_out_) lines.push_back("  " + line);
-    // An XML declaration stands before all else.
-    std::size_t at = text_.starts_with("\xef\xbb\xbf") ? 3 : 0;
-    if (text_.compare(at, 5, "<?xml") == 0) {
-      at = text_.find("?>", at) + 2;
-      at = std::min(text_.find_first_not_of(" \t\r", at), text_.size());
-      if (text_[at] == '\n') ++at;
-    }
-    edits_.insert(at, comment(lines));
+    edits_.insert_on_top(comment(lines));
   }
   void leave_out_drives() {
     for (std::size_t i = 0; i < d_.model.joints(); ++i) {
       const Drive& drive = d_.extended.drives[i];
       const std::string of = "[drive] of " + d_.model.robot.joints[i].name + ": ";
       const bool linear = d_.model.prismatic(i);
-      if (drive.rotor_inertia_kgm2 != 0.0)
+      if (drive.rotor_inertia_kgm2 != 0.0 && !d_.model.urdf.is_mjcf)
         left_out_.push_back(of + "rotor inertia " + shortest(drive.rotor_inertia_kgm2) +
                             (linear ? " kg" : " kg m^2"));
       if (drive.law == DriveLaw::position)
@@ -440,6 +406,40 @@ std::string extended_mjcf(const Diagnosis& d) {
   const std::vector<std::string> missing = what_is_left_out(d, true);
   if (!missing.empty()) lines.emplace_back("What this file does not hold:");
   for (const std::string& line : missing) lines.push_back("  " + line);
+  // The robot's own file with what is changed, where that file says it all; else one that is written here.
+  const std::string file = (std::filesystem::path(d.model.file).parent_path() / d.model.urdf_path).string();
+  if (d.model.urdf.is_mjcf && !d.model.urdf.is_expanded) {
+    MjcfChanges changes{{}, {}, robot.model.gravity_mps2};
+    for (const std::size_t i : sites(d.model, Seat::link)) {
+      const bool of_cause =
+          std::any_of(d.extended.causes.begin(), d.extended.causes.end(),
+                      [&](const Cause& c) { return is_of_body(c.effect) && acts_on(c, i); });
+      if (!of_cause && fitted_body(d, i) == nullptr) continue;
+      const model::UrdfInertia& given = *d.model.urdf.links[i].inertia;
+      std::vector<std::string> impossible;
+      const Body b = extended_body(d, i, given, impossible);
+      changes.bodies[d.model.urdf.links[i].name] = {
+          b.mass_kg, {given.frame.turn, b.centre_m}, b.about_centre_kgm2};
+    }
+    for (std::size_t i = 0; i < robot.joints.size(); ++i) {
+      const auto& law = robot.model.laws[i];
+      const bool sets = setup.joints[i].law == DriveLaw::position;
+      const double gain = setup.joints[i].gain;
+      changes.joints[robot.joints[i].name] = {law.armature_kgm2,
+                                              law.damping_nmspr,
+                                              law.friction_nm,
+                                              law.stiffness_nmprad,
+                                              law.rest_rad,
+                                              sets ? gain * setup.joints[i].kp_nmprad : 0.0,
+                                              sets ? gain * setup.joints[i].kd_nmsprad : 0.0};
+    }
+    const std::string text =
+        d.model.urdf_text.empty() ? core::read_small_file(file, "a robot (MJCF)") : d.model.urdf_text;
+    std::vector<std::string> head = lines;
+    head.push_back("Files of meshes and textures are named as in " + d.model.urdf_path +
+                   ": put this file beside it.");
+    if (const auto edited = edited_mjcf(text, d.model.urdf, changes, comment(head))) return *edited;
+  }
   return comment(lines) + model::format_mjcf(robot, gains);
 }
 

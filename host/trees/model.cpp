@@ -58,14 +58,25 @@ class Reader {
   }
 
   TreeModel read() {
-    static constexpr std::array<std::string_view, 7> kSections{"model", "hold", "drive", "spring",
-                                                               "foot",  "free", "effect"};
+    static constexpr std::array<std::string_view, 8> kSections{"model", "hold",    "drive", "spring",
+                                                               "foot",  "sensors", "free",  "effect"};
     core::refuse_unknown_keys(file_, name_, "the model file of a tree", kSections);
     read_robot();
     read_drives();
     require_inertia();
     read_springs();
     if (const toml::node* feet = file_.get("foot")) read_foot(core::table(*feet, name_, "[foot]"));
+    if (const toml::node* sensors = file_.get("sensors")) {
+      static constexpr std::array<std::string_view, 2> kKeys{"angle_noise_rad", "torque_noise_nm"};
+      const toml::table& table = core::table(*sensors, name_, "[sensors]");
+      core::refuse_unknown_keys(table, name_, "[sensors]", kKeys);
+      if (const toml::node* noise = table.get(kKeys.front()))
+        model_.angle_noise_rad = core::number(*noise, name_, "[sensors] angle_noise_rad", 1e-9, 1.0,
+                                              "rad (m of a prismatic joint)");
+      if (const toml::node* noise = table.get(kKeys.back()))
+        model_.torque_noise_nm = core::number(*noise, name_, "[sensors] torque_noise_nm", 1e-9, 1e6,
+                                              "N m (N of a prismatic joint)");
+    }
     if (const toml::node* free = file_.get("free")) read_free(core::table(*free, name_, "[free]"));
     if (const toml::node* effects = file_.get("effect"))
       read_effects(core::table(*effects, name_, "[effect]"));
@@ -641,6 +652,10 @@ std::string format_tree_model(const TreeModel& m, const std::string& urdf) {
     out += "\n[foot." + toml_key(m.foot->name) + "]\nlink = " + text_of(m.robot.links[m.foot->link].name) +
            "\npoint_m = [" + core::toml_float(m.foot->point_m.x) + ", " +
            core::toml_float(m.foot->point_m.y) + ", " + core::toml_float(m.foot->point_m.z) + "]\n";
+  const bool angle = m.angle_noise_rad != TreeModel{}.angle_noise_rad;
+  if (angle || m.torque_noise_nm > 0.0) out += "\n[sensors]\n";
+  if (angle) out += "angle_noise_rad = " + core::toml_float(m.angle_noise_rad) + "\n";
+  if (m.torque_noise_nm > 0.0) out += "torque_noise_nm = " + core::toml_float(m.torque_noise_nm) + "\n";
   if (!m.free.empty() || !m.free_bodies.empty()) out += "\n[free]\n";
   for (const FreeParameter& f : m.free)
     out += text_of(std::string(kDriveParameters[f.parameter]) + "." + m.robot.joints[f.joint].name) + " = [" +

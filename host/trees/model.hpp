@@ -85,6 +85,8 @@ struct TreeModel {
   std::vector<Drive> drives;    ///< of each joint of the tree
   std::vector<Spring> springs;  ///< of each joint
   std::optional<Foot> foot;
+  double angle_noise_rad = 2e-4;  ///< of the encoders, one sample, standard deviation; of a prismatic joint m
+  double torque_noise_nm = 0.0;   ///< of the drives' torques and what disturbs the joints; 0: not said
   std::vector<FreeParameter> free;
   std::vector<FreeBody> free_bodies;
   std::vector<Cause> causes;  ///< that are switched on, each at one site

@@ -12,6 +12,7 @@
 #include "host/core/strict_toml.hpp"
 #include "host/trees/fit.hpp"
 #include "host/trees/run.hpp"
+#include "host/trees/simulate.hpp"
 
 namespace furcula::trees {
 namespace {
@@ -225,19 +226,7 @@ std::string other_way_of_moving(const TreeModel& m, const std::vector<Recording>
 
 std::string scenario_of(const TreeModel& m, const Experiment& e) {
   if (e.paths.empty()) return "";
-  std::string out = "[run]\nduration_s = 10.0\nsample_rate_hz = 250.0\n";
-  for (std::size_t j = 0; j < m.joints(); ++j) {
-    const Path& p = e.paths[j];
-    const std::string unit(channel_unit(m, j));
-    out += "\n[path." + toml_key(m.robot.joints[j].name) + "]\nprofile = \"" +
-           (p.profile == Path::Profile::hold ? "hold" : "sine") + "\"\ncentre_" + unit + " = " +
-           core::toml_float(p.centre_rad) + "\n";
-    if (p.profile == Path::Profile::hold) continue;
-    out += "amplitude_" + unit + " = " + core::toml_float(p.amplitude_rad) +
-           "\nperiod_s = " + core::toml_float(p.period_s) + "\nphase_rad = " + core::toml_float(p.phase_rad) +
-           "\n";
-  }
-  return out;
+  return format_scenario(m, {10.0, 250.0, e.paths});
 }
 
 }  // namespace furcula::trees

@@ -260,6 +260,7 @@ Recording recording_of(const TreeModel& m, const log::Log& given, const std::vec
   r.time_s = log.time_s();
   r.refused = log.refused;
   r.log_notes = log.notes;
+  r.mapped = log.mapped;
   r.log_row = std::move(clean.row);
   std::vector<double> intervals;
   for (std::size_t i = 1; i < r.rows(); ++i) intervals.push_back(r.time_s[i] - r.time_s[i - 1]);

@@ -30,12 +30,13 @@ struct Recording {
   std::vector<std::vector<double>> angle_rad;
   /// Torque law: the torque that the drive reports, else the one commanded, N m. Position law: the set point, rad.
   std::vector<std::vector<double>> input;
-  std::vector<double> angle_noise_rad;   ///< of one sample, standard deviation
-  std::vector<bool> input_measured;      ///< the torque is the drive's report
-  double interval_s = 0.0;               ///< median
-  std::vector<log::RefusedRow> refused;  ///< rows of the log that are not among these
-  std::vector<std::string> log_notes;    ///< what else was done to it, in sentences
-  std::vector<std::size_t> log_row;      ///< of the log that it was made of, of each row
+  std::vector<double> angle_noise_rad;              ///< of one sample, standard deviation
+  std::vector<bool> input_measured;                 ///< the torque is the drive's report
+  double interval_s = 0.0;                          ///< median
+  std::vector<log::RefusedRow> refused;             ///< rows of the log that are not among these
+  std::vector<std::string> log_notes;               ///< what else was done to it, in sentences
+  std::vector<std::size_t> log_row;                 ///< of the log that it was made of, of each row
+  std::map<std::string, log::MappedColumn> mapped;  ///< of the map file that it was read with
 
   /// How late the foot's switch is by this recording's hard touch-downs, and what that is worth: one over a variance. 0: nothing tells.
   double switch_late_s = 0.0, switch_late_precision = 0.0;

@@ -15,14 +15,15 @@ import os as _os
 
 from . import _core
 from ._core import Error, Log, Model, __version__
-from .results import (Cause, Diagnosis, Estimate, Event, Experiment, Finding, Identification, Parameter, Rival, Trace,
-                      WalkResult)
+from .results import (Cause, Channel, Check, Diagnosis, Estimate, Event, Experiment, Finding, Identification, MapProposal,
+                      Parameter, Replay, Rival, Trace, WalkResult)
 from . import results as _results
 
 __all__ = [
-    "Cause", "Diagnosis", "Error", "Estimate", "Event", "Experiment", "Finding", "Identification", "Log", "Model", "Parameter",
-    "Rival", "Trace", "WalkResult", "bias_forces", "diagnose", "energy", "forward_dynamics", "identify", "inverse_dynamics",
-    "load_model", "make_log", "mass_matrix", "parse_model", "read_log", "search_walk", "simulate", "simulate_walk"
+    "Cause", "Channel", "Check", "Diagnosis", "Error", "Estimate", "Event", "Experiment", "Finding", "Identification", "Log",
+    "MapProposal", "Model", "Parameter", "Replay", "Rival", "Trace", "WalkResult", "bias_forces", "check", "diagnose", "energy",
+    "forward_dynamics", "identify", "inverse_dynamics", "load_model", "make_log", "mass_matrix", "parse_model", "propose_map",
+    "read_log", "replay", "search_walk", "simulate", "simulate_walk"
 ]
 
 Log.__module__ = Model.__module__ = __name__
@@ -97,6 +98,30 @@ def _logs(logs, model, map, window_s):
     if isinstance(logs, (str, bytes, _os.PathLike, Log)):
         logs = [logs]
     return [log if isinstance(log, Log) else read_log(log, model.machine, map, window_s) for log in logs]
+
+
+def check(path, model=None, *, machine="", map=None):
+    """What is in a log, however large, as `furcula check` says it; what makes it unusable raises Error.
+
+    model: a Model or a path, whose columns the log must have. machine: the type where neither model, log nor map names it. map: path of
+    a map file. Returns a Check.
+    """
+    return Check(**_core.check(_path(path), None if model is None else _model(model), machine,
+                               "" if map is None else _path(map)))
+
+
+def propose_map(path, model):
+    """Proposes the map file of a log with other column names, as `furcula map` does; a person confirms it. Returns a MapProposal."""
+    return MapProposal(**_core.propose_map(_path(path), _model(model)))
+
+
+def replay(model, log, *, map=None, window_s=None):
+    """Runs a model on a log's recorded inputs in windows of window_s, as `furcula replay` does. Returns a Replay.
+
+    model: a Model or a path. log: a Log or a path, with map as of read_log.
+    """
+    model = _model(model)
+    return _results._replay(_core.replay(model, _logs(log, model, map, window_s)[0], window_s or 0.0))
 
 
 def simulate(model, scenario=None, *, scenario_toml=None, seed=0):

@@ -6,13 +6,17 @@ import numpy as np
 import numpy.typing as npt
 
 from .results import Cause as Cause
+from .results import Channel as Channel
+from .results import Check as Check
 from .results import Diagnosis as Diagnosis
 from .results import Estimate as Estimate
 from .results import Event as Event
 from .results import Experiment as Experiment
 from .results import Finding as Finding
 from .results import Identification as Identification
+from .results import MapProposal as MapProposal
 from .results import Parameter as Parameter
+from .results import Replay as Replay
 from .results import Rival as Rival
 from .results import Trace as Trace
 from .results import WalkResult as WalkResult
@@ -64,6 +68,10 @@ def read_log(path: Path, machine: str = ..., map: Optional[Path] = ..., window_s
 def make_log(columns: Dict[str, npt.ArrayLike], machine: str, name: str = ..., window_s: Optional[float] = ...) -> Log: ...
 def load_model(path: Path, accept_inertias: bool = ...) -> Model: ...
 def parse_model(text: str, path: Path = ..., urdf: str = ..., accept_inertias: bool = ...) -> Model: ...
+def check(path: Path, model: Union[Model, Path, None] = ..., *, machine: str = ..., map: Optional[Path] = ...) -> Check: ...
+def propose_map(path: Path, model: Union[Model, Path]) -> MapProposal: ...
+def replay(model: Union[Model, Path], log: Union[Log, Path], *, map: Optional[Path] = ...,
+           window_s: Optional[float] = ...) -> Replay: ...
 def simulate(model: Union[Model, Path], scenario: Optional[Path] = ..., *, scenario_toml: Optional[str] = ...,
              seed: int = ...) -> Log: ...
 def identify(model: Union[Model, Path], logs: Logs, held_out: Logs = ..., *, map: Optional[Path] = ...,

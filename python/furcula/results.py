@@ -14,8 +14,8 @@ import numpy as np
 from . import _core
 
 __all__ = [
-    "Cause", "Diagnosis", "Estimate", "Event", "Experiment", "Finding", "Identification", "Parameter", "Rival", "Trace",
-    "WalkResult"
+    "Cause", "Channel", "Check", "Diagnosis", "Estimate", "Event", "Experiment", "Finding", "Identification", "MapProposal",
+    "Parameter", "Replay", "Rival", "Trace", "WalkResult"
 ]
 
 Interval = Tuple[Optional[float], Optional[float]]
@@ -149,6 +149,72 @@ class Trace:
 
 
 @dataclass(frozen=True)
+class Check:
+    """What is in a log. ``columns``: with the map's names; ``warnings``: what was left out, repaired or is odd, in sentences."""
+
+    path: str
+    machine: str
+    columns: List[str]
+    ignored_columns: List[str]
+    rows: int
+    rejected_rows: int
+    duration_s: float
+    interval_min_s: float
+    interval_median_s: float
+    interval_mean_s: float
+    interval_max_s: float
+    warnings: List[str]
+
+
+@dataclass(frozen=True)
+class MapProposal:
+    """A map file for a log with other column names.
+
+    ``text``: the file. ``columns``: by Furcula's names, the columns of the log. ``sureness``: of each "sure", "likely" or "confirm".
+    ``notes``: what the equation of motion found, in sentences. ``not_found``: columns that the model asks for; ``not_used``: of the log.
+    """
+
+    text: str = field(repr=False)
+    columns: Dict[str, List[str]]
+    sureness: Dict[str, str]
+    notes: List[str]
+    not_found: List[str]
+    not_used: List[str]
+
+    def write(self, path: "str | os.PathLike[str]") -> None:
+        """Writes the map file (TOML)."""
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(self.text)
+
+
+@dataclass(frozen=True)
+class Channel:
+    """A measured column and its prediction, arrays of one length in ``unit``; nan where no window is. ``nmse`` None: it does not move."""
+
+    channel: str
+    unit: str
+    rmse: Optional[float]
+    nmse: Optional[float]
+    measured: np.ndarray = field(repr=False)
+    predicted: np.ndarray = field(repr=False)
+
+
+@dataclass(frozen=True)
+class Replay:
+    """A model run on a log's inputs, window by window. ``window``: of each row, from 1; 0: none. ``channels``: by column."""
+
+    time_s: np.ndarray = field(repr=False)
+    window: np.ndarray = field(repr=False)
+    channels: Dict[str, Channel]
+    csv: str = field(repr=False)
+
+    def write(self, path: "str | os.PathLike[str]") -> None:
+        """Writes measured and predicted values as CSV."""
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(self.csv)
+
+
+@dataclass(frozen=True)
 class Diagnosis:
     """What a model gets wrong (document ``furcula-diagnosis/2``).
 
@@ -180,10 +246,13 @@ class Diagnosis:
     report: str = field(repr=False)
     document: Dict[str, Any] = field(repr=False)
     text: str = field(repr=False)
+    found: Any = field(repr=False, compare=False)
 
     def write(self, folder: "str | os.PathLike[str]") -> None:
-        """Writes diagnosis.json, report.html and extended_model.toml into the folder, which is made if it does not exist."""
-        _write(folder, {"diagnosis.json": self.text, "report.html": self.report}, "extended_model", self.model)
+        """Writes diagnosis.json, report.html, extended_model.toml and traces/ (measured and predicted values of all logs as CSV, and a
+        layout of PlotJuggler) into the folder, which is made if it does not exist."""
+        _write(folder, {"diagnosis.json": self.text, "report.html": self.report, **self.found.trace_files()},
+               "extended_model", self.model)
 
 
 @dataclass(frozen=True)
@@ -210,10 +279,11 @@ class Identification:
     report: str = field(repr=False)
     document: Dict[str, Any] = field(repr=False)
     text: str = field(repr=False)
+    found: Any = field(repr=False, compare=False)
 
     def write(self, folder: "str | os.PathLike[str]") -> None:
-        """Writes identification.json, identified_model.toml and, where there is one, report.html into the folder."""
-        files = {"identification.json": self.text}
+        """Writes identification.json, identified_model.toml, traces/ and, where there is one, report.html into the folder."""
+        files = {"identification.json": self.text, **self.found.trace_files()}
         if self.report:
             files["report.html"] = self.report
         _write(folder, files, "identified_model", self.model)
@@ -250,12 +320,17 @@ class WalkResult:
 
 
 def _write(folder, files, model_name="", model=None):
-    os.makedirs(folder, exist_ok=True)
+    os.makedirs(os.path.join(folder, "traces") if any(n.startswith("traces/") for n in files) else folder, exist_ok=True)
     if model is not None:
         files = {**files, **model._files_for(model_name + ".toml", os.fsencode(os.path.abspath(folder)))}
     for name, text in files.items():
         with open(os.path.join(folder, name), "w", encoding="utf-8") as file:
             file.write(text)
+
+
+def _replay(found):
+    found["channels"] = {d["channel"]: Channel(**d) for d in found["channels"]}
+    return Replay(**found)
 
 
 def _estimates(document):
@@ -317,7 +392,7 @@ def _diagnosis(found, document):
     own["findings"] = [_finding(d) for d in document["findings"]]
     own["experiments"] = [_experiment(d) for d in document["experiments"]]
     return Diagnosis(**own, model=found.model, traces=_traces(found, False), report=found.report, document=document,
-                     text=found.json)
+                     text=found.json, found=found)
 
 
 def _numbers(values):
@@ -334,7 +409,7 @@ def _identification(found, document):
     own.update(_as_they_stand(Identification, document))
     own["parameters"] = {name: _parameter(name, d) for name, d in document["parameters"].items()}
     return Identification(**own, covariance=found.covariance, model=found.model, traces=_traces(found, True),
-                          report=found.report, document=document, text=found.json)
+                          report=found.report, document=document, text=found.json, found=found)
 
 
 def _walk_result(found, document):

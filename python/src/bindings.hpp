@@ -25,6 +25,7 @@ void add_models(py::module_& module);
 void add_dynamics(py::module_& module);
 void add_estimates(py::module_& module);
 void add_walks(py::module_& module);
+void add_tools(py::module_& module);
 
 /// A log as Python holds it: read only, so that arrays of its columns need no copy.
 struct PyLog {

@@ -23,6 +23,8 @@
 #include "host/report/robot_picture.hpp"
 #include "host/result/diagnosis_json.hpp"
 #include "host/sim/simulate.hpp"
+#include "host/traces/of_axis.hpp"
+#include "host/traces/of_tree.hpp"
 #include "host/trees/diagnose.hpp"
 #include "host/trees/exports.hpp"
 #include "host/trees/identify.hpp"
@@ -108,6 +110,7 @@ struct Found {
   std::vector<result::Trace>
       traces;  ///< of an identification: `extended` is the identified model's, `refitted` empty
   Eigen::MatrixXd covariance;  ///< of an identified tree's parameters; else empty
+  traces::Traces of_logs;      ///< of all rows, as the program writes them
 };
 
 /// A tree as a model in Python's hands; `urdf` is the text of the URDF with fitted bodies, empty: as given.
@@ -132,11 +135,15 @@ Found diagnose_tree(const Model& model, const Recordings& r, const Settings& set
   extended.causes = d.extended.causes;
   const std::string urdf = d.extended.bodies.empty() ? "" : trees::urdf_with_bodies(tree, d.extended.bodies);
   const result::Diagnosis found = trees::result_of(d);
-  return {result::to_json_text(found),
-          report::render_report(found, "furcula.diagnose", report::robot_picture(d)),
-          tree_again(model, extended, urdf),
-          d.traces,
-          {}};
+  return {
+      result::to_json_text(found),
+      report::render_report(found, "furcula.diagnose", report::robot_picture(d)),
+      tree_again(model, extended, urdf),
+      d.traces,
+      {},
+      traces::of_tree(
+          tree, {{"given", {tree.drives, tree.causes}}, {"refitted", d.refitted}, {"extended", d.extended}},
+          d.refitted, r.training, r.held_out, options.window_s)};
 }
 
 Found diagnose_machine(const Model& model, const Recordings& r, const Settings& settings, Teller& tell) {
@@ -148,7 +155,10 @@ Found diagnose_machine(const Model& model, const Recordings& r, const Settings& 
           report::render_report(found, "furcula.diagnose"),
           machine_again(model, d.extended_model),
           d.traces,
-          {}};
+          {},
+          traces::of_axis(
+              {{"given", *model.machine}, {"refitted", d.refitted_model}, {"extended", d.extended_model}},
+              d.refitted_model, r.training, r.held_out, options.window_s)};
 }
 
 Found identify_tree(const Model& model, const Recordings& r, const Settings& settings, Teller& tell) {
@@ -158,7 +168,14 @@ Found identify_tree(const Model& model, const Recordings& r, const Settings& set
   trees::Identification found = trees::identify(tree, r.training, r.held_out, options);
   found.notes = tree.notes;
   const std::string urdf = found.bodies.empty() ? "" : trees::urdf_with_bodies(tree, found.bodies);
-  return {trees::to_json_text(found), "", tree_again(model, found.model, urdf), {}, found.covariance};
+  const trees::Hypothesis refitted{found.model.drives, found.model.causes, found.bodies};
+  return {trees::to_json_text(found),
+          "",
+          tree_again(model, found.model, urdf),
+          {},
+          found.covariance,
+          traces::of_tree(tree, {{"given", {tree.drives, tree.causes}}, {"refitted", refitted}}, refitted,
+                          r.training, r.held_out, options.window_s)};
 }
 
 Found identify_machine(const Model& model, const Recordings& r, const Settings& settings,
@@ -181,7 +198,9 @@ Found identify_machine(const Model& model, const Recordings& r, const Settings& 
           report::render_identification_report(found, "furcula.identify"),
           machine_again(model, found.estimations.front().model),
           std::move(traces),
-          {}};
+          {},
+          traces::of_axis({{"given", *model.machine}, {"refitted", found.estimations.front().model}},
+                          found.estimations.front().model, r.training, r.held_out, options.window_s)};
 }
 
 Found diagnose_any(const Model& model, const Logs& training, const Logs& held_out, double window_s,
@@ -277,7 +296,13 @@ void add_estimates(py::module_& module) {
       .def_property_readonly("report", [](const Found& f) { return text_of(f.report); })
       .def_readonly("model", &Found::model)
       .def_property_readonly("traces", traces_of)
-      .def_property_readonly("covariance", covariance_of);
+      .def_property_readonly("covariance", covariance_of)
+      .def("trace_files", [](const Found& f) {
+        py::dict out;
+        for (const core::NewFile& file : traces::files(f.of_logs, "traces"))
+          out[text_of(file.path)] = text_of(file.content);
+        return out;
+      });
   module.def("simulate", simulate);
   module.def("diagnose", diagnose_any);
   module.def("identify", identify_any);

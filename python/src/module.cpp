@@ -58,4 +58,5 @@ PYBIND11_MODULE(_core, m) {
   python::add_dynamics(m);
   python::add_estimates(m);
   python::add_walks(m);
+  python::add_tools(m);
 }

@@ -114,3 +114,28 @@ TEST_CASE("what a robot's file was taken for is printed when the recordings are 
                             Contains("rest_rad = 0.3") && Contains("joint 'hip' has no column"));
   }
 }
+
+TEST_CASE("what is read is not overwritten by results or traces") {
+  test::TemporaryFolder folder;
+  const std::string out = folder.path() + "/out";
+  std::filesystem::create_directories(out + "/traces");
+  const std::string model = folder.file("m.toml", kAxisModel + "[free]\nmass_kg = [50.0, 70.0]\n");
+  const std::string log = folder.file("out/traces/a.csv", short_log()),
+                    result = folder.file("out/extended_model.toml", kAxisModel),
+                    other = folder.file("b.csv", short_log());
+  for (const std::string command : {"identify", "diagnose"}) {
+    INFO(command);
+    const test::Ran in_traces = run_furcula({command, "--model", model, "--out", out, other, log});
+    CHECK(in_traces.status == 2);
+    CHECK_THAT(in_traces.err,
+               Contains("a.csv, which is read, lies in") && Contains("expected another folder"));
+    // By another way to the same folder, too.
+    CHECK(
+        run_furcula({command, "--model", model, "--out", folder.path() + "/./out/", other, "--hold-out", log})
+            .status == 2);
+    const test::Ran own = run_furcula({command, "--model", result, "--out", out, other});
+    CHECK(own.status == 2);
+    CHECK_THAT(own.err, Contains("extended_model.toml, which is read, would be overwritten"));
+    CHECK(run_furcula({command, "--model", result, "--out", folder.path() + "/again", other}).status == 3);
+  }
+}

@@ -145,8 +145,9 @@ std::string own(const std::string& name) { return test::source("tests/host/model
 }  // namespace
 
 TEST_CASE("An MJCF has the dynamics that MuJoCo gives it") {
-  for (const char* name : {"pendulum", "planar_root", "inertials", "classes", "bounds", "shapes", "global",
-                           "branched", "no_gravity", "passive_off", "arm", "floating"})
+  for (const char* name :
+       {"pendulum", "planar_root", "inertials", "classes", "bounds", "shapes", "global", "branched",
+        "no_gravity", "passive_off", "arm", "floating", "no_shapes", "global_no_pos", "partial"})
     compare(own(name));
 }
 

@@ -61,6 +61,51 @@ TEST_CASE("What an MJCF may not have is refused with file, line, element and wha
              Contains("is of the class 'stif', which no <default> has; expected one of main"));
 }
 
+TEST_CASE("A name that MJCF does not have is refused, with the nearest that it has") {
+  CHECK_THAT(
+      refused(ball("dampping=\"1\"")),
+      Contains(
+          "robot.xml:6: <joint name=\"c\"> has the attribute 'dampping', which MJCF does not have there (did "
+          "you mean 'damping'?)"));
+  CHECK_THAT(refused(arm("<geom size=\".05\"/><inertia mass=\"1\"/>")),
+             Contains("robot.xml:5: <inertia> is no element that MJCF has here (did you mean 'inertial'?)"));
+  CHECK_THAT(refused(arm("<geom size=\".05\"/>", "<tendons/>")), Contains("did you mean 'tendon'?"));
+  CHECK_THAT(refused(arm("<geom size=\".05\"/>", "<option gravty=\"0 0 0\"/>")),
+             Contains("<option> has the attribute 'gravty'") && Contains("'gravity'"));
+  CHECK_THAT(refused(arm("<geom size=\".05\"/>", "<default><joint><geom/></joint></default>")),
+             Contains("<geom> is no element that MJCF has here; expected none"));
+  // A motor has no gain; its class may have one for position actuators.
+  CHECK_THAT(refused(arm("<geom size=\".05\"/>", "<actuator><motor joint=\"a\" kp=\"3\"/></actuator>")),
+             Contains("has the attribute 'kp'"));
+  CHECK(refused(
+            arm("<geom size=\".05\"/>",
+                "<default><position kp=\"3\"/><pair gap=\"0\"/></default><visual><any thing=\"1\"/></visual>"
+                "<sensor><jointpos joint=\"a\"/></sensor>")) == "accepted");
+  CHECK_THAT(
+      refused(arm("<geom size=\".05\"/>", "<actuator><motor joint=\"a\" armature=\".1\"/></actuator>")),
+      Contains("expected it at the joint"));
+}
+
+TEST_CASE("An orientation that MuJoCo takes from the class is refused beside another form") {
+  const auto geom = [](const std::string& of_class, const std::string& own) {
+    return refused(arm("<geom type=\"box\" size=\".1 .1 .2\" " + own + "/>",
+                       "<default><geom " + of_class + "/></default>"));
+  };
+  CHECK(geom("quat=\"1 0 0 1\"", "euler=\"0 0 10\"") == "accepted");
+  CHECK(geom("euler=\"1 0 0\"", "euler=\"0 0 10\"") == "accepted");
+  CHECK_THAT(geom("euler=\"1 0 0\"", "quat=\"1 0 0 1\""),
+             Contains("robot.xml:5: <geom> has an orientation beside the euler of its default class") &&
+                 Contains("expected one form in both: euler"));
+  CHECK_THAT(geom("zaxis=\"1 0 0\"", "axisangle=\"1 0 0 1\""), Contains("beside the zaxis"));
+}
+
+TEST_CASE("Places beyond MuJoCo's largest number are refused, large ranges are not") {
+  CHECK_THAT(refused(ball("pos=\"0 -1e300 0\"")),
+             Contains("has pos = '0 -1e300 0'; expected numbers up to 1e10"));
+  CHECK_THAT(refused(arm("<geom size=\"1e300\"/>")), Contains("expected numbers up to 1e10"));
+  CHECK(refused(ball("range=\"-1e300 1e300\"")) == "accepted");
+}
+
 TEST_CASE("Constraints that join what moves are refused, and left out where nothing within them does") {
   const std::string body = "<geom size=\".05\"/><site name=\"s\"/>";
   CHECK_THAT(
@@ -78,6 +123,11 @@ TEST_CASE("Constraints that join what moves are refused, and left out where noth
              Contains("no joint that moves by itself"));
   CHECK_THAT(refused(arm(body, "<equality><flexvert flex=\"f\"/></equality>")),
              Contains("<flexvert> is an equality constraint"));
+  // All of them at once, and the joints that would do for all.
+  CHECK_THAT(refused(arm(body + "<body><joint name=\"c\"/><geom size=\".1\"/></body>",
+                         "<equality>\n<connect body1=\"fore\" body2=\"upper\" anchor=\"0 0 1\"/></equality>"
+                         "<tendon>\n<fixed name=\"t\"><joint joint=\"a\" coef=\"1\"/></fixed></tendon>")),
+             Contains("joints = [\"c\"]") && Contains("so with <fixed name=\"t\"> in line 8"));
   CHECK(refused(arm(body, "<equality><weld body1=\"fore\" active=\"false\"/></equality>")) == "accepted");
   CHECK_THAT(refused(arm(body, "<tendon><fixed name=\"t\"><joint joint=\"a\" coef=\"1\"/></fixed></tendon>")),
              Contains("<fixed name=\"t\"> joins the links 'world' and 'upper'") &&

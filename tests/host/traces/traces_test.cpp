@@ -74,6 +74,22 @@ TEST_CASE("logs of one name in two folders are two files") {
   CHECK(traces::file_names(t) == std::vector<std::string>{"run.csv", "run_2.csv", "run_3.csv"});
 }
 
+TEST_CASE("the traces of a log with an odd name are in a file that the layout can name") {
+  traces::Traces t = example();
+  t.logs[0].log = "runs/a&b <\"x\"> \x01\x1b \xff\xc3 \n'c'.csv";
+  const std::vector<std::string> names = traces::file_names(t);
+  CHECK(names[0].find_first_of("\x01\x1b\xff\n\\") == std::string::npos);
+  test::TemporaryFolder folder;
+  const test::Ran parsed = test::run_program(
+      "/usr/bin/python3",
+      {"-c",
+       "import sys, xml.etree.ElementTree as e; print(e.parse(sys.argv[1]).find('.//fileInfo').get('filename'), end='')",
+       folder.file("layout.xml", traces::layout_text(t, names))});
+  INFO(parsed.err);
+  CHECK(parsed.status == 0);
+  CHECK(parsed.out == names[0]);
+}
+
 TEST_CASE("the layout loads the files and shows measured and predicted of a quantity in one plot") {
   traces::Traces t = example();
   t.models = {"given", "extended"};

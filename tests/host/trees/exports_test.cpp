@@ -11,6 +11,7 @@
 #include "furcula/dynamics/tree/forward_dynamics.hpp"
 #include "host/core/error.hpp"
 #include "host/core/strict_toml.hpp"
+#include "host/model/robot_file.hpp"
 #include "host/model/xml_check.hpp"
 #include "host/trees/run.hpp"
 #include "tests/host/model/mujoco_peer.hpp"
@@ -340,3 +341,92 @@ TEST_CASE("MuJoCo reads the MJCF with causes, and moves as the tree") {
   }
 }
 #endif
+
+namespace {
+
+constexpr const char* kShapes = R"(<mujoco model="shapes">
+  <compiler angle="degree"/>
+  <!-- what a person wrote -->
+  <default><joint damping="0.1"/><geom rgba="1 0 0 1"/></default>
+  <worldbody>
+    <geom name="floor" type="plane" size="1 1 .1"/>
+    <body name="upper" pos="0 0 1">
+      <joint name="hip" axis="0 1 0" armature="0.02" limited="true" range="-90 90"/>
+      <geom name="thigh" type="capsule" fromto="0 0 0 0 0 -.3" size=".04"/>
+      <body name="lower" pos="0 0 -.3">
+        <joint name="knee" axis="0 1 0"/>
+        <geom name="shank" type="box" size=".03 .03 .15" pos="0 0 -.15"/>
+        <inertial pos="0 0 -.12" mass="0.8" diaginertia=".01 .01 .001"/>
+      </body>
+    </body>
+  </worldbody>
+  <actuator><motor name="m1" joint="hip"/><motor name="m2" joint="knee"/></actuator>
+</mujoco>
+)";
+
+trees::Diagnosis diagnosis_of_mjcf(const Folder& folder, const std::string& text) {
+  folder.write("robot.xml", text);
+  folder.write("model.toml", "[model]\nkind = \"tree\"\nschema = 1\nmjcf = \"robot.xml\"\n");
+  trees::Diagnosis d;
+  d.model = trees::read_tree_model(folder.file("model.toml"));
+  d.refitted = d.extended = {d.model.drives, d.model.causes};
+  d.extended.causes = {{Effect::coulomb_friction, {1}, {0.25}},
+                       {Effect::damping_error, {0}, {0.5}},
+                       {Effect::rotor_inertia_error, {1}, {0.03}},
+                       {Effect::payload, {link(d.model, "lower")}, {0.2, 0.0, 0.0, -0.3}}};
+  return d;
+}
+
+}  // namespace
+
+TEST_CASE("The extended MJCF is the user's with changed attributes: its shapes and comments stay") {
+  const Folder folder;
+  const trees::Diagnosis d = diagnosis_of_mjcf(folder, kShapes);
+  const std::string text = trees::extended_mjcf(d);
+  INFO(text);
+  CHECK_THAT(text, Contains("<!-- what a person wrote -->") && Contains("name=\"thigh\"") &&
+                       Contains("name=\"floor\"") && Contains("range=\"-90 90\"") &&
+                       Contains("<motor name=\"m2\" joint=\"knee\"/>") && Contains("armature=\"0.02\""));
+  const std::vector<std::string> before = lines(kShapes), after = lines(without_comment(text));
+  std::size_t changed = 0;
+  REQUIRE(before.size() == after.size());
+  for (std::size_t i = 0; i < before.size(); ++i) changed += before[i] == after[i] ? 0 : 1;
+  CHECK(changed == 3);  // two joints and an <inertial>
+  const model::Urdf back = model::parse_robot(text, "extended.mjcf.xml");
+  // 0.8 kg at -0.12 m and 0.2 kg at -0.3 m are 1 kg at -0.156 m; about it 0.01 + 0.8 * 0.036^2 + 0.2 * 0.144^2.
+  const auto& lower = *back.links[link(d.model, "lower")].inertia;
+  CHECK(lower.mass_kg == Approx(1.0));
+  CHECK(lower.frame.at.z == Approx(-0.156));
+  CHECK(lower.about_centre_kgm2.xx == Approx(0.01 + 0.8 * 0.036 * 0.036 + 0.2 * 0.144 * 0.144));
+#ifdef FURCULA_MUJOCO
+  const test::MujocoPeer peer(text);
+  CHECK(peer.model().ngeom == 3);
+  CHECK(peer.model().dof_damping[0] == 0.5);
+  CHECK(peer.model().dof_frictionloss[1] == 0.25);
+  CHECK(peer.model().dof_armature[1] == 0.03);
+  CHECK(peer.model().body_mass[2] == Approx(1.0));
+#endif
+}
+
+TEST_CASE("An MJCF that cannot be changed in place is written anew") {
+  const Folder folder;
+  std::string masses_from_shapes = kShapes;
+  masses_from_shapes.replace(masses_from_shapes.find("angle="), 0, "inertiafromgeom=\"true\" ");
+  std::string nameless = kShapes;
+  nameless.erase(nameless.find("name=\"knee\" "), 12);
+  nameless.erase(nameless.find("<motor name=\"m2\" joint=\"knee\"/>"), 31);
+  for (const std::string& text : {masses_from_shapes, nameless}) {
+    const std::string out = trees::extended_mjcf(diagnosis_of_mjcf(folder, text));
+    INFO(out);
+    CHECK(out.find("floor") == std::string::npos);
+    CHECK(model::tree_of(model::parse_robot(out, "extended.mjcf.xml")).joints.size() == 2);
+  }
+}
+
+TEST_CASE("A URDF made of an MJCF has the armatures, and reads back with them") {
+  const Folder folder;
+  const trees::Diagnosis d = diagnosis_of_mjcf(folder, kShapes);
+  const model::Urdf back = model::parse_urdf(trees::extended_urdf(d), "extended.urdf");
+  CHECK(back.joints[0].rotor_inertia_kgm2 == 0.02);
+  CHECK(back.joints[1].rotor_inertia_kgm2 == 0.03);
+}
