@@ -16,8 +16,8 @@ namespace {
 struct Options {
   std::string model, walk, cause = "none", out;
   double tables = 0.0, time_s = 10.0;
-  std::uint64_t seed = 1;
-  unsigned robots = 0, repetitions = 5, threads = 2;
+  std::uint64_t seed = 1, repetition = 0;
+  unsigned robots = 0, threads = 2;
   bool undisturbed = false;
 };
 
@@ -50,6 +50,7 @@ int main(int argc, char** argv) try {
                  "How far the robot is from the model: times the ranges of document 000, Tables I and II");
   app.add_option("--cause", o.cause, "A cause beyond the tables");
   app.add_option("--seed", o.seed, "Of the robot and of its disturbances");
+  app.add_option("--repetition", o.repetition, "Other disturbances of the same robot");
   app.add_option("--time", o.time_s, "s");
   app.add_option("--out", o.out, "The log to write");
   app.add_option("--robots", o.robots, "A table instead: so many robots, seeds from --seed on");
@@ -64,7 +65,7 @@ int main(int argc, char** argv) try {
   if (o.robots == 0) {
     std::string what;
     const robot::Truth truth = truth_of(o, model.robot, o.seed, what);
-    options.seed = o.seed;
+    options.seed = o.seed + 1000 * o.repetition;
     const robot::Trial trial = robot::try_walk(truth, model.robot, walk, options);
     print(trial);
     if (!o.out.empty()) log::write_log(trial.log, o.out);
@@ -74,7 +75,7 @@ int main(int argc, char** argv) try {
   std::vector<std::string> what(o.robots);
   core::parallel_for(o.robots, o.threads, [&](std::size_t i) {
     robot::TrialOptions mine = options;
-    mine.seed = o.seed + i;
+    mine.seed = o.seed + i + 1000 * o.repetition;
     trials[i] = robot::try_walk(truth_of(o, model.robot, o.seed + i, what[i]), model.robot, walk, mine);
     trials[i].log = {};
   });
