@@ -90,7 +90,7 @@ void identify(const RecordingOptions& o) {
   say("training", found.before, found.after);
   if (before) say("held out", *before, *after);
   std::printf(
-      "a single mass or centre is no finding: other simulators' contacts are in these numbers too\n"
+      "a single number is no finding: what the model lacks, the real ground too, is spread over them; judge by the held-out windows\n"
       "%s/identified_model.toml is a model for `furcula walk search`, identification.json has every number\n",
       core::printable(o.out).c_str());
 }
