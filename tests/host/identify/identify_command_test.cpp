@@ -41,9 +41,14 @@ TEST_CASE("identify writes its three files and says the parameters") {
   std::vector<std::string> written;
   CHECK(test::run_program("/bin/ls", {f.out}).out ==
         "identification.json\nidentified_model.toml\nreport.html\ntraces\n");
-  // The model that it writes is one that it reads.
-  const auto again = test::run_furcula(
+  // The model that it writes is one that it reads, and does not overwrite.
+  const auto over = test::run_furcula(
       {"identify", "--model", f.out + "/identified_model.toml", "--out", f.out, f.logs[0], f.logs[1]}, 120);
+  CHECK(over.status == 2);
+  CHECK_THAT(over.err, Catch::Contains("would be overwritten"));
+  const auto again = test::run_furcula({"identify", "--model", f.out + "/identified_model.toml", "--out",
+                                        f.out + "_again", f.logs[0], f.logs[1]},
+                                       120);
   INFO(again.err);
   CHECK(again.status == 0);
 }

@@ -177,7 +177,10 @@ void diagnose(const std::string& file, const std::string& settings, const std::v
   CHECK(urdf.joints() == d.model.joints());
   const model::RobotTree again =
       model::tree_of(model::parse_robot(trees::extended_mjcf(d), "extended.mjcf.xml"));
-  const auto there = std::find(joints.begin(), joints.end(), hidden.joint) - joints.begin();
+  // It is the user's file with what is changed: all joints, held ones too.
+  const auto there = std::find_if(again.joints.begin(), again.joints.end(),
+                                  [&](const auto& j) { return j.name == hidden.joint; }) -
+                     again.joints.begin();
   CHECK(again.model.laws[static_cast<std::size_t>(there)].damping_nmspr ==
         Approx(damping_nmspr).epsilon(0.1));
 }
