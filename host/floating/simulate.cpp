@@ -239,7 +239,8 @@ class Batch {
     }
   }
 
-  void run(double step_s, Eigen::Ref<Eigen::MatrixXd> out) {
+  /// Each lane's residuals, `stride` numbers apart.
+  void run(double step_s, double* out, std::size_t stride) {
     const auto& rows = recording_.rows;
     const double begin = rows[window_.first].time_s,
                  length = rows[window_.first + window_.count - 1].time_s - begin;
@@ -253,7 +254,7 @@ class Batch {
         disturb((t + 0.5 * h - begin) / length);
         step(h);
       }
-      write(k, out);
+      write(k, out, stride);
     }
   }
 
@@ -331,11 +332,11 @@ class Batch {
     state_.anchors_m = feet.anchors_m;
   }
 
-  void write(std::size_t k, Eigen::Ref<Eigen::MatrixXd> out) const {
+  void write(std::size_t k, double* out, std::size_t stride) const {
     const Row& row = recording_.rows[window_.first + k];
     for (std::size_t lane = 0; lane < variants_.size(); ++lane) {
       const Machine& m = *machines_[lane];
-      double* r = &out(static_cast<Eigen::Index>((k - 1) * kRowSize), static_cast<Eigen::Index>(lane));
+      double* r = out + lane * stride + (k - 1) * kRowSize;
       for (std::size_t i = 0; i < kJoints; ++i) {
         const std::size_t side = i / kLegJoints, j = i % kLegJoints;
         r[i] = row.angle_rad[i] -
@@ -403,7 +404,7 @@ Eigen::MatrixXd residuals(const Recording& recording, const Window& window, cons
   for (std::size_t i = 0; i < variants.size(); i += kLanes) {
     const std::size_t n = std::min(kLanes, variants.size() - i);
     Batch batch(recording, window, local, variants.subspan(i, n));
-    batch.run(step_s, out.middleCols(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(n)));
+    batch.run(step_s, out.col(static_cast<Eigen::Index>(i)).data(), static_cast<std::size_t>(out.rows()));
   }
   return out;
 }
