@@ -1,4 +1,3 @@
-// The residuals of one window, see window_cost.hpp.
 #include "host/identify/window_cost.hpp"
 
 #include <algorithm>
