@@ -26,14 +26,12 @@ Drive<double>& drive(Machine& m, std::size_t i) { return m.robot.drives[i / kLeg
 
 /// Each number of a machine as a reference: what is read and written.
 template <auto kAt>
-Unknown unknown(std::string kind, std::string location, std::string unit, double sd, Role role,
-                std::size_t place, std::size_t part = 0) {
+Unknown unknown(std::string kind, std::string location, std::string unit, double sd, std::size_t place,
+                std::size_t part = 0) {
   return {std::move(kind),
           std::move(location),
           std::move(unit),
           sd,
-          role,
-          false,
           [](const Machine& m, std::size_t at, std::size_t k) { return kAt(const_cast<Machine&>(m), at, k); },
           [](Machine& m, std::size_t at, std::size_t k, double value) { kAt(m, at, k) = value; },
           place,
@@ -100,8 +98,6 @@ Unknown of_simulator(std::string kind, std::size_t k) {
       "simulator",
       "",
       std::log(3.0),
-      Role::simulator,
-      false,
       [](const Machine& m, std::size_t, std::size_t at) {
         return std::log(of_simulator(const_cast<Machine&>(m), at));
       },
@@ -125,88 +121,79 @@ std::string link_name(std::size_t i) {
   return (i < kLegJoints ? "left_" : "right_") + std::string(kLegJointNames[i % kLegJoints]);
 }
 
-std::vector<Unknown> unknowns(const Description& d, bool passive_hips) {
+std::vector<Unknown> unknowns(const Description& d, bool driven_hips, bool sprung_hips) {
   using std::string;
   std::vector<Unknown> all;
   static constexpr const char *kAxes[] = {"x", "y", "z"}, *kProducts[] = {"xx", "xy", "xz", "yy", "yz", "zz"};
   for (std::size_t i = 0; i <= kJoints; ++i) {  // Table I, and the pelvis
     const string at = link_name(i);
-    all.push_back(unknown<kMass>("mass", at, "kg", 1.0 * kUniform, Role::table, i));
+    all.push_back(unknown<kMass>("mass", at, "kg", 1.0 * kUniform, i));
     for (std::size_t k = 0; k < 3; ++k)
-      all.push_back(
-          unknown<kCentre>(string("centre_") + kAxes[k], at, "m", 0.1 * kUniform, Role::table, i, k));
+      all.push_back(unknown<kCentre>(string("centre_") + kAxes[k], at, "m", 0.1 * kUniform, i, k));
     // As wide as the tables, and not wider than a link of this size can be.
     const Sym3<double>& s =
         (i == kJoints ? d.pelvis : d.legs[i / kLegJoints][i % kLegJoints]).about_centre_kgm2;
     const double range = std::min(0.01, 0.3 * (s.xx + s.yy + s.zz));
     for (std::size_t k = 0; k < 6; ++k)
-      all.push_back(unknown<kInertia>(string("inertia_") + kProducts[k], at, "kg m2", range * kUniform,
-                                      Role::table, i, k));
+      all.push_back(
+          unknown<kInertia>(string("inertia_") + kProducts[k], at, "kg m2", range * kUniform, i, k));
   }
-  const auto driven = [&](std::size_t i) { return !(passive_hips && i % kLegJoints == kHipPitch); };
+  const auto driven = [&](std::size_t i) { return driven_hips || i % kLegJoints != kHipPitch; };
   for (std::size_t i = 0; i < kJoints; ++i) {
     const string at = link_name(i);
     for (std::size_t k = 0; k < 3; ++k) {
+      all.push_back(unknown<kOffset>(string("position_") + kAxes[k], at, "m", 1e-3 * kUniform, i, k));
       all.push_back(
-          unknown<kOffset>(string("position_") + kAxes[k], at, "m", 1e-3 * kUniform, Role::table, i, k));
-      all.push_back(unknown<kTurn>(string("attitude_") + kAxes[k], at, "rad", 0.1 * kDegree * kUniform,
-                                   Role::table, i, k));
+          unknown<kTurn>(string("attitude_") + kAxes[k], at, "rad", 0.1 * kDegree * kUniform, i, k));
     }
-    all.push_back(unknown<kEncoder>("encoder_offset", at, "rad", 0.5 * kDegree * kUniform, Role::table, i));
+    all.push_back(unknown<kEncoder>("encoder_offset", at, "rad", 0.5 * kDegree * kUniform, i));
     if (!driven(i)) continue;
     const Drive<double>& drive = d.drives[i / kLegJoints][i % kLegJoints];
-    all.push_back(unknown<kKp>("gain_kp", at, "N m/rad", 0.1 * drive.kp_nmprad * kUniform, Role::table, i));
-    all.push_back(
-        unknown<kKd>("gain_kd", at, "N m s/rad", 0.1 * drive.kd_nmsprad * kUniform, Role::table, i));
+    all.push_back(unknown<kKp>("gain_kp", at, "N m/rad", 0.1 * drive.kp_nmprad * kUniform, i));
+    all.push_back(unknown<kKd>("gain_kd", at, "N m s/rad", 0.1 * drive.kd_nmsprad * kUniform, i));
   }
   // Table II
   static constexpr const char* kGrounds[] = {"contact_stiffness", "contact_damping",
                                              "contact_shear_stiffness", "contact_shear_damping",
                                              "friction_ramp"};
   for (std::size_t k = 0; k < 5; ++k) all.push_back(of_simulator(kGrounds[k], k));
-  all.push_back(unknown<kFriction>("contact_friction", "ground", "", 0.4 * kUniform, Role::table, 0));
+  all.push_back(unknown<kFriction>("contact_friction", "ground", "", 0.4 * kUniform, 0));
   for (std::size_t k = 0; k < 2; ++k)
-    all.push_back(unknown<kSlope>(k == 0 ? "slope_x" : "slope_y", "ground", "rad", 0.5 * kDegree * kUniform,
-                                  Role::table, 0, k));
+    all.push_back(
+        unknown<kSlope>(k == 0 ? "slope_x" : "slope_y", "ground", "rad", 0.5 * kDegree * kUniform, 0, k));
   for (std::size_t k = 0; k < 3; ++k)
-    all.push_back(unknown<kImu>(string("imu_mounting_") + kAxes[k], "imu", "rad", 0.5 * kDegree * kUniform,
-                                Role::table, 0, k));
+    all.push_back(
+        unknown<kImu>(string("imu_mounting_") + kAxes[k], "imu", "rad", 0.5 * kDegree * kUniform, 0, k));
   for (std::size_t v = 0; v < 2 * kVertices; ++v)
     for (std::size_t k = 0; k < 3; ++k)
       all.push_back(unknown<kVertex>(string("sole_") + kAxes[k] + "_" + std::to_string(v % kVertices),
-                                     v < kVertices ? "left_foot" : "right_foot", "m", 5e-3 * kUniform,
-                                     Role::table, v, k));
-  if (passive_hips)
+                                     v < kVertices ? "left_foot" : "right_foot", "m", 5e-3 * kUniform, v, k));
+  if (sprung_hips)
     for (std::size_t side = 0; side < 2; ++side) {
       const string at = link_name(side * kLegJoints + kHipPitch);
-      all.push_back(unknown<kSpring>("spring_rate", at, "N m/rad", 3.0 * kUniform, Role::table, side,
+      all.push_back(unknown<kSpring>("spring_rate", at, "N m/rad", 3.0 * kUniform, side,
                                      0));  // 300 N/m at 0.1 m
-      all.push_back(
-          unknown<kSpring>("spring_damping", at, "N m s/rad", 0.005 * kUniform, Role::table, side, 1));
+      all.push_back(unknown<kSpring>("spring_damping", at, "N m s/rad", 0.005 * kUniform, side, 1));
     }
   // Beyond the tables. Sizes: as large as the gear's own friction; a gear a third as compliant as its drive; some clearances of teeth.
   for (std::size_t i = 0; i < kJoints; ++i) {
     const string at = link_name(i);
-    all.push_back(unknown<kTorque>("constant_torque", at, "N m", 5.0, Role::beyond, i));
+    all.push_back(unknown<kTorque>("constant_torque", at, "N m", 5.0, i));
     if (!driven(i)) continue;
     const Drive<double>& drive = d.drives[i / kLegJoints][i % kLegJoints];
-    all.push_back(unknown<kCoulomb>("coulomb_friction", at, "N m", 5.0, Role::beyond, i));
-    all.push_back(unknown<kViscous>("viscous_friction", at, "N m s/rad", 5.0, Role::beyond, i));
-    all.push_back(
-        unknown<kArmature>("rotor_inertia", at, "kg m2", 0.3 * drive.armature_kgm2, Role::beyond, i));
-    all.push_back(unknown<kCompliance>("gear_elasticity", at, "rad/(N m)", 1e-4, Role::beyond, i));
-    all.back().only_positive = true;
-    all.push_back(unknown<kBacklash>("backlash", at, "rad", 4e-3, Role::beyond, i));
-    all.back().only_positive = true;
+    all.push_back(unknown<kCoulomb>("coulomb_friction", at, "N m", 5.0, i));
+    all.push_back(unknown<kViscous>("viscous_friction", at, "N m s/rad", 5.0, i));
+    all.push_back(unknown<kArmature>("rotor_inertia", at, "kg m2", 0.3 * drive.armature_kgm2, i));
+    all.push_back(unknown<kCompliance>("gear_elasticity", at, "rad/(N m)", 1e-4, i));
+    all.push_back(unknown<kBacklash>("backlash", at, "rad", 4e-3, i));
   }
-  all.push_back(unknown<kDelay>("command_delay", "drives", "s", 5e-3, Role::beyond, 0));
-  all.back().only_positive = true;
+  all.push_back(unknown<kDelay>("command_delay", "drives", "s", 5e-3, 0));
   for (std::size_t k = 0; k < 3; ++k)
-    all.push_back(unknown<kGyro>(string("gyro_bias_") + kAxes[k], "imu", "rad/s", 5e-3, Role::beyond, 0, k));
-  if (passive_hips)
+    all.push_back(unknown<kGyro>(string("gyro_bias_") + kAxes[k], "imu", "rad/s", 5e-3, 0, k));
+  if (sprung_hips)
     for (std::size_t side = 0; side < 2; ++side)
       all.push_back(unknown<kSpring>("spring_rest_angle", link_name(side * kLegJoints + kHipPitch), "rad",
-                                     0.02, Role::beyond, side, 2));
+                                     0.02, side, 2));
   return all;
 }
 

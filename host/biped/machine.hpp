@@ -30,20 +30,14 @@ struct Machine {
   dynamics::tree::Vec3<double> gyro_bias_radps{};
 };
 
-enum class Role : unsigned char {
-  table,      ///< a number of document 000, Table I or II, or of the pelvis
-  beyond,     ///< a law that the tables lack
-  simulator,  ///< what the simulation has and no robot: its ground's springs, its friction's ramp; logarithms
-};
-
 /// Where it acts and what it is; `kind` names a law, or a parameter of the model.
 struct Unknown {
-  std::string kind;      ///< "mass", "coulomb_friction", ...
-  std::string location;  ///< of a joint, link, foot, "imu", "ground", "drives"
+  std::string kind;  ///< "mass", "coulomb_friction", ...
+  /// Of a joint, link, foot, "imu", "ground", "drives"; "simulator": what the simulation has and no robot, its ground's springs and its
+  /// friction's ramp. Values of these are logarithms.
+  std::string location;
   std::string unit;
   double prior_sd;  ///< of its deviation from the model, in `unit`
-  Role role;
-  bool only_positive;  ///< less than the model's value cannot be
   double (*get)(const Machine&, std::size_t place, std::size_t part);
   void (*set)(Machine&, std::size_t place, std::size_t part, double value);
   std::size_t place, part;
@@ -52,9 +46,9 @@ struct Unknown {
   void add(Machine& m, double change) const { set(m, place, part, value(m) + change); }
 };
 
-/// The numbers of the tables that windows depend on (274 of 275: a foot switch's threshold moves no robot), then those beyond them.
-/// A passive hip has its spring's numbers in place of its drive's.
-std::vector<Unknown> unknowns(const dynamics::biped::Description& robot, bool passive_hips);
+/// The numbers of the tables that move a robot (a foot switch's threshold does not), and those beyond them. Of the hips' pitch the drives' numbers
+/// where some recording has them on their drives, the springs' where some has them on their springs.
+std::vector<Unknown> unknowns(const dynamics::biped::Description& robot, bool driven_hips, bool sprung_hips);
 
 /// Brings what cannot exist back to where it can: a mass at least a fifth of the model's, the inertia of some body, friction not below 0,
 /// gains and rotors at least a fifth of the model's. @returns whether anything was changed

@@ -6,25 +6,10 @@
 #include "host/core/message.hpp"
 
 namespace furcula::biped {
-namespace {
-
-/// The names with drives and with springs at the hips' pitch.
-std::vector<Unknown> all_unknowns(const dynamics::biped::Description& robot) {
-  std::vector<Unknown> all = unknowns(robot, false);
-  for (const Unknown& u : unknowns(robot, true)) {
-    bool there = false;
-    for (const Unknown& other : all) there = there || (other.kind == u.kind && other.location == u.location);
-    if (!there) all.push_back(u);
-  }
-  return all;
-}
-
-}  // namespace
-
 void apply_deviations(const toml::table& deviations, const std::string& file, Machine& machine) {
   constexpr double kMost = 1e7;
   const Machine given = machine;
-  const std::vector<Unknown> all = all_unknowns(machine.robot);
+  const std::vector<Unknown> all = unknowns(machine.robot, true, true);
   std::vector<std::string> names;
   for (const Unknown& u : all) names.push_back(u.kind + "@" + u.location);
   core::refuse_unknown_keys(deviations, file, "[deviations]",
@@ -43,10 +28,10 @@ void apply_deviations(const toml::table& deviations, const std::string& file, Ma
 
 std::string format_deviations(const Machine& given, const Machine& machine) {
   std::string out = "[deviations]\n";
-  for (const Unknown& u : all_unknowns(given.robot)) {
+  for (const Unknown& u : unknowns(given.robot, true, true)) {
     const double change = u.value(machine) - u.value(given);
     if (change == 0.0) continue;
-    out += "\"" + u.kind + "@" + u.location + "\" = " + core::shortest(change) +
+    out += "\"" + u.kind + "@" + u.location + "\" = " + core::toml_float(change) +
            (u.unit.empty() ? "" : "  # " + u.unit) + "\n";
   }
   return out;

@@ -8,7 +8,7 @@
 
 namespace furcula::biped {
 
-/// Adds "kind@location" = change, in the unknown's unit (Role::simulator: of the logarithm). @throws core::DataError naming file and line: an
+/// Adds "kind@location" = change, in the unknown's unit (at "simulator": of the logarithm). @throws core::DataError naming file and line: an
 /// unknown name, no number, a machine that cannot be.
 void apply_deviations(const toml::table& deviations, const std::string& file, Machine& machine);
 

@@ -1,15 +1,12 @@
 // `furcula walk identify`: all numbers of a walking robot from its recordings, as a model that walks are searched on.
 #include "host/cli/walk_identify_command.hpp"
 
-#include <cmath>
 #include <cstdio>
-#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "host/biped/machine_toml.hpp"
 #include "host/cli/errors.hpp"
 #include "host/cli/progress.hpp"
 #include "host/cli/recordings.hpp"
@@ -27,20 +24,6 @@ void say(const char* which, const floating::WindowErrors& given, const floating:
       "gyro %.3g to %.3g rad/s\n",
       which, given.windows, 1e3 * given.angle_rad, 1e3 * identified.angle_rad, 1e3 * given.attitude_rad,
       1e3 * identified.attitude_rad, given.gyro_radps, identified.gyro_radps);
-}
-
-/// The model's file with [deviations]; its URDF is named as seen from the folder of the results.
-std::string identified_model(const walk::Model& model, const biped::Machine& design,
-                             const biped::Machine& machine, const std::string& out) {
-  namespace fs = std::filesystem;
-  const fs::path urdf = fs::absolute(fs::path(model.file).parent_path() / model.urdf);
-  std::string text =
-      "# Written by `furcula walk identify`: the robot of its recordings.\n[model]\nkind = \"biped\"\nschema = 1\nurdf = " +
-      core::quoted(fs::relative(urdf, fs::absolute(out)).string()) + "\n\n";
-  text += "[limits]\n";
-  for (const walk::LimitKey& k : walk::kLimitKeys)
-    text += std::string(k.name) + " = " + core::shortest(model.limits.*k.of) + "\n";
-  return text + "\n" + biped::format_deviations(design, machine);
 }
 
 void identify(const RecordingOptions& o) {
@@ -70,13 +53,10 @@ void identify(const RecordingOptions& o) {
       after = floating::window_errors(found.machine, held_out, options);
     }
   }
-  // Deviations are against the URDF and the design, not against the model that was given.
-  biped::Machine design;
-  design.robot = model.undeviated;
   core::write_files_together(std::vector<core::NewFile>{
       {o.out + "/identification.json",
        floating::to_json_text(found, before ? &*before : nullptr, after ? &*after : nullptr)},
-      {o.out + "/identified_model.toml", identified_model(model, design, found.machine, o.out)}});
+      {o.out + "/identified_model.toml", walk::format_model(model, found.machine, o.out)}});
   for (const floating::Recording& r : training)
     for (const std::string& note : r.notes) std::printf("%s\n", core::printable(note).c_str());
   for (const floating::Recording& r : training)

@@ -36,14 +36,20 @@ double robust(const std::vector<Window>& windows, const std::vector<double>& cos
   return sum;
 }
 
+/// Up to `most`, evenly over all.
+std::vector<Window> some_of(const std::vector<Window>& windows, std::size_t most) {
+  const std::size_t n = std::min(most, windows.size());
+  std::vector<Window> out;
+  for (std::size_t k = 0; k < n; ++k) out.push_back(windows[(2 * k + 1) * windows.size() / (2 * n)]);
+  return out;
+}
+
 /// The ground and the ramp of dry friction, of which a simulation has its own: those of a few with which some windows fit best. A fit from
 /// a ground that is too soft ends in weak gains and slack joints.
 Machine with_best_simulator(const Machine& model, const std::vector<Recording>& recordings,
                             const std::vector<Window>& windows, const IdentifyOptions& options) {
   constexpr std::size_t kLooked = 12;
-  std::vector<Window> some;
-  for (std::size_t k = 0; k < std::min(kLooked, windows.size()); ++k)
-    some.push_back(windows[(2 * k + 1) * windows.size() / (2 * std::min(kLooked, windows.size()))]);
+  const std::vector<Window> some = some_of(windows, kLooked);
   const auto cost = [&](const Machine& m) {
     Point p{m, {}, std::vector<Local>(some.size(), Local::Zero())};
     return robust(some, fit_locals(recordings, some, first_variances(), true, p, options.settings));
@@ -59,9 +65,8 @@ Machine with_best_simulator(const Machine& model, const std::vector<Recording>& 
   for (const double stiffer : {3.0, 10.0}) {
     Machine m = model;
     auto& g = m.robot.ground;
-    const double damped = std::min(stiffer, 10.0);
-    g.stiffness_npm *= stiffer, g.shear_stiffness_npm *= stiffer, g.damping_nspm *= damped,
-        g.shear_damping_nspm *= damped;
+    for (double* x : {&g.stiffness_npm, &g.shear_stiffness_npm, &g.damping_nspm, &g.shear_damping_nspm})
+      *x *= stiffer;
     if (!attempt(m)) break;
   }
   for (const double ramp_radps : {0.01, 0.003}) {
@@ -109,9 +114,7 @@ bool passive_hips(const Machine& model, const Recording& recording, const Identi
     std::vector<Recording> one{recording};
     one[0].passive_hips = passive;
     const std::vector<Window> windows = all_windows(one, options.window_s);
-    std::vector<Window> some;
-    for (std::size_t k = 0; k < std::min(kLooked, windows.size()); ++k)
-      some.push_back(windows[(2 * k + 1) * windows.size() / (2 * std::min(kLooked, windows.size()))]);
+    const std::vector<Window> some = some_of(windows, kLooked);
     Point p{model, {}, std::vector<Local>(some.size(), Local::Zero())};
     cost[passive] = robust(some, fit_locals(one, some, first_variances(), true, p, options.settings, 0));
   }
@@ -121,10 +124,10 @@ bool passive_hips(const Machine& model, const Recording& recording, const Identi
 Identified identify(const Machine& given, const std::vector<Recording>& recordings,
                     const IdentifyOptions& options) {
   const std::vector<Window> windows = all_windows(recordings, options.window_s);
-  const bool passive =
-      std::any_of(recordings.begin(), recordings.end(), [](const Recording& r) { return r.passive_hips; });
+  const auto sprung = [](const Recording& r) { return r.passive_hips; };
   Identified out;
-  out.unknowns = biped::unknowns(given.robot, passive);
+  out.unknowns = biped::unknowns(given.robot, !std::all_of(recordings.begin(), recordings.end(), sprung),
+                                 std::any_of(recordings.begin(), recordings.end(), sprung));
   const auto n = static_cast<Eigen::Index>(out.unknowns.size());
   out.theta = Eigen::VectorXd::Zero(n);
   out.given = given;
@@ -140,7 +143,6 @@ Identified identify(const Machine& given, const std::vector<Recording>& recordin
   Point p = at(model, out.unknowns, out.theta, std::vector<Local>(windows.size(), Local::Zero()));
   std::vector<double> costs = fit_locals(recordings, windows, v, true, p, options.settings);
   double cost = robust(windows, costs);
-  out.cost_before = cost;
   Eigen::MatrixXd precision;
   double damping = 1e-2;
   for (int k = 0; k < options.iterations; ++k) {
@@ -172,7 +174,6 @@ Identified identify(const Machine& given, const std::vector<Recording>& recordin
   out.theta = p.theta;
   out.machine = p.machine;
   out.sd = precision.llt().solve(Eigen::MatrixXd::Identity(n, n)).diagonal().cwiseSqrt();
-  out.cost_after = cost;
   say(0.9, "windows of the identified robot");
   out.after = window_errors(out.machine, recordings, options);
   return out;

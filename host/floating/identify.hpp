@@ -24,9 +24,9 @@ struct IdentifyOptions {
 
 struct Identified {
   std::vector<Unknown> unknowns;
-  Eigen::VectorXd theta, sd;  ///< posterior mean and standard deviation, in priors' standard deviations
-  Machine given, machine;     ///< the model; the robot at the mean
-  double cost_before = 0.0, cost_after = 0.0;  ///< minus twice the log posterior density, a constant left out
+  /// Posterior mode and, of the last linearisation before it, standard deviation; in priors' standard deviations.
+  Eigen::VectorXd theta, sd;
+  Machine given, machine;  ///< the model; the robot at the mode
   WindowErrors before, after;
   int iterations = 0;
 };

@@ -13,7 +13,6 @@ struct Scaled {
   Eigen::VectorXd row_sd, local_sd;
   Eigen::MatrixXd c;
   Eigen::LLT<Eigen::MatrixXd> m;  ///< 1 + C' C
-  double log_determinant = 0.0;
 };
 
 Scaled scaled(const LinearWindow& w, const Variances& v) {
@@ -28,8 +27,6 @@ Scaled scaled(const LinearWindow& w, const Variances& v) {
   Eigen::MatrixXd m = Eigen::MatrixXd::Identity(w.c.cols(), w.c.cols());
   m.selfadjointView<Eigen::Lower>().rankUpdate(s.c.transpose());
   s.m.compute(m);
-  s.log_determinant =
-      2.0 * s.row_sd.array().log().sum() + 2.0 * s.m.matrixLLT().diagonal().array().log().sum();
   return s;
 }
 
@@ -38,8 +35,7 @@ Scaled scaled(const LinearWindow& w, const Variances& v) {
 Variances first_variances() {
   Variances v;
   v.noise = {1e-3 * 1e-3, 2e-3 * 2e-3, 4e-2 * 4e-2};
-  const double sd[] = {1e-3, 3e-2, 5e-2, 8e-2, 5e-4, 1e-1, 2e-3, 5e-3, 1.0, 15.0, 15.0, 3.0, 3.0, 3e-2};
-  for (std::size_t g = 0; g < kLocalGroups; ++g) v.local[g] = sd[g] * sd[g];
+  for (std::size_t g = 0; g < kLocalGroups; ++g) v.local[g] = kLocalSd[g] * kLocalSd[g];
   return v;
 }
 
@@ -159,67 +155,14 @@ Evidence evidence(const std::vector<LinearWindow>& windows, const Variances& var
       e.information.selfadjointView<Eigen::Lower>().rankUpdate(a.transpose(), weights[w]);
       e.information.selfadjointView<Eigen::Lower>().rankUpdate(ca.transpose(), -weights[w]);
       e.score += weights[w] * (a.transpose() * y - ca.transpose() * cy);
-      e.log_likelihood -= 0.5 * (weights[w] * (y.squaredNorm() - cy.squaredNorm()) + s.log_determinant);
     }
   });
   Evidence out = parts.front();
   for (std::size_t k = 1; k < parts.size(); ++k) {
     out.information += parts[k].information;
     out.score += parts[k].score;
-    out.log_likelihood += parts[k].log_likelihood;
   }
   out.information = Eigen::MatrixXd(out.information.selfadjointView<Eigen::Lower>());
-  return out;
-}
-
-Variances maximised(const std::vector<LinearWindow>& windows, const Variances& variances,
-                    const Eigen::VectorXd& theta, std::vector<LocalPosterior>& posteriors, unsigned threads) {
-  struct Sums {
-    std::array<double, kNoiseGroups> noise{}, noise_n{};
-    std::array<double, kLocalGroups> local{}, local_n{};
-  };
-  std::vector<Sums> parts(std::max(1u, threads));
-  posteriors.resize(windows.size());
-  core::parallel_for(parts.size(), threads, [&](std::size_t part) {
-    Sums& sums = parts[part];
-    for (std::size_t w = part; w < windows.size(); w += parts.size()) {
-      const LinearWindow& l = windows[w];
-      const Scaled s = scaled(l, variances);
-      Eigen::VectorXd y = l.y;
-      if (l.a.cols() > 0) y -= l.a * theta;
-      y = y.cwiseQuotient(s.row_sd);
-      const Eigen::VectorXd x = s.m.solve(s.c.transpose() * y);
-      const Eigen::VectorXd r = y - s.c * x;
-      const Eigen::MatrixXd half = s.m.matrixL().solve(s.c.transpose());  // its columns' squares: C M^-1 C'
-      const Eigen::MatrixXd inverse = s.m.solve(Eigen::MatrixXd::Identity(s.c.cols(), s.c.cols()));
-      const double q = r.squaredNorm() + x.squaredNorm(), n = static_cast<double>(y.size());
-      // Student's t of 4 degrees of freedom over windows.
-      const double weight = (4.0 + n) / (4.0 + q);
-      posteriors[w].weight = weight;
-      posteriors[w].mean = s.local_sd.cwiseProduct(x);
-      for (Eigen::Index k = 0; k < y.size(); ++k) {
-        const auto g = noise_of(static_cast<std::size_t>(k) % kRowSize);
-        sums.noise[g] += variances.noise[g] * (weight * r[k] * r[k] + half.col(k).squaredNorm());
-        sums.noise_n[g] += 1.0;
-      }
-      for (Eigen::Index k = 0; k < x.size(); ++k) {
-        const auto g = static_cast<std::size_t>(group_of(l.locals[static_cast<std::size_t>(k)]));
-        sums.local[g] += variances.local[g] * (weight * x[k] * x[k] + inverse(k, k));
-        sums.local_n[g] += 1.0;
-      }
-    }
-  });
-  Variances out = variances;
-  for (std::size_t g = 0; g < kNoiseGroups; ++g) {
-    double sum = 0.0, n = 0.0;
-    for (const Sums& p : parts) sum += p.noise[g], n += p.noise_n[g];
-    out.noise[g] = sum / n;
-  }
-  for (std::size_t g = 0; g < kLocalGroups; ++g) {
-    double sum = 0.0, n = 0.0;
-    for (const Sums& p : parts) sum += p.local[g], n += p.local_n[g];
-    if (n > 0.0) out.local[g] = sum / n;
-  }
   return out;
 }
 

@@ -10,36 +10,7 @@ namespace {
 /// Differences are taken over such a part of what an unknown may be, so that no foot leaves the ground in between.
 constexpr double kPart = 1e-3;
 
-double typical(LocalGroup g) {
-  switch (g) {
-    case kHeight:
-      return 2e-3;
-    case kTilt:
-      return 1e-2;
-    case kAngularVelocity:
-      return 5e-2;
-    case kVelocity:
-      return 8e-2;
-    case kAngle:
-      return 5e-4;
-    case kRate:
-      return 5e-2;
-    case kAnchor:
-      return 2e-3;
-    case kAnchorYaw:
-      return 5e-3;
-    case kTorque:
-      return 3.0;
-    case kForceAcross:
-    case kForceUp:
-      return 20.0;
-    case kMomentAcross:
-    case kMomentUp:
-      return 3.0;
-    default:
-      return 1.0;
-  }
-}
+double step_of(std::size_t local) { return kPart * kLocalSd[group_of(local)]; }
 
 }  // namespace
 
@@ -91,7 +62,7 @@ std::vector<LinearWindow> linearised(const std::vector<Recording>& recordings,
       const std::size_t channel = i < kStart ? 0 : (i - kStart) / kShapes;
       if (i >= kStart && channel >= kJoints && !window.stance[(channel - kJoints) / 6]) continue;
       l.locals.push_back(i);
-      variants.push_back({&point.machine, &here, static_cast<int>(i), kPart * typical(group_of(i))});
+      variants.push_back({&point.machine, &here, static_cast<int>(i), step_of(i)});
     }
     const auto simulated = static_cast<Eigen::Index>(l.locals.size());
     for (std::size_t i = 0; i < globals; ++i) variants.push_back({&machines[i], &plants[i]});
@@ -100,8 +71,7 @@ std::vector<LinearWindow> linearised(const std::vector<Recording>& recordings,
     l.y = r.col(0);
     l.c = Eigen::MatrixXd::Zero(rows, simulated + 3);
     for (Eigen::Index k = 0; k < simulated; ++k)
-      l.c.col(k) =
-          (r.col(0) - r.col(k + 1)) / (kPart * typical(group_of(l.locals[static_cast<std::size_t>(k)])));
+      l.c.col(k) = (r.col(0) - r.col(k + 1)) / step_of(l.locals[static_cast<std::size_t>(k)]);
     for (Eigen::Index n = 0; n < rows; n += kRowSize)
       for (int k = 0; k < 3; ++k) l.c(n + static_cast<Eigen::Index>(kJoints) + k, simulated + k) = 1.0;
     for (std::size_t k = 0; k < 3; ++k) l.locals.push_back(kFilterAt + k);

@@ -89,10 +89,10 @@ std::vector<Window> windows_of(const Recording& recording, std::size_t index, do
       out.push_back(w);
     first = end - (landing ? 0 : 1);
     if (landing)
-      while (first + 1 < rows.size() && rows[first].time_s - rows[end].time_s < kAfterLanding_s - 1e-9)
-        ++first;
-    else if (first == w.first)
-      ++first;
+      for (std::size_t landed = end;
+           first + 1 < rows.size() && rows[first].time_s - rows[landed].time_s < kAfterLanding_s - 1e-9;)
+        if (lands(++first)) landed = first;
+    if (!landing && first == w.first) ++first;
   }
   return out;
 }

@@ -16,7 +16,6 @@ using biped::kJoints;
 using biped::kLegJoints;
 using biped::link_name;
 using biped::Machine;
-using biped::Role;
 using biped::Unknown;
 
 struct Row {

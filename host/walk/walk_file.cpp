@@ -5,6 +5,7 @@
 #include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <string_view>
 
 #include "host/biped/machine_toml.hpp"
@@ -56,6 +57,23 @@ Model read_model(const std::string& path) {
             core::number(*value, path, "[limits] " + std::string(k.name), k.least, k.most, k.unit);
   }
   return out;
+}
+
+std::string format_model(const Model& model, const biped::Machine& machine, const std::string& folder) {
+  namespace fs = std::filesystem;
+  const fs::path urdf = fs::absolute(fs::path(model.file).parent_path() / model.urdf);
+  toml::table limits;
+  for (const LimitKey& k : kLimitKeys) limits.insert(k.name, model.limits.*k.of);
+  std::ostringstream out;
+  out << toml::table{{"model", toml::table{{"kind", "biped"},
+                                           {"schema", 1},
+                                           {"urdf", fs::relative(urdf, fs::absolute(folder)).string()}}},
+                     {"limits", limits}}
+      << "\n\n";
+  // Against the URDF and the design, not against the model that was given.
+  biped::Machine design;
+  design.robot = model.undeviated;
+  return out.str() + biped::format_deviations(design, machine);
 }
 
 std::vector<std::string> broken_limits(const Rollout& r, const WalkLimits& m) {

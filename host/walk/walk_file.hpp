@@ -42,6 +42,10 @@ inline constexpr std::array<LimitKey, 7> kLimitKeys{
 /// A model file of kind biped (docs/biped.md). @throws core::DataError, and what biped::read_biped throws.
 Model read_model(const std::string& path);
 
+/// The text of a model file in `folder` of the same robot and limits, with the deviations that `machine` has.
+std::string format_model(const Model& model, const furcula::biped::Machine& machine,
+                         const std::string& folder);
+
 /// Of a walk of this model, all else as RolloutOptions has it.
 inline RolloutOptions rollout_of(const Model& model, WalkMode mode, double walk_until_s) {
   RolloutOptions o;

@@ -65,6 +65,9 @@ TEST_CASE("windows have no landing in them, and a foot carries in each") {
         if (k > w.first) CHECK((!r.rows[k].contact[side] || r.rows[k - 1].contact[side]));
       }
     CHECK((carries[0] || carries[1]));
+    for (std::size_t k = std::max<std::size_t>(w.first, 5) - 4; k <= w.first; ++k)  // no landing within 60 ms
+      for (std::size_t side = 0; side < 2; ++side)
+        CHECK((!r.rows[k].contact[side] || r.rows[k - 1].contact[side]));
     CHECK(carries[w.foot]);
   }
 }
@@ -124,7 +127,7 @@ TEST_CASE("deviations of a model file are read as they were written, and wrong o
   const Machine given = nominal();
   Machine machine = given;
   std::size_t n = 0;
-  for (const Unknown& u : biped::unknowns(given.robot, true))
+  for (const Unknown& u : biped::unknowns(given.robot, true, true))
     if (++n % 7 == 0) u.add(machine, 0.1 * u.prior_sd);
   const auto folder = std::filesystem::temp_directory_path() / "furcula-floating-test";
   std::filesystem::create_directories(folder);
@@ -136,7 +139,7 @@ TEST_CASE("deviations of a model file are read as they were written, and wrong o
     return walk::read_model(file);
   };
   const walk::Model read = model_of(biped::format_deviations(given, machine));
-  for (const Unknown& u : biped::unknowns(given.robot, true)) {
+  for (const Unknown& u : biped::unknowns(given.robot, true, true)) {
     INFO(u.kind << "@" << u.location);
     CHECK(u.value(read.machine) == Approx(u.value(machine)).epsilon(1e-9).margin(1e-12));
   }

@@ -236,3 +236,34 @@ TEST_CASE("the rollouts of any x86-64 and those of processors with AVX2 have the
   CHECK(any.size() > 1000);
   CHECK(found({program}, "own") == any);
 }
+
+TEST_CASE("furcula walk identify writes a model that walks are simulated on, wherever its folder is") {
+  test::TemporaryFolder folder;
+  const std::string walk = folder.path() + "/walk.csv", brief = folder.path() + "/brief.csv",
+                    out = folder.path() + "/some/deep/folder/of/results";
+  REQUIRE(test::run_furcula({"walk", "sim", "--model", kModel, "--walk",
+                             test::source("tests/host/walk/active_walk.toml"), "--seed", "1", "--out", walk})
+              .status == 0);
+  std::ifstream in(walk);
+  std::ofstream to(brief);
+  std::size_t rows = 0;
+  for (std::string line; rows < 100 && std::getline(in, line); ++rows) to << line << "\n";
+  to.close();
+  const test::Ran ran = test::run_furcula({"walk", "identify", brief, "--model", kModel, "--out", out}, 600);
+  INFO(ran.err);
+  REQUIRE(ran.status == 0);
+  CHECK_THAT(ran.out,
+             Contains("hips' pitch on their drives") && Contains("training") && Contains("held out"));
+  const auto j = test::json_of(out + "/identification.json");
+  CHECK(j["schema"] == "furcula-walk-identification/1");
+  CHECK(j["parameters"].size() > 300);
+  // A robot that is a little different may fall, which is status 4; it is read.
+  const test::Ran again = test::run_furcula({"walk", "sim", "--model", out + "/identified_model.toml",
+                                             "--walk", test::source("tests/host/walk/active_walk.toml"),
+                                             "--out", folder.path() + "/again.csv"});
+  INFO(again.err);
+  CHECK((again.status == 0 || again.status == 4));
+  const test::Ran other =
+      test::run_furcula({"walk", "identify", test::source("README.md"), "--model", kModel, "--out", out});
+  CHECK(other.status == 3);
+}
