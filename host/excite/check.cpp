@@ -96,16 +96,9 @@ class Checker {
  public:
   Checker(const trees::TreeModel& model, const std::vector<Subject>& subjects, const trees::Problem& problem)
       : subjects_(subjects) {
-    std::vector<trees::Hypothesis> probes;
-    std::vector<double> sizes;
-    for (const Subject& s : subjects)
-      for (const Subject::Number& n : s.numbers) {
-        probes.push_back(n.changed);
-        sizes.push_back(n.size / n.change);
-      }
-    const trees::Products p = problem.products({model.drives, model.causes}, {}, probes);
-    const auto count = static_cast<Eigen::Index>(probes.size());
-    const Eigen::Map<const Eigen::VectorXd> scale(sizes.data(), count);
+    const auto [changed, scale] = probes_of(subjects);
+    const trees::Products p = problem.products({model.drives, model.causes}, {}, changed);
+    const Eigen::Index count = scale.size();
     told_ = scale.asDiagonal() * p.all.bottomRightCorner(count, count) * scale.asDiagonal();
     scatter_ = Eigen::MatrixXd::Zero(count, count);
     for (const Eigen::MatrixXf& w : p.window) {

@@ -88,6 +88,18 @@ std::vector<Subject> subjects(const trees::Problem& reference) {
   return out;
 }
 
+Probes probes_of(const std::vector<Subject>& subjects) {
+  Probes out;
+  std::vector<double> scale;
+  for (const Subject& s : subjects)
+    for (const Subject::Number& n : s.numbers) {
+      out.changed.push_back(n.changed);
+      scale.push_back(n.size / n.change);
+    }
+  out.scale = Eigen::Map<const Eigen::VectorXd>(scale.data(), static_cast<Eigen::Index>(scale.size()));
+  return out;
+}
+
 Eigen::MatrixXd information(const trees::TreeModel& model, const std::vector<Subject>& subjects,
                             const trees::Scenario& scenario, std::uint64_t seed, double window_s,
                             std::size_t every, std::size_t first) {
@@ -100,16 +112,9 @@ Eigen::MatrixXd information(const trees::TreeModel& model, const std::vector<Sub
   trees::Problem problem(model, recording, std::move(windows), 1);
   const trees::Hypothesis given{model.drives, model.causes};
   problem.weigh(given);
-  std::vector<trees::Hypothesis> probes;
-  std::vector<double> sizes;
-  for (const Subject& s : subjects)
-    for (const Subject::Number& n : s.numbers) {
-      probes.push_back(n.changed);
-      sizes.push_back(n.size / n.change);
-    }
-  const auto count = static_cast<Eigen::Index>(probes.size());
-  const Eigen::Map<const Eigen::VectorXd> scale(sizes.data(), count);
-  return each * scale.asDiagonal() * problem.products(given, {}, probes).all.bottomRightCorner(count, count) *
+  const auto [changed, scale] = probes_of(subjects);
+  return each * scale.asDiagonal() *
+         problem.products(given, {}, changed).all.bottomRightCorner(scale.size(), scale.size()) *
          scale.asDiagonal();
 }
 

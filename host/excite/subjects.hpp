@@ -32,6 +32,13 @@ struct Subject {
 /// are sums of others, and those whose size decides whether they show at all: saturation, binding, ripple, elasticity.
 std::vector<Subject> subjects(const trees::Problem& reference);
 
+/// The models of all numbers of the subjects, and sizes over changes: what makes a column by a change one by the number's size.
+struct Probes {
+  std::vector<trees::Hypothesis> changed;
+  Eigen::VectorXd scale;
+};
+Probes probes_of(const std::vector<Subject>& subjects);
+
 /// What a recording of the scenario tells: columns of all subjects in units of their sizes, weighed as `furcula identify` does, times
 /// themselves. The recording is simulated, with the usual noise of `furcula sim`. Every `every`-th window is looked at, from
 /// `first` on; the others are taken as like them.

@@ -139,7 +139,8 @@ std::vector<Local> locals_at(const std::vector<LinearWindow>& windows, const Var
 Evidence evidence(const std::vector<LinearWindow>& windows, const Variances& variances,
                   const std::vector<double>& weights, unsigned threads) {
   const auto n = windows.front().a.cols();
-  std::vector<Evidence> parts(std::max(1u, threads));
+  // As many sums whatever the threads: the same bits.
+  std::vector<Evidence> parts(std::min<std::size_t>(8, windows.size()));
   core::parallel_for(parts.size(), threads, [&](std::size_t part) {
     Evidence& e = parts[part];
     e.information = Eigen::MatrixXd::Zero(n, n);

@@ -249,9 +249,15 @@ TEST_CASE("furcula walk identify writes a model that walks are simulated on, whe
   std::size_t rows = 0;
   for (std::string line; rows < 100 && std::getline(in, line); ++rows) to << line << "\n";
   to.close();
-  const test::Ran ran = test::run_furcula({"walk", "identify", brief, "--model", kModel, "--out", out}, 600);
+  const test::Ran ran =
+      test::run_furcula({"walk", "identify", brief, "--model", kModel, "--threads", "2", "--out", out}, 600);
   INFO(ran.err);
   REQUIRE(ran.status == 0);
+  const std::string alone = folder.path() + "/alone";
+  REQUIRE(
+      test::run_furcula({"walk", "identify", brief, "--model", kModel, "--threads", "1", "--out", alone}, 600)
+          .status == 0);
+  CHECK(test::json_of(alone + "/identification.json") == test::json_of(out + "/identification.json"));
   CHECK_THAT(ran.out,
              Contains("hips' pitch on their drives") && Contains("training") && Contains("held out"));
   const auto j = test::json_of(out + "/identification.json");
