@@ -102,10 +102,10 @@ std::vector<double> fit_locals(const std::vector<Recording>& recordings, const s
     };
     std::vector<Run> runs;
     if (from_scratch) {
-      const Eigen::Vector2d flat = flat_foot(recording, one[0], point.machine, plant);
+      const std::array<double, 2> flat = flat_foot(recording, one[0], point.machine, plant);
       for (const double share : {0.0, 1.0}) {
         Run run{Local::Zero(), 0.0};
-        run.x.segment<2>(1) = share * flat;
+        run.x[1] = share * flat[0], run.x[2] = share * flat[1];
         run.cost = cost(run.x);
         improve(run, 3);
         runs.push_back(run);

@@ -29,6 +29,15 @@ LocalGroup group_of(std::size_t i) {
   return part == 2 ? kForceUp : part < 2 ? kForceAcross : part == 5 ? kMomentUp : kMomentAcross;
 }
 
+Eigen::MatrixXd residuals(const Recording& recording, const Window& window, const Local& local,
+                          std::span<const Variant> variants, double step_s) {
+  Eigen::MatrixXd out(static_cast<Eigen::Index>((window.count - 1) * kRowSize),
+                      static_cast<Eigen::Index>(variants.size()));
+  residuals(recording, window, std::span<const double, kLocals>(local.data(), kLocals), variants, step_s,
+            std::span(out.data(), static_cast<std::size_t>(out.size())));
+  return out;
+}
+
 Point at(const Machine& model, const std::vector<Unknown>& unknowns, const Eigen::VectorXd& theta,
          const std::vector<Local>& locals) {
   Point p{model, theta, locals};

@@ -4,11 +4,19 @@
 
 #include <Eigen/Dense>
 #include <array>
+#include <span>
 #include <vector>
 
 #include "host/floating/simulate.hpp"
 
 namespace furcula::floating {
+
+/// One window's own unknowns.
+using Local = Eigen::Matrix<double, static_cast<int>(kLocals), 1>;
+
+/// Residuals of every run, a column each.
+Eigen::MatrixXd residuals(const Recording& recording, const Window& window, const Local& local,
+                          std::span<const Variant> variants, double step_s);
 
 /// Kinds of a window's unknowns; those of one kind have one variance.
 enum LocalGroup : int {

@@ -71,7 +71,7 @@ double carried(std::array<double, kVertices> height, double sink_m) {
 
 /// Where a window begins: what its first row says, and by how much `local` differs from it.
 State<double> start(const Recording& recording, const Window& window, const Machine& m, const Plant& plant,
-                    const Local& x) {
+                    std::span<const double, kLocals> x) {
   const Row& row = recording.rows[window.first];
   State<double> s;
   const Quaternion<double> mount = mounting(m.imu_turn_rad);
@@ -82,10 +82,8 @@ State<double> start(const Recording& recording, const Window& window, const Mach
     const double motor = passive(recording, i) ? 0.0
                                                : drive.kp_nmprad * (row.target_rad[i] - row.angle_rad[i]) -
                                                      drive.kd_nmsprad * row.rate_radps[i];
-    set_joint<double>(
-        s.q_rad, i,
-        row.angle_rad[i] - m.encoder_offset_rad[i] - twist(m, i, motor) + x[9 + static_cast<int>(i)]);
-    set_joint<double>(s.qd_radps, i, row.rate_radps[i] + x[21 + static_cast<int>(i)]);
+    set_joint<double>(s.q_rad, i, row.angle_rad[i] - m.encoder_offset_rad[i] - twist(m, i, motor) + x[9 + i]);
+    set_joint<double>(s.qd_radps, i, row.rate_radps[i] + x[21 + i]);
   }
   s.attitude = times(small_turn({x[1], x[2], 0.0}), s.attitude);
   const auto of_side = [](const auto& v, std::size_t side) {
@@ -114,7 +112,7 @@ State<double> start(const Recording& recording, const Window& window, const Mach
     for (std::size_t v = 0; v < kVertices; ++v) {
       const Vec3<double> arm = foot_rotation(side) * m.robot.vertices_m[side][v],
                          at = of_side(leg.foot_position_m, side);
-      const int a = 33 + 3 * static_cast<int>(side);
+      const std::size_t a = 33 + 3 * side;
       s.anchors_m[0][v][0].set(side, at.x + arm.x + x[a] - x[a + 2] * arm.y);
       s.anchors_m[0][v][1].set(side, at.y + arm.y + x[a + 1] + x[a + 2] * arm.x);
     }
@@ -213,20 +211,17 @@ struct Drives {
 
 class Batch {
  public:
-  Batch(const Recording& recording, const Window& window, const Local& local,
+  Batch(const Recording& recording, const Window& window, std::span<const double, kLocals> local,
         std::span<const Variant> variants)
       : recording_(recording), window_(window), variants_(variants), targets_(recording, window) {
     const double length =
         recording.rows[window.first + window.count - 1].time_s - recording.rows[window.first].time_s;
-    for (int i = 0; i < 3; ++i)
-      for (int k = 0; k < 3; ++k)
-        correlation_(i, k) = std::exp(-0.5 * length * std::abs(i - k) / kCorrelation_s);
-    correlation_ = Eigen::Matrix3d(correlation_.llt().matrixL());
+    kept_ = std::exp(-0.5 * length / kCorrelation_s);
     for (std::size_t lane = 0; lane < kLanes; ++lane) {
       const Variant& v = variants[std::min(lane, variants.size() - 1)];
       put_plant(plant_, lane, *v.plant);
-      locals_[lane] = local;
-      if (v.local >= 0) locals_[lane][v.local] += v.change;
+      std::copy(local.begin(), local.end(), locals_[lane].begin());
+      if (v.local >= 0) locals_[lane][static_cast<std::size_t>(v.local)] += v.change;
       put_state(state_, lane, start(recording, window, *v.machine, *v.plant, locals_[lane]));
       machines_[lane] = v.machine;
       for (std::size_t i = 0; i < kJoints; ++i) {
@@ -272,10 +267,11 @@ class Batch {
   }
 
   void disturb(double u) {
-    const Eigen::RowVector3d shape =
-        Eigen::RowVector3d(std::max(0.0, 1.0 - 2.0 * u), 1.0 - std::abs(2.0 * u - 1.0),
-                           std::max(0.0, 2.0 * u - 1.0)) *
-        correlation_;
+    // The Cholesky factor of correlations kept^|i - k|, by which three independent numbers are correlated.
+    const double begin = std::max(0.0, 1.0 - 2.0 * u), middle = 1.0 - std::abs(2.0 * u - 1.0),
+                 end = std::max(0.0, 2.0 * u - 1.0), fresh = std::sqrt(1.0 - kept_ * kept_);
+    const std::array<double, kShapes> shape{begin + kept_ * (middle + kept_ * end),
+                                            fresh * (middle + kept_ * end), fresh * end};
     for (std::size_t lane = 0; lane < kLanes; ++lane) {
       const double* x = locals_[lane].data() + kStart;
       const auto channel = [&](std::size_t c) {
@@ -365,8 +361,8 @@ class Batch {
   TurnedParameters<T> plant_;
   State<T> state_;
   Drives drives_;
-  Eigen::Matrix3d correlation_;
-  std::array<Local, kLanes> locals_;
+  double kept_;  ///< of a disturbance's correlation after half of the window
+  std::array<std::array<double, kLocals>, kLanes> locals_;
   std::array<const Machine*, kLanes> machines_{};
   Joints<T> target_, torque_, twist_;
   std::array<Vec3<T>, 2> force_, moment_;
@@ -382,9 +378,10 @@ Plant plant_of(const Machine& machine) {
   return {machine.robot, frames};
 }
 
-Eigen::Vector2d flat_foot(const Recording& recording, const Window& window, const Machine& m,
-                          const Plant& plant) {
-  const State<double> s = start(recording, window, m, plant, Local::Zero());
+std::array<double, 2> flat_foot(const Recording& recording, const Window& window, const Machine& m,
+                                const Plant& plant) {
+  const std::array<double, kLocals> none{};
+  const State<double> s = start(recording, window, m, plant, none);
   Kinematics<double> k;
   kinematics<AnywhereTopology>(plant, s, k);
   const auto& turn = k.legs[0].foot_rotation;
@@ -397,16 +394,13 @@ Eigen::Vector2d flat_foot(const Recording& recording, const Window& window, cons
   return {normal.y / normal.z, -normal.x / normal.z};
 }
 
-Eigen::MatrixXd residuals(const Recording& recording, const Window& window, const Local& local,
-                          std::span<const Variant> variants, double step_s) {
-  Eigen::MatrixXd out(static_cast<Eigen::Index>((window.count - 1) * kRowSize),
-                      static_cast<Eigen::Index>(variants.size()));
+void residuals(const Recording& recording, const Window& window, std::span<const double, kLocals> local,
+               std::span<const Variant> variants, double step_s, std::span<double> out) {
+  const std::size_t rows = (window.count - 1) * kRowSize;
   for (std::size_t i = 0; i < variants.size(); i += kLanes) {
-    const std::size_t n = std::min(kLanes, variants.size() - i);
-    Batch batch(recording, window, local, variants.subspan(i, n));
-    batch.run(step_s, out.col(static_cast<Eigen::Index>(i)).data(), static_cast<std::size_t>(out.rows()));
+    Batch batch(recording, window, local, variants.subspan(i, std::min(kLanes, variants.size() - i)));
+    batch.run(step_s, out.data() + i * rows, rows);
   }
-  return out;
 }
 
 }  // namespace furcula::floating

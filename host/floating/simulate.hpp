@@ -1,11 +1,11 @@
 // Windows of a walking robot, simulated in lanes from a start, driven by the logged targets, with disturbances. Derivatives are differences
-// between lanes.
+// between lanes. A shared library, built for every x86-64 and for AVX2 (furcula_lanes in host/CMakeLists.txt): no Eigen here, whose types
+// depend on the processor.
 #pragma once
 
-#include <Eigen/Dense>
 #include <array>
+#include <cstddef>
 #include <span>
-#include <vector>
 
 #include "host/biped/machine.hpp"
 #include "host/floating/recording.hpp"
@@ -28,9 +28,6 @@ inline constexpr std::size_t kLocals = kFilterAt + 3;
 /// Of a row: joints' angles, attitude (3, small turns about the pelvis' axes), gyro.
 inline constexpr std::size_t kRowSize = kJoints + 6;
 
-/// One window's own unknowns.
-using Local = Eigen::Matrix<double, static_cast<int>(kLocals), 1>;
-
 /// What the equations of a machine run on.
 using Plant = dynamics::biped::TurnedParameters<double>;
 Plant plant_of(const Machine& machine);
@@ -43,12 +40,13 @@ struct Variant {
   double change = 0.0;
 };
 
-/// Residuals, measured less predicted, of every run: kRowSize (count - 1) numbers a column, the start's row left out.
-Eigen::MatrixXd residuals(const Recording& recording, const Window& window, const Local& local,
-                          std::span<const Variant> variants, double step_s);
+/// Residuals, measured less predicted, of every run in `out`: kRowSize (count - 1) numbers each, the start's row left out. `local`: the
+/// window's own unknowns.
+void residuals(const Recording& recording, const Window& window, std::span<const double, kLocals> local,
+               std::span<const Variant> variants, double step_s, std::span<double> out);
 
-/// Roll and pitch, as in `Local`, with which the sole of the foot that has carried longest is flat on the ground.
-Eigen::Vector2d flat_foot(const Recording& recording, const Window& window, const Machine& machine,
-                          const Plant& plant);
+/// Roll and pitch, as in `local`, with which the sole of the foot that has carried longest is flat on the ground.
+std::array<double, 2> flat_foot(const Recording& recording, const Window& window, const Machine& machine,
+                                const Plant& plant);
 
 }  // namespace furcula::floating
