@@ -12,6 +12,7 @@
 #include "host/cli/recordings.hpp"
 #include "host/core/atomic_file.hpp"
 #include "host/core/message.hpp"
+#include "host/floating/identification_report.hpp"
 #include "host/floating/identify.hpp"
 #include "host/walk/walk_file.hpp"
 
@@ -56,6 +57,10 @@ void identify(const RecordingOptions& o) {
   core::write_files_together(std::vector<core::NewFile>{
       {o.out + "/identification.json",
        floating::to_json_text(found, before ? &*before : nullptr, after ? &*after : nullptr)},
+      {o.out + "/identification.html",
+       floating::render_identification_report({model.name, &found, &training, &held_out,
+                                               before ? &*before : nullptr, after ? &*after : nullptr,
+                                               options.window_s, o.command_line("walk identify", true)})},
       {o.out + "/identified_model.toml", walk::format_model(model, found.machine, o.out)}});
   for (const floating::Recording& r : training)
     for (const std::string& note : r.notes) std::printf("%s\n", core::printable(note).c_str());
@@ -71,8 +76,9 @@ void identify(const RecordingOptions& o) {
   if (before) say("held out", *before, *after);
   std::printf(
       "a single number is no finding: what the model lacks, the real ground too, is spread over them; judge by the held-out windows\n"
-      "%s/identified_model.toml is a model for `furcula walk search`, identification.json has every number\n",
-      core::printable(o.out).c_str());
+      "%s/identified_model.toml is a model for `furcula walk search`, identification.json has every number\n"
+      "report: %s/identification.html\n",
+      core::printable(o.out).c_str(), core::printable(o.out).c_str());
 }
 
 }  // namespace
@@ -91,7 +97,9 @@ void add_walk_identify_command(CLI::App& walk) {
   command->add_option("--window-s", o->window_s, "Length of a window, s; without it 0.3");
   command->add_option("--threads", o->threads, "Threads; the result is the same for any number");
   command->add_option("--seed", o->seed, "Seed of the choice of held-out logs")->capture_default_str();
-  command->add_option("--out", o->out, "Folder for identified_model.toml and identification.json")
+  command
+      ->add_option("--out", o->out,
+                   "Folder for identified_model.toml, identification.json and identification.html")
       ->required();
   command->callback([o] { identify(*o); });
 }

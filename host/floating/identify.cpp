@@ -88,23 +88,30 @@ WindowErrors window_errors(const Machine& machine, const std::vector<Recording>&
   Point p{machine, {}, std::vector<Local>(windows.size(), Local::Zero())};
   fit_locals(recordings, windows, v, true, p, options.settings);
   const Plant plant = plant_of(machine);
-  std::vector<std::array<double, kNoiseGroups>> sums(windows.size());
+  WindowErrors out;
+  out.windows = windows.size();
+  out.predicted.resize(windows.size());
   core::parallel_for(windows.size(), options.settings.threads, [&](std::size_t w) {
     const Variant here{&machine, &plant};
-    const Eigen::MatrixXd r = residuals(recordings[windows[w].recording], windows[w], p.locals[w],
-                                        std::span(&here, 1), options.settings.step_s);
-    sums[w] = {};
-    for (Eigen::Index k = 0; k < r.rows(); ++k)
-      sums[w][noise_of(static_cast<std::size_t>(k) % kRowSize)] += r(k, 0) * r(k, 0);
+    out.predicted[w] = {windows[w], residuals(recordings[windows[w].recording], windows[w], p.locals[w],
+                                              std::span(&here, 1), options.settings.step_s)};
   });
   std::array<double, kNoiseGroups> sum{};
   double rows = 0.0;
-  for (std::size_t w = 0; w < windows.size(); ++w) {
-    for (std::size_t g = 0; g < kNoiseGroups; ++g) sum[g] += sums[w][g];
-    rows += static_cast<double>(windows[w].count - 1);
+  for (const Predicted& of : out.predicted) {
+    for (Eigen::Index k = 0; k < of.residual.size(); ++k) {
+      const std::size_t channel = static_cast<std::size_t>(k) % kRowSize;
+      const double square = of.residual[k] * of.residual[k];
+      sum[noise_of(channel)] += square;
+      out.channels[channel] += square;
+    }
+    rows += static_cast<double>(of.window.count - 1);
   }
-  return {windows.size(), std::sqrt(sum[kAngleNoise] / (rows * kJoints)),
-          std::sqrt(sum[kAttitudeNoise] / (3.0 * rows)), std::sqrt(sum[kGyroNoise] / (3.0 * rows))};
+  for (double& channel : out.channels) channel = std::sqrt(channel / rows);
+  out.angle_rad = std::sqrt(sum[kAngleNoise] / (rows * kJoints));
+  out.attitude_rad = std::sqrt(sum[kAttitudeNoise] / (3.0 * rows));
+  out.gyro_radps = std::sqrt(sum[kGyroNoise] / (3.0 * rows));
+  return out;
 }
 
 bool passive_hips(const Machine& model, const Recording& recording, const IdentifyOptions& options) {

@@ -9,10 +9,18 @@
 
 namespace furcula::floating {
 
+/// A window as a machine predicts it: residuals as `residuals` gives them.
+struct Predicted {
+  Window window;
+  Eigen::VectorXd residual;
+};
+
 /// Root mean squares over windows, measured less predicted, each window's start fitted and no disturbance.
 struct WindowErrors {
   std::size_t windows = 0;
   double angle_rad = 0.0, attitude_rad = 0.0, gyro_radps = 0.0;
+  std::array<double, kRowSize> channels{};  ///< each number of a row by itself
+  std::vector<Predicted> predicted;
 };
 
 struct IdentifyOptions {

@@ -65,7 +65,9 @@ Recording recording_of(const log::Log& log) {
   return out;
 }
 
-std::vector<Window> windows_of(const Recording& recording, std::size_t index, double length_s) {
+std::vector<Window> windows_of(const Recording& recording, std::size_t index, double length_s,
+                               Unused* unused) {
+  Unused left_out;
   const auto& rows = recording.rows;
   std::vector<Window> out;
   const auto lands = [&](std::size_t k) {
@@ -85,15 +87,22 @@ std::vector<Window> windows_of(const Recording& recording, std::size_t index, do
     };
     w.foot = w.stance[1] && (!w.stance[0] || carries_since(1) < carries_since(0)) ? 1 : 0;
     const bool landing = end < rows.size() && lands(end);
-    if ((w.stance[0] || w.stance[1]) && rows[end - 1].time_s - rows[first].time_s > 0.5 * length_s)
+    const double duration_s = rows[end - 1].time_s - rows[first].time_s;
+    if (!w.stance[0] && !w.stance[1])
+      left_out.no_stance_s += duration_s;
+    else if (duration_s > 0.5 * length_s)
       out.push_back(w);
+    else
+      left_out.short_s += duration_s;
     first = end - (landing ? 0 : 1);
     if (landing)
       for (std::size_t landed = end;
            first + 1 < rows.size() && rows[first].time_s - rows[landed].time_s < kAfterLanding_s - 1e-9;)
         if (lands(++first)) landed = first;
     if (!landing && first == w.first) ++first;
+    left_out.landings_s += rows[std::min(first, rows.size() - 1)].time_s - rows[end - 1].time_s;
   }
+  if (unused != nullptr) *unused = left_out;
   return out;
 }
 

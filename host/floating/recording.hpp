@@ -44,7 +44,15 @@ struct Window {
   std::size_t foot = 0;          ///< of these the one that has carried longest: flat on the ground, at rest
 };
 
+/// Time that is in no window, and why.
+struct Unused {
+  double landings_s = 0.0;   ///< up to 60 ms after one
+  double no_stance_s = 0.0;  ///< no foot carries all the time
+  double short_s = 0.0;      ///< less than half a window to the next landing or the end
+};
+
 /// Of about `length_s`, one after the other; none has a landing in it or begins within 60 ms of one, and in each a foot carries.
-std::vector<Window> windows_of(const Recording& recording, std::size_t index, double length_s);
+std::vector<Window> windows_of(const Recording& recording, std::size_t index, double length_s,
+                               Unused* unused = nullptr);
 
 }  // namespace furcula::floating

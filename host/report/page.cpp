@@ -130,6 +130,17 @@ std::string with_interval(double value, double lower, double upper) {
          ")</small>";
 }
 
+std::string biped_player_html(std::string_view label) {
+  return "<div class=\"robot\"><canvas id=\"walk-canvas\" tabindex=\"0\" role=\"img\" aria-label=\"" +
+         escape(label) +
+         "\"></canvas></div>\n"
+         "<div class=\"player\"><button type=\"button\" id=\"walk-play\">Play</button>"
+         "<input type=\"range\" id=\"walk-slider\" aria-label=\"time\"><output id=\"walk-time\"></output>"
+         "<label>Speed <select id=\"walk-speed\"><option value=\"0.1\">0.1</option><option value=\"0.25\">0.25</option>"
+         "<option value=\"1\" selected>1</option></select></label>"
+         "<button type=\"button\" id=\"walk-home\">Reset view</button></div>\n";
+}
+
 std::string file_list(const std::vector<std::string>& files) {
   std::string out = "<ul class=\"files\">\n";
   for (const std::string& f : files) out += "<li>" + escape(f) + "</li>\n";

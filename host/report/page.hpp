@@ -20,7 +20,7 @@ struct Page {
   std::string robot_json = {};
   /// What leg_script draws (host/gait/gait_report.cpp); empty: no leg, and not its script.
   std::string leg_json = {};
-  /// What walk_script draws (host/walk/walk_report.cpp); empty: no biped, and not its script.
+  /// What walk_script draws (host/walk/walk_report.cpp, host/floating/walk_picture.cpp); empty: no biped, and not its script.
   std::string walk_json = {};
 };
 
@@ -74,6 +74,9 @@ std::string share_bar(double share);
 
 /// "1.61 <small>(1.52 to 1.70)</small>": a value with its 95 % interval, whose width decides the digits.
 std::string with_interval(double value, double lower, double upper);
+
+/// Where walk_script draws a biped, and the controls below it.
+std::string biped_player_html(std::string_view label);
 
 /// A list of file names, in columns.
 std::string file_list(const std::vector<std::string>& files);

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "host/biped/points.hpp"
 #include "host/report/html.hpp"
 #include "host/report/line_plot.hpp"
 #include "host/report/page.hpp"
@@ -24,9 +25,8 @@ constexpr int kTicksAFrame = 20;
 /// What is drawn of a moment, and what is plotted.
 struct Frame {
   double time_s;
-  std::vector<Vec3<double>>
-      points;                     ///< pelvis, its top; of each leg hip, knee, ankle, four corners of the foot
-  std::array<double, 6> force_n;  ///< of the ground on each foot, world
+  std::vector<Vec3<double>> points;  ///< as biped::Points has them
+  std::array<double, 6> force_n;     ///< of the ground on each foot, world
   std::string phase;
   std::array<double, 2> normal_n;
   std::array<double, kLegJoints> power_w;  ///< of the left leg's motors
@@ -42,24 +42,16 @@ Frame frame_of(const Description& robot, const WalkMoment<double>& m) {
                 ? std::string(kPhaseNames[static_cast<std::size_t>(m.walk.phase[0])]) +
                       (m.walk.on_left[0] ? " on the left" : " on the right")
                 : kPhaseNames[static_cast<std::size_t>(m.walk.phase[0])];
-  const Mat3<double> pelvis = rotation(m.state.attitude);
-  f.points = {m.state.position_m, m.state.position_m + pelvis * Vec3<double>{0.0, 0.0, 0.35}};
   f.height_m = m.state.position_m.z;
+  std::array<double, kJoints> angle_rad{};
+  for (std::size_t i = 0; i < kJoints; ++i) angle_rad[i] = joint<double>(m.state.q_rad, i);
+  furcula::biped::Points points =
+      furcula::biped::points_of(robot, m.state.position_m, rotation(m.state.attitude), angle_rad);
+  f.points = std::move(points.all);
   for (const std::size_t side : {kLeft, kRight}) {
-    Mat3<double> r = pelvis;
-    Vec3<double> at = m.state.position_m;
-    outwards([&](auto index) {
-      constexpr std::size_t J = index;
-      const auto& o = robot.legs[side][J].offset_m;
-      at += r * o;
-      const auto angle = dynamics::sine_cosine(joint<double>(m.state.q_rad, side * kLegJoints + J));
-      const Turn<DesignTopology::kAxes[J], double> turn{angle.cosine, angle.sine};
-      r = {turn.in(r.x), turn.in(r.y), turn.in(r.z)};
-      if (J == kHipPitch || J == kKnee || J == kAnklePitch) f.points.push_back(at);
-    });
-    for (const Vec3<double>& v : robot.vertices_m[side]) f.points.push_back(at + r * v);
     const auto& wrench = m.report.foot[0].f;
-    const Vec3<double> force = r * Vec3<double>{wrench.x[side], wrench.y[side], wrench.z[side]};
+    const Vec3<double> force =
+        points.feet[side] * Vec3<double>{wrench.x[side], wrench.y[side], wrench.z[side]};
     f.force_n[3 * side] = force.x, f.force_n[3 * side + 1] = force.y, f.force_n[3 * side + 2] = force.z;
     f.normal_n[side] = m.report.contact.normal_n[0][side];
   }
@@ -99,14 +91,6 @@ std::string walk_data(const std::vector<Frame>& frames, bool passive) {
   }
   return nlohmann::json{{"passive", passive}, {"frames", rows}}.dump();
 }
-
-const char* kPlayer =
-    "<div class=\"robot\"><canvas id=\"walk-canvas\" tabindex=\"0\" role=\"img\" aria-label=\"The biped as it walks\"></canvas></div>\n"
-    "<div class=\"player\"><button type=\"button\" id=\"walk-play\">Play</button>"
-    "<input type=\"range\" id=\"walk-slider\" aria-label=\"time\"><output id=\"walk-time\"></output>"
-    "<label>Speed <select id=\"walk-speed\"><option value=\"0.1\">0.1</option><option value=\"0.25\">0.25</option>"
-    "<option value=\"1\" selected>1</option></select></label>"
-    "<button type=\"button\" id=\"walk-home\">Reset view</button></div>\n";
 
 std::string plots(const std::vector<Frame>& frames, bool passive) {
   const auto line = [&](const char* label, const auto& value) {
@@ -251,7 +235,7 @@ std::string render_walk_report(const Model& model, const RolloutOptions& options
            {"Constant", number(r.constant_j, 4) + " J", "computer and drives"}}) +
       report::section(
           "walk", "The walk",
-          kPlayer +
+          report::biped_player_html("The biped as it walks") +
               report::paragraph(
                   std::string(
                       "The left leg is the darker one. Green: the ground's force, a metre for 1000 N. ") +

@@ -1,0 +1,235 @@
+// Sections of the page of a walking robot's identification.
+#include "host/floating/identification_report.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <deque>
+
+#include "host/core/message.hpp"
+#include "host/floating/parameter_picture.hpp"
+#include "host/floating/predicted.hpp"
+#include "host/floating/walk_picture.hpp"
+#include "host/report/html.hpp"
+#include "host/report/page.hpp"
+#include "host/report/trace_plot.hpp"
+
+namespace furcula::floating {
+namespace {
+
+using report::escape;
+using report::number;
+
+/// What the identified model is judged on: held-out recordings, or where there are none those of the fit.
+struct Judged {
+  const std::vector<Recording>& recordings;
+  const WindowErrors &given, &identified;
+  std::string name;
+};
+Judged judged(const Identification& of) {
+  if (of.held_out_before != nullptr)
+    return {*of.held_out, *of.held_out_before, *of.held_out_after, "held-out"};
+  return {*of.training, of.found->before, of.found->after, "training"};
+}
+
+struct Kind {
+  const char* name;
+  double WindowErrors::*of;
+  double factor;
+  const char* unit;
+};
+constexpr Kind kKinds[] = {{"joint angles", &WindowErrors::angle_rad, 1e3, "mrad"},
+                           {"attitude", &WindowErrors::attitude_rad, 1e3, "mrad"},
+                           {"gyro", &WindowErrors::gyro_radps, 1.0, "rad/s"}};
+
+std::string header(const Identification& of) {
+  const Judged on = judged(of);
+  std::string worse;
+  std::size_t better = 0;
+  for (const Kind& k : kKinds)
+    if (on.identified.*k.of < on.given.*k.of)
+      ++better;
+    else
+      worse += (worse.empty() ? "" : ", ") + std::string(k.name);
+  const bool all = better == std::size(kKinds), none = better == 0;
+  return "<header>\n<p class=\"eyebrow\">Identification of a walking robot &middot; " + escape(of.robot) +
+         "</p>\n<p>" +
+         report::badge(all    ? "Predicts better"
+                       : none ? "Predicts no better"
+                              : "Predicts better in part",
+                       all    ? report::Tone::good
+                       : none ? report::Tone::bad
+                              : report::Tone::notice) +
+         "</p>\n<h1>" +
+         escape("The identified model predicts " + on.name + " windows " +
+                (all    ? "better than the model as given."
+                 : none ? "no better than the model as given."
+                        : "better than the model as given, except " + worse + ".")) +
+         "</h1>\n</header>\n";
+}
+
+std::string answer(const Identification& of) {
+  const Judged on = judged(of);
+  std::vector<report::KeyFigure> figures;
+  for (const Kind& k : kKinds)
+    figures.push_back({"RMS error of " + std::string(k.name),
+                       "<small>" + number(k.factor * (on.given.*k.of), 3) +
+                           " <span class=\"arrow\">&#8594;</span> </small>" +
+                           number(k.factor * (on.identified.*k.of), 3) + "&#8239;<small>" + k.unit +
+                           "</small>",
+                       "as given, identified; " + on.name + " windows"});
+  figures.push_back({"Numbers that the recordings narrow",
+                     std::to_string(narrowed(*of.found)) + " <small>of " +
+                         std::to_string(of.found->unknowns.size()) + "</small>",
+                     "to less than half of their prior's standard deviation"});
+  std::vector<report::Table::Column> columns{{"Windows"}, {"Number", true}};
+  for (const Kind& k : kKinds)
+    for (const char* which : {", as given", ", identified"})
+      columns.push_back({report::in_words(k.name) + ", " + k.unit + which, true});
+  report::Table table(std::move(columns));
+  const auto row = [&](const char* which, const WindowErrors& given, const WindowErrors& identified) {
+    std::vector<std::string> cells{which, std::to_string(given.windows)};
+    for (const Kind& k : kKinds)
+      for (const WindowErrors* e : {&given, &identified}) cells.push_back(number(k.factor * (e->*k.of), 3));
+    table.add(std::move(cells));
+  };
+  row("Training", of.found->before, of.found->after);
+  if (of.held_out_before != nullptr) row("Held out", *of.held_out_before, *of.held_out_after);
+  return report::key_figures(figures) + table.html() +
+         report::paragraph(
+             "Root mean squares of measured minus predicted. Each window is simulated for " +
+             core::rounded(of.window_s, 3) +
+             " s or less from a start that is fitted to it, driven by the logged joint targets; no disturbance "
+             "is fitted here.") +
+         (of.held_out_before != nullptr
+              ? ""
+              : report::paragraph("No recording is held out: these windows are those of the fit."));
+}
+
+constexpr std::size_t kTraces = 3;
+
+/// The channels whose traces are shown.
+std::vector<std::size_t> shown(const Judged& on) {
+  std::vector<std::size_t> out = worst_first(on.identified);
+  out.resize(kTraces);
+  return out;
+}
+
+std::string channels(const Identification& of) {
+  const Judged on = judged(of);
+  const bool held_out = of.held_out_before != nullptr;
+  std::vector<report::Table::Column> columns{
+      {"Channel"}, {"Unit"}, {"Training, as given", true}, {"Training, identified", true}};
+  if (held_out) columns.insert(columns.end(), {{"Held out, as given", true}, {"Held out, identified", true}});
+  columns.push_back({held_out ? "Held-out error removed" : "Error removed", true});
+  report::Table table(std::move(columns));
+  const std::vector<std::size_t> worst = shown(on);
+  for (std::size_t c = 0; c < kRowSize; ++c) {
+    const bool angle = c < kJoints + 3;
+    std::vector<std::string> cells{escape(report::in_words(channel_name(c))), angle ? "mrad" : "rad/s"};
+    const auto add = [&](const WindowErrors& e) {
+      cells.push_back(number((angle ? 1e3 : 1.0) * e.channels[c]));
+    };
+    add(of.found->before), add(of.found->after);
+    if (held_out) add(*of.held_out_before), add(*of.held_out_after);
+    cells.push_back(report::share_bar(1.0 - on.identified.channels[c] / on.given.channels[c]));
+    table.add(std::move(cells), std::find(worst.begin(), worst.end(), c) != worst.end());
+  }
+  return table.html() +
+         report::paragraph(
+             "Root mean squares over all windows. Joints: angles as the encoders measure them. Roll, pitch and yaw: "
+             "attitude about the pelvis' axes x, y and z, as the attitude filter gives it. Marked: the largest errors "
+             "of the identified model in units of their noise; their traces are below.");
+}
+
+report::TraceData traces(const Identification& of) {
+  const Judged on = judged(of);
+  report::TracePlot plot{{"measured", "as given", "identified"}, {}};
+  std::deque<std::vector<double>> kept;
+  const auto keep = [&](auto&& value_at, std::size_t n) {
+    std::vector<double> v(n);
+    for (std::size_t k = 0; k < n; ++k) v[k] = value_at(k);
+    kept.push_back(std::move(v));
+    return std::span<const double>(kept.back());
+  };
+  for (const std::size_t c : shown(on))
+    for (std::size_t w = 0; w < on.identified.predicted.size(); ++w) {
+      const Window& window = on.identified.predicted[w].window;
+      const Recording& recording = on.recordings[window.recording];
+      const std::vector<Row> given = predicted_rows(recording, on.given.predicted[w]),
+                             identified = predicted_rows(recording, on.identified.predicted[w]);
+      const auto measured = [&](std::size_t k) -> const Row& { return recording.rows[window.first + 1 + k]; };
+      // Of yaw a whole turn more or less is the same.
+      const auto near = [&](const Row& row, std::size_t k) {
+        const double m = value_of(measured(k), c), error = value_of(row, c) - m;
+        return c == kJoints + 2 ? m + std::remainder(error, 2.0 * M_PI) : m + error;
+      };
+      const std::size_t n = given.size();
+      plot.windows.push_back({recording.file,
+                              channel_name(c),
+                              channel_unit(c),
+                              keep([&](std::size_t k) { return measured(k).time_s; }, n),
+                              {keep([&](std::size_t k) { return value_of(measured(k), c); }, n),
+                               keep([&](std::size_t k) { return near(given[k], k); }, n),
+                               keep([&](std::size_t k) { return near(identified[k], k); }, n)}});
+    }
+  return report::encode(plot);
+}
+
+std::string recordings_html(const Identification& of) {
+  report::Table table({{"Recording"},
+                       {"Use"},
+                       {"Hips' pitch"},
+                       {"Duration, s", true},
+                       {"Windows", true},
+                       {"In windows, s", true},
+                       {"At landings, s", true},
+                       {"No stance foot, s", true},
+                       {"Too short, s", true}});
+  std::string notes;
+  const auto add = [&](const std::vector<Recording>& recordings, const char* use) {
+    for (std::size_t i = 0; i < recordings.size(); ++i) {
+      const Recording& r = recordings[i];
+      Unused unused;
+      const std::vector<Window> windows = windows_of(r, i, of.window_s, &unused);
+      double in_windows_s = 0.0;
+      for (const Window& w : windows)
+        in_windows_s += r.rows[w.first + w.count - 1].time_s - r.rows[w.first].time_s;
+      table.add({escape(r.file), use, r.passive_hips ? "on springs" : "on drives",
+                 number(r.rows.empty() ? 0.0 : r.rows.back().time_s - r.rows.front().time_s),
+                 std::to_string(windows.size()), number(in_windows_s), number(unused.landings_s),
+                 number(unused.no_stance_s), number(unused.short_s)});
+      for (const std::string& note : r.notes) notes += "<li>" + escape(note) + "</li>\n";
+    }
+  };
+  add(*of.training, "training");
+  add(*of.held_out, "held out");
+  return table.html() + (notes.empty() ? "" : "<ul>" + notes + "</ul>\n") +
+         report::paragraph(
+             "A window has no landing in it, begins at least 60 ms after one, and a foot carries in all of it; it is longer "
+             "than half of " +
+             core::rounded(of.window_s, 3) +
+             " s. Time outside of windows: landings with the 60 ms after them, no foot that carries throughout, "
+             "or too little time to the next landing or the end.");
+}
+
+}  // namespace
+
+std::string render_identification_report(const Identification& of) {
+  const Judged on = judged(of);
+  const WalkPicture picture = walk_picture(of.found->given, on.recordings, on.given, on.identified);
+  const report::TraceData data = traces(of);
+  report::Page page;
+  page.title = "Identification of " + of.robot;
+  page.command = of.command;
+  page.data_json = data.json;
+  page.walk_json = picture.json;
+  page.body_html = header(of) + report::section("answer", "Errors of prediction", answer(of)) +
+                   report::section("walk", "Measured and predicted walk", picture.html) +
+                   report::section("channels", "Errors by joint and sensor",
+                                   channels(of) + report::trace_plot_html(data, "measured minus predicted")) +
+                   report::section("parameters", "What the recordings tell", parameters_html(*of.found)) +
+                   report::section("recordings", "Recordings", recordings_html(of));
+  return report::render(page);
+}
+
+}  // namespace furcula::floating

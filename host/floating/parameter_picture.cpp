@@ -1,0 +1,170 @@
+// Rows of a picture in units of the priors' standard deviations, one SVG for each kind of number.
+#include "host/floating/parameter_picture.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <string_view>
+#include <vector>
+
+#include "host/report/html.hpp"
+#include "host/report/page.hpp"
+
+namespace furcula::floating {
+namespace {
+
+using report::escape;
+using report::number;
+
+/// Kinds that are one group differ by what follows.
+constexpr std::string_view kGroups[][2] = {{"centre", "Centre of mass"},
+                                           {"inertia", "Moments of inertia"},
+                                           {"position", "Position of the joint"},
+                                           {"attitude", "Orientation of the joint's axis"},
+                                           {"gain_kp", "Position gain kp"},
+                                           {"gain_kd", "Velocity gain kd"},
+                                           {"contact_friction", "Friction of the ground"},
+                                           {"slope", "Slope of the ground"},
+                                           {"imu_mounting", "Mounting of the IMU"},
+                                           {"gyro_bias", "Bias of the gyro"},
+                                           {"sole", "Corners of the soles"}};
+
+struct Row {
+  std::string label;
+  std::size_t index;
+  double theta, sd;
+};
+struct Group {
+  std::string title;
+  std::vector<Row> rows;
+};
+
+std::string in_lower_words(std::string text) {
+  std::replace(text.begin(), text.end(), '_', ' ');
+  return text;
+}
+
+/// The group's title, and what the number is called in it.
+std::pair<std::string, std::string> place_of(const Unknown& u) {
+  if (u.location == "simulator")
+    return {"Contact and dry friction of the simulation", in_lower_words(u.kind)};
+  for (const auto& [prefix, title] : kGroups)
+    if (u.kind.starts_with(prefix)) {
+      const std::string part = in_lower_words(u.kind.substr(std::min(u.kind.size(), prefix.size() + 1)));
+      return {std::string(title), in_lower_words(u.location) + (part.empty() ? "" : ", " + part)};
+    }
+  return {report::in_words(u.kind), in_lower_words(u.location)};
+}
+
+/// Groups and their rows by the smallest posterior deviation.
+std::vector<Group> groups_of(const Identified& found, bool narrow) {
+  std::vector<Group> out;
+  for (std::size_t i = 0; i < found.unknowns.size(); ++i) {
+    const auto k = static_cast<Eigen::Index>(i);
+    if ((found.sd[k] < kNarrowed) != narrow) continue;
+    const auto [title, label] = place_of(found.unknowns[i]);
+    auto at = std::find_if(out.begin(), out.end(), [&](const Group& g) { return g.title == title; });
+    if (at == out.end()) at = out.insert(out.end(), {title, {}});
+    at->rows.push_back({label, i, found.theta[k], found.sd[k]});
+  }
+  const auto less = [](const Row& a, const Row& b) { return a.sd < b.sd; };
+  for (Group& g : out) std::stable_sort(g.rows.begin(), g.rows.end(), less);
+  std::stable_sort(out.begin(), out.end(),
+                   [&](const Group& a, const Group& b) { return less(a.rows.front(), b.rows.front()); });
+  return out;
+}
+
+constexpr double kWidth = 360.0, kLabels = 168.0, kRow = 17.0, kFoot = 18.0, kMost = 3.0;
+
+double across(double theta) {
+  const double half = 0.5 * (kWidth - kLabels - 8.0);
+  return kLabels + half + half / kMost * std::clamp(theta, -kMost, kMost);
+}
+
+std::string bar(const char* of, double from, double to, double top, double height) {
+  return "<rect class=\"" + std::string(of) + "\" x=\"" + number(across(from), 5) + "\" width=\"" +
+         number(std::max(1.0, across(to) - across(from)), 5) + "\" y=\"" + number(top, 5) + "\" height=\"" +
+         number(height, 3) + "\"/>";
+}
+
+std::string svg(const Identified& found, const Group& group) {
+  const double height = kRow * static_cast<double>(group.rows.size()) + kFoot, foot = height - kFoot;
+  std::string out = "<svg viewBox=\"0 0 360 " + number(height, 5) + "\" role=\"img\" aria-label=\"" +
+                    escape(group.title) + ": prior and posterior\">\n";
+  for (const int tick : {-2, 0, 2})
+    out += "<line class=\"" + std::string(tick == 0 ? "zero" : "grid") + "\" x1=\"" +
+           number(across(tick), 5) + "\" x2=\"" + number(across(tick), 5) + "\" y1=\"0\" y2=\"" +
+           number(foot, 5) + "\"/><text x=\"" + number(across(tick), 5) + "\" y=\"" +
+           number(height - 5.0, 5) + "\" text-anchor=\"middle\">" + std::to_string(tick) + "</text>";
+  double top = 0.0;
+  for (const Row& r : group.rows) {
+    const Unknown& u = found.unknowns[r.index];
+    const std::string unit = u.unit.empty() ? "" : " " + u.unit;
+    out += "\n<g><title>" + escape(u.kind + "@" + u.location) + ": given " + number(u.value(found.given), 4) +
+           escape(unit) + ", identified " + number(u.value(found.machine), 4) + escape(unit) +
+           "; standard deviation " + number(u.prior_sd) + " before, " + number(r.sd * u.prior_sd) +
+           escape(unit) + " after</title><text x=\"" + number(kLabels - 8.0, 5) + "\" y=\"" +
+           number(top + 12.5, 5) + "\" text-anchor=\"end\">" + escape(r.label) + "</text>" +
+           bar("prior", -1.0, 1.0, top + 2.0, 13.0) +
+           bar(r.sd < kNarrowed ? "posterior narrow" : "posterior", r.theta - r.sd, r.theta + r.sd, top + 5.0,
+               7.0) +
+           "<circle cx=\"" + number(across(r.theta), 5) + "\" cy=\"" + number(top + 8.5, 5) +
+           "\" r=\"3\"/></g>";
+    top += kRow;
+  }
+  return out + "\n</svg>\n";
+}
+
+std::string pictures(const Identified& found, const std::vector<Group>& groups) {
+  std::string out = "<div class=\"priors\">\n";
+  for (const Group& g : groups)
+    out += "<figure><h4>" + escape(g.title) + "</h4>" + svg(found, g) + "</figure>\n";
+  return out + "</div>\n";
+}
+
+std::string table(const Identified& found) {
+  report::Table table({{"Number"},
+                       {"As given", true},
+                       {"Identified", true},
+                       {"Prior standard deviation", true},
+                       {"Posterior standard deviation", true},
+                       {"Unit"}});
+  for (std::size_t i = 0; i < found.unknowns.size(); ++i) {
+    const Unknown& u = found.unknowns[i];
+    const double sd = found.sd[static_cast<Eigen::Index>(i)];
+    table.add({"<code>" + escape(u.kind + "@" + u.location) + "</code>", number(u.value(found.given), 4),
+               number(u.value(found.machine), 4), number(u.prior_sd), number(sd * u.prior_sd),
+               u.location == "simulator" ? "of the logarithm" : escape(u.unit)});
+  }
+  return table.html();
+}
+
+}  // namespace
+
+std::size_t narrowed(const Identified& found) {
+  return static_cast<std::size_t>((found.sd.array() < kNarrowed).count());
+}
+
+std::string parameters_html(const Identified& found) {
+  const std::size_t told = narrowed(found), all = found.unknowns.size();
+  std::string out =
+      "<div class=\"aside\"><p>A single number is no finding. Priors draw each number to the model, and others take up "
+      "a part of what it lacks. What no number of the model can be, the real ground too, is spread over them; the posterior "
+      "standard deviations do not contain it. Judge the model by its errors on held-out windows.</p></div>\n";
+  out += report::paragraph(
+      "The recordings narrow " + std::to_string(told) + " of " + std::to_string(all) +
+      " numbers to less than half of their prior's standard deviation. Axes: difference to the model as given, in "
+      "prior standard deviations. A blue bar much shorter than the light one: the recordings determine the number "
+      "well. As long as the light one: they tell nothing of it.");
+  out +=
+      "<div class=\"legend\"><span class=\"key prior-key\">prior, &plusmn;1 standard deviation</span>"
+      "<span class=\"key after-key\">posterior, &plusmn;1 standard deviation</span>"
+      "<span class=\"key dot\">posterior mode</span></div>\n";
+  if (told > 0) out += pictures(found, groups_of(found, true));
+  if (told < all)
+    out += "<details><summary>" + std::to_string(all - told) +
+           " numbers that keep more than half of their prior's standard deviation</summary>\n" +
+           pictures(found, groups_of(found, false)) + "</details>\n";
+  return out + "<details><summary>All numbers as a table</summary>\n" + table(found) + "</details>\n";
+}
+
+}  // namespace furcula::floating
