@@ -81,19 +81,21 @@ std::string answer(const Identification& of) {
                      std::to_string(narrowed(*of.found)) + " <small>of " +
                          std::to_string(of.found->unknowns.size()) + "</small>",
                      "to less than half of their prior's standard deviation"});
-  std::vector<report::Table::Column> columns{{"Windows"}, {"Number", true}};
-  for (const Kind& k : kKinds)
-    for (const char* which : {", as given", ", identified"})
-      columns.push_back({report::in_words(k.name) + ", " + k.unit + which, true});
+  std::vector<report::Table::Column> columns{{"RMS error"}, {"Unit"}};
+  std::vector<const WindowErrors*> sets{&of.found->before, &of.found->after};
+  if (of.held_out_before != nullptr) sets.insert(sets.end(), {of.held_out_before, of.held_out_after});
+  for (std::size_t k = 0; k < sets.size(); ++k)
+    columns.push_back(
+        {std::string(k < 2 ? "Training" : "Held out") + (k % 2 == 0 ? ", as given" : ", identified"), true});
   report::Table table(std::move(columns));
-  const auto row = [&](const char* which, const WindowErrors& given, const WindowErrors& identified) {
-    std::vector<std::string> cells{which, std::to_string(given.windows)};
-    for (const Kind& k : kKinds)
-      for (const WindowErrors* e : {&given, &identified}) cells.push_back(number(k.factor * (e->*k.of), 3));
+  for (const Kind& k : kKinds) {
+    std::vector<std::string> cells{report::in_words(k.name), k.unit};
+    for (const WindowErrors* e : sets) cells.push_back(number(k.factor * (e->*k.of)));
     table.add(std::move(cells));
-  };
-  row("Training", of.found->before, of.found->after);
-  if (of.held_out_before != nullptr) row("Held out", *of.held_out_before, *of.held_out_after);
+  }
+  std::vector<std::string> counts{"Number of windows", ""};
+  for (const WindowErrors* e : sets) counts.push_back(std::to_string(e->windows));
+  table.add(std::move(counts));
   return report::key_figures(figures) + table.html() +
          report::paragraph(
              "Root mean squares of measured minus predicted. Each window is simulated for " +

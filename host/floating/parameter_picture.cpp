@@ -73,27 +73,33 @@ std::vector<Group> groups_of(const Identified& found, bool narrow) {
   return out;
 }
 
-constexpr double kWidth = 360.0, kLabels = 168.0, kRow = 17.0, kFoot = 18.0, kMost = 3.0;
+constexpr double kWidth = 330.0, kLabels = 158.0, kRow = 17.0, kFoot = 18.0;
 
-double across(double theta) {
+/// The axis' end: what is farther out is drawn at it.
+double most_of(const Identified& found) {
+  return std::clamp((found.theta.cwiseAbs() + found.sd).maxCoeff(), 1.2, 4.0);
+}
+
+double across(double theta, double most) {
   const double half = 0.5 * (kWidth - kLabels - 8.0);
-  return kLabels + half + half / kMost * std::clamp(theta, -kMost, kMost);
+  return kLabels + half + half / most * std::clamp(theta, -most, most);
 }
 
 std::string bar(const char* of, double from, double to, double top, double height) {
-  return "<rect class=\"" + std::string(of) + "\" x=\"" + number(across(from), 5) + "\" width=\"" +
-         number(std::max(1.0, across(to) - across(from)), 5) + "\" y=\"" + number(top, 5) + "\" height=\"" +
+  return "<rect class=\"" + std::string(of) + "\" x=\"" + number(from, 5) + "\" width=\"" +
+         number(std::max(1.0, to - from), 5) + "\" y=\"" + number(top, 5) + "\" height=\"" +
          number(height, 3) + "\"/>";
 }
 
 std::string svg(const Identified& found, const Group& group) {
+  const double most = most_of(found);
+  const auto x = [most](double theta) { return number(across(theta, most), 5); };
   const double height = kRow * static_cast<double>(group.rows.size()) + kFoot, foot = height - kFoot;
-  std::string out = "<svg viewBox=\"0 0 360 " + number(height, 5) + "\" role=\"img\" aria-label=\"" +
+  std::string out = "<svg viewBox=\"0 0 330 " + number(height, 5) + "\" role=\"img\" aria-label=\"" +
                     escape(group.title) + ": prior and posterior\">\n";
-  for (const int tick : {-2, 0, 2})
-    out += "<line class=\"" + std::string(tick == 0 ? "zero" : "grid") + "\" x1=\"" +
-           number(across(tick), 5) + "\" x2=\"" + number(across(tick), 5) + "\" y1=\"0\" y2=\"" +
-           number(foot, 5) + "\"/><text x=\"" + number(across(tick), 5) + "\" y=\"" +
+  for (int tick = -static_cast<int>(most); tick <= static_cast<int>(most); ++tick)
+    out += "<line class=\"" + std::string(tick == 0 ? "zero" : "grid") + "\" x1=\"" + x(tick) + "\" x2=\"" +
+           x(tick) + "\" y1=\"0\" y2=\"" + number(foot, 5) + "\"/><text x=\"" + x(tick) + "\" y=\"" +
            number(height - 5.0, 5) + "\" text-anchor=\"middle\">" + std::to_string(tick) + "</text>";
   double top = 0.0;
   for (const Row& r : group.rows) {
@@ -104,11 +110,10 @@ std::string svg(const Identified& found, const Group& group) {
            "; standard deviation " + number(u.prior_sd) + " before, " + number(r.sd * u.prior_sd) +
            escape(unit) + " after</title><text x=\"" + number(kLabels - 8.0, 5) + "\" y=\"" +
            number(top + 12.5, 5) + "\" text-anchor=\"end\">" + escape(r.label) + "</text>" +
-           bar("prior", -1.0, 1.0, top + 2.0, 13.0) +
-           bar(r.sd < kNarrowed ? "posterior narrow" : "posterior", r.theta - r.sd, r.theta + r.sd, top + 5.0,
-               7.0) +
-           "<circle cx=\"" + number(across(r.theta), 5) + "\" cy=\"" + number(top + 8.5, 5) +
-           "\" r=\"3\"/></g>";
+           bar("prior", across(-1.0, most), across(1.0, most), top + 2.0, 13.0) +
+           bar(r.sd < kNarrowed ? "posterior narrow" : "posterior", across(r.theta - r.sd, most),
+               across(r.theta + r.sd, most), top + 5.0, 7.0) +
+           "<circle cx=\"" + x(r.theta) + "\" cy=\"" + number(top + 8.5, 5) + "\" r=\"3\"/></g>";
     top += kRow;
   }
   return out + "\n</svg>\n";
@@ -147,13 +152,14 @@ std::size_t narrowed(const Identified& found) {
 std::string parameters_html(const Identified& found) {
   const std::size_t told = narrowed(found), all = found.unknowns.size();
   std::string out =
-      "<div class=\"aside\"><p>A single number is no finding. Priors draw each number to the model, and others take up "
-      "a part of what it lacks. What no number of the model can be, the real ground too, is spread over them; the posterior "
+      "<div class=\"aside\"><p>A single number is no finding. Its prior draws each number to the model, and other numbers "
+      "take up a part of its deviation. What the model lacks, the real ground too, is spread over all numbers; the posterior "
       "standard deviations do not contain it. Judge the model by its errors on held-out windows.</p></div>\n";
   out += report::paragraph(
       "The recordings narrow " + std::to_string(told) + " of " + std::to_string(all) +
-      " numbers to less than half of their prior's standard deviation. Axes: difference to the model as given, in "
-      "prior standard deviations. A blue bar much shorter than the light one: the recordings determine the number "
+      " numbers to less than half of their prior's standard deviation. Axes: difference to the prior's mean in "
+      "prior standard deviations. The prior's mean is the model as given; of contact and dry friction of the simulation, what is "
+      "chosen before the fit. A blue bar much shorter than the light one: the recordings determine the number "
       "well. As long as the light one: they tell nothing of it.");
   out +=
       "<div class=\"legend\"><span class=\"key prior-key\">prior, &plusmn;1 standard deviation</span>"
