@@ -48,8 +48,14 @@ double identified(const Identified& found, const std::string& kind, const std::s
 
 TEST_CASE("windows have no landing in them, and a foot carries in each") {
   const Recording r = recording_of(log_of(dynamics::biped::design(), "active", 1, 10.0));
-  const std::vector<Window> windows = windows_of(r, 0, 0.3);
+  Unused unused;
+  const std::vector<Window> windows = windows_of(r, 0, 0.3, &unused);
   REQUIRE(windows.size() > 20);
+  double in_windows_s = 0.0;
+  for (const Window& w : windows)
+    in_windows_s += r.rows[w.first + w.count - 1].time_s - r.rows[w.first].time_s;
+  CHECK(in_windows_s + unused.landings_s + unused.no_stance_s + unused.short_s ==
+        Approx(r.rows.back().time_s - r.rows[1].time_s));
   std::size_t landings = 0;
   for (std::size_t k = 1; k < r.rows.size(); ++k)
     for (std::size_t side = 0; side < 2; ++side)

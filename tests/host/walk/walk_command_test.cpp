@@ -4,6 +4,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "host/report/html.hpp"
 #include "tests/host/cli/run_program.hpp"
 #include "tests/host/walk/files.hpp"
 #include "tests/host/walk/walks.hpp"
@@ -239,7 +240,7 @@ TEST_CASE("the rollouts of any x86-64 and those of processors with AVX2 have the
 
 TEST_CASE("furcula walk identify writes a model that walks are simulated on, wherever its folder is") {
   test::TemporaryFolder folder;
-  const std::string walk = folder.path() + "/walk.csv", brief = folder.path() + "/brief.csv",
+  const std::string walk = folder.path() + "/walk.csv", brief = folder.path() + "/brief<b>&.csv",
                     out = folder.path() + "/some/deep/folder/of/results";
   REQUIRE(test::run_furcula({"walk", "sim", "--model", kModel, "--walk",
                              test::source("tests/host/walk/active_walk.toml"), "--seed", "1", "--out", walk})
@@ -263,6 +264,33 @@ TEST_CASE("furcula walk identify writes a model that walks are simulated on, whe
   const auto j = test::json_of(out + "/identification.json");
   CHECK(j["schema"] == "furcula-walk-identification/1");
   CHECK(j["parameters"].size() > 300);
+  const std::string page = test::text_of(out + "/identification.html");
+  CHECK(page == test::text_of(alone + "/identification.html"));
+  CHECK(page.find("<b>") == std::string::npos);
+  CHECK_THAT(page, Contains("/brief&lt;b&gt;&amp;.csv"));
+  std::size_t at = 0;
+  for (const char* section : {"answer", "walk", "channels", "parameters", "recordings"}) {
+    INFO(section);
+    at = page.find("<section id=\"" + std::string(section) + "\">", at);
+    REQUIRE(at != std::string::npos);
+  }
+  const std::string answer = page.substr(page.find("<section id=\"answer\">"));
+  at = 0;
+  for (const auto& [key, factor] :
+       {std::pair("rms_angle_rad", 1e3), {"rms_attitude_rad", 1e3}, {"rms_gyro_radps", 1.0}})
+    for (const char* set : {"training", "held_out"})
+      for (const char* which : {"given", "identified"}) {
+        INFO(key << " " << set << " " << which);
+        at = answer.find(">" + report::number(factor * j[set][which][key].get<double>()) + "</td>", at);
+        REQUIRE(at != std::string::npos);
+      }
+  std::size_t narrowed = 0;
+  for (const auto& p : j["parameters"]) {
+    narrowed += p["posterior_sd"].get<double>() < 0.5 * p["prior_sd"].get<double>();
+    CHECK(page.find("<code>" + p["name"].get<std::string>() + "</code>") != std::string::npos);
+  }
+  CHECK_THAT(page, Contains(">" + std::to_string(narrowed) + " <small>of " +
+                            std::to_string(j["parameters"].size()) + "</small>"));
   // A robot that is a little different may fall, which is status 4; it is read.
   const test::Ran again = test::run_furcula({"walk", "sim", "--model", out + "/identified_model.toml",
                                              "--walk", test::source("tests/host/walk/active_walk.toml"),
