@@ -39,18 +39,16 @@ struct Kind {
 };
 constexpr Kind kKinds[] = {{"joint angles", &WindowErrors::angle_rad, 1e3, "mrad"},
                            {"attitude", &WindowErrors::attitude_rad, 1e3, "mrad"},
-                           {"gyro", &WindowErrors::gyro_radps, 1.0, "rad/s"}};
+                           {"gyro", &WindowErrors::gyro_radps, 1e3, "mrad/s"}};
 
 std::string header(const Identification& of) {
   const Judged on = judged(of);
-  std::string worse;
-  std::size_t better = 0;
-  for (const Kind& k : kKinds)
-    if (on.identified.*k.of < on.given.*k.of)
-      ++better;
-    else
-      worse += (worse.empty() ? "" : ", ") + std::string(k.name);
-  const bool all = better == std::size(kKinds), none = better == 0;
+  std::string better, worse;
+  for (const Kind& k : kKinds) {
+    std::string& where = on.identified.*k.of < on.given.*k.of ? better : worse;
+    where += (where.empty() ? "" : " and ") + std::string(k.name);
+  }
+  const bool all = worse.empty(), none = better.empty();
   return "<header>\n<p class=\"eyebrow\">Identification of a walking robot &middot; " + escape(of.robot) +
          "</p>\n<p>" +
          report::badge(all    ? "Predicts better"
@@ -60,10 +58,10 @@ std::string header(const Identification& of) {
                        : none ? report::Tone::bad
                               : report::Tone::notice) +
          "</p>\n<h1>" +
-         escape("The identified model predicts " + on.name + " windows " +
-                (all    ? "better than the model as given."
-                 : none ? "no better than the model as given."
-                        : "better than the model as given, except " + worse + ".")) +
+         escape(all || none ? "The identified model predicts " + on.name + " windows " +
+                                  (all ? "better" : "no better") + " than the model as given."
+                            : "On " + on.name + " windows the identified model predicts " + better +
+                                  " better than the model as given, but not " + worse + ".") +
          "</h1>\n</header>\n";
 }
 
@@ -118,27 +116,28 @@ std::vector<std::size_t> shown(const Judged& on) {
 
 std::string channels(const Identification& of) {
   const Judged on = judged(of);
-  const bool held_out = of.held_out_before != nullptr;
-  std::vector<report::Table::Column> columns{
-      {"Channel"}, {"Unit"}, {"Training, as given", true}, {"Training, identified", true}};
-  if (held_out) columns.insert(columns.end(), {{"Held out, as given", true}, {"Held out, identified", true}});
-  columns.push_back({held_out ? "Held-out error removed" : "Error removed", true});
+  std::vector<const WindowErrors*> sets{&on.given, &on.identified};
+  std::vector<report::Table::Column> columns{{"Channel"},
+                                             {report::in_words(on.name) + ", as given", true},
+                                             {"Identified", true},
+                                             {"Error removed", true}};
+  if (of.held_out_before != nullptr) {
+    sets.insert(sets.end(), {&of.found->before, &of.found->after});
+    columns.insert(columns.end(), {{"Training, as given", true}, {"Identified", true}});
+  }
   report::Table table(std::move(columns));
   const std::vector<std::size_t> worst = shown(on);
   for (std::size_t c = 0; c < kRowSize; ++c) {
-    const bool angle = c < kJoints + 3;
-    std::vector<std::string> cells{escape(report::in_words(channel_name(c))), angle ? "mrad" : "rad/s"};
-    const auto add = [&](const WindowErrors& e) {
-      cells.push_back(number((angle ? 1e3 : 1.0) * e.channels[c]));
-    };
-    add(of.found->before), add(of.found->after);
-    if (held_out) add(*of.held_out_before), add(*of.held_out_after);
-    cells.push_back(report::share_bar(1.0 - on.identified.channels[c] / on.given.channels[c]));
+    std::vector<std::string> cells{escape(report::in_words(channel_name(c)))};
+    for (std::size_t k = 0; k < sets.size(); ++k) {
+      cells.push_back(number(1e3 * sets[k]->channels[c]));
+      if (k == 1) cells.push_back(report::share_bar(1.0 - on.identified.channels[c] / on.given.channels[c]));
+    }
     table.add(std::move(cells), std::find(worst.begin(), worst.end(), c) != worst.end());
   }
   return table.html() +
          report::paragraph(
-             "Root mean squares over all windows. Joints: angles as the encoders measure them. Roll, pitch and yaw: "
+             "Root mean squares over all windows, in mrad; of the gyro in mrad/s. Joints: angles as the encoders measure them. Roll, pitch and yaw: "
              "attitude about the pelvis' axes x, y and z, as the attitude filter gives it. Marked: the largest errors "
              "of the identified model in units of their noise; their traces are below.");
 }

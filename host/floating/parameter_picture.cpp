@@ -77,7 +77,7 @@ constexpr double kWidth = 330.0, kLabels = 158.0, kRow = 17.0, kFoot = 18.0;
 
 /// The axis' end: what is farther out is drawn at it.
 double most_of(const Identified& found) {
-  return std::clamp((found.theta.cwiseAbs() + found.sd).maxCoeff(), 1.2, 4.0);
+  return std::clamp((found.theta.cwiseAbs() + found.sd).maxCoeff(), 1.2, 2.4);
 }
 
 double across(double theta, double most) {
@@ -160,7 +160,7 @@ std::string parameters_html(const Identified& found) {
       " numbers to less than half of their prior's standard deviation. Axes: difference to the prior's mean in "
       "prior standard deviations. The prior's mean is the model as given; of contact and dry friction of the simulation, what is "
       "chosen before the fit. A blue bar much shorter than the light one: the recordings determine the number "
-      "well. As long as the light one: they tell nothing of it.");
+      "well. As long as the light one: they tell nothing of it. What lies farther out than the axis is drawn at its end.");
   out +=
       "<div class=\"legend\"><span class=\"key prior-key\">prior, &plusmn;1 standard deviation</span>"
       "<span class=\"key after-key\">posterior, &plusmn;1 standard deviation</span>"

@@ -137,6 +137,14 @@ WalkPicture walk_picture(const Machine& model, const std::vector<Recording>& rec
                &end = identified.predicted[stretch.last - 1].window;
   const Recording& recording = recordings[begin.recording];
   const std::size_t rows = end.first + end.count - begin.first, stride = 1 + rows / kMostFrames;
+  // Shown at first: the last row of the window with the largest error.
+  const auto worst =
+      std::max_element(identified.predicted.begin() + static_cast<std::ptrdiff_t>(stretch.first),
+                       identified.predicted.begin() + static_cast<std::ptrdiff_t>(stretch.last),
+                       [](const Predicted& a, const Predicted& b) { return cost(a) < cost(b); });
+  const auto time_at = [&](std::size_t row) {
+    return std::round(1e4 * (recording.rows[row].time_s - recording.rows.front().time_s)) / 1e4;
+  };
   nlohmann::json frames = nlohmann::json::array();
   Placed placed(model, recording.rows[begin.first]);
   std::size_t w = stretch.first, read = stretch.last;
@@ -152,7 +160,7 @@ WalkPicture walk_picture(const Machine& model, const std::vector<Recording>& rec
     const std::size_t in_window = begin.first + k - window.first;
     const bool predicted = begin.first + k > window.first && in_window < window.count;
     const Points measured = placed.points(row);
-    nlohmann::json frame{{"time", std::round(1e4 * (row.time_s - recording.rows.front().time_s)) / 1e4},
+    nlohmann::json frame{{"time", time_at(begin.first + k)},
                          {"points", numbers(measured, nullptr)},
                          {"force", {0, 0, 0, 0, 0, 0}},
                          {"phase", "between windows"}};
@@ -169,6 +177,7 @@ WalkPicture walk_picture(const Machine& model, const std::vector<Recording>& rec
     frames.push_back(std::move(frame));
   }
   const nlohmann::json data{{"passive", false},
+                            {"start", time_at(worst->window.first + worst->window.count - 1)},
                             {"models", {"as given", "identified"}},
                             {"marked", marked(identified)},
                             {"frames", std::move(frames)}};
@@ -183,7 +192,7 @@ WalkPicture walk_picture(const Machine& model, const std::vector<Recording>& rec
           "large</option><option value=\"30\">30 times as large</option></select></label></div>\n" +
           report::paragraph(
               "Recording " + recording.file +
-              ". In each window the models start at its begin and run with the logged targets; their "
+              ". In each window the models start at its beginning and run with the logged targets; their "
               "differences to the measured robot are drawn enlarged. Between windows, at landings, there is no "
               "prediction. A recording has no position of the base: the stance foot is drawn where it has been "
               "put, with the lengths of the model as given. Drag turns the view, the wheel comes nearer."),

@@ -7,7 +7,7 @@
   var canvas = element('walk-canvas'), paper = canvas.getContext('2d');
   var HOME = {turn: -0.9, tilt: 0.2, zoom: 1};
   var view = {turn: HOME.turn, tilt: HOME.tilt, zoom: HOME.zoom};
-  var frames = data.frames, begin = data.models ? frames[0].time : 0, time = begin, playing = false, last = null, waiting = false;
+  var frames = data.frames, begin = data.models ? frames[0].time : 0, time = data.start || begin, playing = false, last = null, waiting = false;
   var end = frames[frames.length - 1].time;
   var LEG = ['#0072b2', '#56a3cf'], BODY = '#4b5864', PASSIVE = '#e69f00', ACTIVE = '#1f2933', FORCE = '#0b7a53', MARK = '#d55e00';
   var MODELS = [{colour: '#3d4852', wide: 1.6, dash: [5, 4]}, {colour: '#0072b2', wide: 2.4, dash: []}];
