@@ -65,6 +65,26 @@ std::string header(const Identification& of) {
          "</h1>\n</header>\n";
 }
 
+/// Columns of tables: what the model is judged on, then the fit's recordings where these are others.
+struct Sets {
+  explicit Sets(const Identification& of) {
+    const Judged on = judged(of);
+    errors = {&on.given, &on.identified};
+    if (of.held_out_before != nullptr) errors.insert(errors.end(), {&of.found->before, &of.found->after});
+  }
+  std::vector<report::Table::Column> columns(const char* first) const {
+    std::vector<report::Table::Column> out{{first}};
+    const std::size_t held_out = errors.size() - 2;
+    for (std::size_t k = 0; k < errors.size(); ++k)
+      out.push_back({k % 2 == 1     ? "Identified"
+                     : k < held_out ? "Held out, as given"
+                                    : "Training, as given",
+                     true});
+    return out;
+  }
+  std::vector<const WindowErrors*> errors;  ///< by the model as given and the identified one, in turn
+};
+
 std::string answer(const Identification& of) {
   const Judged on = judged(of);
   std::vector<report::KeyFigure> figures;
@@ -79,20 +99,15 @@ std::string answer(const Identification& of) {
                      std::to_string(narrowed(*of.found)) + " <small>of " +
                          std::to_string(of.found->unknowns.size()) + "</small>",
                      "to less than half of their prior's standard deviation"});
-  std::vector<report::Table::Column> columns{{"RMS error"}, {"Unit"}};
-  std::vector<const WindowErrors*> sets{&of.found->before, &of.found->after};
-  if (of.held_out_before != nullptr) sets.insert(sets.end(), {of.held_out_before, of.held_out_after});
-  for (std::size_t k = 0; k < sets.size(); ++k)
-    columns.push_back(
-        {std::string(k < 2 ? "Training" : "Held out") + (k % 2 == 0 ? ", as given" : ", identified"), true});
-  report::Table table(std::move(columns));
+  const Sets sets(of);
+  report::Table table(sets.columns("RMS error"));
   for (const Kind& k : kKinds) {
-    std::vector<std::string> cells{report::in_words(k.name), k.unit};
-    for (const WindowErrors* e : sets) cells.push_back(number(k.factor * (e->*k.of)));
+    std::vector<std::string> cells{report::in_words(k.name) + ", " + k.unit};
+    for (const WindowErrors* e : sets.errors) cells.push_back(number(k.factor * (e->*k.of)));
     table.add(std::move(cells));
   }
-  std::vector<std::string> counts{"Number of windows", ""};
-  for (const WindowErrors* e : sets) counts.push_back(std::to_string(e->windows));
+  std::vector<std::string> counts{"Number of windows"};
+  for (const WindowErrors* e : sets.errors) counts.push_back(std::to_string(e->windows));
   table.add(std::move(counts));
   return report::key_figures(figures) + table.html() +
          report::paragraph(
@@ -116,21 +131,15 @@ std::vector<std::size_t> shown(const Judged& on) {
 
 std::string channels(const Identification& of) {
   const Judged on = judged(of);
-  std::vector<const WindowErrors*> sets{&on.given, &on.identified};
-  std::vector<report::Table::Column> columns{{"Channel"},
-                                             {report::in_words(on.name) + ", as given", true},
-                                             {"Identified", true},
-                                             {"Error removed", true}};
-  if (of.held_out_before != nullptr) {
-    sets.insert(sets.end(), {&of.found->before, &of.found->after});
-    columns.insert(columns.end(), {{"Training, as given", true}, {"Identified", true}});
-  }
+  const Sets sets(of);
+  std::vector<report::Table::Column> columns = sets.columns("Channel");
+  columns.insert(columns.begin() + 3, {"Error removed", true});
   report::Table table(std::move(columns));
   const std::vector<std::size_t> worst = shown(on);
   for (std::size_t c = 0; c < kRowSize; ++c) {
     std::vector<std::string> cells{escape(report::in_words(channel_name(c)))};
-    for (std::size_t k = 0; k < sets.size(); ++k) {
-      cells.push_back(number(1e3 * sets[k]->channels[c]));
+    for (std::size_t k = 0; k < sets.errors.size(); ++k) {
+      cells.push_back(number(1e3 * sets.errors[k]->channels[c]));
       if (k == 1) cells.push_back(report::share_bar(1.0 - on.identified.channels[c] / on.given.channels[c]));
     }
     table.add(std::move(cells), std::find(worst.begin(), worst.end(), c) != worst.end());
@@ -206,10 +215,10 @@ std::string recordings_html(const Identification& of) {
   add(*of.held_out, "held out");
   return table.html() + (notes.empty() ? "" : "<ul>" + notes + "</ul>\n") +
          report::paragraph(
-             "A window has no landing in it, begins at least 60 ms after one, and a foot carries in all of it; it is longer "
+             "A window has no landing in it, begins at least 60 ms after one, and has a stance foot throughout; it is longer "
              "than half of " +
              core::rounded(of.window_s, 3) +
-             " s. Time outside of windows: landings with the 60 ms after them, no foot that carries throughout, "
+             " s. Time outside of windows: landings with the 60 ms after them, no stance foot throughout, "
              "or too little time to the next landing or the end.");
 }
 

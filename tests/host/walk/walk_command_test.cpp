@@ -277,7 +277,7 @@ TEST_CASE("furcula walk identify writes a model that walks are simulated on, whe
   const std::string answer = page.substr(page.find("<section id=\"answer\">"));
   at = 0;
   for (const char* key : {"rms_angle_rad", "rms_attitude_rad", "rms_gyro_radps"})
-    for (const char* set : {"training", "held_out"})
+    for (const char* set : {"held_out", "training"})
       for (const char* which : {"given", "identified"}) {
         INFO(key << " " << set << " " << which);
         at = answer.find(">" + report::number(1e3 * j[set][which][key].get<double>()) + "</td>", at);
