@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "host/report/html.hpp"
@@ -61,10 +62,10 @@ std::vector<Group> groups_of(const Identified& found, bool narrow) {
   for (std::size_t i = 0; i < found.unknowns.size(); ++i) {
     const auto k = static_cast<Eigen::Index>(i);
     if ((found.sd[k] < kNarrowed) != narrow) continue;
-    const auto [title, label] = place_of(found.unknowns[i]);
-    auto at = std::find_if(out.begin(), out.end(), [&](const Group& g) { return g.title == title; });
-    if (at == out.end()) at = out.insert(out.end(), {title, {}});
-    at->rows.push_back({label, i, found.theta[k], found.sd[k]});
+    const std::pair<std::string, std::string> place = place_of(found.unknowns[i]);
+    auto at = std::find_if(out.begin(), out.end(), [&](const Group& g) { return g.title == place.first; });
+    if (at == out.end()) at = out.insert(out.end(), {place.first, {}});
+    at->rows.push_back({place.second, i, found.theta[k], found.sd[k]});
   }
   const auto less = [](const Row& a, const Row& b) { return a.sd < b.sd; };
   for (Group& g : out) std::stable_sort(g.rows.begin(), g.rows.end(), less);
