@@ -208,7 +208,7 @@ bool of_a_body(const Sym3<double>& s) {
 }  // namespace
 
 bool make_possible(const Machine& model, Machine& m) {
-  constexpr double kLeast = 0.2;
+  constexpr double kLeast = 0.2, kStep_s = 1e-3;
   bool changed = false;
   const auto at_least = [&](double& x, double least) {
     if (!(x >= least)) x = least, changed = true;
@@ -233,6 +233,8 @@ bool make_possible(const Machine& model, Machine& m) {
     at_least(d.kp_nmprad, kLeast * n.kp_nmprad), at_least(d.kd_nmsprad, kLeast * n.kd_nmsprad);
     at_least(d.armature_kgm2, kLeast * n.armature_kgm2);
     at_least(m.compliance_radpnm[i], 0.0), at_least(m.backlash_rad[i], 0.0);
+    // A steeper ramp of dry friction rings from step to step.
+    at_least(m.robot.creep_radps, kStep_s * d.friction_nm / d.armature_kgm2);
   }
   at_least(m.delay_s, 0.0);
   at_least(m.robot.ground.friction, 0.1);

@@ -51,7 +51,7 @@ struct Unknown {
 std::vector<Unknown> unknowns(const dynamics::biped::Description& robot, bool driven_hips, bool sprung_hips);
 
 /// Brings what cannot exist back to where it can: a mass at least a fifth of the model's, the inertia of some body, friction not below 0,
-/// gains and rotors at least a fifth of the model's. @returns whether anything was changed
+/// gains and rotors at least a fifth of the model's, the ramp of dry friction no steeper than steps of 1 ms can follow. @returns whether anything was changed
 bool make_possible(const Machine& model, Machine& machine);
 
 /// "left_knee", "pelvis"

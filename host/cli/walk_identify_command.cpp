@@ -27,6 +27,22 @@ void say(const char* which, const floating::WindowErrors& given, const floating:
       1e3 * identified.attitude_rad, given.gyro_radps, identified.gyro_radps);
 }
 
+/// Beyond the model: what all windows agree on.
+void say_causes(const floating::Identified& found) {
+  const auto name = [&](std::size_t i) { return found.unknowns[i].kind + "@" + found.unknowns[i].location; };
+  if (found.causes.empty())
+    std::printf("causes: none; no number is likelier to differ from the model than not\n");
+  for (const floating::Cause& c : found.causes) {
+    const floating::Unknown& u = found.unknowns[c.unknown];
+    std::string others;
+    for (const std::size_t i : c.correlated_with) others += (others.empty() ? "" : ", ") + name(i);
+    std::printf("cause: %s %+.3g [%.3g, %.3g] %s, confidence %.2f%s%s\n", name(c.unknown).c_str(),
+                c.theta * u.prior_sd, (c.theta - 1.96 * c.sd) * u.prior_sd,
+                (c.theta + 1.96 * c.sd) * u.prior_sd, u.unit.c_str(), c.confidence,
+                others.empty() ? "" : "; correlated with ", others.c_str());
+  }
+}
+
 void identify(const RecordingOptions& o) {
   const walk::Model model = walk::read_model(o.model);
   const Logs logs = read_logs(o, "tree");
@@ -67,6 +83,7 @@ void identify(const RecordingOptions& o) {
   for (const floating::Recording& r : training)
     std::printf("%s: hips' pitch on their %s\n", core::printable(r.file).c_str(),
                 r.passive_hips ? "springs" : "drives");
+  say_causes(found);
   std::size_t told = 0;
   for (Eigen::Index k = 0; k < found.sd.size(); ++k) told += found.sd[k] < 0.5;
   std::printf(

@@ -113,8 +113,8 @@ std::string answer(const Identification& of) {
          report::paragraph(
              "Root mean squares of measured minus predicted. Each window is simulated for " +
              core::rounded(of.window_s, 3) +
-             " s or less from a start that is fitted to it, driven by the logged joint targets; no disturbance "
-             "is fitted here.") +
+             " s or less from a start that is fitted to it, driven by the logged joint targets. The attitude "
+             "filter's error and its drift are fitted too, disturbances are not.") +
          (of.held_out_before != nullptr
               ? ""
               : report::paragraph("No recording is held out: these windows are those of the fit."));
@@ -185,6 +185,30 @@ report::TraceData traces(const Identification& of) {
   return report::encode(plot);
 }
 
+std::string causes_html(const Identified& found) {
+  const auto name = [&](std::size_t i) {
+    return found.unknowns[i].kind + " @ " + found.unknowns[i].location;
+  };
+  const std::string how = report::paragraph(
+      "A number is named here where its deviation is the same in all windows and the windows are likelier with it than without. The ground, the "
+      "soles and the ramp of dry friction are not among the candidates: two simulators differ in these.");
+  if (found.causes.empty())
+    return report::paragraph("None: no number is likelier to differ from the model than not.") + how;
+  report::Table table(
+      {{"Number"}, {"Deviation", true}, {"95 % interval"}, {"Confidence", true}, {"Correlated with"}});
+  for (const Cause& c : found.causes) {
+    const Unknown& u = found.unknowns[c.unknown];
+    std::string others;
+    for (const std::size_t i : c.correlated_with) others += (others.empty() ? "" : ", ") + name(i);
+    const auto value = [&](double theta) { return number(theta * u.prior_sd, 3); };
+    table.add({escape(name(c.unknown)), value(c.theta) + " " + escape(u.unit),
+               value(c.theta - 1.96 * c.sd) + " to " + value(c.theta + 1.96 * c.sd), number(c.confidence, 2),
+               escape(others)},
+              c.confidence > 0.5);
+  }
+  return table.html() + how;
+}
+
 std::string recordings_html(const Identification& of) {
   report::Table table({{"Recording"},
                        {"Use"},
@@ -234,6 +258,7 @@ std::string render_identification_report(const Identification& of) {
   page.data_json = data.json;
   page.walk_json = picture.json;
   page.body_html = header(of) + report::section("answer", "Errors of prediction", answer(of)) +
+                   report::section("causes", "Causes", causes_html(*of.found)) +
                    report::section("walk", "Measured and predicted walk", picture.html) +
                    report::section("channels", "Errors by joint and sensor",
                                    channels(of) + report::trace_plot_html(data, "measured minus predicted")) +

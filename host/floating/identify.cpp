@@ -72,6 +72,7 @@ Machine with_best_simulator(const Machine& model, const std::vector<Recording>& 
   for (const double ramp_radps : {0.01, 0.003}) {
     Machine m = best;
     m.robot.creep_radps = ramp_radps;
+    biped::make_possible(model, m);
     if (!attempt(m)) break;
   }
   return best;
@@ -145,16 +146,20 @@ Identified identify(const Machine& given, const std::vector<Recording>& recordin
   out.before = window_errors(given, recordings, options);
   say(0.1, "the ground");
   const Machine model = with_best_simulator(given, recordings, windows, options);
-  const Variances v = first_variances();
+  Variances v = first_variances();
   say(0.2, "starts of the windows");
   Point p = at(model, out.unknowns, out.theta, std::vector<Local>(windows.size(), Local::Zero()));
   std::vector<double> costs = fit_locals(recordings, windows, v, true, p, options.settings);
+  std::vector<LinearWindow> linear = linearised(recordings, windows, out.unknowns, p, true, options.settings);
+  say(0.3, "disturbances of the windows");
+  v = estimated(linear, v, options.settings.threads);
+  out.causes = causes(model, out.unknowns, linear, v, options.settings.threads);
+  costs = fit_locals(recordings, windows, v, false, p, options.settings, 0);
   double cost = robust(windows, costs);
   Eigen::MatrixXd precision;
   double damping = 1e-2;
   for (int k = 0; k < options.iterations; ++k) {
-    const std::vector<LinearWindow> linear =
-        linearised(recordings, windows, out.unknowns, p, true, options.settings);
+    if (k > 0) linear = linearised(recordings, windows, out.unknowns, p, true, options.settings);
     std::vector<double> weights(windows.size());
     for (std::size_t w = 0; w < windows.size(); ++w)
       weights[w] = (kFreedom + rows_of(windows[w])) / (kFreedom + costs[w]);

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "host/floating/likelihood.hpp"
+#include "host/floating/causes.hpp"
 
 namespace furcula::floating {
 
@@ -35,6 +35,7 @@ struct Identified {
   /// Posterior mode and, of the last linearisation before it, standard deviation; in priors' standard deviations.
   Eigen::VectorXd theta, sd;
   Machine given, machine;  ///< the model; the robot at the mode
+  std::vector<Cause> causes;
   WindowErrors before, after;
   int iterations = 0;
 };

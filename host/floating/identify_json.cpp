@@ -21,16 +21,30 @@ Json errors(const WindowErrors& e) {
 
 std::string to_json_text(const Identified& found, const WindowErrors* held_out_before,
                          const WindowErrors* held_out_after) {
+  const auto name = [&](std::size_t i) { return found.unknowns[i].kind + "@" + found.unknowns[i].location; };
   Json parameters = Json::array();
   for (std::size_t i = 0; i < found.unknowns.size(); ++i) {
     const Unknown& u = found.unknowns[i];
     const auto k = static_cast<Eigen::Index>(i);
-    parameters.push_back({{"name", u.kind + "@" + u.location},
+    parameters.push_back({{"name", name(i)},
                           {"unit", u.unit.empty() ? Json(nullptr) : Json(u.unit)},
                           {"given", number(u.value(found.given))},
                           {"identified", number(u.value(found.machine))},
                           {"prior_sd", number(u.prior_sd)},
                           {"posterior_sd", number(found.sd[k] * u.prior_sd)}});
+  }
+  Json causes = Json::array();
+  for (const Cause& c : found.causes) {
+    const Unknown& u = found.unknowns[c.unknown];
+    Json correlated = Json::array();
+    for (const std::size_t other : c.correlated_with) correlated.push_back(name(other));
+    causes.push_back({{"name", name(c.unknown)},
+                      {"unit", u.unit.empty() ? Json(nullptr) : Json(u.unit)},
+                      {"deviation", number(c.theta * u.prior_sd)},
+                      {"deviation_sd", number(c.sd * u.prior_sd)},
+                      {"spread_of_windows", number(c.spread * u.prior_sd)},
+                      {"confidence", number(c.confidence)},
+                      {"correlated_with", correlated}});
   }
   const Json out = {{"schema", "furcula-walk-identification/1"},
                     {"iterations", found.iterations},
@@ -38,6 +52,7 @@ std::string to_json_text(const Identified& found, const WindowErrors* held_out_b
                     {"held_out", held_out_before == nullptr ? Json(nullptr)
                                                             : Json{{"given", errors(*held_out_before)},
                                                                    {"identified", errors(*held_out_after)}}},
+                    {"causes", causes},
                     {"parameters", parameters}};
   return out.dump(2) + "\n";
 }

@@ -39,6 +39,74 @@ Variances first_variances() {
   return v;
 }
 
+Variances estimated(const std::vector<LinearWindow>& windows, const Variances& from, unsigned threads) {
+  constexpr int kIterations = 20;
+  struct Known {  // what no variance changes
+    std::array<Eigen::MatrixXd, kNoiseGroups> cc;
+    std::array<Eigen::VectorXd, kNoiseGroups> cy;
+    std::array<double, kNoiseGroups> yy{}, rows{};
+  };
+  std::vector<Known> known(windows.size());
+  core::parallel_for(windows.size(), threads, [&](std::size_t w) {
+    const LinearWindow& l = windows[w];
+    for (std::size_t g = 0; g < kNoiseGroups; ++g) {
+      std::vector<Eigen::Index> of;
+      for (Eigen::Index k = 0; k < l.y.size(); ++k)
+        if (static_cast<std::size_t>(noise_of(static_cast<std::size_t>(k) % kRowSize)) == g) of.push_back(k);
+      const Eigen::MatrixXd c = l.c(of, Eigen::all);
+      const Eigen::VectorXd y = l.y(of);
+      known[w].cc[g] = c.transpose() * c;
+      known[w].cy[g] = c.transpose() * y;
+      known[w].yy[g] = y.squaredNorm();
+      known[w].rows[g] = static_cast<double>(of.size());
+    }
+  });
+  struct Sums {
+    std::array<double, kLocalGroups> local{}, locals{};
+    std::array<double, kNoiseGroups> noise{}, rows{};
+  };
+  Variances v = from;
+  std::vector<Sums> sums(windows.size());
+  for (int k = 0; k < kIterations; ++k) {
+    core::parallel_for(windows.size(), threads, [&](std::size_t w) {
+      const LinearWindow& l = windows[w];
+      const Known& of = known[w];
+      const auto n = l.c.cols();
+      Eigen::MatrixXd precision = Eigen::MatrixXd::Zero(n, n);
+      Eigen::VectorXd score = Eigen::VectorXd::Zero(n);
+      for (std::size_t g = 0; g < kNoiseGroups; ++g) {
+        precision += of.cc[g] / v.noise[g];
+        score += of.cy[g] / v.noise[g];
+      }
+      for (Eigen::Index i = 0; i < n; ++i)
+        precision(i, i) += 1.0 / v.local[group_of(l.locals[static_cast<std::size_t>(i)])];
+      const Eigen::LLT<Eigen::MatrixXd> solver(precision);
+      const Eigen::MatrixXd covariance = solver.solve(Eigen::MatrixXd::Identity(n, n));
+      const Eigen::VectorXd x = solver.solve(score);
+      Sums& s = sums[w] = {};
+      for (Eigen::Index i = 0; i < n; ++i) {
+        const auto g = static_cast<std::size_t>(group_of(l.locals[static_cast<std::size_t>(i)]));
+        s.local[g] += x[i] * x[i] + covariance(i, i);
+        s.locals[g] += 1.0;
+      }
+      for (std::size_t g = 0; g < kNoiseGroups; ++g) {
+        s.noise[g] = of.yy[g] - 2.0 * x.dot(of.cy[g]) + x.dot(of.cc[g] * x) +
+                     (covariance.array() * of.cc[g].array()).sum();
+        s.rows[g] = of.rows[g];
+      }
+    });
+    Sums all;
+    for (const Sums& s : sums) {
+      for (std::size_t g = 0; g < kLocalGroups; ++g) all.local[g] += s.local[g], all.locals[g] += s.locals[g];
+      for (std::size_t g = 0; g < kNoiseGroups; ++g) all.noise[g] += s.noise[g], all.rows[g] += s.rows[g];
+    }
+    for (std::size_t g = 0; g < kLocalGroups; ++g)
+      if (all.locals[g] > 0.0) v.local[g] = all.local[g] / all.locals[g];
+    for (std::size_t g = 0; g < kNoiseGroups; ++g) v.noise[g] = all.noise[g] / all.rows[g];
+  }
+  return v;
+}
+
 std::vector<double> fit_locals(const std::vector<Recording>& recordings, const std::vector<Window>& windows,
                                const Variances& v, bool from_scratch, Point& point, const Settings& settings,
                                int steps) {

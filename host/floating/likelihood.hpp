@@ -15,6 +15,10 @@ struct Variances {
 };
 Variances first_variances();
 
+/// Those with which the windows are most likely with the machine as it is, by expectation and maximisation from `from` on. They hold what
+/// the machine does not explain, so that what is found beyond them stands out of the windows' own scatter.
+Variances estimated(const std::vector<LinearWindow>& windows, const Variances& from, unsigned threads);
+
 /// What the windows say of theta: information and score.
 struct Evidence {
   Eigen::MatrixXd information;

@@ -22,8 +22,8 @@ LocalGroup group_of(std::size_t i) {
   if (i < 21) return kAngle;
   if (i < 33) return kRate;
   if (i < kStart) return (i - 33) % 3 == 2 ? kAnchorYaw : kAnchor;
-  if (i >= kFilterAt) return kFilter;
-  const std::size_t channel = (i - kStart) / kShapes;
+  if (i >= kFilterAt) return static_cast<LocalGroup>(kFilter + (i - kFilterAt) / 3);
+  const std::size_t channel = (i - kStart) / kKnots;
   if (channel < kJoints) return kTorque;
   const std::size_t part = (channel - kJoints) % 6;
   return part == 2 ? kForceUp : part < 2 ? kForceAcross : part == 5 ? kMomentUp : kMomentAcross;
@@ -68,7 +68,7 @@ std::vector<LinearWindow> linearised(const std::vector<Recording>& recordings,
     LinearWindow& l = out[w];
     std::vector<Variant> variants{{&point.machine, &here}};
     for (std::size_t i = 0; i < kFilterAt; ++i) {
-      const std::size_t channel = i < kStart ? 0 : (i - kStart) / kShapes;
+      const std::size_t channel = i < kStart ? 0 : (i - kStart) / kKnots;
       if (i >= kStart && channel >= kJoints && !window.stance[(channel - kJoints) / 6]) continue;
       l.locals.push_back(i);
       variants.push_back({&point.machine, &here, static_cast<int>(i), step_of(i)});
@@ -78,12 +78,17 @@ std::vector<LinearWindow> linearised(const std::vector<Recording>& recordings,
     const Eigen::MatrixXd r = residuals(recording, window, point.locals[w], variants, settings.step_s);
     const auto rows = r.rows();
     l.y = r.col(0);
-    l.c = Eigen::MatrixXd::Zero(rows, simulated + 3);
+    constexpr std::size_t kFilters = 3 * kFilterShapes;
+    l.c = Eigen::MatrixXd::Zero(rows, simulated + static_cast<Eigen::Index>(kFilters));
     for (Eigen::Index k = 0; k < simulated; ++k)
       l.c.col(k) = (r.col(0) - r.col(k + 1)) / step_of(l.locals[static_cast<std::size_t>(k)]);
-    for (Eigen::Index n = 0; n < rows; n += kRowSize)
-      for (int k = 0; k < 3; ++k) l.c(n + static_cast<Eigen::Index>(kJoints) + k, simulated + k) = 1.0;
-    for (std::size_t k = 0; k < 3; ++k) l.locals.push_back(kFilterAt + k);
+    for (std::size_t n = 1; n < window.count; ++n) {
+      const double t = recording.rows[window.first + n].time_s - recording.rows[window.first].time_s;
+      for (std::size_t k = 0; k < kFilters; ++k)
+        l.c(static_cast<Eigen::Index>((n - 1) * kRowSize + kJoints + k % 3),
+            simulated + static_cast<Eigen::Index>(k)) = std::pow(t, static_cast<double>(k / 3));
+    }
+    for (std::size_t k = 0; k < kFilters; ++k) l.locals.push_back(kFilterAt + k);
     for (Eigen::Index k = 0; k < l.c.cols(); ++k)
       l.y += l.c.col(k) * point.locals[w][static_cast<Eigen::Index>(l.locals[static_cast<std::size_t>(k)])];
     l.a.resize(rows, static_cast<Eigen::Index>(globals));

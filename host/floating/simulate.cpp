@@ -214,9 +214,6 @@ class Batch {
   Batch(const Recording& recording, const Window& window, std::span<const double, kLocals> local,
         std::span<const Variant> variants)
       : recording_(recording), window_(window), variants_(variants), targets_(recording, window) {
-    const double length =
-        recording.rows[window.first + window.count - 1].time_s - recording.rows[window.first].time_s;
-    kept_ = std::exp(-0.5 * length / kCorrelation_s);
     for (std::size_t lane = 0; lane < kLanes; ++lane) {
       const Variant& v = variants[std::min(lane, variants.size() - 1)];
       put_plant(plant_, lane, *v.plant);
@@ -239,6 +236,7 @@ class Batch {
     const auto& rows = recording_.rows;
     const double begin = rows[window_.first].time_s,
                  length = rows[window_.first + window_.count - 1].time_s - begin;
+    correlate(length);
     for (std::size_t k = 1; k < window_.count; ++k) {
       const double from = rows[window_.first + k - 1].time_s, dt = rows[window_.first + k].time_s - from;
       const int steps = std::max(1, static_cast<int>(std::lround(dt / step_s)));
@@ -266,16 +264,27 @@ class Batch {
     }
   }
 
+  /// Knots of the disturbances, each correlated with the one before (an Ornstein-Uhlenbeck process).
+  void correlate(double length_s) {
+    const double kept = std::exp(-length_s / ((kKnots - 1) * kCorrelation_s)),
+                 fresh = std::sqrt(1.0 - kept * kept);
+    for (std::size_t lane = 0; lane < kLanes; ++lane)
+      for (std::size_t c = 0; c < kChannels; ++c)
+        for (std::size_t k = 0; k < kKnots; ++k) {
+          const double x = locals_[lane][kStart + c * kKnots + k];
+          knots_[lane][c][k] = k == 0 ? x : kept * knots_[lane][c][k - 1] + fresh * x;
+        }
+  }
+
+  /// `u`: of the window's length, from 0 to 1.
   void disturb(double u) {
-    // The Cholesky factor of correlations kept^|i - k|, by which three independent numbers are correlated.
-    const double begin = std::max(0.0, 1.0 - 2.0 * u), middle = 1.0 - std::abs(2.0 * u - 1.0),
-                 end = std::max(0.0, 2.0 * u - 1.0), fresh = std::sqrt(1.0 - kept_ * kept_);
-    const std::array<double, kShapes> shape{begin + kept_ * (middle + kept_ * end),
-                                            fresh * (middle + kept_ * end), fresh * end};
+    const double at = u * (kKnots - 1);
+    const auto knot = std::min(static_cast<std::size_t>(at), kKnots - 2);
+    const double to_next = at - static_cast<double>(knot);
     for (std::size_t lane = 0; lane < kLanes; ++lane) {
-      const double* x = locals_[lane].data() + kStart;
       const auto channel = [&](std::size_t c) {
-        return x[kShapes * c] * shape[0] + x[kShapes * c + 1] * shape[1] + x[kShapes * c + 2] * shape[2];
+        const auto& x = knots_[lane][c];
+        return x[knot] + to_next * (x[knot + 1] - x[knot]);
       };
       for (std::size_t i = 0; i < kJoints; ++i)
         put(torque_[i / kLegJoints][i % kLegJoints], lane, channel(i));
@@ -345,9 +354,13 @@ class Batch {
       // In the pelvis' axes: what turns the predicted attitude into the measured one.
       const Quaternion<double> e = times(inverse(level), times(row.attitude, inverse(mount)));
       const double sign = e.w < 0.0 ? -2.0 : 2.0;
-      const double* off = locals_[lane].data() + kFilterAt;
-      r[kJoints] = sign * e.x - off[0], r[kJoints + 1] = sign * e.y - off[1],
-      r[kJoints + 2] = sign * e.z - off[2];
+      const auto off = [&](std::size_t axis) {
+        const double* x = locals_[lane].data() + kFilterAt + axis;
+        const double t = row.time_s - recording_.rows[window_.first].time_s;
+        return x[0] + t * (x[3] + t * x[6]);
+      };
+      r[kJoints] = sign * e.x - off(0), r[kJoints + 1] = sign * e.y - off(1),
+      r[kJoints + 2] = sign * e.z - off(2);
       const Vec3<double> w{state_.w_radps.x[lane], state_.w_radps.y[lane], state_.w_radps.z[lane]};
       const Vec3<double> gyro = row.gyro_radps - (transposed_times(rotation(mount), w) + m.gyro_bias_radps);
       r[kJoints + 3] = gyro.x, r[kJoints + 4] = gyro.y, r[kJoints + 5] = gyro.z;
@@ -361,8 +374,8 @@ class Batch {
   TurnedParameters<T> plant_;
   State<T> state_;
   Drives drives_;
-  double kept_;  ///< of a disturbance's correlation after half of the window
   std::array<std::array<double, kLocals>, kLanes> locals_;
+  std::array<std::array<std::array<double, kKnots>, kChannels>, kLanes> knots_;
   std::array<const Machine*, kLanes> machines_{};
   Joints<T> target_, torque_, twist_;
   std::array<Vec3<T>, 2> force_, moment_;

@@ -17,14 +17,15 @@ namespace furcula::floating {
 inline constexpr std::size_t kStart = 1 + 2 + 3 + 3 + 12 + 12 + 6;
 /// A torque at each joint; a force (3) and a moment (3) at each foot, world axes, about the foot's origin.
 inline constexpr std::size_t kChannels = kJoints + 12;
-/// Numbers of a disturbance over a window: at its begin, middle and end, straight in between. They are correlated over kCorrelation_s; a
+/// Numbers of a disturbance over a window: at knots from its begin to its end, straight in between. They are correlated over kCorrelation_s; a
 /// window's unknowns are independent numbers of which they are made.
-inline constexpr std::size_t kShapes = 3;
-inline constexpr std::size_t kDisturbances = kChannels * kShapes;
-inline constexpr double kCorrelation_s = 0.2;
-/// What the attitude filter is off by, about the pelvis' axes.
+inline constexpr std::size_t kKnots = 7;
+inline constexpr std::size_t kDisturbances = kChannels * kKnots;
+inline constexpr double kCorrelation_s = 0.1;
+/// What the attitude filter is off by, about the pelvis' axes: at the window's begin, its rate, half of its rate's change.
 inline constexpr std::size_t kFilterAt = kStart + kDisturbances;
-inline constexpr std::size_t kLocals = kFilterAt + 3;
+inline constexpr std::size_t kFilterShapes = 3;
+inline constexpr std::size_t kLocals = kFilterAt + 3 * kFilterShapes;
 /// Of a row: joints' angles, attitude (3, small turns about the pelvis' axes), gyro.
 inline constexpr std::size_t kRowSize = kJoints + 6;
 

@@ -6,6 +6,7 @@
 #include <fstream>
 
 #include "host/biped/machine_toml.hpp"
+#include "host/core/random.hpp"
 #include "host/floating/identify.hpp"
 #include "host/walk/simulation.hpp"
 #include "host/walk/walk_file.hpp"
@@ -127,6 +128,85 @@ TEST_CASE(
                      identified_errors = window_errors(found.machine, {then}, options);
   CHECK(identified_errors.angle_rad < 0.6 * given.angle_rad);
   CHECK(identified_errors.attitude_rad < 1.05 * given.attitude_rad);  // that of the filter, mostly
+}
+
+TEST_CASE(
+    "the evidence of a deviation is what an integration over it gives, and windows that disagree give none") {
+  const Eigen::Vector3d information{40.0, 90.0, 10.0}, agreed{40.0 * 0.8, 90.0 * 0.8, 10.0 * 0.8};
+  // The least scatter is none: normal densities of 0.8 three times, with theta of variance 1 and with theta 0.
+  const auto likelihood = [&](double theta) {
+    double log_sum = 0.0;
+    for (int w = 0; w < 3; ++w)
+      log_sum += -0.5 * information[w] * (0.8 - theta) * (0.8 - theta) + 0.5 * std::log(information[w]);
+    return std::exp(log_sum);
+  };
+  double all = 0.0, positive = 0.0, mean = 0.0;
+  constexpr double kStep = 1e-4;
+  for (double theta = -6.0; theta < 6.0; theta += kStep) {
+    const double density = likelihood(theta) * std::exp(-0.5 * theta * theta) / std::sqrt(2.0 * M_PI) * kStep;
+    all += density, mean += theta * density;
+    if (theta >= 0.0) positive += 2.0 * density;
+  }
+  const RandomEffect both = random_effect(information, agreed, 0.0, false),
+                     up = random_effect(information, agreed, 0.0, true);
+  CHECK(both.theta == Approx(mean / all).epsilon(1e-6));
+  CHECK(both.spread == 0.0);
+  CHECK(up.log_bayes_factor - both.log_bayes_factor == Approx(std::log(positive / all)).margin(1e-6));
+  // Without theta the scatter is what makes three of 0.8 likeliest; with none of it, more is lost.
+  CHECK(both.log_bayes_factor > 0.0);
+  CHECK(both.log_bayes_factor < std::log(all / likelihood(0.0)) + 1e-9);
+  // Twelve windows that say 0.8 are evidence; that say 0.8 and -0.8 in turn, though each is sure of it, are none.
+  const Eigen::VectorXd sure = Eigen::VectorXd::Constant(12, 400.0);
+  Eigen::VectorXd same = 0.8 * sure, turns = same;
+  for (int w = 0; w < 12; w += 2) turns[w] = -turns[w];
+  CHECK(random_effect(sure, same, 0.0, false).log_bayes_factor > 10.0);
+  const RandomEffect none = random_effect(sure, turns, 0.0, false);
+  CHECK(none.log_bayes_factor < 0.0);
+  CHECK(none.spread == Approx(0.8).epsilon(0.15));
+  // What cannot be below 0 is no cause where windows say that it is.
+  CHECK(random_effect(sure, -same, 0.0, true).log_bayes_factor < 0.0);
+  // A deviation as large as a tick is no evidence.
+  CHECK(random_effect(sure, 0.2 * sure, 0.2, false).log_bayes_factor < 0.5);
+  CHECK(random_effect(sure, 0.2 * sure, 0.0, false).log_bayes_factor > 5.0);
+}
+
+TEST_CASE("variances are those that the windows' disturbances were drawn from") {
+  // Windows of a linear model of their own: each group's columns are random, what they multiply has 3 times the first deviation.
+  core::Random random(5, 1);
+  Variances truth = first_variances();
+  for (double& v : truth.local) v *= 9.0;
+  for (double& v : truth.noise) v *= 0.25;
+  std::vector<LinearWindow> windows(40);
+  for (LinearWindow& l : windows) {
+    for (std::size_t k = 0; k < kLocals; k += 3) l.locals.push_back(k);
+    const auto rows = static_cast<Eigen::Index>(20 * kRowSize),
+               n = static_cast<Eigen::Index>(l.locals.size());
+    l.c.resize(rows, n);
+    l.y = Eigen::VectorXd::Zero(rows);
+    for (Eigen::Index k = 0; k < n; ++k) {
+      const auto g = static_cast<std::size_t>(group_of(l.locals[static_cast<std::size_t>(k)]));
+      const double x = std::sqrt(truth.local[g]) * random.gaussian();
+      for (Eigen::Index i = 0; i < rows; ++i) {
+        const auto noise = static_cast<std::size_t>(noise_of(static_cast<std::size_t>(i) % kRowSize));
+        l.c(i, k) = random.gaussian() * std::sqrt(truth.noise[noise] / truth.local[g]);
+        l.y[i] += l.c(i, k) * x;
+      }
+    }
+    for (Eigen::Index i = 0; i < rows; ++i)
+      l.y[i] +=
+          std::sqrt(truth.noise[static_cast<std::size_t>(noise_of(static_cast<std::size_t>(i) % kRowSize))]) *
+          random.gaussian();
+  }
+  const Variances found = estimated(windows, first_variances(), 1);
+  for (std::size_t g = 0; g < kNoiseGroups; ++g)
+    CHECK(found.noise[g] == Approx(truth.noise[g]).epsilon(0.05));
+  std::array<bool, kLocalGroups> there{};
+  for (const std::size_t k : windows[0].locals) there[static_cast<std::size_t>(group_of(k))] = true;
+  for (std::size_t g = 0; g < kLocalGroups; ++g) {
+    INFO("group " << g);
+    // A window's number is one draw: of 40 or more, the variance is known to 22 %, here to three of these.
+    if (there[g]) CHECK(found.local[g] == Approx(truth.local[g]).epsilon(0.7));
+  }
 }
 
 TEST_CASE("deviations of a model file are read as they were written, and wrong ones are refused") {

@@ -1,0 +1,185 @@
+#include "host/floating/causes.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "host/core/parallel.hpp"
+
+namespace furcula::floating {
+namespace {
+
+constexpr std::size_t kMostCauses = 6;
+constexpr double kAsLikely = 3.0;  // odds of 20
+constexpr double kTick_s =
+    1e-3;  // of the board's loop and of a simulation: a command may act so much earlier or later
+
+/// What two simulators have each of their own.
+bool of_simulator(const Unknown& u) {
+  return u.location == "simulator" || u.kind.starts_with("sole_") || u.kind.starts_with("contact_");
+}
+
+/// Whether the number is at its least in the model.
+bool at_least(const Machine& model, const Unknown& u) {
+  Machine m = model;
+  u.add(m, -u.prior_sd);
+  biped::make_possible(model, m);
+  return u.value(m) >= u.value(model);
+}
+
+struct Candidate {
+  std::size_t unknown;
+  double tick = 0.0;
+  bool positive = false;
+};
+
+std::vector<Candidate> candidates(const Machine& model, const std::vector<Unknown>& unknowns) {
+  std::vector<Candidate> all;
+  for (std::size_t i = 0; i < unknowns.size(); ++i) {
+    const Unknown& u = unknowns[i];
+    if (of_simulator(u)) continue;
+    all.push_back({i, u.kind == "command_delay" ? kTick_s / u.prior_sd : 0.0, at_least(model, u)});
+  }
+  return all;
+}
+
+/// A window's information and score of some columns, its own unknowns integrated out.
+struct Reduced {
+  Eigen::MatrixXd with_nuisance, nuisance;  ///< candidates by nuisance; nuisance by nuisance
+  Eigen::VectorXd information, score, nuisance_score;
+};
+
+Reduced reduced(const LinearWindow& l, const Variances& v, const std::vector<std::size_t>& candidates,
+                const std::vector<std::size_t>& nuisances, const std::vector<double>& spreads) {
+  Eigen::VectorXd inverse_sd(l.y.size());
+  for (Eigen::Index k = 0; k < l.y.size(); ++k)
+    inverse_sd[k] = 1.0 / std::sqrt(v.noise[noise_of(static_cast<std::size_t>(k) % kRowSize)]);
+  const Eigen::VectorXd y = inverse_sd.cwiseProduct(l.y);
+  const Eigen::MatrixXd a = inverse_sd.asDiagonal() * l.a(Eigen::all, candidates),
+                        n = inverse_sd.asDiagonal() * l.a(Eigen::all, nuisances);
+  // Named causes are the last of the nuisances; their windows' own values are unknowns of the window.
+  const auto own = l.c.cols(), named = static_cast<Eigen::Index>(spreads.size());
+  Eigen::MatrixXd c(l.y.size(), own + named);
+  c.leftCols(own) = inverse_sd.asDiagonal() * l.c;
+  for (Eigen::Index k = 0; k < own; ++k)
+    c.col(k) *= std::sqrt(v.local[group_of(l.locals[static_cast<std::size_t>(k)])]);
+  for (Eigen::Index k = 0; k < named; ++k)
+    c.col(own + k) = spreads[static_cast<std::size_t>(k)] * n.col(n.cols() - named + k);
+  Eigen::MatrixXd m = Eigen::MatrixXd::Identity(c.cols(), c.cols());
+  m.selfadjointView<Eigen::Lower>().rankUpdate(c.transpose());
+  const Eigen::LLT<Eigen::MatrixXd> solver(m);
+  const auto taken = [&](const auto& x) -> Eigen::MatrixXd {
+    return solver.matrixL().solve(c.transpose() * x);
+  };
+  const Eigen::MatrixXd ca = taken(a), cn = taken(n);
+  const Eigen::VectorXd cy = taken(y);
+  Reduced r;
+  r.information = (a.colwise().squaredNorm() - ca.colwise().squaredNorm()).transpose();
+  r.with_nuisance = a.transpose() * n - ca.transpose() * cn;
+  r.nuisance = n.transpose() * n - cn.transpose() * cn;
+  r.score = a.transpose() * y - ca.transpose() * cy;
+  r.nuisance_score = n.transpose() * y - cn.transpose() * cy;
+  return r;
+}
+
+double log_normal_tail(double z) { return std::log(std::max(0.5 * std::erfc(-z / std::sqrt(2.0)), 1e-300)); }
+
+}  // namespace
+
+RandomEffect random_effect(const Eigen::VectorXd& information, const Eigen::VectorXd& score, double tick,
+                           bool positive) {
+  constexpr int kSpreads = 40;
+  const auto evidence = [&](double spread, double prior_variance, bool half, RandomEffect& out) {
+    double log_likelihood = 0.0, precision = 0.0, weighted = 0.0;
+    for (Eigen::Index w = 0; w < information.size(); ++w) {
+      if (!(information[w] > 1e-12)) continue;
+      const double variance = 1.0 / information[w] + spread * spread, x = score[w] / information[w];
+      log_likelihood -= 0.5 * (std::log(variance) + x * x / variance);
+      precision += 1.0 / variance;
+      weighted += x / variance;
+    }
+    if (prior_variance > 0.0) {
+      const double posterior = precision + 1.0 / prior_variance;
+      out.theta = weighted / posterior;
+      out.sd = 1.0 / std::sqrt(posterior);
+      log_likelihood += 0.5 * weighted * out.theta - 0.5 * std::log(posterior * prior_variance);
+      if (half) log_likelihood += std::log(2.0) + log_normal_tail(out.theta / out.sd);
+    }
+    return log_likelihood;
+  };
+  RandomEffect best, none;
+  double with = -std::numeric_limits<double>::infinity(), without = with;
+  for (int k = 0; k <= kSpreads; ++k) {
+    RandomEffect here;
+    here.spread = k == 0 ? 0.0 : std::pow(10.0, -2.0 + 3.5 * (k - 1) / (kSpreads - 1));
+    without = std::max(without, evidence(here.spread, tick * tick, false, none));
+    if (const double l = evidence(here.spread, 1.0 + tick * tick, positive, here); l > with)
+      with = l, best = here;
+  }
+  best.log_bayes_factor = with - without;
+  return best;
+}
+
+std::vector<Cause> causes(const Machine& model, const std::vector<Unknown>& unknowns,
+                          const std::vector<LinearWindow>& windows, const Variances& variances,
+                          unsigned threads) {
+  std::vector<Candidate> all = candidates(model, unknowns);
+  std::vector<std::size_t> nuisances;
+  for (std::size_t i = 0; i < unknowns.size(); ++i)
+    if (of_simulator(unknowns[i])) nuisances.push_back(i);
+  const double prior = std::log(static_cast<double>(all.size()));
+
+  std::vector<Cause> found;
+  std::vector<double> spreads;
+  while (found.size() < kMostCauses) {
+    std::vector<std::size_t> columns;
+    for (const Candidate& c : all) columns.push_back(c.unknown);
+    std::vector<Reduced> parts(windows.size());
+    core::parallel_for(windows.size(), threads, [&](std::size_t w) {
+      parts[w] = reduced(windows[w], variances, columns, nuisances, spreads);
+    });
+    // What is common to all windows of the nuisances, at its most likely, is taken off.
+    const auto n = static_cast<Eigen::Index>(nuisances.size());
+    Eigen::MatrixXd precision = Eigen::MatrixXd::Identity(n, n);
+    Eigen::MatrixXd with = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(all.size()), n);
+    for (const Reduced& r : parts) precision += r.nuisance, with += r.with_nuisance;
+    const Eigen::MatrixXd share = precision.llt().solve(with.transpose()).transpose();
+    const auto windows_n = static_cast<Eigen::Index>(windows.size());
+    Eigen::MatrixXd information(windows_n, static_cast<Eigen::Index>(all.size())),
+        score(windows_n, static_cast<Eigen::Index>(all.size()));
+    for (Eigen::Index w = 0; w < windows_n; ++w) {
+      const Reduced& r = parts[static_cast<std::size_t>(w)];
+      information.row(w) = (r.information - 2.0 * share.cwiseProduct(r.with_nuisance).rowwise().sum() +
+                            (share * r.nuisance).cwiseProduct(share).rowwise().sum())
+                               .transpose();
+      score.row(w) = (r.score - share * r.nuisance_score).transpose();
+    }
+    std::vector<RandomEffect> effects(all.size());
+    core::parallel_for(all.size(), threads, [&](std::size_t k) {
+      const auto column = static_cast<Eigen::Index>(k);
+      effects[k] = random_effect(information.col(column), score.col(column), all[k].tick, all[k].positive);
+    });
+    const auto best =
+        static_cast<std::size_t>(std::max_element(effects.begin(), effects.end(),
+                                                  [](const RandomEffect& a, const RandomEffect& b) {
+                                                    return a.log_bayes_factor < b.log_bayes_factor;
+                                                  }) -
+                                 effects.begin());
+    double odds = 0.0;
+    for (const RandomEffect& e : effects) odds += std::exp(e.log_bayes_factor - prior);
+    if (!(odds > 1.0)) break;
+    const RandomEffect& e = effects[best];
+    Cause cause{
+        all[best].unknown, e.theta, e.sd, e.spread, std::exp(e.log_bayes_factor - prior) / (1.0 + odds), {}};
+    for (std::size_t k = 0; k < all.size(); ++k)
+      if (k != best && effects[k].log_bayes_factor > e.log_bayes_factor - kAsLikely)
+        cause.correlated_with.push_back(all[k].unknown);
+    nuisances.push_back(cause.unknown);
+    spreads.push_back(cause.spread);
+    found.push_back(std::move(cause));
+    all.erase(all.begin() + static_cast<std::ptrdiff_t>(best));
+  }
+  return found;
+}
+
+}  // namespace furcula::floating
