@@ -63,17 +63,11 @@ std::vector<Place> way_of(const floating::Recording& recording, const floating::
   for (std::size_t k = 1; k < rows.size(); ++k) {
     const Soles now = soles_of(rows[k], machine, plant);
     const std::array<Lowest, 2> feet{lowest(before[0], now[0]), lowest(before[1], now[1])};
-    std::array<bool, 2> carries{};
-    for (std::size_t side = 0; side < 2; ++side)
-      carries[side] = rows[k - 1].contact[side] && rows[k].contact[side];
-    if (!carries[0] && !carries[1]) carries[feet[1].height_m < feet[0].height_m ? 1 : 0] = true;
-    double x_m = 0.0, y_m = 0.0;
-    for (std::size_t side = 0; side < 2; ++side)
-      if (carries[side]) {
-        const double share = carries[1 - side] ? 0.5 : 1.0;
-        x_m -= share * feet[side].moved_m.x, y_m -= share * feet[side].moved_m.y;
-      }
-    out[k] = {out[k - 1].x_m + c * x_m + s * y_m, out[k - 1].y_m + c * y_m - s * x_m};
+    const auto carries = [&](std::size_t side) { return rows[k - 1].contact[side] && rows[k].contact[side]; };
+    const std::size_t lower = feet[1].height_m < feet[0].height_m ? 1 : 0;
+    const std::size_t stance = carries(0) == carries(1) ? lower : carries(1) ? 1 : 0;
+    const Vec3<double>& by = feet[stance].moved_m;
+    out[k] = {out[k - 1].x_m - (c * by.x + s * by.y), out[k - 1].y_m - (c * by.y - s * by.x)};
     before = now;
   }
   return out;
