@@ -28,7 +28,7 @@ log::Log log_of(const char* mode, std::optional<std::uint64_t> seed) {
 
 }  // namespace
 
-TEST_CASE("the way by the stance foot is within 8 % and 1 cm of that in simulation, with sensor errors too") {
+TEST_CASE("the way by the stance foot is within 8 % and 2 cm of that in simulation, with sensor errors too") {
   for (const char* mode : {"active", "semi_passive"})
     for (const std::optional<std::uint64_t> seed : {std::optional<std::uint64_t>{}, {1}, {2}}) {
       const log::Log log = log_of(mode, seed);
@@ -38,7 +38,7 @@ TEST_CASE("the way by the stance foot is within 8 % and 1 cm of that in simulati
       INFO(mode << ", seed " << seed.value_or(0) << ", " << way.size() << " rows");
       for (std::size_t k = 0; k < way.size(); k += 50) {
         INFO(k << ": " << way[k].x_m << " of " << x[k] - x[0] << ", " << way[k].y_m << " of " << y[k] - y[0]);
-        CHECK(std::abs(way[k].x_m - (x[k] - x[0])) < 0.01 + 0.08 * std::abs(x[k] - x[0]));
+        CHECK(std::abs(way[k].x_m - (x[k] - x[0])) < 0.02 + 0.08 * std::abs(x[k] - x[0]));
       }
     }
 }
