@@ -154,9 +154,11 @@ class Loop {
     r.walk = folder(round) + "/walk.toml";
     r.simulated = walk::run_walk(model.robot, rollout, walk.parameters);
     r.asked_m = std::max(kLeastWay_m, kWayShare * r.simulated.distance_m);
-    say(round, (round == 1 ? "walk, in simulation of the model as given: "
-                           : "walk, in simulation of the identified model: ") +
-                   simulated_in_words(r.simulated, model.limits));
+    if (round == 1)
+      say(1, "in simulation of the model as given: " + simulated_in_words(r.simulated, model.limits));
+    else
+      say(round - 1, "next: " + r.walk + ", in simulation of the identified model: " +
+                         simulated_in_words(r.simulated, model.limits));
     for (unsigned k = 1; k <= o_.repetitions; ++k) {
       const Request trial = request(round, k);
       get_log(trial);

@@ -127,8 +127,9 @@ TEST_CASE("a loop goes on after its last finished step, from files that are whol
   REQUIRE(r.rounds.size() == 2);
   CHECK(r.rounds[0].given->windows > 0);
   CHECK(r.rounds[0].identified->angle_rad > 0.0);
-  CHECK_THAT(bench.said, Contains("windows, RMS as given and identified") &&
-                             Contains("round 2: walk, in simulation of the identified model: stands"));
+  CHECK_THAT(bench.said,
+             Contains("windows, RMS as given and identified") &&
+                 Contains("round 1: next: round_2/walk.toml, in simulation of the identified model: stands"));
   for (const char* name :
        {"round_1/identification.json", "round_1/identified_model.toml", "round_2/walk.json",
         "round_2/report.html", "round_2/walk.toml", "round_2/log_1.csv"})
