@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <system_error>
 #include <utility>
 
 #include "furcula/core/crc32.hpp"
@@ -50,6 +51,14 @@ std::string in_words(const Outcome& o, double asked_s) {
   return out + ", " + core::rounded(o.way_m, 3) + " m";
 }
 
+void make_folder(const std::string& path) {
+  std::error_code error;
+  fs::create_directories(path, error);
+  if (error)
+    throw core::OutputError(path + ": cannot be made: " + error.message() +
+                            "; expected a folder to write to");
+}
+
 class Loop {
  public:
   explicit Loop(const LoopOptions& options)
@@ -80,11 +89,11 @@ class Loop {
     for (unsigned round = 1;; ++round) {
       const walk::Model model = round == 1 ? given_ : walk::read_model(model_file(round - 1));
       try_walk(round, model);
-      write_json();
+      if (news_) write_json();
       result_.walks = result_.rounds.back().walks;
       if (result_.walks || round > o_.rounds) break;
       identify(round);
-      write_json();
+      if (news_) write_json();
       search(round);
       if (!result_.ended.empty()) break;
     }
@@ -111,7 +120,7 @@ class Loop {
             [this, round](const std::string& line) { say(round, line); }};
   }
 
-  /// As it is and without `progress`, of the search after `round`.
+  /// Of the search after `round`, without `progress`.
   walk::SearchOptions search_options(unsigned round, const walk::Model& model, const walk::Walk& from) const {
     walk::SearchOptions out;
     out.rollout = walk::rollout_of(model, mode(), from.walk_until_s);
@@ -138,12 +147,12 @@ class Loop {
   }
 
   void write_json() const {
-    fs::create_directories(o_.out);
+    make_folder(o_.out);
     core::write_file_atomically(in("loop.json"), to_json_text(settings_, o_, result_));
   }
   static void write_once(const std::string& file, const std::string& text) {
     if (fs::exists(file)) return;
-    fs::create_directories(fs::path(file).parent_path());
+    make_folder(fs::path(file).parent_path().string());
     core::write_file_atomically(file, text);
   }
 
@@ -161,6 +170,7 @@ class Loop {
                          simulated_in_words(r.simulated, model.limits));
     for (unsigned k = 1; k <= o_.repetitions; ++k) {
       const Request trial = request(round, k);
+      news_ = news_ || !fs::exists(trial.log);
       get_log(trial);
       floating::Recording recording = read_recording(trial.log, o_.identify.window_s);
       recording.passive_hips = walk.mode == walk::WalkMode::semi_passive;
@@ -181,6 +191,7 @@ class Loop {
   void identify(unsigned round) {
     const std::string json = in(folder(round) + "/identification.json");
     if (!fs::exists(model_file(round))) {
+      news_ = true;
       floating::IdentifyOptions options = o_.identify;
       options.settings.threads = o_.threads;
       options.progress = [&](double fraction, const std::string& doing) {
@@ -214,7 +225,7 @@ class Loop {
       return;
     }
     const std::string to = in(folder(round + 1));
-    fs::create_directories(to);
+    make_folder(to);
     core::write_files_together(
         walk::files_of(model, options, searched, to,
                        "furcula walk search --model " + model_file(round) + " --mode " +
@@ -229,6 +240,7 @@ class Loop {
   walk::Settings settings_;
   std::vector<floating::Recording> recordings_;
   LoopResult result_;
+  bool news_ = false;  ///< a step was done: until then loop.json may have more than `result_`
 };
 
 }  // namespace
