@@ -39,7 +39,7 @@ void run(const Request& r) {
   const std::string command = command_of(r), log = incoming(r.log);
   std::error_code none;
   fs::remove(log, none);  // of a trial that was interrupted
-  r.say("runs " + core::printable(command));
+  r.say("trial " + std::to_string(r.repetition) + ": " + core::printable(command));
   // The terminal's Ctrl-C ends the command alone, and its status is told here.
   const int status = std::system(command.c_str());
   std::string how;
@@ -63,8 +63,8 @@ void run(const Request& r) {
 /// Waits for a file that a person copies: for Enter on a terminal, else until it does not grow for a second.
 void wait_for(const Request& r) {
   const std::string log = incoming(r.log);
-  r.say("copy " + core::printable(r.walk) + " to the robot, let it walk, and put its log at " +
-        core::printable(log));
+  r.say("trial " + std::to_string(r.repetition) + ": copy " + core::printable(r.walk) +
+        " to the robot, let it walk, and put its log at " + core::printable(log));
   if (::isatty(STDIN_FILENO) == 1) {
     do {
       r.say("press Enter when it is there");
