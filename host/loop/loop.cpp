@@ -9,9 +9,11 @@
 #include "furcula/core/crc32.hpp"
 #include "host/biped/machine_toml.hpp"
 #include "host/core/atomic_file.hpp"
+#include "host/core/commands.hpp"
 #include "host/core/error.hpp"
 #include "host/core/message.hpp"
 #include "host/core/own_build.hpp"
+#include "host/floating/identification_report.hpp"
 #include "host/walk/searched.hpp"
 
 namespace furcula::loop {
@@ -198,8 +200,15 @@ class Loop {
         if (o_.progress) o_.progress(fraction, "round " + std::to_string(round) + ": " + doing);
       };
       const floating::Identified found = floating::identify(given_.machine, recordings_, options);
+      const std::vector<floating::Recording> held_out;
+      std::string command = "furcula walk identify";
+      for (const floating::Recording& r : recordings_) command += " " + core::shell_word(r.file);
+      command += " --model " + core::shell_word(o_.model) + " --out " + core::shell_word(in(folder(round)));
       core::write_files_together(std::vector<core::NewFile>{
           {json, floating::to_json_text(found, nullptr, nullptr)},
+          {in(folder(round) + "/identification.html"),
+           floating::render_identification_report(
+               {given_.name, &found, &recordings_, &held_out, nullptr, nullptr, options.window_s, command})},
           {model_file(round), walk::format_model(given_, found.machine, in(folder(round)))}});
     }
     Round& r = result_.rounds.back();

@@ -1,7 +1,7 @@
 // Walk on the robot, identify, search the walk again, and so on (document 000, section IV).
 //
 // Files in `out` are what a loop goes on from: round_1/walk.toml, round_1/log_1.csv ..., round_1/identified_model.toml with
-// identification.json, round_2/walk.toml with walk.json and report.html, ... A file that is there is whole, and its step is done.
+// identification.json and .html, round_2/walk.toml with walk.json and report.html, ... A file that is there is whole, and its step is done.
 #pragma once
 
 #include <cstdint>

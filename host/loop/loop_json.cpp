@@ -23,7 +23,12 @@ Json errors(const floating::WindowErrors& e) {
           {"rms_gyro_radps", number(e.gyro_radps)}};
 }
 floating::WindowErrors errors_in(const Json& j) {
-  return {j.at("windows"), j.at("rms_angle_rad"), j.at("rms_attitude_rad"), j.at("rms_gyro_radps")};
+  floating::WindowErrors out;
+  out.windows = j.at("windows");
+  out.angle_rad = j.at("rms_angle_rad");
+  out.attitude_rad = j.at("rms_attitude_rad");
+  out.gyro_radps = j.at("rms_gyro_radps");
+  return out;
 }
 
 Json read(const std::string& path, const char* what) {

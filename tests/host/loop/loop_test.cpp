@@ -131,8 +131,8 @@ TEST_CASE("a loop goes on after its last finished step, from files that are whol
              Contains("windows, RMS as given and identified") &&
                  Contains("round 1: next: round_2/walk.toml, in simulation of the identified model: stands"));
   for (const char* name :
-       {"round_1/identification.json", "round_1/identified_model.toml", "round_2/walk.json",
-        "round_2/report.html", "round_2/walk.toml", "round_2/log_1.csv"})
+       {"round_1/identification.json", "round_1/identification.html", "round_1/identified_model.toml",
+        "round_2/walk.json", "round_2/report.html", "round_2/walk.toml", "round_2/log_1.csv"})
     CHECK(bench.has(name));
   CHECK(test::json_of(bench.in("round_2/walk.json"))["seed"] == 1);
   const auto written = test::json_of(bench.in("loop.json"));
