@@ -57,8 +57,8 @@ void run(const WalkLoopOptions& o) {
   if (!found.ended.empty()) throw Refusal(found.ended);
   const std::string last = options.out + "/" + found.rounds.back().walk;
   if (!found.walks)
-    throw Refusal("after " + std::to_string(options.rounds) + " rounds the robot does not walk with " + last +
-                  "; the same command with more --rounds goes on");
+    throw Refusal("after " + std::to_string(options.rounds) + (options.rounds == 1 ? " round" : " rounds") +
+                  " the robot does not walk with " + last + "; the same command with more --rounds goes on");
   std::printf("the robot walks with %s\n", core::printable(last).c_str());
 }
 
