@@ -2,6 +2,7 @@
 #include "host/cli/commands.hpp"
 #include "host/cli/walk_gait_command.hpp"
 #include "host/cli/walk_identify_command.hpp"
+#include "host/cli/walk_loop_command.hpp"
 
 void furcula::cli::add_commands(CLI::App& app) {
   add_data_commands(app, play_gait);
@@ -15,6 +16,7 @@ void furcula::cli::add_commands(CLI::App& app) {
   CLI::App* walk = add_walk_command(app);
   add_walk_gait_command(*walk);
   add_walk_identify_command(*walk);
+  add_walk_loop_command(*walk);
   add_reproduce_command(app);
   add_monitor_command(app);
   add_param_command(app);

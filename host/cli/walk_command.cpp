@@ -25,7 +25,7 @@
 #include "host/core/own_build.hpp"
 #include "host/log/writer.hpp"
 #include "host/walk/checkpoint.hpp"
-#include "host/walk/postures.hpp"
+#include "host/walk/searched.hpp"
 #include "host/walk/simulation.hpp"
 #include "host/walk/walk_file.hpp"
 #include "host/walk/walk_report.hpp"
@@ -142,8 +142,7 @@ void search(const WalkOptions& o, const Distribute& distribute) {
   if (o.steps) options.steps = static_cast<std::uint64_t>(*o.steps);
   if (!o.from.empty()) options.start = walk_of("--from", o.from, o, model).parameters;
   options.threads = o.thread_count();
-  if (const std::string limit = walk::limit_of_no_posture(model.robot, options.rollout); !limit.empty())
-    throw core::DataError(o.model + ": " + limit);
+  walk::require_posture(model, options.rollout);
   const walk::Settings settings = walk::settings_of(model, options, "furcula " FURCULA_VERSION);
   if (!o.resume.empty()) options.from = state_of(o, settings);
 
@@ -162,37 +161,26 @@ void search(const WalkOptions& o, const Distribute& distribute) {
   heed_signals();
   options.interrupted = [] { return search_interrupted != 0; };
   if (distribute) distribute(model.robot, options);
-  walk::SearchResult found;
-  std::optional<walk::Evidence> evidence;
+  walk::Searched searched;
   {
     Progress progress("walk");
-    options.progress = [&](double fraction, const std::string& doing) {
-      progress.update(0.98 * fraction, doing);
-    };
-    found = walk::search_walk(model.robot, options);
-    if (found.found)
-      evidence = walk::evidence_of(
-          model.robot, options.rollout, found.walk, options.threads,
-          [&](double fraction) { progress.update(0.98 + 0.02 * fraction, "the walk again, with errors"); });
+    options.progress = [&](double fraction, const std::string& doing) { progress.update(fraction, doing); };
+    searched = walk::searched(model, options);
   }
+  const walk::SearchResult& found = searched.found;
   if (!not_kept.empty()) throw core::OutputError(not_kept);
-  const walk::Walk walk{model.name, options.rollout.mode, options.rollout.walk_until_s, found.walk};
   const std::string command =
       "furcula walk search --model " + o.model + " --mode " + o.mode + " --method " + o.method + " --seed " +
       std::to_string(o.seed) + (o.from.empty() ? "" : " --from " + o.from) +
       (o.steps ? " --steps " + std::to_string(*o.steps) : " --seconds " + core::shortest(*o.seconds)) +
       " --out " + o.out;
   const walk::SearchState& end = found.state;
-  core::write_files_together(std::vector<core::NewFile>{
-      {o.out + "/walk.toml", walk::format_walk(walk)},
-      {o.out + "/walk.json", walk::to_json_text(found, evidence, options, model)},
-      {o.out + "/report.html", walk::render_walk_report(model, options.rollout, found.walk, found.rollout,
-                                                        end.history, evidence, command)}});
+  core::write_files_together(walk::files_of(model, options, searched, o.out, command));
   if (end.first_walk)
     std::printf("first walk of 10 s within all limits after %.1f s of one processor, %llu walks tried\n",
                 end.first_walk->cpu_s, static_cast<unsigned long long>(end.first_walk->rollouts));
   say(found.rollout, model.limits);
-  if (evidence) say_evidence(*evidence);
+  if (searched.evidence) say_evidence(*searched.evidence);
   if (end.not_finite > 0)
     std::printf("%llu of %llu walks had an objective that is no number, and were left out\n",
                 static_cast<unsigned long long>(end.not_finite),

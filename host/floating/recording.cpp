@@ -46,7 +46,8 @@ Recording recording_of(const log::Log& log) {
     if (std::abs(roll[k]) > kMostRoll_rad || std::abs(pitch[k]) > kMostPitch_rad) {
       std::size_t until = k;
       while (until > 0 && time[k] - time[until] < kBeforeFall_s - 1e-9) --until;
-      out.notes.push_back(log.path + ": the robot falls " + core::rounded(time[k] - time[0], 3) +
+      out.fall_s = time[k] - time[0];
+      out.notes.push_back(log.path + ": the robot falls " + core::rounded(*out.fall_s, 3) +
                           " s after the first row; the rows before " +
                           core::rounded(time[until] - time[0], 3) + " s are used");
       rows = until;

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -30,6 +31,7 @@ struct Recording {
   std::string file;
   std::vector<Row> rows;
   bool passive_hips = false;
+  std::optional<double> fall_s;  ///< after the first row of the log; without it the robot does not fall
   std::vector<std::string> notes;
 };
 

@@ -230,6 +230,11 @@ TEST_CASE("deviations of a model file are read as they were written, and wrong o
     CHECK(u.value(read.machine) == Approx(u.value(machine)).epsilon(1e-9).margin(1e-12));
   }
   CHECK(read.robot.pelvis.mass_kg == read.machine.robot.pelvis.mass_kg);
+  // A fit may end where a number cannot go further: 1.9 kg - 1.52 kg is less than a fifth of 1.9 kg by rounding.
+  Machine bound = given;
+  for (auto& leg : bound.robot.legs)
+    for (auto& link : leg) link.mass_kg *= 0.2;
+  CHECK(model_of(biped::format_deviations(given, bound)).robot.mass_kg() == Approx(bound.robot.mass_kg()));
   CHECK_THAT(test::error_message([&] { model_of("[deviations]\n\"mass@left_kne\" = 0.1\n"); }),
              Contains("mass@left_kne") && Contains("[deviations]"));
   CHECK_THAT(test::error_message([&] { model_of("[deviations]\n\"mass@left_knee\" = -3.3\n"); }),

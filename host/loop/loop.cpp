@@ -1,0 +1,259 @@
+#include "host/loop/loop.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <system_error>
+#include <utility>
+
+#include "furcula/core/crc32.hpp"
+#include "host/biped/machine_toml.hpp"
+#include "host/core/atomic_file.hpp"
+#include "host/core/commands.hpp"
+#include "host/core/error.hpp"
+#include "host/core/message.hpp"
+#include "host/core/own_build.hpp"
+#include "host/floating/identification_report.hpp"
+#include "host/walk/searched.hpp"
+
+namespace furcula::loop {
+namespace {
+
+namespace fs = std::filesystem;
+using core::DataError;
+
+std::string text_hash(const std::string& text) {
+  Crc32 crc;
+  for (const char c : text) crc.add(static_cast<std::uint8_t>(c));
+  return core::hexadecimal(crc.value());
+}
+
+std::string errors_in_words(const floating::WindowErrors& given, const floating::WindowErrors& identified) {
+  const auto both = [](double a, double b) { return core::rounded(a, 3) + " to " + core::rounded(b, 3); };
+  return std::to_string(given.windows) + " windows, RMS as given and identified: joints " +
+         both(1e3 * given.angle_rad, 1e3 * identified.angle_rad) + " mrad, attitude " +
+         both(1e3 * given.attitude_rad, 1e3 * identified.attitude_rad) + " mrad, gyro " +
+         both(given.gyro_radps, identified.gyro_radps) + " rad/s";
+}
+
+std::string simulated_in_words(const walk::Rollout& r, const walk::WalkLimits& limits) {
+  std::string out;
+  if (r.ending == walk::Ending::stands)
+    out = "stands, " + core::rounded(r.distance_m, 3) + " m" +
+          (std::isfinite(r.cot) ? ", cost of transport " + core::rounded(r.cot, 3) : "");
+  for (const std::string& limit : walk::broken_limits(r, limits)) out += (out.empty() ? "" : "; ") + limit;
+  return out;
+}
+
+std::string in_words(const Outcome& o, double asked_s) {
+  std::string out = o.fall_s   ? "falls after " + core::rounded(*o.fall_s, 3) + " s"
+                    : o.stands ? "stands, " + core::rounded(o.time_s, 3) + " s"
+                               : "the log ends after " + core::rounded(o.time_s, 3) + " s of " +
+                                     core::rounded(asked_s, 3) + " s";
+  return out + ", " + core::rounded(o.way_m, 3) + " m";
+}
+
+void make_folder(const std::string& path) {
+  std::error_code error;
+  fs::create_directories(path, error);
+  if (error)
+    throw core::OutputError(path + ": cannot be made: " + error.message() +
+                            "; expected a folder to write to");
+}
+
+class Loop {
+ public:
+  explicit Loop(const LoopOptions& options)
+      : o_(options), given_(walk::read_model(options.model)), first_(walk::read_walk(options.walk)) {
+    if (first_.robot != given_.name)
+      throw DataError(o_.walk + ": a walk of " + core::quoted(first_.robot) + "; expected one of " +
+                      core::quoted(given_.name) + ", the robot of " + o_.model);
+    const walk::WalkMode searched = mode();
+    for (const walk::WalkMode m : {first_.mode, searched})
+      if (m != walk::WalkMode::active && m != walk::WalkMode::semi_passive)
+        throw DataError(o_.walk + ": mode " + core::quoted(walk::kModeNames[static_cast<std::size_t>(m)]) +
+                        "; expected active or semi_passive, which are identified");
+    if (o_.robot != kManual) command_of(request(1, 1));
+    walk::require_posture(given_, walk::rollout_of(given_, searched, first_.walk_until_s));
+    settings_ = settings();
+  }
+
+  LoopResult run() {
+    const std::string file = in("loop.json");
+    if (fs::exists(file)) {
+      if (const std::string other = walk::difference(settings_in(file), settings_); !other.empty())
+        throw DataError(file + ": of another loop: " + other +
+                        "; expected the arguments that it began with, or another folder");
+    } else {
+      write_json();
+    }
+    write_once(walk_file(1), walk::format_walk(first_));
+    for (unsigned round = 1;; ++round) {
+      const walk::Model model = round == 1 ? given_ : walk::read_model(model_file(round - 1));
+      try_walk(round, model);
+      if (news_) write_json();
+      result_.walks = result_.rounds.back().walks;
+      if (result_.walks || round > o_.rounds) break;
+      identify(round);
+      if (news_) write_json();
+      search(round);
+      if (!result_.ended.empty()) break;
+    }
+    write_json();
+    return std::move(result_);
+  }
+
+ private:
+  std::string in(const std::string& file) const { return o_.out + "/" + file; }
+  static std::string folder(unsigned round) { return "round_" + std::to_string(round); }
+  std::string walk_file(unsigned round) const { return in(folder(round) + "/walk.toml"); }
+  std::string model_file(unsigned round) const { return in(folder(round) + "/identified_model.toml"); }
+  walk::WalkMode mode() const { return o_.mode.value_or(first_.mode); }
+  void say(unsigned round, const std::string& line) const {
+    if (o_.say) o_.say("round " + std::to_string(round) + ": " + line);
+  }
+  Request request(unsigned round, unsigned repetition) const {
+    return {o_.robot,
+            walk_file(round),
+            in(folder(round) + "/log_" + std::to_string(repetition) + ".csv"),
+            round,
+            repetition,
+            o_.identify.window_s,
+            [this, round](const std::string& line) { say(round, line); }};
+  }
+
+  /// Of the search after `round`, without `progress`.
+  walk::SearchOptions search_options(unsigned round, const walk::Model& model, const walk::Walk& from) const {
+    walk::SearchOptions out;
+    out.rollout = walk::rollout_of(model, mode(), from.walk_until_s);
+    out.seed = o_.seed + round - 1;
+    out.start = from.parameters;
+    out.steps = o_.steps;
+    out.threads = o_.threads;
+    return out;
+  }
+
+  walk::Settings settings() const {
+    walk::Settings out = walk::settings_of(given_, search_options(1, given_, first_), "furcula walk loop");
+    biped::Machine design;
+    design.robot = given_.undeviated;
+    out.emplace_back("the model's [deviations], as a hash",
+                     text_hash(biped::format_deviations(design, given_.machine)));
+    out.emplace_back("mode of the first walk",
+                     std::string(walk::kModeNames[static_cast<std::size_t>(first_.mode)]));
+    out.emplace_back("steps", std::to_string(o_.steps));
+    out.emplace_back("repetitions", std::to_string(o_.repetitions));
+    out.emplace_back("window_s", core::shortest(o_.identify.window_s));
+    out.emplace_back("iterations", std::to_string(o_.identify.iterations));
+    return out;
+  }
+
+  void write_json() const {
+    make_folder(o_.out);
+    core::write_file_atomically(in("loop.json"), to_json_text(settings_, o_, result_));
+  }
+  static void write_once(const std::string& file, const std::string& text) {
+    if (fs::exists(file)) return;
+    make_folder(fs::path(file).parent_path().string());
+    core::write_file_atomically(file, text);
+  }
+
+  void try_walk(unsigned round, const walk::Model& model) {
+    const walk::Walk walk = walk::read_walk(walk_file(round));
+    const walk::RolloutOptions rollout = walk::rollout_of(model, walk.mode, walk.walk_until_s);
+    Round& r = result_.rounds.emplace_back();
+    r.walk = folder(round) + "/walk.toml";
+    r.simulated = walk::run_walk(model.robot, rollout, walk.parameters);
+    r.asked_m = std::max(kLeastWay_m, kWayShare * r.simulated.distance_m);
+    if (round == 1)
+      say(1, "in simulation of the model as given: " + simulated_in_words(r.simulated, model.limits));
+    else
+      say(round - 1, "next: " + r.walk + ", in simulation of the identified model: " +
+                         simulated_in_words(r.simulated, model.limits));
+    for (unsigned k = 1; k <= o_.repetitions; ++k) {
+      const Request trial = request(round, k);
+      news_ = news_ || !fs::exists(trial.log);
+      get_log(trial);
+      floating::Recording recording = read_recording(trial.log, o_.identify.window_s);
+      recording.passive_hips = walk.mode == walk::WalkMode::semi_passive;
+      TrialResult t{folder(round) + "/log_" + std::to_string(k) + ".csv",
+                    outcome_of(recording, given_.machine, rollout.time_s), false};
+      t.walks = t.outcome.stands && t.outcome.way_m >= r.asked_m;
+      say(round, t.log + ": " + in_words(t.outcome, rollout.time_s));
+      r.trials.push_back(std::move(t));
+      recordings_.push_back(std::move(recording));
+    }
+    const auto walked =
+        std::count_if(r.trials.begin(), r.trials.end(), [](const auto& t) { return t.walks; });
+    r.walks = static_cast<double>(walked) >= kShare * static_cast<double>(r.trials.size());
+    say(round, std::to_string(walked) + " of " + std::to_string(r.trials.size()) +
+                   " trials stand and get at least " + core::rounded(r.asked_m, 3) + " m ahead");
+  }
+
+  void identify(unsigned round) {
+    const std::string json = in(folder(round) + "/identification.json");
+    if (!fs::exists(model_file(round))) {
+      news_ = true;
+      floating::IdentifyOptions options = o_.identify;
+      options.settings.threads = o_.threads;
+      options.progress = [&](double fraction, const std::string& doing) {
+        if (o_.progress) o_.progress(fraction, "round " + std::to_string(round) + ": " + doing);
+      };
+      const floating::Identified found = floating::identify(given_.machine, recordings_, options);
+      const std::vector<floating::Recording> held_out;
+      std::string command = "furcula walk identify";
+      for (const floating::Recording& r : recordings_) command += " " + core::shell_word(r.file);
+      command += " --model " + core::shell_word(o_.model) + " --out " + core::shell_word(in(folder(round)));
+      core::write_files_together(std::vector<core::NewFile>{
+          {json, floating::to_json_text(found, nullptr, nullptr)},
+          {in(folder(round) + "/identification.html"),
+           floating::render_identification_report(
+               {given_.name, &found, &recordings_, &held_out, nullptr, nullptr, options.window_s, command})},
+          {model_file(round), walk::format_model(given_, found.machine, in(folder(round)))}});
+    }
+    Round& r = result_.rounds.back();
+    read_errors(json, r);
+    say(round, errors_in_words(*r.given, *r.identified));
+  }
+
+  void search(unsigned round) {
+    if (fs::exists(walk_file(round + 1))) return;
+    const walk::Model model = walk::read_model(model_file(round));
+    walk::SearchOptions options = search_options(round, model, walk::read_walk(walk_file(round)));
+    walk::require_posture(model, options.rollout);
+    options.progress = [&](double fraction, const std::string& doing) {
+      if (o_.progress) o_.progress(fraction, "round " + std::to_string(round) + ": " + doing);
+    };
+    const walk::Searched searched = walk::searched(model, options);
+    const walk::Rollout& best = searched.found.rollout;
+    if (best.ending != walk::Ending::stands) {
+      result_.ended = "round " + std::to_string(round) + ": in " + std::to_string(o_.steps) +
+                      " steps the search found no walk that stands in simulation of " + model_file(round) +
+                      " (" + simulated_in_words(best, model.limits) +
+                      "); expected more --steps, in another folder";
+      return;
+    }
+    const std::string to = in(folder(round + 1));
+    make_folder(to);
+    core::write_files_together(
+        walk::files_of(model, options, searched, to,
+                       "furcula walk search --model " + model_file(round) + " --mode " +
+                           std::string(walk::kModeNames[static_cast<std::size_t>(mode())]) + " --seed " +
+                           std::to_string(options.seed) + " --from " + walk_file(round) + " --steps " +
+                           std::to_string(o_.steps) + " --out " + to));
+  }
+
+  const LoopOptions& o_;
+  walk::Model given_;
+  walk::Walk first_;
+  walk::Settings settings_;
+  std::vector<floating::Recording> recordings_;
+  LoopResult result_;
+  bool news_ = false;  ///< a step was done: until then loop.json may have more than `result_`
+};
+
+}  // namespace
+
+LoopResult run_loop(const LoopOptions& options) { return Loop(options).run(); }
+
+}  // namespace furcula::loop

@@ -1,0 +1,70 @@
+// Walk on the robot, identify, search the walk again, and so on (document 000, section IV).
+//
+// Files in `out` are what a loop goes on from: round_1/walk.toml, round_1/log_1.csv ..., round_1/identified_model.toml with
+// identification.json and .html, round_2/walk.toml with walk.json and report.html, ... A file that is there is whole, and its step is done.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host/floating/identify.hpp"
+#include "host/loop/trial.hpp"
+#include "host/walk/checkpoint.hpp"
+
+namespace furcula::loop {
+
+/// A round walks where this share of its trials does.
+inline constexpr double kShare = 0.8;
+/// Of the way that the walk gets in simulation, which a trial must get at least, and the least that is asked, m.
+inline constexpr double kWayShare = 0.5, kLeastWay_m = 0.1;
+
+struct LoopOptions {
+  std::string model, walk, robot, out;
+  unsigned rounds = 3, repetitions = 1;
+  std::optional<walk::WalkMode> mode;  ///< of searches; without it the walk's
+  std::uint64_t steps = 20'000'000;    ///< of a search
+  std::uint64_t seed = 1;              ///< of the first search; each later one has the next
+  unsigned threads = 1;
+  floating::IdentifyOptions identify;
+  std::function<void(const std::string& line)> say;
+  /// Of a step that takes a while.
+  std::function<void(double fraction, const std::string& doing)> progress;
+};
+
+struct TrialResult {
+  std::string log;  ///< its file in `out`
+  Outcome outcome;
+  bool walks = false;  ///< stands, and has got far enough
+};
+
+struct Round {
+  std::string walk;         ///< its file in `out`
+  walk::Rollout simulated;  ///< of the walk on the model that it was searched on
+  double asked_m = 0.0;     ///< the least way of a trial that walks
+  std::vector<TrialResult> trials;
+  bool walks = false;
+  /// Of the model as given and as identified from all trials so far.
+  std::optional<floating::WindowErrors> given, identified;
+};
+
+struct LoopResult {
+  std::vector<Round> rounds;  ///< the last one has trials alone
+  bool walks = false;         ///< the last walk does
+  std::string ended;          ///< where no walk to try was found, why
+};
+
+/// Does what is not done yet. @throws core::DataError: `out` has another loop, with what differs; a trial that cannot be used.
+LoopResult run_loop(const LoopOptions& options);
+
+/// loop.json, `furcula-walk-loop/1` (docs/biped.md).
+std::string to_json_text(const walk::Settings& settings, const LoopOptions& options,
+                         const LoopResult& result);
+/// @throws core::DataError: not a loop.json.
+walk::Settings settings_in(const std::string& path);
+/// Of an identification.json. @throws core::DataError
+void read_errors(const std::string& path, Round& round);
+
+}  // namespace furcula::loop
