@@ -36,9 +36,8 @@ void say_causes(const floating::Identified& found) {
     const floating::Unknown& u = found.unknowns[c.unknown];
     std::string others;
     for (const std::size_t i : c.correlated_with) others += (others.empty() ? "" : ", ") + name(i);
-    std::printf("cause: %s %+.3g [%.3g, %.3g] %s, confidence %.2f%s%s\n", name(c.unknown).c_str(),
-                c.theta * u.prior_sd, (c.theta - 1.96 * c.sd) * u.prior_sd,
-                (c.theta + 1.96 * c.sd) * u.prior_sd, u.unit.c_str(), c.confidence,
+    std::printf("cause: %s, about %+.3g %s, confidence %.2f%s%s\n", name(c.unknown).c_str(),
+                c.theta * u.prior_sd, u.unit.c_str(), c.confidence,
                 others.empty() ? "" : "; correlated with ", others.c_str());
   }
 }

@@ -86,43 +86,73 @@ double log_normal_tail(double z) { return std::log(std::max(0.5 * std::erfc(-z /
 
 }  // namespace
 
-RandomEffect random_effect(const Eigen::VectorXd& information, const Eigen::VectorXd& score, double tick,
-                           bool positive) {
-  constexpr int kSpreads = 40;
-  const auto evidence = [&](double spread, double prior_variance, bool half, RandomEffect& out) {
-    double log_likelihood = 0.0, precision = 0.0, weighted = 0.0;
-    for (Eigen::Index w = 0; w < information.size(); ++w) {
-      if (!(information[w] > 1e-12)) continue;
-      const double variance = 1.0 / information[w] + spread * spread, x = score[w] / information[w];
-      log_likelihood -= 0.5 * (std::log(variance) + x * x / variance);
-      precision += 1.0 / variance;
-      weighted += x / variance;
-    }
-    if (prior_variance > 0.0) {
-      const double posterior = precision + 1.0 / prior_variance;
-      out.theta = weighted / posterior;
-      out.sd = 1.0 / std::sqrt(posterior);
-      log_likelihood += 0.5 * weighted * out.theta - 0.5 * std::log(posterior * prior_variance);
-      if (half) log_likelihood += std::log(2.0) + log_normal_tail(out.theta / out.sd);
-    }
-    return log_likelihood;
+RandomEffect random_effect(const Eigen::VectorXd& information, const Eigen::VectorXd& score,
+                           const std::vector<std::size_t>& phase, double tick, bool positive) {
+  constexpr int kSpreads = 18;
+  const auto spread_of = [](int k) {
+    return k == 0 ? 0.0 : std::pow(10.0, -2.0 + 3.5 * (k - 1) / (kSpreads - 1));
   };
-  RandomEffect best, none;
+  const std::size_t phases = phase.empty() ? 0 : 1 + *std::max_element(phase.begin(), phase.end());
+  struct Mean {
+    double value = 0.0, precision = 0.0;
+  };
+  std::vector<Mean> means(phases);
+  RandomEffect best;
   double with = -std::numeric_limits<double>::infinity(), without = with;
   for (int k = 0; k <= kSpreads; ++k) {
-    RandomEffect here;
-    here.spread = k == 0 ? 0.0 : std::pow(10.0, -2.0 + 3.5 * (k - 1) / (kSpreads - 1));
-    without = std::max(without, evidence(here.spread, tick * tick, false, none));
-    if (const double l = evidence(here.spread, 1.0 + tick * tick, positive, here); l > with)
-      with = l, best = here;
+    // Means of the phases, and how likely the windows are about them.
+    const double spread = spread_of(k);
+    double within = 0.0;
+    std::fill(means.begin(), means.end(), Mean{});
+    const auto each = [&](auto&& use) {
+      for (Eigen::Index w = 0; w < information.size(); ++w)
+        if (information[w] > 1e-12)
+          use(means[phase[static_cast<std::size_t>(w)]], score[w] / information[w],
+              1.0 / information[w] + spread * spread);
+    };
+    each([](Mean& m, double x, double variance) { m.value += x / variance, m.precision += 1.0 / variance; });
+    for (Mean& m : means) {
+      if (!(m.precision > 0.0)) continue;
+      m.value /= m.precision;
+      within -= 0.5 * std::log(m.precision);
+    }
+    each([&](const Mean& m, double x, double variance) {
+      within -= 0.5 * (std::log(variance) + (x - m.value) * (x - m.value) / variance);
+    });
+    for (int n = 0; n <= kSpreads; ++n) {
+      double between = within, precision = 0.0, weighted = 0.0;
+      for (const Mean& m : means) {
+        if (!(m.precision > 0.0)) continue;
+        const double variance = 1.0 / m.precision + spread_of(n) * spread_of(n);
+        between -= 0.5 * (std::log(variance) + m.value * m.value / variance);
+        precision += 1.0 / variance;
+        weighted += m.value / variance;
+      }
+      const auto evidence = [&](double prior_variance, bool half, RandomEffect& out) {
+        if (!(prior_variance > 0.0)) return between;
+        const double posterior = precision + 1.0 / prior_variance;
+        out.theta = weighted / posterior;
+        out.sd = 1.0 / std::sqrt(posterior);
+        return between + 0.5 * weighted * out.theta - 0.5 * std::log(posterior * prior_variance) +
+               (half ? std::log(2.0) + log_normal_tail(out.theta / out.sd) : 0.0);
+      };
+      RandomEffect here, none;
+      here.spread = spread;
+      without = std::max(without, evidence(tick * tick, false, none));
+      if (const double l = evidence(1.0 + tick * tick, positive, here); l > with) with = l, best = here;
+    }
   }
   best.log_bayes_factor = with - without;
   return best;
 }
 
 std::vector<Cause> causes(const Machine& model, const std::vector<Unknown>& unknowns,
-                          const std::vector<LinearWindow>& windows, const Variances& variances,
-                          unsigned threads) {
+                          const std::vector<Window>& windows, const std::vector<LinearWindow>& linear,
+                          const Variances& variances, unsigned threads) {
+  constexpr std::size_t kPhases = 4;  // later ones are alike
+  std::vector<std::size_t> phase;
+  for (const Window& w : windows)
+    phase.push_back(std::min(w.phase, kPhases - 1) * 4 + (w.stance[0] ? 1 : 0) + (w.stance[1] ? 2 : 0));
   std::vector<Candidate> all = candidates(model, unknowns);
   std::vector<std::size_t> nuisances;
   for (std::size_t i = 0; i < unknowns.size(); ++i)
@@ -136,7 +166,7 @@ std::vector<Cause> causes(const Machine& model, const std::vector<Unknown>& unkn
     for (const Candidate& c : all) columns.push_back(c.unknown);
     std::vector<Reduced> parts(windows.size());
     core::parallel_for(windows.size(), threads, [&](std::size_t w) {
-      parts[w] = reduced(windows[w], variances, columns, nuisances, spreads);
+      parts[w] = reduced(linear[w], variances, columns, nuisances, spreads);
     });
     // What is common to all windows of the nuisances, at its most likely, is taken off.
     const auto n = static_cast<Eigen::Index>(nuisances.size());
@@ -157,7 +187,8 @@ std::vector<Cause> causes(const Machine& model, const std::vector<Unknown>& unkn
     std::vector<RandomEffect> effects(all.size());
     core::parallel_for(all.size(), threads, [&](std::size_t k) {
       const auto column = static_cast<Eigen::Index>(k);
-      effects[k] = random_effect(information.col(column), score.col(column), all[k].tick, all[k].positive);
+      effects[k] =
+          random_effect(information.col(column), score.col(column), phase, all[k].tick, all[k].positive);
     });
     const auto best =
         static_cast<std::size_t>(std::max_element(effects.begin(), effects.end(),
@@ -165,10 +196,10 @@ std::vector<Cause> causes(const Machine& model, const std::vector<Unknown>& unkn
                                                     return a.log_bayes_factor < b.log_bayes_factor;
                                                   }) -
                                  effects.begin());
-    double odds = 0.0;
-    for (const RandomEffect& e : effects) odds += std::exp(e.log_bayes_factor - prior);
-    if (!(odds > 1.0)) break;
     const RandomEffect& e = effects[best];
+    if (!(e.log_bayes_factor > prior)) break;
+    double odds = 0.0;
+    for (const RandomEffect& of : effects) odds += std::exp(of.log_bayes_factor - prior);
     Cause cause{
         all[best].unknown, e.theta, e.sd, e.spread, std::exp(e.log_bayes_factor - prior) / (1.0 + odds), {}};
     for (std::size_t k = 0; k < all.size(); ++k)

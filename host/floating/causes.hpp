@@ -1,9 +1,9 @@
 // Which of a walking robot's numbers are not as its model has them: what all windows agree on.
 //
-// Each window has an estimate of a number. What a model lacks besides, the real ground above all, moves these estimates too, in each window
-// by another amount; what the robot differs in moves all by the same. So a number's deviation in window w is theta + e_w, where e_w is
-// normal with a variance of its own, which is sought (a random-effects model, as in meta-analysis). A cause is a number whose theta is likelier
-// to be normal with the prior's variance than to be 0.
+// Each window has an estimate of a number. What a model lacks besides, the real ground above all, moves these estimates too: differently in
+// different phases of a step, and there by another amount each time. What the robot differs in moves all by the same. So a number's deviation in
+// window w of phase p is theta + f_p + e_w, where f and e are normal with variances of their own, which are sought (random effects, as in
+// meta-analysis). A cause is a number whose theta is likelier to be normal with the prior's variance than to be 0.
 #pragma once
 
 #include <vector>
@@ -21,20 +21,20 @@ struct Cause {
 };
 
 /// Evidence of theta in windows' estimates: the logarithm of how much likelier they are with theta of variance 1 than with theta 0, the
-/// spread being the likeliest in either case.
+/// other two variances being the likeliest in either case.
 struct RandomEffect {
   double log_bayes_factor = 0.0, theta = 0.0, sd = 0.0, spread = 0.0;
 };
-/// `information` and `score` of each window; `tick`: standard deviation of what theta may be without being a cause; `positive`: it cannot be
-/// below 0.
-RandomEffect random_effect(const Eigen::VectorXd& information, const Eigen::VectorXd& score, double tick,
-                           bool positive);
+/// `information`, `score` and `phase` of each window; `tick`: standard deviation of what theta may be without being a cause; `positive`: it
+/// cannot be below 0.
+RandomEffect random_effect(const Eigen::VectorXd& information, const Eigen::VectorXd& score,
+                           const std::vector<std::size_t>& phase, double tick, bool positive);
 
 /// The causes in the order in which they were found, none where no number is likelier to differ than not. Prior odds are one expected cause
-/// among all candidates. Stiffness, damping and friction of the ground, the shape of the soles and the ramp of dry friction are not among them: two
-/// simulators differ in these. `windows`: linearised about `model`.
+/// among all candidates. Sizes are those of one linear step from the model: too small where the deviation is large. Stiffness, damping and friction of the ground, the shape of the soles and the ramp of dry friction are not among them: two
+/// simulators differ in these. `linear`: about `model`.
 std::vector<Cause> causes(const Machine& model, const std::vector<Unknown>& unknowns,
-                          const std::vector<LinearWindow>& windows, const Variances& variances,
-                          unsigned threads);
+                          const std::vector<Window>& windows, const std::vector<LinearWindow>& linear,
+                          const Variances& variances, unsigned threads);
 
 }  // namespace furcula::floating

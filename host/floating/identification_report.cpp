@@ -194,16 +194,13 @@ std::string causes_html(const Identified& found) {
       "soles and the ramp of dry friction are not among the candidates: two simulators differ in these.");
   if (found.causes.empty())
     return report::paragraph("None: no number is likelier to differ from the model than not.") + how;
-  report::Table table(
-      {{"Number"}, {"Deviation", true}, {"95 % interval"}, {"Confidence", true}, {"Correlated with"}});
+  report::Table table({{"Number"}, {"Deviation, about", true}, {"Confidence", true}, {"Correlated with"}});
   for (const Cause& c : found.causes) {
     const Unknown& u = found.unknowns[c.unknown];
     std::string others;
     for (const std::size_t i : c.correlated_with) others += (others.empty() ? "" : ", ") + name(i);
-    const auto value = [&](double theta) { return number(theta * u.prior_sd, 3); };
-    table.add({escape(name(c.unknown)), value(c.theta) + " " + escape(u.unit),
-               value(c.theta - 1.96 * c.sd) + " to " + value(c.theta + 1.96 * c.sd), number(c.confidence, 2),
-               escape(others)},
+    table.add({escape(name(c.unknown)), number(c.theta * u.prior_sd, 2) + " " + escape(u.unit),
+               number(c.confidence, 2), escape(others)},
               c.confidence > 0.5);
   }
   return table.html() + how;

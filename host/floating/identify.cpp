@@ -153,10 +153,10 @@ Identified identify(const Machine& given, const std::vector<Recording>& recordin
   std::vector<LinearWindow> linear = linearised(recordings, windows, out.unknowns, p, true, options.settings);
   say(0.3, "disturbances of the windows");
   v = estimated(linear, v, options.settings.threads);
-  out.causes = causes(model, out.unknowns, linear, v, options.settings.threads);
+  out.causes = causes(model, out.unknowns, windows, linear, v, options.settings.threads);
   costs = fit_locals(recordings, windows, v, false, p, options.settings, 0);
   double cost = robust(windows, costs);
-  Eigen::MatrixXd precision;
+  Eigen::MatrixXd precision = Eigen::MatrixXd::Identity(n, n);
   double damping = 1e-2;
   for (int k = 0; k < options.iterations; ++k) {
     if (k > 0) linear = linearised(recordings, windows, out.unknowns, p, true, options.settings);

@@ -74,11 +74,12 @@ std::vector<Window> windows_of(const Recording& recording, std::size_t index, do
   const auto lands = [&](std::size_t k) {
     return (rows[k].contact[0] && !rows[k - 1].contact[0]) || (rows[k].contact[1] && !rows[k - 1].contact[1]);
   };
+  std::size_t phase = 0;
   std::size_t first = 1;  // a row before the first: its target is held until then
   while (first + 1 < rows.size()) {
     std::size_t end = first + 1;  // one behind the last row
     while (end < rows.size() && !lands(end) && rows[end].time_s - rows[first].time_s < length_s + 1e-9) ++end;
-    Window w{index, first, end - first, {true, true}, 0};
+    Window w{index, first, end - first, {true, true}, 0, phase};
     for (std::size_t k = first; k < end; ++k)
       for (std::size_t side = 0; side < 2; ++side) w.stance[side] = w.stance[side] && rows[k].contact[side];
     const auto carries_since = [&](std::size_t side) {
@@ -88,6 +89,7 @@ std::vector<Window> windows_of(const Recording& recording, std::size_t index, do
     };
     w.foot = w.stance[1] && (!w.stance[0] || carries_since(1) < carries_since(0)) ? 1 : 0;
     const bool landing = end < rows.size() && lands(end);
+    phase = landing ? 0 : phase + 1;
     const double duration_s = rows[end - 1].time_s - rows[first].time_s;
     if (!w.stance[0] && !w.stance[1])
       left_out.no_stance_s += duration_s;

@@ -44,6 +44,7 @@ struct Window {
   std::size_t recording = 0, first = 0, count = 0;
   std::array<bool, 2> stance{};  ///< feet that carry through all of it
   std::size_t foot = 0;          ///< of these the one that has carried longest: flat on the ground, at rest
+  std::size_t phase = 0;         ///< windows since the last landing
 };
 
 /// Time that is in no window, and why.

@@ -1,0 +1,56 @@
+// What a walking robot in MuJoCo hides is named from a log of its walk, and nothing where it hides nothing.
+#include <catch2/catch.hpp>
+
+#include "host/floating/identify.hpp"
+#include "host/walk/walk_file.hpp"
+#include "tests/paths.hpp"
+#include "tests/robot/trial.hpp"
+
+using namespace furcula;
+
+namespace {
+
+floating::Identified diagnosed(robot::Cause cause, std::uint64_t seed) {
+  const walk::Model model = walk::read_model(test::source("models/biped/biped.toml"));
+  robot::Truth truth = robot::drawn(model.robot, 0.0, seed);
+  robot::plant(robot::drawn_cause(cause, seed), truth);
+  robot::TrialOptions options;
+  options.seed = seed;
+  const robot::Trial trial = robot::try_walk(
+      truth, model.robot, walk::read_walk(test::source("models/biped/semi_passive_walk.toml")), options);
+  CHECK(trial.stands);
+  log::Log log = trial.log;
+  log.path = "robot.csv";
+  floating::Recording recording = floating::recording_of(log);
+  recording.passive_hips = true;
+  floating::IdentifyOptions of_causes;
+  of_causes.iterations = 0;
+  of_causes.settings.threads = 1;
+  return floating::identify(model.machine, {recording}, of_causes);
+}
+
+}  // namespace
+
+TEST_CASE("Dry friction of a hip that a walking robot in MuJoCo hides is named, and nothing beside it") {
+  const robot::Planted planted = robot::drawn_cause(robot::Cause::coulomb, 10);
+  REQUIRE(planted.joint == dynamics::biped::kHipRoll);  // of the left leg
+  const floating::Identified found = diagnosed(robot::Cause::coulomb, 10);
+  REQUIRE(found.causes.size() >= 1);
+  const floating::Cause& first = found.causes.front();
+  const floating::Unknown& what = found.unknowns[first.unknown];
+  CHECK(what.kind == "coulomb_friction");
+  CHECK(what.location == "left_hip_roll");
+  CHECK(first.confidence > 0.9);
+  // One linear step from the model: the size is of the right order.
+  CHECK(first.theta * what.prior_sd > 0.5 * planted.size);
+  CHECK(first.theta * what.prior_sd < 1.5 * planted.size);
+  for (std::size_t k = 1; k < found.causes.size(); ++k) CHECK(found.causes[k].confidence < 0.5);
+}
+
+TEST_CASE("Nothing is named in a walking robot in MuJoCo that hides nothing") {
+  const floating::Identified found = diagnosed(robot::Cause::none, 1);
+  for (const floating::Cause& c : found.causes) {
+    INFO(found.unknowns[c.unknown].kind << "@" << found.unknowns[c.unknown].location);
+    CHECK(c.confidence < 0.5);
+  }
+}
