@@ -237,24 +237,25 @@ std::vector<Proposer::Values> Proposer::swings(const Hypothesis& on, const std::
   return best;
 }
 
-Proposal Proposer::best(const Hypothesis& on, const std::vector<Effect>& larger, Effect effect) const {
+double Proposer::squares_left(const Hypothesis& on) const {
+  return identify::look_by_simulation(on.fitted, {}, {}, t_.recordings, some_, identify::Starting::linear,
+                                      t_.training.most_squares)
+      .squares;
+}
+
+Proposal Proposer::best(const Hypothesis& on, const std::vector<Effect>& larger, Effect effect,
+                        double left) const {
   constexpr std::size_t kOthers = 2;
   Proposal proposal{effect, {}, {}, -std::numeric_limits<double>::infinity()};
   const std::vector<Values> all =
       dynamics::info(effect).search.swings ? swings(on, larger, effect) : starts(effect);
-  double before = 0.0;  // of the same windows
-  {
-    const identify::Fit look = identify::look_by_simulation(
-        on.fitted, {}, {}, t_.recordings, some_, identify::Starting::linear, t_.training.most_squares);
-    before = look.squares;
-  }
   std::vector<Promise> promises;
   for (const Values& values : all) promises.push_back(step(on, larger, effect, values, some_, false));
   if (promises.empty()) return proposal;  // a travel too short for any
   std::stable_sort(promises.begin(), promises.end(),
                    [](const Promise& a, const Promise& b) { return a.squares < b.squares; });
   proposal.values = promises.front().values;
-  proposal.gain = 1.0 - promises.front().squares / std::max(before, 1e-300);
+  proposal.gain = 1.0 - promises.front().squares / std::max(left, 1e-300);
   if (all.size() > 2)
     for (std::size_t i = 1; i < promises.size() && i <= kOthers; ++i)
       if (std::isfinite(promises[i].squares)) proposal.others.push_back(promises[i].values);

@@ -19,9 +19,12 @@ class Proposer {
  public:
   explicit Proposer(const Trainer& trainer);
 
-  /// The best start of `effect` for the set `larger` (which holds it), the rest starting as in `on`.
-  Proposal best(const Hypothesis& on, const std::vector<dynamics::Effect>& larger,
-                dynamics::Effect effect) const;
+  /// What `on` leaves of the windows that proposals are judged on.
+  double squares_left(const Hypothesis& on) const;
+
+  /// The best start of `effect` for the set `larger` (which holds it), the rest starting as in `on`. `left`: squares_left(on).
+  Proposal best(const Hypothesis& on, const std::vector<dynamics::Effect>& larger, dynamics::Effect effect,
+                double left) const;
 
  private:
   using Values = std::array<double, dynamics::kMaxEffectParameters>;

@@ -136,11 +136,12 @@ class Search {
   /// What each effect on top of `on` promises, the most promising first.
   std::vector<Proposal> propose(const Hypothesis& on, const EffectSet& effects, double progress_from,
                                 double progress_share) const {
+    const double left = proposer_.squares_left(on);
     std::vector<Proposal> proposals(effects.size());
     core::parallel_for(effects.size(), trainer_.threads, [&](std::size_t i) {
       const double share = static_cast<double>(i) / static_cast<double>(effects.size());
       tell(progress_from + progress_share * share, dynamics::info(effects[i]).name);
-      proposals[i] = proposer_.best(on, extended(on.effects, effects[i]), effects[i]);
+      proposals[i] = proposer_.best(on, extended(on.effects, effects[i]), effects[i], left);
     });
     std::stable_sort(proposals.begin(), proposals.end(),
                      [](const Proposal& a, const Proposal& b) { return a.gain > b.gain; });
