@@ -106,6 +106,11 @@ Hypothesis Trainer::fit(const std::vector<Effect>& effects, const Hypothesis* fr
   h.unknowns = unknowns_of(model, effects);
   const model::Model base = with_slips(model, recordings, effects);
   const std::vector<double> start = values_from(*this, h.unknowns, from, starts);
+  {
+    const std::lock_guard held(fitted->lock);
+    if (const auto known = fitted->all.find({effects, start}); known != fitted->all.end())
+      return known->second;
+  }
   const auto near = identify::begin_on_some(base, h.unknowns, start, recordings, training.windows);
   identify::Effort effort = near ? identify::kFromNear : identify::Effort{};
   effort.most_squares = training.most_squares;
@@ -122,6 +127,8 @@ Hypothesis Trainer::fit(const std::vector<Effect>& effects, const Hypothesis* fr
       h.meaningful = told_from_special_case(h, e) &&
                      ((shapes_of(e) == 1.0 && has_none) || stands_out(h, model, e, tries));
   }
+  const std::lock_guard held(fitted->lock);
+  fitted->all.try_emplace({effects, start}, h);
   return h;
 }
 

@@ -3,6 +3,8 @@
 
 #include <array>
 #include <map>
+#include <memory>
+#include <mutex>
 #include <optional>
 #include <vector>
 
@@ -24,12 +26,19 @@ model::Model with_slips(model::Model model, const std::vector<identify::Recordin
 /// Start values of effects' parameters.
 using Starts = std::map<dynamics::Effect, std::array<double, dynamics::kMaxEffectParameters>>;
 
+/// Sets that were fitted, by their start values: a search comes by the same fit on several ways.
+struct FittedSets {
+  std::mutex lock;
+  std::map<std::pair<std::vector<dynamics::Effect>, std::vector<double>>, Hypothesis> all;
+};
+
 struct Trainer {
   const model::Model& model;
   const std::vector<identify::Recording>& recordings;
   const identify::TrainingWindows& training;
   unsigned threads = 1;
   double reference_squares = 0.0;  ///< of the body's motion, of the re-fitted model without an effect
+  std::shared_ptr<FittedSets> fitted = std::make_shared<FittedSets>();
 
   /// The effects of the catalogue that could extend the model: they exist on its kind, do not repeat a
   /// parameter that is free anyway, and what comes in lets them show. One that is on may have the wrong size.
