@@ -307,10 +307,11 @@ class Jumping {
   bool any() const { return !all_.empty(); }
   const std::vector<std::pair<double, double>>& ranges() const { return ranges_; }
 
-  /// Of all windows, their start states as they are.
-  double squares(const std::vector<double>& values) const {
+  /// Of all windows, their start states as they are; where they are more than `most`, of the windows up to there.
+  double squares(const std::vector<double>& values,
+                 double most = std::numeric_limits<double>::infinity()) const {
     double sum = 0.0;
-    for (std::size_t i = 0; i < problems_.costs.size(); ++i)
+    for (std::size_t i = 0; i < problems_.costs.size() && sum <= most; ++i)
       sum += bounded(squares_of(i, values), most_squares_).loss;
     return sum;
   }
@@ -358,7 +359,7 @@ class Jumping {
       for (int k = 0; k < kPoints; ++k) {
         values[all_[0].index] = at(all_[0], i);
         values[all_[1].index] = at(all_[1], k);
-        if (const double s = squares(values); s < least) {
+        if (const double s = squares(values, least); s < least) {
           least = s;
           best = values;
         }
@@ -403,7 +404,7 @@ class Jumping {
     constexpr int kHalvings = 8;
     const auto as_good = [&](double v) {
       values[u.index] = v;
-      return squares(values) <= most;
+      return squares(values, most) <= most;
     };
     const auto end = [&](int way) {
       double inside = from;
@@ -428,18 +429,16 @@ class Jumping {
   bool look_through(const Sought& u, std::vector<double>& values) {
     constexpr double kSame = 1e-6;
     const Jumps& where = u.where;
-    const auto with = [&](double value) {
-      values[u.index] = value;
-      return squares(values);
-    };
-    double best = values[u.index], least = with(best);
+    double best = values[u.index], least = squares(values);
     const double before = least;
     const auto next = [&](double v) { return further(where, v, 1); };
-    for (double v = where.lower; v <= where.upper; v = next(v))
-      if (const double s = with(v); s < least * (1.0 - kSame)) {
+    for (double v = where.lower; v <= where.upper; v = next(v)) {
+      values[u.index] = v;
+      if (const double s = squares(values, least); s < least * (1.0 - kSame)) {
         least = s;
         best = v;
       }
+    }
     const auto [low, high] = range_about(u, values, best, least * (1.0 + kSame));
     // What changes the runs between the jumps too has a best value, which the fit's steps find.
     const bool flat = high - low > 0.01 * (next(best) - best);
