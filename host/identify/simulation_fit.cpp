@@ -10,8 +10,7 @@
 
 #include "host/core/error.hpp"
 #include "host/core/quantile.hpp"
-#include "host/identify/dual.hpp"
-#include "host/identify/window_run.hpp"
+#include "host/identify/window_cost.hpp"
 #include "host/linear/linear.hpp"
 
 namespace furcula::identify {
@@ -33,39 +32,6 @@ Weights weights_of(const Recording& r, const Window& w, Weighting weighting) {
   };
   return {1.0 / spread(r.position), 1.0 / spread(r.velocity_smoothed)};
 }
-
-/// Residuals of one window against the unknowns (block 0, absent if there are none) and its start state.
-class WindowCost final : public ceres::CostFunction {
- public:
-  WindowCost(const model::Model& model, const std::vector<Unknown>& unknowns, const Recording& recording,
-             const Window& window, Weights weights)
-      : run_{model, unknowns, recording, window, weights} {
-    set_num_residuals(
-        static_cast<int>(run_.motion_rows() + run_.contact_rows() + run_.drive_rows() + run_.leg_rows()));
-    if (!unknowns.empty()) mutable_parameter_block_sizes()->push_back(static_cast<int>(unknowns.size()));
-    mutable_parameter_block_sizes()->push_back(kStartSize);
-  }
-
-  const WindowRun& run() const { return run_; }
-
-  bool Evaluate(double const* const* blocks, double* residuals, double** jacobians) const override {
-    if (jacobians == nullptr) return run_window<double>(run_, blocks, residuals, nullptr);
-    if (run_.unknowns.empty() || jacobians[0] == nullptr)
-      return run_window<Dual<2>>(run_, blocks, residuals, jacobians);
-    const std::size_t size = run_.unknowns.size() + kStartSize;
-    if (size <= 4) return run_window<Dual<4>>(run_, blocks, residuals, jacobians);
-    if (size <= 6) return run_window<Dual<6>>(run_, blocks, residuals, jacobians);
-    if (size <= 8) return run_window<Dual<8>>(run_, blocks, residuals, jacobians);
-    if (size <= 10) return run_window<Dual<10>>(run_, blocks, residuals, jacobians);
-    if (size <= 12) return run_window<Dual<12>>(run_, blocks, residuals, jacobians);
-    if (size <= 20) return run_window<Dual<20>>(run_, blocks, residuals, jacobians);
-    static_assert(kMostUnknowns + kStartSize <= 32);
-    return run_window<Dual<32>>(run_, blocks, residuals, jacobians);
-  }
-
- private:
-  WindowRun run_;
-};
 
 /// Tukey's loss of a window's squares and its derivative.
 struct Bounded {
