@@ -1,3 +1,4 @@
+// The residuals of one window, see window_cost.hpp.
 #include "host/identify/window_cost.hpp"
 
 #include <algorithm>
