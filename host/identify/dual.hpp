@@ -87,7 +87,7 @@ template <int N>
 }
 template <int N>
 [[gnu::always_inline]] inline Dual<N> operator/(const Dual<N>& x, const Dual<N>& y) {
-  const double inverse = 1.0 / y.a, quotient = x.a * inverse;
+  const double inverse = 1.0 / y.a, quotient = x.a / y.a;
   return detail::chain(quotient, inverse, x, -quotient * inverse, y);
 }
 template <int N>
@@ -121,13 +121,12 @@ template <int N>
 }
 template <int N>
 [[gnu::always_inline]] inline Dual<N> operator/(const Dual<N>& x, double c) {
-  const double inverse = 1.0 / c;
-  return detail::chain(x.a * inverse, inverse, x);
+  return detail::chain(x.a / c, 1.0 / c, x);
 }
 template <int N>
 [[gnu::always_inline]] inline Dual<N> operator/(double c, const Dual<N>& x) {
-  const double inverse = 1.0 / x.a;
-  return detail::chain(c * inverse, -c * inverse * inverse, x);
+  const double quotient = c / x.a;
+  return detail::chain(quotient, -quotient / x.a, x);
 }
 
 template <int N, class Y>
