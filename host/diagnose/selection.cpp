@@ -645,12 +645,23 @@ class Search {
     }
   }
 
-  /// The members of the chosen set that `effects` has not, if it stands in their place: one, with no more
-  /// parameters, or as many as one law has under another name.
-  EffectSet replaced_by(const EffectSet& effects) const {
+  EffectSet missing_of(const EffectSet& effects) const {
     EffectSet missing;
     for (Effect e : s_.chosen.effects)
       if (!holds(effects, e)) missing.push_back(e);
+    return missing;
+  }
+  EffectSet added_by(const EffectSet& effects) const {
+    EffectSet added;
+    for (Effect e : effects)
+      if (!holds(s_.chosen.effects, e)) added.push_back(e);
+    return added;
+  }
+
+  /// The members of the chosen set that `effects` has not, if it stands in their place: one, with no more
+  /// parameters, or as many as one law has under another name.
+  EffectSet replaced_by(const EffectSet& effects) const {
+    const EffectSet missing = missing_of(effects);
     const bool one = missing.size() == 1 && effects.size() >= s_.chosen.effects.size();
     if (parameters_of(effects) > parameters_of(s_.chosen.effects) ||
         (!one && !always_same(trainer_.model, effects, s_.chosen.effects)))
@@ -730,8 +741,20 @@ class Search {
         starts[Effect::coulomb_friction] = {std::max(0.0, 0.5 * (up + down))};
         starts[Effect::force_offset] = {0.5 * (down - up)};
       }
+      if (const EffectSet gone = missing_of(effects), come = added_by(effects);
+          starts.empty() && gone.size() == 1 && come.size() == 1) {
+        Hypothesis bare = s_.chosen;  // the others stay what they are
+        bare.effects = without(bare.effects, gone.front());
+        bare.fitted.effects.erase(gone.front());
+        starts[come.front()] =
+            proposer_.best(bare, effects, come.front(), proposer_.squares_left(bare)).values;
+      }
       all.push_back({s_.chosen.effects.front(), effects, &s_.chosen, starts});
     }
+  }
+
+  bool as_good(const Hypothesis& h) const {
+    return trainer_.preference(h, s_.chosen) < kEqualEvidence || the_same(h, s_.chosen);
   }
 
   /// Sets with as many parameters that explain as much as the chosen one, with another effect (or two) in the
@@ -748,7 +771,15 @@ class Search {
       tell(0.95, names(r.effects));
       if (r.starts.size() == 1) {
         const auto& [effect, values] = *r.starts.begin();
-        fitted[i] = fit_new(trainer_, r.effects, *r.from, {effect, values, {}, 0.0});
+        const auto from = [&](const Hypothesis& others) {
+          return fit_new(trainer_, r.effects, others, {effect, values, {}, 0.0});
+        };
+        fitted[i] = from(*r.from);
+        // Without the member the others may have run to where no fit finds back.
+        if (r.from != &s_.chosen && (fitted[i].failed || !as_good(fitted[i])))
+          if (Hypothesis other = from(s_.chosen);
+              !other.failed && (fitted[i].failed || other.fit.squares < fitted[i].fit.squares))
+            fitted[i] = std::move(other);
         return;
       }
       fitted[i] = fit_if_it_runs(r.effects, *r.from, r.starts);
@@ -759,8 +790,7 @@ class Search {
       const bool known = std::any_of(equals.begin(), equals.end(), [&](const Selection::Rival& r) {
         return r.of == of && r.hypothesis.effects == h.effects;
       });
-      if (!known && (trainer_.preference(h, s_.chosen) < kEqualEvidence || the_same(h, s_.chosen)))
-        equals.push_back({of, h});
+      if (!known && as_good(h)) equals.push_back({of, h});
     };
     for (const Hypothesis& h : fitted) remember(h);
     for (std::size_t i = 0; i < in_place_of_one; ++i) add(replacements[i].of, fitted[i]);
