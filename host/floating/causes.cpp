@@ -88,10 +88,7 @@ double log_normal_tail(double z) { return std::log(std::max(0.5 * std::erfc(-z /
 
 RandomEffect random_effect(const Eigen::VectorXd& information, const Eigen::VectorXd& score,
                            const std::vector<std::size_t>& phase, double tick, bool positive) {
-  constexpr int kSpreads = 18;
-  const auto spread_of = [](int k) {
-    return k == 0 ? 0.0 : std::pow(10.0, -2.0 + 3.5 * (k - 1) / (kSpreads - 1));
-  };
+  constexpr int kSpreads = 40;
   const std::size_t phases = phase.empty() ? 0 : 1 + *std::max_element(phase.begin(), phase.end());
   struct Mean {
     double value = 0.0, precision = 0.0;
@@ -101,7 +98,7 @@ RandomEffect random_effect(const Eigen::VectorXd& information, const Eigen::Vect
   double with = -std::numeric_limits<double>::infinity(), without = with;
   for (int k = 0; k <= kSpreads; ++k) {
     // Means of the phases, and how likely the windows are about them.
-    const double spread = spread_of(k);
+    const double spread = k == 0 ? 0.0 : std::pow(10.0, -2.0 + 3.5 * (k - 1) / (kSpreads - 1));
     double within = 0.0;
     std::fill(means.begin(), means.end(), Mean{});
     const auto each = [&](auto&& use) {
@@ -119,28 +116,26 @@ RandomEffect random_effect(const Eigen::VectorXd& information, const Eigen::Vect
     each([&](const Mean& m, double x, double variance) {
       within -= 0.5 * (std::log(variance) + (x - m.value) * (x - m.value) / variance);
     });
-    for (int n = 0; n <= kSpreads; ++n) {
-      double between = within, precision = 0.0, weighted = 0.0;
-      for (const Mean& m : means) {
-        if (!(m.precision > 0.0)) continue;
-        const double variance = 1.0 / m.precision + spread_of(n) * spread_of(n);
-        between -= 0.5 * (std::log(variance) + m.value * m.value / variance);
-        precision += 1.0 / variance;
-        weighted += m.value / variance;
-      }
-      const auto evidence = [&](double prior_variance, bool half, RandomEffect& out) {
-        if (!(prior_variance > 0.0)) return between;
-        const double posterior = precision + 1.0 / prior_variance;
-        out.theta = weighted / posterior;
-        out.sd = 1.0 / std::sqrt(posterior);
-        return between + 0.5 * weighted * out.theta - 0.5 * std::log(posterior * prior_variance) +
-               (half ? std::log(2.0) + log_normal_tail(out.theta / out.sd) : 0.0);
-      };
-      RandomEffect here, none;
-      here.spread = spread;
-      without = std::max(without, evidence(tick * tick, false, none));
-      if (const double l = evidence(1.0 + tick * tick, positive, here); l > with) with = l, best = here;
+    double between = within, precision = 0.0, weighted = 0.0;
+    for (const Mean& m : means) {
+      if (!(m.precision > 0.0)) continue;
+      const double variance = 1.0 / m.precision + spread * spread;
+      between -= 0.5 * (std::log(variance) + m.value * m.value / variance);
+      precision += 1.0 / variance;
+      weighted += m.value / variance;
     }
+    const auto evidence = [&](double prior_variance, bool half, RandomEffect& out) {
+      if (!(prior_variance > 0.0)) return between;
+      const double posterior = precision + 1.0 / prior_variance;
+      out.theta = weighted / posterior;
+      out.sd = 1.0 / std::sqrt(posterior);
+      return between + 0.5 * weighted * out.theta - 0.5 * std::log(posterior * prior_variance) +
+             (half ? std::log(2.0) + log_normal_tail(out.theta / out.sd) : 0.0);
+    };
+    RandomEffect here, none;
+    here.spread = spread;
+    without = std::max(without, evidence(tick * tick, false, none));
+    if (const double l = evidence(1.0 + tick * tick, positive, here); l > with) with = l, best = here;
   }
   best.log_bayes_factor = with - without;
   return best;

@@ -2,8 +2,9 @@
 //
 // Each window has an estimate of a number. What a model lacks besides, the real ground above all, moves these estimates too: differently in
 // different phases of a step, and there by another amount each time. What the robot differs in moves all by the same. So a number's deviation in
-// window w of phase p is theta + f_p + e_w, where f and e are normal with variances of their own, which are sought (random effects, as in
-// meta-analysis). A cause is a number whose theta is likelier to be normal with the prior's variance than to be 0.
+// window w of phase p is theta + f_p + e_w, where f and e are normal with one variance, which is sought (random effects, as in meta-analysis).
+// With two variances that of the phases, of which a walk has about seven, explains any theta. A cause is a number whose theta is likelier
+// to be normal with the prior's variance than to be 0.
 #pragma once
 
 #include <vector>
@@ -21,7 +22,7 @@ struct Cause {
 };
 
 /// Evidence of theta in windows' estimates: the logarithm of how much likelier they are with theta of variance 1 than with theta 0, the
-/// other two variances being the likeliest in either case.
+/// variance of f and e being the likeliest in either case.
 struct RandomEffect {
   double log_bayes_factor = 0.0, theta = 0.0, sd = 0.0, spread = 0.0;
 };
