@@ -212,7 +212,10 @@ class Loop {
           {model_file(round), walk::format_model(given_, found.machine, in(folder(round)))}});
     }
     Round& r = result_.rounds.back();
-    read_errors(json, r);
+    read_identification(json, r);
+    for (const NamedCause& c : r.causes)
+      say(round, "cause: " + c.name + ", about " + core::rounded(c.deviation, 3) + " " + c.unit +
+                     ", confidence " + core::rounded(c.confidence, 2));
     say(round, errors_in_words(*r.given, *r.identified));
   }
 

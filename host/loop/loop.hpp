@@ -40,6 +40,12 @@ struct TrialResult {
   bool walks = false;  ///< stands, and has got far enough
 };
 
+/// What an identification names (host/floating/causes.hpp).
+struct NamedCause {
+  std::string name, unit;
+  double deviation = 0.0, confidence = 0.0;
+};
+
 struct Round {
   std::string walk;         ///< its file in `out`
   walk::Rollout simulated;  ///< of the walk on the model that it was searched on
@@ -48,6 +54,7 @@ struct Round {
   bool walks = false;
   /// Of the model as given and as identified from all trials so far.
   std::optional<floating::WindowErrors> given, identified;
+  std::vector<NamedCause> causes;
 };
 
 struct LoopResult {
@@ -64,7 +71,7 @@ std::string to_json_text(const walk::Settings& settings, const LoopOptions& opti
                          const LoopResult& result);
 /// @throws core::DataError: not a loop.json.
 walk::Settings settings_in(const std::string& path);
-/// Of an identification.json. @throws core::DataError
-void read_errors(const std::string& path, Round& round);
+/// Errors and causes of an identification.json. @throws core::DataError
+void read_identification(const std::string& path, Round& round);
 
 }  // namespace furcula::loop

@@ -53,6 +53,12 @@ std::string to_json_text(const walk::Settings& settings, const LoopOptions& opti
                         {"distance_m", number(t.outcome.way_m)},
                         {"stands", t.outcome.stands},
                         {"walks", t.walks}});
+    Json causes = Json::array();
+    for (const NamedCause& c : r.causes)
+      causes.push_back({{"name", c.name},
+                        {"unit", c.unit.empty() ? Json(nullptr) : Json(c.unit)},
+                        {"deviation", number(c.deviation)},
+                        {"confidence", number(c.confidence)}});
     rounds.push_back(
         {{"walk", r.walk},
          {"simulated",
@@ -63,8 +69,9 @@ std::string to_json_text(const walk::Settings& settings, const LoopOptions& opti
          {"asked_m", number(r.asked_m)},
          {"trials", trials},
          {"walks", r.walks},
-         {"training", r.given ? Json{{"given", errors(*r.given)}, {"identified", errors(*r.identified)}}
-                              : Json(nullptr)}});
+         {"training",
+          r.given ? Json{{"given", errors(*r.given)}, {"identified", errors(*r.identified)}} : Json(nullptr)},
+         {"causes", causes}});
   }
   Json all = Json::object();
   for (const auto& [name, value] : settings) all[name] = value;
@@ -88,11 +95,15 @@ walk::Settings settings_in(const std::string& path) {
   }
 }
 
-void read_errors(const std::string& path, Round& round) {
+void read_identification(const std::string& path, Round& round) {
   const Json j = read(path, "an identification.json of furcula walk identify");
   try {
     round.given = errors_in(j.at("training").at("given"));
     round.identified = errors_in(j.at("training").at("identified"));
+    for (const Json& c : j.at("causes"))
+      round.causes.push_back({c.at("name"),
+                              c.at("unit").is_null() ? std::string() : std::string(c.at("unit")),
+                              c.at("deviation"), c.at("confidence")});
   } catch (const Json::exception& e) {
     throw core::DataError(path + ": " + e.what() +
                           "; expected an identification.json of furcula walk identify");

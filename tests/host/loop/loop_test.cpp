@@ -137,6 +137,8 @@ TEST_CASE("a loop goes on after its last finished step, from files that are whol
   CHECK(test::json_of(bench.in("round_2/walk.json"))["seed"] == 1);
   const auto written = test::json_of(bench.in("loop.json"));
   CHECK(written["rounds"].size() == 2);
+  CHECK(written["rounds"][0]["causes"].size() ==
+        test::json_of(bench.in("round_1/identification.json"))["causes"].size());
 
   // Again: the same, and the robot does nothing.
   const loop::LoopResult again = bench.run();
