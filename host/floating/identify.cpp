@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <utility>
 
 #include "host/core/error.hpp"
 #include "host/core/parallel.hpp"
@@ -26,6 +28,8 @@ std::vector<Window> all_windows(const std::vector<Recording>& recordings, double
 
 /// Student's t over windows: a window that no parameter explains counts less.
 constexpr double kFreedom = 4.0;
+
+constexpr int kSimulatorSteps = 3;
 
 double rows_of(const Window& w) { return static_cast<double>((w.count - 1) * kRowSize); }
 
@@ -77,6 +81,84 @@ Machine with_best_simulator(const Machine& model, const std::vector<Recording>& 
   }
   return best;
 }
+
+/// Gauss and Newton's method, damped, from a model on.
+class Fit {
+ public:
+  /// Without `locals` the windows' own unknowns are sought from scratch.
+  Fit(const Machine& model, std::vector<Unknown> unknowns, const std::vector<Recording>& recordings,
+      const std::vector<Window>& windows, const Settings& settings,
+      const std::vector<Local>* locals = nullptr)
+      : model_(model),
+        unknowns_(std::move(unknowns)),
+        recordings_(recordings),
+        windows_(windows),
+        settings_(settings),
+        point_(at(model_, unknowns_, Eigen::VectorXd::Zero(static_cast<Eigen::Index>(unknowns_.size())),
+                  locals != nullptr ? *locals : std::vector<Local>(windows.size(), Local::Zero()))) {
+    costs_ = fit_locals(recordings_, windows_, variances_, locals == nullptr, point_, settings_,
+                        locals == nullptr ? 12 : 0);
+    cost_ = robust(windows_, costs_);
+    linearise();
+    precision_ = Eigen::MatrixXd::Identity(point_.theta.size(), point_.theta.size());
+  }
+
+  const Point& point() const { return point_; }
+  /// About the point where the last step began.
+  const std::vector<LinearWindow>& linear() const { return linear_; }
+  Eigen::VectorXd sd() const {
+    return precision_.llt()
+        .solve(Eigen::MatrixXd::Identity(precision_.rows(), precision_.cols()))
+        .diagonal()
+        .cwiseSqrt();
+  }
+
+  /// Whether there may be a further one.
+  bool step() {
+    if (moved_) linearise();
+    std::vector<double> weights(windows_.size());
+    for (std::size_t w = 0; w < windows_.size(); ++w)
+      weights[w] = (kFreedom + rows_of(windows_[w])) / (kFreedom + costs_[w]);
+    const Evidence e = evidence(linear_, variances_, weights, settings_.threads);
+    precision_ = e.information;
+    precision_.diagonal().array() += 1.0;
+    for (int attempt = 0; attempt < 4; ++attempt, damping_ *= 10.0) {
+      Eigen::MatrixXd damped = precision_;
+      damped.diagonal() *= 1.0 + damping_;
+      const Eigen::VectorXd theta = point_.theta + damped.llt().solve(e.score - precision_ * point_.theta);
+      Point there = at(model_, unknowns_, theta, point_.locals);
+      there.locals = locals_at(linear_, variances_, there.theta, point_.locals);
+      const std::vector<double> then =
+          fit_locals(recordings_, windows_, variances_, false, there, settings_, 3);
+      const double now = robust(windows_, then) + there.theta.squaredNorm();
+      if (!(now < cost_)) continue;
+      const double gain = cost_ - now;
+      cost_ = now, costs_ = then, point_ = std::move(there), moved_ = true;
+      damping_ *= 0.1;
+      return gain >= 1e-3 * std::abs(cost_);
+    }
+    return false;
+  }
+
+ private:
+  void linearise() {
+    linear_ = linearised(recordings_, windows_, unknowns_, point_, true, settings_);
+    moved_ = false;
+  }
+
+  const Machine model_;
+  const std::vector<Unknown> unknowns_;
+  const std::vector<Recording>& recordings_;
+  const std::vector<Window>& windows_;
+  const Settings& settings_;
+  const Variances variances_ = first_variances();
+  Point point_;
+  std::vector<double> costs_;
+  std::vector<LinearWindow> linear_;
+  Eigen::MatrixXd precision_;
+  double cost_ = 0.0, damping_ = 1e-2;
+  bool moved_ = false;
+};
 
 }  // namespace
 
@@ -136,8 +218,6 @@ Identified identify(const Machine& given, const std::vector<Recording>& recordin
   Identified out;
   out.unknowns = biped::unknowns(given.robot, !std::all_of(recordings.begin(), recordings.end(), sprung),
                                  std::any_of(recordings.begin(), recordings.end(), sprung));
-  const auto n = static_cast<Eigen::Index>(out.unknowns.size());
-  out.theta = Eigen::VectorXd::Zero(n);
   out.given = given;
   const auto say = [&](double fraction, const std::string& doing) {
     if (options.progress) options.progress(fraction, doing);
@@ -145,47 +225,27 @@ Identified identify(const Machine& given, const std::vector<Recording>& recordin
   say(0.0, "windows of the model as given");
   out.before = window_errors(given, recordings, options);
   say(0.1, "the ground");
-  const Machine model = with_best_simulator(given, recordings, windows, options);
-  Variances v = first_variances();
-  say(0.2, "starts of the windows");
-  Point p = at(model, out.unknowns, out.theta, std::vector<Local>(windows.size(), Local::Zero()));
-  std::vector<double> costs = fit_locals(recordings, windows, v, true, p, options.settings);
-  std::vector<LinearWindow> linear = linearised(recordings, windows, out.unknowns, p, true, options.settings);
-  say(0.3, "disturbances of the windows");
-  v = estimated(linear, v, options.settings.threads);
-  out.causes = causes(model, out.unknowns, windows, linear, v, options.settings.threads);
-  costs = fit_locals(recordings, windows, v, false, p, options.settings, 0);
-  double cost = robust(windows, costs);
-  Eigen::MatrixXd precision = Eigen::MatrixXd::Identity(n, n);
-  double damping = 1e-2;
-  for (int k = 0; k < options.iterations; ++k) {
-    if (k > 0) linear = linearised(recordings, windows, out.unknowns, p, true, options.settings);
-    std::vector<double> weights(windows.size());
-    for (std::size_t w = 0; w < windows.size(); ++w)
-      weights[w] = (kFreedom + rows_of(windows[w])) / (kFreedom + costs[w]);
-    const Evidence e = evidence(linear, v, weights, options.settings.threads);
-    precision = e.information;
-    precision.diagonal().array() += 1.0;
-    bool better = false;
-    double gain = 0.0;
-    for (int attempt = 0; attempt < 4 && !better; ++attempt, damping *= 10.0) {
-      Eigen::MatrixXd damped = precision;
-      damped.diagonal() *= 1.0 + damping;
-      const Eigen::VectorXd theta = p.theta + damped.llt().solve(e.score - precision * p.theta);
-      Point there = at(model, out.unknowns, theta, p.locals);
-      there.locals = locals_at(linear, v, there.theta, p.locals);
-      const std::vector<double> then = fit_locals(recordings, windows, v, false, there, options.settings, 3);
-      const double now = robust(windows, then) + there.theta.squaredNorm();
-      if (now < cost)
-        gain = cost - now, cost = now, costs = then, p = std::move(there), better = true, damping *= 0.01;
-    }
-    out.iterations = k + 1;
-    say(0.3 + 0.6 * (k + 1) / options.iterations, "fitting all numbers");
-    if (!better || gain < 1e-3 * std::abs(cost)) break;
+  std::vector<Unknown> of_simulator;
+  std::copy_if(out.unknowns.begin(), out.unknowns.end(), std::back_inserter(of_simulator),
+               [](const Unknown& u) { return u.location == "simulator"; });
+  Fit simulator(with_best_simulator(given, recordings, windows, options), of_simulator, recordings, windows,
+                options.settings);
+  for (int k = 0; k < kSimulatorSteps && simulator.step(); ++k) {
   }
-  out.theta = p.theta;
-  out.machine = p.machine;
-  out.sd = precision.llt().solve(Eigen::MatrixXd::Identity(n, n)).diagonal().cwiseSqrt();
+  const Machine model = simulator.point().machine;
+  say(0.25, "causes");
+  Fit fit(model, out.unknowns, recordings, windows, options.settings, &simulator.point().locals);
+  // The fit keeps the variances of the priors: those with the model as it is hold what the fit shall find.
+  out.causes =
+      causes(model, out.unknowns, windows, fit.linear(),
+             estimated(fit.linear(), first_variances(), options.settings.threads), options.settings.threads);
+  for (bool further = true; further && out.iterations < options.iterations; ++out.iterations) {
+    say(0.3 + 0.6 * out.iterations / options.iterations, "fitting all numbers");
+    further = fit.step();
+  }
+  out.theta = fit.point().theta;
+  out.machine = fit.point().machine;
+  out.sd = fit.sd();
   say(0.9, "windows of the identified robot");
   out.after = window_errors(out.machine, recordings, options);
   return out;
