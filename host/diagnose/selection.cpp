@@ -770,9 +770,9 @@ class Search {
       const Replacement& r = replacements[i];
       tell(0.95, names(r.effects));
       if (r.starts.size() == 1) {
-        const auto& [effect, values] = *r.starts.begin();
+        const Proposal start{r.starts.begin()->first, r.starts.begin()->second, {}, 0.0};
         const auto from = [&](const Hypothesis& others) {
-          return fit_new(trainer_, r.effects, others, {effect, values, {}, 0.0});
+          return fit_new(trainer_, r.effects, others, start);
         };
         fitted[i] = from(*r.from);
         // Without the member the others may have run to where no fit finds back.

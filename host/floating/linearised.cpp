@@ -84,9 +84,11 @@ std::vector<LinearWindow> linearised(const std::vector<Recording>& recordings,
       l.c.col(k) = (r.col(0) - r.col(k + 1)) / step_of(l.locals[static_cast<std::size_t>(k)]);
     for (std::size_t n = 1; n < window.count; ++n) {
       const double t = recording.rows[window.first + n].time_s - recording.rows[window.first].time_s;
-      for (std::size_t k = 0; k < kFilters; ++k)
-        l.c(static_cast<Eigen::Index>((n - 1) * kRowSize + kJoints + k % 3),
-            simulated + static_cast<Eigen::Index>(k)) = std::pow(t, static_cast<double>(k / 3));
+      for (std::size_t k = 0; k < kFilters; ++k) {
+        const std::size_t axis = k % 3, power = k / 3;
+        l.c(static_cast<Eigen::Index>((n - 1) * kRowSize + kJoints + axis),
+            simulated + static_cast<Eigen::Index>(k)) = std::pow(t, static_cast<double>(power));
+      }
     }
     for (std::size_t k = 0; k < kFilters; ++k) l.locals.push_back(kFilterAt + k);
     for (Eigen::Index k = 0; k < l.c.cols(); ++k)
