@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <utility>
 
 #include "host/core/error.hpp"
@@ -28,8 +27,6 @@ std::vector<Window> all_windows(const std::vector<Recording>& recordings, double
 
 /// Student's t over windows: a window that no parameter explains counts less.
 constexpr double kFreedom = 4.0;
-
-constexpr int kSimulatorSteps = 3;
 
 double rows_of(const Window& w) { return static_cast<double>((w.count - 1) * kRowSize); }
 
@@ -85,19 +82,16 @@ Machine with_best_simulator(const Machine& model, const std::vector<Recording>& 
 /// Gauss and Newton's method, damped, from a model on.
 class Fit {
  public:
-  /// Without `locals` the windows' own unknowns are sought from scratch.
   Fit(const Machine& model, std::vector<Unknown> unknowns, const std::vector<Recording>& recordings,
-      const std::vector<Window>& windows, const Settings& settings,
-      const std::vector<Local>* locals = nullptr)
+      const std::vector<Window>& windows, const Settings& settings)
       : model_(model),
         unknowns_(std::move(unknowns)),
         recordings_(recordings),
         windows_(windows),
         settings_(settings),
         point_(at(model_, unknowns_, Eigen::VectorXd::Zero(static_cast<Eigen::Index>(unknowns_.size())),
-                  locals != nullptr ? *locals : std::vector<Local>(windows.size(), Local::Zero()))) {
-    costs_ = fit_locals(recordings_, windows_, variances_, locals == nullptr, point_, settings_,
-                        locals == nullptr ? 12 : 0);
+                  std::vector<Local>(windows.size(), Local::Zero()))) {
+    costs_ = fit_locals(recordings_, windows_, variances_, true, point_, settings_);
     cost_ = robust(windows_, costs_);
     linearise();
     precision_ = Eigen::MatrixXd::Identity(point_.theta.size(), point_.theta.size());
@@ -225,16 +219,9 @@ Identified identify(const Machine& given, const std::vector<Recording>& recordin
   say(0.0, "windows of the model as given");
   out.before = window_errors(given, recordings, options);
   say(0.1, "the ground");
-  std::vector<Unknown> of_simulator;
-  std::copy_if(out.unknowns.begin(), out.unknowns.end(), std::back_inserter(of_simulator),
-               [](const Unknown& u) { return u.location == "simulator"; });
-  Fit simulator(with_best_simulator(given, recordings, windows, options), of_simulator, recordings, windows,
-                options.settings);
-  for (int k = 0; k < kSimulatorSteps && simulator.step(); ++k) {
-  }
-  const Machine model = simulator.point().machine;
-  say(0.25, "causes");
-  Fit fit(model, out.unknowns, recordings, windows, options.settings, &simulator.point().locals);
+  const Machine model = with_best_simulator(given, recordings, windows, options);
+  say(0.2, "causes");
+  Fit fit(model, out.unknowns, recordings, windows, options.settings);
   // The fit keeps the variances of the priors: those with the model as it is hold what the fit shall find.
   out.causes =
       causes(model, out.unknowns, windows, fit.linear(),
