@@ -42,6 +42,7 @@ struct Unknown {
   void (*set)(Machine&, std::size_t place, std::size_t part, double value);
   std::size_t place, part;
 
+  std::string name() const { return kind + "@" + location; }
   double value(const Machine& m) const { return get(m, place, part); }
   void add(Machine& m, double change) const { set(m, place, part, value(m) + change); }
 };

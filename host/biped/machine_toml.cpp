@@ -14,7 +14,7 @@ void apply_deviations(const toml::table& deviations, const std::string& file, Ma
   const Machine given = machine;
   const std::vector<Unknown> all = unknowns(machine.robot, true, true);
   std::vector<std::string> names;
-  for (const Unknown& u : all) names.push_back(u.kind + "@" + u.location);
+  for (const Unknown& u : all) names.push_back(u.name());
   core::refuse_unknown_keys(deviations, file, "[deviations]",
                             std::vector<std::string_view>(names.begin(), names.end()));
   for (std::size_t i = 0; i < all.size(); ++i)
@@ -40,8 +40,8 @@ std::string format_deviations(const Machine& given, const Machine& machine) {
   for (const Unknown& u : unknowns(given.robot, true, true)) {
     const double change = u.value(machine) - u.value(given);
     if (change == 0.0) continue;
-    out += "\"" + u.kind + "@" + u.location + "\" = " + core::toml_float(change) +
-           (u.unit.empty() ? "" : "  # " + u.unit) + "\n";
+    out +=
+        "\"" + u.name() + "\" = " + core::toml_float(change) + (u.unit.empty() ? "" : "  # " + u.unit) + "\n";
   }
   return out;
 }

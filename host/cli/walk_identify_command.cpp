@@ -29,16 +29,15 @@ void say(const char* which, const floating::WindowErrors& given, const floating:
 
 /// Beyond the model: what all windows agree on.
 void say_causes(const floating::Identified& found) {
-  const auto name = [&](std::size_t i) { return found.unknowns[i].kind + "@" + found.unknowns[i].location; };
   if (found.causes.empty())
     std::printf("causes: none; no number is likelier to differ from the model than not\n");
   for (const floating::Cause& c : found.causes) {
     const floating::Unknown& u = found.unknowns[c.unknown];
     std::string others;
-    for (const std::size_t i : c.correlated_with) others += (others.empty() ? "" : ", ") + name(i);
-    std::printf("cause: %s, about %+.3g %s, confidence %.2f%s%s\n", name(c.unknown).c_str(),
-                c.theta * u.prior_sd, u.unit.c_str(), c.confidence,
-                others.empty() ? "" : "; correlated with ", others.c_str());
+    for (const std::size_t i : c.correlated_with)
+      others += (others.empty() ? "" : ", ") + found.unknowns[i].name();
+    std::printf("cause: %s, about %+.3g %s, confidence %.2f%s%s\n", u.name().c_str(), c.theta * u.prior_sd,
+                u.unit.c_str(), c.confidence, others.empty() ? "" : "; correlated with ", others.c_str());
   }
 }
 

@@ -186,9 +186,6 @@ report::TraceData traces(const Identification& of) {
 }
 
 std::string causes_html(const Identified& found) {
-  const auto name = [&](std::size_t i) {
-    return found.unknowns[i].kind + " @ " + found.unknowns[i].location;
-  };
   const std::string how = report::paragraph(
       "A number is named here where its deviation is the same in all windows and the windows are likelier with it than without. The ground, the "
       "soles and the ramp of dry friction are not among the candidates: two simulators differ in these.");
@@ -198,8 +195,9 @@ std::string causes_html(const Identified& found) {
   for (const Cause& c : found.causes) {
     const Unknown& u = found.unknowns[c.unknown];
     std::string others;
-    for (const std::size_t i : c.correlated_with) others += (others.empty() ? "" : ", ") + name(i);
-    table.add({escape(name(c.unknown)), number(c.theta * u.prior_sd, 2) + " " + escape(u.unit),
+    for (const std::size_t i : c.correlated_with)
+      others += (others.empty() ? "" : ", ") + found.unknowns[i].name();
+    table.add({escape(u.name()), number(c.theta * u.prior_sd, 2) + " " + escape(u.unit),
                number(c.confidence, 2), escape(others)},
               c.confidence > 0.5);
   }

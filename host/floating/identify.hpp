@@ -15,7 +15,7 @@ struct Predicted {
   Eigen::VectorXd residual;
 };
 
-/// Root mean squares over windows, measured less predicted, each window's start fitted and no disturbance.
+/// Root mean squares over windows, measured less predicted, each window's start and the attitude filter's error fitted, no disturbance.
 struct WindowErrors {
   std::size_t windows = 0;
   double angle_rad = 0.0, attitude_rad = 0.0, gyro_radps = 0.0;

@@ -21,12 +21,11 @@ Json errors(const WindowErrors& e) {
 
 std::string to_json_text(const Identified& found, const WindowErrors* held_out_before,
                          const WindowErrors* held_out_after) {
-  const auto name = [&](std::size_t i) { return found.unknowns[i].kind + "@" + found.unknowns[i].location; };
   Json parameters = Json::array();
   for (std::size_t i = 0; i < found.unknowns.size(); ++i) {
     const Unknown& u = found.unknowns[i];
     const auto k = static_cast<Eigen::Index>(i);
-    parameters.push_back({{"name", name(i)},
+    parameters.push_back({{"name", u.name()},
                           {"unit", u.unit.empty() ? Json(nullptr) : Json(u.unit)},
                           {"given", number(u.value(found.given))},
                           {"identified", number(u.value(found.machine))},
@@ -37,8 +36,8 @@ std::string to_json_text(const Identified& found, const WindowErrors* held_out_b
   for (const Cause& c : found.causes) {
     const Unknown& u = found.unknowns[c.unknown];
     Json correlated = Json::array();
-    for (const std::size_t other : c.correlated_with) correlated.push_back(name(other));
-    causes.push_back({{"name", name(c.unknown)},
+    for (const std::size_t other : c.correlated_with) correlated.push_back(found.unknowns[other].name());
+    causes.push_back({{"name", u.name()},
                       {"unit", u.unit.empty() ? Json(nullptr) : Json(u.unit)},
                       {"deviation", number(c.theta * u.prior_sd)},
                       {"deviation_sd", number(c.sd * u.prior_sd)},

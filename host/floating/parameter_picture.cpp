@@ -106,11 +106,11 @@ std::string svg(const Identified& found, const Group& group) {
   for (const Row& r : group.rows) {
     const Unknown& u = found.unknowns[r.index];
     const std::string unit = u.unit.empty() ? "" : " " + u.unit;
-    out += "\n<g><title>" + escape(u.kind + "@" + u.location) + ": given " + number(u.value(found.given), 4) +
-           escape(unit) + ", identified " + number(u.value(found.machine), 4) + escape(unit) +
-           "; standard deviation " + number(u.prior_sd) + " before, " + number(r.sd * u.prior_sd) +
-           escape(unit) + " after</title><text x=\"" + number(kLabels - 8.0, 5) + "\" y=\"" +
-           number(top + 12.5, 5) + "\" text-anchor=\"end\">" + escape(r.label) + "</text>" +
+    out += "\n<g><title>" + escape(u.name()) + ": given " + number(u.value(found.given), 4) + escape(unit) +
+           ", identified " + number(u.value(found.machine), 4) + escape(unit) + "; standard deviation " +
+           number(u.prior_sd) + " before, " + number(r.sd * u.prior_sd) + escape(unit) +
+           " after</title><text x=\"" + number(kLabels - 8.0, 5) + "\" y=\"" + number(top + 12.5, 5) +
+           "\" text-anchor=\"end\">" + escape(r.label) + "</text>" +
            bar("prior", across(-1.0, most), across(1.0, most), top + 2.0, 13.0) +
            bar(r.sd < kNarrowed ? "posterior narrow" : "posterior", across(r.theta - r.sd, most),
                across(r.theta + r.sd, most), top + 5.0, 7.0) +
@@ -137,7 +137,7 @@ std::string table(const Identified& found) {
   for (std::size_t i = 0; i < found.unknowns.size(); ++i) {
     const Unknown& u = found.unknowns[i];
     const double sd = found.sd[static_cast<Eigen::Index>(i)];
-    table.add({"<code>" + escape(u.kind + "@" + u.location) + "</code>", number(u.value(found.given), 4),
+    table.add({"<code>" + escape(u.name()) + "</code>", number(u.value(found.given), 4),
                number(u.value(found.machine), 4), number(u.prior_sd), number(sd * u.prior_sd),
                u.location == "simulator" ? "of the logarithm" : escape(u.unit)});
   }
