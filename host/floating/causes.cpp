@@ -82,7 +82,11 @@ Reduced reduced(const LinearWindow& l, const Variances& v, const std::vector<std
   return r;
 }
 
-double log_normal_tail(double z) { return std::log(std::max(0.5 * std::erfc(-z / std::sqrt(2.0)), 1e-300)); }
+/// Of the standard normal distribution below `z`; far below, by the first term of its asymptotic series.
+double log_normal_tail(double z) {
+  return z > -30.0 ? std::log(0.5 * std::erfc(-z / std::sqrt(2.0)))
+                   : -0.5 * z * z - std::log(-z * std::sqrt(2.0 * M_PI));
+}
 
 }  // namespace
 
