@@ -16,7 +16,7 @@
 
 using namespace furcula;
 using namespace furcula::bus;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 
 namespace {
 
@@ -482,7 +482,7 @@ TEST_CASE("furcula bus log writes logs that check reads, and ends with the contr
   CHECK(std::filesystem::is_symlink(link));
   CHECK(log::read_log(out, "hopper").rows() == 1500);
   const test::Ran to_pipe = test::run_furcula({"bus", "log", recording, "--out", "/dev/stdout"});
-  CHECK_THAT(to_pipe.out, Catch::Matchers::StartsWith("# format: furcula-log/1\n"));
+  CHECK_THAT(to_pipe.out, Catch::StartsWith("# format: furcula-log/1\n"));
   CHECK(std::filesystem::is_symlink("/dev/stdout"));
   CHECK(test::run_furcula({"bus", "log", recording, "--out", folder.path()}).status == 2);
 

@@ -7,7 +7,7 @@
 
 using namespace furcula;
 using namespace furcula::bus;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 
 namespace {
 

@@ -12,7 +12,7 @@
 
 using namespace furcula;
 using namespace furcula::bus;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 
 TEST_CASE(
     "a motor's command has the range of the motor and big-endian signals by their most significant bit") {

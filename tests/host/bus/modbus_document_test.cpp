@@ -9,7 +9,7 @@
 #include "tests/paths.hpp"
 
 using namespace furcula;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 
 TEST_CASE("docs/modbus.md is what the tables say (furcula bus docs modbus > docs/modbus.md)") {
   std::ostringstream page;

@@ -7,7 +7,7 @@
 
 using namespace furcula;
 using namespace furcula::bus;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 
 TEST_CASE("a node is a name, a protocol, an id, and a motor where the range depends on it") {
   const Node knee = parse_node("Knee=mini_cheetah:4:ak70_10");

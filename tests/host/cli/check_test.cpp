@@ -7,8 +7,8 @@
 #include "tests/host/model/example.hpp"
 
 using namespace furcula;
-using Catch::Matchers::Contains;
-using Catch::Matchers::StartsWith;
+using Catch::Contains;
+using Catch::StartsWith;
 using test::run_furcula;
 
 namespace {

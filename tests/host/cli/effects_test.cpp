@@ -8,7 +8,7 @@
 #include "tests/paths.hpp"
 
 using namespace furcula;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 using test::run_furcula;
 
 TEST_CASE("one effect is told with law, unit, bounds, where to look and the experiment that shows it") {

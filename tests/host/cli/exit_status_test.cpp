@@ -5,7 +5,7 @@
 #include "tests/paths.hpp"
 
 using namespace furcula;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 using test::run_furcula;
 
 TEST_CASE("help and version are results: status 0, on stdout") {

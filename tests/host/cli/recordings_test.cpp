@@ -7,7 +7,7 @@
 #include "tests/host/model/example.hpp"
 
 using namespace furcula;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 using test::run_furcula;
 
 namespace {

@@ -6,8 +6,8 @@
 #include "tests/host/model/example.hpp"
 
 using namespace furcula;
-using Catch::Matchers::Contains;
-using Catch::Matchers::StartsWith;
+using Catch::Contains;
+using Catch::StartsWith;
 using test::run_furcula;
 
 TEST_CASE("a simulated log is one that the reader takes, the same for the same seed") {

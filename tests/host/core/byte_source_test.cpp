@@ -14,7 +14,7 @@
 #include "tests/host/error_message.hpp"
 
 using namespace furcula;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 
 namespace {
 

@@ -11,7 +11,7 @@
 #include "tests/host/trees/robot.hpp"
 
 using namespace furcula;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 
 namespace {
 
@@ -294,9 +294,8 @@ TEST_CASE(
   const auto files = excite::files(r, "out");
   REQUIRE(files.size() == 3);
   CHECK(files[0].path == "out/setpoints_1.csv");
-  CHECK_THAT(
-      files[0].content,
-      Catch::Matchers::StartsWith("time_s,angle_cmd_yaw_rad,velocity_cmd_yaw_radps,angle_cmd_shoulder_rad,"));
+  CHECK_THAT(files[0].content,
+             Catch::StartsWith("time_s,angle_cmd_yaw_rad,velocity_cmd_yaw_radps,angle_cmd_shoulder_rad,"));
   CHECK(std::count(files[0].content.begin(), files[0].content.end(), '\n') == 1 + 1501);
   const trees::Scenario again = trees::parse_scenario(files[1].content, "scenario_1.toml", r.model);
   CHECK(again.paths[2].at(3.3).q == r.design.scenarios[0].paths[2].at(3.3).q);

@@ -15,7 +15,7 @@
 
 using namespace furcula;
 using namespace furcula::floating;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 
 namespace {
 

@@ -11,7 +11,7 @@
 
 using namespace furcula;
 using namespace furcula::gait;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 
 namespace {
 

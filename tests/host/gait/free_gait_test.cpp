@@ -162,7 +162,7 @@ TEST_CASE("what no gait can do is refused with what stands against it and the ne
   query.starts = 1;
   const Search s = find_gait(query);
   CHECK_FALSE(s.gait);
-  using Catch::Matchers::Contains;
+  using Catch::Contains;
   CHECK_THAT(s.refusal, Contains("no gait was found for a speed of 15 m/s") &&
                             Contains("stands against it") &&
                             Contains("the nearest that was found is a speed of "));

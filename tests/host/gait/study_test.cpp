@@ -9,7 +9,7 @@
 #include "tests/paths.hpp"
 
 using namespace furcula;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 
 TEST_CASE("a study of the clutch says how much of the switch's advantage is left", "[long]") {
   test::TemporaryFolder folder;

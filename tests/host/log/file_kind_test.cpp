@@ -9,7 +9,7 @@
 
 using namespace furcula;
 using namespace std::string_literals;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 
 namespace {
 

@@ -11,7 +11,7 @@
 #include "host/log/time_order.hpp"
 
 using namespace furcula;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 
 namespace {
 

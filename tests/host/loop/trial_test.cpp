@@ -14,7 +14,7 @@
 #include "tests/host/walk/walks.hpp"
 
 using namespace furcula;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 
 namespace {
 

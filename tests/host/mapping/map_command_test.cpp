@@ -6,7 +6,7 @@
 #include "tests/host/cli/run_program.hpp"
 
 using namespace furcula;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 using test::run_furcula;
 
 namespace {

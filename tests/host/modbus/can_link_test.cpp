@@ -9,7 +9,7 @@
 #include "tests/host/modbus/robot.hpp"
 
 using namespace furcula;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 
 namespace {
 

@@ -7,7 +7,7 @@
 #include "tests/host/modbus/robot.hpp"
 
 using namespace furcula;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 
 TEST_CASE("furcula monitor shows why a robot does not move, in words and as JSON") {
   test::Robot robot;
@@ -41,7 +41,7 @@ TEST_CASE("furcula monitor shows the log of faults") {
 
 TEST_CASE("furcula serve says which build it is") {
   const test::Ran ran = test::run_furcula({"serve", "--tcp-port", "0", "--duration", "0.1"});
-  CHECK_THAT(ran.out, Catch::Matchers::Matches("(.|\n)*, build [0-9a-f]{8}\n(.|\n)*"));
+  CHECK_THAT(ran.out, Catch::Matches("(.|\n)*, build [0-9a-f]{8}\n(.|\n)*"));
   CHECK_THAT(ran.out, !Contains("build 00000000"));
 }
 

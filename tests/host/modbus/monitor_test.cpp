@@ -6,7 +6,7 @@
 #include "furcula/bus/node_words.hpp"
 
 using namespace furcula;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 
 TEST_CASE("A device's identification has no control characters on the page") {
   modbus::View view;

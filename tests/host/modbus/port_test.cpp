@@ -6,7 +6,7 @@
 #include "host/core/error.hpp"
 
 using namespace furcula;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 
 TEST_CASE(
     "a port is a serial line with its speed and format, a host and a port number, or a CAN interface and a node") {

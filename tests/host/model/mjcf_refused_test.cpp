@@ -9,7 +9,7 @@
 #include "tests/paths.hpp"
 
 using namespace furcula;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 
 namespace {
 

@@ -7,7 +7,7 @@
 #include "tests/paths.hpp"
 
 using namespace furcula;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 
 TEST_CASE("An MJCF has a body, a joint and an actuator for each joint, and a site for what is fixed") {
   auto tree = model::tree_of(model::read_urdf(test::source("tests/host/model/robots/double_pendulum.urdf")));

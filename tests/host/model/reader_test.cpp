@@ -9,7 +9,7 @@
 #include "tests/host/model/example.hpp"
 
 using namespace furcula;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 using test::kHopperModel;
 using test::kJointModel;
 using test::with;

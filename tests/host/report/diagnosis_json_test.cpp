@@ -15,7 +15,7 @@
 namespace furcula {
 namespace {
 
-using Catch::Matchers::Contains;
+using Catch::Contains;
 using Json = result::Json;
 
 std::vector<std::string> keys(const Json& object) {

@@ -11,7 +11,7 @@
 namespace furcula {
 namespace {
 
-using Catch::Matchers::Contains;
+using Catch::Contains;
 
 /// Position of an axis of mass m and viscous damping d, at rest until a force of 20 N sets in.
 double position(double mass, double damping, double t) {

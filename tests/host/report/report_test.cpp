@@ -16,7 +16,7 @@
 namespace furcula {
 namespace {
 
-using Catch::Matchers::Contains;
+using Catch::Contains;
 
 std::size_t count(const std::string& text, const std::string& part) {
   std::size_t n = 0;

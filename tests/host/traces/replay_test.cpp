@@ -11,8 +11,8 @@
 #include "tests/paths.hpp"
 
 using namespace furcula;
-using Catch::Matchers::Contains;
-using Catch::Matchers::StartsWith;
+using Catch::Contains;
+using Catch::StartsWith;
 using test::run_furcula;
 
 namespace {

@@ -8,7 +8,7 @@
 #include "tests/host/cli/run_program.hpp"
 
 using namespace furcula;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 
 namespace {
 

@@ -14,7 +14,7 @@
 #include "tests/schema.hpp"
 
 using namespace furcula;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 using trees::Effect;
 using trees::Verdict;
 

@@ -20,7 +20,7 @@
 #include "tests/skip.hpp"
 
 using namespace furcula;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 using trees::Effect;
 
 namespace {

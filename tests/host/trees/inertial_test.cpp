@@ -16,7 +16,7 @@
 #include "tests/host/trees/robot.hpp"
 
 using namespace furcula;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 using dynamics::tree::Sym3;
 using dynamics::tree::Vec3;
 using trees::Effect;

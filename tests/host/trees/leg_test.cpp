@@ -12,7 +12,7 @@
 #include "tests/host/gait/legs.hpp"
 
 using namespace furcula;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 using trees::Effect;
 
 namespace {

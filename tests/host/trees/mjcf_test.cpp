@@ -66,7 +66,7 @@ TEST_CASE(
   CHECK(leg.springs[0].both_ways);
   // And it is written and read back the same.
   const std::string text = trees::format_tree_model(leg, "robot.xml");
-  CHECK_THAT(text, Catch::Matchers::Contains("mjcf = \"robot.xml\""));
+  CHECK_THAT(text, Catch::Contains("mjcf = \"robot.xml\""));
   const trees::TreeModel back =
       trees::parse_tree_model(text, "model.toml", core::read_small_file(own("leg"), ""));
   CHECK(trees::format_tree_model(back, "robot.xml") == text);

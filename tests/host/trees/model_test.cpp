@@ -6,7 +6,7 @@
 #include "tests/host/trees/robot.hpp"
 
 using namespace furcula;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 using trees::DriveLaw;
 using trees::Effect;
 using trees::Seat;

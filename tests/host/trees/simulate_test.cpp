@@ -8,7 +8,7 @@
 #include "tests/host/trees/robot.hpp"
 
 using namespace furcula;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 using trees::Path;
 
 namespace {

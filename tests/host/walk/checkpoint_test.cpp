@@ -14,7 +14,7 @@
 
 using namespace furcula;
 using namespace furcula::walk;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 
 namespace {
 

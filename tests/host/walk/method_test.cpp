@@ -99,7 +99,7 @@ TEST_CASE("values that ESCH was not told do not bring its points again, which is
   Esch one(all(-0.5), all(0.7), 7), other(all(-0.5), all(0.7), 8);
   best_after(one, 200, bowl);
   other.restore(one.state());
-  CHECK_THROWS_WITH(other.ask(), Catch::Matchers::Contains("another version"));
+  CHECK_THROWS_WITH(other.ask(), Catch::Contains("another version"));
 }
 
 TEST_CASE("mutation gives way to a simplex, which follows a valley that no coordinate has") {

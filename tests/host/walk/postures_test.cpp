@@ -8,7 +8,7 @@
 
 using namespace furcula;
 using namespace furcula::walk;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 
 TEST_CASE("a limit that every posture breaks is named, with what could be kept") {
   const auto robot = dynamics::biped::design();

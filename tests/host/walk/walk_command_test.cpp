@@ -12,7 +12,7 @@
 #include "tests/skip.hpp"
 
 using namespace furcula;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 
 namespace {
 
