@@ -43,7 +43,7 @@ std::optional<double> number(std::string_view text) {
 
 Arrangement hopper(const std::vector<Node>& nodes, const std::vector<JointDrive>& joints) {
   if (joints.size() > 1)
-    throw DataError("--joint: a hopper has one drive; expected one at most, or --rig tree");
+    throw DataError("--joint: a hopper has one drive; expected one at most, or --machine tree");
   const Node& rail = needed(nodes, Protocol::encoder);
   const Node& board = needed(nodes, Protocol::controller);
   std::string drive = joints.empty() ? needed(nodes, Protocol::mini_cheetah).name : joints[0].node;
@@ -170,7 +170,7 @@ Arrangement arrange(std::string_view rig, const std::vector<Node>& nodes,
   if (info == nullptr) {
     std::vector<std::string_view> names;
     for (const log::RigInfo& r : log::kRigs) names.push_back(r.name);
-    throw DataError("no rig " + quoted(rig) + "; expected one of " + core::listed(names) +
+    throw DataError("no machine type " + quoted(rig) + "; expected one of " + core::listed(names) +
                     core::did_you_mean(rig, names));
   }
   Arrangement a;
@@ -179,7 +179,7 @@ Arrangement arrange(std::string_view rig, const std::vector<Node>& nodes,
   } else {
     a.rig = rig;
     if (rig == "rotary_joint" && joints.size() > 1)
-      throw DataError("--joint: a rotary_joint has one drive; expected one, or --rig tree");
+      throw DataError("--joint: a rotary_joint has one drive; expected one, or --machine tree");
     if (!joints.empty() || ((rig == "tree" || rig == "rotary_joint") && extra.empty()))
       add_joints(a, nodes, joints);
     if (a.columns.empty() && extra.empty())

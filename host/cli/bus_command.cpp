@@ -218,7 +218,8 @@ void make_log(const BusOptions& options) {
     throw core::DataError(options.log + ": " + e.what() + in_brackets(undecoded.remarks()));
   }
   std::string header =
-      (options.comments.none ? "" : "# format: furcula-log/1\n# rig: " + arrangement.rig + "\n") + "time_s";
+      (options.comments.none ? "" : "# format: furcula-log/1\n# machine_type: " + arrangement.rig + "\n") +
+      "time_s";
   for (const bus::Column& c : arrangement.columns) header += "," + c.name;
   RunFiles files(options.out, header + "\n");
   bus::RowMaker rows(finder, arrangement,
@@ -265,7 +266,9 @@ void add_bus_command(CLI::App& app) {
       ->add_option("--out", options->out,
                    "The log; of a recording of several runs the first, then NAME-2 and so on")
       ->required();
-  logging->add_option("--rig", options->rig, "Of which machine: hopper, rotary_joint, tree, motor_axis, ...")
+  logging
+      ->add_option("--machine,--rig", options->rig,
+                   "Of which machine: hopper, rotary_joint, tree, motor_axis, ...")
       ->capture_default_str();
   logging
       ->add_option(

@@ -68,7 +68,7 @@ void print(const std::string& file, const log::LogSummary& s) {
   std::cout << path << ": " << figures << "\n";
   for (const std::string& column : s.ignored_columns)
     std::cerr << path << ": note: column " << core::quoted(column)
-              << " is not of this rig and not numeric: ignored\n";
+              << " is not of this machine type and not numeric: ignored\n";
   if (!s.refused.empty()) std::cout << core::printable(log::in_words(s.refused, s.refused_rows)) << "\n";
   for (const auto* notes : {&s.notes, &s.stamps.notes, &s.stamps.remarks})
     for (const std::string& note : *notes) std::cout << core::printable(note) << "\n";
@@ -78,7 +78,7 @@ void print(const std::string& file, const log::LogSummary& s) {
 
 void run(const CheckOptions& options) {
   if (!options.rig.empty() && !options.model.empty())
-    throw UsageError("--rig and --model: expected one of them");
+    throw UsageError("--machine and --model: expected one of them");
   std::optional<log::ColumnMap> map;
   if (!options.map.empty()) map = log::read_column_map(options.map);
   const std::string rig = rig_of(options, map ? &*map : nullptr);
@@ -121,11 +121,11 @@ void run(const CheckOptions& options) {
 void add_check_command(CLI::App& app) {
   const auto options = std::make_shared<CheckOptions>();
   CLI::App* command = app.add_subcommand("check", "Check logs, however large, and print what is in them");
-  command->add_option("--rig", options->rig,
+  command->add_option("--machine,--rig", options->rig,
                       "Rig that the logs are of: " + core::listed(rig_names()) +
                           "; without it that of the model, of the map, or of the log's own line");
   command->add_option("--model", options->model,
-                      "Model file or robot (URDF, MJCF), whose kind tells the rig");
+                      "Model file or robot (URDF, MJCF), whose kind tells the machine type");
   command->add_option("--map", options->map, "Map file, for logs with other columns");
   command->add_flag("--accept-inertias", options->accept_inertias, kAcceptInertias);
   command->add_option("LOG", options->logs, "Logs (CSV, or ROS 2 bags)")->required();

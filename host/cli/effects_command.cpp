@@ -146,7 +146,7 @@ void print_markdown(const std::vector<const EffectInfo*>& effects, std::optional
 }
 
 nlohmann::ordered_json to_json(const EffectInfo& e, std::optional<Kind> kind) {
-  nlohmann::ordered_json out{{"effect", e.name}, {"law", e.law}, {"stage", stage_name(e.stage)}};
+  nlohmann::ordered_json out{{"effect", e.name}, {"model", e.law}, {"stage", stage_name(e.stage)}};
   if (has_phases(kind)) out["phase"] = e.phase;
   for (const Kind k : kinds_of(e)) out["kinds"].push_back(dynamics::info(k).name);
   for (const auto& p : e.parameters()) {

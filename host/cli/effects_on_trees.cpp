@@ -56,7 +56,7 @@ std::string tree_effect_text(const trees::EffectInfo& e) {
 }
 
 nlohmann::ordered_json tree_effect_json(const trees::EffectInfo& e) {
-  nlohmann::ordered_json out{{"effect", e.name}, {"law", e.law}, {"seat", trees::name(e.seat)}};
+  nlohmann::ordered_json out{{"effect", e.name}, {"model", e.law}, {"location_type", trees::name(e.seat)}};
   for (const Parameter& p : e.parameters())
     out["parameters"].push_back({{"name", p.name},
                                  {"unit", p.unit},

@@ -94,7 +94,7 @@ std::vector<std::string_view> rig_names() {
 void require_rig(const std::string& name) {
   if (log::rig_named(name) != nullptr) return;
   const std::vector<std::string_view> rigs = rig_names();
-  throw UsageError("--rig " + name + ": no such rig; expected one of " + core::listed(rigs) +
+  throw UsageError("--machine " + name + ": no such machine type; expected one of " + core::listed(rigs) +
                    core::did_you_mean(name, rigs));
 }
 
@@ -239,7 +239,7 @@ void CommentsOption::add_to(CLI::App& command) {
   command.add_flag(
       "--no-comments", none,
       "Begin the log with its header row, for programs that read no comments. What the lines \"# key: value\" say "
-      "is lost: commands that read the log take the machine type from --model, --rig or a map");
+      "is lost: commands that read the log take the machine type from --model, --machine or a map");
 }
 
 void print_dirt(const log::Dirt& dirt) {

@@ -44,7 +44,7 @@ struct RecordingOptions {
 /// Names of the rigs that a log can be of.
 std::vector<std::string_view> rig_names();
 
-/// @throws UsageError: no rig has the name that --rig gives.
+/// @throws UsageError: no rig has the name that --machine gives.
 void require_rig(const std::string& name);
 
 struct Logs {

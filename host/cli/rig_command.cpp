@@ -1,4 +1,4 @@
-// `furcula rig`: a board's own program against a mocked robot, on SocketCAN and simulated GPIO lines.
+// `furcula hil-rig`: a board's own program against a mocked robot, on SocketCAN and simulated GPIO lines.
 #include <iostream>
 #include <memory>
 #include <string>
@@ -52,7 +52,7 @@ void run(RigOptions& options) {
 void add_rig_command(CLI::App& app) {
   auto options = std::make_shared<RigOptions>();
   CLI::App* command = app.add_subcommand(
-      "rig",
+      "hil-rig",
       "Run a board's own program against a mocked robot on a CAN bus and simulated GPIO lines (docs/hil.md)");
   command->add_option("--model", options->model, "Model file (TOML) of a hopper")->required();
   command->add_option("--scenario", options->scenario, "Scenario file (TOML); its [expect] must hold")

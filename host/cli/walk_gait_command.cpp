@@ -21,21 +21,22 @@ namespace {
 struct GaitOfWalkOptions {
   std::string model, out, mode{walk::kModeNames.front()};
   std::optional<double> speed_mps;
-  double both_s = 0.0;
+  double double_support_s = 0.0;
   bool hip_yaw = false;
 };
 
 void find(const GaitOfWalkOptions& o) {
   if (o.speed_mps && !(*o.speed_mps >= 0.01 && *o.speed_mps <= 5.0))
     throw UsageError("--speed-mps " + core::shortest(*o.speed_mps) + ": expected from 0.01 to 5");
-  if (!(o.both_s == 0.0 || (o.both_s >= 0.02 && o.both_s <= 2.0)))
-    throw UsageError("--both-s " + core::shortest(o.both_s) + ": expected 0, or from 0.02 to 2");
+  if (!(o.double_support_s == 0.0 || (o.double_support_s >= 0.02 && o.double_support_s <= 2.0)))
+    throw UsageError("--double-support-s " + core::shortest(o.double_support_s) +
+                     ": expected 0, or from 0.02 to 2");
   const walk::Model model = walk::read_model(o.model);
   walk::GaitTask task;
   task.mode = o.mode == walk::kModeNames.front() ? walk::WalkMode::active : walk::WalkMode::semi_passive;
   task.limits = model.limits;
   task.speed_mps = o.speed_mps;
-  task.both_s = o.both_s;
+  task.double_support_s = o.double_support_s;
   task.yaw_held = !o.hip_yaw;
   const OutFolder folder(o.out);
   walk::GaitResult found;
@@ -66,7 +67,7 @@ void find(const GaitOfWalkOptions& o) {
   const walk::WalkLimits& m = model.limits;
   std::printf("cost of transport %.3f at %.3f m/s: steps of %.3f m in %.3f s, %.3f m between the ankles\n",
               f.cot, found.gait.step_m / found.gait.duration_s(), found.gait.step_m, found.gait.duration_s(),
-              found.gait.wide_m);
+              found.gait.step_width_m);
   std::printf("%.1f J a step: copper %.1f, work %.1f (its positive parts %.1f), constant %.1f\n", f.energy_j,
               f.copper_j, f.work_j, f.positive_work_j, f.constant_j);
   std::printf("at most %.1f N m of %.4g, %.3f rad/s of %.4g, a foot's moment %.1f N m of %.4g\n", f.torque_nm,
@@ -95,7 +96,7 @@ void add_walk_gait_command(CLI::App& walk) {
       ->capture_default_str();
   command->add_option("--speed-mps", o->speed_mps, "How fast; without it what costs least");
   command
-      ->add_option("--both-s", o->both_s,
+      ->add_option("--double-support-s", o->double_support_s,
                    "Both feet stand at least that long; 0: the load changes feet at an instant")
       ->capture_default_str();
   command->add_flag(

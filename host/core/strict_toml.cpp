@@ -104,4 +104,15 @@ void refuse_unknown_keys(const toml::table& table, const std::string& name, std:
   }
 }
 
+void rename_key(toml::table& table, std::string_view earlier, std::string_view present) {
+  const auto found = table.find(earlier);
+  if (found == table.end() || table.contains(present)) return;
+  toml::key key(present, found->first.source());
+  found->second.visit([&](auto& node) {
+    auto kept = std::move(node);
+    table.erase(earlier);
+    table.insert_or_assign(std::move(key), std::move(kept));
+  });
+}
+
 }  // namespace furcula::core

@@ -40,4 +40,7 @@ std::string text(const toml::node& node, const std::string& name, std::string_vi
 void refuse_unknown_keys(const toml::table& table, const std::string& name, std::string_view where,
                          std::span<const std::string_view> known);
 
+/// A key that has an earlier version's name gets the present one, unless the table has that, too.
+void rename_key(toml::table& table, std::string_view earlier, std::string_view present);
+
 }  // namespace furcula::core

@@ -90,7 +90,7 @@ std::vector<JointLimits> limits_of(const trees::TreeModel& m, std::span<const Ov
     if (!m.driven(j))
       throw core::DataError(
           m.file + ": joint " + core::quoted(joint.name) +
-          " has no drive (law = \"none\"); expected a drive at every joint that moves, or the joint in [hold]");
+          " has no drive (control_mode = \"none\"); expected a drive at every joint that moves, or the joint in [locked_joints]");
     std::array<std::optional<double>, 4> value;
     if (const auto& l = joint.limits) {
       if (l->lower < l->upper) value[0] = l->lower, value[1] = l->upper;

@@ -129,15 +129,15 @@ const ColumnInfo* column_of(const RigInfo* rig, std::string_view name) {
 
 /// The rig that the map names, or null.
 const RigInfo* rig_of(const toml::table& file, const std::string& name) {
-  const toml::node* node = file.get("rig");
+  const toml::node* node = file.get("machine_type");
   if (node == nullptr) return nullptr;
   std::vector<std::string_view> rigs;
   for (const RigInfo& r : kRigs) rigs.push_back(r.name);
-  const std::string named = text(*node, name, "rig");
+  const std::string named = text(*node, name, "machine_type");
   const RigInfo* rig = rig_named(named);
   if (rig == nullptr)
     fail(name, node->source(),
-         "unknown rig " + core::quoted(named) + "; expected one of " + core::listed(rigs) +
+         "unknown machine type " + core::quoted(named) + "; expected one of " + core::listed(rigs) +
              core::did_you_mean(named, rigs));
   return rig;
 }
@@ -145,12 +145,13 @@ const RigInfo* rig_of(const toml::table& file, const std::string& name) {
 }  // namespace
 
 ColumnMap parse_column_map(std::string_view text_of_file, const std::string& name) {
-  const toml::table file = core::parse_toml(text_of_file, name);
+  toml::table file = core::parse_toml(text_of_file, name);
+  core::rename_key(file, "rig", "machine_type");
   const RigInfo* rig = rig_of(file, name);
   ColumnMap map{name, rig == nullptr ? std::string{} : std::string(rig->name), {}, {}, '.'};
 
   constexpr std::ptrdiff_t kKeys = 4;  // beside columns
-  std::vector<std::string_view> known{"rig", "separator", "decimal", "topic"};
+  std::vector<std::string_view> known{"machine_type", "separator", "decimal", "topic"};
   for (const auto& [key, node] : file)
     if (column_of(rig, key.str()) != nullptr) known.push_back(key.str());
   for (const RigInfo& r : kRigs) {
@@ -162,7 +163,8 @@ ColumnMap parse_column_map(std::string_view text_of_file, const std::string& nam
     std::sort(known.begin() + kKeys, known.end());
     known.erase(std::unique(known.begin() + kKeys, known.end()), known.end());
   }
-  core::refuse_unknown_keys(file, name, rig == nullptr ? "the map" : "the map of rig " + map.rig, known);
+  core::refuse_unknown_keys(file, name, rig == nullptr ? "the map" : "the map of machine type " + map.rig,
+                            known);
   map.separator = sign_of(file, name, "separator", ",;|\t ",
                           R"("," or ";" or "|" or "\t" or " " (any blanks), what stands between columns)");
   map.decimal =
@@ -177,7 +179,7 @@ ColumnMap parse_column_map(std::string_view text_of_file, const std::string& nam
   }
   for (const auto& [key, node] : file) {
     const std::string ours(key.str());
-    if (ours == "rig" || ours == "separator" || ours == "decimal" || ours == "topic") continue;
+    if (ours == "machine_type" || ours == "separator" || ours == "decimal" || ours == "topic") continue;
     map.columns.emplace(ours, parse_mapped(node, name, ours, column_of(rig, ours)->kind));
   }
   if (map.columns.empty() && !map.separator && file.get("decimal") == nullptr && map.topic.empty())

@@ -192,7 +192,7 @@ std::string other_text(std::string_view head, const std::string& path) {
   }
   for (const std::string_view section : {"[model]", "[parameters]", "[experiment]", "[free]"})
     if (begins(section)) return sentence("a model or a scenario (TOML)", "give it with --model", {}, path);
-  for (const std::string_view key : {"rig", "time_s", "separator", "decimal"})
+  for (const std::string_view key : {"machine_type", "rig", "time_s", "separator", "decimal"})
     if (begins(key) && second != text.npos) {
       const std::size_t equals = text.find_first_not_of(" \t", key.size());
       if (equals != text.npos && text[equals] == '=')

@@ -22,7 +22,7 @@ namespace {
     if (!n.empty()) names.push_back(n);
   std::string message = place(records) + "no column " + core::quoted(name) + ", which ";
   if (mapped_to.empty())
-    message += "a log of rig " + std::string(rig.name) + " must have";
+    message += "a log of machine type " + std::string(rig.name) + " must have";
   else
     message += map->path + " maps to " + core::quoted(mapped_to);
   const std::string row = names.empty() ? std::string{} : std::string(names.front());
@@ -132,16 +132,16 @@ std::string left_out_above(std::uint64_t first, std::uint64_t header, const std:
 
 void refuse_map_of_another_rig(const ColumnMap& map, const RigInfo& rig) {
   if (!map.rig.empty() && map.rig != rig.name)
-    throw core::DataError(map.path + ": rig is " + core::quoted(map.rig) + "; expected " +
-                          std::string(rig.name) + ", as the model or --rig says");
+    throw core::DataError(map.path + ": machine_type is " + core::quoted(map.rig) + "; expected " +
+                          std::string(rig.name) + ", as the model or --machine says");
   for (const auto& [ours, mapped] : map.columns) {
     if (rig.column(ours) != nullptr) continue;
     std::vector<std::string_view> known;
     for (const ColumnInfo& c : rig.columns) known.push_back(c.name);
     for (const ColumnPattern& p : rig.patterns) known.push_back(p.info.name);
-    throw core::DataError(map.path + ":" + std::to_string(mapped.line) + ": rig " + std::string(rig.name) +
-                          " has no column " + core::quoted(ours) + "; expected one of " +
-                          core::listed(known) + core::did_you_mean(ours, known));
+    throw core::DataError(map.path + ":" + std::to_string(mapped.line) + ": machine type " +
+                          std::string(rig.name) + " has no column " + core::quoted(ours) +
+                          "; expected one of " + core::listed(known) + core::did_you_mean(ours, known));
   }
 }
 
@@ -226,12 +226,13 @@ std::string read_rig_line(RecordStream& records) {
   // The line may stand below titles.
   constexpr int kTitles = 1000;
   std::string_view record = top.row;
-  for (int i = 0; i < kTitles && !header.metadata.contains("rig"); ++i) {
+  for (int i = 0; i < kTitles && !header.metadata.contains("machine_type"); ++i) {
     if (is_comment(trimmed(record))) take_comment(trimmed(record), records, nullptr, top, header);
     if (is_any_number(fields_of(record, separator_in(record, {})).front()) || !records.next(record)) break;
     records.first_line_alone(record);
   }
-  if (const auto found = header.metadata.find("rig"); found != header.metadata.end()) return found->second;
+  if (const auto found = header.metadata.find("machine_type"); found != header.metadata.end())
+    return found->second;
   for (const std::string& message : {top.other_text, top.flaw})
     if (!message.empty()) throw core::DataError(message);
   return {};

@@ -51,7 +51,7 @@ struct Layout {
 /// @throws DataError, see read_log.
 Layout read_layout(RecordStream& records, const RigInfo& rig, const ColumnMap* map);
 
-/// The rig that a `# rig:` line before the header row names, or nothing. @throws DataError, see rig_line.
+/// The rig that a `# machine_type:` line before the header row names, or nothing. @throws DataError, see rig_line.
 std::string read_rig_line(RecordStream& records);
 
 }  // namespace furcula::log

@@ -30,7 +30,7 @@ struct Visited {
 
 const RigInfo& known_rig(const std::string& name) {
   const RigInfo* rig = rig_named(name);
-  if (rig == nullptr) throw std::invalid_argument("no rig is called " + core::quoted(name));
+  if (rig == nullptr) throw std::invalid_argument("no machine type is called " + core::quoted(name));
   return *rig;
 }
 
@@ -260,7 +260,8 @@ std::string rig_line(const std::string& path, const ColumnMap* map) {
 }
 
 std::string no_rig(const std::string& path) {
-  return path + ":1: no line '# rig: ...' tells the rig; expected one, or --rig, --model or --map";
+  return path +
+         ":1: no line '# machine_type: ...' tells the machine type; expected one, or --machine, --model or --map";
 }
 
 std::vector<std::string> column_names(const std::string& path, const std::string& rig, const ColumnMap* map) {

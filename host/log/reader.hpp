@@ -44,7 +44,7 @@ struct LogSummary {
 /// Of a log whose rows are not kept.
 inline constexpr std::size_t kMostNamed = 1000;
 
-/// Reads a log into memory. `rig` is that of the model's kind; the `# rig:` line, if there, must agree. Empty: the log's own, or tree of a bag
+/// Reads a log into memory. `rig` is that of the model's kind; the `# machine_type:` line, if there, must agree. Empty: the log's own, or tree of a bag
 /// with joint states.
 ///
 /// A row that is ragged or torn, holds something else than finite numbers, an empty cell or a flag that is not 0 or 1, or whose time does not
@@ -57,7 +57,7 @@ Log read_log(const std::string& path, const std::string& rig, const ColumnMap* m
 /// Checks a log as read_log does, in memory that does not grow with the file.
 LogSummary check_log(const std::string& path, const std::string& rig, const ColumnMap* map = nullptr);
 
-/// The rig that the log's own `# rig:` line names, or nothing where it has none; of a bag with joint states tree. Reads up to the header row.
+/// The rig that the log's own `# machine_type:` line names, or nothing where it has none; of a bag with joint states tree. Reads up to the header row.
 /// @throws core::DataError naming file and line: not readable, empty, no such rig.
 std::string rig_line(const std::string& path, const ColumnMap* map = nullptr);
 

@@ -22,7 +22,7 @@ struct ColumnInfo {
 inline constexpr std::array<ColumnInfo, 11> kHopperColumns{{
     {"time_s", true, ColumnKind::time, "time since any instant, increasing"},
     {"height_m", true, ColumnKind::quantity, "height of the body's centre of mass above the ground plane"},
-    {"velocity_mps", false, ColumnKind::quantity, "vertical velocity as the rig derived it"},
+    {"velocity_mps", false, ColumnKind::quantity, "vertical velocity as the machine derived it"},
     {"leg_angle_rad", false, ColumnKind::quantity,
      "leg angle on the motor's side; in stance height = 2 L cos(angle)"},
     {"contact", true, ColumnKind::flag, "the raw contact switch, 1 = pressed"},
@@ -37,7 +37,7 @@ inline constexpr std::array<ColumnInfo, 11> kHopperColumns{{
 inline constexpr std::array<ColumnInfo, 5> kRailCarriageColumns{{
     {"time_s", true, ColumnKind::time, "time since any instant, increasing"},
     {"height_m", true, ColumnKind::quantity, "height of the carriage"},
-    {"velocity_mps", false, ColumnKind::quantity, "vertical velocity as the rig derived it"},
+    {"velocity_mps", false, ColumnKind::quantity, "vertical velocity as the machine derived it"},
     {"contact", false, ColumnKind::flag, "1 = the carriage touches its stop"},
     {"force_n", false, ColumnKind::quantity, "force of the stop on the carriage, up positive"},
 }};
@@ -45,7 +45,7 @@ inline constexpr std::array<ColumnInfo, 5> kRailCarriageColumns{{
 inline constexpr std::array<ColumnInfo, 6> kMotorAxisColumns{{
     {"time_s", true, ColumnKind::time, "time since any instant, increasing"},
     {"position_m", true, ColumnKind::quantity, "position of the axis"},
-    {"velocity_mps", false, ColumnKind::quantity, "velocity as the rig derived it"},
+    {"velocity_mps", false, ColumnKind::quantity, "velocity as the machine derived it"},
     {"reference_m", false, ColumnKind::quantity, "position that the axis was told to follow"},
     {"force_n", true, ColumnKind::quantity, "force commanded to the drive in this row"},
     {"voltage_v", false, ColumnKind::quantity, "control voltage of the drive"},
@@ -54,7 +54,7 @@ inline constexpr std::array<ColumnInfo, 6> kMotorAxisColumns{{
 inline constexpr std::array<ColumnInfo, 6> kRotaryJointColumns{{
     {"time_s", true, ColumnKind::time, "time since any instant, increasing"},
     {"angle_rad", true, ColumnKind::quantity, "angle of the joint, 0 hanging down"},
-    {"velocity_radps", false, ColumnKind::quantity, "angular velocity as the rig derived it"},
+    {"velocity_radps", false, ColumnKind::quantity, "angular velocity as the machine derived it"},
     {"torque_nm", true, ColumnKind::quantity, "torque that the drive reports"},
     {"torque_cmd_nm", false, ColumnKind::quantity, "torque commanded to the drive in this row"},
     {"torque_enable", false, ColumnKind::flag, "1 = the drive is switched on"},
@@ -91,7 +91,7 @@ inline constexpr std::array<ColumnPattern, 11> kTreeColumns{{
     {"angle_", "rad", {"angle_<joint>_rad", false, ColumnKind::quantity, "angle of the joint"}},
     {"velocity_",
      "radps",
-     {"velocity_<joint>_radps", false, ColumnKind::quantity, "angular velocity as the rig derived it"}},
+     {"velocity_<joint>_radps", false, ColumnKind::quantity, "angular velocity as the machine derived it"}},
     {"torque_cmd_",
      "nm",
      {"torque_cmd_<joint>_nm", false, ColumnKind::quantity, "torque commanded to the drive"}},

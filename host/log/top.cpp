@@ -40,18 +40,19 @@ void take_metadata(std::string_view record, const RecordStream& records, const W
                    LogHeader& header) {
   const std::size_t colon = record.find(':');
   if (colon == std::string_view::npos) return;
-  const std::string key(trimmed(record.substr(1, colon - 1)));
+  std::string key(trimmed(record.substr(1, colon - 1)));
   if (key.empty()) return;
+  if (key == "rig") key = "machine_type";  // its name in earlier logs
   const std::string value(trimmed(record.substr(colon + 1)));
   if (key == "format" && value != "furcula-log/1")
     throw core::DataError(place(records) + "format is " + core::quoted(value) + "; expected furcula-log/1");
-  if (key == "rig" && wanted != nullptr && value != wanted->rig().name)
-    throw core::DataError(place(records) + "rig is " + core::quoted(value) + "; expected " +
-                          std::string(wanted->rig().name) + ", as the model, the map or --rig says");
-  if (key == "rig" && rig_named(value) == nullptr) {
+  if (key == "machine_type" && wanted != nullptr && value != wanted->rig().name)
+    throw core::DataError(place(records) + "machine_type is " + core::quoted(value) + "; expected " +
+                          std::string(wanted->rig().name) + ", as the model, the map or --machine says");
+  if (key == "machine_type" && rig_named(value) == nullptr) {
     std::vector<std::string_view> rigs;
     for (const RigInfo& r : kRigs) rigs.push_back(r.name);
-    throw core::DataError(place(records) + "rig is " + core::quoted(value) + "; expected one of " +
+    throw core::DataError(place(records) + "machine_type is " + core::quoted(value) + "; expected one of " +
                           core::listed(rigs) + core::did_you_mean(value, rigs));
   }
   header.metadata.insert_or_assign(key, value);

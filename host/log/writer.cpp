@@ -45,9 +45,9 @@ void append_metadata(std::string& out, const std::string& key, const std::string
 std::string format_log(const Log& log, Comments comments) {
   std::string out;
   append_metadata(out, "format", "furcula-log/1");
-  append_metadata(out, "rig", log.rig);
+  append_metadata(out, "machine_type", log.rig);
   for (const auto& [key, value] : log.metadata)
-    if (key != "format" && key != "rig") append_metadata(out, key, value);
+    if (key != "format" && key != "machine_type") append_metadata(out, key, value);
   if (comments == Comments::without) out.clear();
 
   // The contract's columns in its order, then the others by name.
@@ -61,7 +61,7 @@ std::string format_log(const Log& log, Comments comments) {
     columns.push_back(&values);
   };
   const RigInfo* rig = rig_named(log.rig);
-  if (rig == nullptr) throw std::invalid_argument("no rig is called " + core::quoted(log.rig));
+  if (rig == nullptr) throw std::invalid_argument("no machine is called " + core::quoted(log.rig));
   for (const ColumnInfo& c : rig->columns)
     if (const auto found = log.columns.find(std::string(c.name)); found != log.columns.end())
       add(found->first, found->second);

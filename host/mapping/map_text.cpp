@@ -58,7 +58,7 @@ std::string map_text(const Proposal& p) {
   std::string out =
       comment("Proposed by furcula map from " + p.log + ". Look at the lines that are not sure.");
   for (const std::string& sentence : p.confirm) out += comment(sentence);
-  out += "rig = " + text(p.rig) + "\n";
+  out += "machine_type = " + text(p.rig) + "\n";
   if (p.decimal != '.')
     out += "separator = " + text(std::string(1, p.separator)) +
            "\ndecimal = " + text(std::string(1, p.decimal)) + "\n";

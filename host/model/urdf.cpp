@@ -391,14 +391,14 @@ class TreeBuilder {
       if (moving_.contains(name))
         fail(robot_.file, "joint " + quoted(name) +
                               " moves, expected to be held one that else could move (take it out of "
-                              "[hold], or out of joints in [model])");
+                              "[locked_joints], or out of joints in [model])");
       if (j.kind == UrdfJoint::Kind::other)
         fail(robot_.file, "joint " + quoted(name) + " is " + core::printable(j.type) +
-                              ": such a joint is held at 0 without an entry; take it out of [hold]" +
+                              ": such a joint is held at 0 without an entry; take it out of [locked_joints]" +
                               (position == 0.0 ? "" : ", and put a place that is not 0 into its <origin>"));
       if (!can_move(j))
         fail(robot_.file, "joint " + quoted(name) + " is " + core::printable(j.type) +
-                              " and stays where it is without an entry; take it out of [hold]");
+                              " and stays where it is without an entry; take it out of [locked_joints]");
       if (!std::isfinite(position))
         fail(robot_.file,
              "joint " + quoted(name) + " is held at " + shortest(position) + ", expected a finite number");

@@ -9,7 +9,7 @@ struct GpioBank {
   std::string folder;  ///< in sysfs
   std::string chip;    ///< the same in /dev
 };
-/// The bank that tests/hil/ring makes: `configuration` is its folder in configfs. @throws RigError: there is
+/// The bank that tests/hil/run makes: `configuration` is its folder in configfs. @throws RigError: there is
 /// none.
 GpioBank find_gpio_bank(const std::string& configuration = "/sys/kernel/config/gpio-sim/furcula");
 

@@ -191,7 +191,7 @@ constexpr OtherRow kOtherRows[] = {
      "tests/common/bus/node_test.cpp"},
     {"Linux: link down and up, off the bus and restarted, adapter pulled out",
      "safe state with `bus_off` until a reset, however short it was, in the ticks of the row `bus_off`; the socket goes on by itself",
-     "tests/hil/ring"},
+     "tests/hil/run"},
     {"configuration that makes no sense",
      "`bad_configuration` from the first tick on; a reset does not clear it", "tests/pil/lock_step_test.cpp"},
     {"brown-out and new start, while the host's stream still says hop",

@@ -1,4 +1,4 @@
-// What must hold in a scenario, whatever ring it runs in: physical limits, read from its section [expect] and
+// What must hold in a scenario, whatever test level it runs in: physical limits, read from its section [expect] and
 // asked of its log.
 #pragma once
 

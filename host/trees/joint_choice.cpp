@@ -285,7 +285,7 @@ class Chooser {
   static std::string needs(const UrdfJoint& j) {
     const auto [measured, told, set_point] = input_columns(j.name, slides(j));
     return "the recordings have no column of it; expected " + angle_column(j.name, slides(j)) + ", and " +
-           measured + " or " + told + " (of the law \"position\" " + set_point +
+           measured + " or " + told + " (with control_mode \"position\" " + set_point +
            "), under these names or by a --map file";
   }
   /// Says which joints move, and which do not that could.
@@ -364,9 +364,10 @@ std::vector<std::string> notes_on_held(const TreeModel& m, const std::vector<con
         ", and the recordings have it from " + core::rounded(least) + " to " + core::rounded(most) + unit +
         ": " + core::quoted(column) +
         " is not used, and what its motion does to the others is missing. Where it stands still, ";
-    note += hold == m.hold.end() ? "write " + toml_key(j.name) + " = " + core::rounded(0.5 * (least + most)) +
-                                       " in [hold]. To let it move, "
-                                 : "correct it in [hold]. To let it move, take it out of [hold], and ";
+    note += hold == m.hold.end()
+                ? "write " + toml_key(j.name) + " = " + core::rounded(0.5 * (least + most)) +
+                      " in [locked_joints]. To let it move, "
+                : "correct it in [locked_joints]. To let it move, take it out of [locked_joints], and ";
     if (!j.mimics.empty())
       note += "take its <mimic> of " + core::quoted(j.mimics) + " out of the URDF.";
     else if (!its.empty())

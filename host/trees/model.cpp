@@ -45,21 +45,28 @@ std::string as_model_file(std::string_view text, const std::string& path) {
   const std::string file = std::filesystem::path(path).filename().string();
   // Of an MJCF the actuators say what the drives are told.
   return "[model]\nkind = \"tree\"\nschema = 1\nurdf = " + text_of(core::printable(file)) + "\n" +
-         (model::is_mjcf(text) ? "" : "[drive]\nlaw = \"torque\"\n");
+         (model::is_mjcf(text) ? "" : "[drive]\ncontrol_mode = \"torque\"\n");
 }
 
 class Reader {
  public:
   Reader(std::string_view text, const std::string& path, const TreeContext& context)
       : name_(path), file_(core::parse_toml(as_model_file(text, path), path)), columns_(context.columns) {
+    core::rename_key(file_, "hold", "locked_joints");
+    if (toml::table* drives = file_["drive"].as_table()) {
+      if (!drives->contains("law") || !drives->get("law")->is_table())
+        core::rename_key(*drives, "law", "control_mode");
+      for (auto&& [joint, drive] : *drives)
+        if (toml::table* of_joint = drive.as_table()) core::rename_key(*of_joint, "law", "control_mode");
+    }
     model_.file = path;
     model_.urdf_text = context.urdf;
     model_.accept_inertias = context.accept_inertias;
   }
 
   TreeModel read() {
-    static constexpr std::array<std::string_view, 8> kSections{"model", "hold",    "drive", "spring",
-                                                               "foot",  "sensors", "free",  "effect"};
+    static constexpr std::array<std::string_view, 8> kSections{"model", "locked_joints", "drive", "spring",
+                                                               "foot",  "sensors",       "free",  "effect"};
     core::refuse_unknown_keys(file_, name_, "the model file of a tree", kSections);
     read_robot();
     read_drives();
@@ -138,10 +145,10 @@ class Reader {
       };
       model_.gravity_mps2 = {part(0), part(1), part(2)};
     }
-    if (const toml::node* hold = file_.get("hold"))
-      for (const auto& [joint, node] : core::table(*hold, name_, "[hold]"))
+    if (const toml::node* hold = file_.get("locked_joints"))
+      for (const auto& [joint, node] : core::table(*hold, name_, "[locked_joints]"))
         model_.hold[std::string(joint.str())] =
-            core::number(node, name_, "[hold] " + std::string(joint.str()), -1e3, 1e3, "rad or m");
+            core::number(node, name_, "[locked_joints] " + std::string(joint.str()), -1e3, 1e3, "rad or m");
 
     const auto beside = std::filesystem::path(name_).parent_path() / model_.urdf_path;
     model_.urdf = model_.urdf_text.empty() ? model::read_robot(beside.string())
@@ -239,7 +246,7 @@ class Reader {
   std::string why_held(const std::string& joint) const {
     for (const model::UrdfJoint& j : model_.urdf.joints) {
       if (j.name != joint) continue;
-      if (model_.hold.contains(joint)) return " (it is in [hold])";
+      if (model_.hold.contains(joint)) return " (it is in [locked_joints])";
       if (j.kind == model::UrdfJoint::Kind::fixed || j.kind == model::UrdfJoint::Kind::other)
         return " (it is " + core::printable(j.type) + ")";
       return " (it is held: joints in [model] does not name it)";
@@ -289,7 +296,7 @@ class Reader {
       if (model_.drives[i].law == DriveLaw::position && model_.drives[i].kp_nmprad == 0.0)
         fail(name_, table.source(),
              "the drive of joint " + core::quoted(model_.robot.joints[i].name) +
-                 " has law \"position\" and no kp_nmprad; expected one above 0");
+                 " has control_mode \"position\" and no kp_nmprad; expected one above 0");
   }
   /// What the robot's own file says of drives, where [drive] does not.
   void take_actuators() {
@@ -310,7 +317,7 @@ class Reader {
                          [&](const model::UrdfJoint& j) { return j.name == model_.robot.joints[i].name; });
   }
   void read_drive(const toml::table& table, const std::string& where, Drive& drive) {
-    std::vector<std::string_view> known{"law"};
+    std::vector<std::string_view> known{"control_mode"};
     known.insert(known.end(), kDriveParameters.begin(), kDriveParameters.end());
     for (const auto& [key, node] : table) {
       if (node.is_table() && where == "[drive]") continue;
@@ -318,12 +325,12 @@ class Reader {
         fail(name_, key.source(),
              "unknown key " + core::quoted(key.str()) + " in " + where + "; expected one of " +
                  core::listed(known) + ", or a joint's table" + core::did_you_mean(key.str(), known));
-      if (key.str() == "law") {
-        const std::string law = core::text(node, name_, "law");
+      if (key.str() == "control_mode") {
+        const std::string law = core::text(node, name_, "control_mode");
         const auto which = std::find(kLaws.begin(), kLaws.end(), law);
         if (which == kLaws.end())
           fail(name_, node.source(),
-               "law = " + core::quoted(law) + "; expected one of " + core::listed(kLaws));
+               "control_mode = " + core::quoted(law) + "; expected one of " + core::listed(kLaws));
         const auto next = static_cast<DriveLaw>(which - kLaws.begin());
         // Gains of the robot's own file belong to its position actuator.
         if (next != DriveLaw::position && drive.law == DriveLaw::position)
@@ -568,7 +575,7 @@ class Reader {
     if (e.seat == Seat::spring && effect != Effect::spring_rate_error && !model_.springs[*at].switched)
       fail(name_, source, where + ": its spring has a fixed rest_rad; expected one of rest = \"touch_down\"");
     if (effect == Effect::position_gain_error && model_.drives[*at].law != DriveLaw::position)
-      fail(name_, source, where + ": its drive has law \"torque\"; expected one of law \"position\"");
+      fail(name_, source, where + ": its drive has control_mode \"torque\"; expected \"position\"");
     if ((effect == Effect::mass_error || effect == Effect::com_error || effect == Effect::inertia_error) &&
         model_.is_free_body(*at))
       fail(name_, source,
@@ -586,7 +593,8 @@ class Reader {
 };
 
 std::string table_of(const std::string& heading, const Drive& drive) {
-  std::string out = heading + "\nlaw = \"" + std::string(kLaws[static_cast<std::size_t>(drive.law)]) + "\"\n";
+  std::string out =
+      heading + "\ncontrol_mode = \"" + std::string(kLaws[static_cast<std::size_t>(drive.law)]) + "\"\n";
   for (std::size_t k = 0; k < kDriveParameters.size(); ++k)
     if (k >= 2 || drive.law == DriveLaw::position)
       out += std::string(kDriveParameters[k]) + " = " + core::toml_float(drive.*kDriveMembers[k]) + "\n";
@@ -634,7 +642,7 @@ std::string format_tree_model(const TreeModel& m, const std::string& urdf) {
   out += "gravity_mps2 = [" + core::toml_float(m.gravity_mps2.x) + ", " + core::toml_float(m.gravity_mps2.y) +
          ", " + core::toml_float(m.gravity_mps2.z) + "]\n";
   if (m.accept_inertias) out += "accept_inertias = true\n";
-  if (!m.hold.empty()) out += "\n[hold]\n";
+  if (!m.hold.empty()) out += "\n[locked_joints]\n";
   for (const auto& [joint, position] : m.hold)
     out += toml_key(joint) + " = " + core::toml_float(position) + "\n";
   for (std::size_t i = 0; i < m.joints(); ++i)

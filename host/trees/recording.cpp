@@ -239,7 +239,7 @@ void require_motion(const TreeModel& m, const std::vector<Recording>& recordings
       throw core::DataError(
           recordings.front().path + ": " + core::printable(column_of(m, j, "angle")) + " is " +
           core::rounded(recordings.front().angle_rad[j].front(), 6) +
-          " in every row, as in all logs to fit, and its drive is not still; expected a joint that moves (one that is held belongs in [hold] of " +
+          " in every row, as in all logs to fit, and its drive is not still; expected a joint that moves (one that is held belongs in [locked_joints] of " +
           m.file + ")");
 }
 

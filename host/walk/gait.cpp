@@ -191,8 +191,9 @@ class StepProgramme {
                  return std::array<T, 1>{z[0] * z[1] * -1.0};
                });
     add_phase(false, kSwingIntervals, 0.5, 0.2, 3.0);
-    if (task.both_s > 0.0)
-      add_phase(true, kBothIntervals, std::max(0.15, task.both_s), task.both_s, std::max(1.0, task.both_s));
+    if (task.double_support_s > 0.0)
+      add_phase(true, kBothIntervals, std::max(0.15, task.double_support_s), task.double_support_s,
+                std::max(1.0, task.double_support_s));
     for (std::size_t k = 0; k < phases_.size(); ++k) add_points(k);
     join();
     add_landing();
@@ -207,7 +208,7 @@ class StepProgramme {
 
   Gait gait(const std::vector<double>& x) const {
     Gait out;
-    out.step_m = x[static_cast<std::size_t>(step_)], out.wide_m = x[static_cast<std::size_t>(wide_)];
+    out.step_m = x[static_cast<std::size_t>(step_)], out.step_width_m = x[static_cast<std::size_t>(wide_)];
     for (const Phase& phase : phases_) {
       GaitPhase g;
       g.both = phase.both;

@@ -25,7 +25,8 @@ struct GaitTask {
   bool yaw_held = true;             ///< hips' yaw stays at 0, as the walk's controller has it
   double clearance_m = 0.02;        ///< of the swing foot's sole in the middle of its swing
   double least_knee_rad = 0.1;      ///< a leg that is stretched has no way out
-  double both_s = 0.0;      ///< both feet stand at least that long; 0: the load changes feet at an instant
+  double double_support_s =
+      0.0;                  ///< both feet stand at least that long; 0: the load changes feet at an instant
   double yaw_arm_m = 0.05;  ///< a sole's moment about the vertical is at most friction times load times this
   double sole_margin_m = 0.005;  ///< of the centre of pressure from the sole's edge
   double cpu_s = 20.0;           ///< for the search
@@ -51,8 +52,8 @@ struct GaitPhase {
 /// The left foot stands, the right one swings and lands; then both stand. The next step is the mirror image.
 struct Gait {
   std::vector<GaitPhase> phases;
-  double step_m = 0.0;  ///< from the left ankle to the right one at the end
-  double wide_m = 0.0;  ///< between the ankles
+  double step_m = 0.0;        ///< from the left ankle to the right one at the end
+  double step_width_m = 0.0;  ///< between the ankles
 
   double duration_s() const;
   /// The phase at a time of the step, and the time in it.

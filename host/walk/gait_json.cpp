@@ -17,14 +17,14 @@ std::string to_json_text(const GaitResult& found, const GaitTask& task, const Mo
   Json out = {{"schema", "furcula-walk-gait/1"},
               {"robot", model.name},
               {"mode", kModeNames[static_cast<std::size_t>(task.mode)]},
-              {"speed_asked_mps", task.speed_mps ? Json(*task.speed_mps) : Json(nullptr)},
+              {"target_speed_mps", task.speed_mps ? Json(*task.speed_mps) : Json(nullptr)},
               {"hip_yaw", !task.yaw_held},
               {"found", found.found},
               {"ipopt", found.status},
               {"iterations", found.iterations},
               {"cpu_s", found.cpu_s}};
   if (!found.found) {
-    out["against"] = against_gait(found, task);
+    out["limiting_constraint"] = against_gait(found, task);
     return out.dump(2) + "\n";
   }
   Json phases = Json::array();
@@ -34,7 +34,7 @@ std::string to_json_text(const GaitResult& found, const GaitTask& task, const Mo
   out["cot"] = f.cot;
   out["speed_mps"] = found.gait.step_m / duration_s;
   out["step_m"] = found.gait.step_m;
-  out["wide_m"] = found.gait.wide_m;
+  out["step_width_m"] = found.gait.step_width_m;
   out["duration_s"] = duration_s;
   out["phases"] = phases;
   out["energy_j"] = {{"total", f.energy_j},
@@ -42,17 +42,17 @@ std::string to_json_text(const GaitResult& found, const GaitTask& task, const Mo
                      {"work", f.work_j},
                      {"positive_work", f.positive_work_j},
                      {"constant", f.constant_j}};
-  out["most"] = {{"torque_nm", limited(f.torque_nm, m.torque_nm)},
-                 {"speed_radps", limited(f.speed_radps, m.speed_radps)},
-                 {"moment_nm", limited(f.moment_nm, m.moment_nm)},
-                 {"range_rad", limited(f.range_rad, m.range_rad)},
-                 {"friction", limited(f.friction, model.robot.ground.friction)}};
-  if (task.mode == WalkMode::semi_passive) out["most"]["spring_off_nm"] = number(f.spring_off_nm);
-  out["least"] = {{"height_m", limited(f.height_m, m.height_m)},
-                  {"apart_m", limited(f.apart_m, m.apart_m)},
-                  {"knee_rad", limited(f.least_knee_rad, task.least_knee_rad)},
-                  {"load_n", number(f.load_n)},
-                  {"pressure_inside_sole_m", number(f.pressure_m)}};
+  out["max"] = {{"torque_nm", limited(f.torque_nm, m.torque_nm)},
+                {"speed_radps", limited(f.speed_radps, m.speed_radps)},
+                {"moment_nm", limited(f.moment_nm, m.moment_nm)},
+                {"range_rad", limited(f.range_rad, m.range_rad)},
+                {"friction", limited(f.friction, model.robot.ground.friction)}};
+  if (task.mode == WalkMode::semi_passive) out["max"]["spring_off_nm"] = number(f.spring_off_nm);
+  out["min"] = {{"height_m", limited(f.height_m, m.height_m)},
+                {"apart_m", limited(f.apart_m, m.apart_m)},
+                {"knee_rad", limited(f.least_knee_rad, task.least_knee_rad)},
+                {"load_n", number(f.load_n)},
+                {"pressure_inside_sole_m", number(f.pressure_m)}};
   if (walk != nullptr && rollout != nullptr)
     out["walk"] = {{"targets_off_rad", walk->error_rad},
                    {"ending", kEndingNames[static_cast<std::size_t>(rollout->ending)]},

@@ -48,13 +48,13 @@ std::vector<Wanted> wanted(const Description& robot, WalkMode mode, const Gait& 
   const StanceDynamics<double> dynamics(robot);
   const biped::Parameters<double> parameters(robot);
   const double length = gait.duration_s();
-  const double swing_s = gait.phases.front().duration_s, both_s = length - swing_s;
+  const double swing_s = gait.phases.front().duration_s, double_support_s = length - swing_s;
   std::vector<Wanted> out;
   for (int k = 0; k <= kMoments; ++k) {
     Wanted w{length * k / kMoments, {}, {}};
     // First what the last step's end, in a mirror, has on both feet: there the right leg becomes the stance.
-    const bool before = w.time_s < both_s;
-    const auto [phase, time] = gait.phase_at(before ? swing_s + w.time_s : w.time_s - both_s);
+    const bool before = w.time_s < double_support_s;
+    const auto [phase, time] = gait.phase_at(before ? swing_s + w.time_s : w.time_s - double_support_s);
     const GaitPhase::At at = phase->at(time);
     const Stance<double> s = dynamics(at.q, at.qd, at.qdd, at.other);
     const auto motor = motor_torques(robot, mode, at, s);
@@ -71,7 +71,7 @@ std::vector<Wanted> wanted(const Description& robot, WalkMode mode, const Gait& 
     const auto sums = totals(parameters, state_of(robot, at, s));
     const auto centre = sums.centre_m(), speed = sums.linear_ns * (1.0 / sums.mass_kg);
     const double d = centre.x - (before ? gait.step_m : 0.0), v = speed.x;
-    const double y = (before ? centre.y + gait.wide_m : -centre.y) - gains.side_m,
+    const double y = (before ? centre.y + gait.step_width_m : -centre.y) - gains.side_m,
                  vy = before ? speed.y : -speed.y;
     const auto& g = gains.gains;
     w.swing[0] += g[0] * d + g[1] * v;

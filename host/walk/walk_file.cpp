@@ -144,7 +144,7 @@ std::string to_json_text(const SearchResult& found, const std::optional<Evidence
                 {"work", r.work_j},
                 {"positive_work", r.positive_work_j},
                 {"constant", r.constant_j}}},
-              {"most",
+              {"max",
                {{"torque_nm", r.torque_nm},
                 {"speed_radps", r.speed_radps},
                 {"moment_nm", r.moment_nm},
@@ -155,14 +155,14 @@ std::string to_json_text(const SearchResult& found, const std::optional<Evidence
     Json steps = Json::array(), changed = Json::array();
     for (const Trial& t : evidence->steps) steps.push_back(trial(t));
     for (const Trial& t : evidence->changed) changed.push_back(trial(t));
-    out["evidence"] = {{"steps", steps},
-                       {"changed", changed},
-                       {"noisy",
-                        {{"walks", evidence->noisy},
-                         {"stand", evidence->noisy_stand},
-                         {"keep_limits", evidence->noisy_keep_limits}}}};
+    out["robustness"] = {{"steps", steps},
+                         {"changed", changed},
+                         {"noisy",
+                          {{"walks", evidence->noisy},
+                           {"upright", evidence->noisy_stand},
+                           {"within_limits", evidence->noisy_keep_limits}}}};
     const ReturnMap& map = evidence->map;
-    Json& to = out["evidence"]["return_map"];
+    Json& to = out["robustness"]["return_map"];
     if (map.found)
       to = {{"stride_s", map.stride_s},
             {"stride_m", map.stride_m},

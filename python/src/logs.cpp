@@ -28,7 +28,7 @@ void require_rig(const std::string& rig) {
   if (rig.empty() || log::rig_named(rig) != nullptr) return;
   std::vector<std::string_view> names;
   for (const log::RigInfo& r : log::kRigs) names.push_back(r.name);
-  throw core::DataError("machine = " + core::quoted(rig) + ": no such machine; expected one of " +
+  throw core::DataError("machine_type = " + core::quoted(rig) + ": no such machine; expected one of " +
                         core::listed(names) + core::did_you_mean(rig, names));
 }
 
@@ -40,7 +40,7 @@ log::Log read(const std::string& path, const std::string& rig, const std::string
   if (rig.empty() && (!map || map->rig.empty()) && log::rig_line(path, used).empty())
     throw core::DataError(
         path +
-        ": the log does not name its machine; expected a line '# rig: ...' in it, rig in the map file, "
+        ": the log does not name its machine; expected a line '# machine_type: ...' in it, machine_type in the map file, "
         "or machine = one of the types of docs/contracts.md, section 1");
   log::Log out = log::read_log(path, rig, used);
   log::accept_stamps(out, used, window_s);

@@ -42,7 +42,7 @@ py::dict check(const std::string& path, const Model* model, const std::string& m
     if (rig.empty()) rig = log::rig_line(path, used);
     if (rig.empty()) throw core::DataError(log::no_rig(path));
     if (log::rig_named(rig) == nullptr)
-      throw core::DataError("machine = " + core::quoted(rig) + ": no such machine");
+      throw core::DataError("machine_type = " + core::quoted(rig) + ": no such machine");
     s = log::check_log(path, rig, used);
     if (!s.stamps.fatal().empty()) throw core::DataError(s.stamps.fatal());
     if (model != nullptr && model->tree) {

@@ -25,7 +25,7 @@ inline std::string data_folder() {
 inline log::Log emps(const std::string& folder, const std::string& name) {
   // force = 35.1507 N/V x drive voltage, as published with the recordings
   static const log::ColumnMap map = log::parse_column_map(
-      "rig = \"motor_axis\"\n"
+      "machine_type = \"motor_axis\"\n"
       "time_s = { column = \"t\" }\n"
       "position_m = { column = \"qm\" }\n"
       "force_n = { column = \"vir\", scale = 35.1507 }\n",
@@ -35,7 +35,7 @@ inline log::Log emps(const std::string& folder, const std::string& name) {
 
 inline log::Log pendulum(const std::string& folder, const std::string& name) {
   static const log::ColumnMap map = log::parse_column_map(
-      "rig = \"rotary_joint\"\n"
+      "machine_type = \"rotary_joint\"\n"
       "time_s = { column = \"time\" }\n"
       "angle_rad = { column = \"position\" }\n"
       "torque_nm = { column = \"torque\" }\n",

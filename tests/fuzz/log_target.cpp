@@ -1,4 +1,4 @@
-// The log reader. The rig is that of the input's `# rig:` line, of a bag tree, else the hopper.
+// The log reader. The rig is that of the input's `# machine_type:` line, of a bag tree, else the hopper.
 #include "host/log/reader.hpp"
 #include "host/log/rigs.hpp"
 #include "host/log/writer.hpp"
@@ -9,7 +9,7 @@ namespace furcula::fuzz {
 bool accepts(std::string_view input) {
   std::string rig = "hopper";
   for (const log::RigInfo& r : log::kRigs)
-    if (input.find("# rig: " + std::string(r.name) + "\n") != input.npos) rig = r.name;
+    if (input.find("# machine_type: " + std::string(r.name) + "\n") != input.npos) rig = r.name;
   if (input.starts_with("\x89MCAP")) rig = "tree";
   log::Log log;
   try {

@@ -246,7 +246,7 @@ void draw_axis(Case& c, Random& random) {
     return recordings;
   };
 
-  // What the machine is used to: its inputs, speeds and places without the effect.
+  // What the machine_type is used to: its inputs, speeds and places without the effect.
   double squares = 0.0;
   std::size_t rows = 0;
   std::vector<double> speeds, inputs, places;
@@ -447,7 +447,7 @@ Case draw_case(const Question& question) {
     for (log::Log& log : *logs) {
       char label[40];
       std::snprintf(label, sizeof label, "%s-%02d", logs == &c.training ? "training" : "heldout", ++number);
-      log.metadata = {{"format", "furcula-log/1"}, {"rig", log.rig}, {"experiment", label}};
+      log.metadata = {{"format", "furcula-log/1"}, {"machine_type", log.rig}, {"experiment", label}};
       log.path = std::string(label) + ".csv";
     }
   return c;

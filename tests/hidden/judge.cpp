@@ -214,7 +214,7 @@ void judge_predictions(Judgement& j, const Case& c, const diagnose::Diagnosis& d
   if (!moves_the_body(extended.planted, c.kind) || !moves_the_body(c.truth.planted, c.kind)) return;
   // Unfit values (a ground without a damper) are no machine.
   try {
-    // What is random in the machine is nobody's to predict.
+    // What is random in the machine_type is nobody's to predict.
     Truth undisturbed = c.truth;
     undisturbed.disturbance = {};
     const TrueError before = true_error(refitted, c.held_out_truth),

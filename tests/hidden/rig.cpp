@@ -119,7 +119,7 @@ double profile_torque(const HopperExperiment& e, double since_touchdown_s, doubl
   return 0.0;
 }
 
-// The switch reports an event before or after it happens, so the machine is run ahead to know when it will.
+// The switch reports an event before or after it happens, so the machine_type is run ahead to know when it will.
 class ContactSwitch {
  public:
   ContactSwitch(const HopperSensors& sensors, double delay_s, Random& random)

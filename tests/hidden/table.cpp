@@ -151,7 +151,7 @@ void write_case(const Case& c, const std::string& folder) {
     for (const log::Log& log : *logs) log::write_log(log, folder + "/" + log.path);
 }
 
-// Of a cause of the catalogue another machine is drawn until it shows beside what else disturbs that.
+// Of a cause of the catalogue another machine_type is drawn until it shows beside what else disturbs that.
 Case drawn(Answer& a) {
   constexpr int kDraws = 30;
   constexpr std::uint64_t kNext = 1'000'000;

@@ -1,6 +1,6 @@
 // A simulated biped on three CAN interfaces, against the program furculad: hil_walker_rig FURCULAD WALK FOLDER CASE. CASE is `walk`,
 // `drive_silent` or `bus_down`. Ends with status 0 where what is expected came, 4 with a reason where it did not. Called by
-// tests/hil/ring.
+// tests/hil/run.
 #include <net/if.h>
 #include <poll.h>
 #include <sched.h>

@@ -234,7 +234,7 @@ TEST_CASE(
   std::size_t n = 0;
   for (const safety::RigRow& row : safety::rig_rows()) {
     const auto& what = sim_host::info(row.breaks);
-    // The protocol of this ring knows no new start.
+    // The protocol of this test level knows no new start.
     if (what.part == sim_host::RigPart::bus || row.breaks == sim_host::RigFault::brown_out) continue;
     // Rows take turns with the moments of the stride; the host alone has tried them all.
     const auto moment = static_cast<safety::Moment>(n++ % safety::kMoments.size());

@@ -34,7 +34,7 @@ def test_a_bag_and_an_mcap_are_read_as_the_program_converts_them(tmp_path, progr
 
 def test_a_map_file_names_columns_of_another_log(tmp_path):
     (tmp_path / "log.csv").write_text("t;deg;nm\n0,0;90,0;1,5\n0,01;180,0;2,5\n0,02;90,0;1,0\n")
-    (tmp_path / "map.toml").write_text('rig = "rotary_joint"\nseparator = ";"\ndecimal = ","\ntime_s = { column = "t" }\n'
+    (tmp_path / "map.toml").write_text('machine_type = "rotary_joint"\nseparator = ";"\ndecimal = ","\ntime_s = { column = "t" }\n'
                                        'angle_rad = { column = "deg", scale = 0.017453292519943295 }\ntorque_nm = { column = "nm" }\n')
     log = furcula.read_log(tmp_path / "log.csv", map=tmp_path / "map.toml")
     assert log["angle_rad"] == pytest.approx([np.pi / 2, np.pi, np.pi / 2])
@@ -64,7 +64,7 @@ def test_arrays_are_read_only_and_outlive_the_log(arm_logs):
 def test_a_torn_row_is_left_out_and_said(tmp_path):
     rows = [f"{k / 100:.2f},0.{k % 10},0.0" for k in range(100)]
     rows[40] = "0.40,nan,0.0"
-    (tmp_path / "log.csv").write_text("# rig: rotary_joint\ntime_s,angle_rad,torque_nm\n" + "\n".join(rows) + "\n")
+    (tmp_path / "log.csv").write_text("# machine_type: rotary_joint\ntime_s,angle_rad,torque_nm\n" + "\n".join(rows) + "\n")
     log = furcula.read_log(tmp_path / "log.csv")
     assert len(log) == 99
     assert any("row 41" in warning for warning in log.warnings)

@@ -1,4 +1,4 @@
-// The rig's body and leg: which machine is simulated, and what the switch sees of a leg that folds in flight.
+// The rig's body and leg: which machine_type is simulated, and what the switch sees of a leg that folds in flight.
 #include "boards/sim_host/plant.hpp"
 
 #include <algorithm>

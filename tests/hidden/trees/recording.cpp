@@ -342,7 +342,7 @@ std::vector<Values> restarted(const Machine& machine, const Machine& truth, cons
 std::string log_of(const Machine& truth, const Lab& lab, const Recording& recording, std::size_t visible,
                    Random random) {
   const auto& joints = truth.robot().joints;
-  std::string out = "# format: furcula-log/1\n# rig: tree\ntime_s";
+  std::string out = "# format: furcula-log/1\n# machine_type: tree\ntime_s";
   const auto column = [&](const char* what, const Joint& j, const char* turning, const char* sliding) {
     out += "," + std::string(what) + "_" + j.name + (j.prismatic ? sliding : turning);
   };

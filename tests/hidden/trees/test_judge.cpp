@@ -47,8 +47,9 @@ TEST_CASE("A case's folder holds model, robot and logs of the contract's form", 
   const auto logs = write_case(c, folder);
   CHECK(logs.size() == 4);
   const std::string log = text_of(folder + "/log_00.csv");
-  CHECK(log.rfind("# format: furcula-log/1\n# rig: tree\ntime_s,angle_" + c.robot.joints[0].name + "_rad",
-                  0) == 0);
+  CHECK(log.rfind(
+            "# format: furcula-log/1\n# machine_type: tree\ntime_s,angle_" + c.robot.joints[0].name + "_rad",
+            0) == 0);
   CHECK(text_of(folder + "/model.toml").find("kind = \"tree\"") != std::string::npos);
   CHECK(text_of(folder + "/robot.urdf").find("<limit") != std::string::npos);
   CHECK(text_of(folder + "/truth.json").find("asymmetric_friction") != std::string::npos);

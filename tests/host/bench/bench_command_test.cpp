@@ -23,7 +23,7 @@ TEST_CASE("The test writes its page, its figures and two logs that check out") {
   CHECK(json["trials"].size() == 20);
   CHECK(json["holding"].size() == 6);
   for (const char* name : {"/standard.csv", "/worst.csv"}) {
-    const Ran checked = run_furcula({"check", "--rig", "clutch_bench", out + name});
+    const Ran checked = run_furcula({"check", "--machine", "clutch_bench", out + name});
     CHECK(checked.status == 0);
   }
   std::ifstream page(out + "/report.html");

@@ -101,7 +101,7 @@ void require_same(const Trial& a, const Trial& b, std::size_t later) {
   CHECK(a.readings.back().count > 100);
 }
 
-/// As furcula rig has them, with a program that is none.
+/// As furcula hil-rig has them, with a program that is none.
 rig::RigOptions options(const test::TemporaryFolder& folder, std::vector<std::string> command) {
   rig::RigOptions o;
   o.command = std::move(command);

@@ -292,8 +292,8 @@ TEST_CASE("two drives of a tree share the instants of the first, and angles of a
     write(t + 0.0007, axis);
   }
   const std::string recording = folder.file("arm.log", text), out = folder.path() + "/arm.csv";
-  const test::Ran ran = test::run_furcula({"bus", "log", recording, "--rig", "tree", "--joint", "upper=Knee",
-                                           "--joint", "fore=Axis:2", "--out", out});
+  const test::Ran ran = test::run_furcula({"bus", "log", recording, "--machine", "tree", "--joint",
+                                           "upper=Knee", "--joint", "fore=Axis:2", "--out", out});
   INFO(ran.err);
   REQUIRE(ran.status == 0);
   const log::Log log = log::read_log(out, "tree");
@@ -360,10 +360,10 @@ TEST_CASE("a diagnosis of a drive's recording names no delay that the drive does
     std::string text;
     for (const LogFrame& f : drive.run(8.0).frames) text += format_candump(f);
     const std::string out = folder.path() + "/axis.csv";
-    REQUIRE(
-        test::run_furcula({"bus", "log", folder.file("axis.log", text), "--rig", "rotary_joint", "--joint",
-                           "angle=Axis", "--column", "torque_nm=Axis.Set_Input_Torque.Torque", "--out", out})
-            .status == 0);
+    REQUIRE(test::run_furcula({"bus", "log", folder.file("axis.log", text), "--machine", "rotary_joint",
+                               "--joint", "angle=Axis", "--column", "torque_nm=Axis.Set_Input_Torque.Torque",
+                               "--out", out})
+                .status == 0);
     const test::Ran found =
         test::run_furcula({"diagnose", "--model", model, "--out", folder.path() + "/found", out});
     INFO(found.out << found.err);
@@ -438,7 +438,7 @@ TEST_CASE("a drive that does not tell its torque is logged by the line that the 
   for (const LogFrame& f : test::PolledDrive{}.run(1.0).frames) text += format_candump(f);
   text += "(2.000000) can0 20000004#0004000000000000\n(2.000000) can0 04E##11122334455667788990011\n";
   const std::string recording = folder.file("axis.log", text), out = folder.path() + "/axis.csv";
-  const std::vector<std::string> command{"bus",     "log",           recording, "--rig", "rotary_joint",
+  const std::vector<std::string> command{"bus",     "log",           recording, "--machine", "rotary_joint",
                                          "--joint", "angle=Axis:-8", "--out",   out};
   const test::Ran refused = test::run_furcula(command);
   CHECK(refused.status == 3);
@@ -488,7 +488,7 @@ TEST_CASE("furcula bus log writes logs that check reads, and ends with the contr
 
   CHECK(test::run_furcula({"bus", "log", recording, "--out", recording}).status == 2);
   CHECK(test::run_furcula({"bus", "log", recording}).status == 2);
-  CHECK(test::run_furcula({"bus", "log", recording, "--out", out, "--rig", "tree"}).status == 2);
+  CHECK(test::run_furcula({"bus", "log", recording, "--out", out, "--machine", "tree"}).status == 2);
   CHECK(test::run_furcula({"bus", "log", recording, "--out", folder.path() + "/none/run.csv"}).status == 2);
   const test::Ran other =
       test::run_furcula({"bus", "log", recording, "--out", out, "--node", "B=controller:2", "--node",

@@ -30,18 +30,19 @@ void check_one_message(const test::Ran& ran) {
 TEST_CASE("a good log is told of in figures") {
   test::TemporaryFolder folder;
   const std::string path = folder.file("a.csv", kHeader + "0,1,0,0\n0.001,1,0,0\n0.003,1,1,0\n");
-  const test::Ran ran = run_furcula({"check", "--rig", "hopper", path});
+  const test::Ran ran = run_furcula({"check", "--machine", "hopper", path});
   CHECK(ran.status == 0);
   CHECK(ran.out == path + ": 3 rows, 0.003 s, interval min 1, median 1, mean 1.5, max 2 ms\n");
   CHECK(ran.err.empty());
 }
 
-TEST_CASE("the model's kind tells the rig, and a map reads a foreign log") {
+TEST_CASE("the model's kind tells the machine type, and a map reads a foreign log") {
   test::TemporaryFolder folder;
   const std::string model = folder.file("m.toml", test::kJointModel);
-  const std::string map = folder.file("map.toml",
-                                      "rig = \"rotary_joint\"\ntime_s = { column = \"t\" }\nangle_rad = { "
-                                      "column = \"q\" }\ntorque_nm = { column = \"tau\" }\n");
+  const std::string map =
+      folder.file("map.toml",
+                  "machine_type = \"rotary_joint\"\ntime_s = { column = \"t\" }\nangle_rad = { "
+                  "column = \"q\" }\ntorque_nm = { column = \"tau\" }\n");
   const std::string log = folder.file("a.csv", "t,q,tau\n0,1,0\n1,1,0\n");
   CHECK(run_furcula({"check", "--model", model, "--map", map, log}).status == 0);
   const test::Ran ran = run_furcula({"check", "--model", model, log});
@@ -49,19 +50,20 @@ TEST_CASE("the model's kind tells the rig, and a map reads a foreign log") {
   CHECK_THAT(ran.err, Contains("a.csv:1: no column 'time_s'"));
 }
 
-TEST_CASE("without --rig and --model the map tells the rig, or each log's own line") {
+TEST_CASE("without --machine and --model the map tells the machine type, or each log's own line") {
   test::TemporaryFolder folder;
   const std::string joint =
-      folder.file("joint.csv", "# rig: rotary_joint\ntime_s,angle_rad,torque_nm\n0,1,0\n");
+      folder.file("joint.csv", "# machine_type: rotary_joint\ntime_s,angle_rad,torque_nm\n0,1,0\n");
   const std::string hopper =
-      folder.file("hopper.csv", "# made: by hand\n# rig: hopper\n" + kHeader + "0,1,0,0\n");
+      folder.file("hopper.csv", "# made: by hand\n# machine_type: hopper\n" + kHeader + "0,1,0,0\n");
   const test::Ran ran = run_furcula({"check", joint, hopper});
   CHECK(ran.status == 0);
   CHECK_THAT(ran.out, StartsWith(joint + ": 1 rows") && Contains(hopper + ": 1 rows"));
 
-  const std::string map = folder.file("map.toml",
-                                      "rig = \"rotary_joint\"\ntime_s = { column = \"t\" }\nangle_rad = { "
-                                      "column = \"q\" }\ntorque_nm = { column = \"tau\" }\n");
+  const std::string map =
+      folder.file("map.toml",
+                  "machine_type = \"rotary_joint\"\ntime_s = { column = \"t\" }\nangle_rad = { "
+                  "column = \"q\" }\ntorque_nm = { column = \"tau\" }\n");
   CHECK(run_furcula({"check", "--map", map, folder.file("foreign.csv", "t,q,tau\n0,1,0\n")}).status == 0);
 
   // One that does not tell it is no reason to leave the others.
@@ -69,12 +71,16 @@ TEST_CASE("without --rig and --model the map tells the rig, or each log's own li
   const test::Ran mixed = run_furcula({"check", silent, hopper});
   CHECK(mixed.status == 3);
   check_one_message(mixed);
-  CHECK_THAT(mixed.err, Contains(silent + ":1: no line '# rig: ...' tells the rig; expected one, or --rig"));
+  CHECK_THAT(
+      mixed.err,
+      Contains(silent +
+               ":1: no line '# machine_type: ...' tells the machine type; expected one, or --machine"));
   CHECK_THAT(mixed.out, StartsWith(hopper + ": 1 rows"));
 
-  const std::string odd = folder.file("odd.csv", "# rig: hoper\n" + kHeader + "0,1,0,0\n");
-  CHECK_THAT(run_furcula({"check", odd}).err, Contains(odd + ":1: rig is 'hoper'; expected one of hopper") &&
-                                                  Contains("did you mean 'hopper'?"));
+  const std::string odd = folder.file("odd.csv", "# machine_type: hoper\n" + kHeader + "0,1,0,0\n");
+  CHECK_THAT(run_furcula({"check", odd}).err,
+             Contains(odd + ":1: machine_type is 'hoper'; expected one of hopper") &&
+                 Contains("did you mean 'hopper'?"));
 }
 
 TEST_CASE("bad logs end with status 3 and one message: file, line, value, what was expected") {
@@ -97,15 +103,15 @@ TEST_CASE("bad logs end with status 3 and one message: file, line, value, what w
       {"a file of zero bytes", std::string(100000, '\0'), ":1:", "NUL", "expected the text of a CSV log"},
       {"a file of zero numbers", kHeader + "0,0,0,0\n0,0,0,0\n", ":3:", "0 s after 0 s",
        "expected time to increase"},
-      {"a log of another rig", "# rig: motor_axis\ntime_s,position_m,force_n\n0,0,0\n", ":1:", "'motor_axis'",
-       "expected hopper"},
+      {"a log of another rig", "# machine_type: motor_axis\ntime_s,position_m,force_n\n0,0,0\n",
+       ":1:", "'motor_axis'", "expected hopper"},
   };
   test::TemporaryFolder folder;
   const std::string path = folder.path() + "/a.csv";
   for (const BadLog& c : cases) {
     INFO(c.what);
     folder.file("a.csv", c.content);
-    const test::Ran ran = run_furcula({"check", "--rig", "hopper", path});
+    const test::Ran ran = run_furcula({"check", "--machine", "hopper", path});
     CHECK(ran.status == 3);
     CHECK(ran.out.empty());
     check_one_message(ran);
@@ -117,7 +123,7 @@ TEST_CASE("odd rows of a long log are told of, and its status is 0") {
   test::TemporaryFolder folder;
   std::string text = kHeader;
   for (int i = 0; i < 100; ++i) text += std::to_string(0.001 * i) + (i == 50 ? ",nan" : ",1") + ",0,0\n";
-  const test::Ran ran = run_furcula({"check", "--rig", "hopper", folder.file("a.csv", text + "0.1,1")});
+  const test::Ran ran = run_furcula({"check", "--machine", "hopper", folder.file("a.csv", text + "0.1,1")});
   CHECK(ran.status == 0);
   CHECK_THAT(ran.out, Contains("99 rows") && Contains("2 rows refused: ") &&
                           Contains("(line 52) height_m: 'nan' is not finite") &&
@@ -135,7 +141,7 @@ TEST_CASE("stamps from which nothing can be learnt end with status 3 and no figu
   }
   for (const auto& [text, expected] :
        {std::pair{in_ms, "time_s in ms"}, std::pair{bursts, "come in bursts: about 8 rows"}}) {
-    const test::Ran ran = run_furcula({"check", "--rig", "hopper", folder.file("a.csv", text)});
+    const test::Ran ran = run_furcula({"check", "--machine", "hopper", folder.file("a.csv", text)});
     CHECK(ran.status == 3);
     CHECK(ran.out.empty());
     check_one_message(ran);
@@ -147,14 +153,14 @@ TEST_CASE("a map that does not name a rig leaves that to the option or the log")
   test::TemporaryFolder folder;
   const std::string map = folder.file("map.toml", "separator = \";\"\n");
   const std::string log = folder.file("a.csv", "time_s;angle_rad;torque_nm\n0;1;0\n");
-  CHECK(run_furcula({"check", "--rig", "rotary_joint", "--map", map, log}).status == 0);
-  CHECK_THAT(run_furcula({"check", "--map", map, log}).err, Contains("tells the rig"));
+  CHECK(run_furcula({"check", "--machine", "rotary_joint", "--map", map, log}).status == 0);
+  CHECK_THAT(run_furcula({"check", "--map", map, log}).err, Contains("tells the machine type"));
 }
 
 TEST_CASE("a directory, and a file that is not there, end with status 3") {
   test::TemporaryFolder folder;
   for (const std::string& path : {folder.path(), folder.path() + "/none.csv"}) {
-    const test::Ran ran = run_furcula({"check", "--rig", "hopper", path});
+    const test::Ran ran = run_furcula({"check", "--machine", "hopper", path});
     CHECK(ran.status == 3);
     check_one_message(ran);
     CHECK_THAT(ran.err, Contains(path + ": ") && Contains("expected a log"));
@@ -165,7 +171,7 @@ TEST_CASE("each bad log of several has its message, and the good ones their figu
   test::TemporaryFolder folder;
   const std::string bad = folder.file("bad.csv", kHeader),
                     good = folder.file("good.csv", kHeader + "0,1,0,0\n");
-  const test::Ran ran = run_furcula({"check", "--rig", "hopper", bad, good, bad});
+  const test::Ran ran = run_furcula({"check", "--machine", "hopper", bad, good, bad});
   CHECK(ran.status == 3);
   CHECK_THAT(ran.out, StartsWith(good + ": 1 rows"));
   CHECK(ran.err == "furcula: " + bad + ":2: no rows after the header row; expected at least one\nfurcula: " +
@@ -191,8 +197,9 @@ TEST_CASE("bad model and map files end with status 3 and one message") {
              Contains(path + ":18: [free] mass_kg = [2, 1.2]") && Contains("expected lower < upper"));
   CHECK_THAT(check_model("1.554", "nan"), Contains(path + ":6: mass_kg = nan; expected a number"));
 
-  const std::string map = folder.file("map.toml", "rig = \"hopper\"\nheight_mm = { column = \"z\" }\n");
-  const test::Ran ran = run_furcula({"check", "--rig", "hopper", "--map", map, log});
+  const std::string map =
+      folder.file("map.toml", "machine_type = \"hopper\"\nheight_mm = { column = \"z\" }\n");
+  const test::Ran ran = run_furcula({"check", "--machine", "hopper", "--map", map, log});
   CHECK(ran.status == 3);
   check_one_message(ran);
   CHECK_THAT(ran.err,

@@ -106,7 +106,8 @@ TEST_CASE("an effect that only robots of several joints have needs no kind") {
   CHECK(one.out == run_furcula({"effects", "load_friction", "--kind", "tree"}).out);
   CHECK_THAT(one.out, Contains("seat        joint") && Contains("ratio, in 1, from 0 to 0.95"));
   CHECK(nlohmann::json::parse(
-            run_furcula({"effects", "load_friction", "--json"}).out)["effects"][0]["seat"] == "joint");
+            run_furcula({"effects", "load_friction", "--json"}).out)["effects"][0]["location_type"] ==
+        "joint");
   CHECK(run_furcula({"effects", "load_friction", "--markdown"}).status == 2);
   CHECK(run_furcula({"effects", "load_friction", "--kind", "rotary_joint"}).status == 2);
   CHECK_THAT(run_furcula({"effects", "load_fricton"}).err, Contains("did you mean 'load_friction'?"));
@@ -124,8 +125,8 @@ TEST_CASE(
   for (const auto& e : all["effects"]) {
     const auto name = e["effect"].get<std::string>();
     INFO(name);
-    CHECK_THAT(trees,
-               Contains("| [`" + name + "`](#" + name + ") | " + e["seat"].get<std::string>() + " | "));
+    CHECK_THAT(trees, Contains("| [`" + name + "`](#" + name + ") | " +
+                               e["location_type"].get<std::string>() + " | "));
     for (const auto& p : e["parameters"])
       CHECK_THAT(trees, Contains("`" + p["name"].get<std::string>() + "`") &&
                             Contains("`" + p["linear_name"].get<std::string>() + "`"));

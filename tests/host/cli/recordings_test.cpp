@@ -99,7 +99,7 @@ TEST_CASE("what a robot's file was taken for is printed when the recordings are 
       "m.toml",
       "[model]\nkind = \"tree\"\nschema = 1\nurdf = \"r.urdf\"\n[free]\n\"damping_nmspr.hip\" = [0.0, 1.0]\n");
   // Its angle without its torque.
-  std::string text = "# rig: tree\ntime_s,angle_hip_rad\n";
+  std::string text = "# machine_type: tree\ntime_s,angle_hip_rad\n";
   for (int i = 0; i < 200; ++i)
     text += std::to_string(1e-2 * i) + "," + std::to_string(0.001 * (i % 50)) + "\n";
   const std::string log = folder.file("a.csv", text), other = folder.file("b.csv", text);

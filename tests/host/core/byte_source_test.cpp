@@ -89,7 +89,7 @@ TEST_CASE("a pipe without a name, as a shell's <(...), is read, though its write
 
 TEST_CASE("the program refuses a FIFO as a log and as a model, with status 3") {
   const Fifo fifo;
-  const test::Ran log = test::run_furcula({"check", "--rig", "hopper", fifo.path}, 20);
+  const test::Ran log = test::run_furcula({"check", "--machine", "hopper", fifo.path}, 20);
   CHECK(log.status == 3);
   CHECK_THAT(log.err, Contains("is a pipe that no program writes to (waited 2 s); expected a log (CSV)"));
   const test::Ran model = test::run_furcula({"sim", "--model", fifo.path, "--out", "/dev/null"}, 20);
@@ -99,7 +99,7 @@ TEST_CASE("the program refuses a FIFO as a log and as a model, with status 3") {
 TEST_CASE("what stands in a log reaches the terminal without its escape sequences") {
   const test::TemporaryFolder folder;
   const std::string path = folder.file("a\x1b[31m.csv", "time_s,he\x1b[2Jight_m\n0,1\n");
-  const test::Ran ran = test::run_furcula({"check", "--rig", "hopper", path});
+  const test::Ran ran = test::run_furcula({"check", "--machine", "hopper", path});
   CHECK(ran.status == 3);
   CHECK(ran.err.find('\x1b') == std::string::npos);
   CHECK_THAT(ran.err, Contains("a\\x1b[31m.csv") && Contains("he\\x1b[2Jight_m"));

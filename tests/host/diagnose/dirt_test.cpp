@@ -109,7 +109,7 @@ TEST_CASE("One row of a hundred at random does no harm") {
   check_friction_named(d);
 }
 
-TEST_CASE("One recording of ten from another machine is said to be, and the rest are diagnosed") {
+TEST_CASE("One recording of ten from another machine_type is said to be, and the rest are diagnosed") {
   Logs logs;
   test::Flight other = kTruth;
   other.friction = 4.0;

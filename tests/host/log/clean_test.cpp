@@ -14,7 +14,7 @@ namespace {
 const std::vector<log::Watched> kWatched{{"angle_rad", true, 2.0 * std::numbers::pi}, {"torque_nm", false}};
 
 std::string text_of(double (*angle)(int), double (*torque)(int), int rows = 400) {
-  std::string text = "# rig: rotary_joint\ntime_s,angle_rad,torque_nm\n";
+  std::string text = "# machine_type: rotary_joint\ntime_s,angle_rad,torque_nm\n";
   for (int i = 0; i < rows; ++i)
     text +=
         std::to_string(0.001 * i) + "," + std::to_string(angle(i)) + "," + std::to_string(torque(i)) + "\n";

@@ -12,7 +12,7 @@ using Catch::Contains;
 namespace {
 
 const std::string kMap =
-    "rig = \"rotary_joint\"\ntime_s = { column = \"time\" }\n"
+    "machine_type = \"rotary_joint\"\ntime_s = { column = \"time\" }\n"
     "angle_rad = { column = \"pos\", scale = 0.5, offset = -1.0 }\ntorque_nm = { column = \"tau\", scale = -2 }\n";
 
 std::string refused(const std::string& text) {
@@ -52,49 +52,51 @@ TEST_CASE("a foreign log that does not suit the map is refused") {
              Contains("a.csv:2: column 'tau' (mapped to 'torque_nm'): 'x' is not a number"));
   CHECK_THAT(refused_log(kMap, "time,pos,tau\n0,1,1e308\n"),
              Contains("column 'tau' (mapped to 'torque_nm'): not finite after the map"));
-  CHECK_THAT(refused_log("rig = \"rotary_joint\"\ntime_s = { column = \"t\", scale = -1 }\n",
+  CHECK_THAT(refused_log("machine_type = \"rotary_joint\"\ntime_s = { column = \"t\", scale = -1 }\n",
                          "t,angle_rad,torque_nm\n0,1,1\n1,1,1\n"),
              Contains("a.csv:3: column 't' (mapped to 'time_s'): -1 s after 0 s"));
-  CHECK_THAT(refused_log("rig = \"hopper\"\ntime_s = { column = \"t\" }\n", "t\n0\n"),
-             Contains("map.toml: rig is 'hopper'; expected rotary_joint"));
+  CHECK_THAT(refused_log("machine_type = \"hopper\"\ntime_s = { column = \"t\" }\n", "t\n0\n"),
+             Contains("map.toml: machine_type is 'hopper'; expected rotary_joint"));
 }
 
 TEST_CASE("a map file that is not strict is refused with its line") {
-  CHECK_THAT(refused("rig = \"hoper\"\n"),
-             Contains("map.toml:1: unknown rig 'hoper'; expected one of hopper") &&
+  CHECK_THAT(refused("machine_type = \"hoper\"\n"),
+             Contains("map.toml:1: unknown machine type 'hoper'; expected one of hopper") &&
                  Contains("did you mean 'hopper'?"));
-  CHECK_THAT(refused("rig = 3\n"), Contains("map.toml:1: rig is 3; expected a string"));
-  CHECK_THAT(refused("rig = \"hopper\"\n"), Contains("map.toml:1: no column is mapped"));
-  CHECK_THAT(refused("rig = \"hopper\"\nheigth_m = { column = \"z\" }\n"),
+  CHECK_THAT(refused("machine_type = 3\n"), Contains("map.toml:1: machine_type is 3; expected a string"));
+  CHECK_THAT(refused("machine_type = \"hopper\"\n"), Contains("map.toml:1: no column is mapped"));
+  CHECK_THAT(refused("machine_type = \"hopper\"\nheigth_m = { column = \"z\" }\n"),
              Contains("map.toml:2: unknown key 'heigth_m'") && Contains("did you mean 'height_m'?"));
-  CHECK_THAT(refused("rig = \"hopper\"\nheight_m = \"z\"\n"),
+  CHECK_THAT(refused("machine_type = \"hopper\"\nheight_m = \"z\"\n"),
              Contains("map.toml:2: height_m is 'z'; expected a table"));
-  CHECK_THAT(refused("rig = \"hopper\"\nheight_m = { scale = 2 }\n"),
+  CHECK_THAT(refused("machine_type = \"hopper\"\nheight_m = { scale = 2 }\n"),
              Contains("map.toml:2: height_m has no key 'column'"));
-  CHECK_THAT(refused("rig = \"hopper\"\nheight_m = { column = \"z\", scal = 2 }\n"),
+  CHECK_THAT(refused("machine_type = \"hopper\"\nheight_m = { column = \"z\", scal = 2 }\n"),
              Contains("unknown key 'scal' in height_m") && Contains("did you mean 'scale'?"));
-  CHECK_THAT(refused("rig = \"hopper\"\nheight_m = { column = \"z\", scale = 0 }\n"),
+  CHECK_THAT(refused("machine_type = \"hopper\"\nheight_m = { column = \"z\", scale = 0 }\n"),
              Contains("map.toml:2: height_m.scale = 0; expected another number than zero"));
-  CHECK_THAT(refused("rig = \"hopper\"\nheight_m = { column = \"z\", offset = nan }\n"),
+  CHECK_THAT(refused("machine_type = \"hopper\"\nheight_m = { column = \"z\", offset = nan }\n"),
              Contains("map.toml:2: height_m.offset = nan; expected a number"));
-  CHECK_THAT(refused("rig = \"hopper\"\nheight_m = { column = \"z\", scale = \"2\" }\n"),
+  CHECK_THAT(refused("machine_type = \"hopper\"\nheight_m = { column = \"z\", scale = \"2\" }\n"),
              Contains("height_m.scale is '2'; expected a number"));
-  CHECK_THAT(refused("rig = \"hopper\"\nheight_m = {\n"), Contains("map.toml:2: no valid TOML"));
+  CHECK_THAT(refused("machine_type = \"hopper\"\nheight_m = {\n"), Contains("map.toml:2: no valid TOML"));
 }
 
 TEST_CASE("a key with control characters does not reach the message as it is") {
   CHECK_THAT(
-      refused("rig = \"tree\"\ntime_s = { column = \"t\" }\n\"angle_\\u001b[2J\\n_rad\" = { column = 1 }\n"),
+      refused(
+          "machine_type = \"tree\"\ntime_s = { column = \"t\" }\n\"angle_\\u001b[2J\\n_rad\" = { column = 1 }\n"),
       Contains("\\x1b[2J\\x0a_rad") && !Contains("\x1b") && !Contains("\n"));
   const log::ColumnMap map = log::parse_column_map(
-      "rig = \"tree\"\ntime_s = { column = \"t\" }\n\"angle_\\n_rad\" = { column = \"gone\" }\n", "map.toml");
+      "machine_type = \"tree\"\ntime_s = { column = \"t\" }\n\"angle_\\n_rad\" = { column = \"gone\" }\n",
+      "map.toml");
   CHECK_THAT(test::error_message([&] { log::parse_log("t,q\n0,1\n1,2\n", "a.csv", "tree", &map); }),
              Contains("'angle_\\x0a_rad'") && !Contains("\n"));
 }
 
 TEST_CASE("a map reads decimal commas between semicolons, and a constant in place of a column") {
   const log::ColumnMap map = log::parse_column_map(
-      "rig = \"rotary_joint\"\nseparator = \";\"\ndecimal = \",\"\ntime_s = { column = \"t\" }\n"
+      "machine_type = \"rotary_joint\"\nseparator = \";\"\ndecimal = \",\"\ntime_s = { column = \"t\" }\n"
       "angle_rad = { column = \"q\", scale = 2 }\ntorque_nm = { value = -0.5 }\n",
       "map.toml");
   const log::Log log =
@@ -114,13 +116,18 @@ TEST_CASE("a foreign log with semicolons or decimal commas is told what the map 
 }
 
 TEST_CASE("a map that contradicts itself is refused") {
-  const std::string rig = "rig = \"hopper\"\n";
+  const std::string rig = "machine_type = \"hopper\"\n";
   CHECK_THAT(refused(rig + "separator = \",\"\ndecimal = \",\"\nheight_m = { column = \"z\" }\n"),
              Contains("expected separator"));
   CHECK_THAT(refused(rig + "separator = \"x\"\nheight_m = { column = \"z\" }\n"), Contains("separator = "));
   CHECK_THAT(refused(rig + "height_m = { value = 0, column = \"z\" }\n"), Contains("a constant alone"));
   CHECK_THAT(refused(rig + "time_s = { value = 0 }\n"), Contains("time_s is a constant"));
   CHECK_THAT(refused(rig + "contact = { value = 0.5 }\n"), Contains("expected 0 or 1"));
+}
+
+TEST_CASE("a map may call the machine type by its earlier name, rig") {
+  CHECK(log::parse_column_map("rig = \"rail_carriage\"\nheight_m = { column = \"z\" }\n", "map.toml").rig ==
+        "rail_carriage");
 }
 
 TEST_CASE("a map without a rig, or with a separator alone, is complete") {
@@ -130,9 +137,10 @@ TEST_CASE("a map without a rig, or with a separator alone, is complete") {
         std::vector<double>{4.0});
   CHECK_THAT(
       test::error_message([&] { log::parse_log("t,height_m\n0,4\n", "a.csv", "rail_carriage", &map); }),
-      Contains("map.toml:1: rig rail_carriage has no column 'angle_rad'; expected one of time_s, height_m"));
+      Contains(
+          "map.toml:1: machine type rail_carriage has no column 'angle_rad'; expected one of time_s, height_m"));
   const log::ColumnMap alone =
-      log::parse_column_map("rig = \"rail_carriage\"\nseparator = \" \"\n", "map.toml");
+      log::parse_column_map("machine_type = \"rail_carriage\"\nseparator = \" \"\n", "map.toml");
   CHECK(
       log::parse_log("  time_s   height_m\n  0 \t  4 \n", "a.csv", "rail_carriage", &alone).at("height_m") ==
       std::vector<double>{4.0});

@@ -56,7 +56,7 @@ TEST_CASE("a file of another kind is called what it is, with what makes a log of
       {"[\n {\"t\": 0}]", "a JSON file", "read_json(\"run.x\")"},
       {"{\"t\": 0}\n{\"t\": 1}\n", "a JSON file", "lines=True"},
       {"[model]\nkind = \"tree\"\n", "a model or a scenario", "--model"},
-      {"rig = \"hopper\"\n", "a map file", "--map"},
+      {"machine_type = \"hopper\"\n", "a map file", "--map"},
   };
   for (const auto& file : kFiles) {
     const std::string message = refused(file.bytes);
@@ -77,7 +77,7 @@ TEST_CASE("a log whose first column or title has the letters of another kind of 
   const std::string rows = "time_s,angle_rad,torque_nm\n0,1,2\n0.001,1,2\n";
   CHECK(log::parse_log("PAR1,time_s,angle_rad,torque_nm\n7,0,1,2\n7,0.001,1,2\n", "a.csv", "rotary_joint")
             .rows() == 2);
-  for (const std::string title : {"[{\"run\": 5}]\n", "<?xml?>\n", "[model]\n", "rig = 5\n"})
+  for (const std::string title : {"[{\"run\": 5}]\n", "<?xml?>\n", "[model]\n", "machine_type = 5\n"})
     CHECK(log::parse_log(title + rows, "a.csv", "rotary_joint").rows() == 2);
 }
 

@@ -32,7 +32,7 @@ std::string refused(const std::string& text, const std::string& rig = "hopper") 
 
 TEST_CASE("a log gives its columns and metadata") {
   const log::Log log = hopper(
-      "# format: furcula-log/1\n# rig: hopper\n# experiment: harmonic-T2.0: 03\n"
+      "# format: furcula-log/1\n# machine_type: hopper\n# experiment: harmonic-T2.0: 03\n"
       "time_s,height_m,velocity_mps,contact,torque_cmd_nm\n"
       "0.000,0.28210,-1.5e-3,1,0\n0.001,0.2822,.5,0,-0.25\n");
   CHECK(log.rig == "hopper");
@@ -47,7 +47,7 @@ TEST_CASE("a log gives its columns and metadata") {
 }
 
 TEST_CASE("a quote in a comment is a character like any other, and the comment one line") {
-  const log::Log log = hopper("# rail: 40\" long\n# rig: hopper\n" + kHeader + "0,0.3,1,0\n");
+  const log::Log log = hopper("# rail: 40\" long\n# machine_type: hopper\n" + kHeader + "0,0.3,1,0\n");
   CHECK(log.metadata.at("rail") == "40\" long");
   CHECK(log.rows() == 1);
 }
@@ -94,7 +94,7 @@ TEST_CASE("numbers at the ends of a double's range are read or refused, never ch
 
 TEST_CASE("a file with nothing in it is refused") {
   CHECK_THAT(refused(""), Contains("a.csv:1: the file is empty; expected a CSV log"));
-  CHECK_THAT(refused("# rig: hopper\n\n"), Contains("a.csv:1: there is no header row; expected"));
+  CHECK_THAT(refused("# machine_type: hopper\n\n"), Contains("a.csv:1: there is no header row; expected"));
   CHECK_THAT(refused(kHeader), Contains("a.csv:2: no rows after the header row; expected at least one"));
   CHECK_THAT(refused(kHeader + "\n\n"), Contains("no rows after the header row"));
 }
@@ -125,7 +125,7 @@ TEST_CASE("a missing required column is refused, and the nearest name shown") {
   CHECK_THAT(
       refused("time_s,contact,torque_cmd_nm\n0,1,0\n"),
       Contains(
-          "a.csv:1: no column 'height_m', which a log of rig hopper must have; the file has time_s, contact"));
+          "a.csv:1: no column 'height_m', which a log of machine type hopper must have; the file has time_s, contact"));
   CHECK_THAT(refused("time_s,hieght_m,contact,torque_cmd_nm\n0,1,1,0\n"),
              Contains("did you mean 'hieght_m'?"));
   CHECK_THAT(refused("time_s|height_m|contact\n0|1|1\n"),
@@ -218,8 +218,11 @@ TEST_CASE("time that stands still or runs backwards is refused") {
 TEST_CASE("metadata that contradicts the reader is refused") {
   CHECK_THAT(refused("# format: furcula-log/2\n" + kHeader + "0,1,0,0\n"),
              Contains("a.csv:1: format is 'furcula-log/2'; expected furcula-log/1"));
+  CHECK_THAT(refused("# x\n# machine_type: motor_axis\n" + kHeader + "0,1,0,0\n"),
+             Contains("a.csv:2: machine_type is 'motor_axis'; expected hopper"));
+  // Its name in earlier logs.
   CHECK_THAT(refused("# x\n# rig: motor_axis\n" + kHeader + "0,1,0,0\n"),
-             Contains("a.csv:2: rig is 'motor_axis'; expected hopper"));
+             Contains("a.csv:2: machine_type is 'motor_axis'; expected hopper"));
 }
 
 TEST_CASE("a header that is not UTF-8 is read as Latin-1 where it names the columns, else refused") {
@@ -532,7 +535,7 @@ TEST_CASE("what separates the columns is seen in the header row, or said by a fi
   for (const std::string separator : {";", "|", "\t", " ", "   ", " \t "})
     check_rail(rail(with_separator(separator)));
   check_rail(rail("sep=:\n" + with_separator(":")));
-  check_rail(rail("\"sep=;\"\r\n# rig: rail_carriage\n" + with_separator(";")));
+  check_rail(rail("\"sep=;\"\r\n# machine_type: rail_carriage\n" + with_separator(";")));
   const log::ColumnMap map = log::parse_column_map("separator = \"\\t\"\n", "map.toml");
   const log::Log log = log::parse_log("sep=;\n" + with_separator("\t"), "a.csv", "rail_carriage", &map);
   check_rail(log);
@@ -553,8 +556,8 @@ TEST_CASE("decimal commas are refused with the two lines of a map that read them
 }
 
 TEST_CASE("a header row in a comment is taken, with a note") {
-  for (const std::string head :
-       {"# time_s,height_m\n", "# rig: rail_carriage\n#time_s, height_m\n", "# time_s,height_m\n# s,m\n"}) {
+  for (const std::string head : {"# time_s,height_m\n", "# machine_type: rail_carriage\n#time_s, height_m\n",
+                                 "# time_s,height_m\n# s,m\n"}) {
     const log::Log log = rail(head + "0,1\n0.001,2\n0.002,3\n");
     check_rail(log);
     CHECK_THAT(log.notes.at(0), Contains("was taken as the header row"));
@@ -632,7 +635,7 @@ TEST_CASE("a column whose name begins as a comment is a column where the map nam
 }
 
 TEST_CASE(
-    "title lines above the header row are left out with a note, and what they say of the rig is heeded") {
+    "title lines above the header row are left out with a note, and what they say of the machine_type is heeded") {
   for (const std::string titles :
        {"Logger v2.1\n", "Test: fall 3\nOperator: me\n\n", "rst:0x1 (POWERON),boot:0x13\nentry 0x400805e4\n",
         "Rail: 40\" long\nDate: today\n", "Test,\nfall,3\n,\n", "[Header]\nrate=1000\n", "\x80\xff boot\n"}) {
@@ -644,9 +647,9 @@ TEST_CASE(
   }
   check_rail(rail("Logger\n# time_s,height_m\n0,1\n0.001,2\n0.002,3\n"));
   check_rail(rail(std::string(2, '\0') + " boot\n" + kRail));
-  const std::string with_rig = "Logger\n# rig: hopper\n" + kRail;
+  const std::string with_rig = "Logger\n# machine_type: hopper\n" + kRail;
   CHECK_THAT(refused(with_rig, "rail_carriage"),
-             Contains("a.csv:2: rig is 'hopper'; expected rail_carriage"));
+             Contains("a.csv:2: machine_type is 'hopper'; expected rail_carriage"));
   test::TemporaryFolder folder;
   CHECK(log::rig_line(folder.file("a.csv", with_rig)) == "hopper");
 }

@@ -15,7 +15,7 @@ namespace {
 log::Log example() {
   return {"a.csv",
           "hopper",
-          {{"experiment", "drop-01"}, {"rig", "hopper"}},
+          {{"experiment", "drop-01"}, {"machine_type", "hopper"}},
           {{"torque_cmd_nm", {0.0, -0.1, 1e300}},
            {"time_s", {0.0, 0.001, 0.3}},
            {"height_m", {0.1, 1.0 / 3.0, std::numeric_limits<double>::denorm_min()}},
@@ -28,7 +28,7 @@ log::Log example() {
 
 TEST_CASE("a log is written in the contract's order with the shortest numbers") {
   CHECK(log::format_log(example()) ==
-        "# format: furcula-log/1\n# rig: hopper\n# experiment: drop-01\n"
+        "# format: furcula-log/1\n# machine_type: hopper\n# experiment: drop-01\n"
         "time_s,height_m,contact,torque_cmd_nm,\"a, \"\"b\"\"\",knee_c\n"
         "0,0.1,1,0,1,20\n0.001,0.3333333333333333,0,-0.1,2,21.5\n0.3,5e-324,0,1e+300,3,22\n");
 }

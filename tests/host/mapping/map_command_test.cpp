@@ -52,7 +52,8 @@ TEST_CASE("a proposed map is one that check takes, and the model's own joint nee
   INFO(checked.err);
   CHECK(checked.status == 0);
   const test::Ran shown = run_furcula({"map", log, "--model", model});
-  CHECK_THAT(shown.out, Contains("angle_rad = { column = \"pos\" }") && Contains("rig = \"rotary_joint\""));
+  CHECK_THAT(shown.out,
+             Contains("angle_rad = { column = \"pos\" }") && Contains("machine_type = \"rotary_joint\""));
 }
 
 TEST_CASE("bad input to map ends with one message and no output") {

@@ -613,12 +613,12 @@ TEST_CASE("What a simulator's block says of a joint, or a spring between links, 
       "The dynamics do not use <turnGravityOff> (no gravity) (42 times, first in line 7) and <tendon> in line 49 of the URDF.");
 }
 
-TEST_CASE("A floating or planar joint in [hold] is told to be held without an entry") {
+TEST_CASE("A floating or planar joint in [locked_joints] is told to be held without an entry") {
   for (const std::string type : {"floating", "planar"}) {
     const std::string text = with(kRobot, "type=\"continuous\"", "type=\"" + type + "\"");
     CHECK_THAT(refused(text, {}, {{"elbow", 0.0}}), Contains("joint 'elbow' is " + type) &&
                                                         Contains("held at 0 without an entry") &&
-                                                        Contains("take it out of [hold]"));
+                                                        Contains("take it out of [locked_joints]"));
     CHECK_THAT(refused(text, {}, {{"elbow", 0.5}}), Contains("into its <origin>"));
   }
 }

@@ -38,7 +38,8 @@ TEST_CASE("Rigs differ by their seed, and recordings among themselves") {
   CHECK(a.weighed_kg != a.truth.parameter("mass_kg"));
 }
 
-TEST_CASE("A drawn rig is identified: what the links do to the mass, what friction does to the damping") {
+TEST_CASE(
+    "A drawn machine_type is identified: what the links do to the mass, what friction does to the damping") {
   for (const std::uint64_t seed : {11u, 12u}) {
     const IdentificationStudy s = run_identification_study(small(seed));
     INFO("seed " << seed);
@@ -82,7 +83,7 @@ TEST_CASE("The document's filter, forwards and back, halves 15 Hz, keeps 2 Hz, a
   }
 }
 
-TEST_CASE("What is switched on a rig is switched, and nothing else is drawn otherwise") {
+TEST_CASE("What is switched on a machine_type is switched, and nothing else is drawn otherwise") {
   const VirtualRig a = draw_rig(1, 3, 2);
   const VirtualRig b =
       draw_rig(1, 3, 2, {.weightless_links = true, .exact_positions = true, .friction_n = 2.5});

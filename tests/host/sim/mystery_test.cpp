@@ -7,7 +7,7 @@
 
 using namespace furcula;
 
-TEST_CASE("a drawn machine is its model with other dampings and exactly one effect") {
+TEST_CASE("a drawn machine_type is its model with other dampings and exactly one effect") {
   for (std::uint64_t seed = 1; seed <= 40; ++seed) {
     CAPTURE(seed);
     const sim::Mystery m = sim::draw_mystery(seed);

@@ -134,20 +134,21 @@ TEST_CASE("a robot is replayed joint by joint, by its own model and by one with 
   CHECK_THAT(first_line(out), Contains("angle_elbow_rad_measured,angle_elbow_rad_predicted"));
 }
 
-TEST_CASE("a log without comments begins with its header row and is read back where the rig is said") {
+TEST_CASE(
+    "a log without comments begins with its header row and is read back where the machine_type is said") {
   const Axis a;
   const std::string out = a.folder.path() + "/plain.csv";
   REQUIRE(run_furcula({"sim", "--model", a.right, "--out", out, "--no-comments"}).status == 0);
   CHECK(first_line(out).starts_with("time_s,position_m"));
   CHECK(text_of(out).find('#') == std::string::npos);
-  CHECK(run_furcula({"check", "--rig", "motor_axis", out}).status == 0);
+  CHECK(run_furcula({"check", "--machine", "motor_axis", out}).status == 0);
   CHECK(run_furcula({"check", "--model", a.right, out}).status == 0);
   const test::Ran untold = run_furcula({"check", out});
   CHECK(untold.status == 3);
-  CHECK_THAT(untold.err, Contains("--rig"));
+  CHECK_THAT(untold.err, Contains("--machine"));
   const std::string with = a.folder.path() + "/with.csv", without = a.folder.path() + "/without.csv";
-  REQUIRE(run_furcula({"convert", out, "--rig", "motor_axis", "--out", with}).status == 0);
-  CHECK_THAT(text_of(with), StartsWith("# format: furcula-log/1\n# rig: motor_axis\n"));
+  REQUIRE(run_furcula({"convert", out, "--machine", "motor_axis", "--out", with}).status == 0);
+  CHECK_THAT(text_of(with), StartsWith("# format: furcula-log/1\n# machine_type: motor_axis\n"));
   REQUIRE(run_furcula({"convert", with, "--out", without, "--no-comments"}).status == 0);
   CHECK(text_of(without) == text_of(out));
 }

@@ -276,7 +276,7 @@ TEST_CASE("An angle that is one value in every row is refused: a dead encoder, o
   for (std::size_t i = 0; i < 2; ++i)
     for (double& angle : logs[i].columns["angle_elbow_rad"]) angle = 0.25;
   CHECK_THAT(refused(test::arm3(), {logs[0], logs[1]}, {logs[2]}),
-             Contains("angle_elbow_rad is 0.25 in every row") && Contains("[hold]"));
+             Contains("angle_elbow_rad is 0.25 in every row") && Contains("[locked_joints]"));
 }
 
 TEST_CASE("Where nothing weighs a robot is diagnosed without its weight") {

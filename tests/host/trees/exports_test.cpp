@@ -231,9 +231,9 @@ TEST_CASE("The URDF with causes at random reads back as the tree that runs with 
   for (const char* name : {"double_pendulum", "arm", "branched"})
     for (int n = 0; n < 30; ++n) {
       const bool holds = n % 3 == 0 && std::string(name) == "branched";
-      trees::Diagnosis d =
-          diagnosis_of(folder, robot(name),
-                       holds ? "joints = [\"waist\", \"left_elbow\"]\n[hold]\nleft_shoulder = 0.4\n" : "");
+      trees::Diagnosis d = diagnosis_of(
+          folder, robot(name),
+          holds ? "joints = [\"waist\", \"left_elbow\"]\n[locked_joints]\nleft_shoulder = 0.4\n" : "");
       for (trees::Drive& drive : d.extended.drives) drive.damping_nmspr = within(0.0, 1.0);
       const auto joint = [&] {
         return static_cast<std::size_t>(within(0.0, static_cast<double>(d.model.joints()) - 1e-9));

@@ -323,9 +323,9 @@ TEST_CASE("What a model file says of joints that the recordings leave out is not
              Contains("[drive.wheel]: no joint 'wheel' that moves") &&
                  Contains("joints in [model] does not name it"));
   CHECK_THAT(test::error_message([&] {
-               model_of({"a", "wheel"}, {}, "[hold]\nwheel = 0.1\n" + more);
+               model_of({"a", "wheel"}, {}, "[locked_joints]\nwheel = 0.1\n" + more);
              }),
-             Contains("it is in [hold]"));
+             Contains("it is in [locked_joints]"));
   CHECK_THAT(test::error_message([&] {
                model_of({"a", "wheel"}, {{}, angles({"a"}), false}, "[drive.wheel]\ndamp = 0.1\n");
              }),
@@ -355,12 +355,12 @@ TEST_CASE("Of a joint that is held the range is told that the recordings have it
   REQUIRE(notes.size() == 2);
   CHECK_THAT(notes[0],
              Contains("Joint 'f' is held at 0 rad, and the recordings have it from -0.2 to 0.4 rad") &&
-                 Contains("'angle_f_rad' is not used") && Contains("write f = 0.1 in [hold]") &&
+                 Contains("'angle_f_rad' is not used") && Contains("write f = 0.1 in [locked_joints]") &&
                  Contains("take the <mimic> of 'g' out of the URDF"));
   CHECK_THAT(notes[1], Contains("its <mimic> of 'f' out of the URDF"));
-  const trees::TreeModel chosen = model_of({"a", "f"}, {}, "joints = [\"a\"]\n[hold]\nf = 0.25\n");
+  const trees::TreeModel chosen = model_of({"a", "f"}, {}, "joints = [\"a\"]\n[locked_joints]\nf = 0.25\n");
   CHECK_THAT(trees::notes_on_held(chosen, {&log}).at(0),
-             Contains("held at 0.25 rad") && Contains("correct it in [hold]"));
+             Contains("held at 0.25 rad") && Contains("correct it in [locked_joints]"));
   CHECK(trees::notes_on_held(model_of({"a", "f"}, {}), {&log}).empty());
   const log::Log without = log_of({"a"});
   CHECK(trees::notes_on_held(m, {&without}).empty());

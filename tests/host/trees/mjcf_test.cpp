@@ -114,7 +114,7 @@ log::Log recorded(const std::string& file, const std::vector<std::string>& joint
     }
   std::ostringstream text;
   text.precision(12);
-  text << "# format: furcula-log/1\n# rig: tree\n# robot: r\ntime_s";
+  text << "# format: furcula-log/1\n# machine_type: tree\n# robot: r\ntime_s";
   for (const std::string& j : joints) text << ",angle_" << j << "_rad,torque_cmd_" << j << "_nm";
   text << "\n";
   std::vector<std::size_t> in_qpos, in_qvel;

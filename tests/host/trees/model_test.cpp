@@ -27,7 +27,7 @@ gravity_mps2 = [0.0, 1.5, -9.7]
 [drive]
 damping_nmspr = 0.2
 [drive.left_elbow]
-law = "position"
+control_mode = "position"
 kp_nmprad = 30.0
 kd_nmsprad = 1.25
 rotor_inertia_kgm2 = 0.01
@@ -94,6 +94,19 @@ TEST_CASE("A tree's model file says joints, gravity, drives, free parameters and
   }
 }
 
+TEST_CASE("Keys of an earlier version are read, and written by their present names") {
+  const trees::TreeModel m =
+      test::pendulum("[drive]\nlaw = \"torque\"\n[drive.hinge]\nlaw = \"position\"\nkp_nmprad = 3.0\n");
+  CHECK(m.drives[0].law == DriveLaw::position);
+  CHECK_THAT(trees::format_tree_model(m, "pendulum.urdf"),
+             Contains("control_mode = \"position\"") && !Contains("law ="));
+  const trees::TreeModel held =
+      test::robot("model/robots/branched.urdf", "joints = [\"left_shoulder\"]\n[hold]\nleft_elbow = 0.5\n");
+  CHECK(held.hold.at("left_elbow") == 0.5);
+  CHECK_THAT(trees::format_tree_model(held, "branched.urdf"), Contains("[locked_joints]\nleft_elbow = 0.5"));
+  CHECK_THAT(refused("[drive]\nlaw = \"torqe\"\n"), Contains("control_mode = 'torqe'"));
+}
+
 TEST_CASE("A drive's damping is the URDF's where the model file does not say another") {
   CHECK(test::pendulum().drives[0].damping_nmspr == 0.02);
   CHECK(test::pendulum("[drive]\nrotor_inertia_kgm2 = 0.1\n").drives[0].damping_nmspr == 0.02);
@@ -124,10 +137,11 @@ TEST_CASE("A cause at several sites is written as one a site") {
   CHECK(back.causes[0].sites != back.causes[1].sites);
 }
 
-TEST_CASE("Joints that do not move are held where [hold] says") {
+TEST_CASE("Joints that do not move are held where [locked_joints] says") {
   // The elbow at 0.3 rad puts the lower rod and its weight elsewhere in the upper rod's frame.
   const trees::TreeModel straight = test::double_pendulum("joints = [\"shoulder\"]\n"),
-                         bent = test::double_pendulum("joints = [\"shoulder\"]\n[hold]\nelbow = 0.3\n");
+                         bent =
+                             test::double_pendulum("joints = [\"shoulder\"]\n[locked_joints]\nelbow = 0.3\n");
   REQUIRE(bent.joints() == 1);
   CHECK(bent.hold.at("elbow") == 0.3);
   CHECK(bent.robot.model.body(0).mass_kg == Approx(0.56 + 0.4 + 0.25));
@@ -138,9 +152,9 @@ TEST_CASE("Joints that do not move are held where [hold] says") {
   const trees::TreeModel back =
       trees::parse_tree_model(trees::format_tree_model(bent, "double_pendulum.urdf"), bent.file);
   CHECK(back.robot.model.body(0).moment_kgm.x == after);
-  CHECK_FALSE(refused("joints = [\"left_elbow\"]\n[hold]\nleft_elbow = 0.1\n").empty());
-  CHECK_THAT(refused("[hold]\nno_such = 0.1\n"), Contains("no_such"));
-  CHECK_THAT(refused("[hold]\nleft_elbow = \"up\"\n"), Contains("[hold] left_elbow"));
+  CHECK_FALSE(refused("joints = [\"left_elbow\"]\n[locked_joints]\nleft_elbow = 0.1\n").empty());
+  CHECK_THAT(refused("[locked_joints]\nno_such = 0.1\n"), Contains("no_such"));
+  CHECK_THAT(refused("[locked_joints]\nleft_elbow = \"up\"\n"), Contains("[locked_joints] left_elbow"));
 }
 
 TEST_CASE("A tree's model file is refused with file, line and what was expected") {

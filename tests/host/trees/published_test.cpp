@@ -252,7 +252,7 @@ std::string recording(const Raw& robot, Words columns) {
     for (const Raw::Joint& j : robot.joints)
       if (j.can_move()) columns.push_back(j.name);
   std::ostringstream out;
-  out << "# rig: tree\ntime_s";
+  out << "# machine_type: tree\ntime_s";
   for (const std::string& name : columns) {
     const auto joint = std::find_if(robot.joints.begin(), robot.joints.end(),
                                     [&](const Raw::Joint& j) { return j.name == name; });

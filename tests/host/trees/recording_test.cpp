@@ -42,7 +42,7 @@ std::string refused(const log::Log& log, const std::string& settings = "") {
 
 TEST_CASE("A tree's log has columns by the joints' names, and keeps others") {
   const log::Log log = log::parse_log(
-      "# rig: tree\ntime_s,angle_knee_rad,torque_cmd_knee_nm,torque_knee_nm,position_lift_m,force_lift_n,temp,current_knee_a\n"
+      "# machine_type: tree\ntime_s,angle_knee_rad,torque_cmd_knee_nm,torque_knee_nm,position_lift_m,force_lift_n,temp,current_knee_a\n"
       "0,0.1,1,2,0.3,4,30,0.5\n0.01,0.2,1,2,0.3,4,31,0.5\n",
       "a.csv", "tree");
   CHECK(log.rig == "tree");
@@ -79,14 +79,14 @@ TEST_CASE("Torn and foreign tree logs are refused with file and line") {
                Contains("no finite number in 1 of 1 rows, the first in line 2"));
   }
   CHECK_THAT(refused_log("time_s,angle_knee_rad\n0,1\n0,1\n"), Contains("a.csv:3"));
-  CHECK_THAT(refused_log("# rig: hopper\ntime_s,angle_knee_rad\n0,1\n"),
-             Contains("rig is 'hopper'; expected tree"));
+  CHECK_THAT(refused_log("# machine_type: hopper\ntime_s,angle_knee_rad\n0,1\n"),
+             Contains("machine_type is 'hopper'; expected tree"));
   CHECK_THAT(refused_log("time_s,angle_knee_rad,angle_knee_rad\n0,1,1\n"), Contains("stands twice"));
 }
 
 TEST_CASE("A map file makes a tree's columns of foreign ones") {
   const log::ColumnMap map = log::parse_column_map(
-      "rig = \"tree\"\ntime_s = { column = \"t\" }\nangle_knee_rad = { column = \"knee_deg\", scale = 0.0174532925199433 }\n"
+      "machine_type = \"tree\"\ntime_s = { column = \"t\" }\nangle_knee_rad = { column = \"knee_deg\", scale = 0.0174532925199433 }\n"
       "torque_knee_nm = { column = \"tau\" }\n",
       "map.toml");
   const log::Log log = log::parse_log("t,knee_deg,tau\n0,180,1\n0.1,90,2\n", "a.csv", "tree", &map);
@@ -94,7 +94,8 @@ TEST_CASE("A map file makes a tree's columns of foreign ones") {
   CHECK(log.at("angle_knee_rad")[1] == Approx(M_PI_2));
   CHECK(log.at("torque_knee_nm") == std::vector<double>{1.0, 2.0});
   CHECK_THAT(test::error_message([] {
-               log::parse_column_map("rig = \"tree\"\nangel_knee_rad = { column = \"q\" }\n", "map.toml");
+               log::parse_column_map("machine_type = \"tree\"\nangel_knee_rad = { column = \"q\" }\n",
+                                     "map.toml");
              }),
              Contains("map.toml:2: unknown key 'angel_knee_rad'"));
 }

@@ -21,11 +21,11 @@ using walk::WalkMode;
 
 namespace {
 
-GaitTask task_of(WalkMode mode, std::optional<double> speed_mps, double both_s = 0.0) {
+GaitTask task_of(WalkMode mode, std::optional<double> speed_mps, double double_support_s = 0.0) {
   GaitTask task;
   task.mode = mode;
   task.speed_mps = speed_mps;
-  task.both_s = both_s;
+  task.double_support_s = double_support_s;
   return task;
 }
 
@@ -169,7 +169,7 @@ TEST_CASE("the standing foot of a gait stays put, the other one lands flat and a
   const GaitPhase& step = active().gait.phases.back();
   const Foot lands = foot_of(moment(step, step.duration_s, WalkMode::active), kRight);
   CHECK(lands.at_m.x == Approx(active().gait.step_m).margin(1e-7));
-  CHECK(lands.at_m.y == Approx(-active().gait.wide_m).margin(1e-7));
+  CHECK(lands.at_m.y == Approx(-active().gait.step_width_m).margin(1e-7));
   CHECK(lands.at_m.z == Approx(0.09).margin(1e-7));
   CHECK(lands.rotation.z.z == Approx(1.0).margin(1e-9));
   CHECK(most_of(lands.v_mps) < 1e-6);
@@ -185,7 +185,7 @@ TEST_CASE("both feet of a gait stay where they are while both stand") {
   for (int k = 0; k <= 20; ++k) {
     const Foot f = foot_of(moment(both, both.duration_s * k / 20, WalkMode::active), kRight);
     CHECK(f.at_m.x == Approx(on_both_feet().gait.step_m).margin(2e-4));
-    CHECK(f.at_m.y == Approx(-on_both_feet().gait.wide_m).margin(2e-4));
+    CHECK(f.at_m.y == Approx(-on_both_feet().gait.step_width_m).margin(2e-4));
     CHECK(f.at_m.z == Approx(0.09).margin(2e-4));
     CHECK(most_of(f.v_mps) < 5e-3);
   }
@@ -197,7 +197,7 @@ TEST_CASE("a gait's end is its beginning in a mirror, a step further") {
     const Moment begin = moment(phases.front(), 0.0, WalkMode::active),
                  end = moment(phases.back(), phases.back().duration_s, WalkMode::active);
     const auto mirror = [](const Vec3<double>& v) { return Vec3<double>{v.x, -v.y, v.z}; };
-    const Vec3<double> foot{found->gait.step_m, -found->gait.wide_m, 0.0};
+    const Vec3<double> foot{found->gait.step_m, -found->gait.step_width_m, 0.0};
     CHECK(most_of(mirror(end.state.position_m - foot) - begin.state.position_m) < 1e-6);
     CHECK(most_of(mirror(end.state.v_mps) - begin.state.v_mps) < 1e-6);
     // Angular velocities are mirrored the other way.
@@ -288,7 +288,7 @@ TEST_CASE("a robot that stands still gives targets that its drives hold it with"
   // Both legs for ever in a posture, as if it were a step.
   const Description robot = design();
   walk::Gait still;
-  still.wide_m = 0.18;
+  still.step_width_m = 0.18;
   GaitPhase phase;
   phase.duration_s = 1.0;
   for (std::size_t i = 0; i < kJoints; ++i) {

@@ -46,7 +46,7 @@ TEST_CASE(
   CHECK(j["method"] == "cmaes");
   CHECK(j["found"] == true);
   CHECK(j["limits"].empty());
-  CHECK(j["evidence"]["steps"].size() == 4);
+  CHECK(j["robustness"]["steps"].size() == 4);
   const double total = j["energy_j"]["total"], copper = j["energy_j"]["copper"], work = j["energy_j"]["work"];
   CHECK(total == Approx(copper + work + 1000.0));
   CHECK(j["cot"].get<double>() == Approx(total / (49.8 * 9.8 * j["distance_m"].get<double>())));
@@ -73,7 +73,7 @@ TEST_CASE(
   CHECK(sim.status == 0);
   std::ifstream file(log);
   const std::string text(std::istreambuf_iterator<char>(file), {});
-  CHECK_THAT(text, Contains("# rig: tree") && Contains("angle_cmd_left_hip_pitch_rad") &&
+  CHECK_THAT(text, Contains("# machine_type: tree") && Contains("angle_cmd_left_hip_pitch_rad") &&
                        Contains("contact_right_foot"));
   CHECK(std::count(text.begin(), text.end(), '\n') > 1000);
 }

@@ -33,7 +33,7 @@ TEST_CASE("furcula walk gait writes a gait's figures and a walk to start a searc
   CHECK(j["step_m"].get<double>() == Approx(0.3 * j["duration_s"].get<double>()));
   CHECK(j["energy_j"]["total"].get<double>() ==
         Approx(49.8 * 9.8 * j["step_m"].get<double>() * j["cot"].get<double>()));
-  CHECK(j["most"]["torque_nm"]["is"].get<double>() <= 80.0);
+  CHECK(j["max"]["torque_nm"]["is"].get<double>() <= 80.0);
   CHECK(walk::read_walk(out + "/walk.toml").robot == "furcula_biped");
 }
 

@@ -1,5 +1,5 @@
-// How high and how fast the robot may get at most, whatever its parameters: the torque is held back before, and
-// what is measured must go with the parameters. The figures are the image's; no parameter moves them.
+// Limits of the robot's height and speed that hold for all parameters: the torque is reduced before they are reached,
+// and measurements must agree with the parameters. The figures are built into the image; no parameter changes them.
 #pragma once
 
 #include <cstdint>
@@ -12,77 +12,84 @@
 
 namespace furcula::control {
 
-/// Of the robot that an image is built for; the defaults are the robot's of document 002.
+/// Limits for the robot that an image is built for; the defaults are for the robot of document 002.
 struct EnvelopeConfig {
-  float mass_kg = 1.5f;             ///< of all that hops; too small is safe: the torque is held back earlier
-  float straight_leg_rad = 0.349f;  ///< the leg's angle on its stop
-  float gravity_mps2 = 9.81f;
-  /// Highest that a hop may be planned to go: half of the rail, less what the body goes on in a few ticks; m.
+  float mass_kg =
+      1.5f;  ///< of all that hops; a value that is too small is safe: the torque is reduced earlier
+  float straight_leg_rad = 0.349f;  ///< leg angle on the stop
+  float gravity_mps2 = 9.81f;       ///< acceleration of gravity along the rail, positive downwards
+  /// Greatest planned apex: half of the rail, less the travel of the body in a few ticks; m.
   float apex_max_m = 0.70f;
-  /// With which the body may be planned to land, m/s. A robot whose encoder's scale is wrong by as much as is not
-  /// found (see flight_tolerance) lands with a quarter more, and stays below the 3 m/s of docs/safety.md.
+  /// Greatest planned speed of the body at touch-down, m/s. A robot whose encoder scale has the largest error that is
+  /// not detected (see flight_tolerance) lands a quarter faster, and stays below the 3 m/s of docs/safety.md.
   float touchdown_speed_max_mps = 2.6f;
-  /// Beyond this the torque was not held back, or does not do what it is told: a fault; m/s, m.
+  /// Touch-down speed whose ballistic apex is a fault: the torque was not reduced, or the drive does not follow its
+  /// command; m/s.
   float speed_fault_mps = 2.85f;
-  float apex_fault_m = 0.73f;
-  /// The hip at 0.10 m: what folds further has fallen. A ceiling of leg_angle_max_rad.
+  float apex_fault_m = 0.73f;  ///< ballistic apex that is a fault in any case
+  /// The hip at 0.10 m: a leg that folds further has collapsed. A ceiling of leg_angle_max_rad.
   float leg_angle_max_rad = 1.22f;
-  /// Before the first flight has shown that the height's scale is right, a hop gets no more than this, J.
+  /// Work that the motor may put in before a flight has confirmed the scale of the height encoder, J.
   float unproven_work_j = 2.5f;
   float torque_max_nm = 20.0f;  ///< a ceiling of torque_limit_nm
-  float unsupported_torque_max_nm =
-      4.0f;  ///< with a switch that is open for longer than it bounces, but for the leg's path
+  /// Largest torque magnitude while the switch is open for longer than it bounces, except when the leg is moved along
+  /// its path.
+  float unsupported_torque_max_nm = 4.0f;
   /// A leg that swings faster in flight is not driven further in its direction, rad/s.
   float leg_rate_max_radps = 16.0f;
   float toe_speed_max_mps = 2.5f;  ///< a toe that comes down so fast is not driven further down
   /// Share by which a flight's mean deceleration may differ from gravity: friction and a slope are within.
   float flight_tolerance = 0.25f;
-  float flight_noise_mps = 0.1f;
-  /// A spring that is bent by no more than that holds 0.3 J beyond the straight leg's, rad.
+  float flight_noise_mps = 0.1f;  ///< velocity that is added to flight_tolerance for the noise of the encoder
+  /// A leg that is flexed by no more than this beyond the stop stores at most 0.3 J more than the straight leg, rad.
   float nearly_straight_rad = 0.25f;
-  float straight_tolerance_m = 0.02f;  ///< of the leg on its stop against the touch-down height
-  /// By which the spring of a stance may be stiffer or softer than its parameter.
+  float straight_tolerance_m = 0.02f;  ///< by which a leg may measure longer than the touch-down height
+  /// Factor by which the spring's energy in a stance may differ from that of the parameters, either way.
   float spring_factor = 2.0f;
-  /// The weight bends the robot's spring by more. One that is taken to be stiffer is pushed against with all that the
-  /// motor has, before a stance can tell.
+  /// The weight deflects the robot's spring by more than this. A spring that is configured stiffer would make the motor
+  /// push with its full torque before a stance can show the error.
   float least_sag_m = 0.005f;
-  /// By which a leg folds on while its angle is on the way: some ticks of a fall.
+  /// By which a leg folds further while its angle is transmitted: some ticks of a fall.
   float late_angle_rad = 0.05f;
 };
 
+/// State of watch_envelope() and hold_back() between two ticks. On the clutch's bench watch_bench() uses it.
 struct EnvelopeState {
   bool running = false;           ///< there was a tick before this one
-  bool rises = false;             ///< the body, since it last sank
-  bool has_stood = false;         ///< a flight began with a lift-off
-  bool above = true;              ///< in this flight the body was nowhere lower than a straight leg
-  bool proven = false;            ///< a flight has shown that heights are what they are taken for
-  std::uint8_t untold = 0;        ///< flights running that could have and did not
-  std::uint8_t beyond_ticks = 0;  ///< running: outside
+  bool rises = false;             ///< the body moves up, or has not moved down since it last did
+  bool has_stood = false;         ///< the switch has been closed; on the bench: the switch on the first tick
+  bool above = true;              ///< in this flight the body was never lower than a straight leg
+  bool proven = false;            ///< a flight has confirmed the scale of the height encoder
+  std::uint8_t untold = 0;        ///< flights in a row that were long enough to confirm it and did not
+  std::uint8_t beyond_ticks = 0;  ///< ticks in a row outside of the envelope
   float reference_m = 0.0f;       ///< height of the last apex
-  float work_j = 0.0f;            ///< of the motor since; negative: taken out
-  float flight_work_j = 0.0f;     ///< of the motor since the switch opened
-  float landed_m = 0.0f;          ///< apex that height and velocity said when the switch closed
-  float stance_work_j = 0.0f;     ///< of the motor since then
-  float highest_m = 0.0f;         ///< since the body last sank
-  float torque_nm = 0.0f;         ///< of the last tick
-  float last_angle_rad = 0.0f, rate_radps = 0.0f;
-  std::uint32_t open_ticks = 0;              ///< of the switch
-  float first_mps = 0.0f, last_mps[4] = {};  ///< in this flight; the last ones every ten ticks
+  float work_j = 0.0f;            ///< work of the motor since that apex; negative: taken out
+  float flight_work_j = 0.0f;     ///< work of the motor since the switch opened
+  float landed_m = 0.0f;          ///< ballistic apex when the switch closed; 0 where the leg landed bent
+  float stance_work_j = 0.0f;     ///< work of the motor since the switch closed
+  float highest_m = 0.0f;         ///< greatest height since the body began to rise
+  float torque_nm = 0.0f;         ///< torque that hold_back() returned on the last tick
+  float last_angle_rad = 0.0f,    ///< leg angle on the last tick; on the bench: on the first tick
+      rate_radps = 0.0f;          ///< rate of the leg angle over the last tick
+  std::uint32_t open_ticks = 0;   ///< ticks in a row with the switch open; on the bench: first height count
+  float first_mps = 0.0f,         ///< velocity in this flight, 25 ticks after the switch opened
+      last_mps[4] = {};           ///< velocities in this flight at each tenth tick, the newest first
 };
 
-/// What one tick of it sees. Lengths and heights are as the parameters have them.
+/// Inputs of one tick of the envelope. Lengths and heights follow from the parameters.
 struct EnvelopeView {
-  float height_m = 0.0f;
-  float velocity_mps = 0.0f;
-  float leg_angle_rad = 0.0f;
-  float leg_m = 0.0f;
-  float lever_m = 0.0f;  ///< of the leg's length over its angle
-  float touchdown_height_m = 0.0f;
-  bool contact_reading = false;
-  float spring_npm = 0.0f, spring_rest_m = 0.0f;  ///< 0: not known, or not caught
+  float height_m = 0.0f;            ///< body above the ground
+  float velocity_mps = 0.0f;        ///< of the body, positive upwards
+  float leg_angle_rad = 0.0f;       ///< from the vertical; grows as the leg folds
+  float leg_m = 0.0f;               ///< length of the leg, 2 L cos(leg angle)
+  float lever_m = 0.0f;             ///< decrease of the leg's length per angle, 2 L sin(leg angle); m/rad
+  float touchdown_height_m = 0.0f;  ///< height of the body when the straight leg meets the ground
+  bool contact_reading = false;     ///< switch before debouncing; without a switch the contact observer
+  float spring_npm = 0.0f,          ///< stiffness along the leg; 0: not known, or not caught
+      spring_rest_m = 0.0f;         ///< leg length at which the spring is relaxed; 0 likewise
 };
 
-/// The height whose fall is as fast as the touch-down may be, and no higher than the apex may.
+/// Height from which a fall reaches `speed_mps` at touch-down, but at most `apex_m`; m.
 inline float highest_m(const EnvelopeConfig& c, float touchdown_height_m, float speed_mps, float apex_m) {
   const float by_speed_m = touchdown_height_m + speed_mps * speed_mps / (2.0f * c.gravity_mps2);
   return by_speed_m < apex_m ? by_speed_m : apex_m;
@@ -93,16 +100,16 @@ inline float ballistic_apex_m(const EnvelopeConfig& c, float height_m, float vel
   return height_m + velocity_mps * velocity_mps / (2.0f * c.gravity_mps2);
 }
 
-/// Apex that the robot reaches at most with no more torque, m: all of the motor's work since the last apex, with
-/// nothing lost, and all that the spring holds of it; or what height and velocity say.
+/// Highest apex that the robot can reach without further torque, m: the last apex with all of the motor's work since
+/// then and no losses, or the ballistic apex if that is higher.
 inline float predicted_apex_m(const EnvelopeConfig& c, const EnvelopeState& s, const EnvelopeView& view) {
   const float by_work_m = s.reference_m + s.work_j / (c.mass_kg * c.gravity_mps2);
   const float by_motion_m = ballistic_apex_m(c, view.height_m, view.velocity_mps);
   return by_work_m > by_motion_m ? by_work_m : by_motion_m;
 }
 
-/// Largest amplitude of a torque over a stance: in one half of it, from the straight leg to the deepest fold, the
-/// motor must not give more than the highest hop has at touch-down. No robot loses as much in the other half.
+/// Largest amplitude of a torque profile, N m: in one half of a stance, from the straight leg to the deepest fold, the
+/// motor must not put in more energy than the highest hop has at touch-down. No robot loses as much in the other half.
 inline float amplitude_max_nm(const EnvelopeConfig& c, ProfileShape shape) {
   constexpr float kMeanOfSine = 0.636619772f;  // over half a turn, 2 / pi
   const float landing_j = 0.5f * c.mass_kg * c.touchdown_speed_max_mps * c.touchdown_speed_max_mps;
@@ -110,7 +117,8 @@ inline float amplitude_max_nm(const EnvelopeConfig& c, ProfileShape shape) {
   return shape == ProfileShape::harmonic ? constant_nm / kMeanOfSine : constant_nm;
 }
 
-/// Whether the robot may be asked for that torque at all: what is more would be held back in every stance.
+/// Whether the profile, limited to `torque_limit_nm`, stays within amplitude_max_nm(): a larger torque would be reduced
+/// in every stance.
 inline bool fits(const EnvelopeConfig& c, const TorqueProfileConfig& torque, float torque_limit_nm) {
   const float asked_nm = torque.amplitude_nm < 0.0f ? -torque.amplitude_nm : torque.amplitude_nm;
   const float most_nm = asked_nm < torque_limit_nm ? asked_nm : torque_limit_nm;
@@ -119,9 +127,9 @@ inline bool fits(const EnvelopeConfig& c, const TorqueProfileConfig& torque, flo
 
 namespace envelope_parts {
 
-/// A flight from 25 ms after the switch opened until 30 ms or more before it closed: how much slower did its body get?
-/// The switch may be 10 ms early or late, and bounce; a hop of less than 4 cm is mostly that. A body that went on being
-/// low says that the switch is wrong, and nothing of the scale.
+/// Compares the change of velocity in a flight with gravity, from 25 ms after the switch opened until 30 ms or more
+/// before it closed. @returns parameters_implausible or none. The switch may be 10 ms early or late, and bounce; a hop of
+/// less than 4 cm is mostly that. A body that stays low shows that the switch is wrong, and nothing of the scale.
 inline Fault judge_flight(const EnvelopeConfig& c, EnvelopeState& s, const EnvelopeView& view, float dt_s) {
   constexpr std::uint32_t kSettled = 25, kEvery = 10, kShortest = 150;
   constexpr float kGroundM = 0.035f;  // that is lower than it was
@@ -154,7 +162,8 @@ inline Fault judge_flight(const EnvelopeConfig& c, EnvelopeState& s, const Envel
   return differs_mps > most_mps || differs_mps < -most_mps ? Fault::parameters_implausible : Fault::none;
 }
 
-/// At the lowest point all energy is the spring's. Losses make it seem softer, never stiffer.
+/// Compares the spring's energy by the parameters with the energy balance at the lowest point of a stance. Losses make
+/// the spring seem softer, never stiffer. @returns parameters_implausible or none.
 inline Fault judge_spring(const EnvelopeConfig& c, const EnvelopeState& s, const EnvelopeView& view) {
   constexpr float kBentM = 0.02f;
   const float stretch_m = view.spring_rest_m - view.leg_m;
@@ -175,8 +184,8 @@ inline Fault judge_spring(const EnvelopeConfig& c, const EnvelopeState& s, const
 
 }  // namespace envelope_parts
 
-/// No leg is longer than the straight one that touches down. For every tick, also of a robot that stands and waits.
-/// The angle may err for a tick or two.
+/// A leg that is longer than the straight one for three ticks is parameters_implausible. For every tick, also of a robot
+/// that does not run. `longer_ticks` is the state: ticks in a row.
 inline Fault watch_leg(const EnvelopeConfig& c, std::uint32_t& longer_ticks, const EnvelopeView& view) {
   constexpr std::uint32_t kTicks = 3;
   const bool longer = view.leg_m > view.touchdown_height_m + c.straight_tolerance_m;
@@ -184,8 +193,8 @@ inline Fault watch_leg(const EnvelopeConfig& c, std::uint32_t& longer_ticks, con
   return longer_ticks >= kTicks ? Fault::parameters_implausible : Fault::none;
 }
 
-/// On the clutch's bench there is neither leg nor rail nor toe: where one of them moves, the parameter
-/// on_bench is wrong. One tick; counts in `height_count`.
+/// One tick on the clutch's bench, where there is neither leg nor rail nor toe: if one of them moves, the parameter
+/// on_bench is wrong. @returns parameters_implausible or none.
 inline Fault watch_bench(EnvelopeState& s, const Sample& sample) {
   constexpr float kTurnedRad = 0.05f;
   constexpr std::int32_t kMovedCounts = 200;
@@ -252,8 +261,9 @@ inline Fault watch_envelope(const EnvelopeConfig& c, EnvelopeState& s, const Env
   return found;
 }
 
-/// The torque that may be commanded of the one that is wanted: one that takes energy out always, one that puts
-/// energy in fades over the last 5 cm below the highest apex. To be called on each tick, after all other limits.
+/// Reduces `wanted_nm` to the torque that may be commanded, N m: a torque that takes energy out passes, one that puts
+/// energy in fades over the last 5 cm below the highest apex. Call it on each tick, after all other limits.
+/// `drives_leg`: the motor moves the leg along its path.
 inline float hold_back(const EnvelopeConfig& c, EnvelopeState& s, const EnvelopeView& view, bool drives_leg,
                        float wanted_nm) {
   constexpr float kFadesM = 0.05f, kFadesRad = 0.15f, kStandsMps = 1.0f;

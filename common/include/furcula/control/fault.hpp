@@ -9,8 +9,8 @@
 
 namespace furcula::control {
 
-/// Numbers are stable: logs and telemetry carry them. Of several faults on one tick the one that
-/// find_fault() (supervisor.hpp) looks for first is reported.
+/// Reason for the safe state; meanings and remedies: kFaults. Numbers are stable: logs and telemetry carry them. Of
+/// several faults on one tick the one that find_fault() (supervisor.hpp) looks for first is reported.
 enum class Fault : std::uint8_t {
   none = 0,
   bad_configuration = 1,
@@ -49,14 +49,16 @@ enum class Fault : std::uint8_t {
   imu_implausible = 34,
 };
 
+/// A row of the table of faults.
 struct FaultInfo {
-  Fault fault;
-  std::string_view name;
-  std::string_view meaning;
-  std::string_view remedy;  ///< what a person should do
+  Fault fault;               ///< its number is the row's index
+  std::string_view name;     ///< as in logs and telemetry; the enumerator's
+  std::string_view meaning;  ///< what is wrong, one sentence
+  std::string_view remedy;   ///< what a person should do
 };
 
-inline constexpr std::size_t kFaultCount = 35;
+inline constexpr std::size_t kFaultCount = 35;  ///< faults, with `none`
+/// The table of faults, in the order of their numbers. docs/safety.md is generated from it.
 inline constexpr std::array<FaultInfo, kFaultCount> kFaults{{
     {Fault::none, "none", "No fault.", "Nothing."},
     {Fault::bad_configuration, "bad_configuration",
@@ -153,6 +155,7 @@ inline constexpr std::array<FaultInfo, kFaultCount> kFaults{{
      "Check that it is screwed on and which way, its supply and its range; then reset."},
 }};
 
+/// The row of a fault, which must be an enumerator.
 constexpr const FaultInfo& info(Fault fault) { return kFaults[static_cast<std::size_t>(fault)]; }
 
 static_assert(
