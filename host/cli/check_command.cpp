@@ -69,7 +69,7 @@ void print(const std::string& file, const log::LogSummary& s) {
   for (const std::string& column : s.ignored_columns)
     std::cerr << path << ": note: column " << core::quoted(column)
               << " is not of this machine type and not numeric: ignored\n";
-  if (!s.refused.empty()) std::cout << core::printable(log::in_words(s.refused, s.refused_rows)) << "\n";
+  if (!s.refused.empty()) std::cout << core::printable(log::in_words(s.refused, s.rejected_rows)) << "\n";
   for (const auto* notes : {&s.notes, &s.stamps.notes, &s.stamps.remarks})
     for (const std::string& note : *notes) std::cout << core::printable(note) << "\n";
   if (!s.last_row_ends)

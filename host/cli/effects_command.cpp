@@ -103,7 +103,8 @@ void print_text(const EffectInfo& e, std::optional<Kind> kind) {
             << (has_phases(kind) ? ", " + std::string(e.phase) : "") << "\n  kinds       " << kind_list(e)
             << "\n";
   if (const auto on_tree = trees::effect_named(e.name); on_tree && !kind)
-    std::cout << "  on a tree   seat " << trees::name(trees::info(*on_tree).seat) << " (--kind tree)\n";
+    std::cout << "  on a tree   location type " << trees::name(trees::info(*on_tree).seat)
+              << " (--kind tree)\n";
   for (const auto& p : e.parameters())
     std::cout << "  parameter   " << name_text(p, e, kind) << ", in " << unit_text(p, e, kind) << ", from "
               << shortest(p.lower) << " to " << shortest(p.upper)

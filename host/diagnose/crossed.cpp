@@ -76,8 +76,8 @@ double Crossed::gain_in_standard_errors(const Hypothesis& smaller, const Hypothe
   return in_standard_errors(gains, predicted_units_);
 }
 
-Crossed::Foretold Crossed::fitted_again(const model::Model& model, const Hypothesis& smaller,
-                                        const Hypothesis& larger, unsigned threads) const {
+Crossed::Predictable Crossed::fitted_again(const model::Model& model, const Hypothesis& smaller,
+                                           const Hypothesis& larger, unsigned threads) const {
   constexpr double kMost = 0.5;
   // Where the model runs away without a recording, what all have told is the best there is.
   const auto fitted = [](const Trainer& trainer, const Hypothesis& h) {

@@ -27,12 +27,12 @@ class Crossed {
 
   /// What both predict of recordings that they have not seen: NMSE as above; and by what factor `larger` leaves less of a window's squares,
   /// its logarithm's mean in standard errors.
-  struct Foretold {
+  struct Predictable {
     double smaller = 0.0, larger = 0.0, gain = 0.0;
   };
   /// By fits without each recording: of a machine whose runs jump a linear step tells nothing. At least two recordings.
-  Foretold fitted_again(const model::Model& model, const Hypothesis& smaller, const Hypothesis& larger,
-                        unsigned threads) const;
+  Predictable fitted_again(const model::Model& model, const Hypothesis& smaller, const Hypothesis& larger,
+                           unsigned threads) const;
 
   const std::vector<identify::Window>& windows() const { return predicted_; }
   const Units& units() const { return units_; }  ///< of the windows that fits are made on

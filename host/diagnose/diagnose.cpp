@@ -43,7 +43,7 @@ constexpr double kSmallRemainder = 0.1;
 /// chance by all recordings together already; two would withdraw the friction of a real pendulum of which there is
 /// one recording. Help in one recording alone is 1.0, whatever its size.
 constexpr double kSureHelp = 1.2;
-/// Of a belt, of which fits without each of few recordings foretell falls that end on one tooth or another: beyond nine of ten draws of chance
+/// Of a belt, of which fits without each of few recordings predict falls that end on one tooth or another: beyond nine of ten draws of chance
 /// in five recordings (Student's t).
 constexpr double kSureHelpOfFalls = 1.6;
 /// Standard errors of help from which causes stand though others would do as well: that one of them is there is plain.
@@ -315,7 +315,7 @@ class Assembly {
     double gain = 0.0;
     const bool jumps = ends_on_teeth() && training_.size() > 1;
     if (jumps) {
-      const Crossed::Foretold again = crossed_->fitted_again(model_, refitted, chosen, options_.threads);
+      const Crossed::Predictable again = crossed_->fitted_again(model_, refitted, chosen, options_.threads);
       crossed_before_ = again.smaller, crossed_after_ = again.larger, gain = again.gain;
     } else {
       crossed_before_ = crossed_->nmse(refitted, refitted);
@@ -659,7 +659,7 @@ class Assembly {
     return all;
   }
 
-  /// A slip that nothing foretells, alone, changes no figure; but what was fitted beside one that is none is far off.
+  /// A slip that nothing predicts, alone, changes no figure; but what was fitted beside one that is none is far off.
   bool helps_held_out() const {
     return nmse(d_.extended) < (slip_alone() ? kFarOff : 1.0) * nmse(d_.refitted);
   }
@@ -784,13 +784,13 @@ class Assembly {
     d_.nothing_left = random_alone_with(d_.extended_model, d_.remainder) ||
                       (!d_.remainder && noise_alone_with(d_.extended_model, after));
     d_.residual_white = d_.remainder ? d_.remainder->new_finds.white() : d_.nothing_left;
-    // Where all that is left comes at random, that is nothing to explain but for what a flexible law foretells of it.
+    // Where all that is left comes at random, that is nothing to explain but for what a flexible law predicts of it.
     const double to_explain =
-        d_.nothing_left && d_.remainder ? std::max(0.0, d_.remainder->foretold.share) : 1.0;
+        d_.nothing_left && d_.remainder ? std::max(0.0, d_.remainder->predictable.share) : 1.0;
     d_.unexplained_fraction =
         before > 0.0 ? std::clamp(to_explain * (after - floor) / before, 0.0, 1.0) : 0.0;
     d_.unnamed_share =
-        unnamed_share(before, after, floor, missing ? &d_.remainder->foretold : nullptr, d_.nothing_left);
+        unnamed_share(before, after, floor, missing ? &d_.remainder->predictable : nullptr, d_.nothing_left);
     compare_contact_switch();
     const bool helps = helps_held_out();
     d_.verdict = decide(d_.nothing_left, helps, d_.unnamed_share < kSmallRemainder);

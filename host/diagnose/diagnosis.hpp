@@ -58,7 +58,7 @@ struct Finding {
   double confidence = 0.0;
   std::vector<std::string> lowered_by;  ///< what limits the confidence, in words
   /// encoder_slip: each jump of the training recordings; those that the held-out ones are seen to have, which
-  /// nothing foretells.
+  /// nothing predicts.
   std::vector<result::Event> events, observed_events;
   bool undecided = false;  ///< another law explains the training recordings as well
   std::vector<Rival> alternatives;
@@ -119,7 +119,7 @@ struct Diagnosis : result::Summary {
   identify::SwitchAgreement contact_switch;  ///< of all recordings, a hopper's
   /// What is new from row to row hangs on nothing before (whiteness.hpp); where that cannot be tested, as above.
   bool residual_white = true;
-  /// Held-out windows that no figure is of, since they hold or follow a slip that nothing foretells.
+  /// Held-out windows that no figure is of, since they hold or follow a slip that nothing predicts.
   std::size_t windows_left_out = 0;
   std::optional<Remainder> remainder;  ///< of the extended model
   std::vector<Association> correlated_with;

@@ -57,10 +57,11 @@ double misfit_of(const std::optional<Remainder>& left) {
   return std::min(1.0 / std::max(1.0 - left->crossed.share, 1e-3), kConfidence.largest_misfit);
 }
 
-double unnamed_share(double before, double after, double floor, const Foretold* foretold, bool nothing_left) {
+double unnamed_share(double before, double after, double floor, const Predictable* predictable,
+                     bool nothing_left) {
   if (nothing_left || !(after < before) || !(before > floor)) return 0.0;
-  // What a flexible law foretells is there to be explained; of what comes at random, all that is not noise.
-  const double above = foretold ? foretold->share * (after - floor) : after - floor;
+  // What a flexible law predicts is there to be explained; of what comes at random, all that is not noise.
+  const double above = predictable ? predictable->share * (after - floor) : after - floor;
   return std::clamp(above / (above + before - after), 0.0, 1.0);
 }
 

@@ -18,7 +18,7 @@ namespace furcula::diagnose {
 struct ConfidenceRules {
   /// Somebody else's machine may always have what nobody thought of.
   double most = 0.99;
-  /// Evidence is worth less where the best set leaves what a flexible law foretells; where next to nothing but
+  /// Evidence is worth less where the best set leaves what a flexible law predicts; where next to nothing but
   /// that is left, so much less. Below a tenth of it the flexible law's own errors count.
   double largest_misfit = 10.0;
   /// None of the catalogue: odds by how much of what there is to explain no name explains. A fifth makes them
@@ -84,12 +84,13 @@ class Posterior {
   std::vector<Law> laws_;
 };
 
-/// What the evidence is divided by where even the best set leaves what a flexible law foretells.
+/// What the evidence is divided by where even the best set leaves what a flexible law predicts.
 double misfit_of(const std::optional<Remainder>& left);
 
 /// Of what there is to explain between an error before and after, that which nothing named explains. `left`:
-/// what a flexible law foretells of the rest; `nothing_left`: only what comes at random.
-double unnamed_share(double before, double after, double floor, const Foretold* foretold, bool nothing_left);
+/// what a flexible law predicts of the rest; `nothing_left`: only what comes at random.
+double unnamed_share(double before, double after, double floor, const Predictable* predictable,
+                     bool nothing_left);
 
 /// With that share unexplained.
 double share_of_none(double unnamed_share);

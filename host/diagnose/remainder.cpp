@@ -450,7 +450,7 @@ std::pair<double, const char*> typical_force(const model::Model& model, const st
 
 }  // namespace
 
-bool Foretold::counts(double typical_force) const {
+bool Predictable::counts(double typical_force) const {
   constexpr double kSure = 3.0, kCounts = 0.01, kShare = 0.02, kNoises = 0.5;
   return noises > kNoises && deviations > kSure && force > kCounts * typical_force && share > kShare;
 }
@@ -461,8 +461,8 @@ constexpr double kMostRandom = 0.04;  // of the typical force
 
 /// What flexible laws do on windows that they have not seen; `law(i)` is that for window i.
 template <class Law>
-Foretold foretold_of(const std::vector<Linear>& windows, const std::vector<Normal>& normals,
-                     const Basis& basis, const Law& law) {
+Predictable predictable_of(const std::vector<Linear>& windows, const std::vector<Normal>& normals,
+                           const Basis& basis, const Law& law) {
   std::vector<double> gains, gains_of_free_runs;
   double before = 0, after = 0, force = 0, rows = 0, parts = 0, positions = 0;
   Eigen::VectorXd at(basis.size());
@@ -479,7 +479,7 @@ Foretold foretold_of(const std::vector<Linear>& windows, const std::vector<Norma
       force += std::pow(c.dot(at), 2), ++rows;
     }
   }
-  Foretold f;
+  Predictable f;
   // The filter weighs best what is small; of free runs a window that it takes for another motion spoils less.
   f.deviations = std::max(in_standard_errors(gains), in_standard_errors(gains_of_free_runs));
   f.share = 1.0 - after / std::max(before, 1e-300);
@@ -519,13 +519,13 @@ std::optional<Remainder> remainder_of(const model::Model& fitted, const std::vec
   const std::vector<Normal> folds = added_up(from, fold);
   std::vector<Eigen::VectorXd> without;
   for (std::size_t i = 0; i < folds.size(); ++i) without.push_back(learned(folds, out.typical_force, i));
-  out.crossed = foretold_of(
+  out.crossed = predictable_of(
       fit, from, basis, [&](std::size_t i) -> const auto& { return without[fold[i]]; });
   if (!judged) return out;
   out.random_force_held_out = likeliest(judge, out.typical_force).force;
   const std::vector<Normal> of = normals_of(judge, sizes, basis);
   const Eigen::VectorXd law = learned(folds, out.typical_force);
-  out.foretold = foretold_of(
+  out.predictable = predictable_of(
       judge, of, basis, [&](std::size_t) -> const auto& { return law; });
   LagSums lags;
   for (const Normal& n : of) lags += n.lags;

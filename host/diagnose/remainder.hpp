@@ -1,4 +1,4 @@
-// What a model leaves of recordings: how much of it the machine does not repeat, and how much a flexible law of the state foretells.
+// What a model leaves of recordings: how much of it the machine does not repeat, and how much a flexible law of the state predicts.
 //
 // Free runs from window to window, linearised: what a small force at any instant does to the positions after it. On these a Kalman
 // filter with a random force (Ornstein-Uhlenbeck) and random impacts; their sizes are those under which the measured positions are
@@ -19,7 +19,7 @@
 namespace furcula::diagnose {
 
 /// What the flexible law does on recordings that it was not learned on.
-struct Foretold {
+struct Predictable {
   double force = 0.0;  ///< root mean square of what it adds
   double share =
       0.0;  ///< of the squares that free runs with their best start leave, what it takes off; below 0: it adds
@@ -44,15 +44,15 @@ struct Remainder {
   double random_force_held_out = 0.0;
   double correlation_s = 0.0;   ///< of it
   double impact_scatter = 0.0;  ///< standard deviation of the speed after an impact, as a share of it; hopper
-  Foretold crossed;             ///< on each training recording (or stretch), by what the others teach
-  Foretold foretold;            ///< on the held-out recordings, by what all training recordings teach
+  Predictable crossed;          ///< on each training recording (or stretch), by what the others teach
+  Predictable predictable;      ///< on the held-out recordings, by what all training recordings teach
   Whiteness new_finds;          ///< of what the filter finds new from row to row on the held-out recordings
 
   /// Of training and held-out recordings.
   double largest_random_force() const { return std::max(random_force, random_force_held_out); }
 
   /// On the held-out recordings; on the training recordings by themselves.
-  bool is_structured() const { return foretold.counts(typical_force); }
+  bool is_structured() const { return predictable.counts(typical_force); }
   bool is_structured_in_training() const { return crossed.counts(typical_force); }
   /// What the filter finds new is nothing new: the sensor's noise is not noise.
   bool is_coloured() const { return std::abs(new_finds.correlation) > kColoured; }

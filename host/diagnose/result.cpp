@@ -94,7 +94,7 @@ result::Finding finding(const Finding& f, const Diagnosis& d, const std::string&
   return out;
 }
 
-result::Predictable predictable(const Foretold& f, bool counts) {
+result::Predictable predictable(const Predictable& f, bool counts) {
   return {f.force, f.share, f.deviations, counts};
 }
 
@@ -108,7 +108,7 @@ result::Remainder remainder(const Remainder& r) {
   out.correlation_s = r.correlation_s;
   out.impact_scatter = r.impact_scatter;
   out.share = r.largest_random_force() / r.typical_force;
-  out.held_out = predictable(r.foretold, r.is_structured());
+  out.held_out = predictable(r.predictable, r.is_structured());
   out.cross_validated = predictable(r.crossed, r.is_structured_in_training());
   out.p_value = r.new_finds.p_value;
   out.chi_square = r.new_finds.statistic;

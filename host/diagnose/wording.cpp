@@ -68,8 +68,8 @@ std::string why_unexplained(const Diagnosis& d) {
   const Remainder& left = *d.remainder;
   if (left.is_structured())
     return ". A flexible law of the motion, the input and the time, learned on the training recordings, takes off " +
-           number(100.0 * left.foretold.share, 2) + " % of the held-out squares, with a " +
-           (left.unit == "N" ? "force" : "torque") + " of " + number(left.foretold.force, 2) + " " +
+           number(100.0 * left.predictable.share, 2) + " % of the held-out squares, with a " +
+           (left.unit == "N" ? "force" : "torque") + " of " + number(left.predictable.force, 2) + " " +
            left.unit;
   if (left.is_coloured())
     return ". The filter's innovations in successive rows are correlated (" +
@@ -190,7 +190,7 @@ std::string readable(double value, const std::string& unit) {
 
 namespace {
 
-/// Whether what is named lowers the held-out error; a slip of the encoder that nothing foretells need not.
+/// Whether what is named lowers the held-out error; a slip of the encoder that nothing predicts need not.
 bool lower(const Diagnosis& d) {
   const std::string channel = told(d).channel;
   const auto before = d.refitted.find(channel), after = d.extended.find(channel);

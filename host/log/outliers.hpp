@@ -17,10 +17,10 @@ namespace furcula::log {
 std::vector<std::size_t> steps_out_and_back(std::span<const double> time_s, std::span<const double> values,
                                             double noise = 0.0);
 
-/// Up to eight rows at an end of a position that the rows beside them do not foretell: a filter's or a bus's first values. They are off
+/// Up to eight rows at an end of a position that the rows beside them do not predict: a filter's or a bus's first values. They are off
 /// by about the same: by more than noise and one and a half times the way that the body goes in a row (a body that sets off is off by
 /// that way), and by four times what all but a hundredth of the column's rows are from what a parabola through the eight before, or
-/// after, foretells. A knock, from which on the distance grows, does not look so.
+/// after, predicts. A knock, from which on the distance grows, does not look so.
 std::vector<std::size_t> off_at_ends(std::span<const double> time_s, std::span<const double> values);
 
 /// Rows of a position in which its encoder stands still while the body goes on: ten at least of exactly one value, then a jump of more

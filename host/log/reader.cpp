@@ -158,7 +158,7 @@ Visited visit(const Input& input, const std::string& name, const std::string& ri
     throw core::DataError(name + ":" + std::to_string(records.line()) +
                           ": no rows after the header row; expected at least one");
   summary.refused = bad.take_rows();
-  summary.refused_rows = bad.count();
+  summary.rejected_rows = bad.count();
   summary.duration_s = order.duration_s();
   summary.interval_min_s = order.shortest_s();
   summary.interval_max_s = order.longest_s();

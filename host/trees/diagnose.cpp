@@ -27,7 +27,7 @@ namespace {
 constexpr double kApart = 2.0;
 /// Nor can one whose loss is no more than by this share the larger, where the torques show that something is still missing.
 constexpr double kOfWhatIsLeft = 0.25;
-/// Where so much lasts that nothing foretells, of the drive's torque and of the torque that what is named accounts for, the names may stand
+/// Where so much lasts that nothing predicts, of the drive's torque and of the torque that what is named accounts for, the names may stand
 /// for something else. Of real machines a twentieth of the drive's is usual.
 constexpr double kDoubted = 0.1, kOfNamed = 0.5;
 /// A drive that gives less than this of what moves its joint gives nothing.
@@ -168,12 +168,12 @@ class Diagnoser {
                       left = remainder_of(after[j], training_.size());
       m.rms_before_nm = was.rms_nm;
       m.rms_after_nm = left.rms_nm;
-      m.lasting_after_nm = left.lasting_nm;
+      m.persistent_after_nm = left.persistent_nm;
       m.rms_torque_nm = problem.scales().torque_nm[j];
       m.rms_drive_nm = problem.scales().drive_nm[j];
       m.predictable_before = was.predictable;
       m.predictable_after = left.predictable;
-      if (structured(m)) m.goes_along_with = goes_along_with(after[j], j, training_.size(), model_);
+      if (structured(m)) m.correlated_with = correlated_with(after[j], j, training_.size(), model_);
       d_.missing.push_back(std::move(m));
     }
   }
@@ -200,7 +200,7 @@ class Diagnoser {
     return m;
   }
   static Remainder remains(const MissingTorque& m) {
-    return {m.rms_after_nm, m.predictable_after, m.lasting_after_nm};
+    return {m.rms_after_nm, m.predictable_after, m.persistent_after_nm};
   }
   /// Much torque is missing, and nearly all of it in a few places.
   static bool at_times(const MissingTorque& m) {
@@ -226,8 +226,8 @@ class Diagnoser {
       const MissingTorque& m = d_.missing[j];
       const double named_nm =
           std::sqrt(std::max(0.0, m.rms_before_nm * m.rms_before_nm - m.rms_after_nm * m.rms_after_nm));
-      const bool lasting = m.lasting_after_nm > std::max(kDoubted * m.rms_torque_nm, kOfNamed * named_nm);
-      if ((is_another(m) || lasting) && (j == joint || m.goes_along_with == does)) return true;
+      const bool lasting = m.persistent_after_nm > std::max(kDoubted * m.rms_torque_nm, kOfNamed * named_nm);
+      if ((is_another(m) || lasting) && (j == joint || m.correlated_with == does)) return true;
     }
     return false;
   }

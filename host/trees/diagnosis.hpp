@@ -44,12 +44,12 @@ struct MissingTorque {
   std::vector<double> before_nm, after_nm;  ///< with the model re-fitted, and extended
   double rms_before_nm = 0.0, rms_after_nm = 0.0;
   double rms_torque_nm = 0.0, rms_drive_nm = 0.0;  ///< Scales
-  double lasting_after_nm = 0.0;  ///< of what is missing then, without the noise (missing_torque.hpp)
+  double persistent_after_nm = 0.0;  ///< of what is missing then, without the noise (missing_torque.hpp)
   double
       predictable_before = 0.0,
       predictable_after =
-          0.0;  ///< share of its square that a flexible law of the state foretells, on recordings it was not fitted on
-  std::string goes_along_with;  ///< what it follows most, after; empty: nothing
+          0.0;  ///< share of its square that a flexible law of the state predicts, on recordings it was not fitted on
+  std::string correlated_with;  ///< what it follows most, after; empty: nothing
 };
 
 /// For the picture: the robot's pose over one held-out recording.

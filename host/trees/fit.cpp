@@ -578,12 +578,12 @@ Fit Problem::fit(Hypothesis from, int iterations, const Fit* beside) const {
   out.fold_value.assign(out.unknowns.size(), {});
   out.fold_information.assign(out.unknowns.size(), {});
   for (const Eigen::MatrixXd& fold : p.fold) {
-    out.foretold_loss += fold(0, 0);
+    out.held_out_loss += fold(0, 0);
     if (m == 0) continue;
     const Eigen::MatrixXd normal = fold(inside, inside), rest = p.all(inside, inside) - normal;
     const Eigen::VectorXd right = fold(inside, 0);
     const Eigen::VectorXd without = ScaledNormal(rest, kRidge, 1e-12).solve(p.all(inside, 0) - right);
-    out.foretold_loss += without.dot(normal * without) - 2.0 * without.dot(right);
+    out.held_out_loss += without.dot(normal * without) - 2.0 * without.dot(right);
     const Eigen::MatrixXd inverse = ScaledNormal(normal, kRidge, 1e-12).inverse();
     const Eigen::VectorXd step = inverse * right;
     for (Eigen::Index a = 0; a < m; ++a) {

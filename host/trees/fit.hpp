@@ -33,7 +33,7 @@ struct Fit {
   std::vector<bool> at_bound;
   std::vector<double> window_loss;  ///< of each window
   /// Loss of each fold at what the others alone would have made of the unknowns (by the linear problem), summed.
-  double foretold_loss = 0.0;
+  double held_out_loss = 0.0;
   /// Of each unknown, fitted on each fold alone (by the linear problem): its value, and its information there.
   std::vector<std::vector<double>> fold_value, fold_information;
   /// Of the residuals' simulation by the unknowns, each window's, weighted; of each unknown, where; by which weights.

@@ -301,7 +301,7 @@ class Basis {
   std::size_t joint_;
 };
 
-/// Share foretold; 0 where it does harm on more than three of ten folds.
+/// Share predictable; 0 where it does harm on more than three of ten folds.
 double cross_validated(const TorqueSamples& s, const Regressors& columns, std::size_t recordings) {
   const auto rows = static_cast<Eigen::Index>(s.missing_nm.size());
   const auto p = static_cast<Eigen::Index>(columns.size());
@@ -373,7 +373,7 @@ double predictable_share(const TorqueSamples& s, std::size_t joint, std::size_t 
   return std::max(alone, cross_validated(s, own, recordings));
 }
 
-double lasting_nm(const TorqueSamples& s) {
+double persistent_nm(const TorqueSamples& s) {
   // Blocks of the recordings scatter. The nearest bin of time apart is asked for two standard errors, the best of all for so much
   // more that all together err as seldom by chance.
   constexpr double kBlock_s = 0.5, kOfOne = 2.0, kOfAny = 3.15;
@@ -413,14 +413,14 @@ Remainder remainder_of(const TorqueSamples& s, std::size_t recordings) {
   for (const double x : s.missing_nm) squares += x * x;
   const double samples = static_cast<double>(std::max<std::size_t>(s.missing_nm.size(), 1));
   return {std::sqrt(squares / samples), std::clamp(predictable_share(s, s.joint, recordings), 0.0, 1.0),
-          lasting_nm(s)};
+          persistent_nm(s)};
 }
 
 std::string what_does(const TreeModel& model, std::size_t joint) {
   return "what " + model.robot.joints[joint].name + " does";
 }
 
-std::string goes_along_with(const TorqueSamples& s, std::size_t joint, std::size_t recordings,
+std::string correlated_with(const TorqueSamples& s, std::size_t joint, std::size_t recordings,
                             const TreeModel& model) {
   if (s.missing_nm.size() < 50) return {};
   const Basis b(s, joint);

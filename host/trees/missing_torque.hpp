@@ -1,4 +1,4 @@
-// The torque that a model lacks, joint by joint, by inverse dynamics; and how much of it a flexible law of the state foretells.
+// The torque that a model lacks, joint by joint, by inverse dynamics; and how much of it a flexible law of the state predicts.
 #pragma once
 
 #include <algorithm>
@@ -34,42 +34,42 @@ struct TorqueSamples {
 std::vector<TorqueSamples> missing_torque(const Problem& problem, const std::vector<Recording>& recordings,
                                           const Hypothesis& h, double window_s, std::size_t most = 6000);
 
-/// Share of the missing torque's square that is foretold, on recordings left out of the fit (of fewer than three, on
+/// Share of the missing torque's square that is predictable, on recordings left out of the fit (of fewer than three, on
 /// quarters of them): by functions of the joint's own and the other joints' state, torque and time. Below 0: worse than nothing.
 double predictable_share(const TorqueSamples& samples, std::size_t joint, std::size_t recordings);
 
 /// Of the missing torque, the part that lasts from one sample to those that share no measurement with it, root mean square: not the
-/// noise of angles that are differentiated twice. Whether or not anything foretells it; by the lower end of what its scatter allows. Of
+/// noise of angles that are differentiated twice. Whether or not anything predicts it; by the lower end of what its scatter allows. Of
 /// what swings, at the time apart at which it agrees with itself, or contradicts itself, most.
-double lasting_nm(const TorqueSamples& samples);
+double persistent_nm(const TorqueSamples& samples);
 
 /// What a joint still lacks.
 struct Remainder {
   double rms_nm = 0.0;
   double predictable = 0.0;  ///< share of the square
-  double lasting_nm = 0.0;
+  double persistent_nm = 0.0;
 
-  double foretold_nm() const { return std::sqrt(std::max(0.0, predictable)) * rms_nm; }
-  /// A flexible law foretells some of it, and that is some of the drive's torque.
+  double predictable_nm() const { return std::sqrt(std::max(0.0, predictable)) * rms_nm; }
+  /// A flexible law predicts some of it, and that is some of the drive's torque.
   bool is_structured(double torque_nm) const {
-    return predictable > 0.03 && foretold_nm() > 0.01 * torque_nm;
+    return predictable > 0.03 && predictable_nm() > 0.01 * torque_nm;
   }
   /// So much of the drive's torque is no remainder of something named: it is another thing.
   bool is_another(double torque_nm) const {
-    return is_structured(torque_nm) && foretold_nm() > kAnother * torque_nm;
+    return is_structured(torque_nm) && predictable_nm() > kAnother * torque_nm;
   }
   /// Torque that is missing for longer than noise is, whatever it goes along with: by time, or by a state that no log has.
-  bool lasts(double torque_nm) const { return lasting_nm > kAnother * torque_nm; }
+  bool lasts(double torque_nm) const { return persistent_nm > kAnother * torque_nm; }
 
   static constexpr double kAnother = 0.05;
 };
 Remainder remainder_of(const TorqueSamples& samples, std::size_t recordings);
 
-/// A signal of goes_along_with: all of another joint's state.
+/// A signal of correlated_with: all of another joint's state.
 std::string what_does(const TreeModel& model, std::size_t joint);
 
 /// The one signal that it goes along with most, in words, or nothing.
-std::string goes_along_with(const TorqueSamples& samples, std::size_t joint, std::size_t recordings,
+std::string correlated_with(const TorqueSamples& samples, std::size_t joint, std::size_t recordings,
                             const TreeModel& model);
 
 /// Of each joint, the cycles a turn with which the missing torque swings most: at most two, none where nothing swings.

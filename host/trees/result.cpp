@@ -47,14 +47,14 @@ void add_missing_force(const Diagnosis& d, std::size_t joint, result::Diagnosis&
   force.rms_after = m.rms_after_nm;
   force.rms_joint = m.rms_torque_nm;
   force.rms_drive = m.rms_drive_nm;
-  force.persistent_after = m.lasting_after_nm;
+  force.persistent_after = m.persistent_after_nm;
   force.predictable_before = m.predictable_before;
   force.predictable_after = m.predictable_after;
-  force.correlated_with = m.goes_along_with;
-  if (!m.goes_along_with.empty())
+  force.correlated_with = m.correlated_with;
+  if (!m.correlated_with.empty())
     out.correlated_with.push_back(
-        {name, m.goes_along_with, m.predictable_after,
-         "the torque missing at " + name + " is correlated with " + m.goes_along_with});
+        {name, m.correlated_with, m.predictable_after,
+         "the torque missing at " + name + " is correlated with " + m.correlated_with});
   out.missing_force.push_back(std::move(force));
 }
 

@@ -164,7 +164,7 @@ std::vector<ScoreTest::Score> ScoreTest::scores(const Columns& base, std::size_t
     }
     const double sure = sureness(base, s);
     const OnFolds f = on_folds(base, s);
-    // What is there in a few windows only is much there: the scatter then says little. What each recording foretells of the others is
+    // What is there in a few windows only is much there: the scatter then says little. What each recording predicts of the others is
     // worth some scatter, too; the fit decides.
     const std::size_t of_many = candidates_[s.candidate].of_many;
     const bool everywhere = s.gain > kNotable * before && f.kept > kKeptWhole && f.worse == 0.0;

@@ -26,11 +26,11 @@ constexpr double kGrosslyWrong = 0.02;
 /// A cause without which the loss is so many times as much stays.
 constexpr double kMissed = 2.0;
 /// A cause is dropped whose parameters are nearer to none than so many of their own variances; at the end, also one whose size the
-/// recordings agree on by less than this share of what the linear test asks: half of that where they foretell each other with it by so
+/// recordings agree on by less than this share of what the linear test asks: half of that where they predict each other with it by so
 /// much better, of the loss.
-constexpr double kHolds = 12.0, kAgree = 0.7, kForetells = 0.05;
-/// A cause alone that makes the recordings foretell each other better by this share is no chance, however few they are.
-constexpr double kForetellsMuch = 0.15;
+constexpr double kHolds = 12.0, kAgree = 0.7, kPredicts = 0.05;
+/// A cause alone that makes the recordings predict each other better by this share is no chance, however few they are.
+constexpr double kPredictsMuch = 0.15;
 /// At the end a cause must be as far from none as chance is with this probability, all its parameters together, by windows and recordings:
 /// five standard deviations of one. A hundred causes are tried, and neighbouring windows are not independent.
 constexpr double kChance = 5.7e-7;
@@ -213,8 +213,8 @@ class Search {
                       left = remainder_of(after[j], problem_.recordings().size());
       if (left.is_another(torque_nm) || left.lasts(torque_nm)) return true;
       structured |= left.is_structured(torque_nm);
-      of_before += std::pow(was.foretold_nm() / torque_nm, 2);
-      of_after += std::pow(left.foretold_nm() / torque_nm, 2);
+      of_before += std::pow(was.predictable_nm() / torque_nm, 2);
+      of_after += std::pow(left.predictable_nm() / torque_nm, 2);
     }
     return structured && of_after > kOfBefore * of_before;
   }
@@ -445,13 +445,13 @@ class Search {
   /// Drops causes that do not hold, the weakest first. `strict`: the recordings must agree on what stays.
   Fit prune(Fit fit, bool strict) {
     if (strict) fit = without_friction_at_rest(without_doubtful_springs(std::move(fit)));
-    std::set<std::string> foretells;
+    std::set<std::string> predicts;
     for (;;) {
       std::size_t weakest = fit.at.causes.size();
       double least = kHolds;
       for (std::size_t c = problem_.model().causes.size(); c < fit.at.causes.size(); ++c) {
         const double d = strict && by_chance(fit, c) ? 0.0 : distance(fit, c, strict ? kAgree : 0.0);
-        if (d >= least || foretells.contains(cause_name(problem_.model(), fit.at.causes[c]))) continue;
+        if (d >= least || predicts.contains(cause_name(problem_.model(), fit.at.causes[c]))) continue;
         least = d;
         weakest = c;
       }
@@ -460,12 +460,12 @@ class Search {
       // Much is there in a few windows only: their scatter then says little.
       if (!strict && off.loss > kMissed * fit.loss) return fit;
       const std::string name = cause_name(problem_.model(), fit.at.causes[weakest]);
-      const double foretells_more = off.foretold_loss / fit.foretold_loss - 1.0;
+      const double predicts_more = off.held_out_loss / fit.held_out_loss - 1.0;
       const bool alone = fit.at.causes.size() == problem_.model().causes.size() + 1;
-      if (strict && ((alone && foretells_more > kForetellsMuch) ||
+      if (strict && ((alone && predicts_more > kPredictsMuch) ||
                      (!by_chance(fit, weakest) && distance(fit, weakest, 0.5 * kAgree) >= kHolds &&
-                      foretells_more > kForetells))) {
-        foretells.insert(name);
+                      predicts_more > kPredicts))) {
+        predicts.insert(name);
         continue;
       }
       // What chance makes in windows alone is nothing; what the windows are sure of and the recordings are not is something.
@@ -609,7 +609,7 @@ class Search {
     }
   }
 
-  /// A cause that has one value at several sites may have one of its own at each: where that foretells better.
+  /// A cause that has one value at several sites may have one of its own at each: where that predicts better.
   Fit apart(Fit fit) {
     Hypothesis h{fit.at.drives, {}, fit.at.bodies};
     for (std::size_t c = 0; c < fit.at.causes.size(); ++c) {
@@ -622,7 +622,7 @@ class Search {
     if (h.causes.size() == fit.at.causes.size()) return fit;
     Fit each = prune(problem_.fit(h, 4), false);
     each = merge(std::move(each));
-    return each.foretold_loss < (1.0 - kWorth) * fit.foretold_loss ? each : fit;
+    return each.held_out_loss < (1.0 - kWorth) * fit.held_out_loss ? each : fit;
   }
 
   /// One effect with about one value at several sites is one cause.

@@ -19,7 +19,7 @@ namespace furcula::trees {
 
 /// What a candidate gains that the recordings do not agree on, of the loss: from then on something is missing.
 inline constexpr double kDisputed = 0.05;
-/// So much of the torque that could be foretold before is no remainder.
+/// So much of the torque that could be predictable before is no remainder.
 inline constexpr double kOfBefore = 0.1;
 
 /// Another cause in the place of a finding.

@@ -251,9 +251,9 @@ std::string line(const diagnose::Diagnosis& d, double removed) {
                              format(" at random %.3g", d.remainder->random_force) +
                              format(" over %.3g s,", d.remainder->correlation_s) +
                              format(" impacts %.3g,", d.remainder->impact_scatter) +
-                             format(" foretold %.3g", d.remainder->foretold.force) +
-                             format(" (takes off %.3f,", d.remainder->foretold.share) +
-                             format(" %.1f standard errors),", d.remainder->foretold.deviations) +
+                             format(" predictable %.3g", d.remainder->predictable.force) +
+                             format(" (takes off %.3f,", d.remainder->predictable.share) +
+                             format(" %.1f standard errors),", d.remainder->predictable.deviations) +
                              format(" correlation of what is new %.3f", d.remainder->new_finds.correlation));
 }
 

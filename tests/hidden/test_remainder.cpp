@@ -1,4 +1,4 @@
-// What the diagnosis says of a machine's repeatability, and of what a flexible law foretells, against disturbances and laws that are
+// What the diagnosis says of a machine's repeatability, and of what a flexible law predicts, against disturbances and laws that are
 // known here.
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -40,7 +40,7 @@ Question question(const char* kind, std::uint64_t seed, bool disturbed, const ch
 }  // namespace
 
 TEST_CASE(
-    "The random force that a machine meets is estimated from its recordings, and nothing is foretold of it") {
+    "The random force that a machine meets is estimated from its recordings, and nothing is predictable of it") {
   for (const char* kind : {"motor_axis", "rotary_joint", "rail_carriage", "hopper_linear"})
     for (std::uint64_t seed : {901, 902}) {
       const Case c = draw_case(question(kind, seed, true));
@@ -74,16 +74,17 @@ TEST_CASE("Impacts that scatter are told from forces that do") {
   CHECK(left.impact_scatter < 2.5 * c.truth.disturbance.restitution);
 }
 
-TEST_CASE("A law that the model lacks is foretold under disturbance") {
+TEST_CASE("A law that the model lacks is predictable under disturbance") {
   // Held against the force that was really missing: dry friction has one size at all times.
   for (const char* kind : {"motor_axis", "rotary_joint", "rail_carriage", "hopper_linear"}) {
     const Case c = draw_case(question(kind, 931, true, "coulomb_friction"));
     const diagnose::Remainder left = remainder_of(c);
-    INFO(kind << ": friction " << c.truth.planted[0].values[0] << ", foretold " << left.foretold.force
-              << ", share " << left.foretold.share << ", " << left.foretold.deviations << " standard errors");
+    INFO(kind << ": friction " << c.truth.planted[0].values[0] << ", predictable " << left.predictable.force
+              << ", share " << left.predictable.share << ", " << left.predictable.deviations
+              << " standard errors");
     CHECK(left.is_structured());
-    CHECK(left.foretold.force == Approx(c.truth.planted[0].values[0]).epsilon(0.35));
-    CHECK(left.foretold.share > 0.7);
+    CHECK(left.predictable.force == Approx(c.truth.planted[0].values[0]).epsilon(0.35));
+    CHECK(left.predictable.share > 0.7);
   }
 }
 

@@ -89,8 +89,8 @@ TEST_CASE("An auxiliary spring is found on the bench, with its rate") {
   expect_on_bench(Effect::auxiliary_spring, 70.0, 7.0);
 }
 
-TEST_CASE("Of a belt a recording is foretold by fits that have not seen it") {
-  const auto foretold = [](const std::vector<log::Log>& logs, Effect effect, double start) {
+TEST_CASE("Of a belt a recording is predictable by fits that have not seen it") {
+  const auto predictable = [](const std::vector<log::Log>& logs, Effect effect, double start) {
     const model::Model model = bench_model();
     const auto recordings = identify::make_recordings(logs, model.kind);
     const auto training = identify::training_windows(recordings, model, 0.5);
@@ -103,8 +103,8 @@ TEST_CASE("Of a belt a recording is foretold by fits that have not seen it") {
   };
   model::Model late = bench_model();
   late.effects[Effect::late_catch] = {0.021};
-  const auto there = foretold(releases(late, 4, 1), Effect::late_catch, 0.018),
-             not_there = foretold(releases(bench_model(), 4, 1), Effect::damping_error, 1e-4);
+  const auto there = predictable(releases(late, 4, 1), Effect::late_catch, 0.018),
+             not_there = predictable(releases(bench_model(), 4, 1), Effect::damping_error, 1e-4);
   INFO(there.smaller << " " << there.larger << " " << there.gain << ", " << not_there.smaller << " "
                      << not_there.larger << " " << not_there.gain);
   CHECK(there.larger < 0.01 * there.smaller);
@@ -113,7 +113,7 @@ TEST_CASE("Of a belt a recording is foretold by fits that have not seen it") {
   // Of two recordings one is late: of neither does the other tell.
   std::vector<log::Log> one_late = releases(late, 1, 1);
   one_late.push_back(releases(bench_model(), 1, 2).front());
-  const auto in_one = foretold(one_late, Effect::late_catch, 0.018);
+  const auto in_one = predictable(one_late, Effect::late_catch, 0.018);
   INFO(in_one.smaller << " " << in_one.larger << " " << in_one.gain);
   CHECK(in_one.larger >= 0.9 * in_one.smaller);
 }

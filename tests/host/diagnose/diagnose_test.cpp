@@ -186,7 +186,7 @@ TEST_CASE("A name that the held-out recordings do not bear out stays, without co
   CHECK(d.verdict != Verdict::explained);
 }
 
-TEST_CASE("A slip that nothing foretells is in no held-out figure, and is told as it was seen", "[long]") {
+TEST_CASE("A slip that nothing predicts is in no held-out figure, and is told as it was seen", "[long]") {
   const auto training = with_slip(coastings(20.0, 0.0, 1, 3), {1500, 2600, 3900});
   const auto clean = diagnose::diagnose(test::axis_model(80.0, 150.0), training, coastings(20.0, 0.0, 50, 2));
   const auto slipped = diagnose::diagnose(test::axis_model(80.0, 150.0), training,
@@ -213,7 +213,7 @@ TEST_CASE("A slip that nothing foretells is in no held-out figure, and is told a
   CHECK(slipped.extended.at("position").rmse < 2.0 * clean.extended.at("position").rmse);
 }
 
-TEST_CASE("A slip that comes at the same time in each recording is foretold", "[long]") {
+TEST_CASE("A slip that comes at the same time in each recording is predictable", "[long]") {
   const auto d = diagnose::diagnose(test::axis_model(80.0, 150.0),
                                     with_slip(coastings(20.0, 0.0, 1, 3), {2200, 2200, 2200}),
                                     with_slip(coastings(20.0, 0.0, 50, 2), {2200, 2200}));

@@ -33,7 +33,7 @@ TEST_CASE(
     INFO(result::to_json_text(diagnose::result_of(d)));
     CHECK(d.findings.empty());
     CHECK(d.left_out.empty());
-    // Not yet `adequate`: a flexible law foretells a few percent of what is left, less than the sensor's noise.
+    // Not yet `adequate`: a flexible law predicts a few percent of what is left, less than the sensor's noise.
     CHECK(d.extended.at("height").nmse < 1.3 * d.noise_floor.at("height").nmse);
   }
 }

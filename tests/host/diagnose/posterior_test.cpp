@@ -105,8 +105,8 @@ TEST_CASE("What no name explains takes its share: a fifth of it makes the odds e
   // 10 there are, 2 stay above a floor of 1: 1 of 9.
   CHECK(diagnose::unnamed_share(10.0, 2.0, 1.0, nullptr, false) == Approx(1.0 / 9.0));
   CHECK(diagnose::unnamed_share(10.0, 2.0, 1.0, nullptr, true) == 0.0);
-  // A flexible law foretells half of it.
-  diagnose::Foretold half;
+  // A flexible law predicts half of it.
+  diagnose::Predictable half;
   half.share = 0.5;
   CHECK(diagnose::unnamed_share(10.0, 2.0, 1.0, &half, false) == Approx(0.5 / 8.5));
 }

@@ -58,7 +58,7 @@ TEST_CASE("A cause that explains most is what the model lacks, one that explains
 }
 
 TEST_CASE(
-    "What a machine does not repeat is said with its size, and so is what comes at random or is foretold") {
+    "What a machine does not repeat is said with its size, and so is what comes at random or is predictable") {
   Diagnosis d;
   d.kind = dynamics::Kind::motor_axis;
   d.main_channel = "position";
@@ -79,10 +79,10 @@ TEST_CASE(
       "It looks like a random force of 1.5 N (7.5 % of the input's root mean square), which nothing in the recordings predicts"));
   d.remainder->random_force_held_out = 4.0;
   CHECK(holds("The held-out recordings lack 4 N that the training recordings do not"));
-  d.remainder->foretold.deviations = 6.0;
-  d.remainder->foretold.noises = 3.0;
-  d.remainder->foretold.force = 1.1;
-  d.remainder->foretold.share = 0.4;
+  d.remainder->predictable.deviations = 6.0;
+  d.remainder->predictable.noises = 3.0;
+  d.remainder->predictable.force = 1.1;
+  d.remainder->predictable.share = 0.4;
   CHECK(holds("takes off 40 % of the held-out squares, with a force of 1.1 N"));
 }
 

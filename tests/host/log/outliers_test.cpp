@@ -93,7 +93,7 @@ TEST_CASE("Bounces, stops, reversals, steps that stay, counts and a jittering cl
   CHECK(none(late));
 }
 
-TEST_CASE("Rows at an end that the rows beside them do not foretell are found, and no knock is") {
+TEST_CASE("Rows at an end that the rows beside them do not predict are found, and no knock is") {
   const auto swing = [](double t) { return 0.7 * std::sin(2.0 * t + 0.3) + 0.3 * std::cos(9.0 * t); };
   Series s = sampled(4.0, 1e-4, swing);
   CHECK(log::off_at_ends(s.time_s, s.values).empty());

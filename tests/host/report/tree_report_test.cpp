@@ -86,7 +86,7 @@ TEST_CASE("a joint's name is text wherever it stands") {
   trees::Diagnosis d = test::sample_tree_diagnosis();
   d.notes = {"</script><script>alert(1)</script>"};
   d.motions[0].log = "</script><!--";
-  d.missing[0].goes_along_with = test::kHostileJoint;
+  d.missing[0].correlated_with = test::kHostileJoint;
   d.findings[0].explanation = test::kHostileJoint;
   d.findings[0].cause.sites = {0};
   d.findings[0].at = {test::kHostileJoint};

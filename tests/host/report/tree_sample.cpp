@@ -171,7 +171,7 @@ trees::Diagnosis sample_tree_diagnosis() {
     d.missing[j].predictable_before = 0.95;
     d.missing[j].predictable_after = 0.01;
   }
-  d.missing[1].goes_along_with = "velocity_elbow";
+  d.missing[1].correlated_with = "velocity_elbow";
   return d;
 }
 

@@ -149,7 +149,7 @@ TEST_CASE("Torques of zero are no torques, not an error") {
   CHECK(d.findings.empty());
 }
 
-TEST_CASE("Torque that comes from elsewhere, and that no state foretells, is not adequate") {
+TEST_CASE("Torque that comes from elsewhere, and that no state predicts, is not adequate") {
   const trees::TreeModel m = test::pendulum();
   for (const double push_nm : {0.0, 0.1}) {
     std::mt19937_64 random(5);
@@ -176,13 +176,13 @@ TEST_CASE("Torque that comes from elsewhere, and that no state foretells, is not
       logs.push_back(log);
     }
     const trees::Diagnosis d = diagnosed(m, {logs[0], logs[1]}, {logs[2]});
-    INFO(d.summary << " " << d.missing[0].lasting_after_nm);
+    INFO(d.summary << " " << d.missing[0].persistent_after_nm);
     if (push_nm == 0.0) {
       CHECK(d.verdict == Verdict::adequate);
     } else {
       CHECK((d.verdict == Verdict::unexplained || d.verdict == Verdict::partly_explained));
       CHECK_THAT(d.summary, Contains("hinge"));
-      CHECK(d.missing[0].lasting_after_nm == Approx(push_nm / std::sqrt(2.0)).epsilon(0.3));
+      CHECK(d.missing[0].persistent_after_nm == Approx(push_nm / std::sqrt(2.0)).epsilon(0.3));
     }
   }
 }

@@ -312,7 +312,7 @@ TEST_CASE("What the model lacks of a constant torque is that torque") {
   REQUIRE(lacking[1].missing_nm.size() > 300);
   CHECK(mean(lacking[1].missing_nm) == Approx(0.12).margin(0.012));
   CHECK(std::abs(mean(lacking[0].missing_nm)) < 0.03);
-  // A constant alone foretells its own square's share of the mean square; the rest is noise.
+  // A constant alone predicts its own square's share of the mean square; the rest is noise.
   double square = 0.0;
   for (const double x : lacking[1].missing_nm)
     square += x * x / static_cast<double>(lacking[1].missing_nm.size());
@@ -329,7 +329,7 @@ TEST_CASE("A torque that goes with the velocity is named so") {
   const auto all = recordings(model, test::logs(truth, 3, 6.0, 8));
   trees::Problem problem(model, all, trees::windows_of(model, all, 0.3, 60), 2);
   const auto lacking = trees::missing_torque(problem, all, {model.drives, {}}, 0.3);
-  CHECK_THAT(trees::goes_along_with(lacking[1], 1, all.size(), model), Contains("velocity of elbow"));
+  CHECK_THAT(trees::correlated_with(lacking[1], 1, all.size(), model), Contains("velocity of elbow"));
 }
 
 TEST_CASE("What lasts of a missing torque is told from its noise") {
@@ -345,7 +345,7 @@ TEST_CASE("What lasts of a missing torque is told from its noise") {
       s.missing_nm.push_back(sine_nm * std::sin(2.0 * M_PI * hz * s.time_s.back()) +
                              noise_nm * normal(random));
     }
-    return trees::lasting_nm(s);
+    return trees::persistent_nm(s);
   };
   const double rms_nm = 0.3 / std::sqrt(2.0) * std::sqrt(std::cos(M_PI * 0.05));
   CHECK(lasting(0.3, 0.0) == Approx(rms_nm).epsilon(0.15));

@@ -145,7 +145,8 @@ TEST_CASE("The axes of a body's inertia stay where its URDF turns them") {
   CHECK(moved.about_centre_kgm2.xx == Approx(0.001));
 }
 
-TEST_CASE("A wrong body of a link is found, and held-out recordings are then foretold as by the true one") {
+TEST_CASE(
+    "A wrong body of a link is found, and held-out recordings are then predictable as by the true one") {
   const trees::TreeModel model = test::arm3("[free]\n\"inertial.fore\" = [0.3, 3.0]\n");
   const trees::TreeModel truth = heavier_fore(model);
   const Logs logs = logs_of(truth, 300, 4, 8.0);
