@@ -99,7 +99,7 @@ std::string unit_text(const EffectParameterInfo& p, const EffectInfo& effect, st
 bool has_phases(std::optional<Kind> kind) { return !kind || has_leg(*kind); }
 
 void print_text(const EffectInfo& e, std::optional<Kind> kind) {
-  std::cout << e.name << "\n  law         " << e.law << "\n  stage       " << stage_name(e.stage)
+  std::cout << e.name << "\n  model       " << e.law << "\n  stage       " << stage_name(e.stage)
             << (has_phases(kind) ? ", " + std::string(e.phase) : "") << "\n  kinds       " << kind_list(e)
             << "\n";
   if (const auto on_tree = trees::effect_named(e.name); on_tree && !kind)

@@ -45,7 +45,7 @@ bool on_trees_alone(const trees::EffectInfo& effect) {
 }
 
 std::string tree_effect_text(const trees::EffectInfo& e) {
-  std::string out = std::string(e.name) + "\n  law         " + std::string(e.law) + "\n  seat        " +
+  std::string out = std::string(e.name) + "\n  model       " + std::string(e.law) + "\n  location    " +
                     std::string(trees::name(e.seat)) + "\n";
   for (const Parameter& p : e.parameters())
     out += "  parameter   " + with_linear(std::string(p.name), std::string(p.linear_name)) + ", in " +

@@ -91,7 +91,7 @@ TEST_CASE("docs/effects.md is what the catalogue says (furcula effects --markdow
 TEST_CASE("a robot of several joints has effects on seats, with names for both sorts of joints") {
   const test::Ran one = run_furcula({"effects", "coulomb_friction", "--kind", "tree"});
   CHECK(one.status == 0);
-  CHECK_THAT(one.out, Contains("seat        joint") && Contains("torque_nm (force_n on a prismatic joint)"));
+  CHECK_THAT(one.out, Contains("location    joint") && Contains("torque_nm (force_n on a prismatic joint)"));
   const auto all = nlohmann::json::parse(run_furcula({"effects", "--kind", "tree", "--json"}).out);
   CHECK(all["effects"].size() > 20);
   const test::Ran wrong = run_furcula({"effects", "colomb_friction", "--kind", "tree"});
@@ -104,14 +104,14 @@ TEST_CASE("an effect that only robots of several joints have needs no kind") {
   const test::Ran one = run_furcula({"effects", "load_friction"});
   CHECK(one.status == 0);
   CHECK(one.out == run_furcula({"effects", "load_friction", "--kind", "tree"}).out);
-  CHECK_THAT(one.out, Contains("seat        joint") && Contains("ratio, in 1, from 0 to 0.95"));
+  CHECK_THAT(one.out, Contains("location    joint") && Contains("ratio, in 1, from 0 to 0.95"));
   CHECK(nlohmann::json::parse(
             run_furcula({"effects", "load_friction", "--json"}).out)["effects"][0]["location_type"] ==
         "joint");
   CHECK(run_furcula({"effects", "load_friction", "--markdown"}).status == 2);
   CHECK(run_furcula({"effects", "load_friction", "--kind", "rotary_joint"}).status == 2);
   CHECK_THAT(run_furcula({"effects", "load_fricton"}).err, Contains("did you mean 'load_friction'?"));
-  CHECK_THAT(run_furcula({"effects", "coulomb_friction"}).out, Contains("on a tree   seat joint"));
+  CHECK_THAT(run_furcula({"effects", "coulomb_friction"}).out, Contains("on a tree   location type joint"));
   CHECK_THAT(run_furcula({"effects"}).out, Contains("\nbump_stop\n") && Contains("\nload_friction\n"));
 }
 
