@@ -21,6 +21,16 @@ step() {
   [ -z "${FURCULA_STEPS-}" ] || printf '%s %s\n' "$(date +%s)" "$*" >>"$FURCULA_STEPS"
 }
 
+# print_minutes: minutes by step, from the file that FURCULA_STEPS names; its last line is the end's time alone.
+print_minutes() {
+  awk '
+    BEGIN { print "\nminutes by step" }
+    NR == 1 { first = $1 }
+    NR > 1 { printf "%6.1f  %s\n", ($1 - last) / 60, name }
+    { last = $1; name = $0; sub(/^[0-9]+ ?/, "", name) }
+    END { printf "%6.1f  in all\n", (last - first) / 60 }' "$FURCULA_STEPS"
+}
+
 die() {
   printf '%s: %s\n' "${0##*/}" "$*" >&2
   exit 1
