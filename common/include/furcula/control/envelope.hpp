@@ -14,8 +14,7 @@ namespace furcula::control {
 
 /// Limits for the robot that an image is built for; the defaults are for the robot of document 002.
 struct EnvelopeConfig {
-  float mass_kg =
-      1.5f;  ///< of all that hops; a value that is too small is safe: the torque is reduced earlier
+  float mass_kg = 1.5f;             ///< of all that hops; too small is safe: the torque is reduced earlier
   float straight_leg_rad = 0.349f;  ///< leg angle on the stop
   float gravity_mps2 = 9.81f;       ///< acceleration of gravity along the rail, positive downwards
   /// Greatest planned apex: half of the rail, less the travel of the body in a few ticks; m.
@@ -56,7 +55,7 @@ struct EnvelopeConfig {
 /// State of watch_envelope() and hold_back() between two ticks. On the clutch's bench watch_bench() uses it.
 struct EnvelopeState {
   bool running = false;           ///< there was a tick before this one
-  bool rises = false;             ///< the body moves up, or has not moved down since it last did
+  bool rises = false;             ///< direction of the body, with 0.05 m/s of hysteresis; true: up
   bool has_stood = false;         ///< the switch has been closed; on the bench: the switch on the first tick
   bool above = true;              ///< in this flight the body was never lower than a straight leg
   bool proven = false;            ///< a flight has confirmed the scale of the height encoder

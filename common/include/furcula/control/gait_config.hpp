@@ -1,5 +1,5 @@
-// What a controller needs to play a gait of a planar leg: the gait as a table, the feedback about it, what the sensors
-// may say. docs/gaits.md.
+// What a controller needs to play a gait of a planar leg: the gait as a table, the feedback about it, and the limits of
+// plausible sensor readings. docs/gaits.md.
 #pragma once
 
 #include <array>
@@ -12,63 +12,84 @@
 
 namespace furcula::control {
 
-/// Of hip and knee; the thigh from straight down, the knee from straight, both counter-clockwise; positive torque flexes.
+/// A value of each joint. Angles are counter-clockwise; a positive torque flexes the joint.
 struct JointPair {
-  float hip = 0.0f, knee = 0.0f;
+  float hip = 0.0f,  ///< of the hip; its angle is that of the thigh from straight down
+      knee = 0.0f;   ///< of the knee; its angle is that of the shank from the thigh's direction
 };
 
-/// A moment of the gait: rad, rad/s, N m.
+/// A point of the gait in time.
 struct GaitKnot {
-  JointPair angle, rate, torque;
+  JointPair angle,  ///< rad
+      rate,         ///< rad/s
+      torque;       ///< N m, of the gait without feedback
 };
 
-/// One phase of it, at equal distances in time, both ends included.
+/// One phase of the gait, as knots at equal distances in time, both ends included.
 struct GaitPath {
-  static constexpr std::size_t kIntervals = 48;
-  float duration_s = 0.0f;
-  std::array<GaitKnot, kIntervals + 1> knots{};
+  static constexpr std::size_t kIntervals = 48;  ///< between knots
+  float duration_s = 0.0f;                       ///< from the first knot to the last, between 1 ms and 10 s
+  std::array<GaitKnot, kIntervals + 1> knots{};  ///< in the order of time
 };
 
+/// The gait, its feedback, the leg, and limits of what is plausible. check() says whether it makes sense.
 struct GaitConfig {
-  GaitPath fall, stance, rise;  ///< from the apex, from touch-down, from lift-off
-  float flight_kp_nmprad = 200.0f, flight_kd_nmsprad = 5.0f;
-  /// In stance; zero plays its torques over time alone. The feedback gives at most so much at each joint.
-  float stance_kp_nmprad = 200.0f, stance_kd_nmsprad = 10.0f, feedback_most_nm = 40.0f;
-  float stance_ramp_s = 0.08f;  ///< in which these gains grow from zero after touch-down
-  /// Below the first height of its toe a falling leg yields, and below the second it has its own torque alone: the switch
-  /// is late, and a leg that resists the jump of its rates at touch-down bounces; m.
-  float yields_from_m = 0.03f, yields_m = 0.01f;
-  float bounced_share = 0.25f;  ///< of the flight's gains, with which a leg that bounced waits for the ground
-  JointPair torque_most_nm{80.0f, 80.0f};
-  float thigh_length_m = 0.0f, shank_length_m = 0.0f, gravity_mps2 = 9.81f;
+  GaitPath fall,                    ///< from the apex to touch-down
+      stance,                       ///< from touch-down to lift-off
+      rise;                         ///< from lift-off to the apex
+  float flight_kp_nmprad = 200.0f,  ///< stiffness of the feedback at each joint in flight
+      flight_kd_nmsprad = 5.0f;     ///< damping of the feedback at each joint in flight
+  /// Stiffness of the feedback at each joint in stance; if it and the damping are zero, the gait's torques are played over
+  /// time alone.
+  float stance_kp_nmprad = 200.0f,
+        stance_kd_nmsprad = 10.0f,  ///< damping of the feedback at each joint in stance
+      feedback_most_nm = 40.0f;     ///< largest magnitude of the feedback at each joint in stance
+  float stance_ramp_s = 0.08f;      ///< in which the gains of stance grow from zero after touch-down
+  /// Height of the toe below which the gains of a falling leg decrease, m: the switch is late, and a leg that resists the
+  /// jump of its rates at touch-down bounces.
+  float yields_from_m = 0.03f,
+        yields_m = 0.01f;  ///< height of the toe below which they are zero and the gait's torque acts alone
+  float bounced_share = 0.25f;  ///< of the flight's gains, while a leg that bounced waits for the ground
+  JointPair torque_most_nm{80.0f, 80.0f};  ///< largest magnitude of each joint's torque
+  float thigh_length_m = 0.0f,             ///< from hip to knee
+      shank_length_m = 0.0f,               ///< from knee to toe
+      gravity_mps2 = 9.81f;                ///< acceleration of gravity, positive downwards
 
-  // When the leg lands and leaves. The ground is level within `ground_m`; a switch that is closed higher above it is no
-  // touch-down, and a toe that is higher has left, whatever the switch says; m.
+  // Touch-down and lift-off.
+  /// The ground is level within this height: a switch that is closed while the toe is higher is no touch-down, and a toe
+  /// that is higher above its place of landing has left the ground, whatever the switch reads; m.
   float ground_m = 0.03f;
-  float longest_stance_s = 0.003f;  ///< more than the gait's; then the leg goes on to rise
-  float bounce_m = 0.0015f;  ///< a toe so far above where it landed, in the stance's first half, has bounced
-  float shortest_rise_s = 0.03f;  ///< before, a closed switch is lift-off's bounce
-  /// A toe that came down or went up by so much tells since when it stands, or has left: the switch is late; m.
+  float longest_stance_s = 0.003f;  ///< by which a stance may last longer than the gait's; then the leg rises
+  float bounce_m = 0.0015f;  ///< a toe so far above where it landed, in the first half of stance, has bounced
+  float shortest_rise_s = 0.03f;  ///< until then a closed switch is the bounce of lift-off
+  /// Height from which the toe's last samples date touch-down and lift-off back, since the switch is late; m.
   float toe_step_m = 0.001f;
   /// A joint's rate that jumps by so much in a tick, close above the ground, is the impact of touch-down: it is seen
   /// before the switch; rad/s.
   float impact_radps = 1.0f;
 
-  // What cannot be.
-  std::uint32_t tick_interval_max_us = 1500, sample_age_max_us = 1500, missed_samples_max = 1;
-  float height_min_m = 0.25f, height_max_m = 1.2f;  ///< of the hip: fallen, thrown
-  JointPair least_rad{-1.3f, -0.1f}, most_rad{1.3f, 2.55f};
-  float rate_max_radps = 60.0f, speed_max_mps = 6.0f;  ///< a change beyond is an encoder's jump
-  float toe_mismatch_m =
-      0.035f;  ///< of the toe's height on the ground, from boom and leg; and below the ground
-  float implausible_closed_s = 0.02f;  ///< the switch, with the toe higher than ground_m
-  float implausible_open_s = 0.06f;    ///< the switch, with the toe below toe_low_m while it falls
-  float toe_low_m = 0.012f;
-  float astray_rad = 0.6f, astray_s = 0.03f;  ///< a joint in flight off its path
+  // Limits of what is plausible; beyond each is a fault.
+  std::uint32_t tick_interval_max_us = 1500,  ///< between two ticks; more is late_tick
+      sample_age_max_us = 1500,               ///< age of a sample; more is stale_input
+      missed_samples_max = 1;                 ///< samples missed in a row; more is peer_lost
+  float height_min_m = 0.25f,                 ///< of the hip; lower: the robot has fallen
+      height_max_m = 1.2f;                    ///< of the hip; higher: the robot was thrown
+  JointPair least_rad{-1.3f, -0.1f},          ///< smallest angle of each joint
+      most_rad{1.3f, 2.55f};                  ///< largest angle of each joint
+  float rate_max_radps = 60.0f,               ///< of a joint; a faster change of an angle is encoder_jump
+      speed_max_mps = 6.0f;                   ///< of the hip; a faster change of its height is encoder_jump
+  float toe_mismatch_m = 0.035f;  ///< height of the toe in stance, and its depth below the ground at any time
+  float implausible_closed_s =
+      0.02f;                         ///< with the switch closed and the toe above ground_m, except in stance
+  float implausible_open_s = 0.06f;  ///< with the switch open and the toe below toe_low_m, in the fall
+  float toe_low_m = 0.012f;          ///< height of the toe for implausible_open_s
+  float astray_rad = 0.6f,           ///< by which a joint may be off its path in flight
+      astray_s = 0.03f;              ///< for which it may be further off
 };
 static_assert(std::is_trivially_copyable_v<GaitConfig>, "it travels as bytes");
 
-/// `invalid`: a number is not finite, not positive where it must be, or a range is empty.
+/// Whether the configuration makes sense. `invalid`: a number is not finite, not positive where it must be, or a range is
+/// empty.
 inline Status check(const GaitConfig& c) {
   for (const GaitPath* p : {&c.fall, &c.stance, &c.rise}) {
     if (!(p->duration_s > 0.001f && p->duration_s < 10.0f)) return Status::invalid;
@@ -90,7 +111,7 @@ inline Status check(const GaitConfig& c) {
   return ranges ? Status::ok : Status::invalid;
 }
 
-/// The gait at a time of a phase. After its end the angles go on at their last rate for kDrifts_s and then stand, as in
+/// After the end of a phase the angles continue at their last rate for this time and then stay, as in
 /// host/gait/path_pieces.hpp.
 inline constexpr float kDrifts_s = 0.05f;
 
@@ -123,7 +144,7 @@ inline float between(float y0, float y1, float y2, float y3, float s) {
 
 }  // namespace detail
 
-/// Angle and rate; the torque is left out.
+/// Angle and rate of the gait `time_s` after the beginning of a phase, also after its end (kDrifts_s); the torque is zero.
 inline GaitKnot motion_at(const GaitPath& path, float time_s) {
   const detail::GaitPlace p = detail::place_in(path, time_s);
   const GaitKnot &k = path.knots[p.knot], &n = path.knots[p.knot + 1];
@@ -141,7 +162,7 @@ inline GaitKnot motion_at(const GaitPath& path, float time_s) {
   return out;
 }
 
-/// The gait's own torque, the last one after its end.
+/// Torque of the gait without feedback `time_s` after the beginning of a phase, N m; after its end the last one.
 inline JointPair torque_at(const GaitPath& path, float time_s) {
   const detail::GaitPlace p = detail::place_in(path, time_s);
   const std::size_t i = p.knot;

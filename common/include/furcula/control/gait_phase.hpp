@@ -1,5 +1,5 @@
-// Where in its stride a planar leg is: stance, rising, falling; by the switch under the toe, which bounces and is late,
-// and by the heights of hip and toe.
+// The phase of a planar leg's stride: stance, rise, fall; from the switch under the toe, which bounces and is late, and
+// from the heights of hip and toe.
 #pragma once
 
 #include <array>
@@ -12,38 +12,51 @@
 
 namespace furcula::control {
 
-/// ready: held by hand in the pose of the apex, until it falls.
-enum class GaitPhase : std::uint8_t { ready = 0, fall = 1, stance = 2, rise = 3 };
+/// Phase of a stride.
+enum class GaitPhase : std::uint8_t {
+  ready = 0,   ///< held by hand in the pose of the apex, until it falls
+  fall = 1,    ///< from the apex to touch-down
+  stance = 2,  ///< the toe is on the ground
+  rise = 3     ///< from lift-off to the apex
+};
 
+/// State of estimate_gait_phase() between two ticks.
 struct GaitPhaseState {
   static constexpr std::uint32_t kKept = 24;  ///< ticks: a switch may be late by as many, less four
   static constexpr std::uint32_t kSpan = 5;   ///< ticks over which the hip's velocity is measured
-  GaitPhase phase = GaitPhase::ready;
-  float since_s = 0.0f;  ///< of the phase
-  DebounceState debounce;
-  std::array<float, kKept> toe_m{};         ///< the last heights of the toe, in a ring
-  std::array<float, kSpan + 1> height_m{};  ///< and of the hip
-  std::uint32_t ticks = 0;                  ///< that these rings have, up to kKept
-  std::uint32_t newest = 0, newest_height = 0;
-  float ground_m = 0.0f;  ///< where the toe stands, or last stood
-  JointPair last_rate_radps;
+  GaitPhase phase = GaitPhase::ready;         ///< current phase
+  float since_s = 0.0f;                       ///< time since the phase began, dated back
+  DebounceState debounce;                     ///< of the switch under the toe
+  std::array<float, kKept> toe_m{};           ///< last heights of the toe, a ring buffer
+  std::array<float, kSpan + 1> height_m{};    ///< last heights of the hip, a ring buffer
+  std::uint32_t ticks = 0;                    ///< samples since the start, up to kKept
+  std::uint32_t newest = 0,                   ///< index of the newest height in toe_m
+      newest_height = 0;                      ///< index of the newest height in height_m
+  float ground_m = 0.0f;                      ///< height at which the toe landed last
+  JointPair last_rate_radps;                  ///< joint rates on the last tick
 };
 
+/// Inputs of one tick.
 struct GaitView {
-  float hip_m = 0.0f, toe_m = 0.0f;  ///< heights
-  JointPair rate_radps;
-  bool contact = false;  ///< raw
+  float hip_m = 0.0f,    ///< height of the hip above the ground
+      toe_m = 0.0f;      ///< height of the toe above the ground
+  JointPair rate_radps;  ///< joint rates
+  bool contact = false;  ///< switch under the toe before debouncing
 };
 
+/// Result of one tick.
 struct GaitPhaseEstimate {
-  GaitPhase phase = GaitPhase::ready;
-  float since_s = 0.0f, velocity_mps = 0.0f;
-  bool closed = false;
-  bool bounced = false;  ///< in the first half of a stance the toe is off the ground
-  bool touchdown = false, liftoff = false, apex = false;  ///< on this tick
+  GaitPhase phase = GaitPhase::ready;  ///< phase after this tick
+  float since_s = 0.0f,                ///< time since the phase began, dated back
+      velocity_mps = 0.0f;             ///< of the hip, positive upwards; 0 in the first five ticks
+  bool closed = false;                 ///< switch after debouncing
+  bool bounced = false;                ///< in the first half of a stance the toe is off the ground
+  bool touchdown = false,              ///< on this tick
+      liftoff = false,                 ///< on this tick
+      apex = false;                    ///< on this tick
 };
 
-/// The toe's height over the hip's, from the joints' angles.
+/// Height of the toe relative to the hip, from the joint angles [m]; negative where the toe is below the hip.
 inline float toe_below_hip_m(const GaitConfig& c, const JointPair& angle) {
   constexpr float kTurns = 0.159154943f;
   return -(c.thigh_length_m * sine_of_turns(angle.hip * kTurns + 0.25f) +
@@ -56,8 +69,8 @@ inline float kept_toe(const GaitPhaseState& s, std::uint32_t back) {
   return s.toe_m[(s.newest + GaitPhaseState::kKept - back) % GaitPhaseState::kKept];
 }
 
-/// How long ago the toe, which stands at `level_m`, landed: from where it was `step_m` above it, it went on with the speed
-/// that it had. 0 where it was not.
+/// How long ago the toe, which is on the ground at `level_m`, landed: from the sample that was more than `step_m` above it,
+/// with the speed there. 0 where no sample was.
 inline float since_landing_s(const GaitPhaseState& s, float level_m, float step_m, float dt_s) {
   for (std::uint32_t back = 1; back + 1 < s.ticks; ++back) {
     const float above = kept_toe(s, back) - level_m;
@@ -76,7 +89,7 @@ inline float since_above_s(const GaitPhaseState& s, float level_m, float dt_s) {
 
 }  // namespace detail
 
-/// One tick, `dt_s` after the last.
+/// One tick, `dt_s` after the last. Touch-down, lift-off and apex are dated back.
 inline GaitPhaseEstimate estimate_gait_phase(const GaitConfig& c, GaitPhaseState& s, const GaitView& view,
                                              float dt_s) {
   GaitPhaseEstimate out;

@@ -13,40 +13,46 @@ namespace furcula::control {
 
 /// What a board measures. Angles and rates come from the joints' drives, the height from the boom's encoder.
 struct GaitSample {
-  float height_m = 0.0f;  ///< of the hip; NaN as long as the encoder is not homed
-  JointPair angle_rad, rate_radps;
-  std::uint32_t age_us = 0;
+  float height_m = 0.0f;             ///< of the hip above the ground; NaN as long as the encoder is not homed
+  JointPair angle_rad,               ///< joint angles
+      rate_radps;                    ///< joint rates
+  std::uint32_t age_us = 0;          ///< time since the sensors were read
   std::uint32_t contact = 0;         ///< raw switch: 0 open, 1 closed
   std::uint32_t reported_fault = 0;  ///< that a device or the board reports: a control::Fault, 0 none
 };
 static_assert(sizeof(GaitSample) == 32 && std::is_trivially_copyable_v<GaitSample>, "it travels as bytes");
 
+/// Inputs of one tick.
 struct GaitInputs {
-  GaitSample sample;
-  bool sample_valid = false;
-  bool reset = false;  ///< a person asks for the latched fault to be cleared
-  bool run = true;     ///< false: measures, and gives no torque
-  std::uint32_t tick_interval_us = 0;
+  GaitSample sample;                   ///< counts if sample_valid
+  bool sample_valid = false;           ///< false: no new sample since the last tick
+  bool reset = false;                  ///< a person asks for the latched fault to be cleared
+  bool run = true;                     ///< false: measures, and gives no torque
+  std::uint32_t tick_interval_us = 0;  ///< measured, since the last tick
 };
 
 /// Made by begin_gait(); one that was not is in the fault bad_configuration.
 struct GaitState {
-  Status configuration = Status::invalid;
-  Fault fault = Fault::none;
-  GaitPhaseState phase;
-  GaitSample last_sample;
-  std::uint32_t missed_samples = 1;
-  std::uint32_t samples = 0;                              ///< 0: nothing was ever measured
-  float closed_s = 0.0f, open_s = 0.0f, astray_s = 0.0f;  ///< how long something has been implausible
+  Status configuration = Status::invalid;  ///< result of check()
+  Fault fault = Fault::none;               ///< latched until a reset
+  GaitPhaseState phase;                    ///< begins anew while the gait is not played
+  GaitSample last_sample;                  ///< the last one; angles go on at their rates where one is missed
+  std::uint32_t missed_samples = 1;        ///< in a row
+  std::uint32_t samples = 0;               ///< 0: nothing was ever measured; else 1
+  float closed_s = 0.0f,                   ///< how long the switch has been implausibly closed
+      open_s = 0.0f,                       ///< how long the switch has been implausibly open
+      astray_s = 0.0f;                     ///< how long a joint in flight has been off its path
 };
 
+/// Result of one tick.
 struct GaitOutputs {
-  JointPair torque_nm;  ///< the safe state's is zero
-  GaitPhaseEstimate phase;
-  float toe_m = 0.0f;
-  Fault fault = Fault::none;
+  JointPair torque_nm;        ///< to the drives; zero in the safe state
+  GaitPhaseEstimate phase;    ///< `ready` while the gait is not played
+  float toe_m = 0.0f;         ///< height of the toe above the ground
+  Fault fault = Fault::none;  ///< latched
 };
 
+/// State before the first tick.
 inline GaitState begin_gait(const GaitConfig& config) {
   GaitState state;
   state.configuration = check(config);

@@ -1,4 +1,4 @@
-// Height and velocity of the body from the counts of the rail's encoder, as the rig derives them.
+// Height and velocity of the body from the counts of the rail's encoder.
 #pragma once
 
 #include <array>
@@ -12,22 +12,25 @@ namespace furcula::control {
 /// 18 mm/s, and the velocity is that of 2.5 ms ago. (Over one tick a count would be 90 mm/s.)
 inline constexpr int kVelocityWindowTicks = 5;
 
+/// Scale of the rail's encoder.
 struct HeightConfig {
   float metres_per_count = 0.00009f;  ///< 2000 counts/rev on a rack of 0.18 m a turn, 002 chapter 4
 };
 
+/// State of estimate_height() between two ticks.
 struct HeightState {
-  std::array<std::int32_t, kVelocityWindowTicks> counts{};  ///< of the last ticks, a ring
-  std::uint8_t next = 0;
-  std::uint8_t filled = 0;
+  std::array<std::int32_t, kVelocityWindowTicks> counts{};  ///< counts of the last ticks, a ring buffer
+  std::uint8_t next = 0;                                    ///< index in `counts` that is written next
+  std::uint8_t filled = 0;                                  ///< number of counts, up to kVelocityWindowTicks
 };
 
+/// Height of the body and its velocity, positive upwards.
 struct HeightEstimate {
-  float height_m = 0.0f;      ///< NaN where `home_height_m` is
+  float height_m = 0.0f;      ///< above the ground; NaN where `home_height_m` is
   float velocity_mps = 0.0f;  ///< 0 on the first tick, then over as many ticks as there are
 };
 
-/// `count` is the encoder's position from the place where the height was `home_height_m`.
+/// One tick, `dt_s` after the last. `count` is the encoder's position from the place where the height was `home_height_m`.
 inline HeightEstimate estimate_height(const HeightConfig& config, HeightState& state, std::int32_t count,
                                       float home_height_m, float dt_s) {
   HeightEstimate estimate;

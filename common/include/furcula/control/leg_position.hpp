@@ -6,22 +6,27 @@
 
 namespace furcula::control {
 
+/// Gains of the leg's position control in flight.
 struct LegPositionConfig {
-  float stiffness_nmprad = 80.0f;  ///< with the leg's inertia: some 25 Hz
-  float damping_nmsprad = 0.9f;
-  float inertia_kgm2 = 0.003f;  ///< of the leg about the hip, toe in the air
+  float stiffness_nmprad = 80.0f;  ///< about the hip; with the leg's inertia: some 25 Hz
+  float damping_nmsprad = 0.9f;    ///< about the hip
+  float inertia_kgm2 = 0.003f;     ///< of the leg about the hip, toe in the air
 };
 
-/// A leg that is closer to straight has none to speak of.
+/// Smallest lever that follow_path() divides by: a leg that is closer to straight has nearly none.
 inline constexpr float kShortestLever_m = 0.02f;
 
+/// Leg angles of the last ticks, kept by note_angle().
 struct LegPositionState {
-  float last_angle_rad = 0.0f, angle_before_rad = 0.0f;
+  float last_angle_rad = 0.0f,  ///< on the last tick
+      angle_before_rad = 0.0f;  ///< on the tick before it
 };
 
-/// By how much the leg is to be shorter than on its stop, m, and its derivatives.
+/// A point of the leg's path.
 struct LegPath {
-  float fold_m = 0.0f, rate_mps = 0.0f, acceleration_mps2 = 0.0f;
+  float fold_m = 0.0f,           ///< by how much the leg is to be shorter than on its stop
+      rate_mps = 0.0f,           ///< first derivative of fold_m
+      acceleration_mps2 = 0.0f;  ///< second derivative of fold_m
 };
 
 /// Half a wave, or the whole wave, of a raised cosine: `share` 0 to 1 of `time_s`, from 0 up to `height_m` and
@@ -34,14 +39,14 @@ inline LegPath raised_cosine(float height_m, float time_s, float share, bool bac
   return {half * (1.0f - cosine), half * rate * sine, half * rate * rate * cosine};
 }
 
-/// Of the leg's length over its angle, m/rad: 2 L sin(leg angle).
+/// Decrease of the leg's length per angle, m/rad: 2 L sin(leg angle).
 inline float leg_lever_m(float link_length_m, float leg_angle_rad) {
   return 2.0f * link_length_m * sine_of_turns(leg_angle_rad * 0.159154943f);
 }
 
-/// Torque that keeps the leg on its path, N m: what its inertia and the spring's pull take, and springs and
-/// dampers about the hip for the rest. One tick; `fold_m` as measured, `pull_n` of the spring along the leg.
-/// The rate is that over the last two ticks.
+/// Torque that keeps the leg on its path, N m: feedforward for its inertia and the spring's pull, and proportional and
+/// derivative feedback about the hip. One tick; `fold_m` as measured, `pull_n` of the spring along the leg, `lever_m` from
+/// leg_lever_m(). The rate is that over the last two ticks.
 inline float follow_path(const LegPositionConfig& config, LegPositionState& state, const LegPath& path,
                          float fold_m, float leg_angle_rad, float lever_m, float pull_n, float dt_s) {
   const float rate_radps = (leg_angle_rad - state.angle_before_rad) / (2.0f * dt_s);
@@ -51,19 +56,18 @@ inline float follow_path(const LegPositionConfig& config, LegPositionState& stat
          config.inertia_kgm2 * path.acceleration_mps2 * per_lever + pull_n * lever_m;
 }
 
-/// Of a landing without the switch. About the hip; with the leg half folded some 25 N s/m along it, of the 60
+/// Damping in a landing without the switch, about the hip; with the leg half folded some 25 N s/m along it, of the 60
 /// that would be critical for 1.5 kg on 600 N/m.
 inline constexpr float kBrake_nmsprad = 0.5f;
 
-/// Torque that takes motion out of a leg in stance, and never puts any in, N m. The rate is that over the last
-/// two ticks.
+/// Torque that brakes a leg in stance, N m; 0 in flight. The rate is that over the last two ticks.
 inline float brake_torque_nm(const LegPositionState& state, const PhaseEstimate& phase, float leg_angle_rad,
                              float dt_s) {
   if (phase.phase == Phase::flight) return 0.0f;
   return -kBrake_nmsprad * (leg_angle_rad - state.angle_before_rad) / (2.0f * dt_s);
 }
 
-/// One tick, whether the leg is driven or not: takes note of the angle.
+/// Keeps the angle of a tick for the rate. Call it at the end of each tick, whether the leg is driven or not.
 inline void note_angle(LegPositionState& state, float leg_angle_rad) {
   state.angle_before_rad = state.last_angle_rad;
   state.last_angle_rad = leg_angle_rad;

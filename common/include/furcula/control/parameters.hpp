@@ -1,6 +1,6 @@
 // The table of the controller's adjustable parameters: what a person may change over a bus, within which
-// bounds, and where it stands in the configuration. Modbus registers, the saved image, `furcula param` and
-// docs/modbus.md follow from it, and in check() the signs.
+// bounds, and its place in the configuration. Modbus registers, the saved image, `furcula param`, docs/modbus.md
+// and the signs in check() follow from it.
 #pragma once
 
 #include <array>
@@ -13,20 +13,22 @@
 
 namespace furcula::control {
 
+/// A row of the table of parameters.
 struct Parameter {
-  std::uint16_t number;  ///< stable: saved images and register addresses have it
-  std::string_view name;
-  std::string_view unit;  ///< empty: a number or a code
-  float least, most;
-  bool whole;  ///< an integer: a fraction is refused
-  std::string_view meaning;
-  float (*get)(const Config&);
-  void (*put)(Config&, float);  ///< no checks: see bus::set()
+  std::uint16_t number;         ///< from 1 on; stable: saved images and register addresses have it
+  std::string_view name;        ///< stable
+  std::string_view unit;        ///< empty: a number or a code
+  float least,                  ///< smallest value allowed
+      most;                     ///< largest value allowed
+  bool whole;                   ///< an integer: a fraction is rejected
+  std::string_view meaning;     ///< one phrase for documentation
+  float (*get)(const Config&);  ///< reads the value from a configuration
+  void (*put)(Config&, float);  ///< writes it, without checks: see bus::set()
 };
 
 namespace table {
 
-/// Of the member of the configuration's block; whole numbers stay below 2^24, which a float holds.
+/// Row of a member of a block of the configuration; whole numbers stay below 2^24, which a float holds.
 template <auto Block, auto Member>
 constexpr Parameter parameter(std::uint16_t number, std::string_view name, std::string_view unit, float least,
                               float most, std::string_view meaning) {
@@ -42,7 +44,7 @@ constexpr Parameter parameter(std::uint16_t number, std::string_view name, std::
           [](Config& c, float x) { (c.*Block).*Member = static_cast<Value>(x); }};
 }
 
-/// Of a member of the configuration itself.
+/// Row of a member of the configuration itself, which must be a float.
 template <auto Member>
 constexpr Parameter parameter(std::uint16_t number, std::string_view name, std::string_view unit, float least,
                               float most, std::string_view meaning) {
@@ -63,6 +65,7 @@ namespace table_of_parameters {
 
 using table::parameter;
 
+// Blocks of the configuration.
 inline constexpr auto kHeight = &Config::height;
 inline constexpr auto kDebounce = &Config::debounce;
 inline constexpr auto kPhase = &Config::phase;
@@ -74,7 +77,7 @@ inline constexpr auto kCoil = &Config::coil;
 inline constexpr auto kLeg = &Config::leg;
 inline constexpr auto kBench = &Config::bench;
 
-/// A number is never given to another parameter; what is added takes the next one.
+/// The table, in the order of numbers. A number is never given to another parameter; a new parameter takes the next one.
 inline constexpr std::array kAll{
     parameter<kTorque, &TorqueProfileConfig::shape>(
         1, "torque_shape", "", 0.0f, 2.0f, "Torque over a stance; 0: none, 1: harmonic, 2: constant."),
@@ -177,6 +180,7 @@ inline constexpr std::array kAll{
 
 }  // namespace table_of_parameters
 
+/// The table of parameters; the index is the number less 1.
 inline constexpr auto& kParameters = table_of_parameters::kAll;
 
 static_assert(
@@ -187,17 +191,18 @@ static_assert(
     }(),
     "the parameters stand in the order of their numbers, from 1 on");
 
-/// null: no parameter of that number, or of that name.
+/// The parameter of a number, or null.
 constexpr const Parameter* parameter_numbered(std::uint32_t number) {
   return number >= 1 && number <= kParameters.size() ? &kParameters[number - 1] : nullptr;
 }
+/// The parameter of a name, or null.
 constexpr const Parameter* parameter_named(std::string_view name) {
   for (const Parameter& p : kParameters)
     if (p.name == name) return &p;
   return nullptr;
 }
 
-/// Finite, within the bounds, and an integer where it is to be one.
+/// Whether a value is within the parameter's bounds, and an integer where it is to be one. False for NaN.
 constexpr bool allows(const Parameter& p, float value) {
   if (!(value >= p.least && value <= p.most)) return false;
   return !p.whole || value == static_cast<float>(static_cast<std::int32_t>(value));

@@ -1,4 +1,4 @@
-// Where in the stride the robot is: flight or stance, since when, and how high it flew.
+// Phase of the robot's stride: flight or stance, since when, and the height of the last apex.
 #pragma once
 
 #include <cstdint>
@@ -7,10 +7,15 @@
 
 namespace furcula::control {
 
-enum class Phase : std::uint8_t { flight = 0, stance = 1 };
+/// Phase of a stride.
+enum class Phase : std::uint8_t {
+  flight = 0,  ///< the toe is off the ground
+  stance = 1   ///< the toe is on the ground
+};
 
+/// Thresholds of touch-down and lift-off.
 struct PhaseConfig {
-  float touchdown_height_m = 0.2819f;  ///< 2 L cos(touch-down angle)
+  float touchdown_height_m = 0.2819f;  ///< of the body, with the straight leg: 2 L cos(touch-down angle)
   /// The switch reports up to 10 ms early: further above the touch-down height than this a closed switch is
   /// no touch-down; m.
   float touchdown_margin_m = 0.03f;
@@ -20,24 +25,26 @@ struct PhaseConfig {
   /// switch reads (it reports lift-off up to 10 ms late); a leg is straight within this length; m.
   float liftoff_margin_m = 0.005f;
   /// Debouncing takes time, and the switch reports up to 10 ms late: how long ago the body passed the
-  /// touch-down height is told from height and velocity, up to this time; s.
+  /// touch-down height follows from height and velocity, up to this time; s.
   float latest_report_s = 0.012f;
   /// The touch-down's bounce ends within this time: an open switch before is no lift-off; s.
   float shortest_stance_s = 0.02f;
 };
 
+/// State of estimate_phase() between two ticks.
 struct PhaseState {
-  Phase phase = Phase::flight;
-  bool seen_open = true;  ///< since lift-off: a switch that stays closed touches down no second time
-  std::uint32_t ticks_in_phase = 0;
-  std::uint32_t ticks_of_last_phase = 0;
-  float touchdown_before_s = 0.0f;  ///< touch-down was so long before the tick that it was detected on
-  float highest_m = 0.0f;           ///< in this flight
-  float apex_height_m = 0.0f;
+  Phase phase = Phase::flight;  ///< current phase
+  bool seen_open = true;        ///< open since lift-off: a switch that stays closed is no second touch-down
+  std::uint32_t ticks_in_phase = 0;       ///< since the phase was detected; saturates
+  std::uint32_t ticks_of_last_phase = 0;  ///< length of the phase before
+  float touchdown_before_s = 0.0f;        ///< from the last touch-down to the tick that detected it
+  float highest_m = 0.0f;                 ///< greatest height in this flight
+  float apex_height_m = 0.0f;  ///< greatest height in the last whole flight; 0 before there was one
 };
 
+/// Result of one tick.
 struct PhaseEstimate {
-  Phase phase = Phase::flight;
+  Phase phase = Phase::flight;     ///< phase after this tick
   bool touchdown = false;          ///< on this tick
   bool liftoff = false;            ///< on this tick
   float since_touchdown_s = 0.0f;  ///< since the last one; before the first one, since the start
@@ -45,7 +52,8 @@ struct PhaseEstimate {
   float apex_height_m = 0.0f;      ///< highest point of the last whole flight; 0 before there was one
 };
 
-/// How long ago a sinking body passed the touch-down height: 0 if it is still above.
+/// How long ago a body that moves down passed the touch-down height, s. 0: it is still above, it does not move down, or it
+/// was longer ago than latest_report_s.
 inline float time_since_passed(const PhaseConfig& config, const HeightEstimate& height) {
   const float below_m = config.touchdown_height_m - height.height_m;
   if (!(below_m > 0.0f) || !(height.velocity_mps < 0.0f)) return 0.0f;

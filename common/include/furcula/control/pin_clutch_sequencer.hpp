@@ -1,5 +1,5 @@
 // Joins a link to its motor, to a spring, or to neither, by a pin (document 000, section II): the motor
-// tracks the swinging link until their relative rotation is nothing, then the pin moves.
+// tracks the swinging link until their relative rotation is zero, then the pin moves.
 #pragma once
 
 #include <cstdint>
@@ -9,78 +9,95 @@
 
 namespace furcula::control {
 
-enum class PinMode : std::uint8_t { passive, active, spring };
+/// What the pin joins the link to.
+enum class PinMode : std::uint8_t {
+  passive,  ///< to nothing
+  active,   ///< to the motor
+  spring    ///< to the spring
+};
 
+/// Encoders, control of the motor, and times of the sequence. Angles and torques are those of the joint.
 struct PinClutchConfig {
   float link_rad_per_count = 3.8349519e-4f;   ///< absolute encoder, 14 bit, between body and link
   float rotor_rad_per_count = 9.5873799e-6f;  ///< incremental encoder on the motor, 4096 a turn, gear 160
-  // The tracking law, at the joint.
-  float stiffness_nmprad = 4000.0f;
-  float damping_nmspr = 140.0f;
-  float inertia_kgm2 = 1.28f;  ///< of rotor and gear
-  float friction_nm = 8.0f;    ///< of the gear
-  float torque_limit_nm = 200.0f;
-  float observer_radps = 120.0f;  ///< three poles of the link's angle, rate and acceleration
+  // The control of the motor that tracks the link.
+  float stiffness_nmprad = 4000.0f;  ///< on the link's angle less the motor's; a quarter of it in to_rest
+  float damping_nmspr = 140.0f;      ///< on the link's rate less the motor's
+  float inertia_kgm2 = 1.28f;        ///< of rotor and gear
+  float friction_nm = 8.0f;          ///< of the gear
+  float torque_limit_nm = 200.0f;    ///< largest magnitude
+  float observer_radps = 120.0f;  ///< triple pole of the observer of the link's angle, rate and acceleration
   // When the pin may move, and what is too long.
-  float aligned_rad = 0.012f;  ///< play, and a part of the chamfer
-  float aligned_radps = 0.15f;
-  float aligned_s = 0.010f;
-  float tracking_max_s = 1.5f;
-  float pin_max_s = 0.25f;  ///< from the command to the end of the stroke
-  float in_place = 0.95f;   ///< share of the stroke at which the pin is there
-  float fade_s = 0.05f;     ///< in which the motor's torque passes to what the joint is told
-  float spring_rest_rad = 0.1f;
-  float to_rest_s = 0.8f;  ///< that the motor takes to bring the link to the spring
-  std::uint32_t tries_max = 3;
+  float aligned_rad = 0.012f;    ///< largest angle between link and motor: play, and a part of the chamfer
+  float aligned_radps = 0.15f;   ///< largest relative rate of link and motor
+  float aligned_s = 0.010f;      ///< for which both must hold before the pin is inserted
+  float tracking_max_s = 1.5f;   ///< for a stage in which the motor tracks the link or the pin is withdrawn
+  float pin_max_s = 0.25f;       ///< from the command to the end of the stroke
+  float in_place = 0.95f;        ///< share of the stroke from which on the pin is in place
+  float fade_s = 0.05f;          ///< in which the motor's torque grows from zero to the joint's command
+  float spring_rest_rad = 0.1f;  ///< angle of the link at which the spring's rotator is aligned with it
+  float to_rest_s = 0.8f;        ///< that the motor takes to bring the link to that angle
+  std::uint32_t tries_max = 3;   ///< failed insertions until a request is refused
 };
 
-/// What one tick sees.
+/// Inputs of one tick.
 struct PinClutchView {
-  PinMode wanted = PinMode::passive;
-  std::uint32_t link_count = 0, link_zero = 0;    ///< absolute, and where the link hangs down
-  std::uint32_t rotor_count = 0, rotor_zero = 0;  ///< incremental, and what it read beside a link at zero
-  float pin = 0.0f;                               ///< position of the servo: 1 active, 0 middle, -1 spring
-  float torque_nm = 0.0f;                         ///< that the joint is told; acts in active mode
+  PinMode wanted = PinMode::passive;  ///< the request
+  std::uint32_t link_count = 0,       ///< absolute encoder of the link, wraps
+      link_zero = 0;                  ///< what it reads where the link hangs down
+  std::uint32_t rotor_count = 0,      ///< incremental encoder of the motor, wraps
+      rotor_zero = 0;                 ///< what it read when the motor was aligned with a link at zero
+  float pin = 0.0f;                   ///< position of the servo: 1 active, 0 middle, -1 spring
+  float torque_nm = 0.0f;             ///< command to the joint; acts in active mode
 };
 
-/// refused: what was wanted could not be done; until something else is wanted.
+/// Stage of the sequence.
 enum class PinStage : std::uint8_t {
-  passive,
-  tracking,
-  inserting,
-  active,
-  unloading,
-  to_rest,
-  to_spring,
-  spring,
-  leaving_spring,
-  refused
+  passive,         ///< the pin is in neither rotator; the motor is off
+  tracking,        ///< the motor follows the link until both are aligned
+  inserting,       ///< the pin moves into the motor's rotator, the motor tracks the link
+  active,          ///< the pin is in the motor's rotator
+  unloading,       ///< the pin leaves the motor's rotator for the middle, the motor tracks the link
+  to_rest,         ///< the motor brings the link to spring_rest_rad
+  to_spring,       ///< the pin moves from the motor's rotator into the spring's
+  spring,          ///< the pin is in the spring's rotator; the motor is off
+  leaving_spring,  ///< the pin leaves the spring's rotator for the middle; the motor is off
+  refused          ///< the request failed; the motor is off until the request changes
 };
 
+/// State of the sequence between two ticks.
 struct PinClutchState {
-  PinStage stage = PinStage::passive;
-  PinMode last_wanted = PinMode::passive;
-  bool given_up = false;  ///< what is wanted, until something else is
-  bool begun = false;
-  std::uint32_t ticks_in_stage = 0, ticks_aligned = 0, tries = 0;
-  float angle_rad = 0.0f, rate_radps = 0.0f, acceleration_radps2 = 0.0f;  ///< of the link, observed
-  float rotor_rad = 0.0f;                                                 ///< of the last tick
-  float from_rad = 0.0f;                                                  ///< where to_rest began
+  PinStage stage = PinStage::passive;      ///< current stage
+  PinMode last_wanted = PinMode::passive;  ///< request on the last tick
+  bool given_up = false;                   ///< the request failed; until the request changes
+  bool begun = false;                      ///< the observer has had a reading
+  std::uint32_t ticks_in_stage = 0,        ///< since the stage began; saturates
+      ticks_aligned = 0,                   ///< in a row with link and motor aligned
+      tries = 0;                           ///< failed insertions of this request
+  float angle_rad = 0.0f,                  ///< of the link, observed
+      rate_radps = 0.0f,                   ///< of the link, observed
+      acceleration_radps2 = 0.0f;          ///< of the link, observed
+  float rotor_rad = 0.0f;                  ///< angle of the motor at the joint on the last tick
+  float from_rad = 0.0f;                   ///< angle of the link where to_rest began
 };
 
+/// Result of one tick.
 struct PinClutchOutput {
-  float torque_nm = 0.0f;   ///< of the motor, at the joint
-  float pin_target = 0.0f;  ///< of the servo
-  PinStage stage = PinStage::passive;
-  float off_rad = 0.0f, off_radps = 0.0f;  ///< of the active rotator behind the link
+  float torque_nm = 0.0f;              ///< of the motor, at the joint
+  float pin_target = 0.0f;             ///< of the servo: 1 active, 0 middle, -1 spring
+  PinStage stage = PinStage::passive;  ///< stage after this tick
+  float off_rad = 0.0f,                ///< angle of the link less that of the motor
+      off_radps = 0.0f;                ///< rate of the link less that of the motor
 };
 
-/// One tick's step through the stages.
+/// One tick of the sequence; sequence_pin_clutch() runs it.
 class PinClutchTick {
  public:
+  /// Keeps references to its arguments, which must outlive it. `dt_s` is the time since the last tick, above 0.
   PinClutchTick(const PinClutchConfig& config, PinClutchState& state, const PinClutchView& view, float dt_s)
       : c_(config), s_(state), view_(view), dt_s_(dt_s) {}
 
+  /// Runs the tick and updates the state. To be called once.
   PinClutchOutput run() {
     if (s_.ticks_in_stage != 0xffffffffu) ++s_.ticks_in_stage;
     if (view_.wanted != s_.last_wanted) s_.given_up = false;
@@ -90,7 +107,7 @@ class PinClutchTick {
     s_.ticks_aligned = aligned ? s_.ticks_aligned + 1 : 0;
     PinClutchOutput out;
     step(out);
-    // What is not a number (a configuration with a time of 0) is no torque.
+    // A torque that is not a number (a configuration with a time of 0) becomes 0.
     out.torque_nm =
         is_finite(out.torque_nm) ? between(-c_.torque_limit_nm, out.torque_nm, c_.torque_limit_nm) : 0.0f;
     out.stage = s_.stage;
@@ -131,7 +148,7 @@ class PinClutchTick {
     off_radps_ = s_.rate_radps - rotor_radps_;
   }
 
-  /// The motor beside the link.
+  /// Torque that keeps the motor aligned with the link.
   float track() const {
     const float friction = s_.rate_radps > 0.02f    ? c_.friction_nm
                            : s_.rate_radps < -0.02f ? -c_.friction_nm
@@ -139,7 +156,7 @@ class PinClutchTick {
     return c_.stiffness_nmprad * off_rad_ + c_.damping_nmspr * off_radps_ +
            c_.inertia_kgm2 * s_.acceleration_radps2 + friction;
   }
-  /// The motor, joined to the link, to an angle.
+  /// Torque that moves the motor, joined to the link, to an angle.
   float hold(float angle_rad, float rate_radps) const {
     return 0.25f * c_.stiffness_nmprad * (angle_rad - s_.angle_rad) +
            c_.damping_nmspr * (rate_radps - rotor_radps_);
@@ -151,7 +168,7 @@ class PinClutchTick {
       case PinStage::passive:
         if (s_.given_up) return;
         s_.tries = 0;
-        // To the spring the motor brings the link.
+        // Also on the way to the spring: the motor brings the link there.
         enter(view_.wanted == PinMode::passive ? PinStage::passive : PinStage::tracking);
         return;
       case PinStage::tracking:
@@ -247,7 +264,7 @@ class PinClutchTick {
   float rotor_radps_ = 0.0f, off_rad_ = 0.0f, off_radps_ = 0.0f;
 };
 
-/// One tick.
+/// One tick, `dt_s` after the last.
 inline PinClutchOutput sequence_pin_clutch(const PinClutchConfig& config, PinClutchState& state,
                                            const PinClutchView& view, float dt_s) {
   return PinClutchTick(config, state, view, dt_s).run();

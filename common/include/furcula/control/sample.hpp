@@ -1,4 +1,4 @@
-// What the rig measures and what it is told: the controller's words to and from a board.
+// Measurements of the robot and commands to it: what a controller exchanges with a board.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@ namespace furcula::control {
 /// One reading of all sensors.
 struct Sample {
   std::uint32_t height_count = 0;  ///< rail encoder, free-running, wraps
-  std::uint32_t home_count = 0;    ///< what it read where the height was home_height_m
+  std::uint32_t home_count = 0;    ///< what it read when the height was home_height_m
   float home_height_m = 0.0f;      ///< m; NaN as long as the encoder is not homed
   float leg_angle_rad = 0.0f;      ///< from the drive, from the vertical
   std::uint32_t age_us = 0;        ///< how long ago the sensors were read
@@ -20,7 +20,7 @@ struct Sample {
 };
 static_assert(sizeof(Sample) == 36 && std::is_trivially_copyable_v<Sample>, "it travels as bytes");
 
-/// What the rig is told. The value of a default Command is the safe state.
+/// Command to the robot. The value of a default Command is the safe state.
 struct Command {
   float torque_nm = 0.0f;  ///< positive flexes the leg
   float coil_duty = 0.0f;  ///< share of the supply across the solenoid's coil, 0 to 1; 0 = spring caught

@@ -9,15 +9,21 @@
 
 namespace furcula::control {
 
-enum class ProfileShape : std::uint8_t { zero, harmonic, constant };
-
-struct TorqueProfileConfig {
-  ProfileShape shape = ProfileShape::zero;
-  float amplitude_nm = 0.0f;  ///< positive pumps energy in, negative takes it out
-  float period_s = 0.3f;      ///< of `harmonic`
+/// Shape of the torque over a stance; equations: profile_torque_nm().
+enum class ProfileShape : std::uint8_t {
+  zero,      ///< no torque
+  harmonic,  ///< a sine of the time since touch-down
+  constant   ///< a constant magnitude with the sign of the motion
 };
 
-/// Zero in flight. In stance
+/// Torque profile of a stance.
+struct TorqueProfileConfig {
+  ProfileShape shape = ProfileShape::zero;  ///< of the torque over time
+  float amplitude_nm = 0.0f;                ///< positive pumps energy in, negative takes it out
+  float period_s = 0.3f;                    ///< of `harmonic`
+};
+
+/// Torque of one tick, N m. Zero in flight. In stance
 ///   harmonic   T sin(2 pi (t - t_td) / P), 002 eq. 4.1; t is the middle of the tick over which the torque is held
 ///   constant   -T sgn(z_dot): the torque pulls the body down while it sinks, and pushes it up while it rises
 inline float profile_torque_nm(const TorqueProfileConfig& config, const PhaseEstimate& phase,
