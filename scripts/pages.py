@@ -102,6 +102,16 @@ def on_config(config):
     return config
 
 
+def on_nav(nav, **_):
+    """The reference of the header-only core, which Doxygen makes (scripts/site)."""
+    from mkdocs.structure.nav import Link
+
+    for section in nav.items:
+        if section.title == "Reference":
+            section.children.append(Link("Header-only core (C++)", "api/index.html"))
+    return nav
+
+
 def site_path(path):
     """Where the site has a file of the project: docs/ is its root, pages are HTML, what a browser would not show is text."""
     path = path[5:] if path.startswith("docs/") else path
