@@ -1,28 +1,30 @@
-// The articulated inertia of a link and what hangs on it, in blocks with their symmetry:
+// The articulated inertia of a link and of all bodies outboard of it, in symmetric blocks:
 //
 //   n = I w + H v + bias.n,   f = H' w + M v + bias.f      about the link's origin, in its axes
 //
-// 21 numbers and 6. (w, v) are accelerations here, v the classical one of the link's origin: with it a body's bias has no
-// term in its velocity v, and the joint's drift stands in the parent's axes: w x (w x r).
+// 21 + 6 numbers. (w, v) are accelerations here; v is the classical acceleration of the link's origin. With it the bias of a
+// body has no term in its linear velocity, and the velocity-product term of a joint, in the parent's axes, is w x (w x r).
 #pragma once
 
 #include "furcula/dynamics/biped/kinematics.hpp"
 
 namespace furcula::dynamics::biped {
 
+/// Articulated-body inertia and bias force, about the link's origin, in its axes (the equation above).
 template <class T>
 struct Articulated {
-  Sym3<T> i;
-  Mat3<T> h;
-  Sym3<T> m;
-  Force<T> bias;
+  Sym3<T> i;      ///< moment for an angular acceleration, kg m^2
+  Mat3<T> h;      ///< moment for a linear acceleration, kg m; its transpose: force for an angular one
+  Sym3<T> m;      ///< force for a linear acceleration, kg
+  Force<T> bias;  ///< moment and force at zero acceleration, N m and N
 };
 
-/// Of a body alone, with velocity w: bias  n = w x I w,  f = w x (w x h).
+/// Bias force of a single rigid body with angular velocity w:  n = w x I w,  f = w x (w x h).
 template <class T>
 FURCULA_INLINE Force<T> body_bias(const Inertia<T>& b, const Vec3<T>& w) {
   return {cross(w, b.inertia_kgm2 * w), cross(w, cross(w, b.moment_kgm))};
 }
+/// The articulated inertia of a single body with angular velocity w, without outboard bodies.
 template <class T>
 FURCULA_INLINE Articulated<T> articulated(const Inertia<T>& b, const Vec3<T>& w) {
   const T zero = T(ValueOf<T>(0));
@@ -32,7 +34,7 @@ FURCULA_INLINE Articulated<T> articulated(const Inertia<T>& b, const Vec3<T>& w)
           {b.mass_kg, zero, zero, b.mass_kg, zero, b.mass_kg},
           body_bias(b, w)};
 }
-/// Without zeros of the body's.
+/// Adds a body with angular velocity w to `a`; does not add the entries that are zero for a single body.
 template <class T>
 FURCULA_INLINE void add_body(Articulated<T>& a, const Inertia<T>& b, const Vec3<T>& w) {
   const Vec3<T>& h = b.moment_kgm;
@@ -44,16 +46,16 @@ FURCULA_INLINE void add_body(Articulated<T>& a, const Inertia<T>& b, const Vec3<
   a.bias += body_bias(b, w);
 }
 
-/// Of a joint, kept for the way outwards.
+/// Terms of a joint that the outward pass needs again.
 template <class T>
 struct JointTerms {
-  Force<T> column;  ///< of the articulated inertia, along the joint's axis
-  T inverse_kgm2;   ///< 1 / (column's own + armature)
-  T torque_nm;      ///< what is left of the joint's torque
+  Force<T> column;  ///< column of the articulated inertia for the joint's axis
+  T inverse_kgm2;   ///< 1 / (inertia about the joint's axis + armature)
+  T torque_nm;      ///< joint torque less the bias moment about its axis
 };
 
-/// The joint gives way along its axis: what its parent feels, still in the link's axes. `w` is the link's angular
-/// velocity, in which the joint's own is.
+/// Reduces `a` to what the parent feels through the joint, which is free about its axis; still in the link's axes. `w` is the
+/// link's angular velocity, including the joint's own rate `qd`.
 template <Axis A, class T>
 FURCULA_INLINE JointTerms<T> reduce(Articulated<T>& a, const Vec3<T>& w, const T& qd, const T& torque_nm,
                                     const T& armature_kgm2) {
@@ -83,7 +85,7 @@ FURCULA_INLINE JointTerms<T> reduce(Articulated<T>& a, const Vec3<T>& w, const T
   return out;
 }
 
-/// w x (w x r), of r only the components `kMask`.
+/// w x (w x r), where only the components `kMask` of r are not zero (bit 0: x, 1: y, 2: z).
 template <unsigned kMask, class T>
 FURCULA_INLINE Vec3<T> centripetal(const Vec3<T>& w, const Vec3<T>& r) {
   if constexpr (kMask == 4) {
@@ -95,7 +97,8 @@ FURCULA_INLINE Vec3<T> centripetal(const Vec3<T>& w, const Vec3<T>& r) {
   }
 }
 
-/// In the parent's axes, about the parent's origin; `parent_w` is the parent's angular velocity.
+/// Transforms `a` to the parent's axes and origin. `turn` is the joint's rotation, `r` the joint's place in the parent, of which
+/// only the components `kMask` are not zero; `parent_w` is the parent's angular velocity.
 template <unsigned kMask, class Turned, class T>
 FURCULA_INLINE void to_parent(const Turned& turn, const Vec3<T>& r, const Vec3<T>& parent_w,
                               Articulated<T>& a) {

@@ -1,4 +1,4 @@
-// A clutch that closes: the plastic impact between motor and link, and the pin on its way into the hole.
+// A clutch that closes: the plastic impact between motor and link, and the insertion of the pin into its hole.
 #pragma once
 
 #include "furcula/dynamics/biped/step.hpp"
@@ -6,7 +6,7 @@
 
 namespace furcula::dynamics::biped {
 
-/// What a unit of impulse in a joint's coordinate makes of all velocities: M^-1 e_j, M with the armatures of `laws`.
+/// The change of all velocities by a unit impulse (1 N m s) at joint `j` of leg `side`: M^-1 e_j, M with the armatures of `laws`.
 template <class Topology = DesignTopology, class P, class T>
 Accelerations<T> unit_response(const P& p, const JointLaws<T>& laws, const State<T>& s, std::size_t side,
                                std::size_t j) {
@@ -29,11 +29,11 @@ Accelerations<T> unit_response(const P& p, const JointLaws<T>& laws, const State
   return accelerations<Topology>(p, rest, act);
 }
 
-/// Joins the motor behind clutch `c`, which is open, to its link, in the lanes `robots`: the impulse
+/// Joins the motor behind the open clutch `c` to its link, in the robots `robots` of the SIMD batch: the impulse
 ///   L = (qd_r - qd_j) / (1/A + (M^-1)_jj)
-/// on the link, its opposite on the motor, leaves both with one speed. The mode is active afterwards, the play is forgotten.
-/// Returns what the impact takes, L (qd_r - qd_j) / 2, J. Not the joint's term in the articulated-body algorithm: that one holds for a
-/// parent that stands still.
+/// on the link, its opposite on the motor, gives both the same speed. The mode is then active; the motor's angle is set to the link's.
+/// Returns the energy lost in the impact, L (qd_r - qd_j) / 2, J. (M^-1)_jj is not the joint's term of the articulated-body algorithm,
+/// which holds for a parent at rest.
 template <class Topology = DesignTopology, class P, class T>
 T engage(const P& p, std::size_t side, LegClutch c, JointLaws<T>& laws, State<T>& s,
          const MaskOf<T>& robots = all_of<T>()) {
@@ -52,13 +52,15 @@ T engage(const P& p, std::size_t side, LegClutch c, JointLaws<T>& laws, State<T>
   return impulse * apart * V(0.5);
 }
 
-/// A pin that enters: the joint's clutch (pin_clutch.hpp) in steps of its own of 20 us beside the robot's, with the link's motion
-/// given. One robot in plain numbers; the joint's mode is `engaging`.
+/// A pin that enters: the joint's clutch (pin_clutch.hpp) is integrated in steps of 20 us within each step of the robot, with the
+/// link's motion prescribed. For one robot, not for SIMD batches; the joint's mode is `engaging`.
 template <class T>
 class Engaging {
  public:
-  using V = ValueOf<T>;
+  using V = ValueOf<T>;  ///< the plain number behind the scalar T
 
+  /// For clutch `c` of leg `side`, with link and motor as in `s`. Of `pin` the link's inertia, gravity and damping and the motor's
+  /// numbers are replaced: the robot gives them.
   Engaging(const Parameters<T>& p, const PinClutchParameters<T>& pin, std::size_t side, LegClutch c,
            const State<T>& s)
       : side_(side),
@@ -69,7 +71,8 @@ class Engaging {
     clutch_.set_rotor(rotor(s), rotor_rate(s));
   }
 
-  /// Before a step of the robot: the pin's mean torque on the link over it goes into `c`. The servo drives the pin to the motor.
+  /// Before a step `h_s` of the robot: integrates the clutch and writes the pin's mean torque on the link over the step to `c`. The
+  /// servo drives the pin towards the motor's rotator.
   void before_step(const State<T>& s, const T& h_s, Commands<T>& c) {
     clutch_.set_link(angle(s), rate_of(s));
     const T kp = read(drive_.kp_nmprad), kd = read(drive_.kd_nmsprad);
@@ -77,13 +80,14 @@ class Engaging {
                     value_of(h_s));
     Legs<T>::write(c.pin_nm[pass()][c_], side_, clutch_.mean_contact_nm());
   }
-  /// After it: where the motor is.
+  /// After the step: writes the motor's angle and rate to `s`.
   void after_step(State<T>& s) const {
     Legs<T>::write(s.rotors_rad[pass()][c_], side_, clutch_.rotor_rad());
     Legs<T>::write(s.rotors_radps[pass()][c_], side_, clutch_.rotor_radps());
   }
-  /// All the way: the joint can be joined (engage).
+  /// Whether the pin is fully in: the motor can be joined (engage).
   bool is_in() const { return clutch_.pin() >= V(1); }
+  /// The clutch's own simulation.
   const PinClutchJoint<T>& clutch() const { return clutch_; }
 
  private:

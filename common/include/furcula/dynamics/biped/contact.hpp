@@ -1,23 +1,25 @@
 // The feet's 8 vertices on the ground z = 0: a spring and a damper along the normal, Coulomb friction about an anchor.
 //
-// With sink d = -x_z, velocity u and anchor a of a vertex:
+// With penetration d = -x_z, velocity u and anchor a of a vertex:
 //   N = d > 0 ? max(0, kn d - dn u_z min(1, d/d0)) : 0       no jump at touch-down, no pull at lift-off
 //   t = kt (a - x_xy) - dt u_xy;  F = t min(1, mu N / |t|),  |t| = sqrt(t.t + 1e-12)
-//   a <- x_xy + (F + dt u_xy) / kt                           stays while it sticks, is dragged in slip
-// In the air F = 0: the anchor is where the friction is none, as it is in the limit of a touch-down (docs/decisions/0034).
+//   a <- x_xy + (F + dt u_xy) / kt                           constant in stick, follows the vertex in slip
+// In flight F = 0 and the anchor is placed where friction is zero, so friction is continuous at touch-down (docs/decisions/0034).
 #pragma once
 
 #include "furcula/dynamics/biped/forward_dynamics.hpp"
 
 namespace furcula::dynamics::biped {
 
-/// What a vertex feels and where it then holds on, world axes.
+/// Ground force on a vertex and its new anchor, world axes.
 template <class L>
 struct VertexForce {
-  Vec3<L> force_n;
-  std::array<L, 2> anchor_m;
+  Vec3<L> force_n;            ///< z: normal force, >= 0; x, y: friction
+  std::array<L, 2> anchor_m;  ///< x and y of the anchor after this evaluation
 };
 
+/// Force on a vertex at `x` with velocity `u` and anchor `anchor` (x, y), world axes, by the equations above.
+/// `inverse_full_damping` is 1 / full_damping_m, `inverse_shear` 1 / shear_stiffness_npm.
 template <class L>
 FURCULA_INLINE VertexForce<L> vertex_force(const Ground<L>& g, const L& inverse_full_damping,
                                            const L& inverse_shear, const Vec3<L>& x, const Vec3<L>& u,
@@ -36,16 +38,17 @@ FURCULA_INLINE VertexForce<L> vertex_force(const Ground<L>& g, const L& inverse_
   return {{fx, fy, n}, {x.x + (fx + ux) * inverse_shear, x.y + (fy + uy) * inverse_shear}};
 }
 
-/// Of each leg.
+/// Normal forces and anchors of both feet.
 template <class T>
 struct FootContact {
-  using L = LegScalar<T>;
-  PerLeg<T, L> normal_n{};                                         ///< sum over the foot's vertices
-  PerLeg<T, std::array<std::array<L, 2>, kVertices>> anchors_m{};  ///< where the vertices hold on after this
+  using L = LegScalar<T>;   ///< the scalar of a leg's numbers
+  PerLeg<T, L> normal_n{};  ///< sum over the foot's vertices
+  PerLeg<T, std::array<std::array<L, 2>, kVertices>>
+      anchors_m{};  ///< [pass][vertex][x, y]: anchors after this evaluation, world
 };
 
-/// Wrenches for forward_dynamics, about the feet's origins, in their axes. The state's anchors are read only: whoever steps
-/// writes them, once a step.
+/// Contact wrenches for forward_dynamics, about the feet's origins, in their axes. `k` is kinematics() of `s`. The state's anchors
+/// are not changed: step() writes them, once a step.
 template <class T>
 FURCULA_INLINE void contact(const Parameters<T>& p, const State<T>& s, const Kinematics<T>& k,
                             PerLeg<T, Force<LegScalar<T>>>& wrench, FootContact<T>& out) {

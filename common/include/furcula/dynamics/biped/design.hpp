@@ -1,5 +1,5 @@
-// The life-size biped of 49.8 kg, in numbers: those of models/biped/furcula_biped.urdf, against which a test holds them, and of its
-// drives, clutches, feet and ground, which a URDF has no room for.
+// The numbers of the life-size biped of 49.8 kg: those of models/biped/furcula_biped.urdf (a test compares them), and those of its
+// drives, clutches, feet and ground, which a URDF cannot hold.
 //
 // From document 000: gear ratio, peak torque, total mass, the joints. The rest is chosen (docs/biped.md).
 #pragma once
@@ -11,16 +11,17 @@
 
 namespace furcula::dynamics::biped {
 
-/// Of the robot in its URDF, and in the files of its walks.
+/// Name of the robot in its URDF and in the files of its walks.
 inline constexpr std::string_view kDesignName = "furcula_biped";
 
-/// Seen in a mirror: y of places, and the products of inertia with y, change their signs.
+/// Mirrored at the x-z plane: y of positions and the products of inertia xy and yz change sign.
 constexpr LinkDescription mirrored(const LinkDescription& l) {
   const auto flip = [](const Vec3<double>& v) { return Vec3<double>{v.x, -v.y, v.z}; };
   const Sym3<double>& s = l.about_centre_kgm2;
   return {flip(l.offset_m), l.mass_kg, flip(l.centre_m), {s.xx, -s.xy, s.xz, s.yy, -s.yz, s.zz}};
 }
 
+/// The design, on level ground.
 constexpr Description design() {
   Description d{};
   d.pelvis = {{}, 16.2, {0.010, 0.0, 0.075}, {0.243, 0.0, 0.005, 0.18684, 0.0, 0.18684}};

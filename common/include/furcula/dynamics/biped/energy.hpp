@@ -1,4 +1,4 @@
-// Energy and momentum of the biped, from every body's velocity: a second way to its equations of motion, for checks.
+// Energy and momentum of the biped from every body's velocity, independent of the equations of motion, for checks.
 #pragma once
 
 #include "furcula/dynamics/biped/joint_laws.hpp"
@@ -9,13 +9,14 @@ namespace furcula::dynamics::biped {
 /// Sums over the bodies, world axes.
 template <class T>
 struct Totals {
-  T mass_kg;
-  Vec3<T> moment_kgm;  ///< mass times place, about the world's origin
-  Vec3<T> linear_ns;
-  /// About the world's origin; the rotors' spin is left out, as in the equations of motion.
+  T mass_kg;           ///< of all bodies
+  Vec3<T> moment_kgm;  ///< sum of mass times position of the centre of mass, from the world's origin
+  Vec3<T> linear_ns;   ///< linear momentum
+  /// Angular momentum about the world's origin; without the rotors' spin, as in the equations of motion.
   Vec3<T> angular_nms;
-  T kinetic_j;  ///< of the bodies
+  T kinetic_j;  ///< of the bodies, without the motors
 
+  /// Centre of mass, world.
   Vec3<T> centre_m() const { return moment_kgm * (ValueOf<T>(1) / mass_kg); }
   /// Angular momentum about the centre of mass.
   Vec3<T> spin_nms() const { return angular_nms - cross(centre_m(), linear_ns); }
@@ -39,7 +40,7 @@ void add(Totals<T>& sum, const Inertia<T>& b, const Mat3<T>& r, const Vec3<T>& a
 
 }  // namespace detail
 
-/// One leg after the other in the robot's scalar: plain loops, not for speed.
+/// The sums at a state. Computes one leg after the other in the robot's scalar; not for speed.
 template <class P, class T>
 Totals<T> totals(const P& p, const State<T>& s) {
   using V = ValueOf<T>;
@@ -80,7 +81,7 @@ Totals<T> totals(const P& p, const State<T>& s) {
   return sum;
 }
 
-/// Of the motors: those that are joined move with their links, the others by themselves.
+/// Kinetic energy of the motors, J: joined motors have their link's speed, the others their own.
 template <class T>
 T motors_kinetic_j(const Parameters<T>& p, const JointLaws<T>& laws, const State<T>& s) {
   using V = ValueOf<T>;
@@ -101,7 +102,7 @@ T motors_kinetic_j(const Parameters<T>& p, const JointLaws<T>& laws, const State
   return twice * V(0.5);
 }
 
-/// Of gravity: zero with the centre of mass at the world's origin.
+/// Potential energy of gravity, J: zero with the centre of mass at the world's origin.
 template <class T>
 T height_energy_j(const Parameters<T>& p, const Totals<T>& t) {
   return -dot(p.gravity_mps2, t.moment_kgm);

@@ -1,20 +1,20 @@
 // Accelerations of the biped from its joints' torques and the feet's contact wrenches: the articulated-body algorithm.
 //
 // Featherstone, Rigid Body Dynamics Algorithms (2008), chapters 7 and 9 (floating base), in blocks (articulated.hpp). A joint's armature
-// counts on its diagonal alone: the rotor spins about the joint's axis, its gyroscopic terms (below 0.03 N m s/rad) are left out.
+// counts on its diagonal only: the rotor spins about the joint's axis; its gyroscopic terms (below 0.03 N m s/rad) are neglected.
 #pragma once
 
 #include "furcula/dynamics/biped/articulated.hpp"
 
 namespace furcula::dynamics::biped {
 
-/// What acts on the robot.
+/// Torques, armatures, contact wrenches and gravity that act on the robot.
 template <class T>
 struct Actions {
-  Joints<T> torque_nm;                  ///< on each joint, friction taken off
-  Joints<T> armature_kgm2;              ///< of motors that are joined to their links
+  Joints<T> torque_nm;      ///< on each joint, friction and damping subtracted
+  Joints<T> armature_kgm2;  ///< reflected rotor inertia; 0 where the motor is not joined to its link
   PerLeg<T, Force<LegScalar<T>>> foot;  ///< contact wrench about the foot's origin, in the foot's axes
-  Vec3<T> gravity_mps2;                 ///< world
+  Vec3<T> gravity_mps2;                 ///< acceleration of free fall, world
 };
 
 namespace detail {
@@ -46,7 +46,7 @@ FURCULA_INLINE tree::Motion<T> solved(const Articulated<T>& a) {
 
 }  // namespace detail
 
-/// `k` is kinematics() of the same state.
+/// Accelerations of pelvis and joints at state `s` under `act`. `k` is kinematics() of `s`.
 template <class Topology, class P, class T>
 FURCULA_INLINE void forward_dynamics(const P& p, const State<T>& s, const Kinematics<T>& k,
                                      const Actions<T>& act, Accelerations<T>& out) {
@@ -76,7 +76,7 @@ FURCULA_INLINE void forward_dynamics(const P& p, const State<T>& s, const Kinema
     hip[pass] = a;
   }
 
-  // The legs' sum first, then the pelvis: the same order whether they are lanes or passes.
+  // The legs' sum first, then the pelvis: the same order whether the legs are a SIMD batch or two passes.
   const auto both = [&](auto&& of) __attribute__((always_inline)) {
     std::array<L, kPasses> x;
     for (std::size_t pass = 0; pass < kPasses; ++pass) x[pass] = of(hip[pass]);
@@ -125,7 +125,7 @@ FURCULA_INLINE void forward_dynamics(const P& p, const State<T>& s, const Kinema
   }
 }
 
-/// Of the state, its kinematics included.
+/// The same, with the kinematics computed here.
 template <class Topology = DesignTopology, class P, class T>
 Accelerations<T> accelerations(const P& p, const State<T>& s, const Actions<T>& act) {
   Kinematics<T> k;

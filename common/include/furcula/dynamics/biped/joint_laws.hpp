@@ -1,10 +1,11 @@
-// What each joint's drive, clutch or brake does: one law whose numbers the joint's mode gives, so that no step asks for a mode.
+// The torque of each joint's drive, clutch or brake: one equation whose coefficients depend on the joint's mode, so that a step has no
+// branch on the mode.
 //
 //   tau = clamp(kp (target - q) - kd qd, +-limit) - damping qd - friction sat(qd / creep)
 //
-// active: the drive's numbers, target commanded; passive: a spring about its rest; released: damping alone; braked: stiff about the
-// angle at which the brake closed; engaging: as released, and the pin's torque beside it (clutching.hpp). While the motor is not joined
-// to the link, its armature, friction and drive are not the link's.
+// active: the drive's coefficients, target commanded; passive: a spring about its rest; released: damping only; braked: stiff about the
+// angle at which the brake closed; engaging: as released, plus the pin's torque (clutching.hpp). While the motor is not joined to the
+// link, its armature, friction and drive do not act on the link.
 #pragma once
 
 #include "furcula/dynamics/biped/parameters.hpp"
@@ -12,19 +13,33 @@
 
 namespace furcula::dynamics::biped {
 
-enum class Mode : unsigned char { active, passive, released, braked, engaging };
-
-template <class L>
-struct JointLaw {
-  L armature_kgm2{}, damping_nmspr{}, friction_nm{}, kp_nmprad{}, kd_nmsprad{}, limit_nm{};
-  L rest_rad{};        ///< target where it is not commanded
-  MaskOf<L> joined{};  ///< the motor to the link: the target is commanded
+/// What acts on a joint with a clutch (see above).
+enum class Mode : unsigned char {
+  active,    ///< the motor is joined to the link and driven
+  passive,   ///< a spring about its rest angle
+  released,  ///< damping only
+  braked,    ///< held at the angle at which the brake closed
+  engaging   ///< as released, while the clutch's pin enters
 };
 
+/// Coefficients of the equation above for a joint in its mode.
+template <class L>
+struct JointLaw {
+  L armature_kgm2{},    ///< reflected rotor inertia of a joined motor, else 0
+      damping_nmspr{},  ///< viscous
+      friction_nm{},    ///< Coulomb friction of gear and motor
+      kp_nmprad{},      ///< stiffness of drive, spring or brake
+      kd_nmsprad{},     ///< damping of drive or brake, within the limit
+      limit_nm{};       ///< largest torque of drive or brake; 1e30: none
+  L rest_rad{};         ///< target where it is not commanded
+  MaskOf<L> joined{};   ///< the motor is joined to the link: the target is commanded
+};
+
+/// [pass][joint]: the coefficients of all joints.
 template <class T>
 using JointLaws = PerLeg<T, std::array<JointLaw<LegScalar<T>>, kLegJoints>>;
 
-/// All joints active.
+/// The coefficients with all joints active.
 template <class T>
 JointLaws<T> active_laws(const Parameters<T>& p) {
   using L = LegScalar<T>;
@@ -59,9 +74,9 @@ FURCULA_INLINE LaneMask<V, N> chosen(const LaneMask<V, N>& which, bool yes, cons
 
 }  // namespace detail
 
-/// The mode of the joint behind clutch `c`, in the lanes `robots`. Positions and velocities stay as they are: a motor that is to be
-/// joined is brought to its link's speed before (engage, in clutching.hpp). A brake holds the angle in `s`. The motor of a clutch
-/// that opens starts from its link's angle and speed.
+/// Sets the mode of the joint with clutch `c` of leg `side`, in the robots `robots` of the SIMD batch. Positions and velocities of the
+/// links do not change: to join a motor at another speed, call engage (clutching.hpp). A brake holds the angle in `s`. The motor of
+/// a clutch that opens starts from its link's angle and speed.
 template <class T>
 void set_mode(const Parameters<T>& p, std::size_t side, LegClutch c, Mode mode, JointLaws<T>& laws,
               State<T>& s, const MaskOf<T>& robots = all_of<T>()) {
@@ -97,7 +112,7 @@ void set_mode(const Parameters<T>& p, std::size_t side, LegClutch c, Mode mode, 
        {&JointLaw<L>::armature_kgm2, &JointLaw<L>::damping_nmspr, &JointLaw<L>::friction_nm,
         &JointLaw<L>::kp_nmprad, &JointLaw<L>::kd_nmsprad, &JointLaw<L>::limit_nm, &JointLaw<L>::rest_rad})
     l.*member = select(which, to.*member, l.*member);
-  const auto kept = detail::chosen(which, false, l.joined);  // joined lanes that are not meant
+  const auto kept = detail::chosen(which, false, l.joined);  // joined, of the robots that are not selected
   if (!joined) {
     const L was_joined = select(l.joined, L(V(1)), zero), stays = select(kept, L(V(1)), zero);
     const auto opening = was_joined > stays;
@@ -108,21 +123,21 @@ void set_mode(const Parameters<T>& p, std::size_t side, LegClutch c, Mode mode, 
   l.joined = detail::chosen(which, joined, l.joined);
 }
 
-/// What the joints' laws give.
+/// Torques of the joints by the equation above.
 template <class T>
 struct JointTorques {
-  Joints<T> motor_nm;  ///< of the motor, as seen at the joint (of a joined one; else of spring or brake)
-  Joints<T> joint_nm;  ///< on the joint
+  Joints<T> motor_nm;  ///< clamped part: of a joined motor, as seen at the joint; else of spring or brake
+  Joints<T> joint_nm;  ///< on the joint: the same less damping and friction
 };
 
-/// -1 to 1 over +-creep.
+/// Smoothed sign of qd for dry friction: qd / creep, limited to [-1, 1].
 template <class L>
 FURCULA_INLINE L saturated(const L& qd, const L& inverse_creep) {
   return clamped(L(qd * inverse_creep), L(ValueOf<L>(1)));
 }
 
-/// `target_rad` is the drives' less their encoders' offsets, read where the motor is joined. kSwitched: some joint may be in another
-/// mode than active.
+/// Torques at state `s`. `target_rad`: the drives' targets less the encoders' offsets, read where the motor is joined. kSwitched: some
+/// joint may be in a mode other than active.
 template <bool kSwitched, class T>
 FURCULA_INLINE void joint_torques(const Parameters<T>& p, const State<T>& s, const JointLaws<T>& laws,
                                   const Joints<T>& target_rad, JointTorques<T>& out) {

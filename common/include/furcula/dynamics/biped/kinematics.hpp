@@ -1,4 +1,4 @@
-// Outwards over the biped: turns, velocities, and where the feet are.
+// Outward pass over the biped: rotations, velocities and the feet's positions.
 #pragma once
 
 #include <utility>
@@ -9,7 +9,7 @@
 
 namespace furcula::dynamics::biped {
 
-/// f(std::integral_constant J) for the joints of a leg, from the hip outwards or from the foot inwards.
+/// Calls f(std::integral_constant J) for the joints of a leg, from the hip to the foot.
 template <class F>
 FURCULA_INLINE void outwards(F&& f) {
   [&]<std::size_t... J>(std::index_sequence<J...>) __attribute__((always_inline)) {
@@ -17,6 +17,7 @@ FURCULA_INLINE void outwards(F&& f) {
   }
   (std::make_index_sequence<kLegJoints>{});
 }
+/// Calls f(std::integral_constant J) for the joints of a leg, from the foot to the hip.
 template <class F>
 FURCULA_INLINE void inwards(F&& f) {
   [&]<std::size_t... J>(std::index_sequence<J...>) __attribute__((always_inline)) {
@@ -25,7 +26,7 @@ FURCULA_INLINE void inwards(F&& f) {
   (std::make_index_sequence<kLegJoints>{});
 }
 
-/// sum + r x v, where only the components `kMask` of r are not zero.
+/// sum + r x v, where only the components `kMask` of r are not zero (bit 0: x, 1: y, 2: z).
 template <unsigned kMask, class T>
 FURCULA_INLINE Vec3<T> plus_cross(const Vec3<T>& sum, const Vec3<T>& r, const Vec3<T>& v) {
   Vec3<T> out = sum;
@@ -34,7 +35,7 @@ FURCULA_INLINE Vec3<T> plus_cross(const Vec3<T>& sum, const Vec3<T>& r, const Ve
   if constexpr ((kMask & 4) != 0) out.x -= r.z * v.y, out.y += r.z * v.x;
   return out;
 }
-/// sum + r of which only the components `kMask` are not zero.
+/// sum + r, where only the components `kMask` of r are not zero.
 template <unsigned kMask, class T>
 FURCULA_INLINE Vec3<T> plus(const Vec3<T>& sum, const Vec3<T>& r) {
   Vec3<T> out = sum;
@@ -44,16 +45,16 @@ FURCULA_INLINE Vec3<T> plus(const Vec3<T>& sum, const Vec3<T>& r) {
   return out;
 }
 
-/// Of a leg.
+/// Rotations and velocities of a leg.
 template <class L>
 struct LegKinematics {
-  std::array<SineCosine<L>, kLegJoints> turn;
-  std::array<Vec3<L>, kLegJoints> w_radps;  ///< of each link, in its axes
-  Vec3<L> foot_v_mps;                       ///< of the foot's origin, in its axes
-  Mat3<L> foot_rotation;                    ///< foot's coordinates to the world's
-  Vec3<L> foot_position_m;                  ///< of the foot's origin, world
+  std::array<SineCosine<L>, kLegJoints> turn;  ///< sine and cosine of each joint angle
+  std::array<Vec3<L>, kLegJoints> w_radps;     ///< angular velocity of each link, in its axes
+  Vec3<L> foot_v_mps;                          ///< velocity of the foot's origin, in the foot's axes
+  Mat3<L> foot_rotation;                       ///< from foot to world coordinates
+  Vec3<L> foot_position_m;                     ///< position of the foot's origin, world
 
-  /// From joint J's parent to its link, of parameters `P` in pass `pass`.
+  /// The rotation from joint J's parent to its link (Turn or TurnBehind), for parameters `p` in pass `pass`.
   template <class Topology, std::size_t J, class P>
   FURCULA_INLINE auto turned(const P& p, std::size_t pass) const {
     const Turn<Topology::kAxes[J], L> by{turn[J].cosine, turn[J].sine};
@@ -62,13 +63,14 @@ struct LegKinematics {
   }
 };
 
+/// Rotations and velocities of the robot at a state.
 template <class T>
 struct Kinematics {
-  Mat3<T> pelvis_rotation;
-  PerLeg<T, LegKinematics<LegScalar<T>>> legs;
+  Mat3<T> pelvis_rotation;                      ///< from pelvis to world coordinates
+  PerLeg<T, LegKinematics<LegScalar<T>>> legs;  ///< [pass]
 };
 
-/// `p`: Parameters or TurnedParameters, here and wherever a P is.
+/// Kinematics of state `s`. `p` is Parameters or TurnedParameters, here and wherever a template parameter is called P.
 template <class Topology, class P, class T>
 FURCULA_INLINE void kinematics(const P& p, const State<T>& s, Kinematics<T>& out) {
   using L = LegScalar<T>;

@@ -1,7 +1,7 @@
-// What the biped is made of: as a description in plain numbers, and as the parameters that the equations run on.
+// The biped's description in plain numbers, and the parameters of its equations of motion.
 //
 // Conventions (docs/biped.md): SI units; x forward, y left, z up; links parallel to the pelvis at q = 0. Pelvis frame P:
-// origin on the mid-plane, 0.10 m above the crossing of the hips' axes.
+// origin on the mid-plane, 0.10 m above the intersection of the hip axes.
 #pragma once
 
 #include "furcula/dynamics/biped/topology.hpp"
@@ -9,61 +9,76 @@
 
 namespace furcula::dynamics::biped {
 
-/// A position-controlled drive as the joint sees it: behind its gear of ratio n the rotor's inertia is n^2 Jr.
+/// A position-controlled drive in joint coordinates: with gear ratio n the rotor's inertia at the joint is n^2 Jr.
 ///   torque of the motor  clamp(kp (target - q) - kd qd, +-limit)
-///   on the joint         that - damping qd - friction sat(qd / creep)
+///   on the joint         the same - damping qd - friction sat(qd / creep)
 template <class T>
 struct Drive {
-  T armature_kgm2{}, damping_nmspr{}, friction_nm{}, kp_nmprad{}, kd_nmsprad{}, limit_nm{};
+  T armature_kgm2{},    ///< rotor inertia at the joint, n^2 Jr
+      damping_nmspr{},  ///< viscous friction of the gear
+      friction_nm{},    ///< Coulomb friction of the gear
+      kp_nmprad{},      ///< position gain
+      kd_nmsprad{},     ///< rate gain
+      limit_nm{};       ///< largest torque of the motor
 };
 
-/// What a joint's clutch and brake do when the motor is not joined to the link.
+/// Spring, damping and brake of a joint whose motor is not joined to the link.
 template <class T>
 struct Clutch {
-  T spring_nmprad{}, spring_rest_rad{};  ///< of a passive hip
-  T damping_nmspr{};                     ///< of a released link
-  T brake_nmprad{}, brake_nmspr{}, brake_limit_nm{};
+  T spring_nmprad{},      ///< stiffness of the spring of a passive joint; 0: none
+      spring_rest_rad{};  ///< joint angle at which that spring is relaxed
+  T damping_nmspr{};      ///< viscous, of a passive or released link
+  T brake_nmprad{},       ///< stiffness of the closed brake
+      brake_nmspr{},      ///< its damping
+      brake_limit_nm{};   ///< its largest torque
 };
 
-/// Of all 8 vertices. Force and sink: contact.hpp.
+/// Contact parameters of each of the 8 sole vertices (equations in contact.hpp).
 template <class T>
 struct Ground {
-  T stiffness_npm{}, damping_nspm{};                          ///< along the normal
-  T full_damping_m{};                                         ///< sink from which the damping is whole
-  T shear_stiffness_npm{}, shear_damping_nspm{}, friction{};  ///< between anchor and vertex; friction: mu
+  T stiffness_npm{},         ///< kn, along the normal
+      damping_nspm{};        ///< dn, along the normal
+  T full_damping_m{};        ///< d0, penetration from which the full damping acts
+  T shear_stiffness_npm{},   ///< kt, between anchor and vertex
+      shear_damping_nspm{},  ///< dt, tangential
+      friction{};            ///< Coulomb coefficient mu
 };
 
-/// A link: where its joint is in the parent, its mass, its centre, its inertia about the centre in link axes.
+/// A link. Its frame has its origin at the joint.
 struct LinkDescription {
-  Vec3<double> offset_m;
-  double mass_kg;
-  Vec3<double> centre_m;
-  Sym3<double> about_centre_kgm2;
+  Vec3<double> offset_m;           ///< position of its joint in the parent's frame
+  double mass_kg;                  ///< of the link
+  Vec3<double> centre_m;           ///< centre of mass in the link's frame
+  Sym3<double> about_centre_kgm2;  ///< inertia about the centre of mass, in link axes
 };
 
-/// The robot in plain numbers.
+/// The robot in plain numbers. Arrays over legs: [Side]; over joints: [LegJoint].
 struct Description {
-  LinkDescription pelvis;
-  std::array<std::array<LinkDescription, kLegJoints>, 2> legs;    ///< left, right
-  std::array<std::array<Vec3<double>, kVertices>, 2> vertices_m;  ///< in the foot's frame
-  std::array<std::array<Drive<double>, kLegJoints>, 2> drives;
-  std::array<std::array<Clutch<double>, kClutches>, 2> clutches;  ///< of hip pitch and knee
-  Ground<double> ground;
-  double gear_ratio;
+  LinkDescription pelvis;                                         ///< its offset is not used
+  std::array<std::array<LinkDescription, kLegJoints>, 2> legs;    ///< [side][joint]: outboard link
+  std::array<std::array<Vec3<double>, kVertices>, 2> vertices_m;  ///< [side][vertex], in the foot's frame
+  std::array<std::array<Drive<double>, kLegJoints>, 2> drives;    ///< [side][joint]
+  std::array<std::array<Clutch<double>, kClutches>, 2> clutches;  ///< [side][LegClutch]
+  Ground<double> ground;                                          ///< the same for all vertices
+  double gear_ratio;            ///< n, motor over joint speed, of every joint
   double torque_constant_nmpa;  ///< of the motor, before the gear
-  double resistance_ohm;
+  double resistance_ohm;        ///< of the motor's winding
+  /// Power that does not depend on the motion (docs/biped.md).
   double constant_power_w;
-  double creep_radps;  ///< below which gear friction is a damper
-  double gravity_mps2;
-  double slope_x_rad, slope_y_rad;  ///< ground against the level: R_lg = Ry(slope_y) Rx(slope_x)
+  /// Joint rate below which dry friction is proportional to the rate.
+  double creep_radps;
+  double gravity_mps2;  ///< magnitude
+  double slope_x_rad,   ///< of the ground; ground to level coordinates: R_lg = Ry(slope_y) Rx(slope_x)
+      slope_y_rad;      ///< likewise, about y
 
+  /// Total mass of pelvis and legs.
   constexpr double mass_kg() const {
     double out = pelvis.mass_kg;
     for (const auto& leg : legs)
       for (const LinkDescription& link : leg) out += link.mass_kg;
     return out;
   }
-  /// Heat of a motor's winding over the square of its torque at the joint, W/(N m)^2 (document 000, eq. 1).
+  /// Copper loss of a motor over the square of its torque at the joint, W/(N m)^2 (document 000, eq. 1).
   constexpr double copper_w_pnm2() const {
     const double nm_a_ampere = gear_ratio * torque_constant_nmpa;
     return resistance_ohm / (nm_a_ampere * nm_a_ampere);
@@ -77,22 +92,24 @@ Vec3<T> gravity_on_slope(const T& gravity_mps2, const T& slope_x_rad, const T& s
   return {gravity_mps2 * y.sine, -(gravity_mps2 * x.sine * y.cosine), -(gravity_mps2 * x.cosine * y.cosine)};
 }
 
-/// What the equations run on. Every number may differ from lane to lane.
+/// Parameters of the equations of motion. Every number may differ between the robots of a SIMD batch. Arrays over legs: [pass].
 template <class T>
 struct Parameters {
-  using L = LegScalar<T>;
+  using L = LegScalar<T>;  ///< the scalar of a leg's numbers
 
-  Inertia<T> pelvis{};                                    ///< about P's origin
-  PerLeg<T, std::array<Inertia<L>, kLegJoints>> links{};  ///< about the links' origins
-  PerLeg<T, std::array<Vec3<L>, kLegJoints>> offsets_m{};
-  PerLeg<T, std::array<Vec3<L>, kVertices>> vertices_m{};  ///< front left, front right, rear left, rear right
-  PerLeg<T, std::array<Drive<L>, kLegJoints>> drives{};
-  PerLeg<T, std::array<Clutch<L>, kClutches>> clutches{};
-  Ground<T> ground{};
-  T creep_radps{};
-  Vec3<T> gravity_mps2{};  ///< in the ground's frame
+  Inertia<T> pelvis{};                                     ///< about the origin of P
+  PerLeg<T, std::array<Inertia<L>, kLegJoints>> links{};   ///< about the links' origins
+  PerLeg<T, std::array<Vec3<L>, kLegJoints>> offsets_m{};  ///< positions of the joints in their parents
+  /// Sole vertices in the foot's frame: front left, front right, rear left, rear right.
+  PerLeg<T, std::array<Vec3<L>, kVertices>> vertices_m{};
+  PerLeg<T, std::array<Drive<L>, kLegJoints>> drives{};    ///< [pass][joint]
+  PerLeg<T, std::array<Clutch<L>, kClutches>> clutches{};  ///< [pass][LegClutch]
+  Ground<T> ground{};                                      ///< the same for all vertices
+  T creep_radps{};         ///< joint rate below which dry friction is proportional to the rate
+  Vec3<T> gravity_mps2{};  ///< acceleration of free fall, in the ground's frame (world)
 
   Parameters() = default;
+  /// Of the described robot; the same in every robot of a SIMD batch.
   explicit Parameters(const Description& d)
       : pelvis(inertia<T>(d.pelvis)),
         ground{T(as(d.ground.stiffness_npm)),      T(as(d.ground.damping_nspm)),
@@ -113,7 +130,7 @@ struct Parameters {
     }
   }
 
-  /// Of one leg: reads and writes as numbers of the robot's scalar.
+  /// Inertia of link `j` of leg `side`, in the robot's scalar.
   Inertia<T> link(std::size_t side, std::size_t j) const {
     const auto& b = links[Legs<T>::pass(side)][j];
     const auto one = [&](const L& x) { return Legs<T>::read(x, side); };
@@ -122,18 +139,21 @@ struct Parameters {
             {one(b.moment_kgm.x), one(b.moment_kgm.y), one(b.moment_kgm.z)},
             {one(s.xx), one(s.xy), one(s.xz), one(s.yy), one(s.yz), one(s.zz)}};
   }
+  /// Sets the inertia of link `j` of leg `side`.
   void set_link(std::size_t side, std::size_t j, const Inertia<T>& body) {
     put(links[Legs<T>::pass(side)][j], side, body);
   }
 
  protected:
-  using V = ValueOf<T>;
+  using V = ValueOf<T>;  ///< the plain number behind the scalar T
+  /// Rounds to the plain number.
   static constexpr V as(double x) { return static_cast<V>(x); }
+  /// The vector in the scalar S.
   template <class S>
   static Vec3<S> vector(const Vec3<double>& v) {
     return {S(as(v.x)), S(as(v.y)), S(as(v.z))};
   }
-  /// In double, then rounded once.
+  /// Inertia about the link's origin; computed in double, then rounded once.
   template <class S>
   static Inertia<S> inertia(const LinkDescription& d) {
     const Inertia<double> b = tree::inertia_of(d.mass_kg, d.centre_m, d.about_centre_kgm2);
@@ -142,10 +162,13 @@ struct Parameters {
             vector<S>(b.moment_kgm),
             {S(as(s.xx)), S(as(s.xy)), S(as(s.xz)), S(as(s.yy)), S(as(s.yz)), S(as(s.zz))}};
   }
+  /// Writes the number of leg `side` to `to`; so do the following for structs, member by member.
   static void put(L& to, std::size_t side, const T& x) { Legs<T>::write(to, side, x); }
+  /// The same for a vector.
   static void put(Vec3<L>& to, std::size_t side, const Vec3<T>& x) {
     put(to.x, side, x.x), put(to.y, side, x.y), put(to.z, side, x.z);
   }
+  /// The same for an inertia.
   static void put(Inertia<L>& to, std::size_t side, const Inertia<T>& x) {
     put(to.mass_kg, side, x.mass_kg);
     put(to.moment_kgm, side, x.moment_kgm);
@@ -154,11 +177,13 @@ struct Parameters {
     put(s.xx, side, from.xx), put(s.xy, side, from.xy), put(s.xz, side, from.xz);
     put(s.yy, side, from.yy), put(s.yz, side, from.yz), put(s.zz, side, from.zz);
   }
+  /// The same for a drive.
   static void put(Drive<L>& to, std::size_t side, const Drive<double>& x) {
     put(to.armature_kgm2, side, T(as(x.armature_kgm2))), put(to.damping_nmspr, side, T(as(x.damping_nmspr)));
     put(to.friction_nm, side, T(as(x.friction_nm))), put(to.kp_nmprad, side, T(as(x.kp_nmprad)));
     put(to.kd_nmsprad, side, T(as(x.kd_nmsprad))), put(to.limit_nm, side, T(as(x.limit_nm)));
   }
+  /// The same for a clutch.
   static void put(Clutch<L>& to, std::size_t side, const Clutch<double>& x) {
     put(to.spring_nmprad, side, T(as(x.spring_nmprad))),
         put(to.spring_rest_rad, side, T(as(x.spring_rest_rad)));
@@ -167,18 +192,19 @@ struct Parameters {
   }
 };
 
-/// Rotations of a leg's joints, parent's coordinates to the joint's at angle zero; left, right.
+/// [side][joint]: rotation from parent coordinates to those of the joint at angle zero.
 using JointFrames = std::array<std::array<Mat3<double>, kLegJoints>, 2>;
 
-/// A robot whose joints are turned against their parents, as a URDF's <origin rpy="..."> turns them. Kinematics, accelerations and steps
-/// take it in place of Parameters; what is of a link is in that link's axes.
+/// A robot whose joint frames are rotated against their parents, as by `<origin rpy="...">` in a URDF. Kinematics, accelerations and
+/// steps take it in place of Parameters; inertias and vertices are in the axes of their links.
 template <class T>
 struct TurnedParameters : Parameters<T> {
   using typename Parameters<T>::L;
 
-  PerLeg<T, std::array<Mat3<L>, kLegJoints>> frames{};
+  PerLeg<T, std::array<Mat3<L>, kLegJoints>> frames{};  ///< [pass][joint]: as in JointFrames
 
   TurnedParameters() = default;
+  /// Of the described robot with these joint frames.
   TurnedParameters(const Description& d, const JointFrames& of) : Parameters<T>(d) {
     for (const std::size_t side : {kLeft, kRight})
       for (std::size_t j = 0; j < kLegJoints; ++j) {

@@ -1,17 +1,20 @@
-// The biped's state, its accelerations, and how the pelvis' attitude is kept.
+// The biped's state and accelerations, and the quaternion of the pelvis' attitude.
 #pragma once
 
 #include "furcula/dynamics/biped/topology.hpp"
 
 namespace furcula::dynamics::biped {
 
-/// Of unit length: the pelvis' axes in the world's.
+/// Attitude of the pelvis, of length 1: rotation from pelvis to world coordinates.
 template <class T>
 struct Quaternion {
-  T w, x, y, z;
+  T w,    ///< scalar part
+      x,  ///< vector part, x
+      y,  ///< vector part, y
+      z;  ///< vector part, z
 };
 
-/// Columns: the pelvis' axes in the world. Pelvis' coordinates to the world's.
+/// Rotation matrix from pelvis to world coordinates; its columns are the pelvis' axes in the world.
 template <class T>
 FURCULA_INLINE Mat3<T> rotation(const Quaternion<T>& a) {
   using V = ValueOf<T>;
@@ -23,7 +26,7 @@ FURCULA_INLINE Mat3<T> rotation(const Quaternion<T>& a) {
           {xz - wy, yz + wx, V(1) - (xx + yy)}};
 }
 
-/// Its rate under an angular velocity in the pelvis' axes: a (0, w) / 2.
+/// Rate of the attitude at the angular velocity `w` in the pelvis' axes: a (0, w) / 2.
 template <class T>
 FURCULA_INLINE Quaternion<T> rate(const Quaternion<T>& a, const Vec3<T>& w) {
   const Vec3<T> h = w * ValueOf<T>(0.5);
@@ -31,7 +34,7 @@ FURCULA_INLINE Quaternion<T> rate(const Quaternion<T>& a, const Vec3<T>& w) {
           a.w * h.y + a.z * h.x - a.x * h.z, a.w * h.z + a.x * h.y - a.y * h.x};
 }
 
-/// One step of Newton's towards length 1: an error of e leaves 1.5 e^2.
+/// One Newton step towards length 1: an error e of the length becomes 1.5 e^2.
 template <class T>
 FURCULA_INLINE Quaternion<T> normalised(const Quaternion<T>& a) {
   using V = ValueOf<T>;
@@ -39,23 +42,26 @@ FURCULA_INLINE Quaternion<T> normalised(const Quaternion<T>& a) {
   return {a.w * k, a.x * k, a.y * k, a.z * k};
 }
 
-/// World: the ground's frame, in which the ground is z = 0. w and v are of the pelvis frame P: angular velocity and the
-/// velocity of its origin, both in its axes.
+/// State of the biped. World is the ground's frame, in which the ground is z = 0. w and v are the angular velocity of the pelvis
+/// frame P and the velocity of its origin, both in the axes of P. Arrays over legs: [pass].
 template <class T>
 struct State {
-  using L = LegScalar<T>;
-  using V = ValueOf<T>;
+  using L = LegScalar<T>;  ///< the scalar of a leg's numbers
+  using V = ValueOf<T>;    ///< the plain number behind the scalar T
 
-  Vec3<T> position_m{T(V(0)), T(V(0)), T(V(0))};  ///< of P's origin, world
-  Quaternion<T> attitude{T(V(1)), T(V(0)), T(V(0)), T(V(0))};
-  Vec3<T> w_radps{T(V(0)), T(V(0)), T(V(0))};
-  Vec3<T> v_mps{T(V(0)), T(V(0)), T(V(0))};
-  Joints<T> q_rad{}, qd_radps{};
-  /// Where each vertex holds on to the ground, world x and y.
+  Vec3<T> position_m{T(V(0)), T(V(0)), T(V(0))};               ///< of the origin of P, world
+  Quaternion<T> attitude{T(V(1)), T(V(0)), T(V(0)), T(V(0))};  ///< of P in the world
+  Vec3<T> w_radps{T(V(0)), T(V(0)), T(V(0))};                  ///< angular velocity of P, in its axes
+  Vec3<T> v_mps{T(V(0)), T(V(0)), T(V(0))};  ///< velocity of the origin of P, in the axes of P
+  Joints<T> q_rad{},                         ///< joint angles
+      qd_radps{};                            ///< joint rates
+  /// Friction anchor of each vertex on the ground (contact.hpp): [pass][vertex][x, y], world.
   PerLeg<T, std::array<std::array<L, 2>, kVertices>> anchors_m{};
-  /// Of the clutches' motors as seen at the joint, where a clutch is open; else the joint's.
-  PerLeg<T, std::array<L, kClutches>> rotors_rad{}, rotors_radps{};
+  /// [pass][LegClutch]: angles of the motors behind open clutches, as seen at the joint; of joined motors the joint's after a
+  /// switched step.
+  PerLeg<T, std::array<L, kClutches>> rotors_rad{}, rotors_radps{};  ///< their rates
 
+  /// At rest at the world's origin, all angles 0.
   State() {
     const L zero = L(V(0));
     for (auto* of : {&q_rad, &qd_radps})
@@ -67,14 +73,15 @@ struct State {
   }
 };
 
-/// Derivatives of the components of w, v and qd.
+/// Time derivatives of the components of w, v and qd (State).
 template <class T>
 struct Accelerations {
-  Vec3<T> wd_radps2, vd_mps2;
-  Joints<T> qdd_radps2;
+  Vec3<T> wd_radps2,     ///< of the angular velocity of P, in its axes
+      vd_mps2;           ///< of the components of v in the rotating axes of P
+  Joints<T> qdd_radps2;  ///< of the joint rates
 };
 
-/// Of the pelvis and of the joints: what M^-1 makes of an impulse.
+/// Adds `by` times `times` (s, or an impulse where `by` is its unit response) to the velocities of pelvis and joints.
 template <class T>
 FURCULA_INLINE void kick(State<T>& s, const Accelerations<T>& by, const T& times) {
   s.w_radps += by.wd_radps2 * times;

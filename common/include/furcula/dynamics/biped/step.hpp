@@ -1,5 +1,4 @@
-// Steps of the biped: semi-implicit Euler, which is what it walks with, and the explicit midpoint rule and Runge-Kutta's of
-// fourth order to check it by.
+// Integration steps of the biped: semi-implicit Euler for simulation; explicit midpoint and fourth-order Runge-Kutta to check it.
 //
 // Semi-implicit Euler, of first order: velocities, then positions with the new velocities; 0.5 ms by default. With all vertices on the
 // ground it is stable up to 5.2 ms while the motors are joined (docs/biped.md); 1 ms is usable.
@@ -10,15 +9,17 @@
 
 namespace furcula::dynamics::biped {
 
+/// Default step of simulations.
 inline constexpr double kStep_s = 5e-4;
 
-/// Held over a step.
+/// Inputs of a step, constant over it.
 template <class T>
 struct Commands {
-  Joints<T> target_rad;  ///< of the drives, less their encoders' offsets
-  /// Torque of a clutch's pin on its link, the opposite on its motor; read in switched steps alone.
+  Joints<T> target_rad;  ///< targets of the drives less the encoders' offsets
+  /// [pass][LegClutch]: torque of a clutch's pin on its link, the opposite on its motor; read only in switched steps.
   PerLeg<T, std::array<LegScalar<T>, kClutches>> pin_nm;
 
+  /// All zero.
   Commands() {
     const LegScalar<T> zero = LegScalar<T>(ValueOf<T>(0));
     for (auto& leg : target_rad) leg.fill(zero);
@@ -26,16 +27,16 @@ struct Commands {
   }
 };
 
-/// What held during a step, of its beginning.
+/// Torques, contact and accelerations at the beginning of a step, which the step applied.
 template <class T>
 struct StepReport {
-  JointTorques<T> torque;
-  PerLeg<T, Force<LegScalar<T>>> foot;  ///< contact wrench about the foot's origin, in its axes
-  FootContact<T> contact;
-  Accelerations<T> acceleration;
+  JointTorques<T> torque;               ///< of the joints
+  PerLeg<T, Force<LegScalar<T>>> foot;  ///< [pass]: contact wrench about the foot's origin, in its axes
+  FootContact<T> contact;               ///< normal forces and new anchors
+  Accelerations<T> acceleration;        ///< of pelvis and joints
 };
 
-/// The motion that a state has at its velocities, over h: positions and attitude.
+/// Advances positions, attitude and joint angles of `s` by its velocities over `h_s`. `pelvis_rotation` is that of `s`.
 template <class T>
 FURCULA_INLINE void drift(const Mat3<T>& pelvis_rotation, const T& h_s, State<T>& s) {
   s.position_m += pelvis_rotation * (s.v_mps * h_s);
@@ -47,8 +48,8 @@ FURCULA_INLINE void drift(const Mat3<T>& pelvis_rotation, const T& h_s, State<T>
     for (std::size_t j = 0; j < kLegJoints; ++j) s.q_rad[pass][j] += s.qd_radps[pass][j] * h;
 }
 
-/// The motors behind open clutches: A qdd = clamp(kp (q - q_r) - kd qd_r, +-limit) - b qd_r - Fc sat(qd_r / vs) - pin. They follow
-/// the link's angle `q_rad`, so that the pin can enter again. A joined motor is where its link is.
+/// Advances the motors behind open clutches: A qdd_r = clamp(kp (q - q_r) - kd qd_r, +-limit) - b qd_r - Fc sat(qd_r / vs) - pin.
+/// They follow the link's angle `q_rad`, so that the pin can enter again. A joined motor gets its link's angle and rate.
 template <class T>
 FURCULA_INLINE void step_motors(const Parameters<T>& p, const JointLaws<T>& laws, const Joints<T>& q_rad,
                                 const PerLeg<T, std::array<LegScalar<T>, kClutches>>& pin_nm, const T& h_s,
@@ -69,7 +70,7 @@ FURCULA_INLINE void step_motors(const Parameters<T>& p, const JointLaws<T>& laws
     }
 }
 
-/// The accelerations at a state under the joints' laws, with what acts.
+/// Writes torques, contact and accelerations at state `s` to `out`, and its kinematics to `k`.
 template <bool kSwitched, class Topology, class P, class T>
 FURCULA_INLINE void evaluate(const P& p, const JointLaws<T>& laws, const Commands<T>& c, const State<T>& s,
                              Kinematics<T>& k, StepReport<T>& out) {
@@ -88,7 +89,7 @@ FURCULA_INLINE void evaluate(const P& p, const JointLaws<T>& laws, const Command
   forward_dynamics<Topology>(p, s, k, act, out.acceleration);
 }
 
-/// Semi-implicit Euler. kSwitched: joints may be in other modes than active.
+/// One semi-implicit Euler step of length `h_s`. kSwitched: joints may be in modes other than active; motors behind open clutches move.
 template <bool kSwitched = false, class Topology = DesignTopology, class P, class T>
 void step(const P& p, const JointLaws<T>& laws, const Commands<T>& c, const T& h_s, State<T>& s,
           StepReport<T>& out) {
@@ -101,14 +102,15 @@ void step(const P& p, const JointLaws<T>& laws, const Commands<T>& c, const T& h
   s.anchors_m = out.contact.anchors_m;
 }
 
-/// The rate of a state: of positions (world), attitude, velocities, joints.
+/// Time derivative of a state.
 template <class T>
 struct StateRate {
-  Vec3<T> position;
-  Quaternion<T> attitude;
-  Accelerations<T> velocity;
-  Joints<T> q;
+  Vec3<T> position;           ///< m/s, world
+  Quaternion<T> attitude;     ///< 1/s
+  Accelerations<T> velocity;  ///< of w, v and qd
+  Joints<T> q;                ///< rad/s
 
+  /// Sum by components.
   friend StateRate operator+(const StateRate& a, const StateRate& b) {
     StateRate out{a.position + b.position,
                   {a.attitude.w + b.attitude.w, a.attitude.x + b.attitude.x, a.attitude.y + b.attitude.y,
@@ -124,7 +126,7 @@ struct StateRate {
   }
 };
 
-/// s + rate h, its attitude not normalised.
+/// s + r h_s; the attitude is not normalised.
 template <class T>
 State<T> along(const State<T>& s, const StateRate<T>& r, const T& h_s) {
   State<T> out = s;
@@ -138,10 +140,14 @@ State<T> along(const State<T>& s, const StateRate<T>& r, const T& h_s) {
   return out;
 }
 
-enum class Rule : unsigned char { midpoint, runge_kutta };
+/// Integration rule of check_step().
+enum class Rule : unsigned char {
+  midpoint,    ///< explicit, order 2
+  runge_kutta  ///< classic, order 4
+};
 
-/// Explicit midpoint (order 2) or classic Runge-Kutta (order 4). Anchors are held over the step and moved once after it, as by
-/// the state then; motors behind open clutches are not moved.
+/// One step by kRule. The anchors are constant over the step and updated once after it, from the new state; motors behind open
+/// clutches do not move.
 template <Rule kRule, class Topology = DesignTopology, class P, class T>
 void check_step(const P& p, const JointLaws<T>& laws, const Commands<T>& c, const T& h_s, State<T>& s) {
   using V = ValueOf<T>;
