@@ -127,8 +127,8 @@ inline bool fits(const EnvelopeConfig& c, const TorqueProfileConfig& torque, flo
 namespace envelope_parts {
 
 /// Compares the change of velocity in a flight with gravity, from 25 ms after the switch opened until 30 ms or more
-/// before it closed. @returns parameters_implausible or none. The switch may be 10 ms early or late, and bounce; a hop of
-/// less than 4 cm is mostly that. A body that stays low shows that the switch is wrong, and nothing of the scale.
+/// before it closed. @returns parameters_implausible or none. The switch may be 10 ms early or late, and bounce; a hop
+/// of less than 4 cm is mostly that. A body that stays low shows that the switch is wrong, and nothing of the scale.
 inline Fault judge_flight(const EnvelopeConfig& c, EnvelopeState& s, const EnvelopeView& view, float dt_s) {
   constexpr std::uint32_t kSettled = 25, kEvery = 10, kShortest = 150;
   constexpr float kGroundM = 0.035f;  // that is lower than it was

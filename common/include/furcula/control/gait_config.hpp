@@ -39,16 +39,15 @@ struct GaitConfig {
       rise;                         ///< from lift-off to the apex
   float flight_kp_nmprad = 200.0f,  ///< stiffness of the feedback at each joint in flight
       flight_kd_nmsprad = 5.0f;     ///< damping of the feedback at each joint in flight
-  /// Stiffness of the feedback at each joint in stance; if it and the damping are zero, the gait's torques are played over
-  /// time alone.
-  float stance_kp_nmprad = 200.0f,
-        stance_kd_nmsprad = 10.0f,  ///< damping of the feedback at each joint in stance
+  // With zero gains in stance the gait's torques are played over time alone.
+  float stance_kp_nmprad = 200.0f,  ///< stiffness of the feedback at each joint in stance
+      stance_kd_nmsprad = 10.0f,    ///< damping of the feedback at each joint in stance
       feedback_most_nm = 40.0f;     ///< largest magnitude of the feedback at each joint in stance
   float stance_ramp_s = 0.08f;      ///< in which the gains of stance grow from zero after touch-down
-  /// Height of the toe below which the gains of a falling leg decrease, m: the switch is late, and a leg that resists the
-  /// jump of its rates at touch-down bounces.
-  float yields_from_m = 0.03f,
-        yields_m = 0.01f;  ///< height of the toe below which they are zero and the gait's torque acts alone
+  // The gains decrease close to the ground: the switch is late, and a leg that resists the jump of its rates at
+  // touch-down bounces.
+  float yields_from_m = 0.03f,  ///< height of the toe below which the gains of the fall decrease
+      yields_m = 0.01f;         ///< height of the toe below which they are zero: the gait's torque acts alone
   float bounced_share = 0.25f;  ///< of the flight's gains, while a leg that bounced waits for the ground
   JointPair torque_most_nm{80.0f, 80.0f};  ///< largest magnitude of each joint's torque
   float thigh_length_m = 0.0f,             ///< from hip to knee
@@ -88,8 +87,8 @@ struct GaitConfig {
 };
 static_assert(std::is_trivially_copyable_v<GaitConfig>, "it travels as bytes");
 
-/// Whether the configuration makes sense. `invalid`: a number is not finite, not positive where it must be, or a range is
-/// empty.
+/// Whether the configuration makes sense. `invalid`: a number is not finite, not positive where it must be, or a range
+/// is empty.
 inline Status check(const GaitConfig& c) {
   for (const GaitPath* p : {&c.fall, &c.stance, &c.rise}) {
     if (!(p->duration_s > 0.001f && p->duration_s < 10.0f)) return Status::invalid;
@@ -144,7 +143,7 @@ inline float between(float y0, float y1, float y2, float y3, float s) {
 
 }  // namespace detail
 
-/// Angle and rate of the gait `time_s` after the beginning of a phase, also after its end (kDrifts_s); the torque is zero.
+/// Angle and rate of the gait `time_s` after the beginning of a phase, also after its end (kDrifts_s); no torque.
 inline GaitKnot motion_at(const GaitPath& path, float time_s) {
   const detail::GaitPlace p = detail::place_in(path, time_s);
   const GaitKnot &k = path.knots[p.knot], &n = path.knots[p.knot + 1];

@@ -69,8 +69,8 @@ inline float kept_toe(const GaitPhaseState& s, std::uint32_t back) {
   return s.toe_m[(s.newest + GaitPhaseState::kKept - back) % GaitPhaseState::kKept];
 }
 
-/// How long ago the toe, which is on the ground at `level_m`, landed: from the sample that was more than `step_m` above it,
-/// with the speed there. 0 where no sample was.
+/// How long ago the toe, which is on the ground at `level_m`, landed: from the sample that was more than `step_m` above
+/// it, with the speed there. 0 where no sample was.
 inline float since_landing_s(const GaitPhaseState& s, float level_m, float step_m, float dt_s) {
   for (std::uint32_t back = 1; back + 1 < s.ticks; ++back) {
     const float above = kept_toe(s, back) - level_m;
@@ -89,7 +89,7 @@ inline float since_above_s(const GaitPhaseState& s, float level_m, float dt_s) {
 
 }  // namespace detail
 
-/// One tick, `dt_s` after the last. Touch-down, lift-off and apex are dated back.
+/// One tick, `dt_s` after the last. Touch-down, lift-off and apex are dated back where signals are late.
 inline GaitPhaseEstimate estimate_gait_phase(const GaitConfig& c, GaitPhaseState& s, const GaitView& view,
                                              float dt_s) {
   GaitPhaseEstimate out;

@@ -30,7 +30,7 @@ struct HeightEstimate {
   float velocity_mps = 0.0f;  ///< 0 on the first tick, then over as many ticks as there are
 };
 
-/// One tick, `dt_s` after the last. `count` is the encoder's position from the place where the height was `home_height_m`.
+/// One tick, `dt_s` after the last. `count` is the encoder's position relative to where the height was `home_height_m`.
 inline HeightEstimate estimate_height(const HeightConfig& config, HeightState& state, std::int32_t count,
                                       float home_height_m, float dt_s) {
   HeightEstimate estimate;

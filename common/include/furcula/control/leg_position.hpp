@@ -45,8 +45,8 @@ inline float leg_lever_m(float link_length_m, float leg_angle_rad) {
 }
 
 /// Torque that keeps the leg on its path, N m: feedforward for its inertia and the spring's pull, and proportional and
-/// derivative feedback about the hip. One tick; `fold_m` as measured, `pull_n` of the spring along the leg, `lever_m` from
-/// leg_lever_m(). The rate is that over the last two ticks.
+/// derivative feedback about the hip. One tick; `fold_m` as measured, `pull_n` of the spring along the leg, `lever_m`
+/// from leg_lever_m(). The rate is that over the last two ticks.
 inline float follow_path(const LegPositionConfig& config, LegPositionState& state, const LegPath& path,
                          float fold_m, float leg_angle_rad, float lever_m, float pull_n, float dt_s) {
   const float rate_radps = (leg_angle_rad - state.angle_before_rad) / (2.0f * dt_s);

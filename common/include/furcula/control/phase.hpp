@@ -52,8 +52,8 @@ struct PhaseEstimate {
   float apex_height_m = 0.0f;      ///< highest point of the last whole flight; 0 before there was one
 };
 
-/// How long ago a body that moves down passed the touch-down height, s. 0: it is still above, it does not move down, or it
-/// was longer ago than latest_report_s.
+/// How long ago a body that moves down passed the touch-down height, s. 0: it is still above, it does not move down,
+/// or it was longer ago than latest_report_s.
 inline float time_since_passed(const PhaseConfig& config, const HeightEstimate& height) {
   const float below_m = config.touchdown_height_m - height.height_m;
   if (!(below_m > 0.0f) || !(height.velocity_mps < 0.0f)) return 0.0f;

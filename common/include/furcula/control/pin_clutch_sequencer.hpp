@@ -31,7 +31,7 @@ struct PinClutchConfig {
   float aligned_rad = 0.012f;    ///< largest angle between link and motor: play, and a part of the chamfer
   float aligned_radps = 0.15f;   ///< largest relative rate of link and motor
   float aligned_s = 0.010f;      ///< for which both must hold before the pin is inserted
-  float tracking_max_s = 1.5f;   ///< for a stage in which the motor tracks the link or the pin is withdrawn
+  float tracking_max_s = 1.5f;   ///< longest time of a stage that tracks the link or withdraws the pin
   float pin_max_s = 0.25f;       ///< from the command to the end of the stroke
   float in_place = 0.95f;        ///< share of the stroke from which on the pin is in place
   float fade_s = 0.05f;          ///< in which the motor's torque grows from zero to the joint's command

@@ -1,9 +1,11 @@
-// Attitude of a pelvis from its IMU: the explicit complementary filter of Mahony, Hamel and Pflimlin ("Nonlinear complementary
-// filters on the special orthogonal group", IEEE Transactions on Automatic Control 53-5, 2008, eq. 32), a pure step.
+// Attitude of a pelvis from its IMU: the explicit complementary filter of Mahony, Hamel and Pflimlin ("Nonlinear
+// complementary filters on the special orthogonal group", IEEE Transactions on Automatic Control 53-5, 2008, eq. 32), a
+// pure step.
 //
 //   up = R' e_z;  e = acc / |acc| x up;  R <- R exp((gyro - b + kP e) h);  b <- b - kI e h
 //
-// Yaw is what the gyro's turn about the vertical gives: 0 at the start. The same code runs on the board, in simulation and over logs.
+// Yaw is the integral of the gyro about the vertical: 0 at the start. The same code runs on the board, in simulation and
+// over logs.
 #pragma once
 
 #include "furcula/dynamics/biped/state.hpp"
@@ -16,22 +18,26 @@ using dynamics::tree::Vec3;
 /// What an IMU measures, in its own axes.
 template <class T>
 struct Imu {
-  Vec3<T> gyro_radps, acc_mps2;  ///< acc: at rest, gravity's opposite
+  Vec3<T> gyro_radps,  ///< angular velocity
+      acc_mps2;        ///< specific force: at rest, the opposite of gravity
 };
 
+/// Gains of step_attitude().
 template <class T>
 struct AttitudeGains {
   T towards_up_1ps = T(dynamics::ValueOf<T>(0.5));  ///< kP
   T bias_1ps2 = T(dynamics::ValueOf<T>(0.02));      ///< kI
 };
 
+/// State of the attitude filter. attitude_at_rest() makes it.
 template <class T>
 struct AttitudeFilter {
-  Quaternion<T> attitude{};  ///< the IMU's axes to the level's: z up
-  Vec3<T> bias_radps{};
+  Quaternion<T> attitude{};  ///< from the IMU's axes to level axes, z up
+  Vec3<T> bias_radps{};      ///< estimated bias of the gyro, in the IMU's axes
 };
 
-/// At rest: roll and pitch from the accelerometer, yaw 0, no bias.
+/// The filter's state at rest: roll and pitch from the accelerometer, yaw 0, no bias. Only the direction of `acc_mps2`
+/// counts; it must not be along the x axis.
 template <class T>
 AttitudeFilter<T> attitude_at_rest(const Vec3<T>& acc_mps2) {
   using V = dynamics::ValueOf<T>;
@@ -50,7 +56,7 @@ AttitudeFilter<T> attitude_at_rest(const Vec3<T>& acc_mps2) {
           {zero, zero, zero}};
 }
 
-/// The level's z axis in the IMU's axes.
+/// The upward unit vector in the IMU's axes.
 template <class T>
 FURCULA_INLINE Vec3<T> up_of(const Quaternion<T>& a) {
   using V = dynamics::ValueOf<T>;
@@ -58,7 +64,8 @@ FURCULA_INLINE Vec3<T> up_of(const Quaternion<T>& a) {
           V(1) - V(2) * (a.x * a.x + a.y * a.y)};
 }
 
-/// One sample: from the attitude at its time to that `h_s` later. Accelerations below 1 m/s^2 say nothing of the vertical: a robot that falls freely.
+/// One sample: from the attitude at its time to that `h_s` later. The accelerometer is not used below 1 m/s^2, as in a
+/// free fall.
 template <class T>
 FURCULA_INLINE void step_attitude(const AttitudeGains<T>& gains, const Imu<T>& imu, const T& h_s,
                                   AttitudeFilter<T>& f) {

@@ -1,15 +1,16 @@
-// The walk of a biped with position-controlled joints: SIMBICON (Yin, Loken, van de Panne 2007) with a start and a stop, as a pure step
-// from what the board measures to the drives' targets.
+// The walk of a biped with position-controlled joints: SIMBICON (Yin, Loken, van de Panne 2007) with a start and a stop,
+// as a pure step from what the board measures to the drives' targets.
 //
-//   target = from + (to - from) min(1, t / blend) + clamp(feedback, +-0.3 rad)        from: the last one, without feedback
+//   target = from + (to - from) min(1, t / blend) + clamp(feedback, +-0.3 rad)     from: the last target, no feedback
 //
-//   start  sways to the left foot
-//   up     the swing foot comes up, for a time                                     -> down
-//   down   until the swing foot carries, after 30 ms at the earliest, or a time     -> up on the other foot; -> stop after walk_until_s
-//   stop   the posture, held by the ankles
+//   start  shifts the weight over the left foot
+//   up     the swing foot rises, for a time                                            -> down
+//   down   until the swing foot touches down, after 30 ms at the earliest, or a time   -> up on the other foot,
+//                                                                                         or stop after walk_until_s
+//   stop   the posture, balanced by the ankles
 //
-// Feedback (000 section III has the law, walk_parameters.hpp the gains): of the centre of mass against the stance foot's ankle, from joints, gyro
-// and attitude. One code for a robot in float or double and for many in lanes.
+// Feedback (equations: 000 section III; gains: walk_parameters.hpp): of the centre of mass relative to the stance foot's
+// ankle, from joints, gyro and attitude. One code for a robot in float or double and for a SIMD batch of robots.
 #pragma once
 
 #include <cstdint>
@@ -20,29 +21,40 @@
 
 namespace furcula::control {
 
-enum class WalkPhase : std::uint8_t { start, up, down, stop };
-
-/// What a board measures in a tick.
-template <class T>
-struct WalkSample {
-  dynamics::biped::Joints<T> q_rad, qd_radps;
-  Vec3<T> gyro_radps;
-  Quaternion<T> attitude;         ///< of the pelvis to the level
-  T left_carries, right_carries;  ///< 1 where the foot is on the ground (FootSwitch), else 0
+/// Phase of a walk.
+enum class WalkPhase : std::uint8_t {
+  start,  ///< shifts the weight over the left foot
+  up,     ///< the swing foot rises
+  down,   ///< the swing foot comes down
+  stop    ///< stands in the posture
 };
 
+/// What a board measures in a tick. T: float, double or a SIMD batch of robots.
+template <class T>
+struct WalkSample {
+  dynamics::biped::Joints<T> q_rad,  ///< joint angles
+      qd_radps;                      ///< joint rates
+  Vec3<T> gyro_radps;                ///< angular velocity of the pelvis, in its axes
+  Quaternion<T> attitude;            ///< from the pelvis' axes to level axes
+  T left_carries,                    ///< 1 where the left foot is on the ground (FootSwitch), else 0
+      right_carries;                 ///< 1 where the right foot is on the ground, else 0
+};
+
+/// A walk and the model of the robot for its feedback.
 template <class T>
 struct WalkConfig {
-  using V = dynamics::ValueOf<T>;
+  using V = dynamics::ValueOf<T>;  ///< the scalar of one robot
 
-  WalkParameters<T> walk;
-  dynamics::biped::Parameters<T> body;
-  T inverse_mass_1pkg{};
-  V walk_until_s = V(5);      ///< the first foot that lands after it is the last
-  V lands_after_s = V(0.03);  ///< a foot that has just begun to come down is not asked whether it carries
-  V feedback_most_rad = V(0.3);
+  WalkParameters<T> walk;               ///< targets, times and gains
+  dynamics::biped::Parameters<T> body;  ///< model of the robot: geometry and masses for balance()
+  T inverse_mass_1pkg{};                ///< of the whole robot
+  V walk_until_s = V(5);                ///< the walk stops at the first change of legs after this time
+  V lands_after_s = V(0.03);            ///< time in `down` until which a touch-down does not count
+  V feedback_most_rad = V(0.3);         ///< largest magnitude of each joint's feedback
 
+  /// All numbers zero except times and limits: no walk.
   WalkConfig() = default;
+  /// Takes copies; the mass is that of all links of `of`.
   WalkConfig(const WalkParameters<T>& parameters, const dynamics::biped::Parameters<T>& of)
       : walk(parameters), body(of) {
     using namespace dynamics::biped;
@@ -53,25 +65,32 @@ struct WalkConfig {
   }
 };
 
+/// State of step_walk() between two ticks. begin_walk() makes it.
 template <class T>
 struct WalkState {
-  using V = dynamics::ValueOf<T>;
-  static constexpr std::size_t kRobots = dynamics::lanes_in<T>();
+  using V = dynamics::ValueOf<T>;                                  ///< the scalar of one robot
+  static constexpr std::size_t kRobots = dynamics::lanes_in<T>();  ///< robots in the SIMD batch, or 1
 
-  std::array<WalkPhase, kRobots> phase{};
-  std::array<bool, kRobots> on_left{};
-  std::array<std::uint32_t, kRobots> steps{};  ///< landings so far
-  T total_s{}, since_s{};                      ///< of all; of the phase
-  T inverse_blend_1ps{}, end_s{};              ///< of the phase
-  T left{}, walks{}, stops{}, lands{};  ///< 1 or 0: stance on the left, in up or down, in stop, in down
-  dynamics::biped::Joints<T> from_rad{}, change_rad{};
+  std::array<WalkPhase, kRobots> phase{};      ///< of each robot
+  std::array<bool, kRobots> on_left{};         ///< of each robot: the left foot is the stance foot
+  std::array<std::uint32_t, kRobots> steps{};  ///< of each robot: ends of `down` so far
+  T total_s{},                                 ///< time since the walk began
+      since_s{};                               ///< time since the phase began
+  T inverse_blend_1ps{},                       ///< 1 / time in which the phase's targets are reached
+      end_s{};                                 ///< time in the phase at which it ends
+  T left{},                                    ///< 1: the left foot is the stance foot, else 0
+      walks{},                                 ///< 1: the phase is `up` or `down`, else 0
+      stops{},                                 ///< 1: the phase is `stop`, else 0
+      lands{};                                 ///< 1: the phase is `down`, else 0
+  dynamics::biped::Joints<T> from_rad{},       ///< targets at the phase's beginning, without feedback
+      change_rad{};                            ///< by which the phase changes them
 };
 
-/// A leg's targets in plain numbers, as its joints come.
+/// Targets of a leg's joints, by LegJoint, rad.
 template <class V>
 using LegAngles = std::array<V, dynamics::biped::kLegJoints>;
 
-/// The posture with what a phase has beside it; nothing beside it is the posture.
+/// The posture plus the offsets `beside` of a phase, for the leg on `side`, in the joints' signs; hip yaw is 0.
 template <class V>
 LegAngles<V> leg_angles(const WalkParameters<V>& w, const LegTargets<V>& beside, std::size_t side) {
   const V outwards = side == dynamics::biped::kLeft ? V(1) : V(-1);
@@ -85,7 +104,7 @@ LegAngles<V> leg_angles(const WalkParameters<V>& w, const LegTargets<V>& beside,
 
 namespace detail {
 
-/// What the parameters say of a phase, for the leg on `side`, that stands if the stance is on it.
+/// Targets of a phase for the leg on `side`.
 template <class V>
 LegAngles<V> wanted(const WalkParameters<V>& w, WalkPhase phase, bool on_left, std::size_t side) {
   const bool stands = on_left == (side == dynamics::biped::kLeft);
@@ -113,13 +132,13 @@ WalkParameters<dynamics::ValueOf<T>> parameters_of(const WalkParameters<T>& w, s
   return WalkParameters<dynamics::ValueOf<T>>::of(out);
 }
 
-/// How far the targets' blend is, 0 to 1.
+/// Progress of the targets' blend, 0 to 1.
 template <class T>
 FURCULA_INLINE T blended(const WalkState<T>& s) {
   return dynamics::smaller(T(s.since_s * s.inverse_blend_1ps), T(dynamics::ValueOf<T>(1)));
 }
 
-/// Robot `lane` enters a phase; its targets set out from where they are.
+/// Robot `lane` of the batch enters a phase; its targets begin where they are.
 template <class T>
 void enter(const WalkConfig<T>& c, WalkPhase phase, bool on_left, std::size_t lane, WalkState<T>& s) {
   using namespace dynamics::biped;
@@ -153,7 +172,7 @@ void enter(const WalkConfig<T>& c, WalkPhase phase, bool on_left, std::size_t la
   dynamics::set_lane(s.stops, lane, phase == WalkPhase::stop ? V(1) : V(0));
 }
 
-/// The phase of robot `lane` has ended.
+/// Begins the phase after the one of robot `lane` of the batch, which has ended.
 template <class T>
 void go_on(const WalkConfig<T>& c, std::size_t lane, WalkState<T>& s) {
   const bool on_left = s.on_left[lane];
@@ -176,7 +195,7 @@ void go_on(const WalkConfig<T>& c, std::size_t lane, WalkState<T>& s) {
 
 }  // namespace detail
 
-/// Robot `lane` stands in its posture and begins to sway.
+/// Begins the walk of robot `lane` of the batch anew: in the posture, phase `start`.
 template <class T>
 void begin_walk(const WalkConfig<T>& c, std::size_t lane, WalkState<T>& s) {
   using namespace dynamics::biped;
@@ -197,6 +216,7 @@ void begin_walk(const WalkConfig<T>& c, std::size_t lane, WalkState<T>& s) {
   s.steps[lane] = 0;
   detail::enter(c, WalkPhase::start, true, lane, s);
 }
+/// The state before the first tick, for all robots of the batch.
 template <class T>
 WalkState<T> begin_walk(const WalkConfig<T>& c) {
   WalkState<T> s{};
@@ -204,12 +224,13 @@ WalkState<T> begin_walk(const WalkConfig<T>& c) {
   return s;
 }
 
+/// Result of one tick.
 template <class T>
 struct WalkOutputs {
-  dynamics::biped::Joints<T> target_rad;  ///< of the drives
-  Balance<T> balance;    ///< about the stance foot's ankle; in `stop` about the middle of the feet
-  Vec3<T> apart_m;       ///< the left ankle from the right one, in the pelvis frame's axes
-  Vec3<T> left_ankle_m;  ///< from the pelvis frame's origin, in its axes
+  dynamics::biped::Joints<T> target_rad;  ///< angles for the drives
+  Balance<T> balance;    ///< about the stance foot's ankle; in `stop` about the middle of the ankles
+  Vec3<T> apart_m;       ///< position of the left ankle relative to the right one, in the pelvis frame's axes
+  Vec3<T> left_ankle_m;  ///< position relative to the pelvis frame's origin, in its axes
 };
 
 /// One tick, `dt_s` after the last.
@@ -236,7 +257,7 @@ FURCULA_INLINE void step_walk(const WalkConfig<T>& c, const WalkSample<T>& in, d
 
   PerLeg<T, LegPose<L>> legs;
   leg_poses(c.body, in.q_rad, in.qd_radps, legs);
-  // About the stance ankle in a walk, about the middle of the feet after it.
+  // About the stance ankle in a walk, about the middle of the ankles after it.
   const T middle = V(0.5) * s.stops, left = select(s.stops > V(0.5), middle, s.left), right = one - left;
   out.balance = balance(c.body, c.inverse_mass_1pkg, legs, in.attitude, in.gyro_radps, left, right);
   out.apart_m = ankles_apart<T>(legs);
@@ -273,14 +294,15 @@ FURCULA_INLINE void step_walk(const WalkConfig<T>& c, const WalkSample<T>& in, d
   add(kAnkleRoll, stance_ankle_roll, zero, V(-1));
 }
 
-/// A foot's switch: on at once above the threshold, off after 10 ms below half of it.
+/// Contact switch of a foot from its load: on at once above the threshold, off after 10 ms below half of it.
 template <class T>
 struct FootSwitch {
-  static constexpr double kOffAfter_s = 0.01;
+  static constexpr double kOffAfter_s = 0.01;  ///< below half of the threshold until it is off
 
-  T carries{};  ///< 1 or 0
-  T below_s{};
+  T carries{};  ///< 1: the foot is on the ground, else 0
+  T below_s{};  ///< how long the load has been below half of the threshold
 
+  /// One tick, `dt_s` after the last, with the foot's normal force.
   FURCULA_INLINE void step(const T& normal_n, dynamics::ValueOf<T> threshold_n, dynamics::ValueOf<T> dt_s) {
     using V = dynamics::ValueOf<T>;
     using dynamics::select;

@@ -1,6 +1,7 @@
-// What a walk is made of: 46 numbers, those that a search looks for (000 section III; docs/biped.md).
+// The parameters of a walk: 46 numbers, those that a search looks for (000 section III; docs/biped.md).
 //
-// Angles of roll are outwards: away from the other leg. Pitch is positive forward: flexing a hip is negative, flexing a knee positive.
+// Angles of roll are positive outwards: away from the other leg. Pitch is a rotation about the axis to the left: flexing
+// a hip is negative, flexing a knee positive.
 #pragma once
 
 #include <array>
@@ -9,32 +10,51 @@
 
 namespace furcula::control {
 
-/// Of one leg's joints, beside the posture, rad.
+/// Targets of one leg's joints relative to the posture, rad.
 template <class T>
 struct LegTargets {
-  T hip_pitch{}, knee{}, ankle_pitch{}, hip_roll{}, ankle_roll{};
+  T hip_pitch{},      ///< negative flexes
+      knee{},         ///< positive flexes
+      ankle_pitch{},  ///< positive lowers the toes
+      hip_roll{},     ///< positive outwards
+      ankle_roll{};   ///< positive in the same sense as hip_roll
 };
 
+/// The parameters of a walk. Names in files, ranges and starts of a search: kWalkParameters.
 template <class T>
 struct WalkParameters {
-  static constexpr std::size_t kCount = 46, kGains = 12;
+  static constexpr std::size_t kCount = 46,  ///< parameters
+      kGains = 12;                           ///< gains among them
 
-  // Posture: the knee's angle, and what hip and ankle differ from half of it, the other way.
-  T knee_rad{}, hip_rad{}, ankle_rad{};
+  // Posture, symmetric.
+  T knee_rad{},     ///< angle of the knees
+      hip_rad{},    ///< pitch of the hips is this less half of knee_rad
+      ankle_rad{};  ///< pitch of the ankles is this less half of knee_rad
   // To begin with: sway to the left foot, lean forward.
-  T start_s{}, sway_rad{}, lean_rad{};
+  T start_s{},     ///< duration of the phase `start` and time in which its targets are reached
+      sway_rad{},  ///< roll of hips and ankles that shifts the pelvis over the left foot
+      lean_rad{};  ///< subtracted from the pitch of both ankles; positive leans forward
   // How long a foot goes up and down, and in what time the targets are reached.
-  T up_s{}, up_blend_s{}, down_s{}, down_blend_s{};
-  LegTargets<T> up_swing, up_stance, down_swing, down_stance;
-  // On d and v, the centre of mass before the stance foot's ankle and its speed, and on y and vy, those to the swing leg's side: of the
-  // swing hip's pitch (d, v), the stance ankle's pitch (d, v), the swing hip's roll (y, vy), the stance ankle's roll (y, vy), the stance
-  // hip's pitch (d, v) and roll (y, vy); rad/m and rad s/m.
+  T up_s{},                ///< duration of the phase `up`
+      up_blend_s{},        ///< in which its targets are reached
+      down_s{},            ///< duration of the phase `down`, unless the foot touches down before
+      down_blend_s{};      ///< in which its targets are reached
+  LegTargets<T> up_swing,  ///< of the swing leg in `up`
+      up_stance,           ///< of the stance leg in `up`
+      down_swing,          ///< of the swing leg in `down`
+      down_stance;         ///< of the stance leg in `down`
+  /// Gains on d and v, position and velocity of the centre of mass ahead of the stance foot's ankle, and on y and vy,
+  /// those towards the swing leg's side: for the swing hip's flexion (d, v), the stance ankle's pitch (d, v), the swing
+  /// hip's roll (y, vy), the stance ankle's roll (y, vy), the stance hip's pitch (d, v) and roll (y, vy); rad/m and
+  /// rad s/m.
   std::array<T, kGains> gains{};
-  T side_m{};  ///< of y, where its feedback is zero
-  // To stand: the posture is reached in this time; both ankles' pitch on d and v, from the middle of the feet.
-  T stop_blend_s{}, stop_d_radpm{}, stop_v_radspm{};
+  T side_m{};  ///< y at which its feedback is zero
+  // To stand; d and v are relative to the middle of the ankles.
+  T stop_blend_s{},     ///< in which the posture is reached
+      stop_d_radpm{},   ///< gain of both ankles' pitch on d
+      stop_v_radspm{};  ///< gain of both ankles' pitch on v
 
-  /// All of them, in the order above.
+  /// Calls `f` with a reference to each parameter, in the order of kWalkParameters.
   template <class F>
   void each(const F& f) {
     for (T* x : {&knee_rad, &hip_rad, &ankle_rad, &start_s, &sway_rad, &lean_rad, &up_s, &up_blend_s, &down_s,
@@ -45,12 +65,14 @@ struct WalkParameters {
     for (T& x : gains) f(x);
     for (T* x : {&side_m, &stop_blend_s, &stop_d_radpm, &stop_v_radspm}) f(*x);
   }
+  /// All parameters, in the order of kWalkParameters.
   std::array<T, kCount> values() const {
     std::array<T, kCount> out;
     std::size_t n = 0;
     const_cast<WalkParameters*>(this)->each([&](T& x) { out[n++] = x; });
     return out;
   }
+  /// From all parameters, in the order of kWalkParameters.
   static WalkParameters of(const std::array<T, kCount>& values) {
     WalkParameters out;
     std::size_t n = 0;
@@ -59,13 +81,15 @@ struct WalkParameters {
   }
 };
 
-/// As `each` has them: name in files, the range in which a search looks and where it starts (steps on the spot, which fall), and whether the
-/// pitch of the hips is concerned, which means nothing where these are passive.
+/// A row of the table of a walk's parameters.
 struct WalkParameterInfo {
-  std::string_view name;
-  double least, most, start;
-  bool of_hip_pitch = false;
+  std::string_view name;      ///< in files: table and key
+  double least,               ///< lower bound of a search
+      most,                   ///< upper bound of a search
+      start;                  ///< where a search starts: steps on the spot, which fall
+  bool of_hip_pitch = false;  ///< without effect where the hips' pitch is passive
 };
+/// The table, in the order of WalkParameters::each().
 inline constexpr std::array<WalkParameterInfo, WalkParameters<double>::kCount> kWalkParameters{{
     {"posture.knee_rad", 0.25, 0.8, 0.5},
     {"posture.hip_rad", -0.2, 0.2, 0.0, true},

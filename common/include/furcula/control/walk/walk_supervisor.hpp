@@ -1,6 +1,6 @@
-// What can be wrong with a walking robot, a pure step: its devices, its joints' encoders and drives, its IMU, its feet, the pins of its
-// clutches, and a fall. docs/safety.md has the table of what breaks and by when it is found. The limits here leave room above the most
-// that walks with sensors that err were seen to need (docs/biped.md).
+// Fault detection of a walking robot, a pure step: its devices, its joints' encoders and drives, its IMU, its feet, the
+// pins of its clutches, and a fall. docs/safety.md has the table of faults and detection times. The limits here have a
+// margin above the largest values in simulated walks with sensor errors (docs/results/robots.md).
 #pragma once
 
 #include <array>
@@ -14,91 +14,109 @@
 
 namespace furcula::control {
 
+/// Limits of the supervisor; beyond each is a fault. Each low-pass has a time constant of its own.
 struct WalkSupervisorConfig {
-  std::uint32_t tick_interval_max_us = 3000;
-  std::uint32_t missed_max = 1;  ///< samples of a device in a row that are bridged
+  std::uint32_t tick_interval_max_us = 3000;  ///< between two ticks; more is late_tick
+  std::uint32_t missed_max = 1;               ///< answers that a device may miss in a row
 
   // A joint's encoder.
-  float rate_max_radps = 20.0f;  ///< faster no joint turns, not even in a fall
+  float rate_max_radps = 20.0f;  ///< no joint turns faster, not even in a fall
   float jump_rad = 5e-3f;        ///< by which a reading may be beyond that
-  float range_rad = 1.57f;       ///< of a joint (000)
-  float stuck_rad = 0.015f;      ///< that its target moves while the same angle is read: 45 N m of the drive
-  float stuck_s = 0.0f;          ///< that it is read at least: readings in steps are the same by chance too
-  float slip_rad = 0.01f;        ///< between the angle and the sum of its rates
-  float slip_fades_s = 0.1f;
+  float range_rad = 1.57f;       ///< largest magnitude of a joint's angle (000)
+  float stuck_rad = 0.015f;      ///< change of the target while the same angle is read: 45 N m of the drive
+  float stuck_s = 0.0f;          ///< for which it is read at least: quantised readings repeat by chance too
+  float slip_rad = 0.01f;        ///< between the angle and the integral of its rate, high-pass
+  float slip_fades_s = 0.1f;     ///< time constant of this high-pass
 
   // Its drive.
-  float astray_rad = 0.2f;  ///< from its target
-  float astray_s = 0.02f;
-  float torque_off_nm = 15.0f;  ///< low-pass of the torque that is reported less the one that was told
-  float torque_fades_s = 0.02f;
-  float torque_most_nm = 220.0f;  ///< that the drive gives
-  /// Ticks by which the target of the torque that a drive reports is older than the one that it was told last; at most 2.
+  float astray_rad = 0.2f;        ///< of the angle from its target
+  float astray_s = 0.02f;         ///< for which it may be further from it
+  float torque_off_nm = 15.0f;    ///< low-pass of the reported torque's deviation from the command
+  float torque_fades_s = 0.02f;   ///< time constant of this low-pass
+  float torque_most_nm = 220.0f;  ///< largest magnitude of a drive's torque
+  /// Ticks by which the target of the torque that a drive reports is older than its last command; at most 2.
   std::uint32_t torque_lag_ticks = 0;
 
   // The IMU.
-  float gyro_max_radps = 15.0f, acc_max_mps2 = 150.0f;  ///< near the ends of 1000 degrees/s and 16 g
-  std::uint32_t imu_same_max =
-      20;  ///< ticks with the same six numbers: the last bits of one that lives change
-  float weight_least = 0.5f, weight_most = 1.6f;  ///< low-pass of the accelerometer, in g
-  float weight_fades_s = 0.1f;
-  float turn_off_radps =
-      0.9f;  ///< low-pass of the standing foot's turn, of gyro and joints: a sole does not turn
-  float turn_fades_s = 0.25f;
-  float vertical_off =
-      0.35f;  ///< low-pass of the accelerometer's direction against the filter's vertical, rad
-  float vertical_fades_s = 0.2f;
+  float gyro_max_radps = 15.0f,  ///< magnitude of each component; near the end of a range of 1000 degrees/s
+      acc_max_mps2 = 150.0f;     ///< magnitude of each component; near the end of a range of 16 g
+  /// Ticks in a row with the same six numbers: the last bits of a working IMU change.
+  std::uint32_t imu_same_max = 20;
+  float weight_least = 0.5f,    ///< low-pass of the accelerometer's magnitude, in g, lower limit
+      weight_most = 1.6f;       ///< low-pass of the accelerometer's magnitude, in g, upper limit
+  float weight_fades_s = 0.1f;  ///< time constant of this low-pass
+  /// Low-pass of the stance sole's angular velocity in roll and in pitch, from gyro and joints: a sole does not turn.
+  float turn_off_radps = 0.9f;
+  float turn_fades_s = 0.25f;  ///< time constant of this low-pass
+  /// Low-pass of the cross product of the accelerometer's direction and the filter's vertical, magnitude; sine of the
+  /// angle between them.
+  float vertical_off = 0.35f;
+  float vertical_fades_s = 0.2f;  ///< time constant of this low-pass
 
   // The feet.
-  float neither_s = 0.03f;  ///< that neither foot carries: the walk has no flight
-  float unloaded_s = 1.0f;  ///< that a foot carries nothing before the walk and after it
+  float neither_s = 0.03f;  ///< without load on either foot: the walk has no flight
+  float unloaded_s = 1.0f;  ///< without load on one foot in the phases `start` and `stop`
 
   // The pins.
-  float pin_in_place = 0.95f;  ///< share of the stroke at which a pin is there (pin_clutch_sequencer.hpp)
-  float pins_max_s = 0.75f;    ///< from the command until all are there: three tries of 0.25 s
-  float pin_out_s = 0.01f;     ///< that one may read otherwise in a walk
+  float pin_in_place = 0.95f;  ///< share of the stroke from which on a pin is in place
+  float pins_max_s = 0.75f;    ///< from the command until all are in place: three tries of 0.25 s
+  float pin_out_s = 0.01f;     ///< for which one may be out of place in a walk
 
   // A fall.
   float upright_least = 0.8f;    ///< cosine of the pelvis' tilt
-  float height_least_m = 0.88f;  ///< of the pelvis over the lower sole; 000 has 0.80 m
-  float gravity_mps2 = 9.81f;
+  float height_least_m = 0.88f;  ///< of the pelvis frame's origin above the lower sole; 000 has 0.80 m
+  float gravity_mps2 = 9.81f;    ///< acceleration of gravity, for weight_least and weight_most
 };
 
+/// State of supervise_walk() between two ticks. Arrays of joints are in the order of WalkerSample::joints, those of feet
+/// left, right.
 struct WalkSupervisorState {
-  Fault fault = Fault::none;
-  std::uint32_t suspect = kNoJoint;  ///< the joint that the fault is of
-  bool begun = false;
-  std::uint32_t heard = 0, known = 0;  ///< bits: devices that ever answered; joints with a reading before
-  std::array<std::uint8_t, kWalkerDevices> missed{};  ///< answers that did not come, in a row
-  std::array<float, kWalkerJoints> before_rad{}, followed_rad{}, slip_rad{}, wanted_nm{}, torque_off_nm{},
-      astray_s{}, still_s{};
-  std::array<bool, kWalkerJoints> held{};                             ///< to a target, in the last tick
-  std::array<JointCommand, kWalkerJoints> told{};                     ///< in the last tick
-  std::array<std::array<float, kWalkerJoints>, 2> told_before_rad{};  ///< targets, in the ticks before it
-  dynamics::tree::Vec3<float> gyro_before{}, acc_before{};
-  std::uint32_t imu_same = 0;
-  float weight_mps2 = 0.0f;
+  Fault fault = Fault::none;                          ///< latched: the first since the last reset
+  std::uint32_t suspect = kNoJoint;                   ///< joint of the latched fault, or kNoJoint
+  bool begun = false;                                 ///< there was a tick before this one
+  std::uint32_t heard = 0,                            ///< a bit for each device that has ever answered
+      known = 0;                                      ///< a bit for each joint with a reading before
+  std::array<std::uint8_t, kWalkerDevices> missed{};  ///< answers missed in a row
+  std::array<float, kWalkerJoints> before_rad{},      ///< angles on the last tick
+      followed_rad{},                                 ///< targets when the angle last changed
+      slip_rad{},                                     ///< angle less the integral of its rate, high-pass
+      wanted_nm{},                                    ///< torques of the commands at the last readings
+      torque_off_nm{},                                ///< deviation of the reported torque, low-pass
+      astray_s{},                                     ///< how long the angle has been far from its target
+      still_s{};                                      ///< how long the same angle has been read
+  std::array<bool, kWalkerJoints> held{};             ///< the drive held a target on the last tick
+  std::array<JointCommand, kWalkerJoints> told{};     ///< commands of the last tick
+  /// Targets, [0] one tick and [1] two ticks before `told`; not kept with torque_lag_ticks 0.
+  std::array<std::array<float, kWalkerJoints>, 2> told_before_rad{};
+  dynamics::tree::Vec3<float> gyro_before{},  ///< gyro on the last tick, rad/s
+      acc_before{};                           ///< accelerometer on the last tick, m/s^2
+  std::uint32_t imu_same = 0;                 ///< ticks in a row with the same numbers
+  float weight_mps2 = 0.0f;                   ///< magnitude of the accelerometer, low-pass
+  /// Cross product of the accelerometer's direction and the filter's vertical, low-pass.
   dynamics::tree::Vec3<float> vertical_off{};
-  float turn_roll_radps = 0.0f, turn_pitch_radps = 0.0f;
-  float neither_s = 0.0f, pin_out_s = 0.0f, pins_s = 0.0f;
-  std::array<float, 2> unloaded_s{};
-  std::array<bool, 2> carried{};
-  std::array<float, 2> same_s{};
+  float turn_roll_radps = 0.0f,       ///< angular velocity of the stance sole about x, low-pass
+      turn_pitch_radps = 0.0f;        ///< angular velocity of the stance sole about y, low-pass
+  float neither_s = 0.0f,             ///< how long neither foot has had load
+      pin_out_s = 0.0f,               ///< how long a pin has been out of place in a walk
+      pins_s = 0.0f;                  ///< how long a pin has been out of place on the stand
+  std::array<float, 2> unloaded_s{};  ///< how long each foot has had no load in `start` and `stop`
+  std::array<bool, 2> carried{};      ///< whether each foot had load on the last tick
+  std::array<float, 2> same_s{};      ///< how long this has not changed in `up` and `down`
 };
 
-/// What a tick of the robot looks like to its supervisor.
+/// Inputs of one tick of the supervisor.
 struct WalkObservation {
-  const WalkerSample& now;  ///< what did not answer is bridged
-  bool on_stand = false;    ///< not told to walk yet: nothing of feet and falls
-  bool driven = false;      ///< its drives hold their targets
-  WalkPhase phase = WalkPhase::start;
-  bool on_left = true;    ///< the foot that the walk stands on
-  float stride_s = 1e9f;  ///< the longest that two steps may take
-  std::array<bool, 2> carries{};
-  std::uint32_t passive_pins = 0;                    ///< a bit for each pin that is to be in the spring
-  dynamics::tree::Vec3<float> up{0.0f, 0.0f, 1.0f};  ///< the level's z axis in the pelvis'
-  float height_m = 1.0f;                             ///< over the lower sole
-  std::uint32_t tick_interval_us = 0;
+  const WalkerSample& now;             ///< with the last reading of a device that did not answer
+  bool on_stand = false;               ///< does not walk yet: feet and falls are not monitored
+  bool driven = false;                 ///< the drives hold their targets
+  WalkPhase phase = WalkPhase::start;  ///< of the walk
+  bool on_left = true;                 ///< the stance foot is the left one
+  float stride_s = 1e9f;               ///< for which a foot may stay on or off the ground in `up` and `down`
+  std::array<bool, 2> carries{};       ///< whether each foot has load, left and right
+  std::uint32_t passive_pins = 0;      ///< a bit for each pin that is to be in the spring's rotator
+  dynamics::tree::Vec3<float> up{0.0f, 0.0f, 1.0f};  ///< upward unit vector in the pelvis' axes
+  float height_m = 1.0f;                             ///< of the pelvis frame's origin above the lower sole
+  std::uint32_t tick_interval_us = 0;                ///< measured, since the last tick
 };
 
 namespace detail {
@@ -139,7 +157,7 @@ inline Fault find_device_fault(const WalkSupervisorConfig& c, WalkSupervisorStat
   return Fault::none;
 }
 
-/// Of the joint `i`: its readings against each other, and against what its drive was told.
+/// Of the joint `i`: its readings against each other, and against the commands to its drive.
 inline Fault find_joint_fault(const WalkSupervisorConfig& c, WalkSupervisorState& s,
                               const WalkObservation& seen, std::size_t i, float dt_s) {
   if ((s.heard >> i & 1u) == 0) return Fault::none;
@@ -206,7 +224,7 @@ inline Fault find_imu_fault(const WalkSupervisorConfig& c, WalkSupervisorState& 
   s.vertical_off += (off - s.vertical_off) * (dt_s / c.vertical_fades_s);
   if (dot(s.vertical_off, s.vertical_off) > c.vertical_off * c.vertical_off) return Fault::imu_implausible;
 
-  // The sole that the walk stands on does not turn: what the gyro has, its leg's joints take back.
+  // The stance sole does not turn: the rates of its leg's joints cancel the gyro's.
   const std::size_t side = seen.on_left ? 0 : 1, leg = side * dynamics::biped::kLegJoints;
   const bool stands = !seen.on_stand && seen.carries[side];
   using namespace dynamics::biped;
@@ -221,7 +239,7 @@ inline Fault find_imu_fault(const WalkSupervisorConfig& c, WalkSupervisorState& 
   return Fault::none;
 }
 
-/// Who stands on what, in a walk.
+/// Loads of the feet in a walk.
 inline Fault find_foot_fault(const WalkSupervisorConfig& c, WalkSupervisorState& s,
                              const WalkObservation& seen, float dt_s) {
   const bool neither = !seen.carries[0] && !seen.carries[1];
@@ -252,7 +270,7 @@ inline std::uint32_t pin_out_of_place(const WalkSupervisorConfig& c, const WalkO
 inline Fault find_walk_fault(const WalkSupervisorConfig& c, WalkSupervisorState& s,
                              const WalkObservation& seen, float dt_s) {
   Fault found = find_device_fault(c, s, seen);
-  // Every joint is looked at in every tick: what is kept of one hangs on no other.
+  // Every joint is checked in every tick: its state does not depend on the others.
   for (std::size_t i = 0; i < kWalkerJoints; ++i) {
     const Fault of_joint = find_joint_fault(c, s, seen, i, dt_s);
     if (found == Fault::none && of_joint != Fault::none) {
@@ -278,7 +296,8 @@ inline Fault find_walk_fault(const WalkSupervisorConfig& c, WalkSupervisorState&
 
 }  // namespace detail
 
-/// What the drives are told in this tick, for the next one. Where a drive held nothing before, it was always told so.
+/// Keeps the commands of this tick for the next one. Where a drive held no target before, all earlier targets are set to
+/// this one.
 inline void note_told(const WalkSupervisorConfig& c, WalkSupervisorState& s,
                       const std::array<JointCommand, kWalkerJoints>& told) {
   if (c.torque_lag_ticks != 0)
@@ -290,7 +309,8 @@ inline void note_told(const WalkSupervisorConfig& c, WalkSupervisorState& s,
   s.told = told;
 }
 
-/// One tick. `reset` clears a latched fault; one that is still there latches again at once. @returns the latched fault.
+/// One tick, `dt_s` after the last; call note_told() after it. `reset` clears a latched fault; one that is still there
+/// latches again at once. @returns the latched fault.
 inline Fault supervise_walk(const WalkSupervisorConfig& c, WalkSupervisorState& s,
                             const WalkObservation& seen, bool reset, float dt_s) {
   if (reset) {

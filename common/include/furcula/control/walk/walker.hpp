@@ -1,11 +1,11 @@
-// A walking robot's controller on the board, a pure step from its devices' samples to its drives' commands: the attitude filter, the walk,
-// the supervisor, and what a robot does that has a fault or falls. No clock, no I/O, no globals, no heap.
+// A walking robot's controller on the board, a pure step from its devices' samples to its drives' commands: the attitude
+// filter, the walk, the supervisor, and the reaction to a fault or fall. No clock, no I/O, no globals, no heap.
 //
 //   idle     drives off
-//   joining  told to walk: on a stand the drives hold the posture, the pins go in, the vertical is measured
-//   walking  until it stands
-//   damped   a fault: no drive pulls anywhere. Each brakes its joint, with a torque that has a limit, and so takes energy out only; the
-//            one that the fault is of is off. Until a reset, and then until it is told anew
+//   joining  after the request to walk: on a stand the drives hold the posture, the pins go in, the vertical is measured
+//   walking  the walk, until it stands, and standing
+//   damped   a fault: each drive brakes its joint with a limited torque, and so takes energy out only; the drive of the
+//            joint with the fault is off. Ends with a reset; to walk needs a new request
 #pragma once
 
 #include <array>
@@ -21,55 +21,66 @@
 
 namespace furcula::control {
 
+/// Configuration of the controller. check() says whether it makes sense.
 struct WalkerConfig {
-  WalkConfig<float> walk;
-  AttitudeGains<float> attitude;
-  WalkSupervisorConfig supervisor;
-  std::uint32_t passive_pins =
-      0;  ///< a bit for each that is to be in its spring: both hips' of a semi-passive walk
-  float foot_threshold_n = 30.0f;
-  float sole_m = 0.09f;            ///< below the ankle
+  WalkConfig<float> walk;           ///< the walk, and the robot's model with the gains of its drives
+  AttitudeGains<float> attitude;    ///< of the attitude filter
+  WalkSupervisorConfig supervisor;  ///< limits
+  /// A bit for each pin that is to be in the spring's rotator: both hips' of a semi-passive walk.
+  std::uint32_t passive_pins = 0;
+  float foot_threshold_n = 30.0f;  ///< load from which on a foot is on the ground (FootSwitch)
+  float sole_m = 0.09f;            ///< depth of the sole below the ankle
   std::uint32_t rest_ticks = 100;  ///< over which the vertical is measured
-  float rest_radps = 0.1f;         ///< faster turns no robot that hangs still
-  float damping_nmsprad = 50.0f;   ///< after a fault
-  float damped_most_nm = 80.0f;    ///< the most that it may take: document 000's limit of a motor
+  float rest_radps = 0.1f;         ///< largest magnitude of each gyro component while the robot hangs still
+  float damping_nmsprad = 50.0f;   ///< of each joint after a fault
+  float damped_most_nm = 80.0f;    ///< largest torque of this damping: document 000's limit of a motor
 };
 
+/// Inputs of one tick.
 struct WalkerInputs {
-  WalkerSample sample;
-  bool reset = false;  ///< a person asks for the latched fault to be cleared
-  bool run = false;    ///< false: drives off
-  std::uint32_t tick_interval_us = 0;
+  WalkerSample sample;                 ///< of the devices that answered since the last tick
+  bool reset = false;                  ///< a person asks for the latched fault to be cleared
+  bool run = false;                    ///< the request to walk; false: drives off
+  std::uint32_t tick_interval_us = 0;  ///< measured, since the last tick
 };
 
-enum class WalkerStage : std::uint8_t { idle, joining, walking, damped };
+/// Stage of the controller.
+enum class WalkerStage : std::uint8_t {
+  idle,     ///< drives off
+  joining,  ///< on the stand: the drives hold the posture, the pins go in, the vertical is measured
+  walking,  ///< the walk, until it stands, and standing
+  damped    ///< after a fault: the drives brake
+};
 
 /// Made by begin_walker(); one that was not is in the fault bad_configuration.
 struct WalkerState {
-  Status configuration = Status::invalid;
-  WalkerStage stage = WalkerStage::idle;
-  bool let_go = true;  ///< since the last fault it has not been told to walk
-  WalkerSample last;
-  WalkSupervisorState supervisor;
-  AttitudeFilter<float> filter{{1.0f, 0.0f, 0.0f, 0.0f}, {}};
-  WalkState<float> walk;
-  std::array<FootSwitch<float>, 2> feet{};
-  dynamics::tree::Vec3<float> acc_sum{};
-  std::uint32_t rests = 0;  ///< ticks
+  Status configuration = Status::invalid;  ///< result of check()
+  WalkerStage stage = WalkerStage::idle;   ///< current stage
+  bool let_go = true;                      ///< the request to walk has been off since the last fault
+  WalkerSample last;               ///< last readings; a joint that does not answer goes on at its rate
+  WalkSupervisorState supervisor;  ///< has the latched fault
+  AttitudeFilter<float> filter{{1.0f, 0.0f, 0.0f, 0.0f}, {}};  ///< of the pelvis
+  WalkState<float> walk;                                       ///< made when `joining` begins
+  std::array<FootSwitch<float>, 2> feet{};                     ///< left and right
+  dynamics::tree::Vec3<float> acc_sum{};  ///< sum of the accelerometer over the ticks at rest
+  std::uint32_t rests = 0;                ///< ticks at rest in a row, in `joining`
 };
 
+/// Result of one tick.
 struct WalkerOutputs {
-  std::array<JointCommand, kWalkerJoints> joints;
-  std::array<float, kWalkerPins> pin_targets{};  ///< of their servos: 1 motor, -1 spring
-  Fault fault = Fault::none;
-  std::uint32_t suspect = kNoJoint;  ///< the joint that the fault is of
-  WalkerStage stage = WalkerStage::idle;
-  WalkPhase phase = WalkPhase::start;
-  bool on_left = true;
-  float upright = 1.0f, height_m = 0.0f;  ///< as the supervisor has them
+  std::array<JointCommand, kWalkerJoints> joints;  ///< as WalkerSample::joints; zero gains: no torque
+  std::array<float, kWalkerPins> pin_targets{};    ///< of their servos: 1 motor, -1 spring
+  Fault fault = Fault::none;                       ///< latched
+  std::uint32_t suspect = kNoJoint;                ///< joint of the fault, or kNoJoint
+  WalkerStage stage = WalkerStage::idle;           ///< stage after this tick
+  WalkPhase phase = WalkPhase::start;              ///< of the walk
+  bool on_left = true;                             ///< the stance foot is the left one
+  float upright = 1.0f,                            ///< cosine of the pelvis' tilt; 1 unless it walks
+      height_m = 0.0f;  ///< of the pelvis frame's origin above the lower sole; meaningless unless it walks
 };
 
-/// Whether the numbers can be a walk's and a robot's.
+/// Whether the numbers make sense. `invalid`: a parameter of the walk is not finite, a number is not positive where it
+/// must be, or torque_lag_ticks is above 2.
 inline Status check(const WalkerConfig& c) {
   const auto values = c.walk.walk.values();
   for (const float x : values)
@@ -88,6 +99,7 @@ inline Status check(const WalkerConfig& c) {
              : Status::invalid;
 }
 
+/// State before the first tick.
 inline WalkerState begin_walker(const WalkerConfig& config) {
   WalkerState state;
   state.configuration = check(config);
@@ -96,7 +108,7 @@ inline WalkerState begin_walker(const WalkerConfig& config) {
 
 namespace detail {
 
-/// What answered is taken; a joint whose drive did not goes on at its rate.
+/// Takes the readings of the devices that answered; a joint whose drive did not goes on at its rate.
 inline void take_sample(const WalkerSample& in, float dt_s, WalkerState& s) {
   const auto answers = [&](std::uint32_t device) {
     const bool yes = (in.answered >> device & 1u) != 0;
@@ -135,7 +147,7 @@ inline void hold(const WalkerConfig& c, std::size_t i, float target_rad, WalkerO
   const auto& drive = c.walk.body.drives[i / kLegJoints][i % kLegJoints];
   const std::size_t pin = pin_of_joint(i);
   const bool joined = pin == kWalkerPins || (c.passive_pins >> pin & 1u) == 0;
-  // A motor that its pin does not join follows its link, which its drive sees to (pin_clutch_sequencer.hpp).
+  // A motor that its pin does not join follows its link by its drive's own control (pin_clutch_sequencer.hpp).
   out.joints[i] = joined ? JointCommand{target_rad, drive.kp_nmprad, drive.kd_nmsprad}
                          : JointCommand{target_rad, 0.0f, 0.0f};
 }
@@ -191,7 +203,7 @@ inline WalkerOutputs step_walker(const WalkerConfig& c, WalkerState& s, const Wa
       set_joint<float>(sample.qd_radps, i, s.last.joints[i].rate_radps);
     }
     sample.gyro_radps = s.last.gyro_radps;
-    // What the filter has made of all samples before is the attitude of now; this one is for the next tick.
+    // The filter's state from all samples before is the current attitude; this sample is for the next tick.
     sample.attitude = s.filter.attitude;
     sample.left_carries = s.feet[0].carries;
     sample.right_carries = s.feet[1].carries;

@@ -1,20 +1,22 @@
-// Where a biped's centre of mass is before and beside its feet, and how it moves there: what a walk's feedback asks of joints, gyro and
-// attitude.
+// Position and velocity of a biped's centre of mass relative to its feet, from joints, gyro and attitude: the inputs of
+// a walk's feedback.
 #pragma once
 
 #include "furcula/dynamics/biped/kinematics.hpp"
 
 namespace furcula::control {
 
-/// Of a leg, in the pelvis frame's axes and from its origin; rates as seen from the pelvis.
+/// Pose of a leg, in the pelvis frame's axes and from its origin; rates are those relative to the pelvis.
 template <class L>
 struct LegPose {
-  dynamics::tree::Vec3<L> ankle_m, ankle_mps;
-  dynamics::tree::Vec3<L> forward;                   ///< the foot's x axis
-  dynamics::tree::Vec3<L> moment_kgm, moment_kgmps;  ///< mass times place
+  dynamics::tree::Vec3<L> ankle_m,     ///< position of the ankle
+      ankle_mps;                       ///< velocity of the ankle
+  dynamics::tree::Vec3<L> forward;     ///< the foot's x axis
+  dynamics::tree::Vec3<L> moment_kgm,  ///< sum of mass times position over the leg's links
+      moment_kgmps;                    ///< derivative of moment_kgm
 };
 
-/// From the feet inwards: a joint turns what lies beyond it.
+/// Poses of both legs from joint angles and rates, computed from the feet inwards: a joint turns what lies beyond it.
 template <class T>
 FURCULA_INLINE void leg_poses(const dynamics::biped::Parameters<T>& p,
                               const dynamics::biped::Joints<T>& q_rad,
@@ -62,7 +64,7 @@ FURCULA_INLINE void leg_poses(const dynamics::biped::Parameters<T>& p,
   }
 }
 
-/// The left ankle from the right one, in the pelvis frame's axes.
+/// Position of the left ankle relative to the right one, in the pelvis frame's axes, m.
 template <class T>
 FURCULA_INLINE dynamics::tree::Vec3<T> ankles_apart(
     const dynamics::biped::PerLeg<T, LegPose<dynamics::biped::LegScalar<T>>>& legs) {
@@ -74,7 +76,7 @@ FURCULA_INLINE dynamics::tree::Vec3<T> ankles_apart(
           Legs<T>::read(l.z, kLeft) - Legs<T>::read(r.z, kRight)};
 }
 
-/// The left ankle from the pelvis frame's origin, in its axes.
+/// Position of the left ankle relative to the pelvis frame's origin, in its axes, m.
 template <class T>
 FURCULA_INLINE dynamics::tree::Vec3<T> left_ankle(
     const dynamics::biped::PerLeg<T, LegPose<dynamics::biped::LegScalar<T>>>& legs) {
@@ -83,13 +85,18 @@ FURCULA_INLINE dynamics::tree::Vec3<T> left_ankle(
   return {Legs<T>::read(l.x, kLeft), Legs<T>::read(l.y, kLeft), Legs<T>::read(l.z, kLeft)};
 }
 
-/// The centre of mass from a point of the feet, horizontally: along their heading and to its left; m and m/s.
+/// Horizontal position and velocity of the centre of mass relative to a point of the feet, by the feet's heading.
 template <class T>
 struct Balance {
-  T forward_m, forward_mps, left_m, left_mps;
+  T forward_m,      ///< along the heading
+      forward_mps,  ///< velocity along the heading
+      left_m,       ///< to the left of the heading
+      left_mps;     ///< velocity to the left
 };
 
-/// Shares of the feet in that point: 1 and 0 for the left ankle, halves for the middle. The point stands still on the ground.
+/// Balance about the point `left` times the left ankle plus `right` times the right one, shares that add up to 1. The
+/// point is taken to be at rest on the ground. `inverse_mass` is that of the whole robot, 1/kg; `gyro_radps` is in the
+/// pelvis frame's axes, `attitude` from these to level axes.
 template <class T>
 FURCULA_INLINE Balance<T> balance(
     const dynamics::biped::Parameters<T>& p, const T& inverse_mass,
