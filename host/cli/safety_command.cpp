@@ -54,11 +54,12 @@ struct HilOptions {
   rig::RigOptions rig;
   std::string out;
   std::vector<std::string> only;
+  bool one_moment = false;
 };
 
 std::string ticks_or_dash(std::optional<std::uint32_t> ticks) { return ticks ? std::to_string(*ticks) : "-"; }
 
-/// A row a line: ticks at each moment, and what is not as it must be.
+/// A row a line: ticks at each moment that was tried, and what is not as it must be.
 std::string describe(const safety::RigRow& row, const std::vector<rig::FaultTrial>& trials) {
   char cell[64];
   std::string line, reasons;
@@ -70,8 +71,13 @@ std::string describe(const safety::RigRow& row, const std::vector<rig::FaultTria
       row.is_borne() ? "-" : std::to_string(row.found_within_ticks + rig::kSeenLaterTicks);
   put("%-20s%8s%6s", std::string(sim_host::info(row.breaks).name).c_str(), allowed.c_str(),
       ticks_or_dash(safety::hil_ticks(row.breaks)).c_str());
+  for (std::size_t m = 0; m < safety::kMoments.size(); ++m) {
+    const auto at = std::find_if(trials.begin(), trials.end(), [m](const rig::FaultTrial& t) {
+      return t.moment == static_cast<safety::Moment>(m);
+    });
+    put("%17s", at == trials.end() ? "" : ticks_or_dash(at->told_off_ticks).c_str());
+  }
   for (const rig::FaultTrial& trial : trials) {
-    put("%17s", ticks_or_dash(trial.told_off_ticks).c_str());
     if (!trial.broken_limit.empty())
       reasons += "  " + std::string(safety::kMoments[static_cast<std::size_t>(trial.moment)]) + ": " +
                  trial.broken_limit + "\n";
@@ -88,13 +94,19 @@ void try_on_board(HilOptions& options) {
   table
       << "what breaks          allowed  page           flight           stance  released flight            catch\n";
   unsigned broken = 0;
+  std::size_t tried = 0;
   for (const safety::RigRow& row : safety::rig_rows()) {
     const std::string name(sim_host::info(row.breaks).name);
     if (!options.only.empty() &&
         std::find(options.only.begin(), options.only.end(), name) == options.only.end())
       continue;
     if (!safety::tried_on_hil(row.breaks)) continue;
-    const std::vector<rig::FaultTrial> trials = rig::try_on_board(row, options.rig);
+    std::vector<safety::Moment> moments;
+    for (std::size_t m = 0; m < safety::kMoments.size(); ++m)
+      if (!options.one_moment || m == tried % safety::kMoments.size())
+        moments.push_back(static_cast<safety::Moment>(m));
+    ++tried;
+    const std::vector<rig::FaultTrial> trials = rig::try_on_board(row, moments, options.rig);
     table << describe(row, trials) << std::flush;
     for (const rig::FaultTrial& trial : trials)
       if (!trial.broken_limit.empty()) ++broken;
@@ -115,6 +127,8 @@ void add_safety_command(CLI::App& app) {
   CLI::App* on_board = group->add_subcommand(
       "hil", "Each fault of the table in a mocked robot against a board's own program (docs/hil.md)");
   on_board->add_option("--only", hil->only, "These faults alone")->delimiter(',');
+  on_board->add_flag("--one-moment", hil->one_moment,
+                     "Each fault at one moment of the stride, the moments in turn");
   on_board->add_option("--out", hil->out, "The table to write, as text")->required();
   add_rig_options(*on_board, hil->rig);
   on_board->callback([hil] {

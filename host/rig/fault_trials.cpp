@@ -67,12 +67,13 @@ std::string judge(const safety::RigRow& row, const RigResult& result, std::optio
 
 }  // namespace
 
-std::vector<FaultTrial> try_on_board(const safety::RigRow& row, RigOptions options) {
+std::vector<FaultTrial> try_on_board(const safety::RigRow& row, std::span<const Moment> moments,
+                                     RigOptions options) {
   options.watched_s = row.is_borne() ? kHopsOnS : 1e-3 * row.found_within_ticks + 0.5;
   std::vector<FaultTrial> trials;
-  for (std::size_t m = 0; m < safety::kMoments.size(); ++m) {
-    FaultTrial trial{static_cast<Moment>(m), {}, {}};
-    options.moment = at(trial.moment);
+  for (const Moment moment : moments) {
+    FaultTrial trial{moment, {}, {}};
+    options.moment = at(moment);
     sim::Scenario scenario = safety::hopping(kLatestS + options.watched_s);
     scenario.faults = {{0.0, row.breaks, row.duration_s}};
     const RigResult result = run(safety::robot(), scenario, 1, options);

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -22,8 +23,9 @@ struct FaultTrial {
   std::string broken_limit;  ///< in words; empty: none
 };
 
-/// A row of the table at each moment of the stride, as the simulated rig sees them. `options.moment` and
+/// A row of the table at each of the moments of the stride, as the simulated rig sees them. `options.moment` and
 /// `options.watched_s` are set here. @throws RigError as run() does.
-std::vector<FaultTrial> try_on_board(const safety::RigRow& row, RigOptions options);
+std::vector<FaultTrial> try_on_board(const safety::RigRow& row, std::span<const safety::Moment> moments,
+                                     RigOptions options);
 
 }  // namespace furcula::rig
