@@ -260,9 +260,9 @@ inline Fault watch_envelope(const EnvelopeConfig& c, EnvelopeState& s, const Env
   return found;
 }
 
-/// Reduces `wanted_nm` to the torque that may be commanded, N m: a torque that takes energy out passes, one that puts
-/// energy in fades over the last 5 cm below the highest apex. Call it on each tick, after all other limits.
-/// `drives_leg`: the motor moves the leg along its path.
+/// Reduces `wanted_nm` to the torque that may be commanded, N m. Magnitude and folding close to leg_angle_max_rad are
+/// limited; besides, a torque that takes energy out passes, and one that puts energy in fades over the last 5 cm below
+/// the highest apex. Call it on each tick, after all other limits. `drives_leg`: the motor moves the leg along its path.
 inline float hold_back(const EnvelopeConfig& c, EnvelopeState& s, const EnvelopeView& view, bool drives_leg,
                        float wanted_nm) {
   constexpr float kFadesM = 0.05f, kFadesRad = 0.15f, kStandsMps = 1.0f;

@@ -22,7 +22,7 @@ inline float limit_torque(const LimitsConfig& config, LimitsState& state, float 
     return x < lower ? lower : x > upper ? upper : x;
   };
   const float change = config.torque_rate_nmps * dt_s;
-  // What is not a number is no wish.
+  // A value that is not a number counts as no torque.
   const float target = is_finite(wanted_nm) ? between(-config.torque_nm, wanted_nm, config.torque_nm) : 0.0f;
   state.last_nm = between(state.last_nm - change, target, state.last_nm + change);
   return state.last_nm;
