@@ -1,10 +1,9 @@
-// Dry friction at several joints at once: which of those at rest are held, and which set out.
+// Dry friction at several joints at once: which joints at rest are held, and which begin to move.
 //
-// A joint at rest that is held needs some torque to stay so; it may need no more than its friction at rest in
-// the direction in which it would set out. One that sets out meets the friction of motion, against the acceleration
-// with which it sets out. Friction depends on the state and the drive's torque, not on accelerations: with equal
-// frictions at rest and in motion this is a linear complementarity problem with bounds and the positive
-// definite matrix of the joints' inverse inertia, which has one solution.
+// The torque that holds a joint at rest may not exceed its break-away torque in the direction in which it would move. A
+// joint that begins to move has kinetic friction against its acceleration. Friction depends on the state and the drive's
+// torque, not on accelerations: with equal static and kinetic friction this is a linear complementarity problem with
+// bounds and the positive definite matrix of the joints' inverse inertia, which has one solution.
 #pragma once
 
 #include <array>
@@ -17,17 +16,23 @@
 
 namespace furcula::dynamics::tree {
 
-/// Where a joint is in relation to its binding spot.
-enum class Spot : std::uint8_t { none, before, within, beyond };
-
-/// Of each joint.
-template <std::size_t kJoints>
-struct FrictionMode {
-  std::array<bool, kJoints> held{};
-  std::array<std::int8_t, kJoints> direction{};  ///< of motion, -1 or 1; 0: held, or no dry friction
-  std::array<Spot, kJoints> spot{};              ///< binding friction acts `within`
+/// Position of a joint relative to its binding spot.
+enum class Spot : std::uint8_t {
+  none,    ///< the joint has no binding friction
+  before,  ///< at a smaller position
+  within,  ///< inside, edges included
+  beyond   ///< at a larger position
 };
 
+/// State of dry friction of each joint.
+template <std::size_t kJoints>
+struct FrictionMode {
+  std::array<bool, kJoints> held{};              ///< at rest by dry friction: the joint does not accelerate
+  std::array<std::int8_t, kJoints> direction{};  ///< of motion, -1 or 1; 0: held, or no dry friction
+  std::array<Spot, kJoints> spot{};  ///< relative to the binding spot; binding friction acts `within`
+};
+
+/// -1, 0 or 1.
 template <class V>
 constexpr std::int8_t sign_of(V x) {
   return static_cast<std::int8_t>(x > V(0) ? 1 : x < V(0) ? -1 : 0);
@@ -42,12 +47,12 @@ template <class T>
          value_of(law.load_friction_ratio) > V(0) || value_of(law.binding_friction_nm) > V(0);
 }
 
-/// Coulomb's part of the friction of motion forth (`direction` 1) or back (-1), N m.
+/// Coulomb part of kinetic friction in the positive (`direction` 1) or negative (-1) direction, N m.
 template <class T>
 [[gnu::always_inline]] inline const T& coulomb_friction(const JointLaw<T>& law, int direction) {
   return law.asymmetric && direction < 0 ? law.friction_back_nm : law.friction_nm;
 }
-/// `level` with the friction of the load, the drive's torque `drive_nm` at the joint, and of the binding spot, N m.
+/// `level` plus the friction due to the load (the drive's torque `drive_nm` at the joint) and the binding spot, N m.
 template <class T>
 [[gnu::always_inline]] inline T with_load_and_binding(const JointLaw<T>& law, T level, const T& drive_nm,
                                                       Spot spot) {
@@ -58,8 +63,8 @@ template <class T>
   }
   return spot == Spot::within ? T(level + law.binding_friction_nm) : level;
 }
-/// The dry friction against motion in this direction, 1 or -1, N m, >= 0: the torque is -direction times it. `qd`
-/// may be of the other sign (a step that has gone too far).
+/// Kinetic dry friction against motion in this direction, 1 or -1, N m, >= 0: the torque is -direction times it. `qd`
+/// may have the other sign (a step past the end of the motion).
 template <class T>
 [[gnu::noinline]] T friction_in_motion(const JointLaw<T>& law, const T& qd, const T& drive_nm, int direction,
                                        Spot spot) {
@@ -72,8 +77,8 @@ template <class T>
   }
   return with_load_and_binding(law, level, drive_nm, spot);
 }
-/// The dry friction that a joint at rest must overcome to set out in this direction, 1 or -1, N m, >= 0. The torque
-/// that holds it lies between minus that of 1 and that of -1.
+/// Dry friction that a joint at rest must overcome to move in this direction, 1 or -1, N m, >= 0. The torque that
+/// holds it lies between minus the value for 1 and the value for -1.
 template <class T>
 [[gnu::always_inline]] inline T break_away_torque(const JointLaw<T>& law, const T& drive_nm, int direction,
                                                   Spot spot) {
@@ -83,7 +88,7 @@ template <class T>
       spot);
 }
 
-/// Where position q (rad) is; `none` without binding friction. The edges are within.
+/// Relation of position q (rad) to the binding spot; `none` without binding friction. The edges are within.
 template <class T>
 Spot spot_at(const JointLaw<T>& law, const T& q) {
   using V = ValueOf<T>;
@@ -92,7 +97,7 @@ Spot spot_at(const JointLaw<T>& law, const T& q) {
   const V half = V(0.5) * value_of(law.binding_width_rad);
   return from_centre < -half ? Spot::before : from_centre > half ? Spot::beyond : Spot::within;
 }
-/// How far the joint is from leaving `spot`, rad: below zero once it has left it.
+/// Distance of the joint from the nearest edge at which it leaves `spot`, rad: negative once it has left.
 template <class T>
 T way_to_edge(const JointLaw<T>& law, const T& q, Spot spot) {
   using V = ValueOf<T>;
@@ -102,8 +107,8 @@ T way_to_edge(const JointLaw<T>& law, const T& q, Spot spot) {
   return value_of(from_centre) < V(0) ? T(half + from_centre) : T(half - from_centre);
 }
 
-/// forward_dynamics in this mode: held joints at rest, the others against the friction of their motion, a foot that
-/// stands on its foothold.
+/// forward_dynamics in this mode: held joints at rest, kinetic friction at the others, the stance foot (if any) fixed to
+/// its foothold.
 template <class M>
 void forward_in_mode(const M& model, const typename M::Joints& q, const typename M::Joints& qd,
                      const typename M::Joints& tau_nm, const FrictionMode<M::kCapacity>& mode,
@@ -128,14 +133,14 @@ void forward_in_mode(const M& model, const typename M::Joints& q, const typename
   if (model.foothold.joint >= 0) stand(model, q, qd, mode.held, out);
 }
 
-/// Finds where each joint is in relation to its binding spot.
+/// Sets `spot` of each joint from its position.
 template <class M>
 void place_in_spots(const M& model, const typename M::Joints& q, FrictionMode<M::kCapacity>& mode) {
   for (std::size_t i = 0; i < model.count(); ++i) mode.spot[i] = spot_at(model.laws[i], q[i]);
 }
 
-/// By the velocities alone: what has dry friction and velocity exactly zero is held. Returns how many are. `spot`
-/// stays.
+/// Sets `held` and `direction` from the velocities alone: a joint with dry friction and velocity exactly zero is held.
+/// Returns the number of held joints. `spot` does not change.
 template <class M>
 std::size_t mode_of_motion(const M& model, const typename M::Joints& qd, FrictionMode<M::kCapacity>& mode) {
   using V = typename M::V;
@@ -151,14 +156,15 @@ std::size_t mode_of_motion(const M& model, const typename M::Joints& qd, Frictio
   return at_rest;
 }
 
-/// From mode_of_motion(), with `spot` as it is, finds the mode at this state, where joints with dry friction and
-/// velocity exactly zero may be held, and its accelerations. Starts with all of them held; a round lets the joint
-/// go that is furthest beyond its bound, or holds one that would set out against its own friction's sense. From round 2 count() on the first
-/// joint changes that asks for it, which ends for every such problem (Murty 1974 by the least index; with
-/// bounds: Judice and Pires, Computers & Operations Research 21, 1994). Returns the rounds that it took, or 0 where it
-/// did not settle in kMostSettlingRounds; then `mode` is the last one. A joint at rest that nothing holds (the load
-/// is gone, the spot is elsewhere) is free, with the direction of its acceleration.
+/// Largest number of rounds of settle_in_spots().
 inline constexpr int kMostSettlingRounds = 500;
+/// Finds the mode at this state, from that of mode_of_motion() and with `spot` as it is, and the accelerations. Joints
+/// with dry friction and velocity exactly zero may be held; at first all of them are. Each round releases the joint
+/// that exceeds its bound most, or holds a joint that would accelerate against its direction. From round 2 count() on
+/// the first joint that violates its condition changes, which ends for every such problem (Murty 1974, least index;
+/// with bounds: Judice and Pires, Computers & Operations Research 21, 1994). Returns the number of rounds, or 0 where
+/// kMostSettlingRounds did not suffice; `mode` is then the last one. A joint at rest without friction at this moment
+/// (no load, outside the binding spot) is free, with the direction of its acceleration.
 template <class M>
 int settle_in_spots(const M& model, const typename M::Joints& q, const typename M::Joints& qd,
                     const typename M::Joints& tau_nm, FrictionMode<M::kCapacity>& mode,
@@ -183,7 +189,7 @@ int settle_in_spots(const M& model, const typename M::Joints& q, const typename 
         const V bound = bound_at(i, torque < V(0) ? 1 : -1);
         beyond = bound > V(0) ? (size - bound) / bound : size > V(0) ? V(1e29) : V(0);
       } else {
-        // Back to rest before anything else is let go: it had lent its motion to the rest.
+        // Hold it again before another joint is released: the others' accelerations were computed with its motion.
         beyond = static_cast<V>(mode.direction[i]) * value_of(out.joint_radps2[i]) < V(0) ? V(1e30) : V(0);
       }
       if (beyond > worst) {
@@ -205,7 +211,7 @@ int settle_in_spots(const M& model, const typename M::Joints& q, const typename 
   return 0;
 }
 
-/// The same from the state alone: the spots are those of the positions.
+/// The same from the state alone: `spot` is set from the positions first.
 template <class M>
 int settle_friction(const M& model, const typename M::Joints& q, const typename M::Joints& qd,
                     const typename M::Joints& tau_nm, FrictionMode<M::kCapacity>& mode,

@@ -1,4 +1,4 @@
-// Where the bodies of a tree are, their energy and their momentum.
+// Positions, energy and momentum of the bodies of a tree.
 #pragma once
 
 #include <array>
@@ -9,7 +9,7 @@
 
 namespace furcula::dynamics::tree {
 
-/// The link frame of each joint's body in the world.
+/// The link frame of each joint's body in the world, by joint.
 template <class M>
 std::array<Frame<typename M::Scalar>, M::kCapacity> link_frames(const M& model, const typename M::Joints& q) {
   using T = typename M::Scalar;
@@ -24,7 +24,7 @@ std::array<Frame<typename M::Scalar>, M::kCapacity> link_frames(const M& model, 
   return out;
 }
 
-/// Of the bodies: velocity of each in its aligned frame.
+/// Velocity of each body at the origin of its aligned frame, in its axes, by joint.
 template <class M>
 std::array<Motion<typename M::Scalar>, M::kCapacity> body_velocities(const M& model,
                                                                      const typename M::Joints& q,
@@ -43,7 +43,7 @@ std::array<Motion<typename M::Scalar>, M::kCapacity> body_velocities(const M& mo
   return out;
 }
 
-/// Of bodies and armatures, J. The rotor of an elastic drive is not in it.
+/// Kinetic energy of bodies and armatures, J, without the rotors of elastic drives.
 template <class M>
 typename M::Scalar kinetic_energy_j(const M& model, const typename M::Joints& q,
                                     const typename M::Joints& qd) {
@@ -56,7 +56,8 @@ typename M::Scalar kinetic_energy_j(const M& model, const typename M::Joints& q,
   return twice * V(0.5);
 }
 
-/// Of gravity (zero with all centres of mass at the world's origin) and the joints' springs, J.
+/// Potential energy of gravity (zero with all centres of mass at the world's origin) and of the joints' springs, J. The
+/// unilateral springs are not included.
 template <class M>
 typename M::Scalar potential_energy_j(const M& model, const typename M::Joints& q) {
   using T = typename M::Scalar;
@@ -72,8 +73,8 @@ typename M::Scalar potential_energy_j(const M& model, const typename M::Joints& 
   return out;
 }
 
-/// Of the bodies about the world's origin, in world axes: angular (N m s) and linear (N s). Armature has none:
-/// its rotor's spin is left out, as in the equations of motion.
+/// Momentum of the bodies about the world's origin, world axes: angular (n, N m s) and linear (f, N s). Without the
+/// rotors' spin, as in the equations of motion.
 template <class M>
 Force<typename M::Scalar> momentum(const M& model, const typename M::Joints& q,
                                    const typename M::Joints& qd) {

@@ -1,7 +1,7 @@
-// A foot that stands: a point of a body that the ground holds, by the force that it takes.
+// A stance foot: a point of a body that is fixed to the ground, and the constraint force.
 //
-// Accelerations come from forward_dynamics as if the foot were free; the ground's force is the one that stops the
-// point, by the mass matrix. The same force as an impulse is a touch-down without bounce.
+// Accelerations come from forward_dynamics with a free foot; the ground's force is the one that makes the point's
+// acceleration zero, by the mass matrix. The same as an impulse is a touch-down without bounce.
 #pragma once
 
 #include <array>
@@ -12,15 +12,15 @@
 
 namespace furcula::dynamics::tree {
 
-/// A point of a body by the joints, world axes: its place (m), its columns of the Jacobian, and the acceleration that
-/// it has where no joint accelerates, m/s^2.
+/// Kinematics of a point of a body, world axes: position, Jacobian, and acceleration without joint accelerations.
 template <class M>
 struct PointMotion {
-  using T = typename M::Scalar;
-  Vec3<T> place_m;
-  std::array<Vec3<T>, M::kCapacity> by_joint;  ///< of the model's joints
-  Vec3<T> drift_mps2;
+  using T = typename M::Scalar;                ///< the model's scalar
+  Vec3<T> place_m;                             ///< position
+  std::array<Vec3<T>, M::kCapacity> by_joint;  ///< [joint]: column of the Jacobian, m (prismatic: no unit)
+  Vec3<T> drift_mps2;  ///< acceleration at joint accelerations zero, from the joints' velocities
 
+  /// Jacobian times `rates` of the first `count` joints (at least one).
   Vec3<T> times(const typename M::Joints& rates, std::size_t count) const {
     Vec3<T> out = by_joint[0] * rates[0];
     for (std::size_t i = 1; i < count; ++i) out += by_joint[i] * rates[i];
@@ -28,6 +28,7 @@ struct PointMotion {
   }
 };
 
+/// Kinematics of `point`, whose joint must be >= 0, at state q, qd.
 template <class M>
 PointMotion<M> point_motion(const M& model, const Foothold<typename M::V>& point, const typename M::Joints& q,
                             const typename M::Joints& qd) {
@@ -171,7 +172,7 @@ struct FootForce {
 
 }  // namespace detail
 
-/// From accelerations of a foot that is free to those of one that stands, with the torques that hold joints then.
+/// Changes the accelerations and holding torques in `out` from those of a free foot to those of a foot fixed to the ground.
 /// @return the ground's force on it, world axes, N
 template <class M>
 Vec3<typename M::Scalar> stand(const M& model, const typename M::Joints& q, const typename M::Joints& qd,
@@ -196,8 +197,8 @@ Vec3<typename M::Scalar> stand(const M& model, const typename M::Joints& q, cons
   return force;
 }
 
-/// A touch-down without bounce: the foot stops, joints' torques give no impulse.
-/// @return the ground's impulse, N s
+/// A touch-down without bounce: changes `qd` so that the foot is at rest; joint torques give no impulse.
+/// @return the ground's impulse on the foot, world axes, N s
 template <class M>
 Vec3<typename M::Scalar> stop_foot(const M& model, const typename M::Joints& q, typename M::Joints& qd) {
   const detail::FootForce<M> foot(model, q, qd, typename M::Flags{});

@@ -1,8 +1,8 @@
 // Accelerations from torques: the articulated-body algorithm.
 //
 // Featherstone, Rigid Body Dynamics Algorithms (2008), table 7.1, with the joint's axis z in every body's
-// frame. A joint that is held hands its body's articulated inertia on whole; what holds it comes out of the
-// last pass, so that dry friction that sticks needs no matrix.
+// frame. A held joint passes its body's articulated inertia on unreduced; the holding torque is a result of the
+// last pass, so that static friction needs no mass matrix.
 #pragma once
 
 #include <array>
@@ -57,17 +57,16 @@ template <class T>
 
 }  // namespace detail
 
-/// What comes out of forward_dynamics.
+/// Results of forward_dynamics.
 template <class M>
 struct Accelerations {
   typename M::Joints joint_radps2;  ///< zero of a held joint
   typename M::Joints holding_nm;    ///< the torque that keeps a held joint at rest; zero of the others
 };
 
-/// Joint accelerations under the torques `tau_nm`, which the joints' springs and damping add to; drives that
-/// are elastic, and dry friction, are the caller's, who has them in `tau_nm`. A joint of which `held` is true
-/// does not move; its velocity must be zero. Every joint must have some inertia to move: that of its armature
-/// or of bodies outwards of it.
+/// Joint accelerations under the torques `tau_nm` and the joints' springs and damping. The torques of elastic drives and
+/// of dry friction must be included in `tau_nm`. A joint with `held` true does not move; its velocity must be zero. Every
+/// joint must have a positive inertia: its armature or outboard bodies.
 template <class M>
 void forward_dynamics(const M& model, const typename M::Joints& q, const typename M::Joints& qd,
                       const typename M::Joints& tau_nm, const typename M::Flags& held,

@@ -1,7 +1,7 @@
-// Coordinates of a body's inertia that leave nothing but what bodies can have, for fits.
+// Coordinates of a rigid body's inertia for fits: every value is physically possible.
 //
 // The pseudo-inertia of a body, with density over its mass, is J = integral of [x; 1] [x; 1]' dm, a positive definite
-// 4 x 4 matrix for every body that fills some space, and every such matrix is some body's (Wensing, Kim, Slotine,
+// 4 x 4 matrix for every body of positive volume, and every such matrix belongs to a body (Wensing, Kim, Slotine,
 // IEEE RA-L 3, 2018). Its logarithmic Cholesky factor J = U U', with
 //   U = exp(a) [exp(d1) s12 s13 t1; 0 exp(d2) s23 t2; 0 0 exp(d3) t3; 0 0 0 1],
 // is ten free numbers for ten parameters, one to one (Rucker, Wensing, "Smooth parameterization of rigid-body
@@ -18,15 +18,18 @@
 
 namespace furcula::dynamics::tree {
 
-/// Any ten finite numbers are a body. Units: of lengths m, a in the logarithm of sqrt(kg).
+/// The factor U of the pseudo-inertia (above). Any ten finite numbers are a body. Lengths are in m, masses in kg.
 template <class T>
 struct InertiaCoordinates {
-  T log_scale;          ///< a
-  Vec3<T> log_stretch;  ///< d1, d2, d3
-  T shear12, shear23, shear13;
-  Vec3<T> centre_m;  ///< t1, t2, t3: the centre of mass
+  T log_scale;          ///< a: half the logarithm of the mass
+  Vec3<T> log_stretch;  ///< d1, d2, d3: logarithms of lengths
+  T shear12,            ///< s12, m
+      shear23,          ///< s23, m
+      shear13;          ///< s13, m
+  Vec3<T> centre_m;     ///< t1, t2, t3: the centre of mass
 };
 
+/// The inertia with these coordinates, about the frame's origin.
 template <class T>
 Inertia<T> inertia_of(const InertiaCoordinates<T>& c) {
   using std::exp;
@@ -45,8 +48,9 @@ Inertia<T> inertia_of(const InertiaCoordinates<T>& c) {
           {(yy + zz) * mass, -xy * mass, -xz * mass, (xx + zz) * mass, -yz * mass, (xx + yy) * mass}};
 }
 
-/// The way back. Invalid where no body that fills space has this inertia: the mass is not positive, or the
-/// inertia about the centre of mass breaks a triangle inequality or lies on its edge (a sheet, a rod, a point).
+/// The inverse of inertia_of(). Status::invalid where no body of positive volume has this inertia: the mass is not
+/// positive, or the inertia about the centre of mass violates a triangle inequality or meets it with equality (a sheet, a
+/// rod, a point).
 template <class T>
 Result<InertiaCoordinates<T>> coordinates_of(const Inertia<T>& body) {
   using V = ValueOf<T>;

@@ -11,7 +11,7 @@
 
 namespace furcula::dynamics::tree {
 
-/// What the bodies alone ask for: M(q) qdd + C(q, qd) qd + g(q) with no armature, spring or damping in M, N m.
+/// Joint torques for the bodies alone: M(q) qdd + C(q, qd) qd + g(q) without armature, springs and damping, N m.
 template <class M>
 typename M::Joints body_torques(const M& model, const typename M::Joints& q, const typename M::Joints& qd,
                                 const typename M::Joints& qdd) {
@@ -72,10 +72,11 @@ typename M::Joints bias_forces(const M& model, const typename M::Joints& q, cons
   return body_torques(model, q, qd, none);
 }
 
-/// Rows of the joint-space inertia, kg m^2, armature included; symmetric, both halves filled. What is beyond the model's joints is not set.
+/// Rows of the joint-space inertia, kg m^2, armature included; symmetric, both halves filled. Entries beyond the model's joints are not set.
 template <class M>
 using MassMatrix = std::array<typename M::Joints, M::kCapacity>;
 
+/// The mass matrix at position q.
 template <class M>
 MassMatrix<M> mass_matrix(const M& model, const typename M::Joints& q) {
   using T = typename M::Scalar;

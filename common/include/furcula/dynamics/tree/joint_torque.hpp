@@ -1,4 +1,4 @@
-// The torque that a joint gives its body: the drive's, less damping, spring and drag.
+// The torque of a joint on its body besides the drive's: damping, springs and drag; and its armature.
 #pragma once
 
 #include <cmath>
@@ -9,7 +9,7 @@
 
 namespace furcula::dynamics::tree {
 
-/// Of a spring that is slack below its rest unless it is two-sided, N m: it acts backward where it is above 0.
+/// Torque of the unilateral spring (of a two-sided one at any angle), N m: a positive value acts in the negative direction.
 template <class T>
 [[gnu::always_inline]] inline T one_way_torque(const JointLaw<T>& law, const T& q) {
   using V = ValueOf<T>;
@@ -17,8 +17,7 @@ template <class T>
   return law.two_sided || value_of(stretch) > V(0) ? T(law.one_way_nmprad * stretch) : T(V(0));
 }
 
-/// What acts against the motion of a joint, dry friction aside: damping qd + stiffness (q - rest) + one-way spring +
-/// drag qd |qd|, N m.
+/// Torque against the drive without dry friction: damping qd + stiffness (q - rest) + unilateral spring + drag qd |qd|, N m.
 template <class T>
 [[gnu::always_inline]] inline T passive_torque(const JointLaw<T>& law, const T& q, const T& qd) {
   T spring = law.stiffness_nmprad * (q - law.rest_rad);
@@ -32,7 +31,7 @@ template <class T>
   }
 }
 
-/// Of the rotor that counts as the joint's: none where an elastic drive parts them.
+/// Rotor inertia that is rigidly coupled to the joint, kg m^2: zero for an elastic drive.
 template <class T>
 [[gnu::always_inline]] inline T joint_armature(const JointLaw<T>& law) {
   return law.elastic ? T(ValueOf<T>(0)) : law.armature_kgm2;

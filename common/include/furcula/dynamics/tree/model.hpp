@@ -1,4 +1,4 @@
-// A tree of rigid bodies on joints: geometry, inertias, and what acts in each joint.
+// A tree of rigid bodies and joints: geometry, inertias, and the forces in each joint.
 #pragma once
 
 #include <array>
@@ -13,74 +13,75 @@
 
 namespace furcula::dynamics::tree {
 
-/// What acts in a joint besides the bodies' inertia. Units for a revolute joint; of a prismatic one N for
-/// N m, m for rad, kg for kg m^2. The torque that is applied is
-///   tau - damping qd - stiffness (q - rest) - one-way spring - drag qd |qd| - dry friction
-/// Dry friction (dry_friction.hpp) is the sum of Coulomb's, that of the load and that of the binding spot. What is
-/// zero is not there; none may be negative.
+/// Armature, damping, springs and friction of a joint. Units of a revolute joint; for a prismatic joint read N for
+/// N m, m for rad, kg for kg m^2. The torque on the joint is
+///   tau - damping qd - stiffness (q - rest) - unilateral spring - drag qd |qd| - dry friction
+/// Dry friction (dry_friction.hpp) is the sum of Coulomb friction, load friction and that of the binding spot. Zero
+/// coefficients have no effect; none may be negative.
 template <class T>
 struct JointLaw {
-  T armature_kgm2{};     ///< the rotor's inertia times the square of its gear ratio
-  T damping_nmspr{};     ///< viscous
-  T stiffness_nmprad{};  ///< of a spring between body and parent
-  T rest_rad{};          ///< where that spring is relaxed
-  T one_way_nmprad{};    ///< of a spring that is slack below its rest: it gives -rate max(q - rest, 0)
-  T one_way_rest_rad{};
-  bool two_sided = false;      ///< that spring is not slack below its rest: it gives -rate (q - rest)
-  T friction_nm{};             ///< Coulomb friction in motion
-  T static_friction_nm{};      ///< what it takes to set out; counts as friction_nm where it is less
-  bool elastic = false;        ///< the drive's rotor is behind a spring: it turns by itself
+  T armature_kgm2{};           ///< the rotor's inertia times the square of its gear ratio
+  T damping_nmspr{};           ///< viscous
+  T stiffness_nmprad{};        ///< of a spring between body and parent
+  T rest_rad{};                ///< position at which that spring is relaxed
+  T one_way_nmprad{};          ///< of a unilateral spring: torque -rate max(q - rest, 0)
+  T one_way_rest_rad{};        ///< position below which the unilateral spring is slack
+  bool two_sided = false;      ///< that spring is not slack below its rest: torque -rate (q - rest)
+  T friction_nm{};             ///< kinetic Coulomb friction
+  T static_friction_nm{};      ///< break-away torque without load; friction_nm where that is larger
+  bool elastic = false;        ///< the rotor is a body of its own, coupled to the joint by a spring
   T drive_stiffness_nmprad{};  ///< of that spring
-  T drive_damping_nmspr{};     ///< beside that spring
-  T rotor_damping_nmspr{};     ///< of an elastic drive's rotor against the body that it sits on
-  T friction_back_nm{};        ///< where asymmetric: Coulomb friction in backward motion
-  bool asymmetric = false;     ///< friction_nm is that of forward motion alone
-  /// Where above zero, friction in motion falls from static_friction_nm, Fs, to friction_nm, Fc, as
+  T drive_damping_nmspr{};     ///< of a damper parallel to that spring
+  T rotor_damping_nmspr{};     ///< viscous, of an elastic drive's rotor against the body that carries it
+  T friction_back_nm{};        ///< where asymmetric: Coulomb friction in the negative direction
+  bool asymmetric = false;     ///< friction_nm applies in the positive direction only
+  /// If above zero, kinetic friction falls from static_friction_nm, Fs, to friction_nm, Fc, as
   /// Fc + (Fs - Fc) exp(-(qd / this)^2): the Stribeck curve, `stribeck_friction` of docs/contracts.md.
   T stribeck_velocity_radps{};
-  T load_friction_ratio{};  ///< dry friction over the size of the drive's torque at the joint, moving or not
-  T binding_friction_nm{};  ///< more Coulomb friction, moving or not, where |q - centre| <= width / 2
-  T binding_centre_rad{};
-  T binding_width_rad{};
-  T drag_nms2prad2{};  ///< quadratic drag
+  T load_friction_ratio{};  ///< dry friction over |drive torque at the joint|, static and kinetic
+  T binding_friction_nm{};  ///< added dry friction where |q - centre| <= width / 2
+  T binding_centre_rad{};   ///< centre of the binding spot
+  T binding_width_rad{};    ///< full width of the binding spot
+  T drag_nms2prad2{};       ///< quadratic drag
 
+  /// Equal in all members.
   friend bool operator==(const JointLaw&, const JointLaw&) = default;
 };
 
-/// A point of a body that stands still in the world: a foot on the ground, which may not slip nor lift.
+/// A point of a body that is fixed in the world: a stance foot that neither slips nor lifts off.
 template <class V>
 struct Foothold {
-  int joint = -1;  ///< whose body it is of; -1: none
-  Vec3<V> at_m{};  ///< in its link frame
+  int joint = -1;  ///< joint of the body; -1: no foothold
+  Vec3<V> at_m{};  ///< position of the point in the body's link frame
 };
 
-/// Geometry is in plain numbers: it is measured, not fitted. Everything else is of the scalar T.
+/// A tree of rigid bodies, one for each joint. Geometry is in plain numbers: it is measured, not fitted. Everything else has
+/// the scalar T.
 ///
 /// A body's own frame ("link frame", as in a URDF) is fixed in the body with its origin on the joint's axis; at
-/// joint position zero it is where `placement` says. Inside, each body is kept in a frame turned so that the joint's axis
-/// is z: then every joint is the same joint, and no product with an axis is left.
+/// joint position zero its pose is `placement` of add(). Internally each body has an aligned frame, rotated so that the
+/// joint's axis is z: then all joints have the same equations, without products with the axis.
 ///
-/// The base stands still. A floating base would end the inward pass of forward_dynamics with its own 6 x 6
-/// system instead of the base's acceleration -gravity, and nothing else there changes; until then three
-/// prismatic and three revolute joints with bodies of no mass between them are one (away from the middle
-/// angle's +-90 degrees), and the tests use them as such.
+/// The base is fixed in the world. A floating base would need its own 6 x 6 system at the end of the inward pass of
+/// forward_dynamics. Three prismatic and three revolute joints with massless bodies between them act as one (away from
+/// +-90 degrees of the middle angle); the tests use them so.
 template <class T, Topology P>
 class Model {
  public:
-  using Scalar = T;
-  using V = ValueOf<T>;
-  using Shape = P;
-  static constexpr std::size_t kCapacity = P::kCapacity;
-  using Joints = std::array<T, kCapacity>;  ///< a number a joint
-  using Flags = std::array<bool, kCapacity>;
+  using Scalar = T;                                       ///< of inertias, joint coefficients and states
+  using V = ValueOf<T>;                                   ///< the plain number behind T, of the geometry
+  using Shape = P;                                        ///< the topology
+  static constexpr std::size_t kCapacity = P::kCapacity;  ///< size of arrays over joints
+  using Joints = std::array<T, kCapacity>;                ///< one number for each joint
+  using Flags = std::array<bool, kCapacity>;              ///< one flag for each joint
 
   /// Acceleration of free fall, world axes, m/s^2.
   Vec3<T> gravity_mps2{T(V(0)), T(V(0)), T(V(-9.81))};
-  std::array<JointLaw<T>, kCapacity> laws{};
-  Foothold<V> foothold;
+  std::array<JointLaw<T>, kCapacity> laws{};  ///< damping, springs and friction, by joint
+  Foothold<V> foothold;                       ///< of the stance foot, if any
 
   Model() = default;
-  /// The same tree on another scalar: doubles as numbers with derivatives, these as their values, as floats.
+  /// The same tree with another scalar. Conversion from dual to plain numbers keeps the values only.
   template <class U>
   requires(!std::is_same_v<U, T>) explicit Model(const Model<U, P>& m)
       : gravity_mps2(vec<T>(m.gravity_mps2)),
@@ -120,12 +121,15 @@ class Model {
     }
   }
 
+  /// The topology.
   const P& shape() const { return shape_; }
+  /// Number of joints: of those added, or of a static topology.
   std::size_t count() const { return shape_.count(); }
 
-  /// Adds the next joint: link frame in the parent's link frame (of the base: the world) at position zero, and
-  /// the axis in the link frame, of any length but zero. Invalid: no room, no such parent yet, an axis of no
-  /// length or not a number; for a topology known when compiled, another parent or kind than there.
+  /// Adds the next joint: `placement` is the link frame in the parent's link frame (for the base: in the world) at joint
+  /// position zero, `axis` is in the link frame, of any length but zero, and `body` is about the link frame's origin, in
+  /// link axes. Status::invalid: capacity exceeded, parent not added yet, axis of length zero or not finite; for a static
+  /// topology, parent or kind that differ from it.
   Status add(JointPlace place, const Frame<V>& placement, const Vec3<V>& axis, const Inertia<T>& body) {
     const V length = std::sqrt(dot(axis, axis));
     if (!(length > V(0)) || !std::isfinite(length)) return Status::invalid;
@@ -147,28 +151,30 @@ class Model {
     return Status::ok;
   }
 
-  /// The inertia of body i, about its link frame's origin, in link axes.
+  /// Sets the inertia of body i, about its link frame's origin, in link axes.
   void set_body(std::size_t i, const Inertia<T>& body) {
     bodies_[i] = inertia_back(Frame<V>{transposed(aligned_[i].turn), {V(0), V(0), V(0)}}, body);
   }
+  /// The inertia of body i, about its link frame's origin, in link axes.
   Inertia<T> body(std::size_t i) const {
     return inertia_back(Frame<V>{aligned_[i].turn, {V(0), V(0), V(0)}}, bodies_[i]);
   }
 
-  /// Moves joint i's place in its parent's link by so much of its distance from the parent's joint, m.
+  /// Increases the distance of joint i from its parent's joint by `by_m`, in the same direction; no effect at distance zero.
   void extend(std::size_t i, V by_m) {
     Vec3<V>& at = tree_[i].at;
     const V length = std::sqrt(dot(at, at));
     if (length > V(0)) at = at * (V(1) + by_m / length);
   }
 
-  /// Inside: the aligned frame in the link frame; at joint position zero in the parent's aligned frame; the
-  /// inertia in it.
+  /// The aligned frame of body i in its link frame.
   const Frame<V>& aligned(std::size_t i) const { return aligned_[i]; }
+  /// The aligned frame of body i at joint position zero, in the parent's aligned frame.
   const Frame<V>& tree(std::size_t i) const { return tree_[i]; }
+  /// The inertia of body i in its aligned frame.
   const Inertia<T>& aligned_inertia(std::size_t i) const { return bodies_[i]; }
 
-  /// The aligned frame of joint i at position q in its parent's.
+  /// The aligned frame of body i at joint position q, in the parent's aligned frame.
   [[gnu::always_inline]] Frame<T> frame(std::size_t i, const T& q) const {
     using std::cos;
     using std::sin;

@@ -1,4 +1,4 @@
-// A tree in motion: Runge-Kutta steps that end where a joint comes to rest or sets out.
+// Simulation of a tree: Runge-Kutta steps that end where a joint comes to rest or begins to move.
 #pragma once
 
 #include <array>
@@ -13,35 +13,39 @@
 
 namespace furcula::dynamics::tree {
 
-/// Joints in motion, with dry friction and elastic drives. The torque is held over an advance(). Between
-/// changes of the friction's mode the steps are classic Runge-Kutta ones (error of fourth order); a joint that
-/// comes to rest, the break-away of one that is held, and the edges of binding spots are located inside the step
-/// and carry their derivatives (docs/decisions/0005). A joint that is held does not move, not by a bit. Dry friction
-/// acts between a body and its parent; an elastic drive's rotor has none of its own. Friction of the load has a
-/// kink where the torque of an elastic drive's spring passes zero: the step over it is of second order.
+/// A tree with dry friction and elastic drives. The torque is constant over an advance(). Between changes of the
+/// friction mode the steps are classic Runge-Kutta (error of fourth order). A joint that comes to rest, the break-away of
+/// a held joint and the edges of binding spots are located inside the step; their times have derivatives
+/// (docs/decisions/0005). The position of a held joint is bitwise constant. Dry friction acts between a body and its
+/// parent; the rotor of an elastic drive has none. Load friction has a kink where the torque of an elastic drive's spring
+/// is zero: the step over it is of second order.
 template <class T, Topology P>
 class Plant {
  public:
-  using M = Model<T, P>;
-  using V = typename M::V;
-  using Joints = typename M::Joints;
-  static constexpr int kMostChanges = 64;  ///< in one advance(); the rest passes in the mode of then
-  static constexpr V kShortest = V(5e-3);
+  using M = Model<T, P>;              ///< the model
+  using V = typename M::V;            ///< the plain number behind the scalar T
+  using Joints = typename M::Joints;  ///< one number for each joint
+  static constexpr int kMostChanges =
+      64;  ///< located in one advance(); then the friction mode stays to its end
+  static constexpr V kShortest = V(5e-3);  ///< shortest step over the longest
 
-  /// Where a plant is: it goes on from there as it did before.
+  /// The complete state of a plant: from it go_to() continues the same motion.
   struct Place {
-    Joints position_rad{}, velocity_radps{}, rotor_rad{}, rotor_radps{};
-    FrictionMode<P::kCapacity> mode{};
+    Joints position_rad{},              ///< of joints
+        velocity_radps{},               ///< of joints
+        rotor_rad{},                    ///< angles of elastic drives' rotors, at the joint
+        rotor_radps{};                  ///< rates of these rotors
+    FrictionMode<P::kCapacity> mode{};  ///< of dry friction
   };
 
-  /// Steps are not longer than `longest_step_s`, nor than what the springs and dampers of joints and drives
-  /// allow in the posture of reset(); but not shorter than kShortest of it (of 4 ms: stable for what decays in 8 us).
+  /// The step is at most `longest_step_s` and at most what the springs and dampers of joints and drives allow in the posture
+  /// of reset(), but at least kShortest times `longest_step_s` (for 4 ms: stable for decay times from 8 us).
   explicit Plant(const M& model, V longest_step_s = V(1e-3)) : model_(model), longest_step_(longest_step_s) {
     if constexpr (!kPlain) plain_ = Model<V, P>(model);
   }
 
-  /// Starts there; the rotors of elastic drives with their springs relaxed, and with their joints' velocity. A foot
-  /// that stands stops at once (foothold.hpp).
+  /// Starts at these positions and velocities. Rotors of elastic drives start with relaxed springs and the joints' velocity. A
+  /// stance foot is stopped by an impact without bounce (foothold.hpp).
   void reset(const Joints& q_rad, const Joints& qd_radps) {
     Joints qd = qd_radps;
     if (model_.foothold.joint >= 0) stop_foot(model_, q_rad, qd);
@@ -52,33 +56,34 @@ class Plant {
     for (std::size_t i = 0; i < count(); ++i) dry_ |= is_dry(model_.laws[i]);
     step_ = stable_step();
   }
+  /// The present state.
   Place place() const { return {state_.position, state_.velocity, state_.rotor, state_.rotor_rate, mode_}; }
-  /// Goes on from a place of its own, or from one beside it; in steps as long as those of reset().
+  /// Continues from a state of place(), or from one near it; the step stays that of reset().
   void go_to(const Place& p) {
     state_ = {p.position_rad, p.velocity_radps, p.rotor_rad, p.rotor_radps};
     mode_ = p.mode;
   }
-  /// After reset(): where a start finds the rotor of an elastic drive.
+  /// After reset(): sets angle and rate of the rotor of an elastic drive.
   void place_rotor(std::size_t joint, const T& angle_rad, const T& rate_radps) {
     state_.rotor[joint] = angle_rad;
     state_.rotor_rate[joint] = rate_radps;
   }
 
-  /// Where the joint's spring is relaxed from now on: the set point of a position drive whose gains are the
-  /// joint's stiffness and damping.
+  /// Changes the rest position of the joint's spring: the set point of a position drive whose gains are the joint's stiffness
+  /// and damping.
   void set_rest(std::size_t joint, const T& rest_rad) {
     model_.laws[joint].rest_rad = rest_rad;
     if constexpr (!kPlain) plain_.laws[joint].rest_rad = value_of(rest_rad);
   }
 
-  /// What acts in the joint from now on; steps stay as long as those of reset().
+  /// Replaces damping, springs and friction of the joint; the step stays that of reset().
   void set_law(std::size_t joint, const JointLaw<T>& law) {
     model_.laws[joint] = law;
     if constexpr (!kPlain) plain_ = Model<V, P>(model_);
     dry_ |= is_dry(law);
   }
 
-  /// Moves on by `dt_s` >= 0 under the drives' torques (N m; of a prismatic joint N).
+  /// Integrates over `dt_s` >= 0 under constant torques of the drives (N m; of a prismatic joint N).
   void advance(const Joints& torque_nm, V dt_s) {
     changes_ = 0;
     const Of<V> plain_torque = plain(torque_nm);
@@ -115,21 +120,26 @@ class Plant {
     }
   }
 
+  /// Number of joints.
   std::size_t count() const { return model_.count(); }
+  /// The model, with the changes of set_rest() and set_law().
   const M& model() const { return model_; }
+  /// Of the joints, rad or m.
   const Joints& positions() const { return state_.position; }
+  /// Of the joints, rad/s or m/s.
   const Joints& velocities() const { return state_.velocity; }
-  /// Of an elastic drive's rotor.
+  /// Angle of an elastic drive's rotor at the joint, rad; of no meaning for other drives.
   const T& rotor_angle(std::size_t joint) const { return state_.rotor[joint]; }
+  /// Rate of an elastic drive's rotor, rad/s; of no meaning for other drives.
   const T& rotor_rate(std::size_t joint) const { return state_.rotor_rate[joint]; }
-  /// Whether dry friction holds the joint, as of the last change.
+  /// Whether dry friction holds the joint, as of the last change of the friction mode.
   bool held(std::size_t joint) const { return mode_.held[joint]; }
-  /// How often joints came to rest, broke free or came to an edge of a binding spot inside the last advance().
+  /// Events inside the last advance(): joints that came to rest, broke away or crossed an edge of a binding spot.
   int changes() const { return changes_; }
-  /// Steps of integration since the plant was made, those that look for an event included.
+  /// Integration steps since construction, including those of the event search.
   std::uint32_t steps() const { return steps_; }
 
-  /// Of bodies, springs, and of rotors and springs of elastic drives, J.
+  /// Mechanical energy of bodies and springs, and of rotors and springs of elastic drives, J; without the unilateral springs.
   T energy_j() const {
     T out = kinetic_energy_j(model_, state_.position, state_.velocity) +
             potential_energy_j(model_, state_.position);
@@ -250,7 +260,7 @@ class Plant {
       return margins(plain_model(), after(plain_model(), here, plain_torque, t), plain_torque)[i];
     };
     const V end = value_of(to);
-    // One that has just set out starts at a margin of zero: it ends after it has been positive.
+    // The margin of a joint that has just begun to move starts at zero: its mode ends after the margin was positive.
     V from = V(0);
     if (!(value(V(0)) > V(0))) {
       from = end;
