@@ -221,6 +221,26 @@ TEST_CASE("the faults of a leg's sensors take the torque away on their tick, and
   CHECK(step_gait(c, s, lost, kTick).fault == Fault::peer_lost);
 }
 
+TEST_CASE("a sample that is no number is not bridged, although its tick had another fault") {
+  const GaitConfig c = config();
+  GaitState s = begin_gait(c);
+  float toe = drop(c, s, 0.1f);
+  GaitInputs late = sample(c, toe, false);
+  late.sample.rate_radps.knee = std::numeric_limits<float>::quiet_NaN();
+  late.tick_interval_us = c.tick_interval_max_us + 1;
+  CHECK(step_gait(c, s, late, kTick).fault == Fault::late_tick);
+  GaitInputs missed;
+  missed.tick_interval_us = 1000;
+  missed.reset = true;
+  for (int i = 0; i < 3; ++i) {
+    const GaitOutputs out = step_gait(c, s, missed, kTick);
+    CHECK(std::isfinite(out.torque_nm.hip));
+    CHECK(std::isfinite(out.torque_nm.knee));
+    CHECK(std::isfinite(out.toe_m));
+    missed.reset = false;
+  }
+}
+
 TEST_CASE("a switch that contradicts the toe's height, and a leg that does not follow, are found in time") {
   const GaitConfig c = config();
   GaitState s = begin_gait(c);

@@ -77,12 +77,16 @@ inline float share_of_gains(const GaitConfig& c, const GaitOutputs& out) {
   return share < 0.0f ? 0.0f : share > 1.0f ? 1.0f : share;
 }
 
+inline bool is_finite_sample(const GaitSample& s) {
+  for (const float x : {s.height_m, s.angle_rad.hip, s.angle_rad.knee, s.rate_radps.hip, s.rate_radps.knee})
+    if (!is_finite(x)) return false;
+  return true;
+}
+
 /// What a sample tells by itself, and against the one before it, `step_s` ago (0: there is none).
 inline Fault find_fault_of_sample(const GaitConfig& c, const GaitSample& now, const GaitSample& before,
                                   float step_s) {
-  for (const float x :
-       {now.height_m, now.angle_rad.hip, now.angle_rad.knee, now.rate_radps.hip, now.rate_radps.knee})
-    if (!is_finite(x)) return Fault::non_finite_input;
+  if (!is_finite_sample(now)) return Fault::non_finite_input;
   if (step_s > 0.0f) {
     const float turn = c.rate_max_radps * step_s;
     if (size(now.height_m - before.height_m) > c.speed_max_mps * step_s ||
@@ -133,8 +137,8 @@ inline GaitOutputs step_gait(const GaitConfig& c, GaitState& s, const GaitInputs
     if (found == Fault::none) found = told;
     if (found == Fault::none && in.sample.age_us > c.sample_age_max_us) found = Fault::stale_input;
     if (found == Fault::none) found = detail::find_fault_of_sample(c, in.sample, s.last_sample, step_s);
-    // What is no number is not kept.
-    if (found != Fault::non_finite_input) {
+    // What is no number is not kept, whatever fault the tick has: a missed sample is bridged from the one that is.
+    if (detail::is_finite_sample(in.sample)) {
       s.last_sample = in.sample;
       s.samples = 1;
     }
