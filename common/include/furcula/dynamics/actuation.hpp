@@ -1,6 +1,6 @@
 // The stage of actuation: from the commands that are sent to the torque (or force) that acts. What the drive
 // makes of them (delay, limit, lag: that is what its current shows), and what becomes of that in the motor
-// (gain, heat, offset). What turns with the leg is stepped with it: rotor.hpp.
+// (gain, heat, offset). The rotor, which turns with the leg, is stepped with it: rotor.hpp.
 #pragma once
 
 #include <algorithm>
@@ -18,8 +18,8 @@ namespace furcula::dynamics {
 /// The commands of a recording, each held from its instant to the next. Spans of the same length.
 template <class V>
 struct Commands {
-  std::span<const V> time_s;
-  std::span<const V> command;
+  std::span<const V> time_s;    ///< instant of each row, increasing
+  std::span<const V> command;   ///< of each row: N m, N on a linear axis, 1 (on) or 0 (off) for a coil
   std::span<const V> impulse;   ///< integral of the command since the first instant
   std::span<const V> driven_s;  ///< seconds since then in which the command was not zero
 
@@ -76,18 +76,21 @@ inline constexpr Effect kDriveEffects[] = {Effect::actuator_delay, Effect::actua
 template <class T>
 class Drive {
  public:
+  /// The value type of T: float or double.
   using V = ValueOf<T>;
 
-  /// `behind_s`: by how much the clock that tells the rows' instants is behind the commands' own (with
-  /// derivatives; nothing where it is the same clock).
+  /// `behind_s`: by how much the clock of the rows' instants is behind that of the commands, s; may carry
+  /// derivatives. Nothing where it is the same clock.
   explicit Drive(const Effects<T>& effects, const std::optional<T>& behind_s = {})
       : Drive(EffectsOf<T, Stage::actuation>(effects), behind_s) {}
 
   /// True if it makes exactly what is commanded.
   bool ideal() const { return ideal_; }
 
-  /// True if earlier commands than a row's own act in it, other than by a lag; and from how long before, s.
+  /// True if earlier commands than a row's own act in it, other than by a lag.
   bool delays() const { return delays_; }
+  /// Delay from a command to its effect, s: that of the drive and the difference of the clocks, whose sum may be
+  /// negative.
   V delay_s() const { return value_of(delay_); }
 
   /// How long before an instant the commands matter for its lag, s.
@@ -186,8 +189,10 @@ class Drive {
 template <class T>
 class Motor {
  public:
+  /// The value type of T: float or double.
   using V = ValueOf<T>;
 
+  /// Takes the gain, the derating by heat and the offset from the effects; the others are not looked at.
   explicit Motor(const Effects<T>& effects) : e_(effects) {}
 
   /// What it makes of the drive's torque after `driven_s` seconds in which there was a command.
@@ -210,10 +215,11 @@ class Motor {
 /// Drive and motor.
 template <class T>
 struct Actuation {
+  /// The value type of T: float or double.
   using V = ValueOf<T>;
 
-  Drive<T> drive;
-  Motor<T> motor;
+  Drive<T> drive;  ///< from the command to the torque that its current shows
+  Motor<T> motor;  ///< from that to the torque that acts
 
   /// Mean torque behind the motor from row `row` on over `dt_s` seconds. Call for one row after the other.
   T torque(const Commands<V>& commands, std::size_t row, V dt_s) {

@@ -21,12 +21,19 @@ namespace furcula::dynamics {
 template <class Parameters, class T>
 class Axis {
  public:
+  /// The value type of T: float or double.
   using V = ValueOf<T>;
+  /// The position is an angle.
   static constexpr bool kRotary = requires(const Parameters& p) { p.inertia_kgm2; };
+  /// The axis is vertical: its weight is a constant force.
   static constexpr bool kVertical = requires(const Parameters& p) { p.gravity_mps2; };
+  /// A pendulum: gravity turns it towards the angle 0.
   static constexpr bool kHangs = requires(const Parameters& p) { p.gravity_torque_nm; };
+  /// A torsion spring turns it towards the angle 0.
   static constexpr bool kSprung = requires(const Parameters& p) { p.stiffness_nmprad; };
 
+  /// At rest at position 0. Of the effects it uses those of the mechanism and those of the rotor (torque ripple,
+  /// backlash).
   Axis(const Parameters& p, const Effects<T>& effects = {})
       : p_(p), e_(effects), rotor_(effects), dry_(has_dry_friction(e_)) {
     T mass, damping;
@@ -56,9 +63,10 @@ class Axis {
     rotor_.press(V(1));
   }
 
-  /// Where a start finds the rotor in the backlash: held against an end by the last torque before it that was
-  /// not zero (its sign counts). After reset(), which puts it to the end of positive torque.
+  /// Puts the rotor to the end of the backlash to which the last torque before the start that was not zero (its
+  /// sign counts) pressed it. Call it after reset(), which puts it to the end of positive torque.
   void press_rotor(V torque) { rotor_.press(torque); }
+  /// True if there is a backlash between rotor and joint.
   bool has_backlash() const { return rotor_.loose(); }
   /// Of a rotary joint: the motor's angle, which leads the joint's by where the rotor is in the backlash.
   T motor_angle_rad() const { return x_ + rotor_.angle(); }
@@ -79,11 +87,11 @@ class Axis {
     }
   }
 
-  const T& position() const { return x_; }
-  const T& velocity() const { return v_; }
+  const T& position() const { return x_; }  ///< m or rad
+  const T& velocity() const { return v_; }  ///< m/s or rad/s
 
  private:
-  // A step this short turns gravity's sine into a chord with an error of its square's order.
+  // In a step this short the gravity torque at its midpoint differs from the mean by second order of the step.
   static constexpr V kLongestStep = kRotary ? V(4e-3) : V(20e-3);
   static constexpr int kMaxTurns = 8;
 
@@ -214,10 +222,13 @@ class Axis {
   Flow<T> full_{};
 };
 
+/// A linear motor axis.
 template <class T>
 using MotorAxis = Axis<MotorAxisParameters<T>, T>;
+/// A rotary joint under gravity.
 template <class T>
 using RotaryJoint = Axis<RotaryJointParameters<T>, T>;
+/// A carriage in free flight on a vertical rail.
 template <class T>
 using RailCarriage = Axis<RailCarriageParameters<T>, T>;
 

@@ -18,65 +18,94 @@ namespace furcula::dynamics {
 /// moves 0.7 of what the leg shortens has its own times 0.7 and by 0.7), along the belt on a bench.
 template <class T>
 struct ClutchParameters {
-  Solenoid<T> solenoid;
+  Solenoid<T> solenoid;  ///< pulls the key; its plunger moves with the key
   // The key: pulled back by the solenoid, pressed on the belt by the return spring.
-  T key_mass_kg{}, key_damping_nspm{};
-  T pressing_force_n{};  ///< of the return spring on the seated key
-  T return_stiffness_npm{};
-  T tooth_height_m{};
-  T hold_depth_m{};   ///< into the teeth that stops a belt; from less the tooth throws the key out
+  T key_mass_kg{},           ///< of all that moves with the key
+      key_damping_nspm{};    ///< viscous friction of the key
+  T pressing_force_n{};      ///< of the return spring on the seated key
+  T return_stiffness_npm{};  ///< of the return spring
+  T tooth_height_m{};        ///< distance of the key from its seat at which it is out of the teeth
+  T hold_depth_m{};   ///< depth in the teeth from which the key stops a belt; from less a tooth throws it out
   T holding_ratio{};  ///< load that the seated teeth hold, over the pressing force
-  T tip_friction{}, flank_friction{};  ///< coefficients: belt under the key's tips, key along a loaded flank
+  T tip_friction{},   ///< friction coefficient of the belt under the key's tips
+      flank_friction{};  ///< friction coefficient of the key along a loaded flank
   // The belt: teeth, cable and pulleys.
-  T tooth_pitch_m{};
-  T tooth_clearance_m{};  ///< way of a belt between the flanks of a key that is in
-  T cable_mass_kg{}, cable_damping_nspm{}, cable_friction_n{};  ///< pulleys and guide
-  T auxiliary_stiffness_npm{}, auxiliary_preload_n{};
-  T travel_m{};  ///< from the cable's rest to its stop
+  T tooth_pitch_m{};            ///< distance from tooth to tooth
+  T tooth_clearance_m{};        ///< stroke of a belt between the flanks of a key that is in the teeth
+  T cable_mass_kg{},            ///< of cable, belt and pulleys
+      cable_damping_nspm{},     ///< viscous friction of pulleys and guide
+      cable_friction_n{};       ///< dry friction of pulleys and guide
+  T auxiliary_stiffness_npm{},  ///< of the spring that pulls the cable back to its rest
+      auxiliary_preload_n{};    ///< its force with the cable at rest
+  T travel_m{};                 ///< from the cable's rest to its stop
 };
 
 /// Where the clutch's energy is, and what it took and lost since the start, J.
 template <class T>
 struct ClutchEnergy {
-  T magnetic{}, key{}, return_spring{}, cable{},
-      auxiliary_spring{};  ///< now; springs: above the clutch at rest
+  T magnetic{},            ///< now, in the coil
+      key{},               ///< now, kinetic, of the key
+      return_spring{},     ///< now, zero with the key on its seat
+      cable{},             ///< now, kinetic, of the cable and what moves with it
+      auxiliary_spring{};  ///< now, zero with the cable at rest
   T electrical{};          ///< taken from the supply
-  T copper{}, flyback{}, key_damping{}, cable_damping{}, friction{};  ///< lost
-  T impacts{};  ///< lost where key, teeth or cable stop, and where teeth are skipped
+  T copper{},              ///< lost in the coil's resistance
+      flyback{},           ///< lost in the flyback path
+      key_damping{},       ///< lost in the key's viscous friction
+      cable_damping{},     ///< lost in the cable's viscous friction
+      friction{};          ///< lost in dry friction: of cable, tips and flanks
+  T impacts{};             ///< lost where key, teeth or cable stop, and where teeth are skipped
 
+  /// Energy of now, J.
   T held() const { return magnetic + key + return_spring + cable + auxiliary_spring; }
+  /// All that was lost since the start, J.
   T lost() const { return copper + flyback + key_damping + cable_damping + friction + impacts; }
 };
 
-/// What drives the cable, N (positive: away from its rest), and what moves with it, kg.
+/// What drives the cable.
 template <class T>
 struct CableDrive {
-  T force{}, mass{};
+  T force{},   ///< N, positive away from the cable's rest
+      mass{};  ///< of what moves with the cable, without the cable's own, kg
 };
 
-/// Its modes, laws and changes; what drives the cable, and the time, are the machine's that it is part of.
-/// The machine's State holds the clutch's; its members are called in the order in which Hybrid calls the
-/// machine's.
+/// The modes of the clutch, its equations and its changes of mode. The machine that it is part of keeps the time
+/// and drives the cable. The machine's State holds the clutch's; the clutch's members are called in the order in
+/// which Hybrid calls the machine's.
 template <class T>
 class Clutch {
  public:
+  /// The value type of T: float or double.
   using V = ValueOf<T>;
 
+  /// What the modes move, and the energies since the start.
   struct State {
-    T travel{}, speed{};   ///< of the cable from its rest, m and m/s
-    T key{}, key_speed{};  ///< of the key from its seat, m and m/s
-    T current{};           ///< A
-    T electrical{}, copper{}, flyback{}, key_damping{}, cable_damping{}, friction{};  ///< J
+    T travel{},           ///< of the cable from its rest, m
+        speed{};          ///< of the cable, m/s
+    T key{},              ///< of the key from its seat, m
+        key_speed{};      ///< of the key, m/s; positive out of the teeth
+    T current{};          ///< in the coil, A
+    T electrical{},       ///< taken from the supply, J
+        copper{},         ///< lost in the coil's resistance, J
+        flyback{},        ///< lost in the flyback path, J
+        key_damping{},    ///< lost in the key's viscous friction, J
+        cable_damping{},  ///< lost in the cable's viscous friction, J
+        friction{};       ///< lost in dry friction, J
   };
-  /// What moves: the cable; the key, or nothing but the current that the friction of a cable under the key's tips feels.
+  /// What moves in a step: the cable or not, the key or not. kKey is set as well where the key rests on the tips of a
+  /// moving belt, since the friction there depends on the current.
   template <bool kKey_, bool kCable_>
   struct Motion {
-    static constexpr bool kKey = kKey_, kCable = kCable_;
+    static constexpr bool kKey = kKey_,  ///< key and current are integrated
+        kCable = kCable_;                ///< the cable is integrated
+    /// Pointers to members of State.
     template <std::size_t kCount>
     using Members = std::array<T State::*, kCount>;
+    /// The members that move, for Hybrid.
     static constexpr auto kMembers =
         joined(only_if<kCable>(Members<2>{&State::travel, &State::speed}),
                only_if<kKey>(Members<3>{&State::key, &State::key_speed, &State::current}));
+    /// The members on which no rate depends, for Hybrid.
     static constexpr auto kIntegrals =
         joined(only_if < kCable || kKey > (Members<1>{&State::friction}),
                joined(only_if<kCable>(Members<1>{&State::cable_damping}),
@@ -84,11 +113,13 @@ class Clutch {
                                                &State::key_damping})));
   };
 
-  /// jammed: a loaded flank holds the key between its ends.
+  /// Mode of the key. jammed: a loaded flank holds it between its ends.
   enum class Key : std::uint8_t { seated, moving, jammed, on_tips, pulled };
-  /// still: friction holds it. blocked: a flank or a stop is in its way, forth (away from its rest) or back.
+  /// Mode of the cable. still: friction holds it. forth: away from its rest, the positive direction. back: towards it.
+  /// blocked: a flank or a stop is in its path in that direction.
   enum class Cable : std::uint8_t { still, forth, back, blocked_forth, blocked_back };
 
+  /// What can end a mode.
   enum class Change : std::uint8_t {
     key_lifts,  ///< off its seat
     key_seats,
@@ -109,21 +140,24 @@ class Clutch {
     current_ends,
   };
 
+  /// At rest, caught, without current.
   explicit Clutch(const ClutchParameters<T>& p) : p_(p) {}
 
+  /// As given.
   const ClutchParameters<T>& parameters() const { return p_; }
-  Key key() const { return key_; }
-  Cable cable() const { return cable_; }
-  /// Whether the teeth hold the belt, or could not be passed by it.
+  Key key() const { return key_; }        ///< mode of the key
+  Cable cable() const { return cable_; }  ///< mode of the cable
+  /// Whether the teeth hold the belt, or would stop it.
   bool caught(const State& s) const {
     return in_teeth_ && !slips_ &&
            (at_flank_ || value_of(s.key) <= value_of(p_.tooth_height_m - p_.hold_depth_m));
   }
-  /// The longest step in which it can be followed to nine digits of its energy, s: the key's flight is a
-  /// matter of milliseconds, the cable between its springs swings some thirty times a second.
+  /// The longest step that keeps the energy to nine digits, s: the key moves for some milliseconds, and the cable
+  /// oscillates between its springs at some 30 Hz.
   V longest_step() const { return key_ == Key::moving ? V(5e-5) : moves() ? V(2e-4) : V(1); }
+  /// Teeth that the belt has skipped since the start, in both directions.
   std::uint32_t skipped_teeth() const { return skipped_; }
-  /// f(Motion) of now. What a motion leaves out stays, or keep_coil() tells it.
+  /// f(Motion) of now. What a motion leaves out is constant, or keep_coil() computes it.
   template <class F>
   void in_motion(const F& f) const {
     const bool key = key_ == Key::moving || (key_ == Key::on_tips && moves());
@@ -147,6 +181,7 @@ class Clutch {
     volts_ = T(V(0));
   }
 
+  /// Rates of the members that a motion moves; the others are zero.
   template <class Motion>
   [[gnu::always_inline]] State rates(Motion, const State& s, const CableDrive<T>& drive) const {
     State d;
@@ -184,8 +219,8 @@ class Clutch {
     return d;
   }
 
-  /// While the key does not move, the coil's inductance stays, and its current has a closed form: what flowed
-  /// and was lost in the time `t` from `from` to `to`.
+  /// While the key does not move, the coil's inductance is constant and its current has a closed form: puts the
+  /// current and the coil's energies `t` seconds after `from` into `to`.
   void keep_coil(const State& from, State& to, const T& t) const {
     using std::exp;
     if (!conducts_ || key_ == Key::moving) return;
@@ -247,6 +282,7 @@ class Clutch {
     if (conducts_ && !(value_of(volts_) > V(0))) f(Change::current_ends);
   }
 
+  /// Positive while a change does not happen; its unit is that of the quantity that crosses zero: m, m/s, N or A.
   [[gnu::always_inline]] T margin(Change change, const State& s, const CableDrive<T>& drive) const {
     const T& height = p_.tooth_height_m;
     const T net = drive.force - auxiliary(s);
@@ -295,8 +331,9 @@ class Clutch {
     }
     return T(V(1));
   }
-  /// Margins of lengths and speeds may start at zero.
+  /// For Hybrid: margins of lengths and speeds may start at zero.
   static V tolerance(Change change) { return follows(change) ? V(0) : sizeof(V) == 4 ? V(1e-6) : V(1e-13); }
+  /// For Hybrid: whether a change, one that forces make, happens at once where its margin starts at or below zero.
   static bool follows(Change change) {
     return change == Change::key_lifts || change == Change::key_leaves_stop || change == Change::key_frees ||
            change == Change::cable_starts_forth || change == Change::cable_starts_back ||
@@ -407,6 +444,8 @@ class Clutch {
       cable_ = Cable::still;
   }
 
+  /// Its energies; `cable_mass` is that of cable and all that moves with it, kg. The machine counts the impacts, which are
+  /// zero here.
   ClutchEnergy<T> energy(const State& s, const T& cable_mass) const {
     ClutchEnergy<T> e;
     e.magnetic = p_.solenoid.magnetic_energy(s.current, s.key);
