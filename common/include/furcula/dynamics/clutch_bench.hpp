@@ -1,5 +1,5 @@
-// The release/catch bench of 002 section 5.1: a dead weight hangs on the clutch's belt, an encoder counts the
-// pulley's turns.
+// The release/catch bench of 002 section 5.1: a dead weight hangs on the clutch's belt, an encoder measures the
+// pulley's angle.
 #pragma once
 
 #include "furcula/dynamics/clutch.hpp"
@@ -7,21 +7,28 @@
 
 namespace furcula::dynamics {
 
-/// The belt runs over the pulley without slip; its way is the clutch's travel.
+/// The belt runs over the pulley without slip; its displacement is the clutch's travel.
 template <class T>
 struct ClutchBenchSetup {
-  ClutchParameters<T> clutch;
-  T load_mass_kg{}, pulley_radius_m{}, pulley_inertia_kgm2{}, gravity_mps2{};
+  ClutchParameters<T> clutch;  ///< lengths and forces along the belt
+  T load_mass_kg{},            ///< weight that hangs on the belt
+      pulley_radius_m{},       ///< of the belt on the pulley
+      pulley_inertia_kgm2{},   ///< of pulley and encoder
+      gravity_mps2{};          ///< acceleration of gravity, positive downwards
 };
 
-/// Starts at rest, caught, at travel 0.
+/// The bench with coil, key and teeth.
 template <class T>
 class ClutchBenchRig {
  public:
+  /// The value type of T: float or double.
   using V = ValueOf<T>;
+  /// The clutch's state is all that moves, for Hybrid.
   using State = typename Clutch<T>::State;
+  /// The clutch's changes of mode are all that there are, for Hybrid.
   using Change = typename Clutch<T>::Change;
 
+  /// Starts at rest, caught, at travel 0.
   explicit ClutchBenchRig(const ClutchBenchSetup<T>& p)
       : p_(p),
         clutch_(p.clutch),
@@ -39,20 +46,21 @@ class ClutchBenchRig {
     Hybrid<ClutchBenchRig, T>::advance(*this, dt_s, elapsed);
   }
 
-  const T& travel_m() const { return s_.travel; }
-  const T& speed_mps() const { return s_.speed; }
-  T pulley_angle_rad() const { return s_.travel / p_.pulley_radius_m; }
-  const T& current_a() const { return s_.current; }
-  const T& key_m() const { return s_.key; }
-  const Clutch<T>& clutch() const { return clutch_; }
-  bool caught() const { return clutch_.caught(s_); }
+  const T& travel_m() const { return s_.travel; }  ///< of the belt since the start, positive downwards
+  const T& speed_mps() const { return s_.speed; }  ///< of the belt, positive downwards
+  T pulley_angle_rad() const { return s_.travel / p_.pulley_radius_m; }  ///< positive while the weight sinks
+  const T& current_a() const { return s_.current; }                      ///< in the coil
+  const T& key_m() const { return s_.key; }            ///< distance of the key from its seat
+  const Clutch<T>& clutch() const { return clutch_; }  ///< its modes and counts
+  bool caught() const { return clutch_.caught(s_); }   ///< the teeth hold the belt, or would stop it
 
+  /// Energies of the clutch, J; `cable` has the kinetic energy of weight and pulley in it.
   ClutchEnergy<T> energy() const {
     ClutchEnergy<T> e = clutch_.energy(s_, T(p_.clutch.cable_mass_kg + drive_.mass));
     e.impacts = impacts_;
     return e;
   }
-  /// Of the weight, from where it hung at the start, J.
+  /// Potential energy of the weight, zero where it hung at the start, J.
   T weight_energy() const { return -(drive_.force * s_.travel); }
 
  private:

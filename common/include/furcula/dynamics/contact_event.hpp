@@ -3,13 +3,14 @@
 
 namespace furcula::dynamics {
 
-/// What happened inside a step, and when after its start.
+/// A touch-down or a lift-off inside a step.
 template <class V>
 struct ContactEvent {
-  enum class Kind { touchdown, liftoff } kind;
-  V offset_s;
-  V velocity_before_mps;
-  V velocity_after_mps;
+  /// What happened.
+  enum class Kind { touchdown, liftoff } kind;  ///< what happened
+  V offset_s;                                   ///< time since the start of the advance()
+  V velocity_before_mps;                        ///< of the body just before, positive upwards
+  V velocity_after_mps;  ///< of the body just after the impact or the loss, positive upwards
 };
 
 }  // namespace furcula::dynamics

@@ -39,15 +39,18 @@ namespace furcula::dynamics {
 /// incomplete release leaves the ratio. Its times: dynamics/key_timing.hpp; the pressed key holds the cable at
 /// the next whole pitch that its travel comes to.
 ///
-/// A leg that the motor folds in flight is led (lead_leg): its length l is given, the toe is at z - l, and the
-/// cable of a clutch follows it. Links of inertia share the momentum, m z' - e / (2 L) l' = constant but for
+/// A leg that the motor folds in flight has a prescribed motion (lead_leg): its length l is given, the toe is at
+/// z - l, and the cable of a clutch follows it. Links of inertia share the momentum, m z' - e / (2 L) l' = constant but for
 /// gravity and guide, and touch down with the plastic impact of the folded leg.
 template <class T>
 class Hopper {
  public:
+  /// The value type of T: float or double.
   using V = ValueOf<T>;
   static constexpr int kMaxEvents = 16;  ///< in one step of at most kLongestStep
 
+  /// A leg without inertia of its links; at rest at height 0 until reset(). Of the effects it uses those of mechanism and
+  /// contact and those of the rotor (torque ripple, backlash).
   Hopper(const HopperLinearParameters<T>& p, const Effects<T>& effects = {})
       : p_(p),
         e_(effects),
@@ -109,8 +112,8 @@ class Hopper {
     restitution_liftoff_ *= links.velocity_after_stop(straight, T(V(-1) / straight.lever), fall);
   }
 
-  /// Gives it a clutch, caught, with its cable home. Not for a leg whose spring hardens: its stretch is taken
-  /// from where the cable is home.
+  /// Gives it a clutch, caught, with its cable at rest. Not for a leg whose spring hardens: its stretch is computed
+  /// for a cable at rest.
   void fit_clutch(const HopperClutchParameters<T>& p) {
     clutched_ = more_ = true;
     key_ = KeyTiming<T>(p.release_delay_s, e_.value_or(Effect::late_catch, p.catch_delay_s));
@@ -124,12 +127,13 @@ class Hopper {
     home_force_ = leg_force_at_zero_;
     hold_cable(T(V(0)));
   }
+  /// True after fit_clutch().
   bool has_clutch() const { return clutched_; }
-  /// After reset() with its coil off for long.
+  /// The key; after reset() in the teeth, its coil off.
   const KeyTiming<T>& key() const { return key_; }
-  /// Whether the coil is on from now on.
+  /// Switches the coil on or off from now on.
   void energise(bool on) { key_.energise(on); }
-  /// After reset(): where a start finds the clutch. A held cable's travel is so many teeth.
+  /// After reset(): the clutch at the start. A held cable's travel is `teeth` pitches.
   void start_clutch(const KeyTiming<T>& key, bool held, int teeth) {
     key_ = key;
     if (held) return hold_cable(T(static_cast<V>(teeth) * pitch_));
@@ -142,11 +146,12 @@ class Hopper {
                ? T((touchdown_height_ - length_m) * travel_per_shortening_)
                : T(V(0));
   }
+  /// Travel of the cable from its rest, along the leg.
   T cable_travel_m() const { return cable_ == Cable::held ? travel_ : loose_travel_m(cable_length()); }
-  bool cable_held() const { return cable_ == Cable::held; }
+  bool cable_held() const { return cable_ == Cable::held; }  ///< the key holds the cable
 
   /// Starts at a height (m) and velocity (m/s), in flight if above the touch-down height, else in stance. A
-  /// clutch starts caught, its cable home.
+  /// clutch starts caught, its cable at rest.
   void reset(const T& height_m, const T& velocity_mps) {
     if (clutched_) {
       key_.reset();
@@ -164,27 +169,29 @@ class Hopper {
     led_rate_ = zero_;
   }
 
-  /// The leg's length in flight, m, and its rate, m/s, for the next advance().
+  /// Prescribes the leg's motion in flight for the next advance(): its length at the start, m, and its rate, m/s.
   void lead_leg(const T& length_m, const T& rate_mps) {
     if (!stance_) v_ += share_of_folding_ * (rate_mps - led_rate_);
     led_ = more_ = true;
     led_length_ = length_m;
     led_rate_ = rate_mps;
   }
-  /// After reset(): it was in flight, with a leg of this length, and the velocity has its rate in it.
+  /// After reset(): the start is in flight with a leg of this length, m, and rate, m/s; the velocity given to reset()
+  /// includes the body's motion due to that rate.
   void start_led(const T& length_m, const T& rate_mps) {
     stance_ = false;
     led_rate_ = rate_mps;
     lead_leg(length_m, rate_mps);
   }
 
-  /// Where a start finds the rotor in the backlash: held against an end by the last torque before it that was
-  /// not zero (its sign counts). After reset(), which puts it to the end of positive torque.
+  /// Puts the rotor to the end of the backlash to which the last torque before the start that was not zero (its
+  /// sign counts) pressed it. Call it after reset(), which puts it to the end of positive torque.
   void press_rotor(V torque) { rotor_.press(torque); }
+  /// True if there is a backlash between motor and leg.
   bool has_backlash() const { return rotor_.loose(); }
 
-  /// The same in flight, by what an encoder on the motor's side says of the leg's angle, rad, and its rate,
-  /// rad/s.
+  /// Places the rotor for a start in flight: the leg's angle, rad, and its rate, rad/s, are those that an encoder on
+  /// the motor's side measures.
   void place_rotor(V leg_angle_rad, V rate_radps) {
     rotor_.place(leg_angle_rad - value_of(leg_angle(T(z_ - toe_))), rate_radps);
   }
@@ -206,12 +213,14 @@ class Hopper {
     if (led_) end_leading(dt_s);
   }
 
-  const T& height_m() const { return z_; }
-  const T& velocity_mps() const { return v_; }
-  bool in_stance() const { return stance_; }
+  const T& height_m() const { return z_; }      ///< of the body's centre of mass above the ground
+  const T& velocity_mps() const { return v_; }  ///< of the body, positive upwards
+  bool in_stance() const { return stance_; }    ///< between a touch-down and the next lift-off
+  /// Height of the body at touch-down with a straight leg.
   const T& touchdown_height_m() const { return touchdown_height_; }
 
-  /// Leg angle from the vertical on the motor's side, rad: on the stop in flight, where it is not led.
+  /// Leg angle from the vertical on the motor's side, rad: that of the stop in flight, except where the leg's motion is
+  /// prescribed.
   T leg_angle_rad() const {
     using std::acos;
     if (led_ && !stance_ && value_of(led_length_) < value_of(touchdown_height_))

@@ -36,13 +36,18 @@ namespace furcula::dynamics {
 template <class Machine, class T>
 class Hybrid {
  public:
+  /// The value type of T: float or double.
   using V = ValueOf<T>;
+  /// All that is integrated.
   using State = typename Machine::State;
+  /// What can end a mode.
   using Change = typename Machine::Change;
+  /// A state with what its rates and margins share.
   using Look = typename Machine::Look;
-  static constexpr int kMostChanges = 64;
+  static constexpr int kMostChanges = 64;  ///< changes of mode in one advance()
 
-  /// By `dt_s` seconds, in steps that are equal while the longest one stays; `elapsed` goes from 0 to dt_s.
+  /// Moves the machine on by `dt_s` seconds, in steps of equal length while longest_step() is constant. `elapsed` is the
+  /// time since the start of the call, s, for the machine to read.
   static void advance(Machine& machine, V dt_s, V& elapsed) {
     elapsed = V(0);
     int made = 0;

@@ -9,16 +9,17 @@
 
 namespace furcula::dynamics {
 
-/// The key is out over the union of [switched on + release delay, switched off + catch delay): a pulse that
-/// is too short pulls it out not at all, and a pause that is too short lets it not back in.
+/// The key is out of the teeth over the union of [switched on + release delay, switched off + catch delay). A pulse that
+/// is too short does not pull it out, and a pause that is too short does not let it in.
 template <class T>
 class KeyTiming {
  public:
   KeyTiming() = default;
+  /// Delays from the coil's switching on until the key is out, and from its switching off until it is in, s.
   KeyTiming(const T& release_delay_s, const T& catch_delay_s)
       : release_delay_(release_delay_s), catch_delay_(catch_delay_s) {}
 
-  /// At rest in the teeth (or out of them) with the coil off (or on), and nothing on its way.
+  /// At rest in the teeth (or out of them) with the coil off (or on), no change pending.
   void reset(bool out = false) {
     on_ = out_ = out;
     count_ = 0;
@@ -36,17 +37,18 @@ class KeyTiming {
       due_[count_++] = delay;
   }
 
-  bool out() const { return out_; }
-  /// Whether it will go out or in before `t` seconds have gone by (at their end is for what follows: so the
-  /// derivative by the delay is not lost with a rest of no length), and in how many.
+  bool out() const { return out_; }  ///< out of the teeth
+  /// Whether the key goes out or in within `t` seconds. A change exactly at their end belongs to the next interval, so that
+  /// the derivative by the delay is not lost in an interval of no length.
   bool changes_within(ValueOf<T> t) const { return count_ > 0 && value_of(due_[0]) < t; }
+  /// Time until the next change, s; only where one is pending (changes_within()).
   const T& change_in() const { return due_[0]; }
 
-  /// `t` seconds go by, in which nothing changes.
+  /// `t` seconds pass, in which nothing changes.
   void pass(const T& t) {
     for (std::size_t i = 0; i < count_; ++i) due_[i] = due_[i] - t;
   }
-  /// It goes out, or in.
+  /// The pending change happens now: the key goes out, or in.
   void change() {
     out_ = !out_;
     for (std::size_t i = 1; i < count_; ++i) due_[i - 1] = due_[i];
@@ -56,7 +58,7 @@ class KeyTiming {
  private:
   T release_delay_{}, catch_delay_{};
   bool on_ = false, out_ = false;
-  std::array<T, 8> due_{};  ///< the changes on their way, in turn out and in, the next first, s
+  std::array<T, 8> due_{};  ///< times until the pending changes, the next first, s
   std::size_t count_ = 0;
 };
 

@@ -1,10 +1,10 @@
-// Numbers in lanes: N numbers that are added, multiplied and compared at once, one robot (or one leg) a lane.
+// SIMD batches: N numbers that are added, multiplied and compared at once, one robot (or one leg) in each lane.
 //
-// Each lane has the bits that the same operations on plain numbers have: every one is rounded as IEEE 754 says, nothing is contracted
-// (-ffp-contract=off; GCC 12 also needs -mno-fma where it may use FMA: it makes vfmaddsub of plain numbers in spite of the former),
-// and no lane sees another. Vectors of GCC, which clang has too; what the processor lacks in width the compiler splits.
-// The functions of the second half exist for plain numbers and for numbers with derivatives as well, so that an algorithm
-// without branches is written once: a condition is a mask, and `select` chooses by it.
+// Each lane has the bits that the same operations on plain numbers have: each operation is rounded as IEEE 754 says, nothing is
+// contracted (-ffp-contract=off; GCC 12 also needs -mno-fma where it may use FMA, since it makes vfmaddsub of plain numbers in spite
+// of the former), and the lanes are independent. These are GCC's vector extensions, which clang has too; the compiler splits a
+// vector that is wider than the processor's registers. The functions of the second half exist for plain numbers and for dual numbers
+// as well, so that an algorithm without branches is written once: a condition is a mask, and `select` chooses by it.
 #pragma once
 
 #include <cmath>
@@ -20,7 +20,7 @@
 #endif
 
 #if defined(__GNUC__) && !defined(__clang__)
-// Of vectors wider than the processor's registers as arguments: here every function is inlined.
+// It warns of arguments that are wider than the processor's registers; here every function is inlined.
 #pragma GCC diagnostic ignored "-Wpsabi"
 #endif
 
@@ -28,40 +28,51 @@
 
 namespace furcula::dynamics {
 
-/// By the number of its bytes.
+/// The signed integer of so many bytes: 8 or 4.
 template <std::size_t kBytes>
 using SignedOf = std::conditional_t<kBytes == 8, std::int64_t, std::int32_t>;
 
-/// Which lanes; all bits of a lane are set, or none.
+/// A condition in each lane: all bits of the lane are set, or none.
 template <class V, int N>
 struct LaneMask {
+  /// Vector of N integers of the size of V.
   using Bits [[gnu::vector_size(N * sizeof(V))]] = SignedOf<sizeof(V)>;
-  Bits bits;
+  Bits bits;  ///< of a lane: -1 true, 0 false
 
+  /// Whether the condition holds in a lane.
   bool operator[](std::size_t lane) const { return bits[lane] != 0; }
 };
 
+/// A SIMD batch of N numbers, N > 1; V is float or double.
 template <class V, int N>
 struct Lanes {
   static_assert(N > 1 && std::is_floating_point_v<V>);
+  /// The compiler's vector of N numbers.
   using Vector [[gnu::vector_size(N * sizeof(V))]] = V;
+  /// Vector of N integers of the size of V.
   using Bits = typename LaneMask<V, N>::Bits;
-  static constexpr std::size_t kLanes = N;
-  Vector v;
+  static constexpr std::size_t kLanes = N;  ///< numbers in the batch
+  Vector v;                                 ///< one number in each lane
 
-  Lanes() = default;
+  Lanes() = default;  ///< its numbers are not initialised
+  /// The same number in each lane; converts from a plain number so that one can stand in any expression.
   FURCULA_INLINE Lanes(V x) : v(x - Vector{}) {}  // NOLINT(google-explicit-constructor): as a number anywhere
+  /// The batch with the numbers of a vector.
   FURCULA_INLINE static Lanes of(const Vector& x) {
     Lanes out;
     out.v = x;
     return out;
   }
+  /// The number in a lane, 0 to N - 1.
   FURCULA_INLINE V operator[](std::size_t lane) const { return v[lane]; }
+  /// Sets the number in a lane, 0 to N - 1.
   FURCULA_INLINE void set(std::size_t lane, V x) { v[lane] = x; }
 };
 
+/// The value type of a batch is that of its lanes; a batch has no single plain value.
 template <class V, int N>
 struct ScalarTraits<Lanes<V, N>> {
+  /// The number type of a lane.
   using Value = V;
 };
 
@@ -88,6 +99,7 @@ FURCULA_LANES_OPERATOR(*)
 FURCULA_LANES_OPERATOR(/)
 #undef FURCULA_LANES_OPERATOR
 
+/// The negative of each lane.
 template <class V, int N>
 FURCULA_INLINE Lanes<V, N> operator-(const Lanes<V, N>& a) {
   return Lanes<V, N>::of(-a.v);
@@ -106,24 +118,28 @@ FURCULA_LANES_COMPARE(<)
 FURCULA_LANES_COMPARE(>)
 #undef FURCULA_LANES_COMPARE
 
+/// In each lane `yes` where the condition holds, else `no`.
 template <class V, int N>
 FURCULA_INLINE Lanes<V, N> select(const LaneMask<V, N>& which, const Lanes<V, N>& yes,
                                   const Lanes<V, N>& no) {
   return Lanes<V, N>::of(which.bits ? yes.v : no.v);
 }
+/// Whether the condition holds in any lane.
 template <class V, int N>
 FURCULA_INLINE bool any(const LaneMask<V, N>& which) {
   bool out = false;
   for (std::size_t i = 0; i < static_cast<std::size_t>(N); ++i) out = out || which[i];
   return out;
 }
+/// The same for a plain or dual number.
 template <class T>
 FURCULA_INLINE T select(bool which, const T& yes, const T& no) {
   return which ? yes : no;
 }
+/// The same for the condition of a plain or dual number.
 FURCULA_INLINE bool any(bool which) { return which; }
 
-/// Lanes of a number; a plain one is one lane.
+/// Number of lanes of a scalar type; 1 for plain and dual numbers.
 template <class T>
 constexpr std::size_t lanes_in() {
   if constexpr (requires { T::kLanes; })
@@ -131,6 +147,7 @@ constexpr std::size_t lanes_in() {
   else
     return 1;
 }
+/// The number in a lane of a batch; `x` itself where it is plain.
 template <class T>
 FURCULA_INLINE ValueOf<T> lane_of(const T& x, std::size_t lane) {
   if constexpr (requires { T::kLanes; })
@@ -138,6 +155,7 @@ FURCULA_INLINE ValueOf<T> lane_of(const T& x, std::size_t lane) {
   else
     return x;
 }
+/// Sets the number in a lane of a batch, or `x` itself where it is not a batch.
 template <class T>
 FURCULA_INLINE void set_lane(T& x, std::size_t lane, ValueOf<T> value) {
   if constexpr (requires { T::kLanes; })
@@ -146,36 +164,39 @@ FURCULA_INLINE void set_lane(T& x, std::size_t lane, ValueOf<T> value) {
     x = value;
 }
 
-/// What comparing two of them gives: bool, or a mask.
+/// Type of a comparison of two scalars: bool, or a mask.
 template <class T>
 using MaskOf = decltype(std::declval<T>() < std::declval<T>());
 
+/// True in each lane.
 template <class T>
 FURCULA_INLINE MaskOf<T> all_of() {
   return T(ValueOf<T>(0)) < T(ValueOf<T>(1));
 }
 
-/// The smaller and the larger; `b` where one is not a number, as processors have it.
+/// The smaller of two; `b` where one is not a number, as processors do.
 template <class T>
 FURCULA_INLINE T smaller(const T& a, const T& b) {
   return select(a < b, a, b);
 }
+/// The larger of two; `b` where one is not a number.
 template <class T>
 FURCULA_INLINE T larger(const T& a, const T& b) {
   return select(a > b, a, b);
 }
-/// To +-most; what is not a number stays so.
+/// `x` limited to the range from -most to most; NaN stays NaN.
 template <class T>
 FURCULA_INLINE T clamped(const T& x, const T& most) {
   return larger(T(-most), smaller(most, x));
 }
 
-/// By ADL where there is one (numbers with derivatives), else the processor's: rounded correctly on both.
+/// Square root: found by ADL for dual numbers, else the processor's, which is correctly rounded.
 template <class T>
 FURCULA_INLINE T square_root(const T& x) {
   using std::sqrt;
   return sqrt(x);
 }
+/// Square root of each lane, correctly rounded.
 template <class V, int N>
 FURCULA_INLINE Lanes<V, N> square_root(const Lanes<V, N>& x) {
   Lanes<V, N> out;
