@@ -55,7 +55,7 @@ JointLaws<T> active_laws(const Parameters<T>& p) {
 
 namespace detail {
 
-/// Which legs' numbers a side's are, as a mask of them: a lane for pairs, all where the legs are passes.
+/// Mask of a leg's numbers that belong to `side` and `robots`: one entry of a SIMD pair, or `robots` where the legs are passes.
 template <class T>
 FURCULA_INLINE MaskOf<LegScalar<T>> lanes_of([[maybe_unused]] std::size_t side, const MaskOf<T>& robots) {
   if constexpr (std::is_same_v<LegScalar<T>, T>) {

@@ -112,12 +112,13 @@ FURCULA_INLINE void set_joint(Joints<T>& of, std::size_t i, const T& value) {
   Legs<T>::write(of[Legs<T>::pass(side)][i % kLegJoints], side, value);
 }
 
-/// The same vector or matrix for both legs.
+/// The same vector for both legs.
 template <class T>
 FURCULA_INLINE Vec3<LegScalar<T>> for_legs(const Vec3<T>& v) {
   using L = LegScalar<T>;
   return {L(v.x), L(v.y), L(v.z)};
 }
+/// The same matrix for both legs.
 template <class T>
 FURCULA_INLINE Mat3<LegScalar<T>> for_legs(const Mat3<T>& m) {
   return {for_legs<T>(m.x), for_legs<T>(m.y), for_legs<T>(m.z)};
@@ -130,12 +131,13 @@ FURCULA_INLINE T& along(Vec3<T>& v) {
   if constexpr (A == Axis::y) return v.y;
   if constexpr (A == Axis::z) return v.z;
 }
+/// The component of a vector along axis A.
 template <Axis A, class T>
 FURCULA_INLINE const T& along(const Vec3<T>& v) {
   return along<A>(const_cast<Vec3<T>&>(v));
 }
 
-/// Permutes the components cyclically so that axis A becomes z (z_to_axis: and back), which leaves cross products unchanged. It costs
+/// Permutes the components cyclically so that axis A becomes z, which leaves cross products unchanged. It costs
 /// no operation: an equation written for rotation about z then holds for every axis.
 template <Axis A, class T>
 FURCULA_INLINE Vec3<T> axis_to_z(const Vec3<T>& v) {
@@ -143,12 +145,14 @@ FURCULA_INLINE Vec3<T> axis_to_z(const Vec3<T>& v) {
   if constexpr (A == Axis::y) return {v.z, v.x, v.y};
   if constexpr (A == Axis::z) return v;
 }
+/// The inverse of axis_to_z().
 template <Axis A, class T>
 FURCULA_INLINE Vec3<T> z_to_axis(const Vec3<T>& v) {
   if constexpr (A == Axis::x) return {v.z, v.x, v.y};
   if constexpr (A == Axis::y) return {v.y, v.z, v.x};
   if constexpr (A == Axis::z) return v;
 }
+/// The same permutation of rows and columns of a matrix.
 template <Axis A, class T>
 FURCULA_INLINE Mat3<T> axis_to_z(const Mat3<T>& m) {
   const Mat3<T> in{axis_to_z<A>(m.x), axis_to_z<A>(m.y), axis_to_z<A>(m.z)};
@@ -156,6 +160,7 @@ FURCULA_INLINE Mat3<T> axis_to_z(const Mat3<T>& m) {
   if constexpr (A == Axis::y) return {in.z, in.x, in.y};
   if constexpr (A == Axis::z) return in;
 }
+/// The inverse of axis_to_z().
 template <Axis A, class T>
 FURCULA_INLINE Mat3<T> z_to_axis(const Mat3<T>& m) {
   const Mat3<T> in{z_to_axis<A>(m.x), z_to_axis<A>(m.y), z_to_axis<A>(m.z)};
@@ -163,12 +168,14 @@ FURCULA_INLINE Mat3<T> z_to_axis(const Mat3<T>& m) {
   if constexpr (A == Axis::y) return {in.y, in.z, in.x};
   if constexpr (A == Axis::z) return in;
 }
+/// The same permutation of rows and columns of a symmetric matrix.
 template <Axis A, class T>
 FURCULA_INLINE Sym3<T> axis_to_z(const Sym3<T>& s) {
   if constexpr (A == Axis::x) return {s.yy, s.yz, s.xy, s.zz, s.xz, s.xx};
   if constexpr (A == Axis::y) return {s.zz, s.xz, s.yz, s.xx, s.xy, s.yy};
   if constexpr (A == Axis::z) return s;
 }
+/// The inverse of axis_to_z().
 template <Axis A, class T>
 FURCULA_INLINE Sym3<T> z_to_axis(const Sym3<T>& s) {
   if constexpr (A == Axis::x) return {s.zz, s.xz, s.yz, s.xx, s.xy, s.yy};

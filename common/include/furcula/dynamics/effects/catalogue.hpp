@@ -1,5 +1,5 @@
-// The catalogue of effects: the one table from which `furcula effects`, the model file's checks, the
-// diagnosis, the report and docs/effects.md come. The laws themselves stand beside it in effects/laws.hpp.
+// The catalogue of effects: the table from which `furcula effects`, the model file's checks, the diagnosis, the report and
+// docs/effects.md are generated. Force models are in effects/laws.hpp.
 #pragma once
 
 #include <array>
@@ -15,8 +15,8 @@
 
 namespace furcula::dynamics {
 
-/// In the order of the contract's table: where two effects explain the data equally well, the earlier is
-/// named.
+/// The effects, in the order of the contract's table: where two explain the data equally well, the earlier is named. What
+/// each one does: kCatalogue.
 enum class Effect : std::uint8_t {
   coulomb_friction,
   stribeck_friction,
@@ -58,88 +58,98 @@ enum class Effect : std::uint8_t {
   bump_stop,
 };
 
+/// Largest number of parameters of an effect.
 inline constexpr std::size_t kMaxEffectParameters = 3;
 
-/// The stage of the plant that the law sits in.
+/// The stage of the plant that contains the effect's model.
 enum class Stage : std::uint8_t { actuation, mechanism, contact, sensing };
 
+/// For EffectParameterInfo::model_parameter: no parameter of the model.
 inline constexpr std::string_view kNotOfModel = "-";
 
+/// One parameter of an effect.
 struct EffectParameterInfo {
-  std::string_view name;         ///< on a linear axis
-  std::string_view rotary_name;  ///< on a rotary axis
-  std::string_view unit;
-  std::string_view rotary_unit;
-  double lower;    ///< smallest value that makes physical sense
-  double upper;    ///< largest value that makes physical sense
-  double neutral;  ///< value at which the effect is not there; NaN: that of the model parameter of the same
-                   ///< name, or any value (a width, a shape) where there is none
-  bool of_motor = false;  ///< on a hopper the motor turns: its parameter has the rotary name
-  /// The model parameter whose true value it is, where that has another name; empty: one of the same name, if
-  /// there is one; kNotOfModel: one of the same name means something else.
+  std::string_view name;         ///< name on a linear axis
+  std::string_view rotary_name;  ///< name on a rotary axis
+  std::string_view unit;         ///< unit on a linear axis; empty: none
+  std::string_view rotary_unit;  ///< unit on a rotary axis; empty: none
+  double lower;                  ///< smallest physically possible value
+  double upper;                  ///< largest physically possible value
+  double neutral;  ///< value without the effect; NaN: that of the model parameter of the same name, or any
+                   ///< value (a width, a shape) where there is none
+  bool of_motor = false;  ///< of the motor, which is rotary on a hopper: there it has the rotary name
+  /// The model parameter that it replaces, where that has another name; empty: the one of the same name, if any;
+  /// kNotOfModel: none, the one of the same name has another meaning.
   std::string_view model_parameter = {};
-  /// On a machine with a leg it comes on top of what the model has: zero there, where the effect is not.
+  /// On a machine with a leg it is added to the model's value, so its neutral value there is zero.
   bool added_on_leg = false;
 };
 
-/// What a start value is a multiple of.
+/// The unit of a start value in Search::starts.
 enum class Measure : std::uint8_t {
   unit,      ///< the parameter's own unit
-  friction,  ///< a twentieth of what moves the axis (on a hopper of the weight), N or N m
+  friction,  ///< 5 % of the force that moves the axis (on a hopper, of the weight), N or N m
   speed,     ///< RMS speed
-  input,     ///< 99 % of the inputs are smaller
+  input,     ///< 99 % quantile of the input's magnitude
   travel,    ///< length of the travel
-  model,     ///< the model's parameter that it is the true value of, else the one of the same name
-  place,     ///< not a multiple: eight places along the travel are tried in turn
+  model,     ///< the model parameter that it replaces, else the one of the same name
+  place,     ///< not a multiple: eight positions along the travel are tried in turn
   depth,     ///< likewise, measured down from the touch-down height of a hopper
   load,      ///< the weight on the belt of a clutch bench, N
 };
 
-/// Start values of a fit, a row for each that is tried.
+/// Start values of the fits of an effect, one row for each fit.
 struct Starts {
-  static constexpr std::size_t kMost = 8;
+  static constexpr std::size_t kMost = 8;  ///< largest number of rows
+  /// [row][parameter], in units of Search::measures.
   std::array<std::array<double, kMaxEffectParameters>, kMost> rows{};
-  std::size_t count = 0;
+  std::size_t count = 0;  ///< rows used; 0: the only start is the neutral values
   constexpr Starts() = default;
+  /// From at most kMost rows; more do not compile in a constant expression.
   constexpr Starts(std::initializer_list<std::array<double, kMaxEffectParameters>> all) {
     for (const auto& row : all) rows[count++] = row;  // more than kMost: no constant expression
   }
 };
 
+/// An interval of values.
 struct Range {
-  double low = 0.0, high = 0.0;
+  double low = 0.0,  ///< lower bound
+      high = 0.0;    ///< upper bound
 };
 
-/// How an effect is looked for, and how large the demo hides it. The defaults do where one linear step from
-/// the neutral values tells what the effect promises.
+/// How a diagnosis searches for an effect, and the effect's sizes in hidden-fault cases. The defaults suffice where the screening
+/// score of one linear step from the neutral values finds the effect.
 struct Search {
-  std::array<Measure, kMaxEffectParameters> measures{};  ///< of the parameters in `starts`
-  Starts starts{};      ///< where the neutral values are none: what sticks, what has a shape
-  double shapes = 1.0;  ///< how many different shapes the law can take, about: the price of its fit
-  double doubt = 0.0;   ///< odds against it before any recording, in units of the evidence (2 ln): of laws
-                        ///< seldom met that can stand in for a common one where the recordings are short
-  bool swings =
-      false;  ///< its parameters are an amplitude, a frequency or pitch, and a phase over the position
-  /// Sizes that a careful experimenter would find, as distances from the neutral value (from zero where there
-  /// is none), to either side where the bounds leave two. Empty: sim/mystery.cpp draws it by the machine.
+  std::array<Measure, kMaxEffectParameters> measures{};  ///< units of the parameters in `starts`
+  Starts starts{};      ///< where a fit cannot start at the neutral values (stick, shape)
+  double shapes = 1.0;  ///< approximate number of different shapes of the model: the penalty of its fit
+  /// Prior odds against the effect, in units of the evidence (2 ln): for rare effects that can imitate a common one where the
+  /// recordings are short.
+  double doubt = 0.0;
+  /// Its parameters are an amplitude, a frequency or pitch, and a phase over the position.
+  bool swings = false;
+  /// Clearly detectable sizes of each parameter, as distances from the neutral value (from zero where there is none), on either
+  /// side where the bounds allow both. Empty: host/sim/mystery.cpp draws the size for the machine.
   std::array<Range, kMaxEffectParameters> clear{};
 };
 
+/// One row of the catalogue.
 struct EffectInfo {
-  Effect effect;
-  std::string_view name;
-  /// In plain words, as in "the model lacks ..."; "the model's ..." where it is a parameter that is wrong.
+  Effect effect;          ///< the row's effect
+  std::string_view name;  ///< in model files, results and commands
+  /// Short description, as in "the model lacks ..."; "the model's ..." where a parameter is wrong.
   std::string_view title;
-  Stage stage;
-  Seat seats;              ///< it exists on every machine that has one of them
-  std::string_view phase;  ///< on a hopper: "flight+stance", "stance", "touch-down", ...
-  std::string_view law;
-  std::array<EffectParameterInfo, kMaxEffectParameters> parameter_table;
-  std::size_t parameter_count;
-  std::string_view explanation;      ///< one plain sentence: what it does to the machine
-  std::string_view where_to_look;    ///< on the machine
-  std::string_view best_experiment;  ///< that shows it best
-  Search search{};
+  Stage stage;             ///< that contains its model
+  Seat seats;              ///< location types: it exists on every machine that has one of them
+  std::string_view phase;  ///< on a hopper: "flight+stance", "stance", "touch-down", ...; empty: none
+  std::string_view law;    ///< its model as a formula or phrase, for documentation
+  std::array<EffectParameterInfo, kMaxEffectParameters> parameter_table;  ///< its parameters, then empty rows
+  std::size_t parameter_count;                                            ///< rows of parameter_table in use
+  std::string_view explanation;      ///< one sentence: what it does to the machine
+  std::string_view where_to_look;    ///< where on the machine to look for the cause
+  std::string_view best_experiment;  ///< experiment that shows it best
+  Search search{};                   ///< how a diagnosis searches for it
+  /// Its parameters.
   constexpr std::span<const EffectParameterInfo> parameters() const {
     return {parameter_table.data(), parameter_count};
   }
@@ -147,12 +157,13 @@ struct EffectInfo {
 
 namespace detail {
 inline constexpr double kUnset = __builtin_nan("");
-/// Of a law that finds something in anything.
+/// `shapes` of a model that fits part of any recording.
 inline constexpr double kManyShapes = 30.0;
 /// Odds of about 1 to 150 against dry friction, which is in every machine.
 inline constexpr double kSeldomMet = 10.0;
 }  // namespace detail
 
+/// The catalogue, indexed by Effect.
 inline constexpr EffectInfo kCatalogue[] = {
     {Effect::coulomb_friction,
      "coulomb_friction",
@@ -677,28 +688,33 @@ inline constexpr EffectInfo kCatalogue[] = {
       .shapes = 4.0,
       .clear = {{{0.03, 0.045}, {1.5e3, 4e3}}}}},
 };
+/// Number of effects.
 inline constexpr std::size_t kEffectCount = std::size(kCatalogue);
 
+/// The catalogue's row of an effect.
 constexpr const EffectInfo& info(Effect e) { return kCatalogue[static_cast<std::size_t>(e)]; }
 
+/// Whether the effect exists on machines of this kind.
 constexpr bool applies(Effect e, Kind k) { return has(k, info(e).seats); }
 
-/// Laws of a clutch, which a hopper need not have.
+/// Whether the effect is one of a clutch, which a hopper need not have.
 constexpr bool needs_clutch(Effect e) {
   return e == Effect::clutch_slip || e == Effect::late_catch || e == Effect::incomplete_release ||
          e == Effect::auxiliary_spring;
 }
 
+/// The effect of this name; none if there is no such effect.
 constexpr std::optional<Effect> effect_named(std::string_view name) {
   for (const EffectInfo& e : kCatalogue)
     if (e.name == name) return e.effect;
   return std::nullopt;
 }
 
-/// The parameter's name on an axis of this kind.
+/// The parameter's name on machines of this kind.
 constexpr std::string_view name_on(const EffectParameterInfo& p, Kind k) {
   return info(k).rotary || (p.of_motor && has(k, Seat::leg)) ? p.rotary_name : p.name;
 }
+/// The parameter's unit on machines of this kind.
 constexpr std::string_view unit_on(const EffectParameterInfo& p, Kind k) {
   return info(k).rotary || (p.of_motor && has(k, Seat::leg)) ? p.rotary_unit : p.unit;
 }

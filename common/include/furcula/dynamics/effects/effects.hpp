@@ -1,4 +1,4 @@
-// The effects that are switched on in a plant, with their parameters, and each stage's share of them.
+// The effects that are switched on in a plant, with their parameters, and the effects of each stage.
 #pragma once
 
 #include <array>
@@ -12,21 +12,25 @@ namespace furcula::dynamics {
 template <class T, Stage kStage>
 class EffectsOf;
 
-/// Which effects are on and with what parameters, in the order of the catalogue's parameter tables. Whoever
-/// sets up a plant fills it; the stages alone read it, each its own effects (EffectsOf).
+/// The effects that are on, and their parameters in the order of the catalogue's parameter tables. Filled by the code that
+/// sets up a plant; read only by the stages, each its own effects (EffectsOf).
 template <class T>
 class Effects {
  public:
+  /// Parameters of an effect in catalogue order, SI units; entries beyond its number of parameters are not used.
   using Values = std::array<T, kMaxEffectParameters>;
 
+  /// Switches an effect on with these parameters.
   constexpr void set(Effect e, const Values& values) {
     active_ |= mask(e);
     values_[static_cast<std::size_t>(e)] = values;
   }
+  /// Switches an effect on and sets one parameter by its index in the catalogue; the others keep their values (zero at first).
   constexpr void set(Effect e, std::size_t parameter, const T& value) {
     active_ |= mask(e);
     values_[static_cast<std::size_t>(e)][parameter] = value;
   }
+  /// Switches an effect off.
   constexpr void clear(Effect e) { active_ &= ~mask(e); }
 
  private:
@@ -39,17 +43,18 @@ class Effects {
   std::array<Values, kEffectCount> values_{};
 };
 
-/// The name of an effect in the code of its stage. That of another stage does not compile, so that the
-/// catalogue and the code cannot differ on where an effect sits.
+/// The name of an effect in the code of its stage. An effect of another stage does not compile, so that catalogue and code
+/// agree on the stage of each effect.
 template <Stage kStage>
 class EffectIn {
  public:
+  /// From an effect of this stage, known at compile time.
   consteval EffectIn(Effect e) : slot_(0) {
     if (info(e).stage != kStage) the_catalogue_has_this_effect_in_another_stage();
     for (const EffectInfo& other : kCatalogue)
       if (other.effect < e && other.stage == kStage) ++slot_;
   }
-  /// Its place among the stage's effects.
+  /// Its index among the stage's effects, in catalogue order.
   constexpr std::size_t slot() const { return slot_; }
 
  private:
@@ -62,8 +67,9 @@ class EffectIn {
 template <class T, Stage kStage>
 class EffectsOf {
  public:
-  using Name = EffectIn<kStage>;
+  using Name = EffectIn<kStage>;  ///< an effect of this stage
 
+  /// The stage's effects among `all`.
   explicit constexpr EffectsOf(const Effects<T>& all) {
     std::size_t slot = 0;
     for (const EffectInfo& e : kCatalogue) {
@@ -76,11 +82,15 @@ class EffectsOf {
     }
   }
 
+  /// Whether the effect is on.
   constexpr bool has(Name e) const { return (active_ >> e.slot() & 1u) != 0; }
+  /// Whether any effect of the stage is on.
   constexpr bool any() const { return active_ != 0; }
+  /// One parameter of an effect by its index in the catalogue; of no meaning where the effect is off.
   constexpr const T& value(Name e, std::size_t parameter = 0) const { return values_[e.slot()][parameter]; }
+  /// All parameters of an effect; of no meaning where the effect is off.
   constexpr const typename Effects<T>::Values& values(Name e) const { return values_[e.slot()]; }
-  /// The effect's value if it is on, else the model's.
+  /// The first parameter of the effect if it is on, else `otherwise`, the model's value.
   constexpr T value_or(Name e, const T& otherwise) const { return has(e) ? value(e) : otherwise; }
 
  private:

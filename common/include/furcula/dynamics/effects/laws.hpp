@@ -1,5 +1,5 @@
-// The mechanism's laws that act on any axis: one function a law, in the words of the catalogue. Forces are
-// positive in the direction of growing position, SI units; on a rotary axis read torque, rad/s and rad.
+// Force models of the mechanism stage for any axis, one function each, named as in the catalogue. Forces are positive in
+// the direction of increasing position, SI units; for a rotary axis read torque, rad/s and rad.
 #pragma once
 
 #include <cmath>
@@ -9,10 +9,11 @@
 
 namespace furcula::dynamics {
 
+/// The effects of the mechanism stage.
 template <class T>
 using MechanismEffects = EffectsOf<T, Stage::mechanism>;
 
-/// Stribeck curve: the size of the friction at a speed >= 0.
+/// Stribeck curve: the magnitude of friction at a speed >= 0.
 template <class T>
 T stribeck(const T& coulomb, const T& static_force, const T& stribeck_velocity, const T& speed) {
   using std::exp;
@@ -20,9 +21,9 @@ T stribeck(const T& coulomb, const T& static_force, const T& stribeck_velocity, 
   return coulomb + (static_force - coulomb) * exp(-(ratio * ratio));
 }
 
-/// Everything that opposes the motion with a size that does not vanish with the speed: dry friction. `up` is
-/// the direction of the motion (or of the motion that would begin), `speed` >= 0. The force is -size upwards,
-/// +size downwards.
+/// Magnitude of dry friction at a speed >= 0, from the effects that are on, without binding spot and spring hysteresis. `up`:
+/// the motion, or the motion that would begin, is in the positive direction. The force is minus the magnitude where `up`,
+/// else plus the magnitude.
 template <class T>
 T dry_friction(const MechanismEffects<T>& e, bool up, const T& speed) {
   T size = T(ValueOf<T>(0));
@@ -34,7 +35,7 @@ T dry_friction(const MechanismEffects<T>& e, bool up, const T& speed) {
   return size;
 }
 
-/// True if something can hold the axis at rest.
+/// Whether any effect can hold the axis at rest.
 template <class T>
 bool has_dry_friction(const MechanismEffects<T>& e) {
   return e.has(Effect::coulomb_friction) || e.has(Effect::stribeck_friction) ||
@@ -42,7 +43,7 @@ bool has_dry_friction(const MechanismEffects<T>& e) {
          e.has(Effect::spring_hysteresis);
 }
 
-/// Share of the way from `from` to `to` (in either direction) that lies within `width` about `centre`.
+/// Fraction, 0 to 1, of the path from `from` to `to` (in either direction) that lies within `width` about `centre`.
 template <class T>
 T share_within(const T& centre, const T& width, const T& from, const T& to) {
   using V = ValueOf<T>;
@@ -61,7 +62,7 @@ T share_within(const T& centre, const T& width, const T& from, const T& to) {
   return value_of(b) > value_of(a) ? T((b - a) / length) : T(V(0));
 }
 
-/// The extra dry friction of a binding spot on the way from one position to another, >= 0.
+/// Added dry friction of a binding spot, averaged over the path from one position to another, >= 0.
 template <class T>
 T binding(const MechanismEffects<T>& e, const T& from, const T& to) {
   if (!e.has(Effect::binding_spot)) return T(ValueOf<T>(0));
@@ -69,15 +70,15 @@ T binding(const MechanismEffects<T>& e, const T& from, const T& to) {
          share_within(e.value(Effect::binding_spot, 1), e.value(Effect::binding_spot, 2), from, to);
 }
 
-/// -c v |v|, force.
+/// Force of quadratic drag: -c v |v|.
 template <class T>
 T quadratic_drag(const T& drag, const T& velocity) {
   return value_of(velocity) > 0 ? -(drag * velocity * velocity) : drag * velocity * velocity;
 }
 
-/// All that opposes the motion on the guide or axis, as a force: dry friction against the direction `up`,
-/// with `extra` that depends on the place, and drag. At rest (`velocity` zero) it is what friction can hold
-/// against a motion that would begin in that direction.
+/// Force against the motion: dry friction in the direction `up`, plus its position-dependent part `extra` (>= 0), and
+/// quadratic drag. At rest (`velocity` zero): the limit of static friction against a motion that would begin in that
+/// direction.
 template <class T>
 T resistance(const MechanismEffects<T>& e, bool up, const T& velocity, const T& extra) {
   const T size = dry_friction(e, up, up ? velocity : T(-velocity)) + extra;
@@ -86,14 +87,16 @@ T resistance(const MechanismEffects<T>& e, bool up, const T& velocity, const T& 
   return force;
 }
 
-/// The mean acceleration over a step, by the resistance at its predicted midpoint, or the word that friction
-/// holds.
+/// Result of resisted().
 template <class T>
 struct Resisted {
-  T acceleration;  ///< without viscous damping, which the flow takes exactly
-  bool held;
+  T acceleration;  ///< mean over the step, without viscous damping, which the flow includes exactly
+  bool held;       ///< friction holds the axis at rest
 };
-template <class T, class Step>  // of the step: T where an event moves its length, else plain
+/// Mean acceleration over a step with the resistance at its predicted midpoint. `acceleration` is that without resistance and
+/// viscous damping, `delta` damping over mass, 1/s; `at_rest`: the axis starts at rest, to move in direction `up` if at all.
+/// `Step` is T where the step's length depends on an event, else a plain number.
+template <class T, class Step>
 Resisted<T> resisted(const MechanismEffects<T>& e, bool up, bool at_rest, const T& velocity,
                      const T& acceleration, const T& delta, const T& inverse_mass, const T& extra,
                      const Step& step) {

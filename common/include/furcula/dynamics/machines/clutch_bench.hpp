@@ -1,4 +1,4 @@
-// The release/catch bench of 002 section 5.1: a weight on the clutch's belt, an encoder on the pulley.
+// The release/catch bench of document 002, section 5.1: a weight on the clutch's belt, an encoder on the pulley.
 #pragma once
 
 #include "furcula/dynamics/machine.hpp"
@@ -8,10 +8,10 @@ namespace furcula::dynamics {
 template <class T>
 class SimpleClutchBench;  // furcula/dynamics/simple_clutch_bench.hpp
 
-/// The bench's model has no other, m/s^2.
+/// Gravity of the bench's model, which has no such parameter, m/s^2.
 inline constexpr double kBenchGravity_mps2 = 9.81;
 
-// In the order of the members of ClutchBenchParameters.
+/// Name, unit, lower and upper bound and meaning of each parameter, in the order of the members of ClutchBenchParameters.
 inline constexpr std::array<ParameterInfo, 9> kClutchBenchParameters{{
     {"load_mass_kg", "kg", 1e-3, 1e3, "weight that hangs on the belt"},
     {"pulley_radius_m", "m", 1e-4, 1.0, "of the belt on the pulley"},
@@ -24,12 +24,21 @@ inline constexpr std::array<ParameterInfo, 9> kClutchBenchParameters{{
     {"catch_delay_s", "s", 0.0, 1.0, "from its switching off until the key presses on the belt"},
 }};
 
+/// Parameters of the bench.
 template <class T>
 struct ClutchBenchParameters {
-  T load_mass_kg{}, pulley_radius_m{}, pulley_inertia_kgm2{}, damping_nmspr{}, auxiliary_stiffness_npm{};
-  T tooth_pitch_m{}, tooth_height_m{}, release_delay_s{}, catch_delay_s{};
+  T load_mass_kg{},               ///< of the weight on the belt
+      pulley_radius_m{},          ///< of the belt on the pulley
+      pulley_inertia_kgm2{},      ///< of pulley and encoder
+      damping_nmspr{},            ///< viscous friction, about the pulley
+      auxiliary_stiffness_npm{};  ///< of the auxiliary spring on the belt, slack at angle 0
+  T tooth_pitch_m{},              ///< of the belt
+      tooth_height_m{},           ///< stroke of the key; its times are in the delays
+      release_delay_s{},          ///< from switching the coil on until the belt is free
+      catch_delay_s{};            ///< from switching it off until the key presses on the belt
 
-  using Self = ClutchBenchParameters;
+  using Self = ClutchBenchParameters;  ///< this struct
+  /// Pointers to the members, in the order of the table of parameters.
   static constexpr std::array<T Self::*, 9> kMembers{
       &Self::load_mass_kg,   &Self::pulley_radius_m,         &Self::pulley_inertia_kgm2,
       &Self::damping_nmspr,  &Self::auxiliary_stiffness_npm, &Self::tooth_pitch_m,
@@ -39,17 +48,22 @@ struct ClutchBenchParameters {
 
 namespace machines {
 
+/// The release/catch bench.
 struct ClutchBench {
+  /// Names, parameters and location types.
   static constexpr MachineInfo kInfo{.name = "clutch_bench",
                                      .rig = "clutch_bench",
                                      .parameters = kClutchBenchParameters,
                                      .seats = Seat::belt,
                                      .rotary = true};
+  /// Its parameters in scalar T.
   template <class T>
   using Parameters = ClutchBenchParameters<T>;
+  /// Its plant in scalar T, with all effects that apply to it.
   template <class T>
   using Plant = SimpleClutchBench<T>;
-  static const furcula::machines::Rules& rules();  ///< host/machines/clutch_bench.cpp
+  /// Rules for the host, defined in host/machines/clutch_bench.cpp.
+  static const furcula::machines::Rules& rules();
 };
 
 }  // namespace machines

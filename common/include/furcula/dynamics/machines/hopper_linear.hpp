@@ -8,7 +8,7 @@ namespace furcula::dynamics {
 template <class T>
 class Hopper;  // furcula/dynamics/hopper.hpp
 
-// In the order of the members of HopperLinearParameters.
+/// Name, unit, lower and upper bound and meaning of each parameter, in the order of the members of HopperLinearParameters.
 inline constexpr std::array<ParameterInfo, 10> kHopperLinearParameters{{
     {"mass_kg", "kg", 1e-3, 1e3, "mass of body and leg"},
     {"stiffness_npm", "N/m", 0.0, 1e6, "virtual spring between hip and toe"},
@@ -22,12 +22,22 @@ inline constexpr std::array<ParameterInfo, 10> kHopperLinearParameters{{
     {"gravity_mps2", "m/s^2", 0.0, 30.0, "gravity"},
 }};
 
+/// Parameters of the linear hopper.
 template <class T>
 struct HopperLinearParameters {
-  T mass_kg{}, stiffness_npm{}, rest_height_m{}, damping_stance_nspm{}, damping_flight_nspm{};
-  T restitution_touchdown{}, restitution_liftoff{}, link_length_m{}, touchdown_angle_rad{}, gravity_mps2{};
+  T mass_kg{},                ///< of body and leg
+      stiffness_npm{},        ///< of the virtual spring between hip and toe
+      rest_height_m{},        ///< height at which the spring is relaxed
+      damping_stance_nspm{},  ///< viscous in stance, guide and leg together
+      damping_flight_nspm{};  ///< viscous of the guide, in both phases
+  T restitution_touchdown{},  ///< velocity after touch-down over velocity before
+      restitution_liftoff{},  ///< velocity after lift-off over velocity before
+      link_length_m{},        ///< of each of the four links
+      touchdown_angle_rad{},  ///< leg angle from the vertical on the leg's stop
+      gravity_mps2{};         ///< magnitude
 
-  using Self = HopperLinearParameters;
+  using Self = HopperLinearParameters;  ///< this struct
+  /// Pointers to the members, in the order of the table of parameters.
   static constexpr std::array<T Self::*, 10> kMembers{&Self::mass_kg,
                                                       &Self::stiffness_npm,
                                                       &Self::rest_height_m,
@@ -41,7 +51,7 @@ struct HopperLinearParameters {
   static_assert(kMembers.size() == kHopperLinearParameters.size());
 };
 
-// Of a hopper that has a clutch, beside its table; without one they are all 0, or not there.
+/// Parameters of a hopper's clutch, beside the hopper's table; without a clutch they are all 0, or absent.
 inline constexpr std::array<ParameterInfo, 4> kClutchParameters{{
     {"release_delay_s", "s", 0.0, 1.0, "from the coil's switching on until the belt is free"},
     {"catch_delay_s", "s", 0.0, 1.0, "from its switching off until the belt is held"},
@@ -49,25 +59,33 @@ inline constexpr std::array<ParameterInfo, 4> kClutchParameters{{
     {"tooth_pitch_m", "m", 0.0, 0.1, "of the belt, as seen along the leg; 0: no clutch"},
 }};
 
-/// Its pitch is 0 where there is none.
+/// Parameters of a hopper's clutch.
 template <class T>
 struct HopperClutchParameters {
-  T release_delay_s{}, catch_delay_s{}, auxiliary_stiffness_npm{}, tooth_pitch_m{};
+  T release_delay_s{},            ///< from switching the coil on until the belt is free
+      catch_delay_s{},            ///< from switching it off until the belt is held
+      auxiliary_stiffness_npm{},  ///< of the auxiliary spring, along the leg
+      tooth_pitch_m{};            ///< of the belt, along the leg; 0: no clutch
 };
 
 namespace machines {
 
+/// The hopper with massless links.
 struct HopperLinear {
+  /// Names, parameters and location types.
   static constexpr MachineInfo kInfo{
       .name = "hopper_linear",
       .rig = "hopper",
       .parameters = kHopperLinearParameters,
       .seats = Seat::axis | Seat::rail | Seat::drive | Seat::motor | Seat::leg | Seat::light_leg};
+  /// Its parameters in scalar T.
   template <class T>
   using Parameters = HopperLinearParameters<T>;
+  /// Its plant in scalar T, with all effects that apply to it.
   template <class T>
   using Plant = Hopper<T>;
-  static const furcula::machines::Rules& rules();  ///< host/machines/hopper.cpp
+  /// Rules for the host, defined in host/machines/hopper.cpp.
+  static const furcula::machines::Rules& rules();
 };
 
 }  // namespace machines

@@ -72,7 +72,8 @@ typename M::Joints bias_forces(const M& model, const typename M::Joints& q, cons
   return body_torques(model, q, qd, none);
 }
 
-/// Rows of the joint-space inertia, kg m^2, armature included; symmetric, both halves filled. Entries beyond the model's joints are not set.
+/// Rows of the joint-space inertia, kg m^2, armature included; symmetric, both halves filled. Entries beyond the model's
+/// joints are not set.
 template <class M>
 using MassMatrix = std::array<typename M::Joints, M::kCapacity>;
 

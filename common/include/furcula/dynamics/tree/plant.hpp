@@ -224,8 +224,8 @@ class Plant {
     return sum;
   }
 
-  /// Of each joint, positive while its mode lasts: its velocity in its direction or its way to the binding spot's
-  /// next edge, whichever is less, or what its static friction has left; zero without dry friction.
+  /// Margin of each joint, positive while its mode lasts: its velocity in its direction or its distance to the binding spot's
+  /// next edge, whichever is less; of a held joint, break-away torque less holding torque. Zero without dry friction.
   template <class S>
   Of<S> margins(const Model<S, P>& m, const State<S>& s, const Of<S>& torque) const {
     Of<S> out{};
@@ -309,9 +309,9 @@ class Plant {
                           : Spot::beyond;
   }
 
-  /// A quarter of a radian of the fastest oscillation (a period then loses 1e-4 of its energy), and of the time
-  /// of the fastest decay by a law that bends, joint by joint: drag counts at the velocity of the start, the
-  /// Stribeck curve where it is steepest. Half of the time of a viscous decay: a step is then wrong by 4e-4 of it.
+  /// The step, joint by joint: a quarter of a radian of the fastest oscillation (a period then loses 1e-4 of its energy), a
+  /// quarter of the time constant of the fastest non-linear damping (drag at the start velocity, the Stribeck curve where it
+  /// is steepest), and half of the time constant of viscous damping (the error of a step is then 4e-4 of it).
   V stable_step() const {
     const Model<V, P>& m = plain_model();
     const State<V> s = plain(state_);

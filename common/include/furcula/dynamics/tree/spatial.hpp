@@ -20,22 +20,27 @@ struct Vec3 {
       z;  ///< third component
 };
 
+/// Sum by components.
 template <class A, class B>
 constexpr Vec3<Product<A, B>> operator+(const Vec3<A>& a, const Vec3<B>& b) {
   return {a.x + b.x, a.y + b.y, a.z + b.z};
 }
+/// Difference by components.
 template <class A, class B>
 constexpr Vec3<Product<A, B>> operator-(const Vec3<A>& a, const Vec3<B>& b) {
   return {a.x - b.x, a.y - b.y, a.z - b.z};
 }
+/// The opposite vector.
 template <class T>
 constexpr Vec3<T> operator-(const Vec3<T>& a) {
   return {-a.x, -a.y, -a.z};
 }
+/// Vector times scalar.
 template <class A, class B>
 constexpr Vec3<Product<A, B>> operator*(const Vec3<A>& a, const B& b) {
   return {a.x * b, a.y * b, a.z * b};
 }
+/// Adds a vector.
 template <class T>
 constexpr Vec3<T>& operator+=(Vec3<T>& a, const Vec3<T>& b) {
   return a = a + b;
@@ -69,6 +74,7 @@ template <class T>
 constexpr Mat3<T> transposed(const Mat3<T>& m) {
   return {{m.x.x, m.y.x, m.z.x}, {m.x.y, m.y.y, m.z.y}, {m.x.z, m.y.z, m.z.z}};
 }
+/// Matrix times vector.
 template <class A, class B>
 constexpr Vec3<Product<A, B>> operator*(const Mat3<A>& m, const Vec3<B>& v) {
   return {dot(m.x, v), dot(m.y, v), dot(m.z, v)};
@@ -79,6 +85,7 @@ constexpr Vec3<Product<A, B>> transposed_times(const Mat3<A>& m, const Vec3<B>& 
   return {m.x.x * v.x + m.y.x * v.y + m.z.x * v.z, m.x.y * v.x + m.y.y * v.y + m.z.y * v.z,
           m.x.z * v.x + m.y.z * v.y + m.z.z * v.z};
 }
+/// Matrix product.
 template <class A, class B>
 constexpr Mat3<Product<A, B>> operator*(const Mat3<A>& a, const Mat3<B>& b) {
   return {transposed_times(b, a.x), transposed_times(b, a.y), transposed_times(b, a.z)};
@@ -95,10 +102,12 @@ struct Sym3 {
       zz;  ///< row 3, column 3
 };
 
+/// Sum by entries.
 template <class A, class B>
 constexpr Sym3<Product<A, B>> operator+(const Sym3<A>& a, const Sym3<B>& b) {
   return {a.xx + b.xx, a.xy + b.xy, a.xz + b.xz, a.yy + b.yy, a.yz + b.yz, a.zz + b.zz};
 }
+/// Matrix times vector.
 template <class A, class B>
 constexpr Vec3<Product<A, B>> operator*(const Sym3<A>& s, const Vec3<B>& v) {
   return {s.xx * v.x + s.xy * v.y + s.xz * v.z, s.xy * v.x + s.yy * v.y + s.yz * v.z,
@@ -139,14 +148,17 @@ struct Force {
       f;      ///< force, N; or linear momentum, N s
 };
 
+/// Sum of motions at the same frame.
 template <class T>
 constexpr Motion<T> operator+(const Motion<T>& a, const Motion<T>& b) {
   return {a.w + b.w, a.v + b.v};
 }
+/// Sum of forces at the same frame.
 template <class T>
 constexpr Force<T> operator+(const Force<T>& a, const Force<T>& b) {
   return {a.n + b.n, a.f + b.f};
 }
+/// Adds a force at the same frame.
 template <class T>
 constexpr Force<T>& operator+=(Force<T>& a, const Force<T>& b) {
   return a = a + b;
@@ -206,6 +218,7 @@ struct Inertia {
   }
 };
 
+/// Inertia of two bodies joined, both about the same frame's origin.
 template <class A, class B>
 constexpr Inertia<Product<A, B>> operator+(const Inertia<A>& a, const Inertia<B>& b) {
   return {a.mass_kg + b.mass_kg, a.moment_kgm + b.moment_kgm, a.inertia_kgm2 + b.inertia_kgm2};
