@@ -56,8 +56,7 @@ typename M::Scalar kinetic_energy_j(const M& model, const typename M::Joints& q,
   return twice * V(0.5);
 }
 
-/// Potential energy of gravity (zero with all centres of mass at the world's origin) and of the joints' springs, J. The
-/// unilateral springs are not included.
+/// Potential energy of gravity (zero with all centres of mass at the world's origin) and of the joints' springs, J.
 template <class M>
 typename M::Scalar potential_energy_j(const M& model, const typename M::Joints& q) {
   using T = typename M::Scalar;
@@ -67,8 +66,10 @@ typename M::Scalar potential_energy_j(const M& model, const typename M::Joints& 
   for (std::size_t i = 0; i < model.count(); ++i) {
     const Inertia<T> b = model.body(i);
     const Vec3<T> moment = frames[i].at * b.mass_kg + transposed_times(frames[i].turn, b.moment_kgm);
-    const T stretch = q[i] - model.laws[i].rest_rad;
-    out += model.laws[i].stiffness_nmprad * stretch * stretch * V(0.5) - dot(model.gravity_mps2, moment);
+    const JointLaw<T>& law = model.laws[i];
+    const T stretch = q[i] - law.rest_rad, beyond = q[i] - law.one_way_rest_rad;
+    out += law.stiffness_nmprad * stretch * stretch * V(0.5) + one_way_torque(law, q[i]) * beyond * V(0.5) -
+           dot(model.gravity_mps2, moment);
   }
   return out;
 }

@@ -321,8 +321,8 @@ class Plant {
     const Of<V> without = accelerations(m, s.position, still, torque);
     for (std::size_t i = 0; i < count(); ++i) {
       const JointLaw<V>& law = m.laws[i];
-      V stiffness = law.stiffness_nmprad, damping = law.damping_nmspr, mobility = V(0), decay = V(0);
-      if (law.two_sided) stiffness += law.one_way_nmprad;
+      V stiffness = law.stiffness_nmprad + law.one_way_nmprad, damping = law.damping_nmspr, mobility = V(0),
+        decay = V(0);
       if (law.elastic) {
         mobility = V(1) / law.armature_kgm2;
         decay = law.rotor_damping_nmspr * mobility;
