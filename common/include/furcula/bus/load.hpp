@@ -25,8 +25,8 @@ constexpr std::uint32_t worst_bits(std::uint8_t bytes) {
 
 /// A message that is sent so many times a second.
 struct Traffic {
-  const Message* message;
-  std::uint32_t times_a_second;
+  const Message* message;        ///< row of the table of messages, not null; its full size is counted
+  std::uint32_t times_a_second;  ///< frames per second, of all nodes together
 };
 
 /// Share of the bus that all of it takes, at worst; above 1 the bus cannot hold it.

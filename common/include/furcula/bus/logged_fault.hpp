@@ -10,6 +10,7 @@ inline constexpr std::uint32_t kNoTick = 0xffffffffu;
 /// That a robot keeps and shows.
 inline constexpr std::uint32_t kLoggedFaults = 8;
 
+/// An entry of the fault log.
 struct LoggedFault {
   std::uint32_t tick = 0;    ///< since that start, ms
   std::uint16_t fault = 0;   ///< number in the table of faults (control/fault.hpp); 0: there is no such entry

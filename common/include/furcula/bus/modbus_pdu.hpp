@@ -27,13 +27,18 @@ concept Registers = requires(R& registers, std::uint16_t first, std::span<std::u
   { registers.identification(object) } -> std::same_as<std::string_view>;
 };
 
+/// The response's PDU: function code and data, or function code + 128 and exception code.
 struct Response {
-  std::array<std::uint8_t, kPduBytesMax> bytes;
-  std::size_t size = 0;
+  std::array<std::uint8_t, kPduBytesMax> bytes;  ///< only the first `size` are set
+  std::size_t size = 0;                          ///< bytes of the PDU so far, at most kPduBytesMax
 
+  /// The bytes to be sent. They stay valid as long as this object.
   constexpr std::span<const std::uint8_t> pdu() const { return {bytes.data(), size}; }
+  /// Whether the PDU is an exception response.
   constexpr bool is_exception() const { return size == 2 && (bytes[0] & 0x80u) != 0; }
+  /// Appends the low eight bits of `byte`. The capacity is not checked.
   constexpr void put(std::uint32_t byte) { bytes[size++] = static_cast<std::uint8_t>(byte & 0xffu); }
+  /// Appends registers, the more significant byte of each first. The capacity is not checked.
   constexpr void put_words(std::span<const std::uint16_t> words) {
     // A byte that is stored might be any object's, for all that the compiler knows: the place is a local one.
     std::size_t at = size;

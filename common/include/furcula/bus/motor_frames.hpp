@@ -10,18 +10,21 @@
 
 namespace furcula::bus {
 
+/// Set points of the drive's impedance control: the drive adds `torque_nm` to stiffness times position error
+/// and damping times velocity error.
 struct MotorCommand {
-  float position_rad = 0.0f;
-  float velocity_radps = 0.0f;
-  float stiffness_nmpr = 0.0f;
-  float damping_nmspr = 0.0f;
-  float torque_nm = 0.0f;
+  float position_rad = 0.0f;    ///< target, in the drive's direction and from the drive's zero
+  float velocity_radps = 0.0f;  ///< target, in the drive's direction
+  float stiffness_nmpr = 0.0f;  ///< gain of the position error (kp), N m/rad
+  float damping_nmspr = 0.0f;   ///< gain of the velocity error (kd), N m s/rad
+  float torque_nm = 0.0f;       ///< feed-forward, in the drive's direction
 };
 
+/// What the drive measures and sends after each command.
 struct MotorReply {
-  float position_rad = 0.0f;
-  float velocity_radps = 0.0f;
-  float torque_nm = 0.0f;
+  float position_rad = 0.0f;     ///< in the drive's direction and from the drive's zero
+  float velocity_radps = 0.0f;   ///< in the drive's direction
+  float torque_nm = 0.0f;        ///< in the drive's direction, as the drive estimates it
   bool long_reply = false;       ///< the two that follow were there
   std::uint8_t temperature = 0;  ///< as the drive sends it
   std::uint8_t error = 0;        ///< 0: none

@@ -13,6 +13,7 @@
 
 namespace furcula::bus {
 
+/// A drive whose ranges are known.
 enum class Motor : std::uint8_t {
   mini_cheetah = 0,
   ak10_9 = 1,
@@ -27,16 +28,17 @@ enum class Motor : std::uint8_t {
 
 /// Position, velocity and torque go from minus to plus their maximum, the gains from 0.
 struct MotorInfo {
-  Motor motor;
-  std::string_view name;
-  float position_max_rad;
-  float velocity_max_radps;
-  float torque_max_nm;
+  Motor motor;               ///< its number is the row's index
+  std::string_view name;     ///< as in configuration files; the enumerator's
+  float position_max_rad;    ///< the packed position covers -max to +max
+  float velocity_max_radps;  ///< the packed velocity covers -max to +max
+  float torque_max_nm;       ///< the packed torque covers -max to +max
   float stiffness_max_nmpr;  ///< kp
   float damping_max_nmspr;   ///< kd
   std::uint8_t reply_bytes;  ///< 6, or 8 with temperature and error code
 };
 
+/// The table of motors, in the order of their numbers.
 inline constexpr std::array<MotorInfo, 8> kMotors{{
     {Motor::mini_cheetah, "mini_cheetah", 12.5f, 65.0f, 18.0f, 500.0f, 5.0f, 6},
     {Motor::ak10_9, "ak10_9", 12.5f, 50.0f, 65.0f, 500.0f, 5.0f, 8},
@@ -48,6 +50,7 @@ inline constexpr std::array<MotorInfo, 8> kMotors{{
     {Motor::biped_joint, "biped_joint", 3.2f, 20.0f, 220.0f, 4000.0f, 100.0f, 8},
 }};
 
+/// The motor's row of the table.
 constexpr const MotorInfo& info(Motor motor) { return kMotors[static_cast<std::size_t>(motor)]; }
 
 static_assert(

@@ -72,10 +72,11 @@ enum class ParameterOrigin : std::uint8_t {
 /// Why it started.
 enum class ResetCause : std::uint8_t { unknown = 0, power = 1, pin = 2, software = 3, watchdog = 4 };
 
+/// A row of one of the tables below: the text for one enumerator.
 struct Word {
-  std::uint8_t number;
-  std::string_view name;
-  std::string_view meaning;
+  std::uint8_t number;       ///< the enumerator's value and the row's index
+  std::string_view name;     ///< as in telemetry and commands; the enumerator's
+  std::string_view meaning;  ///< one or two sentences for the documentation and messages
 };
 
 inline constexpr std::array<Word, 5> kNodeStates{{

@@ -13,6 +13,7 @@
 
 namespace furcula::bus {
 
+/// What a RegisterRequest asks for.
 enum class RegisterOperation : std::uint8_t {
   read_input = 0,
   read_holding = 1,
@@ -21,23 +22,29 @@ enum class RegisterOperation : std::uint8_t {
   read_text = 4,
 };
 
+/// A request for one register or text, sent to a node.
 struct RegisterRequest {
-  std::uint8_t version = kProtocolVersion;
-  RegisterOperation operation = RegisterOperation::read_input;
-  std::uint8_t sequence = 0;
-  std::uint16_t address = 0;
-  std::uint32_t value = 0;
+  std::uint8_t version = kProtocolVersion;                      ///< of the protocol, 4 bits
+  RegisterOperation operation = RegisterOperation::read_input;  ///< what to do, 4 bits
+  std::uint8_t sequence = 0;  ///< chosen by the sender; the answer repeats it
+  std::uint16_t address = 0;  ///< of the first register; for `request` the key
+  std::uint32_t value = 0;    ///< read: number of registers, 1 to 125 (read_text: the object's number);
+      ///< write: two registers, the first one high; request: 65536 x session + request
 
+  /// Compares all fields.
   constexpr bool operator==(const RegisterRequest&) const = default;
 };
 
+/// A node's answer to a RegisterRequest.
 struct RegisterAnswer {
-  std::uint8_t version = kProtocolVersion;
-  ModbusException status = ModbusException::none;
-  std::uint8_t sequence = 0;
-  std::uint16_t address = 0;
-  std::uint32_t value = 0;
+  std::uint8_t version = kProtocolVersion;         ///< of the protocol, 4 bits
+  ModbusException status = ModbusException::none;  ///< `none`: done
+  std::uint8_t sequence = 0;                       ///< of the request
+  std::uint16_t address = 0;  ///< of the first of both registers; of a text from 0, two characters a step
+  std::uint32_t value = 0;    ///< two registers, the first one high, the last of an odd number alone;
+                              ///< of a text four characters; what was written, where nothing was read
 
+  /// Compares all fields.
   constexpr bool operator==(const RegisterAnswer&) const = default;
 };
 
@@ -78,10 +85,12 @@ constexpr T parts_of(const Frame& frame, Code T::*code) {
 
 }  // namespace table
 
+/// The frame of a request to `node`.
 constexpr Frame pack(const RegisterRequest& r, std::uint8_t node) {
   return table::register_frame(message::kRegisterRequest, node, r.version,
                                static_cast<std::uint32_t>(r.operation), r.sequence, r.address, r.value);
 }
+/// The frame of an answer of `node`.
 constexpr Frame pack(const RegisterAnswer& a, std::uint8_t node) {
   return table::register_frame(message::kRegisterAnswer, node, a.version,
                                static_cast<std::uint32_t>(a.status), a.sequence, a.address, a.value);

@@ -19,7 +19,7 @@
 
 namespace furcula::bus {
 
-/// Of this table; a master refuses a node that shows another.
+/// Version of this table; a master refuses a node that shows another.
 inline constexpr std::uint16_t kRegistersVersion = 2;
 
 /// Exception codes of MODBUS Application Protocol V1.1b3, section 7.
@@ -41,38 +41,69 @@ struct BusCounts {
 
 /// All that a node shows, as of its last tick.
 struct Snapshot {
-  std::uint16_t registers_version = kRegistersVersion;
-  std::uint16_t state = 0, reason = 0, fault = 0, last_refusal = 0, session = 0, parameter_origin = 0;
-  std::uint16_t phase = 0, contact = 0, clutch_stage = 0;
-  std::uint32_t firmware_version = 0, build_id = 0, board_id = 0;
-  std::uint32_t uptime_ms = 0;
-  float height_m = 0.0f, velocity_mps = 0.0f, apex_height_m = 0.0f, leg_angle_rad = 0.0f, torque_nm = 0.0f;
-  float cable_travel_m = 0.0f, coil_duty = 0.0f;
-  std::uint32_t missed_samples = 0, refused_by_drive = 0, last_interval_us = 0, longest_interval_us = 0;
-  std::uint32_t releases = 0, catches = 0, missed_catches = 0;
-  std::uint32_t requests_taken = 0, requests_refused = 0, stale_stops = 0;
-  std::uint32_t bus_requests = 0, bus_exceptions = 0, bus_bad_frames = 0;
-  std::uint16_t reset_cause = 0, logged_faults = 0;
-  std::uint32_t starts = 0, unique_id_0 = 0, unique_id_1 = 0, unique_id_2 = 0;
-  std::uint16_t observed_contact = 0;
-  float ground_force_n = 0.0f;
+  std::uint16_t registers_version = kRegistersVersion;  ///< of the table of registers
+  std::uint16_t state = 0,                              ///< number of the NodeState
+      reason = 0,                                       ///< number of the Reason why the robot does not move
+      fault = 0,             ///< number in the table of faults (control/fault.hpp); 0: none
+      last_refusal = 0,      ///< number of the Refusal of the last write or request that was refused
+      session = 0,           ///< to be sent with the next request
+      parameter_origin = 0;  ///< number of the ParameterOrigin
+  std::uint16_t phase = 0,   ///< 0: flight, 1: stance
+      contact = 0,           ///< raw contact switch; 1: closed
+      clutch_stage = 0;      ///< number of the control::ClutchStage
+  std::uint32_t firmware_version = 0,  ///< as version_number() makes it
+      build_id = 0,                    ///< of the image, as the board's build gives it
+      board_id = 0;                    ///< board_id() of the board's name
+  std::uint32_t uptime_ms = 0;         ///< ticks since the start
+  float height_m = 0.0f,               ///< of the body's centre of mass; not a number: not homed
+      velocity_mps = 0.0f,             ///< of the body, positive upwards
+      apex_height_m = 0.0f,            ///< of the last whole flight
+      leg_angle_rad = 0.0f,            ///< from the vertical, on the motor's side
+      torque_nm = 0.0f;                ///< commanded
+  float cable_travel_m = 0.0f,         ///< of the clutch's cable, as seen along the leg
+      coil_duty = 0.0f;                ///< share of the supply across the coil, 0 to 1
+  std::uint32_t missed_samples = 0,    ///< ticks without an answer of the sensors
+      refused_by_drive = 0,            ///< commands that the drive did not take
+      last_interval_us = 0,            ///< between the last two ticks
+      longest_interval_us = 0;         ///< greatest between two ticks since the node was first idle
+  std::uint32_t releases = 0,          ///< of the spring, seen to let go
+      catches = 0,                     ///< of the spring, verified in flight
+      missed_catches = 0;              ///< stances that began on a free spring
+  std::uint32_t requests_taken = 0,    ///< requests and parameter writes that were done
+      requests_refused = 0,            ///< requests and parameter writes that were refused
+      stale_stops = 0;                 ///< stops because a stream of commands, or the host, fell silent
+  std::uint32_t bus_requests = 0,      ///< as BusCounts::requests
+      bus_exceptions = 0,              ///< as BusCounts::exceptions
+      bus_bad_frames = 0;              ///< as BusCounts::bad_frames
+  std::uint16_t reset_cause = 0,       ///< number of the ResetCause
+      logged_faults = 0;               ///< entries of the fault log
+  std::uint32_t starts = 0,            ///< since the fault log was cleared, this one included
+      unique_id_0 = 0,                 ///< of the chip, bits 0 to 31; 0: it has none
+      unique_id_1 = 0,                 ///< of the chip, bits 32 to 63
+      unique_id_2 = 0;                 ///< of the chip, bits 64 to 95
+  std::uint16_t observed_contact = 0;  ///< by the contact observer, without the switch; 1: on the ground
+  float ground_force_n = 0.0f;         ///< on the toe, along the leg, by the contact observer
 };
 
+/// Type of a number in the table: u16 has one register, u32 and real (IEEE 754, 32 bits) have two.
 enum class RegisterType : std::uint8_t { u16, u32, real };
+/// Number of registers of that type.
 constexpr std::uint16_t words(RegisterType type) { return type == RegisterType::u16 ? 1 : 2; }
 
 /// A number in a block of registers that `Owner` is.
 template <class Owner>
 struct RegisterOf {
-  std::uint16_t address;  ///< from the block's begin
-  std::string_view name;
-  RegisterType type;
-  std::string_view unit;
-  std::string_view meaning;
+  std::uint16_t address;               ///< from the block's begin
+  std::string_view name;               ///< that of the member of `Owner`, but "start" for LoggedFault::starts
+  RegisterType type;                   ///< gives the number of registers, words(type)
+  std::string_view unit;               ///< empty: a number without unit, or a code
+  std::string_view meaning;            ///< description for the documentation
   std::uint32_t (*get)(const Owner&);  ///< its bits
-  void (*put)(Owner&, std::uint32_t);
+  void (*put)(Owner&, std::uint32_t);  ///< sets the number from its bits
 };
+/// An input register or pair of them, of the block that a Snapshot makes.
 using InputRegister = RegisterOf<Snapshot>;
+/// A register or pair of them, of an entry of the fault log.
 using LogRegister = RegisterOf<LoggedFault>;
 
 namespace table {
@@ -211,16 +242,20 @@ inline constexpr std::uint16_t kRequestKeyAddress = 0, kRequestSessionAddress = 
 inline constexpr std::uint16_t kRequestWords = 3;
 inline constexpr std::uint16_t kRequestKey = 0x4655;  ///< "FU"
 
-/// Of a parameter's two holding registers.
+/// Address of the first parameter; each parameter has two holding registers.
 inline constexpr std::uint16_t kParameterBase = 256;
+/// Address of the first of the parameter's two holding registers.
 constexpr std::uint16_t address_of(const Parameter& p) {
   return static_cast<std::uint16_t>(kParameterBase + 2 * (p.number - 1));
 }
 inline constexpr std::uint16_t kParameterWords = 2 * kParameters.size();
 static_assert(kParameterWords <= 123, "all of them are written by one request");
 
+/// The more significant 16 bits: the first register of a number of 32 bits.
 constexpr std::uint16_t high_word(std::uint32_t bits) { return static_cast<std::uint16_t>(bits >> 16); }
+/// The less significant 16 bits: the second register of a number of 32 bits.
 constexpr std::uint16_t low_word(std::uint32_t bits) { return static_cast<std::uint16_t>(bits & 0xffffu); }
+/// The number of 32 bits from its two registers.
 constexpr std::uint32_t bits_of(std::uint16_t high, std::uint16_t low) {
   return static_cast<std::uint32_t>(high) << 16 | low;
 }
@@ -270,6 +305,7 @@ inline std::array<std::uint16_t, kParameterWords> to_words(const control::Config
   table::put_words(config, out, std::make_index_sequence<kParameters.size()>());
   return out;
 }
+/// Inverse of to_words().
 constexpr Snapshot from_words(const std::array<std::uint16_t, kInputWords>& in) {
   Snapshot snapshot;
   for (const InputRegister& r : kInputRegisters) r.put(snapshot, table::bits_at(in, r.address, r.type));
@@ -297,18 +333,19 @@ constexpr std::uint32_t board_id(std::string_view name) {
   for (const char c : name) hash = (hash ^ static_cast<std::uint8_t>(c)) * 0x01000193u;
   return hash;
 }
+/// 65536 x major + 256 x minor + patch. `minor` and `patch` are below 256.
 constexpr std::uint32_t version_number(std::uint32_t major, std::uint32_t minor, std::uint32_t patch) {
   return major << 16 | minor << 8 | patch;
 }
 
 /// Who a node is. The texts outlive it.
 struct Identity {
-  std::string_view board;  ///< the name of its folder
-  std::string_view text;   ///< version and build in words
-  std::uint32_t firmware_version = 0;
-  std::uint32_t build_id = 0;
-  ResetCause reset_cause = ResetCause::unknown;
-  std::array<std::uint32_t, 3> unique_id{};  ///< least significant word first; 0: it has none
+  std::string_view board;                        ///< the name of its folder
+  std::string_view text;                         ///< version and build in words
+  std::uint32_t firmware_version = 0;            ///< as version_number() makes it
+  std::uint32_t build_id = 0;                    ///< of the image, as the board's build gives it
+  ResetCause reset_cause = ResetCause::unknown;  ///< why it started
+  std::array<std::uint32_t, 3> unique_id{};      ///< least significant word first; 0: it has none
 };
 
 }  // namespace furcula::bus

@@ -11,11 +11,12 @@ namespace furcula::bus {
 
 /// The three signals that begin every own message but the heartbeat.
 struct Stamp {
-  std::uint8_t version = kProtocolVersion;
-  std::uint8_t sequence = 0;
+  std::uint8_t version = kProtocolVersion;  ///< of the protocol
+  std::uint8_t sequence = 0;                ///< one more in each message of the stream; wraps at 256
   float age_s = 0.0f;  ///< of the content when it was sent; 0.0255: older than can be told
 };
 
+/// Greatest age that can be sent, s; it means "this old or older".
 inline constexpr float kOldestAge = 0.0255f;
 
 /// `invalid`: an age that is not a number, or a frame too short. An age below 0 is 0.
@@ -25,6 +26,7 @@ constexpr Status put_stamp(Frame& frame, const Stamp& stamp) {
   return put_raw(frame, table::sequence(), stamp.sequence);
 }
 
+/// `invalid`: a frame too short.
 constexpr Result<Stamp> get_stamp(const Frame& frame) {
   const Result<float> age_s = get(frame, table::age());
   if (!age_s.ok()) return age_s.status();
@@ -32,6 +34,7 @@ constexpr Result<Stamp> get_stamp(const Frame& frame) {
                static_cast<std::uint8_t>(get_raw(frame, table::sequence()).value()), age_s.value()};
 }
 
+/// What arrive() finds of a message.
 enum class Arrival : std::uint8_t {
   fresh,          ///< use it
   after_gap,      ///< use it; messages before it were lost
@@ -40,15 +43,18 @@ enum class Arrival : std::uint8_t {
   stale,          ///< the next one, but its content is too old
   other_version,  ///< of another protocol version: nothing in it is known
 };
+/// Whether the message's content may be used.
 constexpr bool usable(Arrival arrival) { return arrival == Arrival::fresh || arrival == Arrival::after_gap; }
 
+/// Limits by which arrive() judges a message.
 struct StreamLimits {
   float oldest_s = 0.005f;   ///< content older than this is stale; kOldestAge and more is so in any case
   float silence_s = 0.100f;  ///< after a silence this long the sender counts as started anew
 };
 
+/// State of the receiver of one stream.
 struct Stream {
-  bool begun = false;
+  bool begun = false;         ///< a message of this protocol version has arrived
   std::uint8_t sequence = 0;  ///< of the newest
   std::uint32_t lost = 0;     ///< messages that never came, or came out of order
 };

@@ -16,15 +16,19 @@
 
 namespace furcula::bus {
 
+/// Address of one joint's drive.
 struct WalkerDrive {
-  std::string_view joint;
-  std::uint8_t bus;  ///< 0: the left leg's, 1: the right one's
+  std::string_view joint;  ///< name as in the controller, for example left_knee
+  std::uint8_t bus;        ///< 0: the left leg's, 1: the right one's
   std::uint8_t
       node;  ///< no two joints have the same, on either bus: a plug in the wrong socket is silent, not another joint
 };
 
+/// Type of all twelve drives.
 inline constexpr Motor kWalkerMotor = Motor::biped_joint;
+/// Buses with drives: one a leg.
 inline constexpr std::size_t kWalkerBuses = 2;
+/// Rate at which each drive is commanded and replies.
 inline constexpr std::uint32_t kWalkerDrive_hz = 500;
 
 /// In the order of the controller's joints (control/walk/walker_sample.hpp).
@@ -53,7 +57,7 @@ constexpr double walker_load(std::uint32_t drives, std::uint32_t hz) {
   return worst_load(all);
 }
 
-/// What the body's bus carries where IMU, feet and pins are on one, times a second: with it are a desk and what the board tells.
+/// What the body's bus carries where IMU, feet and pins are on one, times a second: the host's commands and the board's own messages are included.
 inline constexpr std::array<Traffic, 9> kWalkerBodyTraffic{{{&message::kGyro, 1000},
                                                             {&message::kAcceleration, 1000},
                                                             {&message::kFeet, 1000},

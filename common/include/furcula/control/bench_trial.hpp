@@ -6,12 +6,12 @@
 
 namespace furcula::control {
 
+/// Whether the board is on the clutch's bench, and the times of a trial.
 struct BenchConfig {
   /// 1: the board is a clutch's on its bench, without leg, rail and drive; to run is to make one trial.
   std::uint32_t on_bench = 0;
-  // In ticks, that is, ms.
-  std::uint32_t rest_ticks = 20;    ///< before the release command
-  std::uint32_t window_ticks = 40;  ///< from the release command to the catch command
+  std::uint32_t rest_ticks = 20;    ///< before the release command; a tick is 1 ms
+  std::uint32_t window_ticks = 40;  ///< from the release command to the catch command; the coil is on
   std::uint32_t watch_ticks = 500;  ///< after the catch command
 };
 
@@ -20,10 +20,12 @@ constexpr std::uint32_t trial_rows(const BenchConfig& c) {
   return c.rest_ticks + c.window_ticks + c.watch_ticks + 1;
 }
 
+/// Progress of a trial; a new one begins with the default values.
 struct BenchState {
   std::uint32_t rows = 0;  ///< of the trial so far
 };
 
+/// What one tick of the bench yields.
 struct TrialEstimate {
   std::uint32_t row = 0;  ///< which this tick's sample is
   bool runs = false;      ///< this tick's sample is a row

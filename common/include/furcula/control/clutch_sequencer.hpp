@@ -18,10 +18,10 @@ struct ClutchConfig {
   std::uint32_t fitted = 0;             ///< 1: the robot has a clutch
   std::uint32_t release_in_flight = 0;  ///< 1; 0: the spring stays caught
   float metres_per_count = 3.5714e-5f;  ///< 2400 counts a turn of 60 mm of cable, 0.7 of cable to one of leg
-  float tooth_pitch_m = 4.2857e-3f;
-  float tooth_play_m = 1.4286e-3f;  ///< way of a caught belt between the key's flanks
-  float spring_npm = 605.0f;
-  float spring_rest_m = 0.289f;  ///< leg's length at which the caught spring is relaxed
+  float tooth_pitch_m = 4.2857e-3f;     ///< cable travel from one tooth to the next
+  float tooth_play_m = 1.4286e-3f;      ///< travel of a caught belt between the key's flanks
+  float spring_npm = 605.0f;            ///< stiffness of the spring along the leg
+  float spring_rest_m = 0.289f;         ///< leg's length at which the caught spring is relaxed
 
   float contraction_m =
       0.0f;  ///< by which the leg folds in flight; also without a release, where none is asked
@@ -41,7 +41,7 @@ struct ClutchConfig {
   float homing_s = 0.012f;      ///< that the cable takes to come to rest
   /// Fold whose pull moves a cable that is not held, and also one that only the key's tips rub on.
   float test_pull_m = 0.010f;
-  float test_s = 0.040f;
+  float test_s = 0.040f;      ///< duration of the test pull, from the stretched leg and back
   float straight_m = 0.004f;  ///< a leg that is shorter by less is on its stop
   float onset_m = 0.004f;     ///< fold at which a free cable starts to move
   float creep_s = 0.0005f;    ///< by which the release is taken to be faster until the leg has to wait for it
@@ -62,45 +62,51 @@ struct ClutchCounts {
   std::uint32_t missed = 0;           ///< stances that began on a free spring
 };
 
+/// State of sequence_clutch(). Made by begin_clutch().
 struct ClutchState {
-  ClutchStage stage = ClutchStage::caught;
-  std::uint8_t next = 0;  ///< in the ring of counts
-  bool coil = false;
-  bool tried = false;        ///< in this flight
-  bool began_held = true;    ///< the release of this flight, with the cable held by the key
-  bool released = false;     ///< in this flight: the cable was seen to move
-  bool waited = false;       ///< in this flight: the leg, for the cable
-  bool missed_here = false;  ///< this stance is counted as missed
-  std::uint32_t ticks_in_stage = 0;
-  std::uint32_t ticks_of_coil = 0;                   ///< since it was switched last
-  std::array<std::int32_t, 4> cable_counts{};        ///< of the last ticks, a ring
-  float landed_m = 0.0f;                             ///< travel at touch-down
-  float held_m = 0.0f;                               ///< where the flank was that held the cable
-  std::int32_t tooth = 0;                            ///< at which the cable is to be caught
-  float contraction_m = 0.0f, contraction_s = 1.0f;  ///< of this flight
-  float hold_m = 0.0f;                               ///< fold that brings the tooth under the key
-  float release_delay_s = 0.0f;
-  float held_after_s = 0.0f;  ///< shortest wait after which a catch held
-  float free_after_s = 0.0f;  ///< longest wait after which one did not
-  std::uint32_t flights = 0, failed_running = 0, slipped_running = 0, missed_running = 0;
-  ClutchCounts counts;
+  ClutchStage stage = ClutchStage::caught;  ///< as of the last tick
+  std::uint8_t next = 0;             ///< index of the oldest entry of `cable_counts`, which is replaced next
+  bool coil = false;                 ///< wanted on
+  bool tried = false;                ///< in this flight
+  bool began_held = true;            ///< the release of this flight, with the cable held by the key
+  bool released = false;             ///< in this flight: the cable was seen to move
+  bool waited = false;               ///< in this flight: the leg, for the cable
+  bool missed_here = false;          ///< this stance is counted as missed
+  std::uint32_t ticks_in_stage = 0;  ///< since it was entered; stops while the leg waits for the cable
+  std::uint32_t ticks_of_coil = 0;   ///< since it was switched last
+  std::array<std::int32_t, 4> cable_counts{};  ///< of the last four ticks, a ring buffer
+  float landed_m = 0.0f;                       ///< travel at touch-down
+  float held_m = 0.0f;                         ///< where the flank was that held the cable
+  std::int32_t tooth = 0;                      ///< at which the cable is to be caught
+  float contraction_m = 0.0f,                  ///< by which the leg folds in this flight
+      contraction_s = 1.0f;                    ///< duration of folding and stretching in this flight
+  float hold_m = 0.0f;                         ///< fold that brings the tooth under the key
+  float release_delay_s = 0.0f;                ///< learned time from coil on until the belt is free
+  float held_after_s = 0.0f;                   ///< shortest wait after which a catch held
+  float free_after_s = 0.0f;                   ///< longest wait after which one did not
+  std::uint32_t flights = 0,                   ///< lift-offs since begin_clutch() or restart_clutch()
+      failed_running = 0,                      ///< failed releases since the last one that succeeded
+      slipped_running = 0,  ///< slips after a wait that had held before, since the last verified catch
+      missed_running = 0;   ///< stances in succession that began on a free spring
+  ClutchCounts counts;      ///< for telemetry
 };
 
 /// What one tick of it sees.
 struct ClutchView {
-  PhaseEstimate phase;
+  PhaseEstimate phase;           ///< of this tick
   float time_left_s = 0.0f;      ///< until touch-down
   float leg_fold_m = 0.0f;       ///< by which the leg is shorter than on its stop
   std::int32_t cable_count = 0;  ///< from home
   bool coil_ready = true;        ///< it may be switched on
 };
 
+/// What one tick of the sequence yields.
 struct ClutchEstimate {
-  ClutchStage stage = ClutchStage::caught;
-  bool coil = false;        ///< wanted
-  bool drives_leg = false;  ///< along `path`
-  LegPath path;
-  float travel_m = 0.0f;  ///< of the cable from home
+  ClutchStage stage = ClutchStage::caught;  ///< after this tick
+  bool coil = false;                        ///< wanted
+  bool drives_leg = false;                  ///< along `path`
+  LegPath path;                             ///< target of the leg's fold; used where `drives_leg`
+  float travel_m = 0.0f;                    ///< of the cable from home
 };
 
 /// Whether there is anything to do in flight.
@@ -108,6 +114,7 @@ inline bool moves_leg_in_flight(const ClutchConfig& config) {
   return config.fitted != 0 || config.contraction_m > 0.0f;
 }
 
+/// The state before the first tick: caught, with the configured delays.
 inline ClutchState begin_clutch(const ClutchConfig& config) {
   ClutchState state;
   state.release_delay_s = config.release_delay_s;
@@ -131,7 +138,7 @@ inline void abandon(ClutchState& state) {
   state.ticks_of_coil = 0;
 }
 
-/// Of the spring along the leg, N, whose cable has moved by `travel_m`; 0 where it is slack.
+/// Force of the spring along the leg, N, whose cable has moved by `travel_m`; 0 where it is slack.
 inline float spring_pull_n(const ClutchConfig& config, float leg_m, float travel_m) {
   const float stretch_m = config.spring_rest_m - leg_m - travel_m;
   return stretch_m > 0.0f ? config.spring_npm * stretch_m : 0.0f;
@@ -158,6 +165,7 @@ inline float time_to_touchdown_s(float gravity_mps2, const HeightEstimate& heigh
 /// One tick's step through the stages. Each ends by what the cable's encoder says, or by a time.
 class ClutchTick {
  public:
+  /// Keeps references to `config`, `state` and `view`; `dt_s` is the time since the last tick.
   ClutchTick(const ClutchConfig& config, ClutchState& state, const ClutchView& view, float dt_s)
       : c_(config),
         s_(state),
@@ -165,6 +173,7 @@ class ClutchTick {
         travel_m_(static_cast<float>(view.cable_count) * config.metres_per_count),
         dt_s_(dt_s) {}
 
+  /// Advances the state by one tick; to be called once.
   ClutchEstimate run() {
     if (s_.ticks_in_stage != 0xffffffffu) ++s_.ticks_in_stage;
     if (s_.ticks_of_coil != 0xffffffffu) ++s_.ticks_of_coil;

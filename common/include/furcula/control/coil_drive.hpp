@@ -1,4 +1,4 @@
-// The clutch's coil: full supply until the key is in, less to keep it there, and never more heat than the
+// Drive of the clutch's coil: full supply until the key is in, less to keep it there, and never more heat than the
 // coil stands.
 #pragma once
 
@@ -6,6 +6,7 @@
 
 namespace furcula::control {
 
+/// Drive and thermal limit of the coil.
 struct CoilConfig {
   float peak_s = 0.035f;    ///< full supply for so long pulls the key in
   float hold_duty = 0.45f;  ///< share of the supply that keeps it in
@@ -13,12 +14,13 @@ struct CoilConfig {
   /// The limit of I^2 t: the duty's square, its mean over this time with the past fading, stays below
   /// heat_max, which is what the coil stands for ever (1: full supply for ever).
   float heat_time_constant_s = 60.0f;
-  float heat_max = 0.35f;
+  float heat_max = 0.35f;  ///< limit of CoilState::heat, 0 to 1: mean square of the duty
 };
 
+/// State of drive_coil().
 struct CoilState {
-  std::uint32_t ticks_on = 0;
-  float heat = 0.0f;     ///< 0 cold, 1 what full supply comes to
+  std::uint32_t ticks_on = 0;  ///< ticks with a duty above 0 since the coil was wanted
+  float heat = 0.0f;           ///< 0 cold, 1 what full supply comes to
   bool blocked = false;  ///< too hot or too long: until it has cooled by a tenth and is not wanted any more
 };
 

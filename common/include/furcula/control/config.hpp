@@ -17,22 +17,23 @@
 
 namespace furcula::control {
 
+/// All values that the controller is configured with.
 struct Config {
-  float link_length_m = 0.15f;  ///< of each of the four links
-  float gravity_mps2 = 9.81f;
-  HeightConfig height;
-  DebounceConfig debounce;
-  PhaseConfig phase;
-  TorqueProfileConfig torque;
-  LimitsConfig limits;
-  SupervisorConfig supervisor;
-  EnvelopeConfig envelope;
-  ClutchConfig clutch;
-  CoilConfig coil;
-  LegPositionConfig leg;
-  BenchConfig bench;
-  ContactObserverConfig observer;
-  /// Of whoever lets it run (firmware/app/node.hpp); 0: for ever.
+  float link_length_m = 0.15f;     ///< of each of the four links
+  float gravity_mps2 = 9.81f;      ///< magnitude, downwards
+  HeightConfig height;             ///< height and velocity from the height encoder
+  DebounceConfig debounce;         ///< of the contact switch
+  PhaseConfig phase;               ///< detection of stance and flight
+  TorqueProfileConfig torque;      ///< motor torque during stance
+  LimitsConfig limits;             ///< of the motor's torque
+  SupervisorConfig supervisor;     ///< thresholds of the faults
+  EnvelopeConfig envelope;         ///< limits of height, touch-down speed and leg angle
+  ClutchConfig clutch;             ///< clutch, spring and the contraction of the leg in flight
+  CoilConfig coil;                 ///< of the clutch
+  LegPositionConfig leg;           ///< position control of the leg in flight
+  BenchConfig bench;               ///< trials on the clutch's bench
+  ContactObserverConfig observer;  ///< contact from the leg's motion, without the switch
+  /// Time without a message after which a robot that the host started stops (firmware/app/node.hpp); 0: no limit.
   float desk_silent_s = 2.0f;
 };
 

@@ -10,6 +10,7 @@
 
 namespace furcula::control {
 
+/// Values of the contact observer.
 struct ContactObserverConfig {
   float leg_damping_nspm = 4.0f;   ///< along the leg; of a stance, less the guide's
   float touchdown_force_n = 7.0f;  ///< beyond it the toe is on the ground
@@ -17,21 +18,21 @@ struct ContactObserverConfig {
   static constexpr float kLiftoffForce_n = 1.0f;  ///< below it the toe is off the ground
   /// Rate at which the estimate follows the torque from outside; below 1/dt; 1/s.
   static constexpr float kRate_ps = 250.0f;
-  /// While the motor works, or has just worked, this share of its torque more: what it does to the leg is
-  /// known as well as the leg's inertia is; and how fast that is forgotten, 1/s.
-  static constexpr float kEffortShare = 0.2f, kEffortForgotten_ps = 100.0f;
+  // What the motor's torque does to the leg is known only as well as the leg's inertia.
+  static constexpr float kEffortShare = 0.2f,  ///< of the motor's recent torque, added to the threshold
+      kEffortForgotten_ps = 100.0f;            ///< rate at which the recent torque decays, 1/s
   static constexpr float kOffStop_m = 0.001f;  ///< a leg that is shorter by less is on its stop
-  /// The stop is where the leg was longest. That is forgotten slowly, and not below this much short of the
-  /// length that is configured: the links may be longer or shorter than thought; m/s, m.
-  static constexpr float kStopForgotten_mps = 0.002f, kStopTolerance_m = 0.008f;
-  static constexpr std::uint32_t kLateAge_us = 500;  ///< an older sample has the angle of the tick before
+  // The stop is where the leg was longest: the links may be longer or shorter than configured.
+  static constexpr float kStopForgotten_mps = 0.002f,  ///< rate at which the greatest length decreases
+      kStopTolerance_m = 0.008f;                       ///< by which it may be less than the configured length
+  static constexpr std::uint32_t kLateAge_us = 500;    ///< an older sample has the angle of the tick before
 };
 
 /// What one tick sees.
 struct LegView {
-  float angle_rad = 0.0f;
-  float length_m = 0.0f;
-  float lever_m = 0.0f;       ///< of the length over the angle
+  float angle_rad = 0.0f;     ///< of the leg, from the vertical on the motor's side; greater when flexed
+  float length_m = 0.0f;      ///< from hip to toe; not finite: the observer begins anew
+  float lever_m = 0.0f;       ///< -d(length)/d(angle), m/rad
   float straight_m = 0.0f;    ///< the length on the stop, as configured
   float inertia_kgm2 = 0.0f;  ///< about the hip, toe in the air
   float torque_nm = 0.0f;     ///< of the motor since the last tick; positive flexes the leg
@@ -39,18 +40,22 @@ struct LegView {
   std::uint32_t age_us = 0;   ///< of the angle
 };
 
+/// State of observe_contact().
 struct ContactObserverState {
-  bool begun = false;
-  bool contact = false;
-  float angle_rad = 0.0f, momentum_nms = 0.0f, torque_nm = 0.0f;  ///< of the tick before
-  float residual_nm = 0.0f;                                       ///< torque from outside
-  float effort_nm = 0.0f;                                         ///< of the motor, of late
-  float longest_m = 0.0f;
+  bool begun = false;        ///< there was a sample before
+  bool contact = false;      ///< the toe is on the ground, as of the last sample
+  float angle_rad = 0.0f,    ///< of the leg, in the last sample
+      momentum_nms = 0.0f,   ///< of the leg about the hip, in the last sample; N m s, positive flexes the leg
+      torque_nm = 0.0f;      ///< of the motor, in the last sample; positive flexes the leg
+  float residual_nm = 0.0f;  ///< external torque about the hip (r); positive flexes the leg
+  float effort_nm = 0.0f;    ///< decaying maximum of the motor torque's magnitude
+  float longest_m = 0.0f;    ///< length taken to be on the stop: the greatest, slowly decaying
 };
 
+/// The observer's result.
 struct ContactEstimate {
   float force_n = 0.0f;  ///< of the ground along the leg; lower links' weight and inertia are not in it
-  bool contact = false;
+  bool contact = false;  ///< the toe is on the ground
 };
 
 /// One sample, `dt_s` after the last. With I the leg's inertia, l its length, b = -dl/d(angle) its lever:
@@ -104,10 +109,12 @@ inline constexpr std::uint32_t kAgreementsLeast = 4;  ///< changes running, two 
 /// nothing has been agreed upon; s.
 inline constexpr float kSwitchFollows_s = 0.025f, kLongestQuarrel_s = 0.1f;
 
+/// Comparison of the contact observer with the contact switch.
 struct WitnessState {
-  bool contact = false;
-  std::uint32_t ticks = 0;  ///< since the observer's last change
-  std::uint32_t quarrel_ticks = 0, agreements = 0;
+  bool contact = false;             ///< the observer's, of this tick
+  std::uint32_t ticks = 0;          ///< since the observer's last change
+  std::uint32_t quarrel_ticks = 0,  ///< ticks in succession with a switch unlike the settled observer
+      agreements = 0;  ///< changes in succession that the switch followed, up to kAgreementsLeast
 };
 
 /// One tick of a robot that runs, whose switch is not known to be lost. `closed` is the debounced switch.

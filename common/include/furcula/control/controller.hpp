@@ -13,8 +13,9 @@
 
 namespace furcula::control {
 
+/// What the controller gets in a tick.
 struct Inputs {
-  Sample sample;
+  Sample sample;                       ///< of sensors and drive; not read where `sample_valid` is false
   bool sample_valid = false;           ///< false: sensors or drive did not answer since the last tick
   bool reset = false;                  ///< a person asks for the latched fault to be cleared
   bool run = true;                     ///< false: measures and watches, and commands the safe state
@@ -23,34 +24,37 @@ struct Inputs {
 
 /// Made by begin(); a State that was not is in the fault bad_configuration.
 struct State {
-  Status configuration = Status::invalid;
-  HeightState height;
-  DebounceState debounce;
-  PhaseState phase;
-  LimitsState limits;
-  SupervisorState supervisor;
-  EnvelopeState envelope;
-  std::uint32_t longer_leg_ticks = 0;  ///< running
-  ClutchState clutch;
-  CoilState coil;
-  LegPositionState leg;
-  float leg_fold_m = 0.0f, leg_path_m = 0.0f;  ///< of the last tick, where the motor moved it in flight
-  BenchState bench;
-  ContactObserverState observer;
-  WitnessState witness;
-  Sample last_sample;
+  Status configuration = Status::invalid;  ///< the result of check()
+  HeightState height;                      ///< of estimate_height()
+  DebounceState debounce;                  ///< of debounce()
+  PhaseState phase;                        ///< of estimate_phase()
+  LimitsState limits;                      ///< of limit_torque()
+  SupervisorState supervisor;              ///< of supervise(); holds the latched fault
+  EnvelopeState envelope;                  ///< of watch_envelope() and hold_back()
+  std::uint32_t longer_leg_ticks = 0;  ///< of watch_leg(): ticks in succession with a leg that is too long
+  ClutchState clutch;                  ///< of sequence_clutch()
+  CoilState coil;                      ///< of drive_coil()
+  LegPositionState leg;                ///< of follow_path()
+  float leg_fold_m = 0.0f,        ///< the leg's fold in the last tick; 0 unless the motor moved it in flight
+      leg_path_m = 0.0f;          ///< target of `leg_fold_m`; 0 unless the motor moved the leg in flight
+  BenchState bench;               ///< of run_trial()
+  ContactObserverState observer;  ///< of observe_contact()
+  WitnessState witness;           ///< of compare_witnesses(): whether the observer can be trusted
+  Sample last_sample;             ///< the last valid one, with the age that it has by now
   std::uint32_t missed_samples = 1;  ///< running; nothing was ever measured
 };
 
+/// What the controller commands and estimates in a tick.
 struct Outputs {
-  Command command;
-  HeightEstimate height;
-  PhaseEstimate phase;
-  ClutchEstimate clutch;
-  TrialEstimate trial;
-  ContactEstimate contact;
-  bool landing = false;  ///< without its switch
-  Fault fault = Fault::none;
+  Command command;        ///< for drive and coil; by default that of the safe state
+  HeightEstimate height;  ///< of the body; default on the clutch's bench
+  PhaseEstimate phase;    ///< stance or flight; default on the clutch's bench
+  ClutchEstimate
+      clutch;  ///< default in a fault, while the robot does not run, and where no leg moves in flight
+  TrialEstimate trial;        ///< default unless on the clutch's bench
+  ContactEstimate contact;    ///< by the contact observer; `force_n` is 0 in a tick without a valid sample
+  bool landing = false;       ///< the contact switch is lost: the robot lands by the contact observer
+  Fault fault = Fault::none;  ///< that the supervisor has latched, or bad_configuration
 };
 
 /// A torque of the motor that stretches the leg, and no rounding of zero.

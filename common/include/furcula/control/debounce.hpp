@@ -5,23 +5,26 @@
 
 namespace furcula::control {
 
+/// How a change of the switch is accepted.
 enum class DebounceRule : std::uint8_t {
   two_readings,  ///< Algorithm 1 of 002 section 4.1: a change counts when the switch reads so twice running
   settling,      ///< a level rises while the switch reads closed and falls while open, and has two thresholds
 };
 
+/// Rule and times of the debouncing.
 struct DebounceConfig {
-  DebounceRule rule = DebounceRule::two_readings;
-  /// For `settling`: how long the switch must read closed, net of open readings, for the level to go from one
-  /// threshold to the other, and the same for open; s.
+  DebounceRule rule = DebounceRule::two_readings;  ///< the times below are used by `settling` only
+  /// Time that the switch must read closed, net of open readings, for the level to rise from 0 to 1.
   float close_settle_s = 0.003f;
+  /// Time that the switch must read open, net of closed readings, for the level to fall from 1 to 0.
   float open_settle_s = 0.005f;
 };
 
+/// State of debounce().
 struct DebounceState {
-  bool closed = false;
-  bool last_reading = false;
-  float level = 0.0f;  ///< for `settling`: 0 = surely open, 1 = surely closed
+  bool closed = false;        ///< the debounced contact
+  bool last_reading = false;  ///< of the switch
+  float level = 0.0f;         ///< for `settling`: 0 = surely open, 1 = surely closed
 };
 
 /// One reading `dt_s` after the last. @returns whether the contact counts as closed.

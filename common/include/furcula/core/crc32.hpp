@@ -12,6 +12,7 @@ namespace furcula {
 /// of the nine characters "123456789" it is 0xCBF43926. A table of 16 words, two look-ups a byte.
 class Crc32 {
  public:
+  /// Appends one byte.
   constexpr void add(std::uint8_t byte) {
     crc_ = kTable[(crc_ ^ byte) & 0xfu] ^ (crc_ >> 4);
     crc_ = kTable[(crc_ ^ (byte >> 4)) & 0xfu] ^ (crc_ >> 4);
@@ -20,6 +21,7 @@ class Crc32 {
   constexpr void add_word(std::uint32_t word) {
     for (unsigned shift = 0; shift < 32; shift += 8) add(static_cast<std::uint8_t>(word >> shift));
   }
+  /// The CRC of the bytes added so far; more may be added afterwards.
   constexpr std::uint32_t value() const { return ~crc_; }
 
  private:
@@ -35,6 +37,7 @@ class Crc32 {
   std::uint32_t crc_ = 0xffffffffu;
 };
 
+/// The CRC-32 of `bytes`; 0 of none.
 constexpr std::uint32_t crc32(std::span<const std::uint8_t> bytes) {
   Crc32 crc;
   for (const std::uint8_t byte : bytes) crc.add(byte);
