@@ -41,6 +41,7 @@ constexpr std::uint32_t place_in_row(const Signal& signal) {
   const std::uint32_t bit = frame_bit(signal, 0);
   return signal.order == ByteOrder::little ? bit : 8u * (7u - bit / 8u) + bit % 8u;
 }
+/// A number with as many ones, from bit 0 on, as the signal has bits.
 constexpr std::uint32_t ones(const Signal& signal) { return 0xffffffffu >> (32u - signal.width); }
 
 /// The bits of a signal. `invalid`: the frame is shorter than the signal needs, or carries no data.
@@ -66,7 +67,8 @@ constexpr std::int32_t extended_sign(const Signal& signal, std::uint32_t raw) {
   return static_cast<std::int32_t>((raw ^ sign) - sign);
 }
 
-/// The physical value, in the signal's unit. A real number is given as it stands there, NaN as well.
+/// The physical value, in the signal's unit. A real number is given as it stands there, NaN as well. `invalid`: as in
+/// get_raw().
 constexpr Result<float> get(const Frame& frame, const Signal& signal) {
   const Result<std::uint32_t> raw = get_raw(frame, signal);
   if (!raw.ok()) return raw.status();
@@ -77,6 +79,7 @@ constexpr Result<float> get(const Frame& frame, const Signal& signal) {
   return number * signal.span / signal.counts + signal.offset;
 }
 
+/// Outcome of put().
 enum class Put : std::uint8_t {
   whole,    ///< to the nearest step
   clamped,  ///< out of range: the nearest end of the range stands in the frame

@@ -52,6 +52,7 @@ struct Response {
 
 namespace modbus {
 
+/// Function codes that are served; section 6.
 enum Function : std::uint8_t {
   kReadHolding = 3,
   kReadInput = 4,
@@ -60,12 +61,15 @@ enum Function : std::uint8_t {
   kEncapsulated = 43,
 };
 inline constexpr std::uint8_t kDeviceIdentification = 14;  ///< the encapsulated interface's type, 6.21
+/// Greatest number of registers in one request; 6.3 and 6.12.
 inline constexpr std::uint16_t kReadMax = 125, kWriteMax = 123;
 
+/// The number of 16 bits at byte `at`, the more significant byte first. The bounds are not checked.
 constexpr std::uint16_t word_at(std::span<const std::uint8_t> pdu, std::size_t at) {
   return static_cast<std::uint16_t>(pdu[at] << 8 | pdu[at + 1]);
 }
 
+/// Read holding or input registers (6.3, 6.4): appends their count in bytes and their values to `response`.
 template <Registers R>
 ModbusException read(R& registers, std::span<const std::uint8_t> request, Response& response) {
   if (request.size() != 5) return ModbusException::illegal_value;
@@ -82,6 +86,7 @@ ModbusException read(R& registers, std::span<const std::uint8_t> request, Respon
   return ModbusException::none;
 }
 
+/// Write one register (6.6): appends address and value to `response`.
 template <Registers R>
 ModbusException write_one(R& registers, std::span<const std::uint8_t> request, Response& response) {
   if (request.size() != 5) return ModbusException::illegal_value;
@@ -92,6 +97,7 @@ ModbusException write_one(R& registers, std::span<const std::uint8_t> request, R
   return ModbusException::none;
 }
 
+/// Write several registers (6.12): appends address and count to `response`.
 template <Registers R>
 ModbusException write_several(R& registers, std::span<const std::uint8_t> request, Response& response) {
   if (request.size() < 6) return ModbusException::illegal_value;
@@ -167,13 +173,14 @@ void handle_pdu(R& registers, std::span<const std::uint8_t> request, Response& r
   response.put(function | 0x80u);
   response.put(static_cast<std::uint32_t>(exception));
 }
-/// The same, counted.
+/// The same, counted in `counts`.
 template <Registers R>
 void handle_pdu(R& registers, BusCounts& counts, std::span<const std::uint8_t> request, Response& response) {
   handle_pdu(registers, request, response);
   ++counts.requests;
   if (response.is_exception()) ++counts.exceptions;
 }
+/// The same, with the response as the result.
 template <Registers R>
 Response handle_pdu(R& registers, BusCounts& counts, std::span<const std::uint8_t> request) {
   Response response;

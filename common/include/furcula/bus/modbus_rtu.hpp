@@ -12,8 +12,9 @@
 
 namespace furcula::bus {
 
-/// Address, PDU, CRC.
+/// Greatest size of a frame: address, PDU, CRC.
 inline constexpr std::size_t kRtuBytesMax = kPduBytesMax + 3;
+/// Smallest size of a frame: address, function code, CRC.
 inline constexpr std::size_t kRtuBytesMin = 4;
 
 /// Remainders of the sixteen halves of a byte.
@@ -36,6 +37,7 @@ constexpr std::uint16_t crc16(std::uint16_t crc, std::uint8_t byte) {
   next = next >> 4 ^ kCrc16Table[(next ^ static_cast<std::uint32_t>(byte) >> 4) & 0xfu];
   return static_cast<std::uint16_t>(next);
 }
+/// The CRC of all of `bytes`.
 constexpr std::uint16_t crc16(std::span<const std::uint8_t> bytes) {
   std::uint16_t crc = kCrc16Begin;
   for (const std::uint8_t byte : bytes) crc = crc16(crc, byte);

@@ -9,9 +9,12 @@
 
 namespace furcula::bus {
 
-/// Numbers of these enumerations are stable: they go over the bus.
+// Numbers of these enumerations are stable: they go over the bus.
+
+/// State of a node; meanings: kNodeStates.
 enum class NodeState : std::uint8_t { starting = 0, idle = 1, running = 2, fault = 3, armed = 4 };
 
+/// What a node can be asked to do; meanings: kRequests.
 enum class Request : std::uint8_t {
   none = 0,
   stop = 1,
@@ -23,6 +26,7 @@ enum class Request : std::uint8_t {
   load_defaults = 7,
 };
 
+/// Why a write or request was refused; meanings: kRefusals.
 enum class Refusal : std::uint8_t {
   none = 0,
   unknown_request = 1,
@@ -42,6 +46,7 @@ enum class Refusal : std::uint8_t {
   beyond_envelope = 15,
 };
 
+/// Why the robot does not move; meanings: kReasons.
 enum class Reason : std::uint8_t {
   none = 0,
   starting = 1,
@@ -60,7 +65,7 @@ enum class Reason : std::uint8_t {
   standing_still = 14,
 };
 
-/// Where the parameters come from.
+/// Where the parameters come from; meanings: kParameterOrigins.
 enum class ParameterOrigin : std::uint8_t {
   defaults = 0,
   store = 1,
@@ -69,7 +74,7 @@ enum class ParameterOrigin : std::uint8_t {
   being_saved = 4
 };
 
-/// Why it started.
+/// Why the node started; meanings: kResetCauses.
 enum class ResetCause : std::uint8_t { unknown = 0, power = 1, pin = 2, software = 3, watchdog = 4 };
 
 /// A row of one of the tables below: the text for one enumerator.
@@ -79,6 +84,7 @@ struct Word {
   std::string_view meaning;  ///< one or two sentences for the documentation and messages
 };
 
+/// Names and meanings of NodeState.
 inline constexpr std::array<Word, 5> kNodeStates{{
     {0, "starting", "Waits until the sensors have answered without a fault for a while. Torque 0."},
     {1, "idle", "Torque 0, coil off. Parameters may be written."},
@@ -87,6 +93,7 @@ inline constexpr std::array<Word, 5> kNodeStates{{
     {4, "armed", "Torque 0, coil off; hop is taken for a bounded time."},
 }};
 
+/// Names and meanings of Request.
 inline constexpr std::array<Word, 8> kRequests{{
     {0, "none", "Nothing."},
     {1, "stop", "Torque 0 at once. Taken in every state, without key and session."},
@@ -100,6 +107,7 @@ inline constexpr std::array<Word, 8> kRequests{{
     {7, "load_defaults", "The parameters as built in; not saved. Not taken when armed or running."},
 }};
 
+/// Names and meanings of Refusal.
 inline constexpr std::array<Word, 16> kRefusals{{
     {0, "none", "Nothing was refused."},
     {1, "unknown_request", "There is no request of that number."},
@@ -128,6 +136,7 @@ inline constexpr std::array<Word, 16> kRefusals{{
      "write a smaller one, or torque_shape 0 first."},
 }};
 
+/// Names and meanings of Reason.
 inline constexpr std::array<Word, 15> kReasons{{
     {0, "none", "Nothing holds it: the controller commands a torque."},
     {1, "starting", "It starts: it waits for sensors that answer without a fault."},
@@ -148,6 +157,7 @@ inline constexpr std::array<Word, 15> kReasons{{
      "It stands still, and a constant torque acts only on a body that moves: lift it and let it fall, or set torque_shape to harmonic."},
 }};
 
+/// Names and meanings of ParameterOrigin.
 inline constexpr std::array<Word, 5> kParameterOrigins{{
     {0, "defaults", "As built in: nothing was saved."},
     {1, "store", "As saved."},
@@ -156,6 +166,7 @@ inline constexpr std::array<Word, 5> kParameterOrigins{{
     {4, "being_saved", "Being written to the file; then they are as saved, or last_refusal is store_failed."},
 }};
 
+/// Names and meanings of ResetCause.
 inline constexpr std::array<Word, 5> kResetCauses{{
     {0, "unknown", "It cannot be told, as on a computer."},
     {1, "power", "Power came, or had sagged."},
@@ -177,11 +188,17 @@ static_assert(table::in_order(kNodeStates) && table::in_order(kRequests) && tabl
                   table::in_order(kResetCauses),
               "the words stand in the order of their numbers");
 
+/// Name and meaning of `x`, which is an enumerator.
 constexpr const Word& info(NodeState x) { return kNodeStates[static_cast<std::size_t>(x)]; }
+/// Name and meaning of `x`, which is an enumerator.
 constexpr const Word& info(Request x) { return kRequests[static_cast<std::size_t>(x)]; }
+/// Name and meaning of `x`, which is an enumerator.
 constexpr const Word& info(Refusal x) { return kRefusals[static_cast<std::size_t>(x)]; }
+/// Name and meaning of `x`, which is an enumerator.
 constexpr const Word& info(Reason x) { return kReasons[static_cast<std::size_t>(x)]; }
+/// Name and meaning of `x`, which is an enumerator.
 constexpr const Word& info(ResetCause x) { return kResetCauses[static_cast<std::size_t>(x)]; }
+/// Name and meaning of `x`, which is an enumerator.
 constexpr const Word& info(ParameterOrigin x) { return kParameterOrigins[static_cast<std::size_t>(x)]; }
 
 }  // namespace furcula::bus

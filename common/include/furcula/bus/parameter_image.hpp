@@ -16,13 +16,16 @@ namespace furcula::bus {
 /// 754, both with the least significant byte first.
 inline constexpr std::uint8_t kImageVersion = 1;
 inline constexpr std::size_t kImageHeaderBytes = 2, kImageEntryBytes = 6;
-/// Of an image of a later table as well.
+/// Greatest size of an image, that of a later table included.
 inline constexpr std::size_t kImageBytesMax = kImageHeaderBytes + 80 * kImageEntryBytes;
+/// Bytes of an image of this table.
 inline constexpr std::size_t kImageBytes = kImageHeaderBytes + kParameters.size() * kImageEntryBytes;
 static_assert(kImageBytes <= kImageBytesMax);
 
+/// An image of this table: kImageHeaderBytes, then an entry for each parameter in the table's order.
 using ParameterImage = std::array<std::uint8_t, kImageBytes>;
 
+/// The image of the parameters of `config`.
 inline ParameterImage to_image(const control::Config& config) {
   ParameterImage out{};
   out[0] = kImageVersion;

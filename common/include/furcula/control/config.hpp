@@ -20,7 +20,7 @@ namespace furcula::control {
 /// All values that the controller is configured with.
 struct Config {
   float link_length_m = 0.15f;     ///< of each of the four links
-  float gravity_mps2 = 9.81f;      ///< magnitude, downwards
+  float gravity_mps2 = 9.81f;      ///< along the rail, positive downwards
   HeightConfig height;             ///< height and velocity from the height encoder
   DebounceConfig debounce;         ///< of the contact switch
   PhaseConfig phase;               ///< detection of stance and flight
