@@ -50,7 +50,7 @@ enum class IdRule : std::uint8_t {
   odrive,     ///< node << 5 | base
 };
 
-/// The device that sends a message; desk: the host.
+/// The device that sends a message; `desk` is the host.
 enum class Sender : std::uint8_t { desk, controller, node };
 
 /// A row of the table of messages: identifier, size and signals of one kind of frame.
@@ -67,9 +67,10 @@ struct Message {
   std::uint8_t marker = 0;  ///< not 0: the frame is seven times FF and this byte
 };
 
-/// Node ids are from 1 to 31 in every protocol: the mini-cheetah's drives then have the ids below 0x20,
+/// Lowest node id. Node ids are from 1 to 31 in every protocol: the mini-cheetah's drives then have the ids below 0x20,
 /// ODrive's those below 0x400, and this project's own messages those from 0x400 on.
 inline constexpr std::uint8_t kFirstNode = 1;
+/// Highest node id.
 inline constexpr std::uint8_t kLastNode = 31;
 
 /// The id of a node's message; within 11 bits for every node id.

@@ -205,7 +205,7 @@ inline constexpr std::array<Signal, 5> kLoggedFault{{
                 "Since that start; 4294967.295: not known."),
 }};
 
-/// A desk's access to the table of registers, and its answer (register_frames.hpp, docs/modbus.md).
+/// The host's access to the table of registers, and its answer (register_frames.hpp, docs/modbus.md).
 inline constexpr std::array<Signal, 5> kRegisterRequest{{
     version(),
     code(

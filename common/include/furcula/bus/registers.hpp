@@ -139,6 +139,7 @@ constexpr RegisterOf<Owner> input(std::uint16_t address, std::string_view name, 
 
 }  // namespace table
 
+/// The table of input registers, in the order of their addresses.
 inline constexpr std::array kInputRegisters{
     table::input<&Snapshot::registers_version>(0, "registers_version", "", "Of this table."),
     table::input<&Snapshot::state>(1, "state", "", "Of the node; see States."),
@@ -202,7 +203,7 @@ inline constexpr std::array kInputRegisters{
     table::input<&Snapshot::ground_force_n>(69, "ground_force_n", "N", "On the toe, told from the leg."),
 };
 
-/// Input registers: addresses 0 to this, without a gap.
+/// Number of input registers: the table has addresses 0 to kInputWords - 1, without a gap.
 inline constexpr std::uint16_t kInputWords =
     kInputRegisters.back().address + words(kInputRegisters.back().type);
 
@@ -220,13 +221,16 @@ static_assert(
 /// The log of faults: input registers from here on, the same few for each entry, the newest fault first. An
 /// entry that is not there reads as 0.
 inline constexpr std::uint16_t kLogBase = 512;
+/// The registers of one entry of the fault log.
 inline constexpr std::array kLogRegisters{
     table::input<&LoggedFault::fault>(0, "fault", "", "Number in the table of faults (safety.md)."),
     table::input<&LoggedFault::starts>(1, "start", "", "The run: 1 is the first since the log was cleared."),
     table::input<&LoggedFault::tick>(2, "tick", "ms", "Of that run; 4294967295: not known."),
 };
+/// Registers of one entry of the fault log.
 inline constexpr std::uint16_t kLogEntryWords =
     kLogRegisters.back().address + words(kLogRegisters.back().type);
+/// Registers of the whole fault log.
 inline constexpr std::uint16_t kLogWords = kLoggedFaults * kLogEntryWords;
 
 /// The last trial on the clutch's bench, input registers too: its number since the start, how many rows it
@@ -234,11 +238,14 @@ inline constexpr std::uint16_t kLogWords = kLoggedFaults * kLogEntryWords;
 /// coil's duty from then on (percent). A row is a millisecond. Rows that the trial does not have are old or
 /// 0.
 inline constexpr std::uint16_t kTrialNumberAddress = 1024, kTrialRowsAddress = 1025;
+/// First registers of the encoder's counts and of the coil's duties, one register a row.
 inline constexpr std::uint16_t kTrialCountBase = 2048, kTrialCoilBase = 4096;
+/// Greatest number of rows that are kept.
 inline constexpr std::uint16_t kTrialRowsMost = 1024;
 
 /// The request: three holding registers that are written at once. `stop` may be written alone.
 inline constexpr std::uint16_t kRequestKeyAddress = 0, kRequestSessionAddress = 1, kRequestAddress = 2;
+/// Registers of a request: key, session and request.
 inline constexpr std::uint16_t kRequestWords = 3;
 inline constexpr std::uint16_t kRequestKey = 0x4655;  ///< "FU"
 
@@ -248,6 +255,7 @@ inline constexpr std::uint16_t kParameterBase = 256;
 constexpr std::uint16_t address_of(const Parameter& p) {
   return static_cast<std::uint16_t>(kParameterBase + 2 * (p.number - 1));
 }
+/// Registers of all parameters.
 inline constexpr std::uint16_t kParameterWords = 2 * kParameters.size();
 static_assert(kParameterWords <= 123, "all of them are written by one request");
 
