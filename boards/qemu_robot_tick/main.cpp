@@ -1,7 +1,7 @@
 // The work of a robot's whole tick in instructions of an emulated Cortex-M4F: frames of drive, two encoders
-// and a desk in, the node's tick while it runs, commands and telemetry out, a serial line on which one Modbus
-// request follows the other, and a desk that reads or writes registers over CAN as often. Without the chip's
-// drivers, whose registers QEMU does not have. It says what takes longest; then how many stops of another desk it
+// and a host in, the node's tick while it runs, commands and telemetry out, a serial line on which one Modbus
+// request follows the other, and a host that reads or writes registers over CAN as often. Without the chip's
+// drivers, whose registers QEMU does not have. It says what takes longest; then how many stops of another host it
 // obeyed (stop_attack.hpp), and ends.
 #include <algorithm>
 #include <array>
@@ -87,8 +87,8 @@ class BusRig {
       link_.receive(frame, now_us_);
     }
   }
-  /// The desk says `request` and asks for registers.
-  void hear_desk(std::uint8_t sequence, std::uint8_t request) {
+  /// The host says `request` and asks for registers.
+  void hear_host(std::uint8_t sequence, std::uint8_t request) {
     bus::Frame frame;
     frame.size = 8;
     frame.id = 0x400u + kLink.self_node;  // 2 N m over 0.3 s
@@ -295,7 +295,7 @@ int main() {
     master.go_on();
     const std::uint32_t began = counter.now_us();
     rig.receive(static_cast<std::uint8_t>(tick), 34730 + tick % 4);  // 0.7476 rad
-    rig.hear_desk(static_cast<std::uint8_t>(tick), request);
+    rig.hear_host(static_cast<std::uint8_t>(tick), request);
     firmware::obey_stop(rig.link(), node);
     rig.set_state(node.state());
     node.tick();

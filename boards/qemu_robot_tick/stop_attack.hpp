@@ -1,4 +1,4 @@
-// Two desks on one bus: one makes the robot hop by its stream of commands and goes on, whatever happens; the other
+// Two hosts on one bus: one makes the robot hop by its stream of commands and goes on, whatever happens; the other
 // says stop. The same attack runs on the emulated board and on the simulated robot (tests/sil/stop_test.cpp).
 #pragma once
 
@@ -10,8 +10,8 @@
 
 namespace furcula::firmware {
 
-/// A desk's stream of commands.
-struct AttackingDesk {
+/// A host's stream of commands.
+struct AttackingHost {
   std::uint8_t sequence = 0;
 
   bus::Frame next(std::uint32_t request) { return frame(request, sequence++, bus::kProtocolVersion, 0); }
@@ -38,17 +38,17 @@ class StopAttack {
   explicit StopAttack(World& world) : world_(world) {}
 
   /// Robots that hopped, in all attacks; of each attack those that it stopped on the next tick and that stayed
-  /// still while the first desk went on saying hop.
+  /// still while the first host went on saying hop.
   std::uint32_t started() const { return started_; }
 
-  /// Of 256: a stop whose number is ahead of the first desk's by each number there is.
+  /// Of 256: a stop whose number is ahead of the first host's by each number there is.
   std::uint32_t offsets() {
     return each(
-        [this](std::uint32_t i) { world_.hear(AttackingDesk::frame(kStop, hopper_.sequence + i, 1, 0)); });
+        [this](std::uint32_t i) { world_.hear(AttackingHost::frame(kStop, hopper_.sequence + i, 1, 0)); });
   }
   /// Of 256: a stop of each version and each age, in no order.
   std::uint32_t versions_and_ages() {
-    return each([this](std::uint32_t i) { world_.hear(AttackingDesk::frame(kStop, 37 * i, i % 16, i)); });
+    return each([this](std::uint32_t i) { world_.hear(AttackingHost::frame(kStop, 37 * i, i % 16, i)); });
   }
   /// Of 256: the request for a stop in the table of registers, in each version, with neither key nor session, and
   /// with another request in its millisecond.
@@ -64,12 +64,12 @@ class StopAttack {
       world_.hear(bus::pack(bus::RegisterRequest{.value = 2}, 1));
     });
   }
-  /// 500 stops, one each 10 ms, beside the first desk's stream, ahead of it by `offset`. Whether the robot was off
-  /// from the first one on, stayed off while the first desk went on for a second, and hopped when that desk had
+  /// 500 stops, one each 10 ms, beside the first host's stream, ahead of it by `offset`. Whether the robot was off
+  /// from the first one on, stayed off while the first host went on for a second, and hopped when that host had
   /// let go and said hop anew.
   bool beside(std::uint32_t offset) {
     start();
-    AttackingDesk stopper{static_cast<std::uint8_t>(hopper_.sequence + offset)};
+    AttackingHost stopper{static_cast<std::uint8_t>(hopper_.sequence + offset)};
     bool still = true;
     for (std::uint32_t ms = 0; ms < 6000; ++ms) {
       if (ms % 10 == 4 && ms < 5000) world_.hear(stopper.next(kStop));
@@ -83,13 +83,13 @@ class StopAttack {
  private:
   static constexpr std::uint32_t kNone = 0, kStop = 1, kHop = 2;
 
-  /// The first desk's millisecond: a command in each tenth.
+  /// The first host's millisecond: a command in each tenth.
   void tick(std::uint32_t request) {
     if (ms_++ % 10 == 0) world_.hear(hopper_.next(request));
     world_.tick();
   }
 
-  /// The first desk lets go and says hop.
+  /// The first host lets go and says hop.
   void start() {
     for (int ms = 0; ms < 120; ++ms) tick(kNone);
     for (int ms = 0; ms < 20; ++ms) tick(kHop);
@@ -115,7 +115,7 @@ class StopAttack {
   }
 
   World& world_;
-  AttackingDesk hopper_;
+  AttackingHost hopper_;
   std::uint32_t ms_ = 0, started_ = 0;
 };
 

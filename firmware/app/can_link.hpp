@@ -1,5 +1,5 @@
 // Between CAN frames and the controller's words: replies of the motor's drive and samples of encoder nodes
-// in, commands to the drive out; requests of a desk in. What is lost, late, repeated, reordered or malformed
+// in, commands to the drive out; requests of a host in. What is lost, late, repeated, reordered or malformed
 // is counted, and becomes an age or a fault. No clock and no I/O: a board hands in frames and time.
 // What the robot tells the bus of itself: can_telemetry.hpp.
 #pragma once
@@ -11,8 +11,8 @@
 #include "firmware/app/can_frames.hpp"
 #include "firmware/app/can_registers.hpp"
 #include "firmware/app/can_sources.hpp"
-#include "firmware/app/desk_stream.hpp"
 #include "firmware/app/drive_watch.hpp"
+#include "firmware/app/host_stream.hpp"
 #include "furcula/bus/codec.hpp"
 #include "furcula/bus/messages.hpp"
 #include "furcula/bus/motor_frames.hpp"
@@ -119,7 +119,7 @@ class CanLink {
   explicit CanLink(const CanLinkConfig& config)
       : config_(config),
         sound_(check(config) == Status::ok),
-        desk_(config.requests),
+        host_(config.requests),
         registers_(config.self_node) {}
 
   /// Where the counters read what is home, as control::Sample has it.
@@ -159,7 +159,7 @@ class CanLink {
                            : own_ids_heard_.age_us(now_us) < kOwnIdsForgottenUs
                                ? control::Fault::node_id_taken
                                : of_drive;
-    static_cast<void>(desk_.age_us(now_us));
+    static_cast<void>(host_.age_us(now_us));
     if (on_bench_) height_.let_pass(now_us);
     const bool unreliable = note_troubles();
     bool heard = on_bench_ || drive_heard_.heard;
@@ -221,12 +221,12 @@ class CanLink {
   bool bus_is_off() const { return bus_watch_.is_off(); }
 
   /// The newest request that was not taken yet; `kind` none where there is none.
-  CanRequest take_request() { return desk_.take(); }
+  CanRequest take_request() { return host_.take(); }
   /// Whether somebody said stop since the last take_request().
-  bool stop_waits() const { return desk_.stop_waits(); }
+  bool stop_waits() const { return host_.stop_waits(); }
   /// Since the last command frame that counts, kForgottenUs where there was none for that long. To be asked
   /// once a second at least.
-  std::uint32_t request_age_us(std::uint32_t now_us) { return desk_.age_us(now_us); }
+  std::uint32_t request_age_us(std::uint32_t now_us) { return host_.age_us(now_us); }
 
  private:
   static constexpr float kNotHomed = __builtin_nanf("");
@@ -362,7 +362,7 @@ class CanLink {
     } else if (of(kSupply, config_.supply_node)) {
       hear_supply(frame, now_us);
     } else if (of(kCommand, config_.self_node)) {
-      desk_.hear(frame, now_us, statistics_);
+      host_.hear(frame, now_us, statistics_);
     } else if (of(kRegisterRequest, config_.self_node)) {
       const CanRegisters::Heard heard = registers_.receive(frame);
       if (heard == CanRegisters::Heard::malformed) ++statistics_.malformed;
@@ -391,7 +391,7 @@ class CanLink {
   std::uint32_t troubles_before_ = 0, trouble_tenths_ = 0;
   bool disobeys_ = false, on_bench_ = false;
   BusWatch bus_watch_;
-  DeskStream desk_;
+  HostStream host_;
   CanRegisters registers_;
 };
 

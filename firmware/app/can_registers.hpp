@@ -1,4 +1,4 @@
-// The node's registers over CAN: a desk's frame asks, and is answered by what answers Modbus. One request a
+// The node's registers over CAN: a host's frame asks, and is answered by what answers Modbus. One request a
 // tick, one frame of the answer a tick, so that whoever floods the bus with them takes little from the robot.
 // No clock and no I/O.
 #pragma once

@@ -48,11 +48,11 @@ class Node {
       ++stale_stops_;
       enter(bus::NodeState::idle, bus::Reason::stream_silent);
     }
-    if (desk_age_ticks_ != 0xffffffffu) ++desk_age_ticks_;
+    if (host_age_ticks_ != 0xffffffffu) ++host_age_ticks_;
     if constexpr (WearingStore<S>) save_limit_.tick();
-    if (state_ == bus::NodeState::running && !by_stream_ && desk_is_silent()) {
+    if (state_ == bus::NodeState::running && !by_stream_ && host_is_silent()) {
       ++stale_stops_;
-      enter(bus::NodeState::idle, bus::Reason::desk_silent);
+      enter(bus::NodeState::idle, bus::Reason::host_silent);
     }
     if (state_ == bus::NodeState::armed && ticks_in_state_ > kArmedTicks)
       enter(bus::NodeState::idle, bus::Reason::arming_expired);
@@ -67,11 +67,11 @@ class Node {
   }
 
   /// A person's request, whose key and session were right (node_registers.hpp). What it starts runs for as
-  /// long as hear_desk() is called. The answer is also what the snapshot shows as last refusal.
+  /// long as hear_host() is called. The answer is also what the snapshot shows as last refusal.
   bus::Refusal request(bus::Request wanted) { return note(carry_out(wanted)); }
 
   /// Somebody reads or writes its registers, and so is there.
-  void hear_desk() { desk_age_ticks_ = 0; }
+  void hear_host() { host_age_ticks_ = 0; }
 
   /// A stop that is not the next one of a stream, whoever said it. What streams hop must let go and say it anew.
   /// Nothing starts in the same tick; `holds`: nor for kStopHoldsTicks.
@@ -236,9 +236,9 @@ class Node {
     if (state_ == State::running && out.trial.ended) enter(State::idle, bus::Reason::trial_ended);
   }
 
-  bool desk_is_silent() const {
-    const float longest_s = config().desk_silent_s;
-    return longest_s > 0.0f && static_cast<float>(desk_age_ticks_) > 1000.0f * longest_s;
+  bool host_is_silent() const {
+    const float longest_s = config().host_timeout_s;
+    return longest_s > 0.0f && static_cast<float>(host_age_ticks_) > 1000.0f * longest_s;
   }
 
   void stop() {
@@ -284,7 +284,7 @@ class Node {
     if (wanted == bus::Request::hop) {
       if (state_ != State::armed) return Refusal::not_in_this_state;
       if (rules_.held()) return Refusal::stop_stands;
-      hear_desk();
+      hear_host();
       enter(State::running, bus::Reason::none);
       return Refusal::none;
     }
@@ -401,7 +401,7 @@ class Node {
   bool saving_ = false, changed_since_ = false;  ///< of a store that saves aside: since that save began
   std::uint16_t session_ = 1;
   std::uint32_t ticks_in_state_ = 0, good_ticks_ = 0;
-  std::uint32_t desk_age_ticks_ = 0xffffffffu;
+  std::uint32_t host_age_ticks_ = 0xffffffffu;
   std::uint32_t taken_ = 0, refused_ = 0, stale_stops_ = 0;
 };
 

@@ -1,4 +1,4 @@
-// What a node on the CAN bus does about a desk's command frames.
+// What a node on the CAN bus does about a host's command frames.
 #pragma once
 
 #include "firmware/app/can_link.hpp"
@@ -6,7 +6,7 @@
 
 namespace furcula::firmware {
 
-/// What came as command frames since the last tick: a stop first, then the desk's stream.
+/// What came as command frames since the last tick: a stop first, then the host's stream.
 void obey_stream(auto& link, auto& node) {
   const CanRequest heard = link.take_request();
   if (heard.stop_apart || heard.stop_again) node.stop_from_anyone(heard.stop_apart);

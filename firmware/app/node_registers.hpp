@@ -20,7 +20,7 @@ class NodeRegisters {
   explicit NodeRegisters(N& node) : node_(node) {}
 
   bus::ModbusException read_input(std::uint16_t first, std::span<std::uint16_t> out) const {
-    node_.hear_desk();
+    node_.hear_host();
     if (first >= bus::kTrialNumberAddress) return read_trial(first, out);
     if (first >= bus::kLogBase) return read_log(first - bus::kLogBase, out);
     if (first + out.size() > bus::kInputWords) return bus::ModbusException::illegal_address;
@@ -31,7 +31,7 @@ class NodeRegisters {
 
   /// Parameters; the request's registers read as 0.
   bus::ModbusException read_holding(std::uint16_t first, std::span<std::uint16_t> out) const {
-    node_.hear_desk();
+    node_.hear_host();
     if (first + out.size() <= bus::kRequestWords) {
       for (std::uint16_t& word : out) word = 0;
       return bus::ModbusException::none;
@@ -44,7 +44,7 @@ class NodeRegisters {
 
   /// A request, or one parameter or several that follow each other, all or none of them.
   bus::ModbusException write_holding(std::uint16_t first, std::span<const std::uint16_t> in) {
-    node_.hear_desk();
+    node_.hear_host();
     if (first + in.size() <= bus::kRequestWords) return write_request(first, in);
     if (!in_parameters(first, in.size())) return bus::ModbusException::illegal_address;
     // Half a number is none.
@@ -66,7 +66,7 @@ class NodeRegisters {
 
   /// Objects 0 to 2 of the device identification: vendor, product, revision; empty: no such object.
   std::string_view identification(std::uint8_t object) const {
-    node_.hear_desk();
+    node_.hear_host();
     return object == 0   ? "Furcula"
            : object == 1 ? node_.identity().board
            : object == 2 ? node_.identity().text

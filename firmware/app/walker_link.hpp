@@ -11,7 +11,7 @@
 #include "firmware/app/can_frames.hpp"
 #include "firmware/app/can_presence.hpp"
 #include "firmware/app/can_sources.hpp"
-#include "firmware/app/desk_stream.hpp"
+#include "firmware/app/host_stream.hpp"
 #include "furcula/bus/codec.hpp"
 #include "furcula/bus/messages.hpp"
 #include "furcula/bus/motor_frames.hpp"
@@ -71,7 +71,7 @@ class WalkerLink {
  public:
   /// With a configuration that check() refuses it hears nothing and sends nothing.
   explicit WalkerLink(const WalkerLinkConfig& config)
-      : config_(config), sound_(check(config) == Status::ok), desk_(config.requests) {}
+      : config_(config), sound_(check(config) == Status::ok), host_(config.requests) {}
 
   /// A frame that came on bus `bus` at `now_us`, any frame at all. A length code of 9 to 15 means 8 bytes (ISO 11898-1).
   void receive(std::size_t bus, const bus::Frame& frame, std::uint32_t now_us) {
@@ -93,7 +93,7 @@ class WalkerLink {
   control::WalkerSample sample(std::uint32_t now_us) {
     bool off = false;
     for (BusWatch& watch : watches_) off = watch.take_off() || off;
-    static_cast<void>(desk_.age_us(now_us));
+    static_cast<void>(host_.age_us(now_us));
     control::WalkerSample out = sample_;
     sample_.answered = 0;
     control::Fault fault = control::Fault::none;
@@ -128,8 +128,8 @@ class WalkerLink {
   }
 
   const CanStatistics& statistics() const { return statistics_; }
-  DeskStream& desk() { return desk_; }
-  CanRequest take_request() { return desk_.take(); }
+  HostStream& host() { return host_; }
+  CanRequest take_request() { return host_.take(); }
 
  private:
   static constexpr std::uint32_t kPinTicks = 10;
@@ -170,7 +170,7 @@ class WalkerLink {
       return frame.id == bus::id_of(message, node);
     };
     if (of(kCommand, config_.self_node)) {
-      desk_.hear(frame, now_us, statistics_);
+      host_.hear(frame, now_us, statistics_);
     } else if (of(kHeartbeat, config_.self_node)) {
       ++statistics_.own_ids;
       own_ids_heard_.note(now_us);
@@ -286,7 +286,7 @@ class WalkerLink {
   std::uint8_t gyro_number_ = 0;
   bool gyro_good_ = false, on_ = false;
   LastHeard own_ids_heard_;
-  DeskStream desk_;
+  HostStream host_;
   std::array<float, control::kWalkerPins> pin_targets_{};
   std::uint8_t pin_sequence_ = 0;
   std::uint32_t tick_ = 0;

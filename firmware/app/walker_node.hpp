@@ -1,4 +1,4 @@
-// A walking robot that people talk to: its controller on a board once a millisecond, idle until a desk's stream tells it to walk.
+// A walking robot that people talk to: its controller on a board once a millisecond, idle until a host's stream tells it to walk.
 #pragma once
 
 #include <concepts>
@@ -43,7 +43,7 @@ class WalkerNode {
     last_us_ = now_us;
     const bool running = state_ == State::running;
     in.run = running && ticks_in_state_ > kSwitchOnTicks;
-    // Who tells a robot to stop has it off at once. A desk that is gone has not told it so: the robot brakes.
+    // Who tells a robot to stop has it off at once. A host that is gone has not told it so: the robot brakes.
     if (running && rules_.silent() && in.sample.reported_fault == 0)
       in.sample.reported_fault = static_cast<std::uint32_t>(control::Fault::peer_lost);
     in.reset = reset_ || state_ == State::starting;

@@ -1,5 +1,5 @@
 // furculad on the simulated bench, see hil_board.hpp. Two threads: one plays the stand, each millisecond; the
-// desk's is the caller's.
+// host's is the caller's.
 #include "host/bench/hil_board.hpp"
 
 #include <sched.h>
@@ -190,7 +190,7 @@ struct HilBoard::Parts {
   ConfigurationFile configuration;
   std::unique_ptr<Wires> wires;
   rig::Child program;
-  std::optional<BusBoard> desk;
+  std::optional<BusBoard> host;
   std::thread thread;
 
   std::mutex mutex;  ///< of all below
@@ -213,7 +213,7 @@ HilBoard::HilBoard(const rig::RigOptions& options, std::unique_ptr<Wires> wires)
     throw core::DataError(std::string("hil: ") + e.what());
   }
   parts_->wait_until_idle();
-  parts_->desk.emplace(modbus::parse_port(kModbus), 1,
+  parts_->host.emplace(modbus::parse_port(kModbus), 1,
                        [this](const Conditions& conditions) { parts_->hang(conditions, kSeenTicks, 0); });
 }
 
@@ -227,7 +227,7 @@ std::vector<Reading> HilBoard::run(const Conditions& conditions, const Timing& t
     rows = parts_->rows;
   } else {
     try {
-      rows = parts_->desk->run(conditions, timing);
+      rows = parts_->host->run(conditions, timing);
     } catch (const core::DataError&) {
       parts_->check();
       throw;

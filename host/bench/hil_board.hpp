@@ -1,5 +1,5 @@
 // furculad's own program on the simulated bench: its coil's line is one of gpio-sim, its encoder a node on
-// vcan, and the desk reads its trial over Modbus TCP. In the time of this kernel.
+// vcan, and the host reads its trial over Modbus TCP. In the time of this kernel.
 #pragma once
 
 #include <memory>

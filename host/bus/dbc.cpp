@@ -20,8 +20,8 @@ std::string controller_of(const std::vector<Node>& nodes) {
 
 std::string sender_of(const NodeMessage& m, const std::string& controller) {
   switch (m.message->sender) {
-    case Sender::desk:
-      return "Desk";
+    case Sender::host:
+      return "Host";
     case Sender::controller:
       return controller;
     case Sender::node:
@@ -32,7 +32,7 @@ std::string sender_of(const NodeMessage& m, const std::string& controller) {
 
 std::string receiver_of(const NodeMessage& m, const std::string& controller) {
   if (m.message->sender != Sender::node) return m.node->name;
-  return m.message->protocol == Protocol::controller ? "Desk" : controller;
+  return m.message->protocol == Protocol::controller ? "Host" : controller;
 }
 
 std::string signal_line(const Signal& s, const std::string& name, const std::string& receiver) {
@@ -86,7 +86,7 @@ void add_replies(Text& text, const std::vector<const NodeMessage*>& replies, con
 
 std::string to_dbc(const std::vector<Node>& nodes) {
   const std::string controller = controller_of(nodes);
-  std::string names = "Desk";
+  std::string names = "Host";
   for (const Node& n : nodes) names += " " + n.name;
 
   Text text;

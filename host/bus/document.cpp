@@ -54,7 +54,7 @@ std::string id_rule(const Message& m) {
 
 std::string_view sender(const Message& m) {
   switch (m.sender) {
-    case Sender::desk:
+    case Sender::host:
       return "host";
     case Sender::controller:
       return "controller";

@@ -47,9 +47,9 @@ Node parse_node(std::string_view text) {
     throw core::DataError(
         where + "name " + core::quoted(name) +
         "; expected NAME=PROTOCOL:ID with a name of a letter and up to 7 more letters, digits, _");
-  if (name == "Desk")
+  if (name == "Host")
     throw core::DataError(where +
-                          "`Desk` is the name of the host, which sends commands; expected another name");
+                          "`Host` is the name of the host, which sends commands; expected another name");
   const std::string_view protocol = take(rest, ':');
   const auto* const known = std::find(kProtocols.begin(), kProtocols.end(), protocol);
   if (known == kProtocols.end())

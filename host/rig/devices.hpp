@@ -12,7 +12,7 @@
 namespace furcula::rig {
 
 /// Drive, encoder nodes and that of the supply. Frames that are lost, late, repeated or reordered are so between the board and
-/// them, either way; the desk's are not. What a CAN controller would tell of it the board gets as the
+/// them, either way; the host's are not. What a CAN controller would tell of it the board gets as the
 /// kernel's error frames.
 class Devices {
  public:

@@ -72,7 +72,7 @@ bus::Frame SupplyNode::sample(float volts) {
   return frame;
 }
 
-bus::Frame Desk::command(Wish wish, float amplitude_nm, float period_s, bool release) {
+bus::Frame Host::command(Wish wish, float amplitude_nm, float period_s, bool release) {
   bus::Frame frame = bus::empty_frame(kCommand, kBoardNode);
   static_cast<void>(bus::put_stamp(frame, {bus::kProtocolVersion, sequence_++, 0.0f}));
   set_code(frame, bus::signal(kCommand, "Request"), static_cast<std::uint32_t>(wish));

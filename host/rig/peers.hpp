@@ -69,8 +69,8 @@ class SupplyNode {
   std::uint8_t sequence_ = 0;
 };
 
-/// The desk that tells the robot to stop or to hop.
-class Desk {
+/// The host that tells the robot to stop or to hop.
+class Host {
  public:
   enum class Wish : std::uint8_t { stop = 1, hop = 2 };
   bus::Frame command(Wish wish, float amplitude_nm, float period_s, bool release);

@@ -34,7 +34,7 @@ namespace {
 constexpr std::int64_t kTickNs = 1'000'000;
 constexpr std::uint32_t kStartTicks = 10'000;  ///< in which the board must be idle, and then the drive on
 constexpr std::uint32_t kSilentTicks = 1'000;  ///< without a frame for the drive; then the board is gone
-constexpr std::uint32_t kCommandTicks = 10;    ///< between two commands of the desk
+constexpr std::uint32_t kCommandTicks = 10;    ///< between two commands of the host
 
 std::int64_t now_ns() {
   timespec now{};
@@ -126,7 +126,7 @@ class Rig {
     }
   }
 
-  /// Holds the body and speaks for the desk until the drive is switched on.
+  /// Holds the body and speaks for the host until the drive is switched on.
   void start(Child& program) {
     for (std::uint32_t tick = 0; !devices_.drive().on(); ++tick) {
       if (tick > kStartTicks)
@@ -136,7 +136,7 @@ class Rig {
       // A hop counts where the wish changes to it, so first it is told to stop.
       const bool idle = words_.heard && words_.state == 1;
       idle_ticks_ = idle ? idle_ticks_ + 1 : 0;
-      pass_tick(program, idle_ticks_ > 50 ? Desk::Wish::hop : Desk::Wish::stop);
+      pass_tick(program, idle_ticks_ > 50 ? Host::Wish::hop : Host::Wish::stop);
     }
     running_ = true;
     commanded_ = false;
@@ -148,11 +148,11 @@ class Rig {
   }
 
   /// Sends what the devices measure, then answers the board until the next tick is due.
-  void pass_tick(Child& program, Desk::Wish wish = Desk::Wish::hop) {
+  void pass_tick(Child& program, Host::Wish wish = Host::Wish::hop) {
     gpio_.set_contact(board_.sample().contact != 0);
     devices_.begin_tick(board_, running_);
     if (tick_ % kCommandTicks == 0) {
-      const bus::Frame frame = desk_.command(wish, config_.torque.amplitude_nm, config_.torque.period_s,
+      const bus::Frame frame = host_.command(wish, config_.torque.amplitude_nm, config_.torque.period_s,
                                              config_.clutch.release_in_flight != 0);
       static_cast<void>(can_.send({&frame, 1}));
     }
@@ -271,7 +271,7 @@ class Rig {
   socketcan::CanSocket can_;
   Devices devices_;
   GpioSim gpio_;
-  Desk desk_;
+  Host host_;
   BoardWords words_;
   control::HeightState height_state_;
   RigResult result_;

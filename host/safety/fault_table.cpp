@@ -164,7 +164,7 @@ constexpr OtherRow kOtherRows[] = {
      "tests/common/bus/node_registers_test.cpp"},
     {"stream of commands falls silent", "the robot that it started stops", "tests/common/bus/node_test.cpp"},
     {"host falls silent: cable pulled, computer asleep, program ended",
-     "the robot that it started over Modbus stops after `desk_silent_s`",
+     "the robot that it started over Modbus stops after `host_timeout_s`",
      "tests/common/bus/node_registers_test.cpp"},
     {"CAN command repeated, out of order, stale or of another version", "not obeyed, counted; but for a stop",
      "tests/firmware/app/can_link_test.cpp"},

@@ -60,7 +60,7 @@ class Rig {
   void tick() {
     const std::int64_t late_ns = timer_.wait();
     if (late_ns > most_late_ns_) most_late_ns_ = late_ns;
-    if (ticks_++ % 10 == 0) send(walk::kWalkerBodyBus, desk_.command(wish, 0.0f, 0.3f, false));
+    if (ticks_++ % 10 == 0) send(walk::kWalkerBodyBus, host_.command(wish, 0.0f, 0.3f, false));
     for (const bus::Frame& frame : devices_.speak()) send(walk::kWalkerBodyBus, frame);
     // Drives answer at once, until shortly before the tick ends.
     const std::int64_t end_ns = timer_.woke_ns() - late_ns + kTickNs - 100'000;
@@ -95,7 +95,7 @@ class Rig {
   WalkerStage stage() const { return devices_.told().stage; }
   Fault fault() const { return static_cast<Fault>(words.fault); }
 
-  rig::Desk::Wish wish = rig::Desk::Wish::stop;
+  rig::Host::Wish wish = rig::Host::Wish::stop;
   rig::BoardWords words;
   int broken_ticks = 0;
 
@@ -115,7 +115,7 @@ class Rig {
   walk::WalkerDevices devices_;
   std::array<std::unique_ptr<socketcan::CanSocket>, 3> can_;
   core::Timer timer_{kTickNs};
-  rig::Desk desk_;
+  rig::Host host_;
   int ticks_ = 0;
   std::int64_t most_late_ns_ = 0;
 };
@@ -126,7 +126,7 @@ std::string play(Rig& rig, const std::string& which) {
   if (!rig.come(10'000, [&] { return rig.words.heard && rig.words.state == 1; }))
     return "it is not idle after 10 s: state " + std::to_string(rig.words.state) + ", fault " + told();
   rig.forget_lateness();  // programs were being loaded
-  rig.wish = rig::Desk::Wish::hop;
+  rig.wish = rig::Host::Wish::hop;
   if (!rig.come(2'000, [&] { return rig.stage() == WalkerStage::walking; }))
     return "it does not walk 2 s after it was told to: fault " + told();
   const double begin_s = rig.devices().rig().time_s();
@@ -138,7 +138,7 @@ std::string play(Rig& rig, const std::string& which) {
     if (!(state.position_m.z > 0.9)) return "it does not stand";
     if (!(state.position_m.x > 0.5)) return "it did not get 0.5 m ahead";
     std::cout << "walked " << state.position_m.x << " m in 10 s, and stands\n";
-    rig.wish = rig::Desk::Wish::stop;
+    rig.wish = rig::Host::Wish::stop;
     if (!rig.come(20, [&] { return rig.stage() == WalkerStage::idle; })) return "it does not stop";
     return "";
   }

@@ -160,18 +160,18 @@ TEST_CASE("the emulated board runs when it is armed and told to, refuses paramet
   CHECK(stopped.fault == 0);
 }
 
-TEST_CASE("the emulated board stops by itself when the desk that made it run falls silent") {
+TEST_CASE("the emulated board stops by itself when the host that made it run falls silent") {
   if (cannot_run_here()) return;
   const Machine machine;
   modbus::Client client = machine.connect();
   settle(client);
-  client.write(*bus::parameter_named("desk_silent_s"), 0.05f);
+  client.write(*bus::parameter_named("host_timeout_s"), 0.05f);
   client.request(bus::Request::arm);
   client.request(bus::Request::hop);
   std::this_thread::sleep_for(std::chrono::seconds(1));  // far more, also where the emulator is slow
   const bus::Snapshot stopped = client.snapshot();
   CHECK(stopped.state == static_cast<int>(bus::NodeState::idle));
-  CHECK(stopped.reason == static_cast<int>(bus::Reason::desk_silent));
+  CHECK(stopped.reason == static_cast<int>(bus::Reason::host_silent));
   CHECK(stopped.torque_nm == 0.0f);
   CHECK(stopped.stale_stops == 1);
 }

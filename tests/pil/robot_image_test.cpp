@@ -246,7 +246,7 @@ TEST_CASE(
   CHECK(said["idle_modbus"] > 2000);
   CHECK(said["worst_tick"] > 3000);
   CHECK(said["worst_tick"] <= 11000);
-  // The same binary under the attack of tests/sil/stop_test.cpp: 3 times 256 stops, and seven desks of 500 each.
+  // The same binary under the attack of tests/sil/stop_test.cpp: 3 times 256 stops, and seven hosts of 500 each.
   CHECK(said["stops_at_offsets"] == 256);
   CHECK(said["stops_of_versions"] == 256);
   CHECK(said["stops_by_registers"] == 256);

@@ -1,4 +1,4 @@
-// A supply that fails in flight: the board starts anew while the desk still says hop.
+// A supply that fails in flight: the board starts anew while the host still says hop.
 #include <array>
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -82,7 +82,7 @@ void fail_in_flight(const double outage_s) {
 }  // namespace
 
 TEST_CASE(
-    "after a brown-out in flight the board is idle with coil and drive off, though the desk still says hop") {
+    "after a brown-out in flight the board is idle with coil and drive off, though the host still says hop") {
   fail_in_flight<CanBoard>(GENERATE(0.003, 0.05, 0.4));
 }
 

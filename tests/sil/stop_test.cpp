@@ -1,4 +1,4 @@
-// A stop over the bus, on the simulated robot: obeyed whoever says it, and not undone by another desk's stream.
+// A stop over the bus, on the simulated robot: obeyed whoever says it, and not undone by another host's stream.
 #include <catch2/catch.hpp>
 #include <cmath>
 
@@ -79,7 +79,7 @@ TEST_CASE(
 }
 
 TEST_CASE(
-    "500 stops beside another desk's stream keep the robot still, until that desk lets go and hops anew") {
+    "500 stops beside another host's stream keep the robot still, until that host lets go and hops anew") {
   for (const std::uint32_t offset : {0u, 1u, 2u, 127u, 128u, 129u, 255u}) {
     CAPTURE(offset);
     HoppingRobot robot;
@@ -97,7 +97,7 @@ TEST_CASE(
     REQUIRE(robot.node.request(bus::Request::arm) == bus::Refusal::none);
     REQUIRE(robot.node.request(bus::Request::hop) == bus::Refusal::none);
     for (int ms = 0; ms < 1000; ++ms) {
-      robot.node.hear_desk();
+      robot.node.hear_host();
       robot.tick();
     }
     REQUIRE(robot.drives());

@@ -118,7 +118,7 @@ struct Robot {
   linux_sbc::Hatch hatch;
 };
 
-/// A robot whose loop runs on a thread, and a desk at its Modbus server.
+/// A robot whose loop runs on a thread, and a host at its Modbus server.
 struct ServedRobot : Robot {
   ServedRobot()
       : server("127.0.0.1", 0, [this](std::span<const std::uint8_t> request) { return hatch.ask(request); }),
@@ -197,10 +197,10 @@ TEST_CASE("during a save a second one is refused, and what is changed is not sai
   CHECK_FALSE(std::equal(asked_for.begin(), asked_for.end(), bus::to_image(changed).begin()));
 }
 
-TEST_CASE("a desk that asks for a save is answered when it is done, and when it failed, others are served") {
+TEST_CASE("a host that asks for a save is answered when it is done, and when it failed, others are served") {
   ServedRobot robot;
   std::atomic<bool> returned{false};
-  std::thread desk([&] {
+  std::thread host([&] {
     robot.client.request(bus::Request::save);
     returned = true;
   });
@@ -216,7 +216,7 @@ TEST_CASE("a desk that asks for a save is answered when it is done, and when it 
   CHECK(served > 10);
   CHECK_FALSE(returned);
   robot.disk.allowed = 1;
-  desk.join();
+  host.join();
   CHECK(other.snapshot().parameter_origin == static_cast<int>(bus::ParameterOrigin::store));
 
   // The parameters are as saved, and this save fails all the same.

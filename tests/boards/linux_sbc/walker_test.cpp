@@ -42,7 +42,7 @@ walk::WalkerRigConfig robot_of(const char* mode = "active", std::uint64_t seed =
 }
 
 /// Who tells the robot what to do.
-struct Desk {
+struct Host {
   enum class Wish : std::uint8_t { stop = 1, hop = 2, reset = 3 };
   bus::Frame command(Wish wish) {
     bus::Frame frame = bus::empty_frame(bus::message::kCommand, 1);
@@ -88,9 +88,9 @@ struct Robot {
     REQUIRE(wires[bus].there->send(std::span(&frame, 1)));
   }
 
-  /// What a desk says from now on, every 10 ms.
-  void say(Desk::Wish wish) { wish_ = wish; }
-  void fall_silent() { desk_speaks_ = false; }
+  /// What a host says from now on, every 10 ms.
+  void say(Host::Wish wish) { wish_ = wish; }
+  void fall_silent() { host_speaks_ = false; }
 
   /// A tick: what comes for it, furculad's loop, what comes of it.
   void tick() {
@@ -99,7 +99,7 @@ struct Robot {
     after();
   }
   void before() {
-    if (desk_speaks_ && ticks % 10 == 0) send(walk::kWalkerBodyBus, desk_.command(wish_));
+    if (host_speaks_ && ticks % 10 == 0) send(walk::kWalkerBodyBus, host_.command(wish_));
     for (const bus::Frame& frame : devices.speak()) send(walk::kWalkerBodyBus, frame);
     heard = in;
     for (auto& frames : in) frames.clear();
@@ -128,7 +128,7 @@ struct Robot {
   void walk() {
     tick(200);
     REQUIRE(node.state() == bus::NodeState::idle);
-    say(Desk::Wish::hop);
+    say(Host::Wish::hop);
     while (node.outputs().stage != WalkerStage::walking && ticks < 2000) tick();
     INFO(control::info(node.outputs().fault).name << ", joint " << node.outputs().suspect);
     REQUIRE(node.outputs().stage == WalkerStage::walking);
@@ -150,9 +150,9 @@ struct Robot {
   int ticks = 0;
 
  private:
-  Desk desk_;
-  Desk::Wish wish_ = Desk::Wish::stop;
-  bool desk_speaks_ = true;
+  Host host_;
+  Host::Wish wish_ = Host::Wish::stop;
+  bool host_speaks_ = true;
 };
 
 // What stands in a frame, from docs/bus.md.
@@ -223,7 +223,7 @@ TEST_CASE(
     int running = 0;
     INFO(mode);
     for (int i = 0; i < 10500; ++i) {
-      if (i == 200) robot.say(Desk::Wish::hop);
+      if (i == 200) robot.say(Host::Wish::hop);
       robot.tick();
       take(sample, robot.heard);
       control::WalkerInputs in;
@@ -350,7 +350,7 @@ TEST_CASE(
       if (!row.from_start) config.fault_s += 0.2;
       Robot robot(config);
       robot.tick(200);
-      robot.say(Desk::Wish::hop);
+      robot.say(Host::Wish::hop);
       const Trial t = until_found(robot);
       INFO(row.name << " at " << config.fault_s << " s, joint " << config.joint << ": found "
                     << control::info(t.found).name << " after " << t.after_ticks << ", joint " << t.suspect);
@@ -463,12 +463,12 @@ TEST_CASE("samples of the body that are lost, too old or without their other hal
   CHECK(robot.node.outputs().stage == WalkerStage::damped);
 }
 
-TEST_CASE("who stops has the drives off at once, and a desk that falls silent has them brake") {
+TEST_CASE("who stops has the drives off at once, and a host that falls silent has them brake") {
   Robot robot(robot_of());
   robot.walk();
   robot.tick(100);
   SECTION("stop") {
-    robot.say(Desk::Wish::stop);
+    robot.say(Host::Wish::stop);
     robot.tick(12);
     CHECK(robot.node.outputs().fault == Fault::none);
     CHECK(robot.node.state() == bus::NodeState::idle);
@@ -490,7 +490,7 @@ TEST_CASE("a robot whose devices do not all answer is in its fault after a secon
   robot.body_lost = 0x581;
   robot.tick(900);
   CHECK(robot.node.state() == bus::NodeState::starting);
-  robot.say(Desk::Wish::hop);
+  robot.say(Host::Wish::hop);
   robot.tick(300);
   CHECK(robot.node.state() == bus::NodeState::fault);
   CHECK(robot.node.outputs().fault == Fault::peer_lost);

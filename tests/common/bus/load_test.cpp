@@ -63,7 +63,7 @@ TEST_CASE("twelve drives at 1 kHz are too many for one bus and for two, a bus a 
   CHECK(worst_load(kWalkerBodyTraffic) == Approx(0.520 + 0.0395 + 0.0026));
   CHECK(walker_load(6, 500) + 2 * 0.135 > 1.0);
 
-  // The table, with what a desk and the board say on the first bus: a command each 10 ms, a heartbeat each 100 ms.
+  // The table, with what a host and the board say on the first bus: a command each 10 ms, a heartbeat each 100 ms.
   for (std::uint8_t wire = 0; wire < kWalkerBuses; ++wire) {
     std::vector<Traffic> all;
     for (const WalkerDrive& d : kWalkerDrives) {

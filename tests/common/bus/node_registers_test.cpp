@@ -59,7 +59,7 @@ TEST_CASE("the arming sequence makes it run, and each of its frames does nothing
   }
 }
 
-TEST_CASE("a desk that falls silent stops what it started: torque 0 on the next tick, and it says why") {
+TEST_CASE("a host that falls silent stops what it started: torque 0 on the next tick, and it says why") {
   Bench b;
   b.settle();
   CHECK(b.registers.write_holding(0, request(b, Request::arm)) == ModbusException::none);
@@ -88,14 +88,14 @@ TEST_CASE("a desk that falls silent stops what it started: torque 0 on the next 
   CHECK(b.board.command.torque_nm == 0.0f);
   CHECK(b.board.command.coil_duty == 0.0f);
   CHECK(input(b, 1) == static_cast<int>(NodeState::idle));
-  CHECK(input(b, 2) == static_cast<int>(bus::Reason::desk_silent));
+  CHECK(input(b, 2) == static_cast<int>(bus::Reason::host_silent));
   CHECK(b.node.snapshot().stale_stops == 1);
 }
 
-TEST_CASE("how long a desk may be silent is a parameter, and 0 lets the robot run on") {
+TEST_CASE("how long a host may be silent is a parameter, and 0 lets the robot run on") {
   Bench b;
   b.settle();
-  const std::uint16_t address = bus::address_of(*bus::parameter_named("desk_silent_s"));
+  const std::uint16_t address = bus::address_of(*bus::parameter_named("host_timeout_s"));
   const auto start = [&] {
     CHECK(b.registers.write_holding(0, request(b, Request::arm)) == ModbusException::none);
     CHECK(b.registers.write_holding(0, request(b, Request::hop)) == ModbusException::none);

@@ -487,8 +487,8 @@ TEST_CASE("a robot that hops is not disturbed by ticks that wrap after 49.7 days
   Bench other;  // the same robot far from the wrap
   other.start();
   for (int i = 0; i < 3000; ++i) {
-    node.hear_desk();
-    other.node.hear_desk();
+    node.hear_host();
+    other.node.hear_host();
     node.tick();
     const float torque_nm = board.command.torque_nm;
     other.tick();
@@ -497,7 +497,7 @@ TEST_CASE("a robot that hops is not disturbed by ticks that wrap after 49.7 days
   }
   CHECK(node.snapshot().uptime_ms == 1559);
   for (int i = 0; i < 2010; ++i) node.tick();
-  CHECK(node.reason() == Reason::desk_silent);
+  CHECK(node.reason() == Reason::host_silent);
 }
 
 TEST_CASE(

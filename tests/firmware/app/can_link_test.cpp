@@ -517,7 +517,7 @@ TEST_CASE("the stream's own stop is the stream's, also when it comes twice, and 
   heard = b.link.take_request();
   CHECK(heard.stop_again);
   CHECK_FALSE(heard.stop_apart);
-  b.link.receive(request(1, 13), b.now_us + 300000);  // after a silence: another desk, or this one anew
+  b.link.receive(request(1, 13), b.now_us + 300000);  // after a silence: another host, or this one anew
   CHECK(b.link.take_request().kind == CanRequest::Kind::stop);
   // A frame without a byte says nothing, one for another node neither.
   bus::Frame none = request(1, 20);
@@ -601,7 +601,7 @@ TEST_CASE("what was said an hour and eleven minutes ago, when the clock has wrap
   CHECK(b.link.take_request().kind == CanRequest::Kind::reset);
   b.now_us = then_us + 20000;  // 2^32 us later, and 20 ms
   b.link.set_on_bench(false);
-  // A desk that starts anew has any number, and is no stream that goes backwards.
+  // A host that starts anew has any number, and is no stream that goes backwards.
   b.link.receive(request(3, 9), b.now_us);
   CHECK(b.link.take_request().kind == CanRequest::Kind::reset);
   b.link.receive(reply(0.8, 0.0), b.now_us);

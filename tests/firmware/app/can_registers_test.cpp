@@ -29,13 +29,13 @@ void serve(CanRegisters& registers, test::Bench& bench) {
   });
 }
 
-/// A node that ticks, and the desk's end of the bus.
-struct Desk {
+/// A node that ticks, and the host's end of the bus.
+struct Host {
   test::Bench bench;
   CanRegisters registers{kNode};
   std::uint8_t sequence = 250;  // wraps soon
 
-  explicit Desk(const control::Config& config = test::harmonic_torque()) : bench({}, config) {
+  explicit Host(const control::Config& config = test::harmonic_torque()) : bench({}, config) {
     bench.settle();
   }
 
@@ -97,126 +97,126 @@ Words words_of(const std::vector<RegisterAnswer>& heard, std::uint16_t first, st
 }  // namespace
 
 TEST_CASE("registers over CAN are read as over Modbus, a frame for two of them") {
-  Desk desk;
+  Host host;
   Words same(bus::kInputWords);
-  CHECK(desk.send({.operation = RegisterOperation::read_input, .sequence = 9, .value = bus::kInputWords}) ==
+  CHECK(host.send({.operation = RegisterOperation::read_input, .sequence = 9, .value = bus::kInputWords}) ==
         CanRegisters::Heard::taken);
   // All of them are of the tick after which the request was served, however long they take.
-  CHECK(desk.tick().empty());
-  REQUIRE(desk.bench.registers.read_input(0, same) == ModbusException::none);
+  CHECK(host.tick().empty());
+  REQUIRE(host.bench.registers.read_input(0, same) == ModbusException::none);
   same[53] -= 1;  // bus_requests: itself was not counted yet
-  CHECK(words_of(desk.listen(100), 0, bus::kInputWords) == same);
+  CHECK(words_of(host.listen(100), 0, bus::kInputWords) == same);
   Words later(bus::kInputWords);
-  REQUIRE(desk.bench.registers.read_input(0, later) == ModbusException::none);
+  REQUIRE(host.bench.registers.read_input(0, later) == ModbusException::none);
   CHECK(later[17] == same[17] + 100);  // the uptime went on
 
   Words parameters(bus::kParameterWords);
-  REQUIRE(desk.bench.registers.read_holding(bus::kParameterBase, parameters) == ModbusException::none);
-  CHECK(words_of(desk.ask(RegisterOperation::read_holding, bus::kParameterBase, bus::kParameterWords),
+  REQUIRE(host.bench.registers.read_holding(bus::kParameterBase, parameters) == ModbusException::none);
+  CHECK(words_of(host.ask(RegisterOperation::read_holding, bus::kParameterBase, bus::kParameterWords),
                  bus::kParameterBase, bus::kParameterWords) == parameters);
-  CHECK(words_of(desk.ask(RegisterOperation::read_input, 16, 3), 16, 3).size() == 3);
-  CHECK(words_of(desk.ask(RegisterOperation::read_input, 1, 1), 1, 1) ==
+  CHECK(words_of(host.ask(RegisterOperation::read_input, 16, 3), 16, 3).size() == 3);
+  CHECK(words_of(host.ask(RegisterOperation::read_input, 1, 1), 1, 1) ==
         Words{static_cast<std::uint16_t>(NodeState::idle)});
   // The longest of all: 125 rows of the trial.
-  CHECK(words_of(desk.ask(RegisterOperation::read_input, bus::kTrialCountBase, 125), bus::kTrialCountBase,
+  CHECK(words_of(host.ask(RegisterOperation::read_input, bus::kTrialCountBase, 125), bus::kTrialCountBase,
                  125) == Words(125, 0));
 }
 
 TEST_CASE("what Modbus refuses is refused over CAN with the same number, and counted with it") {
-  Desk desk;
+  Host host;
   using enum RegisterOperation;
-  CHECK(desk.status_of(read_input, 63, 9) == ModbusException::illegal_address);
-  CHECK(desk.status_of(read_input, 0, 0) == ModbusException::illegal_value);
-  CHECK(desk.status_of(read_input, 0, 126) == ModbusException::illegal_value);
-  CHECK(desk.status_of(read_input, 0, 0x10001) == ModbusException::illegal_value);
-  CHECK(desk.status_of(read_input, 0xffff, 2) == ModbusException::illegal_address);
-  CHECK(desk.status_of(read_holding, 100, 1) == ModbusException::illegal_address);
-  CHECK(desk.status_of(write, kAmplitude + 1, 0) == ModbusException::illegal_address);
-  CHECK(desk.status_of(write, kAmplitude, 0x7fc00000) == ModbusException::illegal_value);  // not a number
-  CHECK(desk.status_of(write, bus::kRequestKeyAddress, 0x46550001) == ModbusException::illegal_address);
-  CHECK(desk.status_of(request, bus::kRequestKey + 1, desk.request_value(bus::Request::arm)) ==
+  CHECK(host.status_of(read_input, 63, 9) == ModbusException::illegal_address);
+  CHECK(host.status_of(read_input, 0, 0) == ModbusException::illegal_value);
+  CHECK(host.status_of(read_input, 0, 126) == ModbusException::illegal_value);
+  CHECK(host.status_of(read_input, 0, 0x10001) == ModbusException::illegal_value);
+  CHECK(host.status_of(read_input, 0xffff, 2) == ModbusException::illegal_address);
+  CHECK(host.status_of(read_holding, 100, 1) == ModbusException::illegal_address);
+  CHECK(host.status_of(write, kAmplitude + 1, 0) == ModbusException::illegal_address);
+  CHECK(host.status_of(write, kAmplitude, 0x7fc00000) == ModbusException::illegal_value);  // not a number
+  CHECK(host.status_of(write, bus::kRequestKeyAddress, 0x46550001) == ModbusException::illegal_address);
+  CHECK(host.status_of(request, bus::kRequestKey + 1, host.request_value(bus::Request::arm)) ==
         ModbusException::device_failure);
-  CHECK(desk.status_of(request, bus::kRequestKey, desk.request_value(bus::Request::arm) ^ 0x10000) ==
+  CHECK(host.status_of(request, bus::kRequestKey, host.request_value(bus::Request::arm) ^ 0x10000) ==
         ModbusException::device_failure);
-  CHECK(desk.bench.node.snapshot().last_refusal == static_cast<int>(bus::Refusal::wrong_session));
-  CHECK(desk.bench.node.snapshot().bus_requests == 11);
-  CHECK(desk.bench.node.snapshot().bus_exceptions == 11);
-  CHECK(desk.bench.node.state() == NodeState::idle);
+  CHECK(host.bench.node.snapshot().last_refusal == static_cast<int>(bus::Refusal::wrong_session));
+  CHECK(host.bench.node.snapshot().bus_requests == 11);
+  CHECK(host.bench.node.snapshot().bus_exceptions == 11);
+  CHECK(host.bench.node.state() == NodeState::idle);
 }
 
 TEST_CASE("over CAN a parameter is written, and the robot is armed, told to hop and stopped") {
-  Desk desk;
+  Host host;
   using enum RegisterOperation;
-  CHECK(desk.status_of(write, kAmplitude, std::bit_cast<std::uint32_t>(2.5f)) == ModbusException::none);
-  CHECK(desk.bench.node.config().torque.amplitude_nm == 2.5f);
-  CHECK(desk.status_of(request, bus::kRequestKey, desk.request_value(bus::Request::arm)) ==
+  CHECK(host.status_of(write, kAmplitude, std::bit_cast<std::uint32_t>(2.5f)) == ModbusException::none);
+  CHECK(host.bench.node.config().torque.amplitude_nm == 2.5f);
+  CHECK(host.status_of(request, bus::kRequestKey, host.request_value(bus::Request::arm)) ==
         ModbusException::none);
-  CHECK(desk.bench.node.state() == NodeState::armed);
-  CHECK(desk.status_of(request, bus::kRequestKey, desk.request_value(bus::Request::hop)) ==
+  CHECK(host.bench.node.state() == NodeState::armed);
+  CHECK(host.status_of(request, bus::kRequestKey, host.request_value(bus::Request::hop)) ==
         ModbusException::none);
-  CHECK(desk.bench.node.state() == NodeState::running);
-  CHECK(desk.status_of(write, kAmplitude, std::bit_cast<std::uint32_t>(3.0f)) ==
+  CHECK(host.bench.node.state() == NodeState::running);
+  CHECK(host.status_of(write, kAmplitude, std::bit_cast<std::uint32_t>(3.0f)) ==
         ModbusException::device_failure);
-  CHECK(desk.bench.node.config().torque.amplitude_nm == 2.5f);
+  CHECK(host.bench.node.config().torque.amplitude_nm == 2.5f);
   // Without key and session.
-  CHECK(desk.status_of(request, 0, static_cast<std::uint32_t>(bus::Request::stop)) == ModbusException::none);
-  CHECK(desk.bench.node.state() == NodeState::idle);
+  CHECK(host.status_of(request, 0, static_cast<std::uint32_t>(bus::Request::stop)) == ModbusException::none);
+  CHECK(host.bench.node.state() == NodeState::idle);
 }
 
 TEST_CASE("a request that is heard twice is done once and answered twice, a stop is done each time") {
-  Desk desk;
+  Host host;
   const RegisterRequest arm{.operation = RegisterOperation::request,
                             .sequence = 1,
                             .address = bus::kRequestKey,
-                            .value = desk.request_value(bus::Request::arm)};
-  CHECK(desk.send(arm) == CanRegisters::Heard::taken);
-  desk.listen(1);  // whose answer is lost
-  CHECK(desk.listen(1).size() == 1);
-  desk.send(arm);
-  const auto again = desk.listen(5);
+                            .value = host.request_value(bus::Request::arm)};
+  CHECK(host.send(arm) == CanRegisters::Heard::taken);
+  host.listen(1);  // whose answer is lost
+  CHECK(host.listen(1).size() == 1);
+  host.send(arm);
+  const auto again = host.listen(5);
   REQUIRE(again.size() == 1);
   CHECK(again[0].status == ModbusException::none);
   CHECK(again[0].value == arm.value);
-  CHECK(desk.bench.node.state() == NodeState::armed);
-  CHECK(desk.bench.node.snapshot().requests_taken == 1);
-  CHECK(desk.bench.node.snapshot().requests_refused == 0);
+  CHECK(host.bench.node.state() == NodeState::armed);
+  CHECK(host.bench.node.snapshot().requests_taken == 1);
+  CHECK(host.bench.node.snapshot().requests_refused == 0);
 
   // A recorded one is another's by then.
   RegisterRequest hop = arm;
-  hop.value = desk.request_value(bus::Request::hop);
+  hop.value = host.request_value(bus::Request::hop);
   ++hop.sequence;
-  desk.send(hop);
-  desk.listen(5);
-  CHECK(desk.bench.node.state() == NodeState::running);
+  host.send(hop);
+  host.listen(5);
+  CHECK(host.bench.node.state() == NodeState::running);
   const RegisterRequest stop{.operation = RegisterOperation::request,
                              .sequence = 3,
                              .value = static_cast<std::uint32_t>(bus::Request::stop)};
   for (int i = 0; i < 2; ++i) {
-    desk.send(stop);
-    desk.listen(5);
-    CHECK(desk.bench.node.state() == NodeState::idle);
-    desk.bench.node.request(bus::Request::arm);
-    desk.bench.node.request(bus::Request::hop);
-    CHECK(desk.bench.node.state() == NodeState::running);
+    host.send(stop);
+    host.listen(5);
+    CHECK(host.bench.node.state() == NodeState::idle);
+    host.bench.node.request(bus::Request::arm);
+    host.bench.node.request(bus::Request::hop);
+    CHECK(host.bench.node.state() == NodeState::running);
   }
-  desk.send(stop);
-  desk.listen(5);
+  host.send(stop);
+  host.listen(5);
   for (const RegisterRequest& recorded : {arm, hop, arm, hop}) {
-    desk.send(recorded);
-    const auto heard = desk.listen(5);
+    host.send(recorded);
+    const auto heard = host.listen(5);
     REQUIRE(heard.size() == 1);
     CHECK(heard[0].status == ModbusException::device_failure);
-    CHECK(desk.bench.node.state() == NodeState::idle);
+    CHECK(host.bench.node.state() == NodeState::idle);
   }
 }
 
 TEST_CASE("a new request takes the place of the one that is being answered, and of one that waits") {
-  Desk desk;
-  desk.send({.operation = RegisterOperation::read_input, .sequence = 1, .value = 40});
-  CHECK(desk.listen(6).size() == 5);
-  desk.send({.operation = RegisterOperation::read_input, .sequence = 2, .value = 40});
-  desk.send({.operation = RegisterOperation::read_input, .sequence = 3, .value = 6});
-  const auto heard = desk.listen(50);
+  Host host;
+  host.send({.operation = RegisterOperation::read_input, .sequence = 1, .value = 40});
+  CHECK(host.listen(6).size() == 5);
+  host.send({.operation = RegisterOperation::read_input, .sequence = 2, .value = 40});
+  host.send({.operation = RegisterOperation::read_input, .sequence = 3, .value = 6});
+  const auto heard = host.listen(50);
   REQUIRE(heard.size() == 4);
   CHECK(heard[0].sequence == 1);  // it was on its way
   for (std::size_t i = 1; i < 4; ++i) {
@@ -226,23 +226,23 @@ TEST_CASE("a new request takes the place of the one that is being answered, and 
 }
 
 TEST_CASE("a stop is done whatever else floods the bus in the same millisecond") {
-  Desk desk;
-  desk.bench.start();
-  CHECK(desk.bench.node.state() == NodeState::running);
+  Host host;
+  host.bench.start();
+  CHECK(host.bench.node.state() == NodeState::running);
   const RegisterRequest read{.operation = RegisterOperation::read_input, .value = bus::kInputWords};
-  for (int i = 0; i < 5; ++i) desk.send(read);
-  desk.send(
+  for (int i = 0; i < 5; ++i) host.send(read);
+  host.send(
       {.operation = RegisterOperation::request, .value = static_cast<std::uint32_t>(bus::Request::stop)});
-  for (int i = 0; i < 5; ++i) desk.send(read);
-  desk.tick();
-  CHECK(desk.bench.node.state() == NodeState::idle);
+  for (int i = 0; i < 5; ++i) host.send(read);
+  host.tick();
+  CHECK(host.bench.node.state() == NodeState::idle);
 }
 
 TEST_CASE("a node says over CAN who it is, with a 0 behind each text") {
-  Desk desk;
+  Host host;
   const auto text = [&](std::uint32_t object) {
     std::string out;
-    for (const RegisterAnswer& answer : desk.ask(RegisterOperation::read_text, 0x77, object)) {
+    for (const RegisterAnswer& answer : host.ask(RegisterOperation::read_text, 0x77, object)) {
       CHECK(answer.status == ModbusException::none);
       CHECK(answer.address == out.size() / 2);
       for (int shift = 24; shift >= 0; shift -= 8) out += static_cast<char>(answer.value >> shift & 0xffu);
@@ -254,8 +254,8 @@ TEST_CASE("a node says over CAN who it is, with a 0 behind each text") {
   CHECK(text(0) == "Furcula");
   CHECK(text(1) == "test_board");
   CHECK(text(2) == "1.2.3 build 0badcafe");  // of 20 characters: the 0 is in a frame of its own
-  CHECK(desk.status_of(RegisterOperation::read_text, 0x77, 3) == ModbusException::illegal_address);
-  CHECK(desk.status_of(RegisterOperation::read_text, 0x77, 0x100) == ModbusException::illegal_address);
+  CHECK(host.status_of(RegisterOperation::read_text, 0x77, 3) == ModbusException::illegal_address);
+  CHECK(host.status_of(RegisterOperation::read_text, 0x77, 0x100) == ModbusException::illegal_address);
 }
 
 TEST_CASE("what is no request, or of another version, is counted by the link and not answered") {

@@ -107,7 +107,7 @@ TEST_CASE("furcula bus decode prints rows, says what it left out, and ends with 
 }
 
 TEST_CASE("furcula bus dbc and docs print what the rest of the project takes") {
-  CHECK_THAT(test::run_furcula({"bus", "dbc"}).out, Contains("BO_ 1025 Board_Command: 8 Desk\n"));
+  CHECK_THAT(test::run_furcula({"bus", "dbc"}).out, Contains("BO_ 1025 Board_Command: 8 Host\n"));
   const test::Ran two = test::run_furcula(
       {"bus", "dbc", "--node", "L=mini_cheetah:1:ak80_9", "--node", "R=mini_cheetah:2:ak80_9"});
   CHECK_THAT(two.out, Contains("L_Command") && Contains("R_Command"));

@@ -23,7 +23,7 @@ TEST_CASE("a node that makes no sense is refused with what was expected") {
   CHECK_THAT(message(""), Contains("expected NAME=PROTOCOL:ID"));
   CHECK_THAT(message("Nine_long=odrive:1"), Contains("up to 7 more"));
   CHECK_THAT(message("1a=odrive:1"), Contains("name '1a'"));
-  CHECK_THAT(message("Desk=odrive:1"), Contains("expected another name"));
+  CHECK_THAT(message("Host=odrive:1"), Contains("expected another name"));
   CHECK_THAT(message("a=odriv:1"), Contains("no protocol 'odriv'") && Contains("did you mean 'odrive'?"));
   for (const char* text :
        {"a=odrive:0", "a=odrive:32", "a=odrive:", "a=odrive:1x", "a=odrive:-1", "a=odrive"})

@@ -16,9 +16,9 @@ using namespace furcula;
 using Catch::Contains;
 
 /// A folder with fake tools, which keep the "chip" in a file there.
-class Desk {
+class Host {
  public:
-  Desk() : image_(test::made_image("stm32f4discovery")) {
+  Host() : image_(test::made_image("stm32f4discovery")) {
     elf_ = folder_.file("robot.elf", test::made_elf(image_));
   }
 
@@ -67,12 +67,12 @@ TEST_CASE("an image is written and read back with each of the three programs") {
   };
   for (const auto& tool : tools) {
     INFO(tool.name);
-    Desk desk;
-    desk.tool(tool.name, tool.lines);
-    const test::Ran ran = desk.flash();
+    Host host;
+    host.tool(tool.name, tool.lines);
+    const test::Ran ran = host.flash();
     INFO(ran.err);
     CHECK(ran.status == 0);
-    CHECK(desk.chip() == desk.image());
+    CHECK(host.chip() == host.image());
     CHECK_THAT(ran.out, Contains("stm32f4discovery, firmware 1.2.3, build 0badcafe, 1000 bytes, CRC good"));
     CHECK_THAT(ran.out, Contains("on the board: firmware 1.2.3, build 0badcafe"));
     CHECK_THAT(ran.err, Contains(tool.name));
@@ -80,51 +80,51 @@ TEST_CASE("an image is written and read back with each of the three programs") {
 }
 
 TEST_CASE("a dry run prints the commands and runs none") {
-  Desk desk;
-  desk.tool("openocd", kGoodOpenocd);
-  const test::Ran ran = desk.flash({"--dry-run"});
+  Host host;
+  host.tool("openocd", kGoodOpenocd);
+  const test::Ran ran = host.flash({"--dry-run"});
   CHECK(ran.status == 0);
-  CHECK(desk.chip().empty());
+  CHECK(host.chip().empty());
   CHECK_THAT(ran.out, Contains("flash write_image erase image.bin 0x08000000 bin") &&
                           Contains("dump_image read_back.bin 0x08000000 1000"));
   // Also where there is no program yet.
-  Desk bare;
+  Host bare;
   CHECK(bare.flash({"--dry-run", "--tool", "dfu-util"}).status == 0);
 }
 
 TEST_CASE(
     "without a program, and without a board at its end, it says what is missing and ends with status 4") {
-  Desk desk;
-  test::Ran ran = desk.flash();
+  Host host;
+  test::Ran ran = host.flash();
   CHECK(ran.status == 4);
   CHECK_THAT(ran.err, Contains("in PATH; expected one of openocd, st-flash, dfu-util"));
-  desk.tool("openocd", "echo 'Error: open failed' >&2\nexit 1\n");
-  ran = desk.flash();
+  host.tool("openocd", "echo 'Error: open failed' >&2\nexit 1\n");
+  ran = host.flash();
   CHECK(ran.status == 4);
   CHECK_THAT(ran.err, Contains("openocd ended with status 1") && Contains("Error: open failed") &&
                           Contains("Is the board connected") && Contains("CN1"));
-  CHECK(desk.chip().empty());
+  CHECK(host.chip().empty());
 }
 
 TEST_CASE("a board that holds something else afterwards is told") {
-  Desk desk;
-  desk.tool("openocd", std::string(kGoodOpenocd) +
+  Host host;
+  host.tool("openocd", std::string(kGoodOpenocd) +
                            "printf X | dd of=read_back.bin bs=1 seek=700 conv=notrunc 2>/dev/null\n");
-  test::Ran ran = desk.flash();
+  test::Ran ran = host.flash();
   CHECK(ran.status == 4);
   CHECK_THAT(ran.err, Contains("another byte at 700"));
-  desk.tool("openocd", "head -c 10 image.bin > read_back.bin\n");
-  ran = desk.flash();
+  host.tool("openocd", "head -c 10 image.bin > read_back.bin\n");
+  ran = host.flash();
   CHECK(ran.status == 4);
   CHECK_THAT(ran.err, Contains("read back 10 bytes of 1000"));
 }
 
 TEST_CASE("an image of another board, a damaged one and a wrong argument never reach a program") {
-  Desk desk;
-  desk.tool("openocd", kGoodOpenocd);
+  Host host;
+  host.tool("openocd", kGoodOpenocd);
   test::TemporaryFolder other;
   const std::string foreign = other.file("a.elf", test::made_elf(test::made_image("feather_stm32f405")));
-  std::string damaged_image = desk.image();
+  std::string damaged_image = host.image();
   damaged_image[5] = 'x';
   const std::string damaged = other.file("b.elf", test::made_elf(damaged_image));
   const auto flash = [&](std::vector<std::string> arguments) {
@@ -141,6 +141,6 @@ TEST_CASE("an image of another board, a damaged one and a wrong argument never r
   ran = flash({"--board", "stm32f4discovry", "--elf", foreign});
   CHECK(ran.status == 2);
   CHECK_THAT(ran.err, Contains("did you mean 'stm32f4discovery'?"));
-  CHECK(desk.flash({"--tool", "hammer"}).status == 2);
-  CHECK(desk.chip().empty());
+  CHECK(host.flash({"--tool", "hammer"}).status == 2);
+  CHECK(host.chip().empty());
 }

@@ -1,4 +1,4 @@
-// A node's end of a CAN bus in this process, whose time goes on while the desk waits: a millisecond a look.
+// A node's end of a CAN bus in this process, whose time goes on while the host waits: a millisecond a look.
 #pragma once
 
 #include <functional>
@@ -23,9 +23,9 @@ struct CanBus {
   modbus::Client connect();
 };
 
-class CanDesk final : public modbus::FramePort {
+class CanHost final : public modbus::FramePort {
  public:
-  explicit CanDesk(CanBus& bus) : bus_(bus) {}
+  explicit CanHost(CanBus& bus) : bus_(bus) {}
 
   bool send(const bus::Frame& frame) override {
     if (!bus_.takes) return false;
@@ -58,7 +58,7 @@ class CanDesk final : public modbus::FramePort {
 
 inline modbus::Client CanBus::connect() {
   return {"can:test", std::make_unique<modbus::CanLink>("can:test", std::uint8_t{1}, std::uint8_t{250},
-                                                        std::make_unique<CanDesk>(*this))};
+                                                        std::make_unique<CanHost>(*this))};
 }
 
 }  // namespace furcula::test

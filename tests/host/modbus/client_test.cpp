@@ -65,7 +65,7 @@ TEST_CASE("armed and told to hop over the bus the simulated robot hops, and stop
   CHECK(resting.reason == static_cast<int>(bus::Reason::stopped));
 }
 
-TEST_CASE("the simulated robot comes to rest when the desk that made it hop is gone") {
+TEST_CASE("the simulated robot comes to rest when the host that made it hop is gone") {
   test::Robot robot;
   {
     modbus::Client client(modbus::parse_port(robot.port()));
@@ -77,7 +77,7 @@ TEST_CASE("the simulated robot comes to rest when the desk that made it hop is g
   CHECK(robot.rig.snapshot().state == static_cast<int>(bus::NodeState::running));
   CHECK(robot.rig.snapshot().apex_height_m > 0.30f);
   robot.rig.advance(102);
-  CHECK(robot.rig.snapshot().reason == static_cast<int>(bus::Reason::desk_silent));
+  CHECK(robot.rig.snapshot().reason == static_cast<int>(bus::Reason::host_silent));
   robot.rig.advance(5000);
   const bus::Snapshot resting = robot.rig.snapshot();
   CHECK(resting.torque_nm == 0.0f);

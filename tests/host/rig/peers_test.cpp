@@ -37,19 +37,19 @@ TEST_CASE("a stiffness or a damping told to the drive is complained of") {
   CHECK_THAT(drive.complaint(), Catch::Contains("stiffness or a damping"));
 }
 
-TEST_CASE("a board's link hears drive, encoders and desk of the rig") {
+TEST_CASE("a board's link hears drive, encoders and host of the rig") {
   firmware::CanLinkConfig config;
   config.cable_node = rig::kCableNode;
   firmware::CanLink link(config);
   link.set_home(100, 0.3f, 5);
   rig::Drive drive;
   rig::EncoderNode height(rig::kHeightNode), cable(rig::kCableNode);
-  rig::Desk desk;
+  rig::Host host;
   for (const bus::Frame& frame : link.command({}, false))
     if (const auto reply = drive.receive(frame, 0.5f, 0.0f)) link.receive(*reply, 1000);
   link.receive(height.sample(4294967295u, 0, true), 1000);
   link.receive(cable.sample(7, 0, true), 1000);
-  link.receive(desk.command(rig::Desk::Wish::hop, 2.5f, 0.25f, true), 1000);
+  link.receive(host.command(rig::Host::Wish::hop, 2.5f, 0.25f, true), 1000);
   const auto sample = link.sample(1000);
   REQUIRE(sample.ok());
   CHECK(sample.value().height_count == 4294967295u);

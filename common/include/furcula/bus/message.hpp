@@ -50,8 +50,8 @@ enum class IdRule : std::uint8_t {
   odrive,     ///< node << 5 | base
 };
 
-/// The device that sends a message; `desk` is the host.
-enum class Sender : std::uint8_t { desk, controller, node };
+/// The device that sends a message.
+enum class Sender : std::uint8_t { host, controller, node };
 
 /// A row of the table of messages: identifier, size and signals of one kind of frame.
 struct Message {

@@ -34,7 +34,7 @@ struct Config {
   BenchConfig bench;               ///< trials on the clutch's bench
   ContactObserverConfig observer;  ///< contact from the leg's motion, without the switch
   /// Time without a message after which a robot that the host started stops (firmware/app/node.hpp); 0: no limit.
-  float desk_silent_s = 2.0f;
+  float host_timeout_s = 2.0f;
 };
 
 }  // namespace furcula::control

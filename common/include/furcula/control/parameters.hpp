@@ -173,8 +173,8 @@ inline constexpr std::array kAll{
         "1: a clutch on its bench, without leg, rail and drive: hop makes one trial."),
     parameter<kBench, &BenchConfig::window_ticks>(44, "bench_window_ms", "ms", 1.0f, 500.0f,
                                                   "That the coil is on in a trial."),
-    parameter<&Config::desk_silent_s>(
-        45, "desk_silent_s", "s", 0.0f, 60.0f,
+    parameter<&Config::host_timeout_s>(
+        45, "host_timeout_s", "s", 0.0f, 60.0f,
         "Without a request from the host that had started it, until it stops; 0: it runs on."),
 };
 

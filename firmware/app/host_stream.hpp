@@ -1,4 +1,4 @@
-// What a desk asks by its stream of command frames, for any robot's link: a stop whoever says it, all else by version, number and age.
+// What a host asks by its stream of command frames, for any robot's link: a stop whoever says it, all else by version, number and age.
 #pragma once
 
 #include <cstdint>
@@ -25,13 +25,13 @@ struct CanRequest {
   bool hop_said = false;    ///< somebody said hop, in the stream or beside it
 };
 
-class DeskStream {
+class HostStream {
  public:
-  explicit DeskStream(const bus::StreamLimits& limits) : limits_(limits) {}
+  explicit HostStream(const bus::StreamLimits& limits) : limits_(limits) {}
 
   /// A frame with the id of the node's commands. A stop is obeyed, whoever says it, in whatever order, age and version:
   /// of such a frame the request alone is looked at. Where it is not the very next one of the stream it is no part of it,
-  /// so that a second desk neither disturbs the first one's numbers nor is held to them. All else is judged by version,
+  /// so that a second host neither disturbs the first one's numbers nor is held to them. All else is judged by version,
   /// number and age.
   void hear(const bus::Frame& frame, std::uint32_t now_us, CanStatistics& statistics) {
     using bus::message::kCommand;
