@@ -219,7 +219,7 @@ Solution solve(Programme& programme, const SolveOptions& options) {
   set->SetNumericValue("acceptable_constr_viol_tol", 1e-8);
   set->SetIntegerValue("acceptable_iter", 10);
   set->SetNumericValue("max_cpu_time", options.cpu_s);
-  set->SetStringValue("mu_strategy", "adaptive");
+  set->SetStringValue("mu_strategy", options.monotone ? "monotone" : "adaptive");
   set->SetNumericValue("bound_relax_factor", 0.0);
   if (!programme.has_hessian()) {
     set->SetStringValue("hessian_approximation", "limited-memory");

@@ -217,7 +217,9 @@ class Programme {
 struct SolveOptions {
   int iterations = 400;
   double tolerance = 1e-7;
-  double cpu_s = 1e6;    ///< of processor time, then it ends
+  double cpu_s = 1e6;  ///< of processor time, then it ends
+  bool monotone =
+      false;  ///< the barrier parameter never grows: slower, and sometimes gets on where the adaptive one is stuck
   double barrier = 0.1;  ///< where the barrier parameter begins; small for a start near a solution
   /// Called once an iteration with the cost and the largest violation; false stops.
   std::function<bool(int iteration, double cost, double violation)> progress;

@@ -469,7 +469,15 @@ GaitResult find_gait(const Description& robot, const GaitTask& task) {
     if (task.progress) task.progress(iteration, cost, violation);
     return true;
   };
-  const optimise::Solution s = optimise::solve(step.programme(), options);
+  optimise::Solution s = optimise::solve(step.programme(), options);
+  const double left_s = task.cpu_s - static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
+  if (!s.found && left_s > 0.0) {
+    // With Ipopt 3.14 of Debian 13 the adaptive barrier gets stuck at some speeds.
+    options.cpu_s = left_s;
+    options.monotone = true;
+    optimise::Solution again = optimise::solve(step.programme(), options);
+    if (again.found) s = std::move(again);
+  }
   out.found = s.found;
   out.status = s.status;
   out.iterations = s.iterations;
