@@ -20,7 +20,7 @@ inline constexpr std::size_t kFewestInstants = 40;
 /// Causes of the catalogue do not look like that by chance (docs/decisions/0035-conventions-before-causes.md).
 inline const double kFarBetter = std::log(3.0);
 /// Signs and columns of two joints that are exchanged are the commonest faults: each counts for half a change. Of 404 machines with causes of the catalogue and
-/// without, none gains more than 0.14 by a wrong one (docs/decisions/0035-conventions-before-causes.md); half a change is 0.55.
+/// without, none gained more than 0.14 by a wrong one; half a change is 0.55.
 inline constexpr double kSignOrExchange = 0.5;
 /// An estimated number counts for half a change more: it would fit many a thing.
 inline constexpr double kEstimated = 0.5;

@@ -39,8 +39,8 @@ enum LocalGroup : int {
   kLocalGroups
 };
 LocalGroup group_of(std::size_t local);
-/// Standard deviations of their priors: what encoders, IMU and a foot on the ground leave open; disturbances of a few N m and N. After the
-/// figures of a prototype, see docs/decisions/0042-walking-robot-windows.md.
+/// Standard deviations of their priors: what encoders, IMU and a foot on the ground leave open; disturbances of a few N m and N
+/// (docs/decisions/0042-walking-robot-windows.md).
 inline constexpr std::array<double, kLocalGroups> kLocalSd{1e-3, 3e-2, 5e-2, 8e-2, 5e-4, 1e-1, 2e-3, 5e-3,
                                                            1.0,  15.0, 15.0, 3.0,  3.0,  3e-2, 6e-2, 2e-1};
 

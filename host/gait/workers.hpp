@@ -1,5 +1,5 @@
 // Independent jobs in processes of their own: MUMPS, Ipopt's linear solver, keeps its state in globals and cannot run
-// on two threads (docs/decisions/0019-gaits.md).
+// on two threads.
 #pragma once
 
 #include <cstddef>

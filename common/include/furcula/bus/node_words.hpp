@@ -151,7 +151,7 @@ inline constexpr std::array<Word, 15> kReasons{{
     {9, "flight", "It is in the air: the torque is 0 until touch-down."},
     {10, "trial", "It is on the clutch's bench, and a trial runs."},
     {11, "trial_ended", "The bench's trial is over and can be read: arm it, then hop, for the next one."},
-    {12, "host_silent", "The host that had started it sent nothing for host_timeout_s: arm it, then hop."},
+    {12, "host_silent", "No host sent anything for host_timeout_s: arm it, then hop."},
     {13, "landing", "The contact switch is lost: it lands without it, and then is in that fault."},
     {14, "standing_still",
      "It stands still, and a constant torque acts only on a body that moves: lift it and let it fall, or set torque_shape to harmonic."},

@@ -175,7 +175,7 @@ inline constexpr std::array kAll{
                                                   "That the coil is on in a trial."),
     parameter<&Config::host_timeout_s>(
         45, "host_timeout_s", "s", 0.0f, 60.0f,
-        "Without a request from the host that had started it, until it stops; 0: it runs on."),
+        "Without a read or write from a host, until a robot that a host started stops; 0: it runs on."),
 };
 
 }  // namespace table_of_parameters
