@@ -1,10 +1,10 @@
-// A planar leg's joints alone. In flight all mass falls by itself, and on the pinned toe the hip is where the angles put it:
-// what is left of LegEquations (dynamics/planar_leg.hpp) are two links, whose inertia depends on the knee's cosine only.
+// A planar leg's joints alone. In flight the centre of mass falls freely, and with the toe pinned the angles determine the hip: what
+// remains of LegEquations (dynamics/planar_leg.hpp) are two links, whose inertia depends on the knee's cosine only.
 //
 // With the angles of thigh and shank from straight down, a and f = hip + knee, and the joints' torques less their friction:
 //   S f'' + B cos(knee) a'' + B sin(knee) a'^2 - g s sin f = t_knee
 //   A a'' + B cos(knee) f'' - B sin(knee) f'^2 - g r sin a = t_hip - t_knee
-// In flight the inertias are those about the centre of mass, and gravity turns nothing.
+// In flight the inertias are those about the centre of mass, and gravity has no torque.
 #pragma once
 
 #include <type_traits>
@@ -17,6 +17,7 @@ namespace furcula::dynamics {
 template <class P>
 class LegJoints {
  public:
+  /// Computes the constants of the equations from the parameters.
   explicit LegJoints(const PlanarLegParameters<P>& p)
       : hip_damping_(p.hip_damping_nmspr), knee_damping_(p.knee_damping_nmspr) {
     const P &m = p.mass_kg, &m1 = p.thigh_mass_kg, &m2 = p.shank_mass_kg;
@@ -39,15 +40,22 @@ class LegJoints {
     shank_toe_ = shank_first_ / m;
   }
 
+  /// Sines and cosines of the angles of thigh and shank from straight down and of the knee.
   template <class T>
   struct Pose {
-    T sin_thigh, cos_thigh, sin_knee, cos_knee, sin_shank, cos_shank;
+    T sin_thigh,    ///< of the hip's angle
+        cos_thigh,  ///< of the hip's angle
+        sin_knee,   ///< of the knee's angle
+        cos_knee,   ///< of the knee's angle
+        sin_shank,  ///< of hip + knee
+        cos_shank;  ///< of hip + knee
   };
+  /// Sines and cosines of the joints' angles, rad.
   template <class T>
   FURCULA_INLINE Pose<T> pose(const Joints2<T>& angle) const {
     Pose<T> o;
     if constexpr (std::is_same_v<T, double>) {
-      // Both at once: the same bits, half the time.
+      // Both in one SIMD batch: the same bits, half the time.
       using Pair = Lanes<double, 2>;
       Pair both(angle.hip);
       both.set(1, angle.knee);
@@ -68,7 +76,8 @@ class LegJoints {
     return o;
   }
 
-  /// Under these torques of motor and spring, N m, on the pinned toe or in flight; rad/s^2.
+  /// Accelerations of the joints, rad/s^2, under these torques of motor and spring, N m: with the toe pinned (kStands) or in
+  /// flight.
   template <bool kStands, class T>
   FURCULA_INLINE Joints2<T> acceleration(const Pose<T>& o, const Joints2<T>& rate,
                                          const Joints2<T>& torque) const {
@@ -86,7 +95,7 @@ class LegJoints {
     const T thigh = inverse * (l.shank * on_thigh - cosine * on_shank);
     return {thigh, T(inverse * (l.thigh * on_shank - cosine * on_thigh) - thigh)};
   }
-  /// The other way round: the torques of motor and spring that an acceleration needs, N m.
+  /// Inverse dynamics: the torques of motor and spring that an acceleration needs, N m.
   template <bool kStands, class T>
   FURCULA_INLINE Joints2<T> torque(const Pose<T>& o, const Joints2<T>& rate,
                                    const Joints2<T>& acceleration) const {
@@ -102,7 +111,7 @@ class LegJoints {
     return {T(thigh + knee + hip_damping_ * rate.hip), T(knee + knee_damping_ * rate.knee)};
   }
 
-  /// Of the ground on the pinned toe, N.
+  /// Force of the ground on the pinned toe, N; x forward, y up.
   template <class T>
   Vec2<T> ground_force(const Pose<T>& o, const Joints2<T>& rate, const Joints2<T>& acceleration) const {
     const T shank_rate = rate.hip + rate.knee, shank = acceleration.hip + acceleration.knee;
@@ -113,23 +122,26 @@ class LegJoints {
                 thigh_first_ * (o.cos_thigh * a2 + o.sin_thigh * acceleration.hip)};
   }
 
-  /// Places and velocities against the centre of all mass; m and m/s.
+  /// Position of the toe relative to the centre of all mass, m.
   template <class T>
   Vec2<T> toe(const Pose<T>& o) const {
     return {thigh_toe_ * o.sin_thigh + shank_toe_ * o.sin_shank,
             -(thigh_toe_ * o.cos_thigh + shank_toe_ * o.cos_shank)};
   }
+  /// Velocity of the toe relative to the centre of all mass, m/s.
   template <class T>
   Vec2<T> toe_velocity(const Pose<T>& o, const Joints2<T>& rate) const {
     const T shank_rate = rate.hip + rate.knee;
     return {thigh_toe_ * o.cos_thigh * rate.hip + shank_toe_ * o.cos_shank * shank_rate,
             thigh_toe_ * o.sin_thigh * rate.hip + shank_toe_ * o.sin_shank * shank_rate};
   }
+  /// Position of the hip relative to the centre of all mass, m.
   template <class T>
   Vec2<T> hip(const Pose<T>& o) const {
     return {-(thigh_centre_ * o.sin_thigh + shank_centre_ * o.sin_shank),
             thigh_centre_ * o.cos_thigh + shank_centre_ * o.cos_shank};
   }
+  /// Velocity of the hip relative to the centre of all mass, m/s.
   template <class T>
   Vec2<T> hip_velocity(const Pose<T>& o, const Joints2<T>& rate) const {
     const T shank_rate = rate.hip + rate.knee;

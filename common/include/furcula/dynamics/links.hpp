@@ -8,34 +8,42 @@
 
 namespace furcula::dynamics {
 
-/// The lumped inertia of the four links (002 eq. 3.14): a in kg m^2, b and e in kg m, with the length of a
-/// link in m and the mass of everything that moves in kg.
+/// The lumped inertia of the four links (002 eq. 3.14, docs/physics.md).
 template <class T>
 struct Links {
+  /// The value type of T: float or double.
   using V = ValueOf<T>;
-  T a{}, b{}, e{}, link_length{}, mass{};
+  T a{},              ///< kg m^2: sum of I + m_L (r_L^2 + L^2) + m_U r_U^2
+      b{},            ///< kg m: sum of m_L r_L
+      e{},            ///< kg m: sum of m_L (r_L + L) + m_U r_U
+      link_length{},  ///< L, of each of the four links, m
+      mass{};         ///< of everything that moves, kg
 
   /// M of M q'' + B + G = [torque, 0] + J^T F_c, symmetric.
   struct Inertia {
-    T angle, coupling, height;
+    T angle,       ///< M11, of the leg angle, kg m^2
+        coupling,  ///< M12, between angle and height, kg m
+        height;    ///< M22, of the height: the mass, kg
   };
 
-  /// What a leg angle gives to all of the equations.
+  /// What all of the equations need of a leg angle theta.
   struct Pose {
-    T sine, cosine;
-    T length;  ///< hip to toe, m
-    T lever;   ///< -d length / d theta = 2 L sin theta, m/rad: the toe's Jacobian is [lever, 1]
-    Inertia inertia;
+    T sine,           ///< of theta
+        cosine;       ///< of theta
+    T length;         ///< hip to toe, m
+    T lever;          ///< -d length / d theta = 2 L sin theta, m/rad: the toe's Jacobian is [lever, 1]
+    Inertia inertia;  ///< at this angle
   };
 
+  /// The pose of a leg angle, rad.
   Pose pose(const T& angle) const {
     using std::cos;
     using std::sin;
     return pose(T(sin(angle)), T(cos(angle)));
   }
 
-  /// Of an angle that is `by` rad from that of a pose, without its sine: the first terms of the rotation's
-  /// series give what is less than kNear to the rounding of a double.
+  /// The pose of an angle that differs from that of a pose by `by` rad. Below kNear it uses the first terms of the series of
+  /// sine and cosine, which are exact to the rounding of a double.
   [[gnu::always_inline]] Pose turned(const Pose& from, const T& by) const {
     constexpr V kNear = V(0.05);
     if (!(value_of(by) < kNear && value_of(by) > -kNear)) return turned_far(from, by);
@@ -45,17 +53,17 @@ struct Links {
     return turned(from, sine, cosine);
   }
 
-  /// B without damping: what turning at `rate` (rad/s) asks of the angle (N m) and of the height (N).
+  /// B1 without damping: torque on the angle that the motion at `rate` (rad/s) needs, N m.
   T turning_torque(const Pose& p, const T& rate) const {
     return V(4) * link_length * b * p.sine * p.cosine * rate * rate;
   }
+  /// B2 without damping: force on the height that the motion at `rate` (rad/s) needs, N.
   T turning_force(const Pose& p, const T& rate) const { return e * p.cosine * rate * rate; }
 
-  /// Gravity's torque on the angle per gravity, kg m (that on the height is the mass).
+  /// G1 without the spring, over the acceleration of gravity, kg m (for the height it is the mass).
   T hanging(const Pose& p) const { return e * p.sine; }
 
-  /// Inertia of the motion with the toe on the ground, z' = -lever theta': J M^-1 J^T turned inside out, by
-  /// theta, kg m^2.
+  /// Inertia of the motion with the toe on the ground, z' = -lever theta', for the angle theta, kg m^2.
   T standing_inertia(const Pose& p) const {
     return p.inertia.angle - V(2) * p.lever * p.inertia.coupling + p.lever * p.lever * p.inertia.height;
   }
@@ -74,6 +82,7 @@ struct Links {
     return velocity + p.inertia.coupling * rate / p.inertia.height;
   }
 
+  /// Kinetic energy at an angle's rate (rad/s) and a velocity of the body (m/s), J.
   T kinetic_energy(const Pose& p, const T& rate, const T& velocity) const {
     return V(0.5) * (p.inertia.angle * rate * rate + p.inertia.height * velocity * velocity) +
            p.inertia.coupling * rate * velocity;

@@ -1,4 +1,4 @@
-// What a machine says of itself: its name, its parameters, where something can be wrong with it. Each machine's
+// The description of a machine: its name, its parameters, where something can be wrong with it. Each machine's
 // header is machines/<name>.hpp, the list of them machines.hpp.
 #pragma once
 
@@ -19,17 +19,17 @@ namespace furcula::dynamics {
 enum class Kind : std::uint8_t;
 
 /// One parameter of a machine. `lower` and `upper` are the values that make physical sense at all; a file
-/// outside of them is refused. They are not the bounds of a fit: those stand in the model's [free] table.
+/// outside of them is rejected. They are not the bounds of a fit: those stand in the model's [free] table.
 struct ParameterInfo {
-  std::string_view name;  ///< carries the unit, as in the model file
-  std::string_view unit;
-  double lower;
-  double upper;
-  std::string_view meaning;
+  std::string_view name;     ///< carries the unit, as in the model file
+  std::string_view unit;     ///< SI, for messages; "" where it has none
+  double lower;              ///< smallest value that is accepted
+  double upper;              ///< largest value that is accepted
+  std::string_view meaning;  ///< phrase for documentation and messages
 };
 
-/// The sort of a place where something can be wrong. An effect of the catalogue names the seats that it sits
-/// on, and exists on every machine that has one of them.
+/// Type of a location where an effect can act; values can be combined with |. An effect of the catalogue names its location
+/// types, and exists on every machine that has one of them.
 enum class Seat : std::uint16_t {
   axis = 1,           ///< a guide or bearing that a body moves in
   rail = 2,           ///< a vertical one, with an encoder of the height
@@ -41,23 +41,24 @@ enum class Seat : std::uint16_t {
   heavy_links = 128,  ///< one whose links have: free in flight, and the clutch's coil and key are simulated
   belt = 256,         ///< that a clutch holds and lets go
 };
+/// The location types of both.
 constexpr Seat operator|(Seat a, Seat b) {
   return static_cast<Seat>(static_cast<unsigned>(a) | static_cast<unsigned>(b));
 }
 /// Whether they have one in common.
 constexpr bool any_of(Seat a, Seat b) { return (static_cast<unsigned>(a) & static_cast<unsigned>(b)) != 0; }
 
+/// The description of a machine.
 struct MachineInfo {
-  std::string_view name;  ///< in the model file
-  std::string_view rig;   ///< in the log
-  std::span<const ParameterInfo> parameters;
-  Seat seats;
-  bool rotary = false;  ///< its position is an angle
-  Kind kind{};          ///< filled in by the list
+  std::string_view name;                      ///< in the model file
+  std::string_view rig;                       ///< its machine type in the log
+  std::span<const ParameterInfo> parameters;  ///< in the order of its table and of the model file's vector
+  Seat seats;                                 ///< location types that it has
+  bool rotary = false;                        ///< its position is an angle
+  Kind kind{};                                ///< filled in by the list
 };
 
-/// The struct of parameters from values in the order of its machine's table (`values.size()` = number of
-/// parameters).
+/// The struct of parameters from values in the order of its machine's table; `values` has one for each parameter.
 template <class Parameters, class T>
 constexpr Parameters from_table(std::span<const T> values) {
   Parameters p{};

@@ -1,5 +1,5 @@
-// The machines, in one list. What is asked elsewhere is what a machine has (its seats, its table, its rules on the
-// host), not which it is. How one is added: docs/adding_a_machine.md.
+// The machines, in one list. Other code tests what a machine has (its location types, its table, its rules on the host), not
+// which machine it is. How one is added: docs/adding_a_machine.md.
 #pragma once
 
 #include <optional>
@@ -15,6 +15,7 @@
 
 namespace furcula::dynamics {
 
+/// The machines as types.
 using Machines =
     std::tuple<machines::HopperLinear, machines::HopperNonlinear, machines::MotorAxis, machines::RotaryJoint,
                machines::RailCarriage, machines::ClutchBench, machines::TorsionPendulum>;
@@ -30,28 +31,31 @@ enum class Kind : std::uint8_t {
   torsion_pendulum
 };
 
-/// What each says of itself, in the order of the list.
+/// Their descriptions, in the order of the list.
 inline constexpr auto kMachines = []<class... Machine>(std::tuple<Machine...>*) {
   std::array<MachineInfo, sizeof...(Machine)> all{Machine::kInfo...};
   for (std::size_t i = 0; i < all.size(); ++i) all[i].kind = static_cast<Kind>(i);
   return all;
 }(static_cast<Machines*>(nullptr));
 
+/// The description of a machine.
 constexpr const MachineInfo& info(Kind kind) { return kMachines[static_cast<std::size_t>(kind)]; }
 
+/// Whether a machine has one of these location types.
 constexpr bool has(Kind kind, Seat seat) { return any_of(info(kind).seats, seat); }
 
+/// The machine of this name in the model file; nothing where there is none.
 constexpr std::optional<Kind> kind_named(std::string_view name) {
   for (const MachineInfo& machine : kMachines)
     if (machine.name == name) return machine.kind;
   return std::nullopt;
 }
 
-/// For a program that is about one machine.
+/// The number of a machine in the list, from its type.
 template <class Machine>
 inline constexpr Kind kKindOf = *kind_named(Machine::kInfo.name);
 
-/// Index of a parameter in the machine's table.
+/// Index of a parameter in the machine's table; nothing where it has none of this name.
 constexpr std::optional<std::size_t> parameter_index(Kind kind, std::string_view name) {
   const auto table = info(kind).parameters;
   for (std::size_t i = 0; i < table.size(); ++i)

@@ -7,7 +7,7 @@
 
 namespace furcula::dynamics {
 
-/// The members of a struct and then those of its base, as members of the struct.
+/// Two lists as one of members of `Struct`: first those of its base, then its own.
 template <class Struct, class Base, class T, std::size_t N, std::size_t M>
 constexpr std::array<T Struct::*, N + M> joined(const std::array<T Base::*, N>& of_base,
                                                 const std::array<T Struct::*, M>& own) {
@@ -18,7 +18,7 @@ constexpr std::array<T Struct::*, N + M> joined(const std::array<T Base::*, N>& 
   return all;
 }
 
-/// A list, or none of it.
+/// The list if kAll, else an empty one.
 template <bool kAll, class Member, std::size_t N>
 constexpr auto only_if(const std::array<Member, N>& members) {
   if constexpr (kAll)
@@ -27,8 +27,8 @@ constexpr auto only_if(const std::array<Member, N>& members) {
     return std::array<Member, 0>{};
 }
 
-/// Calls `f` with each of the members of a list, written out one by one: in a loop over more than a compiler
-/// unrolls each would be looked up.
+/// Calls `f` with each of the members of a list, expanded at compile time: a loop that the compiler does not unroll would
+/// load each pointer.
 template <const auto& kMembers, class F>
 constexpr void for_each(const F& f) {
   [&]<std::size_t... kIndex>(std::index_sequence<kIndex...>) { (f(kMembers[kIndex]), ...); }

@@ -18,25 +18,37 @@
 
 namespace furcula::dynamics {
 
-/// Where the energy is, and where it went since reset(), J. What the motor gave less what was lost is what
-/// the machine has more than at the start.
+/// Where the energy is, and where it went since reset(), J. The energy held is that of the start plus what the motor
+/// gave less what was lost.
 template <class T>
 struct EnergyAccount {
-  T kinetic{}, gravity{}, spring{};  ///< now; zero of gravity: body on the ground
-  T motor{};                         ///< given by the motor since the start
-  T guide_damping{}, leg_damping{}, touchdown{}, stop{}, liftoff{};  ///< lost since the start
+  T kinetic{},        ///< now, of body and links
+      gravity{},      ///< now, zero with body and links at height 0
+      spring{};       ///< now, in the leg's spring
+  T motor{};          ///< given by the motor since the start
+  T guide_damping{},  ///< lost in the guide since the start
+      leg_damping{},  ///< lost in the leg's damper since the start
+      touchdown{},    ///< lost in impacts of the toe since the start
+      stop{},         ///< lost in impacts of the leg on its stop since the start
+      liftoff{};      ///< lost by the restitution at lift-off since the start
 
+  /// Energy of now, J.
   T held() const { return kinetic + gravity + spring; }
+  /// All that was lost since the start, J.
   T lost() const { return guide_damping + leg_damping + touchdown + stop + liftoff; }
 };
 
-/// The spring's far end on a robot without a clutch: it stays where it is.
+/// The spring's far end on a robot without a clutch: it does not move.
 template <class T>
 struct FixedEnd {
+  /// It has no state.
   struct State {};
+  /// Nothing of it moves.
   struct Motion {
-    static constexpr std::array<T State::*, 0> kMembers{}, kIntegrals{};
+    static constexpr std::array<T State::*, 0> kMembers{},  ///< none
+        kIntegrals{};                                       ///< none
   };
+  /// f(Motion).
   template <class F>
   void in_motion(const F& f) const {
     f(Motion{});
@@ -57,13 +69,18 @@ struct FixedEnd {
 template <class T, class End = FixedEnd<T>>
 class NonlinearHopper {
  public:
+  /// The value type of T: float or double.
   using V = ValueOf<T>;
+  /// A touch-down or a lift-off.
   using Event = ContactEvent<V>;
   static constexpr std::size_t kMaxEvents = 16;  ///< kept of one advance()
   static constexpr V kLongestStep = V(2.5e-4);   ///< of a leg that swings
 
+  /// on_stop: in flight, the leg on its stop. swings: in flight, the leg free. stance: the toe on the ground, the leg free.
+  /// stands: the toe on the ground and the leg on its stop, at rest.
   enum class Mode : std::uint8_t { on_stop, swings, stance, stands };
 
+  /// At height 0 until reset(); `end` holds the spring's far end.
   explicit NonlinearHopper(const HopperNonlinearParameters<T>& p, const End& end = End{})
       : p_(p),
         end_(end),
@@ -115,29 +132,36 @@ class NonlinearHopper {
     end_.set_voltage(volts);
     end_.settle(s_);
   }
-  const End& clutch() const { return end_; }
-  bool caught() const { return end_.caught(s_); }
-  /// Of the cable from its rest, as seen along the leg, m and m/s.
-  const T& cable_travel_m() const { return s_.travel; }
-  const T& cable_speed_mps() const { return s_.speed; }
-  const T& coil_current_a() const { return s_.current; }
+  const End& clutch() const { return end_; }       ///< its modes and counts
+  bool caught() const { return end_.caught(s_); }  ///< the clutch's teeth hold the belt, or would stop it
+  const T& cable_travel_m() const { return s_.travel; }  ///< of the cable from its rest, along the leg
+  const T& cable_speed_mps() const {
+    return s_.speed;
+  }  ///< of the cable along the leg, positive away from its rest
+  const T& coil_current_a() const { return s_.current; }  ///< in the clutch's coil
+  /// Energies of the clutch (ClutchEnergy), J; not part of energy().
   auto clutch_energy() const {
     auto e = end_.energy(s_, end_.parameters().cable_mass_kg);
     e.impacts = clutch_impacts_;
     return e;
   }
 
-  Mode mode() const { return mode_; }
+  Mode mode() const { return mode_; }  ///< of contact and stop
+  /// The toe is on the ground.
   bool in_stance() const { return mode_ == Mode::stance || mode_ == Mode::stands; }
-  const T& height_m() const { return s_.height; }
-  const T& velocity_mps() const { return s_.velocity; }
-  const T& leg_angle_rad() const { return s_.angle; }
-  const T& leg_rate_radps() const { return s_.rate; }
-  T toe_height_m() const { return s_.height - pose_.length; }
-  T toe_velocity_mps() const { return s_.velocity + pose_.lever * s_.rate; }
-  T touchdown_height_m() const { return straight_.length; }
+  const T& height_m() const {
+    return s_.height;
+  }  ///< of the body, 0 with the ground where it was at the start
+  const T& velocity_mps() const { return s_.velocity; }        ///< of the body, positive upwards
+  const T& leg_angle_rad() const { return s_.angle; }          ///< from the vertical; grows as the leg folds
+  const T& leg_rate_radps() const { return s_.rate; }          ///< positive while the leg folds
+  T toe_height_m() const { return s_.height - pose_.length; }  ///< 0 on the ground where it was at the start
+  T toe_velocity_mps() const { return s_.velocity + pose_.lever * s_.rate; }  ///< positive upwards
+  T touchdown_height_m() const {
+    return straight_.length;
+  }  ///< of the body above the ground, with a straight leg
 
-  /// Whether the steps can follow the leg's own swing: not where its links weigh next to nothing.
+  /// Whether the steps resolve the leg's own oscillation: not where its links have almost no inertia.
   static bool resolves(const HopperNonlinearParameters<T>& p) {
     using std::sqrt;
     const Links<T> links{p.inertia_a_kgm2, p.inertia_b_kgm, p.inertia_e_kgm, p.link_length_m, p.mass_kg};
@@ -156,6 +180,7 @@ class NonlinearHopper {
   /// Touch-downs and lift-offs inside the last advance(), in order; offsets from its start, s.
   std::span<const Event> events() const { return {events_.data(), event_count_}; }
 
+  /// Energies without those of the clutch, J.
   EnergyAccount<T> energy() const {
     EnergyAccount<T> out = account_;
     const T pull = stretch(s_, pose_);
