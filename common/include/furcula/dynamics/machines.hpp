@@ -63,7 +63,7 @@ constexpr std::optional<std::size_t> parameter_index(Kind kind, std::string_view
   return std::nullopt;
 }
 
-/// f.operator()<Machine>() with the machine of this kind.
+/// `f.operator()<Machine>()` with the machine of this kind.
 template <std::size_t kFrom = 0, class F>
 constexpr decltype(auto) with_machine(Kind kind, const F& f) {
   if constexpr (kFrom + 1 < kMachines.size())
