@@ -52,7 +52,7 @@ constexpr bool any_of(Seat a, Seat b) { return (static_cast<unsigned>(a) & stati
 struct MachineInfo {
   std::string_view name;                      ///< in the model file
   std::string_view rig;                       ///< its machine type in the log
-  std::span<const ParameterInfo> parameters;  ///< in the order of its table and of the model file's vector
+  std::span<const ParameterInfo> parameters;  ///< its table; an index into it is a parameter's index
   Seat seats;                                 ///< location types that it has
   bool rotary = false;                        ///< its position is an angle
   Kind kind{};                                ///< filled in by the list

@@ -135,9 +135,8 @@ class NonlinearHopper {
   const End& clutch() const { return end_; }       ///< its modes and counts
   bool caught() const { return end_.caught(s_); }  ///< the clutch's teeth hold the belt, or would stop it
   const T& cable_travel_m() const { return s_.travel; }  ///< of the cable from its rest, along the leg
-  const T& cable_speed_mps() const {
-    return s_.speed;
-  }  ///< of the cable along the leg, positive away from its rest
+  /// Speed of the cable along the leg, positive away from its rest.
+  const T& cable_speed_mps() const { return s_.speed; }
   const T& coil_current_a() const { return s_.current; }  ///< in the clutch's coil
   /// Energies of the clutch (ClutchEnergy), J; not part of energy().
   auto clutch_energy() const {
@@ -149,17 +148,15 @@ class NonlinearHopper {
   Mode mode() const { return mode_; }  ///< of contact and stop
   /// The toe is on the ground.
   bool in_stance() const { return mode_ == Mode::stance || mode_ == Mode::stands; }
-  const T& height_m() const {
-    return s_.height;
-  }  ///< of the body, 0 with the ground where it was at the start
+  /// Height of the body above the level that the ground has at the start.
+  const T& height_m() const { return s_.height; }
   const T& velocity_mps() const { return s_.velocity; }        ///< of the body, positive upwards
   const T& leg_angle_rad() const { return s_.angle; }          ///< from the vertical; grows as the leg folds
   const T& leg_rate_radps() const { return s_.rate; }          ///< positive while the leg folds
-  T toe_height_m() const { return s_.height - pose_.length; }  ///< 0 on the ground where it was at the start
+  T toe_height_m() const { return s_.height - pose_.length; }  ///< above the same level
   T toe_velocity_mps() const { return s_.velocity + pose_.lever * s_.rate; }  ///< positive upwards
-  T touchdown_height_m() const {
-    return straight_.length;
-  }  ///< of the body above the ground, with a straight leg
+  /// Height of the body above the ground at touch-down with the leg on its stop.
+  T touchdown_height_m() const { return straight_.length; }
 
   /// Whether the steps resolve the leg's own oscillation: not where its links have almost no inertia.
   static bool resolves(const HopperNonlinearParameters<T>& p) {
