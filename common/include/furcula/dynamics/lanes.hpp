@@ -43,7 +43,7 @@ struct LaneMask {
   bool operator[](std::size_t lane) const { return bits[lane] != 0; }
 };
 
-/// A SIMD batch of N numbers, N > 1; V is float or double.
+/// A SIMD batch of N numbers, N > 1; V is float or double. Operators + - * / += -= *= /= < > act on each lane, with another batch or a number.
 template <class V, int N>
 struct Lanes {
   static_assert(N > 1 && std::is_floating_point_v<V>);
@@ -76,6 +76,7 @@ struct ScalarTraits<Lanes<V, N>> {
   using Value = V;
 };
 
+/// \cond told at Lanes
 #define FURCULA_LANES_OPERATOR(op)                                                          \
   template <class V, int N>                                                                 \
   FURCULA_INLINE Lanes<V, N> operator op(const Lanes<V, N>& a, const Lanes<V, N>& b) {      \
@@ -98,6 +99,7 @@ FURCULA_LANES_OPERATOR(-)
 FURCULA_LANES_OPERATOR(*)
 FURCULA_LANES_OPERATOR(/)
 #undef FURCULA_LANES_OPERATOR
+/// \endcond
 
 /// The negative of each lane.
 template <class V, int N>
@@ -105,6 +107,7 @@ FURCULA_INLINE Lanes<V, N> operator-(const Lanes<V, N>& a) {
   return Lanes<V, N>::of(-a.v);
 }
 
+/// \cond told at Lanes
 #define FURCULA_LANES_COMPARE(op)                                                              \
   template <class V, int N>                                                                    \
   FURCULA_INLINE LaneMask<V, N> operator op(const Lanes<V, N>& a, const Lanes<V, N>& b) {      \
@@ -117,6 +120,7 @@ FURCULA_INLINE Lanes<V, N> operator-(const Lanes<V, N>& a) {
 FURCULA_LANES_COMPARE(<)
 FURCULA_LANES_COMPARE(>)
 #undef FURCULA_LANES_COMPARE
+/// \endcond
 
 /// In each lane `yes` where the condition holds, else `no`.
 template <class V, int N>
