@@ -15,7 +15,10 @@ namespace furcula::bus {
 /// Byte 0: the image's version; byte 1: how many entries follow, each a number of 16 bits and a value of IEEE
 /// 754, both with the least significant byte first.
 inline constexpr std::uint8_t kImageVersion = 1;
-inline constexpr std::size_t kImageHeaderBytes = 2, kImageEntryBytes = 6;
+/// Bytes of the header.
+inline constexpr std::size_t kImageHeaderBytes = 2;
+/// Bytes of an entry: number and value.
+inline constexpr std::size_t kImageEntryBytes = 6;
 /// Greatest size of an image, that of a later table included.
 inline constexpr std::size_t kImageBytesMax = kImageHeaderBytes + 80 * kImageEntryBytes;
 /// Bytes of an image of this table.

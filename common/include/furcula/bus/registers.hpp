@@ -237,14 +237,19 @@ inline constexpr std::uint16_t kLogWords = kLoggedFaults * kLogEntryWords;
 /// has, and of each row what the cable's encoder had moved since the first one (counts, signed) and the
 /// coil's duty from then on (percent). A row is a millisecond. Rows that the trial does not have are old or
 /// 0.
-inline constexpr std::uint16_t kTrialNumberAddress = 1024, kTrialRowsAddress = 1025;
-/// First registers of the encoder's counts and of the coil's duties, one register a row.
-inline constexpr std::uint16_t kTrialCountBase = 2048, kTrialCoilBase = 4096;
+inline constexpr std::uint16_t kTrialNumberAddress = 1024;
+inline constexpr std::uint16_t kTrialRowsAddress = 1025;  ///< of the number of rows
+/// First register of the encoder's counts, one register a row.
+inline constexpr std::uint16_t kTrialCountBase = 2048;
+/// First register of the coil's duties, one register a row.
+inline constexpr std::uint16_t kTrialCoilBase = 4096;
 /// Greatest number of rows that are kept.
 inline constexpr std::uint16_t kTrialRowsMost = 1024;
 
 /// The request: three holding registers that are written at once. `stop` may be written alone.
-inline constexpr std::uint16_t kRequestKeyAddress = 0, kRequestSessionAddress = 1, kRequestAddress = 2;
+inline constexpr std::uint16_t kRequestKeyAddress = 0;
+inline constexpr std::uint16_t kRequestSessionAddress = 1;  ///< of the session that the node gave
+inline constexpr std::uint16_t kRequestAddress = 2;         ///< of the request's number
 /// Registers of a request: key, session and request.
 inline constexpr std::uint16_t kRequestWords = 3;
 inline constexpr std::uint16_t kRequestKey = 0x4655;  ///< "FU"

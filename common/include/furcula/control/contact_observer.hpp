@@ -105,9 +105,10 @@ inline ContactEstimate observe_contact(const ContactObserverConfig& config, Cont
 
 /// How far the observer can be trusted in the switch's place: as far as it has agreed with it.
 inline constexpr std::uint32_t kAgreementsLeast = 4;  ///< changes running, two strides
-/// After a change of the observer's the switch should have followed; and so long may they differ: longer, and
-/// nothing has been agreed upon; s.
-inline constexpr float kSwitchFollows_s = 0.025f, kLongestQuarrel_s = 0.1f;
+/// Time after a change of the observer's output within which the switch should follow, s.
+inline constexpr float kSwitchFollows_s = 0.025f;
+/// Longest time for which both may differ; after it no agreement is left, s.
+inline constexpr float kLongestQuarrel_s = 0.1f;
 
 /// Comparison of the contact observer with the contact switch.
 struct WitnessState {

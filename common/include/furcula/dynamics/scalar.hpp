@@ -10,13 +10,16 @@ namespace furcula::dynamics {
 /// (host/identify/dual.hpp).
 template <class T>
 struct ScalarTraits {
-  using Value = T;
+  using Value = T;  ///< type of the plain value
+  /// The plain value, without derivatives.
   static constexpr Value value(const T& x) { return x; }
 };
 
+/// Type of the plain value of a scalar: float or double.
 template <class T>
 using ValueOf = typename ScalarTraits<T>::Value;
 
+/// The plain value of a scalar, without derivatives.
 template <class T>
 constexpr ValueOf<T> value_of(const T& x) {
   return ScalarTraits<T>::value(x);

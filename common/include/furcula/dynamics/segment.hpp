@@ -7,21 +7,31 @@
 
 namespace furcula::dynamics {
 
-/// Motion from (position, velocity) under y'' + delta y' + kappa y = acceleration, y the way gone since the
-/// start.
+/// Motion from (position, velocity) under y'' + delta y' + kappa y = acceleration; y is the displacement since the start. SI
+/// units; of a rotary axis rad in place of m.
 template <class T>
 struct Segment {
-  T position, velocity, acceleration, kappa, delta;
+  T position,        ///< at the start, m
+      velocity,      ///< at the start, m/s
+      acceleration,  ///< at the start without damping, m/s^2
+      kappa,         ///< stiffness over mass, 1/s^2
+      delta;         ///< damping over mass, 1/s
 
+  /// Plain numbers: float or double.
   using V = ValueOf<T>;
+
+  /// Position after the time of a flow of over(), m.
 
   T position_after(const Flow<T>& f) const {
     return position + velocity * f.impulse + acceleration * f.impulse_integral;
   }
+  /// Velocity after the time of a flow of over(), m/s.
   T velocity_after(const Flow<T>& f) const { return velocity * f.impulse_rate + acceleration * f.impulse; }
+  /// Acceleration after the time of a flow of over(), m/s^2.
   T acceleration_after(const Flow<T>& f) const {
     return acceleration - delta * velocity_after(f) - kappa * (position_after(f) - position);
   }
+  /// The exact flow over `t` seconds, for the functions above.
   Flow<T> over(const T& t) const { return flow(kappa, delta, t); }
 
   /// The same motion in plain numbers, to search in.

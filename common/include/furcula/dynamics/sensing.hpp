@@ -15,8 +15,10 @@ namespace furcula::dynamics {
 template <class T>
 class Sensing {
  public:
+  /// Plain numbers: float or double.
   using V = ValueOf<T>;
 
+  /// With the sensing effects of `effects`; a scale error turns about `reference`, m or rad.
   Sensing(const Effects<T>& effects, const T& reference)
       : e_(effects),
         reference_(reference),
@@ -26,6 +28,7 @@ class Sensing {
   /// True if each position is measured as it is, at whatever instant.
   bool ideal() const { return ideal_; }
 
+  /// What the encoder shows at a true position, without a slip; m or rad.
   T measured(const T& position) const { return ideal_ ? position : distorted(position); }
 
   /// Measured velocity over true velocity at a position.

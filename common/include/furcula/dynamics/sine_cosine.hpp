@@ -12,9 +12,11 @@
 
 namespace furcula::dynamics {
 
+/// Sine and cosine of one angle.
 template <class T>
 struct SineCosine {
-  T sine, cosine;
+  T sine,      ///< -1 to 1
+      cosine;  ///< -1 to 1
 };
 
 namespace detail {
@@ -79,7 +81,7 @@ FURCULA_INLINE SineCosine<T> sine_cosine(const T& x) {
 
 }  // namespace detail
 
-/// Of numbers with derivatives: by their own sin and cos.
+/// Sine and cosine of an angle in rad, of each lane of a batch; dual numbers use their own sin and cos.
 template <class T>
 FURCULA_INLINE SineCosine<T> sine_cosine(const T& x) {
   if constexpr (std::is_same_v<T, ValueOf<T>> || requires { T::kLanes; })
