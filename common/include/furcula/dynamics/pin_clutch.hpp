@@ -15,30 +15,41 @@ namespace furcula::dynamics {
 template <class T>
 struct PinClutchParameters {
   // The link, a pendulum that hangs down at angle 0.
-  T link_inertia_kgm2{}, link_gravity_nm{}, link_damping_nmspr{};
-  // The active rotator: rotor and gear, whose friction a passive link is spared.
-  T rotor_inertia_kgm2{}, gear_friction_nm{}, gear_damping_nmspr{}, torque_limit_nm{};
-  // The spring rotator, which rests at spring_rest_rad.
-  T spring_inertia_kgm2{}, spring_stiffness_nmprad{}, spring_damping_nmspr{}, spring_rest_rad{};
+  T link_inertia_kgm2{},     ///< of the link about the joint
+      link_gravity_nm{},     ///< gravity's torque on the horizontal link
+      link_damping_nmspr{};  ///< viscous friction of the joint
+  // The active rotator: rotor and gear. A passive link does not have their friction.
+  T rotor_inertia_kgm2{},    ///< of rotor and gear
+      gear_friction_nm{},    ///< dry friction of the gear
+      gear_damping_nmspr{},  ///< viscous friction of the gear
+      torque_limit_nm{};     ///< largest magnitude of the motor's torque
+  // The spring rotator.
+  T spring_inertia_kgm2{},        ///< of the rotator
+      spring_stiffness_nmprad{},  ///< of the spring, in both directions
+      spring_damping_nmspr{},     ///< viscous friction of the rotator
+      spring_rest_rad{};          ///< angle at which the spring is relaxed
   // The pin.
-  T play_rad{};                         ///< either way, of a pin that is in
-  T chamfer_rad{};                      ///< by which it may be further off where it enters
-  T contact_nmprad{}, contact_nmspr{};  ///< pin against hole
-  T pin_stroke_s{};                     ///< that the servo takes from the middle to either end
-  T wedge_nm{};  ///< by which the servo, pushing over a chamfer, turns the rotators at most
-  T pull_nm{};   ///< load under which it can still pull the pin out
+  T play_rad{};         ///< clearance of an inserted pin to each side
+  T chamfer_rad{};      ///< by which the pin may be further off where it enters
+  T contact_nmprad{},   ///< stiffness of the contact of pin and hole
+      contact_nmspr{};  ///< damping of the contact of pin and hole
+  T pin_stroke_s{};     ///< time that the servo needs from the middle to either end
+  T wedge_nm{};         ///< largest torque with which the servo, pushing over a chamfer, turns the rotators
+  T pull_nm{};          ///< largest load under which the servo can pull the pin out
 };
 
 /// Classic Runge-Kutta steps of at most kLongestStep. Dry friction is smooth below kCreep.
 template <class T>
 class PinClutchJoint {
  public:
+  /// Plain numbers: float or double.
   using V = ValueOf<T>;
-  static constexpr V kLongestStep = V(2e-5);
-  static constexpr V kCreep = V(5e-3);  ///< rad/s
-  static constexpr V kEnters = V(0.2);  ///< share of the stroke at which the pin meets the hole
-  static constexpr V kChamferEnds = V(0.4);
+  static constexpr V kLongestStep = V(2e-5);  ///< s
+  static constexpr V kCreep = V(5e-3);        ///< rad/s, below which dry friction is smooth
+  static constexpr V kEnters = V(0.2);        ///< share of the stroke at which the pin meets the hole
+  static constexpr V kChamferEnds = V(0.4);   ///< share of the stroke at which the chamfer is passed
 
+  /// A joint at reset(0, 0).
   explicit PinClutchJoint(const PinClutchParameters<T>& p) : p_(p) { reset(T(V(0)), T(V(0))); }
 
   /// The pin in the middle, the active rotator beside the link and at rest, the spring's at its rest.
@@ -47,8 +58,9 @@ class PinClutchJoint {
     pin_ = V(0);
   }
 
-  /// Where another model has the link (whose inertia is then without bound here), and its motor.
+  /// Sets the link's angle and rate where another model moves it (give it a very large inertia here), rad and rad/s.
   void set_link(const T& rad, const T& radps) { s_[0] = rad, s_[1] = radps; }
+  /// Sets the active rotator's angle and rate, rad and rad/s.
   void set_rotor(const T& rad, const T& radps) { s_[2] = rad, s_[3] = radps; }
 
   /// By `dt_s` >= 0 with the motor's torque and the servo's target held: 1 the active rotator, 0 the middle,
@@ -70,18 +82,27 @@ class PinClutchJoint {
     }
   }
 
+  /// Angle of the link, rad.
   const T& link_rad() const { return s_[0]; }
+  /// Rate of the link, rad/s.
   const T& link_radps() const { return s_[1]; }
+  /// Angle of the active rotator, rad.
   const T& rotor_rad() const { return s_[2]; }
+  /// Rate of the active rotator, rad/s.
   const T& rotor_radps() const { return s_[3]; }
+  /// Angle of the spring rotator, rad.
   const T& spring_rad() const { return s_[4]; }
+  /// Position of the pin: 1 in the active rotator, 0 in the middle, -1 in the spring rotator.
   V pin() const { return pin_; }
+  /// Whether the pin is in the hole of the active rotator.
   bool in_rotor() const { return pin_ > kEnters; }
+  /// Whether the pin is in the hole of the spring rotator.
   bool in_spring() const { return pin_ < -kEnters; }
-  /// Of the pin on the link, N m.
+  /// Torque of the pin on the link, N m.
   T contact_nm() const { return contact(s_); }
-  /// The same, its mean over the last advance().
+  /// Mean of that torque over the last advance(), N m.
   const T& mean_contact_nm() const { return mean_contact_; }
+  /// The parameters.
   const PinClutchParameters<T>& parameters() const { return p_; }
 
   /// Kinetic, of gravity (0 hanging down) and of the springs, J.

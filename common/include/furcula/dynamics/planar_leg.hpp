@@ -18,8 +18,9 @@ namespace furcula::dynamics {
 enum class LegSpring : std::uint8_t {
   switched,  ///< in stance only, its rest angle that of the knee at touch-down (001 eq. 1)
   parallel,  ///< always, its rest angle fixed (001 eq. 14)
-  none,
+  none,      ///< no spring
 };
+/// Names in files, in the order of LegSpring.
 inline constexpr std::array<std::string_view, 3> kLegSpringNames{"switched", "parallel", "none"};
 
 /// What ends a stance. The ground never pulls, so that a force of zero ends it in any case.
@@ -28,40 +29,50 @@ enum class LegLiftOff : std::uint8_t {
   knee,   ///< the knee, extending, comes back to its angle of touch-down (001 eq. 3, the second condition)
   unguarded,  ///< the force alone; the knee may extend beyond its angle of touch-down
 };
+/// Names in files, in the order of LegLiftOff.
 inline constexpr std::array<std::string_view, 3> kLegLiftOffNames{"force", "knee", "unguarded"};
 
 /// Inertias are about each link's centre of mass, with the rotor that turns with it.
 template <class P>
 struct PlanarLegParameters {
-  P mass_kg{}, thigh_mass_kg{}, shank_mass_kg{};  ///< of all; the torso has the rest
-  P thigh_inertia_kgm2{}, shank_inertia_kgm2{};
-  P thigh_length_m{}, shank_length_m{};
-  P thigh_com_m{}, shank_com_m{};  ///< from the hip; from the knee
-  P hip_damping_nmspr{}, knee_damping_nmspr{};
-  P stiffness_nmprad{};  ///< of the knee's spring
-  P rest_angle_rad{};    ///< of the knee's spring, where it is `parallel`
-  P gravity_mps2{};
+  P mass_kg{},               ///< of all; the torso has what thigh and shank do not
+      thigh_mass_kg{},       ///< of the thigh
+      shank_mass_kg{};       ///< of the shank
+  P thigh_inertia_kgm2{},    ///< about its centre of mass
+      shank_inertia_kgm2{};  ///< about its centre of mass
+  P thigh_length_m{},        ///< hip to knee
+      shank_length_m{};      ///< knee to toe
+  P thigh_com_m{},           ///< centre of mass, from the hip
+      shank_com_m{};         ///< centre of mass, from the knee
+  P hip_damping_nmspr{},     ///< viscous friction of the hip
+      knee_damping_nmspr{};  ///< viscous friction of the knee
+  P stiffness_nmprad{};      ///< of the knee's spring
+  P rest_angle_rad{};        ///< of the knee's spring, where it is `parallel`
+  P gravity_mps2{};          ///< acceleration of gravity, positive downwards
 };
 
 /// In the plane: x forward, y up; m, m/s or N.
 template <class T>
 struct Vec2 {
-  T x{}, y{};
+  T x{},    ///< forward
+      y{};  ///< up
 };
 
 /// Of hip and knee: rad, rad/s, rad/s^2 or N m. The thigh is measured from straight down, the knee from
 /// straight; both grow counter-clockwise, so that a positive torque flexes the knee.
 template <class T>
 struct Joints2 {
-  T hip{}, knee{};
+  T hip{},     ///< of the hip
+      knee{};  ///< of the knee
 };
 
 /// The equations
 ///   D q'' + C + G = (0, 0, u_hip - f1 hip', u_knee + s - f2 knee') + J^T F,   q = (x, y, hip, knee)
-/// with (x, y) the hip's place. T is the scalar of the state, P that of the parameters.
+/// with (x, y) the hip's position (001 section III). T is the scalar of the state, P that of the parameters.
 template <class T, class P = ValueOf<T>>
 class LegEquations {
  public:
+  /// Computes the constants of the equations from the parameters.
   explicit LegEquations(const PlanarLegParameters<P>& p)
       : p_(p),
         a_(p.thigh_mass_kg * p.thigh_com_m + p.shank_mass_kg * p.thigh_length_m),
@@ -72,16 +83,27 @@ class LegEquations {
              p.shank_mass_kg * p.thigh_length_m * p.thigh_length_m),
         inverse_mass_(P(1) / p.mass_kg) {}
 
+  /// The parameters.
   const PlanarLegParameters<P>& parameters() const { return p_; }
 
-  /// What the joints' angles give to all of the equations. `toe` is the toe's Jacobian by hip and knee.
+  /// What all of the equations need of the joints' angles.
   struct Pose {
-    T sin_hip, cos_hip, sin_knee, cos_knee, sin_shank, cos_shank;  ///< the shank's angle is hip + knee
-    Joints2<T> along_x, along_y;                                   ///< D, rows x and y, columns hip and knee
-    T d_hip, d_both, d_knee;                                       ///< D of the joints
-    Joints2<T> toe_x, toe_y;
+    T sin_hip,           ///< of the hip's angle
+        cos_hip,         ///< of the hip's angle
+        sin_knee,        ///< of the knee's angle
+        cos_knee,        ///< of the knee's angle
+        sin_shank,       ///< of hip + knee
+        cos_shank;       ///< of hip + knee
+    Joints2<T> along_x,  ///< D, row x, columns hip and knee
+        along_y;         ///< D, row y, columns hip and knee
+    T d_hip,             ///< D, hip and hip
+        d_both,          ///< D, hip and knee
+        d_knee;          ///< D, knee and knee
+    Joints2<T> toe_x,    ///< Jacobian of the toe, row x, m/rad
+        toe_y;           ///< Jacobian of the toe, row y, m/rad
   };
 
+  /// The pose of the joints' angles, rad.
   Pose pose(const Joints2<T>& angle) const {
     const SineCosine<T> hip = sine_cosine(angle.hip), knee = sine_cosine(angle.knee);
     Pose o;
@@ -105,18 +127,21 @@ class LegEquations {
     return o;
   }
 
-  /// From the hip, m. The Jacobian's rows are the turned links: J = (-y, x) of what hangs on each joint.
+  /// Position of the toe from the hip, m. The Jacobian's rows are the turned links: J = (-y, x) of what hangs on each joint.
   Vec2<T> toe(const Pose& o) const { return {o.toe_y.hip, -o.toe_x.hip}; }
+  /// Position of the knee from the hip, m.
   Vec2<T> knee(const Pose& o) const {
     return {p_.thigh_length_m * o.sin_hip, -p_.thigh_length_m * o.cos_hip};
   }
-  /// The centre of all mass, from the hip, m, and its velocity against the hip's, m/s.
+  /// Position of the centre of all mass from the hip, m.
   Vec2<T> centre(const Pose& o) const {
     return {inverse_mass_ * o.along_y.hip, -inverse_mass_ * o.along_x.hip};
   }
+  /// Velocity of the centre of all mass relative to the hip's, m/s.
   Vec2<T> centre_velocity(const Pose& o, const Joints2<T>& rate) const {
     return {inverse_mass_ * dot(o.along_x, rate), inverse_mass_ * dot(o.along_y, rate)};
   }
+  /// Velocity of the toe relative to the hip's, m/s.
   Vec2<T> toe_velocity(const Pose& o, const Joints2<T>& rate) const {
     return {dot(o.toe_x, rate), dot(o.toe_y, rate)};
   }
@@ -127,13 +152,13 @@ class LegEquations {
     return value_of(stretch) > ValueOf<T>(0) ? T(-p_.stiffness_nmprad * stretch) : T(ValueOf<T>(0));
   }
 
-  /// Torques of motor and spring that an acceleration of the joints needs, N m; the acceleration of the hip
-  /// that goes with it; and on the pin the ground's force, N.
+  /// Result of inverse dynamics.
   struct Needed {
-    Joints2<T> torque;
-    Vec2<T> hip_acceleration;
-    Vec2<T> ground_force;
+    Joints2<T> torque;         ///< of motor and spring, N m
+    Vec2<T> hip_acceleration;  ///< that results, m/s^2
+    Vec2<T> ground_force;      ///< on the toe, N; zero in flight
   };
+  /// Inverse dynamics with the toe pinned: what an acceleration of the joints, rad/s^2, needs.
   Needed needed_in_stance(const Pose& o, const Joints2<T>& rate, const Joints2<T>& acceleration) const {
     const Turning t = turning(o, rate);
     Needed n;
@@ -147,6 +172,7 @@ class LegEquations {
     n.torque.knee = n.torque.knee - (o.toe_x.knee * n.ground_force.x + o.toe_y.knee * n.ground_force.y);
     return n;
   }
+  /// Inverse dynamics in flight.
   Needed needed_in_flight(const Pose& o, const Joints2<T>& rate, const Joints2<T>& acceleration) const {
     const Turning t = turning(o, rate);
     Needed n;
@@ -156,18 +182,20 @@ class LegEquations {
     return n;
   }
 
-  /// How the leg accelerates under these torques of motor and spring.
+  /// Result of forward dynamics.
   struct Motion {
-    Joints2<T> acceleration;
-    Vec2<T> hip_acceleration;
-    Vec2<T> ground_force;
+    Joints2<T> acceleration;   ///< of the joints, rad/s^2
+    Vec2<T> hip_acceleration;  ///< m/s^2
+    Vec2<T> ground_force;      ///< on the toe, N; zero in flight
   };
+  /// Forward dynamics with the toe pinned, under these torques of motor and spring, N m.
   Motion in_stance(const Pose& o, const Joints2<T>& rate, const Joints2<T>& torque) const {
     return forwards(needed_in_stance(o, rate, {}), standing_inertia(o), torque, [&](const Joints2<T>& a) {
       const Needed n = needed_in_stance(o, rate, a);
       return Motion{a, n.hip_acceleration, n.ground_force};
     });
   }
+  /// Forward dynamics in flight.
   Motion in_flight(const Pose& o, const Joints2<T>& rate, const Joints2<T>& torque) const {
     return forwards(needed_in_flight(o, rate, {}), flying_inertia(o), torque, [&](const Joints2<T>& a) {
       const Needed n = needed_in_flight(o, rate, a);
@@ -175,10 +203,13 @@ class LegEquations {
     });
   }
 
-  /// Inertia of the joints, kg m^2, on the pinned toe and in free flight.
+  /// Inertia matrix of the joints, symmetric, kg m^2.
   struct Inertia {
-    T hip, both, knee;
+    T hip,     ///< hip and hip
+        both,  ///< hip and knee
+        knee;  ///< knee and knee
   };
+  /// Inertia of the joints with the toe pinned.
   Inertia standing_inertia(const Pose& o) const {
     const P& m = p_.mass_kg;
     const auto part = [&](const T& d, const T& xi, const T& yi, const T& ai, const T& bi, const T& xj,
@@ -190,6 +221,7 @@ class LegEquations {
             part(o.d_both, x.hip, y.hip, u.hip, v.hip, x.knee, y.knee, u.knee, v.knee),
             part(o.d_knee, x.knee, y.knee, u.knee, v.knee, x.knee, y.knee, u.knee, v.knee)};
   }
+  /// Inertia of the joints in flight.
   Inertia flying_inertia(const Pose& o) const {
     const auto &u = o.along_x, &v = o.along_y;
     return {o.d_hip - inverse_mass_ * (u.hip * u.hip + v.hip * v.hip),
@@ -197,12 +229,13 @@ class LegEquations {
             o.d_knee - inverse_mass_ * (u.knee * u.knee + v.knee * v.knee)};
   }
 
-  /// Touch-down: the toe stops at once, joints' torques give no impulse.
+  /// State after a touch-down.
   struct Impact {
-    Joints2<T> rate;  ///< after it
-    Vec2<T> hip_velocity;
-    Vec2<T> impulse;  ///< of the ground, N s
+    Joints2<T> rate;       ///< of the joints, rad/s
+    Vec2<T> hip_velocity;  ///< m/s
+    Vec2<T> impulse;       ///< of the ground, N s
   };
+  /// Plastic touch-down: the toe stops at once; the joints' torques have no impulse.
   Impact impact(const Pose& o, const Vec2<T>& hip_velocity, const Joints2<T>& rate) const {
     const Joints2<T> pinned = pinned_momentum(o, hip_velocity, rate);
     Impact after;
@@ -222,22 +255,24 @@ class LegEquations {
             o.along_x.knee * hip_velocity.x + o.along_y.knee * hip_velocity.y + o.d_both * rate.hip +
                 o.d_knee * rate.knee - (o.toe_x.knee * px + o.toe_y.knee * py)};
   }
+  /// Velocity of the hip with the toe pinned, m/s.
   Vec2<T> pinned_hip_velocity(const Pose& o, const Joints2<T>& rate) const {
     return {-dot(o.toe_x, rate), -dot(o.toe_y, rate)};
   }
 
-  /// J.
+  /// Kinetic energy, J.
   T kinetic_energy(const Pose& o, const Vec2<T>& hip_velocity, const Joints2<T>& rate) const {
     return P(0.5) * (p_.mass_kg * (hip_velocity.x * hip_velocity.x + hip_velocity.y * hip_velocity.y) +
                      o.d_hip * rate.hip * rate.hip + P(2) * o.d_both * rate.hip * rate.knee +
                      o.d_knee * rate.knee * rate.knee) +
            hip_velocity.x * dot(o.along_x, rate) + hip_velocity.y * dot(o.along_y, rate);
   }
-  /// J, zero with hip and all mass at a height of zero.
+  /// Potential energy of gravity, J; zero with hip and all mass at a height of zero.
   T height_energy(const Pose& o, const T& hip_height_m) const {
     return p_.gravity_mps2 * (p_.mass_kg * hip_height_m - o.along_x.hip);
   }
 
+  /// Sum of the products of both components.
   static T dot(const Joints2<T>& u, const Joints2<T>& v) { return u.hip * v.hip + u.knee * v.knee; }
 
  private:

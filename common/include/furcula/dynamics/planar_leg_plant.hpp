@@ -18,12 +18,17 @@ namespace furcula::dynamics {
 /// leg has more than at the start.
 template <class T>
 struct LegEnergy {
-  T kinetic{}, gravity{}, spring{};  ///< now; zero of gravity: hip and all mass on the ground's level
-  T motors{};                        ///< given since the start
-  T friction{}, touchdown{};         ///< lost since the start
-  T release{};                       ///< lost with a spring that was let go while it was stretched
+  T kinetic{},      ///< at present
+      gravity{},    ///< at present; zero with hip and all mass at the ground's level
+      spring{};     ///< at present
+  T motors{};       ///< work of the motors since the start
+  T friction{},     ///< lost since the start
+      touchdown{};  ///< lost since the start
+  T release{};      ///< lost with a spring that was released while it was stretched
 
+  /// Energy of the leg at present, J.
   T held() const { return kinetic + gravity + spring; }
+  /// Energy lost since the start, J.
   T lost() const { return friction + touchdown + release; }
 };
 
@@ -31,16 +36,28 @@ struct LegEnergy {
 template <class T>
 class PlanarLeg {
  public:
+  /// Plain numbers: float or double.
   using V = ValueOf<T>;
   static constexpr std::size_t kMaxEvents = 16;  ///< kept of one advance()
-  static constexpr V kLongestStep = V(5e-4);
+  static constexpr V kLongestStep = V(5e-4);     ///< of the integrator, s
 
-  enum class Mode : std::uint8_t { flight, stance };
+  /// Whether the toe is pinned.
+  enum class Mode : std::uint8_t {
+    flight,  ///< it is free
+    stance   ///< it is pinned to the ground
+  };
+  /// An event within an advance().
   struct Event {
-    enum class Kind : std::uint8_t { touchdown, liftoff, apex } kind;
-    V offset_s;  ///< from the start of the advance()
+    /// What happens.
+    enum class Kind : std::uint8_t {
+      touchdown,  ///< the toe meets the ground
+      liftoff,    ///< the toe leaves the ground
+      apex        ///< the hip is highest
+    } kind;       ///< what happens
+    V offset_s;   ///< from the start of the advance()
   };
 
+  /// A leg with its spring's kind and what ends a stance; call reset() before advance().
   PlanarLeg(const PlanarLegParameters<V>& parameters, LegSpring spring, LegLiftOff lift_off)
       : leg_(parameters), spring_(spring), lift_off_(lift_off) {}
 
@@ -79,11 +96,17 @@ class PlanarLeg {
     Hybrid<PlanarLeg, T>::advance(*this, dt_s, elapsed_);
   }
 
+  /// Flight or stance.
   Mode mode() const { return mode_; }
+  /// Position of the hip, m.
   Vec2<T> hip_m() const { return {s_.x, s_.y}; }
+  /// Velocity of the hip, m/s.
   Vec2<T> hip_velocity_mps() const { return {s_.vx, s_.vy}; }
+  /// Angles of hip and knee, rad.
   Joints2<T> angle_rad() const { return {s_.hip, s_.knee}; }
+  /// Rates of hip and knee, rad/s.
   Joints2<T> rate_radps() const { return {s_.hip_rate, s_.knee_rate}; }
+  /// Position of the toe, m.
   Vec2<T> toe_m() const {
     const Vec2<T> toe = leg_.toe(pose_);
     return {s_.x + toe.x, s_.y + toe.y};
@@ -92,11 +115,14 @@ class PlanarLeg {
   bool clings() const { return clings_; }
   /// The knee's angle at which the spring begins; of the last touch-down where it is switched.
   const T& spring_rest_rad() const { return rest_; }
+  /// Torque of the spring on the knee, N m; negative extends it.
   T spring_torque_nm() const { return spring_torque(s_.knee); }
   /// Of the ground on the toe; zero in flight.
   Vec2<T> ground_force_n() const { return motion(s_, pose_).ground_force; }
+  /// Events of the last advance(), at most kMaxEvents.
   std::span<const Event> events() const { return {events_.data(), event_count_}; }
 
+  /// Energies at present and since reset(), J.
   LegEnergy<T> energy() const {
     LegEnergy<T> out = account_;
     out.kinetic = leg_.kinetic_energy(pose_, {s_.vx, s_.vy}, {s_.hip_rate, s_.knee_rate});

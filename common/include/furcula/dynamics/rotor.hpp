@@ -19,13 +19,16 @@ namespace furcula::dynamics {
 template <class T>
 class Rotor {
  public:
+  /// Plain numbers: float or double.
   using V = ValueOf<T>;
   static constexpr V kInertia = V(4e-4);  ///< kg m^2 (docs/contracts.md)
 
+  /// With the backlash and the torque ripple of `effects`; pressed to the positive end.
   explicit Rotor(const Effects<T>& effects) : Rotor(EffectsOf<T, Stage::actuation>(effects)) {}
 
   /// True if it is one with the leg and gives it the torque as it comes.
   bool ideal() const { return !loose_ && !ripples_; }
+  /// Whether the motor's torque has a ripple.
   bool ripples() const { return ripples_; }
   /// A sin(n theta + phi), theta the rotor's own angle with a leg at this one; only where it ripples.
   T ripple(const T& leg_angle) const {
@@ -37,8 +40,11 @@ class Rotor {
     return ripples_ ? T(motor + ripple(leg_angle)) : motor;
   }
 
+  /// Whether there is backlash.
   bool loose() const { return loose_; }
+  /// Whether the rotor crosses the gap, at neither end.
   bool crosses() const { return end_ == 0; }
+  /// Angle of the motor against the leg, rad; zero in the middle of the gap.
   const T& angle() const { return angle_; }
 
   /// Puts it where a torque of this sign, the last that was not zero, holds it; zero counts as positive.

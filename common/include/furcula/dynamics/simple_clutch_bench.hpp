@@ -26,8 +26,10 @@ namespace furcula::dynamics {
 template <class T>
 class SimpleClutchBench {
  public:
+  /// Plain numbers: float or double.
   using V = ValueOf<T>;
 
+  /// With the effects that act on the belt and the key: late_catch, damping_error, auxiliary_spring, clutch_slip, friction.
   SimpleClutchBench(const ClutchBenchParameters<T>& p, const Effects<T>& effects = {})
       : e_(effects),
         key_(p.release_delay_s, e_.value_or(Effect::late_catch, p.catch_delay_s)),
@@ -78,6 +80,7 @@ class SimpleClutchBench {
 
   const T& position() const { return angle_; }  ///< rad
   const T& velocity() const { return speed_; }  ///< rad/s
+  /// Whether the belt is held at a tooth.
   bool held() const { return belt_ == Belt::held; }
   /// Since the start, by a clutch that slips.
   std::uint32_t skipped_teeth() const { return skipped_; }
