@@ -24,8 +24,8 @@ def read(page):
 
 
 def is_generated(text):
-    """Whether the program `furcula` prints the page."""
-    return "This page is what `furcula" in re.sub(r"\s+", " ", text[:600])
+    """Whether a program or script of the project prints the page."""
+    return re.search(r"This page is what `|Written by `scripts/", re.sub(r"\s+", " ", text[:600])) is not None
 
 
 def without_code(text):

@@ -1,4 +1,4 @@
-// Gaits of free torques against an independent calculation of the same problems (docs/results/robots.md has its figures), and
+// Gaits of free torques against an independent calculation of the same problems (docs/studies.md has its figures), and
 // each gait against the integrator.
 #include <catch2/catch.hpp>
 

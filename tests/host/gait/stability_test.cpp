@@ -40,7 +40,7 @@ TEST_CASE("a feedback in stance makes the gait in place stable, and costs nothin
   const Search s = test::found(LegSpring::switched, test::in_place(0.075));
   REQUIRE(s.gait);
   HeldGait gait(*s.gait);
-  // Without it the multipliers are those of docs/results/robots.md, and of an independent calculation with the print's
+  // Without it the multipliers are those of docs/studies.md, and of an independent calculation with the print's
   // parameters 4.81.
   REQUIRE(gait.multipliers().size() == 6);
   CHECK(std::abs(gait.multipliers().front()) ==
@@ -143,7 +143,7 @@ TEST_CASE("a run whose toe lands softly is not kept, and the cheapest that is la
 
 TEST_CASE(
     "open digits go through to the figures: the independent calculation's other readings are the ends") {
-  // Elsewhere (docs/results/robots.md): 2.551 J with 56.67 N m/rad, 2.366 J with 65.67, 2.461 J with 60.67.
+  // Elsewhere (docs/studies.md): 2.551 J with 56.67 N m/rad, 2.366 J with 65.67, 2.461 J with 60.67.
   Query q;
   q.machine = spear(LegSpring::switched);
   q.machine.open = {{"stiffness_nmprad", 56.67, 65.67}};

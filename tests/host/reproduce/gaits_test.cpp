@@ -26,7 +26,7 @@ TEST_CASE("reproduce 001 finds every gait and puts it beside the printed figures
     CHECK(g["closure"].get<double>() < 1e-7);
   }
   CHECK(found + 2 >= j["gaits"].size());
-  // What an independent calculation has (docs/results/robots.md), which one start reaches.
+  // What an independent calculation has (docs/studies.md), which one start reaches.
   const auto check = [&](const char* name, const char* key, double elsewhere) {
     for (const auto& g : j["gaits"])
       if (g["name"] == name) {

@@ -335,7 +335,7 @@ TEST_CASE("MuJoCo reads the MJCF with causes, and moves as the tree") {
       }
     }
     INFO(law);
-    // What MuJoCo's principal axes give back of a matrix (docs/results/diagnosis.md) allows 1e-6.
+    // What MuJoCo's principal axes give back of a matrix (docs/results.md) allows 1e-6.
     CHECK(worst < 1e-6 * most);
     CHECK(most > 1.0);
   }
