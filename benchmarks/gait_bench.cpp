@@ -22,7 +22,7 @@ const Gait& hop(bool fourier) {
   return fourier ? parameters : free;
 }
 
-/// With these steps the state at the stride's end is right to 1e-9 (docs/results/robots.md).
+/// With these steps the state at the stride's end is right to 1e-9 (docs/studies.md).
 template <class Law>
 void stride(benchmark::State& state, const Machine& machine, const Law& law, const Apex<double>& apex,
             double stance_step_s, bool energies) {

@@ -1,6 +1,6 @@
 // Fault detection of a walking robot, a pure step: its devices, its joints' encoders and drives, its IMU, its feet, the
 // pins of its clutches, and a fall. docs/safety.md has the table of faults and detection times. The limits here have a
-// margin above the largest values in simulated walks with sensor errors (docs/results/robots.md).
+// margin above the largest values in simulated walks with sensor errors (docs/studies.md).
 #pragma once
 
 #include <array>
