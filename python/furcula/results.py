@@ -415,5 +415,5 @@ def _identification(found, document):
 def _walk_result(found, document):
     own = _as_they_stand(WalkResult, document)
     own["history"] = np.array([_numbers(p) for p in document["history"]], dtype=float).reshape(-1, 4)
-    return WalkResult(**own, robustness=document.get("evidence"), walk=found.walk, report=found.report, document=document,
-                      text=found.json)
+    own.setdefault("robustness", None)  # computed for walks that keep all limits
+    return WalkResult(**own, walk=found.walk, report=found.report, document=document, text=found.json)
