@@ -268,7 +268,7 @@ void add_bus_command(CLI::App& app) {
       ->required();
   logging
       ->add_option("--machine,--rig", options->rig,
-                   "Of which machine: hopper, rotary_joint, tree, motor_axis, ...")
+                   "Machine type of the log: hopper, rotary_joint, tree, motor_axis, ...")
       ->capture_default_str();
   logging
       ->add_option(

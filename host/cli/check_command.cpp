@@ -122,7 +122,7 @@ void add_check_command(CLI::App& app) {
   const auto options = std::make_shared<CheckOptions>();
   CLI::App* command = app.add_subcommand("check", "Check logs, however large, and print what is in them");
   command->add_option("--machine,--rig", options->rig,
-                      "Rig that the logs are of: " + core::listed(rig_names()) +
+                      "Machine type of the logs: " + core::listed(rig_names()) +
                           "; without it that of the model, of the map, or of the log's own line");
   command->add_option("--model", options->model,
                       "Model file or robot (URDF, MJCF), whose kind tells the machine type");

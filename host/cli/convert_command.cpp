@@ -55,7 +55,7 @@ void add_convert_command(CLI::App& app) {
       "Topic of a bag whose messages are the rows, and whose joints, where it has joint states");
   command->add_option(
       "--machine,--rig", options->rig,
-      "Rig of the log; without it that of the map or of the log, tree of a bag with joint states");
+      "Machine type of the log; without it that of the map or of the log, tree of a bag with joint states");
   options->comments.add_to(*command);
   command->callback([options] { convert(*options); });
 }

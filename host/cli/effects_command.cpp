@@ -241,7 +241,7 @@ void run(const EffectsOptions& options) {
 void add_effects_command(CLI::App& app) {
   const auto options = std::make_shared<EffectsOptions>();
   CLI::App* command =
-      app.add_subcommand("effects", "The catalogue of effects: laws, units, bounds, experiments");
+      app.add_subcommand("effects", "The catalogue of effects: models, units, bounds, experiments");
   command->add_option("NAME", options->name, "One effect only");
   command->add_option("--kind", options->kind,
                       "Effects and parameter names of this kind of machine; tree: a robot of several joints");

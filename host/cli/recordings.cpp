@@ -101,7 +101,7 @@ void require_rig(const std::string& name) {
 void RecordingOptions::add_to(CLI::App& command) {
   command
       .add_option("--model", model,
-                  "Model file (TOML), or a robot (URDF, MJCF): a tree, the drives of a URDF told torques")
+                  "Model file (TOML), or a robot (URDF, MJCF): a tree; of a URDF all inputs are torques")
       ->required();
   command.add_option("--map", map, "Map file (TOML) for logs with other column names");
   command.add_option("--hold-out", held_out,

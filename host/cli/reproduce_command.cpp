@@ -179,7 +179,7 @@ void add_reproduce_command(CLI::App& app) {
       ->check(CLI::IsMember({"000", "001", "002"}));
   command
       ->add_option("--seed", options->study.seed,
-                   "Of the rig that is identified (002), of the starts (001), of the searches (000)")
+                   "Of the machine that is identified (002), of the starts (001), of the searches (000)")
       ->capture_default_str();
   command->add_option("--threads", options->study.threads,
                       "Threads, of 001 processes; without it as many as processors");
@@ -189,7 +189,7 @@ void add_reproduce_command(CLI::App& app) {
       ->capture_default_str();
   command->add_option("--model", options->model, "Of 000's robot: a model file of kind biped");
   command->add_option("--walk", options->walks,
-                      "A walk.toml in place of its mode's search (000); may stand twice");
+                      "A walk.toml in place of its mode's search (000); may be given twice");
   command->add_option("--steps", options->steps, "Of simulation, of each mode's search (000)")
       ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1'000'000'000'000}))
       ->capture_default_str();

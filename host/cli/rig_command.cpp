@@ -26,7 +26,7 @@ struct RigOptions {
 void run(RigOptions& options) {
   const model::Model model = model::read_model(options.model);
   if (!dynamics::has(model.kind, dynamics::Seat::leg))
-    throw UsageError("the rig is a hopper; expected a model of one");
+    throw UsageError("hil-rig simulates a hopper; expected a model of one");
   const sim::Scenario scenario = sim::read_scenario(options.scenario, model);
   const sim::Expectation expected = sim::read_expectation(options.scenario);
   if (options.rig.configuration_path.empty()) options.rig.configuration_path = options.out + ".furculad.toml";
@@ -37,7 +37,8 @@ void run(RigOptions& options) {
     throw Refusal(options.scenario + ": " + e.what());
   }
   result.log.rig = std::string(dynamics::info(model.kind).rig);
-  result.log.metadata = {{"sample_rate_hz", "1000"}, {"seed", std::to_string(options.seed)}, {"ring", "hil"}};
+  result.log.metadata = {
+      {"sample_rate_hz", "1000"}, {"seed", std::to_string(options.seed)}, {"test_level", "hil"}};
   log::write_log(result.log, options.out, options.comments.of_log());
   std::cerr << "furcula: " << result.log.rows() << " ticks, " << result.silent_ticks << " without a command, "
             << result.late_ticks << " on which the rig was late\n";

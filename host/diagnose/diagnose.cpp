@@ -611,7 +611,7 @@ class Assembly {
         f.lowered_by.push_back(std::move(why));
       };
       const bool told = f.effect != Effect::encoder_slip || slips_foretold_;
-      limit(f.undecided, kConfidence.undecided, "another law explains the training recordings as well");
+      limit(f.undecided, kConfidence.undecided, "another cause explains the training recordings as well");
       limit(may_be_none(chosen, model_, f.effect), kConfidence.may_be_none,
             "the interval of its size holds the value at which there is nothing");
       limit(independent_windows() < kFewestWindows, kConfidence.few_windows,

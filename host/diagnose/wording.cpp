@@ -262,7 +262,7 @@ std::string experiment_that_tells(const Diagnosis& d, const std::vector<std::str
   constexpr int kMostRecordings = 20;
   const std::string all = joined(sets, ", ");
   if (d.experiments.empty() || d.experiments.front().recordings > kMostRecordings)
-    return "By simulation no experiment of the rig's library tells " + all + " apart within " +
+    return "By simulation no experiment of the library tells " + all + " apart within " +
            std::to_string(kMostRecordings) +
            " recordings: measure one of them directly, on a scale or with a spring balance.";
   const Experiment& best = d.experiments.front();

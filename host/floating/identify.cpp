@@ -20,7 +20,7 @@ std::vector<Window> all_windows(const std::vector<Recording>& recordings, double
     throw core::DataError(recordings.empty()
                               ? "no recordings"
                               : recordings.front().file +
-                                    ": no window of 0.15 s without a landing in which a foot carries; "
+                                    ": no window of 0.15 s without a landing in which a foot is loaded; "
                                     "expected a robot that stands or walks");
   return out;
 }

@@ -294,7 +294,7 @@ Search find_gait(const Query& query) {
     const double value =
         query.task.clearance_m ? *query.task.clearance_m : query.task.speed_mps.value_or(0.0);
     out.refusal = "no gait was found for " + name_of(query.task, value) + " from " + std::to_string(starts) +
-                  (starts == 1 ? " start" : " starts") + "; what stands against it: " + least.why;
+                  (starts == 1 ? " start" : " starts") + "; limiting constraint: " + least.why;
     if (query.fourier && asked == &fourier) {
       out.refusal += "; with free torques there is one";
     } else {

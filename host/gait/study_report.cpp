@@ -138,7 +138,7 @@ std::string ground_html(const std::vector<StudyRow>& rows) {
                              report::line_plot_html({"Least friction", "speed, m/s", least, true})) +
          out +
          report::paragraph(
-             "Figures are costs of transport. A dash: no gait was found on that ground at that speed; study.json says what stands against it.");
+             "Figures are costs of transport. A dash: no gait was found on that ground at that speed; study.json names the limiting constraint.");
 }
 
 std::string rest_html(const std::vector<StudyRow>& rows, double print_rad) {

@@ -120,7 +120,7 @@ floating::Recording read_recording(const std::string& path, double window_s) {
   floating::Recording out = floating::recording_of(log);
   if (floating::windows_of(out, 0, window_s).empty())
     throw DataError(path + ": no window of " + core::rounded(0.5 * window_s, 3) +
-                    " s without a landing in which a foot carries; expected a robot that stands or walks");
+                    " s without a landing in which a foot is loaded; expected a robot that stands or walks");
   return out;
 }
 

@@ -256,7 +256,7 @@ std::string finding(const Diagnosis& d, std::size_t index) {
                     escape(label(f.cause)) + "</code></h3>\n";
   out += "<p class=\"plain\">" + escape(f.explanation) + "</p>\n";
   out += "<div class=\"columns\"><div>\n<h4>Where to look on the machine</h4>\n" + paragraph(f.where_to_look);
-  out += "<h4>The law</h4>\n<p><code>" + escape(f.law) + "</code>" +
+  out += "<h4>Model</h4>\n<p><code>" + escape(f.law) + "</code>" +
          (f.phase.empty() ? "" : " <small>in " + escape(f.phase) + "</small>") + "</p>\n" +
          estimates(f.cause.parameters) + "</div>\n<div>\n";
   out += "<h4>What it explains</h4>\n<p>" + what_it_is_worth(f, d) + "</p>\n";
@@ -336,7 +336,7 @@ std::string how_to_read(const Diagnosis& d) {
              "<dt>As given, re-fitted, extended</dt><dd>The model file as it was; the same with its free parameters "
              "fitted again; and with the named causes switched on, all fitted together.</dd>") +
          (robot
-              ? "<dt>Cause</dt><dd><code>effect@location</code>: a law of the catalogue at a joint, a drive, an encoder, a link "
+              ? "<dt>Cause</dt><dd><code>effect@location</code>: an effect of the catalogue at a joint, a drive, an encoder, a link "
                 "or the base.</dd>"
                 "<dt>Missing torque</dt><dd>Inverse dynamics of the measured motion, less what the model's drive and friction "
                 "give.</dd>"

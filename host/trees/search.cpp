@@ -536,7 +536,7 @@ class Search {
         }
       }
       if ((resistances + constants < 2 && offset_nm == 0.0 && !curved) || dry_nm <= 0.0) continue;
-      say(0.7, "trying other laws of friction at " + problem_.model().robot.joints[j].name);
+      say(0.7, "trying other models of friction at " + problem_.model().robot.joints[j].name);
       const Scales& scales = problem_.scales();
       const double speed = scales.velocity_radps[j], little_nm = 0.05 * scales.torque_nm[j];
       const Drive& drive = problem_.model().drives[j];

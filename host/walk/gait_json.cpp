@@ -69,7 +69,7 @@ std::string against_gait(const GaitResult& found, const GaitTask& task) {
     out += " in " + core::shortest(task.cpu_s) + " s of processor time";
   else
     out += " (Ipopt: " + found.status + ")";
-  if (!found.against.empty()) out += "; against it stands most: " + found.against;
+  if (!found.against.empty()) out += "; limiting constraint: " + found.against;
   return out;
 }
 

@@ -143,15 +143,16 @@ std::string evidence_html(const Evidence& e) {
                  number(r.distance_m, 3), stands ? number(r.cot, 4) : std::string("&ndash;")});
     }
   return table.html() +
-         report::paragraph("With sensors that err, each robot's by its own draw: " +
-                           std::to_string(e.noisy_stand) + " of " + std::to_string(e.noisy) + " stand, " +
+         report::paragraph("With sensor errors, drawn anew for each robot: " + std::to_string(e.noisy_stand) +
+                           " of " + std::to_string(e.noisy) + " stand, " +
                            std::to_string(e.noisy_keep_limits) + " keep all limits.") +
          report::paragraph(e.map.found
-                               ? "Without an end it comes to a stride of " + number(e.map.stride_s, 3) +
+                               ? "Walking on, it converges to a stride of " + number(e.map.stride_s, 3) +
                                      " s and " + number(e.map.stride_m, 3) + " m. Its cost of transport is " +
-                                     number(e.map.cot, 3) + ". The largest multiplier of its return map is " +
+                                     number(e.map.cot, 3) +
+                                     ". The largest Floquet multiplier of its return map is " +
                                      number(e.map.multipliers.front(), 3) + "."
-                               : "Without an end: " + e.map.none + ".");
+                               : "Walking on: " + e.map.none + ".");
 }
 
 }  // namespace
@@ -191,7 +192,7 @@ std::string render_walk_report(const Model& model, const RolloutOptions& options
                                const std::optional<Evidence>& evidence, const std::string& command) {
   const auto [frames, joints] = film(model, options, walk);
   const bool stands = r.ending == Ending::stands;
-  report::Table limits({{"Limit"}, {"most", true}, {"allowed", true}, {"left"}});
+  report::Table limits({{"Limit"}, {"largest", true}, {"allowed", true}, {"left"}});
   const auto limit = [&](const char* what, double most, double allowed, const char* unit) {
     limits.add({what, number(most, 3) + " " + unit, number(allowed, 3) + " " + unit,
                 report::share_bar(1.0 - most / allowed)},
@@ -226,12 +227,12 @@ std::string render_walk_report(const Model& model, const RolloutOptions& options
       "\n</header>\n" +
       report::key_figures(
           {{"Cost of transport", number(r.cot, 4),
-            "energy from the supply over weight and way, start and stop included"},
-           {"Way", number(r.distance_m, 3) + " m", "of the centre of mass"},
+            "energy from the supply over weight times distance, start and stop included"},
+           {"Distance", number(r.distance_m, 3) + " m", "of the centre of mass"},
            {"Energy", number(r.energy_j(), 4) + " J", "in " + number(r.time_s, 3) + " s"},
            {"Copper", number(r.copper_j, 4) + " J", "heat of the motors"},
            {"Work", number(r.work_j, 3) + " J",
-            "as if braking gave all back; its positive parts " + number(r.positive_work_j, 3) + " J"},
+            "with all braking energy recovered; its positive parts " + number(r.positive_work_j, 3) + " J"},
            {"Constant", number(r.constant_j, 4) + " J", "computer and drives"}}) +
       report::section(
           "walk", "The walk",
@@ -244,7 +245,7 @@ std::string render_walk_report(const Model& model, const RolloutOptions& options
       report::section("curves", "Curves", plots(frames, semi)) +
       report::section("limits", "Limits", limits.html()) +
       report::section("joints", "Energy by motor", motors_html(joints, r)) +
-      (evidence ? report::section("evidence", "What it stands", evidence_html(*evidence)) : "") +
+      (evidence ? report::section("robustness", "Robustness", evidence_html(*evidence)) : "") +
       (history.size() > 1 ? report::section("search", "The search", search_html(history)) : "");
   return report::render(page);
 }

@@ -67,7 +67,7 @@ def make_log(columns, machine, name="log", window_s=None):
 
 
 def load_model(path, accept_inertias=False):
-    """Reads a model file (TOML), or a robot (URDF, MJCF), which is taken as a tree; the drives of a URDF are told torques.
+    """Reads a model file (TOML), or a robot (URDF, MJCF), which is taken as a tree; of a URDF all inputs are torques.
 
     accept_inertias: masses and moments of inertia of a URDF are taken as they are, also those that no body has.
     """

@@ -55,7 +55,7 @@ py::dict check(const std::string& path, const Model* model, const std::string& m
     }
   }
   py::list warnings, ignored;
-  if (!s.refused.empty()) warnings.append(text_of(log::in_words(s.refused, s.refused_rows)));
+  if (!s.refused.empty()) warnings.append(text_of(log::in_words(s.refused, s.rejected_rows)));
   for (const auto* notes : {&s.notes, &s.stamps.notes, &s.stamps.remarks, &of_robot})
     for (const std::string& note : *notes) warnings.append(text_of(note));
   if (!s.last_row_ends) warnings.append("no line end after the last row: its last number may have been cut");
@@ -66,7 +66,7 @@ py::dict check(const std::string& path, const Model* model, const std::string& m
   out["columns"] = s.header.columns;
   out["ignored_columns"] = ignored;
   out["rows"] = s.rows;
-  out["rejected_rows"] = s.refused_rows;
+  out["rejected_rows"] = s.rejected_rows;
   out["duration_s"] = s.duration_s;
   out["interval_min_s"] = s.interval_min_s;
   out["interval_median_s"] = s.interval_median_s;

@@ -164,6 +164,6 @@ TEST_CASE("what no gait can do is refused with what stands against it and the ne
   CHECK_FALSE(s.gait);
   using Catch::Contains;
   CHECK_THAT(s.refusal, Contains("no gait was found for a speed of 15 m/s") &&
-                            Contains("stands against it") &&
+                            Contains("limiting constraint") &&
                             Contains("the nearest that was found is a speed of "));
 }
