@@ -116,7 +116,8 @@ TEST_CASE("measured and predicted robots are drawn, and a knee's error turns the
     CHECK(seen["problems"].empty());
     CHECK(seen["fetched"].empty());
     CHECK(seen["bold"] == 0);
-    CHECK(seen["sections"] == nlohmann::json{"answer", "causes", "walk", "channels", "parameters", "recordings"});
+    CHECK(seen["sections"] ==
+          nlohmann::json{"answer", "causes", "walk", "channels", "parameters", "recordings"});
     CHECK(seen["between"]["off"].empty());
     CHECK(seen["blue_between"] == 0);
     CHECK(seen["blue"].get<int>() > 50);
