@@ -73,7 +73,7 @@ def test_a_torn_row_is_left_out_and_said(tmp_path):
 @pytest.mark.parametrize("call, words", [
     (lambda folder: furcula.read_log(folder / "none.csv"), ["none.csv", "cannot be read", "expected"]),
     (lambda folder: furcula.read_log(folder), ["expected"]),
-    (lambda folder: furcula.read_log(folder / "unnamed.csv"), ["does not name its machine", "# rig:", "machine ="]),
+    (lambda folder: furcula.read_log(folder / "unnamed.csv"), ["does not name its machine", "# machine_type:", "machine ="]),
     (lambda folder: furcula.read_log(folder / "unnamed.csv", machine="hoper"), ["hoper", "did you mean", "hopper"]),
     (lambda folder: furcula.read_log(folder / "unnamed.csv", map=folder / "none.toml"), ["none.toml"]),
     (lambda folder: furcula.make_log({"angle_rad": [1.0]}, "rotary_joint"), ["no column time_s"]),
