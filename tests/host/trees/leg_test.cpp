@@ -94,7 +94,7 @@ TEST_CASE("What is wrong with a foot or a spring is said, with its line") {
   CHECK_THAT(refused("point_m = [0.0, 0.0, -0.327]", "point_m = [0.0, 0.0]"),
              Contains("expected three numbers"));
   CHECK_THAT(refused("[foot.toe]", "[foot.toe]\nfriction = 0.6"), Contains("unknown key 'friction'"));
-  CHECK_THAT(refused("control_mode = \"none\"", "law = \"no\""),
+  CHECK_THAT(refused("control_mode = \"none\"", "control_mode = \"no\""),
              Contains("expected one of torque, position, none"));
   CHECK_THAT(refused("[foot.toe]", "[effect.latch_delay.hip]\ndelay_s = 0.01\n[foot.toe]"),
              Contains("no spring 'hip'; expected one of knee"));

@@ -184,11 +184,11 @@ TEST_CASE("A tree's model file is refused with file, line and what was expected"
 }
 
 TEST_CASE("Wrong drives are refused") {
-  CHECK_THAT(refused("[drive]\nlaw = \"speed\"\n"),
-             Contains("robot.toml:6: law = 'speed'; expected one of torque, position, none"));
-  CHECK_THAT(refused("[drive]\nlaw = \"position\"\n"),
-             Contains("has law \"position\" and no kp_nmprad; expected one above 0"));
-  CHECK_THAT(refused("[drive.left_elbow]\nlaw = \"position\"\n"),
+  CHECK_THAT(refused("[drive]\ncontrol_mode = \"speed\"\n"),
+             Contains("robot.toml:6: control_mode = 'speed'; expected one of torque, position, none"));
+  CHECK_THAT(refused("[drive]\ncontrol_mode = \"position\"\n"),
+             Contains("has control_mode \"position\" and no kp_nmprad; expected one above 0"));
+  CHECK_THAT(refused("[drive.left_elbow]\ncontrol_mode = \"position\"\n"),
              Contains("joint 'left_elbow'") && Contains("no kp_nmprad"));
   CHECK_THAT(refused("[drive]\ndampng_nmspr = 1\n"),
              Contains("robot.toml:6: unknown key 'dampng_nmspr' in [drive]") &&
@@ -245,7 +245,7 @@ TEST_CASE("Wrong causes are refused") {
   CHECK_THAT(refused("[effect.coulomb_friction.left_reach]\ntorque_n = 1\n"),
              Contains("unknown key 'torque_n'") && Contains("force_n"));
   CHECK_THAT(refused("[effect.position_gain_error.left_elbow]\nkp_nmprad = 1\nkd_nmsprad = 1\n"),
-             Contains("its drive has law \"torque\"; expected one of law \"position\""));
+             Contains("its drive has control_mode \"torque\"; expected \"position\""));
   CHECK_THAT(refused("[effect]\ncoulomb_friction = 3\n"), Contains("[effect.coulomb_friction]"));
   CHECK_THAT(refused("[effect.coulomb_friction]\nleft_elbow = 3\n"),
              Contains("[effect.coulomb_friction.left_elbow]"));
