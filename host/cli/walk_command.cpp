@@ -108,14 +108,14 @@ walk::Walk walk_of(const char* option, const std::string& file, const WalkOption
 void say_evidence(const walk::Evidence& evidence) {
   std::printf("with steps of 1 to 0.125 ms: cost of transport");
   for (const walk::Trial& t : evidence.steps) std::printf(" %.4g", t.rollout.cot);
-  std::printf("\nwith sensors that err: %u of %u stand, %u keep all limits\n", evidence.noisy_stand,
+  std::printf("\nwith sensor errors: %u of %u stand, %u keep all limits\n", evidence.noisy_stand,
               evidence.noisy, evidence.noisy_keep_limits);
   if (const walk::ReturnMap& map = evidence.map; map.found)
     std::printf(
-        "without end: a stride of %.4g s and %.4g m, cost of transport %.3f, largest multiplier %.3f\n",
+        "walking on: a stride of %.4g s and %.4g m, cost of transport %.3f, largest Floquet multiplier %.3f\n",
         map.stride_s, map.stride_m, map.cot, map.multipliers.front());
   else
-    std::printf("without end: %s\n", map.none.c_str());
+    std::printf("walking on: %s\n", map.none.c_str());
   for (const walk::Trial& t : evidence.changed)
     std::printf("%s: %s\n", t.what.c_str(),
                 t.rollout.over > 0.0 && t.rollout.ending == walk::Ending::stands

@@ -6,14 +6,12 @@ import subprocess
 import sys
 import threading
 import time
-import types
 
 import numpy as np
 import pytest
 
 import furcula
 from conftest import ARM_TOML, ARM_URDF, JOINT_TOML, SOURCE
-from furcula import results
 
 
 @pytest.fixture(scope="module")
@@ -178,12 +176,11 @@ def test_a_walk_search_is_that_of_the_program(tmp_path, program):
     assert np.allclose(np.diff(log.time_s), 0.01)
 
 
-def test_a_walk_has_the_robustness_of_its_document():
-    document = {"found": True, "cot": 0.5, "distance_m": 1.0, "landings": 4, "limits": [], "steps": 10, "rollouts": 1, "cpu_s": 0.1,
-                "energy_j": {}, "history": [[0.1, 0.9, None, 10]]}
-    found = types.SimpleNamespace(walk="", report="", json="")
-    assert results._walk_result(found, document).robustness is None
-    assert results._walk_result(found, {**document, "robustness": {"steps": []}}).robustness == {"steps": []}
+def test_a_walk_that_keeps_all_limits_has_its_robustness():
+    start = (SOURCE / "models/biped/active_walk.toml").read_text()
+    found = furcula.search_walk(SOURCE / "models/biped/biped.toml", steps=300_000, start=start)
+    assert found.found
+    assert set(found.robustness) == {"steps", "changed", "noisy", "return_map"}
 
 
 @pytest.mark.parametrize("call, words", [
