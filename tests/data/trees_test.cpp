@@ -206,7 +206,7 @@ TEST_CASE(
   const trees::Diagnosis d =
       trees::diagnose(machine(folder, "go2/go2.urdf",
                               "joints = [\"FL_hip\", \"FL_thigh\", \"FL_calf\"]\n"
-                              "[drive]\nlaw = \"position\"\nkp_nmprad = 20.0\nkd_nmsprad = 1.5\n"),
+                              "[drive]\ncontrol_mode = \"position\"\nkp_nmprad = 20.0\nkd_nmsprad = 1.5\n"),
                       {training}, {held_out});
   print("Go2, front left", d);
   INFO(brief(d));

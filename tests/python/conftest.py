@@ -22,7 +22,7 @@ ARM_URDF = """<robot name="arm">
   <joint name="elbow" type="revolute"><parent link="upper"/><child link="lower"/>
     <origin xyz="0 0 -{l1}"/><axis xyz="0 1 0"/><limit lower="-3" upper="3" effort="20" velocity="10"/></joint>
 </robot>""".format(c1=ARM["l1"] / 2, c2=ARM["l2"] / 2, **ARM)
-ARM_TOML = '[model]\nkind = "tree"\nschema = 1\nurdf = "arm.urdf"\n[drive]\nlaw = "torque"\n'
+ARM_TOML = '[model]\nkind = "tree"\nschema = 1\nurdf = "arm.urdf"\n[drive]\ncontrol_mode = "torque"\n'
 FRICTION = "[effect.coulomb_friction.elbow]\ntorque_nm = 0.08\n"
 SCENARIO = "[run]\nduration_s = 6.0\n"
 

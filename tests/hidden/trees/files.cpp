@@ -32,7 +32,7 @@ std::string model_of_a_robot(const Case& c) {
       "[model]\nkind = \"tree\"\nschema = 1\nurdf = \"robot.urdf\"\nbase = \"fixed\"\njoints = [";
   for (std::size_t j = 0; j < c.visible(); ++j)
     toml += (j > 0 ? ", \"" : "\"") + c.robot.joints[j].name + "\"";
-  toml += "]\ngravity_mps2 = [0.0, 0.0, -9.81]\n\n[drive]\nlaw = \"";
+  toml += "]\ngravity_mps2 = [0.0, 0.0, -9.81]\n\n[drive]\ncontrol_mode = \"";
   toml += c.lab.position_law ? "position\"\n" : "torque\"\n";
   for (std::size_t j = 0; j < c.visible(); ++j) {
     const DriveData& d = c.model[j];
@@ -54,7 +54,8 @@ std::string model_of_a_leg(const Case& c) {
   for (std::size_t j = 0; j < c.visible(); ++j) {
     const Joint& joint = c.robot.joints[j];
     const DriveData& d = c.model[j];
-    toml += "\n[drive." + joint.name + "]\nlaw = \"" + (joint.prismatic ? "none" : "torque") + "\"\n";
+    toml +=
+        "\n[drive." + joint.name + "]\ncontrol_mode = \"" + (joint.prismatic ? "none" : "torque") + "\"\n";
     if (!joint.prismatic || d.damping_nmspr > 0) toml += key("damping_nmspr", d.damping_nmspr);
     if (!joint.prismatic) toml += key("rotor_inertia_kgm2", d.rotor_kgm2);
   }

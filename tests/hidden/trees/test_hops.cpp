@@ -182,10 +182,10 @@ TEST_CASE("A leg's folder holds its model, its robot and logs with the toe's swi
   CHECK((c.lab.torque_column || c.lab.command_column));
   CHECK((row.back() == '0' || row.back() == '1'));
   const std::string model = text_of(folder + "/model.toml");
-  for (const char* line :
-       {"kind = \"tree\"", "[drive.boom_travel]\nlaw = \"none\"", "[drive.hip]\nlaw = \"torque\"",
-        "[spring.knee]\nstiffness_nmprad = ", "rest = \"touch_down\"",
-        "[foot.toe]\nlink = \"shank\"\npoint_m = [0.000000000, 0.000000000, -0."})
+  for (const char* line : {"kind = \"tree\"", "[drive.boom_travel]\ncontrol_mode = \"none\"",
+                           "[drive.hip]\ncontrol_mode = \"torque\"",
+                           "[spring.knee]\nstiffness_nmprad = ", "rest = \"touch_down\"",
+                           "[foot.toe]\nlink = \"shank\"\npoint_m = [0.000000000, 0.000000000, -0."})
     CHECK(model.find(line) != std::string::npos);
   CHECK(text_of(folder + "/robot.urdf").find("<axis xyz=\"0 -1 0\"/>") != std::string::npos);
   CHECK(text_of(folder + "/truth.json").find("latch_delay") != std::string::npos);

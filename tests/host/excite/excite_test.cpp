@@ -16,7 +16,7 @@ using Catch::Contains;
 namespace {
 
 constexpr const char* kFree =
-    "[drive]\nlaw = \"torque\"\nrotor_inertia_kgm2 = 0.02\n[free]\n"
+    "[drive]\ncontrol_mode = \"torque\"\nrotor_inertia_kgm2 = 0.02\n[free]\n"
     "\"damping_nmspr.yaw\" = [0.0, 1.0]\n\"damping_nmspr.shoulder\" = [0.0, 1.0]\n"
     "\"damping_nmspr.elbow\" = [0.0, 1.0]\n\"rotor_inertia_kgm2.yaw\" = [0.0, 0.1]\n"
     "\"rotor_inertia_kgm2.shoulder\" = [0.0, 0.1]\n\"rotor_inertia_kgm2.elbow\" = [0.0, 0.1]\n";
@@ -145,7 +145,8 @@ TEST_CASE(
 }
 
 TEST_CASE("Under the position law the simulated motion, not the set points alone, stays within the limits") {
-  const trees::TreeModel m = test::arm3("[drive]\nlaw = \"position\"\nkp_nmprad = 60.0\nkd_nmsprad = 2.0\n");
+  const trees::TreeModel m =
+      test::arm3("[drive]\ncontrol_mode = \"position\"\nkp_nmprad = 60.0\nkd_nmsprad = 2.0\n");
   const auto l = limits(m, {"all.velocity=3", "shoulder.upper=0.5", "all.effort=15"});
   const excite::Design d = excite::design(m, l, quick(1, 20));
   const auto e = excite::extremes(m, d.scenarios.front(), 0.004);
@@ -163,7 +164,7 @@ TEST_CASE("Designed motions begin and end at rest") {
 }
 
 TEST_CASE("The same seed designs the same set points on one thread and on two, another seed others") {
-  const trees::TreeModel m = test::double_pendulum("[drive]\nlaw = \"torque\"\n");
+  const trees::TreeModel m = test::double_pendulum("[drive]\ncontrol_mode = \"torque\"\n");
   const auto l = limits(m, {"all.effort=5", "all.velocity=5", "all.lower=-2", "all.upper=2"});
   excite::Options o = quick(1, 20);
   o.duration_s = 3.0;
@@ -224,7 +225,7 @@ TEST_CASE(
 
 TEST_CASE(
     "Viscous and Coulomb friction of a joint that moves with one speed to and fro cannot be told apart") {
-  const trees::TreeModel m = test::wheel("[drive]\nlaw = \"torque\"\n");
+  const trees::TreeModel m = test::wheel("[drive]\ncontrol_mode = \"torque\"\n");
   // The velocity is a square wave but for its edges: third, fifth, ... harmonics.
   trees::Scenario s = trees::default_scenario(m);
   s.duration_s = 8.0;
@@ -259,8 +260,8 @@ TEST_CASE("Wrong limits, a weak joint and a short recording are refused with one
   CHECK_THAT(error_message([&] { limits(m, {"elbo.velocity=1"}); }),
              Contains("'elbo'") && Contains("did you mean 'elbow'?"));
   CHECK_THAT(error_message([&] { limits(m, {"elbow.lower=4"}); }), Contains("expected lower below upper"));
-  const trees::TreeModel none =
-      test::robot("trees/published/thin_rod_chain_without_limits.urdf", "[drive]\nlaw = \"torque\"\n");
+  const trees::TreeModel none = test::robot("trees/published/thin_rod_chain_without_limits.urdf",
+                                            "[drive]\ncontrol_mode = \"torque\"\n");
   CHECK_THAT(error_message([&] { limits(none); }), Contains("has no limit of") && Contains("--limit"));
   CHECK_THAT(
       error_message([&] {

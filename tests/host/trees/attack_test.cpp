@@ -303,7 +303,7 @@ TEST_CASE("Torques that no drive has end soon") {
 
 TEST_CASE("Gains that no step follows end soon") {
   Logs logs = test::logs(test::pendulum(), 2, 1.0, 1);
-  const trees::TreeModel stiff = test::pendulum("[drive]\nlaw = \"position\"\nkp_nmprad = 1e8\n");
+  const trees::TreeModel stiff = test::pendulum("[drive]\ncontrol_mode = \"position\"\nkp_nmprad = 1e8\n");
   for (log::Log& log : logs) log.columns["angle_cmd_hinge_rad"] = log.at("angle_hinge_rad");
   diagnosed(stiff, {logs[0]}, {logs[1]});
 }

@@ -126,7 +126,7 @@ TEST_CASE("Dry friction of a joint that nothing drives is found, that no inertia
 
 TEST_CASE("A drive that gives much less than its position law asks for has a limit") {
   const trees::TreeModel model =
-      test::pendulum("[drive]\nlaw = \"position\"\nkp_nmprad = 40\nkd_nmsprad = 2\n");
+      test::pendulum("[drive]\ncontrol_mode = \"position\"\nkp_nmprad = 40\nkd_nmsprad = 2\n");
   // What the spring of the law asks for without a limit; its damper takes most of that back.
   double squares = 0.0, rows = 0.0;
   for (const log::Log& log : test::logs(model, 4, 6.0, 5))

@@ -261,9 +261,10 @@ TEST_CASE("The URDF with causes at random reads back as the tree that runs with 
 
 TEST_CASE("The MJCF has the drives' gains as actuators, and a comment for what it does not hold") {
   const Folder folder;
-  trees::Diagnosis d = diagnosis_of(folder, kOdd,
-                                    "[drive]\nlaw = \"position\"\nkp_nmprad = 40.0\nkd_nmsprad = 2.0\n"
-                                    "rotor_inertia_kgm2 = 0.0125\ndamping_nmspr = 0.5\n");
+  trees::Diagnosis d =
+      diagnosis_of(folder, kOdd,
+                   "[drive]\ncontrol_mode = \"position\"\nkp_nmprad = 40.0\nkd_nmsprad = 2.0\n"
+                   "rotor_inertia_kgm2 = 0.0125\ndamping_nmspr = 0.5\n");
   d.extended.causes = {{Effect::torque_gain_error, {1}, {0.5}},
                        {Effect::asymmetric_friction, {1}, {0.2, 0.4}},
                        {Effect::actuator_delay, {0}, {0.012}}};
@@ -290,7 +291,7 @@ TEST_CASE("MuJoCo reads the MJCF with causes, and moves as the tree") {
   for (const char* law : {"torque", "position"}) {
     trees::Diagnosis d =
         diagnosis_of(folder, robot("branched"),
-                     std::string("[drive]\nlaw = \"") + law +
+                     std::string("[drive]\ncontrol_mode = \"") + law +
                          "\"\nkp_nmprad = 30.0\nkd_nmsprad = 2.0\nrotor_inertia_kgm2 = 0.02\n");
     d.extended.causes = {{Effect::base_tilt, {0}, {0.1, -0.2}},
                          {Effect::payload, {link(d.model, "left_hand")}, {0.5, 0.1, 0.0, 0.05}},

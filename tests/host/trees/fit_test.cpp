@@ -253,7 +253,7 @@ TEST_CASE("An interval holds what the recordings do not tell") {
   }
   SECTION("a drive's damping beside the joint's: each from none to all of both") {
     const std::string drive =
-        "[drive.elbow]\nlaw = \"position\"\nkp_nmprad = 8.0\nkd_nmsprad = 0.30\ndamping_nmspr = 0.10\n";
+        "[drive.elbow]\ncontrol_mode = \"position\"\nkp_nmprad = 8.0\nkd_nmsprad = 0.30\ndamping_nmspr = 0.10\n";
     const trees::TreeModel model = test::double_pendulum(drive + free);
     trees::TreeModel truth = model;
     truth.drives[1].kd_nmsprad = 0.36;

@@ -293,7 +293,7 @@ TEST_CASE("The best assignment has the largest sum that any one has") {
 
 TEST_CASE("What a model file says of joints that the recordings leave out is not used, and said not to be") {
   const std::string more =
-      "[drive]\nlaw = \"torque\"\n[drive.wheel]\ndamping_nmspr = 0.1\n[free]\n\"damping_nmspr.a\" = [0.0, 1.0]\n"
+      "[drive]\ncontrol_mode = \"torque\"\n[drive.wheel]\ndamping_nmspr = 0.1\n[free]\n\"damping_nmspr.a\" = [0.0, 1.0]\n"
       "\"damping_nmspr.wheel\" = [0.0, 1.0]\n[effect.coulomb_friction.wheel]\ntorque_nm = 0.1\n";
   const trees::TreeModel m = model_of({"a", "wheel"}, {{}, angles({"a"}), false}, more);
   CHECK(m.joints() == 1);
@@ -309,13 +309,15 @@ TEST_CASE("What a model file says of joints that the recordings leave out is not
   CHECK(model_of({"a", "wheel"}, {{}, angles({"a", "wheel"}), false}, more).free.size() == 2);
   CHECK(model_of({"a", "wheel"}, {}, more).causes.size() == 1);
   // Of one that follows another.
-  CHECK_THAT(model_of({"a", "f", "g>f"}, {{}, angles({"a", "f"}), false}, "[drive.f]\nlaw = \"torque\"\n")
-                 .notes.back(),
-             Contains("[drive.f]") && Contains("it is mimicked by 'g'"));
-  CHECK_THAT(test::error_message([&] {
-               model_of({"a", "wheel"}, {{}, angles({"a"}), false}, "[drive.whel]\nlaw = \"torque\"\n");
-             }),
-             Contains("no joint 'whel' that moves") && Contains("did you mean 'wheel'?"));
+  CHECK_THAT(
+      model_of({"a", "f", "g>f"}, {{}, angles({"a", "f"}), false}, "[drive.f]\ncontrol_mode = \"torque\"\n")
+          .notes.back(),
+      Contains("[drive.f]") && Contains("it is mimicked by 'g'"));
+  CHECK_THAT(
+      test::error_message([&] {
+        model_of({"a", "wheel"}, {{}, angles({"a"}), false}, "[drive.whel]\ncontrol_mode = \"torque\"\n");
+      }),
+      Contains("no joint 'whel' that moves") && Contains("did you mean 'wheel'?"));
   // What the file itself holds is an error, which says so; and a key that is none.
   CHECK_THAT(test::error_message([&] {
                model_of({"a", "wheel"}, {}, "joints = [\"a\"]\n" + more);

@@ -50,13 +50,13 @@ struct Case {
 
 TEST_CASE("A window made linear changes with each cause as its runs do") {
   const Case cases[] = {
-      {"[drive]\nlaw = \"torque\"\n", 0.8, {}},
-      {"[drive]\nlaw = \"torque\"\n", 0.8, {{Effect::coulomb_friction, {0, 1, 2}, {0.1, 0, 0, 0}}}},
-      {"[drive]\nlaw = \"position\"\nkp_nmprad = 20.0\nkd_nmsprad = 0.5\n", 0.6, {}},
-      {"[drive]\nlaw = \"position\"\nkp_nmprad = 20.0\nkd_nmsprad = 0.5\n",
+      {"[drive]\ncontrol_mode = \"torque\"\n", 0.8, {}},
+      {"[drive]\ncontrol_mode = \"torque\"\n", 0.8, {{Effect::coulomb_friction, {0, 1, 2}, {0.1, 0, 0, 0}}}},
+      {"[drive]\ncontrol_mode = \"position\"\nkp_nmprad = 20.0\nkd_nmsprad = 0.5\n", 0.6, {}},
+      {"[drive]\ncontrol_mode = \"position\"\nkp_nmprad = 20.0\nkd_nmsprad = 0.5\n",
        0.6,
        {{Effect::actuator_lag, {1}, {0.02, 0, 0, 0}}, {Effect::coulomb_friction, {2}, {0.1, 0, 0, 0}}}},
-      {"[drive]\nlaw = \"torque\"\nrotor_inertia_kgm2 = 0.01\n",
+      {"[drive]\ncontrol_mode = \"torque\"\nrotor_inertia_kgm2 = 0.01\n",
        0.8,
        {{Effect::joint_elasticity, {1}, {200.0, 0, 0, 0}}},
        // What acts at the joint is taken as acting at the drive, and its spring rings here.
@@ -110,7 +110,7 @@ TEST_CASE("A window made linear changes with each cause as its runs do") {
 TEST_CASE("What the start of a rotor does to its joint is the swing of two bodies on a spring") {
   constexpr double kRotor_kgm2 = 0.02, kStiffness_nmprad = 20.0, kWheel_kgm2 = 0.5;
   const trees::TreeModel model =
-      test::wheel("[drive]\nlaw = \"torque\"\nrotor_inertia_kgm2 = 0.02\ndamping_nmspr = 0\n");
+      test::wheel("[drive]\ncontrol_mode = \"torque\"\nrotor_inertia_kgm2 = 0.02\ndamping_nmspr = 0\n");
   const trees::Recording r = test::inputs(model, 1.5, 0.001, [](std::size_t, double) { return 0.0; });
   const trees::SetupMaker maker(model);
   const std::vector<Cause> spring{{Effect::joint_elasticity, {0}, {kStiffness_nmprad, 0, 0, 0}}};

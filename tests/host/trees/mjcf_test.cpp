@@ -52,9 +52,10 @@ TEST_CASE(
   CHECK(drive(m, "left_hip").kp_nmprad == 30.0);
   CHECK(drive(m, "left_hip").rotor_inertia_kgm2 == 0.01);
   CHECK(drive(m, "right_knee").law == DriveLaw::none);
-  const trees::TreeModel said = read("branched",
-                                     "gravity_mps2 = [0.0, 0.0, -1.0]\n[drive.left_hip]\nlaw = \"torque\"\n"
-                                     "rotor_inertia_kgm2 = 0.5\n[drive.right_knee]\nlaw = \"torque\"\n");
+  const trees::TreeModel said =
+      read("branched",
+           "gravity_mps2 = [0.0, 0.0, -1.0]\n[drive.left_hip]\ncontrol_mode = \"torque\"\n"
+           "rotor_inertia_kgm2 = 0.5\n[drive.right_knee]\ncontrol_mode = \"torque\"\n");
   CHECK(said.gravity_mps2.z == -1.0);
   CHECK(drive(said, "left_hip").law == DriveLaw::torque);
   CHECK(drive(said, "left_hip").kp_nmprad == 0.0);

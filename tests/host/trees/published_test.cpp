@@ -238,7 +238,7 @@ std::string model_text(const Words& joints) {
   std::string text = "[model]\nkind = \"tree\"\nschema = 1\nurdf = \"robot.urdf\"\n";
   for (std::size_t i = 0; i < joints.size(); ++i)
     text += (i == 0 ? "joints = [\"" : ", \"") + joints[i] + "\"" + (i + 1 == joints.size() ? "]\n" : "");
-  return text + "[drive]\nlaw = \"torque\"\n";
+  return text + "[drive]\ncontrol_mode = \"torque\"\n";
 }
 
 /// With these joints named.

@@ -128,7 +128,8 @@ TEST_CASE("A recording has each joint's angle and what its drive was given") {
   CHECK(commanded.input[elbow] == std::vector<double>(100, 7.0));
   CHECK_FALSE(commanded.input_measured[elbow]);
   // Under the position law it is the set point.
-  const trees::TreeModel led = test::double_pendulum("[drive.elbow]\nlaw = \"position\"\nkp_nmprad = 5.0\n");
+  const trees::TreeModel led =
+      test::double_pendulum("[drive.elbow]\ncontrol_mode = \"position\"\nkp_nmprad = 5.0\n");
   CHECK_THAT(test::error_message([&] { trees::recording_of(led, log); }),
              Contains("joint 'elbow' has no column 'angle_cmd_elbow_rad'"));
   log.columns["angle_cmd_elbow_rad"].assign(100, 0.4);

@@ -50,7 +50,7 @@ constexpr double kStiffness_nmprad = 60.0;
 const std::vector<Cause> kSpring{{Effect::joint_elasticity, {1}, {kStiffness_nmprad, 0, 0, 0}}};
 
 trees::TreeModel arm() {
-  return test::arm3("[drive]\nlaw = \"torque\"\nrotor_inertia_kgm2 = 0.02\ndamping_nmspr = 0.2\n");
+  return test::arm3("[drive]\ncontrol_mode = \"torque\"\nrotor_inertia_kgm2 = 0.02\ndamping_nmspr = 0.2\n");
 }
 
 }  // namespace

@@ -35,7 +35,7 @@ double apart(const trees::Recording& r, const std::vector<double>& angle_rad,
   return worst;
 }
 
-const char* const kPosition = "[drive]\nlaw = \"position\"\nkp_nmprad = 20.0\nkd_nmsprad = 1.5\n";
+const char* const kPosition = "[drive]\ncontrol_mode = \"position\"\nkp_nmprad = 20.0\nkd_nmsprad = 1.5\n";
 
 /// J q'' = kp (c - q) - kd q', from q0 at v0.
 double oscillator(double t, double kp, double kd, double c, double q0, double v0) {
@@ -266,9 +266,10 @@ TEST_CASE("A fixed link's causes are in its own axes") {
 }
 
 TEST_CASE("A cause at its neutral value changes nothing") {
-  for (const char* settings :
-       {"[drive]\nrotor_inertia_kgm2 = 0.02\n",
-        "[drive]\nlaw = \"position\"\nkp_nmprad = 15.0\nkd_nmsprad = 0.8\nrotor_inertia_kgm2 = 0.02\n"}) {
+  for (
+      const char* settings :
+      {"[drive]\nrotor_inertia_kgm2 = 0.02\n",
+       "[drive]\ncontrol_mode = \"position\"\nkp_nmprad = 15.0\nkd_nmsprad = 0.8\nrotor_inertia_kgm2 = 0.02\n"}) {
     const trees::TreeModel m = test::double_pendulum(settings);
     const trees::Recording r = test::inputs(m, 1.0, 0.004, [](std::size_t j, double t) {
       return 0.8 * std::sin((4.0 + static_cast<double>(j)) * t);
