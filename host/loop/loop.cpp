@@ -14,6 +14,7 @@
 #include "host/core/message.hpp"
 #include "host/core/own_build.hpp"
 #include "host/floating/identification_report.hpp"
+#include "host/loop/loop_report.hpp"
 #include "host/walk/searched.hpp"
 
 namespace furcula::loop {
@@ -84,6 +85,7 @@ class Loop {
       if (const std::string other = walk::difference(settings_in(file), settings_); !other.empty())
         throw DataError(file + ": of another loop: " + other +
                         "; expected the arguments that it began with, or another folder");
+      read_triangle(file);
     } else {
       write_json();
     }
@@ -91,15 +93,15 @@ class Loop {
     for (unsigned round = 1;; ++round) {
       const walk::Model model = round == 1 ? given_ : walk::read_model(model_file(round - 1));
       try_walk(round, model);
-      if (news_) write_json();
       result_.walks = result_.rounds.back().walks;
+      write_news();
       if (result_.walks || round > o_.rounds) break;
       identify(round);
-      if (news_) write_json();
+      write_news();
       search(round);
       if (!result_.ended.empty()) break;
     }
-    write_json();
+    write();
     return std::move(result_);
   }
 
@@ -152,6 +154,13 @@ class Loop {
     make_folder(o_.out);
     core::write_file_atomically(in("loop.json"), to_json_text(settings_, o_, result_));
   }
+  void write() const {
+    write_json();
+    core::write_file_atomically(in("report.html"), render_loop_report(given_.name, o_, result_));
+  }
+  void write_news() const {
+    if (news_) write();
+  }
   static void write_once(const std::string& file, const std::string& text) {
     if (fs::exists(file)) return;
     make_folder(fs::path(file).parent_path().string());
@@ -182,6 +191,8 @@ class Loop {
       say(round, t.log + ": " + in_words(t.outcome, rollout.time_s));
       r.trials.push_back(std::move(t));
       recordings_.push_back(std::move(recording));
+      predict(0, given_, round, k, 0.0);
+      if (round > 1) predict(round - 1, model, round, k, 0.5);
     }
     const auto walked =
         std::count_if(r.trials.begin(), r.trials.end(), [](const auto& t) { return t.walks; });
@@ -217,6 +228,40 @@ class Loop {
       say(round, "cause: " + c.name + ", about " + core::rounded(c.deviation, 3) + " " + c.unit +
                      ", confidence " + core::rounded(c.confidence, 2));
     say(round, errors_in_words(*r.given, *r.identified));
+    const walk::Model model = walk::read_model(model_file(round));
+    for (unsigned k = 0; k < round * o_.repetitions; ++k)
+      predict(round, model, 1 + k / o_.repetitions, 1 + k % o_.repetitions,
+              static_cast<double>(k) / (round * o_.repetitions));
+  }
+
+  /// Of an earlier run. What is to be done again has no errors yet.
+  void read_triangle(const std::string& file) {
+    result_.triangle = triangle_in(file);
+    const auto gone = std::erase_if(result_.triangle, [&](const auto& of) {
+      const Cell& c = of.first;
+      return !fs::exists(request(c.round, c.repetition).log) ||
+             (c.model > 0 && !fs::exists(model_file(c.model)));
+    });
+    if (gone > 0) write_json();
+  }
+
+  /// A model's errors on a trial, unless they are there already.
+  void predict(unsigned number, const walk::Model& model, unsigned round, unsigned repetition,
+               double fraction) {
+    const Cell cell{number, round, repetition};
+    if (result_.triangle.contains(cell)) return;
+    const floating::Recording& recording = recordings_[(round - 1) * o_.repetitions + repetition - 1];
+    if (o_.progress)
+      o_.progress(fraction, "round " + std::to_string(result_.rounds.size()) + ": errors of the model " +
+                                (number == 0 ? "as given" : "of round " + std::to_string(number)) + " on " +
+                                recording.file);
+    floating::IdentifyOptions options = o_.identify;
+    options.settings.threads = o_.threads;
+    floating::WindowErrors errors = floating::window_errors(model.machine, {recording}, options);
+    errors.predicted.clear();
+    result_.triangle.emplace(cell, std::move(errors));
+    news_ = true;
+    write();
   }
 
   void search(unsigned round) {

@@ -2,6 +2,7 @@
 //
 // Files in `out` are what a loop goes on from: round_1/walk.toml, round_1/log_1.csv ..., round_1/identified_model.toml with
 // identification.json and .html, round_2/walk.toml with walk.json and report.html, ... A file that is there is whole, and its step is done.
+// loop.json and report.html are written after each step; of loop.json the errors of the triangle are read again.
 #pragma once
 
 #include <cstdint>
@@ -12,6 +13,7 @@
 
 #include "host/floating/identify.hpp"
 #include "host/loop/trial.hpp"
+#include "host/loop/triangle.hpp"
 #include "host/walk/checkpoint.hpp"
 
 namespace furcula::loop {
@@ -59,8 +61,9 @@ struct Round {
 
 struct LoopResult {
   std::vector<Round> rounds;  ///< the last one has trials alone
-  bool walks = false;         ///< the last walk does
-  std::string ended;          ///< where no walk to try was found, why
+  Triangle triangle;
+  bool walks = false;  ///< the last walk does
+  std::string ended;   ///< where no walk to try was found, why
 };
 
 /// Does what is not done yet. @throws core::DataError: `out` has another loop, with what differs; a trial that cannot be used.
@@ -71,6 +74,8 @@ std::string to_json_text(const walk::Settings& settings, const LoopOptions& opti
                          const LoopResult& result);
 /// @throws core::DataError: not a loop.json.
 walk::Settings settings_in(const std::string& path);
+/// Of a loop.json without a triangle, none. @throws core::DataError: not a loop.json.
+Triangle triangle_in(const std::string& path);
 /// Errors and causes of an identification.json. @throws core::DataError
 void read_identification(const std::string& path, Round& round);
 

@@ -1,6 +1,9 @@
 // loop.json of a loop, and what it reads of identification.json.
 #include <cmath>
+#include <fstream>
+#include <limits>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "host/core/error.hpp"
 #include "host/core/strict_toml.hpp"
@@ -16,6 +19,10 @@ constexpr const char* kSchema = "furcula-walk-loop/1";
 Json number(double v) { return std::isfinite(v) ? Json(v) : Json(nullptr); }
 Json number(const std::optional<double>& v) { return v ? number(*v) : Json(nullptr); }
 
+double number_in(const Json& j) {
+  return j.is_null() ? std::numeric_limits<double>::quiet_NaN() : j.get<double>();
+}
+
 Json errors(const floating::WindowErrors& e) {
   return {{"windows", e.windows},
           {"rms_angle_rad", number(e.angle_rad)},
@@ -25,18 +32,26 @@ Json errors(const floating::WindowErrors& e) {
 floating::WindowErrors errors_in(const Json& j) {
   floating::WindowErrors out;
   out.windows = j.at("windows");
-  out.angle_rad = j.at("rms_angle_rad");
-  out.attitude_rad = j.at("rms_attitude_rad");
-  out.gyro_radps = j.at("rms_gyro_radps");
+  out.angle_rad = number_in(j.at("rms_angle_rad"));
+  out.attitude_rad = number_in(j.at("rms_attitude_rad"));
+  out.gyro_radps = number_in(j.at("rms_gyro_radps"));
   return out;
 }
 
-Json read(const std::string& path, const char* what) {
+constexpr const char* kLoopJson = "a loop.json of furcula walk loop";
+
+template <class Text>
+Json parsed(Text&& text, const std::string& path, const char* what) {
   try {
-    return Json::parse(core::read_small_file(path, what));
+    return Json::parse(std::forward<Text>(text));
   } catch (const Json::exception& e) {
     throw core::DataError(path + ": no JSON: " + e.what() + "; expected " + what);
   }
+}
+/// Of any size: a triangle grows with the square of the rounds.
+Json read_loop_json(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  return parsed(file, path, kLoopJson);
 }
 
 }  // namespace
@@ -73,17 +88,31 @@ std::string to_json_text(const walk::Settings& settings, const LoopOptions& opti
           r.given ? Json{{"given", errors(*r.given)}, {"identified", errors(*r.identified)}} : Json(nullptr)},
          {"causes", causes}});
   }
+  Json triangle = Json::array();
+  for (const auto& [cell, e] : result.triangle) {
+    Json one{{"model", cell.model},
+             {"round", cell.round},
+             {"repetition", cell.repetition},
+             {"training", cell.training()},
+             {"rms_angle_attitude_rad", number(model_error_rad(e))}};
+    one.update(errors(e));
+    triangle.push_back(std::move(one));
+  }
   Json all = Json::object();
   for (const auto& [name, value] : settings) all[name] = value;
-  return Json{{"schema", kSchema},      {"settings", all},
-              {"robot", options.robot}, {"rounds", rounds},
-              {"walks", result.walks},  {"ended", result.ended.empty() ? Json(nullptr) : Json(result.ended)}}
+  return Json{{"schema", kSchema},
+              {"settings", all},
+              {"robot", options.robot},
+              {"rounds", rounds},
+              {"triangle", triangle},
+              {"walks", result.walks},
+              {"ended", result.ended.empty() ? Json(nullptr) : Json(result.ended)}}
              .dump(1) +
          "\n";
 }
 
 walk::Settings settings_in(const std::string& path) {
-  const Json j = read(path, "a loop.json of furcula walk loop");
+  const Json j = read_loop_json(path);
   try {
     if (j.at("schema") != kSchema)
       throw core::DataError(path + ": schema " + j.at("schema").dump() + "; expected \"" + kSchema + "\"");
@@ -91,12 +120,26 @@ walk::Settings settings_in(const std::string& path) {
     for (const auto& [name, value] : j.at("settings").items()) out.emplace_back(name, value);
     return out;
   } catch (const Json::exception& e) {
-    throw core::DataError(path + ": " + e.what() + "; expected a loop.json of furcula walk loop");
+    throw core::DataError(path + ": " + e.what() + "; expected " + kLoopJson);
   }
 }
 
+Triangle triangle_in(const std::string& path) {
+  const Json j = read_loop_json(path);
+  Triangle out;
+  try {
+    if (!j.contains("triangle")) return out;
+    for (const Json& one : j.at("triangle"))
+      out[{one.at("model"), one.at("round"), one.at("repetition")}] = errors_in(one);
+  } catch (const Json::exception& e) {
+    throw core::DataError(path + ": " + e.what() + "; expected " + kLoopJson);
+  }
+  return out;
+}
+
 void read_identification(const std::string& path, Round& round) {
-  const Json j = read(path, "an identification.json of furcula walk identify");
+  constexpr const char* kWhat = "an identification.json of furcula walk identify";
+  const Json j = parsed(core::read_small_file(path, kWhat), path, kWhat);
   try {
     round.given = errors_in(j.at("training").at("given"));
     round.identified = errors_in(j.at("training").at("identified"));
@@ -105,8 +148,7 @@ void read_identification(const std::string& path, Round& round) {
                               c.at("unit").is_null() ? std::string() : std::string(c.at("unit")),
                               c.at("deviation"), c.at("confidence")});
   } catch (const Json::exception& e) {
-    throw core::DataError(path + ": " + e.what() +
-                          "; expected an identification.json of furcula walk identify");
+    throw core::DataError(path + ": " + e.what() + "; expected " + kWhat);
   }
 }
 

@@ -15,11 +15,12 @@ constexpr const char* kColours[] = {"#b45309", "#047857", "#1d4ed8", "#a21caf",
                                     "#0e7490", "#b91c1c", "#4d7c0f", "#475569"};
 
 /// Round numbers, some four of them, that lie within [low, high].
-std::vector<double> ticks(double low, double high) {
+std::vector<double> ticks(double low, double high, double least_step = 0.0) {
   const double rough = (high - low) / 4.0, decade = std::pow(10.0, std::floor(std::log10(rough)));
   double step = decade;
   for (const double factor : {2.0, 5.0, 10.0})
     if (step < 0.8 * rough) step = factor * decade;
+  step = std::max(step, least_step);
   std::vector<double> out;
   for (double k = std::ceil(low / step - 1e-9); k * step <= high + 1e-9 * step; k += 1.0)
     out.push_back(k == 0.0 ? 0.0 : k * step);
@@ -78,10 +79,13 @@ std::string line_plot_html(const LinePlot& plot) {
            "\" text-anchor=\"end\" dominant-baseline=\"middle\" font-size=\"12\" fill=\"currentColor\">" +
            tick(v) + "</text>\n";
   }
-  for (const double v : ticks(across.low, across.high))
+  for (const double v : ticks(across.low, across.high, plot.counts ? 1.0 : 0.0))
     out += "<text x=\"" + number(x(v), 5) +
            "\" y=\"246\" text-anchor=\"middle\" font-size=\"12\" fill=\"currentColor\">" + tick(v) +
            "</text>\n";
+  const auto dot = [](const std::string& px, const std::string& py, const std::string& colour) {
+    return "<circle cx=\"" + px + "\" cy=\"" + py + "\" r=\"3\" fill=\"" + colour + "\" opacity=\"0.6\"/>";
+  };
   std::string legend;
   for (std::size_t k = 0; k < plot.lines.size(); ++k) {
     const Line& l = plot.lines[k];
@@ -89,17 +93,19 @@ std::string line_plot_html(const LinePlot& plot) {
     if (!l.label.empty())
       legend += (legend.empty() ? " " : ", ") + ("<span style=\"color:" + colour + "\">") + escape(l.label) +
                 "</span>";
-    std::string stroke;
+    std::string stroke, first;
     for (std::size_t i = 0; i < std::min(l.x.size(), l.y.size()); ++i) {
       if (!std::isfinite(l.x[i]) || !std::isfinite(l.y[i])) continue;
       const std::string px = number(x(l.x[i]), 5), py = number(y(l.y[i]), 5);
       if (l.dots)
-        out +=
-            "<circle cx=\"" + px + "\" cy=\"" + py + "\" r=\"3\" fill=\"" + colour + "\" opacity=\"0.6\"/>";
+        out += dot(px, py, colour);
+      else if (stroke.empty())
+        first = dot(px, py, colour), stroke = px + "," + py + " ";
       else
-        stroke += px + "," + py + " ";
+        stroke += px + "," + py + " ", first.clear();
     }
-    if (!stroke.empty())
+    out += first;  // of a line of one point
+    if (!stroke.empty() && first.empty())
       out += "<polyline fill=\"none\" stroke-width=\"2\" stroke=\"" + colour + "\" points=\"" + stroke +
              "\"/>\n";
   }

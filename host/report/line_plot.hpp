@@ -17,6 +17,7 @@ struct LinePlot {
   std::string over;         ///< what the axis below is, with its unit
   std::vector<Line> lines;  ///< at most six are told apart by their colours
   bool from_zero = false;   ///< the upright axis begins at zero
+  bool counts = false;      ///< the axis below has whole numbers
 };
 
 /// A <figure> with its caption and legend; nothing where no two points are there to draw.

@@ -23,6 +23,7 @@ struct Bench {
   test::TemporaryFolder folder;
   loop::LoopOptions options;
   std::string said;
+  int errors_computed = 0;
 
   Bench() {
     options.model = kModel;
@@ -41,6 +42,14 @@ struct Bench {
            std::to_string(lines) + " " + folder.path() + "/whole.csv > {log}";
   }
   std::string in(const std::string& name) const { return options.out + "/" + name; }
+  /// Where a step begins whose words end so; none is interrupted where it is empty. Counts errors that are computed.
+  void interrupt_at(const std::string& step) {
+    errors_computed = 0;
+    options.progress = [this, step](double, const std::string& doing) {
+      if (!step.empty() && doing.ends_with(step)) throw core::DataError("interrupted: " + doing);
+      if (doing.find("errors of the model") != std::string::npos) ++errors_computed;
+    };
+  }
   bool has(const std::string& name) const { return std::filesystem::exists(in(name)); }
   std::string error() {
     said.clear();
@@ -48,6 +57,7 @@ struct Bench {
   }
   loop::LoopResult run() {
     said.clear();
+    errors_computed = 0;
     return loop::run_loop(options);
   }
   std::size_t trials() const {
@@ -111,17 +121,22 @@ TEST_CASE("a loop goes on after its last finished step, from files that are whol
   CHECK(bench.has("loop.json"));
 
   bench.options.robot = robot;
-  bench.options.progress = [](double, const std::string& doing) {
-    throw core::DataError("interrupted: " + doing);
-  };
+  bench.interrupt_at("windows of the model as given");
   CHECK_THAT(bench.error(), Contains("interrupted: round 1: windows of the model as given"));
   CHECK(bench.trials() == 1);
   CHECK(bench.has("round_1/log_1.csv"));
   CHECK_FALSE(bench.has("round_1/identified_model.toml"));
   CHECK_THAT(bench.said, Contains("the log ends after 0.4") && Contains("0 of 1 trials stand"));
 
-  bench.options.progress = {};
+  // Of three errors that are left, two are there when the last one is begun.
+  bench.interrupt_at("errors of the model of round 1 on " + bench.in("round_2/log_1.csv"));
+  CHECK_THAT(bench.error(), Contains("interrupted"));
+  CHECK(test::json_of(bench.in("loop.json"))["triangle"].size() == 3);
+  CHECK_THAT(test::text_of(bench.in("report.html")), Contains("href=\"round_2/log_1.csv\""));
+
+  bench.interrupt_at("");
   const loop::LoopResult r = bench.run();
+  CHECK(bench.errors_computed == 1);
   CHECK(bench.trials() == 2);  // that of the next walk
   CHECK_FALSE(r.walks);
   REQUIRE(r.rounds.size() == 2);
@@ -140,11 +155,66 @@ TEST_CASE("a loop goes on after its last finished step, from files that are whol
   CHECK(written["rounds"][0]["causes"].size() ==
         test::json_of(bench.in("round_1/identification.json"))["causes"].size());
 
+  // The errors of a single trial are those of its identification, and only they are of the fit.
+  const auto training = test::json_of(bench.in("round_1/identification.json"))["training"];
+  const auto& triangle = written["triangle"];
+  REQUIRE(triangle.size() == 4);
+  const auto error_of = [&](unsigned model, unsigned round) {
+    for (const auto& one : triangle)
+      if (one["model"] == model && one["round"] == round) return one;
+    return nlohmann::json();
+  };
+  for (const char* key : {"windows", "rms_angle_rad", "rms_attitude_rad", "rms_gyro_radps"}) {
+    CHECK(error_of(0, 1)[key] == training["given"][key]);
+    CHECK(error_of(1, 1)[key].get<double>() ==
+          Approx(training["identified"][key].get<double>()).epsilon(1e-3));
+  }
+  for (const unsigned model : {0u, 1u})
+    for (const unsigned round : {1u, 2u})
+      CHECK(error_of(model, round)["training"] == (model == 1 && round == 1));
+
   // Again: the same, and the robot does nothing.
+  const std::string page = test::text_of(bench.in("report.html"));
   const loop::LoopResult again = bench.run();
   CHECK(bench.trials() == 2);
   CHECK(again.rounds[0].given->angle_rad == r.rounds[0].given->angle_rad);
+  CHECK(bench.errors_computed == 0);
   CHECK(test::json_of(bench.in("loop.json")) == written);
+  CHECK(test::text_of(bench.in("report.html")) == page);
+
+  // On another number of threads and from nothing but the steps' files: the same.
+  const std::string text = test::text_of(bench.in("loop.json"));
+  std::filesystem::remove(bench.in("loop.json"));
+  bench.options.threads = 1;
+  bench.run();
+  CHECK(bench.errors_computed == 4);
+  CHECK(test::text_of(bench.in("loop.json")) == text);
+  CHECK(test::text_of(bench.in("report.html")) == page);
+
+  // A trial that is done again has its errors computed again.
+  std::filesystem::remove(bench.in("round_2/log_1.csv"));
+  bench.run();
+  CHECK(bench.trials() == 3);
+  CHECK(bench.errors_computed == 2);
+}
+
+TEST_CASE("a robot's model has less error on its walk than a model without its friction") {
+  Bench bench;
+  const std::string rubbing =
+      bench.folder.file("rubbing.toml", "[model]\nkind = \"biped\"\nschema = 1\nurdf = \"" +
+                                            test::source("models/biped/furcula_biped.urdf") +
+                                            "\"\n[deviations]\n\"coulomb_friction@left_knee\" = 20.0\n");
+  bench.options.robot = bench.robot(rubbing, 300);
+  const auto error_of = [&](const std::string& model) {
+    bench.options.model = model;
+    bench.options.out = bench.folder.path() + "/" + std::to_string(bench.trials());
+    bench.interrupt_at("windows of the model as given");
+    bench.error();
+    return test::json_of(bench.in("loop.json"))["triangle"][0];
+  };
+  const nlohmann::json own = error_of(rubbing), other = error_of(kModel);
+  for (const char* key : {"rms_angle_rad", "rms_angle_attitude_rad"})
+    CHECK(own[key].get<double>() < 0.6 * other[key].get<double>());
 }
 
 TEST_CASE("what a loop cannot use is said before anything is tried") {

@@ -31,3 +31,16 @@ TEST_CASE("Of less than two points there is no picture, a constant has one") {
   CHECK(!std::regex_search(html, std::regex("[^a-z]nan")));
   CHECK(html.find("polyline") != std::string::npos);
 }
+
+TEST_CASE("An axis that counts has whole numbers, and a line of one point is a dot") {
+  furcula::report::LinePlot plot{
+      "t", "round", {{"three", {1.0, 2.0, 3.0}, {10.0, 20.0, 30.0}}, {"one", {2.0}, {15.0}}}};
+  CHECK(line_plot_html(plot).find(">1.5<") != std::string::npos);
+  plot.counts = true;
+  const std::string html = line_plot_html(plot);
+  for (const char* whole : {">1<", ">2<", ">3<"}) CHECK(html.find(whole) != std::string::npos);
+  CHECK(html.find(">1.5<") == std::string::npos);
+  CHECK(html.find("<circle") != std::string::npos);
+  CHECK(html.find("<circle") == html.rfind("<circle"));
+  CHECK(html.find("<polyline") == html.rfind("<polyline"));
+}

@@ -1,0 +1,29 @@
+// Prediction errors of each model of a loop on each trial: document 000, Figs. 7 and 8.
+#pragma once
+
+#include <map>
+#include <tuple>
+
+#include "host/floating/identify.hpp"
+
+namespace furcula::loop {
+
+/// A model on a trial.
+struct Cell {
+  unsigned model = 0;  ///< 0: as given; n: identified after round n
+  unsigned round = 1, repetition = 1;
+  /// Whether the model was identified from the trial.
+  bool training() const { return round <= model; }
+  bool operator<(const Cell& o) const {
+    return std::tie(model, round, repetition) < std::tie(o.model, o.round, o.repetition);
+  }
+};
+
+/// The model as given on all trials, every other one on those of its fit and of the round after it. `predicted` is empty.
+using Triangle = std::map<Cell, floating::WindowErrors>;
+
+/// Root mean square over joint angles and attitude together: document 000, Eq. 3, over windows. The targets' term is left out: the logged
+/// targets drive the simulation.
+double model_error_rad(const floating::WindowErrors& errors);
+
+}  // namespace furcula::loop
