@@ -46,9 +46,10 @@ LegAsTree leg_as_tree(const Machine& machine) {
              joint("knee", "revolute", "thigh", "shank", p.thigh_length_m, "0 -1 0", p.knee_damping_nmspr,
                    machine.least.knee, machine.most.knee) +
              "</robot>\n";
-  out.model = "[model]\nkind = \"tree\"\nschema = 1\nurdf = \"" + std::string(kLegUrdf) +
-              "\"\ngravity_mps2 = [0.0, 0.0, " + core::toml_float(-p.gravity_mps2) +
-              "]\n\n[drive.boom_travel]\nlaw = \"none\"\n\n[drive.boom_height]\nlaw = \"none\"\n";
+  out.model =
+      "[model]\nkind = \"tree\"\nschema = 1\nurdf = \"" + std::string(kLegUrdf) +
+      "\"\ngravity_mps2 = [0.0, 0.0, " + core::toml_float(-p.gravity_mps2) +
+      "]\n\n[drive.boom_travel]\ncontrol_mode = \"none\"\n\n[drive.boom_height]\ncontrol_mode = \"none\"\n";
   if (machine.spring != LegSpring::none) {
     out.model += "\n[spring.knee]\nstiffness_nmprad = " + core::toml_float(p.stiffness_nmprad) + "\n";
     out.model += machine.spring == LegSpring::switched

@@ -262,7 +262,7 @@ TEST_CASE("A file is a tree's only by its kind") {
 
 TEST_CASE("Each effect of the catalogue reads back from a model file") {
   const trees::TreeModel plain = test::arm3(
-      "[drive]\nlaw = \"position\"\nkp_nmprad = 20.0\n"
+      "[drive]\ncontrol_mode = \"position\"\nkp_nmprad = 20.0\n"
       "[spring.elbow]\nstiffness_nmprad = 30.0\nrest = \"touch_down\"\n"
       "[foot.tip]\nlink = \"fore\"\npoint_m = [0.3, 0.0, 0.0]\n");
   for (const trees::EffectInfo& e : trees::catalogue()) {
