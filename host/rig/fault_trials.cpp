@@ -7,7 +7,6 @@ namespace furcula::rig {
 namespace {
 
 using safety::Moment;
-using sim_host::RigFault;
 using sim_host::SimBoard;
 
 constexpr double kHopsOnS = 1.5;     ///< so long a fault is to be borne
