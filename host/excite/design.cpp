@@ -20,8 +20,8 @@ constexpr double kShortest_s = 2.0;
 constexpr std::size_t kFewestRows = 50;
 /// Random motions that the search begins with, as a share of all that it may look at.
 constexpr double kRandom = 0.2;
-constexpr std::size_t kPopulation = 10;
-constexpr double kSigma = 0.25;
+constexpr std::size_t kPopulation = 20;
+constexpr double kSigma = 0.5;
 /// Of a random motion's numbers.
 constexpr double kUsual = 0.8;
 /// Windows that one evaluation looks at, others in each generation.

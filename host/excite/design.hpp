@@ -21,7 +21,7 @@ enum class Criterion : std::uint8_t { d, a };
 struct Options {
   double duration_s = 10.0, rate_hz = 250.0, highest_hz = 2.5, window_s = 0.3;
   std::size_t recordings = 3;
-  std::size_t evaluations = 200;  ///< of the criterion, each recording
+  std::size_t evaluations = 600;  ///< of the criterion, each recording
   std::uint64_t seed = 1;
   unsigned threads = 1;
   Criterion criterion = Criterion::d;
