@@ -131,6 +131,7 @@ class Diagnoser {
     say(0.95, "predicting the held-out logs");
     errors();
     torques(problem);
+    if (found.common) beside_common(*found.common);
     findings(problem, found);
     parameters(problem, found);
     known_inertias(problem);
@@ -155,6 +156,21 @@ class Diagnoser {
     d_.refitted_error = of(d_.refitted, &Trace::refitted).errors;
     d_.extended_error = of(d_.extended, &Trace::extended).errors;
     training_error_ = predict(model_, training_, options_.window_s, d_.extended, d_.refitted).errors;
+  }
+
+  /// What the common laws alone are worth, beside all that is named.
+  void beside_common(const Hypothesis& common) {
+    const std::vector<ChannelError> error =
+        predict(model_, held_out_, options_.window_s, common, d_.refitted).errors;
+    std::vector<std::string> names, joints;
+    for (std::size_t c = model_.causes.size(); c < common.causes.size(); ++c)
+      names.push_back(cause_name(model_, common.causes[c]));
+    for (std::size_t j = 0; j < model_.joints(); ++j)
+      joints.push_back(model_.robot.joints[j].name + " " + core::rounded(error[j].rmse, 3) + " " +
+                       std::string(channel_unit(model_, j)));
+    if (!names.empty())
+      d_.notes.push_back("Common laws alone, " + joined(names) + ": held-out error, RMS, " + joined(joints) +
+                         ". What is named beyond them is worth the difference.");
   }
 
   void torques(const Problem& problem) {

@@ -72,6 +72,12 @@ std::span<const EffectInfo> catalogue();
 const EffectInfo& info(Effect effect);
 std::optional<Effect> effect_named(std::string_view name);
 std::string_view name(Seat seat);
+/// Laws that published identifications of drives nearly always have: dry and viscous friction, the rotor's inertia, a late command (Swevers,
+/// Verdonck, De Schutter, IEEE Control Systems 27(5), 2007; Lee et al., Science Robotics 5, eabc5986, 2020).
+constexpr bool is_common(Effect e) {
+  return e == Effect::coulomb_friction || e == Effect::damping_error || e == Effect::rotor_inertia_error ||
+         e == Effect::actuator_delay;
+}
 /// Whether its sites are joints, or parts of them.
 constexpr bool is_of_joints(Seat seat) {
   return seat == Seat::joint || seat == Seat::drive || seat == Seat::encoder || seat == Seat::spring;

@@ -91,8 +91,9 @@ class Search {
     found.ended_early = problem_.spent();
     problem_.stop_after(std::numeric_limits<std::size_t>::max());
     if (!found.ended_early) fit = another_path(std::move(fit), found, problem_.steps() - before);
+    fit = common_path(std::move(fit), coarse, found, most_work_ * before);
     for (Candidate& spring : springs_) spring.fitted_gain = 0.0;  // that was beside fewer causes
-    problem_.stop_after(problem_.steps() + most_work_ * before / 2);
+    problem_.stop_after(problem_.steps() + most_work_ * before);
     judge(found, std::move(fit));
     // Rivals that took a place may be two wrong laws of friction, too.
     if (!found.ended_early)
@@ -178,13 +179,72 @@ class Search {
       problem_.weigh(fit.at);
       return problem_.fit(fit.at, 4);
     }
+    take_over(other);
+    problem_.weigh(anew.at);
+    return problem_.fit(anew.at, 4);
+  }
+  void take_over(Search& other) {
     springs_ = std::move(other.springs_);
     ripples_ = std::move(other.ripples_);
     dropped_ = std::move(other.dropped_);
     dropped_worth_ = other.dropped_worth_;
     disputed_ = other.disputed_;
+  }
+
+  /// Common laws that act together may look like rare ones, and the search be lost among these. Where it has not come to its end, or torque is
+  /// missing there, another begins with the common laws at every joint and adds what is worth it beside them. The better end of the two counts.
+  /// It takes at most so many `steps`.
+  Fit common_path(Fit fit, Problem* coarse, Found& found, std::size_t steps) {
+    if (!found.ended_early && !much_is_missing(fit.at, found.refitted.at)) return fit;
+    say(0.65, "trying the common laws at every joint");
+    // A late command is nearly one law with damping and inertia under a position law: it comes in where these leave something.
+    Hypothesis h = found.refitted.at;
+    for (const Candidate& c : candidates(problem_, h, {}))
+      if (is_common(c.effect) && c.effect != Effect::actuator_delay && c.sites.size() == 1 &&
+          !problem_.scales().still[c.sites.front()])
+        h.causes.push_back(c.columns.front());
+    if (coarse != nullptr && problem_.misfit(found.refitted.at) > kGrosslyWrong) {
+      coarse->weigh(h);
+      h = coarse->fit(h, 8).at;
+    }
+    problem_.stop_after(problem_.steps() + steps);
+    Search other(problem_, progress_, swings_);
+    other.beside_common_ = true;
+    Fit common = other.predictive(other.fitted_anew(h));
+    found.common = common.at;
+    Fit anew = other.path(std::move(common), nullptr);
+    const bool ended_early = problem_.spent();
+    problem_.stop_after(std::numeric_limits<std::size_t>::max());
+    if (!better(anew, fit)) {
+      problem_.weigh(fit.at);
+      return problem_.fit(fit.at, 4);
+    }
+    found.ended_early = ended_early;
+    take_over(other);
     problem_.weigh(anew.at);
     return problem_.fit(anew.at, 4);
+  }
+  /// Without the common laws that do not help the recordings to predict each other.
+  Fit predictive(Fit fit) const {
+    for (;;) {
+      std::optional<Fit> least;
+      for (std::size_t c = problem_.model().causes.size(); c < fit.at.causes.size(); ++c) {
+        if (!is_common(fit.at.causes[c].effect)) continue;
+        Fit off = problem_.fit(without(fit.at, c), 4, &fit);
+        if (!least || off.held_out_loss < least->held_out_loss) least = std::move(off);
+      }
+      if (!least || least->held_out_loss > (1.0 + kWorth) * fit.held_out_loss) return fit;
+      fit = std::move(*least);
+    }
+  }
+  /// Beside common laws a rare cause must help the recordings to predict each other.
+  bool is_worth_it(const Fit& with, const Fit& fit) const {
+    const auto rare = [](const Fit& f) {
+      return std::count_if(f.at.causes.begin(), f.at.causes.end(),
+                           [](const Cause& c) { return !is_common(c.effect); });
+    };
+    return !beside_common_ || rare(with) <= rare(fit) ||
+           with.held_out_loss < (1.0 - kPredicts) * fit.held_out_loss;
   }
   /// Weighed as either of them says, each parameter more being worth what it must.
   bool better(const Fit& a, const Fit& b) {
@@ -273,7 +333,8 @@ class Search {
         fit = problem_.fit(fit.at, 1);
       }
       Fit with = prune(problem_.fit(next, 6), false);
-      if (with.loss > fit.loss * (1.0 - kWorth) && with.at.causes.size() >= before) {
+      if ((with.loss > fit.loss * (1.0 - kWorth) && with.at.causes.size() >= before) ||
+          !is_worth_it(with, fit)) {
         // What was taken beside the first may be what spoils it.
         first_alone = picks.size() > 1;
         if (!first_alone)
@@ -724,8 +785,9 @@ class Search {
           // The same law in another dress has the name that it had before.
           Rival r{{other.at.causes.back()}, other.at, other.loss - fit.loss, against(fit, other)};
           const double more = static_cast<double>(parameters(other)) - static_cast<double>(parameters(fit));
-          // With more parameters only what the windows agree on, and what is worth them.
-          const bool preferred = more <= 0.0
+          // With more parameters, or in a common law's place, only what the windows agree on, and what is worth them.
+          const bool rarer = is_common(fit.at.causes[c].effect) && !is_common(candidate.effect);
+          const bool preferred = more <= 0.0 && !rarer
                                      ? r.loss_more < -kBetter * fit.loss
                                      : r.z < -kStands && r.loss_more < -kOfParameter * more * fit.loss;
           if (swaps < kMostSwaps && preferred) {
@@ -788,6 +850,7 @@ class Search {
   const Progress& progress_;
   std::optional<Candidate> first_pick_, not_first_;  ///< of the first round; what must not be that
   bool swings_;                                      ///< are looked for
+  bool beside_common_ = false;                       ///< laws that are there from the first
   std::size_t most_work_;                            ///< see search()
   std::vector<Candidate> springs_, ripples_;         ///< that may be
   double disputed_ = 0.0;                            ///< see Found, of the last round

@@ -5,10 +5,12 @@
 //    without each recording in turn.
 // 2. What was picked is fitted together by simulation, and what does not hold is dropped.
 // 3. Where torque is still missing then, a second search begins with another cause; the better end counts.
-// 4. At the end each cause is left out once, and the others in its place are fitted: what does as well cannot be told from it.
+// 4. Where torque is still missing, or the search did not come to its end, another begins with the common laws at every joint.
+// 5. At the end each cause is left out once, and the others in its place are fitted: what does as well cannot be told from it.
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -46,15 +48,16 @@ struct Found {
   std::vector<Tried> table;  ///< the best of the first round
   /// What a candidate would gain at the end that the windows are sure of, and the recordings do not agree on: of the loss.
   double disputed = 0.0;
-  bool ended_early = false;  ///< it had not come to its end after much work
+  std::optional<Hypothesis> common;  ///< with the common laws alone, where a search began with them
+  bool ended_early = false;          ///< it had not come to its end after much work
 };
 
 using Progress =
     std::function<void(double, std::string_view)>;  ///< share that is done, and what is being done
 
-/// A search ends after so many times the steps of integration that led to its first point, and judging what it found after half of that.
-/// Usual ones take 3 to 20.
-inline constexpr std::size_t kMostWork = 40;
+/// A search, one that begins with the common laws, and judging what was found end after so many times the steps of integration that led to the
+/// first point. Usual ones take 3 to 20.
+inline constexpr std::size_t kMostWork = 20;
 
 /// `coarse`, the same recordings in short windows, is used where the model as given is grossly wrong; it may be null.
 Found search(Problem& problem, Problem* coarse, const Progress& progress, std::size_t most_work = kMostWork);

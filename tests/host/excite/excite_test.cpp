@@ -196,7 +196,8 @@ TEST_CASE("Table: each parameter's interval beside random sines, 20 seeds", "[.t
   const auto table = [&] {
     std::vector<std::string> names;
     const std::vector<double> all = ratios(m, o, 20, names);
-    std::printf("for %s, %zu motions tried\n", o.about == excite::About::free ? "free" : "all", o.evaluations);
+    std::printf("for %s, %zu motions tried\n", o.about == excite::About::free ? "free" : "all",
+                o.evaluations);
     for (std::size_t k = 0; k < all.size(); ++k) std::printf("| `%s` | %.2f |\n", names[k].c_str(), all[k]);
     std::fflush(stdout);
   };
