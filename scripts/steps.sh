@@ -18,7 +18,7 @@ cache_folder() { echo "${XDG_CACHE_HOME:-${HOME:-/tmp}/.cache}/furcula/$1"; }
 # step WORDS...: announces a step, and writes down when it began where FURCULA_STEPS names a file (.ci/run).
 step() {
   printf '\n== %s\n' "$*" >&2
-  [ -z "${FURCULA_STEPS-}" ] || printf '%s %s\n' "$(date +%s)" "$*" >>"$FURCULA_STEPS"
+  [ -z "${FURCULA_STEPS-}" ] || printf '%s %s\n' "$(date +%s)" "${*//$'\n'/ }" >>"$FURCULA_STEPS"
 }
 
 # print_minutes: minutes by step, from the file that FURCULA_STEPS names; its last line is the end's time alone.
