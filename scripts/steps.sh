@@ -4,13 +4,6 @@ set -euo pipefail
 project=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 jobs=$(nproc)
 export CMAKE_BUILD_PARALLEL_LEVEL=${CMAKE_BUILD_PARALLEL_LEVEL:-$jobs}
-# The compiler's output is kept for the next build, of this clone or another, where ccache is installed: in ccache's own folder
-# (~/.cache/ccache), by paths relative to the project. Precompiled headers need the sloppiness.
-if command -v ccache >/dev/null; then
-  export CMAKE_CXX_COMPILER_LAUNCHER=${CMAKE_CXX_COMPILER_LAUNCHER-ccache}
-  export CCACHE_BASEDIR=${CCACHE_BASEDIR-$project} CCACHE_NOHASHDIR=${CCACHE_NOHASHDIR-1}
-  export CCACHE_SLOPPINESS=${CCACHE_SLOPPINESS-pch_defines,time_macros}
-fi
 
 # cache_folder NAME: where results are kept that every clone can use.
 cache_folder() { echo "${XDG_CACHE_HOME:-${HOME:-/tmp}/.cache}/furcula/$1"; }
@@ -39,7 +32,17 @@ die() {
 # usage: prints the script's first comment, which says what it does and how it is called.
 usage() { sed -n '2,/^[^#]/{s/^# \{0,1\}//p}' "$0"; }
 
-# build PRESET [CMAKE_ARGUMENT...] [-- TARGET...]: configures build/PRESET and builds it, or some of its targets.
+# use_ccache: the compiler's output is kept for the next build, of this clone or another, where ccache is installed: in ccache's own folder
+# (~/.cache/ccache), by paths relative to the project. Precompiled headers need the sloppiness.
+use_ccache() {
+  command -v ccache >/dev/null || return 0
+  export CMAKE_CXX_COMPILER_LAUNCHER=${CMAKE_CXX_COMPILER_LAUNCHER-ccache}
+  export CCACHE_BASEDIR=${CCACHE_BASEDIR-$project} CCACHE_NOHASHDIR=${CCACHE_NOHASHDIR-1}
+  export CCACHE_SLOPPINESS=${CCACHE_SLOPPINESS-pch_defines,time_macros}
+}
+
+# build PRESET [CMAKE_ARGUMENT...] [-- TARGET...]: configures build/PRESET and builds it, or some of its targets. Whether there
+# is a ccache is asked here, after scripts/setup: were it used from the second build on, that would compile everything once more.
 build() {
   local preset=$1 arguments=() targets=()
   shift
@@ -51,6 +54,7 @@ build() {
     shift
     targets=(--target "$@")
   fi
+  use_ccache
   step "build: $preset${targets:+ (${targets[*]:1})}"
   (cd "$project" && cmake --preset "$preset" --log-level=NOTICE "${arguments[@]}" &&
     cmake --build --preset "$preset" "${targets[@]}") >&2
