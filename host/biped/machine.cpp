@@ -175,6 +175,7 @@ std::vector<Unknown> unknowns(const Description& d, bool driven_hips, bool sprun
                                      0));  // 300 N/m at 0.1 m
       all.push_back(unknown<kSpring>("spring_damping", at, "N m s/rad", 0.005 * kUniform, side, 1));
     }
+  const std::size_t tables = all.size();
   // Beyond the tables. Sizes: as large as the gear's own friction; a gear a third as compliant as its drive; some clearances of teeth.
   for (std::size_t i = 0; i < kJoints; ++i) {
     const string at = link_name(i);
@@ -194,6 +195,7 @@ std::vector<Unknown> unknowns(const Description& d, bool driven_hips, bool sprun
     for (std::size_t side = 0; side < 2; ++side)
       all.push_back(unknown<kSpring>("spring_rest_angle", link_name(side * kLegJoints + kHipPitch), "rad",
                                      0.02, side, 2));
+  for (std::size_t i = tables; i < all.size(); ++i) all[i].of_tables = false;
   return all;
 }
 

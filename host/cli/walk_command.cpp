@@ -25,6 +25,7 @@
 #include "host/core/own_build.hpp"
 #include "host/log/writer.hpp"
 #include "host/walk/checkpoint.hpp"
+#include "host/walk/ensemble.hpp"
 #include "host/walk/searched.hpp"
 #include "host/walk/simulation.hpp"
 #include "host/walk/walk_file.hpp"
@@ -41,6 +42,8 @@ struct WalkOptions {
   double rate_hz = 100.0;
   unsigned threads = 0;
   std::uint64_t seed = 1;
+  bool robust = false;
+  double deviations = walk::EnsembleOptions{}.deviations;
   CommentsOption comments;
 
   unsigned thread_count() const {
@@ -110,6 +113,7 @@ void say_evidence(const walk::Evidence& evidence) {
   for (const walk::Trial& t : evidence.steps) std::printf(" %.4g", t.rollout.cot);
   std::printf("\nwith sensor errors: %u of %u stand, %u keep all limits\n", evidence.noisy_stand,
               evidence.noisy, evidence.noisy_keep_limits);
+  std::printf("on other robots, drawn and pushed: %u of %u stand\n", evidence.drawn_stand, evidence.drawn);
   if (const walk::ReturnMap& map = evidence.map; map.found)
     std::printf(
         "walking on: a stride of %.4g s and %.4g m, cost of transport %.3f, largest Floquet multiplier %.3f\n",
@@ -130,6 +134,8 @@ void search(const WalkOptions& o, const Distribute& distribute) {
                      ": expected more than 0 and at most 1000000");
   if (o.steps && *o.steps < 1)
     throw UsageError("--steps " + std::to_string(*o.steps) + ": expected at least 1");
+  if (!(o.deviations >= 0.0 && o.deviations <= 2.0))
+    throw UsageError("--deviations " + core::shortest(o.deviations) + ": expected from 0 to 2");
   if (o.threads > 1024)
     throw UsageError("--threads " + std::to_string(o.threads) + ": expected at most 1024");
   const walk::Model model = walk::read_model(o.model);
@@ -143,6 +149,9 @@ void search(const WalkOptions& o, const Distribute& distribute) {
   if (!o.from.empty()) options.start = walk_of("--from", o.from, o, model).parameters;
   options.threads = o.thread_count();
   walk::require_posture(model, options.rollout);
+  if (o.robust)
+    options.ensemble =
+        walk::drawn_robots(model.machine, options.rollout.mode, {.deviations = o.deviations, .seed = o.seed});
   const walk::Settings settings = walk::settings_of(model, options, "furcula " FURCULA_VERSION);
   if (!o.resume.empty()) options.from = state_of(o, settings);
 
@@ -171,7 +180,8 @@ void search(const WalkOptions& o, const Distribute& distribute) {
   if (!not_kept.empty()) throw core::OutputError(not_kept);
   const std::string command =
       "furcula walk search --model " + o.model + " --mode " + o.mode + " --method " + o.method + " --seed " +
-      std::to_string(o.seed) + (o.from.empty() ? "" : " --from " + o.from) +
+      std::to_string(o.seed) + (o.robust ? " --robust --deviations " + core::shortest(o.deviations) : "") +
+      (o.from.empty() ? "" : " --from " + o.from) +
       (o.steps ? " --steps " + std::to_string(*o.steps) : " --seconds " + core::shortest(*o.seconds)) +
       " --out " + o.out;
   const walk::SearchState& end = found.state;
@@ -208,9 +218,9 @@ void show(const WalkOptions& o) {
   walk::Evidence evidence;
   {
     Progress progress("walk");
-    evidence =
-        walk::evidence_of(model.robot, rollout, walk.parameters, o.thread_count(),
-                          [&](double fraction) { progress.update(fraction, "the walk again, with errors"); });
+    evidence = walk::evidence_of(
+        model.robot, rollout, walk.parameters, walk::unseen_robots(model, walk.mode), o.thread_count(),
+        [&](double fraction) { progress.update(fraction, "the walk again, with errors"); });
   }
   core::write_files_together(std::vector<core::NewFile>{
       {o.out + "/report.html", walk::render_walk_report(model, rollout, walk.parameters, r, {}, evidence,
@@ -269,6 +279,13 @@ CLI::App* add_walk_command(CLI::App& app, Distribute distribute) {
   find->add_option("--method", o->method,
                    "How it is sought: CMA-ES, ESCH of NLopt, or mutation and Nelder-Mead in turns")
       ->check(CLI::IsMember(std::vector<std::string>(walk::kMethodNames.begin(), walk::kMethodNames.end())))
+      ->capture_default_str();
+  find->add_flag(
+      "--robust", o->robust,
+      "A walk that stands on 7 other robots, too, which are drawn and pushed: it costs more, and falls less on a real one");
+  find->add_option(
+          "--deviations", o->deviations,
+          "With --robust: how far these are from the model, times the ranges of document 000, Tables I and II")
       ->capture_default_str();
   find->add_option("--seed", o->seed, "Of the search")->capture_default_str();
   find->add_option("--seconds", o->seconds, "How long");

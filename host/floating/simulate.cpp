@@ -6,6 +6,7 @@
 #include "furcula/dynamics/biped/contact.hpp"
 #include "furcula/dynamics/biped/joint_laws.hpp"
 #include "furcula/dynamics/biped/step.hpp"
+#include "host/biped/put_robot.hpp"
 
 namespace furcula::floating {
 namespace {
@@ -126,45 +127,18 @@ void put(Vec3<T>& to, std::size_t lane, const Vec3<double>& x) {
 
 /// One lane's robot.
 void put_plant(TurnedParameters<T>& to, std::size_t lane, const Plant& from) {
-  const auto body = [&](auto& t, const auto& x, auto&& read) {
-    put(t.mass_kg, lane, read(x.mass_kg));
-    put(t.moment_kgm, lane, {read(x.moment_kgm.x), read(x.moment_kgm.y), read(x.moment_kgm.z)});
-    auto& s = t.inertia_kgm2;
-    const auto& i = x.inertia_kgm2;
-    put(s.xx, lane, read(i.xx)), put(s.xy, lane, read(i.xy)), put(s.xz, lane, read(i.xz));
-    put(s.yy, lane, read(i.yy)), put(s.yz, lane, read(i.yz)), put(s.zz, lane, read(i.zz));
-  };
-  body(to.pelvis, from.pelvis, [](double x) { return x; });
+  biped::put_robot<T>(to, lane, from);
   for (std::size_t side = 0; side < 2; ++side) {
-    const auto read = [side](const auto& x) { return Legs<double>::read(x, side); };
-    const auto read3 = [&](const auto& v) { return Vec3<double>{read(v.x), read(v.y), read(v.z)}; };
+    const auto read3 = [side](const auto& v) {
+      return Vec3<double>{Legs<double>::read(v.x, side), Legs<double>::read(v.y, side),
+                          Legs<double>::read(v.z, side)};
+    };
     for (std::size_t j = 0; j < kLegJoints; ++j) {
-      body(to.links[side][j], from.links[0][j], read);
-      put(to.offsets_m[side][j], lane, read3(from.offsets_m[0][j]));
       auto& f = to.frames[side][j];
       const auto& x = from.frames[0][j];
       put(f.x, lane, read3(x.x)), put(f.y, lane, read3(x.y)), put(f.z, lane, read3(x.z));
-      auto& d = to.drives[side][j];
-      const auto& y = from.drives[0][j];
-      put(d.armature_kgm2, lane, read(y.armature_kgm2)), put(d.damping_nmspr, lane, read(y.damping_nmspr));
-      put(d.friction_nm, lane, read(y.friction_nm)), put(d.kp_nmprad, lane, read(y.kp_nmprad));
-      put(d.kd_nmsprad, lane, read(y.kd_nmsprad)), put(d.limit_nm, lane, read(y.limit_nm));
     }
-    for (std::size_t v = 0; v < kVertices; ++v)
-      put(to.vertices_m[side][v], lane, read3(from.vertices_m[0][v]));
-    auto& c = to.clutches[side][kHipClutch];
-    const auto& x = from.clutches[0][kHipClutch];
-    put(c.spring_nmprad, lane, read(x.spring_nmprad)), put(c.spring_rest_rad, lane, read(x.spring_rest_rad));
-    put(c.damping_nmspr, lane, read(x.damping_nmspr));
   }
-  auto& g = to.ground;
-  put(g.stiffness_npm, lane, from.ground.stiffness_npm), put(g.damping_nspm, lane, from.ground.damping_nspm);
-  put(g.full_damping_m, lane, from.ground.full_damping_m);
-  put(g.shear_stiffness_npm, lane, from.ground.shear_stiffness_npm);
-  put(g.shear_damping_nspm, lane, from.ground.shear_damping_nspm),
-      put(g.friction, lane, from.ground.friction);
-  put(to.creep_radps, lane, from.creep_radps);
-  put(to.gravity_mps2, lane, from.gravity_mps2);
 }
 
 void put_state(State<T>& to, std::size_t lane, const State<double>& from) {

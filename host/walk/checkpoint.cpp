@@ -47,6 +47,15 @@ std::string hash_of(const Parameters& walk) {
          core::hexadecimal(crc_of({reinterpret_cast<const char*>(values.data()), sizeof values}));
 }
 
+std::string hash_of(const std::vector<Member>& ensemble) {
+  static_assert(std::is_trivially_copyable_v<Member> && sizeof(Member) % sizeof(double) == 0 &&
+                alignof(Member) == alignof(double));
+  if (ensemble.empty()) return "none";
+  const auto* bytes = reinterpret_cast<const char*>(ensemble.data());
+  return std::to_string(ensemble.size()) + ", " +
+         core::hexadecimal(crc_of({bytes, ensemble.size() * sizeof(Member)}));
+}
+
 Json point_json(const SearchPoint& p) {
   return {p.cpu_s, p.steps, p.rollouts, state_json(p.objective), state_json(p.cot)};
 }
@@ -65,6 +74,8 @@ SearchState state_of(const Json& j, std::string_view method) {
   for (const Json& p : j.at("history")) s.history.push_back(point_of(p));
   for (const Json& b : j.at("bests"))
     s.bests.push_back(Parameters::of(b.get<std::array<double, Parameters::kCount>>()));
+  if (const Json& begun = j.at("robust_start"); !begun.is_null())
+    s.robust_start = Parameters::of(begun.get<std::array<double, Parameters::kCount>>());
   if (s.history.empty() != s.bests.empty()) throw std::invalid_argument("bests without history");
   s.method = method;
   return s;
@@ -107,6 +118,7 @@ Settings settings_of(const Model& model, const SearchOptions& options, const std
                {"method", std::string(kMethodNames[static_cast<std::size_t>(options.method)])},
                {"seed", std::to_string(options.seed)},
                {"start", options.start ? hash_of(*options.start) : "steps on the spot"},
+               {"other robots of a robust search", hash_of(options.ensemble)},
                {"time_s", core::shortest(r.time_s)},
                {"step_s", core::shortest(r.step_s)},
                {"steps a tick", std::to_string(r.steps_a_tick)},
@@ -125,12 +137,17 @@ std::string format_checkpoint(const Checkpoint& c) {
   for (const SearchPoint& p : s.history) history.push_back(point_json(p));
   for (const Parameters& b : s.bests) bests.push_back(b.values());
   for (const auto& [what, value] : c.settings) settings.push_back({what, value});
-  const Json j{
-      {"settings", settings},       {"build", c.build},
-      {"steps", s.steps},           {"rollouts", s.rollouts},
-      {"not_finite", s.not_finite}, {"cpu_s", s.cpu_s},
-      {"seconds", s.seconds},       {"first_walk", s.first_walk ? point_json(*s.first_walk) : Json(nullptr)},
-      {"history", history},         {"bests", bests}};
+  const Json j{{"settings", settings},
+               {"build", c.build},
+               {"steps", s.steps},
+               {"rollouts", s.rollouts},
+               {"not_finite", s.not_finite},
+               {"cpu_s", s.cpu_s},
+               {"seconds", s.seconds},
+               {"first_walk", s.first_walk ? point_json(*s.first_walk) : Json(nullptr)},
+               {"history", history},
+               {"bests", bests},
+               {"robust_start", s.robust_start ? Json(s.robust_start->values()) : Json(nullptr)}};
   const std::string body = j.dump() + "\n" + s.method + "\n";
   return std::string(kFormat) + " " + std::to_string(body.size()) + " " + core::hexadecimal(crc_of(body)) +
          "\n" + body;

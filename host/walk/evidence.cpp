@@ -5,6 +5,7 @@
 
 #include "host/core/message.hpp"
 #include "host/core/parallel.hpp"
+#include "host/walk/search.hpp"
 
 namespace furcula::walk {
 namespace {
@@ -26,14 +27,15 @@ dynamics::biped::Description heavier(dynamics::biped::Description robot, double 
 }
 
 Evidence evidence_of(const dynamics::biped::Description& robot, const RolloutOptions& options,
-                     const Parameters& walk, unsigned threads, const std::function<void(double)>& told) {
-  struct Job {
+                     const Parameters& walk, const std::vector<Member>& drawn, unsigned threads,
+                     const std::function<void(double)>& told) {
+  struct Run {
     std::string what;
     dynamics::biped::Description robot;
     RolloutOptions options;
     bool noisy = false;
   };
-  std::vector<Job> jobs;
+  std::vector<Run> jobs;
   for (const int k : {1, 2, 4, 8}) {
     RolloutOptions o = options;
     o.steps_a_tick = k;
@@ -70,6 +72,11 @@ Evidence evidence_of(const dynamics::biped::Description& robot, const RolloutOpt
   });
   for (std::size_t i = 0; i < changed; ++i)
     (i < steps ? out.steps : out.changed).push_back({jobs[i].what, rollouts[i]});
+  out.drawn = static_cast<unsigned>(drawn.size());
+  std::vector<Job> others(drawn.size(), {walk, 0});
+  for (std::size_t k = 0; k < others.size(); ++k) others[k].member = k;
+  for (const Rollout& r : run_jobs(robot, drawn, options, others, threads))
+    if (r.ending == Ending::stands) ++out.drawn_stand;
   out.noisy = kNoisy;
   for (std::size_t i = changed; i < jobs.size(); ++i) {
     if (rollouts[i].ending == Ending::stands) ++out.noisy_stand;

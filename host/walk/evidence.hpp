@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "furcula/dynamics/biped/parameters.hpp"
+#include "host/walk/member.hpp"
 #include "host/walk/return_map.hpp"
 #include "host/walk/rollout.hpp"
 #include "host/walk/sensors.hpp"
@@ -24,12 +25,14 @@ struct Evidence {
   unsigned noisy = 0;          ///< walks with sensors that err, each with errors of its own
   unsigned noisy_stand = 0, noisy_keep_limits = 0;
   SensorErrors errors;
+  unsigned drawn = 0, drawn_stand = 0;  ///< other robots, in float, and those on which it stands
   ReturnMap map;
 };
 
-/// `told` from 0 to 1.
+/// `drawn`: the other robots. `told` from 0 to 1.
 Evidence evidence_of(const dynamics::biped::Description& robot, const RolloutOptions& options,
-                     const Parameters& walk, unsigned threads, const std::function<void(double)>& told = {});
+                     const Parameters& walk, const std::vector<Member>& drawn, unsigned threads,
+                     const std::function<void(double)>& told = {});
 
 /// The robot with all masses and inertias times `factor`.
 dynamics::biped::Description heavier(dynamics::biped::Description robot, double factor);

@@ -7,12 +7,14 @@
 #include <span>
 
 #include "furcula/dynamics/biped/parameters.hpp"
-#include "host/walk/rollout.hpp"
+#include "host/walk/member.hpp"
 
 namespace furcula::walk {
 
-/// Takes walks from `next` on until none is left, and writes what each did. Several threads may do so with one `next`.
-void run_lanes(const dynamics::biped::Description& robot, const RolloutOptions& options,
-               std::span<const Parameters> walks, std::atomic<std::size_t>& next, std::span<Rollout> out);
+/// Takes jobs from `next` on until none is left, and writes what each did. Several threads may do so with one `next`. `members`
+/// are the ensemble, each with the controller of `robot`; without them the jobs are `robot`'s.
+void run_lanes(const dynamics::biped::Description& robot, std::span<const Member> members,
+               const RolloutOptions& options, std::span<const Job> jobs, std::atomic<std::size_t>& next,
+               std::span<Rollout> out);
 
 }  // namespace furcula::walk

@@ -35,7 +35,7 @@ class Ranks {
   int rank_ = 0, count_ = 1;
   bool given_up_ = false;
   // Of a generation, a rank above 0 each. They stay where it was given up: MPI may still write there.
-  std::vector<std::vector<double>> sent_;
+  std::vector<std::vector<Job>> sent_;
   std::vector<std::vector<Rollout>> received_;
   std::vector<double> took_cpu_s_;
   double others_cpu_s_ = 0.0;

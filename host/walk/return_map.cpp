@@ -26,7 +26,7 @@ class Strider {
 
   Strider(const Description& robot, const RolloutOptions& options, const Parameters& walk, int strides)
       : r_(robot, robot, options), step_s_(options.step_s), steps_(2 * strides) {
-    r_.begin(0, walk);
+    r_.begin(0, {walk, 0});
   }
 
   /// The direction in which nothing is felt: a bias of the gyro about the vertical, which no accelerometer sees.
@@ -72,9 +72,10 @@ class Strider {
   bool stands_on_left() const { return r_.walk_.on_left[0]; }
   double time_s() const { return r_.time_s_; }
   double energy_j() const {
-    return r_.work_ + r_.squares_ * r_.robot_.copper_w_pnm2() + r_.robot_.constant_power_w * r_.time_s_;
+    return r_.work_ + r_.squares_ * r_.robot(0).m.robot.copper_w_pnm2() +
+           r_.robot(0).m.robot.constant_power_w * r_.time_s_;
   }
-  double weight_n() const { return r_.mass_kg_ * kCotGravity_mps2; }
+  double weight_n() const { return r_.robot(0).mass_kg * kCotGravity_mps2; }
   dynamics::tree::Vec3<double> position_m() const { return r_.s_.position_m; }
 
   Vector state() const {

@@ -86,22 +86,23 @@ class Space {
 
 double cpu_now_s() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
-std::string doing(const Rollout& r, double time_s) {
-  const auto text = [](double v) { return core::rounded(v, 3); };
-  if (r.ending != Ending::stands)
-    return std::string(kEndingNames[static_cast<std::size_t>(r.ending)]) + " after " + text(r.time_s) + " s";
-  if (r.over > 0.0) return "stands, limits missed by " + text(100.0 * r.over) + " %";
-  return "objective " + text(r.objective(time_s)) + ", CoT " + text(r.cot) + ", " + text(r.distance_m) + " m";
-}
-
 }  // namespace
 
 std::vector<Rollout> run_walks(const dynamics::biped::Description& robot, const RolloutOptions& options,
                                const std::vector<Parameters>& walks, unsigned threads) {
-  std::vector<Rollout> out(walks.size());
+  std::vector<Job> jobs;
+  for (const Parameters& walk : walks) jobs.push_back({walk, 0});
+  return run_jobs(robot, {}, options, jobs, threads);
+}
+
+std::vector<Rollout> run_jobs(const dynamics::biped::Description& robot, const std::vector<Member>& ensemble,
+                              const RolloutOptions& options, const std::vector<Job>& jobs, unsigned threads) {
+  std::vector<Rollout> out(jobs.size());
   std::atomic<std::size_t> next{0};
   const unsigned used = std::max(1u, threads);
-  core::parallel_for(used, used, [&](std::size_t) { run_lanes(robot, options, walks, next, out); });
+  RolloutOptions o = options;
+  if (!ensemble.empty()) o.step_s = o.tick_s(), o.steps_a_tick = 1;
+  core::parallel_for(used, used, [&](std::size_t) { run_lanes(robot, ensemble, o, jobs, next, out); });
   return out;
 }
 
@@ -114,15 +115,26 @@ namespace {
 
 constexpr double kNone = std::numeric_limits<double>::infinity();
 
+constexpr double kAlone = 1.0 / 3.0;  // of the budget
+
+/// A walk on the robot and, in a robust search, on its ensemble.
+struct Tried {
+  Rollout rollout;       ///< on the robot
+  double value = kNone;  ///< for the method to descend
+  double objective = kNone;
+  std::size_t stand = 0;  ///< members of the ensemble
+};
+
 /// A search as it goes on.
 class Search {
  public:
   Search(const dynamics::biped::Description& robot, const SearchOptions& options)
       : robot_(robot),
         o_(options),
-        space_(options.rollout.mode, options.start),
+        space_(options.rollout.mode, start_of(options)),
+        robust_(!options.ensemble.empty() && (options.start || (options.from && options.from->robust_start))),
         method_(make_method(options.method, space_.least(), space_.most(), options.seed)) {
-    best_.time_s = 0.0;
+    best_.rollout.time_s = 0.0;
     if (!o_.from) return;
     s_ = *o_.from;
     try {
@@ -133,23 +145,22 @@ class Search {
     before_cpu_s_ = s_.cpu_s;
     before_s_ = s_.seconds;
     if (s_.bests.empty()) return;
-    best_ = run_walks(robot_, o_.rollout, {s_.bests.back()}, 1).front();
-    best_objective_ = s_.history.back().objective;
+    const std::uint64_t steps = s_.steps;  // this one was counted
+    if (const auto best = tried({s_.bests.back()})) best_ = best->front();
+    s_.steps = steps;
+    best_.objective = s_.history.back().objective;
   }
 
   SearchResult run() {
     SearchResult out;
-    // A walk to begin with is the best until another is better.
-    if (o_.start && s_.rollouts == 0) {
-      const Parameters walk = space_.walk(Vector::Zero(space_.size()));
-      took(walk, run_walks(robot_, o_.rollout, {walk}, 1).front());
-    }
+    if (o_.start && s_.rollouts == 0) begin();
     for (double share = spent(); share < 1.0; share = spent()) {
       if (o_.interrupted && o_.interrupted()) {
         out.interrupted = true;
         break;
       }
-      if (o_.progress) o_.progress(share, doing(best_, asked_s_));
+      if (o_.progress) o_.progress(share, doing());
+      if (!robust_ && !o_.ensemble.empty() && share >= kAlone) ask_ensemble();
       if (!generation()) {
         out.interrupted = true;
         break;
@@ -165,6 +176,25 @@ class Search {
   }
 
  private:
+  static std::optional<Parameters> start_of(const SearchOptions& o) {
+    return o.from && o.from->robust_start ? o.from->robust_start : o.start;
+  }
+  /// A walk to begin with is the best until another is better.
+  void begin() {
+    const Parameters walk = space_.walk(Vector::Zero(space_.size()));
+    if (const auto begun = tried({walk})) took(walk, begun->front());
+  }
+  void ask_ensemble() {
+    robust_ = true;
+    s_.robust_start = s_.bests.empty() ? space_.walk(Vector::Zero(space_.size())) : s_.bests.back();
+    space_ = Space(o_.rollout.mode, s_.robust_start);
+    method_ = make_method(o_.method, space_.least(), space_.most(), o_.seed);
+    best_ = {};
+    best_.rollout.time_s = 0.0;
+    s_.bests.clear();
+    s_.history.clear();
+    begin();
+  }
   double wall_s() const {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count();
   }
@@ -179,19 +209,75 @@ class Search {
     return share;
   }
 
+  std::string doing() const {
+    const auto text = [](double v) { return core::rounded(v, 3); };
+    const Rollout& r = best_.rollout;
+    if (r.ending != Ending::stands)
+      return std::string(kEndingNames[static_cast<std::size_t>(r.ending)]) + " after " + text(r.time_s) +
+             " s";
+    const std::string on = !robust_ ? ""
+                                    : ", stands on " + std::to_string(best_.stand) + " of " +
+                                          std::to_string(o_.ensemble.size()) + " other robots";
+    if (r.over > 0.0) return "stands, limits missed by " + text(100.0 * r.over) + " %" + on;
+    return "objective " + text(best_.objective) + ", CoT " + text(r.cot) + ", " + text(r.distance_m) + " m" +
+           on;
+  }
+
+  std::vector<Rollout> run(const std::vector<Job>& jobs, bool is_ensemble) const {
+    if (o_.run) return o_.run(jobs);
+    if (!is_ensemble) return run_jobs(robot_, {}, o_.rollout, jobs, o_.threads);
+    std::vector<Job> others = jobs;
+    for (Job& job : others) --job.member;
+    return run_jobs(robot_, o_.ensemble, o_.rollout, others, o_.threads);
+  }
+
+  /// Nothing: they were given up.
+  std::optional<std::vector<Tried>> tried(const std::vector<Parameters>& walks) {
+    std::vector<Job> jobs;
+    for (const Parameters& walk : walks) jobs.push_back({walk, 0});
+    const std::vector<Rollout> alone = run(jobs, false);
+    if (alone.size() != jobs.size()) return {};
+    std::vector<Tried> out(walks.size());
+    jobs.clear();
+    std::vector<std::size_t> stand;  // on the robot itself
+    for (std::size_t i = 0; i < walks.size(); ++i) {
+      out[i] = {alone[i], alone[i].value(asked_s_), alone[i].objective(asked_s_), 0};
+      s_.steps += alone[i].steps;
+      if (!robust_ || alone[i].ending != Ending::stands) continue;
+      stand.push_back(i);
+      for (std::size_t k = 1; k <= o_.ensemble.size(); ++k) jobs.push_back({walks[i], k});
+    }
+    if (jobs.empty()) return out;
+    const std::vector<Rollout> others = run(jobs, true);
+    if (others.size() != jobs.size()) return {};
+    for (std::size_t n = 0; n < stand.size(); ++n) {
+      Tried& t = out[stand[n]];
+      double sum = t.value;
+      for (std::size_t k = 0; k < o_.ensemble.size(); ++k) {
+        const Rollout& r = others[n * o_.ensemble.size() + k];
+        s_.steps += r.steps;
+        if (r.ending == Ending::stands) ++t.stand;
+        sum += r.value(asked_s_);
+      }
+      t.value = sum / static_cast<double>(o_.ensemble.size() + 1);
+      // Beyond a limit on the robot itself it is above 1, as without an ensemble.
+      t.objective = t.rollout.over > 0.0 ? std::max(t.objective, t.value) : t.value;
+    }
+    return out;
+  }
+
   /// False: it was given up.
   bool generation() {
     const std::vector<Vector>& points = method_->ask();
     std::vector<Parameters> walks;
     for (const Vector& x : points) walks.push_back(space_.walk(x));
-    const std::vector<Rollout> rollouts =
-        o_.run ? o_.run(walks) : run_walks(robot_, o_.rollout, walks, o_.threads);
-    if (rollouts.size() != walks.size()) return false;
+    const auto all = tried(walks);
+    if (!all) return false;
     std::vector<double> values;
     for (std::size_t i = 0; i < walks.size(); ++i) {
-      const double value = rollouts[i].value(asked_s_) + space_.outside(points[i]);
+      const double value = (*all)[i].value + space_.outside(points[i]);
       values.push_back(std::isfinite(value) ? value : kNone);
-      took(walks[i], rollouts[i]);
+      took(walks[i], (*all)[i]);
     }
     method_->tell(values,
                   s_.bests.empty() ? Vector(Vector::Zero(space_.size())) : space_.at(s_.bests.back()));
@@ -199,19 +285,17 @@ class Search {
   }
 
   /// A walk was simulated.
-  void took(const Parameters& walk, const Rollout& r) {
-    s_.steps += r.steps;
+  void took(const Parameters& walk, const Tried& t) {
     ++s_.rollouts;
-    const double objective = r.objective(asked_s_);
-    if (!std::isfinite(objective)) {
+    if (!std::isfinite(t.objective)) {
       ++s_.not_finite;
       return;
     }
-    const SearchPoint here{cpu_s(), s_.steps, s_.rollouts, objective, r.cot};
+    const Rollout& r = t.rollout;
+    const SearchPoint here{cpu_s(), s_.steps, s_.rollouts, t.objective, r.cot};
     if (!s_.first_walk && r.keeps_limits() && r.distance_m >= o_.first_walk_m) s_.first_walk = here;
-    if (!(objective < best_objective_)) return;
-    best_objective_ = objective;
-    best_ = r;
+    if (!(t.objective < best_.objective)) return;
+    best_ = t;
     s_.history.push_back(here);
     if (s_.bests.size() == kMostKept) s_.bests.erase(s_.bests.begin());
     s_.bests.push_back(walk);
@@ -248,14 +332,14 @@ class Search {
 
   const dynamics::biped::Description& robot_;
   const SearchOptions& o_;
-  const Space space_;
+  Space space_;
+  bool robust_;  ///< whether the ensemble is asked
   std::unique_ptr<Method> method_;
   const double asked_s_ = o_.rollout.time_s, cpu_begin_s_ = cpu_now_s();
   const std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
   double before_cpu_s_ = 0.0, before_s_ = 0.0, kept_s_ = 0.0;
   SearchState s_;
-  Rollout best_;
-  double best_objective_ = kNone;
+  Tried best_;
 };
 
 }  // namespace

@@ -22,7 +22,8 @@ Searched searched(const Model& model, const SearchOptions& options) {
   out.found = search_walk(model.robot, search);
   if (out.found.found)
     out.evidence = evidence_of(
-        model.robot, options.rollout, out.found.walk, options.threads,
+        model.robot, options.rollout, out.found.walk, unseen_robots(model, options.rollout.mode),
+        options.threads,
         [&](double fraction) { told(kSearch + (1.0 - kSearch) * fraction, "the walk again, with errors"); });
   return out;
 }

@@ -13,6 +13,7 @@
 #include "host/core/error.hpp"
 #include "host/core/message.hpp"
 #include "host/core/strict_toml.hpp"
+#include "host/walk/ensemble.hpp"
 #include "host/walk/toml_section.hpp"
 
 namespace furcula::walk {
@@ -76,6 +77,12 @@ std::string format_model(const Model& model, const biped::Machine& machine, cons
   return out.str() + biped::format_deviations(design, machine);
 }
 
+std::vector<Member> unseen_robots(const Model& model, WalkMode mode) {
+  constexpr std::size_t kRobots = 64;
+  constexpr std::uint64_t kOfNoSearch = 0x756e7365656e;
+  return drawn_robots(model.machine, mode, {.robots = kRobots, .seed = kOfNoSearch});
+}
+
 std::vector<std::string> broken_limits(const Rollout& r, const WalkLimits& m) {
   std::vector<std::string> out;
   const auto said = [](double v) { return core::rounded(v, 3); };
@@ -123,6 +130,7 @@ std::string to_json_text(const SearchResult& found, const std::optional<Evidence
               {"mode", kModeNames[static_cast<std::size_t>(options.rollout.mode)]},
               {"seed", options.seed},
               {"method", kMethodNames[static_cast<std::size_t>(options.method)]},
+              {"ensemble", options.ensemble.size()},
               {"ended", found.interrupted ? "interrupted" : "budget"},
               {"found", found.found},
               {"first_walk", found.state.first_walk ? Json{{"cpu_s", found.state.first_walk->cpu_s},
@@ -160,7 +168,11 @@ std::string to_json_text(const SearchResult& found, const std::optional<Evidence
                          {"noisy",
                           {{"walks", evidence->noisy},
                            {"upright", evidence->noisy_stand},
-                           {"within_limits", evidence->noisy_keep_limits}}}};
+                           {"within_limits", evidence->noisy_keep_limits}}},
+                         {"other_robots",
+                          {{"robots", evidence->drawn},
+                           {"deviations", EnsembleOptions{}.deviations},
+                           {"upright", evidence->drawn_stand}}}};
     const ReturnMap& map = evidence->map;
     Json& to = out["robustness"]["return_map"];
     if (map.found)

@@ -55,6 +55,9 @@ inline RolloutOptions rollout_of(const Model& model, WalkMode mode, double walk_
   return o;
 }
 
+/// Robots about the model that no search has seen, for evidence_of.
+std::vector<Member> unseen_robots(const Model& model, WalkMode mode);
+
 /// What of the limits is not kept, in words.
 std::vector<std::string> broken_limits(const Rollout& rollout, const WalkLimits& limits);
 

@@ -10,6 +10,7 @@
 #include "host/report/html.hpp"
 #include "host/report/line_plot.hpp"
 #include "host/report/page.hpp"
+#include "host/walk/ensemble.hpp"
 #include "host/walk/roll_pitch_yaw.hpp"
 #include "host/walk/walkers.hpp"
 
@@ -146,6 +147,11 @@ std::string evidence_html(const Evidence& e) {
          report::paragraph("With sensor errors, drawn anew for each robot: " + std::to_string(e.noisy_stand) +
                            " of " + std::to_string(e.noisy) + " stand, " +
                            std::to_string(e.noisy_keep_limits) + " keep all limits.") +
+         report::paragraph("Of " + std::to_string(e.drawn) +
+                           " other robots, each pushed, with numbers within " +
+                           number(100.0 * EnsembleOptions{}.deviations, 3) +
+                           " % of the ranges of document 000, Tables I and II, it stands on " +
+                           std::to_string(e.drawn_stand) + ".") +
          report::paragraph(e.map.found
                                ? "Walking on, it converges to a stride of " + number(e.map.stride_s, 3) +
                                      " s and " + number(e.map.stride_m, 3) + " m. Its cost of transport is " +

@@ -26,8 +26,6 @@ control::WalkerConfig walker_config(const Description& robot, const Walk& walk, 
   if (turns != DriveTurns::each_tick) c.supervisor.missed_max = 3;
   // What is read now was answered in the last tick, to what was told two ticks before that.
   if (turns == DriveTurns::over_buses) c.supervisor.torque_lag_ticks = 2;
-  // An angle has steps of 0.1 mrad there: five answers that are the same are none of a joint that is pulled with 45 N m.
-  if (turns == DriveTurns::over_buses) c.supervisor.stuck_s = 0.01f;
   c.supervisor.gravity_mps2 = static_cast<float>(robot.gravity_mps2);
   return c;
 }

@@ -1,6 +1,8 @@
 // Walks simulated in lanes: in each a robot with parameters of its own. One that has ended gives its lane to the next at once, and what a
 // robot does hangs on no other and on no lane.
 //
+// A robot is a member of an ensemble (member.hpp); without one all are the same, without errors of sensors and pushes.
+//
 // Forces, steps and the controller are the core's (dynamics/biped/, control/walk/). The controller gets what sensors give: joints, gyro, the
 // attitude that the filter makes of gyro and accelerometer, and the feet's switches.
 #pragma once
@@ -9,14 +11,19 @@
 #include <cmath>
 #include <cstdint>
 #include <functional>
+#include <memory>
+#include <span>
 #include <type_traits>
 #include <utility>
+#include <vector>
 
 #include "furcula/control/walk/walk.hpp"
 #include "furcula/dynamics/biped/clutching.hpp"
 #include "furcula/dynamics/biped/design.hpp"
 #include "furcula/dynamics/biped/energy.hpp"
 #include "furcula/dynamics/biped/step.hpp"
+#include "host/biped/put_robot.hpp"
+#include "host/walk/member.hpp"
 #include "host/walk/posture.hpp"
 #include "host/walk/rollout.hpp"
 
@@ -45,25 +52,17 @@ class Walkers {
   static constexpr std::size_t kRobots = control::WalkState<T>::kRobots;
 
  public:
-  using Take = std::function<const Parameters*(std::size_t&)>;
+  using Take = std::function<const Job*(std::size_t&)>;
   using Done = std::function<void(std::size_t, const Rollout&)>;
 
   /// `known` is the robot as the controller has it in its feedback.
   Walkers(const dynamics::biped::Description& robot, const dynamics::biped::Description& known,
           const RolloutOptions& options)
-      : robot_(robot),
-        o_(options),
-        plant_(robot),
-        plain_(robot),
-        laws_(dynamics::biped::active_laws(plant_)),
-        config_({}, dynamics::biped::Parameters<T>(known)) {
-    using namespace dynamics::biped;
-    config_.walk_until_s = static_cast<V>(o_.walk_until_s);
-    if (o_.mode == WalkMode::semi_passive)
-      for (const std::size_t side : {kLeft, kRight})
-        set_mode(plant_, side, kHipClutch, Mode::passive, laws_, s_);
-    mass_kg_ = robot.mass_kg();
-  }
+      : Walkers({{robot, {}, {}, {}, 0.0, {}}}, known, options, false) {}
+  /// Of an ensemble, at least one.
+  Walkers(std::span<const Member> members, const dynamics::biped::Description& known,
+          const RolloutOptions& options)
+      : Walkers({members.begin(), members.end()}, known, options, true) {}
 
   /// What a robot's sensors make of a tick, before the filter and the controller see it.
   std::function<void(control::WalkSample<T>&, control::Imu<T>&)> senses;
@@ -74,7 +73,8 @@ class Walkers {
   Rollout run_one(const Parameters& walk) {
     Rollout out;
     bool taken = false;
-    run([&](std::size_t&) { return std::exchange(taken, true) ? nullptr : &walk; },
+    const Job job{walk, 0};
+    run([&](std::size_t&) { return std::exchange(taken, true) ? nullptr : &job; },
         [&](std::size_t, const Rollout& r) { out = r; });
     return out;
   }
@@ -82,20 +82,20 @@ class Walkers {
   /// Of run_one's robot, joints left then right. In double alone.
   std::array<JointEnergy, dynamics::biped::kJoints> joint_energy() const requires std::is_same_v<T, double> {
     auto out = ended_joints_;
-    for (JointEnergy& e : out) e.copper_j *= robot_.copper_w_pnm2();
+    for (JointEnergy& e : out) e.copper_j *= robot(0).m.robot.copper_w_pnm2();
     return out;
   }
 
-  /// take(i) gives the parameters of a robot and its number i, or none; done(i, rollout) gets what it did.
+  /// take(i) gives a robot's job and its number i, or none; done(i, rollout) gets what it did.
   void run(const Take& take, const Done& done) {
     std::array<bool, kRobots> busy{};
     std::array<std::size_t, kRobots> number{};
     std::size_t running = 0;
     const auto next = [&](std::size_t lane) {
-      const Parameters* w = take(number[lane]);
-      busy[lane] = w != nullptr;
+      const Job* job = take(number[lane]);
+      busy[lane] = job != nullptr;
       if (busy[lane]) ++running;
-      begin(lane, busy[lane] ? *w : standing());
+      begin(lane, busy[lane] ? *job : Job{standing(), 0});
     };
     for (std::size_t lane = 0; lane < kRobots; ++lane) next(lane);
     while (running > 0) {
@@ -108,13 +108,37 @@ class Walkers {
           done(number[lane], result(lane));
           next(lane);
         } else {
-          begin(lane, standing());
+          begin(lane, {standing(), 0});
         }
       }
     }
   }
 
  private:
+  Walkers(const std::vector<Member>& members, const dynamics::biped::Description& known,
+          const RolloutOptions& options, bool is_ensemble)
+      : robots_(std::make_shared<const std::vector<Robot>>(members.begin(), members.end())),
+        is_ensemble_(is_ensemble),
+        o_(options),
+        plant_(members.front().robot),
+        laws_(dynamics::biped::active_laws(plant_)),
+        config_({}, dynamics::biped::Parameters<T>(known)) {
+    using namespace dynamics::biped;
+    config_.walk_until_s = static_cast<V>(o_.walk_until_s);
+    if (o_.mode == WalkMode::semi_passive)
+      for (const std::size_t side : {kLeft, kRight})
+        set_mode(plant_, side, kHipClutch, Mode::passive, laws_, s_);
+  }
+
+  /// A member with what is computed of it once.
+  struct Robot {
+    explicit Robot(const Member& member) : m(member), plain(member.robot), mass_kg(member.robot.mass_kg()) {}
+    Member m;
+    dynamics::biped::Parameters<double> plain;
+    double mass_kg;
+  };
+  const Robot& robot(std::size_t lane) const { return (*robots_)[member_[lane]]; }
+
   static V lane_of(const T& x, std::size_t lane) { return dynamics::lane_of(x, lane); }
   static double plain(const T& x, std::size_t lane) { return static_cast<double>(lane_of(x, lane)); }
   static void put(T& x, std::size_t lane, double v) { dynamics::set_lane(x, lane, static_cast<V>(v)); }
@@ -149,24 +173,100 @@ class Walkers {
     return w;
   }
 
-  void begin(std::size_t lane, const Parameters& w) {
+  /// Lane `lane` becomes that member.
+  void become(std::size_t lane, std::size_t member) {
     using namespace dynamics::biped;
+    member_[lane] = member;
+    if (!is_ensemble_) return;
+    const Robot& r = robot(lane);
+    furcula::biped::put_robot<T>(plant_, lane, r.plain);
+    T here = T(V(0));
+    put(here, lane, 1.0);
+    const auto is_here = here > V(0.5);
+    const auto is_of_leg = LegScalar<T>(here) > V(0.5);
+    const JointLaws<T> laws = active_laws(plant_);
+    for (std::size_t pass = 0; pass < Legs<T>::kPasses; ++pass)
+      for (std::size_t j = 0; j < kLegJoints; ++j) {
+        JointLaw<L>& l = laws_[pass][j];
+        const JointLaw<L>& to = laws[pass][j];
+        for (const auto number :
+             {&JointLaw<L>::armature_kgm2, &JointLaw<L>::damping_nmspr, &JointLaw<L>::friction_nm,
+              &JointLaw<L>::kp_nmprad, &JointLaw<L>::kd_nmsprad, &JointLaw<L>::limit_nm})
+          l.*number = dynamics::select(is_of_leg, to.*number, l.*number);
+      }
+    if (o_.mode == WalkMode::semi_passive)
+      for (const std::size_t side : {kLeft, kRight})
+        set_mode(plant_, side, kHipClutch, Mode::passive, laws_, s_, is_here);
+    for (const std::size_t side : {kLeft, kRight})
+      for (std::size_t j = 0; j < kLegJoints; ++j)
+        put_leg(offset_rad_[Legs<T>::pass(side)][j], side, lane,
+                r.m.encoder_offset_rad[side * kLegJoints + j]);
+    const auto to_imu = imu_axes(r.m);
+    put(to_imu_.x, lane, to_imu.x), put(to_imu_.y, lane, to_imu.y), put(to_imu_.z, lane, to_imu.z);
+    put(gyro_bias_radps_, lane, r.m.gyro_bias_radps);
+    put(foot_change_n_, lane, r.m.foot_change_n);
+    put(level_mps2_, lane, r.plain.gravity_mps2);
+    push_[lane] = 0;
+    put(change_s_, lane, 0.0);
+  }
+  /// From the pelvis' axes to the IMU's.
+  static dynamics::tree::Mat3<double> imu_axes(const Member& m) {
+    const auto& t = m.imu_turn_rad;
+    return transposed(rotation(
+        dynamics::biped::normalised(control::Quaternion<double>{1.0, 0.5 * t.x, 0.5 * t.y, 0.5 * t.z})));
+  }
+  /// Pushes begin and end.
+  void push() {
+    if (!dynamics::any(T(time_s_ + static_cast<V>(0.5 * o_.tick_s())) > change_s_)) return;
+    for (std::size_t lane = 0; lane < kRobots; ++lane) {
+      const double now = plain(time_s_, lane) + 0.5 * o_.tick_s();
+      if (now < plain(change_s_, lane)) continue;
+      const Robot& r = robot(lane);
+      std::size_t& k = push_[lane];
+      while (k < Member::kPushes && r.m.pushes[k].end_s <= now) ++k;
+      auto field = r.plain.gravity_mps2;
+      double next_s = 1e9;
+      if (k < Member::kPushes) {
+        const Push& p = r.m.pushes[k];
+        const bool is_on = p.begin_s <= now;
+        if (is_on) field.x += p.x_mps2, field.y += p.y_mps2;
+        next_s = is_on ? p.end_s : p.begin_s;
+      }
+      put(plant_.gravity_mps2, lane, field);
+      put(change_s_, lane, next_s);
+    }
+  }
+
+  void begin(std::size_t lane, const Job& job) {
+    using namespace dynamics::biped;
+    become(lane, job.member);
+    const Parameters& w = job.walk;
     auto values = config_.walk.values();
     const auto given = w.values();
     for (std::size_t i = 0; i < values.size(); ++i) put(values[i], lane, given[i]);
     config_.walk = control::WalkParameters<T>::of(values);
     control::begin_walk(config_, lane, walk_);
 
-    const State<double> still = posture(robot_, plain_, o_.mode, w);
+    const Robot& r = robot(lane);
+    State<double> still = posture(r.m.robot, r.plain, o_.mode, w);
     Kinematics<double> k;
-    kinematics<DesignTopology>(plain_, still, k);
-    begins_m_[lane] = totals(plain_, still).centre_m().x;
+    kinematics<DesignTopology>(r.plain, still, k);
+    if (is_ensemble_) {
+      // The encoders read the posture, and the lowest corner of the soles is on the ground.
+      for (std::size_t i = 0; i < kJoints; ++i)
+        if (o_.mode != WalkMode::semi_passive || i % kLegJoints != kHipPitch)
+          set_joint<double>(still.q_rad, i, joint<double>(still.q_rad, i) - r.m.encoder_offset_rad[i]);
+      kinematics<DesignTopology>(r.plain, still, k);
+      still.position_m.z -= lowest_m(r.m.robot, k);
+      kinematics<DesignTopology>(r.plain, still, k);
+    }
+    begins_m_[lane] = totals(r.plain, still).centre_m().x;
     put(s_.position_m, lane, still.position_m);
     put(s_.attitude, lane, still.attitude);
     // At rest an accelerometer measures gravity's opposite, and the filter takes the vertical from it.
-    const auto acc = -transposed_times(rotation(still.attitude), plain_.gravity_mps2);
+    const auto acc = -transposed_times(rotation(still.attitude), r.plain.gravity_mps2);
     put(acc_mps2_, lane, acc);
-    put(filter_.attitude, lane, control::attitude_at_rest(acc).attitude);
+    put(filter_.attitude, lane, control::attitude_at_rest(is_ensemble_ ? imu_axes(r.m) * acc : acc).attitude);
     for (auto* v : {&s_.w_radps, &s_.v_mps, &filter_.bias_radps}) put(*v, lane, {0.0, 0.0, 0.0});
     for (const std::size_t side : {kLeft, kRight}) {
       const std::size_t pass = Legs<T>::pass(side);
@@ -188,16 +288,31 @@ class Walkers {
       }
       for (auto* m : {&moment_x_, &moment_y_}) put_leg((*m)[pass], side, lane, 0.0);
       for (std::size_t i = 0; i < kVertices; ++i) {
-        const auto& at = robot_.vertices_m[side][i];
+        const auto& at = r.m.robot.vertices_m[side][i];
         put_leg(s_.anchors_m[pass][i][0], side, lane, k.legs[0].foot_position_m.x[side] + at.x);
         put_leg(s_.anchors_m[pass][i][1], side, lane, k.legs[0].foot_position_m.y[side] + at.y);
       }
       put(switch_[side].carries, lane, 1.0), put(switch_[side].below_s, lane, 0.0);
-      put(normal_n_[side], lane, 0.5 * mass_kg_ * robot_.gravity_mps2);
+      put(normal_n_[side], lane, 0.5 * r.mass_kg * r.m.robot.gravity_mps2);
     }
     for (T* x : {&work_, &positive_, &squares_, &torque_, &speed_, &moment_, &time_s_, &ended_, &off_})
       put(*x, lane, 0.0);
     if constexpr (std::is_same_v<T, double>) ended_joints_ = std::exchange(joints_, {});
+  }
+
+  /// Height of the lowest corner of the soles.
+  static double lowest_m(const dynamics::biped::Description& robot,
+                         const dynamics::biped::Kinematics<double>& k) {
+    using namespace dynamics::biped;
+    double lowest = 1e9;
+    const auto& leg = k.legs[0];
+    for (const std::size_t side : {kLeft, kRight})
+      for (const auto& v : robot.vertices_m[side]) {
+        const auto& down = leg.foot_rotation.z;
+        lowest = std::fmin(lowest, leg.foot_position_m.z[side] + down.x[side] * v.x + down.y[side] * v.y +
+                                       down.z[side] * v.z);
+      }
+    return lowest;
   }
 
   void tick() {
@@ -208,10 +323,18 @@ class Walkers {
     const Vec3<T> position = s_.position_m;
     const T zero = T(V(0)), one = T(V(1));
     for (const std::size_t side : {kLeft, kRight})
-      switch_[side].step(normal_n_[side], static_cast<V>(o_.foot_threshold_n), dt);
+      switch_[side].step(is_ensemble_ ? T(normal_n_[side] + foot_change_n_) : normal_n_[side],
+                         static_cast<V>(o_.foot_threshold_n), dt);
     control::WalkSample<T> sample{
         s_.q_rad, s_.qd_radps, s_.w_radps, {}, switch_[kLeft].carries, switch_[kRight].carries};
     control::Imu<T> imu{s_.w_radps, acc_mps2_};
+    if (is_ensemble_) {
+      push();
+      for (std::size_t pass = 0; pass < Legs<T>::kPasses; ++pass)
+        for (std::size_t j = 0; j < kLegJoints; ++j) sample.q_rad[pass][j] += offset_rad_[pass][j];
+      imu = {to_imu_ * imu.gyro_radps + gyro_bias_radps_, to_imu_ * imu.acc_mps2};
+      sample.gyro_radps = imu.gyro_radps;
+    }
     if constexpr (std::is_same_v<T, double>)
       if (senses) senses(sample, imu);
     // What the filter has made of all samples before is the attitude of now; this one is for the next tick.
@@ -221,6 +344,9 @@ class Walkers {
     if (knees_switch()) switch_knees();
     Commands<T> command;
     command.target_rad = out_.target_rad;
+    if (is_ensemble_)
+      for (std::size_t pass = 0; pass < Legs<T>::kPasses; ++pass)
+        for (std::size_t j = 0; j < kLegJoints; ++j) command.target_rad[pass][j] -= offset_rad_[pass][j];
 
     T farthest = zero;
     for (int k = 0; k < o_.steps_a_tick; ++k) {
@@ -233,7 +359,7 @@ class Walkers {
     }
     // A sample is of the end of the last step, its accelerations of that step.
     acc_mps2_ = report_.acceleration.vd_mps2 + cross(s_.w_radps, s_.v_mps) -
-                transposed_times(rotation(s_.attitude), plant_.gravity_mps2);
+                transposed_times(rotation(s_.attitude), is_ensemble_ ? level_mps2_ : plant_.gravity_mps2);
     for (const std::size_t side : {kLeft, kRight})
       normal_n_[side] = Legs<T>::read(report_.contact.normal_n[Legs<T>::pass(side)], side);
     time_s_ += T(dt);
@@ -366,19 +492,19 @@ class Walkers {
       }
   }
   /// Of the capture point, seen along the world's axes from the middle of the ankles, as if the feet stood side by side.
-  double outside_of_soles(const dynamics::biped::State<double>& s,
-                          const dynamics::biped::Totals<double>& sums) const {
+  static double outside_of_soles(const Robot& r, const dynamics::biped::State<double>& s,
+                                 const dynamics::biped::Totals<double>& sums) {
     using namespace dynamics::biped;
     Kinematics<double> k;
-    kinematics<DesignTopology>(plain_, s, k);
+    kinematics<DesignTopology>(r.plain, s, k);
     const auto& foot = k.legs[0].foot_position_m;
     const Vec3<double> centre = sums.centre_m();
-    const double time = std::sqrt(std::fmax(centre.z, 0.0) / robot_.gravity_mps2) / mass_kg_;
+    const double time = std::sqrt(std::fmax(centre.z, 0.0) / r.m.robot.gravity_mps2) / r.mass_kg;
     const double x = centre.x + sums.linear_ns.x * time - 0.5 * (foot.x[kLeft] + foot.x[kRight]);
     const double y = centre.y + sums.linear_ns.y * time - 0.5 * (foot.y[kLeft] + foot.y[kRight]);
     const double side = 0.5 * std::abs(foot.y[kLeft] - foot.y[kRight]);
     double front = 0.0, rear = 0.0, wide = 0.0;
-    for (const auto& v : robot_.vertices_m[kLeft]) {
+    for (const auto& v : r.m.robot.vertices_m[kLeft]) {
       front = std::fmax(front, v.x);
       rear = std::fmin(rear, v.x);
       wide = std::fmax(wide, std::abs(v.y));
@@ -389,13 +515,15 @@ class Walkers {
   Rollout result(std::size_t lane) const {
     using namespace dynamics::biped;
     Rollout r;
+    const Robot& who = robot(lane);
+    const Description& is = who.m.robot;
     r.ending = static_cast<Ending>(static_cast<int>(plain(off_, lane)));
     r.time_s = plain(time_s_, lane);
     r.torque_nm = plain(torque_, lane), r.speed_radps = plain(speed_, lane),
     r.moment_nm = plain(moment_, lane);
     r.work_j = plain(work_, lane), r.positive_work_j = plain(positive_, lane);
-    r.copper_j = plain(squares_, lane) * robot_.copper_w_pnm2();
-    r.constant_j = robot_.constant_power_w * r.time_s;
+    r.copper_j = plain(squares_, lane) * is.copper_w_pnm2();
+    r.constant_j = is.constant_power_w * r.time_s;
     r.landings = walk_.steps[lane];
     r.steps = static_cast<std::uint64_t>(std::llround(r.time_s / o_.step_s));
     State<double> end;
@@ -408,22 +536,23 @@ class Walkers {
       set_joint<double>(end.q_rad, i, plain(joint<T>(s_.q_rad, i), lane));
       set_joint<double>(end.qd_radps, i, plain(joint<T>(s_.qd_radps, i), lane));
     }
-    const auto sums = totals(plain_, end);
+    const auto sums = totals(who.plain, end);
     r.distance_m = sums.centre_m().x - begins_m_[lane];
-    r.outside_m = outside_of_soles(end, sums);
+    r.outside_m = outside_of_soles(who, end, sums);
     const WalkLimits& m = o_.limits;
     for (const double share :
          {r.torque_nm / m.torque_nm, r.speed_radps / m.speed_radps, r.moment_nm / m.moment_nm})
       if (!(share <= 1.0)) r.over += share - 1.0;
     if (!(r.outside_m <= 0.0)) r.over += r.outside_m / 0.1;
-    if (r.distance_m > 0.0) r.cot = r.energy_j() / (mass_kg_ * kCotGravity_mps2 * r.distance_m);
+    if (r.distance_m > 0.0) r.cot = r.energy_j() / (who.mass_kg * kCotGravity_mps2 * r.distance_m);
     return r;
   }
 
-  dynamics::biped::Description robot_;
+  std::shared_ptr<const std::vector<Robot>> robots_;
+  bool is_ensemble_ = false;
+  std::array<std::size_t, kRobots> member_{};  ///< of each lane
   RolloutOptions o_;
   dynamics::biped::Parameters<T> plant_;
-  dynamics::biped::Parameters<double> plain_;
   dynamics::biped::State<T> s_;
   dynamics::biped::JointLaws<T> laws_;
   control::WalkConfig<T> config_;
@@ -441,7 +570,12 @@ class Walkers {
   T time_s_{}, ended_{}, off_{};
   std::array<JointEnergy, dynamics::biped::kJoints> joints_{}, ended_joints_{};  ///< copper_j in (N m)^2 s
   std::array<double, kRobots> begins_m_{};
-  double mass_kg_ = 0.0;
+  // Of an ensemble alone.
+  dynamics::biped::Joints<T> offset_rad_{};  ///< encoders'
+  dynamics::tree::Mat3<T> to_imu_{};
+  dynamics::tree::Vec3<T> gyro_bias_radps_{}, level_mps2_{};  ///< gravity without a push
+  T foot_change_n_{}, change_s_{};                            ///< of a push, when it begins or ends next
+  std::array<std::size_t, kRobots> push_{};                   ///< which is next
 };
 
 }  // namespace furcula::walk

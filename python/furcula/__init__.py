@@ -167,16 +167,18 @@ def diagnose(model, logs, held_out=(), *, map=None, window_s=None, threads=0, se
     return _results._diagnosis(found, _json.loads(found.json))
 
 
-def search_walk(model, *, steps=None, seconds=None, mode="active", method="cmaes", seed=1, threads=0, start="", robustness=True,
-                progress=None):
+def search_walk(model, *, steps=None, seconds=None, mode="active", method="cmaes", seed=1, threads=0, start="", robust=False,
+                deviations=0.35, robustness=True, progress=None):
     """Searches the walk of a biped that costs least, as `furcula walk search` does.
 
     One of steps (of simulation: one seed then gives one walk) and seconds is the budget. mode: "active", "semi_passive", "knee_passive"
-    or "knee_braked". method: "cmaes" or another of `furcula walk search --help`. start: text of a walk.toml to begin with. robustness:
-    whether the walk is simulated again with other steps, slopes, masses and noise. progress: as of identify. A search that finds no walk
+    or "knee_braked". method: "cmaes" or another of `furcula walk search --help`. start: text of a walk.toml to begin with. robust: whether the
+    walk has to stand on 7 other robots too, drawn within `deviations` times the ranges of document 000, and pushed. robustness: whether
+    the walk is simulated again with other steps, slopes, masses, noise and robots. progress: as of identify. A search that finds no walk
     within all limits returns what came nearest, with ``found`` False.
     """
-    found = _core.search_walk(_model(model), mode, method, steps, seconds, seed, threads, start, robustness, progress)
+    found = _core.search_walk(_model(model), mode, method, steps, seconds, seed, threads, start, robust, deviations,
+                               robustness, progress)
     return _results._walk_result(found, _json.loads(found.json))
 
 

@@ -81,7 +81,8 @@ def diagnose(model: Union[Model, Path], logs: Logs, held_out: Logs = ..., *, map
              window_s: Optional[float] = ..., threads: int = ..., seed: int = ..., trust_columns: bool = ...,
              progress: Optional[Progress] = ...) -> Diagnosis: ...
 def search_walk(model: Union[Model, Path], *, steps: Optional[int] = ..., seconds: Optional[float] = ..., mode: str = ...,
-                method: str = ..., seed: int = ..., threads: int = ..., start: str = ..., robustness: bool = ...,
+                method: str = ..., seed: int = ..., threads: int = ..., start: str = ..., robust: bool = ...,
+                deviations: float = ..., robustness: bool = ...,
                 progress: Optional[Progress] = ...) -> WalkResult: ...
 def simulate_walk(model: Union[Model, Path], walk: str, *, seconds: float = ..., rate_hz: float = ...,
                   seed: Optional[int] = ...) -> Log: ...

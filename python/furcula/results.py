@@ -295,7 +295,8 @@ class WalkResult:
 
     ``found``: whether it keeps all limits. ``cot``: its cost of transport. ``walk``: its parameters, text of a walk.toml, for
     simulate_walk and as the start of another search. ``history``: (H, 4): processor time in s, objective, cost of transport (nan:
-    none), steps of simulation, whenever the best improved. ``robustness``: the walk under other steps, slopes, masses and noise.
+    none), steps of simulation, whenever the best improved. ``robustness``: the walk under other steps, slopes, masses and noise, and on
+    other robots.
     """
 
     found: bool

@@ -7,6 +7,7 @@
 
 #include "host/core/error.hpp"
 #include "host/core/message.hpp"
+#include "host/walk/ensemble.hpp"
 #include "host/walk/postures.hpp"
 #include "host/walk/search.hpp"
 #include "host/walk/simulation.hpp"
@@ -47,14 +48,16 @@ struct FoundWalk {
 
 FoundWalk search(const Model& model, const std::string& mode, const std::string& method,
                  const std::optional<std::uint64_t>& steps, const std::optional<double>& seconds,
-                 std::uint64_t seed, unsigned threads, const std::string& start, bool robustness,
-                 const py::object& progress) {
+                 std::uint64_t seed, unsigned threads, const std::string& start, bool robust,
+                 double deviations, bool robustness, const py::object& progress) {
   const walk::Model& biped = biped_of(model);
   if (steps.has_value() == seconds.has_value())
     throw core::DataError("expected one of steps and seconds, the budget of the search");
   if (seconds && !(*seconds > 0.0 && *seconds <= 1e6))
     throw core::DataError("seconds = " + core::shortest(*seconds) +
                           ": expected more than 0 and at most 1000000");
+  if (!(deviations >= 0.0 && deviations <= 2.0))
+    throw core::DataError("deviations = " + core::shortest(deviations) + ": expected from 0 to 2");
   if (steps && *steps < 1) throw core::DataError("steps = 0: expected at least 1");
   walk::SearchOptions options;
   options.rollout =
@@ -64,6 +67,9 @@ FoundWalk search(const Model& model, const std::string& mode, const std::string&
   options.seconds = seconds;
   options.steps = steps;
   options.threads = thread_count(threads);
+  if (robust)
+    options.ensemble =
+        walk::drawn_robots(biped.machine, options.rollout.mode, {.deviations = deviations, .seed = seed});
   if (!start.empty()) options.start = walk_of(start, biped).parameters;
   if (const std::string limit = walk::limit_of_no_posture(biped.robot, options.rollout); !limit.empty())
     throw core::DataError(model.path + ": " + limit);
@@ -77,7 +83,8 @@ FoundWalk search(const Model& model, const std::string& mode, const std::string&
     std::optional<walk::Evidence> evidence;
     if (found.found && robustness)
       evidence = walk::evidence_of(
-          biped.robot, options.rollout, found.walk, options.threads,
+          biped.robot, options.rollout, found.walk, walk::unseen_robots(biped, options.rollout.mode),
+          options.threads,
           [&](double fraction) { tell(0.98 + 0.02 * fraction, "the walk again, with errors"); });
     out.json = walk::to_json_text(found, evidence, options, biped);
     out.walk =

@@ -19,11 +19,11 @@ using Catch::Contains;
 namespace {
 
 /// In place of simulation: the cost of transport is a bowl in shares of the ranges, with a flat bottom, and some of space falls.
-std::vector<Rollout> bowl(const std::vector<Parameters>& walks) {
+std::vector<Rollout> bowl(const std::vector<Job>& walks) {
   std::vector<Rollout> out;
-  for (const Parameters& w : walks) {
+  for (const Job& job : walks) {
     Rollout r;
-    const auto values = w.values();
+    const auto values = job.walk.values();
     double away = 0.0;
     for (std::size_t i = 0; i < values.size(); ++i) {
       const auto& p = control::kWalkParameters[i];
@@ -135,7 +135,7 @@ TEST_CASE("an objective that is not a number is never the best, and a search of 
     if (i % 3 == 1) r.cot = std::nan("");
     if (i % 3 == 2) r.ending = Ending::fell, r.time_s = std::nan("");
   };
-  options.run = [&](const std::vector<Parameters>& walks) {
+  options.run = [&](const std::vector<Job>& walks) {
     auto out = bowl(walks);
     for (std::size_t i = 0; i < out.size(); i += 2) spoil(out[i], i / 2);
     return out;
@@ -149,7 +149,7 @@ TEST_CASE("an objective that is not a number is never the best, and a search of 
   for (std::size_t method = 0; method < kMethodNames.size(); ++method) {
     options.method = static_cast<MethodKind>(method);
     options.steps = 100'000'000;
-    options.run = [&](const std::vector<Parameters>& walks) {
+    options.run = [&](const std::vector<Job>& walks) {
       auto out = bowl(walks);
       for (std::size_t i = 0; i < out.size(); ++i) spoil(out[i], i);
       return out;

@@ -24,9 +24,10 @@ struct WalkSupervisorConfig {
   float jump_rad = 5e-3f;        ///< by which a reading may be beyond that
   float range_rad = 1.57f;       ///< largest magnitude of a joint's angle (000)
   float stuck_rad = 0.015f;      ///< change of the target while the same angle is read: 45 N m of the drive
-  float stuck_s = 0.0f;          ///< for which it is read at least: quantised readings repeat by chance too
-  float slip_rad = 0.01f;        ///< between the angle and the integral of its rate, high-pass
-  float slip_fades_s = 0.1f;     ///< time constant of this high-pass
+  /// For which it is read at least: quantised readings repeat by chance too. A joint that 45 N m pull moves 1.7 mrad in it.
+  float stuck_s = 0.01f;
+  float slip_rad = 0.01f;     ///< between the angle and the integral of its rate, high-pass
+  float slip_fades_s = 0.1f;  ///< time constant of this high-pass
 
   // Its drive.
   float astray_rad = 0.2f;        ///< of the angle from its target
