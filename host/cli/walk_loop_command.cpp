@@ -20,7 +20,7 @@ namespace {
 struct WalkLoopOptions {
   loop::LoopOptions loop;
   std::string mode;
-  std::int64_t rounds = 3, repetitions = 1, steps = 20'000'000;
+  std::int64_t rounds = 3, repetitions = 1, steps = 200'000'000;
 };
 
 void require_from(const char* option, std::int64_t value, std::int64_t least, std::int64_t most) {
@@ -34,6 +34,8 @@ void run(const WalkLoopOptions& o) {
   require_from("--repetitions", o.repetitions, 1, 1000);
   require_from("--steps", o.steps, 1, 1'000'000'000'000);
   require_from("--threads", o.loop.threads, 0, 1024);
+  if (!(o.loop.deviations >= 0.0 && o.loop.deviations <= 2.0))
+    throw UsageError("--deviations " + core::shortest(o.loop.deviations) + ": expected from 0 to 2");
   loop::LoopOptions options = o.loop;
   options.rounds = static_cast<unsigned>(o.rounds);
   options.repetitions = static_cast<unsigned>(o.repetitions);
@@ -84,6 +86,12 @@ void add_walk_loop_command(CLI::App& walk) {
       ->capture_default_str();
   command->add_option("--repetitions", o->repetitions, "Trials of a walk")->capture_default_str();
   command->add_option("--steps", o->steps, "Of a search, in steps of simulation")->capture_default_str();
+  command
+      ->add_option(
+          "--deviations", o->loop.deviations,
+          "How far the other robots of a search, which is robust, are from the identified one: times the ranges of "
+          "document 000, Tables I and II")
+      ->capture_default_str();
   command->add_option("--mode", o->mode, "Of the walks that are searched; without it that of --walk")
       ->check(CLI::IsMember(std::vector<std::string>{std::string(furcula::walk::kModeNames[0]),
                                                      std::string(furcula::walk::kModeNames[1])}));

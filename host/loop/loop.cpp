@@ -130,6 +130,7 @@ class Loop {
     out.rollout = walk::rollout_of(model, mode(), from.walk_until_s);
     out.seed = o_.seed + round - 1;
     out.start = from.parameters;
+    out.ensemble = walk::drawn_robots(model.machine, mode(), {.deviations = o_.deviations, .seed = out.seed});
     out.steps = o_.steps;
     out.threads = o_.threads;
     return out;
@@ -283,12 +284,12 @@ class Loop {
     }
     const std::string to = in(folder(round + 1));
     make_folder(to);
-    core::write_files_together(
-        walk::files_of(model, options, searched, to,
-                       "furcula walk search --model " + model_file(round) + " --mode " +
-                           std::string(walk::kModeNames[static_cast<std::size_t>(mode())]) + " --seed " +
-                           std::to_string(options.seed) + " --from " + walk_file(round) + " --steps " +
-                           std::to_string(o_.steps) + " --out " + to));
+    core::write_files_together(walk::files_of(
+        model, options, searched, to,
+        "furcula walk search --model " + model_file(round) + " --mode " +
+            std::string(walk::kModeNames[static_cast<std::size_t>(mode())]) + " --seed " +
+            std::to_string(options.seed) + " --robust --deviations " + core::shortest(o_.deviations) +
+            " --from " + walk_file(round) + " --steps " + std::to_string(o_.steps) + " --out " + to));
   }
 
   const LoopOptions& o_;

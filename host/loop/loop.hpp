@@ -1,4 +1,4 @@
-// Walk on the robot, identify, search the walk again, and so on (document 000, section IV).
+// Walk on the robot, identify, search the walk again on the identified robot and others about it, and so on (document 000, section IV).
 //
 // Files in `out` are what a loop goes on from: round_1/walk.toml, round_1/log_1.csv ..., round_1/identified_model.toml with
 // identification.json and .html, round_2/walk.toml with walk.json and report.html, ... A file that is there is whole, and its step is done.
@@ -15,6 +15,7 @@
 #include "host/loop/trial.hpp"
 #include "host/loop/triangle.hpp"
 #include "host/walk/checkpoint.hpp"
+#include "host/walk/ensemble.hpp"
 
 namespace furcula::loop {
 
@@ -26,9 +27,10 @@ inline constexpr double kWayShare = 0.5, kLeastWay_m = 0.1;
 struct LoopOptions {
   std::string model, walk, robot, out;
   unsigned rounds = 3, repetitions = 1;
-  std::optional<walk::WalkMode> mode;  ///< of searches; without it the walk's
-  std::uint64_t steps = 20'000'000;    ///< of a search
-  std::uint64_t seed = 1;              ///< of the first search; each later one has the next
+  std::optional<walk::WalkMode> mode;                      ///< of searches; without it the walk's
+  std::uint64_t steps = 200'000'000;                       ///< of a search
+  double deviations = walk::EnsembleOptions{}.deviations;  ///< of the other robots of a search
+  std::uint64_t seed = 1;  ///< of the first search; each later one has the next
   unsigned threads = 1;
   floating::IdentifyOptions identify;
   std::function<void(const std::string& line)> say;

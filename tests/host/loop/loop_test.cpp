@@ -101,6 +101,7 @@ TEST_CASE("a loop ends where the robot walks, and is refused with other argument
   };
   refused([](auto& o) { o.steps = 2; }, "steps '1', expected '2'");
   refused([](auto& o) { o.seed = 2; }, "seed '1', expected '2'");
+  refused([](auto& o) { o.deviations = 0.5; }, "other robots of a robust search '7, ");
   refused([](auto& o) { o.repetitions = 3; }, "repetitions '2', expected '3'");
   refused([](auto& o) { o.mode = walk::WalkMode::semi_passive; }, "mode 'active', expected 'semi_passive'");
   refused([](auto& o) { o.walk = test::source("models/biped/active_walk.toml"); }, "start 'a walk, ");
@@ -150,6 +151,7 @@ TEST_CASE("a loop goes on after its last finished step, from files that are whol
         "round_2/walk.json", "round_2/report.html", "round_2/walk.toml", "round_2/log_1.csv"})
     CHECK(bench.has(name));
   CHECK(test::json_of(bench.in("round_2/walk.json"))["seed"] == 1);
+  CHECK(test::json_of(bench.in("round_2/walk.json"))["ensemble"] == 7);
   const auto written = test::json_of(bench.in("loop.json"));
   CHECK(written["rounds"].size() == 2);
   CHECK(written["rounds"][0]["causes"].size() ==
@@ -247,6 +249,8 @@ TEST_CASE(
   CHECK_THAT(ran({"--robot", "manual", "--rounds", "0"}).err,
              Contains("--rounds 0: expected from 1 to 1000"));
   CHECK_THAT(ran({"--robot", "manual", "--steps", "0"}).err, Contains("--steps 0"));
+  CHECK_THAT(ran({"--robot", "manual", "--deviations", "nan"}).err,
+             Contains("--deviations nan: expected from 0 to 2"));
   const test::Ran failed = ran({"--robot", "false {walk} {log}"});
   CHECK(failed.status == 3);
   CHECK_THAT(failed.err, Contains("ended with status 1"));

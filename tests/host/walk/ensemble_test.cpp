@@ -229,6 +229,52 @@ TEST_CASE("a robust search takes the walk that stands on all robots, a plain one
 }
 
 TEST_CASE(
+    "a robust search that is interrupted goes on as if it had not been, before and after it asks the other robots") {
+  SearchOptions options;
+  options.steps = 2'000'000;
+  options.run = [&](const std::vector<Job>& jobs) {
+    std::vector<Rollout> out;
+    for (const Job& job : jobs) {
+      Rollout r;
+      r.ending = Ending::stands;
+      r.time_s = 10.0;
+      r.distance_m = 1.0;
+      double away = 0.0;
+      const auto values = job.walk.values();
+      for (std::size_t i = 0; i < values.size(); ++i) {
+        const auto& p = control::kWalkParameters[i];
+        away +=
+            std::pow((values[i] - p.least) / (p.most - p.least) - 0.1 * static_cast<double>(job.member), 2);
+      }
+      r.cot = 1.0 + away;
+      r.steps = 200;
+      out.push_back(r);
+    }
+    return out;
+  };
+  const auto robot = dynamics::biped::design();
+  options.ensemble.assign(4, still(robot));
+  const SearchResult whole = search_walk(robot, options);
+  REQUIRE(whole.state.robust_start);
+  for (const double share : {0.1, 0.7}) {
+    SearchOptions first = options;
+    double done = 0.0;
+    first.progress = [&](double fraction, const std::string&) { done = fraction; };
+    first.interrupted = [&] { return done > share; };
+    const SearchResult part = search_walk(robot, first);
+    REQUIRE(part.interrupted);
+    CHECK(part.state.robust_start.has_value() == (share > 0.5));
+    SearchOptions rest = options;
+    rest.from = part.state;
+    const SearchResult resumed = search_walk(robot, rest);
+    CAPTURE(share);
+    CHECK(resumed.walk.values() == whole.walk.values());
+    CHECK(resumed.state.steps == whole.state.steps);
+    CHECK(resumed.state.history.size() == whole.state.history.size());
+  }
+}
+
+TEST_CASE(
     "a robust search gives one walk on any number of threads, and one that stands on more robots that it has not seen",
     "[long]") {
   biped::Machine machine;

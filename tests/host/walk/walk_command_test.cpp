@@ -21,6 +21,34 @@ const std::string kModel = test::source("models/biped/biped.toml");
 }  // namespace
 
 TEST_CASE(
+    "furcula walk search --robust says on how many other robots its walk stands, and goes on with them") {
+  test::TemporaryFolder folder;
+  const auto search = [&](const std::string& out, std::vector<std::string> more) {
+    more.insert(more.begin(), {"walk", "search", "--model", kModel, "--robust", "--seed", "2", "--out",
+                               folder.path() + "/" + out});
+    return test::run_furcula(more, 120);
+  };
+  const test::Ran whole = search("whole", {"--steps", "12000000"});
+  INFO(whole.err);
+  const auto j = test::json_of(folder.path() + "/whole/walk.json");
+  CHECK(j["ensemble"] == 7);
+  if (j["found"] == true) CHECK(j["robustness"]["other_robots"]["robots"] == 64);
+  // Other robots are another search.
+  const test::Ran other = search("other", {"--steps", "12000000", "--deviations", "0.5", "--resume",
+                                           folder.path() + "/whole/search.checkpoint"});
+  CHECK(other.status == 2);
+  CHECK_THAT(other.err, Contains("of another search: other robots of a robust search '7, "));
+  const test::Ran plain =
+      test::run_furcula({"walk", "search", "--model", kModel, "--seed", "2", "--steps", "12000000", "--out",
+                         folder.path() + "/plain", "--resume", folder.path() + "/whole/search.checkpoint"});
+  CHECK(plain.status == 2);
+  CHECK_THAT(plain.err, Contains("expected 'none'"));
+  const test::Ran far = search("far", {"--steps", "1", "--deviations", "3"});
+  CHECK(far.status == 2);
+  CHECK_THAT(far.err, Contains("--deviations 3: expected from 0 to 2"));
+}
+
+TEST_CASE(
     "furcula walk search finds a walk without a first guess and writes it, sim plays it, show draws it") {
   test::TemporaryFolder folder;
   const std::string out = folder.path() + "/out";
