@@ -41,7 +41,8 @@ struct Unknown {
   double (*get)(const Machine&, std::size_t place, std::size_t part);
   void (*set)(Machine&, std::size_t place, std::size_t part, double value);
   std::size_t place, part;
-  bool of_tables = true;  ///< of document 000, Tables I and II, and the simulation's own; else a law beyond them
+  bool of_tables =
+      true;  ///< of document 000, Tables I and II, and the simulation's own; else a law beyond them
 
   std::string name() const { return kind + "@" + location; }
   double value(const Machine& m) const { return get(m, place, part); }

@@ -23,7 +23,7 @@
 #include "furcula/dynamics/biped/energy.hpp"
 #include "furcula/dynamics/biped/step.hpp"
 #include "host/biped/put_robot.hpp"
-#include "host/walk/member.hpp"
+#include "host/walk/member_lanes.hpp"
 #include "host/walk/posture.hpp"
 #include "host/walk/rollout.hpp"
 
@@ -197,44 +197,7 @@ class Walkers {
     if (o_.mode == WalkMode::semi_passive)
       for (const std::size_t side : {kLeft, kRight})
         set_mode(plant_, side, kHipClutch, Mode::passive, laws_, s_, is_here);
-    for (const std::size_t side : {kLeft, kRight})
-      for (std::size_t j = 0; j < kLegJoints; ++j)
-        put_leg(offset_rad_[Legs<T>::pass(side)][j], side, lane,
-                r.m.encoder_offset_rad[side * kLegJoints + j]);
-    const auto to_imu = imu_axes(r.m);
-    put(to_imu_.x, lane, to_imu.x), put(to_imu_.y, lane, to_imu.y), put(to_imu_.z, lane, to_imu.z);
-    put(gyro_bias_radps_, lane, r.m.gyro_bias_radps);
-    put(foot_change_n_, lane, r.m.foot_change_n);
-    put(level_mps2_, lane, r.plain.gravity_mps2);
-    push_[lane] = 0;
-    put(change_s_, lane, 0.0);
-  }
-  /// From the pelvis' axes to the IMU's.
-  static dynamics::tree::Mat3<double> imu_axes(const Member& m) {
-    const auto& t = m.imu_turn_rad;
-    return transposed(rotation(
-        dynamics::biped::normalised(control::Quaternion<double>{1.0, 0.5 * t.x, 0.5 * t.y, 0.5 * t.z})));
-  }
-  /// Pushes begin and end.
-  void push() {
-    if (!dynamics::any(T(time_s_ + static_cast<V>(0.5 * o_.tick_s())) > change_s_)) return;
-    for (std::size_t lane = 0; lane < kRobots; ++lane) {
-      const double now = plain(time_s_, lane) + 0.5 * o_.tick_s();
-      if (now < plain(change_s_, lane)) continue;
-      const Robot& r = robot(lane);
-      std::size_t& k = push_[lane];
-      while (k < Member::kPushes && r.m.pushes[k].end_s <= now) ++k;
-      auto field = r.plain.gravity_mps2;
-      double next_s = 1e9;
-      if (k < Member::kPushes) {
-        const Push& p = r.m.pushes[k];
-        const bool is_on = p.begin_s <= now;
-        if (is_on) field.x += p.x_mps2, field.y += p.y_mps2;
-        next_s = is_on ? p.end_s : p.begin_s;
-      }
-      put(plant_.gravity_mps2, lane, field);
-      put(change_s_, lane, next_s);
-    }
+    members_.begin(lane, r.m, r.plain.gravity_mps2);
   }
 
   void begin(std::size_t lane, const Job& job) {
@@ -323,17 +286,14 @@ class Walkers {
     const Vec3<T> position = s_.position_m;
     const T zero = T(V(0)), one = T(V(1));
     for (const std::size_t side : {kLeft, kRight})
-      switch_[side].step(is_ensemble_ ? T(normal_n_[side] + foot_change_n_) : normal_n_[side],
+      switch_[side].step(is_ensemble_ ? members_.measured_n(normal_n_[side]) : normal_n_[side],
                          static_cast<V>(o_.foot_threshold_n), dt);
     control::WalkSample<T> sample{
         s_.q_rad, s_.qd_radps, s_.w_radps, {}, switch_[kLeft].carries, switch_[kRight].carries};
     control::Imu<T> imu{s_.w_radps, acc_mps2_};
     if (is_ensemble_) {
-      push();
-      for (std::size_t pass = 0; pass < Legs<T>::kPasses; ++pass)
-        for (std::size_t j = 0; j < kLegJoints; ++j) sample.q_rad[pass][j] += offset_rad_[pass][j];
-      imu = {to_imu_ * imu.gyro_radps + gyro_bias_radps_, to_imu_ * imu.acc_mps2};
-      sample.gyro_radps = imu.gyro_radps;
+      members_.push(time_s_, o_.tick_s(), plant_.gravity_mps2);
+      members_.sense(sample, imu);
     }
     if constexpr (std::is_same_v<T, double>)
       if (senses) senses(sample, imu);
@@ -344,9 +304,7 @@ class Walkers {
     if (knees_switch()) switch_knees();
     Commands<T> command;
     command.target_rad = out_.target_rad;
-    if (is_ensemble_)
-      for (std::size_t pass = 0; pass < Legs<T>::kPasses; ++pass)
-        for (std::size_t j = 0; j < kLegJoints; ++j) command.target_rad[pass][j] -= offset_rad_[pass][j];
+    if (is_ensemble_) members_.command(command);
 
     T farthest = zero;
     for (int k = 0; k < o_.steps_a_tick; ++k) {
@@ -358,8 +316,9 @@ class Walkers {
       farthest = larger(farthest, account(speeds));
     }
     // A sample is of the end of the last step, its accelerations of that step.
-    acc_mps2_ = report_.acceleration.vd_mps2 + cross(s_.w_radps, s_.v_mps) -
-                transposed_times(rotation(s_.attitude), is_ensemble_ ? level_mps2_ : plant_.gravity_mps2);
+    acc_mps2_ =
+        report_.acceleration.vd_mps2 + cross(s_.w_radps, s_.v_mps) -
+        transposed_times(rotation(s_.attitude), is_ensemble_ ? members_.gravity_mps2() : plant_.gravity_mps2);
     for (const std::size_t side : {kLeft, kRight})
       normal_n_[side] = Legs<T>::read(report_.contact.normal_n[Legs<T>::pass(side)], side);
     time_s_ += T(dt);
@@ -570,12 +529,7 @@ class Walkers {
   T time_s_{}, ended_{}, off_{};
   std::array<JointEnergy, dynamics::biped::kJoints> joints_{}, ended_joints_{};  ///< copper_j in (N m)^2 s
   std::array<double, kRobots> begins_m_{};
-  // Of an ensemble alone.
-  dynamics::biped::Joints<T> offset_rad_{};  ///< encoders'
-  dynamics::tree::Mat3<T> to_imu_{};
-  dynamics::tree::Vec3<T> gyro_bias_radps_{}, level_mps2_{};  ///< gravity without a push
-  T foot_change_n_{}, change_s_{};                            ///< of a push, when it begins or ends next
-  std::array<std::size_t, kRobots> push_{};                   ///< which is next
+  MemberLanes<T> members_;  ///< of an ensemble alone
 };
 
 }  // namespace furcula::walk

@@ -55,6 +55,24 @@ TEST_CASE("one seed gives one walk on any number of MPI ranks, the one of furcul
   }
 }
 
+TEST_CASE("a robust search gives one walk on any number of MPI ranks") {
+  const test::TemporaryFolder folder;
+  std::string walk;
+  for (const char* ranks : {"1", "3"}) {
+    // From a walk that stands, so that the other robots are asked.
+    std::vector<std::string> arguments = search("4000000", folder.path() + "/" + ranks);
+    arguments.insert(arguments.begin(), {"-n", ranks});
+    arguments.insert(arguments.end(),
+                     {"--robust", "--from", test::source("tests/host/walk/active_walk.toml")});
+    const test::Ran ran = mpirun(arguments);
+    INFO(ranks << " ranks: " << ran.err);
+    CHECK(test::json_of(folder.path() + "/" + ranks + "/walk.json")["ensemble"] == 7);
+    const std::string found = test::text_of(folder.path() + "/" + ranks + "/walk.toml");
+    if (walk.empty()) walk = found;
+    CHECK(found == walk);
+  }
+}
+
 TEST_CASE(
     "a rank that dies ends the job, which says so and keeps a checkpoint that one process goes on with") {
   const test::TemporaryFolder folder;
