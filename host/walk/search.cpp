@@ -239,23 +239,23 @@ class Search {
     if (alone.size() != jobs.size()) return {};
     std::vector<Tried> out(walks.size());
     jobs.clear();
+    std::uint64_t steps = 0;         // a generation that was given up is done again, and not counted
     std::vector<std::size_t> stand;  // on the robot itself
     for (std::size_t i = 0; i < walks.size(); ++i) {
       out[i] = {alone[i], alone[i].value(asked_s_), alone[i].objective(asked_s_), 0};
-      s_.steps += alone[i].steps;
+      steps += alone[i].steps;
       if (!robust_ || alone[i].ending != Ending::stands) continue;
       stand.push_back(i);
       for (std::size_t k = 1; k <= o_.ensemble.size(); ++k) jobs.push_back({walks[i], k});
     }
-    if (jobs.empty()) return out;
-    const std::vector<Rollout> others = run(jobs, true);
+    const std::vector<Rollout> others = jobs.empty() ? std::vector<Rollout>{} : run(jobs, true);
     if (others.size() != jobs.size()) return {};
     for (std::size_t n = 0; n < stand.size(); ++n) {
       Tried& t = out[stand[n]];
       double sum = t.value;
       for (std::size_t k = 0; k < o_.ensemble.size(); ++k) {
         const Rollout& r = others[n * o_.ensemble.size() + k];
-        s_.steps += r.steps;
+        steps += r.steps;
         if (r.ending == Ending::stands) ++t.stand;
         sum += r.value(asked_s_);
       }
@@ -263,6 +263,7 @@ class Search {
       // Beyond a limit on the robot itself it is above 1, as without an ensemble.
       t.objective = t.rollout.over > 0.0 ? std::max(t.objective, t.value) : t.value;
     }
+    s_.steps += steps;
     return out;
   }
 
