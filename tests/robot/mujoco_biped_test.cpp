@@ -72,6 +72,25 @@ TEST_CASE(
   CHECK(trial.log.columns.at("contact_right_foot").back() == 1.0);
 }
 
+TEST_CASE(
+    "A robust walk stands on robots in MuJoCo that its search has not seen, where the cheapest walk falls") {
+  const walk::Model model = walk::read_model(kModel);
+  const auto stand = [&](const char* file, double tables) {
+    std::size_t count = 0;
+    for (std::uint64_t seed = 301; seed <= 305; ++seed) {
+      robot::TrialOptions options;
+      options.seed = seed;
+      const robot::Trial trial =
+          robot::try_walk(robot::drawn(model.robot, tables, seed), model.robot,
+                          walk::read_walk(test::source(std::string("models/biped/") + file)), options);
+      count += trial.stands && trial.distance_m > 0.5 ? 1 : 0;
+    }
+    return count;
+  };
+  CHECK(stand("robust_walk.toml", 0.5) >= 4);
+  CHECK(stand("active_walk.toml", 0.0) <= 1);
+}
+
 TEST_CASE("An encoder's offset is in the log of the robot in MuJoCo, and nothing else of it on the stand") {
   constexpr std::size_t kKnee = 3;
   robot::Truth truth = robot::as_described(dynamics::biped::design());
