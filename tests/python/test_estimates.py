@@ -180,7 +180,9 @@ def test_a_walk_that_keeps_all_limits_has_its_robustness():
     start = (SOURCE / "models/biped/active_walk.toml").read_text()
     found = furcula.search_walk(SOURCE / "models/biped/biped.toml", steps=300_000, start=start)
     assert found.found
-    assert set(found.robustness) == {"steps", "changed", "noisy", "return_map"}
+    assert set(found.robustness) == {"steps", "changed", "noisy", "other_robots", "return_map"}
+    assert found.robustness["other_robots"]["robots"] == 64
+    assert found.document["ensemble"] == 0
 
 
 @pytest.mark.parametrize("call, words", [

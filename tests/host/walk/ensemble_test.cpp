@@ -12,8 +12,6 @@
 
 using namespace furcula;
 using namespace furcula::walk;
-using dynamics::biped::kJoints;
-using dynamics::biped::kLegJoints;
 
 namespace {
 
