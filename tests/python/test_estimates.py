@@ -183,6 +183,8 @@ def test_a_walk_that_keeps_all_limits_has_its_robustness():
     assert set(found.robustness) == {"steps", "changed", "noisy", "other_robots", "return_map"}
     assert found.robustness["other_robots"]["robots"] == 64
     assert found.document["ensemble"] == 0
+    robust = furcula.search_walk(SOURCE / "models/biped/biped.toml", steps=300_000, start=start, robust=True, robustness=False)
+    assert robust.document["ensemble"] == 7
 
 
 @pytest.mark.parametrize("call, words", [
@@ -198,6 +200,7 @@ def test_a_walk_that_keeps_all_limits_has_its_robustness():
     (lambda m, logs: furcula.simulate(m, "none.toml"), ["none.toml", "cannot be read"]),
     (lambda m, logs: furcula.simulate(m, "a.toml", scenario_toml=""), ["expected one of them"]),
     (lambda m, logs: furcula.search_walk(m, steps=10), ["expected a biped"]),
+    (lambda m, logs: furcula.search_walk(SOURCE / "models/biped/biped.toml", steps=10, robust=True, deviations=3.0), ["deviations = 3", "from 0 to 2"]),
     (lambda m, logs: furcula.search_walk(SOURCE / "models/biped/biped.toml"), ["one of steps and seconds"]),
     (lambda m, logs: furcula.search_walk(SOURCE / "models/biped/biped.toml", steps=10, mode="activ"), ["did you mean"]),
     (lambda m, logs: furcula.load_model(SOURCE / "models/biped/none.toml"), ["none.toml"]),
