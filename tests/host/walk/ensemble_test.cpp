@@ -133,6 +133,20 @@ TEST_CASE("a turned and biased IMU gives what it measures in its own axes") {
   CHECK(seen);
 }
 
+TEST_CASE("a foot whose sensor reads too little does not close its switch") {
+  const auto carries = [](double change_n) {
+    Member m = still(dynamics::biped::design());
+    m.foot_change_n = change_n;
+    double left = -1.0;
+    watched(m, 0.3, test::standing_walk(),
+            [&](const WalkMoment<double>& at) { left = at.sample.left_carries; });
+    return left;
+  };
+  // Each foot carries 244 N, the switches close at 30 N.
+  CHECK(carries(-200.0) == 1.0);
+  CHECK(carries(-300.0) == 0.0);
+}
+
 TEST_CASE("a push gives the robot its momentum, and no accelerometer feels what pulls all of it alike") {
   const auto robot = dynamics::biped::design();
   Member m = still(robot);
@@ -269,6 +283,7 @@ TEST_CASE(
     CHECK(resumed.walk.values() == whole.walk.values());
     CHECK(resumed.state.steps == whole.state.steps);
     CHECK(resumed.state.history.size() == whole.state.history.size());
+    CHECK(resumed.state.method == whole.state.method);
   }
 }
 
