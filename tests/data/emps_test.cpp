@@ -71,7 +71,7 @@ TEST_CASE("EMPS lacks Coulomb friction and an offset, and nothing else", "[long]
   CHECK(after == Approx(0.79e-3).epsilon(0.15));
 }
 
-TEST_CASE("EMPS the other way round names the same two causes", "[long]") {
+TEST_CASE("EMPS the other way round names the same two causes", "[long][slow]") {
   const std::string folder = test::data_folder();
   if (folder.empty()) return;
   const auto d = diagnose::diagnose(mass_and_viscous_friction(), {test::emps(folder, "DATA_EMPS_PULSES")},

@@ -195,7 +195,7 @@ TEST_CASE("The double pendulum A0 lacks dry friction and rotor inertia at its el
 
 TEST_CASE(
     "A leg under position control cannot tell damping and inertia from a late drive, and the diagnosis says so",
-    "[long]") {
+    "[long][slow]") {
   const std::string folder = test::data_folder();
   if (folder.empty()) return;
   const log::Log whole = tree_log(folder, "go2/go2.csv");

@@ -108,25 +108,25 @@ TEST_CASE("Coulomb friction hidden in a hopper is found") {
   expect_found(Kind::hopper_linear, "coulomb_friction");
 }
 
-TEST_CASE("Stribeck friction hidden in a hopper is found") {
+TEST_CASE("Stribeck friction hidden in a hopper is found", "[slow]") {
   expect_found(Kind::hopper_linear, "stribeck_friction");
 }
 
-TEST_CASE("Asymmetric friction hidden in a hopper is found") {
+TEST_CASE("Asymmetric friction hidden in a hopper is found", "[slow]") {
   expect_found(Kind::hopper_linear, "asymmetric_friction");
 }
 
-TEST_CASE("Quadratic drag hidden in a hopper is found") {
+TEST_CASE("Quadratic drag hidden in a hopper is found", "[slow]") {
   expect_found(Kind::hopper_linear, "quadratic_drag");
 }
 
 TEST_CASE("A force offset hidden in a hopper is found") { expect_found(Kind::hopper_linear, "force_offset"); }
 
-TEST_CASE("A wrong spring rate hidden in a hopper is found") {
+TEST_CASE("A wrong spring rate hidden in a hopper is found", "[slow]") {
   expect_found(Kind::hopper_linear, "stiffness_error");
 }
 
-TEST_CASE("A spring preload hidden in a hopper is found") {
+TEST_CASE("A spring preload hidden in a hopper is found", "[slow]") {
   expect_found(Kind::hopper_linear, "spring_preload");
 }
 
@@ -138,40 +138,40 @@ TEST_CASE("A loss at touch-down hidden in a hopper is found") {
   expect_found(Kind::hopper_linear, "touchdown_loss");
 }
 
-TEST_CASE("Other masses, springs and guides hidden in a hopper are found") {
+TEST_CASE("Other masses, springs and guides hidden in a hopper are found", "[slow]") {
   for (const char* effect :
        {"binding_spot", "damping_error", "guide_tilt", "mass_error", "rest_height_error"})
     expect_named(Kind::hopper_linear, effect, Size::medium, 2);
 }
 
-TEST_CASE("What springs and links do beyond the linear model is found in a hopper") {
+TEST_CASE("What springs and links do beyond the linear model is found in a hopper", "[slow]") {
   for (const char* effect : {"spring_hardening", "spring_hysteresis", "leg_inertia"})
     expect_named(Kind::hopper_linear, effect, Size::medium, 2);
 }
 
-TEST_CASE("A bump stop that the leg runs onto is found in a hopper") {
+TEST_CASE("A bump stop that the leg runs onto is found in a hopper", "[slow]") {
   expect_found(Kind::hopper_linear, "bump_stop");
 }
 
-TEST_CASE("What a drive does to its commands is found in a hopper") {
+TEST_CASE("What a drive does to its commands is found in a hopper", "[slow]") {
   for (const char* effect : {"torque_offset", "actuator_delay", "actuator_lag", "torque_saturation",
                              "torque_ripple", "thermal_derating"})
     expect_named(Kind::hopper_linear, effect, Size::medium, 2);
 }
 
-TEST_CASE("What happens between toe and ground is found in a hopper") {
+TEST_CASE("What happens between toe and ground is found in a hopper", "[slow]") {
   for (const char* effect : {"liftoff_loss", "toe_sticking"})
     expect_named(Kind::hopper_linear, effect, Size::medium, 2);
   expect_named(Kind::hopper_linear, "ground_compliance", Size::large, 1);
 }
 
-TEST_CASE("What its sensors do is found in a hopper and not called mechanical") {
+TEST_CASE("What its sensors do is found in a hopper and not called mechanical", "[slow]") {
   for (const char* effect : {"encoder_offset", "height_scale_error", "height_eccentricity", "encoder_slip",
                              "contact_delay", "time_skew"})
     expect_named(Kind::hopper_linear, effect, Size::medium, 2);
 }
 
-TEST_CASE("A backlash that hardly moves the body is found in the leg's angle, with its size") {
+TEST_CASE("A backlash that hardly moves the body is found in the leg's angle, with its size", "[slow]") {
   for (const Size size : {Size::medium, Size::small}) {
     const Case c = draw_case({.seed = size == Size::medium ? 109u : 400u,
                               .laws = {"backlash"},
@@ -195,7 +195,8 @@ TEST_CASE("A backlash that hardly moves the body is found in the leg's angle, wi
   }
 }
 
-TEST_CASE("Coulomb friction is found in a hopper that lets its spring go in flight and folds its leg there") {
+TEST_CASE("Coulomb friction is found in a hopper that lets its spring go in flight and folds its leg there",
+          "[slow]") {
   const Case c = draw_case({.seed = 17,
                             .laws = {"coulomb_friction"},
                             .size = Size::medium,
@@ -221,15 +222,15 @@ TEST_CASE("Coulomb friction hidden in a motor axis is found") {
   expect_found(Kind::motor_axis, "coulomb_friction");
 }
 
-TEST_CASE("Stribeck friction hidden in a motor axis is found") {
+TEST_CASE("Stribeck friction hidden in a motor axis is found", "[slow]") {
   expect_found(Kind::motor_axis, "stribeck_friction");
 }
 
-TEST_CASE("Asymmetric friction hidden in a motor axis is found") {
+TEST_CASE("Asymmetric friction hidden in a motor axis is found", "[slow]") {
   expect_found(Kind::motor_axis, "asymmetric_friction");
 }
 
-TEST_CASE("Quadratic drag hidden in a motor axis is found") {
+TEST_CASE("Quadratic drag hidden in a motor axis is found", "[slow]") {
   expect_found(Kind::motor_axis, "quadratic_drag");
 }
 
@@ -237,7 +238,7 @@ TEST_CASE("A force offset hidden in a motor axis is found") {
   expect_found(Kind::motor_axis, "force_offset");
 }
 
-TEST_CASE("Places, masses, drives and clocks hidden in a motor axis are found") {
+TEST_CASE("Places, masses, drives and clocks hidden in a motor axis are found", "[slow]") {
   for (const char* effect : {"binding_spot", "damping_error", "mass_error", "actuator_delay", "actuator_lag",
                              "torque_saturation", "thermal_derating", "encoder_slip", "time_skew"})
     expect_named(Kind::motor_axis, effect, Size::medium, 2);
@@ -265,7 +266,7 @@ TEST_CASE("A force offset hidden in a rotary joint is found") {
   expect_found(Kind::rotary_joint, "force_offset");
 }
 
-TEST_CASE("Places, inertias, drives and encoders hidden in a rotary joint are found") {
+TEST_CASE("Places, inertias, drives and encoders hidden in a rotary joint are found", "[slow]") {
   for (const char* effect : {"binding_spot", "damping_error", "mass_error", "actuator_delay",
                              "torque_saturation", "torque_ripple", "encoder_offset"})
     expect_named(Kind::rotary_joint, effect, Size::medium, 2);
@@ -289,7 +290,7 @@ TEST_CASE("A lag that a drive's report shows is named, and nothing of the motion
   CHECK(std::string(name(j.outcome)) == std::string(name(Outcome::named)));
 }
 
-TEST_CASE("No law is named twice, under both its names") {
+TEST_CASE("No law is named twice, under both its names", "[slow]") {
   const Case c = draw_case(question_of(Tier::medium, 20261130, 18));
   const diagnose::Diagnosis d = diagnosed(c, kThreads);
   const Judgement j = judge(c, d);
@@ -332,7 +333,8 @@ TEST_CASE("Two causes that a rail carriage hides are both found") {
   expect_both({900, Kind::rail_carriage, {"stribeck_friction", "guide_tilt"}, Size::medium, Nominal::exact});
 }
 
-TEST_CASE("A friction, or an offset, and slips of the encoder are both found, wherever the slips are") {
+TEST_CASE("A friction, or an offset, and slips of the encoder are both found, wherever the slips are",
+          "[slow]") {
   expect_both({20261154,
                Kind::rail_carriage,
                {"asymmetric_friction", "encoder_slip"},
@@ -343,12 +345,12 @@ TEST_CASE("A friction, or an offset, and slips of the encoder are both found, wh
       {20261162, Kind::motor_axis, {"force_offset", "encoder_slip"}, Size::medium, Nominal::exact, true});
 }
 
-TEST_CASE("Two causes of which neither helps alone are both found in a rotary joint") {
+TEST_CASE("Two causes of which neither helps alone are both found in a rotary joint", "[slow]") {
   expect_both(
       {20261168, Kind::rotary_joint, {"damping_error", "time_skew"}, Size::large, Nominal::wrong, true});
 }
 
-TEST_CASE("Two causes that a hopper hides take the place of one that stood in for them") {
+TEST_CASE("Two causes that a hopper hides take the place of one that stood in for them", "[slow]") {
   expect_both({20261147,
                Kind::hopper_linear,
                {"thermal_derating", "encoder_offset"},
@@ -357,7 +359,7 @@ TEST_CASE("Two causes that a hopper hides take the place of one that stood in fo
                true});
 }
 
-TEST_CASE("Two causes that a hopper hides take the place of three that do as well") {
+TEST_CASE("Two causes that a hopper hides take the place of three that do as well", "[slow]") {
   expect_both({20261150,
                Kind::hopper_linear,
                {"stiffness_error", "liftoff_loss"},
@@ -366,28 +368,29 @@ TEST_CASE("Two causes that a hopper hides take the place of three that do as wel
                true});
 }
 
-TEST_CASE("Two causes that a hopper hides are found where a fit on the way there runs away") {
+TEST_CASE("Two causes that a hopper hides are found where a fit on the way there runs away", "[slow]") {
   expect_both(
       {20261229, Kind::hopper_linear, {"torque_offset", "bump_stop"}, Size::large, Nominal::wrong, true});
 }
 
-TEST_CASE("Dry friction beside a spot is found from where friction of two sizes is") {
+TEST_CASE("Dry friction beside a spot is found from where friction of two sizes is", "[slow]") {
   expect_both(
       blind({51140, Kind::rail_carriage, {"coulomb_friction", "binding_spot"}, Size::large, Nominal::wrong}));
 }
 
-TEST_CASE("A drag is found beside a spot that is worth six hundred times as much") {
+TEST_CASE("A drag is found beside a spot that is worth six hundred times as much", "[slow]") {
   expect_both(
       blind({9103, Kind::hopper_linear, {"quadratic_drag", "binding_spot"}, Size::large, Nominal::exact}));
 }
 
-TEST_CASE("Of the sets that a search came by the one that is far likelier than the others is named") {
+TEST_CASE("Of the sets that a search came by the one that is far likelier than the others is named",
+          "[slow]") {
   expect_both(blind(
       {51164, Kind::hopper_linear, {"leg_inertia", "torque_saturation"}, Size::medium, Nominal::wrong}));
 }
 
 // Which of the two it is the recordings do not tell: the drag is too small beside the force.
-TEST_CASE("Of causes that do equally well none is likelier than the one that is named") {
+TEST_CASE("Of causes that do equally well none is likelier than the one that is named", "[slow]") {
   const Case c = draw_case(
       blind({51139, Kind::hopper_linear, {"quadratic_drag", "torque_offset"}, Size::medium, Nominal::exact}));
   const diagnose::Diagnosis d = diagnosed(c, kThreads);
@@ -407,7 +410,7 @@ TEST_CASE("Of causes that do equally well none is likelier than the one that is 
 }
 
 // Over the range in which the runs stay the same but for one window of twenty, which ends on another tooth by the random force.
-TEST_CASE("The delay of a late catch that a hopper hides lies within its interval") {
+TEST_CASE("The delay of a late catch that a hopper hides lies within its interval", "[slow]") {
   const Case c = draw_case(
       blind({51143, Kind::hopper_linear, {"actuator_delay", "late_catch"}, Size::large, Nominal::exact}));
   const Judgement j = judge(c, diagnosed(c, kThreads));
@@ -422,7 +425,7 @@ TEST_CASE("The delay of a late catch that a hopper hides lies within its interva
   }
 }
 
-TEST_CASE("What helps no held-out recording of a clean rotary joint is not named") {
+TEST_CASE("What helps no held-out recording of a clean rotary joint is not named", "[slow]") {
   const Case c = draw_case({77011, Kind::rotary_joint, {}, Size::medium, Nominal::wrong, true});
   const diagnose::Diagnosis d = diagnosed(c, kThreads);
   INFO(c.description());
@@ -431,7 +434,7 @@ TEST_CASE("What helps no held-out recording of a clean rotary joint is not named
   CHECK(std::string(name(d.verdict)) == "adequate");
 }
 
-TEST_CASE("A constant torque that helps no recording is not named beside a wrong inertia") {
+TEST_CASE("A constant torque that helps no recording is not named beside a wrong inertia", "[slow]") {
   const Case c = draw_case(question_of(Tier::medium, 20261127, 47));
   REQUIRE(c.question.laws == std::vector<std::string>{"mass_error"});
   const Judgement j = judge(c, diagnosed(c, kThreads));
@@ -451,7 +454,7 @@ TEST_CASE("A torque that is seen in the position is no noise, and the model not 
   CHECK(d.summary.find("they are not sensor noise") != std::string::npos);
 }
 
-TEST_CASE("A slip beside which the held-out recordings are far off is doubted") {
+TEST_CASE("A slip beside which the held-out recordings are far off is doubted", "[slow]") {
   const Case c = draw_case(question_of(Tier::outside, 20261127, 16));
   REQUIRE(c.question.laws == std::vector<std::string>{"torque_crosstalk"});
   const diagnose::Diagnosis d = diagnosed(c, kThreads);
@@ -478,12 +481,12 @@ TEST_CASE("A resonator in a rotary joint gets no name with confidence") {
   CHECK(std::string(name(j.outcome)) == std::string(name(Outcome::honest)));
 }
 
-TEST_CASE("A damping and a skew of the clocks that a hopper hides are both found") {
+TEST_CASE("A damping and a skew of the clocks that a hopper hides are both found", "[slow]") {
   expect_both(
       {31350, Kind::hopper_linear, {"damping_error", "time_skew"}, Size::large, Nominal::wrong, true});
 }
 
-TEST_CASE("Stribeck friction and a soft ground that a hopper hides are both found") {
+TEST_CASE("Stribeck friction and a soft ground that a hopper hides are both found", "[slow]") {
   expect_both({31347,
                Kind::hopper_linear,
                {"stribeck_friction", "ground_compliance"},
@@ -492,17 +495,20 @@ TEST_CASE("Stribeck friction and a soft ground that a hopper hides are both foun
                true});
 }
 
-TEST_CASE("A cable that pulls on one way only is in no catalogue, and the place and the way are told") {
+TEST_CASE("A cable that pulls on one way only is in no catalogue, and the place and the way are told",
+          "[slow]") {
   expect_honest({77, Kind::rotary_joint, {"cable_snag"}, Size::medium, Nominal::wrong, true}, "angle_rad");
 }
 
 TEST_CASE("Nothing is found in a rotary joint that hides nothing") { expect_adequate(Kind::rotary_joint); }
 
-TEST_CASE("A clutch that slips on its bench is found") { expect_found(Kind::clutch_bench, "clutch_slip"); }
+TEST_CASE("A clutch that slips on its bench is found", "[slow]") {
+  expect_found(Kind::clutch_bench, "clutch_slip");
+}
 
-TEST_CASE("A late catch on the bench is found") { expect_found(Kind::clutch_bench, "late_catch"); }
+TEST_CASE("A late catch on the bench is found", "[slow]") { expect_found(Kind::clutch_bench, "late_catch"); }
 
-TEST_CASE("An auxiliary spring on the bench is found") {
+TEST_CASE("An auxiliary spring on the bench is found", "[slow]") {
   expect_found(Kind::clutch_bench, "auxiliary_spring");
 }
 

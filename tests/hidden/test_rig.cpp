@@ -180,7 +180,7 @@ TEST_CASE("A drawn case's model is near the truth, exact where it is held, and k
     }
 }
 
-TEST_CASE("No drawn hopper has the ground pull, and with its torque on it hops") {
+TEST_CASE("No drawn hopper has the ground pull, and with its torque on it hops", "[slow]") {
   std::uint64_t seed = 0;
   for (const LawInfo& law : laws())
     for (Size size : {Size::medium, Size::large}) {

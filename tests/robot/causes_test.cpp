@@ -47,7 +47,7 @@ TEST_CASE("Dry friction of a hip that a walking robot in MuJoCo hides is named, 
   for (std::size_t k = 1; k < found.causes.size(); ++k) CHECK(found.causes[k].confidence < 0.5);
 }
 
-TEST_CASE("Nothing is named in a walking robot in MuJoCo that hides nothing") {
+TEST_CASE("Nothing is named in a walking robot in MuJoCo that hides nothing", "[slow]") {
   const floating::Identified found = diagnosed(robot::Cause::none, 1);
   for (const floating::Cause& c : found.causes) {
     INFO(found.unknowns[c.unknown].kind << "@" << found.unknowns[c.unknown].location);

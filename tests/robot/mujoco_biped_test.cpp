@@ -73,7 +73,8 @@ TEST_CASE(
 }
 
 TEST_CASE(
-    "A robust walk stands on robots in MuJoCo that its search has not seen, where the cheapest walk falls") {
+    "A robust walk stands on robots in MuJoCo that its search has not seen, where the cheapest walk falls",
+    "[slow]") {
   const walk::Model model = walk::read_model(kModel);
   const auto stand = [&](const char* file, double tables) {
     std::size_t count = 0;

@@ -49,11 +49,11 @@ TEST_CASE("A late drive of a robot is named", "[trees]") { ask(13, Tier::large, 
 
 TEST_CASE("A mass at a link of a robot is named", "[trees]") { ask(14, Tier::large, 3, {"payload"}); }
 
-TEST_CASE("A spring between drive and joint of a robot is named", "[trees]") {
+TEST_CASE("A spring between drive and joint of a robot is named", "[trees][slow]") {
   ask(17, Tier::large, 2, {"joint_elasticity"});
 }
 
-TEST_CASE("A spring behind dry friction of its own joint is named beside it", "[trees]") {
+TEST_CASE("A spring behind dry friction of its own joint is named beside it", "[trees][slow]") {
   for (const std::uint64_t seed : {24, 25})
     ask(seed, Tier::pairs, 2, {"coulomb_friction", "joint_elasticity"});
 }
@@ -72,7 +72,7 @@ TEST_CASE("A periodic torque at a robot gets no sure name", "[trees]") {
 TEST_CASE("A leg that hops as its model says is adequate", "[trees]") { ask_of_leg(35, Tier::clean, {}); }
 
 // Long logs of a parallel spring, whose knee its drive holds still before each landing.
-TEST_CASE("A leg that is held still in flight has no dry friction", "[trees]") {
+TEST_CASE("A leg that is held still in flight has no dry friction", "[trees][slow]") {
   ask({.seed = 387056266, .tier = Tier::clean, .joints = 4, .effects = {}, .leg = true});
 }
 

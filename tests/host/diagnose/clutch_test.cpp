@@ -141,10 +141,11 @@ TEST_CASE("A hopper with a clutch and without a hidden cause is adequate") {
   INFO(text(d));
   CHECK(d.verdict == Verdict::adequate);
 }
-TEST_CASE("A release that leaves a part of the spring's force is found on the hopper") {
+TEST_CASE("A release that leaves a part of the spring's force is found on the hopper", "[slow]") {
   expect_on_hopper(Effect::incomplete_release, 0.25, 0.05);
 }
-TEST_CASE("On the hopper the auxiliary spring's rate is another name of that, with its value beside it") {
+TEST_CASE("On the hopper the auxiliary spring's rate is another name of that, with its value beside it",
+          "[slow]") {
   model::Model truth = test::clutched_model();
   truth.effects[Effect::auxiliary_spring] = {200.0};
   const auto d = diagnose::diagnose(test::clutched_model(), test::hops_let_go_late(truth, 6, 1),

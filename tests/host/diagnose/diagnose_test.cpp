@@ -111,7 +111,7 @@ TEST_CASE("Friction with an offset is one law under two names, and the diagnosis
   CHECK(rival.parameters.at("force_offset.force_n").value == Approx(4.0).epsilon(0.02));
 }
 
-TEST_CASE("A friction that would push one way is named friction and a constant force", "[long]") {
+TEST_CASE("A friction that would push one way is named friction and a constant force", "[long][slow]") {
   // It pushes with 6 N on the way up and brakes with 14 N on the way down.
   const auto d = diagnose::diagnose(test::axis_model(80.0, 150.0), coastings(4.0, 10.0, 1, 4),
                                     coastings(4.0, 10.0, 50, 1));
@@ -186,7 +186,8 @@ TEST_CASE("A name that the held-out recordings do not bear out stays, without co
   CHECK(d.verdict != Verdict::explained);
 }
 
-TEST_CASE("A slip that nothing predicts is in no held-out figure, and is told as it was seen", "[long]") {
+TEST_CASE("A slip that nothing predicts is in no held-out figure, and is told as it was seen",
+          "[long][slow]") {
   const auto training = with_slip(coastings(20.0, 0.0, 1, 3), {1500, 2600, 3900});
   const auto clean = diagnose::diagnose(test::axis_model(80.0, 150.0), training, coastings(20.0, 0.0, 50, 2));
   const auto slipped = diagnose::diagnose(test::axis_model(80.0, 150.0), training,
@@ -213,7 +214,7 @@ TEST_CASE("A slip that nothing predicts is in no held-out figure, and is told as
   CHECK(slipped.extended.at("position").rmse < 2.0 * clean.extended.at("position").rmse);
 }
 
-TEST_CASE("A slip that comes at the same time in each recording is predictable", "[long]") {
+TEST_CASE("A slip that comes at the same time in each recording is predictable", "[long][slow]") {
   const auto d = diagnose::diagnose(test::axis_model(80.0, 150.0),
                                     with_slip(coastings(20.0, 0.0, 1, 3), {2200, 2200, 2200}),
                                     with_slip(coastings(20.0, 0.0, 50, 2), {2200, 2200}));

@@ -23,10 +23,23 @@ diagnose::Diagnosis diagnosed(const model::Model& m, const model::Model& truth) 
   return diagnose::diagnose(m, test::manoeuvres(truth, 5, 1), test::manoeuvres(truth, 2, 40));
 }
 
+void expect_spring_rate_found(model::Model m) {
+  model::Model truth = test::manoeuvring_model();
+  truth.parameters[*dynamics::parameter_index(truth.kind, "stiffness_npm")] = 645.0;
+  m.free.erase(*dynamics::parameter_index(m.kind, "mass_kg"));  // it is weighed
+  const auto d = diagnosed(m, truth);
+  INFO(result::to_json_text(diagnose::result_of(d)));
+  CHECK(d.verdict == Verdict::explained);
+  REQUIRE(d.findings.size() == 1);
+  CHECK(d.findings[0].effect == Effect::stiffness_error);
+  CHECK(d.findings[0].parameters.at("stiffness_npm").value == Approx(645.0).epsilon(0.01));
+}
+
 }  // namespace
 
 TEST_CASE(
-    "In the manoeuvre without a hidden cause nothing is named, and it is followed to the noise, with and without the clutch in the model") {
+    "In the manoeuvre without a hidden cause nothing is named, and it is followed to the noise, with and without the clutch in the model",
+    "[slow]") {
   const model::Model truth = test::manoeuvring_model();
   for (const model::Model& m : {truth, without_clutch(truth)}) {
     const auto d = diagnosed(m, truth);
@@ -38,18 +51,12 @@ TEST_CASE(
   }
 }
 
-TEST_CASE("A wrong spring rate is found in the manoeuvre, with and without the clutch in the model") {
-  model::Model truth = test::manoeuvring_model();
-  truth.parameters[*dynamics::parameter_index(truth.kind, "stiffness_npm")] = 645.0;
-  for (model::Model m : {test::manoeuvring_model(), without_clutch(test::manoeuvring_model())}) {
-    m.free.erase(*dynamics::parameter_index(m.kind, "mass_kg"));  // it is weighed
-    const auto d = diagnosed(m, truth);
-    INFO(result::to_json_text(diagnose::result_of(d)));
-    CHECK(d.verdict == Verdict::explained);
-    REQUIRE(d.findings.size() == 1);
-    CHECK(d.findings[0].effect == Effect::stiffness_error);
-    CHECK(d.findings[0].parameters.at("stiffness_npm").value == Approx(645.0).epsilon(0.01));
-  }
+TEST_CASE("A wrong spring rate is found in the manoeuvre") {
+  expect_spring_rate_found(test::manoeuvring_model());
+}
+
+TEST_CASE("A wrong spring rate is found in the manoeuvre by a model without its clutch", "[slow]") {
+  expect_spring_rate_found(without_clutch(test::manoeuvring_model()));
 }
 
 TEST_CASE(

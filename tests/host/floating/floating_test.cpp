@@ -105,7 +105,8 @@ TEST_CASE("a recording tells whether the hips' pitch is on springs or on drives"
 }
 
 TEST_CASE(
-    "a fit of all numbers sees more dry friction where it is, and predicts another part of the walk better") {
+    "a fit of all numbers sees more dry friction where it is, and predicts another part of the walk better",
+    "[slow]") {
   auto robot = dynamics::biped::design();
   robot.drives[0][dynamics::biped::kKnee].friction_nm += 6.0;
   // The sensors' constant errors are drawn from the seed: encoders off by 5 mrad, so that both parts are of one robot.

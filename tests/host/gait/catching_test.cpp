@@ -52,7 +52,7 @@ TEST_CASE("a spring that catches late rests at the knee's angle of then, and pul
   CHECK(std::abs(s.evaluation.multipliers.front()) > 4.0);
 }
 
-TEST_CASE("the later a spring catches and the wider its teeth, the more a hop costs") {
+TEST_CASE("the later a spring catches and the wider its teeth, the more a hop costs", "[slow]") {
   const Search ideal = test::found(LegSpring::switched, test::in_place(0.075));
   const Search parallel = test::found(LegSpring::parallel, test::in_place(0.075));
   REQUIRE(ideal.gait);

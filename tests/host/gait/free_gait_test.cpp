@@ -155,7 +155,7 @@ TEST_CASE("a neighbour's gait is found from a gait that is there") {
 }
 
 TEST_CASE("what no gait can do is refused with what stands against it and the nearest that can be done",
-          "[long]") {
+          "[long][slow]") {
   Query query;
   query.machine = spear(LegSpring::switched);
   query.task = forward(15.0);

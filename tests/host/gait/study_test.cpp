@@ -11,7 +11,7 @@
 using namespace furcula;
 using Catch::Contains;
 
-TEST_CASE("a study of the clutch says how much of the switch's advantage is left", "[long]") {
+TEST_CASE("a study of the clutch says how much of the switch's advantage is left", "[long][slow]") {
   test::TemporaryFolder folder;
   const std::string out = folder.path() + "/out";
   const test::Ran ran =

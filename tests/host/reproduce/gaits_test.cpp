@@ -8,7 +8,7 @@
 
 using namespace furcula;
 
-TEST_CASE("reproduce 001 finds every gait and puts it beside the printed figures", "[long]") {
+TEST_CASE("reproduce 001 finds every gait and puts it beside the printed figures", "[long][slow]") {
   test::TemporaryFolder folder;
   const test::Ran ran =
       test::run_furcula({"reproduce", "001", "--starts", "1", "--out", folder.path()}, 1700);

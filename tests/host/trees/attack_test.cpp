@@ -101,7 +101,7 @@ TEST_CASE("A diagnosis without held-out or training logs is refused") {
   CHECK_THAT(refused(test::pendulum(), logs, {}), Contains("held-out"));
 }
 
-TEST_CASE("A robot of seven joints is diagnosed") {
+TEST_CASE("A robot of seven joints is diagnosed", "[slow]") {
   const test::Folder folder;
   const trees::TreeModel m = written(folder, chain({"a", "b", "c", "d", "e", "f", "g"}));
   const Logs logs = test::logs(m, 3, 3.0, 4);

@@ -163,7 +163,7 @@ TEST_CASE("A search that is ended says so, is sure of nothing and leaves room fo
   }));
 }
 
-TEST_CASE("A Stribeck curve beside damping is not Coulomb friction beside drag") {
+TEST_CASE("A Stribeck curve beside damping is not Coulomb friction beside drag", "[slow]") {
   const trees::TreeModel model = test::arm3();
   trees::TreeModel truth = model;
   const std::size_t elbow = test::joint(truth, "elbow");
@@ -175,7 +175,8 @@ TEST_CASE("A Stribeck curve beside damping is not Coulomb friction beside drag")
   CHECK(effects_named(d) == std::set<Effect>{Effect::stribeck_friction, Effect::damping_error});
 }
 
-TEST_CASE("A Stribeck curve beside a constant torque is not friction of two sizes in the two directions") {
+TEST_CASE("A Stribeck curve beside a constant torque is not friction of two sizes in the two directions",
+          "[slow]") {
   const trees::TreeModel model = test::arm3();
   trees::TreeModel truth = model;
   const std::size_t elbow = test::joint(truth, "elbow");
@@ -187,7 +188,8 @@ TEST_CASE("A Stribeck curve beside a constant torque is not friction of two size
   CHECK(effects_named(d) == std::set<Effect>{Effect::stribeck_friction, Effect::force_offset});
 }
 
-TEST_CASE("Friction of two sizes in the two directions is not a curve that falls towards standstill") {
+TEST_CASE("Friction of two sizes in the two directions is not a curve that falls towards standstill",
+          "[slow]") {
   const trees::TreeModel model = test::arm3();
   trees::TreeModel truth = model;
   const std::size_t elbow = test::joint(truth, "elbow");
@@ -201,7 +203,8 @@ TEST_CASE("Friction of two sizes in the two directions is not a curve that falls
 }
 
 TEST_CASE(
-    "Dry friction beside a drag is not a Stribeck curve beside damping, and a curve that does not rise is none") {
+    "Dry friction beside a drag is not a Stribeck curve beside damping, and a curve that does not rise is none",
+    "[slow]") {
   trees::TreeModel truth = test::arm3();
   const std::size_t elbow = test::joint(truth, "elbow");
   truth.causes = {{Effect::coulomb_friction, {elbow}, {0.137, 0, 0, 0}},

@@ -392,7 +392,8 @@ TEST_CASE("A link without mass has no inertial parameters to fit") {
                  Contains("expected one of upper, lower, weight"));
 }
 
-TEST_CASE("A diagnosis fits free bodies beside the cause that it finds, and names no cause in them") {
+TEST_CASE("A diagnosis fits free bodies beside the cause that it finds, and names no cause in them",
+          "[slow]") {
   const trees::TreeModel model = test::arm3("[free]\n\"inertial.fore\" = [0.3, 3.0]\n");
   trees::TreeModel truth = heavier_fore(model);
   truth.causes = {{Effect::coulomb_friction, {test::joint(truth, "elbow")}, {0.3, 0, 0, 0}}};

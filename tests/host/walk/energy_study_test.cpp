@@ -53,8 +53,8 @@ TEST_CASE(
   CHECK(charged.drives[0][3].kp_nmprad == Approx(3000.0 * ratio2));
 }
 
-TEST_CASE(
-    "an energy study begins with the robot as it is, and seeks every case from the walk that is given") {
+TEST_CASE("an energy study begins with the robot as it is, and seeks every case from the walk that is given",
+          "[slow]") {
   const Model model = read_model(test::source("models/biped/biped.toml"));
   Walk walk = test::found_walk();
   EnergyStudyOptions options;

@@ -73,8 +73,8 @@ TEST_CASE("a robust search gives one walk on any number of MPI ranks") {
   }
 }
 
-TEST_CASE(
-    "a rank that dies ends the job, which says so and keeps a checkpoint that one process goes on with") {
+TEST_CASE("a rank that dies ends the job, which says so and keeps a checkpoint that one process goes on with",
+          "[slow]") {
   const test::TemporaryFolder folder;
   const std::string out = folder.path() + "/out";
   // mpirun waits so long, s, for those that it has told to end.

@@ -50,7 +50,7 @@ TEST_CASE("a search that starts from a walk has it from its first generations on
   CHECK(objective({"--from", walk}) < objective({}));
 }
 
-TEST_CASE("where no gait is found furcula walk gait says what stands against it") {
+TEST_CASE("where no gait is found furcula walk gait says what stands against it", "[slow]") {
   test::TemporaryFolder folder;
   std::ifstream in(kModel);
   std::string text{std::istreambuf_iterator<char>(in), {}};
